@@ -45,6 +45,10 @@ impl Law for Contact {
         pattern
     }
 
+    fn is_homogeneous_in_rate(&self) -> bool {
+        true
+    }
+
     #[inline]
     fn respond(&self, now: &Instant, _: &Before) -> Response {
         let mut r = Response::default();

@@ -80,6 +80,11 @@ pub trait Law {
     fn has_memory(&self) -> bool {
         false
     }
+    /// Whether the forces do not change when all velocities and the rotor speed are multiplied by one factor: then they
+    /// have no explicit ω-derivative.
+    fn is_homogeneous_in_rate(&self) -> bool {
+        false
+    }
     /// Forces and derivatives at one instant.
     fn respond(&self, now: &Instant, before: &Before) -> Response;
 }
