@@ -194,6 +194,22 @@ impl Lu {
         }
     }
 
+    /// Sign of the determinant: +1 or −1.
+    pub fn determinant_sign(&self) -> f64 {
+        let n = self.size;
+        let negative = (0..n).filter(|&i| self.factors[i * n + i] < 0.0).count();
+        let mut seen = vec![false; n];
+        let mut cycles = 0;
+        for start in 0..n {
+            let mut i = start;
+            cycles += usize::from(!seen[start]);
+            while !std::mem::replace(&mut seen[i], true) {
+                i = self.permutation[i];
+            }
+        }
+        if (negative + n - cycles).is_multiple_of(2) { 1.0 } else { -1.0 }
+    }
+
     /// Solves A x = b in place.
     pub fn solve(&mut self, b: &mut [f64]) {
         let n = self.size;
@@ -283,6 +299,22 @@ mod tests {
         lu.solve(&mut b);
         for (b, x) in b.iter().zip(x) {
             assert!((b - x).abs() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn determinant_signs() {
+        let mut lu = Lu::default();
+        let cases: [(&[f64], f64); 4] = [
+            (&[0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0], 1.0),
+            (&[0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0], -1.0),
+            (&[2.0, 1.0, 0.0, 1.0, -3.0, 0.5, 0.2, 0.1, 1.0], -1.0),
+            (&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 10.0], -1.0),
+        ];
+        for (matrix, sign) in cases {
+            lu.reset(3).copy_from_slice(matrix);
+            lu.factor().unwrap();
+            assert_eq!(lu.determinant_sign(), sign);
         }
     }
 

@@ -96,3 +96,12 @@ pub enum LawKind {
     /// Rigid unilateral contact, with or without permanent-sliding friction.
     Contact(Contact),
 }
+
+impl LawKind {
+    /// Number of arguments of the law.
+    pub fn arguments(&self) -> usize {
+        match self {
+            LawKind::Contact(law) => law.arguments(),
+        }
+    }
+}

@@ -1,0 +1,289 @@
+//! Pressure form of the harmonic balance: the formulation that runs.
+//!
+//! Unknowns are the harmonics of the arguments of the nonlinear laws: for rigid contact the predicted pressure p and the
+//! tangential displacements of each node, for other laws their relative displacements. Forces follow by alternating
+//! frequency–time, displacements from the receptance, x = D⁻¹(E − F):
+//!
+//! * contact, normal: p̂ − λ̂ + ε ĝ(x_N) = 0, g = c − x_N
+//! * everything else: û − x̂_u(F) = 0
+//! * kept modal amplitudes (poles): D̂ y − φᵀ(E − F) = 0
+//!
+//! Contact nodes with p < 0 at every instant have no force and identity columns; they are eliminated exactly.
+
+mod assemble;
+mod evaluate;
+
+use crate::aft::{Aft, ElementForce};
+use crate::harmonics::width;
+use crate::laws::LawKind;
+use crate::linalg::Lu;
+use crate::model::Model;
+use crate::problem::Problem;
+use crate::receptance::Receptance;
+use crate::scales::Scales;
+use crate::state::State;
+use rustfft::num_complex::Complex64;
+
+/// Which parameters are unknown beside the harmonics.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Unknown {
+    /// Forced response, ω free at fixed forcing amplitude.
+    Frequency,
+    /// Forced response, A free at fixed ω.
+    Amplitude,
+    /// Damped nonlinear normal mode: E = 0, ω and ζ free, phase fixed by Re q = 0.
+    Backbone,
+}
+
+/// A nonlinear element as the pressure form sees it.
+struct Slot {
+    law: LawKind,
+    /// First channel and number of channels.
+    first: usize,
+    count: usize,
+    /// Rigid contact: ε and gap.
+    contact: Option<(f64, f64)>,
+    active: bool,
+}
+
+/// Row constants of a channel: residual = a − δ f − s x + c, divided by the scale of a.
+#[derive(Debug, Clone, Copy)]
+struct Channel {
+    /// s: ε for a contact normal, 1 otherwise.
+    gain: f64,
+    /// δ: 1 for a contact normal, 0 otherwise.
+    feedback: f64,
+    /// c: ε × gap for a contact normal, 0 otherwise (harmonic 0).
+    offset: f64,
+    /// Scale of the argument.
+    scale: f64,
+}
+
+/// The system in pressure form, bound to a model, a truncation and a kind of unknown parameters.
+pub struct PressureForm<'m> {
+    model: &'m Model,
+    unknown: Unknown,
+    tracked: usize,
+    scales: Scales,
+    harmonics: usize,
+    nc: usize,
+    slots: Vec<Slot>,
+    channels: Vec<Channel>,
+    /// Φᵀ s.
+    modal_forcing: Vec<f64>,
+    receptance: Receptance,
+    aft: Aft,
+    metric: Vec<f64>,
+    /// The state last linearised, in physical units.
+    current: State,
+    /// Forces per element; jacobian columns are per scaled argument.
+    forces: Vec<ElementForce>,
+    /// Channel displacements, channels × nc.
+    displacement: Vec<f64>,
+    residual: Vec<f64>,
+    /// Derivatives of the dependent modal amplitudes with respect to each parameter, modes × nc each.
+    modal_rates: Vec<Vec<f64>>,
+    lu: Lu,
+    solution: Vec<f64>,
+    work: Vec<Complex64>,
+    receptance_re: Vec<f64>,
+    receptance_im: Vec<f64>,
+}
+
+impl<'m> PressureForm<'m> {
+    /// System for `model` with `harmonics` harmonics and `samples` instants a period; mode `tracked` is the one whose
+    /// first-harmonic amplitude stays an unknown.
+    pub fn new(
+        model: &'m Model,
+        harmonics: usize,
+        samples: usize,
+        tracked: usize,
+        unknown: Unknown,
+        scales: Scales,
+    ) -> Self {
+        let (n, nc) = (model.size(), width(harmonics));
+        let mut slots = Vec::new();
+        let mut channels = Vec::new();
+        let mut shapes = Vec::new();
+        for element in &model.elements {
+            let count = element.law.arguments();
+            let contact = match &element.law {
+                LawKind::Contact(contact) => Some((contact.epsilon, contact.gap)),
+            };
+            slots.push(Slot { law: element.law.clone(), first: channels.len(), count, contact, active: false });
+            for (i, combination) in element.channels.iter().take(count).enumerate() {
+                channels.push(match contact {
+                    Some((epsilon, gap)) if i == 0 => {
+                        Channel { gain: epsilon, feedback: 1.0, offset: epsilon * gap, scale: epsilon * scales.length }
+                    }
+                    _ => Channel { gain: 1.0, feedback: 0.0, offset: 0.0, scale: scales.length },
+                });
+                shapes.extend((0..n).map(|j| {
+                    combination.iter().map(|&(dof, factor)| factor * model.modes.shapes[(dof, j)]).sum::<f64>()
+                }));
+            }
+        }
+        let parameters = if unknown == Unknown::Backbone { 2 } else { 1 };
+        let arguments = channels.len() * nc;
+        let mut metric = vec![0.0; arguments + n * nc + parameters];
+        metric[arguments..].fill(1.0);
+        Self {
+            unknown,
+            tracked,
+            harmonics,
+            nc,
+            modal_forcing: model.modes.shapes.transpose().mul_vec(&model.forcing.shape),
+            receptance: Receptance::new(model, harmonics, shapes),
+            aft: Aft::new(harmonics, samples),
+            metric,
+            current: State {
+                harmonics,
+                omega: scales.frequency,
+                decay: 0.0,
+                amplitude: 0.0,
+                arguments: vec![0.0; arguments],
+                modal: vec![0.0; n * nc],
+            },
+            forces: slots.iter().map(|_| ElementForce::default()).collect(),
+            displacement: vec![0.0; arguments],
+            residual: Vec::new(),
+            modal_rates: vec![vec![0.0; n * nc]; parameters],
+            lu: Lu::default(),
+            solution: Vec::new(),
+            work: Vec::new(),
+            receptance_re: Vec::new(),
+            receptance_im: Vec::new(),
+            slots,
+            channels,
+            model,
+            scales,
+        }
+    }
+
+    /// The model.
+    pub fn model(&self) -> &'m Model {
+        self.model
+    }
+
+    /// Scales of the unknowns.
+    pub fn scales(&self) -> &Scales {
+        &self.scales
+    }
+
+    /// Frequency–time work space.
+    pub fn aft(&mut self) -> &mut Aft {
+        &mut self.aft
+    }
+
+    /// Sets the forcing amplitude (when it is not the unknown) and the frequency (when it is not the unknown).
+    pub fn fix(&mut self, state: &State) {
+        self.current.omega = state.omega;
+        self.current.amplitude = state.amplitude;
+    }
+
+    /// Scaled state vector of a solution.
+    pub fn encode(&self, state: &State) -> Vec<f64> {
+        let mut y = Vec::with_capacity(self.metric.len());
+        for (series, channel) in state.arguments.chunks(self.nc).zip(&self.channels) {
+            y.extend(series.iter().map(|a| a / channel.scale));
+        }
+        y.extend(state.modal.iter().map(|q| q / self.scales.modal));
+        match self.unknown {
+            Unknown::Frequency => y.push(state.omega / self.scales.frequency),
+            Unknown::Amplitude => y.push(state.amplitude / self.scales.forcing),
+            Unknown::Backbone => {
+                y.extend([state.omega / self.scales.frequency, state.decay / self.scales.frequency]);
+            }
+        }
+        y
+    }
+
+    /// Solution of a scaled state vector.
+    pub fn decode(&mut self, y: &[f64]) -> State {
+        self.load(y);
+        self.current.clone()
+    }
+
+    /// Unscales `y` into `current`.
+    fn load(&mut self, y: &[f64]) {
+        let (arguments, rest) = y.split_at(self.current.arguments.len());
+        let (modal, parameters) = rest.split_at(self.current.modal.len());
+        let targets = self.current.arguments.chunks_mut(self.nc);
+        for ((target, source), channel) in targets.zip(arguments.chunks(self.nc)).zip(&self.channels) {
+            target.iter_mut().zip(source).for_each(|(t, s)| *t = s * channel.scale);
+        }
+        self.current.modal.iter_mut().zip(modal).for_each(|(t, s)| *t = s * self.scales.modal);
+        match self.unknown {
+            Unknown::Frequency => self.current.omega = parameters[0] * self.scales.frequency,
+            Unknown::Amplitude => self.current.amplitude = parameters[0] * self.scales.forcing,
+            Unknown::Backbone => {
+                self.current.omega = parameters[0] * self.scales.frequency;
+                self.current.decay = parameters[1] * self.scales.frequency;
+            }
+        }
+    }
+
+    /// Number of unknown parameters.
+    fn parameters(&self) -> usize {
+        self.modal_rates.len()
+    }
+
+    /// Force harmonics at the state last linearised, channels × nc, N (left-hand side).
+    pub fn force(&self) -> Vec<f64> {
+        let mut force = vec![0.0; self.current.arguments.len()];
+        for (slot, element) in self.slots.iter().zip(&self.forces).filter(|(slot, _)| slot.active) {
+            let start = slot.first * self.nc;
+            force[start..start + slot.count * self.nc].copy_from_slice(&element.force);
+        }
+        force
+    }
+
+    /// Modal shape b̂ of channel `u`.
+    pub fn channel_shape(&self, u: usize) -> &[f64] {
+        self.receptance.shape(u)
+    }
+
+    /// Elements that carry a force at the state last linearised.
+    pub fn active(&self) -> Vec<bool> {
+        self.slots.iter().map(|slot| slot.active).collect()
+    }
+}
+
+impl Problem for PressureForm<'_> {
+    fn len(&self) -> usize {
+        self.metric.len()
+    }
+
+    fn metric(&self) -> &[f64] {
+        &self.metric
+    }
+
+    fn linearise(&mut self, y: &mut [f64]) -> f64 {
+        self.evaluate(y)
+    }
+
+    fn factor(&mut self, row: &[f64]) -> Result<(), crate::linalg::LinalgError> {
+        self.assemble(row);
+        self.lu.factor()
+    }
+
+    fn orientation(&self) -> f64 {
+        self.lu.determinant_sign()
+    }
+
+    fn newton_step(&mut self, mismatch: f64, step: &mut [f64]) {
+        self.solution.clear();
+        self.solution.extend(self.residual.iter().map(|r| -r));
+        self.solution.push(-mismatch);
+        self.lu.solve(&mut self.solution);
+        self.expand(step);
+    }
+
+    fn direction(&mut self, tangent: &mut [f64]) {
+        self.solution.clear();
+        self.solution.resize(self.residual.len(), 0.0);
+        self.solution.push(1.0);
+        self.lu.solve(&mut self.solution);
+        self.expand(tangent);
+    }
+}

@@ -1,0 +1,63 @@
+//! What continuation solves: an underdetermined system R(y) = 0 in scaled unknowns, closed by one border row.
+
+use crate::linalg::LinalgError;
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+/// A system of equations with one unknown more than equations.
+///
+/// `y` is the full scaled state: the unknowns proper and what depends on them explicitly (contact nodes that do not
+/// touch, modal amplitudes), so that its length never changes while the system that is factorised does.
+pub trait Problem {
+    /// Length of the state.
+    fn len(&self) -> usize;
+
+    /// Diagonal of the metric in which arc length, steps and distances are measured.
+    fn metric(&self) -> &[f64];
+
+    /// Completes the dependent entries of `y`, evaluates residual and Jacobian there, and returns the largest scaled
+    /// residual.
+    fn linearise(&mut self, y: &mut [f64]) -> f64;
+
+    /// Factorises the Jacobian of the last [`Problem::linearise`], bordered by `row` (a linear form on the state).
+    fn factor(&mut self, row: &[f64]) -> Result<(), LinalgError>;
+
+    /// Sign of the determinant of the matrix last factorised. Along a smooth branch it does not change.
+    fn orientation(&self) -> f64;
+
+    /// Newton correction: J δ = −R, row·δ = −`mismatch`.
+    fn newton_step(&mut self, mismatch: f64, step: &mut [f64]);
+
+    /// Direction of the solution curve: J t = 0, row·t = 1.
+    fn direction(&mut self, tangent: &mut [f64]);
+}
+
+/// Why a point could not be computed.
+#[derive(Debug, Clone, Copy, PartialEq, Error, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Failure {
+    /// Newton's method used up its iterations.
+    #[error("no convergence in {iterations} iterations (scaled residual {residual:.1e})")]
+    NotConverged {
+        /// Iterations done.
+        iterations: usize,
+        /// Largest scaled residual left.
+        residual: f64,
+    },
+    /// The residual or the state is not finite.
+    #[error("the iteration diverged")]
+    Diverged,
+    /// The bordered Jacobian is singular.
+    #[error("the Jacobian is singular")]
+    Singular,
+}
+
+/// Scalar product in the metric.
+pub fn inner(metric: &[f64], a: &[f64], b: &[f64]) -> f64 {
+    metric.iter().zip(a).zip(b).map(|((w, x), y)| w * x * y).sum()
+}
+
+/// Length in the metric.
+pub fn norm(metric: &[f64], a: &[f64]) -> f64 {
+    inner(metric, a, a).sqrt()
+}
