@@ -159,8 +159,8 @@ impl Aft {
         let mut basis = vec![0.0; nc];
         let mut basis_before = vec![0.0; nc];
         let mut row = vec![0.0; nc];
-        let mut before = Before { u: self.u[0][samples - 1], force: 0.0 };
-        fill_basis(-step, &mut basis_before);
+        // A virgin element: no force at zero displacement, so that one that never slides is a plain spring.
+        let mut before = Before::default();
         for n in 0..2 * samples {
             let (last_pass, n) = (n >= samples, n % samples);
             let now = self.instant(n, rate.omega * rate.harmonic);

@@ -22,6 +22,8 @@ impl Scales {
     pub fn new(model: &Model, tracked: usize) -> Self {
         let gap = |law: &LawKind| match law {
             LawKind::Contact(contact) => contact.gap,
+            LawKind::PenaltySpring(spring) => spring.gap,
+            _ => 0.0,
         };
         let length = model.elements.iter().map(|e| gap(&e.law)).filter(|&g| g > 0.0).fold(f64::INFINITY, f64::min);
         let length = if length.is_finite() { length } else { 1.0 };

@@ -1,6 +1,6 @@
 //! Rigid unilateral contact with permanent-sliding friction, by the dynamic Lagrangian frequency–time method (DLFT).
 
-use super::{Before, Instant, Law, Pattern, Response};
+use super::{Before, Instant, Law, ParameterError, Pattern, Response, require};
 use serde::{Deserialize, Serialize};
 
 /// Rigid unilateral contact (METHOD: gap g = c − x_N ≥ 0, pressure λ ≥ 0, λ g = 0).
@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 /// Argument 0 is the predicted pressure p = λ − ε g in N, so that λ = max(0, p) whatever the unknowns of the
 /// formulation are; arguments 1 and 2 are the tangential displacements. Paper equations [16–19], [33, 34].
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Contact {
     /// Clearance at rest c, in m.
     pub gap: f64,
@@ -19,6 +20,7 @@ pub struct Contact {
 
 /// Permanent sliding of a blade tip on its casing.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Friction {
     /// Coefficient μ.
     pub coefficient: f64,
@@ -49,6 +51,24 @@ impl Law for Contact {
         true
     }
 
+    fn validate(&self) -> Result<(), ParameterError> {
+        let clearance = self.gap >= 0.0 && self.gap.is_finite();
+        require("gap", self.gap, clearance, "a clearance in m, zero or above")?;
+        require(
+            "epsilon",
+            self.epsilon,
+            self.epsilon > 0.0 && self.epsilon.is_finite(),
+            "a finite N/m value above zero",
+        )?;
+        if let Some(Friction { coefficient, radius, sense }) = self.friction {
+            let sliding = coefficient > 0.0 && coefficient.is_finite();
+            require("friction.coefficient", coefficient, sliding, "above zero (leave `friction` out for none)")?;
+            require("friction.radius", radius, radius > 0.0 && radius.is_finite(), "a finite radius above zero, in m")?;
+            require("friction.sense", sense, sense.abs() == 1.0, "1 or -1")?;
+        }
+        Ok(())
+    }
+
     #[inline]
     fn respond(&self, now: &Instant, _: &Before) -> Response {
         let mut r = Response::default();
@@ -75,5 +95,42 @@ impl Law for Contact {
             }
         }
         r
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::laws::check::{Scales, check_gradients};
+
+    /// Sliding speed and local velocities of the same order: no derivative is negligible.
+    const SCALES: Scales = Scales { u: [1e3, 1e-4, 1e-4], v: [0.5, 0.4, 0.3], speed: 20.0, force: 1e3 };
+
+    fn contact(friction: Option<Friction>) -> Contact {
+        Contact { gap: 4e-4, epsilon: 1e7, friction }
+    }
+
+    #[test]
+    fn derivatives_match_central_differences() {
+        check_gradients(&contact(None), &SCALES);
+        for sense in [1.0, -1.0] {
+            check_gradients(&contact(Some(Friction { coefficient: 0.15, radius: 0.03, sense })), &SCALES);
+        }
+    }
+
+    #[test]
+    fn friction_has_magnitude_mu_lambda_along_the_sliding_velocity() {
+        let law = contact(Some(Friction { coefficient: 0.15, radius: 0.25, sense: -1.0 }));
+        let now = Instant { u: [200.0, 0.0, 0.0], speed: 2000.0, ..Instant::default() };
+        let force = law.respond(&now, &Before::default()).force;
+        assert_eq!(force, [200.0, -0.15 * 200.0, 0.0]);
+    }
+
+    #[test]
+    fn parameters_out_of_range_are_named() {
+        let law = contact(Some(Friction { coefficient: 0.15, radius: 0.25, sense: 0.5 }));
+        assert_eq!(law.validate().unwrap_err().to_string(), "friction.sense = 0.5 is out of range: expected 1 or -1");
+        assert!(contact(None).validate().is_ok());
+        assert!(Contact { epsilon: 0.0, ..contact(None) }.validate().is_err());
     }
 }

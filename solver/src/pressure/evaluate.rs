@@ -1,9 +1,9 @@
 //! Residual of the pressure form.
 
 use super::{PressureForm, Unknown};
-use crate::aft::{Aft, ElementForce, Rate};
+use crate::aft::Rate;
 use crate::harmonics::complex;
-use crate::laws::LawKind;
+use crate::laws::with_law;
 use crate::receptance::{Point, gather, scatter};
 use rustfft::num_complex::Complex64;
 
@@ -54,7 +54,8 @@ impl PressureForm<'_> {
         let range = slot.first * self.nc..(slot.first + slot.count) * self.nc;
         let rate = Rate { omega: self.current.omega, harmonic: self.model.forcing.harmonic as f64 };
         let out = &mut self.forces[e];
-        evaluate_law(&mut self.aft, &slot.law, &self.current.arguments[range], rate, out);
+        let arguments = &self.current.arguments[range];
+        with_law!(&slot.law, law => self.aft.evaluate(law, arguments, rate, out));
         let width = slot.count * self.nc;
         let scales = &self.channels[slot.first..slot.first + slot.count];
         for row in out.jacobian.chunks_mut(width) {
@@ -191,12 +192,5 @@ impl PressureForm<'_> {
     pub(super) fn kept_scale(&self, index: usize) -> f64 {
         let omega = self.model.modes.frequencies[self.receptance.kept()[index].mode];
         self.scales.modal * omega.max(self.scales.frequency).powi(2)
-    }
-}
-
-/// Alternating frequency–time for whichever law an element has: the only place where the choice is made.
-fn evaluate_law(aft: &mut Aft, law: &LawKind, arguments: &[f64], rate: Rate, out: &mut ElementForce) {
-    match law {
-        LawKind::Contact(law) => aft.evaluate(law, arguments, rate, out),
     }
 }

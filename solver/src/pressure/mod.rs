@@ -15,7 +15,7 @@ mod evaluate;
 
 use crate::aft::{Aft, ElementForce};
 use crate::harmonics::width;
-use crate::laws::LawKind;
+use crate::laws::{Law, LawKind};
 use crate::linalg::Lu;
 use crate::model::Model;
 use crate::problem::Problem;
@@ -109,6 +109,7 @@ impl<'m> PressureForm<'m> {
             let count = element.law.arguments();
             let contact = match &element.law {
                 LawKind::Contact(contact) => Some((contact.epsilon, contact.gap)),
+                _ => None,
             };
             slots.push(Slot { law: element.law.clone(), first: channels.len(), count, contact, active: false });
             for (i, combination) in element.channels.iter().take(count).enumerate() {
