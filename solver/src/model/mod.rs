@@ -1,10 +1,21 @@
 //! The structure: matrices, modes, damping, forcing shape, nonlinear elements.
 //!
 //! A [`Model`] is always valid: it is only built by [`Model::new`] (matrices at hand) or read from a folder, and both
-//! check everything. SI units throughout.
+//! check everything. SI units throughout. [`config`] documents the settings of `model.toml`.
+
+mod build;
+pub mod config;
+mod error;
+mod matrix_market;
+mod settings;
+mod structure;
+
+pub use error::{ModelError, Place};
+pub use structure::{DampingParts, ForcingShape, ModelParts};
 
 use crate::laws::LawKind;
 use crate::linalg::Matrix;
+use std::path::Path;
 
 /// A linear structure with nonlinear elements and one forcing shape.
 #[derive(Debug, Clone)]
@@ -69,6 +80,24 @@ pub struct Element {
 }
 
 impl Model {
+    /// Reads the folder `dir`: `model.toml` and the matrices that it names.
+    pub fn load(dir: &Path) -> Result<Self, ModelError> {
+        Self::load_with(dir, &[])
+    }
+
+    /// Reads a folder with some settings replaced: pairs of a dotted key and a TOML value as typed on a command line
+    /// (`contact.friction`, `0`; `contact.nodes.0.gap`, `1e-4`). A bare word that is not a TOML value is a string.
+    pub fn load_with(dir: &Path, overrides: &[(&str, &str)]) -> Result<Self, ModelError> {
+        let file = dir.join("model.toml");
+        let text = std::fs::read_to_string(&file).map_err(|source| ModelError::Read {
+            place: Place { file: Some(file.clone()), key: "model".into(), overridden: false },
+            source,
+            remedy: "give a folder that holds a model.toml".into(),
+        })?;
+        let (config, origin) = settings::read(file, &text, overrides)?;
+        build::build(dir, config, &origin)
+    }
+
     /// Number of dofs n.
     pub fn size(&self) -> usize {
         self.dofs.len()

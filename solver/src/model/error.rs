@@ -1,0 +1,218 @@
+//! Why a folder or a set of matrices is not a model. Every message names the file, the key, the value and a remedy.
+
+use std::fmt;
+use std::path::PathBuf;
+use thiserror::Error;
+
+/// Where a refused value stands.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Place {
+    /// The file, unless the model was built from matrices at hand.
+    pub file: Option<PathBuf>,
+    /// Dotted key; entries of lists are counted from 0.
+    pub key: String,
+    /// Whether an override set this key.
+    pub overridden: bool,
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(file) = &self.file {
+            write!(f, "{}: ", file.display())?;
+        }
+        write!(f, "`{}`", self.key)?;
+        if self.overridden { f.write_str(" (set by an override)") } else { Ok(()) }
+    }
+}
+
+/// Why a model was refused.
+#[derive(Debug, Error)]
+pub enum ModelError {
+    /// A file is missing or cannot be read.
+    #[error("{place}: the file cannot be read ({source}); {remedy}")]
+    Read {
+        /// The file and the key that names it.
+        place: Place,
+        /// What the system says.
+        source: std::io::Error,
+        /// What to do.
+        remedy: String,
+    },
+    /// The settings are not TOML.
+    #[error("{}: not valid TOML: {message}", file.display())]
+    Syntax {
+        /// The file.
+        file: PathBuf,
+        /// The parser's account, with line and column.
+        message: String,
+    },
+    /// A Matrix Market file is malformed.
+    #[error("{}, line {line}: {problem}", file.display())]
+    MatrixMarket {
+        /// The file.
+        file: PathBuf,
+        /// Line, counted from 1.
+        line: usize,
+        /// What is wrong, and what would be right.
+        problem: String,
+    },
+    /// A key, a dof, or the name of a choice (a law, a forcing shape) does not exist.
+    #[error("{place}: there is no `{name}`; {hint}")]
+    Unknown {
+        /// Where it stands.
+        place: Place,
+        /// What was asked for.
+        name: String,
+        /// The known name that looks most like it, and what else exists.
+        hint: String,
+    },
+    /// A value has the wrong type, or a required one is missing.
+    #[error("{place}: {message}")]
+    Type {
+        /// Where it stands.
+        place: Place,
+        /// What was found and what was expected.
+        message: String,
+    },
+    /// An override cannot be applied at all.
+    #[error("override `{key}` = `{value}`: {problem}")]
+    Override {
+        /// The key as given.
+        key: String,
+        /// The value as given.
+        value: String,
+        /// What is wrong, and what would be right.
+        problem: String,
+    },
+    /// A value is out of its range, or contradicts another one.
+    #[error("{place} = {value}: {remedy}")]
+    Value {
+        /// Where it stands.
+        place: Place,
+        /// The value.
+        value: String,
+        /// What would be right.
+        remedy: String,
+    },
+    /// A matrix has the wrong size.
+    #[error("{place} is {rows} × {cols}, {expected}")]
+    Size {
+        /// The matrix.
+        place: Place,
+        /// Its rows.
+        rows: usize,
+        /// Its columns.
+        cols: usize,
+        /// What size would be right, and why.
+        expected: String,
+    },
+    /// A matrix has an entry that is not a finite number.
+    #[error("{place}: entry ({row}, {col}) is {value}; every entry must be a finite number")]
+    NotFinite {
+        /// The matrix.
+        place: Place,
+        /// Row, counted from 1.
+        row: usize,
+        /// Column, counted from 1.
+        col: usize,
+        /// The entry.
+        value: f64,
+    },
+    /// A matrix is not symmetric.
+    #[error(
+        "{place} is not symmetric: entry ({row}, {col}) is {value:e} but entry ({col}, {row}) is {mirrored:e}; M, K and \
+         C must be symmetric to 1e-8 of their largest entry (gyroscopic and follower terms are not supported)"
+    )]
+    NotSymmetric {
+        /// The matrix.
+        place: Place,
+        /// Row, counted from 1.
+        row: usize,
+        /// Column, counted from 1.
+        col: usize,
+        /// The entry.
+        value: f64,
+        /// Its mirror image.
+        mirrored: f64,
+    },
+    /// The mass matrix is not positive definite.
+    #[error(
+        "{place} is not positive definite: its leading {minor} × {minor} block, up to dof `{dof}` (diagonal entry \
+         {diagonal:e} kg), has no Cholesky factor; every motion needs a positive mass: condense massless dofs out, or \
+         check that mass and stiffness are not exchanged"
+    )]
+    MassNotPositive {
+        /// The mass matrix.
+        place: Place,
+        /// Order of the first leading block that is not positive definite.
+        minor: usize,
+        /// Name of the last dof of this block.
+        dof: String,
+        /// Its diagonal entry, kg.
+        diagonal: f64,
+    },
+    /// The stiffness matrix has a negative eigenvalue.
+    #[error(
+        "{place} has a negative eigenvalue: {value:e} (rad/s)², the largest being {largest:e}; the structure at rest \
+         must be stable: put negative stiffness into a nonlinear law, or check signs and units"
+    )]
+    StiffnessNegative {
+        /// The stiffness matrix.
+        place: Place,
+        /// Lowest eigenvalue of (K, M), (rad/s)².
+        value: f64,
+        /// Highest eigenvalue of (K, M), (rad/s)².
+        largest: f64,
+    },
+    /// The eigenvalue problem of (K, M) did not converge.
+    #[error("{place}: the modes of (K, M) could not be computed; check the scaling of both matrices (SI units)")]
+    NoModes {
+        /// The stiffness matrix.
+        place: Place,
+    },
+    /// A name is used twice.
+    #[error("{place}: the name `{name}` is used twice; give every {what} its own name")]
+    Duplicate {
+        /// Where it stands.
+        place: Place,
+        /// The kind of thing.
+        what: &'static str,
+        /// The name.
+        name: String,
+    },
+    /// The forcing shape is zero.
+    #[error("{place} = {value}: this forcing does nothing (every entry of the shape is zero); {remedy}")]
+    NoForce {
+        /// The forcing shape.
+        place: Place,
+        /// The shape as given.
+        value: String,
+        /// What would be right.
+        remedy: &'static str,
+    },
+}
+
+impl ModelError {
+    pub(super) fn value(place: Place, value: impl fmt::Display, remedy: impl Into<String>) -> Self {
+        Self::Value { place, value: value.to_string(), remedy: remedy.into() }
+    }
+
+    /// A name that does not exist, with those that look like it.
+    pub(super) fn unknown<'a>(place: Place, name: &str, known: impl IntoIterator<Item = &'a str>) -> Self {
+        /// More names than this are not shown.
+        const SHOWN: usize = 12;
+        let mut known: Vec<(f64, &str)> = known.into_iter().map(|k| (strsim::jaro_winkler(name, k), k)).collect();
+        let nearest = known
+            .iter()
+            .filter(|(similarity, _)| *similarity > 0.7)
+            .max_by(|a, b| a.0.total_cmp(&b.0))
+            .map(|(_, name)| name.to_string());
+        if known.len() > SHOWN {
+            known.sort_by(|a, b| b.0.total_cmp(&a.0));
+            known.truncate(SHOWN);
+        }
+        let known: Vec<String> = known.into_iter().map(|(_, known)| format!("`{known}`")).collect();
+        let guess = nearest.map_or_else(String::new, |name| format!("did you mean `{name}`? "));
+        Self::Unknown { place, name: name.to_string(), hint: format!("{guess}known here: {}", known.join(", ")) }
+    }
+}
