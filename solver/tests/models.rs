@@ -35,7 +35,7 @@ fn every_folder_loads_with_orthonormal_modes() {
         assert!(!model.elements.is_empty(), "{} is linear", model.name);
         count += 1;
     }
-    assert!(count >= 4, "only {count} models");
+    assert!(count >= 8, "only {count} models");
 }
 
 #[test]
@@ -127,4 +127,20 @@ fn two_bodies_touch_along_their_relative_displacement() {
     assert_eq!(model.elements[0].channels, [vec![(0, 1.0), (1, -1.0)]]);
     assert_close(model.modes.frequencies[1], 3.0_f64.sqrt(), 1e-14);
     assert!((model.forcing.shape[0] + model.forcing.shape[1]).abs() < 1e-14);
+}
+
+#[test]
+fn the_absorber_follows_from_its_mass_ratio() {
+    // Equal-peak tuning: Habib, Detroux, Viguié & Kerschen, MSSP 52-53, 2015; the folder holds rounded values.
+    let e = 0.05_f64;
+    let root = (4.0 + 3.0 * e).sqrt();
+    let stiffness = 8.0 * e * (16.0 + 23.0 * e + 9.0 * e * e + 2.0 * (2.0 + e) * root)
+        / (3.0 * (1.0 + e).powi(2) * (64.0 + 80.0 * e + 27.0 * e * e));
+    let damping = (stiffness * e * (8.0 + 9.0 * e - 4.0 * root) / (4.0 * (1.0 + e))).sqrt();
+    let model = load("nltva", &[]);
+    assert_close(model.stiffness[(1, 1)], stiffness, 2e-3);
+    assert_eq!(model.elements[1].channels, [vec![(0, 1.0), (1, -1.0)]]);
+    let Damping::Full(modal) = &model.damping else { panic!("the absorber couples the modes") };
+    // The trace of Φᵀ C Φ is that of M⁻¹ C.
+    assert_close(modal[(0, 0)] + modal[(1, 1)], 0.002 + damping * (1.0 + 1.0 / e), 4e-3);
 }
