@@ -1,5 +1,6 @@
 //! Wrong input is refused with one message that names the file, the key, the value and a remedy.
 
+use proptest::prelude::*;
 use solver::laws::{Contact, LawKind};
 use solver::linalg::Matrix;
 use solver::model::{DampingParts, Element, ForcingShape, Model, ModelParts};
@@ -101,10 +102,10 @@ fn unknown_keys_and_names() {
 
 #[test]
 fn wrong_types_and_missing_keys() {
-    refused("gap = 0.1", "gap = \"wide\"", &["`contact.gap`", "\"wide\"", "expected f64"]);
+    refused("gap = 0.1", "gap = \"wide\"", &["`contact.gap`", "\"wide\"", "expected a number"]);
     refused("normal = \"blade.r\"", "", &["`contact.nodes[0]`", "missing", "`normal`"]);
     refused("mass = [[1, 0], [0, 1]]", "mass = 1", &["`matrices.mass`", "Matrix Market file", "rows of numbers"]);
-    refused("harmonic = 1", "harmonic = -1", &["`forcing.harmonic`", "-1"]);
+    refused("harmonic = 1", "harmonic = -1", &["`forcing.harmonic`", "-1", "whole number"]);
     refused("normal = \"blade.r\"", "normal = 1", &["`contact.nodes[0].normal`", "dof name", "coefficients"]);
 }
 
@@ -150,6 +151,17 @@ fn definiteness() {
 }
 
 #[test]
+fn matrices_that_overflow() {
+    let error = |scale: f64| {
+        let mut parts = parts();
+        parts.mass = Matrix::diagonal(&[1.0 / scale, 1.0]);
+        parts.stiffness = Matrix::from_fn(2, 2, |i, j| if i == j { scale } else { -0.5 * scale });
+        Model::new(parts).unwrap_err().to_string()
+    };
+    says(&error(1e300), &["`matrices.stiffness`", "modes", "scaling"]);
+}
+
+#[test]
 fn rigid_body_modes_are_welcome() {
     let free = K.replace("1 1 2", "1 1 1").replace("2 2 2", "2 2 1");
     let model = Model::load(folder(GOOD, &free).path()).unwrap();
@@ -159,7 +171,7 @@ fn rigid_body_modes_are_welcome() {
 
 #[test]
 fn contact_ranges() {
-    refused("gap = 0.1", "gap = -0.1", &["`contact.gap` = -0.1", "zero or positive", "in m"]);
+    refused("gap = 0.1", "gap = -0.1", &["`contact.gap` = -0.1", "finite, zero or positive", "in m"]);
     refused("gap = 0.1", "epsilon = 0", &["`contact.epsilon` = 0", "positive", "N/m", "order of the stiffness"]);
     refused("friction = 0.2", "friction = -0.2", &["`contact.friction` = -0.2", "zero or positive"]);
     refused("friction = 0.2", "friction = inf", &["`contact.friction` = inf"]);
@@ -191,13 +203,13 @@ fn forcing() {
     refused(
         "{ mode = 1 }",
         "{ constant = 0 }",
-        &["`forcing.shape`", "[0.0, 0.0]", "does nothing", "force at least one"],
+        &["`forcing.shape` = 0 on every dof", "does nothing", "at least one dof"],
     );
     refused("{ mode = 1 }", "{ dofs = {} }", &["`forcing.shape`", "does nothing"]);
     refused("{ mode = 1 }", "{ mode = 3 }", &["`forcing.shape.mode` = 3", "no such mode", "1 to 2"]);
     refused("{ mode = 1 }", "{ mode_shape = 0 }", &["`forcing.shape.mode_shape` = 0", "1 to 2"]);
-    refused("{ mode = 1 }", "{ constant = inf }", &["`forcing.shape`", "inf", "finite"]);
-    refused("{ mode = 1 }", "{ mode = 1, constant = 1 }", &["`forcing.shape`"]);
+    refused("{ mode = 1 }", "{ constant = inf }", &["`forcing.shape` = inf on dof `blade.r`", "finite"]);
+    refused("{ mode = 1 }", "{ mode = 1, constant = 1 }", &["`forcing.shape`", "exactly one choice"]);
     refused("harmonic = 1", "harmonic = 0", &["`forcing.harmonic` = 0", "1 or more"]);
 }
 
@@ -223,7 +235,7 @@ fn laws() {
     refused("dof = \"blade.r\"", zero, &["`laws[0].coefficients.blade.r` = 0", "other than zero"]);
     let contact = "{ contact = { gap = 0.0, epsilon = 1.0 } } #";
     refused("{ polynomial_spring", contact, &["`laws[0].law`", "contact", "[[contact.nodes]]"]);
-    refused("[[laws]]", "[[laws]]\nname = \"tip\"", &["`tip`", "twice", "nonlinear element"]);
+    refused("[[laws]]", "[[laws]]\nname = \"tip\"", &["`laws[0].name`", "`tip`", "twice", "nonlinear element"]);
 }
 
 #[test]
@@ -235,10 +247,10 @@ fn overrides() {
     };
     refused("contact.fricton", "0", &["`fricton`", "did you mean `friction`"]);
     refused("contact.friction", "-1", &["model.toml", "`contact.friction`", "= -1", "zero or positive"]);
-    refused("contact.gap", "1,5", &["`contact.gap`", "\"1,5\"", "f64"]);
+    refused("contact.gap", "1,5", &["`contact.gap`", "\"1,5\"", "a number"]);
     refused("matrices.stiffness", "soft.mtx", &["soft.mtx", "`matrices.stiffness`", "beside model.toml"]);
     refused("contact.nodes.7.gap", "0", &["`contact.nodes.7.gap`", "list of 1"]);
-    refused("contact..gap", "0", &["`contact..gap`", "empty part"]);
+    refused("contact..gap", "0", &["`contact..gap`", "not a dotted key"]);
     refused("contact.nodes.0.radius", "-1", &["`contact.nodes[0].radius`", "= -1"]);
 }
 
@@ -272,7 +284,7 @@ fn parts_at_hand_are_checked_too() {
     refused(|p| p.stiffness = Matrix::zeros(3, 3), &["`matrices.stiffness`", "3 × 3", "2 × 2"]);
     refused(|p| p.damping = DampingParts::Ratios(vec![0.1]), &["`damping.ratios`", "1 ratios for 2 modes"]);
     refused(|p| p.damping = DampingParts::Ratios(vec![0.1, 2.0]), &["`damping.ratios` = 2", "below 1"]);
-    refused(|p| p.shape = ForcingShape::Vector(vec![1.0]), &["`forcing.shape`", "2 finite numbers"]);
+    refused(|p| p.shape = ForcingShape::Vector(vec![1.0]), &["`forcing.shape` = 1 entries", "2, one per dof"]);
     refused(|p| p.shape = ForcingShape::Vector(vec![0.0; 2]), &["`forcing.shape`", "does nothing"]);
     refused(|p| p.harmonic = 0, &["`forcing.harmonic` = 0"]);
     refused(|p| p.monitors = vec![2], &["`monitors` = 2", "0 to 1"]);
@@ -283,4 +295,25 @@ fn parts_at_hand_are_checked_too() {
         p.elements[0].law = LawKind::Contact(Contact { gap: -0.1, epsilon: 1.0, friction: None });
     };
     refused(negative, &["`elements.stop.gap` = -0.1", "zero or above"]);
+}
+
+proptest! {
+    /// Whatever is typed into the files, the answer is a model or an error.
+    #[test]
+    fn nothing_panics(
+        at in 0.0..1.0_f64,
+        length in 0..20_usize,
+        text in "[-a-z0-9 .=\\[\\]{}\"\n]{0,12}",
+        in_matrix: bool,
+    ) {
+        let splice = |whole: &str| {
+            let start = (at * whole.len() as f64) as usize;
+            format!("{}{text}{}", &whole[..start], &whole[(start + length).min(whole.len())..])
+        };
+        let (settings, matrix) = if in_matrix { (GOOD.into(), splice(K)) } else { (splice(GOOD), K.into()) };
+        if let Err(error) = Model::load(folder(&settings, &matrix).path()) {
+            prop_assert!(!error.to_string().is_empty());
+        }
+        let _ = Model::load_with(folder(GOOD, K).path(), &[(&text, "1"), ("contact.gap", &text)]);
+    }
 }

@@ -3,9 +3,10 @@
 use super::config::{Config, ContactConfig, DampingConfig, DirectionConfig, LawConfig, MatrixConfig, ModesConfig};
 use super::config::{NodeConfig, ShapeConfig};
 use super::error::{ModelError, Place};
+use super::parts::{DampingParts, ForcingShape};
 use super::settings::Origin;
-use super::structure::{DampingParts, ForcingShape, Rest, Structure};
-use super::structure::{above_zero, at_least_zero, check_law, check_ratio, check_sense, symmetric};
+use super::structure::{Rest, Structure};
+use super::structure::{above_zero, at_least_zero, check_law, check_ratio, check_sense, duplicate, symmetric};
 use super::{Element, Model, matrix_market};
 use crate::laws::{Contact, Friction, LawKind};
 use crate::linalg::Matrix;
@@ -32,6 +33,15 @@ pub(super) fn build(dir: &Path, config: Config, origin: &Origin) -> Result<Model
     let mut elements = builder.contacts(&config.contact)?;
     for (i, law) in config.laws.into_iter().enumerate() {
         elements.push(builder.law(law, i)?);
+    }
+    if let Some(name) = duplicate(elements.iter().map(|element| &element.name)) {
+        // The second one is at fault; contact nodes come first.
+        let last = elements.iter().rposition(|element| element.name == name).unwrap_or(0);
+        let key = match last.checked_sub(config.contact.nodes.len()) {
+            None => format!("contact.nodes[{last}].name"),
+            Some(law) => format!("laws[{law}].name"),
+        };
+        return Err(ModelError::Duplicate { place: origin.place(key), what: "nonlinear element", name });
     }
     let monitors = match config.monitors {
         None => vec![],

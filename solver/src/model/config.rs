@@ -1,6 +1,7 @@
 //! Settings of `model.toml`, as written.
 //!
-//! Every key has a default; unknown keys are refused. SI units.
+//! Every key has a default; unknown keys are refused. SI units. Messages count entries of lists from 0
+//! (`contact.nodes[0]` is the first `[[contact.nodes]]`).
 //!
 //! | key | default | unit, range | meaning |
 //! |---|---|---|---|

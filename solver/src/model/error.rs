@@ -9,7 +9,7 @@ use thiserror::Error;
 pub struct Place {
     /// The file, unless the model was built from matrices at hand.
     pub file: Option<PathBuf>,
-    /// Dotted key; entries of lists are counted from 0.
+    /// Dotted key; entries of lists are counted from 0. Empty: the settings as a whole.
     pub key: String,
     /// Whether an override set this key.
     pub overridden: bool,
@@ -19,6 +19,9 @@ impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if let Some(file) = &self.file {
             write!(f, "{}: ", file.display())?;
+        }
+        if self.key.is_empty() {
+            return f.write_str("settings");
         }
         write!(f, "`{}`", self.key)?;
         if self.overridden { f.write_str(" (set by an override)") } else { Ok(()) }
@@ -181,14 +184,10 @@ pub enum ModelError {
         name: String,
     },
     /// The forcing shape is zero.
-    #[error("{place} = {value}: this forcing does nothing (every entry of the shape is zero); {remedy}")]
+    #[error("{place} = 0 on every dof: this forcing does nothing; force at least one dof, or mode 1 by `{{mode = 1}}`")]
     NoForce {
         /// The forcing shape.
         place: Place,
-        /// The shape as given.
-        value: String,
-        /// What would be right.
-        remedy: &'static str,
     },
 }
 

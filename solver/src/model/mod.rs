@@ -7,11 +7,12 @@ mod build;
 pub mod config;
 mod error;
 mod matrix_market;
+mod parts;
 mod settings;
 mod structure;
 
 pub use error::{ModelError, Place};
-pub use structure::{DampingParts, ForcingShape, ModelParts};
+pub use parts::{DampingParts, ForcingShape, ModelParts};
 
 use crate::laws::LawKind;
 use crate::linalg::Matrix;
@@ -90,7 +91,7 @@ impl Model {
     pub fn load_with(dir: &Path, overrides: &[(&str, &str)]) -> Result<Self, ModelError> {
         let file = dir.join("model.toml");
         let text = std::fs::read_to_string(&file).map_err(|source| ModelError::Read {
-            place: Place { file: Some(file.clone()), key: "model".into(), overridden: false },
+            place: Place { file: Some(file.clone()), key: String::new(), overridden: false },
             source,
             remedy: "give a folder that holds a model.toml".into(),
         })?;

@@ -31,12 +31,10 @@ pub(super) fn read(file: PathBuf, text: &str, overrides: &[(&str, &str)]) -> Res
         text.parse().map_err(|e: toml::de::Error| ModelError::Syntax { file: file.clone(), message: e.to_string() })?;
     let mut origin = Origin { file: Some(file), overridden: Vec::new() };
     for (key, text) in overrides {
-        set(&mut table, key, value(text)).map_err(|problem| ModelError::Override {
-            key: key.to_string(),
-            value: text.to_string(),
-            problem,
-        })?;
-        origin.overridden.push(key.to_string());
+        let refused = |problem| ModelError::Override { key: key.to_string(), value: text.to_string(), problem };
+        let segments = segments(key).map_err(refused)?;
+        set(&mut table, &segments, value(text)).map_err(refused)?;
+        origin.overridden.push(segments.join("."));
     }
     match serde_path_to_error::deserialize(Value::Table(table)) {
         Ok(config) => Ok((config, origin)),
@@ -49,21 +47,29 @@ fn value(text: &str) -> Value {
     text.parse().unwrap_or_else(|_| Value::String(text.to_string()))
 }
 
-fn set(table: &mut Table, key: &str, value: Value) -> Result<(), String> {
-    let mut segments: Vec<&str> = key.split('.').collect();
-    let last = segments.pop().unwrap_or_default();
-    if last.is_empty() || segments.iter().any(|s| s.is_empty()) {
-        return Err("the key is empty or has an empty part; write it like `contact.friction`".into());
+/// Parts of a dotted key; quotes protect a dot inside of a part, as in TOML.
+fn segments(key: &str) -> Result<Vec<String>, String> {
+    let malformed =
+        || "not a dotted key; write it like `contact.friction`, a dof name with a dot in quotes".to_string();
+    let mut current = Value::Table(format!("{key} = 0").parse().map_err(|_| malformed())?);
+    let mut segments = Vec::new();
+    while let Value::Table(table) = current {
+        let mut entries = table.into_iter();
+        let (Some((segment, inner)), None) = (entries.next(), entries.next()) else { return Err(malformed()) };
+        segments.push(segment);
+        current = inner;
     }
-    let Some((first, rest)) = segments.split_first() else {
-        table.insert(last.into(), value);
-        return Ok(());
-    };
-    let mut current = table.entry(*first).or_insert_with(|| Value::Table(Table::new()));
+    if current.as_integer() == Some(0) { Ok(segments) } else { Err(malformed()) }
+}
+
+fn set(table: &mut Table, segments: &[String], value: Value) -> Result<(), String> {
+    let Some((first, rest)) = segments.split_first() else { return Ok(()) };
+    let empty = || Value::Table(Table::new());
+    let mut current = table.entry(first.as_str()).or_insert_with(empty);
     for segment in rest {
         current = child(current, segment)?;
     }
-    *child(current, last)? = value;
+    *current = value;
     Ok(())
 }
 
@@ -83,7 +89,7 @@ fn child<'v>(parent: &'v mut Value, segment: &str) -> Result<&'v mut Value, Stri
 /// Turns serde's account of a refused key into ours: "unknown field `a`, expected one of `b`, `c`".
 fn explain(origin: &Origin, path: &str, message: &str) -> ModelError {
     let message = message.trim_end();
-    let place = origin.place(if path == "." { "model" } else { path });
+    let place = origin.place(if path == "." { "" } else { path });
     if message.starts_with("unknown field") || message.starts_with("unknown variant") {
         let mut names = message.split('`').skip(1).step_by(2);
         if let Some(name) = names.next() {
@@ -91,7 +97,14 @@ fn explain(origin: &Origin, path: &str, message: &str) -> ModelError {
             return ModelError::unknown(place, name, known);
         }
     }
-    ModelError::Type { place, message: message.to_string() }
+    let message = if message.starts_with("wanted exactly 1 element") {
+        "give exactly one choice, like `{mode = 1}` for a forcing shape".to_string()
+    } else {
+        message
+            .replace("expected f64", "expected a number")
+            .replace("expected usize", "expected a whole number, 0 or more")
+    };
+    ModelError::Type { place, message }
 }
 
 #[cfg(test)]
@@ -100,7 +113,7 @@ mod tests {
 
     fn merged(text: &str, key: &str, typed: &str) -> Result<Table, String> {
         let mut table: Table = text.parse().unwrap();
-        set(&mut table, key, value(typed)).map(|()| table)
+        set(&mut table, &segments(key)?, value(typed)).map(|()| table)
     }
 
     #[test]
@@ -115,7 +128,9 @@ mod tests {
         assert_eq!(merged(text, "c.d.1.e", "5").unwrap()["c"]["d"][1]["e"].as_integer(), Some(5));
         assert!(merged(text, "c.d.2.e", "5").unwrap_err().contains("list of 2"));
         assert!(merged(text, "a.b.c", "5").unwrap_err().contains("neither a section nor a list"));
-        assert!(merged(text, "a..b", "5").unwrap_err().contains("empty part"));
+        assert!(merged(text, "a..b", "5").unwrap_err().contains("not a dotted key"));
+        assert!(merged(text, "a = 1 #", "5").unwrap_err().contains("not a dotted key"));
+        assert_eq!(merged(text, "new.\"b0.r\"", "5").unwrap()["new"]["b0.r"].as_integer(), Some(5));
     }
 
     #[test]

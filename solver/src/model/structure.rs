@@ -1,60 +1,11 @@
 //! Checked matrices and modes, and the last steps to a [`Model`].
 
 use super::error::{ModelError, Place};
+use super::parts::{DampingParts, ForcingShape};
 use super::settings::Origin;
 use super::{Damping, Element, Forcing, Model, Modes};
 use crate::laws::{Law, LawKind};
 use crate::linalg::{LinalgError, Matrix, symmetric_eigen};
-
-/// What [`Model::new`] needs. SI units.
-#[derive(Debug, Clone)]
-pub struct ModelParts {
-    /// Name shown to people.
-    pub name: String,
-    /// Names of the n dofs; empty: `x1` … `xn`.
-    pub dofs: Vec<String>,
-    /// Mass matrix, n × n, symmetric positive definite, kg.
-    pub mass: Matrix,
-    /// Stiffness matrix, n × n, symmetric positive semi-definite, N/m.
-    pub stiffness: Matrix,
-    /// Damping.
-    pub damping: DampingParts,
-    /// Forcing shape.
-    pub shape: ForcingShape,
-    /// Harmonic of the response that is forced, ≥ 1.
-    pub harmonic: usize,
-    /// Nonlinear elements.
-    pub elements: Vec<Element>,
-    /// Reported dofs, counted from 0; empty: the first dof.
-    pub monitors: Vec<usize>,
-}
-
-/// The ways to give damping.
-#[derive(Debug, Clone)]
-pub enum DampingParts {
-    /// Modal damping ratios ξ_j, 0 ≤ ξ < 1, one per mode: C = M Φ diag(2 ξ_j ω_j) Φᵀ M.
-    Ratios(Vec<f64>),
-    /// C = mass · M + stiffness · K.
-    Rayleigh {
-        /// Factor of M, 1/s, ≥ 0.
-        mass: f64,
-        /// Factor of K, s, ≥ 0.
-        stiffness: f64,
-    },
-    /// Symmetric n × n matrix C, N·s/m.
-    Matrix(Matrix),
-}
-
-/// The ways to give the forcing shape s, in N per unit of amplitude.
-#[derive(Debug, Clone)]
-pub enum ForcingShape {
-    /// s = M Φ_j: forces mode j alone; j counts from 1.
-    Mode(usize),
-    /// s = Φ_j; j counts from 1.
-    ModeShape(usize),
-    /// The n entries of s.
-    Vector(Vec<f64>),
-}
 
 /// Matrices that belong together, with their modes.
 pub(super) struct Structure {
@@ -106,6 +57,9 @@ impl Structure {
             },
             _ => ModelError::NoModes { place: stiffness_place.clone() },
         })?;
+        if values.iter().chain(shapes.entries()).any(|v| !v.is_finite()) {
+            return Err(ModelError::NoModes { place: stiffness_place });
+        }
         let largest = values.iter().fold(0.0_f64, |a, v| a.max(v.abs()));
         if let Some(&value) = values.iter().find(|&&v| v < -1e-9 * largest) {
             return Err(ModelError::StiffnessNegative { place: stiffness_place, value, largest });
@@ -236,26 +190,21 @@ impl Structure {
             ForcingShape::Vector(force) => force,
         };
         let place = origin.place("forcing.shape");
-        if force.len() != n || force.iter().any(|f| !f.is_finite()) {
-            return Err(ModelError::value(place, format!("{force:?}"), format!("give {n} finite numbers, in N")));
+        if force.len() != n {
+            return Err(ModelError::value(
+                place,
+                format!("{} entries", force.len()),
+                format!("give {n}, one per dof, in N"),
+            ));
+        }
+        if let Some(i) = force.iter().position(|f| !f.is_finite()) {
+            let value = format!("{} on dof `{}`", force[i], self.dofs[i]);
+            return Err(ModelError::value(place, value, "a force must be a finite number, in N"));
         }
         if force.iter().all(|&f| f == 0.0) {
-            let remedy = "force at least one dof, or mode 1 by `shape = {mode = 1}`";
-            return Err(ModelError::NoForce { place, value: format!("{force:?}"), remedy });
+            return Err(ModelError::NoForce { place });
         }
         Ok(force)
-    }
-}
-
-impl Model {
-    /// Model from matrices at hand, checked like one that is read from a folder.
-    pub fn new(parts: ModelParts) -> Result<Self, ModelError> {
-        let origin = Origin::default();
-        let ModelParts { name, dofs, mass, stiffness, damping, shape, harmonic, elements, monitors } = parts;
-        let mass = (origin.place("matrices.mass"), mass);
-        let stiffness = (origin.place("matrices.stiffness"), stiffness);
-        Structure::new(dofs, mass, stiffness, &origin)?
-            .complete(Rest { name, damping, shape, harmonic, elements, monitors }, &origin)
     }
 }
 
@@ -284,7 +233,7 @@ pub(super) fn symmetric(place: &Place, matrix: Matrix, n: usize) -> Result<Matri
 }
 
 /// The first name that comes twice.
-fn duplicate<'a>(names: impl IntoIterator<Item = &'a String>) -> Option<String> {
+pub(super) fn duplicate<'a>(names: impl IntoIterator<Item = &'a String>) -> Option<String> {
     let mut seen = std::collections::HashSet::new();
     names.into_iter().find(|&name| !seen.insert(name)).cloned()
 }
@@ -296,12 +245,20 @@ pub(super) fn check_ratio(place: Place, ratio: f64) -> Result<(), ModelError> {
 
 pub(super) fn at_least_zero(place: Place, value: f64, unit: &str) -> Result<(), ModelError> {
     let ok = value.is_finite() && value >= 0.0;
-    if ok { Ok(()) } else { Err(ModelError::value(place, value, format!("must be zero or positive{}", in_unit(unit)))) }
+    if ok {
+        Ok(())
+    } else {
+        Err(ModelError::value(place, value, format!("must be finite, zero or positive{}", in_unit(unit))))
+    }
 }
 
 pub(super) fn above_zero(place: Place, value: f64, unit: &str) -> Result<(), ModelError> {
     let ok = value.is_finite() && value > 0.0;
-    if ok { Ok(()) } else { Err(ModelError::value(place, value, format!("must be positive{}", in_unit(unit)))) }
+    if ok {
+        Ok(())
+    } else {
+        Err(ModelError::value(place, value, format!("must be finite and positive{}", in_unit(unit))))
+    }
 }
 
 pub(super) fn check_sense(place: Place, sense: f64) -> Result<(), ModelError> {
