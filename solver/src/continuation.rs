@@ -6,6 +6,7 @@
 use crate::newton::{Constraint, Newton, NewtonSettings};
 use crate::problem::{Failure, Problem, inner, norm};
 use serde::{Deserialize, Serialize};
+use thiserror::Error;
 
 /// Direction in which the next point is predicted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -84,14 +85,17 @@ pub struct CurvePoint {
 }
 
 /// Why a step was not accepted.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Error, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Rejection {
     /// Newton's method failed.
+    #[error("{0}")]
     Newton(Failure),
     /// The point lies too far off the tangent.
+    #[error("the point lies off the tangent (cosine {0:.2})")]
     Angle(f64),
     /// The determinant changed its sign: the corrector may have hopped to another part of the curve.
+    #[error("the curve changes its orientation")]
     Orientation,
 }
 

@@ -80,6 +80,21 @@ impl Receptance {
         &self.kept
     }
 
+    /// Modal amplitudes y = D̂_k⁻¹ `load` at a point, with no mode kept apart.
+    pub fn solve_all(
+        &mut self,
+        point: Point,
+        k: usize,
+        load: &[Complex64],
+        y: &mut [Complex64],
+    ) -> Result<(), LinalgError> {
+        self.point = point;
+        self.kept.clear();
+        self.invert(k)?;
+        self.inverse_times(k, load, y);
+        Ok(())
+    }
+
     /// Moves to another point, keeping the tracked mode at harmonic 1 and every amplitude within 2 % of a pole.
     pub fn update(&mut self, point: Point, tracked: usize) -> Result<(), LinalgError> {
         self.point = point;

@@ -176,10 +176,14 @@ impl<'m> PressureForm<'m> {
         &mut self.aft
     }
 
-    /// Sets the forcing amplitude (when it is not the unknown) and the frequency (when it is not the unknown).
-    pub fn fix(&mut self, state: &State) {
-        self.current.omega = state.omega;
-        self.current.amplitude = state.amplitude;
+    /// Sets the forcing amplitude A of a system whose unknown is the frequency.
+    pub fn set_amplitude(&mut self, amplitude: f64) {
+        self.current.amplitude = amplitude;
+    }
+
+    /// Sets the frequency of a system whose unknown is the forcing amplitude, rad/s.
+    pub fn set_frequency(&mut self, omega: f64) {
+        self.current.omega = omega;
     }
 
     /// Scaled state vector of a solution.
@@ -237,6 +241,21 @@ impl<'m> PressureForm<'m> {
             force[start..start + slot.count * self.nc].copy_from_slice(&element.force);
         }
         force
+    }
+
+    /// Number of harmonics H.
+    pub fn harmonics(&self) -> usize {
+        self.harmonics
+    }
+
+    /// Unknown parameters beside the harmonics.
+    pub fn unknown(&self) -> Unknown {
+        self.unknown
+    }
+
+    /// Φᵀ s: the forcing shape in modal coordinates.
+    pub fn modal_forcing(&self) -> &[f64] {
+        &self.modal_forcing
     }
 
     /// Modal shape b̂ of channel `u`.

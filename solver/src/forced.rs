@@ -1,0 +1,288 @@
+//! Forced responses: the linear start, tracing a branch to both ends, its special points, identity of branches.
+
+use crate::backbone::Backbone;
+use crate::branch::{Branch, BranchPoint, Outcome, SpecialKind, SpecialPoint, Stop};
+use crate::continuation::{Continuation, ContinuationSettings};
+use crate::harmonics::{set_complex, width};
+use crate::laws::{Law, LawKind};
+use crate::model::Model;
+use crate::newton::{Constraint, Newton, NewtonSettings};
+use crate::pressure::{PressureForm, Unknown};
+use crate::problem::{Failure, Problem, norm};
+use crate::receptance::{Point, Receptance};
+use crate::scales::Scales;
+use crate::settings::Settings;
+use crate::state::State;
+use crate::walk::{
+    Bounds, Maximum, Observer, Visited, insert_maxima, interpolate, locate_maximum, relative_distance, walk,
+};
+use crate::windows::turning_points;
+use rustfft::num_complex::Complex64;
+
+/// Forced responses at one forcing amplitude.
+pub struct Forced<'m> {
+    /// The system, ω free.
+    pub problem: PressureForm<'m>,
+    settings: Settings,
+    bounds: Bounds,
+    amplitude: f64,
+}
+
+impl<'m> Forced<'m> {
+    /// Forced responses of `model` at `amplitude`; the backbone gives the default bounds.
+    pub fn new(model: &'m Model, settings: &Settings, backbone: &Backbone, amplitude: f64) -> Self {
+        let scales = Scales::new(model, settings.tracked());
+        let truncation = settings.harmonics;
+        let problem = PressureForm::new(
+            model,
+            truncation.count,
+            truncation.samples,
+            settings.tracked(),
+            Unknown::Frequency,
+            scales,
+        );
+        let (low, high) = backbone.frequency_range();
+        let bounds = Bounds {
+            frequency: (settings.frequency.min.unwrap_or(0.95 * low), settings.frequency.max.unwrap_or(1.05 * high)),
+            amplitude: settings.branch.max_amplitude.unwrap_or(3.0 * backbone.max_amplitude()),
+            points: settings.branch.max_points,
+            closure: Some(settings.branch.closure),
+        };
+        let mut forced = Self { problem, settings: *settings, bounds, amplitude };
+        forced.problem.set_amplitude(amplitude);
+        forced
+    }
+
+    /// Frequencies between which branches are followed, rad/s.
+    pub fn frequency_bounds(&self) -> (f64, f64) {
+        self.bounds.frequency
+    }
+
+    /// The main branch: from the linear response at the lower frequency bound upwards.
+    pub fn main_branch(&mut self, observer: &mut Observer<'_>) -> Result<Branch, Failure> {
+        let state = linear_response(self.problem.model(), &self.settings, self.amplitude, self.bounds.frequency.0);
+        let y = self.problem.encode(&state);
+        let upwards = self.frequency_direction();
+        let mut continuation = Continuation::start(&mut self.problem, y, &upwards, self.settings.continuation)?;
+        let (visited, stop) = walk(&mut continuation, &Bounds { closure: None, ..self.bounds }, observer);
+        let rejections = continuation.rejections();
+        let walked = Walked { visited, start: 0, outcome: Outcome::Open(Stop::FrequencyBound, stop), rejections };
+        Ok(self.finish(walked))
+    }
+
+    /// The branch through a converged state: forwards, and if it does not close, backwards as well.
+    pub fn branch_through(&mut self, state: &State, observer: &mut Observer<'_>) -> Result<Branch, Failure> {
+        let y = self.problem.encode(state);
+        let upwards = self.frequency_direction();
+        let settings = self.settings.continuation;
+        let mut continuation = Continuation::start(&mut self.problem, y, &upwards, settings)?;
+        let (mut visited, stop) = walk(&mut continuation, &self.bounds, observer);
+        let mut rejections = continuation.rejections();
+        if stop == Stop::Closed || stop == Stop::Cancelled {
+            let outcome = if stop == Stop::Closed { Outcome::Closed } else { Outcome::Open(stop, stop) };
+            return Ok(self.finish(Walked { visited, start: 0, outcome, rejections }));
+        }
+        let first = visited[0].curve.clone();
+        let downwards: Vec<f64> = first.tangent.iter().map(|t| -t).collect();
+        let mut continuation = Continuation::start(&mut self.problem, first.y, &downwards, settings)?;
+        let (backwards, other_stop) = walk(&mut continuation, &self.bounds, observer);
+        rejections += continuation.rejections();
+        let start = backwards.len() - 1;
+        visited = join(backwards, visited);
+        let outcome = Outcome::Open(other_stop, stop);
+        Ok(self.finish(Walked { visited, start, outcome, rejections }))
+    }
+
+    /// Converges a state at its own frequency (damped Newton). The result may lie anywhere: compare it.
+    pub fn converge(&mut self, state: &State) -> Result<State, Failure> {
+        let mut y = self.problem.encode(state);
+        let origin = y.clone();
+        let row = self.frequency_direction();
+        let settings = NewtonSettings { damped: true, max_iterations: 40, ..self.settings.continuation.newton };
+        let constraint = Constraint::Hyperplane { row: &row, origin: &origin };
+        Newton::default().solve(&mut self.problem, &mut y, constraint, &settings)?;
+        Ok(self.problem.decode(&y))
+    }
+
+    /// Relative distance ‖a − b‖/‖b‖ of two states, up to the time shifts 2πj/m that leave the forcing unchanged.
+    pub fn distance(&self, a: &State, b: &State) -> f64 {
+        let m = self.problem.model().forcing.harmonic;
+        let target = self.problem.encode(b);
+        (0..m)
+            .map(|j| {
+                let shifted = a.shifted(std::f64::consts::TAU * j as f64 / m as f64);
+                relative_distance(self.problem.metric(), &self.problem.encode(&shifted), &target)
+            })
+            .fold(f64::INFINITY, f64::min)
+    }
+
+    /// Whether a converged state lies on `branch`: the branch is interpolated at the state's frequency, and converged
+    /// there.
+    pub fn lies_on(&mut self, state: &State, branch: &Branch) -> bool {
+        let count = branch.points.len();
+        let pairs = if branch.is_closed() { count } else { count.saturating_sub(1) };
+        for i in 0..pairs {
+            let (a, b) = (&branch.points[i].state, &branch.points[(i + 1) % count].state);
+            let (low, high) = (a.omega.min(b.omega), a.omega.max(b.omega));
+            let slack = 1e-9 * high;
+            if state.omega < low - slack || state.omega > high + slack {
+                continue;
+            }
+            let share = if b.omega == a.omega { 0.5 } else { (state.omega - a.omega) / (b.omega - a.omega) };
+            let mut between = a.clone();
+            between.omega = state.omega;
+            between.modal = interpolate(&a.modal, &b.modal, share);
+            between.arguments = interpolate(&a.arguments, &b.arguments, share);
+            let rough = self.distance(&between, state);
+            if rough < 1e-4 {
+                return true;
+            }
+            if rough < 0.3
+                && let Ok(converged) = self.converge(&between)
+                && self.distance(&converged, state) < 1e-6
+            {
+                return true;
+            }
+        }
+        false
+    }
+
+    fn frequency_direction(&self) -> Vec<f64> {
+        let mut direction = vec![0.0; self.problem.len()];
+        *direction.last_mut().expect("the frequency is the last unknown") = 1.0;
+        direction
+    }
+
+    /// Locates folds and peak, and drops what only the continuation needs.
+    fn finish(&mut self, walked: Walked) -> Branch {
+        let Walked { visited, start, outcome, rejections } = walked;
+        let closed = outcome == Outcome::Closed;
+        let mut maxima = vec![Maximum { anchor: start, located: None }];
+        let mut kinds = vec![SpecialKind::Start];
+        let first = visited[0].curve.clone();
+        let settings = ContinuationSettings { ..self.settings.continuation };
+        if let Ok(mut continuation) = Continuation::start(&mut self.problem, first.y.clone(), &first.tangent, settings)
+        {
+            for (anchor, sign) in frequency_folds(&visited, closed) {
+                let measure = move |_: &mut PressureForm<'_>, v: &Visited| sign * v.point.omega();
+                maxima.extend(refine(&mut continuation, &visited, anchor, closed, &measure));
+                kinds.resize(maxima.len(), SpecialKind::Fold);
+            }
+            let amplitude = |v: &Visited| v.point.amplitude();
+            let peak = (0..visited.len()).max_by(|&a, &b| amplitude(&visited[a]).total_cmp(&amplitude(&visited[b])));
+            let measure = move |_: &mut PressureForm<'_>, v: &Visited| v.point.amplitude();
+            maxima.extend(refine(&mut continuation, &visited, peak.unwrap_or(0), closed, &measure));
+            kinds.resize(maxima.len(), SpecialKind::Peak);
+        }
+        let (visited, indices) = insert_maxima(visited, maxima);
+        let mut special: Vec<SpecialPoint> =
+            kinds.into_iter().zip(indices).map(|(kind, index)| SpecialPoint { kind, index }).collect();
+        special.sort_by_key(|s| s.index);
+        let points: Vec<BranchPoint> = visited.into_iter().map(|v| v.point).collect();
+        Branch { amplitude: self.amplitude, points, special, outcome, rejections }
+    }
+}
+
+struct Walked {
+    visited: Vec<Visited>,
+    start: usize,
+    outcome: Outcome,
+    rejections: usize,
+}
+
+/// One list in the direction of `forwards`; both start at the same point.
+fn join(backwards: Vec<Visited>, forwards: Vec<Visited>) -> Vec<Visited> {
+    let steps: Vec<f64> = backwards.iter().map(|v| v.curve.step).collect();
+    let mut joined = Vec::with_capacity(backwards.len() + forwards.len());
+    for (i, mut visited) in backwards.into_iter().enumerate().skip(1).rev() {
+        visited.curve.tangent.iter_mut().for_each(|t| *t = -*t);
+        visited.curve.step = steps.get(i + 1).copied().unwrap_or(0.0);
+        joined.push(visited);
+    }
+    let mut forwards = forwards;
+    forwards[0].curve.step = steps.get(1).copied().unwrap_or(0.0);
+    joined.extend(forwards);
+    joined
+}
+
+/// Turning points in frequency, (index, +1 for a maximum or −1 for a minimum); those that the sampled contact makes by
+/// changing one sample at a time are too shallow to count.
+fn frequency_folds(visited: &[Visited], closed: bool) -> Vec<(usize, f64)> {
+    let omegas: Vec<f64> = visited.iter().map(|v| v.point.omega()).collect();
+    let scale = omegas.iter().fold(0.0f64, |m, w| m.max(w.abs()));
+    let n = omegas.len();
+    if closed {
+        // Rotated to start at the lowest frequency, so that the ends of the list are no folds of their own.
+        let lowest = (0..n).min_by(|&a, &b| omegas[a].total_cmp(&omegas[b])).unwrap_or(0);
+        let rotated: Vec<f64> = (0..=n).map(|i| omegas[(lowest + i) % n]).collect();
+        let mut folds = turning_points(&rotated, 1e-5 * scale);
+        folds.pop();
+        return folds.into_iter().map(|(i, max)| ((lowest + i) % n, if max { 1.0 } else { -1.0 })).collect();
+    }
+    turning_points(&omegas, 1e-5 * scale)
+        .into_iter()
+        .filter(|&(i, _)| i > 0 && i + 1 < n)
+        .map(|(i, max)| (i, if max { 1.0 } else { -1.0 }))
+        .collect()
+}
+
+fn refine(
+    continuation: &mut Continuation<'_, PressureForm<'_>>,
+    visited: &[Visited],
+    anchor: usize,
+    closed: bool,
+    measure: &crate::walk::Measure<'_>,
+) -> Option<Maximum> {
+    let n = visited.len();
+    if n < 3 || (!closed && (anchor == 0 || anchor + 1 == n)) {
+        return Some(Maximum { anchor, located: None });
+    }
+    let (before, after) = ((anchor + n - 1) % n, (anchor + 1) % n);
+    let arc = |a: usize, b: usize, problem: &PressureForm<'_>| {
+        let difference: Vec<f64> = visited[a].curve.y.iter().zip(&visited[b].curve.y).map(|(a, b)| a - b).collect();
+        norm(problem.metric(), &difference)
+    };
+    let problem = continuation.problem();
+    let arcs = (arc(before, anchor, problem), arc(anchor, after, problem));
+    let values = [before, anchor, after].map(|i| measure(problem, &visited[i]));
+    Some(locate_maximum(continuation, visited, anchor, arcs, values, measure))
+}
+
+/// Linear response at frequency `omega` and forcing amplitude `amplitude` (closed form).
+pub fn linear_response(model: &Model, settings: &Settings, amplitude: f64, omega: f64) -> State {
+    let harmonics = settings.harmonics.count;
+    let (n, nc, m) = (model.size(), width(harmonics), model.forcing.harmonic);
+    let mut modal = vec![0.0; n * nc];
+    if m <= harmonics {
+        let mut receptance = Receptance::new(model, harmonics, Vec::new());
+        let load: Vec<Complex64> = model
+            .modes
+            .shapes
+            .transpose()
+            .mul_vec(&model.forcing.shape)
+            .iter()
+            .map(|s| Complex64::new(amplitude * s, 0.0))
+            .collect();
+        let mut y = vec![Complex64::default(); n];
+        if receptance.solve_all(Point { omega, decay: 0.0 }, m, &load, &mut y).is_ok() {
+            for (series, y) in modal.chunks_mut(nc).zip(&y) {
+                set_complex(series, m, *y);
+            }
+        }
+    }
+    let mut state = State { harmonics, omega, decay: 0.0, amplitude, arguments: Vec::new(), modal };
+    for element in &model.elements {
+        for (i, channel) in element.channels.iter().take(element.law.arguments()).enumerate() {
+            let shape: Vec<f64> = (0..n)
+                .map(|j| channel.iter().map(|&(dof, factor)| factor * model.modes.shapes[(dof, j)]).sum())
+                .collect();
+            let mut series = state.combine(shape);
+            if let (LawKind::Contact(contact), 0) = (&element.law, i) {
+                series.iter_mut().for_each(|x| *x *= contact.epsilon);
+                series[0] -= contact.epsilon * contact.gap;
+            }
+            state.arguments.extend(series);
+        }
+    }
+    state
+}

@@ -1,0 +1,140 @@
+//! One forcing level: main branch, isolas, and the account of every window.
+
+use crate::backbone::Backbone;
+use crate::branch::{Branch, BranchPoint};
+use crate::forced::Forced;
+use crate::model::Model;
+use crate::problem::Failure;
+use crate::seeds::{Landing, Phase, land};
+use crate::settings::Settings;
+use crate::walk::Observer;
+use crate::windows::{Window, windows};
+use serde::{Deserialize, Serialize};
+
+/// Names a branch of a level.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum BranchId {
+    /// The main branch.
+    Main,
+    /// Isola number i, from 0.
+    Isola(usize),
+}
+
+/// What became of one of the two seeds of a window.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SeedOutcome {
+    /// It lies on this branch.
+    Found(BranchId),
+    /// It led nowhere.
+    NotFound(String),
+}
+
+/// The account of a window.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct WindowAccount {
+    /// The window.
+    pub window: Window,
+    /// What became of its seeds, first and second phase.
+    pub seeds: [SeedOutcome; 2],
+}
+
+impl WindowAccount {
+    /// The branches found from the window, without repetition; empty: predicted, not found.
+    pub fn branches(&self) -> Vec<BranchId> {
+        let mut list: Vec<BranchId> = Vec::new();
+        for seed in &self.seeds {
+            if let SeedOutcome::Found(id) = seed
+                && !list.contains(id)
+            {
+                list.push(*id);
+            }
+        }
+        list
+    }
+}
+
+/// All forced responses found at one forcing amplitude.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Level {
+    /// Forcing amplitude A.
+    pub amplitude: f64,
+    /// Main branch.
+    pub main: Branch,
+    /// Isolas in the order of the windows that led to them.
+    pub isolas: Vec<Branch>,
+    /// Every window with its outcome.
+    pub windows: Vec<WindowAccount>,
+}
+
+impl Level {
+    /// Computes a whole level from the backbone.
+    ///
+    /// # Errors
+    /// If not even the linear start of the main branch converges; everything else is part of the result.
+    pub fn compute(
+        model: &Model,
+        settings: &Settings,
+        backbone: &Backbone,
+        amplitude: f64,
+        observer: &mut Observer<'_>,
+    ) -> Result<Self, Failure> {
+        let mut forced = Forced::new(model, settings, backbone, amplitude);
+        let main = forced.main_branch(observer)?;
+        let mut level = Self { amplitude, main, isolas: Vec::new(), windows: Vec::new() };
+        for (index, window) in windows(backbone, amplitude).into_iter().enumerate() {
+            let seeds = [Phase::First, Phase::Second]
+                .map(|phase| level.follow(&mut forced, backbone, &window, index, phase, observer));
+            level.windows.push(WindowAccount { window, seeds });
+        }
+        Ok(level)
+    }
+
+    /// Lands from one seed of a window, and traces the branch unless it is known.
+    fn follow(
+        &mut self,
+        forced: &mut Forced<'_>,
+        backbone: &Backbone,
+        window: &Window,
+        index: usize,
+        phase: Phase,
+        observer: &mut Observer<'_>,
+    ) -> SeedOutcome {
+        let (state, near) = match land(forced, backbone, window, index, phase, self.amplitude) {
+            Ok(Landing::Near(_, state)) => (state, true),
+            Ok(Landing::Far(_, state)) => (state, false),
+            Err(failure) => return SeedOutcome::NotFound(failure.to_string()),
+        };
+        for (id, branch) in self.branches() {
+            if forced.lies_on(&state, branch) {
+                return if near {
+                    SeedOutcome::Found(id)
+                } else {
+                    SeedOutcome::NotFound(format!("fell to a known branch far from the prediction ({id:?})"))
+                };
+            }
+        }
+        match forced.branch_through(&state, observer) {
+            Ok(branch) => {
+                self.isolas.push(branch);
+                SeedOutcome::Found(BranchId::Isola(self.isolas.len() - 1))
+            }
+            Err(failure) => SeedOutcome::NotFound(failure.to_string()),
+        }
+    }
+
+    /// All branches with their names.
+    pub fn branches(&self) -> impl Iterator<Item = (BranchId, &Branch)> {
+        let isolas = self.isolas.iter().enumerate().map(|(i, branch)| (BranchId::Isola(i), branch));
+        std::iter::once((BranchId::Main, &self.main)).chain(isolas)
+    }
+
+    /// Point of largest amplitude over all branches.
+    pub fn peak(&self) -> &BranchPoint {
+        self.branches()
+            .map(|(_, branch)| branch.peak())
+            .max_by(|a, b| a.amplitude().total_cmp(&b.amplitude()))
+            .expect("there is a main branch")
+    }
+}

@@ -1,0 +1,171 @@
+//! Numerical settings: every one has a default, a range and a message.
+
+use crate::continuation::ContinuationSettings;
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+/// A setting out of its range.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[error("{key} = {value}: {remedy}")]
+pub struct SettingsError {
+    /// Dotted key.
+    pub key: &'static str,
+    /// Its value.
+    pub value: String,
+    /// What would be right.
+    pub remedy: String,
+}
+
+/// Truncation of the harmonic balance.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct HarmonicSettings {
+    /// Number of harmonics H, 1 to 400. Default 10 (the paper's).
+    pub count: usize,
+    /// Instants a period N_t, at least 4 H. Default 512 (the paper's).
+    pub samples: usize,
+}
+
+impl Default for HarmonicSettings {
+    fn default() -> Self {
+        Self { count: 10, samples: 512 }
+    }
+}
+
+/// Frequencies between which branches are followed, rad/s of the response.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct FrequencySettings {
+    /// Lower bound; the main branch starts here. Default: 5 % below the lowest frequency of the backbone.
+    pub min: Option<f64>,
+    /// Upper bound. Default: 5 % above the highest frequency of the backbone.
+    pub max: Option<f64>,
+}
+
+/// The backbone: damped nonlinear normal mode.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct BackboneSettings {
+    /// Mode followed, from 1. Default 1.
+    pub mode: usize,
+    /// Largest amplitude of the first monitored dof, in m. Default: 8 reference lengths (gaps).
+    pub max_amplitude: Option<f64>,
+    /// Lowest frequency, rad/s. Default: a quarter of the mode's eigenfrequency.
+    pub min_frequency: Option<f64>,
+    /// Highest frequency, rad/s. Default: four times the mode's eigenfrequency.
+    pub max_frequency: Option<f64>,
+    /// Largest number of points. Default 6000.
+    pub max_points: usize,
+}
+
+impl Default for BackboneSettings {
+    fn default() -> Self {
+        Self { mode: 1, max_amplitude: None, min_frequency: None, max_frequency: None, max_points: 6000 }
+    }
+}
+
+/// Forced-response branches.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct BranchSettings {
+    /// Largest number of points in each direction. Default 6000.
+    pub max_points: usize,
+    /// Relative distance at which a branch has come back to its first point (paper [9, 10]). Default 1e-2.
+    pub closure: f64,
+    /// Largest amplitude of the first monitored dof, in m. Default: three times the backbone's largest.
+    pub max_amplitude: Option<f64>,
+}
+
+impl Default for BranchSettings {
+    fn default() -> Self {
+        Self { max_points: 6000, closure: 1e-2, max_amplitude: None }
+    }
+}
+
+/// All numerical settings of a study.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Settings {
+    /// Truncation.
+    pub harmonics: HarmonicSettings,
+    /// Frequency range.
+    pub frequency: FrequencySettings,
+    /// Continuation of every curve.
+    pub continuation: ContinuationSettings,
+    /// Backbone.
+    pub backbone: BackboneSettings,
+    /// Forced-response branches.
+    pub branch: BranchSettings,
+}
+
+impl Settings {
+    /// Checks every setting; `modes` is the number of modes of the model.
+    pub fn validate(&self, modes: usize) -> Result<(), SettingsError> {
+        let refuse = |key, value: String, remedy: String| Err(SettingsError { key, value, remedy });
+        let HarmonicSettings { count, samples } = self.harmonics;
+        if !(1..=400).contains(&count) {
+            return refuse("harmonics.count", count.to_string(), "use 1 to 400 harmonics".into());
+        }
+        if samples < 4 * count || samples > 1 << 20 {
+            let remedy =
+                format!("{count} harmonics need at least {} samples a period (and at most {})", 4 * count, 1 << 20);
+            return refuse("harmonics.samples", samples.to_string(), remedy);
+        }
+        let mode = self.backbone.mode;
+        if !(1..=modes).contains(&mode) {
+            return refuse("backbone.mode", mode.to_string(), format!("the model has modes 1 to {modes}"));
+        }
+        let positive = [
+            ("frequency.min", self.frequency.min),
+            ("frequency.max", self.frequency.max),
+            ("backbone.max_amplitude", self.backbone.max_amplitude),
+            ("backbone.min_frequency", self.backbone.min_frequency),
+            ("backbone.max_frequency", self.backbone.max_frequency),
+            ("branch.max_amplitude", self.branch.max_amplitude),
+            ("branch.closure", Some(self.branch.closure)),
+            ("continuation.initial_step", Some(self.continuation.initial_step)),
+            ("continuation.min_step", Some(self.continuation.min_step)),
+            ("continuation.max_step", Some(self.continuation.max_step)),
+            ("continuation.newton.tolerance", Some(self.continuation.newton.tolerance)),
+        ];
+        for (key, value) in positive {
+            if let Some(value) = value
+                && !(value > 0.0 && value.is_finite())
+            {
+                return refuse(key, value.to_string(), "use a finite number above zero".into());
+            }
+        }
+        let ordered = [
+            ("frequency.max", self.frequency.min, self.frequency.max),
+            ("backbone.max_frequency", self.backbone.min_frequency, self.backbone.max_frequency),
+            ("continuation.max_step", Some(self.continuation.min_step), Some(self.continuation.max_step)),
+        ];
+        for (key, low, high) in ordered {
+            if let (Some(low), Some(high)) = (low, high)
+                && low >= high
+            {
+                return refuse(key, high.to_string(), format!("use a value above the lower bound {low}"));
+            }
+        }
+        if !(0.0..1.0).contains(&self.continuation.min_cosine) {
+            let value = self.continuation.min_cosine.to_string();
+            return refuse("continuation.min_cosine", value, "use a cosine from 0 to below 1".into());
+        }
+        for (key, value) in [
+            ("backbone.max_points", self.backbone.max_points),
+            ("branch.max_points", self.branch.max_points),
+            ("continuation.target_iterations", self.continuation.target_iterations),
+            ("continuation.newton.max_iterations", self.continuation.newton.max_iterations),
+        ] {
+            if value == 0 {
+                return refuse(key, "0".into(), "use at least 1".into());
+            }
+        }
+        Ok(())
+    }
+
+    /// Index of the mode followed, from 0.
+    pub fn tracked(&self) -> usize {
+        self.backbone.mode - 1
+    }
+}

@@ -1,0 +1,232 @@
+//! Walking a curve of the pressure form to its end: bounds, closure, reversal, extrema.
+
+use crate::branch::{BranchPoint, Stop};
+use crate::continuation::{Continuation, CurvePoint};
+use crate::pressure::PressureForm;
+use crate::problem::{Problem, inner, norm};
+use std::ops::ControlFlow;
+
+/// Told of every accepted point; breaking cancels the walk.
+pub type Observer<'o> = dyn FnMut(&BranchPoint) -> ControlFlow<()> + 'o;
+
+/// Where a walk ends.
+#[derive(Debug, Clone, Copy)]
+pub struct Bounds {
+    /// Frequencies, rad/s.
+    pub frequency: (f64, f64),
+    /// Largest amplitude of the first monitored dof, m.
+    pub amplitude: f64,
+    /// Largest number of points.
+    pub points: usize,
+    /// Relative distance at which the curve has closed; `None`: closing is not looked for.
+    pub closure: Option<f64>,
+}
+
+/// A point of a walk: as the continuation needs it and as people do.
+#[derive(Debug, Clone)]
+pub struct Visited {
+    /// Scaled state and tangent.
+    pub curve: CurvePoint,
+    /// Evaluated point.
+    pub point: BranchPoint,
+}
+
+/// Walks until a bound, a closed loop or a failure, from the continuation's current point (included).
+pub fn walk(
+    continuation: &mut Continuation<'_, PressureForm<'_>>,
+    bounds: &Bounds,
+    observer: &mut Observer<'_>,
+) -> (Vec<Visited>, Stop) {
+    let first = continuation.current().clone();
+    let point = BranchPoint::evaluate(continuation.problem(), &first);
+    let mut visited = vec![Visited { curve: first, point }];
+    loop {
+        if visited.len() > bounds.points {
+            return (visited, Stop::PointBudget);
+        }
+        let Some(curve) = continuation.next() else {
+            let rejection = continuation.stalled().expect("a walk only ends by a refused step");
+            return (visited, Stop::Stalled(rejection));
+        };
+        let point = BranchPoint::evaluate(continuation.problem(), &curve);
+        let cancelled = observer(&point).is_break();
+        let outside = point.omega() < bounds.frequency.0 || point.omega() > bounds.frequency.1;
+        let too_large = point.amplitude() > bounds.amplitude;
+        visited.push(Visited { curve, point });
+        let metric = continuation.problem().metric();
+        if cancelled {
+            return (visited, Stop::Cancelled);
+        }
+        if bounds.closure.is_some_and(|tolerance| has_closed(metric, &visited, tolerance)) {
+            visited.pop();
+            return (visited, Stop::Closed);
+        }
+        if has_reversed(metric, &visited) {
+            return (visited, Stop::Reversed);
+        }
+        if outside {
+            return (visited, Stop::FrequencyBound);
+        }
+        if too_large {
+            return (visited, Stop::AmplitudeBound);
+        }
+    }
+}
+
+/// Whether the last step crosses the plane through the first point normal to its tangent, in the same direction and
+/// close to it. The paper [9, 10] cuts with ω = ω_first instead, which fails when the first point is a fold.
+fn has_closed(metric: &[f64], visited: &[Visited], tolerance: f64) -> bool {
+    let [.., before, last] = visited else { return false };
+    if visited.len() < 5 {
+        return false;
+    }
+    let first = &visited[0].curve;
+    let height = |y: &[f64]| -> f64 {
+        metric.iter().zip(y.iter().zip(&first.y)).zip(&first.tangent).map(|((w, (y, f)), t)| w * (y - f) * t).sum()
+    };
+    let (from, to) = (height(&before.curve.y), height(&last.curve.y));
+    if !(from < 0.0 && to >= 0.0) || inner(metric, &first.tangent, &last.curve.tangent) < 0.0 {
+        return false;
+    }
+    let share = -from / (to - from);
+    relative_distance(metric, &interpolate(&before.curve.y, &last.curve.y, share), &first.y) <= tolerance
+}
+
+/// Whether the last point lies on an earlier part of the curve, walked the other way.
+fn has_reversed(metric: &[f64], visited: &[Visited]) -> bool {
+    let Some((last, earlier)) = visited.split_last() else { return false };
+    let omega = last.point.omega();
+    let keep_clear = earlier.len().saturating_sub(3);
+    earlier[..keep_clear].windows(2).any(|pair| {
+        let (a, b) = (pair[0].point.omega(), pair[1].point.omega());
+        if (a - omega) * (b - omega) > 0.0 || a == b {
+            return false;
+        }
+        let between = interpolate(&pair[0].curve.y, &pair[1].curve.y, (omega - a) / (b - a));
+        relative_distance(metric, &between, &last.curve.y) < 1e-4
+            && inner(metric, &pair[0].curve.tangent, &last.curve.tangent) < -0.9
+    })
+}
+
+/// (1 − share) a + share b.
+pub fn interpolate(a: &[f64], b: &[f64], share: f64) -> Vec<f64> {
+    a.iter().zip(b).map(|(a, b)| a + share * (b - a)).collect()
+}
+
+/// ‖a − b‖ / ‖b‖ in the metric.
+pub fn relative_distance(metric: &[f64], a: &[f64], b: &[f64]) -> f64 {
+    let difference: Vec<f64> = a.iter().zip(b).map(|(a, b)| a - b).collect();
+    norm(metric, &difference) / norm(metric, b)
+}
+
+/// Something to maximise along a curve.
+pub type Measure<'f> = dyn Fn(&mut PressureForm<'_>, &Visited) -> f64 + 'f;
+
+/// A maximum located along the arc.
+#[derive(Debug, Clone)]
+pub struct Maximum {
+    /// Index of the visited point it was found from.
+    pub anchor: usize,
+    /// Arc length from there, and the point; `None` if the visited point itself is the maximum.
+    pub located: Option<(f64, Visited)>,
+}
+
+/// Locates a maximum of `measure` near `visited[anchor]`, whose value `values[1]` is not below those of its neighbours,
+/// `values[0]` and `values[2]` at arc lengths `-arcs.0` and `arcs.1`: successive parabolic interpolation, until the value
+/// changes by less than 1e-10 relative.
+pub fn locate_maximum(
+    continuation: &mut Continuation<'_, PressureForm<'_>>,
+    visited: &[Visited],
+    anchor: usize,
+    arcs: (f64, f64),
+    values: [f64; 3],
+    measure: &Measure<'_>,
+) -> Maximum {
+    let centre = &visited[anchor];
+    let (mut lower, mut best, mut upper) = ((-arcs.0, values[0]), (0.0, values[1]), (arcs.1, values[2]));
+    let mut located = None;
+    for _ in 0..40 {
+        let width = upper.0 - lower.0;
+        let gain = parabola_gain(lower, best, upper);
+        if width < 1e-6 || gain.is_some_and(|gain| gain < 1e-10 * best.1.abs()) {
+            break;
+        }
+        let farther = if upper.0 - best.0 > best.0 - lower.0 { upper.0 } else { lower.0 };
+        let inside = |s: &f64| *s > lower.0 + 1e-3 * width && *s < upper.0 - 1e-3 * width;
+        let mut s = parabola_vertex(lower, best, upper).filter(inside).unwrap_or(best.0 + 0.38 * (farther - best.0));
+        if (s - best.0).abs() < 1e-3 * width {
+            s = best.0 + (1e-2 * width).copysign(farther - best.0);
+        }
+        let Ok(curve) = continuation.probe(&centre.curve, s) else { break };
+        let point = BranchPoint::evaluate(continuation.problem(), &curve);
+        let trial_point = Visited { curve, point };
+        let trial = (s, measure(continuation.problem(), &trial_point));
+        let better = trial.1 > best.1;
+        match (better, s > best.0) {
+            (true, true) => (lower, best) = (best, trial),
+            (true, false) => (upper, best) = (best, trial),
+            (false, true) => upper = trial,
+            (false, false) => lower = trial,
+        }
+        if better {
+            located = Some((s, trial_point));
+        }
+    }
+    Maximum { anchor, located }
+}
+
+/// Inserts located maxima between the visited points (steps are kept consistent with the arc) and returns the index of
+/// each of them in the new list, in the order given.
+pub fn insert_maxima(visited: Vec<Visited>, maxima: Vec<Maximum>) -> (Vec<Visited>, Vec<usize>) {
+    // Arc position of every point, then a merge by position.
+    let mut arc = 0.0;
+    let mut positions = Vec::with_capacity(visited.len());
+    for v in &visited {
+        arc += v.curve.step;
+        positions.push(arc);
+    }
+    let mut all: Vec<(f64, Visited, Option<usize>)> =
+        positions.iter().zip(visited).map(|(&position, v)| (position, v, None)).collect();
+    let mut indices = vec![0; maxima.len()];
+    for (label, maximum) in maxima.into_iter().enumerate() {
+        match maximum.located {
+            Some((offset, v)) => all.push((positions[maximum.anchor] + offset, v, Some(label))),
+            None => indices[label] = usize::MAX - maximum.anchor,
+        }
+    }
+    let anchored: Vec<(usize, f64)> = indices
+        .iter()
+        .enumerate()
+        .filter(|&(_, &index)| index > usize::MAX / 2)
+        .map(|(label, &index)| (label, positions[usize::MAX - index]))
+        .collect();
+    all.sort_by(|a, b| a.0.total_cmp(&b.0));
+    for (label, position) in anchored {
+        indices[label] = all.iter().position(|entry| entry.2.is_none() && entry.0 == position).unwrap_or(0);
+    }
+    let mut last = 0.0;
+    let mut merged = Vec::with_capacity(all.len());
+    for (index, (position, mut v, label)) in all.into_iter().enumerate() {
+        v.curve.step = if index == 0 { 0.0 } else { position - last };
+        last = position;
+        if let Some(label) = label {
+            indices[label] = index;
+        }
+        merged.push(v);
+    }
+    (merged, indices)
+}
+
+/// Position of the vertex of the parabola through three points.
+fn parabola_vertex(a: (f64, f64), b: (f64, f64), c: (f64, f64)) -> Option<f64> {
+    let (p, q) = ((b.0 - a.0) * (b.1 - c.1), (b.0 - c.0) * (b.1 - a.1));
+    let s = b.0 - 0.5 * ((b.0 - a.0) * p - (b.0 - c.0) * q) / (p - q);
+    s.is_finite().then_some(s)
+}
+
+/// How far the vertex of the parabola through three points lies above the middle one.
+fn parabola_gain(a: (f64, f64), b: (f64, f64), c: (f64, f64)) -> Option<f64> {
+    let s = parabola_vertex(a, b, c)?;
+    let curvature = ((c.1 - b.1) / (c.0 - b.0) - (b.1 - a.1) / (b.0 - a.0)) / (c.0 - a.0);
+    Some((curvature * (s - b.0) * (s - b.0)).abs())
+}

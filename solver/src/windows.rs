@@ -1,0 +1,137 @@
+//! Windows of the Melnikov balance: where along the backbone forced responses are predicted, for any forcing amplitude.
+
+use crate::backbone::Backbone;
+use serde::{Deserialize, Serialize};
+
+/// A maximal arc of the backbone with threshold A* < A.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Window {
+    /// Index of the first backbone point inside.
+    pub first: usize,
+    /// Index of the last backbone point inside.
+    pub last: usize,
+    /// Index of the point with the smallest threshold.
+    pub best: usize,
+    /// Smallest threshold amplitude inside.
+    pub threshold: f64,
+    /// Lowest and highest frequency inside, rad/s.
+    pub omega: (f64, f64),
+}
+
+/// Windows at forcing amplitude `amplitude`, in the order of the backbone.
+pub fn windows(backbone: &Backbone, amplitude: f64) -> Vec<Window> {
+    let mut windows: Vec<Window> = Vec::new();
+    let mut inside = false;
+    for (index, point) in backbone.points.iter().enumerate() {
+        let (threshold, omega) = (point.energies.threshold(), point.point.omega());
+        // A threshold that is not a number (no work at all) predicts nothing.
+        if threshold.is_nan() || threshold >= amplitude {
+            inside = false;
+            continue;
+        }
+        if !inside {
+            windows.push(Window { first: index, last: index, best: index, threshold, omega: (omega, omega) });
+            inside = true;
+        }
+        let window = windows.last_mut().expect("one was just opened");
+        window.last = index;
+        window.omega = (window.omega.0.min(omega), window.omega.1.max(omega));
+        if threshold < window.threshold {
+            (window.best, window.threshold) = (index, threshold);
+        }
+    }
+    windows
+}
+
+/// Whether windows appear or join.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum EventKind {
+    /// Minimum of the threshold: a window is born.
+    Birth,
+    /// Maximum of the threshold: two neighbouring windows merge.
+    Merge,
+}
+
+/// A birth or a merge of windows, for all forcing amplitudes at once.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Event {
+    /// Birth or merge.
+    pub kind: EventKind,
+    /// Index of the backbone point.
+    pub index: usize,
+    /// Forcing amplitude A* at which it happens.
+    pub threshold: f64,
+    /// Frequency, rad/s.
+    pub omega: f64,
+    /// Amplitude of the first monitored dof, m.
+    pub amplitude: f64,
+    /// Mode (from 0) that contributes most beside the one followed; `None` for a single mode.
+    pub mode: Option<usize>,
+}
+
+/// Relative height below which an extremum of the threshold curve is noise.
+const PROMINENCE: f64 = 1e-3;
+
+/// Births and merges along the backbone, alternating, in its order. The start of the backbone is not a birth: the main
+/// response is always there.
+pub fn events(backbone: &Backbone) -> Vec<Event> {
+    let logs: Vec<f64> = backbone.points.iter().map(|p| p.energies.threshold().ln()).collect();
+    turning_points(&logs, PROMINENCE)
+        .into_iter()
+        .filter(|&(index, _)| index > 0 && index + 1 < logs.len())
+        .map(|(index, is_maximum)| {
+            let point = &backbone.points[index];
+            let others = point.contributions.iter().enumerate().filter(|&(j, _)| j != backbone.mode);
+            Event {
+                kind: if is_maximum { EventKind::Merge } else { EventKind::Birth },
+                index,
+                threshold: point.energies.threshold(),
+                omega: point.point.omega(),
+                amplitude: point.point.amplitude(),
+                mode: others.max_by(|a, b| a.1.total_cmp(b.1)).map(|(j, _)| j),
+            }
+        })
+        .collect()
+}
+
+/// Indices of alternating minima and maxima (true) of a sequence, ignoring wiggles lower than `prominence`; the ends
+/// count as extrema.
+pub fn turning_points(values: &[f64], prominence: f64) -> Vec<(usize, bool)> {
+    let mut found = Vec::new();
+    let (mut low, mut high) = (0, 0);
+    let mut rising = None;
+    for (i, &value) in values.iter().enumerate() {
+        if value > values[high] {
+            high = i;
+        }
+        if value < values[low] {
+            low = i;
+        }
+        if rising != Some(true) && value > values[low] + prominence {
+            found.push((low, false));
+            (rising, high) = (Some(true), i);
+        } else if rising != Some(false) && value < values[high] - prominence {
+            found.push((high, true));
+            (rising, low) = (Some(false), i);
+        }
+    }
+    match rising {
+        Some(true) => found.push((high, true)),
+        Some(false) => found.push((low, false)),
+        None => {}
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn turning_points_ignore_wiggles() {
+        let values = [1.0, 0.5, 0.2, 0.2001, 0.1999, 0.6, 0.9, 0.8999, 0.95, 0.3];
+        assert_eq!(turning_points(&values, 0.01), vec![(0, true), (4, false), (8, true), (9, false)]);
+        assert!(turning_points(&[1.0, 1.0001, 1.0], 0.01).is_empty());
+    }
+}
