@@ -2,4 +2,5 @@
 
 pub mod laws;
 pub mod linalg;
+pub mod marching;
 pub mod model;
