@@ -9,6 +9,7 @@ pub mod harmonics;
 pub mod laws;
 pub mod level;
 pub mod linalg;
+pub mod marching;
 pub mod melnikov;
 pub mod model;
 pub mod newton;

@@ -1,0 +1,355 @@
+//! Time marching against closed forms: nothing here is computed by harmonic balance.
+
+use solver::laws::{
+    Contact, Friction, Jenkins, LawKind, PenaltySpring, PolynomialDamper, PolynomialSpring, TanhFriction, Term,
+};
+use solver::linalg::{Matrix, symmetric_eigen};
+use solver::marching::{Marching, MarchingError, MarchingSettings};
+use solver::model::{Damping, Element, Forcing, Model, Modes};
+use std::f64::consts::{PI, TAU};
+
+/// Model with modal damping ratio `ratio`, forced by `shape`.
+fn model(mass: Matrix, stiffness: Matrix, ratio: f64, shape: &[f64]) -> Model {
+    let (squares, shapes) = symmetric_eigen(&stiffness, &mass).unwrap();
+    // Rigid-body modes come out at ± rounding.
+    let frequencies: Vec<f64> = squares.iter().map(|square| square.max(0.0).sqrt()).collect();
+    Model {
+        name: "test".into(),
+        dofs: (0..mass.rows()).map(|i| format!("x{i}")).collect(),
+        damping: Damping::Modal(frequencies.iter().map(|w| 2.0 * ratio * w).collect()),
+        mass,
+        stiffness,
+        modes: Modes { frequencies, shapes },
+        forcing: Forcing { shape: shape.to_vec(), harmonic: 1 },
+        elements: Vec::new(),
+        monitors: vec![0],
+    }
+}
+
+/// One dof.
+fn oscillator(mass: f64, stiffness: f64, ratio: f64) -> Model {
+    model(Matrix::diagonal(&[mass]), Matrix::diagonal(&[stiffness]), ratio, &[1.0])
+}
+
+fn with_law(mut model: Model, law: LawKind) -> Model {
+    model.elements = vec![Element { name: "element".into(), channels: vec![vec![(0, 1.0)]], law }];
+    model
+}
+
+fn stop(gap: f64) -> LawKind {
+    LawKind::Contact(Contact { gap, epsilon: 1.0, friction: None })
+}
+
+fn steps(count: usize) -> MarchingSettings {
+    MarchingSettings { min_steps_per_period: count, ..MarchingSettings::default() }
+}
+
+/// Runs `count` steps.
+fn run(marching: &mut Marching, count: usize) {
+    (0..count).for_each(|_| marching.step().unwrap());
+}
+
+/// A three-mass chain clamped at one end.
+fn chain() -> Model {
+    let stiffness = Matrix::from_fn(3, 3, |i, j| match i.abs_diff(j) {
+        0 => 2000.0,
+        1 => -1000.0,
+        _ => 0.0,
+    });
+    model(Matrix::diagonal(&[1.0, 2.0, 0.5]), stiffness, 0.02, &[0.0, 1.0, -0.5])
+}
+
+#[test]
+fn free_decay_follows_its_closed_form_at_second_order() {
+    let (w, ratio) = (3.0, 0.05);
+    let model = oscillator(2.0, 2.0 * w * w, ratio);
+    let damped = w * (1.0 - ratio * ratio).sqrt();
+    let error = |count| {
+        let mut marching = Marching::new(&model, &steps(count), 0.0, w).unwrap();
+        marching.set_state(&[1.0], &[0.5]).unwrap();
+        run(&mut marching, 2 * count + count / 3);
+        let t = marching.time();
+        let b = (0.5 + ratio * w) / damped;
+        let exact = (-ratio * w * t).exp() * ((damped * t).cos() + b * (damped * t).sin());
+        let slope = (-ratio * w * t).exp() * ((b * damped) * (damped * t).cos() - damped * (damped * t).sin())
+            - ratio * w * exact;
+        assert!((marching.velocities()[0] - slope).abs() < 1e-3 * w);
+        (marching.displacements()[0] - exact).abs()
+    };
+    // (ωh)²/24 of phase error a radian.
+    assert!(error(600) < 15.0 * (TAU / 600.0f64).powi(2) / 24.0);
+    let ratio = error(600) / error(1200);
+    assert!((ratio - 4.0).abs() < 0.1, "{ratio}");
+}
+
+#[test]
+fn the_steady_linear_response_keeps_the_amplitude_of_the_receptance() {
+    for full in [false, true] {
+        let mut model = chain();
+        if let (true, Damping::Modal(rates)) = (full, &model.damping) {
+            model.damping = Damping::Full(Matrix::diagonal(rates));
+        }
+        let (amplitude, omega) = (3.0, 0.9 * model.modes.frequencies[0]);
+        let (mut a, mut b) = (vec![0.0; 3], vec![0.0; 3]);
+        for (j, w) in model.modes.frequencies.iter().enumerate() {
+            let phi = model.modes.shapes.column(j);
+            let force: f64 = phi.iter().zip(&model.forcing.shape).map(|(x, s)| amplitude * x * s).sum();
+            let (re, im) = (w * w - omega * omega, 0.04 * w * omega);
+            for i in 0..3 {
+                a[i] += phi[i] * force * re / (re * re + im * im);
+                b[i] += phi[i] * force * im / (re * re + im * im);
+            }
+        }
+        let velocity: Vec<f64> = b.iter().map(|b| omega * b).collect();
+        let mut marching = Marching::new(&model, &steps(2000), amplitude, omega).unwrap();
+        marching.set_state(&a, &velocity).unwrap();
+        let size = a[0].hypot(b[0]);
+        for _ in 0..20 {
+            let summary = marching.period().unwrap();
+            // h² errors of the detuning: (ωh)²/24 relative to 1 − 0.9², and the maximum between samples.
+            assert!((summary.max[0] - size).abs() < 2e-5 * size, "{} {size}", summary.max[0]);
+            assert!((summary.rms[0] - size / 2f64.sqrt()).abs() < 2e-5 * size);
+        }
+        assert!((marching.displacements()[2] - a[2]).abs() < 2e-5 * size);
+    }
+}
+
+#[test]
+fn smooth_laws_converge_at_second_order() {
+    let mut model = chain();
+    let cubic = |coefficient| vec![Term { power: 3, coefficient }];
+    model.elements = vec![
+        Element {
+            name: "spring".into(),
+            channels: vec![vec![(0, 1.0), (1, -1.0)]],
+            law: LawKind::PolynomialSpring(PolynomialSpring { terms: cubic(5e4) }),
+        },
+        Element {
+            name: "damper".into(),
+            channels: vec![vec![(2, 1.0)]],
+            law: LawKind::PolynomialDamper(PolynomialDamper { terms: cubic(0.3) }),
+        },
+        Element {
+            name: "friction".into(),
+            channels: vec![vec![(1, 1.0)]],
+            law: LawKind::TanhFriction(TanhFriction { limit: 2.0, velocity: 1.0 }),
+        },
+    ];
+    let last = |count| {
+        let mut marching = Marching::new(&model, &steps(count), 20.0, 15.0).unwrap();
+        marching.set_state(&[0.1, 0.15, 0.05], &[1.0, -0.5, 0.0]).unwrap();
+        run(&mut marching, 3 * count);
+        marching.displacements()[1]
+    };
+    let reference = last(32_000);
+    let ratio = (last(1000) - reference) / (last(2000) - reference);
+    assert!((ratio - 4.0).abs() < 0.2, "{ratio}");
+}
+
+#[test]
+fn a_penalty_stop_at_rest_makes_two_half_periods() {
+    // k on one side of the origin, k + k_stop on the other.
+    let (w, stiff) = (1.0, 3.0);
+    let law = LawKind::PenaltySpring(PenaltySpring { stiffness: stiff * stiff - w * w, gap: 0.0 });
+    let model = with_law(oscillator(1.0, w * w, 0.0), law);
+    let period = PI / w + PI / stiff;
+    let mut marching = Marching::new(&model, &steps(4000), 0.0, TAU / period).unwrap();
+    marching.set_state(&[0.0], &[1.0]).unwrap();
+    for _ in 0..5 {
+        let summary = marching.period().unwrap();
+        assert!((summary.max[0] - 1.0 / w).abs() < 1e-5);
+    }
+    assert!(marching.displacements()[0].abs() < 5e-5);
+    assert!((marching.velocities()[0] - 1.0).abs() < 1e-5);
+}
+
+#[test]
+fn a_jenkins_element_sticks_as_a_spring_and_slides_as_coulomb_friction() {
+    let law = |limit| LawKind::Jenkins(Jenkins { stiffness: 3.0, limit });
+    let model = with_law(oscillator(1.0, 1.0, 0.0), law(10.0));
+    let mut marching = Marching::new(&model, &steps(2000), 0.0, 2.0).unwrap();
+    marching.set_state(&[0.0], &[1.0]).unwrap();
+    run(&mut marching, 500);
+    // A quarter of the period of √(k + k_J) = 2 rad/s.
+    assert!((marching.displacements()[0] - 0.5).abs() < 1e-6);
+
+    // A stiff slider: the amplitude falls by 2F/k in each half cycle.
+    let stiff = LawKind::Jenkins(Jenkins { stiffness: 1e6, limit: 0.01 });
+    let model = with_law(oscillator(1.0, 1.0, 0.0), stiff);
+    let mut marching = Marching::new(&model, &steps(4000), 0.0, 1.0).unwrap();
+    marching.set_state(&[1.0], &[0.0]).unwrap();
+    for _ in 0..5 {
+        marching.period().unwrap();
+    }
+    assert!((marching.displacements()[0] - (1.0 - 5.0 * 0.04)).abs() < 1e-4);
+}
+
+#[test]
+fn a_stop_pressed_on_for_ever_carries_the_exact_force() {
+    // Clearance −c: the stop holds the mass at −c with λ = kc + A cos ωt, which is above zero for A < kc.
+    let (c, amplitude, omega) = (0.5, 1.0, 1.3);
+    let model = with_law(oscillator(1.0, 4.0, 0.01), stop(-c));
+    let mut marching = Marching::new(&model, &MarchingSettings::default(), amplitude, omega).unwrap();
+    marching.set_state(&[-c], &[0.0]).unwrap();
+    run(&mut marching, 3);
+    for _ in 0..2000 {
+        marching.step().unwrap();
+        let exact = 4.0 * c + amplitude * (omega * marching.time()).cos();
+        assert!((marching.pressures()[0] - exact).abs() < 1e-9);
+        assert!((marching.displacements()[0] + c).abs() < 1e-13);
+    }
+    assert!((marching.period().unwrap().contact[0] - 1.0).abs() < 1e-9);
+}
+
+#[test]
+fn a_released_mass_flies_on_its_exact_orbit() {
+    // λ = A cos ωt − kc falls to zero at cos ωt = −1/2; from there on the motion is that of the linear oscillator.
+    let (w, omega, amplitude) = (2.0, 1.3, 1.0);
+    let c = -0.5 * amplitude / (w * w);
+    let model = with_law(oscillator(1.0, w * w, 0.0), stop(c));
+    let mut marching = Marching::new(&model, &steps(3000), amplitude, omega).unwrap();
+    marching.set_state(&[c], &[0.0]).unwrap();
+    run(&mut marching, 1500);
+    let (t, release) = (marching.time(), TAU / 3.0 / omega);
+    let forced = amplitude / (w * w - omega * omega);
+    let (a, b) = (c + 0.5 * forced, forced * omega * (TAU / 3.0).sin() / w);
+    let phase = w * (t - release);
+    let exact = forced * (omega * t).cos() + a * phase.cos() + b * phase.sin();
+    assert!(exact < c && (marching.displacements()[0] - exact).abs() < 1e-5);
+    assert_eq!(marching.pressures(), [0.0]);
+}
+
+#[test]
+fn the_impact_of_a_lumped_mass_is_inelastic() {
+    // A property of the contact law, not of physics: see the module's documentation.
+    let model = with_law(oscillator(2.0, 0.0, 0.0), stop(0.3));
+    let mut marching = Marching::new(&model, &steps(1000), 0.0, TAU).unwrap();
+    marching.set_state(&[0.0], &[1.0]).unwrap();
+    let mut impulse = 0.0;
+    for _ in 0..500 {
+        marching.step().unwrap();
+        impulse += marching.pressures()[0] * marching.time_step();
+        assert!(marching.displacements()[0] < 0.3 + 1e-12);
+    }
+    assert!((impulse - 2.0).abs() < 1e-9);
+    assert!(marching.velocities()[0].abs() < 1e-9);
+}
+
+/// A free uniform bar of unit length, mass, wave speed and stiffness EA, in front of a wall.
+fn bar(elements: usize, gap: f64) -> Model {
+    let (n, k) = (elements + 1, elements as f64);
+    let end = |i| i == 0 || i == n - 1;
+    let mass: Vec<f64> = (0..n).map(|i| if end(i) { 0.5 / k } else { 1.0 / k }).collect();
+    let stiffness = Matrix::from_fn(n, n, |i, j| match i.abs_diff(j) {
+        0 => k * if end(i) { 1.0 } else { 2.0 },
+        1 => -k,
+        _ => 0.0,
+    });
+    with_law(model(Matrix::diagonal(&mass), stiffness, 0.0, &vec![0.0; n]), stop(gap))
+}
+
+#[test]
+fn a_bar_that_hits_a_wall_rebounds_after_two_wave_travels() {
+    let losses = [60, 240].map(|elements| {
+        let model = bar(elements, 0.05);
+        let n = model.size();
+        let mut marching = Marching::new(&model, &MarchingSettings::default(), 0.0, TAU).unwrap();
+        marching.set_state(&vec![0.0; n], &vec![1.0; n]).unwrap();
+        let energy = marching.energy();
+        assert!((energy - 0.5).abs() < 1e-9);
+        let (mut first, mut last, mut impulse, mut plateau) = (f64::INFINITY, 0.0, 0.0, (0.0, 0));
+        while marching.time() < 2.5 {
+            marching.step().unwrap();
+            let (t, pressure) = (marching.time(), marching.pressures()[0]);
+            if pressure > 0.0 {
+                first = t.min(first);
+                last = t;
+            }
+            impulse += pressure * marching.time_step();
+            if t > 0.5 && t < 1.6 {
+                plateau = (plateau.0 + pressure, plateau.1 + 1);
+            }
+        }
+        // Contact from t = gap/V until the wave is back from the free end, under the pressure ρcAV; the bar leaves with
+        // −V. The chain's wave fronts are spread over a few elements, (elements)^(-1/3) of its length.
+        assert!((first - 0.05).abs() < 2.0 * marching.time_step());
+        assert!((last - first - 2.0).abs() < 0.3 / (elements as f64).cbrt(), "{last}");
+        assert!((plateau.0 / f64::from(plateau.1) - 1.0).abs() < 1e-3);
+        assert!((impulse - 2.0).abs() < 0.35 * (elements as f64).powf(-2.0 / 3.0), "{impulse}");
+        let momentum: f64 = (0..n).map(|i| model.mass[(i, i)] * marching.velocities()[i]).sum();
+        assert!((momentum - (1.0 - impulse)).abs() < 1e-9);
+        1.0 - marching.energy() / energy
+    });
+    // What is lost is the kinetic energy of the touching node at the impact, 1/(2 elements) of the bar's; its release
+    // costs nothing.
+    assert!((120.0 * losses[0] - 1.0).abs() < 0.05, "{losses:?}");
+    assert!((480.0 * losses[1] - 1.0).abs() < 0.05, "{losses:?}");
+}
+
+#[test]
+fn friction_drags_a_pressed_mass_along_the_sliding_direction() {
+    // Held at clearance −c by λ = kc; friction μλ against σθ, so that the mass rests at θ = −σ μλ/k_θ.
+    let (k, tangential, c, coefficient) = (4.0, 2.0, 0.5, 0.3);
+    for sense in [1.0, -1.0] {
+        let stiffness = Matrix::diagonal(&[k, tangential, 3.0]);
+        let mut model = model(Matrix::diagonal(&[1.0; 3]), stiffness, 0.2, &[0.0; 3]);
+        let friction = Some(Friction { coefficient, radius: 10.0, sense });
+        model.elements = vec![Element {
+            name: "node".into(),
+            channels: (0..3).map(|i| vec![(i, 1.0)]).collect(),
+            law: LawKind::Contact(Contact { gap: -c, epsilon: 1.0, friction }),
+        }];
+        let mut marching = Marching::new(&model, &MarchingSettings::default(), 0.0, 2.0).unwrap();
+        marching.set_state(&[-c, 0.0, 0.0], &[0.0; 3]).unwrap();
+        for _ in 0..20 {
+            marching.period().unwrap();
+        }
+        let x = marching.displacements();
+        assert!((marching.pressures()[0] - k * c).abs() < 1e-9);
+        assert!((x[1] + sense * coefficient * k * c / tangential).abs() < 1e-6, "{x:?}");
+        assert!(x[2].abs() < 1e-12);
+    }
+}
+
+#[test]
+fn friction_couples_into_the_contact_force() {
+    // The normal direction is inclined in the stiffness: the steady balance of three coupled dofs under λ and μλ.
+    let stiffness = Matrix::from_fn(3, 3, |i, j| [[5.0, 1.5, 0.5], [1.5, 4.0, -0.5], [0.5, -0.5, 3.0]][i][j]);
+    let mut model = model(Matrix::diagonal(&[1.0, 2.0, 1.5]), stiffness.clone(), 0.3, &[0.0; 3]);
+    let (c, coefficient) = (0.5, 0.4);
+    model.elements = vec![Element {
+        name: "node".into(),
+        channels: (0..3).map(|i| vec![(i, 1.0)]).collect(),
+        law: LawKind::Contact(Contact {
+            gap: -c,
+            epsilon: 1.0,
+            friction: Some(Friction { coefficient, radius: 10.0, sense: 1.0 }),
+        }),
+    }];
+    let mut marching = Marching::new(&model, &MarchingSettings::default(), 0.0, 2.0).unwrap();
+    marching.set_state(&[-c, 0.0, 0.0], &[0.0; 3]).unwrap();
+    for _ in 0..30 {
+        marching.period().unwrap();
+    }
+    let (x, pressure) = (marching.displacements(), marching.pressures()[0]);
+    let balance = stiffness.mul_vec(&x);
+    assert!((x[0] + c).abs() < 1e-12);
+    assert!((balance[0] + pressure).abs() < 1e-6);
+    assert!((balance[1] + coefficient * pressure).abs() < 1e-6);
+    assert!(balance[2].abs() < 1e-6);
+}
+
+#[test]
+fn settings_and_unbounded_motion_are_reported() {
+    let model = oscillator(1.0, 1.0, 0.01);
+    let settings = MarchingSettings { step_fraction: 1.5, ..MarchingSettings::default() };
+    let error = Marching::new(&model, &settings, 1.0, 1.0).err().unwrap();
+    assert_eq!(error.to_string(), "step_fraction = 1.5 is out of range: expected between 0 and 1");
+    assert!(Marching::new(&model, &steps(512), 1.0, 0.0).is_err());
+
+    let terms = vec![Term { power: 3, coefficient: -5.0 }];
+    let model = with_law(model, LawKind::PolynomialSpring(PolynomialSpring { terms }));
+    let mut marching = Marching::new(&model, &steps(512), 0.0, 1.0).unwrap();
+    marching.set_state(&[1.0], &[0.0]).unwrap();
+    assert!(matches!(marching.period(), Err(MarchingError::Diverged { .. })));
+}
