@@ -50,15 +50,15 @@ pub struct Before {
 pub struct Response {
     /// Forces on the left-hand side of the balance, in N.
     pub force: [f64; MAX_ARGUMENTS],
-    /// ∂force[i]/∂u[j].
+    /// `∂force[i]/∂u[j]`.
     pub du: [[f64; MAX_ARGUMENTS]; MAX_ARGUMENTS],
-    /// ∂force[i]/∂v[j].
+    /// `∂force[i]/∂v[j]`.
     pub dv: [[f64; MAX_ARGUMENTS]; MAX_ARGUMENTS],
-    /// ∂force[i]/∂speed.
+    /// `∂force[i]/∂speed`.
     pub dspeed: [f64; MAX_ARGUMENTS],
-    /// ∂force[0]/∂(argument 0 one sample earlier); laws with memory only.
+    /// `∂force[0]/∂(argument 0 one sample earlier)`; laws with memory only.
     pub du_before: f64,
-    /// ∂force[0]/∂(force 0 one sample earlier); laws with memory only.
+    /// `∂force[0]/∂(force 0 one sample earlier)`; laws with memory only.
     pub dforce_before: f64,
 }
 

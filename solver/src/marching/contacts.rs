@@ -1,7 +1,8 @@
 //! Contact pressures that leave no penetration at the end of a time step.
 
 use super::complementarity::{Complementarity, Unsolvable};
-use super::{Inverse, dot, modal_rows};
+use super::inverse::Inverse;
+use super::{dot, modal_rows};
 use crate::laws::LawKind;
 use crate::linalg::{Matrix, axpy};
 use crate::model::Model;
