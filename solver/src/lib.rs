@@ -4,6 +4,7 @@ pub mod aft;
 pub mod backbone;
 pub mod branch;
 pub mod continuation;
+pub mod displacement;
 pub mod forced;
 pub mod harmonics;
 pub mod laws;

@@ -10,6 +10,7 @@ use crate::linalg::{Matrix, dot, symmetric_eigen};
 use crate::model::{Damping, Element, Forcing, Model, Modes};
 use crate::problem::Problem;
 use crate::scales::Scales;
+use crate::state::State;
 
 pub(crate) const HARMONICS: usize = 4;
 pub(crate) const SAMPLES: usize = 48;
@@ -167,6 +168,12 @@ fn form<'m>(case: Case, model: &'m Model, seed: u64) -> (PressureForm<'m>, Vec<f
     (form, y)
 }
 
+/// The random state in physical units.
+pub(crate) fn random_state(case: Case, model: &Model, seed: u64) -> State {
+    let (mut form, y) = form(case, model, seed);
+    form.decode(&y)
+}
+
 /// Positions in the full state of the unknowns that are factorised.
 fn unknowns(form: &PressureForm<'_>) -> Vec<usize> {
     let nc = form.nc;
@@ -187,22 +194,16 @@ fn unknowns(form: &PressureForm<'_>) -> Vec<usize> {
 }
 
 /// Derivative of `f` at 0, extrapolated from two central differences; `None` if a sample changes its state within the
-/// step, which shows as one-sided slopes that differ.
+/// step: the two then differ by more than smooth functions allow.
 pub(crate) fn derivative(mut f: impl FnMut(f64) -> Vec<f64>) -> Option<Vec<f64>> {
-    const STEP: f64 = 4e-6;
-    let here = f(0.0);
-    let [plus, minus, near_plus, near_minus] = [STEP, -STEP, STEP / 2.0, -STEP / 2.0].map(&mut f);
-    let size = plus.iter().zip(&minus).fold(1.0f64, |m, (p, q)| m.max((p - q).abs() / STEP));
-    let kink = (0..here.len()).any(|i| (plus[i] - 2.0 * here[i] + minus[i]).abs() > 1e-3 * STEP * size);
-    (!kink).then(|| {
-        (0..here.len())
-            .map(|i| {
-                let wide = (plus[i] - minus[i]) / (2.0 * STEP);
-                let narrow = (near_plus[i] - near_minus[i]) / STEP;
-                (4.0 * narrow - wide) / 3.0
-            })
-            .collect()
-    })
+    const STEP: f64 = 1.6e-5;
+    let mut difference =
+        |h: f64| -> Vec<f64> { f(h).iter().zip(f(-h)).map(|(plus, minus)| (plus - minus) / (2.0 * h)).collect() };
+    let (wide, narrow) = (difference(STEP), difference(0.5 * STEP));
+    let largest = wide.iter().fold(1.0f64, |m, d| m.max(d.abs()));
+    let pairs = || wide.iter().zip(&narrow);
+    let kink = pairs().any(|(wide, narrow)| (wide - narrow).abs() > 2e-9 * largest);
+    (!kink).then(|| pairs().map(|(wide, narrow)| (4.0 * narrow - wide) / 3.0).collect())
 }
 
 /// Panics unless `exact` agrees with differences: 1e-6 of each entry, and rounding of the largest one.
