@@ -174,8 +174,8 @@ fn add_spectrum(buffer: &mut [Complex64], series: &[f64], map: impl Fn(Complex64
 /// Series of a signal from its Fourier coefficients c_0 … c_H.
 pub fn series_from_coefficients(coefficients: &[Complex64], series: &mut [f64]) {
     series[0] = coefficients[0].re;
-    for k in 1..=series.len() / 2 {
-        set_complex(series, k, 2.0 * coefficients[k]);
+    for (k, c) in coefficients.iter().enumerate().take(series.len() / 2 + 1).skip(1) {
+        set_complex(series, k, 2.0 * c);
     }
 }
 

@@ -6,6 +6,7 @@ pub mod arcs;
 pub mod backbone;
 pub mod branch;
 pub mod continuation;
+pub mod displacement;
 pub mod forced;
 pub mod harmonics;
 pub mod laws;

@@ -182,6 +182,12 @@ impl Lu {
         &mut self.factors
     }
 
+    /// The matrix as filled since [`Lu::reset`], until it is factorised.
+    #[cfg(test)]
+    pub(crate) fn entries(&self) -> &[f64] {
+        &self.factors
+    }
+
     /// Factorises the matrix that [`Lu::reset`] handed out.
     pub fn factor(&mut self) -> Result<(), LinalgError> {
         let n = self.size;

@@ -8,6 +8,7 @@ use thiserror::Error;
 ///
 /// `y` is the full scaled state: the unknowns proper and what depends on them explicitly (contact nodes that do not
 /// touch, modal amplitudes), so that its length never changes while the system that is factorised does.
+#[expect(clippy::len_without_is_empty, reason = "a system without unknowns does not exist")]
 pub trait Problem {
     /// Length of the state.
     fn len(&self) -> usize;

@@ -136,14 +136,11 @@ impl PressureForm<'_> {
         touched
     }
 
-    /// Writes the completed entries back into the scaled state.
+    /// Writes the completed entries back into the scaled state: open nodes, and those that were held to be open but touch.
     fn store_completed(&self, y: &mut [f64]) {
-        for slot in self.slots.iter().filter(|slot| !slot.active) {
-            for u in slot.first..slot.first + slot.count {
-                let scale = self.channels[u].scale;
-                let target = &mut y[u * self.nc..(u + 1) * self.nc];
-                target.iter_mut().zip(self.argument(u)).for_each(|(t, a)| *t = a / scale);
-            }
+        for (u, channel) in self.channels.iter().enumerate() {
+            let target = &mut y[u * self.nc..(u + 1) * self.nc];
+            target.iter_mut().zip(self.argument(u)).for_each(|(t, a)| *t = a / channel.scale);
         }
         let start = self.current.arguments.len();
         for (t, q) in y[start..].iter_mut().zip(&self.current.modal) {

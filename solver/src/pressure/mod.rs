@@ -12,6 +12,8 @@
 
 mod assemble;
 mod evaluate;
+#[cfg(test)]
+pub(crate) mod tests;
 
 use crate::aft::{Aft, ElementForce};
 use crate::harmonics::width;

@@ -1,0 +1,263 @@
+//! The pressure form against the displacement form: they share the laws and the sampling, but neither the unknowns nor
+//! the linear algebra (receptance of the modes there, condensed physical matrices here).
+
+use solver::backbone::Backbone;
+use solver::branch::BranchPoint;
+use solver::continuation::{Continuation, ContinuationSettings, CurvePoint};
+use solver::displacement::DisplacementForm;
+use solver::forced::{Forced, linear_response};
+use solver::harmonics::{Transform, max_abs};
+use solver::laws::LawKind;
+use solver::linalg::{Matrix, dot};
+use solver::model::{Damping, Model};
+use solver::newton::{Constraint, Newton, NewtonSettings};
+use solver::pressure::{PressureForm, Unknown};
+use solver::problem::Problem;
+use solver::scales::Scales;
+use solver::settings::{HarmonicSettings, Settings};
+use solver::state::State;
+use std::ops::ControlFlow;
+use std::path::Path;
+
+fn load(name: &str, overrides: &[(&str, &str)]) -> Model {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models").join(name);
+    Model::load_with(&folder, overrides).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// Tolerance below the default: this is a comparison down to 1e-8 of the forcing, which is small beside ε ℓ.
+fn settings(count: usize, samples: usize) -> Settings {
+    let mut settings = Settings { harmonics: HarmonicSettings { count, samples }, ..Settings::default() };
+    settings.continuation.newton.tolerance = 1e-12;
+    settings
+}
+
+/// Couples all modes: a tenth of the geometric mean of their own damping.
+fn with_full_damping(mut model: Model) -> Model {
+    if let Damping::Modal(c) = &model.damping {
+        let coupled =
+            |i: usize, j: usize| if i == j { c[i] } else { 0.1 * (c[i] * c[j]).sqrt() / (1 + i.abs_diff(j)) as f64 };
+        model.damping = Damping::Full(Matrix::from_fn(c.len(), c.len(), coupled));
+    }
+    model
+}
+
+/// Up to `count` states, evenly spread.
+fn spread(states: Vec<State>, count: usize) -> Vec<State> {
+    let step = states.len().div_ceil(count).max(1);
+    states.into_iter().step_by(step).collect()
+}
+
+/// States of the points where a contact, if there is one, touches for part of the period.
+fn touching<'p>(points: impl Iterator<Item = &'p BranchPoint>) -> Vec<State> {
+    let touches = |point: &&BranchPoint| point.contact.is_empty() || point.contact.iter().any(|&share| share > 0.0);
+    points.filter(touches).map(|point| point.state.clone()).collect()
+}
+
+/// Points of the backbone, and of the main branch at amplitude A, by the pressure form.
+fn pressure_states(model: &Model, settings: &Settings, amplitude: f64) -> (Vec<State>, Vec<State>) {
+    let mut silent = |_: &_| ControlFlow::Continue(());
+    let backbone = Backbone::compute(model, settings, &mut silent).unwrap();
+    let free = touching(backbone.points.iter().map(|point| &point.point));
+    let mut forced = Forced::new(model, settings, &backbone, amplitude);
+    let branch = forced.main_branch(&mut silent).unwrap();
+    (free, touching(branch.points.iter()))
+}
+
+struct Forms<'m> {
+    displacement: DisplacementForm<'m>,
+    pressure: PressureForm<'m>,
+    /// Scaled residual of the pressure form that stands for a force as large as the forcing.
+    forcing: f64,
+}
+
+impl<'m> Forms<'m> {
+    fn new(model: &'m Model, settings: &Settings, unknown: Unknown, amplitude: f64) -> Self {
+        let (count, samples, tracked) = (settings.harmonics.count, settings.harmonics.samples, settings.tracked());
+        let scales = Scales::new(model, tracked);
+        let stiffness = model.elements.iter().map(|element| match &element.law {
+            LawKind::Contact(contact) => contact.epsilon,
+            _ => 0.0,
+        });
+        let unit = stiffness.fold(0.0, f64::max) * scales.length;
+        let norm = amplitude * dot(&model.forcing.shape, &model.forcing.shape).sqrt();
+        let mut displacement = DisplacementForm::new(model, count, samples, tracked, unknown, scales).unwrap();
+        let mut pressure = PressureForm::new(model, count, samples, tracked, unknown, scales);
+        displacement.set_amplitude(amplitude);
+        pressure.set_amplitude(amplitude);
+        Self { displacement, pressure, forcing: if unit > 0.0 && norm > 0.0 { norm / unit } else { 1.0 } }
+    }
+
+    /// Converges in the displacement form from a state whose harmonics are off by 1e-5 of themselves, at its own frequency
+    /// (forced) or at its own first component (backbone); returns the residual of the result in the pressure form.
+    fn back(&mut self, state: &State, unknown: Unknown) -> f64 {
+        let mut y = self.displacement.encode(state);
+        let length = y.len();
+        let parameters = if unknown == Unknown::Backbone { 2 } else { 1 };
+        let mut row = vec![0.0; length];
+        if unknown == Unknown::Backbone {
+            let (mut largest, mut value) = (0, 0.0);
+            for (i, v) in y[..length - parameters].iter().enumerate() {
+                if v.abs() > value {
+                    (largest, value) = (i, v.abs());
+                }
+            }
+            row[largest] = 1.0;
+        } else {
+            row[length - 1] = 1.0;
+        }
+        let origin = y.clone();
+        for (i, v) in y[..length - parameters].iter_mut().enumerate() {
+            *v *= 1.0 + if i % 2 == 0 { 1e-5 } else { -1e-5 };
+        }
+        let settings = NewtonSettings { tolerance: 1e-11, max_iterations: 30, damped: false };
+        let constraint = Constraint::Hyperplane { row: &row, origin: &origin };
+        // Resonance amplifies what is left of the forces: a second call takes one step more, down to rounding.
+        for _ in 0..2 {
+            Newton::default().solve(&mut self.displacement, &mut y, constraint, &settings).unwrap();
+        }
+        let state = self.displacement.decode(&y).unwrap();
+        let mut y = self.pressure.encode(&state);
+        self.pressure.linearise(&mut y) / self.forcing
+    }
+}
+
+/// Checks both ways and prints the worst residuals, relative to the forcing.
+fn check(name: &str, model: &Model, settings: &Settings, amplitude: f64, count: usize) {
+    let (free, forced) = pressure_states(model, settings, amplitude);
+    for (what, unknown, states) in [("backbone", Unknown::Backbone, free), ("main branch", Unknown::Frequency, forced)]
+    {
+        assert!(states.len() > 10, "{name}: only {} points on the {what}", states.len());
+        let amplitude = if unknown == Unknown::Backbone { 0.0 } else { amplitude };
+        let mut forms = Forms::new(model, settings, unknown, amplitude);
+        let (mut there, mut back) = (0.0f64, 0.0f64);
+        let total = states.len();
+        for state in spread(states, count) {
+            there = there.max(forms.displacement.residual_of(&state).unwrap());
+            back = back.max(forms.back(&state, unknown));
+        }
+        println!("{name}, {what} ({total} points): pressure to displacement form {there:.1e}, back {back:.1e}");
+        assert!(there < 1e-8 && back < 1e-8, "{name}, {what}: {there:e} there, {back:e} back");
+    }
+}
+
+/// Points of a walk from `start` upwards in frequency until well beyond the first resonance, with their amplitudes.
+fn walk_over_peak<P: Problem>(
+    problem: &mut P,
+    start: Vec<f64>,
+    settings: &ContinuationSettings,
+    measure: impl Fn(&mut P, &[f64]) -> f64,
+) -> Vec<(f64, CurvePoint)> {
+    let mut upwards = vec![0.0; start.len()];
+    upwards[start.len() - 1] = 1.0;
+    let mut walk = Continuation::start(problem, start, &upwards, *settings).unwrap();
+    let first = walk.current().clone();
+    let mut points = vec![(measure(walk.problem(), &first.y), first)];
+    let mut top = 0.0f64;
+    while points[points.len() - 1].0 >= 0.8 * top {
+        let point = walk.next().unwrap_or_else(|| panic!("the walk ends on its way: {:?}", walk.stalled()));
+        points.push((measure(walk.problem(), &point.y), point));
+        top = top.max(points[points.len() - 1].0);
+    }
+    points
+}
+
+fn amplitude(model: &Model, state: &State) -> f64 {
+    let series = state.combine(model.modes.shapes.row(model.monitors[0]).iter().copied());
+    max_abs(&series, &mut Transform::new(state.harmonics, 256))
+}
+
+/// Amplitude at the highest point of a smooth curve, from three points by a parabola in the arc.
+fn parabolic_peak(points: &[(f64, CurvePoint)]) -> f64 {
+    let top = (1..points.len() - 1).max_by(|&a, &b| points[a].0.total_cmp(&points[b].0)).unwrap();
+    let [(left, _), (here, point), (right, next)] = &points[top - 1..=top + 1] else { unreachable!() };
+    let (before, after) = (point.step, next.step);
+    let (rise, fall) = ((here - left) / before, (right - here) / after);
+    let curvature = (fall - rise) / (before + after);
+    let slope = rise + curvature * before;
+    here - slope * slope / (4.0 * curvature)
+}
+
+#[test]
+fn both_forms_find_the_same_peak() {
+    let mut settings = settings(5, 64);
+    settings.continuation.max_step = 2e-3;
+    for name in ["duffing", "nltva"] {
+        let model = load(name, &[]);
+        let start = linear_response(&model, &settings, 0.1, 0.7);
+        let Forms { mut displacement, mut pressure, .. } = Forms::new(&model, &settings, Unknown::Frequency, 0.1);
+        let (from, also_from) = (pressure.encode(&start), displacement.encode(&start));
+        let steps = &settings.continuation;
+        let one = walk_over_peak(&mut pressure, from, steps, |form, y| amplitude(&model, &form.decode(y)));
+        let other =
+            walk_over_peak(&mut displacement, also_from, steps, |form, y| amplitude(&model, &form.decode(y).unwrap()));
+        let (one, other) = (parabolic_peak(&one), parabolic_peak(&other));
+        println!("{name}: peaks {one} m and {other} m, {:.1e} apart", one / other - 1.0);
+        assert!((one / other - 1.0).abs() < 1e-6, "{name}: peaks {one} and {other}");
+    }
+}
+
+/// With contact, sampling leaves several maxima a few 1e-6 apart on the top of a resonance, and each walk may step over
+/// some of them: here every point of one form's walk is converged in the other at its own frequency.
+#[test]
+fn the_displacement_form_walks_the_curve_of_the_pressure_form() {
+    let model = load("rotor67", &[]);
+    let settings = settings(3, 256);
+    let start = linear_response(&model, &settings, 8.0, 2320.0);
+    let Forms { mut displacement, mut pressure, .. } = Forms::new(&model, &settings, Unknown::Frequency, 8.0);
+    let from = displacement.encode(&start);
+    let points = walk_over_peak(&mut displacement, from, &settings.continuation, |form, y| {
+        amplitude(&model, &form.decode(y).unwrap())
+    });
+    let mut worst = 0.0f64;
+    let mut newton = Newton::default();
+    let mut row = vec![0.0; pressure.len()];
+    row[pressure.len() - 1] = 1.0;
+    let mut touching = 0;
+    for (value, point) in points.iter().step_by(20) {
+        let mut y = pressure.encode(&displacement.decode(&point.y).unwrap());
+        let origin = y.clone();
+        let constraint = Constraint::Hyperplane { row: &row, origin: &origin };
+        newton.solve(&mut pressure, &mut y, constraint, &settings.continuation.newton).unwrap();
+        touching += usize::from(pressure.active().contains(&true));
+        worst = worst.max((amplitude(&model, &pressure.decode(&y)) / value - 1.0).abs());
+    }
+    println!("rotor 67: {} points walked, {touching} compared with contact, at most {worst:.1e} apart", points.len());
+    assert!(touching > 20, "only {touching} points with contact");
+    assert!(worst < 1e-6, "the walk leaves the curve by {worst:e}");
+}
+
+#[test]
+fn contact_between_two_bodies() {
+    let settings = Settings {
+        backbone: solver::settings::BackboneSettings { mode: 2, ..Default::default() },
+        ..settings(20, 256)
+    };
+    let model = load("two_masses_stop", &[]);
+    check("two bodies", &model, &settings, 0.005, 30);
+    check("two bodies, full damping", &with_full_damping(model), &settings, 0.005, 30);
+}
+
+#[test]
+fn condensed_beam() {
+    let model = load("cantilever_stop", &[]);
+    check("cantilever", &model, &settings(7, 128), 1.0, 10);
+}
+
+#[test]
+fn smooth_laws_with_full_damping() {
+    check("absorber", &load("nltva", &[]), &settings(5, 64), 0.1, 30);
+    check("duffing", &load("duffing", &[]), &settings(5, 64), 0.1, 30);
+}
+
+#[test]
+fn rotor67_without_friction() {
+    let model = load("rotor67", &[("contact.friction", "0")]);
+    check("rotor 67, frictionless", &model, &settings(10, 512), 40.0, 8);
+}
+
+#[test]
+fn rotor67_with_friction() {
+    let model = load("rotor67", &[]);
+    check("rotor 67, friction", &model, &settings(10, 512), 40.0, 8);
+    check("rotor 67, friction, full damping", &with_full_damping(model), &settings(5, 128), 40.0, 8);
+}
