@@ -4,11 +4,12 @@
 use crate::continuation::{Continuation, ContinuationSettings};
 use crate::linear::{below_first_touch, forced_response};
 use crate::model::Model;
-use crate::pressure::{PressureForm, Unknown};
+use crate::pressure::PressureForm;
 use crate::problem::Failure;
 use crate::scales::Scales;
 use crate::settings::Settings;
 use crate::state::State;
+use crate::unknown::Unknown;
 use crate::walk::interpolate;
 
 /// Points of a walk in A before giving up.

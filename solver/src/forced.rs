@@ -8,11 +8,12 @@ use crate::linear::forced_response;
 use crate::melnikov::forcing_projection;
 use crate::model::Model;
 use crate::newton::{Constraint, Newton, NewtonSettings};
-use crate::pressure::{PressureForm, Unknown};
+use crate::pressure::PressureForm;
 use crate::problem::{Failure, Problem, norm};
 use crate::scales::Scales;
 use crate::settings::Settings;
 use crate::state::State;
+use crate::unknown::Unknown;
 use crate::walk::{
     Bounds, Maximum, Observer, Visited, Walked, insert_maxima, locate_maximum, relative_distance, walk, walk_both,
 };

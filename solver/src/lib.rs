@@ -24,5 +24,6 @@ pub mod scales;
 pub mod seeds;
 pub mod settings;
 pub mod state;
+pub mod unknown;
 pub mod walk;
 pub mod windows;

@@ -195,7 +195,7 @@ impl Lu {
         self.inverse.resize(n, 0);
         if self.scratch_size < n {
             let request = factor::lu_in_place_scratch::<usize, f64>(n, n, Par::Seq, Spec::default())
-                .or(solve::solve_transpose_in_place_scratch::<usize, f64>(n, 1, Par::Seq));
+                .or(solve::solve_transpose_in_place_scratch::<usize, f64>(n, 2, Par::Seq));
             self.scratch = MemBuffer::new(request);
             self.scratch_size = n;
         }
@@ -233,15 +233,16 @@ impl Lu {
         if (negative + n - cycles).is_multiple_of(2) { 1.0 } else { -1.0 }
     }
 
-    /// Solves A x = b in place.
+    /// Solves A x = b in place, for one right-hand side or several one after the other.
     pub fn solve(&mut self, b: &mut [f64]) {
         let n = self.size;
+        let columns = b.len() / n;
         let factors = MatRef::from_column_major_slice(&self.factors, n, n);
         solve::solve_transpose_in_place(
             factors,
             factors,
             faer::perm::PermRef::new_checked(&self.permutation, &self.inverse, n),
-            MatMut::from_column_major_slice_mut(b, n, 1),
+            MatMut::from_column_major_slice_mut(b, n, columns),
             Par::Seq,
             MemStack::new(&mut self.scratch),
         );

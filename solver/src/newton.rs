@@ -47,7 +47,7 @@ impl Constraint<'_> {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct NewtonSettings {
-    /// Largest scaled residual of a converged point. Default 1e-11.
+    /// Largest scaled residual of a converged point. Default 1e-12.
     pub tolerance: f64,
     /// Iterations before giving up. Default 10.
     pub max_iterations: usize,
@@ -57,7 +57,7 @@ pub struct NewtonSettings {
 
 impl Default for NewtonSettings {
     fn default() -> Self {
-        Self { tolerance: 1e-11, max_iterations: 10, damped: false }
+        Self { tolerance: 1e-12, max_iterations: 10, damped: false }
     }
 }
 
@@ -109,8 +109,7 @@ impl Newton {
                 return Err(Failure::NotConverged { iterations, residual });
             }
             problem.factor(&self.row).map_err(|_| Failure::Singular)?;
-            problem.newton_step(mismatch, &mut self.step);
-            problem.direction(&mut self.direction);
+            problem.solve(mismatch, &mut self.step, &mut self.direction);
             if settings.damped {
                 (residual, mismatch) = self.backtrack(problem, y, constraint, residual);
             } else {

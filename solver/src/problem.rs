@@ -26,11 +26,9 @@ pub trait Problem {
     /// Sign of the determinant of the matrix last factorised. Along a smooth branch it does not change.
     fn orientation(&self) -> f64;
 
-    /// Newton correction: J δ = −R, row·δ = −`mismatch`.
-    fn newton_step(&mut self, mismatch: f64, step: &mut [f64]);
-
-    /// Direction of the solution curve: J t = 0, row·t = 1.
-    fn direction(&mut self, tangent: &mut [f64]);
+    /// With the matrix last factorised: Newton correction J δ = −R, row·δ = −`mismatch`, and direction of the solution
+    /// curve J t = 0, row·t = 1.
+    fn solve(&mut self, mismatch: f64, step: &mut [f64], tangent: &mut [f64]);
 }
 
 /// Why a point could not be computed.

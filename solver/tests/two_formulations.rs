@@ -5,17 +5,19 @@ use solver::backbone::Backbone;
 use solver::branch::BranchPoint;
 use solver::continuation::{Continuation, ContinuationSettings, CurvePoint};
 use solver::displacement::DisplacementForm;
-use solver::forced::{Forced, linear_response};
+use solver::forced::Forced;
 use solver::harmonics::{Transform, max_abs};
 use solver::laws::LawKind;
 use solver::linalg::{Matrix, dot};
+use solver::linear::forced_response;
 use solver::model::{Damping, Model};
 use solver::newton::{Constraint, Newton, NewtonSettings};
-use solver::pressure::{PressureForm, Unknown};
+use solver::pressure::PressureForm;
 use solver::problem::Problem;
 use solver::scales::Scales;
 use solver::settings::{HarmonicSettings, Settings};
 use solver::state::State;
+use solver::unknown::Unknown;
 use std::ops::ControlFlow;
 use std::path::Path;
 
@@ -24,11 +26,8 @@ fn load(name: &str, overrides: &[(&str, &str)]) -> Model {
     Model::load_with(&folder, overrides).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// Tolerance below the default: this is a comparison down to 1e-8 of the forcing, which is small beside ε ℓ.
 fn settings(count: usize, samples: usize) -> Settings {
-    let mut settings = Settings { harmonics: HarmonicSettings { count, samples }, ..Settings::default() };
-    settings.continuation.newton.tolerance = 1e-12;
-    settings
+    Settings { harmonics: HarmonicSettings { count, samples, ..Default::default() }, ..Settings::default() }
 }
 
 /// Couples all modes: a tenth of the geometric mean of their own damping.
@@ -72,7 +71,7 @@ struct Forms<'m> {
 
 impl<'m> Forms<'m> {
     fn new(model: &'m Model, settings: &Settings, unknown: Unknown, amplitude: f64) -> Self {
-        let (count, samples, tracked) = (settings.harmonics.count, settings.harmonics.samples, settings.tracked());
+        let (truncation, tracked) = (settings.harmonics, settings.tracked());
         let scales = Scales::new(model, tracked);
         let stiffness = model.elements.iter().map(|element| match &element.law {
             LawKind::Contact(contact) => contact.epsilon,
@@ -80,8 +79,8 @@ impl<'m> Forms<'m> {
         });
         let unit = stiffness.fold(0.0, f64::max) * scales.length;
         let norm = amplitude * dot(&model.forcing.shape, &model.forcing.shape).sqrt();
-        let mut displacement = DisplacementForm::new(model, count, samples, tracked, unknown, scales).unwrap();
-        let mut pressure = PressureForm::new(model, count, samples, tracked, unknown, scales);
+        let mut displacement = DisplacementForm::new(model, truncation, tracked, unknown, scales).unwrap();
+        let mut pressure = PressureForm::new(model, truncation, tracked, unknown, scales);
         displacement.set_amplitude(amplitude);
         pressure.set_amplitude(amplitude);
         Self { displacement, pressure, forcing: if unit > 0.0 && norm > 0.0 { norm / unit } else { 1.0 } }
@@ -92,9 +91,9 @@ impl<'m> Forms<'m> {
     fn back(&mut self, state: &State, unknown: Unknown) -> f64 {
         let mut y = self.displacement.encode(state);
         let length = y.len();
-        let parameters = if unknown == Unknown::Backbone { 2 } else { 1 };
+        let parameters = unknown.parameters().len();
         let mut row = vec![0.0; length];
-        if unknown == Unknown::Backbone {
+        if unknown.is_autonomous() {
             let (mut largest, mut value) = (0, 0.0);
             for (i, v) in y[..length - parameters].iter().enumerate() {
                 if v.abs() > value {
@@ -124,10 +123,11 @@ impl<'m> Forms<'m> {
 /// Checks both ways and prints the worst residuals, relative to the forcing.
 fn check(name: &str, model: &Model, settings: &Settings, amplitude: f64, count: usize) {
     let (free, forced) = pressure_states(model, settings, amplitude);
-    for (what, unknown, states) in [("backbone", Unknown::Backbone, free), ("main branch", Unknown::Frequency, forced)]
+    for (what, unknown, states) in
+        [("backbone", Unknown::Mode { damped: true }, free), ("main branch", Unknown::Frequency, forced)]
     {
         assert!(states.len() > 10, "{name}: only {} points on the {what}", states.len());
-        let amplitude = if unknown == Unknown::Backbone { 0.0 } else { amplitude };
+        let amplitude = if unknown.is_autonomous() { 0.0 } else { amplitude };
         let mut forms = Forms::new(model, settings, unknown, amplitude);
         let (mut there, mut back) = (0.0f64, 0.0f64);
         let total = states.len();
@@ -183,8 +183,8 @@ fn both_forms_find_the_same_peak() {
     settings.continuation.max_step = 2e-3;
     for name in ["duffing", "nltva"] {
         let model = load(name, &[]);
-        let start = linear_response(&model, &settings, 0.1, 0.7);
         let Forms { mut displacement, mut pressure, .. } = Forms::new(&model, &settings, Unknown::Frequency, 0.1);
+        let start = forced_response(&pressure, 0.1, 0.7).unwrap();
         let (from, also_from) = (pressure.encode(&start), displacement.encode(&start));
         let steps = &settings.continuation;
         let one = walk_over_peak(&mut pressure, from, steps, |form, y| amplitude(&model, &form.decode(y)));
@@ -202,8 +202,8 @@ fn both_forms_find_the_same_peak() {
 fn the_displacement_form_walks_the_curve_of_the_pressure_form() {
     let model = load("rotor67", &[]);
     let settings = settings(3, 256);
-    let start = linear_response(&model, &settings, 8.0, 2320.0);
     let Forms { mut displacement, mut pressure, .. } = Forms::new(&model, &settings, Unknown::Frequency, 8.0);
+    let start = forced_response(&pressure, 8.0, 2320.0).unwrap();
     let from = displacement.encode(&start);
     let points = walk_over_peak(&mut displacement, from, &settings.continuation, |form, y| {
         amplitude(&model, &form.decode(y).unwrap())

@@ -75,8 +75,10 @@ impl Aft {
         linalg::vectorised(|| {
             for &(begin, end) in arcs {
                 let (centre, half) = (0.5 * (begin + end), 0.5 * (end - begin));
-                // The integrand has harmonics up to 3H: half its phase over the arc, and a margin, are enough points.
-                let points = (1.5 * harmonics as f64 * half).ceil() as usize + 8;
+                // A linear law's integrand has harmonics up to 3H: half its phase over the arc, and a margin, are enough points.
+                // The direction of sliding v/|v| is no polynomial: twice as many.
+                let exact = (1.5 * harmonics as f64 * half).ceil() as usize + 8;
+                let points = if c > 1 { 2 * exact } else { exact };
                 let rule = work.rule(points).clone();
                 for (node, weight) in rule.nodes.iter().zip(&rule.weights) {
                     work.fill_basis(centre + half * node);

@@ -15,6 +15,9 @@ pub enum DisplacementError {
         /// Names of the elements.
         names: Vec<String>,
     },
+    /// This form knows forced responses at fixed A or ω, and damped modes.
+    #[error("the displacement form has no conservative or phase-resonance backbone; use the pressure form")]
+    Unsupported,
     /// The eigenvalue problem behind the left inverse did not converge.
     #[error("the directions of the contacts could not be separated")]
     NoConvergence,

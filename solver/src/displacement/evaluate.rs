@@ -5,7 +5,6 @@ use crate::aft::Rate;
 use crate::harmonics::{complex, set_complex};
 use crate::laws::with_law;
 use crate::linalg::{LinalgError, axpy};
-use crate::pressure::Unknown;
 use rustfft::num_complex::Complex64;
 
 impl DisplacementForm<'_> {
@@ -35,7 +34,7 @@ impl DisplacementForm<'_> {
                 self.add_force(e);
             }
         }
-        if self.unknown == Unknown::Backbone {
+        if self.unknown.is_autonomous() {
             let first = self.displacement.chunks(self.nc).map(|series| complex(series, 1));
             let amplitude: Complex64 = self.condensed[1].mode.iter().zip(first).map(|(w, x)| w * x).sum();
             self.residual.push(amplitude.re / self.scales.modal);

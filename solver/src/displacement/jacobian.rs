@@ -3,37 +3,10 @@
 use super::{DisplacementForm, Part};
 use crate::harmonics::{complex, set_complex};
 use crate::linalg::{Matrix, axpy};
-use crate::pressure::Unknown;
+use crate::unknown::Parameter;
 use rustfft::num_complex::Complex64;
 
-/// What a parameter column is the derivative with respect to.
-#[derive(Clone, Copy, PartialEq)]
-enum Parameter {
-    Frequency,
-    Decay,
-    Amplitude,
-}
-
-impl Parameter {
-    /// ∂λ_k/∂parameter.
-    fn rate(self, k: usize) -> Complex64 {
-        match self {
-            Parameter::Frequency => Complex64::new(0.0, k as f64),
-            Parameter::Decay => Complex64::new(-(k as f64), 0.0),
-            Parameter::Amplitude => Complex64::default(),
-        }
-    }
-}
-
 impl DisplacementForm<'_> {
-    fn parameters(&self) -> &'static [Parameter] {
-        match self.unknown {
-            Unknown::Frequency => &[Parameter::Frequency],
-            Unknown::Amplitude => &[Parameter::Amplitude],
-            Unknown::Backbone => &[Parameter::Frequency, Parameter::Decay],
-        }
-    }
-
     /// Fills the bordered matrix of the state last evaluated.
     pub(super) fn assemble(&mut self, row: &[f64]) {
         let unknowns = self.displacement.len();
@@ -59,7 +32,7 @@ impl DisplacementForm<'_> {
                 *t = value * unit / self.force_scale;
             }
         }
-        if self.unknown == Unknown::Backbone {
+        if self.unknown.is_autonomous() {
             let target = &mut buffer[unknowns * size..(unknowns + 1) * size];
             self.phase_row(target);
             target.iter_mut().zip(&units).for_each(|(t, unit)| *t *= unit / self.scales.modal);
@@ -70,10 +43,9 @@ impl DisplacementForm<'_> {
 
     /// Unit of an entry of the state.
     fn unit(&self, column: usize) -> f64 {
-        match (column < self.displacement.len(), self.unknown) {
-            (true, _) => self.scales.length,
-            (false, Unknown::Amplitude) => self.scales.forcing,
-            (false, _) => self.scales.frequency,
+        match column.checked_sub(self.displacement.len()) {
+            None => self.scales.length,
+            Some(p) => self.unknown.parameters()[p].unit(&self.scales),
         }
     }
 
@@ -87,7 +59,7 @@ impl DisplacementForm<'_> {
                 }
             }
             let x: Vec<Complex64> = self.displacement.chunks(nc).map(|series| complex(series, k)).collect();
-            for (p, &parameter) in self.parameters().iter().enumerate() {
+            for (p, &parameter) in self.unknown.parameters().iter().enumerate() {
                 for i in 0..c {
                     let value = if parameter == Parameter::Amplitude {
                         -condensed.force[i]
@@ -131,7 +103,7 @@ impl DisplacementForm<'_> {
     /// Adds the derivatives of an element's forces, given those of its arguments.
     fn add_forces(&self, e: usize, arguments: &Matrix, jacobian: &mut Matrix) {
         let (part, force, nc) = (&self.parts[e], &self.forces[e], self.nc);
-        let frequency = self.parameters().iter().position(|&p| p == Parameter::Frequency);
+        let frequency = self.unknown.parameters().iter().position(|&p| p == Parameter::Frequency);
         let mut rate = vec![0.0; self.metric.len()];
         for (i, channel) in part.channels.iter().enumerate() {
             for h in 0..nc {
@@ -164,7 +136,7 @@ impl DisplacementForm<'_> {
             target[i * nc + 2] = condensed.mode[i].im;
             drift += condensed.mode_rate[i] * complex(series, 1);
         }
-        for (p, parameter) in self.parameters().iter().enumerate() {
+        for (p, parameter) in self.unknown.parameters().iter().enumerate() {
             target[unknowns + p] = (parameter.rate(1) * drift).re;
         }
     }

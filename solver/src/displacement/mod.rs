@@ -25,11 +25,12 @@ use crate::harmonics::{complex, set_complex, width};
 use crate::laws::{Law, LawKind};
 use crate::linalg::{LinalgError, Lu, Matrix, dot};
 use crate::model::Model;
-use crate::pressure::Unknown;
 use crate::problem::Problem;
 use crate::receptance::Point;
 use crate::scales::Scales;
+use crate::settings::HarmonicSettings;
 use crate::state::State;
+use crate::unknown::{Parameter, Unknown};
 use condensation::{Condensation, Condensed};
 use rustfft::num_complex::Complex64;
 
@@ -77,23 +78,25 @@ pub struct DisplacementForm<'m> {
     /// D X + F − E in N; on a backbone the phase condition in units of the modal amplitude.
     residual: Vec<f64>,
     lu: Lu,
-    solution: Vec<f64>,
 }
 
 impl<'m> DisplacementForm<'m> {
-    /// System for `model` with `harmonics` harmonics and `samples` instants a period; mode `tracked` fixes the phase of
-    /// a backbone.
+    /// System for `model` at a truncation; mode `tracked` fixes the phase of a backbone.
     ///
     /// # Errors
-    /// If contact pressures cannot be told apart from the forces on the dofs (two contacts at one dof).
+    /// If contact pressures cannot be told apart from the forces on the dofs (two contacts at one dof), or for a kind of
+    /// backbone that this form does not have.
     pub fn new(
         model: &'m Model,
-        harmonics: usize,
-        samples: usize,
+        truncation: HarmonicSettings,
         tracked: usize,
         unknown: Unknown,
         scales: Scales,
     ) -> Result<Self, DisplacementError> {
+        if matches!(unknown, Unknown::PhaseResonance | Unknown::Mode { damped: false }) {
+            return Err(DisplacementError::Unsupported);
+        }
+        let harmonics = truncation.count;
         let nc = width(harmonics);
         let channels = |element: &'m crate::model::Element| element.channels.iter().take(element.law.arguments());
         let mut kept: Vec<usize> = model.elements.iter().flat_map(channels).flatten().map(|&(dof, _)| dof).collect();
@@ -124,21 +127,20 @@ impl<'m> DisplacementForm<'m> {
         let stiffness = kept.iter().map(|&i| model.stiffness[(i, i)]).fold(0.0, f64::max);
         let left_inverse = contacts::left_inverse(&normals, &tangents, &names)?;
         let unknowns = kept.len() * nc;
-        let parameters = if unknown == Unknown::Backbone { 2 } else { 1 };
+        let parameters = unknown.parameters().len();
         Ok(Self {
             forces: parts.iter().map(|_| ElementForce::default()).collect(),
             displacement: vec![0.0; unknowns],
             arguments: vec![0.0; first * nc],
             metric: vec![1.0; unknowns + parameters],
             condensation: Condensation::new(model, kept, tracked),
-            aft: Aft::new(harmonics, samples),
+            aft: Aft::new(truncation),
             force_scale: if epsilon > 0.0 { epsilon } else { stiffness } * scales.length,
             point: Point { omega: scales.frequency, decay: 0.0 },
             amplitude: 0.0,
             condensed: Vec::new(),
             residual: Vec::new(),
             lu: Lu::default(),
-            solution: Vec::new(),
             model,
             unknown,
             scales,
@@ -166,11 +168,7 @@ impl<'m> DisplacementForm<'m> {
             let series = state.combine(self.model.modes.shapes.row(dof).iter().copied());
             y.extend(series.iter().map(|x| x / self.scales.length));
         }
-        match self.unknown {
-            Unknown::Frequency => y.push(state.omega / self.scales.frequency),
-            Unknown::Amplitude => y.push(state.amplitude / self.scales.forcing),
-            Unknown::Backbone => y.extend([state.omega, state.decay].map(|v| v / self.scales.frequency)),
-        }
+        y.extend(self.unknown.encode(state, &self.scales));
         y
     }
 
@@ -237,13 +235,12 @@ impl<'m> DisplacementForm<'m> {
         for (x, y) in self.displacement.iter_mut().zip(displacement) {
             *x = y * self.scales.length;
         }
-        match self.unknown {
-            Unknown::Frequency => self.point.omega = parameters[0] * self.scales.frequency,
-            Unknown::Amplitude => self.amplitude = parameters[0] * self.scales.forcing,
-            Unknown::Backbone => {
-                self.point.omega = parameters[0] * self.scales.frequency;
-                self.point.decay = parameters[1] * self.scales.frequency;
-                self.amplitude = 0.0;
+        for (&parameter, value) in self.unknown.parameters().iter().zip(parameters) {
+            let value = value * parameter.unit(&self.scales);
+            match parameter {
+                Parameter::Frequency => self.point.omega = value,
+                Parameter::Decay => self.point.decay = value,
+                Parameter::Amplitude => self.amplitude = value,
             }
         }
     }
@@ -293,19 +290,13 @@ impl Problem for DisplacementForm<'_> {
         self.lu.determinant_sign()
     }
 
-    fn newton_step(&mut self, mismatch: f64, step: &mut [f64]) {
-        let mut solution = std::mem::take(&mut self.solution);
-        solution.clear();
-        solution.extend(self.scaled_residual().map(|r| -r));
-        solution.push(-mismatch);
-        self.lu.solve(&mut solution);
-        step.copy_from_slice(&solution);
-        self.solution = solution;
-    }
-
-    fn direction(&mut self, tangent: &mut [f64]) {
-        tangent.fill(0.0);
-        tangent[self.metric.len() - 1] = 1.0;
+    fn solve(&mut self, mismatch: f64, step: &mut [f64], tangent: &mut [f64]) {
+        for ((s, t), r) in step.iter_mut().zip(tangent.iter_mut()).zip(self.scaled_residual()) {
+            (*s, *t) = (-r, 0.0);
+        }
+        let last = self.metric.len() - 1;
+        (step[last], tangent[last]) = (-mismatch, 1.0);
+        self.lu.solve(step);
         self.lu.solve(tangent);
     }
 }

@@ -1,8 +1,9 @@
 //! Bordered Jacobian of the pressure form.
 
-use super::{Parameter, PressureForm};
+use super::PressureForm;
 use crate::harmonics::complex;
 use crate::receptance::{gather, scatter};
+use crate::unknown::Parameter;
 use rustfft::num_complex::Complex64;
 
 /// Rows or columns (a_k, b_k) of harmonic k within a series; b_0 does not exist.
@@ -203,21 +204,16 @@ impl PressureForm<'_> {
         let (load, response) = rest.split_at_mut(n);
         for (p, (rate, &parameter)) in rates.iter_mut().zip(self.unknown.parameters()).enumerate() {
             let column = parameter_start + p;
-            let unit = self.unit(parameter);
+            let unit = parameter.unit(&self.scales);
             let is_omega = parameter == Parameter::Frequency;
             for k in 0..=self.harmonics {
                 // `moved` = (∂D/∂p) Y, `load` = ∂(E − F)/∂p.
                 gather(&self.current.modal, nc, k, y);
                 moved.fill(Complex64::default());
                 load.fill(Complex64::default());
-                let slope = match parameter {
-                    Parameter::Frequency => Some(Complex64::new(0.0, k as f64)),
-                    Parameter::Decay => Some(Complex64::new(-(k as f64), 0.0)),
-                    Parameter::Amplitude => None,
-                };
-                if let Some(slope) = slope {
+                if parameter != Parameter::Amplitude {
                     self.receptance.rate_times(k, y, moved);
-                    moved.iter_mut().for_each(|m| *m *= slope);
+                    moved.iter_mut().for_each(|m| *m *= parameter.rate(k));
                 } else if k == self.model.forcing.harmonic {
                     load.iter_mut().zip(&self.modal_forcing).for_each(|(l, &s)| *l = s.into());
                 }
@@ -330,20 +326,20 @@ impl PressureForm<'_> {
     }
 
     /// Expands a solution of the bordered system to the full scaled state, dependent entries included.
-    pub(super) fn expand(&mut self, out: &mut [f64]) {
+    pub(super) fn expand(&self, solution: &[f64], out: &mut [f64]) {
         let (nc, n) = (self.nc, self.model.size());
         let kept_start = self.argument_unknowns();
-        let parameter_start = self.solution.len() - self.parameters();
+        let parameter_start = solution.len() - self.parameters();
         let (arguments, rest) = out.split_at_mut(self.current.arguments.len());
         let (modal, parameters) = rest.split_at_mut(self.current.modal.len());
-        parameters.copy_from_slice(&self.solution[parameter_start..]);
+        parameters.copy_from_slice(&solution[parameter_start..]);
         // Forces, then modal amplitudes.
         let mut force = vec![0.0; arguments.len()];
         let mut column = 0;
         for (slot, element) in self.slots.iter().zip(&self.forces).filter(|(slot, _)| slot.active) {
             let width = slot.count * nc;
             let start = slot.first * nc;
-            let unknowns = &self.solution[column..column + width];
+            let unknowns = &solution[column..column + width];
             arguments[start..start + width].copy_from_slice(unknowns);
             for (f, row) in force[start..start + width].iter_mut().zip(element.jacobian.chunks(width)) {
                 *f = crate::linalg::dot(row, unknowns);
@@ -365,8 +361,8 @@ impl PressureForm<'_> {
             for kept in self.receptance.kept() {
                 let step = if kept.harmonic == 0 { 1 } else { 2 };
                 if kept.harmonic == k {
-                    let imaginary = if k == 0 { 0.0 } else { -self.solution[start + 1] };
-                    let q = Complex64::new(self.solution[start], imaginary);
+                    let imaginary = if k == 0 { 0.0 } else { -solution[start + 1] };
+                    let q = Complex64::new(solution[start], imaginary);
                     if let Some(coupling) = self.receptance.coupling(k, kept.mode) {
                         load.iter_mut().zip(&coupling).for_each(|(l, c)| *l -= c * q * self.scales.modal);
                     }

@@ -68,7 +68,7 @@ impl PressureForm<'_> {
     /// Modal forces E − F of harmonic k into `out`.
     pub(super) fn modal_load(&self, k: usize, out: &mut [Complex64]) {
         out.fill(Complex64::default());
-        if k == self.model.forcing.harmonic && !self.is_autonomous() {
+        if k == self.model.forcing.harmonic && !self.unknown.is_autonomous() {
             let amplitude = self.current.amplitude;
             out.iter_mut().zip(&self.modal_forcing).for_each(|(o, s)| *o = Complex64::new(amplitude * s, 0.0));
         }

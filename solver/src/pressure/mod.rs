@@ -25,42 +25,8 @@ use crate::receptance::Receptance;
 use crate::scales::Scales;
 use crate::settings::HarmonicSettings;
 use crate::state::State;
+use crate::unknown::{Parameter, Unknown};
 use rustfft::num_complex::Complex64;
-
-/// Which parameters are unknown beside the harmonics.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Unknown {
-    /// Forced response, ω free at fixed forcing amplitude.
-    Frequency,
-    /// Forced response, A free at fixed ω.
-    Amplitude,
-    /// Nonlinear normal mode: E = 0, ω and ζ free, phase fixed by Re q = 0; with or without the linear damping.
-    Mode {
-        /// Whether the linear damping acts.
-        damped: bool,
-    },
-    /// Forced response in quadrature with the forcing, Re(X_m·s) = 0, ω and A free.
-    PhaseResonance,
-}
-
-/// An unknown parameter.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Parameter {
-    Frequency,
-    Decay,
-    Amplitude,
-}
-
-impl Unknown {
-    fn parameters(self) -> &'static [Parameter] {
-        match self {
-            Unknown::Frequency => &[Parameter::Frequency],
-            Unknown::Amplitude => &[Parameter::Amplitude],
-            Unknown::Mode { .. } => &[Parameter::Frequency, Parameter::Decay],
-            Unknown::PhaseResonance => &[Parameter::Frequency, Parameter::Amplitude],
-        }
-    }
-}
 
 /// A nonlinear element as the pressure form sees it.
 struct Slot {
@@ -113,7 +79,7 @@ pub struct PressureForm<'m> {
     /// Derivatives of the dependent modal amplitudes with respect to each parameter, modes × nc each.
     modal_rates: Vec<Vec<f64>>,
     lu: Lu,
-    solution: Vec<f64>,
+    solutions: Vec<f64>,
     work: Vec<Complex64>,
     receptance_re: Vec<f64>,
     receptance_im: Vec<f64>,
@@ -192,7 +158,7 @@ impl<'m> PressureForm<'m> {
             residual: Vec::new(),
             modal_rates: vec![vec![0.0; n * nc]; parameters],
             lu: Lu::default(),
-            solution: Vec::new(),
+            solutions: Vec::new(),
             work: Vec::new(),
             receptance_re: Vec::new(),
             receptance_im: Vec::new(),
@@ -236,14 +202,7 @@ impl<'m> PressureForm<'m> {
             y.extend(series.iter().map(|a| a / channel.scale));
         }
         y.extend(state.modal.iter().map(|q| q / self.scales.modal));
-        y.extend(self.unknown.parameters().iter().map(|&parameter| {
-            let value = match parameter {
-                Parameter::Frequency => state.omega,
-                Parameter::Decay => state.decay,
-                Parameter::Amplitude => state.amplitude,
-            };
-            value / self.unit(parameter)
-        }));
+        y.extend(self.unknown.encode(state, &self.scales));
         y
     }
 
@@ -263,20 +222,12 @@ impl<'m> PressureForm<'m> {
         }
         self.current.modal.iter_mut().zip(modal).for_each(|(t, s)| *t = s * self.scales.modal);
         for (&parameter, value) in self.unknown.parameters().iter().zip(parameters) {
-            let value = value * self.unit(parameter);
+            let value = value * parameter.unit(&self.scales);
             match parameter {
                 Parameter::Frequency => self.current.omega = value,
                 Parameter::Decay => self.current.decay = value,
                 Parameter::Amplitude => self.current.amplitude = value,
             }
-        }
-    }
-
-    /// Scale of a parameter.
-    fn unit(&self, parameter: Parameter) -> f64 {
-        match parameter {
-            Parameter::Frequency | Parameter::Decay => self.scales.frequency,
-            Parameter::Amplitude => self.scales.forcing,
         }
     }
 
@@ -332,11 +283,6 @@ impl<'m> PressureForm<'m> {
         self.receptance.damping()
     }
 
-    /// Whether the system is autonomous.
-    fn is_autonomous(&self) -> bool {
-        matches!(self.unknown, Unknown::Mode { .. })
-    }
-
     /// Unknown parameters beside the harmonics.
     pub fn unknown(&self) -> Unknown {
         self.unknown
@@ -380,19 +326,17 @@ impl Problem for PressureForm<'_> {
         self.lu.determinant_sign()
     }
 
-    fn newton_step(&mut self, mismatch: f64, step: &mut [f64]) {
-        self.solution.clear();
-        self.solution.extend(self.residual.iter().map(|r| -r));
-        self.solution.push(-mismatch);
-        self.lu.solve(&mut self.solution);
-        self.expand(step);
-    }
-
-    fn direction(&mut self, tangent: &mut [f64]) {
-        self.solution.clear();
-        self.solution.resize(self.residual.len(), 0.0);
-        self.solution.push(1.0);
-        self.lu.solve(&mut self.solution);
-        self.expand(tangent);
+    fn solve(&mut self, mismatch: f64, step: &mut [f64], tangent: &mut [f64]) {
+        let mut solutions = std::mem::take(&mut self.solutions);
+        solutions.clear();
+        solutions.extend(self.residual.iter().map(|r| -r));
+        solutions.push(-mismatch);
+        let size = solutions.len();
+        solutions.resize(2 * size, 0.0);
+        solutions[2 * size - 1] = 1.0;
+        self.lu.solve(&mut solutions);
+        self.expand(&solutions[..size], step);
+        self.expand(&solutions[size..], tangent);
+        self.solutions = solutions;
     }
 }
