@@ -3,13 +3,13 @@
 use crate::branch::{BranchPoint, Stop};
 use crate::continuation::Continuation;
 use crate::harmonics::width;
-use crate::laws::{Law, LawKind};
-use crate::melnikov::Energies;
+use crate::linear;
+use crate::melnikov::{Criterion, Energies};
 use crate::model::Model;
 use crate::pressure::{PressureForm, Unknown};
 use crate::problem::{Failure, Problem};
 use crate::scales::Scales;
-use crate::settings::Settings;
+use crate::settings::{BackboneEquation, Settings};
 use crate::state::State;
 use crate::walk::{Bounds, Observer, Visited, insert_maxima, locate_maximum, walk};
 use serde::{Deserialize, Serialize};
@@ -22,6 +22,8 @@ pub struct BackbonePoint {
     pub point: BranchPoint,
     /// Energy balance.
     pub energies: Energies,
+    /// Threshold amplitude A*: forced responses are predicted here for A > A*.
+    pub threshold: f64,
     /// Share of each mode: max |γ_j(t)| over a period, γ_j = Φ_jᵀ M x, divided by their sum (paper [35, 36]).
     pub contributions: Vec<f64>,
     /// Scaled arc length from the first point.
@@ -61,11 +63,26 @@ impl Backbone {
     pub fn compute(model: &Model, settings: &Settings, observer: &mut Observer<'_>) -> Result<Self, BackboneError> {
         let mode = settings.tracked();
         let scales = Scales::new(model, mode);
-        let harmonics = settings.harmonics;
-        let mut problem = PressureForm::new(model, harmonics.count, harmonics.samples, mode, Unknown::Backbone, scales);
-        let (state, direction) = linear_mode(&problem, model, &scales, mode);
-        let y = problem.encode(&state);
+        let mut problem = PressureForm::new(
+            model,
+            settings.harmonics,
+            mode,
+            match settings.backbone.equation {
+                BackboneEquation::DampedMode => Unknown::Mode { damped: true },
+                BackboneEquation::ConservativeMode => Unknown::Mode { damped: false },
+                BackboneEquation::PhaseResonance => Unknown::PhaseResonance,
+            },
+            scales,
+        );
         let omega = model.modes.frequencies[mode];
+        let start = match settings.backbone.equation {
+            BackboneEquation::PhaseResonance => linear::forced_response(&problem, 1.0, omega)
+                .map(|state| linear::below_first_touch(&problem, state))
+                .map_err(|_| BackboneError::Start { mode: mode + 1, omega, failure: Failure::Singular })?,
+            _ => linear::mode_motion(&problem, mode),
+        };
+        let y = problem.encode(&start);
+        let direction = problem.growth(&y);
         let mut continuation = Continuation::start(&mut problem, y, &direction, settings.continuation)
             .map_err(|failure| BackboneError::Start { mode: mode + 1, omega, failure })?;
         let limits = &settings.backbone;
@@ -76,14 +93,14 @@ impl Backbone {
             closure: None,
         };
         let (visited, stop) = walk(&mut continuation, &bounds, observer);
-        let visited = with_threshold_extrema(&mut continuation, visited);
+        let visited = with_threshold_extrema(&mut continuation, visited, limits.criterion);
         let rejections = continuation.rejections();
         let mut arc = 0.0;
         let points = visited
             .into_iter()
             .map(|visited| {
                 arc += visited.curve.step;
-                evaluate(continuation.problem(), visited, arc)
+                evaluate(continuation.problem(), visited, arc, limits.criterion)
             })
             .collect();
         Ok(Self { mode, points, stop, rejections })
@@ -103,67 +120,15 @@ impl Backbone {
     }
 }
 
-/// The linear mode just below the first touch (without contact: at a thousandth of the reference length), Re q = 0, and
-/// the direction of growing amplitude.
-fn linear_mode(problem: &PressureForm<'_>, model: &Model, scales: &Scales, mode: usize) -> (State, Vec<f64>) {
-    let nc = width(problem.harmonics());
-    let damping = match &model.damping {
-        crate::model::Damping::Modal(c) => c[mode],
-        crate::model::Damping::Full(c) => c[(mode, mode)],
-    };
-    let omega = model.modes.frequencies[mode];
-    let ratio = damping / (2.0 * omega);
-    let mut amplitude = f64::INFINITY;
-    let mut first = 0;
-    for element in &model.elements {
-        let reach = problem.channel_shape(first)[mode].abs();
-        match &element.law {
-            LawKind::Contact(contact) => amplitude = amplitude.min(0.99 * contact.gap / reach),
-            LawKind::PenaltySpring(spring) if spring.gap > 0.0 => amplitude = amplitude.min(0.99 * spring.gap / reach),
-            _ => amplitude = amplitude.min(1e-3 * scales.modal),
-        }
-        first += element.law.arguments();
-    }
-    if !amplitude.is_finite() {
-        amplitude = scales.modal;
-    }
-    let mut state = State {
-        harmonics: problem.harmonics(),
-        omega: omega * (1.0 - ratio * ratio).max(0.0).sqrt(),
-        decay: ratio * omega,
-        amplitude: 0.0,
-        arguments: vec![0.0; first * nc],
-        modal: vec![0.0; model.size() * nc],
-    };
-    // X_1 = −i b: motion b sin ωt.
-    state.modal[mode * nc + 2] = amplitude;
-    let mut u = 0;
-    for element in &model.elements {
-        for i in 0..element.law.arguments() {
-            let series = &mut state.arguments[(u + i) * nc..(u + i + 1) * nc];
-            let displacement = amplitude * problem.channel_shape(u + i)[mode];
-            match &element.law {
-                LawKind::Contact(contact) if i == 0 => {
-                    series[0] = -contact.epsilon * contact.gap;
-                    series[2] = contact.epsilon * displacement;
-                }
-                _ => series[2] = displacement,
-            }
-        }
-        u += element.law.arguments();
-    }
-    let mut direction = vec![0.0; problem.len()];
-    direction[first * nc + mode * nc + 2] = 1.0;
-    (state, direction)
-}
-
 /// Inserts the minima and maxima of the threshold curve, located along the arc.
 fn with_threshold_extrema(
     continuation: &mut Continuation<'_, PressureForm<'_>>,
     visited: Vec<Visited>,
+    criterion: Criterion,
 ) -> Vec<Visited> {
-    let log_threshold =
-        |problem: &mut PressureForm<'_>, v: &Visited| energies_at(problem, &v.curve.y, &v.point.state).threshold().ln();
+    let log_threshold = |problem: &mut PressureForm<'_>, v: &Visited| {
+        energies_at(problem, &v.curve.y, &v.point.state).threshold(criterion).ln()
+    };
     let values: Vec<f64> = visited.iter().map(|v| log_threshold(continuation.problem(), v)).collect();
     let mut maxima = Vec::new();
     for i in 1..visited.len().saturating_sub(1) {
@@ -187,10 +152,11 @@ fn energies_at(problem: &mut PressureForm<'_>, y: &[f64], state: &State) -> Ener
     Energies::evaluate(problem, state)
 }
 
-fn evaluate(problem: &mut PressureForm<'_>, visited: Visited, arc: f64) -> BackbonePoint {
+fn evaluate(problem: &mut PressureForm<'_>, visited: Visited, arc: f64, criterion: Criterion) -> BackbonePoint {
     let energies = energies_at(problem, &visited.curve.y, &visited.point.state);
     let nc = width(visited.point.state.harmonics);
     let maxima: Vec<f64> = visited.point.state.modal.chunks(nc).map(|series| problem.aft().max_abs(series)).collect();
     let sum: f64 = maxima.iter().sum();
-    BackbonePoint { point: visited.point, energies, contributions: maxima.iter().map(|m| m / sum).collect(), arc }
+    let contributions = maxima.iter().map(|m| m / sum).collect();
+    BackbonePoint { point: visited.point, threshold: energies.threshold(criterion), energies, contributions, arc }
 }

@@ -58,7 +58,7 @@ impl BranchPoint {
         let mut first = 0;
         for element in &model.elements {
             if matches!(element.law, LawKind::Contact(_)) {
-                contact.push(problem.aft().positive_fraction(&state.arguments[first * nc..(first + 1) * nc]));
+                contact.push(problem.aft().coverage(&state.arguments[first * nc..(first + 1) * nc]).fraction());
             }
             first += element.law.arguments();
         }

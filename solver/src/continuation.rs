@@ -118,27 +118,26 @@ impl<'p, P: Problem> Continuation<'p, P> {
     /// walk goes the way of `direction`.
     pub fn start(
         problem: &'p mut P,
-        mut y: Vec<f64>,
+        y: Vec<f64>,
         direction: &[f64],
         settings: ContinuationSettings,
     ) -> Result<Self, Failure> {
         let mut newton = Newton::default();
-        let origin = y.clone();
-        let landing = NewtonSettings { max_iterations: 20, ..settings.newton };
         let row = weighted(problem.metric(), direction);
-        let constraint = Constraint::Hyperplane { row: &row, origin: &origin };
-        let convergence = newton.solve(problem, &mut y, constraint, &landing)?;
-        let tangent = unit(problem.metric(), newton.direction.clone());
-        let current = CurvePoint {
-            orientation: problem.orientation(),
-            y,
-            tangent,
-            iterations: convergence.iterations,
-            residual: convergence.residual,
-            step: 0.0,
-        };
+        let current = land(problem, &mut newton, y, &row, &settings)?;
         let step = settings.initial_step;
-        Ok(Self { problem, settings, newton, current, previous: None, step, rejections: 0, stalled: None, row, origin })
+        Ok(Self {
+            problem,
+            settings,
+            newton,
+            current,
+            previous: None,
+            step,
+            rejections: 0,
+            stalled: None,
+            row,
+            origin: Vec::new(),
+        })
     }
 
     /// The point reached.
@@ -164,6 +163,11 @@ impl<'p, P: Problem> Continuation<'p, P> {
     /// Point at arc length `step` along the tangent from `from`, corrected; neither the walk nor its step change.
     pub fn probe(&mut self, from: &CurvePoint, step: f64) -> Result<CurvePoint, Failure> {
         self.correct(from, None, step)
+    }
+
+    /// Point of the curve near `y` on the plane through it normal to `row`; neither the walk nor its step change.
+    pub fn correct_on(&mut self, y: Vec<f64>, row: &[f64]) -> Result<CurvePoint, Failure> {
+        land(self.problem, &mut self.newton, y, row, &self.settings)
     }
 
     fn correct(&mut self, from: &CurvePoint, previous: Option<&[f64]>, step: f64) -> Result<CurvePoint, Failure> {
@@ -250,6 +254,27 @@ impl<P: Problem> Iterator for Continuation<'_, P> {
             }
         }
     }
+}
+
+/// Corrects `y` on the plane through it normal to `row`.
+fn land<P: Problem>(
+    problem: &mut P,
+    newton: &mut Newton,
+    mut y: Vec<f64>,
+    row: &[f64],
+    settings: &ContinuationSettings,
+) -> Result<CurvePoint, Failure> {
+    let origin = y.clone();
+    let settings = NewtonSettings { max_iterations: 20, ..settings.newton };
+    let convergence = newton.solve(problem, &mut y, Constraint::Hyperplane { row, origin: &origin }, &settings)?;
+    Ok(CurvePoint {
+        orientation: problem.orientation(),
+        y,
+        tangent: unit(problem.metric(), newton.direction.clone()),
+        iterations: convergence.iterations,
+        residual: convergence.residual,
+        step: 0.0,
+    })
 }
 
 /// Linear form of the scalar product with `direction`.

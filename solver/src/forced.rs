@@ -1,15 +1,14 @@
 //! Forced responses: the linear start, tracing a branch to both ends, its special points, identity of branches.
 
+use crate::amplitude::from_rest;
 use crate::backbone::Backbone;
 use crate::branch::{Branch, BranchPoint, Outcome, SpecialKind, SpecialPoint, Stop};
-use crate::continuation::{Continuation, ContinuationSettings};
-use crate::harmonics::{set_complex, width};
-use crate::laws::{Law, LawKind};
+use crate::continuation::Continuation;
+use crate::linear::forced_response;
 use crate::model::Model;
 use crate::newton::{Constraint, Newton, NewtonSettings};
 use crate::pressure::{PressureForm, Unknown};
 use crate::problem::{Failure, Problem, norm};
-use crate::receptance::{Point, Receptance};
 use crate::scales::Scales;
 use crate::settings::Settings;
 use crate::state::State;
@@ -17,7 +16,6 @@ use crate::walk::{
     Bounds, Maximum, Observer, Visited, insert_maxima, interpolate, locate_maximum, relative_distance, walk,
 };
 use crate::windows::turning_points;
-use rustfft::num_complex::Complex64;
 
 /// Forced responses at one forcing amplitude.
 pub struct Forced<'m> {
@@ -32,18 +30,10 @@ impl<'m> Forced<'m> {
     /// Forced responses of `model` at `amplitude`; the backbone gives the default bounds.
     pub fn new(model: &'m Model, settings: &Settings, backbone: &Backbone, amplitude: f64) -> Self {
         let scales = Scales::new(model, settings.tracked());
-        let truncation = settings.harmonics;
-        let problem = PressureForm::new(
-            model,
-            truncation.count,
-            truncation.samples,
-            settings.tracked(),
-            Unknown::Frequency,
-            scales,
-        );
+        let problem = PressureForm::new(model, settings.harmonics, settings.tracked(), Unknown::Frequency, scales);
         let (low, high) = backbone.frequency_range();
         let bounds = Bounds {
-            frequency: (settings.frequency.min.unwrap_or(0.95 * low), settings.frequency.max.unwrap_or(1.05 * high)),
+            frequency: (settings.frequency.min.unwrap_or(0.9 * low), settings.frequency.max.unwrap_or(1.1 * high)),
             amplitude: settings.branch.max_amplitude.unwrap_or(3.0 * backbone.max_amplitude()),
             points: settings.branch.max_points,
             closure: Some(settings.branch.closure),
@@ -53,16 +43,27 @@ impl<'m> Forced<'m> {
         forced
     }
 
+    /// The settings.
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
     /// Frequencies between which branches are followed, rad/s.
     pub fn frequency_bounds(&self) -> (f64, f64) {
         self.bounds.frequency
     }
 
-    /// The main branch: from the linear response at the lower frequency bound upwards.
+    /// The main branch: from the lower frequency bound upwards. It starts at the linear response if that is one, and
+    /// otherwise where continuation in the forcing amplitude leads from the linear range.
     pub fn main_branch(&mut self, observer: &mut Observer<'_>) -> Result<Branch, Failure> {
-        let state = linear_response(self.problem.model(), &self.settings, self.amplitude, self.bounds.frequency.0);
-        let y = self.problem.encode(&state);
-        let upwards = self.frequency_direction();
+        let omega = self.bounds.frequency.0;
+        let linear = forced_response(&self.problem, self.amplitude, omega).map_err(|_| Failure::Singular)?;
+        let start = match self.converge(&linear) {
+            Ok(state) if self.distance(&state, &linear) < 1e-3 => state,
+            _ => from_rest(self.problem.model(), &self.settings, self.amplitude, omega)?,
+        };
+        let y = self.problem.encode(&start);
+        let upwards = self.problem.parameter_row();
         let mut continuation = Continuation::start(&mut self.problem, y, &upwards, self.settings.continuation)?;
         let (visited, stop) = walk(&mut continuation, &Bounds { closure: None, ..self.bounds }, observer);
         let rejections = continuation.rejections();
@@ -73,7 +74,7 @@ impl<'m> Forced<'m> {
     /// The branch through a converged state: forwards, and if it does not close, backwards as well.
     pub fn branch_through(&mut self, state: &State, observer: &mut Observer<'_>) -> Result<Branch, Failure> {
         let y = self.problem.encode(state);
-        let upwards = self.frequency_direction();
+        let upwards = self.problem.parameter_row();
         let settings = self.settings.continuation;
         let mut continuation = Continuation::start(&mut self.problem, y, &upwards, settings)?;
         let (mut visited, stop) = walk(&mut continuation, &self.bounds, observer);
@@ -97,7 +98,7 @@ impl<'m> Forced<'m> {
     pub fn converge(&mut self, state: &State) -> Result<State, Failure> {
         let mut y = self.problem.encode(state);
         let origin = y.clone();
-        let row = self.frequency_direction();
+        let row = self.problem.parameter_row();
         let settings = NewtonSettings { damped: true, max_iterations: 40, ..self.settings.continuation.newton };
         let constraint = Constraint::Hyperplane { row: &row, origin: &origin };
         Newton::default().solve(&mut self.problem, &mut y, constraint, &settings)?;
@@ -147,12 +148,6 @@ impl<'m> Forced<'m> {
         false
     }
 
-    fn frequency_direction(&self) -> Vec<f64> {
-        let mut direction = vec![0.0; self.problem.len()];
-        *direction.last_mut().expect("the frequency is the last unknown") = 1.0;
-        direction
-    }
-
     /// Locates folds and peak, and drops what only the continuation needs.
     fn finish(&mut self, walked: Walked) -> Branch {
         let Walked { visited, start, outcome, rejections } = walked;
@@ -160,8 +155,8 @@ impl<'m> Forced<'m> {
         let mut maxima = vec![Maximum { anchor: start, located: None }];
         let mut kinds = vec![SpecialKind::Start];
         let first = visited[0].curve.clone();
-        let settings = ContinuationSettings { ..self.settings.continuation };
-        if let Ok(mut continuation) = Continuation::start(&mut self.problem, first.y.clone(), &first.tangent, settings)
+        if let Ok(mut continuation) =
+            Continuation::start(&mut self.problem, first.y.clone(), &first.tangent, self.settings.continuation)
         {
             for (anchor, sign) in frequency_folds(&visited, closed) {
                 let measure = move |_: &mut PressureForm<'_>, v: &Visited| sign * v.point.omega();
@@ -246,43 +241,4 @@ fn refine(
     let arcs = (arc(before, anchor, problem), arc(anchor, after, problem));
     let values = [before, anchor, after].map(|i| measure(problem, &visited[i]));
     Some(locate_maximum(continuation, visited, anchor, arcs, values, measure))
-}
-
-/// Linear response at frequency `omega` and forcing amplitude `amplitude` (closed form).
-pub fn linear_response(model: &Model, settings: &Settings, amplitude: f64, omega: f64) -> State {
-    let harmonics = settings.harmonics.count;
-    let (n, nc, m) = (model.size(), width(harmonics), model.forcing.harmonic);
-    let mut modal = vec![0.0; n * nc];
-    if m <= harmonics {
-        let mut receptance = Receptance::new(model, harmonics, Vec::new());
-        let load: Vec<Complex64> = model
-            .modes
-            .shapes
-            .transpose()
-            .mul_vec(&model.forcing.shape)
-            .iter()
-            .map(|s| Complex64::new(amplitude * s, 0.0))
-            .collect();
-        let mut y = vec![Complex64::default(); n];
-        if receptance.solve_all(Point { omega, decay: 0.0 }, m, &load, &mut y).is_ok() {
-            for (series, y) in modal.chunks_mut(nc).zip(&y) {
-                set_complex(series, m, *y);
-            }
-        }
-    }
-    let mut state = State { harmonics, omega, decay: 0.0, amplitude, arguments: Vec::new(), modal };
-    for element in &model.elements {
-        for (i, channel) in element.channels.iter().take(element.law.arguments()).enumerate() {
-            let shape: Vec<f64> = (0..n)
-                .map(|j| channel.iter().map(|&(dof, factor)| factor * model.modes.shapes[(dof, j)]).sum())
-                .collect();
-            let mut series = state.combine(shape);
-            if let (LawKind::Contact(contact), 0) = (&element.law, i) {
-                series.iter_mut().for_each(|x| *x *= contact.epsilon);
-                series[0] -= contact.epsilon * contact.gap;
-            }
-            state.arguments.extend(series);
-        }
-    }
-    state
 }

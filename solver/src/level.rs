@@ -5,8 +5,9 @@ use crate::branch::{Branch, BranchPoint};
 use crate::forced::Forced;
 use crate::model::Model;
 use crate::problem::Failure;
-use crate::seeds::{Landing, Phase, land};
+use crate::seeds::{LandingFailure, Phase, land, land_by_amplitude};
 use crate::settings::Settings;
+use crate::state::State;
 use crate::walk::Observer;
 use crate::windows::{Window, windows};
 use serde::{Deserialize, Serialize};
@@ -22,13 +23,15 @@ pub enum BranchId {
 }
 
 /// What became of one of the two seeds of a window.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SeedOutcome {
     /// It lies on this branch.
     Found(BranchId),
-    /// It led nowhere.
-    NotFound(String),
+    /// It did not lead to a forced response.
+    NotLanded(LandingFailure),
+    /// It landed, but no branch could be started there.
+    NotTraced(Failure),
 }
 
 /// The account of a window.
@@ -54,6 +57,8 @@ impl WindowAccount {
         list
     }
 }
+
+type LandFn = fn(&mut Forced<'_>, &Backbone, &Window, Phase, f64) -> Result<State, LandingFailure>;
 
 /// All forced responses found at one forcing amplitude.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -83,44 +88,47 @@ impl Level {
         let mut forced = Forced::new(model, settings, backbone, amplitude);
         let main = forced.main_branch(observer)?;
         let mut level = Self { amplitude, main, isolas: Vec::new(), windows: Vec::new() };
-        for (index, window) in windows(backbone, amplitude).into_iter().enumerate() {
-            let seeds = [Phase::First, Phase::Second]
-                .map(|phase| level.follow(&mut forced, backbone, &window, index, phase, observer));
-            level.windows.push(WindowAccount { window, seeds });
+        for window in windows(backbone, amplitude) {
+            let account = level.follow_window(&mut forced, backbone, window, observer);
+            level.windows.push(account);
         }
         Ok(level)
     }
 
-    /// Lands from one seed of a window, and traces the branch unless it is known.
-    fn follow(
+    /// Both seeds of a window at fixed frequency; if neither leads to a branch, by steps in the forcing amplitude.
+    fn follow_window(
         &mut self,
         forced: &mut Forced<'_>,
         backbone: &Backbone,
-        window: &Window,
-        index: usize,
-        phase: Phase,
+        window: Window,
         observer: &mut Observer<'_>,
-    ) -> SeedOutcome {
-        let (state, near) = match land(forced, backbone, window, index, phase, self.amplitude) {
-            Ok(Landing::Near(_, state)) => (state, true),
-            Ok(Landing::Far(_, state)) => (state, false),
-            Err(failure) => return SeedOutcome::NotFound(failure.to_string()),
+    ) -> WindowAccount {
+        let amplitude = self.amplitude;
+        let mut try_both = |land: LandFn| {
+            let seeds =
+                [Phase::First, Phase::Second].map(|phase| match land(forced, backbone, &window, phase, amplitude) {
+                    Ok(state) => self.follow(forced, &state, observer),
+                    Err(failure) => SeedOutcome::NotLanded(failure),
+                });
+            WindowAccount { window, seeds }
         };
+        let account = try_both(land);
+        if account.branches().is_empty() { try_both(land_by_amplitude) } else { account }
+    }
+
+    /// Traces the branch through a landed state, unless it is known.
+    fn follow(&mut self, forced: &mut Forced<'_>, state: &State, observer: &mut Observer<'_>) -> SeedOutcome {
         for (id, branch) in self.branches() {
-            if forced.lies_on(&state, branch) {
-                return if near {
-                    SeedOutcome::Found(id)
-                } else {
-                    SeedOutcome::NotFound(format!("fell to a known branch far from the prediction ({id:?})"))
-                };
+            if forced.lies_on(state, branch) {
+                return SeedOutcome::Found(id);
             }
         }
-        match forced.branch_through(&state, observer) {
+        match forced.branch_through(state, observer) {
             Ok(branch) => {
                 self.isolas.push(branch);
                 SeedOutcome::Found(BranchId::Isola(self.isolas.len() - 1))
             }
-            Err(failure) => SeedOutcome::NotFound(failure.to_string()),
+            Err(failure) => SeedOutcome::NotTraced(failure),
         }
     }
 

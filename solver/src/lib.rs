@@ -1,6 +1,8 @@
 //! Numerics of Isola: contact harmonic balance, damped backbone, Melnikov windows, isolas.
 
 pub mod aft;
+pub mod amplitude;
+pub mod arcs;
 pub mod backbone;
 pub mod branch;
 pub mod continuation;
@@ -9,6 +11,7 @@ pub mod harmonics;
 pub mod laws;
 pub mod level;
 pub mod linalg;
+pub mod linear;
 pub mod marching;
 pub mod melnikov;
 pub mod model;

@@ -1,7 +1,7 @@
 //! Melnikov energy balance over one period (paper [27–31]).
 
 use crate::harmonics::width;
-use crate::model::{Damping, Model};
+use crate::model::Damping;
 use crate::pressure::PressureForm;
 use crate::state::State;
 use serde::{Deserialize, Serialize};
@@ -16,18 +16,34 @@ pub struct Energies {
     pub nonlinear: f64,
     /// Largest work of the forcing per unit amplitude, W/A = π m |X_m·s|.
     pub work_per_amplitude: f64,
-    /// |R_lin + R_nl − 2πωζ Σ k³ X_kᴴ M X_k| over |R_lin| + |R_nl|: zero at an exact backbone point.
+    /// |R_lin + R_nl − 2πωζ Σ k³ X_kᴴ M X_k − W sin ψ| over |R_lin| + |R_nl|, R_lin with the damping that acts on the
+    /// backbone, W sin ψ the work of the forcing if it acts: zero at an exact point.
     pub certificate: f64,
 }
 
+/// Which energies the work of the forcing has to exceed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Criterion {
+    /// W > |R_lin + R_nl|: the balance itself. Where the nonlinear forces feed energy in, only this one finds all.
+    #[default]
+    Balance,
+    /// W > |R_lin| + |R_nl|: the paper's criterion, sufficient.
+    Sufficient,
+}
+
 impl Energies {
-    /// Threshold amplitude A* = (|R_lin| + |R_nl|)/(W/A): forced responses are predicted for A > A*.
-    pub fn threshold(&self) -> f64 {
-        (self.linear.abs() + self.nonlinear.abs()) / self.work_per_amplitude
+    /// Threshold amplitude A*: forced responses are predicted for A > A*. Infinite where the forcing does no work.
+    pub fn threshold(&self, criterion: Criterion) -> f64 {
+        let dissipated = match criterion {
+            Criterion::Balance => (self.linear + self.nonlinear).abs(),
+            Criterion::Sufficient => self.linear.abs() + self.nonlinear.abs(),
+        };
+        if self.work_per_amplitude > 0.0 { dissipated / self.work_per_amplitude } else { f64::INFINITY }
     }
 
-    /// (R_lin + R_nl)/(W/A): amplitude at which the signed energy balance just closes.
-    pub fn signed_threshold(&self) -> f64 {
+    /// (R_lin + R_nl)/(W/A): sine of the phase between forcing and motion, times A.
+    pub fn balance(&self) -> f64 {
         (self.linear + self.nonlinear) / self.work_per_amplitude
     }
 
@@ -35,7 +51,8 @@ impl Energies {
     pub fn evaluate(problem: &PressureForm<'_>, state: &State) -> Self {
         let model = problem.model();
         let (omega, nc) = (state.omega, width(state.harmonics));
-        let linear = dissipation(model, state);
+        let linear = dissipation(&model.damping, state);
+        let acting = dissipation(problem.damping(), state);
         let mut nonlinear = 0.0;
         for (u, force) in problem.force().chunks(nc).enumerate() {
             if force.iter().all(|&f| f == 0.0) {
@@ -55,12 +72,14 @@ impl Energies {
             })
             .sum();
         let stored = 2.0 * PI * omega * state.decay * weighted;
+        // What the forcing puts in, if there is one.
+        let input = PI * model.forcing.harmonic as f64 * state.amplitude * -forcing_projection(problem, state).im;
         let scale = linear.abs() + nonlinear.abs();
         Self {
             linear,
             nonlinear,
             work_per_amplitude: PI * model.forcing.harmonic as f64 * forcing_projection(problem, state).norm(),
-            certificate: (linear + nonlinear - stored).abs() / scale,
+            certificate: if scale > 0.0 { (acting + nonlinear - stored - input).abs() / scale } else { 0.0 },
         }
     }
 }
@@ -76,16 +95,16 @@ pub fn forcing_projection(problem: &PressureForm<'_>, state: &State) -> rustfft:
 }
 
 /// R_lin in modal coordinates.
-fn dissipation(model: &Model, state: &State) -> f64 {
-    let n = model.size();
+fn dissipation(damping: &Damping, state: &State) -> f64 {
     let product = |i: usize, j: usize| -> f64 {
         let (x, y) = (state.mode(i), state.mode(j));
         (1..=state.harmonics).map(|k| (k * k) as f64 * (x[2 * k - 1] * y[2 * k - 1] + x[2 * k] * y[2 * k])).sum()
     };
-    let sum: f64 = match &model.damping {
-        Damping::Modal(c) => (0..n).map(|j| c[j] * product(j, j)).sum(),
+    let sum: f64 = match damping {
+        Damping::Modal(c) => c.iter().enumerate().map(|(j, c)| c * product(j, j)).sum(),
         Damping::Full(c) => {
-            (0..n).flat_map(|i| (0..n).map(move |j| (i, j))).map(|(i, j)| c[(i, j)] * product(i, j)).sum()
+            let entries = (0..c.rows()).flat_map(|i| (0..c.cols()).map(move |j| (i, j)));
+            entries.map(|(i, j)| c[(i, j)] * product(i, j)).sum()
         }
     };
     PI * state.omega * sum

@@ -47,6 +47,9 @@ pub enum Failure {
     /// The residual or the state is not finite.
     #[error("the iteration diverged")]
     Diverged,
+    /// A continuation in the forcing amplitude never came to the amplitude wanted.
+    #[error("the forcing amplitude is not reached by continuation in the amplitude")]
+    OutOfReach,
     /// The bordered Jacobian is singular.
     #[error("the Jacobian is singular")]
     Singular,

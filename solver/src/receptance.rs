@@ -55,14 +55,15 @@ pub struct Receptance {
 }
 
 impl Receptance {
-    /// Receptance of `model` for the channels whose modal shapes are given (channels × modes, row-major).
-    pub fn new(model: &Model, harmonics: usize, shapes: Vec<f64>) -> Self {
+    /// Receptance of `model` for the channels whose modal shapes are given (channels × modes, row-major), with or without
+    /// its damping.
+    pub fn new(model: &Model, harmonics: usize, shapes: Vec<f64>, damped: bool) -> Self {
         let modes = model.size();
         Self {
             harmonics,
             modes,
             squares: model.modes.frequencies.iter().map(|w| w * w).collect(),
-            damping: model.damping.clone(),
+            damping: if damped { model.damping.clone() } else { Damping::Modal(vec![0.0; modes]) },
             shapes,
             point: Point { omega: 0.0, decay: 0.0 },
             kept: Vec::new(),
@@ -73,6 +74,11 @@ impl Receptance {
     /// Modal shape b̂ of channel `u`.
     pub fn shape(&self, u: usize) -> &[f64] {
         &self.shapes[u * self.modes..(u + 1) * self.modes]
+    }
+
+    /// The damping that acts.
+    pub fn damping(&self) -> &Damping {
+        &self.damping
     }
 
     /// The kept modal amplitudes.

@@ -1,6 +1,7 @@
 //! Numerical settings: every one has a default, a range and a message.
 
 use crate::continuation::ContinuationSettings;
+use crate::melnikov::Criterion;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
@@ -24,11 +25,24 @@ pub struct HarmonicSettings {
     pub count: usize,
     /// Instants a period N_t, at least 4 H. Default 512 (the paper's).
     pub samples: usize,
+    /// How unilateral laws are integrated over a period. Default arcs.
+    pub quadrature: Quadrature,
+}
+
+/// How unilateral laws are integrated over a period.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Quadrature {
+    /// Over the exact arcs of contact: smooth, independent of the number of samples, which only have to find the arcs.
+    #[default]
+    Arcs,
+    /// By the samples, as the paper does.
+    Samples,
 }
 
 impl Default for HarmonicSettings {
     fn default() -> Self {
-        Self { count: 10, samples: 512 }
+        Self { count: 10, samples: 512, quadrature: Quadrature::default() }
     }
 }
 
@@ -36,9 +50,9 @@ impl Default for HarmonicSettings {
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct FrequencySettings {
-    /// Lower bound; the main branch starts here. Default: 5 % below the lowest frequency of the backbone.
+    /// Lower bound; the main branch starts here. Default: 10 % below the lowest frequency of the backbone.
     pub min: Option<f64>,
-    /// Upper bound. Default: 5 % above the highest frequency of the backbone.
+    /// Upper bound. Default: 10 % above the highest frequency of the backbone.
     pub max: Option<f64>,
 }
 
@@ -56,11 +70,37 @@ pub struct BackboneSettings {
     pub max_frequency: Option<f64>,
     /// Largest number of points. Default 6000.
     pub max_points: usize,
+    /// Energy criterion of the windows. Default balance.
+    pub criterion: Criterion,
+    /// Equation of the backbone. Default damped_mode.
+    pub equation: BackboneEquation,
+}
+
+/// What the backbone is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum BackboneEquation {
+    /// Damped nonlinear normal mode (the paper's).
+    #[default]
+    DampedMode,
+    /// The same without linear damping; the energy balance still counts what the damping dissipates.
+    ConservativeMode,
+    /// Forced responses in quadrature with the forcing, of any amplitude. On a strongly damped structure free motion
+    /// decays too fast to resemble a forced response, and this is the backbone to use: its energy balance is exact.
+    PhaseResonance,
 }
 
 impl Default for BackboneSettings {
     fn default() -> Self {
-        Self { mode: 1, max_amplitude: None, min_frequency: None, max_frequency: None, max_points: 6000 }
+        Self {
+            mode: 1,
+            max_amplitude: None,
+            min_frequency: None,
+            max_frequency: None,
+            max_points: 6000,
+            criterion: Criterion::default(),
+            equation: BackboneEquation::default(),
+        }
     }
 }
 
@@ -102,7 +142,7 @@ impl Settings {
     /// Checks every setting; `modes` is the number of modes of the model.
     pub fn validate(&self, modes: usize) -> Result<(), SettingsError> {
         let refuse = |key, value: String, remedy: String| Err(SettingsError { key, value, remedy });
-        let HarmonicSettings { count, samples } = self.harmonics;
+        let HarmonicSettings { count, samples, .. } = self.harmonics;
         if !(1..=400).contains(&count) {
             return refuse("harmonics.count", count.to_string(), "use 1 to 400 harmonics".into());
         }

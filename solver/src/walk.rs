@@ -65,11 +65,35 @@ pub fn walk(
             return (visited, Stop::Reversed);
         }
         if outside {
+            end_at_bound(continuation, &mut visited, bounds.frequency);
             return (visited, Stop::FrequencyBound);
         }
         if too_large {
             return (visited, Stop::AmplitudeBound);
         }
+    }
+}
+
+/// Replaces a last point beyond a frequency bound by the point at the bound, so that a branch's range does not depend on
+/// its steps.
+fn end_at_bound(
+    continuation: &mut Continuation<'_, PressureForm<'_>>,
+    visited: &mut [Visited],
+    (low, high): (f64, f64),
+) {
+    let [.., before, last] = visited else { return };
+    let (from, to) = (before.point.omega(), last.point.omega());
+    let bound = if to > high { high } else { low };
+    if (from - bound) * (to - bound) >= 0.0 {
+        return;
+    }
+    let share = (bound - from) / (to - from);
+    let y = interpolate(&before.curve.y, &last.curve.y, share);
+    let frequency = continuation.problem().parameter_row();
+    if let Ok(mut curve) = continuation.correct_on(y, &frequency) {
+        curve.step = share * last.curve.step;
+        let point = BranchPoint::evaluate(continuation.problem(), &curve);
+        *last = Visited { curve, point };
     }
 }
 

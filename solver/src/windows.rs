@@ -23,7 +23,7 @@ pub fn windows(backbone: &Backbone, amplitude: f64) -> Vec<Window> {
     let mut windows: Vec<Window> = Vec::new();
     let mut inside = false;
     for (index, point) in backbone.points.iter().enumerate() {
-        let (threshold, omega) = (point.energies.threshold(), point.point.omega());
+        let (threshold, omega) = (point.threshold, point.point.omega());
         // A threshold that is not a number (no work at all) predicts nothing.
         if threshold.is_nan() || threshold >= amplitude {
             inside = false;
@@ -76,7 +76,7 @@ const PROMINENCE: f64 = 1e-3;
 /// Births and merges along the backbone, alternating, in its order. The start of the backbone is not a birth: the main
 /// response is always there.
 pub fn events(backbone: &Backbone) -> Vec<Event> {
-    let logs: Vec<f64> = backbone.points.iter().map(|p| p.energies.threshold().ln()).collect();
+    let logs: Vec<f64> = backbone.points.iter().map(|p| p.threshold.ln()).collect();
     turning_points(&logs, PROMINENCE)
         .into_iter()
         .filter(|&(index, _)| index > 0 && index + 1 < logs.len())
@@ -86,7 +86,7 @@ pub fn events(backbone: &Backbone) -> Vec<Event> {
             Event {
                 kind: if is_maximum { EventKind::Merge } else { EventKind::Birth },
                 index,
-                threshold: point.energies.threshold(),
+                threshold: point.threshold,
                 omega: point.point.omega(),
                 amplitude: point.point.amplitude(),
                 mode: others.max_by(|a, b| a.1.total_cmp(b.1)).map(|(j, _)| j),

@@ -47,6 +47,10 @@ impl Law for Contact {
         pattern
     }
 
+    fn threshold(&self) -> Option<f64> {
+        Some(0.0)
+    }
+
     fn is_homogeneous_in_rate(&self) -> bool {
         true
     }

@@ -113,6 +113,10 @@ pub trait Law {
     fn has_memory(&self) -> bool {
         false
     }
+    /// For unilateral laws the value of argument 0 below which nothing acts.
+    fn threshold(&self) -> Option<f64> {
+        None
+    }
     /// Whether the forces do not change when all velocities and the rotor speed are multiplied by one factor: then they
     /// have no explicit ω-derivative.
     fn is_homogeneous_in_rate(&self) -> bool {
@@ -170,6 +174,10 @@ impl Law for LawKind {
 
     fn has_memory(&self) -> bool {
         with_law!(self, law => law.has_memory())
+    }
+
+    fn threshold(&self) -> Option<f64> {
+        with_law!(self, law => law.threshold())
     }
 
     fn is_homogeneous_in_rate(&self) -> bool {

@@ -22,6 +22,10 @@ impl Law for PenaltySpring {
         Pattern::scalar(true, false)
     }
 
+    fn threshold(&self) -> Option<f64> {
+        Some(self.gap)
+    }
+
     fn validate(&self) -> Result<(), ParameterError> {
         require_positive("stiffness", self.stiffness)?;
         require("gap", self.gap, self.gap.is_finite(), "a finite gap in m")

@@ -1,6 +1,6 @@
 //! Bordered Jacobian of the pressure form.
 
-use super::{PressureForm, Unknown};
+use super::{Parameter, PressureForm};
 use crate::harmonics::complex;
 use crate::receptance::{gather, scatter};
 use rustfft::num_complex::Complex64;
@@ -72,24 +72,17 @@ impl PressureForm<'_> {
         self.assemble_kept(&mut target, kept_start);
         let parameter_start = size - self.parameters();
         self.assemble_parameters(&mut target, kept_start, parameter_start);
-        if self.unknown == Unknown::Backbone {
-            // Phase condition: a_1 of the tracked mode.
-            let column = kept_start + self.kept_offset(1, self.tracked);
-            target.data[(size - 2) * size + column] = 1.0;
+        if let Some(phase) = &self.phase {
+            let row = &mut target.data[(size - 2) * size..(size - 1) * size];
+            self.assemble_form(row, phase, kept_start, parameter_start);
         }
-        self.assemble_border(&mut target.data[(size - 1) * size..], row, kept_start, parameter_start);
+        self.assemble_form(&mut target.data[(size - 1) * size..], row, kept_start, parameter_start);
         self.lu = lu;
     }
 
     /// Number of argument unknowns: all channels of the active elements.
     fn argument_unknowns(&self) -> usize {
         self.slots.iter().filter(|slot| slot.active).map(|slot| slot.count * self.nc).sum()
-    }
-
-    /// Position of a kept amplitude among the kept unknowns.
-    fn kept_offset(&self, harmonic: usize, mode: usize) -> usize {
-        let before = self.receptance.kept().iter().take_while(|k| (k.harmonic, k.mode) != (harmonic, mode));
-        before.map(|kept| if kept.harmonic == 0 { 1 } else { 2 }).sum()
     }
 
     /// I − δ ∂f + s R ∂f, scaled.
@@ -200,30 +193,25 @@ impl PressureForm<'_> {
         let (y, rest) = buffer.split_at_mut(n);
         let (moved, rest) = rest.split_at_mut(n);
         let (load, response) = rest.split_at_mut(n);
-        for (p, rate) in rates.iter_mut().enumerate() {
+        for (p, (rate, &parameter)) in rates.iter_mut().zip(self.unknown.parameters()).enumerate() {
             let column = parameter_start + p;
-            let unit = match (self.unknown, p) {
-                (Unknown::Amplitude, _) => self.scales.forcing,
-                _ => self.scales.frequency,
-            };
-            let is_omega = p == 0 && self.unknown != Unknown::Amplitude;
+            let unit = self.unit(parameter);
+            let is_omega = parameter == Parameter::Frequency;
             for k in 0..=self.harmonics {
                 // `moved` = (∂D/∂p) Y, `load` = ∂(E − F)/∂p.
                 gather(&self.current.modal, nc, k, y);
                 moved.fill(Complex64::default());
                 load.fill(Complex64::default());
-                match (self.unknown, p) {
-                    (Unknown::Amplitude, _) => {
-                        if k == self.model.forcing.harmonic {
-                            load.iter_mut().zip(&self.modal_forcing).for_each(|(l, &s)| *l = s.into());
-                        }
-                    }
-                    _ => {
-                        self.receptance.rate_times(k, y, moved);
-                        let slope =
-                            if is_omega { Complex64::new(0.0, k as f64) } else { Complex64::new(-(k as f64), 0.0) };
-                        moved.iter_mut().for_each(|m| *m *= slope);
-                    }
+                let slope = match parameter {
+                    Parameter::Frequency => Some(Complex64::new(0.0, k as f64)),
+                    Parameter::Decay => Some(Complex64::new(-(k as f64), 0.0)),
+                    Parameter::Amplitude => None,
+                };
+                if let Some(slope) = slope {
+                    self.receptance.rate_times(k, y, moved);
+                    moved.iter_mut().for_each(|m| *m *= slope);
+                } else if k == self.model.forcing.harmonic {
+                    load.iter_mut().zip(&self.modal_forcing).for_each(|(l, &s)| *l = s.into());
                 }
                 if is_omega {
                     self.add_explicit_force_rates(k, load);
@@ -277,8 +265,8 @@ impl PressureForm<'_> {
         }
     }
 
-    /// Border row: entries of dependent modal amplitudes are carried over to the unknowns by the chain rule.
-    fn assemble_border(&self, border: &mut [f64], row: &[f64], kept_start: usize, parameter_start: usize) {
+    /// A linear form on the state as a row over the unknowns: entries of dependent modal amplitudes are carried over to the unknowns by the chain rule.
+    fn assemble_form(&self, border: &mut [f64], row: &[f64], kept_start: usize, parameter_start: usize) {
         let (nc, n) = (self.nc, self.model.size());
         let (arguments, rest) = row.split_at(self.current.arguments.len());
         let (modal, parameters) = rest.split_at(self.current.modal.len());

@@ -1,6 +1,6 @@
 //! Residual of the pressure form.
 
-use super::{PressureForm, Unknown};
+use super::PressureForm;
 use crate::aft::Rate;
 use crate::harmonics::complex;
 use crate::laws::with_law;
@@ -45,7 +45,7 @@ impl PressureForm<'_> {
         for e in 0..self.slots.len() {
             let first = self.slots[e].first;
             let series = &self.current.arguments[first * self.nc..(first + 1) * self.nc];
-            self.slots[e].active = self.slots[e].contact.is_none() || self.aft.max_sample(series) > 0.0;
+            self.slots[e].active = self.slots[e].contact.is_none() || self.aft.touches(series);
         }
     }
 
@@ -68,7 +68,7 @@ impl PressureForm<'_> {
     /// Modal forces E − F of harmonic k into `out`.
     pub(super) fn modal_load(&self, k: usize, out: &mut [Complex64]) {
         out.fill(Complex64::default());
-        if k == self.model.forcing.harmonic && self.unknown != Unknown::Backbone {
+        if k == self.model.forcing.harmonic && !self.is_autonomous() {
             let amplitude = self.current.amplitude;
             out.iter_mut().zip(&self.modal_forcing).for_each(|(o, s)| *o = Complex64::new(amplitude * s, 0.0));
         }
@@ -127,7 +127,7 @@ impl PressureForm<'_> {
                 argument[0] -= channel.offset;
             }
             let series = &self.current.arguments[first * nc..(first + 1) * nc];
-            if self.aft.max_sample(series) > 0.0 {
+            if self.aft.touches(series) {
                 self.slots[e].active = true;
                 self.evaluate_element(e);
                 touched = true;
@@ -181,8 +181,10 @@ impl PressureForm<'_> {
                 residual.push(-scaled.im);
             }
         }
-        if self.unknown == Unknown::Backbone {
-            residual.push(self.current.mode(self.tracked)[1] / self.scales.modal);
+        if let Some(phase) = &self.phase {
+            let modal = &phase[self.current.arguments.len()..];
+            residual
+                .push(crate::linalg::dot(&modal[..self.current.modal.len()], &self.current.modal) / self.scales.modal);
         }
         self.work = work;
         self.residual = residual;

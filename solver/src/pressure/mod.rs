@@ -17,10 +17,11 @@ use crate::aft::{Aft, ElementForce};
 use crate::harmonics::width;
 use crate::laws::{Law, LawKind};
 use crate::linalg::Lu;
-use crate::model::Model;
+use crate::model::{Damping, Model};
 use crate::problem::Problem;
 use crate::receptance::Receptance;
 use crate::scales::Scales;
+use crate::settings::HarmonicSettings;
 use crate::state::State;
 use rustfft::num_complex::Complex64;
 
@@ -31,8 +32,32 @@ pub enum Unknown {
     Frequency,
     /// Forced response, A free at fixed ω.
     Amplitude,
-    /// Damped nonlinear normal mode: E = 0, ω and ζ free, phase fixed by Re q = 0.
-    Backbone,
+    /// Nonlinear normal mode: E = 0, ω and ζ free, phase fixed by Re q = 0; with or without the linear damping.
+    Mode {
+        /// Whether the linear damping acts.
+        damped: bool,
+    },
+    /// Forced response in quadrature with the forcing, Re(X_m·s) = 0, ω and A free.
+    PhaseResonance,
+}
+
+/// An unknown parameter.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Parameter {
+    Frequency,
+    Decay,
+    Amplitude,
+}
+
+impl Unknown {
+    fn parameters(self) -> &'static [Parameter] {
+        match self {
+            Unknown::Frequency => &[Parameter::Frequency],
+            Unknown::Amplitude => &[Parameter::Amplitude],
+            Unknown::Mode { .. } => &[Parameter::Frequency, Parameter::Decay],
+            Unknown::PhaseResonance => &[Parameter::Frequency, Parameter::Amplitude],
+        }
+    }
 }
 
 /// A nonlinear element as the pressure form sees it.
@@ -74,6 +99,8 @@ pub struct PressureForm<'m> {
     receptance: Receptance,
     aft: Aft,
     metric: Vec<f64>,
+    /// Phase condition as a linear form on the state, if there is one.
+    phase: Option<Vec<f64>>,
     /// The state last linearised, in physical units.
     current: State,
     /// Forces per element; jacobian columns are per scaled argument.
@@ -91,16 +118,15 @@ pub struct PressureForm<'m> {
 }
 
 impl<'m> PressureForm<'m> {
-    /// System for `model` with `harmonics` harmonics and `samples` instants a period; mode `tracked` is the one whose
-    /// first-harmonic amplitude stays an unknown.
+    /// System for `model` at a truncation; mode `tracked` is the one whose first-harmonic amplitude stays an unknown.
     pub fn new(
         model: &'m Model,
-        harmonics: usize,
-        samples: usize,
+        truncation: HarmonicSettings,
         tracked: usize,
         unknown: Unknown,
         scales: Scales,
     ) -> Self {
+        let harmonics = truncation.count;
         let (n, nc) = (model.size(), width(harmonics));
         let mut slots = Vec::new();
         let mut channels = Vec::new();
@@ -124,18 +150,31 @@ impl<'m> PressureForm<'m> {
                 }));
             }
         }
-        let parameters = if unknown == Unknown::Backbone { 2 } else { 1 };
+        let parameters = unknown.parameters().len();
         let arguments = channels.len() * nc;
         let mut metric = vec![0.0; arguments + n * nc + parameters];
         metric[arguments..].fill(1.0);
+        let modal_forcing = model.modes.shapes.transpose().mul_vec(&model.forcing.shape);
+        let mut phase = vec![0.0; metric.len()];
+        match unknown {
+            Unknown::Mode { .. } => phase[arguments + tracked * nc + 1] = 1.0,
+            Unknown::PhaseResonance => {
+                let size = crate::linalg::dot(&modal_forcing, &modal_forcing).sqrt();
+                for (j, projection) in modal_forcing.iter().enumerate() {
+                    phase[arguments + j * nc + 2 * model.forcing.harmonic - 1] = projection / size;
+                }
+            }
+            Unknown::Frequency | Unknown::Amplitude => {}
+        }
         Self {
             unknown,
             tracked,
             harmonics,
             nc,
-            modal_forcing: model.modes.shapes.transpose().mul_vec(&model.forcing.shape),
-            receptance: Receptance::new(model, harmonics, shapes),
-            aft: Aft::new(harmonics, samples),
+            phase: (parameters == 2).then_some(phase),
+            modal_forcing,
+            receptance: Receptance::new(model, harmonics, shapes, unknown != Unknown::Mode { damped: false }),
+            aft: Aft::new(truncation),
             metric,
             current: State {
                 harmonics,
@@ -193,13 +232,14 @@ impl<'m> PressureForm<'m> {
             y.extend(series.iter().map(|a| a / channel.scale));
         }
         y.extend(state.modal.iter().map(|q| q / self.scales.modal));
-        match self.unknown {
-            Unknown::Frequency => y.push(state.omega / self.scales.frequency),
-            Unknown::Amplitude => y.push(state.amplitude / self.scales.forcing),
-            Unknown::Backbone => {
-                y.extend([state.omega / self.scales.frequency, state.decay / self.scales.frequency]);
-            }
-        }
+        y.extend(self.unknown.parameters().iter().map(|&parameter| {
+            let value = match parameter {
+                Parameter::Frequency => state.omega,
+                Parameter::Decay => state.decay,
+                Parameter::Amplitude => state.amplitude,
+            };
+            value / self.unit(parameter)
+        }));
         y
     }
 
@@ -218,19 +258,47 @@ impl<'m> PressureForm<'m> {
             target.iter_mut().zip(source).for_each(|(t, s)| *t = s * channel.scale);
         }
         self.current.modal.iter_mut().zip(modal).for_each(|(t, s)| *t = s * self.scales.modal);
-        match self.unknown {
-            Unknown::Frequency => self.current.omega = parameters[0] * self.scales.frequency,
-            Unknown::Amplitude => self.current.amplitude = parameters[0] * self.scales.forcing,
-            Unknown::Backbone => {
-                self.current.omega = parameters[0] * self.scales.frequency;
-                self.current.decay = parameters[1] * self.scales.frequency;
+        for (&parameter, value) in self.unknown.parameters().iter().zip(parameters) {
+            let value = value * self.unit(parameter);
+            match parameter {
+                Parameter::Frequency => self.current.omega = value,
+                Parameter::Decay => self.current.decay = value,
+                Parameter::Amplitude => self.current.amplitude = value,
             }
+        }
+    }
+
+    /// Scale of a parameter.
+    fn unit(&self, parameter: Parameter) -> f64 {
+        match parameter {
+            Parameter::Frequency | Parameter::Decay => self.scales.frequency,
+            Parameter::Amplitude => self.scales.forcing,
         }
     }
 
     /// Number of unknown parameters.
     fn parameters(&self) -> usize {
         self.modal_rates.len()
+    }
+
+    /// Direction in which the motion of a scaled state grows, its parameters unchanged.
+    pub fn growth(&self, y: &[f64]) -> Vec<f64> {
+        let (arguments, modal) = (self.current.arguments.len(), self.current.modal.len());
+        let mut direction = vec![0.0; y.len()];
+        direction[arguments..arguments + modal].copy_from_slice(&y[arguments..arguments + modal]);
+        direction
+    }
+
+    /// Arguments of the laws when none of them exerts a force: displacements, and −ε times the open gap for contact
+    /// normals.
+    pub fn open_arguments(&self, modal: &[f64]) -> Vec<f64> {
+        let mut arguments = vec![0.0; self.current.arguments.len()];
+        for (u, (series, channel)) in arguments.chunks_mut(self.nc).zip(&self.channels).enumerate() {
+            self.receptance.channel(u, modal, series);
+            series.iter_mut().for_each(|x| *x *= channel.gain);
+            series[0] -= channel.offset;
+        }
+        arguments
     }
 
     /// Force harmonics at the state last linearised, channels × nc, N (left-hand side).
@@ -243,9 +311,26 @@ impl<'m> PressureForm<'m> {
         force
     }
 
+    /// Linear form that takes the (first) parameter out of the state: the frequency, or the forcing amplitude.
+    pub fn parameter_row(&self) -> Vec<f64> {
+        let mut row = vec![0.0; self.metric.len()];
+        row[self.metric.len() - self.parameters()] = 1.0;
+        row
+    }
+
     /// Number of harmonics H.
     pub fn harmonics(&self) -> usize {
         self.harmonics
+    }
+
+    /// The linear damping that acts, in modal coordinates.
+    pub fn damping(&self) -> &Damping {
+        self.receptance.damping()
+    }
+
+    /// Whether the system is autonomous.
+    fn is_autonomous(&self) -> bool {
+        matches!(self.unknown, Unknown::Mode { .. })
     }
 
     /// Unknown parameters beside the harmonics.

@@ -1,7 +1,16 @@
 //! Alternating frequency–time: from the harmonics of a law's arguments to those of its forces, with the exact Jacobian.
+//!
+//! Laws are evaluated on a uniform grid and transformed by FFT; unilateral laws by default at the Gauss points of the
+//! arcs on which they act (see [`crate::arcs`]).
 
+mod gauss;
+mod samples;
+
+use crate::arcs::{Coverage, positive_arcs};
 use crate::harmonics::{self, Transform, add_product_matrix, differentiate, series_from_coefficients, width};
-use crate::laws::{Before, Instant, Law, MAX_ARGUMENTS, Response};
+use crate::laws::{Instant, Law, MAX_ARGUMENTS, Response};
+use crate::settings::{HarmonicSettings, Quadrature};
+use gauss::ArcWork;
 use rustfft::num_complex::Complex64;
 
 /// Harmonics of an element's forces and their derivatives. `c` arguments, nc = 2H + 1.
@@ -33,6 +42,8 @@ pub struct Aft {
     slope: [Vec<f64>; 2],
     signals: Vec<Vec<f64>>,
     spectra: [Vec<Complex64>; 2],
+    quadrature: Quadrature,
+    arcs: ArcWork,
 }
 
 /// What a sampled signal of the law stands for in the frequency domain.
@@ -45,8 +56,9 @@ enum Target {
 }
 
 impl Aft {
-    /// Work space for `harmonics` harmonics and `samples` instants a period.
-    pub fn new(harmonics: usize, samples: usize) -> Self {
+    /// Work space for a truncation.
+    pub fn new(truncation: HarmonicSettings) -> Self {
+        let HarmonicSettings { count: harmonics, samples, quadrature } = truncation;
         let empty = || vec![0.0; samples];
         Self {
             transform: Transform::new(harmonics, samples),
@@ -56,6 +68,8 @@ impl Aft {
             slope: std::array::from_fn(|_| vec![0.0; width(harmonics)]),
             signals: Vec::new(),
             spectra: std::array::from_fn(|_| vec![Complex64::default(); width(harmonics)]),
+            quadrature,
+            arcs: ArcWork::default(),
         }
     }
 
@@ -64,22 +78,26 @@ impl Aft {
         &mut self.transform
     }
 
-    /// Largest sample of a series: decides whether a contact node touches.
-    pub fn max_sample(&mut self, series: &[f64]) -> f64 {
+    /// Where on the period a series is positive, to rounding.
+    pub fn coverage(&mut self, series: &[f64]) -> Coverage {
         self.transform.synthesise(series, None, &mut self.u[0], &mut self.unused);
-        self.u[0].iter().fold(f64::NEG_INFINITY, |m, &v| m.max(v))
+        positive_arcs(series, 0.0, &self.u[0])
     }
 
-    /// Largest samples of two series at once.
-    pub fn max_samples(&mut self, a: &[f64], b: &[f64]) -> [f64; 2] {
-        self.transform.synthesise(a, Some(b), &mut self.u[0], &mut self.unused);
-        [&self.u[0], &self.unused].map(|s| s.iter().fold(f64::NEG_INFINITY, |m, &v| m.max(v)))
+    /// Whether a predicted pressure is positive anywhere, as the quadrature sees it.
+    pub fn touches(&mut self, pressure: &[f64]) -> bool {
+        match self.quadrature {
+            Quadrature::Arcs => self.coverage(pressure) != Coverage::Never,
+            Quadrature::Samples => {
+                self.transform.synthesise(pressure, None, &mut self.u[0], &mut self.unused);
+                self.u[0].iter().any(|&p| p > 0.0)
+            }
+        }
     }
 
-    /// Share of the period during which a series is positive.
-    pub fn positive_fraction(&mut self, series: &[f64]) -> f64 {
-        self.transform.synthesise(series, None, &mut self.u[0], &mut self.unused);
-        self.u[0].iter().filter(|&&v| v > 0.0).count() as f64 / self.transform.samples() as f64
+    /// Maximum of |x| over a period of a series, between samples too.
+    pub fn max_abs(&mut self, series: &[f64]) -> f64 {
+        harmonics::max_abs(series, &mut self.transform)
     }
 
     /// Forces of `law` for `arguments` (c × nc) and their derivatives, into `out`.
@@ -92,10 +110,17 @@ impl Aft {
         out.jacobian.clear();
         out.jacobian.resize(c * nc * c * nc, 0.0);
         self.sample_arguments(law, arguments, rate.omega);
-        if law.has_memory() {
-            self.evaluate_with_memory(law, rate, out);
-        } else {
-            self.evaluate_memoryless(law, rate, out);
+        match (law.threshold(), self.quadrature) {
+            _ if law.has_memory() => self.evaluate_with_memory(law, rate, out),
+            (Some(threshold), Quadrature::Arcs) => {
+                match positive_arcs(&arguments[..nc], threshold, &self.u[0]) {
+                    Coverage::Never => {}
+                    // A force that never vanishes is smooth: samples converge as fast as anything.
+                    Coverage::Always => self.evaluate_samples(law, rate, out),
+                    Coverage::Arcs(arcs) => self.evaluate_arcs(law, arguments, &arcs, rate, out),
+                }
+            }
+            _ => self.evaluate_samples(law, rate, out),
         }
     }
 
@@ -117,76 +142,6 @@ impl Aft {
 
     fn instant(&self, n: usize, speed: f64) -> Instant {
         Instant { u: std::array::from_fn(|j| self.u[j][n]), v: std::array::from_fn(|j| self.v[j][n]), speed }
-    }
-
-    fn evaluate_memoryless<L: Law>(&mut self, law: &L, rate: Rate, out: &mut ElementForce) {
-        let (c, samples) = (law.arguments(), self.transform.samples());
-        let (targets, count) = targets(law);
-        let targets = &targets[..count];
-        while self.signals.len() < targets.len() + 1 {
-            self.signals.push(vec![0.0; samples]);
-        }
-        let mut signals = std::mem::take(&mut self.signals);
-        for n in 0..samples {
-            let now = self.instant(n, rate.omega * rate.harmonic);
-            let r = law.respond(&now, &Before::default());
-            for (signal, &target) in signals.iter_mut().zip(targets) {
-                signal[n] = match target {
-                    Target::Force(i) => r.force[i],
-                    Target::Displacement(i, j) => r.du[i][j],
-                    Target::Velocity(i, j) => r.dv[i][j],
-                    Target::Omega(i) => explicit_omega(&r, &now, i, c, rate),
-                };
-            }
-        }
-        for (pair, target) in signals.chunks(2).zip(targets.chunks(2)) {
-            let second = pair.get(1).unwrap_or(&pair[0]);
-            let [first_spectrum, second_spectrum] = &mut self.spectra;
-            self.transform.analyse(&pair[0], second, first_spectrum, second_spectrum);
-            for (&target, spectrum) in target.iter().zip(&self.spectra) {
-                scatter(target, spectrum, c, rate.omega, out);
-            }
-        }
-        self.signals = signals;
-    }
-
-    /// Laws with memory: two passes round the period (the first one forgets the start), with the derivatives of the
-    /// force at each instant carried along as rows over the argument's harmonics.
-    fn evaluate_with_memory<L: Law>(&mut self, law: &L, rate: Rate, out: &mut ElementForce) {
-        debug_assert_eq!(law.arguments(), 1);
-        let (samples, nc) = (self.transform.samples(), width(self.transform.harmonics()));
-        let step = std::f64::consts::TAU / samples as f64;
-        let mut basis = vec![0.0; nc];
-        let mut basis_before = vec![0.0; nc];
-        let mut row = vec![0.0; nc];
-        // A virgin element: no force at zero displacement, so that one that never slides is a plain spring.
-        let mut before = Before::default();
-        for n in 0..2 * samples {
-            let (last_pass, n) = (n >= samples, n % samples);
-            let now = self.instant(n, rate.omega * rate.harmonic);
-            let r = law.respond(&now, &before);
-            fill_basis(n as f64 * step, &mut basis);
-            for i in 0..nc {
-                row[i] = r.du[0][0] * basis[i] + r.du_before * basis_before[i] + r.dforce_before * row[i];
-            }
-            if last_pass {
-                for (k, &b) in basis.iter().enumerate() {
-                    let weight = b * if k == 0 { 1.0 } else { 2.0 } / samples as f64;
-                    out.force[k] += weight * r.force[0];
-                    crate::linalg::axpy(weight, &row, &mut out.jacobian[k * nc..(k + 1) * nc]);
-                }
-            }
-            before = Before { u: now.u[0], force: r.force[0] };
-            std::mem::swap(&mut basis, &mut basis_before);
-        }
-    }
-}
-
-/// Values of 1, cos τ, sin τ, cos 2τ, … at τ.
-fn fill_basis(tau: f64, basis: &mut [f64]) {
-    basis[0] = 1.0;
-    for k in 1..=basis.len() / 2 {
-        (basis[2 * k], basis[2 * k - 1]) = (k as f64 * tau).sin_cos();
     }
 }
 
@@ -239,10 +194,12 @@ fn scatter(target: Target, spectrum: &[Complex64], c: usize, omega: f64, out: &m
     }
 }
 
-/// Maximum of |x| over a period of a series, between samples too.
-impl Aft {
-    /// See [`harmonics::max_abs`].
-    pub fn max_abs(&mut self, series: &[f64]) -> f64 {
-        harmonics::max_abs(series, &mut self.transform)
+/// The signal of a target at one instant.
+fn signal(target: Target, r: &Response, now: &Instant, arguments: usize, rate: Rate) -> f64 {
+    match target {
+        Target::Force(i) => r.force[i],
+        Target::Displacement(i, j) => r.du[i][j],
+        Target::Velocity(i, j) => r.dv[i][j],
+        Target::Omega(i) => explicit_omega(r, now, i, arguments, rate),
     }
 }
