@@ -27,7 +27,8 @@ fn check_windows(level: &Level, backbone: &Backbone, what: &str) -> (usize, usiz
                     assert!(*i < named.len(), "{what}: isola {i} of {}", named.len());
                     named[*i] = true;
                 }
-                SeedOutcome::NotFound(reason) => assert!(!reason.is_empty(), "{what}: no reason"),
+                SeedOutcome::NotLanded(reason) => assert!(!reason.to_string().is_empty(), "{what}: no reason"),
+                SeedOutcome::NotTraced(reason) => assert!(!reason.to_string().is_empty(), "{what}: no reason"),
             }
         }
     }
@@ -103,7 +104,6 @@ fn tuned() {
 }
 
 #[test]
-#[ignore = "where the sampled contact makes waves, a located fold can be higher than the located peak"]
 fn the_peak_is_the_highest_point() {
     for scenario in [&FRICTIONLESS, &BACKWARD, &FORWARD, &TUNED] {
         for amplitude in AMPLITUDES {
