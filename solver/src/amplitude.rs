@@ -1,7 +1,7 @@
 //! Continuation in the forcing amplitude at fixed frequency: the linear start of a main branch that already touches, and
 //! the fold-safe way from a backbone motion to a forced response.
 
-use crate::continuation::Continuation;
+use crate::continuation::{Continuation, ContinuationSettings};
 use crate::linear::{below_first_touch, forced_response};
 use crate::model::Model;
 use crate::pressure::{PressureForm, Unknown};
@@ -17,7 +17,7 @@ const BUDGET: usize = 400;
 /// State close to the forced response at amplitude `amplitude` and frequency `omega`, continued in A from the linear
 /// response to a small forcing.
 pub fn from_rest(model: &Model, settings: &Settings, amplitude: f64, omega: f64) -> Result<State, Failure> {
-    let mut problem = system(model, settings, omega);
+    let mut problem = system(model, settings, amplitude, omega);
     let linear = forced_response(&problem, amplitude, omega).map_err(|_| Failure::Singular)?;
     let start = below_first_touch(&problem, linear);
     let upwards = problem.parameter_row();
@@ -32,7 +32,7 @@ pub fn through_motion(
     amplitude: f64,
     motion: &State,
 ) -> Result<Vec<State>, Failure> {
-    let mut problem = system(model, settings, motion.omega);
+    let mut problem = system(model, settings, amplitude, motion.omega);
     let y = problem.encode(motion);
     let growth = problem.growth(&y);
     let shrink: Vec<f64> = growth.iter().map(|g| -g).collect();
@@ -47,8 +47,9 @@ pub fn through_motion(
     if found.is_empty() { Err(failure) } else { Ok(found) }
 }
 
-fn system<'m>(model: &'m Model, settings: &Settings, omega: f64) -> PressureForm<'m> {
-    let scales = Scales::new(model, settings.tracked());
+/// The system with A free, A measured in units of the amplitude wanted.
+fn system<'m>(model: &'m Model, settings: &Settings, amplitude: f64, omega: f64) -> PressureForm<'m> {
+    let scales = Scales { forcing: amplitude, ..Scales::new(model, settings.tracked()) };
     let mut problem = PressureForm::new(model, settings.harmonics, settings.tracked(), Unknown::Amplitude, scales);
     problem.set_frequency(omega);
     problem
@@ -62,7 +63,8 @@ fn follow_to(
     amplitude: f64,
 ) -> Result<State, Failure> {
     let y = problem.encode(start);
-    let mut continuation = Continuation::start(problem, y, direction, Default::default())?;
+    let mut continuation =
+        Continuation::start(problem, y, direction, ContinuationSettings { max_step: 0.3, ..Default::default() })?;
     let mut before = continuation.current().clone();
     let mut before_amplitude = continuation.problem().decode(&before.y).amplitude;
     for _ in 0..BUDGET {

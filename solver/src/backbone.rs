@@ -1,6 +1,6 @@
 //! Backbone: damped nonlinear normal mode of one mode, with its energies and modal contributions (paper [20–26]).
 
-use crate::branch::{BranchPoint, Stop};
+use crate::branch::{BranchPoint, Outcome, Stop};
 use crate::continuation::Continuation;
 use crate::harmonics::width;
 use crate::linear;
@@ -11,7 +11,7 @@ use crate::problem::{Failure, Problem};
 use crate::scales::Scales;
 use crate::settings::{BackboneEquation, Settings};
 use crate::state::State;
-use crate::walk::{Bounds, Observer, Visited, insert_maxima, locate_maximum, walk};
+use crate::walk::{Bounds, Observer, Visited, insert_maxima, locate_maximum, walk, walk_both};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
@@ -37,8 +37,8 @@ pub struct Backbone {
     pub mode: usize,
     /// Points along the arc.
     pub points: Vec<BackbonePoint>,
-    /// Why it ended.
-    pub stop: Stop,
+    /// How it begins and ends.
+    pub outcome: Outcome,
     /// Steps refused and repeated shorter.
     pub rejections: usize,
 }
@@ -56,54 +56,99 @@ pub enum BackboneError {
         /// Why.
         failure: Failure,
     },
+    /// The forced response given is not close to quadrature with the forcing.
+    #[error("no phase-resonant response near {omega:.6} rad/s: {failure}")]
+    Resonance {
+        /// Frequency of the forced response, rad/s.
+        omega: f64,
+        /// Why.
+        failure: Failure,
+    },
+}
+
+fn system<'m>(model: &'m Model, settings: &Settings, equation: BackboneEquation) -> PressureForm<'m> {
+    let unknown = match equation {
+        BackboneEquation::DampedMode => Unknown::Mode { damped: true },
+        BackboneEquation::ConservativeMode => Unknown::Mode { damped: false },
+        BackboneEquation::PhaseResonance => Unknown::PhaseResonance,
+    };
+    let scales = Scales::new(model, settings.tracked());
+    PressureForm::new(model, settings.harmonics, settings.tracked(), unknown, scales)
+}
+
+fn bounds(settings: &Settings, scales: &Scales) -> Bounds {
+    let limits = &settings.backbone;
+    let omega = scales.frequency;
+    Bounds {
+        frequency: (limits.min_frequency.unwrap_or(0.25 * omega), limits.max_frequency.unwrap_or(4.0 * omega)),
+        amplitude: limits.max_amplitude.unwrap_or(8.0 * scales.length),
+        points: limits.max_points,
+        closure: None,
+    }
 }
 
 impl Backbone {
     /// Computes the backbone of `settings.backbone.mode`, telling `observer` of every point.
     pub fn compute(model: &Model, settings: &Settings, observer: &mut Observer<'_>) -> Result<Self, BackboneError> {
         let mode = settings.tracked();
-        let scales = Scales::new(model, mode);
-        let mut problem = PressureForm::new(
-            model,
-            settings.harmonics,
-            mode,
-            match settings.backbone.equation {
-                BackboneEquation::DampedMode => Unknown::Mode { damped: true },
-                BackboneEquation::ConservativeMode => Unknown::Mode { damped: false },
-                BackboneEquation::PhaseResonance => Unknown::PhaseResonance,
-            },
-            scales,
-        );
         let omega = model.modes.frequencies[mode];
-        let start = match settings.backbone.equation {
+        let not_started = |failure| BackboneError::Start { mode: mode + 1, omega, failure };
+        let equation = settings.backbone.equation;
+        let mut problem = system(model, settings, equation);
+        let start = match equation {
             BackboneEquation::PhaseResonance => linear::forced_response(&problem, 1.0, omega)
                 .map(|state| linear::below_first_touch(&problem, state))
-                .map_err(|_| BackboneError::Start { mode: mode + 1, omega, failure: Failure::Singular })?,
+                .map_err(|_| not_started(Failure::Singular))?,
             _ => linear::mode_motion(&problem, mode),
         };
         let y = problem.encode(&start);
         let direction = problem.growth(&y);
-        let mut continuation = Continuation::start(&mut problem, y, &direction, settings.continuation)
-            .map_err(|failure| BackboneError::Start { mode: mode + 1, omega, failure })?;
-        let limits = &settings.backbone;
-        let bounds = Bounds {
-            frequency: (limits.min_frequency.unwrap_or(0.25 * omega), limits.max_frequency.unwrap_or(4.0 * omega)),
-            amplitude: limits.max_amplitude.unwrap_or(8.0 * scales.length),
-            points: limits.max_points,
-            closure: None,
-        };
+        let bounds = bounds(settings, problem.scales());
+        let mut continuation =
+            Continuation::start(&mut problem, y, &direction, settings.continuation).map_err(not_started)?;
         let (visited, stop) = walk(&mut continuation, &bounds, observer);
-        let visited = with_threshold_extrema(&mut continuation, visited, limits.criterion);
+        Ok(Self::assemble(&mut continuation, settings, visited, Outcome::Open(Stop::Start, stop)))
+    }
+
+    /// The phase-resonance backbone through a forced response near quadrature (see [`crate::forced::Forced::resonances`]),
+    /// both ways: finds the backbones that are not connected to any linear mode, from branches that are.
+    pub fn through(
+        model: &Model,
+        settings: &Settings,
+        near: &State,
+        observer: &mut Observer<'_>,
+    ) -> Result<Self, BackboneError> {
+        let mut problem = system(model, settings, BackboneEquation::PhaseResonance);
+        let y = problem.encode(near);
+        let direction = problem.growth(&y);
+        let bounds = Bounds { closure: Some(settings.branch.closure), ..bounds(settings, problem.scales()) };
+        let walked = walk_both(&mut problem, y, &direction, &settings.continuation, &bounds, observer)
+            .map_err(|failure| BackboneError::Resonance { omega: near.omega, failure })?;
+        let first = walked.visited[0].curve.clone();
+        let mut continuation = Continuation::start(&mut problem, first.y, &first.tangent, settings.continuation)
+            .map_err(|failure| BackboneError::Resonance { omega: near.omega, failure })?;
+        Ok(Self::assemble(&mut continuation, settings, walked.visited, walked.outcome))
+    }
+
+    /// Locates the extrema of the threshold curve and evaluates every point.
+    fn assemble(
+        continuation: &mut Continuation<'_, PressureForm<'_>>,
+        settings: &Settings,
+        visited: Vec<Visited>,
+        outcome: Outcome,
+    ) -> Self {
+        let criterion = settings.backbone.criterion;
+        let visited = with_threshold_extrema(continuation, visited, criterion);
         let rejections = continuation.rejections();
         let mut arc = 0.0;
         let points = visited
             .into_iter()
             .map(|visited| {
                 arc += visited.curve.step;
-                evaluate(continuation.problem(), visited, arc, limits.criterion)
+                evaluate(continuation.problem(), visited, arc, criterion)
             })
             .collect();
-        Ok(Self { mode, points, stop, rejections })
+        Self { mode: settings.tracked(), points, outcome, rejections }
     }
 
     /// Lowest and highest frequency, rad/s.

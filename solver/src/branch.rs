@@ -58,7 +58,7 @@ impl BranchPoint {
         let mut first = 0;
         for element in &model.elements {
             if matches!(element.law, LawKind::Contact(_)) {
-                contact.push(problem.aft().coverage(&state.arguments[first * nc..(first + 1) * nc]).fraction());
+                contact.push(problem.aft().coverage(&state.arguments[first * nc..(first + 1) * nc], 0.0).fraction());
             }
             first += element.law.arguments();
         }
@@ -88,6 +88,8 @@ impl BranchPoint {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Stop {
+    /// It began here, in the linear range.
+    Start,
     /// It came back to its first point.
     Closed,
     /// It reached a frequency bound.
@@ -107,6 +109,7 @@ pub enum Stop {
 impl std::fmt::Display for Stop {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
+            Stop::Start => write!(f, "linear range"),
             Stop::Closed => write!(f, "closed"),
             Stop::FrequencyBound => write!(f, "frequency bound"),
             Stop::AmplitudeBound => write!(f, "amplitude bound"),
@@ -118,13 +121,13 @@ impl std::fmt::Display for Stop {
     }
 }
 
-/// How a branch ends.
+/// How a curve begins and ends.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Outcome {
     /// A closed curve.
     Closed,
-    /// An open curve, with the reason at its first and at its last point.
+    /// An open curve, with what is at its first and at its last point.
     Open(Stop, Stop),
 }
 
@@ -138,6 +141,15 @@ pub enum SpecialKind {
     Peak,
     /// Turning point in frequency.
     Fold,
+}
+
+impl std::fmt::Display for Outcome {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Outcome::Closed => write!(f, "closed"),
+            Outcome::Open(first, last) => write!(f, "open: {first} to {last}"),
+        }
+    }
 }
 
 /// A special point: its kind and its index among the branch's points.

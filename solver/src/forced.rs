@@ -5,6 +5,7 @@ use crate::backbone::Backbone;
 use crate::branch::{Branch, BranchPoint, Outcome, SpecialKind, SpecialPoint, Stop};
 use crate::continuation::Continuation;
 use crate::linear::forced_response;
+use crate::melnikov::forcing_projection;
 use crate::model::Model;
 use crate::newton::{Constraint, Newton, NewtonSettings};
 use crate::pressure::{PressureForm, Unknown};
@@ -13,7 +14,7 @@ use crate::scales::Scales;
 use crate::settings::Settings;
 use crate::state::State;
 use crate::walk::{
-    Bounds, Maximum, Observer, Visited, insert_maxima, interpolate, locate_maximum, relative_distance, walk,
+    Bounds, Maximum, Observer, Visited, Walked, insert_maxima, locate_maximum, relative_distance, walk, walk_both,
 };
 use crate::windows::turning_points;
 
@@ -67,7 +68,7 @@ impl<'m> Forced<'m> {
         let mut continuation = Continuation::start(&mut self.problem, y, &upwards, self.settings.continuation)?;
         let (visited, stop) = walk(&mut continuation, &Bounds { closure: None, ..self.bounds }, observer);
         let rejections = continuation.rejections();
-        let walked = Walked { visited, start: 0, outcome: Outcome::Open(Stop::FrequencyBound, stop), rejections };
+        let walked = Walked { visited, start: 0, outcome: Outcome::Open(Stop::Start, stop), rejections };
         Ok(self.finish(walked))
     }
 
@@ -76,22 +77,16 @@ impl<'m> Forced<'m> {
         let y = self.problem.encode(state);
         let upwards = self.problem.parameter_row();
         let settings = self.settings.continuation;
-        let mut continuation = Continuation::start(&mut self.problem, y, &upwards, settings)?;
-        let (mut visited, stop) = walk(&mut continuation, &self.bounds, observer);
-        let mut rejections = continuation.rejections();
-        if stop == Stop::Closed || stop == Stop::Cancelled {
-            let outcome = if stop == Stop::Closed { Outcome::Closed } else { Outcome::Open(stop, stop) };
-            return Ok(self.finish(Walked { visited, start: 0, outcome, rejections }));
-        }
-        let first = visited[0].curve.clone();
-        let downwards: Vec<f64> = first.tangent.iter().map(|t| -t).collect();
-        let mut continuation = Continuation::start(&mut self.problem, first.y, &downwards, settings)?;
-        let (backwards, other_stop) = walk(&mut continuation, &self.bounds, observer);
-        rejections += continuation.rejections();
-        let start = backwards.len() - 1;
-        visited = join(backwards, visited);
-        let outcome = Outcome::Open(other_stop, stop);
-        Ok(self.finish(Walked { visited, start, outcome, rejections }))
+        let walked = walk_both(&mut self.problem, y, &upwards, &settings, &self.bounds, observer)?;
+        Ok(self.finish(walked))
+    }
+
+    /// Forced responses of a branch close to quadrature with the forcing, Re(X_m·s) = 0: the resonances.
+    pub fn resonances(&self, branch: &Branch) -> Vec<State> {
+        let real = |point: &BranchPoint| forcing_projection(&self.problem, &point.state).re;
+        let pairs = branch.points.windows(2).map(|pair| (&pair[0], &pair[1]));
+        let crossings = pairs.filter(|(a, b)| real(a) * real(b) < 0.0);
+        crossings.map(|(a, b)| a.state.interpolate(&b.state, real(a) / (real(a) - real(b)))).collect()
     }
 
     /// Converges a state at its own frequency (damped Newton). The result may lie anywhere: compare it.
@@ -130,10 +125,8 @@ impl<'m> Forced<'m> {
                 continue;
             }
             let share = if b.omega == a.omega { 0.5 } else { (state.omega - a.omega) / (b.omega - a.omega) };
-            let mut between = a.clone();
+            let mut between = a.interpolate(b, share);
             between.omega = state.omega;
-            between.modal = interpolate(&a.modal, &b.modal, share);
-            between.arguments = interpolate(&a.arguments, &b.arguments, share);
             let rough = self.distance(&between, state);
             if rough < 1e-4 {
                 return true;
@@ -176,28 +169,6 @@ impl<'m> Forced<'m> {
         let points: Vec<BranchPoint> = visited.into_iter().map(|v| v.point).collect();
         Branch { amplitude: self.amplitude, points, special, outcome, rejections }
     }
-}
-
-struct Walked {
-    visited: Vec<Visited>,
-    start: usize,
-    outcome: Outcome,
-    rejections: usize,
-}
-
-/// One list in the direction of `forwards`; both start at the same point.
-fn join(backwards: Vec<Visited>, forwards: Vec<Visited>) -> Vec<Visited> {
-    let steps: Vec<f64> = backwards.iter().map(|v| v.curve.step).collect();
-    let mut joined = Vec::with_capacity(backwards.len() + forwards.len());
-    for (i, mut visited) in backwards.into_iter().enumerate().skip(1).rev() {
-        visited.curve.tangent.iter_mut().for_each(|t| *t = -*t);
-        visited.curve.step = steps.get(i + 1).copied().unwrap_or(0.0);
-        joined.push(visited);
-    }
-    let mut forwards = forwards;
-    forwards[0].curve.step = steps.get(1).copied().unwrap_or(0.0);
-    joined.extend(forwards);
-    joined
 }
 
 /// Turning points in frequency, (index, +1 for a maximum or −1 for a minimum); those that the sampled contact makes by

@@ -6,7 +6,7 @@
 //! x_u = Σ_κ t_uκ q_κ + b̂ᵀ D̂_oo⁻¹ g_o.
 
 use crate::harmonics::{complex, set_complex, width};
-use crate::linalg::{LinalgError, solve_complex};
+use crate::linalg::{LinalgError, dot, solve_complex};
 use crate::model::{Damping, Model};
 use rustfft::num_complex::Complex64;
 
@@ -229,22 +229,30 @@ impl Receptance {
     }
 
     /// Receptances between the channels `channels` at harmonic k, into `re` and `im` (count × count, row-major).
-    pub fn matrix(&self, k: usize, channels: &[usize], work: &mut Vec<Complex64>, re: &mut [f64], im: &mut [f64]) {
+    #[inline(always)]
+    pub fn matrix(&self, k: usize, channels: &[usize], work: &mut Vec<f64>, re: &mut [f64], im: &mut [f64]) {
         let (n, count) = (self.modes, channels.len());
-        work.resize(2 * n, Complex64::default());
-        let (real, response) = work.split_at_mut(n);
+        work.clear();
+        work.resize(2 * n, 0.0);
+        let (response_re, response_im) = work.split_at_mut(n);
         for (b, &v) in channels.iter().enumerate() {
-            real.iter_mut().zip(self.shape(v)).for_each(|(r, &s)| *r = Complex64::new(s, 0.0));
-            self.inverse_times(k, real, response);
-            for (a, &u) in channels.iter().enumerate().take(b + 1) {
-                let (mut sum_re, mut sum_im) = (0.0, 0.0);
-                for (s, w) in self.shape(u).iter().zip(response.iter()) {
-                    sum_re += s * w.re;
-                    sum_im += s * w.im;
+            match &self.inverse[k] {
+                Inverse::Diagonal(d) => {
+                    for (j, (d, s)) in d.iter().zip(self.shape(v)).enumerate() {
+                        (response_re[j], response_im[j]) = (s * d.re, s * d.im);
+                    }
                 }
+                Inverse::Full(d) => {
+                    for (i, row) in d.chunks(n).enumerate() {
+                        let sum: Complex64 = row.iter().zip(self.shape(v)).map(|(d, s)| d * s).sum();
+                        (response_re[i], response_im[i]) = (sum.re, sum.im);
+                    }
+                }
+            }
+            for (a, &u) in channels.iter().enumerate().take(b + 1) {
+                let sums = (dot(self.shape(u), response_re), dot(self.shape(u), response_im));
                 for (i, j) in [(a, b), (b, a)] {
-                    re[i * count + j] = sum_re;
-                    im[i * count + j] = sum_im;
+                    (re[i * count + j], im[i * count + j]) = sums;
                 }
             }
         }
@@ -253,10 +261,12 @@ impl Receptance {
     /// Displacement harmonics of channel `u` from modal harmonics (modes × nc).
     pub fn channel(&self, u: usize, modal: &[f64], out: &mut [f64]) {
         let nc = width(self.harmonics);
-        out.fill(0.0);
-        for (shape, series) in self.shape(u).iter().zip(modal.chunks(nc)) {
-            crate::linalg::axpy(*shape, series, out);
-        }
+        crate::linalg::vectorised(|| {
+            out.fill(0.0);
+            for (shape, series) in self.shape(u).iter().zip(modal.chunks(nc)) {
+                crate::linalg::axpy(*shape, series, out);
+            }
+        });
     }
 }
 

@@ -33,6 +33,20 @@ impl State {
         state
     }
 
+    /// (1 − share) self + share other, parameters included.
+    pub fn interpolate(&self, other: &State, share: f64) -> State {
+        let mix = |a: f64, b: f64| a + share * (b - a);
+        let series = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(&a, &b)| mix(a, b)).collect();
+        State {
+            harmonics: self.harmonics,
+            omega: mix(self.omega, other.omega),
+            decay: mix(self.decay, other.decay),
+            amplitude: mix(self.amplitude, other.amplitude),
+            arguments: series(&self.arguments, &other.arguments),
+            modal: series(&self.modal, &other.modal),
+        }
+    }
+
     /// Harmonics of mode `j`.
     pub fn mode(&self, j: usize) -> &[f64] {
         let nc = width(self.harmonics);

@@ -1,9 +1,9 @@
 //! Walking a curve of the pressure form to its end: bounds, closure, reversal, extrema.
 
-use crate::branch::{BranchPoint, Stop};
-use crate::continuation::{Continuation, CurvePoint};
+use crate::branch::{BranchPoint, Outcome, Stop};
+use crate::continuation::{Continuation, ContinuationSettings, CurvePoint};
 use crate::pressure::PressureForm;
-use crate::problem::{Problem, inner, norm};
+use crate::problem::{Failure, Problem, inner, norm};
 use std::ops::ControlFlow;
 
 /// Told of every accepted point; breaking cancels the walk.
@@ -72,6 +72,57 @@ pub fn walk(
             return (visited, Stop::AmplitudeBound);
         }
     }
+}
+
+/// A curve walked to both of its ends.
+pub struct Walked {
+    /// Points in the order of the arc.
+    pub visited: Vec<Visited>,
+    /// Index of the point where the walk started.
+    pub start: usize,
+    /// How the curve begins and ends.
+    pub outcome: Outcome,
+    /// Steps refused.
+    pub rejections: usize,
+}
+
+/// Walks from a point near the curve the way of `direction` and, if the curve does not close, the other way as well.
+pub fn walk_both(
+    problem: &mut PressureForm<'_>,
+    y: Vec<f64>,
+    direction: &[f64],
+    settings: &ContinuationSettings,
+    bounds: &Bounds,
+    observer: &mut Observer<'_>,
+) -> Result<Walked, Failure> {
+    let mut continuation = Continuation::start(problem, y, direction, *settings)?;
+    let (visited, stop) = walk(&mut continuation, bounds, observer);
+    let mut rejections = continuation.rejections();
+    if stop == Stop::Closed || stop == Stop::Cancelled {
+        let outcome = if stop == Stop::Closed { Outcome::Closed } else { Outcome::Open(stop, stop) };
+        return Ok(Walked { visited, start: 0, outcome, rejections });
+    }
+    let first = visited[0].curve.clone();
+    let back: Vec<f64> = first.tangent.iter().map(|t| -t).collect();
+    let mut continuation = Continuation::start(problem, first.y, &back, *settings)?;
+    let (backwards, other_stop) = walk(&mut continuation, bounds, observer);
+    rejections += continuation.rejections();
+    let start = backwards.len() - 1;
+    Ok(Walked { visited: join(backwards, visited), start, outcome: Outcome::Open(other_stop, stop), rejections })
+}
+
+/// One list in the direction of `forwards`; both start at the same point.
+fn join(backwards: Vec<Visited>, mut forwards: Vec<Visited>) -> Vec<Visited> {
+    let steps: Vec<f64> = backwards.iter().map(|v| v.curve.step).collect();
+    let mut joined = Vec::with_capacity(backwards.len() + forwards.len());
+    for (i, mut visited) in backwards.into_iter().enumerate().skip(1).rev() {
+        visited.curve.tangent.iter_mut().for_each(|t| *t = -*t);
+        visited.curve.step = steps.get(i + 1).copied().unwrap_or(0.0);
+        joined.push(visited);
+    }
+    forwards[0].curve.step = steps.get(1).copied().unwrap_or(0.0);
+    joined.extend(forwards);
+    joined
 }
 
 /// Replaces a last point beyond a frequency bound by the point at the bound, so that a branch's range does not depend on

@@ -4,6 +4,7 @@ use super::{Aft, ElementForce, Rate, Target, scatter, signal, targets};
 use crate::arcs::GaussLegendre;
 use crate::harmonics::width;
 use crate::laws::{Before, Instant, Law};
+use crate::linalg;
 use rustfft::num_complex::Complex64;
 
 /// Rules by number of points, and buffers.
@@ -26,6 +27,7 @@ impl ArcWork {
         self.rules[count].get_or_insert_with(|| GaussLegendre::new(count))
     }
 
+    #[inline(always)]
     fn fill_basis(&mut self, tau: f64) {
         let step = Complex64::from_polar(1.0, tau);
         let mut e = Complex64::new(1.0, 0.0);
@@ -36,6 +38,7 @@ impl ArcWork {
     }
 
     /// Value and τ-derivative of a series at the instant of the basis.
+    #[inline(always)]
     fn evaluate(&self, series: &[f64]) -> (f64, f64) {
         let (mut value, mut slope) = (series[0], 0.0);
         for k in 1..=series.len() / 2 {
@@ -69,27 +72,29 @@ impl Aft {
             buffer.clear();
             buffer.resize(count * nc, 0.0);
         }
-        for &(begin, end) in arcs {
-            let (centre, half) = (0.5 * (begin + end), 0.5 * (end - begin));
-            // The integrand has harmonics up to 3H: half its phase over the arc, and a margin, are enough points.
-            let points = (1.5 * harmonics as f64 * half).ceil() as usize + 8;
-            let rule = work.rule(points).clone();
-            for (node, weight) in rule.nodes.iter().zip(&rule.weights) {
-                work.fill_basis(centre + half * node);
-                let mut now = Instant { speed: rate.omega * rate.harmonic, ..Instant::default() };
-                for (j, series) in arguments.chunks(nc).enumerate() {
-                    let (value, slope) = work.evaluate(series);
-                    (now.u[j], now.v[j]) = (value, rate.omega * slope);
-                }
-                let r = law.respond(&now, &Before::default());
-                let weight = weight * half / std::f64::consts::TAU;
-                for (t, &target) in list.iter().enumerate() {
-                    let value = weight * signal(target, &r, &now, c, rate);
-                    crate::linalg::axpy(value, &work.cosines, &mut work.real[t * nc..(t + 1) * nc]);
-                    crate::linalg::axpy(-value, &work.sines, &mut work.imaginary[t * nc..(t + 1) * nc]);
+        linalg::vectorised(|| {
+            for &(begin, end) in arcs {
+                let (centre, half) = (0.5 * (begin + end), 0.5 * (end - begin));
+                // The integrand has harmonics up to 3H: half its phase over the arc, and a margin, are enough points.
+                let points = (1.5 * harmonics as f64 * half).ceil() as usize + 8;
+                let rule = work.rule(points).clone();
+                for (node, weight) in rule.nodes.iter().zip(&rule.weights) {
+                    work.fill_basis(centre + half * node);
+                    let mut now = Instant { speed: rate.omega * rate.harmonic, ..Instant::default() };
+                    for (j, series) in arguments.chunks(nc).enumerate() {
+                        let (value, slope) = work.evaluate(series);
+                        (now.u[j], now.v[j]) = (value, rate.omega * slope);
+                    }
+                    let r = law.respond(&now, &Before::default());
+                    let weight = weight * half / std::f64::consts::TAU;
+                    for (t, &target) in list.iter().enumerate() {
+                        let value = weight * signal(target, &r, &now, c, rate);
+                        linalg::axpy(value, &work.cosines, &mut work.real[t * nc..(t + 1) * nc]);
+                        linalg::axpy(-value, &work.sines, &mut work.imaginary[t * nc..(t + 1) * nc]);
+                    }
                 }
             }
-        }
+        });
         let mut spectrum = std::mem::take(&mut self.spectra[0]);
         for (t, &target) in list.iter().enumerate() {
             let parts = self.arcs.real[t * nc..].iter().zip(&self.arcs.imaginary[t * nc..]);

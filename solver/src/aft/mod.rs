@@ -36,9 +36,11 @@ pub struct Rate {
 /// Work space for the alternating frequency–time method.
 pub struct Aft {
     transform: Transform,
+    /// A grid just fine enough to find arcs and maxima, which are then refined.
+    search: Transform,
     u: [Vec<f64>; MAX_ARGUMENTS],
     v: [Vec<f64>; MAX_ARGUMENTS],
-    unused: Vec<f64>,
+    scratch: Vec<f64>,
     slope: [Vec<f64>; 2],
     signals: Vec<Vec<f64>>,
     spectra: [Vec<Complex64>; 2],
@@ -62,9 +64,10 @@ impl Aft {
         let empty = || vec![0.0; samples];
         Self {
             transform: Transform::new(harmonics, samples),
+            search: Transform::new(harmonics, (8 * harmonics).next_power_of_two().max(64)),
             u: std::array::from_fn(|_| empty()),
             v: std::array::from_fn(|_| empty()),
-            unused: empty(),
+            scratch: Vec::new(),
             slope: std::array::from_fn(|_| vec![0.0; width(harmonics)]),
             signals: Vec::new(),
             spectra: std::array::from_fn(|_| vec![Complex64::default(); width(harmonics)]),
@@ -73,23 +76,21 @@ impl Aft {
         }
     }
 
-    /// The frequency–time transform.
-    pub fn transform(&mut self) -> &mut Transform {
-        &mut self.transform
-    }
-
-    /// Where on the period a series is positive, to rounding.
-    pub fn coverage(&mut self, series: &[f64]) -> Coverage {
-        self.transform.synthesise(series, None, &mut self.u[0], &mut self.unused);
-        positive_arcs(series, 0.0, &self.u[0])
+    /// Where on the period a series exceeds `threshold`, to rounding.
+    pub fn coverage(&mut self, series: &[f64], threshold: f64) -> Coverage {
+        let count = self.search.samples();
+        self.scratch.resize(2 * count, 0.0);
+        let (values, unused) = self.scratch.split_at_mut(count);
+        self.search.synthesise(series, None, values, unused);
+        positive_arcs(series, threshold, values)
     }
 
     /// Whether a predicted pressure is positive anywhere, as the quadrature sees it.
     pub fn touches(&mut self, pressure: &[f64]) -> bool {
         match self.quadrature {
-            Quadrature::Arcs => self.coverage(pressure) != Coverage::Never,
+            Quadrature::Arcs => self.coverage(pressure, 0.0) != Coverage::Never,
             Quadrature::Samples => {
-                self.transform.synthesise(pressure, None, &mut self.u[0], &mut self.unused);
+                self.transform.synthesise(pressure, None, &mut self.u[0], &mut self.v[0]);
                 self.u[0].iter().any(|&p| p > 0.0)
             }
         }
@@ -97,7 +98,7 @@ impl Aft {
 
     /// Maximum of |x| over a period of a series, between samples too.
     pub fn max_abs(&mut self, series: &[f64]) -> f64 {
-        harmonics::max_abs(series, &mut self.transform)
+        harmonics::max_abs(series, &mut self.search)
     }
 
     /// Forces of `law` for `arguments` (c × nc) and their derivatives, into `out`.
@@ -109,18 +110,19 @@ impl Aft {
         out.domega.resize(c * nc, 0.0);
         out.jacobian.clear();
         out.jacobian.resize(c * nc * c * nc, 0.0);
-        self.sample_arguments(law, arguments, rate.omega);
-        match (law.threshold(), self.quadrature) {
-            _ if law.has_memory() => self.evaluate_with_memory(law, rate, out),
-            (Some(threshold), Quadrature::Arcs) => {
-                match positive_arcs(&arguments[..nc], threshold, &self.u[0]) {
-                    Coverage::Never => {}
-                    // A force that never vanishes is smooth: samples converge as fast as anything.
-                    Coverage::Always => self.evaluate_samples(law, rate, out),
-                    Coverage::Arcs(arcs) => self.evaluate_arcs(law, arguments, &arcs, rate, out),
-                }
+        if let (Some(threshold), Quadrature::Arcs) = (law.threshold(), self.quadrature) {
+            match self.coverage(&arguments[..nc], threshold) {
+                Coverage::Never => return,
+                Coverage::Arcs(arcs) => return self.evaluate_arcs(law, arguments, &arcs, rate, out),
+                // A force that never vanishes is smooth: samples converge as fast as anything.
+                Coverage::Always => {}
             }
-            _ => self.evaluate_samples(law, rate, out),
+        }
+        self.sample_arguments(law, arguments, rate.omega);
+        if law.has_memory() {
+            self.evaluate_with_memory(law, rate, out);
+        } else {
+            self.evaluate_samples(law, rate, out);
         }
     }
 
@@ -195,6 +197,7 @@ fn scatter(target: Target, spectrum: &[Complex64], c: usize, omega: f64, out: &m
 }
 
 /// The signal of a target at one instant.
+#[inline(always)]
 fn signal(target: Target, r: &Response, now: &Instant, arguments: usize, rate: Rate) -> f64 {
     match target {
         Target::Force(i) => r.force[i],

@@ -18,6 +18,7 @@ struct Target<'a> {
 
 impl Target<'_> {
     /// Adds the complex row `factor` × (row_a − i row_b) to rows `start + parts(k)`, columns from `column`.
+    #[inline(always)]
     fn add_complex_row(
         &mut self,
         rows: (usize, Option<usize>),
@@ -67,7 +68,7 @@ impl PressureForm<'_> {
         let size = self.residual.len() + 1;
         let mut lu = std::mem::take(&mut self.lu);
         let mut target = Target { data: lu.reset(size), size };
-        self.assemble_arguments(&mut target);
+        crate::linalg::vectorised(|| self.assemble_arguments(&mut target));
         let kept_start = self.argument_unknowns();
         self.assemble_kept(&mut target, kept_start);
         let parameter_start = size - self.parameters();
@@ -86,6 +87,7 @@ impl PressureForm<'_> {
     }
 
     /// I − δ ∂f + s R ∂f, scaled.
+    #[inline(always)]
     fn assemble_arguments(&mut self, target: &mut Target<'_>) {
         let nc = self.nc;
         let active: Vec<usize> =
@@ -97,7 +99,13 @@ impl PressureForm<'_> {
         self.receptance_re.resize(count * count, 0.0);
         self.receptance_im.resize(count * count, 0.0);
         for k in 0..=self.harmonics {
-            self.receptance.matrix(k, &active, &mut self.work, &mut self.receptance_re, &mut self.receptance_im);
+            self.receptance.matrix(
+                k,
+                &active,
+                &mut self.receptance_work,
+                &mut self.receptance_re,
+                &mut self.receptance_im,
+            );
             let (row_a, row_b) = parts(k);
             let mut column = 0;
             for (slot, element) in self.slots.iter().zip(&self.forces).filter(|(slot, _)| slot.active) {

@@ -115,6 +115,7 @@ pub struct PressureForm<'m> {
     work: Vec<Complex64>,
     receptance_re: Vec<f64>,
     receptance_im: Vec<f64>,
+    receptance_work: Vec<f64>,
 }
 
 impl<'m> PressureForm<'m> {
@@ -193,6 +194,7 @@ impl<'m> PressureForm<'m> {
             work: Vec::new(),
             receptance_re: Vec::new(),
             receptance_im: Vec::new(),
+            receptance_work: Vec::new(),
             slots,
             channels,
             model,

@@ -7,7 +7,7 @@ use solver::backbone::Backbone;
 fn check(scenario: &Scenario) -> &Backbone {
     let backbone = scenario.backbone();
     let name = scenario.name;
-    assert!(backbone.max_amplitude() >= 2e-3, "{name}: ends at {} m, {}", backbone.max_amplitude(), backbone.stop);
+    assert!(backbone.max_amplitude() >= 2e-3, "{name}: ends at {} m, {}", backbone.max_amplitude(), backbone.outcome);
     assert!(backbone.points.len() <= 1000, "{name}: {} points", backbone.points.len());
     let mut arc = -1.0;
     for (i, point) in backbone.points.iter().enumerate() {
