@@ -166,6 +166,12 @@ impl<'m> Forced<'m> {
         let (visited, indices) = insert_maxima(visited, maxima);
         let mut special: Vec<SpecialPoint> =
             kinds.into_iter().zip(indices).map(|(kind, index)| SpecialPoint { kind, index }).collect();
+        // A fold may turn out higher than the point refined from the highest step.
+        let highest = |a: &usize, b: &usize| visited[*a].point.amplitude().total_cmp(&visited[*b].point.amplitude());
+        if let Some(index) = (0..visited.len()).max_by(highest) {
+            special.retain(|s| s.kind != SpecialKind::Peak);
+            special.push(SpecialPoint { kind: SpecialKind::Peak, index });
+        }
         special.sort_by_key(|s| s.index);
         let points: Vec<BranchPoint> = visited.into_iter().map(|v| v.point).collect();
         Branch { amplitude: self.amplitude, points, special, outcome, rejections }

@@ -22,6 +22,15 @@ pub enum BranchId {
     Isola(usize),
 }
 
+impl std::fmt::Display for BranchId {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            BranchId::Main => write!(f, "main"),
+            BranchId::Isola(index) => write!(f, "isola {}", index + 1),
+        }
+    }
+}
+
 /// What became of one of the two seeds of a window.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
