@@ -13,7 +13,7 @@ use crate::unknown::Unknown;
 use crate::walk::interpolate;
 
 /// Points of a walk in A before giving up.
-const BUDGET: usize = 400;
+const BUDGET: usize = 200;
 
 /// State close to the forced response at amplitude `amplitude` and frequency `omega`, continued in A from the linear
 /// response to a small forcing.

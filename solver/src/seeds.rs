@@ -70,7 +70,7 @@ pub fn land(
     phase: Phase,
     amplitude: f64,
 ) -> Result<State, LandingFailure> {
-    attempt(backbone, window, amplitude, |index| {
+    attempt(&candidates(backbone, window, amplitude), |index| {
         let seed = seed(&forced.problem, backbone, index, phase, amplitude);
         let landed = forced.converge(&seed.state)?;
         let distance = forced.distance(&landed, &seed.state);
@@ -87,7 +87,9 @@ pub fn land_by_amplitude(
     phase: Phase,
     amplitude: f64,
 ) -> Result<State, LandingFailure> {
-    attempt(backbone, window, amplitude, |index| {
+    let candidates = candidates(backbone, window, amplitude);
+    // The best candidates are enough: a walk in A passes through the motions of the others.
+    attempt(&candidates[..candidates.len().min(3)], |index| {
         let threshold = backbone.points[index].threshold.min(amplitude);
         let seed = seed(&forced.problem, backbone, index, phase, threshold);
         let mut best: Result<(State, f64), Failure> = Err(Failure::OutOfReach);
@@ -103,16 +105,14 @@ pub fn land_by_amplitude(
     })
 }
 
-/// Tries the candidates of a window in turn; `land` gives a converged state and its distance from the seed.
+/// Tries backbone points in turn; `land` gives a converged state and its distance from the seed.
 fn attempt(
-    backbone: &Backbone,
-    window: &Window,
-    amplitude: f64,
+    candidates: &[usize],
     mut land: impl FnMut(usize) -> Result<(State, f64), Failure>,
 ) -> Result<State, LandingFailure> {
     let mut nearest = f64::INFINITY;
     let mut failure = Failure::Diverged;
-    for index in candidates(backbone, window, amplitude) {
+    for &index in candidates {
         match land(index) {
             Ok((state, distance)) if distance <= NEAR => return Ok(state),
             Ok((_, distance)) => nearest = nearest.min(distance),
