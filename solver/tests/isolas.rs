@@ -375,8 +375,8 @@ fn a_cantilever_before_a_stop_has_an_isola_of_ten_harmonics() {
     report("cantilever: birth", birth.threshold, computed);
     // 0.4 % below.
     assert!((computed / birth.threshold - 1.0).abs() < 5e-3);
-    // It belongs to ten harmonics and the default ε: with 20 the branches here are others, none of them closed, and time marching leaves it
-    // within a few periods for the linear response. The contact of time marching is inelastic for the mass of the tip, but a
+    // It belongs to ten harmonics and the default ε: with 20 the branches here are others, none of them closed, and time
+    // marching leaves it for the linear response. The contact of time marching is inelastic for the mass of the tip, but a
     // stiff elastic spring in place of the stop leaves it too.
     for share in [0.3, 0.7, 0.9] {
         let upper = &states_at(&study, &isola, low + share * (high - low))[0];
