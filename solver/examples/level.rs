@@ -6,7 +6,7 @@
 
 use solver::backbone::Backbone;
 use solver::branch::Branch;
-use solver::level::{BranchId, Level, SeedOutcome};
+use solver::level::{BranchId, Level};
 use solver::model::Model;
 use solver::settings::Settings;
 use solver::windows::events;
@@ -70,15 +70,7 @@ fn run(arguments: &[String]) -> Result<(), Box<dyn Error>> {
         }
         for (number, account) in level.windows.iter().enumerate() {
             let (low, high) = account.window.omega;
-            let seeds: Vec<String> = account
-                .seeds
-                .iter()
-                .map(|seed| match seed {
-                    SeedOutcome::Found(id) => id.to_string(),
-                    SeedOutcome::NotLanded(failure) => failure.to_string(),
-                    SeedOutcome::NotTraced(failure) => failure.to_string(),
-                })
-                .collect();
+            let seeds: Vec<String> = account.seeds.iter().map(|seed| seed.outcome.to_string()).collect();
             println!("  window {} ({low:.2} to {high:.2} rad/s): {}", number + 1, seeds.join("; "));
         }
     }

@@ -176,8 +176,8 @@ mod tests {
     #[test]
     fn arcs_of_a_shifted_cosine() {
         // cos τ + a > 0 on |τ| < arccos(−a).
-        for a in [-0.999_999, -0.9, 0.0, 0.5, 0.999_999] {
-            let half = (-a as f64).acos();
+        for a in [-0.999_999f64, -0.9, 0.0, 0.5, 0.999_999] {
+            let half = (-a).acos();
             let Coverage::Arcs(list) = arcs(&[a, 1.0, 0.0], 16) else { panic!("no arcs for {a}") };
             assert_eq!(list.len(), 1);
             assert!((list[0].1 - list[0].0 - 2.0 * half).abs() < 1e-10, "{a}: {list:?}");

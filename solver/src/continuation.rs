@@ -15,7 +15,7 @@ pub enum Predictor {
     /// Tangent, from the Jacobian already factorised.
     #[default]
     Tangent,
-    /// Secant through the last two points (paper [7]).
+    /// Secant through the last two points (paper \[7\]).
     Secant,
 }
 
@@ -26,7 +26,7 @@ pub enum Corrector {
     /// Keller's hyperplane normal to the predictor.
     #[default]
     Hyperplane,
-    /// Sphere round the last point (paper [8]).
+    /// Sphere round the last point (paper \[8\]).
     Sphere,
 }
 

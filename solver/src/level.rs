@@ -31,7 +31,7 @@ impl std::fmt::Display for BranchId {
     }
 }
 
-/// What became of one of the two seeds of a window.
+/// What became of a seed.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SeedOutcome {
@@ -43,13 +43,34 @@ pub enum SeedOutcome {
     NotTraced(Failure),
 }
 
+impl std::fmt::Display for SeedOutcome {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            SeedOutcome::Found(id) => write!(f, "{id}"),
+            SeedOutcome::NotLanded(failure) => write!(f, "{failure}"),
+            SeedOutcome::NotTraced(failure) => write!(f, "landed, but no branch starts there: {failure}"),
+        }
+    }
+}
+
+/// A seed of a window and what became of it.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct SeedAccount {
+    /// Backbone index of the minimum of A* it stands for.
+    pub minimum: usize,
+    /// Which of the two phases.
+    pub phase: Phase,
+    /// What became of it.
+    pub outcome: SeedOutcome,
+}
+
 /// The account of a window.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct WindowAccount {
     /// The window.
     pub window: Window,
-    /// What became of its seeds, first and second phase.
-    pub seeds: [SeedOutcome; 2],
+    /// Two seeds, one for each phase, for every minimum of A* in the window.
+    pub seeds: Vec<SeedAccount>,
 }
 
 impl WindowAccount {
@@ -57,10 +78,10 @@ impl WindowAccount {
     pub fn branches(&self) -> Vec<BranchId> {
         let mut list: Vec<BranchId> = Vec::new();
         for seed in &self.seeds {
-            if let SeedOutcome::Found(id) = seed
-                && !list.contains(id)
+            if let SeedOutcome::Found(id) = seed.outcome
+                && !list.contains(&id)
             {
-                list.push(*id);
+                list.push(id);
             }
         }
         list
@@ -104,7 +125,7 @@ impl Level {
         Ok(level)
     }
 
-    /// Both seeds of a window at fixed frequency; if neither leads to a branch, by steps in the forcing amplitude.
+    /// All seeds of a window at fixed frequency; if none leads to a branch, by steps in the forcing amplitude.
     fn follow_window(
         &mut self,
         forced: &mut Forced<'_>,
@@ -113,16 +134,22 @@ impl Level {
         observer: &mut Observer<'_>,
     ) -> WindowAccount {
         let amplitude = self.amplitude;
-        let mut try_both = |land: LandFn| {
-            let seeds =
-                [Phase::First, Phase::Second].map(|phase| match land(forced, backbone, &window, phase, amplitude) {
-                    Ok(state) => self.follow(forced, &state, observer),
-                    Err(failure) => SeedOutcome::NotLanded(failure),
-                });
+        let wells = window.wells(backbone);
+        let mut try_all = |land: LandFn| {
+            let mut seeds = Vec::new();
+            for well in &wells {
+                for phase in [Phase::First, Phase::Second] {
+                    let outcome = match land(forced, backbone, well, phase, amplitude) {
+                        Ok(state) => self.follow(forced, &state, observer),
+                        Err(failure) => SeedOutcome::NotLanded(failure),
+                    };
+                    seeds.push(SeedAccount { minimum: well.best, phase, outcome });
+                }
+            }
             WindowAccount { window, seeds }
         };
-        let account = try_both(land);
-        if account.branches().is_empty() { try_both(land_by_amplitude) } else { account }
+        let account = try_all(land);
+        if account.branches().is_empty() { try_all(land_by_amplitude) } else { account }
     }
 
     /// Traces the branch through a landed state, unless it is known.

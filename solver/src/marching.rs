@@ -1,4 +1,4 @@
-//! Time marching: the independent truth that harmonic balance solutions are checked against (METHOD, section 9).
+//! Time marching: the independent truth that harmonic balance solutions are checked against.
 //!
 //! Central differences in modal coordinates, x = Φ y, with A_h = I/h² + Ĉ/(2h):
 //!

@@ -13,7 +13,7 @@ pub enum Constraint<'a> {
         /// A point of the plane.
         origin: &'a [f64],
     },
-    /// Sphere ‖y − centre‖² = radius² in the problem's metric (paper [8]).
+    /// Sphere ‖y − centre‖² = radius² in the problem's metric (paper \[8\]).
     Sphere {
         /// The last point of the branch.
         centre: &'a [f64],

@@ -20,27 +20,54 @@ pub struct Window {
 
 /// Windows at forcing amplitude `amplitude`, in the order of the backbone.
 pub fn windows(backbone: &Backbone, amplitude: f64) -> Vec<Window> {
-    let mut windows: Vec<Window> = Vec::new();
-    let mut inside = false;
+    let mut windows = Vec::new();
+    let mut first = None;
     for (index, point) in backbone.points.iter().enumerate() {
-        let (threshold, omega) = (point.threshold, point.point.omega());
         // A threshold that is not a number (no work at all) predicts nothing.
-        if threshold.is_nan() || threshold >= amplitude {
-            inside = false;
-            continue;
-        }
-        if !inside {
-            windows.push(Window { first: index, last: index, best: index, threshold, omega: (omega, omega) });
-            inside = true;
-        }
-        let window = windows.last_mut().expect("one was just opened");
-        window.last = index;
-        window.omega = (window.omega.0.min(omega), window.omega.1.max(omega));
-        if threshold < window.threshold {
-            (window.best, window.threshold) = (index, threshold);
+        let inside = point.threshold < amplitude;
+        match (inside, first) {
+            (true, None) => first = Some(index),
+            (false, Some(begin)) => {
+                windows.extend(Window::covering(backbone, begin, index - 1));
+                first = None;
+            }
+            _ => {}
         }
     }
+    if let Some(begin) = first {
+        windows.extend(Window::covering(backbone, begin, backbone.points.len() - 1));
+    }
     windows
+}
+
+impl Window {
+    /// The wells of a window: its parts between neighbouring maxima of A*, one for each minimum. A barrier below A is
+    /// predicted to have been passed, but forced responses on its two sides may still be separate.
+    pub fn wells(&self, backbone: &Backbone) -> Vec<Window> {
+        let points = &backbone.points[self.first..=self.last];
+        let logs: Vec<f64> = points.iter().map(|p| p.threshold.ln()).collect();
+        let barriers = turning_points(&logs, PROMINENCE)
+            .into_iter()
+            .filter(|&(i, is_maximum)| is_maximum && i > 0 && i + 1 < points.len())
+            .map(|(i, _)| self.first + i);
+        let mut wells = Vec::new();
+        let mut first = self.first;
+        for last in barriers.chain([self.last]) {
+            wells.extend(Self::covering(backbone, first, last));
+            first = last;
+        }
+        wells
+    }
+
+    /// The window over backbone points `first` to `last`.
+    fn covering(backbone: &Backbone, first: usize, last: usize) -> Option<Window> {
+        let range = first..=last;
+        let best =
+            range.clone().min_by(|&a, &b| backbone.points[a].threshold.total_cmp(&backbone.points[b].threshold))?;
+        let omegas = range.map(|i| backbone.points[i].point.omega());
+        let omega = omegas.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), w| (low.min(w), high.max(w)));
+        Some(Window { first, last, best, threshold: backbone.points[best].threshold, omega })
+    }
 }
 
 /// Whether windows appear or join.

@@ -3,7 +3,7 @@
 use super::{Before, Instant, Law, ParameterError, Pattern, Response, require};
 use serde::{Deserialize, Serialize};
 
-/// Rigid unilateral contact (METHOD: gap g = c − x_N ≥ 0, pressure λ ≥ 0, λ g = 0).
+/// Rigid unilateral contact (gap g = c − x_N ≥ 0, pressure λ ≥ 0, λ g = 0).
 ///
 /// Argument 0 is the predicted pressure p = λ − ε g in N, so that λ = max(0, p) whatever the unknowns of the
 /// formulation are; arguments 1 and 2 are the tangential displacements. Paper equations [16–19], [33, 34].

@@ -21,11 +21,11 @@ fn check_windows(level: &Level, backbone: &Backbone, what: &str) -> (usize, usiz
             assert!(overlaps, "{what}: {id:?} at {range:?} rad/s found from {low} to {high} rad/s");
         }
         for seed in &account.seeds {
-            match seed {
+            match seed.outcome {
                 SeedOutcome::Found(BranchId::Main) => {}
                 SeedOutcome::Found(BranchId::Isola(i)) => {
-                    assert!(*i < named.len(), "{what}: isola {i} of {}", named.len());
-                    named[*i] = true;
+                    assert!(i < named.len(), "{what}: isola {i} of {}", named.len());
+                    named[i] = true;
                 }
                 SeedOutcome::NotLanded(reason) => assert!(!reason.to_string().is_empty(), "{what}: no reason"),
                 SeedOutcome::NotTraced(reason) => assert!(!reason.to_string().is_empty(), "{what}: no reason"),
