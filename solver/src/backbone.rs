@@ -9,7 +9,7 @@ use crate::model::Model;
 use crate::pressure::PressureForm;
 use crate::problem::{Failure, Problem};
 use crate::scales::Scales;
-use crate::settings::{BackboneEquation, Settings};
+use crate::settings::{BackboneEquation, Settings, SettingsError};
 use crate::state::State;
 use crate::unknown::Unknown;
 use crate::walk::{Bounds, Observer, Visited, insert_maxima, locate_maximum, walk, walk_both};
@@ -47,6 +47,9 @@ pub struct Backbone {
 /// Why there is no backbone at all.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum BackboneError {
+    /// A setting is out of its range.
+    #[error(transparent)]
+    Settings(#[from] SettingsError),
     /// Not even the first point, close to the linear mode, converged.
     #[error("the backbone of mode {mode} does not start at its linear mode ({omega:.6} rad/s): {failure}")]
     Start {
@@ -91,6 +94,7 @@ fn bounds(settings: &Settings, scales: &Scales) -> Bounds {
 impl Backbone {
     /// Computes the backbone of `settings.backbone.mode`, telling `observer` of every point.
     pub fn compute(model: &Model, settings: &Settings, observer: &mut Observer<'_>) -> Result<Self, BackboneError> {
+        settings.validate(model.size())?;
         let mode = settings.tracked();
         let omega = model.modes.frequencies[mode];
         let not_started = |failure| BackboneError::Start { mode: mode + 1, omega, failure };
@@ -119,6 +123,7 @@ impl Backbone {
         near: &State,
         observer: &mut Observer<'_>,
     ) -> Result<Self, BackboneError> {
+        settings.validate(model.size())?;
         let mut problem = system(model, settings, BackboneEquation::PhaseResonance);
         let y = problem.encode(near);
         let direction = problem.growth(&y);

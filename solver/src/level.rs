@@ -6,11 +6,12 @@ use crate::forced::Forced;
 use crate::model::Model;
 use crate::problem::Failure;
 use crate::seeds::{LandingFailure, Phase, land, land_by_amplitude};
-use crate::settings::Settings;
+use crate::settings::{Settings, SettingsError};
 use crate::state::State;
 use crate::walk::Observer;
 use crate::windows::{Window, windows};
 use serde::{Deserialize, Serialize};
+use thiserror::Error;
 
 /// Names a branch of a level.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -88,6 +89,29 @@ impl WindowAccount {
     }
 }
 
+/// Why a level has no result at all.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum LevelError {
+    /// A setting is out of its range.
+    #[error(transparent)]
+    Settings(#[from] SettingsError),
+    /// The forcing amplitude is not a positive number.
+    #[error("forcing amplitude {0}: use a finite number above zero")]
+    Amplitude(f64),
+    /// The main branch has no first point.
+    #[error(
+        "the main branch does not start at A = {amplitude}, {omega:.6} rad/s: {failure}; choose another frequency.min"
+    )]
+    Start {
+        /// Forcing amplitude.
+        amplitude: f64,
+        /// Lower frequency bound, rad/s.
+        omega: f64,
+        /// Why.
+        failure: Failure,
+    },
+}
+
 type LandFn = fn(&mut Forced<'_>, &Backbone, &Window, Phase, f64) -> Result<State, LandingFailure>;
 
 /// All forced responses found at one forcing amplitude.
@@ -107,16 +131,22 @@ impl Level {
     /// Computes a whole level from the backbone.
     ///
     /// # Errors
-    /// If not even the linear start of the main branch converges; everything else is part of the result.
+    /// If a setting or the amplitude is out of range, or the main branch cannot be started; everything else is part of
+    /// the result.
     pub fn compute(
         model: &Model,
         settings: &Settings,
         backbone: &Backbone,
         amplitude: f64,
         observer: &mut Observer<'_>,
-    ) -> Result<Self, Failure> {
+    ) -> Result<Self, LevelError> {
+        settings.validate(model.size())?;
+        if !(amplitude > 0.0 && amplitude.is_finite()) {
+            return Err(LevelError::Amplitude(amplitude));
+        }
         let mut forced = Forced::new(model, settings, backbone, amplitude);
-        let main = forced.main_branch(observer)?;
+        let omega = forced.frequency_bounds().0;
+        let main = forced.main_branch(observer).map_err(|failure| LevelError::Start { amplitude, omega, failure })?;
         let mut level = Self { amplitude, main, isolas: Vec::new(), windows: Vec::new() };
         for window in windows(backbone, amplitude) {
             let account = level.follow_window(&mut forced, backbone, window, observer);

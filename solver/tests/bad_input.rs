@@ -1,10 +1,14 @@
 //! Wrong input is refused with one message that names the file, the key, the value and a remedy.
 
 use proptest::prelude::*;
+use solver::backbone::Backbone;
 use solver::laws::{Contact, LawKind};
+use solver::level::Level;
 use solver::linalg::Matrix;
 use solver::model::{DampingParts, Element, ForcingShape, Model, ModelParts};
+use solver::settings::{FrequencySettings, Settings};
 use std::fs;
+use std::ops::ControlFlow;
 use tempfile::TempDir;
 
 /// Two masses, every key that the tests break.
@@ -315,5 +319,48 @@ proptest! {
             prop_assert!(!error.to_string().is_empty());
         }
         let _ = Model::load_with(folder(GOOD, K).path(), &[(&text, "1"), ("contact.gap", &text)]);
+    }
+}
+
+fn change(set: impl FnOnce(&mut Settings)) -> Settings {
+    let mut settings = Settings::default();
+    set(&mut settings);
+    settings
+}
+
+#[test]
+fn numerical_settings() {
+    let model = Model::new(parts()).unwrap();
+    let cases: [(Settings, &[&str]); 8] = [
+        (change(|s| s.harmonics.samples = 32), &["harmonics.samples", "32", "10 harmonics", "at least 40"]),
+        (change(|s| s.harmonics.count = 0), &["harmonics.count", "0", "1 to 400"]),
+        (change(|s| s.backbone.mode = 3), &["backbone.mode", "3", "modes 1 to 2"]),
+        (change(|s| s.backbone.mode = 0), &["backbone.mode", "0", "modes 1 to 2"]),
+        (change(|s| s.frequency.min = Some(-1.0)), &["frequency.min", "-1", "above zero"]),
+        (change(|s| s.frequency = FrequencySettings { min: Some(2.0), max: Some(1.0) }), &["frequency.max", "1", "2"]),
+        (change(|s| s.continuation.max_step = f64::NAN), &["continuation.max_step", "NaN", "finite"]),
+        (change(|s| s.continuation.min_cosine = 1.5), &["continuation.min_cosine", "1.5", "0 to below 1"]),
+    ];
+    for (settings, parts) in cases {
+        let refused = Backbone::compute(&model, &settings, &mut |_| ControlFlow::Continue(())).unwrap_err();
+        says(&refused.to_string(), parts);
+    }
+}
+
+#[test]
+fn unknown_numerical_settings() {
+    let error = toml::from_str::<Settings>("[harmonics]\ncounts = 3\n").unwrap_err().to_string();
+    assert!(error.contains("counts") && error.contains("count"), "{error}");
+}
+
+#[test]
+fn forcing_amplitudes() {
+    let model = Model::new(parts()).unwrap();
+    let go_on = &mut |_: &_| ControlFlow::Continue(());
+    let settings = Settings::default();
+    let backbone = Backbone::compute(&model, &settings, go_on).unwrap();
+    for amplitude in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        let refused = Level::compute(&model, &settings, &backbone, amplitude, go_on).unwrap_err();
+        says(&refused.to_string(), &[&amplitude.to_string(), "above zero"]);
     }
 }

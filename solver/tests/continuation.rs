@@ -1,0 +1,76 @@
+//! Predictors, correctors, cancelling: every way of walking finds the same closed curve.
+
+use solver::backbone::Backbone;
+use solver::branch::{Branch, BranchPoint, Outcome, Stop};
+use solver::continuation::{Corrector, Predictor};
+use solver::forced::Forced;
+use solver::level::Level;
+use solver::model::Model;
+use solver::settings::Settings;
+use std::ops::ControlFlow;
+use std::path::Path;
+
+fn load(name: &str) -> Model {
+    Model::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../models").join(name)).unwrap()
+}
+
+fn isola(settings: &Settings) -> Branch {
+    let model = load("impact_subharmonic");
+    let go_on = &mut |_: &_| ControlFlow::Continue(());
+    let backbone = Backbone::compute(&model, settings, go_on).unwrap();
+    let level = Level::compute(&model, settings, &backbone, 0.5, go_on).unwrap();
+    assert_eq!(level.isolas.len(), 1);
+    level.isolas.into_iter().next().unwrap()
+}
+
+#[test]
+fn every_predictor_and_corrector_closes_the_same_isola() {
+    let reference = isola(&Settings::default());
+    assert!(reference.is_closed());
+    for predictor in [Predictor::Tangent, Predictor::Secant] {
+        for corrector in [Corrector::Hyperplane, Corrector::Sphere] {
+            let mut settings = Settings::default();
+            settings.continuation.predictor = predictor;
+            settings.continuation.corrector = corrector;
+            let branch = isola(&settings);
+            assert!(branch.is_closed(), "{predictor:?}, {corrector:?}: {}", branch.outcome);
+            let ((a, b), (c, d)) = (branch.frequency_range(), reference.frequency_range());
+            let peaks = (branch.peak().amplitude(), reference.peak().amplitude());
+            for (found, expected) in [(a, c), (b, d), peaks] {
+                assert!((found / expected - 1.0).abs() < 1e-6, "{predictor:?}, {corrector:?}: {found} for {expected}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_walk_is_cancelled_between_points() {
+    let model = load("duffing");
+    let settings = Settings::default();
+    let backbone = Backbone::compute(&model, &settings, &mut |_| ControlFlow::Continue(())).unwrap();
+    let mut seen = 0;
+    let mut observer = |_: &BranchPoint| {
+        seen += 1;
+        if seen == 7 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    };
+    let branch = Forced::new(&model, &settings, &backbone, 0.1).main_branch(&mut observer).unwrap();
+    assert_eq!(seen, 7);
+    assert_eq!(branch.outcome, Outcome::Open(Stop::Start, Stop::Cancelled));
+    // The start, then seven points; the peak among them is refined by at most one more.
+    assert!((8..=9).contains(&branch.points.len()), "{} points", branch.points.len());
+}
+
+#[test]
+fn branches_end_exactly_at_the_frequency_bounds() {
+    let model = load("duffing");
+    let mut settings = Settings::default();
+    settings.frequency.min = Some(0.8);
+    settings.frequency.max = Some(1.3);
+    let go_on = &mut |_: &_| ControlFlow::Continue(());
+    let backbone = Backbone::compute(&model, &settings, go_on).unwrap();
+    let branch = Forced::new(&model, &settings, &backbone, 0.05).main_branch(go_on).unwrap();
+    let last = branch.points.last().unwrap();
+    assert!((last.omega() - 1.3).abs() < 1e-12 * 1.3, "ends at {}", last.omega());
+    assert!((branch.points[0].omega() - 0.8).abs() < 1e-12);
+    assert_eq!(branch.outcome, Outcome::Open(Stop::Start, Stop::FrequencyBound));
+}
