@@ -40,8 +40,8 @@ pub struct ContinuationSettings {
     pub min_step: f64,
     /// Largest step. Default 0.1.
     pub max_step: f64,
-    /// Newton iterations that leave the step as it is. Default 4.
-    pub target_iterations: usize,
+    /// Factorisations a point that leave the step as it is. Default 2.
+    pub target_factorisations: usize,
     /// Smallest cosine between a step and the tangent it started with. Default 0.9.
     pub min_cosine: f64,
     /// Predictor. Default tangent.
@@ -58,11 +58,11 @@ impl Default for ContinuationSettings {
             initial_step: 0.02,
             min_step: 1e-7,
             max_step: 0.1,
-            target_iterations: 4,
+            target_factorisations: 2,
             min_cosine: 0.9,
             predictor: Predictor::default(),
             corrector: Corrector::default(),
-            newton: NewtonSettings { max_iterations: 8, ..NewtonSettings::default() },
+            newton: NewtonSettings { max_iterations: 10, ..NewtonSettings::default() },
         }
     }
 }
@@ -76,6 +76,8 @@ pub struct CurvePoint {
     pub tangent: Vec<f64>,
     /// Newton iterations.
     pub iterations: usize,
+    /// Factorisations they needed.
+    pub factorisations: usize,
     /// Largest scaled residual.
     pub residual: f64,
     /// Sign of the bordered Jacobian's determinant; a change between points marks a bifurcation.
@@ -197,6 +199,7 @@ impl<'p, P: Problem> Continuation<'p, P> {
             y,
             tangent,
             iterations: convergence.iterations,
+            factorisations: convergence.factorisations,
             residual: convergence.residual,
             orientation,
             step,
@@ -222,12 +225,13 @@ impl<'p, P: Problem> Continuation<'p, P> {
         Ok(point)
     }
 
-    /// Next step from the iterations of the last one and from how much the tangent turned.
+    /// Next step from the effort of the last one and from how much the tangent turned.
     fn adapt(&mut self, point: &CurvePoint) {
         let turn = inner(self.problem.metric(), &point.tangent, &self.current.tangent).clamp(-1.0, 1.0).acos();
-        let by_iterations = 2.0f64.powf((self.settings.target_iterations as f64 - point.iterations as f64) / 2.0);
+        let excess = point.factorisations as f64 - self.settings.target_factorisations as f64;
+        let by_effort = 2.0f64.powf(-0.5 * excess);
         let by_turn = if turn > 1e-12 { 0.3 / turn } else { f64::INFINITY };
-        let factor = by_iterations.min(by_turn).clamp(0.5, 2.0);
+        let factor = by_effort.min(by_turn).clamp(0.5, 2.0);
         self.step = (self.step * factor).min(self.settings.max_step);
     }
 }
@@ -272,6 +276,7 @@ fn land<P: Problem>(
         y,
         tangent: unit(problem.metric(), newton.direction.clone()),
         iterations: convergence.iterations,
+        factorisations: convergence.factorisations,
         residual: convergence.residual,
         step: 0.0,
     })

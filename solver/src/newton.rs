@@ -1,4 +1,7 @@
 //! Newton's method on a [`Problem`] closed by a constraint.
+//!
+//! A factorisation costs far more than a residual. It is used again (simplified Newton method) as long as the residual
+//! falls so fast that a few more such steps are enough.
 
 use crate::problem::{Failure, Problem};
 use serde::{Deserialize, Serialize};
@@ -61,11 +64,16 @@ impl Default for NewtonSettings {
     }
 }
 
+/// Most steps expected with one factorisation before a new one is worth its cost.
+const SIMPLIFIED_STEPS: f64 = 3.0;
+
 /// A converged iteration.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Convergence {
     /// Newton steps taken.
     pub iterations: usize,
+    /// Factorisations they needed.
+    pub factorisations: usize,
     /// Largest scaled residual left.
     pub residual: f64,
 }
@@ -95,7 +103,8 @@ impl Newton {
         }
         let mut residual = problem.linearise(y);
         let mut mismatch = constraint.linearise(problem.metric(), y, &mut self.row);
-        let mut iterations = 0;
+        let (mut iterations, mut factorisations) = (0, 0);
+        let mut reuse = false;
         loop {
             if !residual.is_finite() || !mismatch.is_finite() {
                 return Err(Failure::Diverged);
@@ -103,13 +112,17 @@ impl Newton {
             let converged = residual < settings.tolerance && mismatch.abs() < 1e-9;
             // At least one step: the direction of the curve comes from its factorisation.
             if converged && iterations > 0 {
-                return Ok(Convergence { iterations, residual });
+                return Ok(Convergence { iterations, factorisations, residual });
             }
             if iterations == settings.max_iterations {
                 return Err(Failure::NotConverged { iterations, residual });
             }
-            problem.factor(&self.row).map_err(|_| Failure::Singular)?;
+            if !(reuse && problem.is_factorisation_current()) {
+                problem.factor(&self.row).map_err(|_| Failure::Singular)?;
+                factorisations += 1;
+            }
             problem.solve(mismatch, &mut self.step, &mut self.direction);
+            let before = residual;
             if settings.damped {
                 (residual, mismatch) = self.backtrack(problem, y, constraint, residual);
             } else {
@@ -118,6 +131,9 @@ impl Newton {
                 mismatch = constraint.linearise(problem.metric(), y, &mut self.row);
             }
             iterations += 1;
+            let contraction = residual / before;
+            let steps_left = (settings.tolerance / residual).ln() / contraction.ln();
+            reuse = contraction < 1.0 && steps_left <= SIMPLIFIED_STEPS;
         }
     }
 

@@ -23,6 +23,10 @@ pub trait Problem {
     /// Factorises the Jacobian of the last [`Problem::linearise`], bordered by `row` (a linear form on the state).
     fn factor(&mut self, row: &[f64]) -> Result<(), LinalgError>;
 
+    /// Whether the factorisation at hand still fits the state last linearised: the same unknowns. Its steps then are those
+    /// of a simplified Newton method.
+    fn is_factorisation_current(&self) -> bool;
+
     /// Sign of the determinant of the matrix last factorised. Along a smooth branch it does not change.
     fn orientation(&self) -> f64;
 

@@ -194,7 +194,7 @@ impl Settings {
         for (key, value) in [
             ("backbone.max_points", self.backbone.max_points),
             ("branch.max_points", self.branch.max_points),
-            ("continuation.target_iterations", self.continuation.target_iterations),
+            ("continuation.target_factorisations", self.continuation.target_factorisations),
             ("continuation.newton.max_iterations", self.continuation.newton.max_iterations),
         ] {
             if value == 0 {

@@ -286,6 +286,10 @@ impl Problem for DisplacementForm<'_> {
         self.lu.factor()
     }
 
+    fn is_factorisation_current(&self) -> bool {
+        true
+    }
+
     fn orientation(&self) -> f64 {
         self.lu.determinant_sign()
     }

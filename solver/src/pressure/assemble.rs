@@ -112,9 +112,11 @@ impl PressureForm<'_> {
             for (slot, element) in self.slots.iter().zip(&self.forces).filter(|(slot, _)| slot.active) {
                 let width = slot.count * nc;
                 for i in 0..slot.count {
+                    // Force i does not depend on the arguments from `reach` on.
+                    let reach = slot.reach[i] * nc;
                     let source = |part: usize| {
                         let start = (i * nc + part) * width;
-                        &element.jacobian[start..start + width]
+                        &element.jacobian[start..start + reach]
                     };
                     let (source_a, source_b) = (source(row_a), row_b.map(source));
                     let v = column / nc + i;

@@ -17,11 +17,11 @@ pub(crate) mod tests;
 
 use crate::aft::{Aft, ElementForce};
 use crate::harmonics::width;
-use crate::laws::{Law, LawKind};
+use crate::laws::{Law, LawKind, MAX_ARGUMENTS};
 use crate::linalg::Lu;
 use crate::model::{Damping, Model};
 use crate::problem::Problem;
-use crate::receptance::Receptance;
+use crate::receptance::{Kept, Receptance};
 use crate::scales::Scales;
 use crate::settings::HarmonicSettings;
 use crate::state::State;
@@ -36,6 +36,8 @@ struct Slot {
     count: usize,
     /// Rigid contact: ε and gap.
     contact: Option<(f64, f64)>,
+    /// For each force, one more than the last argument it depends on.
+    reach: [usize; MAX_ARGUMENTS],
     active: bool,
 }
 
@@ -79,6 +81,8 @@ pub struct PressureForm<'m> {
     /// Derivatives of the dependent modal amplitudes with respect to each parameter, modes × nc each.
     modal_rates: Vec<Vec<f64>>,
     lu: Lu,
+    /// Active elements and kept amplitudes of the matrix last factorised.
+    factored: (Vec<bool>, Vec<Kept>),
     solutions: Vec<f64>,
     work: Vec<Complex64>,
     receptance_re: Vec<f64>,
@@ -106,7 +110,11 @@ impl<'m> PressureForm<'m> {
                 LawKind::Contact(contact) => Some((contact.epsilon, contact.gap)),
                 _ => None,
             };
-            slots.push(Slot { law: element.law.clone(), first: channels.len(), count, contact, active: false });
+            let pattern = element.law.pattern();
+            let depends = |i: usize, j: &usize| pattern.du[i][*j] || pattern.dv[i][*j];
+            let reach = std::array::from_fn(|i| (0..count).rev().find(|j| depends(i, j)).map_or(0, |j| j + 1));
+            let first = channels.len();
+            slots.push(Slot { law: element.law.clone(), first, count, contact, reach, active: false });
             for (i, combination) in element.channels.iter().take(count).enumerate() {
                 channels.push(match contact {
                     Some((epsilon, gap)) if i == 0 => {
@@ -158,6 +166,7 @@ impl<'m> PressureForm<'m> {
             residual: Vec::new(),
             modal_rates: vec![vec![0.0; n * nc]; parameters],
             lu: Lu::default(),
+            factored: (Vec::new(), Vec::new()),
             solutions: Vec::new(),
             work: Vec::new(),
             receptance_re: Vec::new(),
@@ -319,7 +328,13 @@ impl Problem for PressureForm<'_> {
 
     fn factor(&mut self, row: &[f64]) -> Result<(), crate::linalg::LinalgError> {
         self.assemble(row);
+        self.factored = (self.active(), self.receptance.kept().to_vec());
         self.lu.factor()
+    }
+
+    fn is_factorisation_current(&self) -> bool {
+        let active = self.slots.iter().map(|slot| slot.active);
+        self.factored.0.iter().copied().eq(active) && self.factored.1 == self.receptance.kept()
     }
 
     fn orientation(&self) -> f64 {
