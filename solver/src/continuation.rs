@@ -110,6 +110,8 @@ pub struct Continuation<'p, P: Problem> {
     previous: Option<Vec<f64>>,
     step: f64,
     rejections: usize,
+    /// Whether the tangent of the current point is that of its own Jacobian.
+    refreshed: bool,
     stalled: Option<Rejection>,
     row: Vec<f64>,
     origin: Vec<f64>,
@@ -125,7 +127,7 @@ impl<'p, P: Problem> Continuation<'p, P> {
         settings: ContinuationSettings,
     ) -> Result<Self, Failure> {
         let mut newton = Newton::default();
-        let row = weighted(problem.metric(), direction);
+        let row = weighted(problem.metric(), &unit(problem.metric(), direction.to_vec()));
         let current = land(problem, &mut newton, y, &row, &settings)?;
         let step = settings.initial_step;
         Ok(Self {
@@ -136,6 +138,7 @@ impl<'p, P: Problem> Continuation<'p, P> {
             previous: None,
             step,
             rejections: 0,
+            refreshed: false,
             stalled: None,
             row,
             origin: Vec::new(),
@@ -225,6 +228,19 @@ impl<'p, P: Problem> Continuation<'p, P> {
         Ok(point)
     }
 
+    /// The tangent comes from the last matrix factorised, which belongs to a point nearby: where the curve turns sharply
+    /// that is not good enough, however short the step.
+    fn refresh_tangent(&mut self) {
+        if self.refreshed {
+            return;
+        }
+        self.refreshed = true;
+        let row = weighted(self.problem.metric(), &self.current.tangent);
+        if let Ok(point) = land(self.problem, &mut self.newton, self.current.y.clone(), &row, &self.settings) {
+            self.current.tangent = point.tangent;
+        }
+    }
+
     /// Next step from the effort of the last one and from how much the tangent turned.
     fn adapt(&mut self, point: &CurvePoint) {
         let turn = inner(self.problem.metric(), &point.tangent, &self.current.tangent).clamp(-1.0, 1.0).acos();
@@ -244,11 +260,13 @@ impl<P: Problem> Iterator for Continuation<'_, P> {
             match self.attempt() {
                 Ok(point) => {
                     self.adapt(&point);
+                    self.refreshed = false;
                     self.previous = Some(std::mem::replace(&mut self.current, point.clone()).y);
                     return Some(point);
                 }
                 Err(rejection) => {
                     self.rejections += 1;
+                    self.refresh_tangent();
                     self.step *= 0.5;
                     if self.step < self.settings.min_step {
                         self.stalled = Some(rejection);
@@ -270,7 +288,10 @@ fn land<P: Problem>(
 ) -> Result<CurvePoint, Failure> {
     let origin = y.clone();
     let settings = NewtonSettings { max_iterations: 20, ..settings.newton };
-    let convergence = newton.solve(problem, &mut y, Constraint::Hyperplane { row, origin: &origin }, &settings)?;
+    let constraint = Constraint::Hyperplane { row, origin: &origin };
+    let convergence = newton.solve(problem, &mut y, constraint, &settings)?;
+    // The last matrix may be that of a distant start: once more at the point itself, for its tangent.
+    newton.solve(problem, &mut y, constraint, &settings)?;
     Ok(CurvePoint {
         orientation: problem.orientation(),
         y,

@@ -107,6 +107,9 @@ pub fn walk_both(
     let mut continuation = Continuation::start(problem, first.y, &back, *settings)?;
     let (backwards, other_stop) = walk(&mut continuation, bounds, observer);
     rejections += continuation.rejections();
+    if other_stop == Stop::Closed {
+        return Ok(Walked { visited: backwards, start: 0, outcome: Outcome::Closed, rejections });
+    }
     let start = backwards.len() - 1;
     Ok(Walked { visited: join(backwards, visited), start, outcome: Outcome::Open(other_stop, stop), rejections })
 }

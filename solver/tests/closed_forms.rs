@@ -455,7 +455,11 @@ fn elastic_friction_dissipates_the_area_of_its_loop() {
         let (a, loss) = (point.point.amplitude(), point.energies.nonlinear);
         if a < limit / k {
             assert!(loss.abs() < 1e-12 * limit * a, "a = {a}: {loss}");
-            assert!((point.point.omega() / 2f64.sqrt() - 1.0).abs() < 1e-5, "k + k_J, and a damping ratio of 1e-3");
+            assert!(
+                (point.point.omega() / 2f64.sqrt() - 1.0).abs() < 1e-5,
+                "a = {a}: {} rad/s for k + k_J and a damping ratio of 1e-3",
+                point.point.omega()
+            );
             sticking += 1;
         } else {
             // Parallelogram of height 2F and width 2(a − F/k). The instants of sticking fall between two samples: an error
