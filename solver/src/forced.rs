@@ -4,6 +4,7 @@ use crate::amplitude::from_rest;
 use crate::backbone::Backbone;
 use crate::branch::{Branch, BranchPoint, Outcome, SpecialKind, SpecialPoint, Stop};
 use crate::continuation::Continuation;
+use crate::harmonics::complex;
 use crate::linear::forced_response;
 use crate::melnikov::forcing_projection;
 use crate::model::Model;
@@ -111,6 +112,14 @@ impl<'m> Forced<'m> {
                 relative_distance(self.problem.metric(), &self.problem.encode(&shifted), &target)
             })
             .fold(f64::INFINITY, f64::min)
+    }
+
+    /// Relative distance ‖a − b‖/‖b‖ of two motions whatever their phases: aligned by the first harmonic of the mode
+    /// followed.
+    pub fn motion_distance(&self, a: &State, b: &State) -> f64 {
+        let phase = |state: &State| complex(state.mode(self.settings.tracked()), 1).arg();
+        let aligned = a.shifted(phase(b) - phase(a));
+        relative_distance(self.problem.metric(), &self.problem.encode(&aligned), &self.problem.encode(b))
     }
 
     /// Whether a converged state lies on `branch`: the branch is interpolated at the state's frequency, and converged

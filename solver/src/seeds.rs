@@ -9,6 +9,7 @@ use crate::problem::Failure;
 use crate::state::State;
 use crate::windows::Window;
 use serde::{Deserialize, Serialize};
+use std::ops::RangeInclusive;
 use thiserror::Error;
 
 /// The two time shifts per backbone point at which the forcing does the right work.
@@ -26,28 +27,44 @@ pub enum Phase {
 pub struct Seed {
     /// Predicted motion at its frequency, with its forcing amplitude.
     pub state: State,
-    /// Index of the backbone point it comes from.
-    pub backbone_index: usize,
+    /// Place on the backbone: index of a point, and between points the share of the way to the next.
+    pub place: f64,
     /// Which of the two phases.
     pub phase: Phase,
 }
 
-/// Seed of a backbone point at forcing amplitude `amplitude`.
-pub fn seed(problem: &PressureForm<'_>, backbone: &Backbone, index: usize, phase: Phase, amplitude: f64) -> Seed {
-    let point = &backbone.points[index];
-    let m = problem.model().forcing.harmonic as f64;
-    let balance = (point.energies.balance() / amplitude).clamp(-1.0, 1.0).asin();
-    let psi = match phase {
-        Phase::First => balance,
-        Phase::Second => std::f64::consts::PI - balance,
-    };
-    let shift = -(psi + forcing_projection(problem, &point.point.state).arg()) / m;
-    let mut state = point.point.state.shifted(shift);
-    (state.amplitude, state.decay) = (amplitude, 0.0);
-    Seed { state, backbone_index: index, phase }
+/// A backbone motion at a place, interpolated between points, and its (R_lin + R_nl)/(W/A).
+fn motion(backbone: &Backbone, place: f64) -> (State, f64) {
+    let index = place as usize;
+    let here = &backbone.points[index];
+    let share = place - index as f64;
+    match backbone.points.get(index + 1) {
+        Some(next) if share > 0.0 => {
+            let (from, to) = (here.energies.balance(), next.energies.balance());
+            (here.point.state.interpolate(&next.point.state, share), from + share * (to - from))
+        }
+        _ => (here.point.state.clone(), here.energies.balance()),
+    }
 }
 
-/// Landing no farther than this from its seed (relative distance) is a landing on what was predicted.
+/// Seed at a place of the backbone (see [`Seed::place`]) for forcing amplitude `amplitude`.
+pub fn seed(problem: &PressureForm<'_>, backbone: &Backbone, place: f64, phase: Phase, amplitude: f64) -> Seed {
+    let (state, balance) = motion(backbone, place);
+    let m = problem.model().forcing.harmonic as f64;
+    let angle = (balance / amplitude).clamp(-1.0, 1.0).asin();
+    let psi = match phase {
+        Phase::First => angle,
+        Phase::Second => std::f64::consts::PI - angle,
+    };
+    let shift = -(psi + forcing_projection(problem, &state).arg()) / m;
+    let mut state = state.shifted(shift);
+    (state.amplitude, state.decay) = (amplitude, 0.0);
+    Seed { state, place, phase }
+}
+
+/// Landing no farther than this from its seed is a landing on what was predicted. Motions are compared whatever their
+/// phases: where the dissipation changes steeply along the backbone, a response at the seed's own frequency has another
+/// phase than the balance alone gives.
 const NEAR: f64 = 0.3;
 
 /// Why a seed did not lead to a forced response.
@@ -70,10 +87,10 @@ pub fn land(
     phase: Phase,
     amplitude: f64,
 ) -> Result<State, LandingFailure> {
-    attempt(&candidates(backbone, window, amplitude), |index| {
-        let seed = seed(&forced.problem, backbone, index, phase, amplitude);
+    attempt(&candidates(backbone, window, amplitude), |place| {
+        let seed = seed(&forced.problem, backbone, place, phase, amplitude);
         let landed = forced.converge(&seed.state)?;
-        let distance = forced.distance(&landed, &seed.state);
+        let distance = forced.motion_distance(&landed, &seed.state);
         Ok((landed, distance))
     })
 }
@@ -89,13 +106,13 @@ pub fn land_by_amplitude(
 ) -> Result<State, LandingFailure> {
     let candidates = candidates(backbone, window, amplitude);
     // The best candidates are enough: a walk in A passes through the motions of the others.
-    attempt(&candidates[..candidates.len().min(3)], |index| {
-        let threshold = backbone.points[index].threshold.min(amplitude);
-        let seed = seed(&forced.problem, backbone, index, phase, threshold);
+    attempt(&candidates[..candidates.len().min(3)], |place| {
+        let closing = motion(backbone, place).1.abs().clamp(1e-3 * amplitude, amplitude);
+        let seed = seed(&forced.problem, backbone, place, phase, closing);
         let mut best: Result<(State, f64), Failure> = Err(Failure::OutOfReach);
         for state in through_motion(forced.problem.model(), forced.settings(), amplitude, &seed.state)? {
             let landed = forced.converge(&state)?;
-            let distance = forced.distance(&landed, &seed.state);
+            let distance = forced.motion_distance(&landed, &seed.state);
             if best.as_ref().is_ok_and(|best| best.1 <= distance) {
                 continue;
             }
@@ -105,15 +122,15 @@ pub fn land_by_amplitude(
     })
 }
 
-/// Tries backbone points in turn; `land` gives a converged state and its distance from the seed.
+/// Tries places of the backbone in turn; `land` gives a converged state and its distance from the seed.
 fn attempt(
-    candidates: &[usize],
-    mut land: impl FnMut(usize) -> Result<(State, f64), Failure>,
+    candidates: &[f64],
+    mut land: impl FnMut(f64) -> Result<(State, f64), Failure>,
 ) -> Result<State, LandingFailure> {
     let mut nearest = f64::INFINITY;
     let mut failure = Failure::Diverged;
-    for &index in candidates {
-        match land(index) {
+    for &place in candidates {
+        match land(place) {
             Ok((state, distance)) if distance <= NEAR => return Ok(state),
             Ok((_, distance)) => nearest = nearest.min(distance),
             Err(error) => failure = error,
@@ -122,23 +139,38 @@ fn attempt(
     Err(if nearest.is_finite() { LandingFailure::Far(nearest) } else { LandingFailure::NotConverged(failure) })
 }
 
-/// Backbone points to try. Near the edges of a window, where A* is close to A, the forced response crosses the backbone
-/// and the prediction is nearly exact; far inside, where the forcing exceeds what is dissipated many times, it is poor.
-fn candidates(backbone: &Backbone, window: &Window, amplitude: f64) -> Vec<usize> {
-    let nearest = |indices: std::ops::RangeInclusive<usize>, ratio: f64| {
+/// Places to try. Near the edges of a window, where A* is close to A, the forced response crosses the backbone and the
+/// prediction is nearly exact; far inside, where the forcing exceeds what is dissipated many times, it is poor. Edges are
+/// interpolated: a window may hold no more than a point or two.
+fn candidates(backbone: &Backbone, window: &Window, amplitude: f64) -> Vec<f64> {
+    let nearest = |indices: RangeInclusive<usize>, ratio: f64| {
         let distance = |i: usize| (backbone.points[i].threshold / amplitude - ratio).abs();
         indices.min_by(|&a, &b| distance(a).total_cmp(&distance(b))).unwrap_or(window.best)
     };
+    let edge = |indices: RangeInclusive<usize>, inside: usize, outside: Option<usize>| {
+        let crossing = outside.and_then(|outside| crossing(backbone, inside, outside, 0.9 * amplitude));
+        crossing.unwrap_or(nearest(indices, 0.9) as f64)
+    };
     let (left, right) = (window.first..=window.best, window.best..=window.last);
-    let inner = nearest(right.clone(), 0.5);
-    let edges = [nearest(right, 0.9), nearest(left, 0.9)];
+    let inner = nearest(right.clone(), 0.5) as f64;
+    let after = Some(window.last + 1).filter(|&index| index < backbone.points.len());
+    let edges = [edge(right, window.last, after), edge(left, window.first, window.first.checked_sub(1))];
     let span = (window.last - window.first) as f64;
-    let between = [0.5, 0.25, 0.75].map(|share| window.first + (share * span).round() as usize);
-    let mut list = Vec::new();
-    for index in [inner].into_iter().chain(edges).chain([window.best]).chain(between) {
-        if !list.contains(&index) {
-            list.push(index);
+    let between = [0.5, 0.25, 0.75].map(|share| (window.first as f64 + share * span).round());
+    let mut list: Vec<f64> = Vec::new();
+    for place in [inner].into_iter().chain(edges).chain([window.best as f64]).chain(between) {
+        if !list.contains(&place) {
+            list.push(place);
         }
     }
     list
+}
+
+/// Where the balance passes ±`level` between a point below it and a neighbouring point above it.
+fn crossing(backbone: &Backbone, inside: usize, outside: usize, level: f64) -> Option<f64> {
+    let balance = |index: usize| backbone.points[index].energies.balance();
+    let (from, to) = (balance(inside), balance(outside));
+    let share = (level.copysign(to) - from) / (to - from);
+    let forwards = if outside > inside { share } else { -share };
+    (0.0..=1.0).contains(&share).then_some(inside as f64 + forwards)
 }
