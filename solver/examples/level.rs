@@ -41,7 +41,7 @@ fn run(arguments: &[String]) -> Result<(), Box<dyn Error>> {
         .collect::<Result<Vec<_>, _>>()?;
     let model = Model::load_with(Path::new(folder), &overrides)?;
     let settings = Settings::default();
-    settings.validate(model.size())?;
+    settings.validate(&model)?;
     let go_on = &mut |_: &_| ControlFlow::Continue(());
 
     let start = Instant::now();

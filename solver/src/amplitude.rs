@@ -12,6 +12,9 @@ use crate::state::State;
 use crate::unknown::Unknown;
 use crate::walk::interpolate;
 
+/// Largest step of a walk in A, whose points are not kept.
+const LARGEST_STEP: f64 = 0.3;
+
 /// Points of a walk in A before giving up.
 const BUDGET: usize = 200;
 
@@ -22,7 +25,7 @@ pub fn from_rest(model: &Model, settings: &Settings, amplitude: f64, omega: f64)
     let linear = forced_response(&problem, amplitude, omega).map_err(|_| Failure::Singular)?;
     let start = below_first_touch(&problem, linear);
     let upwards = problem.parameter_row();
-    follow_to(&mut problem, &start, &upwards, amplitude)
+    follow_to(&mut problem, settings, &start, &upwards, amplitude)
 }
 
 /// States near forcing amplitude `amplitude` on the curve in A through a predicted motion: the curve is entered at the
@@ -40,7 +43,7 @@ pub fn through_motion(
     let mut found = Vec::new();
     let mut failure = Failure::Diverged;
     for direction in [growth, shrink] {
-        match follow_to(&mut problem, motion, &direction, amplitude) {
+        match follow_to(&mut problem, settings, motion, &direction, amplitude) {
             Ok(state) => found.push(state),
             Err(error) => failure = error,
         }
@@ -59,13 +62,14 @@ fn system<'m>(model: &'m Model, settings: &Settings, amplitude: f64, omega: f64)
 /// State where the curve first crosses a forcing amplitude, interpolated: the curve through `start` the way of `direction`.
 fn follow_to(
     problem: &mut PressureForm<'_>,
+    settings: &Settings,
     start: &State,
     direction: &[f64],
     amplitude: f64,
 ) -> Result<State, Failure> {
     let y = problem.encode(start);
-    let mut continuation =
-        Continuation::start(problem, y, direction, ContinuationSettings { max_step: 0.3, ..Default::default() })?;
+    let steps = ContinuationSettings { max_step: LARGEST_STEP, ..settings.continuation };
+    let mut continuation = Continuation::start(problem, y, direction, steps)?;
     let mut before = continuation.current().clone();
     let mut before_amplitude = continuation.problem().decode(&before.y).amplitude;
     for _ in 0..BUDGET {

@@ -1,4 +1,5 @@
-//! Backbone: damped nonlinear normal mode of one mode, with its energies and modal contributions (paper [20–26]).
+//! Backbone: the nonlinear normal mode of one mode, or its resonances in quadrature with the forcing, with energies and
+//! modal contributions (paper [20–26]).
 
 use crate::branch::{BranchPoint, Outcome, Stop};
 use crate::continuation::Continuation;
@@ -31,7 +32,7 @@ pub struct BackbonePoint {
     pub arc: f64,
 }
 
-/// A damped nonlinear normal mode.
+/// A nonlinear normal mode, or a curve of phase-resonant responses.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Backbone {
     /// Mode it starts from, from 0.
@@ -51,7 +52,7 @@ pub enum BackboneError {
     #[error(transparent)]
     Settings(#[from] SettingsError),
     /// Not even the first point, close to the linear mode, converged.
-    #[error("the backbone of mode {mode} does not start at its linear mode ({omega:.6} rad/s): {failure}")]
+    #[error("the backbone of mode {mode} does not start near its linear range ({omega:.6} rad/s): {failure}")]
     Start {
         /// Mode, from 1.
         mode: usize,
@@ -94,21 +95,30 @@ fn bounds(settings: &Settings, scales: &Scales) -> Bounds {
 impl Backbone {
     /// Computes the backbone of `settings.backbone.mode`, telling `observer` of every point.
     pub fn compute(model: &Model, settings: &Settings, observer: &mut Observer<'_>) -> Result<Self, BackboneError> {
-        settings.validate(model.size())?;
+        settings.validate(model)?;
         let mode = settings.tracked();
         let omega = model.modes.frequencies[mode];
         let not_started = |failure| BackboneError::Start { mode: mode + 1, omega, failure };
         let equation = settings.backbone.equation;
         let mut problem = system(model, settings, equation);
         let start = match equation {
-            BackboneEquation::PhaseResonance => linear::forced_response(&problem, 1.0, omega)
-                .map(|state| linear::below_first_touch(&problem, state))
-                .map_err(|_| not_started(Failure::Singular))?,
+            BackboneEquation::PhaseResonance => {
+                linear::forced_response(&problem, 1.0, omega / model.forcing.harmonic as f64)
+                    .map(|state| linear::below_first_touch(&problem, state))
+                    .map_err(|_| not_started(Failure::Singular))?
+            }
             _ => linear::mode_motion(&problem, mode),
         };
         let y = problem.encode(&start);
         let direction = problem.growth(&y);
         let bounds = bounds(settings, problem.scales());
+        let (low, high) = bounds.frequency;
+        if !(low..=high).contains(&start.omega) {
+            let remedy = format!("mode {} starts at {} rad/s: choose bounds round it", mode + 1, start.omega);
+            let (key, value) =
+                if start.omega < low { ("backbone.min_frequency", low) } else { ("backbone.max_frequency", high) };
+            return Err(SettingsError { key, value: value.to_string(), remedy }.into());
+        }
         let mut continuation =
             Continuation::start(&mut problem, y, &direction, settings.continuation).map_err(not_started)?;
         let (visited, stop) = walk(&mut continuation, &bounds, observer);
@@ -123,17 +133,18 @@ impl Backbone {
         near: &State,
         observer: &mut Observer<'_>,
     ) -> Result<Self, BackboneError> {
-        settings.validate(model.size())?;
+        settings.validate(model)?;
         let mut problem = system(model, settings, BackboneEquation::PhaseResonance);
         let y = problem.encode(near);
         let direction = problem.growth(&y);
         let bounds = Bounds { closure: Some(settings.branch.closure), ..bounds(settings, problem.scales()) };
         let walked = walk_both(&mut problem, y, &direction, &settings.continuation, &bounds, observer)
             .map_err(|failure| BackboneError::Resonance { omega: near.omega, failure })?;
-        let first = walked.visited[0].curve.clone();
+        let first = walked.visited[walked.start].curve.clone();
         let mut continuation = Continuation::start(&mut problem, first.y, &first.tangent, settings.continuation)
             .map_err(|failure| BackboneError::Resonance { omega: near.omega, failure })?;
-        Ok(Self::assemble(&mut continuation, settings, walked.visited, walked.outcome))
+        let backbone = Self::assemble(&mut continuation, settings, walked.visited, walked.outcome);
+        Ok(Self { rejections: walked.rejections, ..backbone })
     }
 
     /// Locates the extrema of the threshold curve and evaluates every point.

@@ -168,7 +168,8 @@ pub struct Branch {
     pub amplitude: f64,
     /// Points in the order of the arc; a closed branch does not repeat its first point.
     pub points: Vec<BranchPoint>,
-    /// Special points, in the order of the arc; folds and peak are located along the arc to 1e-6 relative.
+    /// Special points, in the order of the arc; folds and peak are located along the arc to 1e-6 relative (unless the
+    /// corrector fails between the points there).
     pub special: Vec<SpecialPoint>,
     /// How it ends.
     pub outcome: Outcome,
@@ -180,6 +181,11 @@ impl Branch {
     /// Whether the branch is a closed curve.
     pub fn is_closed(&self) -> bool {
         self.outcome == Outcome::Closed
+    }
+
+    /// Whether whoever observed it asked to stop.
+    pub fn is_cancelled(&self) -> bool {
+        matches!(self.outcome, Outcome::Open(first, last) if [first, last].contains(&Stop::Cancelled))
     }
 
     /// Lowest and highest frequency, rad/s.

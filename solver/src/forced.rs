@@ -86,9 +86,19 @@ impl<'m> Forced<'m> {
     /// Forced responses of a branch close to quadrature with the forcing, Re(X_m·s) = 0: the resonances.
     pub fn resonances(&self, branch: &Branch) -> Vec<State> {
         let real = |point: &BranchPoint| forcing_projection(&self.problem, &point.state).re;
-        let pairs = branch.points.windows(2).map(|pair| (&pair[0], &pair[1]));
+        let count = branch.points.len();
+        let last = if branch.is_closed() { count } else { count.saturating_sub(1) };
+        let pairs = (0..last).map(|i| (&branch.points[i], &branch.points[(i + 1) % count]));
         let crossings = pairs.filter(|(a, b)| real(a) * real(b) < 0.0);
         crossings.map(|(a, b)| a.state.interpolate(&b.state, real(a) / (real(a) - real(b)))).collect()
+    }
+
+    /// Whether a state lies within the bounds of branches.
+    pub fn contains(&mut self, state: &State) -> bool {
+        let (low, high) = self.bounds.frequency;
+        let monitored = self.problem.model().modes.shapes.row(self.problem.model().monitors[0]);
+        let amplitude = self.problem.aft().max_abs(&state.combine(monitored.iter().copied()));
+        (low..=high).contains(&state.omega) && amplitude <= self.bounds.amplitude
     }
 
     /// Converges a state at its own frequency (damped Newton). The result may lie anywhere: compare it.
@@ -109,7 +119,7 @@ impl<'m> Forced<'m> {
         (0..m)
             .map(|j| {
                 let shifted = a.shifted(std::f64::consts::TAU * j as f64 / m as f64);
-                relative_distance(self.problem.metric(), &self.problem.encode(&shifted), &target)
+                relative_distance(self.problem.motion_metric(), &self.problem.encode(&shifted), &target)
             })
             .fold(f64::INFINITY, f64::min)
     }
@@ -119,7 +129,7 @@ impl<'m> Forced<'m> {
     pub fn motion_distance(&self, a: &State, b: &State) -> f64 {
         let phase = |state: &State| complex(state.mode(self.settings.tracked()), 1).arg();
         let aligned = a.shifted(phase(b) - phase(a));
-        relative_distance(self.problem.metric(), &self.problem.encode(&aligned), &self.problem.encode(b))
+        relative_distance(self.problem.motion_metric(), &self.problem.encode(&aligned), &self.problem.encode(b))
     }
 
     /// Whether a converged state lies on `branch`: the branch is interpolated at the state's frequency, and converged
@@ -157,19 +167,19 @@ impl<'m> Forced<'m> {
         let closed = outcome == Outcome::Closed;
         let mut maxima = vec![Maximum { anchor: start, located: None }];
         let mut kinds = vec![SpecialKind::Start];
-        let first = visited[0].curve.clone();
+        let first = visited[start].curve.clone();
         if let Ok(mut continuation) =
             Continuation::start(&mut self.problem, first.y.clone(), &first.tangent, self.settings.continuation)
         {
             for (anchor, sign) in frequency_folds(&visited, closed) {
                 let measure = move |_: &mut PressureForm<'_>, v: &Visited| sign * v.point.omega();
-                maxima.extend(refine(&mut continuation, &visited, anchor, closed, &measure));
+                maxima.push(refine(&mut continuation, &visited, anchor, closed, &measure));
                 kinds.resize(maxima.len(), SpecialKind::Fold);
             }
             let amplitude = |v: &Visited| v.point.amplitude();
             let peak = (0..visited.len()).max_by(|&a, &b| amplitude(&visited[a]).total_cmp(&amplitude(&visited[b])));
             let measure = move |_: &mut PressureForm<'_>, v: &Visited| v.point.amplitude();
-            maxima.extend(refine(&mut continuation, &visited, peak.unwrap_or(0), closed, &measure));
+            maxima.push(refine(&mut continuation, &visited, peak.unwrap_or(0), closed, &measure));
             kinds.resize(maxima.len(), SpecialKind::Peak);
         }
         let (visited, indices) = insert_maxima(visited, maxima);
@@ -214,10 +224,10 @@ fn refine(
     anchor: usize,
     closed: bool,
     measure: &crate::walk::Measure<'_>,
-) -> Option<Maximum> {
+) -> Maximum {
     let n = visited.len();
     if n < 3 || (!closed && (anchor == 0 || anchor + 1 == n)) {
-        return Some(Maximum { anchor, located: None });
+        return Maximum { anchor, located: None };
     }
     let (before, after) = ((anchor + n - 1) % n, (anchor + 1) % n);
     let arc = |a: usize, b: usize, problem: &PressureForm<'_>| {
@@ -227,5 +237,5 @@ fn refine(
     let problem = continuation.problem();
     let arcs = (arc(before, anchor, problem), arc(anchor, after, problem));
     let values = [before, anchor, after].map(|i| measure(problem, &visited[i]));
-    Some(locate_maximum(continuation, visited, anchor, arcs, values, measure))
+    locate_maximum(continuation, visited, anchor, arcs, values, measure)
 }

@@ -42,6 +42,8 @@ pub enum SeedOutcome {
     NotLanded(LandingFailure),
     /// It landed, but no branch could be started there.
     NotTraced(Failure),
+    /// It lies outside the bounds within which branches are followed.
+    OutOfBounds,
 }
 
 impl std::fmt::Display for SeedOutcome {
@@ -50,6 +52,7 @@ impl std::fmt::Display for SeedOutcome {
             SeedOutcome::Found(id) => write!(f, "{id}"),
             SeedOutcome::NotLanded(failure) => write!(f, "{failure}"),
             SeedOutcome::NotTraced(failure) => write!(f, "landed, but no branch starts there: {failure}"),
+            SeedOutcome::OutOfBounds => write!(f, "outside the frequency or amplitude bounds"),
         }
     }
 }
@@ -98,6 +101,9 @@ pub enum LevelError {
     /// The forcing amplitude is not a positive number.
     #[error("forcing amplitude {0}: use a finite number above zero")]
     Amplitude(f64),
+    /// Whoever observes asked to stop.
+    #[error("cancelled")]
+    Cancelled,
     /// The main branch has no first point.
     #[error(
         "the main branch does not start at A = {amplitude}, {omega:.6} rad/s: {failure}; choose another frequency.min"
@@ -121,7 +127,8 @@ pub struct Level {
     pub amplitude: f64,
     /// Main branch.
     pub main: Branch,
-    /// Isolas in the order of the windows that led to them.
+    /// Branches apart from the main one, in the order of the windows that led to them: closed, or open with the reasons
+    /// (a bound that cuts them off, say).
     pub isolas: Vec<Branch>,
     /// Every window with its outcome.
     pub windows: Vec<WindowAccount>,
@@ -131,8 +138,8 @@ impl Level {
     /// Computes a whole level from the backbone.
     ///
     /// # Errors
-    /// If a setting or the amplitude is out of range, or the main branch cannot be started; everything else is part of
-    /// the result.
+    /// If a setting or the amplitude is out of range, the main branch cannot be started, or `observer` breaks; everything
+    /// else is part of the result.
     pub fn compute(
         model: &Model,
         settings: &Settings,
@@ -140,17 +147,27 @@ impl Level {
         amplitude: f64,
         observer: &mut Observer<'_>,
     ) -> Result<Self, LevelError> {
-        settings.validate(model.size())?;
+        settings.validate(model)?;
         if !(amplitude > 0.0 && amplitude.is_finite()) {
             return Err(LevelError::Amplitude(amplitude));
         }
         let mut forced = Forced::new(model, settings, backbone, amplitude);
-        let omega = forced.frequency_bounds().0;
+        let (omega, high) = forced.frequency_bounds();
+        if omega >= high {
+            let remedy = format!("the lower frequency bound is {omega}: use a higher one");
+            return Err(SettingsError { key: "frequency.max", value: high.to_string(), remedy }.into());
+        }
         let main = forced.main_branch(observer).map_err(|failure| LevelError::Start { amplitude, omega, failure })?;
         let mut level = Self { amplitude, main, isolas: Vec::new(), windows: Vec::new() };
         for window in windows(backbone, amplitude) {
+            if level.branches().any(|(_, branch)| branch.is_cancelled()) {
+                return Err(LevelError::Cancelled);
+            }
             let account = level.follow_window(&mut forced, backbone, window, observer);
             level.windows.push(account);
+        }
+        if level.branches().any(|(_, branch)| branch.is_cancelled()) {
+            return Err(LevelError::Cancelled);
         }
         Ok(level)
     }
@@ -184,18 +201,30 @@ impl Level {
 
     /// Traces the branch through a landed state, unless it is known.
     fn follow(&mut self, forced: &mut Forced<'_>, state: &State, observer: &mut Observer<'_>) -> SeedOutcome {
-        for (id, branch) in self.branches() {
-            if forced.lies_on(state, branch) {
+        if let Some(id) = self.identify(forced, state) {
+            return SeedOutcome::Found(id);
+        }
+        if !forced.contains(state) {
+            return SeedOutcome::OutOfBounds;
+        }
+        let branch = match forced.branch_through(state, observer) {
+            Ok(branch) => branch,
+            Err(failure) => return SeedOutcome::NotTraced(failure),
+        };
+        // A known branch that ended too early is met from its other side.
+        if !branch.is_closed() && !branch.is_cancelled() {
+            let ends = [branch.points.first(), branch.points.last()];
+            if let Some(id) = ends.into_iter().flatten().find_map(|end| self.identify(forced, &end.state)) {
                 return SeedOutcome::Found(id);
             }
         }
-        match forced.branch_through(state, observer) {
-            Ok(branch) => {
-                self.isolas.push(branch);
-                SeedOutcome::Found(BranchId::Isola(self.isolas.len() - 1))
-            }
-            Err(failure) => SeedOutcome::NotTraced(failure),
-        }
+        self.isolas.push(branch);
+        SeedOutcome::Found(BranchId::Isola(self.isolas.len() - 1))
+    }
+
+    /// The branch that a converged state lies on, if it is known.
+    fn identify(&self, forced: &mut Forced<'_>, state: &State) -> Option<BranchId> {
+        self.branches().find(|(_, branch)| forced.lies_on(state, branch)).map(|(id, _)| id)
     }
 
     /// All branches with their names.

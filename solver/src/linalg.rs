@@ -1,7 +1,6 @@
 //! Dense linear algebra: the only file that names faer types.
 //!
-//! Matrices are row-major; factorisations work in place in buffers that their owners keep, so that
-//! nothing is allocated inside a Newton loop.
+//! Matrices are row-major; factorisations work in place in buffers that their owners keep.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::lu::partial_pivoting::{factor, solve};
@@ -285,6 +284,9 @@ pub fn symmetric_eigen(k: &Matrix, m: &Matrix) -> Result<(Vec<f64>, Matrix), Lin
     Ok(refine(k, m, &Matrix::from_fn(n, n, |i, j| vectors[(i, j)])))
 }
 
+/// Eigenvalues closer than this, relative to the largest one, are rounding: rigid-body modes.
+const EIGENVALUE_ROUNDING: f64 = 1e-12;
+
 /// One first-order perturbation step on an eigenbasis that is already nearly right.
 fn refine(k: &Matrix, m: &Matrix, vectors: &Matrix) -> (Vec<f64>, Matrix) {
     let n = k.rows();
@@ -292,6 +294,7 @@ fn refine(k: &Matrix, m: &Matrix, vectors: &Matrix) -> (Vec<f64>, Matrix) {
     let kh = transposed.matmul(&k.matmul(vectors));
     let mh = transposed.matmul(&m.matmul(vectors));
     let values: Vec<f64> = (0..n).map(|j| kh[(j, j)] / mh[(j, j)]).collect();
+    let rounding = EIGENVALUE_ROUNDING * values.iter().fold(0.0f64, |m, v| m.max(v.abs()));
     let correction = Matrix::from_fn(n, n, |i, j| {
         if i == j {
             return 1.0 / mh[(j, j)].sqrt();
@@ -299,13 +302,17 @@ fn refine(k: &Matrix, m: &Matrix, vectors: &Matrix) -> (Vec<f64>, Matrix) {
         let (off_k, off_m) = (0.5 * (kh[(i, j)] + kh[(j, i)]), 0.5 * (mh[(i, j)] + mh[(j, i)]));
         let separation = values[j] - values[i];
         // A (nearly) double eigenvalue has no preferred basis: only orthonormality is restored.
-        if separation.abs() < 1e-9 * values[j].abs().max(values[i].abs()) {
+        if separation.abs() < (1e-9 * values[j].abs().max(values[i].abs())).max(rounding) {
             -0.5 * off_m
         } else {
             (off_k - values[j] * off_m) / separation
         }
     });
-    (values, vectors.matmul(&correction))
+    let refined = vectors.matmul(&correction);
+    let mut order: Vec<usize> = (0..n).collect();
+    order.sort_by(|&a, &b| values[a].total_cmp(&values[b]));
+    let sorted = Matrix::from_fn(n, n, |i, j| refined[(i, order[j])]);
+    (order.iter().map(|&j| values[j]).collect(), sorted)
 }
 
 #[cfg(test)]
@@ -367,6 +374,28 @@ mod tests {
             assert!((dot(&phi, &mphi) - 1.0).abs() < 1e-14);
         }
         assert!(values.is_sorted());
+    }
+
+    #[test]
+    fn rigid_body_modes_are_orthonormal() {
+        // Three free chains of three masses each.
+        let chain = |i: usize, j: usize| match (i / 3 == j / 3, i.abs_diff(j)) {
+            (true, 0) => 1e6 * if i % 3 == 1 { 2.0 } else { 1.0 },
+            (true, 1) => -1e6,
+            _ => 0.0,
+        };
+        let k = Matrix::from_fn(9, 9, chain);
+        let m = Matrix::from_fn(9, 9, |i, j| if i == j { 1.0 + 0.1 * i as f64 } else { 0.01 });
+        let (values, vectors) = symmetric_eigen(&k, &m).unwrap();
+        assert!(values.is_sorted());
+        assert!(values[2].abs() < 1e-12 * values[8] && values[3] > 0.1 * values[8]);
+        let product = vectors.transpose().matmul(&m.matmul(&vectors));
+        for i in 0..9 {
+            for j in 0..9 {
+                let expected = if i == j { 1.0 } else { 0.0 };
+                assert!((product[(i, j)] - expected).abs() < 1e-13, "({i}, {j}): {}", product[(i, j)]);
+            }
+        }
     }
 
     #[test]

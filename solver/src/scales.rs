@@ -11,7 +11,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Scales {
     /// Reference length ℓ, m: the smallest positive gap; without a gap the amplitude (of the first monitored dof) at which
-    /// the nonlinear modal force has fallen or risen to a tenth of the linear one.
+    /// the nonlinear modal force has fallen or risen to a tenth of the linear one; if it never does, that of unit modal
+    /// amplitude.
     pub length: f64,
     /// Reference frequency ω_ref, rad/s: eigenfrequency of the mode followed.
     pub frequency: f64,
@@ -58,7 +59,8 @@ fn characteristic_amplitude(model: &Model, tracked: usize, shape: &[f64], freque
     let nc = width(1);
     let ratio = |amplitude: f64, aft: &mut Aft| -> f64 {
         let mut force = [0.0; 2];
-        for element in &model.elements {
+        // A contact without gap scales with the motion: it sets no length.
+        for element in model.elements.iter().filter(|element| !matches!(element.law, LawKind::Contact(_))) {
             let count = element.law.arguments();
             let reach: Vec<f64> = element
                 .channels

@@ -111,7 +111,7 @@ pub fn land_by_amplitude(
         let seed = seed(&forced.problem, backbone, place, phase, closing);
         let mut best: Result<(State, f64), Failure> = Err(Failure::OutOfReach);
         for state in through_motion(forced.problem.model(), forced.settings(), amplitude, &seed.state)? {
-            let landed = forced.converge(&state)?;
+            let Ok(landed) = forced.converge(&state) else { continue };
             let distance = forced.motion_distance(&landed, &seed.state);
             if best.as_ref().is_ok_and(|best| best.1 <= distance) {
                 continue;

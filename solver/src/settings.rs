@@ -2,6 +2,7 @@
 
 use crate::continuation::ContinuationSettings;
 use crate::melnikov::Criterion;
+use crate::model::Model;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
@@ -122,6 +123,9 @@ impl Default for BranchSettings {
     }
 }
 
+/// Eigenfrequencies below this share of the highest one are those of rigid-body modes.
+const RIGID: f64 = 1e-6;
+
 /// All numerical settings of a study.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -139,8 +143,9 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// Checks every setting; `modes` is the number of modes of the model.
-    pub fn validate(&self, modes: usize) -> Result<(), SettingsError> {
+    /// Checks every setting, for a model.
+    pub fn validate(&self, model: &Model) -> Result<(), SettingsError> {
+        let modes = model.size();
         let refuse = |key, value: String, remedy: String| Err(SettingsError { key, value, remedy });
         let HarmonicSettings { count, samples, .. } = self.harmonics;
         if !(1..=400).contains(&count) {
@@ -151,9 +156,19 @@ impl Settings {
                 format!("{count} harmonics need at least {} samples a period (and at most {})", 4 * count, 1 << 20);
             return refuse("harmonics.samples", samples.to_string(), remedy);
         }
+        let m = model.forcing.harmonic;
+        if m > count {
+            let remedy = format!("the forcing acts on harmonic {m}: use at least {m} harmonics");
+            return refuse("harmonics.count", count.to_string(), remedy);
+        }
         let mode = self.backbone.mode;
         if !(1..=modes).contains(&mode) {
             return refuse("backbone.mode", mode.to_string(), format!("the model has modes 1 to {modes}"));
+        }
+        let frequencies = &model.modes.frequencies;
+        if frequencies[mode - 1] <= RIGID * frequencies[modes - 1] {
+            let remedy = "a rigid-body mode has no backbone; choose a mode that deforms the structure".into();
+            return refuse("backbone.mode", mode.to_string(), remedy);
         }
         let positive = [
             ("frequency.min", self.frequency.min),
@@ -176,6 +191,7 @@ impl Settings {
             }
         }
         let ordered = [
+            ("continuation.initial_step", Some(self.continuation.min_step), Some(self.continuation.initial_step)),
             ("frequency.max", self.frequency.min, self.frequency.max),
             ("backbone.max_frequency", self.backbone.min_frequency, self.backbone.max_frequency),
             ("continuation.max_step", Some(self.continuation.min_step), Some(self.continuation.max_step)),

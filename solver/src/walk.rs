@@ -1,12 +1,12 @@
 //! Walking a curve of the pressure form to its end: bounds, closure, reversal, extrema.
 
 use crate::branch::{BranchPoint, Outcome, Stop};
-use crate::continuation::{Continuation, ContinuationSettings, CurvePoint};
+use crate::continuation::{Continuation, ContinuationSettings, CurvePoint, Rejection};
 use crate::pressure::PressureForm;
 use crate::problem::{Failure, Problem, inner, norm};
 use std::ops::ControlFlow;
 
-/// Told of every accepted point; breaking cancels the walk.
+/// Told of every point a walk steps to (not of its first point); breaking cancels the walk.
 pub type Observer<'o> = dyn FnMut(&BranchPoint) -> ControlFlow<()> + 'o;
 
 /// Where a walk ends.
@@ -39,9 +39,25 @@ pub fn walk(
 ) -> (Vec<Visited>, Stop) {
     let first = continuation.current().clone();
     let point = BranchPoint::evaluate(continuation.problem(), &first);
+    let outside = |point: &BranchPoint| {
+        let (low, high) = bounds.frequency;
+        // A walk may start at a bound.
+        point.omega() < low * (1.0 - 1e-9) || point.omega() > high * (1.0 + 1e-9)
+    };
+    let too_large = |point: &BranchPoint| point.amplitude() > bounds.amplitude;
+    let start = if outside(&point) {
+        Some(Stop::FrequencyBound)
+    } else if too_large(&point) {
+        Some(Stop::AmplitudeBound)
+    } else {
+        None
+    };
     let mut visited = vec![Visited { curve: first, point }];
+    if let Some(stop) = start {
+        return (visited, stop);
+    }
     loop {
-        if visited.len() > bounds.points {
+        if visited.len() >= bounds.points {
             return (visited, Stop::PointBudget);
         }
         let Some(curve) = continuation.next() else {
@@ -50,18 +66,18 @@ pub fn walk(
         };
         let point = BranchPoint::evaluate(continuation.problem(), &curve);
         let cancelled = observer(&point).is_break();
-        let outside = point.omega() < bounds.frequency.0 || point.omega() > bounds.frequency.1;
-        let too_large = point.amplitude() > bounds.amplitude;
+        let (outside, too_large) = (outside(&point), too_large(&point));
         visited.push(Visited { curve, point });
-        let metric = continuation.problem().metric();
+        let problem = continuation.problem();
+        let (metric, motion) = (problem.metric(), problem.motion_metric());
         if cancelled {
             return (visited, Stop::Cancelled);
         }
-        if bounds.closure.is_some_and(|tolerance| has_closed(metric, &visited, tolerance)) {
+        if bounds.closure.is_some_and(|tolerance| has_closed(metric, motion, &visited, tolerance)) {
             visited.pop();
             return (visited, Stop::Closed);
         }
-        if has_reversed(metric, &visited) {
+        if has_reversed(metric, motion, &visited) {
             return (visited, Stop::Reversed);
         }
         if outside {
@@ -104,7 +120,13 @@ pub fn walk_both(
     }
     let first = visited[0].curve.clone();
     let back: Vec<f64> = first.tangent.iter().map(|t| -t).collect();
-    let mut continuation = Continuation::start(problem, first.y, &back, *settings)?;
+    let mut continuation = match Continuation::start(problem, first.y, &back, *settings) {
+        Ok(continuation) => continuation,
+        Err(failure) => {
+            let outcome = Outcome::Open(Stop::Stalled(Rejection::Newton(failure)), stop);
+            return Ok(Walked { visited, start: 0, outcome, rejections });
+        }
+    };
     let (backwards, other_stop) = walk(&mut continuation, bounds, observer);
     rejections += continuation.rejections();
     if other_stop == Stop::Closed {
@@ -153,7 +175,7 @@ fn end_at_bound(
 
 /// Whether the last step crosses the plane through the first point normal to its tangent, in the same direction and
 /// close to it. The paper [9, 10] cuts with ω = ω_first instead, which fails when the first point is a fold.
-fn has_closed(metric: &[f64], visited: &[Visited], tolerance: f64) -> bool {
+fn has_closed(metric: &[f64], motion: &[f64], visited: &[Visited], tolerance: f64) -> bool {
     let [.., before, last] = visited else { return false };
     if visited.len() < 5 {
         return false;
@@ -167,11 +189,11 @@ fn has_closed(metric: &[f64], visited: &[Visited], tolerance: f64) -> bool {
         return false;
     }
     let share = -from / (to - from);
-    relative_distance(metric, &interpolate(&before.curve.y, &last.curve.y, share), &first.y) <= tolerance
+    relative_distance(motion, &interpolate(&before.curve.y, &last.curve.y, share), &first.y) <= tolerance
 }
 
 /// Whether the last point lies on an earlier part of the curve, walked the other way.
-fn has_reversed(metric: &[f64], visited: &[Visited]) -> bool {
+fn has_reversed(metric: &[f64], motion: &[f64], visited: &[Visited]) -> bool {
     let Some((last, earlier)) = visited.split_last() else { return false };
     let omega = last.point.omega();
     let keep_clear = earlier.len().saturating_sub(3);
@@ -181,7 +203,7 @@ fn has_reversed(metric: &[f64], visited: &[Visited]) -> bool {
             return false;
         }
         let between = interpolate(&pair[0].curve.y, &pair[1].curve.y, (omega - a) / (b - a));
-        relative_distance(metric, &between, &last.curve.y) < 1e-4
+        relative_distance(motion, &between, &last.curve.y) < 1e-4
             && inner(metric, &pair[0].curve.tangent, &last.curve.tangent) < -0.9
     })
 }
@@ -191,7 +213,7 @@ pub fn interpolate(a: &[f64], b: &[f64], share: f64) -> Vec<f64> {
     a.iter().zip(b).map(|(a, b)| a + share * (b - a)).collect()
 }
 
-/// ‖a − b‖ / ‖b‖ in the metric.
+/// ‖a − b‖ / ‖b‖ in the metric, over as many entries as the metric is given for.
 pub fn relative_distance(metric: &[f64], a: &[f64], b: &[f64]) -> f64 {
     let difference: Vec<f64> = a.iter().zip(b).map(|(a, b)| a - b).collect();
     norm(metric, &difference) / norm(metric, b)

@@ -23,7 +23,6 @@ pub fn windows(backbone: &Backbone, amplitude: f64) -> Vec<Window> {
     let mut windows = Vec::new();
     let mut first = None;
     for (index, point) in backbone.points.iter().enumerate() {
-        // A threshold that is not a number (no work at all) predicts nothing.
         let inside = point.threshold < amplitude;
         match (inside, first) {
             (true, None) => first = Some(index),

@@ -348,6 +348,29 @@ fn numerical_settings() {
 }
 
 #[test]
+fn settings_that_do_not_fit_the_model() {
+    let go_on = &mut |_: &_| ControlFlow::Continue(());
+    let mut model = Model::new(parts()).unwrap();
+    let low = change(|s| s.backbone.max_frequency = Some(1e-3));
+    let refused = Backbone::compute(&model, &low, go_on).unwrap_err();
+    says(&refused.to_string(), &["backbone.max_frequency", "0.001", "mode 1 starts at"]);
+
+    let backbone = Backbone::compute(&model, &Settings::default(), go_on).unwrap();
+    let inverted = change(|s| s.frequency.min = Some(1e6));
+    let refused = Level::compute(&model, &inverted, &backbone, 1.0, go_on).unwrap_err();
+    says(&refused.to_string(), &["frequency.max", "lower frequency bound is 1000000"]);
+
+    model.forcing.harmonic = 11;
+    let refused = Backbone::compute(&model, &Settings::default(), go_on).unwrap_err();
+    says(&refused.to_string(), &["harmonics.count", "10", "harmonic 11"]);
+
+    model.forcing.harmonic = 1;
+    model.modes.frequencies[0] = 0.0;
+    let refused = Backbone::compute(&model, &Settings::default(), go_on).unwrap_err();
+    says(&refused.to_string(), &["backbone.mode", "1", "rigid-body"]);
+}
+
+#[test]
 fn unknown_numerical_settings() {
     let error = toml::from_str::<Settings>("[harmonics]\ncounts = 3\n").unwrap_err().to_string();
     assert!(error.contains("counts") && error.contains("count"), "{error}");

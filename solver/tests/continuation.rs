@@ -4,7 +4,7 @@ use solver::backbone::Backbone;
 use solver::branch::{Branch, BranchPoint, Outcome, Stop};
 use solver::continuation::{Corrector, Predictor};
 use solver::forced::Forced;
-use solver::level::Level;
+use solver::level::{Level, LevelError, SeedOutcome};
 use solver::model::Model;
 use solver::settings::Settings;
 use std::ops::ControlFlow;
@@ -73,4 +73,34 @@ fn branches_end_exactly_at_the_frequency_bounds() {
     assert!((last.omega() - 1.3).abs() < 1e-12 * 1.3, "ends at {}", last.omega());
     assert!((branch.points[0].omega() - 0.8).abs() < 1e-12);
     assert_eq!(branch.outcome, Outcome::Open(Stop::Start, Stop::FrequencyBound));
+}
+
+#[test]
+fn a_cancelled_level_stops_and_says_so() {
+    let model = load("nonlinear_damper");
+    let settings = Settings::default();
+    let backbone = Backbone::compute(&model, &settings, &mut |_| ControlFlow::Continue(())).unwrap();
+    let mut seen = 0;
+    let mut observer = |_: &BranchPoint| {
+        seen += 1;
+        if seen == 5 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    };
+    let cancelled = Level::compute(&model, &settings, &backbone, 0.01, &mut observer).unwrap_err();
+    assert_eq!(cancelled, LevelError::Cancelled);
+    assert_eq!(seen, 5);
+}
+
+/// The isola lies beyond the bounds: it is reported as out of bounds, not invented from the pieces that fit.
+#[test]
+fn what_lies_out_of_bounds_is_said_to() {
+    let model = load("impact_subharmonic");
+    let mut settings = Settings::default();
+    let go_on = &mut |_: &_| ControlFlow::Continue(());
+    let backbone = Backbone::compute(&model, &settings, go_on).unwrap();
+    settings.frequency.min = Some(0.5);
+    settings.frequency.max = Some(0.9);
+    let level = Level::compute(&model, &settings, &backbone, 0.5, go_on).unwrap();
+    assert!(level.isolas.is_empty(), "{:?}", level.isolas.iter().map(|b| b.outcome).collect::<Vec<_>>());
+    let outcomes = level.windows.iter().flat_map(|w| &w.seeds).map(|seed| seed.outcome);
+    assert!(outcomes.clone().any(|outcome| outcome == SeedOutcome::OutOfBounds), "{:?}", outcomes.collect::<Vec<_>>());
 }

@@ -15,6 +15,9 @@ pub enum DisplacementError {
         /// Names of the elements.
         names: Vec<String>,
     },
+    /// There is nothing to keep: no nonlinear element.
+    #[error("the model has no nonlinear element; its response is linear")]
+    Linear,
     /// This form knows forced responses at fixed A or ω, and damped modes.
     #[error("the displacement form has no conservative or phase-resonance backbone; use the pressure form")]
     Unsupported,

@@ -96,6 +96,9 @@ impl<'m> DisplacementForm<'m> {
         if matches!(unknown, Unknown::PhaseResonance | Unknown::Mode { damped: false }) {
             return Err(DisplacementError::Unsupported);
         }
+        if model.elements.is_empty() {
+            return Err(DisplacementError::Linear);
+        }
         let harmonics = truncation.count;
         let nc = width(harmonics);
         let channels = |element: &'m crate::model::Element| element.channels.iter().take(element.law.arguments());

@@ -275,6 +275,11 @@ impl<'m> PressureForm<'m> {
         force
     }
 
+    /// The part of the metric that measures motions, without the parameters.
+    pub fn motion_metric(&self) -> &[f64] {
+        &self.metric[..self.metric.len() - self.parameters()]
+    }
+
     /// Linear form that takes the (first) parameter out of the state: the frequency, or the forcing amplitude.
     pub fn parameter_row(&self) -> Vec<f64> {
         let mut row = vec![0.0; self.metric.len()];
@@ -290,11 +295,6 @@ impl<'m> PressureForm<'m> {
     /// The linear damping that acts, in modal coordinates.
     pub fn damping(&self) -> &Damping {
         self.receptance.damping()
-    }
-
-    /// Unknown parameters beside the harmonics.
-    pub fn unknown(&self) -> Unknown {
-        self.unknown
     }
 
     /// Φᵀ s: the forcing shape in modal coordinates.

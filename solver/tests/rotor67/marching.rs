@@ -32,15 +32,10 @@ fn solutions(scenario: &Scenario, branch: &Branch, omega: f64) -> Vec<State> {
     let mut found: Vec<State> = crossing
         .map(|pair| {
             let share = (omega - pair[0].omega) / (pair[1].omega - pair[0].omega);
-            let mix = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a + share * (b - a)).collect();
-            let between = State {
-                omega,
-                modal: mix(&pair[0].modal, &pair[1].modal),
-                arguments: mix(&pair[0].arguments, &pair[1].arguments),
-                ..pair[0].clone()
-            };
+            let between = State { omega, ..pair[0].interpolate(pair[1], share) };
             let state = forced.converge(&between).unwrap();
-            let moved = forced.distance(&state, &between);
+            // Phases turn fast between the points near a peak.
+            let moved = forced.motion_distance(&state, &between);
             assert!(moved < 0.05, "the solution at {omega} rad/s is {moved} away from the branch");
             state
         })
