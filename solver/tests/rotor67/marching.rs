@@ -34,9 +34,9 @@ fn solutions(scenario: &Scenario, branch: &Branch, omega: f64) -> Vec<State> {
             let share = (omega - pair[0].omega) / (pair[1].omega - pair[0].omega);
             let between = State { omega, ..pair[0].interpolate(pair[1], share) };
             let state = forced.converge(&between).unwrap();
-            // Phases turn fast between the points near a peak.
+            // Chords of a curve walked in steps of up to a tenth of a gap; other solutions are farther away than this.
             let moved = forced.motion_distance(&state, &between);
-            assert!(moved < 0.05, "the solution at {omega} rad/s is {moved} away from the branch");
+            assert!(moved < 0.1, "the solution at {omega} rad/s is {moved} away from the branch");
             state
         })
         .collect();
