@@ -3,6 +3,7 @@
 
 use crate::branch::{BranchPoint, Outcome, Stop};
 use crate::continuation::Continuation;
+use crate::extrema::{insert_maxima, locate_maximum};
 use crate::harmonics::width;
 use crate::linear;
 use crate::melnikov::{Criterion, Energies};
@@ -13,7 +14,7 @@ use crate::scales::Scales;
 use crate::settings::{BackboneEquation, Settings, SettingsError};
 use crate::state::State;
 use crate::unknown::Unknown;
-use crate::walk::{Bounds, Observer, Visited, insert_maxima, locate_maximum, walk, walk_both};
+use crate::walk::{Bounds, Observer, Visited, walk, walk_both};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 

@@ -4,6 +4,7 @@ use crate::amplitude::from_rest;
 use crate::backbone::Backbone;
 use crate::branch::{Branch, BranchPoint, Outcome, SpecialKind, SpecialPoint, Stop};
 use crate::continuation::Continuation;
+use crate::extrema::{Maximum, Measure, insert_maxima, locate_maximum, turning_points};
 use crate::harmonics::complex;
 use crate::linear::forced_response;
 use crate::melnikov::forcing_projection;
@@ -15,10 +16,7 @@ use crate::scales::Scales;
 use crate::settings::Settings;
 use crate::state::State;
 use crate::unknown::Unknown;
-use crate::walk::{
-    Bounds, Maximum, Observer, Visited, Walked, insert_maxima, locate_maximum, relative_distance, walk, walk_both,
-};
-use crate::windows::turning_points;
+use crate::walk::{Bounds, Observer, Visited, Walked, relative_distance, walk, walk_both};
 
 /// Forced responses at one forcing amplitude.
 pub struct Forced<'m> {
@@ -223,7 +221,7 @@ fn refine(
     visited: &[Visited],
     anchor: usize,
     closed: bool,
-    measure: &crate::walk::Measure<'_>,
+    measure: &Measure<'_>,
 ) -> Maximum {
     let n = visited.len();
     if n < 3 || (!closed && (anchor == 0 || anchor + 1 == n)) {

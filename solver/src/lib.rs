@@ -21,6 +21,7 @@ pub mod backbone;
 pub mod branch;
 pub mod continuation;
 pub mod displacement;
+pub mod extrema;
 pub mod forced;
 pub mod harmonics;
 pub mod laws;

@@ -1,6 +1,7 @@
 //! Windows of the Melnikov balance: where along the backbone forced responses are predicted, for any forcing amplitude.
 
 use crate::backbone::Backbone;
+use crate::extrema::turning_points;
 use serde::{Deserialize, Serialize};
 
 /// A maximal arc of the backbone with threshold A* < A.
@@ -119,45 +120,4 @@ pub fn events(backbone: &Backbone) -> Vec<Event> {
             }
         })
         .collect()
-}
-
-/// Indices of alternating minima and maxima (true) of a sequence, ignoring wiggles lower than `prominence`; the ends
-/// count as extrema.
-pub fn turning_points(values: &[f64], prominence: f64) -> Vec<(usize, bool)> {
-    let mut found = Vec::new();
-    let (mut low, mut high) = (0, 0);
-    let mut rising = None;
-    for (i, &value) in values.iter().enumerate() {
-        if value > values[high] {
-            high = i;
-        }
-        if value < values[low] {
-            low = i;
-        }
-        if rising != Some(true) && value > values[low] + prominence {
-            found.push((low, false));
-            (rising, high) = (Some(true), i);
-        } else if rising != Some(false) && value < values[high] - prominence {
-            found.push((high, true));
-            (rising, low) = (Some(false), i);
-        }
-    }
-    match rising {
-        Some(true) => found.push((high, true)),
-        Some(false) => found.push((low, false)),
-        None => {}
-    }
-    found
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn turning_points_ignore_wiggles() {
-        let values = [1.0, 0.5, 0.2, 0.2001, 0.1999, 0.6, 0.9, 0.8999, 0.95, 0.3];
-        assert_eq!(turning_points(&values, 0.01), vec![(0, true), (4, false), (8, true), (9, false)]);
-        assert!(turning_points(&[1.0, 1.0001, 1.0], 0.01).is_empty());
-    }
 }
