@@ -5,7 +5,7 @@ use crate::branch::{Branch, BranchPoint};
 use crate::forced::Forced;
 use crate::model::Model;
 use crate::problem::Failure;
-use crate::seeds::{LandingFailure, Phase, land, land_by_amplitude};
+use crate::seeds::{Landing, LandingFailure, Phase, land, land_by_amplitude};
 use crate::settings::{Settings, SettingsError};
 use crate::state::State;
 use crate::walk::Observer;
@@ -118,7 +118,7 @@ pub enum LevelError {
     },
 }
 
-type LandFn = fn(&mut Forced<'_>, &Backbone, &Window, Phase, f64) -> Result<State, LandingFailure>;
+type LandFn = fn(&mut Forced<'_>, &Backbone, &Window, Phase, f64) -> Result<Landing, Failure>;
 
 /// All forced responses found at one forcing amplitude.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -187,8 +187,8 @@ impl Level {
             for well in &wells {
                 for phase in [Phase::First, Phase::Second] {
                     let outcome = match land(forced, backbone, well, phase, amplitude) {
-                        Ok(state) => self.follow(forced, &state, observer),
-                        Err(failure) => SeedOutcome::NotLanded(failure),
+                        Ok(landing) => self.follow(forced, &landing, observer),
+                        Err(failure) => SeedOutcome::NotLanded(LandingFailure::NotConverged(failure)),
                     };
                     seeds.push(SeedAccount { minimum: well.best, phase, outcome });
                 }
@@ -200,9 +200,12 @@ impl Level {
     }
 
     /// Traces the branch through a landed state, unless it is known.
-    fn follow(&mut self, forced: &mut Forced<'_>, state: &State, observer: &mut Observer<'_>) -> SeedOutcome {
-        if let Some(id) = self.identify(forced, state) {
-            return SeedOutcome::Found(id);
+    fn follow(&mut self, forced: &mut Forced<'_>, landing: &Landing, observer: &mut Observer<'_>) -> SeedOutcome {
+        let state = &landing.state;
+        match self.identify(forced, state) {
+            Some(id) if landing.is_near() => return SeedOutcome::Found(id),
+            Some(_) => return SeedOutcome::NotLanded(LandingFailure::Far(landing.distance)),
+            None => {}
         }
         if !forced.contains(state) {
             return SeedOutcome::OutOfBounds;

@@ -67,6 +67,22 @@ pub fn seed(problem: &PressureForm<'_>, backbone: &Backbone, place: f64, phase: 
 /// phase than the balance alone gives.
 const NEAR: f64 = 0.3;
 
+/// A converged forced response and its distance from the seed that led to it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Landing {
+    /// The response.
+    pub state: State,
+    /// Relative distance of the two motions.
+    pub distance: f64,
+}
+
+impl Landing {
+    /// Whether this is what was predicted. A landing that is not may still be a response that nobody knew.
+    pub fn is_near(&self) -> bool {
+        self.distance <= NEAR
+    }
+}
+
 /// Why a seed did not lead to a forced response.
 #[derive(Debug, Clone, Copy, PartialEq, Error, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -74,8 +90,10 @@ pub enum LandingFailure {
     /// No point of the window converged.
     #[error("no seed of the window converged: {0}")]
     NotConverged(Failure),
-    /// Every point that converged did so far from its prediction, this relative distance at best.
-    #[error("every seed that converged ended far from its prediction (relative distance {0:.2} or more)")]
+    /// Every point that converged did so far from its prediction, this relative distance at best, on a known branch.
+    #[error(
+        "every seed that converged ended far from its prediction, on a known branch (relative distance {0:.2} or more)"
+    )]
     Far(f64),
 }
 
@@ -86,12 +104,12 @@ pub fn land(
     window: &Window,
     phase: Phase,
     amplitude: f64,
-) -> Result<State, LandingFailure> {
+) -> Result<Landing, Failure> {
     attempt(&candidates(backbone, window, amplitude), |place| {
         let seed = seed(&forced.problem, backbone, place, phase, amplitude);
         let landed = forced.converge(&seed.state)?;
         let distance = forced.motion_distance(&landed, &seed.state);
-        Ok((landed, distance))
+        Ok(Landing { state: landed, distance })
     })
 }
 
@@ -103,40 +121,38 @@ pub fn land_by_amplitude(
     window: &Window,
     phase: Phase,
     amplitude: f64,
-) -> Result<State, LandingFailure> {
+) -> Result<Landing, Failure> {
     let candidates = candidates(backbone, window, amplitude);
     // The best candidates are enough: a walk in A passes through the motions of the others.
     attempt(&candidates[..candidates.len().min(3)], |place| {
         let closing = motion(backbone, place).1.abs().clamp(1e-3 * amplitude, amplitude);
         let seed = seed(&forced.problem, backbone, place, phase, closing);
-        let mut best: Result<(State, f64), Failure> = Err(Failure::OutOfReach);
+        let mut best: Result<Landing, Failure> = Err(Failure::OutOfReach);
         for state in through_motion(forced.problem.model(), forced.settings(), amplitude, &seed.state)? {
             let Ok(landed) = forced.converge(&state) else { continue };
             let distance = forced.motion_distance(&landed, &seed.state);
-            if best.as_ref().is_ok_and(|best| best.1 <= distance) {
+            if best.as_ref().is_ok_and(|best| best.distance <= distance) {
                 continue;
             }
-            best = Ok((landed, distance));
+            best = Ok(Landing { state: landed, distance });
         }
         best
     })
 }
 
-/// Tries places of the backbone in turn; `land` gives a converged state and its distance from the seed.
-fn attempt(
-    candidates: &[f64],
-    mut land: impl FnMut(f64) -> Result<(State, f64), Failure>,
-) -> Result<State, LandingFailure> {
-    let mut nearest = f64::INFINITY;
-    let mut failure = Failure::Diverged;
+/// Tries places of the backbone in turn until one leads where it should; otherwise the nearest landing counts.
+fn attempt(candidates: &[f64], mut land: impl FnMut(f64) -> Result<Landing, Failure>) -> Result<Landing, Failure> {
+    let mut nearest: Result<Landing, Failure> = Err(Failure::Diverged);
     for &place in candidates {
-        match land(place) {
-            Ok((state, distance)) if distance <= NEAR => return Ok(state),
-            Ok((_, distance)) => nearest = nearest.min(distance),
-            Err(error) => failure = error,
+        match (land(place), &nearest) {
+            (Ok(landing), _) if landing.is_near() => return Ok(landing),
+            (Ok(landing), Ok(best)) if best.distance <= landing.distance => {}
+            (Ok(landing), _) => nearest = Ok(landing),
+            (Err(failure), Err(_)) => nearest = Err(failure),
+            (Err(_), Ok(_)) => {}
         }
     }
-    Err(if nearest.is_finite() { LandingFailure::Far(nearest) } else { LandingFailure::NotConverged(failure) })
+    nearest
 }
 
 /// Places to try. Near the edges of a window, where A* is close to A, the forced response crosses the backbone and the
