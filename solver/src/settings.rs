@@ -34,7 +34,8 @@ pub struct HarmonicSettings {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Quadrature {
-    /// Over the exact arcs of contact: smooth, independent of the number of samples, which only have to find the arcs.
+    /// Over the exact arcs of contact: smooth, independent of the number of samples. Where friction nearly stops or
+    /// reverses its sliding its direction is not smooth: use samples there.
     #[default]
     Arcs,
     /// By the samples, as the paper does.
