@@ -1,1 +1,33 @@
-//! Placeholder.
+//! What crosses the bus of Isola: ids, keys, messages, one codec.
+//!
+//! A coordinator answers queries of workers (lease, renew, submit, fail, release) and of anyone (manifest, model,
+//! backbone, windows, results, status), and announces what happens. Messages are MessagePack maps, so that a field can be
+//! added; arrays travel as little-endian bytes with type and shape ([`array::Array`]).
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`ids`], [`keys`] | names of runs, tasks and workers; key expressions |
+//! | [`codec`], [`array`] | bytes of a message; arrays of numbers |
+//! | [`model`], [`curve`], [`backbone`], [`branch`] | the solver's nouns as arrays, there and back without loss |
+//! | [`from_worker`], [`to_worker`], [`to_everyone`], [`control`] | messages by direction |
+//! | [`session`] | Zenoh sessions that open nothing but what they are told to; requests with a deadline |
+
+pub mod array;
+pub mod backbone;
+pub mod branch;
+pub mod codec;
+pub mod control;
+pub mod curve;
+pub mod from_worker;
+pub mod ids;
+pub mod keys;
+pub mod model;
+pub mod session;
+pub mod to_everyone;
+pub mod to_worker;
+
+/// Version of the messages, the `v1` of keys and encodings. Workers of another version are refused.
+pub const VERSION: u32 = 1;
+
+/// Version of the program, for the record of who computed what.
+pub const PROGRAM: &str = env!("CARGO_PKG_VERSION");

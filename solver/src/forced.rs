@@ -13,10 +13,37 @@ use crate::newton::{Constraint, Newton, NewtonSettings};
 use crate::pressure::PressureForm;
 use crate::problem::{Failure, Problem, norm};
 use crate::scales::Scales;
-use crate::settings::Settings;
+use crate::settings::{Settings, SettingsError};
 use crate::state::State;
 use crate::unknown::Unknown;
 use crate::walk::{Bounds, Observer, Visited, Walked, relative_distance, walk, walk_both};
+use serde::{Deserialize, Serialize};
+
+/// Within which frequencies and amplitudes branches are followed: settings, completed by the backbone.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Reach {
+    /// Lowest and highest frequency, rad/s.
+    pub frequency: (f64, f64),
+    /// Largest amplitude of the first monitored dof, m.
+    pub amplitude: f64,
+}
+
+impl Reach {
+    /// As set; where nothing is set, 10 % beyond the backbone's frequencies and three times its largest amplitude.
+    ///
+    /// # Errors
+    /// If a bound that is set lies on the wrong side of one that the backbone gives.
+    pub fn new(settings: &Settings, backbone: &Backbone) -> Result<Self, SettingsError> {
+        let (low, high) = backbone.frequency_range();
+        let (low, high) = (settings.frequency.min.unwrap_or(0.9 * low), settings.frequency.max.unwrap_or(1.1 * high));
+        if low >= high {
+            let remedy = format!("the lower frequency bound is {low}: use a higher one");
+            return Err(SettingsError { key: "frequency.max", value: high.to_string(), remedy });
+        }
+        let amplitude = settings.branch.max_amplitude.unwrap_or(3.0 * backbone.max_amplitude());
+        Ok(Self { frequency: (low, high), amplitude })
+    }
+}
 
 /// Forced responses at one forcing amplitude.
 pub struct Forced<'m> {
@@ -28,14 +55,13 @@ pub struct Forced<'m> {
 }
 
 impl<'m> Forced<'m> {
-    /// Forced responses of `model` at `amplitude`; the backbone gives the default bounds.
-    pub fn new(model: &'m Model, settings: &Settings, backbone: &Backbone, amplitude: f64) -> Self {
+    /// Forced responses of `model` at `amplitude`.
+    pub fn new(model: &'m Model, settings: &Settings, reach: Reach, amplitude: f64) -> Self {
         let scales = Scales::new(model, settings.tracked());
         let problem = PressureForm::new(model, settings.harmonics, settings.tracked(), Unknown::Frequency, scales);
-        let (low, high) = backbone.frequency_range();
         let bounds = Bounds {
-            frequency: (settings.frequency.min.unwrap_or(0.9 * low), settings.frequency.max.unwrap_or(1.1 * high)),
-            amplitude: settings.branch.max_amplitude.unwrap_or(3.0 * backbone.max_amplitude()),
+            frequency: reach.frequency,
+            amplitude: reach.amplitude,
             points: settings.branch.max_points,
             closure: Some(settings.branch.closure),
         };
@@ -44,14 +70,19 @@ impl<'m> Forced<'m> {
         forced
     }
 
+    /// Within which frequencies and amplitudes branches are followed.
+    pub fn reach(&self) -> Reach {
+        Reach { frequency: self.bounds.frequency, amplitude: self.bounds.amplitude }
+    }
+
+    /// Forcing amplitude A.
+    pub fn amplitude(&self) -> f64 {
+        self.amplitude
+    }
+
     /// The settings.
     pub fn settings(&self) -> &Settings {
         &self.settings
-    }
-
-    /// Frequencies between which branches are followed, rad/s.
-    pub fn frequency_bounds(&self) -> (f64, f64) {
-        self.bounds.frequency
     }
 
     /// The main branch: from the lower frequency bound upwards. It starts at the linear response if that is one, and

@@ -2,95 +2,15 @@
 
 use crate::backbone::Backbone;
 use crate::branch::{Branch, BranchPoint};
-use crate::forced::Forced;
+use crate::forced::{Forced, Reach};
 use crate::model::Model;
 use crate::problem::Failure;
-use crate::seeds::{Landing, LandingFailure, Phase, land, land_by_amplitude};
 use crate::settings::{Settings, SettingsError};
-use crate::state::State;
+pub use crate::task::{Account, BranchId, SeedAccount, SeedOutcome, WindowAccount};
+use crate::task::{Finding, Task, carry_out, plan};
 use crate::walk::Observer;
-use crate::windows::{Window, windows};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
-
-/// Names a branch of a level.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum BranchId {
-    /// The main branch.
-    Main,
-    /// Isola number i, from 0.
-    Isola(usize),
-}
-
-impl std::fmt::Display for BranchId {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            BranchId::Main => write!(f, "main"),
-            BranchId::Isola(index) => write!(f, "isola {}", index + 1),
-        }
-    }
-}
-
-/// What became of a seed.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum SeedOutcome {
-    /// It lies on this branch.
-    Found(BranchId),
-    /// It did not lead to a forced response.
-    NotLanded(LandingFailure),
-    /// It landed, but no branch could be started there.
-    NotTraced(Failure),
-    /// It lies outside the bounds within which branches are followed.
-    OutOfBounds,
-}
-
-impl std::fmt::Display for SeedOutcome {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            SeedOutcome::Found(id) => write!(f, "{id}"),
-            SeedOutcome::NotLanded(failure) => write!(f, "{failure}"),
-            SeedOutcome::NotTraced(failure) => write!(f, "landed, but no branch starts there: {failure}"),
-            SeedOutcome::OutOfBounds => write!(f, "outside the frequency or amplitude bounds"),
-        }
-    }
-}
-
-/// A seed of a window and what became of it.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct SeedAccount {
-    /// Backbone index of the minimum of A* it stands for.
-    pub minimum: usize,
-    /// Which of the two phases.
-    pub phase: Phase,
-    /// What became of it.
-    pub outcome: SeedOutcome,
-}
-
-/// The account of a window.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct WindowAccount {
-    /// The window.
-    pub window: Window,
-    /// Two seeds, one for each phase, for every minimum of A* in the window.
-    pub seeds: Vec<SeedAccount>,
-}
-
-impl WindowAccount {
-    /// The branches found from the window, without repetition; empty: predicted, not found.
-    pub fn branches(&self) -> Vec<BranchId> {
-        let mut list: Vec<BranchId> = Vec::new();
-        for seed in &self.seeds {
-            if let SeedOutcome::Found(id) = seed.outcome
-                && !list.contains(&id)
-            {
-                list.push(id);
-            }
-        }
-        list
-    }
-}
 
 /// Why a level has no result at all.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -117,8 +37,6 @@ pub enum LevelError {
         failure: Failure,
     },
 }
-
-type LandFn = fn(&mut Forced<'_>, &Backbone, &Window, Phase, f64) -> Result<Landing, Failure>;
 
 /// All forced responses found at one forcing amplitude.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -151,83 +69,34 @@ impl Level {
         if !(amplitude > 0.0 && amplitude.is_finite()) {
             return Err(LevelError::Amplitude(amplitude));
         }
-        let mut forced = Forced::new(model, settings, backbone, amplitude);
-        let (omega, high) = forced.frequency_bounds();
-        if omega >= high {
-            let remedy = format!("the lower frequency bound is {omega}: use a higher one");
-            return Err(SettingsError { key: "frequency.max", value: high.to_string(), remedy }.into());
-        }
-        let main = forced.main_branch(observer).map_err(|failure| LevelError::Start { amplitude, omega, failure })?;
-        let mut level = Self { amplitude, main, isolas: Vec::new(), windows: Vec::new() };
-        for window in windows(backbone, amplitude) {
-            if level.branches().any(|(_, branch)| branch.is_cancelled()) {
-                return Err(LevelError::Cancelled);
+        let mut forced = Forced::new(model, settings, Reach::new(settings, backbone)?, amplitude);
+        let (windows, tasks) = plan(backbone, amplitude);
+        let mut account = Account::new(windows);
+        let mut found: Vec<(BranchId, Branch)> = Vec::new();
+        for task in tasks {
+            if !account.needs(&task) {
+                continue;
             }
-            let account = level.follow_window(&mut forced, backbone, window, observer);
-            level.windows.push(account);
-        }
-        if level.branches().any(|(_, branch)| branch.is_cancelled()) {
-            return Err(LevelError::Cancelled);
-        }
-        Ok(level)
-    }
-
-    /// All seeds of a window at fixed frequency; if none leads to a branch, by steps in the forcing amplitude.
-    fn follow_window(
-        &mut self,
-        forced: &mut Forced<'_>,
-        backbone: &Backbone,
-        window: Window,
-        observer: &mut Observer<'_>,
-    ) -> WindowAccount {
-        let amplitude = self.amplitude;
-        let wells = window.wells(backbone);
-        let mut try_all = |land: LandFn| {
-            let mut seeds = Vec::new();
-            for well in &wells {
-                for phase in [Phase::First, Phase::Second] {
-                    let outcome = match land(forced, backbone, well, phase, amplitude) {
-                        Ok(landing) => self.follow(forced, &landing, observer),
-                        Err(failure) => SeedOutcome::NotLanded(LandingFailure::NotConverged(failure)),
-                    };
-                    seeds.push(SeedAccount { minimum: well.best, phase, outcome });
+            let seeds = task.seeds(&forced.problem, backbone, amplitude);
+            let known: Vec<(BranchId, &Branch)> = found.iter().map(|(id, branch)| (*id, branch)).collect();
+            match carry_out(&mut forced, &task, &seeds, &known, observer).ok_or(LevelError::Cancelled)? {
+                Finding::Branch(branch) => {
+                    if let SeedOutcome::Found(id) = account.record(&task, None) {
+                        found.push((id, branch));
+                    }
+                }
+                Finding::Nothing(SeedOutcome::NotTraced(failure)) if task == Task::Main => {
+                    let (omega, _) = forced.reach().frequency;
+                    return Err(LevelError::Start { amplitude, omega, failure });
+                }
+                Finding::Nothing(outcome) => {
+                    account.record(&task, Some(outcome));
                 }
             }
-            WindowAccount { window, seeds }
-        };
-        let account = try_all(land);
-        if account.branches().is_empty() { try_all(land_by_amplitude) } else { account }
-    }
-
-    /// Traces the branch through a landed state, unless it is known.
-    fn follow(&mut self, forced: &mut Forced<'_>, landing: &Landing, observer: &mut Observer<'_>) -> SeedOutcome {
-        let state = &landing.state;
-        match self.identify(forced, state) {
-            Some(id) if landing.is_near() => return SeedOutcome::Found(id),
-            Some(_) => return SeedOutcome::NotLanded(LandingFailure::Far(landing.distance)),
-            None => {}
         }
-        if !forced.contains(state) {
-            return SeedOutcome::OutOfBounds;
-        }
-        let branch = match forced.branch_through(state, observer) {
-            Ok(branch) => branch,
-            Err(failure) => return SeedOutcome::NotTraced(failure),
-        };
-        // A known branch that ended too early is met from its other side.
-        if !branch.is_closed() && !branch.is_cancelled() {
-            let ends = [branch.points.first(), branch.points.last()];
-            if let Some(id) = ends.into_iter().flatten().find_map(|end| self.identify(forced, &end.state)) {
-                return SeedOutcome::Found(id);
-            }
-        }
-        self.isolas.push(branch);
-        SeedOutcome::Found(BranchId::Isola(self.isolas.len() - 1))
-    }
-
-    /// The branch that a converged state lies on, if it is known.
-    fn identify(&self, forced: &mut Forced<'_>, state: &State) -> Option<BranchId> {
-        self.branches().find(|(_, branch)| forced.lies_on(state, branch)).map(|(id, _)| id)
+        let mut branches = found.into_iter().map(|(_, branch)| branch);
+        let main = branches.next().expect("the first task is the main branch, and failing ends the level");
+        Ok(Self { amplitude, main, isolas: branches.collect(), windows: account.windows })
     }
 
     /// All branches with their names.

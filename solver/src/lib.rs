@@ -11,7 +11,7 @@
 //! are g = c − x_N ≥ 0 with pressures λ(t) ≥ 0.
 //!
 //! # Way of the data
-//! [`model::Model`] → [`backbone::Backbone`] → [`windows`] → [`seeds`] → [`level::Level`], with [`settings::Settings`];
+//! [`model::Model`] → [`backbone::Backbone`] → [`windows`] → [`seeds`] → [`task`] → [`level::Level`], with [`settings::Settings`];
 //! [`marching`] checks the results independently.
 
 pub mod aft;
@@ -39,6 +39,7 @@ pub mod scales;
 pub mod seeds;
 pub mod settings;
 pub mod state;
+pub mod task;
 pub mod unknown;
 pub mod walk;
 pub mod windows;

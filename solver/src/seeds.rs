@@ -97,54 +97,53 @@ pub enum LandingFailure {
     Far(f64),
 }
 
-/// Lands on a forced response of a window at fixed frequency, from its most promising backbone points in turn.
-pub fn land(
-    forced: &mut Forced<'_>,
-    backbone: &Backbone,
-    window: &Window,
-    phase: Phase,
-    amplitude: f64,
-) -> Result<Landing, Failure> {
-    attempt(&candidates(backbone, window, amplitude), |place| {
-        let seed = seed(&forced.problem, backbone, place, phase, amplitude);
-        let landed = forced.converge(&seed.state)?;
-        let distance = forced.motion_distance(&landed, &seed.state);
-        Ok(Landing { state: landed, distance })
-    })
+/// How a seed is turned into a forced response.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Way {
+    /// At the seed's own frequency, with the full forcing.
+    FixedFrequency,
+    /// By fold-safe steps in the forcing amplitude, from where the energy balance just closes: slower, for windows where
+    /// the other way finds nothing.
+    SteppedForcing,
 }
 
-/// Lands by fold-safe steps in the forcing amplitude, from where the energy balance just closes: slower than [`land`],
-/// for windows where that finds nothing.
-pub fn land_by_amplitude(
-    forced: &mut Forced<'_>,
+/// Seeds to land from in turn, the most promising places of a well first.
+pub fn candidates(
+    problem: &PressureForm<'_>,
     backbone: &Backbone,
-    window: &Window,
+    well: &Window,
     phase: Phase,
+    way: Way,
     amplitude: f64,
-) -> Result<Landing, Failure> {
-    let candidates = candidates(backbone, window, amplitude);
-    // The best candidates are enough: a walk in A passes through the motions of the others.
-    attempt(&candidates[..candidates.len().min(3)], |place| {
-        let closing = motion(backbone, place).1.abs().clamp(1e-3 * amplitude, amplitude);
-        let seed = seed(&forced.problem, backbone, place, phase, closing);
-        let mut best: Result<Landing, Failure> = Err(Failure::OutOfReach);
-        for state in through_motion(forced.problem.model(), forced.settings(), amplitude, &seed.state)? {
-            let Ok(landed) = forced.converge(&state) else { continue };
-            let distance = forced.motion_distance(&landed, &seed.state);
-            if best.as_ref().is_ok_and(|best| best.distance <= distance) {
-                continue;
-            }
-            best = Ok(Landing { state: landed, distance });
+) -> Vec<Seed> {
+    let places = places(backbone, well, amplitude);
+    match way {
+        Way::FixedFrequency => {
+            places.into_iter().map(|place| seed(problem, backbone, place, phase, amplitude)).collect()
         }
-        best
-    })
+        // The best places are enough: a walk in A passes through the motions of the others.
+        Way::SteppedForcing => {
+            let best = places.into_iter().take(3);
+            best.map(|place| {
+                let closing = motion(backbone, place).1.abs().clamp(1e-3 * amplitude, amplitude);
+                seed(problem, backbone, place, phase, closing)
+            })
+            .collect()
+        }
+    }
 }
 
-/// Tries places of the backbone in turn until one leads where it should; otherwise the nearest landing counts.
-fn attempt(candidates: &[f64], mut land: impl FnMut(f64) -> Result<Landing, Failure>) -> Result<Landing, Failure> {
+/// Lands on a forced response from several seeds in turn, until one leads where it should; otherwise the nearest landing
+/// counts.
+pub fn land(forced: &mut Forced<'_>, seeds: &[Seed], way: Way) -> Result<Landing, Failure> {
     let mut nearest: Result<Landing, Failure> = Err(Failure::Diverged);
-    for &place in candidates {
-        match (land(place), &nearest) {
+    for seed in seeds {
+        let landed = match way {
+            Way::FixedFrequency => land_at_frequency(forced, seed),
+            Way::SteppedForcing => land_by_forcing(forced, seed),
+        };
+        match (landed, &nearest) {
             (Ok(landing), _) if landing.is_near() => return Ok(landing),
             (Ok(landing), Ok(best)) if best.distance <= landing.distance => {}
             (Ok(landing), _) => nearest = Ok(landing),
@@ -155,10 +154,29 @@ fn attempt(candidates: &[f64], mut land: impl FnMut(f64) -> Result<Landing, Fail
     nearest
 }
 
+fn land_at_frequency(forced: &mut Forced<'_>, seed: &Seed) -> Result<Landing, Failure> {
+    let state = forced.converge(&seed.state)?;
+    let distance = forced.motion_distance(&state, &seed.state);
+    Ok(Landing { state, distance })
+}
+
+fn land_by_forcing(forced: &mut Forced<'_>, seed: &Seed) -> Result<Landing, Failure> {
+    let mut best: Result<Landing, Failure> = Err(Failure::OutOfReach);
+    for state in through_motion(forced.problem.model(), forced.settings(), forced.amplitude(), &seed.state)? {
+        let Ok(landed) = forced.converge(&state) else { continue };
+        let distance = forced.motion_distance(&landed, &seed.state);
+        if best.as_ref().is_ok_and(|best| best.distance <= distance) {
+            continue;
+        }
+        best = Ok(Landing { state: landed, distance });
+    }
+    best
+}
+
 /// Places to try. Near the edges of a window, where A* is close to A, the forced response crosses the backbone and the
 /// prediction is nearly exact; far inside, where the forcing exceeds what is dissipated many times, it is poor. Edges are
 /// interpolated: a window may hold no more than a point or two.
-fn candidates(backbone: &Backbone, window: &Window, amplitude: f64) -> Vec<f64> {
+fn places(backbone: &Backbone, window: &Window, amplitude: f64) -> Vec<f64> {
     let nearest = |indices: RangeInclusive<usize>, ratio: f64| {
         let distance = |i: usize| (backbone.points[i].threshold / amplitude - ratio).abs();
         indices.min_by(|&a, &b| distance(a).total_cmp(&distance(b))).unwrap_or(window.best)

@@ -2,7 +2,7 @@
 
 use solver::backbone::Backbone;
 use solver::branch::{Branch, BranchPoint, SpecialKind};
-use solver::forced::Forced;
+use solver::forced::{Forced, Reach};
 use solver::harmonics::{complex, evaluate, width};
 use solver::laws::{Contact, Jenkins, LawKind, TanhFriction};
 use solver::linalg::Matrix;
@@ -206,7 +206,7 @@ fn a_main_branch_that_never_touches_is_that_of_a_dense_solve() {
         let frequencies = &model.modes.frequencies;
         (settings.frequency.min, settings.frequency.max) = (Some(0.5 * frequencies[0]), Some(1.2 * frequencies[4]));
         let backbone = backbone(&model, &settings);
-        let mut forced = Forced::new(&model, &settings, &backbone, 2.5);
+        let mut forced = Forced::new(&model, &settings, Reach::new(&settings, &backbone).unwrap(), 2.5);
         let branch = forced.main_branch(&mut quiet).unwrap();
         let (low, high) = branch.frequency_range();
         assert!(low < 0.51 * frequencies[0] && high > 1.19 * frequencies[4], "{low} {high} {:?}", branch.outcome);
@@ -238,7 +238,9 @@ fn one_harmonic_of_a_duffing_oscillator() {
         assert!((w * w / (1.0 + 0.75 * a * a) - 1.0).abs() < 1e-9, "a = {a}: {w}");
     }
     for amplitude in [0.02, 0.1] {
-        let branch = Forced::new(&model, &settings, &backbone, amplitude).main_branch(&mut quiet).unwrap();
+        let branch = Forced::new(&model, &settings, Reach::new(&settings, &backbone).unwrap(), amplitude)
+            .main_branch(&mut quiet)
+            .unwrap();
         for point in &branch.points {
             let (w, a) = (point.omega(), point.amplitude());
             let spring = 1.0 + 0.75 * a * a;
@@ -280,7 +282,7 @@ fn a_duffing_response_with_many_harmonics_is_a_periodic_orbit() {
     let settings = with_harmonics(20);
     let backbone = backbone(&model, &settings);
     let (amplitude, omega) = (0.1, 1.8);
-    let mut forced = Forced::new(&model, &settings, &backbone, amplitude);
+    let mut forced = Forced::new(&model, &settings, Reach::new(&settings, &backbone).unwrap(), amplitude);
     let branch = forced.main_branch(&mut quiet).unwrap();
     let states = states_at(&mut forced, &branch, omega);
     assert_eq!(states.len(), 3, "upper, unstable, lower");
@@ -396,9 +398,11 @@ fn contact_between_two_bodies_is_that_of_one_body_before_a_stop() {
     let one = oscillator(3.0, 0.005, contact(0.1 / 2f64.sqrt(), 6.0));
     let mut settings = with_harmonics(20);
     let reference = backbone(&one, &settings);
-    let branch = Forced::new(&one, &settings, &reference, 0.005).main_branch(&mut quiet).unwrap();
+    let branch = Forced::new(&one, &settings, Reach::new(&settings, &reference).unwrap(), 0.005)
+        .main_branch(&mut quiet)
+        .unwrap();
     settings.backbone.mode = 2;
-    let mut forced = Forced::new(&two, &settings, &reference, 0.005);
+    let mut forced = Forced::new(&two, &settings, Reach::new(&settings, &reference).unwrap(), 0.005);
     // The forcing shape M φ_2 follows the sign of φ_2 = ±(1, −1)/√2, and so does q.
     let sign = two.modes.shapes[(0, 1)].signum();
     let mut touching = 0;
@@ -427,7 +431,8 @@ fn an_elastic_friction_element_is_a_linear_spring() {
     settings.continuation.newton.tolerance = 1e-13;
     (settings.frequency.min, settings.frequency.max) = (Some(1.0), Some(2.5));
     let backbone = backbone(&model, &settings);
-    let branch = Forced::new(&model, &settings, &backbone, 0.1).main_branch(&mut quiet).unwrap();
+    let branch =
+        Forced::new(&model, &settings, Reach::new(&settings, &backbone).unwrap(), 0.1).main_branch(&mut quiet).unwrap();
     let (low, high) = branch.frequency_range();
     assert!(low < 1.01 && high > 2.49, "{low} {high} {:?}", branch.outcome);
     for point in &branch.points {

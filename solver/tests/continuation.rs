@@ -3,7 +3,7 @@
 use solver::backbone::Backbone;
 use solver::branch::{Branch, BranchPoint, Outcome, Stop};
 use solver::continuation::{Corrector, Predictor};
-use solver::forced::Forced;
+use solver::forced::{Forced, Reach};
 use solver::level::{Level, LevelError, SeedOutcome};
 use solver::model::Model;
 use solver::settings::Settings;
@@ -53,7 +53,9 @@ fn a_walk_is_cancelled_between_points() {
         seen += 1;
         if seen == 7 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
-    let branch = Forced::new(&model, &settings, &backbone, 0.1).main_branch(&mut observer).unwrap();
+    let branch = Forced::new(&model, &settings, Reach::new(&settings, &backbone).unwrap(), 0.1)
+        .main_branch(&mut observer)
+        .unwrap();
     assert_eq!(seen, 7);
     assert_eq!(branch.outcome, Outcome::Open(Stop::Start, Stop::Cancelled));
     // The start, then seven points; the peak among them is refined by at most one more.
@@ -68,7 +70,8 @@ fn branches_end_exactly_at_the_frequency_bounds() {
     settings.frequency.max = Some(1.3);
     let go_on = &mut |_: &_| ControlFlow::Continue(());
     let backbone = Backbone::compute(&model, &settings, go_on).unwrap();
-    let branch = Forced::new(&model, &settings, &backbone, 0.05).main_branch(go_on).unwrap();
+    let branch =
+        Forced::new(&model, &settings, Reach::new(&settings, &backbone).unwrap(), 0.05).main_branch(go_on).unwrap();
     let last = branch.points.last().unwrap();
     assert!((last.omega() - 1.3).abs() < 1e-12 * 1.3, "ends at {}", last.omega());
     assert!((branch.points[0].omega() - 0.8).abs() < 1e-12);

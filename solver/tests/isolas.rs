@@ -3,7 +3,7 @@
 
 use solver::backbone::Backbone;
 use solver::branch::{Branch, BranchPoint, SpecialKind};
-use solver::forced::Forced;
+use solver::forced::{Forced, Reach};
 use solver::harmonics::evaluate;
 use solver::level::{BranchId, Level};
 use solver::marching::{Marching, MarchingSettings};
@@ -63,7 +63,8 @@ impl Study {
         );
         let isola = level.isolas.remove(0);
         assert!(isola.is_closed(), "A = {amplitude}: {:?}", isola.outcome);
-        let mut forced = Forced::new(&self.model, &self.settings, &self.backbone, amplitude);
+        let mut forced =
+            Forced::new(&self.model, &self.settings, Reach::new(&self.settings, &self.backbone).unwrap(), amplitude);
         assert!(!forced.lies_on(&isola.peak().state, &level.main));
         isola
     }
@@ -122,7 +123,12 @@ fn report(what: &str, predicted: f64, computed: f64) {
 
 /// Converged states of a closed branch at a frequency, the largest first.
 fn states_at(study: &Study, branch: &Branch, omega: f64) -> Vec<State> {
-    let mut forced = Forced::new(&study.model, &study.settings, &study.backbone, branch.amplitude);
+    let mut forced = Forced::new(
+        &study.model,
+        &study.settings,
+        Reach::new(&study.settings, &study.backbone).unwrap(),
+        branch.amplitude,
+    );
     let count = branch.points.len();
     let pairs = (0..count).map(|i| (&branch.points[i], &branch.points[(i + 1) % count]));
     let crossing = pairs.filter(|(a, b)| (a.omega() - omega) * (b.omega() - omega) < 0.0);
@@ -196,7 +202,8 @@ fn absorber() -> Vec<Study> {
     settings.branch.max_amplitude = Some(20.0);
     let study = Study::new("nltva", settings);
     let main = study.level(0.2).main;
-    let resonances = Forced::new(&study.model, &settings, &study.backbone, 0.2).resonances(&main);
+    let resonances =
+        Forced::new(&study.model, &settings, Reach::new(&settings, &study.backbone).unwrap(), 0.2).resonances(&main);
     let through = resonances.iter().map(|near| Backbone::through(&study.model, &settings, near, &mut quiet).unwrap());
     through.map(|backbone| Study { model: study.model.clone(), settings, backbone }).collect()
 }

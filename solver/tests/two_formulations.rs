@@ -5,7 +5,7 @@ use solver::backbone::Backbone;
 use solver::branch::BranchPoint;
 use solver::continuation::{Continuation, ContinuationSettings, CurvePoint};
 use solver::displacement::DisplacementForm;
-use solver::forced::Forced;
+use solver::forced::{Forced, Reach};
 use solver::harmonics::{Transform, max_abs};
 use solver::laws::LawKind;
 use solver::linalg::{Matrix, dot};
@@ -57,7 +57,7 @@ fn pressure_states(model: &Model, settings: &Settings, amplitude: f64) -> (Vec<S
     let mut silent = |_: &_| ControlFlow::Continue(());
     let backbone = Backbone::compute(model, settings, &mut silent).unwrap();
     let free = touching(backbone.points.iter().map(|point| &point.point));
-    let mut forced = Forced::new(model, settings, &backbone, amplitude);
+    let mut forced = Forced::new(model, settings, Reach::new(settings, &backbone).unwrap(), amplitude);
     let branch = forced.main_branch(&mut silent).unwrap();
     (free, touching(branch.points.iter()))
 }

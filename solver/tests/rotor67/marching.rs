@@ -5,7 +5,7 @@
 
 use crate::common::{BACKWARD, FRICTIONLESS, Scenario, found_from_window};
 use solver::branch::Branch;
-use solver::forced::Forced;
+use solver::forced::{Forced, Reach};
 use solver::harmonics::evaluate;
 use solver::level::BranchId;
 use solver::marching::{Marching, MarchingSettings};
@@ -23,7 +23,8 @@ fn leading_edge(scenario: &Scenario, state: &State) -> f64 {
 /// All solutions of a branch at exactly `omega`, the largest first: interpolated between its points, then converged.
 fn solutions(scenario: &Scenario, branch: &Branch, omega: f64) -> Vec<State> {
     let (model, backbone) = (scenario.model(), scenario.backbone());
-    let mut forced = Forced::new(model, &Settings::default(), backbone, branch.amplitude);
+    let mut forced =
+        Forced::new(model, &Settings::default(), Reach::new(&Settings::default(), backbone).unwrap(), branch.amplitude);
     let mut points: Vec<&State> = branch.points.iter().map(|p| &p.state).collect();
     if branch.is_closed() {
         points.push(points[0]);

@@ -5,7 +5,7 @@
 
 use crate::common::{BACKWARD, FRICTIONLESS, Scenario, TUNED, found_from_window, quiet};
 use solver::branch::{Branch, SpecialKind};
-use solver::forced::Forced;
+use solver::forced::{Forced, Reach};
 use solver::level::BranchId;
 use solver::settings::{Quadrature, Settings};
 
@@ -34,7 +34,7 @@ impl Isola {
         let points = &level.isolas[i].points;
         let state = &points[(start * points.len() as f64) as usize].state;
         let (model, backbone) = (self.scenario.model(), self.scenario.backbone());
-        let mut forced = Forced::new(model, settings, backbone, self.amplitude.into());
+        let mut forced = Forced::new(model, settings, Reach::new(settings, backbone).unwrap(), self.amplitude.into());
         let branch = forced.branch_through(state, &mut quiet).unwrap();
         assert!(branch.is_closed(), "{}: {:?} from {start}", self.scenario.name, branch.outcome);
         branch

@@ -1,0 +1,213 @@
+//! Points of a curve as arrays: what branches and the backbone share. Seeds are such points as well.
+
+use crate::array::{Array, ArrayError};
+use serde::{Deserialize, Serialize};
+use solver::branch::{BranchPoint, Certificate, Monitored};
+use solver::harmonics::width;
+use solver::seeds::{Phase, Seed};
+use solver::state::State;
+
+/// p periodic motions of one truncation H.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Motions {
+    /// Number of harmonics H.
+    pub harmonics: usize,
+    /// ω, rad/s: p.
+    pub omega: Array,
+    /// ζ, 1/s: p.
+    pub decay: Array,
+    /// Forcing amplitude A: p.
+    pub forcing: Array,
+    /// Harmonics of the laws' arguments: p × channels × (H + 1) × 2 (re, im). Contact normals: predicted pressure, N;
+    /// everything else: relative displacement, m.
+    pub argument: Array,
+    /// Harmonics of the modal amplitudes: p × modes × (H + 1) × 2, kg^½·m; displacements are x = Φ y.
+    pub modal: Array,
+}
+
+impl Motions {
+    /// Of states of one truncation.
+    pub fn new<'s>(states: impl ExactSizeIterator<Item = &'s State> + Clone) -> Self {
+        let count = states.len();
+        let first = states.clone().next();
+        let harmonics = first.map_or(0, |state| state.harmonics);
+        let nc = width(harmonics);
+        let channels = first.map_or(0, |state| state.arguments.len() / nc);
+        let modes = first.map_or(0, |state| state.modal.len() / nc);
+        let column = |of: fn(&State) -> f64| Array::new([count], states.clone().map(of));
+        Self {
+            harmonics,
+            omega: column(|state| state.omega),
+            decay: column(|state| state.decay),
+            forcing: column(|state| state.amplitude),
+            argument: Array::harmonics(&[count, channels], harmonics, states.clone().map(|s| &s.arguments[..])),
+            modal: Array::harmonics(&[count, modes], harmonics, states.clone().map(|s| &s.modal[..])),
+        }
+    }
+
+    /// Number of motions p.
+    pub fn len(&self) -> usize {
+        self.omega.len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.omega.is_empty()
+    }
+
+    /// The states, for a model of so many channels and modes.
+    pub fn states(&self, channels: usize, modes: usize) -> Result<Vec<State>, ArrayError> {
+        let (count, harmonics) = (self.len(), self.harmonics);
+        let omega = self.omega.values("omega", &[count])?;
+        let decay = self.decay.values("decay", &[count])?;
+        let forcing = self.forcing.values("forcing", &[count])?;
+        let argument = self.argument.series("argument", &[count, channels], harmonics)?;
+        let modal = self.modal.series("modal", &[count, modes], harmonics)?;
+        let part = |values: &[f64], i: usize, width: usize| values[i * width..(i + 1) * width].to_vec();
+        let nc = width(harmonics);
+        let state = |i: usize| State {
+            harmonics,
+            omega: omega[i],
+            decay: decay[i],
+            amplitude: forcing[i],
+            arguments: part(&argument, i, channels * nc),
+            modal: part(&modal, i, modes * nc),
+        };
+        Ok((0..count).map(state).collect())
+    }
+}
+
+/// p points of a curve.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Points {
+    /// The motions.
+    pub motions: Motions,
+    /// Largest |x| of every monitored dof over the period, m: p × monitors.
+    pub amplitude: Array,
+    /// Root mean square of every monitored dof, m: p × monitors.
+    pub rms: Array,
+    /// Share of the period in contact: p × contact elements.
+    pub contact: Array,
+    /// Largest scaled residual: p.
+    pub residual: Array,
+    /// Share of the two highest harmonics: p.
+    pub high_harmonics: Array,
+    /// Newton iterations: p.
+    pub iterations: Array,
+}
+
+impl Points {
+    /// Of points of one curve.
+    pub fn new<'p>(points: impl ExactSizeIterator<Item = &'p BranchPoint> + Clone) -> Self {
+        let count = points.len();
+        let first = points.clone().next();
+        let monitors = first.map_or(0, |point| point.monitors.len());
+        let contacts = first.map_or(0, |point| point.contact.len());
+        let monitored = |of: fn(&Monitored) -> f64| {
+            Array::new([count, monitors], points.clone().flat_map(|point| point.monitors.iter().map(of)))
+        };
+        let column = |of: fn(&Certificate) -> f64| Array::new([count], points.clone().map(|p| of(&p.certificate)));
+        Self {
+            motions: Motions::new(points.clone().map(|point| &point.state)),
+            amplitude: monitored(|m| m.amplitude),
+            rms: monitored(|m| m.rms),
+            contact: Array::new([count, contacts], points.clone().flat_map(|point| point.contact.iter().copied())),
+            residual: column(|c| c.residual),
+            high_harmonics: column(|c| c.high_harmonics),
+            iterations: column(|c| c.iterations as f64),
+        }
+    }
+
+    /// Number of points p.
+    pub fn len(&self) -> usize {
+        self.motions.len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.motions.is_empty()
+    }
+
+    /// The points, for a model of this size.
+    pub fn points(&self, size: &Size) -> Result<Vec<BranchPoint>, ArrayError> {
+        let count = self.len();
+        let amplitude = self.amplitude.values("amplitude", &[count, size.monitors])?;
+        let rms = self.rms.values("rms", &[count, size.monitors])?;
+        let contact = self.contact.values("contact", &[count, size.contacts])?;
+        let residual = self.residual.values("residual", &[count])?;
+        let high_harmonics = self.high_harmonics.values("high_harmonics", &[count])?;
+        let iterations = self.iterations.values("iterations", &[count])?;
+        let states = self.motions.states(size.channels, size.modes)?;
+        let point = |(i, state): (usize, State)| {
+            let monitors = i * size.monitors..(i + 1) * size.monitors;
+            BranchPoint {
+                state,
+                monitors: monitors.map(|j| Monitored { amplitude: amplitude[j], rms: rms[j] }).collect(),
+                contact: contact[i * size.contacts..(i + 1) * size.contacts].to_vec(),
+                certificate: Certificate {
+                    residual: residual[i],
+                    high_harmonics: high_harmonics[i],
+                    iterations: iterations[i] as usize,
+                },
+            }
+        };
+        Ok(states.into_iter().enumerate().map(point).collect())
+    }
+}
+
+/// Numbers of a model that the shapes of arrays depend on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Size {
+    /// Arguments of all laws.
+    pub channels: usize,
+    /// Modes.
+    pub modes: usize,
+    /// Monitored dofs.
+    pub monitors: usize,
+    /// Contact elements.
+    pub contacts: usize,
+}
+
+impl Size {
+    /// Of a model.
+    pub fn of(model: &solver::model::Model) -> Self {
+        use solver::laws::{Law, LawKind};
+        let contacts = model.elements.iter().filter(|element| matches!(element.law, LawKind::Contact(_)));
+        Self {
+            channels: model.elements.iter().map(|element| element.law.arguments()).sum(),
+            modes: model.size(),
+            monitors: model.monitors.len(),
+            contacts: contacts.count(),
+        }
+    }
+}
+
+/// Seeds of a task, the most promising first.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Seeds {
+    /// Predicted motions, each with the frequency and the forcing it is landed from.
+    pub motions: Motions,
+    /// Place on the backbone: index of a point, and between points the share of the way to the next: p.
+    pub place: Array,
+    /// Which of the two phases; `None` if there are no seeds (the main branch).
+    pub phase: Option<Phase>,
+}
+
+impl Seeds {
+    /// Of the seeds of one task.
+    pub fn new(seeds: &[Seed]) -> Self {
+        Self {
+            motions: Motions::new(seeds.iter().map(|seed| &seed.state)),
+            place: Array::new([seeds.len()], seeds.iter().map(|seed| seed.place)),
+            phase: seeds.first().map(|seed| seed.phase),
+        }
+    }
+
+    /// The seeds, for a model of this size.
+    pub fn seeds(&self, size: &Size) -> Result<Vec<Seed>, ArrayError> {
+        let Some(phase) = self.phase else { return Ok(Vec::new()) };
+        let states = self.motions.states(size.channels, size.modes)?;
+        let places = self.place.values("place", &[states.len()])?;
+        Ok(states.into_iter().zip(places).map(|(state, place)| Seed { state, place, phase }).collect())
+    }
+}

@@ -1,0 +1,90 @@
+//! What workers ask: queries with a payload, each answered by the coordinator (see [`crate::to_worker`]).
+
+use crate::branch::FindingMessage;
+use crate::codec::messages;
+use crate::ids::{Attempt, TaskId, WorkerId};
+use serde::{Deserialize, Serialize};
+
+/// Asks for work, on `rpc/lease`. Asking again with the same worker and slot gives the same grant again.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct LeaseRequest {
+    /// Version of the messages.
+    pub protocol: u32,
+    /// Version of the program.
+    pub program: String,
+    /// Who asks.
+    pub worker: WorkerId,
+    /// Which of its computing threads, from 0.
+    pub slot: u32,
+}
+
+/// A task under way, named by who computes it.
+#[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub struct Lease {
+    /// Task.
+    pub task: TaskId,
+    /// Which attempt at it.
+    pub attempt: Attempt,
+    /// Who.
+    pub worker: WorkerId,
+    /// Which of its computing threads.
+    pub slot: u32,
+}
+
+/// Sign of life, on `rpc/renew`, three times a lease.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RenewRequest {
+    /// Which task.
+    pub lease: Lease,
+    /// Where the branch is; `None` while a seed lands.
+    pub progress: Option<Progress>,
+}
+
+/// Where a branch under way is. Also put on `progress/<task>`, at most twice a second.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Progress {
+    /// Points so far.
+    pub points: usize,
+    /// ω, rad/s.
+    pub omega: f64,
+    /// Amplitude of the first monitored dof, m.
+    pub amplitude: f64,
+}
+
+/// Result, on `rpc/submit/<task>`. Sent again until it is answered.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SubmitRequest {
+    /// Which task.
+    pub lease: Lease,
+    /// Version of the program that computed it.
+    pub program: String,
+    /// Computing time, s.
+    pub seconds: f64,
+    /// What was found; not converging is a finding.
+    pub finding: FindingMessage,
+}
+
+/// A task that could not be carried out (a panic, memory, an unusable model), on `rpc/fail`.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct FailRequest {
+    /// Which task.
+    pub lease: Lease,
+    /// Why.
+    pub reason: String,
+}
+
+/// A task given back unfinished, on `rpc/release`.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ReleaseRequest {
+    /// Which task.
+    pub lease: Lease,
+}
+
+messages! {
+    LeaseRequest => "lease_request",
+    RenewRequest => "renew_request",
+    Progress => "progress",
+    SubmitRequest => "submit_request",
+    FailRequest => "fail_request",
+    ReleaseRequest => "release_request",
+}

@@ -1,0 +1,97 @@
+//! Names of runs, tasks and workers: one chunk of a key each.
+
+use serde::{Deserialize, Serialize};
+use std::fmt;
+use thiserror::Error;
+
+/// A name that cannot be a chunk of a key.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[error("`{0}` is not a name: use letters, digits, `.`, `-` and `_`")]
+pub struct NameError(pub String);
+
+fn checked(name: &str) -> Result<String, NameError> {
+    let allowed = |c: char| c.is_ascii_alphanumeric() || ".-_".contains(c);
+    if !name.is_empty() && name.len() <= 100 && name.chars().all(allowed) {
+        Ok(name.to_string())
+    } else {
+        Err(NameError(name.to_string()))
+    }
+}
+
+macro_rules! id {
+    ($(#[$doc:meta])* $name:ident) => {
+        $(#[$doc])*
+        #[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+        #[serde(try_from = "String", into = "String")]
+        pub struct $name(String);
+
+        impl $name {
+            /// Checks a name.
+            pub fn new(name: &str) -> Result<Self, NameError> {
+                checked(name).map(Self)
+            }
+
+            /// As text.
+            pub fn as_str(&self) -> &str {
+                &self.0
+            }
+        }
+
+        impl TryFrom<String> for $name {
+            type Error = NameError;
+            fn try_from(name: String) -> Result<Self, NameError> {
+                Self::new(&name)
+            }
+        }
+
+        impl std::str::FromStr for $name {
+            type Err = NameError;
+            fn from_str(name: &str) -> Result<Self, NameError> {
+                Self::new(name)
+            }
+        }
+
+        impl From<$name> for String {
+            fn from(id: $name) -> String {
+                id.0
+            }
+        }
+
+        impl fmt::Display for $name {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.pad(&self.0)
+            }
+        }
+    };
+}
+
+id!(
+    /// A run: one study carried out once.
+    RunId
+);
+id!(
+    /// A task of a run.
+    TaskId
+);
+id!(
+    /// A worker process.
+    WorkerId
+);
+
+impl TaskId {
+    /// Task number `index` (from 0, the main branch) of the level whose amplitude was typed as `amplitude`.
+    pub fn of_level(amplitude: &str, index: usize) -> Result<Self, NameError> {
+        Self::new(&format!("{}-{index}", amplitude.replace('+', "")))
+    }
+}
+
+/// Counts how often a task was handed out, from 1.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct Attempt(pub u32);
+
+impl fmt::Display for Attempt {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.fmt(f)
+    }
+}

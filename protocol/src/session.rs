@@ -1,0 +1,211 @@
+//! Zenoh sessions that open nothing but what they are told to, and requests that end.
+
+use crate::codec::{CodecError, Message, decode, encode, encoding};
+use std::time::Duration;
+use thiserror::Error;
+use zenoh::bytes::Encoding;
+use zenoh::query::{ConsolidationMode, Query};
+use zenoh::{Config, Session};
+
+/// Why there is no session.
+#[derive(Debug, Error)]
+pub enum SessionError {
+    /// An endpoint that is none.
+    #[error("`{endpoint}` is not an endpoint; write it like tcp/HOST:7447 ({reason})")]
+    Endpoint {
+        /// As given.
+        endpoint: String,
+        /// What Zenoh says.
+        reason: String,
+    },
+    /// Nobody listens there.
+    #[error(
+        "no coordinator or router can be reached at {endpoint}; start one there with `isola sweep STUDY --listen \
+         tcp/0.0.0.0:PORT`, or check host, port and firewall (a refused certificate or password looks the same)"
+    )]
+    Unreachable {
+        /// Where.
+        endpoint: String,
+    },
+    /// The address cannot be listened on.
+    #[error("cannot listen on {endpoint}: {reason}; choose another port, or leave --listen out for a free one")]
+    Listen {
+        /// Where.
+        endpoint: String,
+        /// What Zenoh says.
+        reason: String,
+    },
+}
+
+/// How long a client tries to connect.
+const CONNECT_MS: u64 = 3000;
+/// A partner that has been silent for so long is gone.
+const TRANSPORT_LEASE_MS: u64 = 5000;
+
+fn config(settings: &[(&str, String)]) -> Config {
+    let mut config = Config::default();
+    let common = [
+        ("scouting/multicast/enabled", "false".to_string()),
+        ("scouting/gossip/enabled", "false".to_string()),
+        ("adminspace/enabled", "false".to_string()),
+        ("transport/link/tx/lease", TRANSPORT_LEASE_MS.to_string()),
+    ];
+    for (key, value) in common.iter().map(|(k, v)| (*k, v)).chain(settings.iter().map(|(k, v)| (*k, v))) {
+        config.insert_json5(key, value).expect("keys and values of Zenoh's configuration are known");
+    }
+    config
+}
+
+fn endpoints(endpoint: &str) -> Result<String, SessionError> {
+    endpoint
+        .parse::<zenoh::config::EndPoint>()
+        .map_err(|error| SessionError::Endpoint { endpoint: endpoint.to_string(), reason: error.to_string() })?;
+    Ok(format!("[{endpoint:?}]"))
+}
+
+/// Session of a coordinator: a router that listens on `endpoint` and nowhere else.
+pub async fn listen(endpoint: &str) -> Result<Session, SessionError> {
+    let settings = [
+        ("mode", "\"router\"".to_string()),
+        ("listen/endpoints", endpoints(endpoint)?),
+        ("listen/exit_on_failure", "true".to_string()),
+        ("listen/timeout_ms", "0".to_string()),
+    ];
+    zenoh::open(config(&settings)).await.map_err(|error| SessionError::Listen {
+        endpoint: endpoint.to_string(),
+        reason: root_cause(&error.to_string()),
+    })
+}
+
+/// Session of a client of the router at `endpoint`; listens nowhere.
+pub async fn connect(endpoint: &str) -> Result<Session, SessionError> {
+    let settings = [
+        ("mode", "\"client\"".to_string()),
+        ("connect/endpoints", endpoints(endpoint)?),
+        ("connect/timeout_ms", CONNECT_MS.to_string()),
+        ("connect/exit_on_failure", "true".to_string()),
+        ("connect/retry/period_init_ms", "200".to_string()),
+        ("connect/retry/period_max_ms", "1000".to_string()),
+    ];
+    zenoh::open(config(&settings)).await.map_err(|_| SessionError::Unreachable { endpoint: endpoint.to_string() })
+}
+
+/// The last and most precise part of a chain of messages.
+fn root_cause(message: &str) -> String {
+    if message.contains("Address already in use") || message.contains("in use") {
+        return "the port is in use".to_string();
+    }
+    message.split(" at /").next().unwrap_or(message).trim().to_string()
+}
+
+/// Why a request has no answer.
+#[derive(Debug, Error)]
+pub enum RequestError {
+    /// Nobody is there, or the answer did not come in time: try again.
+    #[error("no answer from the coordinator")]
+    NoReply,
+    /// The request was refused as it is.
+    #[error("refused: {0}")]
+    Refused(String),
+    /// The answer is not what it should be.
+    #[error(transparent)]
+    Codec(#[from] CodecError),
+    /// The session is closed.
+    #[error("the session is closed: {0}")]
+    Closed(String),
+}
+
+/// Asks whoever answers `key`, with a message as payload.
+pub async fn request<Q: Message, R: Message>(
+    session: &Session,
+    key: &str,
+    question: &Q,
+    timeout: Duration,
+) -> Result<R, RequestError> {
+    request_encoded(session, key, encode(question), &encoding::<Q>(), timeout).await
+}
+
+/// [`request`] with the payload at hand, for results that are sent again.
+pub async fn request_encoded<R: Message>(
+    session: &Session,
+    key: &str,
+    payload: impl Into<zenoh::bytes::ZBytes>,
+    encoding: &str,
+    timeout: Duration,
+) -> Result<R, RequestError> {
+    let get = session
+        .get(key)
+        .payload(payload)
+        .encoding(Encoding::from(encoding))
+        .consolidation(ConsolidationMode::None)
+        .timeout(timeout);
+    let replies = get.await.map_err(|error| RequestError::Closed(error.to_string()))?;
+    first(&replies).await
+}
+
+/// Fetches a message that needs no question.
+pub async fn fetch<R: Message>(session: &Session, key: &str, timeout: Duration) -> Result<R, RequestError> {
+    let get = session.get(key).consolidation(ConsolidationMode::None).timeout(timeout);
+    let replies = get.await.map_err(|error| RequestError::Closed(error.to_string()))?;
+    first(&replies).await
+}
+
+/// Fetches everything that answers a key with wildcards; what cannot be read is left out.
+pub async fn fetch_all<R: Message>(session: &Session, key: &str, timeout: Duration) -> Result<Vec<R>, RequestError> {
+    let get = session.get(key).consolidation(ConsolidationMode::None).timeout(timeout);
+    let replies = get.await.map_err(|error| RequestError::Closed(error.to_string()))?;
+    let mut messages = Vec::new();
+    while let Ok(reply) = replies.recv_async().await {
+        if let Ok(sample) = reply.result() {
+            messages.extend(decode(&sample.payload().to_bytes(), &sample.encoding().to_string()));
+        }
+    }
+    Ok(messages)
+}
+
+type Replies = zenoh::handlers::FifoChannelHandler<zenoh::query::Reply>;
+
+async fn first<R: Message>(replies: &Replies) -> Result<R, RequestError> {
+    while let Ok(reply) = replies.recv_async().await {
+        match reply.result() {
+            Ok(sample) => return Ok(decode(&sample.payload().to_bytes(), &sample.encoding().to_string())?),
+            // Zenoh itself answers with an error when time is up or the partner is gone.
+            Err(error) if error.encoding().to_string() == REFUSAL => {
+                return Err(RequestError::Refused(String::from_utf8_lossy(&error.payload().to_bytes()).into_owned()));
+            }
+            Err(_) => {}
+        }
+    }
+    Err(RequestError::NoReply)
+}
+
+/// Encoding of a refusal in words.
+pub const REFUSAL: &str = "text/plain;isola.refusal";
+
+/// The message that came with a query.
+pub fn question<Q: Message>(query: &Query) -> Result<Q, CodecError> {
+    let bytes = query.payload().map(|payload| payload.to_bytes()).unwrap_or_default();
+    let encoding = query.encoding().map(|encoding| encoding.to_string()).unwrap_or_default();
+    decode(&bytes, &encoding)
+}
+
+/// Answers a query. Waits for room on the way to whoever asked: not to be called where waiting hurts.
+pub fn answer<R: Message>(query: &Query, key: &str, message: &R) {
+    answer_encoded(query, key, encode(message), &encoding::<R>());
+}
+
+/// [`answer`] with the payload at hand.
+pub fn answer_encoded(query: &Query, key: &str, payload: Vec<u8>, encoding: &str) {
+    use zenoh::Wait;
+    if let Err(error) = query.reply(key, payload).encoding(Encoding::from(encoding)).wait() {
+        tracing::debug!(key, %error, "whoever asked is gone");
+    }
+}
+
+/// Refuses a query in words.
+pub fn refuse(query: &Query, why: &str) {
+    use zenoh::Wait;
+    if let Err(error) = query.reply_err(why).encoding(Encoding::from(REFUSAL)).wait() {
+        tracing::debug!(%error, "whoever asked is gone");
+    }
+}

@@ -1,0 +1,232 @@
+//! What anyone may ask for or listen to: manifest, windows, seeds, announcements, results, status.
+
+use crate::branch::BranchMessage;
+use crate::codec::messages;
+use crate::curve::Seeds;
+use crate::from_worker::Progress;
+use crate::ids::{Attempt, RunId, TaskId, WorkerId};
+use serde::{Deserialize, Serialize};
+use solver::forced::Reach;
+use solver::settings::Settings;
+use solver::task::{BranchId, SeedOutcome, Task};
+use solver::windows::Window;
+
+/// A forcing amplitude.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Amplitude {
+    /// As typed: names files and tasks.
+    pub text: String,
+    /// A.
+    pub value: f64,
+}
+
+/// What a run is, on `run`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Manifest {
+    /// Version of the messages.
+    pub protocol: u32,
+    /// Version of the program.
+    pub program: String,
+    /// Run.
+    pub run: RunId,
+    /// Name of the study.
+    pub name: String,
+    /// SHA-256 of the `model` message.
+    pub model_sha256: String,
+    /// Numerics.
+    pub settings: Settings,
+    /// Within which frequencies and amplitudes branches are followed; known when the backbone is.
+    pub reach: Option<Reach>,
+    /// Forcing levels.
+    pub amplitudes: Vec<Amplitude>,
+    /// Names of the monitored dofs; the first one is plotted.
+    pub monitors: Vec<String>,
+    /// Where the run is.
+    pub stage: Stage,
+    /// Time without a sign of life after which a task is handed out again, ms.
+    pub lease_ms: u64,
+    /// Largest result accepted, bytes.
+    pub max_result_bytes: usize,
+}
+
+/// Where a run is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Stage {
+    /// Computing the backbone.
+    Backbone,
+    /// Handing out tasks.
+    Sweep,
+    /// Every task is done, superfluous or dead.
+    Finished,
+    /// Cancelled.
+    Cancelled,
+}
+
+impl Stage {
+    /// In words.
+    pub fn name(self) -> &'static str {
+        match self {
+            Stage::Backbone => "computing the backbone",
+            Stage::Sweep => "running",
+            Stage::Finished => "finished",
+            Stage::Cancelled => "cancelled",
+        }
+    }
+}
+
+/// The windows of a level, on `windows`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct LevelWindows {
+    /// Forcing amplitude.
+    pub amplitude: Amplitude,
+    /// Windows, in the order of the backbone.
+    pub windows: Vec<Window>,
+}
+
+/// The windows of all levels.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct WindowsMessage {
+    /// One entry a level.
+    pub levels: Vec<LevelWindows>,
+}
+
+/// The seeds of a task, on `seed/<task>`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SeedMessage {
+    /// Task.
+    pub task: TaskId,
+    /// Forcing amplitude.
+    pub amplitude: Amplitude,
+    /// What is to be done.
+    pub work: Task,
+    /// Where from.
+    pub seeds: Seeds,
+}
+
+/// Announces a stored result, on `done/<task>`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Done {
+    /// Counts the announcements of a run, from 1: whoever misses a number asks for `done/*`.
+    pub sequence: u64,
+    /// Task.
+    pub task: TaskId,
+    /// Forcing amplitude.
+    pub amplitude: Amplitude,
+    /// What became of it.
+    pub outcome: SeedOutcome,
+    /// The new branch, if it found one.
+    pub branch: Option<BranchId>,
+    /// Size of the stored result, bytes.
+    pub size: u64,
+    /// SHA-256 of the stored result.
+    pub sha256: String,
+}
+
+/// A stored result, on `result/<task>`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct StoredResult {
+    /// Task.
+    pub task: TaskId,
+    /// Attempt that was accepted.
+    pub attempt: Attempt,
+    /// Forcing amplitude.
+    pub amplitude: Amplitude,
+    /// What was to be done.
+    pub work: Task,
+    /// What became of it.
+    pub outcome: SeedOutcome,
+    /// Name of the branch, if it found a new one.
+    pub name: Option<BranchId>,
+    /// The new branch.
+    pub branch: Option<BranchMessage>,
+    /// Who computed it.
+    pub worker: WorkerId,
+    /// With which version of the program.
+    pub program: String,
+    /// Computing time, s.
+    pub seconds: f64,
+}
+
+/// How a run is doing, on `status` every second.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Status {
+    /// Run.
+    pub run: RunId,
+    /// Name of the study.
+    pub name: String,
+    /// Where it is.
+    pub stage: Stage,
+    /// Points of the backbone so far.
+    pub backbone: Option<Progress>,
+    /// Tasks.
+    pub tasks: Counts,
+    /// Number of levels.
+    pub levels: usize,
+    /// Levels whose tasks are all done.
+    pub levels_done: usize,
+    /// Levels under way.
+    pub active: Vec<LevelStatus>,
+    /// Workers present.
+    pub workers: Vec<WorkerStatus>,
+    /// Number of announcements so far.
+    pub sequence: u64,
+    /// Time since the coordinator started, s.
+    pub elapsed: f64,
+    /// Time to the end, estimated, s.
+    pub eta: Option<f64>,
+}
+
+/// Tasks by state.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Counts {
+    /// Stored.
+    pub done: usize,
+    /// Not needed, other seeds of their windows having led to branches.
+    pub skipped: usize,
+    /// Under way.
+    pub running: usize,
+    /// Still to come (some may turn out not to be needed).
+    pub waiting: usize,
+    /// Given up after too many attempts.
+    pub dead: usize,
+    /// Branches found.
+    pub branches: usize,
+}
+
+/// A level under way.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct LevelStatus {
+    /// Forcing amplitude, as typed.
+    pub amplitude: String,
+    /// Tasks done or not needed.
+    pub done: usize,
+    /// Tasks in all.
+    pub total: usize,
+    /// Branches found.
+    pub branches: usize,
+    /// Where the branch under way is.
+    pub progress: Option<Progress>,
+}
+
+/// A worker.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct WorkerStatus {
+    /// Who.
+    pub worker: WorkerId,
+    /// Tasks under way, one per computing thread.
+    pub tasks: Vec<TaskId>,
+    /// Tasks done.
+    pub done: usize,
+    /// Where its (first) branch is.
+    pub progress: Option<Progress>,
+}
+
+messages! {
+    Manifest => "manifest",
+    WindowsMessage => "windows",
+    SeedMessage => "seed",
+    Done => "done",
+    StoredResult => "result",
+    Status => "status",
+}

@@ -1,0 +1,106 @@
+//! What the coordinator answers to workers.
+
+use crate::codec::messages;
+use crate::curve::Seeds;
+use crate::ids::{Attempt, TaskId};
+use serde::{Deserialize, Serialize};
+use solver::forced::Reach;
+use solver::task::{BranchId, Task};
+
+/// Answer to a request for work.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+#[expect(clippy::large_enum_variant, reason = "one of them exists at a time")]
+pub enum LeaseReply {
+    /// Work.
+    Grant(Grant),
+    /// Everything is handed out, or not ready yet: ask again.
+    Wait {
+        /// After so many ms.
+        retry_ms: u64,
+    },
+    /// All work is done.
+    Drained,
+    /// No work for this worker, ever.
+    Stop {
+        /// Why.
+        reason: String,
+    },
+}
+
+/// A task handed out for a time.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Grant {
+    /// Task.
+    pub task: TaskId,
+    /// Which attempt at it.
+    pub attempt: Attempt,
+    /// Without a sign of life for so many ms the task is handed out again.
+    pub ttl_ms: u64,
+    /// Forcing amplitude A.
+    pub amplitude: f64,
+    /// Within which frequencies and amplitudes branches are followed.
+    pub reach: Reach,
+    /// What is to be done.
+    pub work: Task,
+    /// Seeds to start from, as published on `seed/<task>`.
+    pub seeds: Seeds,
+    /// Branches of this level found before: the stored results to fetch from `result/<task>`.
+    pub known: Vec<Known>,
+}
+
+/// A branch found before.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Known {
+    /// Its name in the level.
+    pub branch: BranchId,
+    /// The task that found it.
+    pub task: TaskId,
+}
+
+/// Answer to a sign of life.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum RenewReply {
+    /// Go on.
+    Ok,
+    /// The task is done or somebody else's: stop computing it.
+    Lost,
+    /// The run was cancelled or stops: stop computing and give the task back.
+    Cancel,
+}
+
+/// Answer to a result, given once it is on disk.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SubmitReply {
+    /// Stored.
+    Accepted,
+    /// Another result of this task was stored before.
+    Duplicate {
+        /// Whether range and peak agree to 1e-6.
+        agrees: bool,
+    },
+    /// Not stored, and sending it again will not help.
+    Rejected {
+        /// Why.
+        why: String,
+    },
+}
+
+/// Answer to a failure or a release.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Acknowledgement {
+    /// Noted.
+    Ok,
+    /// It was not this worker's any more.
+    Lost,
+}
+
+messages! {
+    LeaseReply => "lease_reply",
+    RenewReply => "renew_reply",
+    SubmitReply => "submit_reply",
+    Acknowledgement => "acknowledgement",
+}
