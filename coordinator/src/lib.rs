@@ -1,1 +1,3 @@
-//! Placeholder.
+//! The coordinator of Isola: from a study to its isolas, over workers wherever they are.
+
+pub mod ledger;

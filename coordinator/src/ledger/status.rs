@@ -1,0 +1,69 @@
+//! The ledger in numbers, for people.
+
+use super::entry::{Level, State};
+use super::{Ledger, Worker};
+use protocol::from_worker::Progress;
+use protocol::ids::{TaskId, WorkerId};
+use protocol::to_everyone::{Counts, LevelStatus, WorkerStatus};
+
+impl Ledger {
+    /// Tasks by state.
+    pub fn counts(&self) -> Counts {
+        let mut counts = Counts::default();
+        for entry in self.entries() {
+            match entry.state {
+                State::Waiting => counts.waiting += 1,
+                State::Leased { .. } => counts.running += 1,
+                State::Done(_) => counts.done += 1,
+                State::Skipped => counts.skipped += 1,
+                State::Dead => counts.dead += 1,
+            }
+        }
+        counts.branches = self.levels.iter().map(|level| level.branches.len()).sum();
+        counts
+    }
+
+    /// Number of announcements so far.
+    pub fn sequence(&self) -> u64 {
+        self.sequence
+    }
+
+    /// Number of levels, and of those whose tasks are all settled.
+    pub fn levels(&self) -> (usize, usize) {
+        (self.levels.len(), self.levels.iter().filter(|level| level.next.is_none()).count())
+    }
+
+    /// Levels under way.
+    pub fn active(&self) -> Vec<LevelStatus> {
+        let active = self.order.iter().map(|&l| &self.levels[l]);
+        active.filter(|level| level.next.is_some() && level.is_begun()).map(|level| self.level_status(level)).collect()
+    }
+
+    fn level_status(&self, level: &Level) -> LevelStatus {
+        let under_way = level.next.map(|e| &level.entries[e]);
+        LevelStatus {
+            amplitude: level.amplitude.text.clone(),
+            done: level.entries.iter().filter(|entry| entry.is_settled()).count(),
+            total: level.entries.len(),
+            branches: level.branches.len(),
+            progress: under_way.and_then(|entry| self.progress(&entry.holder()?.worker, &entry.id)),
+        }
+    }
+
+    fn progress(&self, worker: &WorkerId, task: &TaskId) -> Option<Progress> {
+        self.workers.get(worker)?.progress.get(task).copied()
+    }
+
+    /// Workers present.
+    pub fn workers(&self) -> Vec<WorkerStatus> {
+        let present = self.workers.iter().filter(|(_, worker)| !worker.gone);
+        present.map(|(id, worker)| self.worker_status(id, worker)).collect()
+    }
+
+    fn worker_status(&self, id: &WorkerId, worker: &Worker) -> WorkerStatus {
+        let held = self.entries().filter(|entry| entry.holder().is_some_and(|holder| holder.worker == *id));
+        let tasks: Vec<TaskId> = held.map(|entry| entry.id.clone()).collect();
+        let progress = tasks.first().and_then(|task| worker.progress.get(task).copied());
+        WorkerStatus { worker: id.clone(), tasks, done: worker.done, progress }
+    }
+}

@@ -1,0 +1,1 @@
+//! Any interleaving of events gives the same result.
