@@ -1,1 +1,4 @@
-//! Placeholder.
+//! Isola: from a study to its isolas.
+
+pub mod check;
+pub mod study;
