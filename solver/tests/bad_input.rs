@@ -110,6 +110,7 @@ fn wrong_types_and_missing_keys() {
     refused("normal = \"blade.r\"", "", &["`contact.nodes[0]`", "missing", "`normal`"]);
     refused("mass = [[1, 0], [0, 1]]", "mass = 1", &["`matrices.mass`", "Matrix Market file", "rows of numbers"]);
     refused("harmonic = 1", "harmonic = -1", &["`forcing.harmonic`", "-1", "whole number"]);
+    refused("[damping]", "[[damping]]", &["`damping`", "a section", "[damping]"]);
     refused("normal = \"blade.r\"", "normal = 1", &["`contact.nodes[0].normal`", "dof name", "coefficients"]);
 }
 
@@ -250,7 +251,7 @@ fn overrides() {
         says(&error, parts);
     };
     refused("contact.fricton", "0", &["`fricton`", "did you mean `friction`"]);
-    refused("contact.friction", "-1", &["model.toml", "`contact.friction`", "= -1", "zero or positive"]);
+    refused("contact.friction", "-1", &["override contact.friction=-1: `contact.friction` = -1", "zero or positive"]);
     refused("contact.gap", "1,5", &["`contact.gap`", "\"1,5\"", "a number"]);
     refused("matrices.stiffness", "soft.mtx", &["soft.mtx", "`matrices.stiffness`", "beside model.toml"]);
     refused("contact.nodes.7.gap", "0", &["`contact.nodes.7.gap`", "list of 1"]);

@@ -3,8 +3,8 @@
 use super::config::{Config, ContactConfig, DampingConfig, DirectionConfig, LawConfig, MatrixConfig, ModesConfig};
 use super::config::{NodeConfig, ShapeConfig};
 use super::error::{ModelError, Place};
+use super::layers::Layers;
 use super::parts::{DampingParts, ForcingShape};
-use super::settings::Origin;
 use super::structure::{Rest, Structure};
 use super::structure::{above_zero, at_least_zero, check_law, check_ratio, check_sense, duplicate, symmetric};
 use super::{Element, Model, matrix_market};
@@ -16,15 +16,15 @@ use std::path::Path;
 type Direction = Vec<(usize, f64)>;
 
 /// Builds the model that `config`, read from the folder `dir`, describes.
-pub(super) fn build(dir: &Path, config: Config, origin: &Origin) -> Result<Model, ModelError> {
-    let mass = matrix(dir, &config.matrices.mass, origin.place("matrices.mass"))?;
-    let stiffness = matrix(dir, &config.matrices.stiffness, origin.place("matrices.stiffness"))?;
+pub(super) fn build(dir: &Path, config: Config, origin: &Layers) -> Result<Model, ModelError> {
+    let mass = matrix(dir, &config.matrices.mass, origin, "matrices.mass")?;
+    let stiffness = matrix(dir, &config.matrices.stiffness, origin, "matrices.stiffness")?;
     let structure = Structure::new(config.dofs.unwrap_or_default(), mass, stiffness, origin)?;
     let builder = Builder { origin, structure };
     let damping = match &config.matrices.damping {
         Some(source) => {
             builder.no_other_damping(&config.damping)?;
-            let (place, matrix) = matrix(dir, source, origin.place("matrices.damping"))?;
+            let (place, matrix) = matrix(dir, source, origin, "matrices.damping")?;
             DampingParts::Matrix(symmetric(&place, matrix, builder.structure.size())?)
         }
         None => builder.damping(config.damping)?,
@@ -66,11 +66,11 @@ pub(super) fn build(dir: &Path, config: Config, origin: &Origin) -> Result<Model
 }
 
 /// Reads a matrix; its place names the file that holds it.
-fn matrix(dir: &Path, source: &MatrixConfig, place: Place) -> Result<(Place, Matrix), ModelError> {
+fn matrix(dir: &Path, source: &MatrixConfig, origin: &Layers, key: &str) -> Result<(Place, Matrix), ModelError> {
     match source {
         MatrixConfig::File(name) => {
             let file = dir.join(name);
-            let place = Place { file: Some(file.clone()), ..place };
+            let place = origin.place_in(file.clone(), key);
             let text = std::fs::read_to_string(&file).map_err(|source| ModelError::Read {
                 place: place.clone(),
                 source,
@@ -79,6 +79,7 @@ fn matrix(dir: &Path, source: &MatrixConfig, place: Place) -> Result<(Place, Mat
             Ok((place, matrix_market::parse(&file, &text)?))
         }
         MatrixConfig::Rows(rows) => {
+            let place = origin.place(key);
             let cols = rows.first().map_or(0, Vec::len);
             if let Some(i) = rows.iter().position(|row| row.len() != cols) {
                 let remedy =
@@ -92,7 +93,7 @@ fn matrix(dir: &Path, source: &MatrixConfig, place: Place) -> Result<(Place, Mat
 }
 
 struct Builder<'a> {
-    origin: &'a Origin,
+    origin: &'a Layers,
     structure: Structure,
 }
 

@@ -42,6 +42,13 @@ use crate::laws::LawKind;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
+/// Top-level keys.
+pub const KEYS: [&str; 9] =
+    ["name", "description", "dofs", "monitors", "matrices", "damping", "forcing", "contact", "laws"];
+
+/// Those of them that are sections.
+pub const SECTIONS: [&str; 4] = ["matrices", "damping", "forcing", "contact"];
+
 #[derive(Debug, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub(super) struct Config {
@@ -171,4 +178,16 @@ pub(super) struct LawConfig {
     pub between: Option<[String; 2]>,
     pub coefficients: Option<BTreeMap<String, f64>>,
     pub law: LawKind,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_keys_are_those_of_the_settings() {
+        let error = toml::from_str::<Config>("no_such_key = 1").unwrap_err().to_string();
+        let known: Vec<&str> = error.split('`').skip(3).step_by(2).collect();
+        assert_eq!(known, KEYS);
+    }
 }

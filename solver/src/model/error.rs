@@ -7,24 +7,29 @@ use thiserror::Error;
 /// Where a refused value stands.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Place {
-    /// The file, unless the model was built from matrices at hand.
+    /// The file, unless the value was typed or the model was built from matrices at hand.
     pub file: Option<PathBuf>,
     /// Dotted key; entries of lists are counted from 0. Empty: the settings as a whole.
     pub key: String,
-    /// Whether an override set this key.
-    pub overridden: bool,
+    /// What set the key, if not this file: an option as typed, or the settings that name this matrix.
+    pub set_by: Option<Box<str>>,
 }
 
 impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if let Some(file) = &self.file {
-            write!(f, "{}: ", file.display())?;
+        match (&self.file, &self.set_by) {
+            (Some(file), _) => write!(f, "{}: ", file.display())?,
+            (None, Some(typed)) => write!(f, "{typed}: ")?,
+            (None, None) => {}
         }
-        if self.key.is_empty() {
-            return f.write_str("settings");
+        match self.key.as_str() {
+            "" => f.write_str("settings")?,
+            key => write!(f, "`{key}`")?,
         }
-        write!(f, "`{}`", self.key)?;
-        if self.overridden { f.write_str(" (set by an override)") } else { Ok(()) }
+        match (&self.file, &self.set_by) {
+            (Some(_), Some(by)) => write!(f, " (set by {by})"),
+            _ => Ok(()),
+        }
     }
 }
 
@@ -69,23 +74,13 @@ pub enum ModelError {
         /// The known name that looks most like it, and what else exists.
         hint: String,
     },
-    /// A value has the wrong type, or a required one is missing.
+    /// A value has the wrong type, a required one is missing, or a typed one cannot be applied.
     #[error("{place}: {message}")]
     Type {
         /// Where it stands.
         place: Place,
         /// What was found and what was expected.
         message: String,
-    },
-    /// An override cannot be applied at all.
-    #[error("override `{key}` = `{value}`: {problem}")]
-    Override {
-        /// The key as given.
-        key: String,
-        /// The value as given.
-        value: String,
-        /// What is wrong, and what would be right.
-        problem: String,
     },
     /// A value is out of its range, or contradicts another one.
     #[error("{place} = {value}: {remedy}")]
@@ -192,15 +187,16 @@ pub enum ModelError {
 }
 
 impl ModelError {
-    pub(super) fn value(place: Place, value: impl fmt::Display, remedy: impl Into<String>) -> Self {
+    /// A value that is refused.
+    pub fn value(place: Place, value: impl fmt::Display, remedy: impl Into<String>) -> Self {
         Self::Value { place, value: value.to_string(), remedy: remedy.into() }
     }
 
     /// A name that does not exist, with those that look like it.
-    pub(super) fn unknown<'a>(place: Place, name: &str, known: impl IntoIterator<Item = &'a str>) -> Self {
+    pub fn unknown<'a>(place: Place, name: &str, known: impl IntoIterator<Item = &'a str>) -> Self {
         /// More names than this are not shown.
         const SHOWN: usize = 12;
-        let mut known: Vec<(f64, &str)> = known.into_iter().map(|k| (strsim::jaro_winkler(name, k), k)).collect();
+        let mut known: Vec<(f64, &str)> = known.into_iter().map(|k| (similarity(name, k), k)).collect();
         let nearest = known
             .iter()
             .filter(|(similarity, _)| *similarity > 0.7)
@@ -214,4 +210,10 @@ impl ModelError {
         let guess = nearest.map_or_else(String::new, |name| format!("did you mean `{name}`? "));
         Self::Unknown { place, name: name.to_string(), hint: format!("{guess}known here: {}", known.join(", ")) }
     }
+}
+
+/// Similarity of a name with a known one, or with the last part of a known dotted key.
+fn similarity(name: &str, known: &str) -> f64 {
+    let last = known.rsplit('.').next().unwrap_or(known);
+    strsim::jaro_winkler(name, known).max(strsim::jaro_winkler(name, last))
 }

@@ -6,12 +6,13 @@
 mod build;
 pub mod config;
 mod error;
+mod layers;
 mod matrix_market;
 mod parts;
-mod settings;
 mod structure;
 
 pub use error::{ModelError, Place};
+pub use layers::Layers;
 pub use parts::{DampingParts, ForcingShape, ModelParts};
 
 use crate::laws::LawKind;
@@ -89,14 +90,22 @@ impl Model {
     /// Reads a folder with some settings replaced: pairs of a dotted key and a TOML value as typed on a command line
     /// (`contact.friction`, `0`; `contact.nodes.0.gap`, `1e-4`). A bare word that is not a TOML value is a string.
     pub fn load_with(dir: &Path, overrides: &[(&str, &str)]) -> Result<Self, ModelError> {
-        let file = dir.join("model.toml");
-        let text = std::fs::read_to_string(&file).map_err(|source| ModelError::Read {
-            place: Place { file: Some(file.clone()), key: String::new(), overridden: false },
-            source,
-            remedy: "give a folder that holds a model.toml".into(),
-        })?;
-        let (config, origin) = settings::read(file, &text, overrides)?;
-        build::build(dir, config, &origin)
+        let mut layers = Self::settings(dir)?;
+        for (key, typed) in overrides {
+            layers.set("override", key, typed)?;
+        }
+        Self::from_layers(dir, &layers)
+    }
+
+    /// Settings of `model.toml` in the folder `dir`, to put others over.
+    pub fn settings(dir: &Path) -> Result<Layers, ModelError> {
+        Layers::read(&dir.join("model.toml"), "give a folder that holds a model.toml")
+    }
+
+    /// Model of the folder `dir` with these settings; those of its own `model.toml` are not read again.
+    pub fn from_layers(dir: &Path, layers: &Layers) -> Result<Self, ModelError> {
+        layers.check_sections(&config::SECTIONS)?;
+        build::build(dir, layers.parsed()?, layers)
     }
 
     /// Number of dofs n.

@@ -1,7 +1,7 @@
 //! A model from matrices at hand.
 
 use super::error::ModelError;
-use super::settings::Origin;
+use super::layers::Layers;
 use super::structure::{Rest, Structure};
 use super::{Element, Model};
 use crate::linalg::Matrix;
@@ -59,7 +59,7 @@ pub enum ForcingShape {
 impl Model {
     /// Model from matrices at hand, checked like one that is read from a folder.
     pub fn new(parts: ModelParts) -> Result<Self, ModelError> {
-        let origin = Origin::default();
+        let origin = Layers::default();
         let ModelParts { name, dofs, mass, stiffness, damping, shape, harmonic, elements, monitors } = parts;
         let mass = (origin.place("matrices.mass"), mass);
         let stiffness = (origin.place("matrices.stiffness"), stiffness);

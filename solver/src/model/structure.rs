@@ -1,8 +1,8 @@
 //! Checked matrices and modes, and the last steps to a [`Model`].
 
 use super::error::{ModelError, Place};
+use super::layers::Layers;
 use super::parts::{DampingParts, ForcingShape};
-use super::settings::Origin;
 use super::{Damping, Element, Forcing, Model, Modes};
 use crate::laws::{Law, LawKind};
 use crate::linalg::{LinalgError, Matrix, symmetric_eigen};
@@ -31,7 +31,7 @@ impl Structure {
         dofs: Vec<String>,
         (mass_place, mass): (Place, Matrix),
         (stiffness_place, stiffness): (Place, Matrix),
-        origin: &Origin,
+        origin: &Layers,
     ) -> Result<Self, ModelError> {
         let n = mass.rows();
         if n == 0 || n != mass.cols() {
@@ -96,7 +96,7 @@ impl Structure {
     }
 
     /// The model, once everything else is checked too.
-    pub fn complete(mut self, rest: Rest, origin: &Origin) -> Result<Model, ModelError> {
+    pub fn complete(mut self, rest: Rest, origin: &Layers) -> Result<Model, ModelError> {
         let n = self.size();
         let monitors = if rest.monitors.is_empty() { vec![0] } else { rest.monitors };
         if let Some(dof) = monitors.iter().find(|&&dof| dof >= n) {
@@ -143,7 +143,7 @@ impl Structure {
         }
     }
 
-    fn damping(&self, parts: DampingParts, origin: &Origin) -> Result<Damping, ModelError> {
+    fn damping(&self, parts: DampingParts, origin: &Layers) -> Result<Damping, ModelError> {
         let n = self.size();
         let frequencies = &self.modes.frequencies;
         match parts {
@@ -175,7 +175,7 @@ impl Structure {
         }
     }
 
-    fn force(&self, shape: ForcingShape, origin: &Origin) -> Result<Vec<f64>, ModelError> {
+    fn force(&self, shape: ForcingShape, origin: &Layers) -> Result<Vec<f64>, ModelError> {
         let n = self.size();
         let mode = |number: usize, key| match number {
             1.. if number <= n => Ok(self.modes.shapes.column(number - 1)),
@@ -270,7 +270,7 @@ fn in_unit(unit: &str) -> String {
     if unit.is_empty() { String::new() } else { format!(", in {unit}") }
 }
 
-fn check_element(element: &Element, n: usize, origin: &Origin) -> Result<(), ModelError> {
+fn check_element(element: &Element, n: usize, origin: &Layers) -> Result<(), ModelError> {
     let place = |key: &str| origin.place(format!("elements.{}.{key}", element.name));
     for channel in &element.channels {
         if let Some((dof, b)) = channel.iter().find(|(dof, b)| *dof >= n || !b.is_finite()) {
@@ -306,7 +306,7 @@ mod tests {
             1 => -1.0,
             _ => 0.0,
         });
-        let origin = Origin::default();
+        let origin = Layers::default();
         let mass = Matrix::diagonal(&vec![1.0; n]);
         Structure::new(vec![], (origin.place("m"), mass), (origin.place("k"), stiffness), &origin).unwrap()
     }
@@ -340,7 +340,7 @@ mod tests {
     fn a_damping_matrix_is_modal_only_if_the_modes_diagonalise_it() {
         let structure = chain(3);
         let proportional = Matrix::from_fn(3, 3, |i, j| 0.1 * structure.stiffness[(i, j)]);
-        let origin = Origin::default();
+        let origin = Layers::default();
         let Damping::Modal(diagonal) = structure.damping(DampingParts::Matrix(proportional), &origin).unwrap() else {
             panic!("stiffness-proportional damping is modal");
         };

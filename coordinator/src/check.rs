@@ -1,0 +1,191 @@
+//! What `isola check` says of a study before anything is computed.
+
+use crate::study::{Amplitude, Study};
+use solver::harmonics::width;
+use solver::laws::{Contact, Law, LawKind};
+use solver::model::{Damping, Model};
+use solver::settings::Quadrature;
+use std::f64::consts::TAU;
+
+/// Eigenfrequencies shown.
+const MODES: usize = 6;
+
+/// Eigenfrequencies below this share of the highest one are those of rigid-body modes.
+const RIGID: f64 = 1e-6;
+
+/// The study in a few aligned lines.
+pub fn report(study: &Study) -> String {
+    let model = &study.model;
+    let mut lines = vec![
+        ("study", study.name.clone()),
+        ("file", study.file.display().to_string()),
+        ("model", format!("{} ({})", model.name, study.model_dir.display())),
+        ("size", size(model)),
+    ];
+    let modes = (0..model.size().min(MODES)).map(|j| (if j == 0 { "modes" } else { "" }, mode(study, j)));
+    lines.extend(modes);
+    lines.push(("forcing", forcing(model)));
+    lines.push(("contact", contact(model)));
+    let monitors: Vec<&str> = model.monitors.iter().map(|&dof| model.dofs[dof].as_str()).collect();
+    lines.push(("monitored", monitors.join(", ")));
+    lines.push(("amplitudes", amplitudes(&study.amplitudes)));
+    lines.push(("harmonics", harmonics(study)));
+    lines.push(("unknowns", unknowns(study)));
+    lines.push(("frequency", frequency(study)));
+    lines.into_iter().map(|(what, text)| format!("{what:<12}{text}\n")).collect()
+}
+
+fn contacts(model: &Model) -> Vec<&Contact> {
+    let laws = model.elements.iter().map(|element| &element.law);
+    laws.filter_map(|law| if let LawKind::Contact(contact) = law { Some(contact) } else { None }).collect()
+}
+
+fn size(model: &Model) -> String {
+    let contacts = contacts(model).len();
+    let others = model.elements.iter().filter(|element| !matches!(element.law, LawKind::Contact(_)));
+    let names: Vec<&str> = others.map(|element| element.name.as_str()).collect();
+    let laws = match names.len() {
+        0 => "no other laws".to_string(),
+        count => format!("{} ({})", counted(count, "other law"), shortened(&names)),
+    };
+    format!("{}, {}, {laws}", counted(model.size(), "dof"), counted(contacts, "contact element"))
+}
+
+fn mode(study: &Study, j: usize) -> String {
+    let model = &study.model;
+    let omega = model.modes.frequencies[j];
+    let followed = if j == study.settings.tracked() { "  followed" } else { "" };
+    if omega <= RIGID * model.modes.frequencies[model.size() - 1] {
+        return format!("{:>2}  rigid body{followed}", j + 1);
+    }
+    let damping = match &model.damping {
+        Damping::Modal(diagonal) => diagonal[j],
+        Damping::Full(matrix) => matrix[(j, j)],
+    };
+    let (hertz, ratio) = (number(omega / TAU), number(damping / (2.0 * omega)));
+    format!("{:>2}  {:>10} rad/s  {hertz:>10} Hz  damping ratio {ratio}{followed}", j + 1, number(omega))
+}
+
+fn forcing(model: &Model) -> String {
+    let norm = model.forcing.shape.iter().map(|s| s * s).sum::<f64>().sqrt();
+    format!("shape of norm {} N per unit of A, on harmonic {}", number(norm), model.forcing.harmonic)
+}
+
+fn contact(model: &Model) -> String {
+    let contacts = contacts(model);
+    if contacts.is_empty() {
+        return "none".into();
+    }
+    let gap = span(contacts.iter().map(|contact| 1e3 * contact.gap));
+    let epsilon = span(contacts.iter().map(|contact| contact.epsilon));
+    let rubbing = contacts.iter().filter_map(|contact| contact.friction.as_ref());
+    let friction = match span(rubbing.clone().map(|friction| friction.coefficient)) {
+        text if text.is_empty() => "no friction".into(),
+        text => format!("friction {text}, sense {}", span(rubbing.clone().map(|friction| friction.sense))),
+    };
+    let some = match rubbing.count() {
+        count if 0 < count && count < contacts.len() => format!(" (on {count} of {})", contacts.len()),
+        _ => String::new(),
+    };
+    format!("gap {gap} mm, {friction}{some}, epsilon {epsilon} N/m")
+}
+
+fn amplitudes(amplitudes: &[Amplitude]) -> String {
+    match amplitudes {
+        [] => "none".into(),
+        [only] => format!("1: {}", only.text),
+        [first, .., last] => format!("{}: {} … {}", amplitudes.len(), first.text, last.text),
+    }
+}
+
+fn harmonics(study: &Study) -> String {
+    let harmonics = study.settings.harmonics;
+    let over = match harmonics.quadrature {
+        Quadrature::Arcs => "contact over its exact arcs",
+        Quadrature::Samples => "contact by its samples",
+    };
+    format!("{}, {} samples a period, {over}", harmonics.count, harmonics.samples)
+}
+
+/// Unknowns of a forced response when every element acts.
+fn unknowns(study: &Study) -> String {
+    let channels: usize = study.model.elements.iter().map(|element| element.law.arguments()).sum();
+    let coefficients = width(study.settings.harmonics.count);
+    format!(
+        "at most {} ({} × {coefficients} coefficients), plus the frequency and resonant modal amplitudes",
+        channels * coefficients,
+        counted(channels, "channel")
+    )
+}
+
+fn frequency(study: &Study) -> String {
+    let range = study.settings.frequency;
+    let bound = |omega: f64| format!("{} rad/s ({} Hz)", number(omega), number(omega / TAU));
+    match (range.min, range.max) {
+        (None, None) => "from the backbone".into(),
+        (Some(min), None) => format!("{} to the end of the backbone", bound(min)),
+        (None, Some(max)) => format!("start of the backbone to {}", bound(max)),
+        (Some(min), Some(max)) => format!("{} to {}", bound(min), bound(max)),
+    }
+}
+
+fn counted(count: usize, what: &str) -> String {
+    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
+}
+
+fn shortened(names: &[&str]) -> String {
+    /// Names shown.
+    const SHOWN: usize = 5;
+    let more = if names.len() > SHOWN { ", …" } else { "" };
+    format!("{}{more}", names[..names.len().min(SHOWN)].join(", "))
+}
+
+/// Smallest and largest value, or the only one; empty without values.
+fn span(values: impl Iterator<Item = f64>) -> String {
+    let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
+    match (number(low), number(high)) {
+        _ if low > high => String::new(),
+        (low, high) if low == high => low,
+        (low, high) => format!("{low} to {high}"),
+    }
+}
+
+/// A number to six digits, without trailing zeros.
+fn number(value: f64) -> String {
+    let magnitude = value.abs().log10().floor();
+    let (text, exponent) = if value == 0.0 || (-4.0..6.0).contains(&magnitude) {
+        let decimals = if value == 0.0 { 0 } else { (5.0 - magnitude) as usize };
+        (format!("{value:.decimals$}"), String::new())
+    } else {
+        let text = format!("{value:.5e}");
+        let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));
+        (mantissa.to_string(), format!("e{exponent}"))
+    };
+    let digits = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
+    format!("{digits}{exponent}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_have_six_digits() {
+        let cases = [
+            (2333.3301985, "2333.33"),
+            (0.001, "0.001"),
+            (1e7, "1e7"),
+            (0.4, "0.4"),
+            (0.0, "0"),
+            (-1.0, "-1"),
+            (123456.7, "123457"),
+            (1.0 / 3.0, "0.333333"),
+            (1.234567e-9, "1.23457e-9"),
+        ];
+        for (value, text) in cases {
+            assert_eq!(number(value), text);
+        }
+        assert_eq!(span([0.5, 0.25].into_iter()), "0.25 to 0.5");
+        assert_eq!(span([0.5, 0.5].into_iter()), "0.5");
+    }
+}

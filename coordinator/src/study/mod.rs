@@ -1,0 +1,213 @@
+//! The study: a model, forcing amplitudes, numerics and a scenario, in one file.
+//!
+//! A study is a TOML file, `study.toml` where a folder has only one. Unknown keys are refused. SI units.
+//!
+//! | key | default | meaning |
+//! |---|---|---|
+//! | `name` | the model's | shown to people |
+//! | `model` | `"."` | folder of the model, relative to the folder of the study |
+//! | `amplitudes` | required | forcing amplitudes A, see [`Amplitude`] |
+//! | `harmonics`, `frequency`, `continuation`, `backbone`, `branch` | [`Settings::default`] | numerics, see [`Settings`] |
+//! | the keys of [`config`] but `name` | those of `model.toml` | scenario: put over those of the model |
+//!
+//! Sections are merged key by key; a list or an inline table is replaced as a whole. One way to give the damping replaces
+//! the others. Values typed on the command line come last and reach into lists (`contact.nodes.0.gap`).
+
+mod amplitudes;
+mod difference;
+mod locate;
+mod range;
+
+pub use amplitudes::{Amplitude, MAX_LEVELS};
+pub use difference::{Difference, differences};
+
+use locate::{locate, model_folder};
+use serde::Deserialize;
+use solver::model::{Layers, Model, ModelError, Place, config};
+use solver::settings::{Settings, SettingsError};
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+use toml::{Table, Value};
+
+/// Keys of the study itself.
+const OWN: [&str; 3] = ["name", "model", "amplitudes"];
+
+/// Sections of [`Settings`].
+const NUMERICS: [&str; 5] = ["harmonics", "frequency", "continuation", "backbone", "branch"];
+
+/// Keys that are often varied: proposed to whoever leaves the section out.
+const OFTEN: [&str; 10] = [
+    "harmonics.count",
+    "harmonics.samples",
+    "frequency.min",
+    "frequency.max",
+    "backbone.mode",
+    "backbone.max_amplitude",
+    "contact.friction",
+    "contact.sense",
+    "contact.gap",
+    "contact.epsilon",
+];
+
+/// A study, read and checked.
+#[derive(Debug, Clone)]
+pub struct Study {
+    /// Name shown to people.
+    pub name: String,
+    /// The study file.
+    pub file: PathBuf,
+    /// Folder of the model.
+    pub model_dir: PathBuf,
+    /// The model, in the scenario of the study.
+    pub model: Model,
+    /// Numerical settings.
+    pub settings: Settings,
+    /// Forcing amplitudes, in the order given.
+    pub amplitudes: Vec<Amplitude>,
+    /// The study as TOML: settings of model, study and command line merged, every numerical setting that has a value
+    /// spelled out. Loads as a study in the same folder.
+    pub resolved: String,
+}
+
+/// Why a study was refused. Every message names the file or option, the key, the value and a remedy.
+#[derive(Debug, Error)]
+pub enum StudyError {
+    /// There is no study at this path.
+    #[error("{}: {problem}", path.display())]
+    NoStudy {
+        /// The path as given.
+        path: PathBuf,
+        /// What is there instead, and what to do.
+        problem: String,
+    },
+    /// A setting, or the model, is refused.
+    #[error(transparent)]
+    Refused(#[from] ModelError),
+    /// The settings cannot be written as TOML.
+    #[error("{}: the settings cannot be written as TOML: {source}", file.display())]
+    Unwritable {
+        /// The study file.
+        file: PathBuf,
+        /// What the writer says.
+        source: toml::ser::Error,
+    },
+}
+
+/// What a study says about itself.
+#[derive(Debug, Deserialize)]
+struct Header {
+    name: Option<String>,
+    model: Option<String>,
+}
+
+impl Study {
+    /// Reads a study: a file, or a folder that holds a `study.toml`. Pairs of a dotted key and a value as typed after
+    /// `--set` come over it, and `amplitudes`, as typed after `--amplitudes`, over those of both.
+    pub fn load(file: &Path, set: &[(String, String)], amplitudes: Option<&str>) -> Result<Self, StudyError> {
+        let file = locate(file)?;
+        let text = std::fs::read_to_string(&file).map_err(|source| StudyError::NoStudy {
+            path: file.clone(),
+            problem: format!("the file cannot be read ({source}); give a study in TOML that you may read"),
+        })?;
+        let mut study = Layers::parse(&file, &text)?;
+        for (key, value) in set.iter().filter(|(key, _)| !is_scenario(first(key)) && !is_amplitudes(first(key))) {
+            study.set("--set", key, value)?;
+        }
+        known_keys(&study)?;
+        let amplitudes = match typed_amplitudes(set, amplitudes)? {
+            Some((option, text)) => amplitudes::typed(option, text)?,
+            None => amplitudes::written(&text, || study.place("amplitudes"))?,
+        };
+
+        let scenario = study.split(is_scenario);
+        let numerics = study.split(|key| NUMERICS.contains(&key));
+        study.split(is_amplitudes);
+        let header: Header = study.parsed()?;
+        let written = header.model.unwrap_or_else(|| ".".into());
+        let model_dir = model_folder(&file, &written, || study.place("model"))?;
+        let (model, merged) = load_model(&model_dir, scenario, set)?;
+        let settings = load_settings(&numerics, &model)?;
+        let name = header.name.unwrap_or_else(|| model.name.clone());
+        if name.trim().is_empty() {
+            let remedy = "give a name, or leave the key out";
+            return Err(ModelError::value(study.place("name"), format!("\"{name}\""), remedy).into());
+        }
+        let resolved = resolved(&name, &written, &amplitudes, &settings, merged)
+            .map_err(|source| StudyError::Unwritable { file: file.clone(), source })?;
+        Ok(Self { name, file, model_dir, model, settings, amplitudes, resolved })
+    }
+}
+
+/// The model with the scenario of the study and of the command line, and its settings.
+fn load_model(dir: &Path, scenario: Layers, set: &[(String, String)]) -> Result<(Model, Table), ModelError> {
+    let mut layers = Model::settings(dir)?;
+    layers.merge(scenario);
+    for (key, value) in set.iter().filter(|(key, _)| is_scenario(first(key))) {
+        layers.set("--set", key, value)?;
+    }
+    Ok((Model::from_layers(dir, &layers)?, layers.table().clone()))
+}
+
+/// The option that sets the amplitudes, and its text.
+fn typed_amplitudes<'a>(
+    set: &'a [(String, String)],
+    amplitudes: Option<&'a str>,
+) -> Result<Option<(&'static str, &'a str)>, ModelError> {
+    let pairs = || set.iter().filter(|(key, _)| is_amplitudes(first(key)));
+    if let Some((key, value)) = pairs().find(|(key, _)| key.contains('.')) {
+        let place = Place { file: None, key: key.clone(), set_by: Some(format!("--set {key}={value}").into()) };
+        return Err(ModelError::value(place, value, "give all amplitudes at once, like amplitudes=20:140:20"));
+    }
+    let among = || pairs().next_back().map(|(_, text)| ("--set amplitudes", text.as_str()));
+    Ok(amplitudes.map(|text| ("--amplitudes", text)).or_else(among))
+}
+
+/// First part of a dotted key.
+fn first(key: &str) -> &str {
+    key.split('.').next().unwrap_or(key).trim().trim_matches(['"', '\''])
+}
+
+fn is_scenario(key: &str) -> bool {
+    config::KEYS.contains(&key) && !OWN.contains(&key)
+}
+
+fn is_amplitudes(key: &str) -> bool {
+    key == "amplitudes"
+}
+
+/// Refuses top-level keys that no study has.
+fn known_keys(study: &Layers) -> Result<(), ModelError> {
+    let known = || OWN.into_iter().chain(NUMERICS).chain(config::KEYS.into_iter().filter(|key| is_scenario(key)));
+    match study.table().keys().find(|key| !known().any(|name| name == *key)) {
+        None => Ok(()),
+        Some(key) => Err(ModelError::unknown(study.place(key), key, known().chain(OFTEN))),
+    }
+}
+
+/// Numerical settings, checked for the model.
+fn load_settings(numerics: &Layers, model: &Model) -> Result<Settings, ModelError> {
+    numerics.check_sections(&NUMERICS)?;
+    let settings: Settings = numerics.parsed()?;
+    settings.validate(model).map_err(|SettingsError { key, value, remedy }| {
+        let set_by = (!numerics.given(key)).then(|| "default".into());
+        let place = numerics.place(key);
+        ModelError::value(Place { set_by: set_by.or(place.set_by), ..place }, value, remedy)
+    })?;
+    Ok(settings)
+}
+
+/// The study with everything that was put over it.
+fn resolved(
+    name: &str,
+    model: &str,
+    amplitudes: &[Amplitude],
+    settings: &Settings,
+    mut table: Table,
+) -> Result<String, toml::ser::Error> {
+    table.insert("name".into(), name.into());
+    table.insert("model".into(), model.into());
+    let levels = amplitudes.iter().map(|amplitude| Value::from(amplitude.text.as_str())).collect();
+    table.insert("amplitudes".into(), Value::Array(levels));
+    table.extend(Table::try_from(settings)?);
+    toml::to_string(&table)
+}

@@ -1,0 +1,318 @@
+//! Settings of several sources, one over the other, that remember who set what.
+//!
+//! A section is merged key by key; what stands at a key of a section, list and inline table too, is replaced as a whole.
+
+use super::error::{ModelError, Place};
+use serde::de::DeserializeOwned;
+use std::path::{Path, PathBuf};
+use toml::{Table, Value};
+
+/// Ways to give the damping: one of them replaces the others that stand in files below.
+const DAMPING: [&[&str]; 3] =
+    [&["damping.ratios", "damping.default_ratio"], &["damping.rayleigh"], &["matrices.damping"]];
+
+/// Who set a key.
+#[derive(Debug, Clone, PartialEq, Eq)]
+enum Source {
+    File(PathBuf),
+    /// As typed: `--set contact.friction=0`.
+    Typed(String),
+}
+
+/// Settings of a file with others over them.
+#[derive(Debug, Clone, Default)]
+pub struct Layers {
+    /// The file below all; none for a model built from matrices at hand.
+    file: Option<PathBuf>,
+    table: Table,
+    /// Dotted keys in the order they were set: the last one counts.
+    set: Vec<(String, Source)>,
+}
+
+impl Layers {
+    /// Reads a file of settings; `remedy` says what to do if it cannot be read.
+    pub(super) fn read(file: &Path, remedy: &str) -> Result<Self, ModelError> {
+        let text = std::fs::read_to_string(file).map_err(|source| ModelError::Read {
+            place: Place { file: Some(file.to_path_buf()), key: String::new(), set_by: None },
+            source,
+            remedy: remedy.into(),
+        })?;
+        Self::parse(file, &text)
+    }
+
+    /// Settings from the text of a file.
+    pub fn parse(file: &Path, text: &str) -> Result<Self, ModelError> {
+        let syntax =
+            |e: toml::de::Error| ModelError::Syntax { file: file.into(), message: e.to_string().trim_end().into() };
+        let table: Table = text.parse().map_err(syntax)?;
+        let source = Source::File(file.to_path_buf());
+        let set = leaves(&table).into_iter().map(|key| (key, source.clone())).collect();
+        Ok(Self { file: Some(file.to_path_buf()), table, set })
+    }
+
+    /// The settings as they stand.
+    pub fn table(&self) -> &Table {
+        &self.table
+    }
+
+    /// Takes those top-level keys away that `belongs` accepts.
+    pub fn split(&mut self, belongs: impl Fn(&str) -> bool) -> Self {
+        let first = |key: &str| key.split('.').next().is_some_and(&belongs);
+        let (table, rest) = std::mem::take(&mut self.table).into_iter().partition(|(key, _)| belongs(key));
+        let (set, others) = std::mem::take(&mut self.set).into_iter().partition(|(key, _)| first(key));
+        (self.table, self.set) = (rest, others);
+        Self { file: self.file.clone(), table, set }
+    }
+
+    /// Puts the settings of another file over these.
+    pub fn merge(&mut self, over: Self) {
+        for (key, _) in &over.set {
+            self.supersede(key);
+        }
+        for (key, value) in over.table {
+            match (self.table.get_mut(&key), value) {
+                (Some(Value::Table(section)), Value::Table(entries)) => section.extend(entries),
+                (_, value) => drop(self.table.insert(key, value)),
+            }
+        }
+        self.set.extend(over.set);
+    }
+
+    /// Puts one value over these settings: a dotted key (entries of lists counted from 0) and a TOML value as typed
+    /// after `option`. A bare word that is not a TOML value is a string.
+    pub fn set(&mut self, option: &str, key: &str, typed: &str) -> Result<(), ModelError> {
+        let by = format!("{option} {key}={typed}");
+        let refused = |message| {
+            let place = Place { file: None, key: key.to_string(), set_by: Some(by.as_str().into()) };
+            ModelError::Type { place, message }
+        };
+        let segments = segments(key).map_err(refused)?;
+        let dotted = segments.join(".");
+        self.supersede(&dotted);
+        set(&mut self.table, &segments, value(typed)).map_err(refused)?;
+        self.set.push((dotted, Source::Typed(by)));
+        Ok(())
+    }
+
+    /// Whether anybody set this key, one above or one below.
+    pub fn given(&self, key: &str) -> bool {
+        self.source(key).is_some()
+    }
+
+    /// Place of a key, for messages.
+    pub fn place(&self, key: impl Into<String>) -> Place {
+        let key = key.into();
+        match self.source(&key) {
+            Some(Source::Typed(by)) => Place { file: None, set_by: Some(by.as_str().into()), key },
+            Some(Source::File(file)) => Place { file: Some(file.clone()), set_by: None, key },
+            None => Place { file: self.file.clone(), set_by: None, key },
+        }
+    }
+
+    /// Place of the contents of another file that this key names.
+    pub(super) fn place_in(&self, file: PathBuf, key: &str) -> Place {
+        let set_by = match self.source(key) {
+            Some(Source::Typed(by)) => Some(by.as_str().into()),
+            Some(Source::File(by)) if self.file.as_ref() != Some(by) => Some(by.display().to_string().into()),
+            _ => None,
+        };
+        Place { file: Some(file), key: key.to_string(), set_by }
+    }
+
+    /// Refuses a section that is given as something else: serde would take a list for its keys in order.
+    pub fn check_sections(&self, sections: &[&str]) -> Result<(), ModelError> {
+        let given = sections.iter().filter_map(|key| Some((key, self.table.get(*key)?)));
+        match given.into_iter().find(|(_, value)| !value.is_table()) {
+            None => Ok(()),
+            Some((key, value)) => {
+                let remedy = format!("this is a section: write [{key}] and its keys below, or {key}.key = value");
+                Err(ModelError::value(self.place(*key), value, remedy))
+            }
+        }
+    }
+
+    /// These settings as a type; refuses keys that it does not know.
+    pub fn parsed<T: DeserializeOwned>(&self) -> Result<T, ModelError> {
+        serde_path_to_error::deserialize(Value::Table(self.table.clone()))
+            .map_err(|error| self.explain(&error.path().to_string(), error.inner().message()))
+    }
+
+    /// The last one who set this key, one above or one below.
+    fn source(&self, key: &str) -> Option<&Source> {
+        let dotted = key.replace('[', ".").replace(']', "");
+        let related = |set: &str| below(&dotted, set) || below(set, &dotted);
+        self.set.iter().rev().find(|(set, _)| related(set)).map(|(_, source)| source)
+    }
+
+    /// Removes what files say about the damping if `key` gives it in another way.
+    fn supersede(&mut self, key: &str) {
+        let Some(way) = DAMPING.iter().position(|keys| keys.iter().any(|k| below(key, k))) else { return };
+        for other in DAMPING.iter().enumerate().filter(|(i, _)| *i != way).flat_map(|(_, keys)| *keys) {
+            if let Some((section, entry)) = other.split_once('.')
+                && matches!(self.source(other), Some(Source::File(_)))
+                && let Some(Value::Table(section)) = self.table.get_mut(section)
+            {
+                section.remove(entry);
+                self.set.retain(|(set, _)| !below(set, other));
+            }
+        }
+    }
+
+    /// Turns serde's account of a refused key into ours: "unknown field `a`, expected one of `b`, `c`".
+    fn explain(&self, path: &str, message: &str) -> ModelError {
+        let message = message.trim_end();
+        let place = self.place(if path == "." { "" } else { path });
+        if message.starts_with("unknown field") || message.starts_with("unknown variant") {
+            let mut names = message.split('`').skip(1).step_by(2);
+            if let Some(name) = names.next() {
+                let known: Vec<&str> = names.collect();
+                return ModelError::unknown(place, name, known);
+            }
+        }
+        let message = if message.starts_with("wanted exactly 1 element") {
+            "give exactly one choice, like `{mode = 1}` for a forcing shape".to_string()
+        } else if let Some((found, _)) = message.split_once("expected struct ") {
+            format!("{found}expected a section or a table of keys")
+        } else {
+            message
+                .replace("expected f64", "expected a number")
+                .replace("expected usize", "expected a whole number, 0 or more")
+        };
+        ModelError::Type { place, message }
+    }
+}
+
+/// Dotted keys of a file: those of sections, and of values outside of sections.
+fn leaves(table: &Table) -> Vec<String> {
+    let mut keys = Vec::new();
+    for (key, value) in table {
+        match value {
+            Value::Table(section) => keys.extend(section.keys().map(|entry| format!("{key}.{entry}"))),
+            _ => keys.push(key.clone()),
+        }
+    }
+    keys
+}
+
+/// Whether a dotted key is `root` or below it.
+fn below(key: &str, root: &str) -> bool {
+    key.strip_prefix(root).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
+}
+
+/// A value as typed on a command line: TOML, or else a bare word.
+fn value(text: &str) -> Value {
+    text.parse().unwrap_or_else(|_| Value::String(text.to_string()))
+}
+
+/// Parts of a dotted key; quotes protect a dot inside of a part, as in TOML.
+fn segments(key: &str) -> Result<Vec<String>, String> {
+    let malformed =
+        || "not a dotted key; write it like `contact.friction`, a dof name with a dot in quotes".to_string();
+    let mut current = Value::Table(format!("{key} = 0").parse().map_err(|_| malformed())?);
+    let mut segments = Vec::new();
+    while let Value::Table(table) = current {
+        let mut entries = table.into_iter();
+        let (Some((segment, inner)), None) = (entries.next(), entries.next()) else { return Err(malformed()) };
+        segments.push(segment);
+        current = inner;
+    }
+    if current.as_integer() == Some(0) { Ok(segments) } else { Err(malformed()) }
+}
+
+fn set(table: &mut Table, segments: &[String], value: Value) -> Result<(), String> {
+    let Some((first, rest)) = segments.split_first() else { return Ok(()) };
+    let empty = || Value::Table(Table::new());
+    let mut current = table.entry(first.as_str()).or_insert_with(empty);
+    for segment in rest {
+        current = child(current, segment)?;
+    }
+    *current = value;
+    Ok(())
+}
+
+/// Entry of a table, created when missing, or of a list.
+fn child<'v>(parent: &'v mut Value, segment: &str) -> Result<&'v mut Value, String> {
+    match parent {
+        Value::Table(table) => Ok(table.entry(segment).or_insert_with(|| Value::Table(Table::new()))),
+        Value::Array(list) => {
+            let length = list.len();
+            let entry = segment.parse().ok().and_then(|i: usize| list.get_mut(i));
+            entry.ok_or_else(|| format!("`{segment}` is not an entry of a list of {length}, counted from 0"))
+        }
+        other => Err(format!("`{segment}` is looked for inside of `{other}`, which is neither a section nor a list")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn merged(text: &str, key: &str, typed: &str) -> Result<Table, String> {
+        let mut table: Table = text.parse().unwrap();
+        set(&mut table, &segments(key)?, value(typed)).map(|()| table)
+    }
+
+    #[test]
+    fn overrides_replace_create_and_reach_into_lists() {
+        let text = "[a]\nb = 1\n[[c.d]]\ne = 1\n[[c.d]]\ne = 2";
+        assert_eq!(merged(text, "a.b", "-1").unwrap()["a"]["b"].as_integer(), Some(-1));
+        assert_eq!(merged(text, "a.b", "1e7").unwrap()["a"]["b"].as_float(), Some(1e7));
+        assert_eq!(merged(text, "a.b", "K_tuned.mtx").unwrap()["a"]["b"].as_str(), Some("K_tuned.mtx"));
+        assert_eq!(merged(text, "a.b", "\"quoted\"").unwrap()["a"]["b"].as_str(), Some("quoted"));
+        assert_eq!(merged(text, "new.key", "{x = 1}").unwrap()["new"]["key"]["x"].as_integer(), Some(1));
+        assert_eq!(merged(text, "top", "true").unwrap()["top"].as_bool(), Some(true));
+        assert_eq!(merged(text, "c.d.1.e", "5").unwrap()["c"]["d"][1]["e"].as_integer(), Some(5));
+        assert!(merged(text, "c.d.2.e", "5").unwrap_err().contains("list of 2"));
+        assert!(merged(text, "a.b.c", "5").unwrap_err().contains("neither a section nor a list"));
+        assert!(merged(text, "a..b", "5").unwrap_err().contains("not a dotted key"));
+        assert!(merged(text, "a = 1 #", "5").unwrap_err().contains("not a dotted key"));
+        assert_eq!(merged(text, "new.\"b0.r\"", "5").unwrap()["new"]["b0.r"].as_integer(), Some(5));
+    }
+
+    fn parse(file: &str, text: &str) -> Layers {
+        Layers::parse(Path::new(file), text).unwrap()
+    }
+
+    #[test]
+    fn a_place_knows_who_set_it() {
+        let mut layers =
+            parse("model.toml", "dofs = [\"a\"]\n[contact]\ngap = 1\nfriction = 2\n[[contact.nodes]]\ngap = 3");
+        layers.merge(parse("study.toml", "[contact]\nfriction = 0"));
+        layers.set("--set", "contact.nodes.0.gap", "5").unwrap();
+        let place = |key: &str| layers.place(key).to_string();
+        assert_eq!(place("contact.gap"), "model.toml: `contact.gap`");
+        assert_eq!(place("contact.friction"), "study.toml: `contact.friction`");
+        assert_eq!(place("contact.nodes[0].gap"), "--set contact.nodes.0.gap=5: `contact.nodes[0].gap`");
+        assert_eq!(place("contact.nodes[1].gap"), "model.toml: `contact.nodes[1].gap`");
+        assert_eq!(place("contact.epsilon"), "model.toml: `contact.epsilon`");
+        assert!(layers.given("contact") && !layers.given("contact.epsilon") && !layers.given("cont"));
+        layers.set("--set", "matrices", "{mass = \"m.mtx\"}").unwrap();
+        let matrix = layers.place_in("m.mtx".into(), "matrices.mass").to_string();
+        assert_eq!(matrix, "m.mtx: `matrices.mass` (set by --set matrices={mass = \"m.mtx\"})");
+    }
+
+    #[test]
+    fn sections_merge_by_key_and_values_are_replaced() {
+        let mut layers = parse("a", "x = [1, 2]\n[s]\nkept = 1\nshape = {mode = 1}\n[t]\nu = 1");
+        layers.merge(parse("b", "x = [3]\n[s]\nshape = {constant = 2}\n[v]\nw = 2"));
+        let expected = "x = [3]\n[s]\nkept = 1\nshape = {constant = 2}\n[t]\nu = 1\n[v]\nw = 2";
+        assert_eq!(layers.table(), parse("c", expected).table());
+        let taken = layers.split(|key| key == "s");
+        assert_eq!(taken.table(), parse("c", "s = {kept = 1, shape = {constant = 2}}").table());
+        assert!(taken.given("s.kept") && !layers.given("s") && layers.given("x"));
+    }
+
+    #[test]
+    fn one_way_to_give_the_damping_replaces_the_others() {
+        let below = "[matrices]\ndamping = [[1]]\nmass = [[1]]\n[damping]\nratios = []\ndefault_ratio = 0.1";
+        let mut layers = parse("model.toml", below);
+        layers.merge(parse("study.toml", "[damping]\nrayleigh = {mass = 1}"));
+        let expected = "[matrices]\nmass = [[1]]\n[damping]\nrayleigh = {mass = 1}";
+        assert_eq!(layers.table(), parse("x", expected).table());
+        layers.set("--set", "damping.default_ratio", "0.2").unwrap();
+        assert_eq!(layers.table(), parse("x", "[matrices]\nmass = [[1]]\n[damping]\ndefault_ratio = 0.2").table());
+        // Two that were typed contradict each other.
+        layers.set("--set", "damping.rayleigh.mass", "1").unwrap();
+        assert_eq!(layers.table()["damping"].as_table().unwrap().len(), 2);
+    }
+}
