@@ -38,7 +38,26 @@ pub enum ArrayError {
         /// Shape expected.
         expected: Vec<usize>,
     },
+    /// So many harmonics that their number cannot be meant.
+    #[error("array `{name}` of {harmonics} harmonics")]
+    Harmonics {
+        /// Which array.
+        name: &'static str,
+        /// Number of harmonics H.
+        harmonics: usize,
+    },
+    /// A special point of a branch that is none of its points.
+    #[error("special point {index} of {points} points")]
+    Special {
+        /// Its index.
+        index: usize,
+        /// Points of the branch.
+        points: usize,
+    },
 }
+
+/// More than any setting allows, and far from where sizes overflow.
+const MAX_HARMONICS: usize = 1 << 16;
 
 impl Array {
     /// Array of `shape`, whose product is the number of values.
@@ -88,6 +107,9 @@ impl Array {
 
     /// Back to the series of [`Array::harmonics`], one after the other.
     pub fn series(&self, name: &'static str, leading: &[usize], harmonics: usize) -> Result<Vec<f64>, ArrayError> {
+        if harmonics > MAX_HARMONICS {
+            return Err(ArrayError::Harmonics { name, harmonics });
+        }
         let shape: Vec<usize> = leading.iter().copied().chain([harmonics + 1, 2]).collect();
         let values = self.values(name, &shape)?;
         let mut series = Vec::with_capacity(values.len());

@@ -36,9 +36,15 @@ impl From<&Branch> for BranchMessage {
 impl BranchMessage {
     /// The branch, for a model of this size.
     pub fn branch(&self, size: &Size) -> Result<Branch, ArrayError> {
+        let points = self.points.points(size)?;
+        // A branch has at least its start.
+        let special = self.special.iter().map(|special| special.index).max().unwrap_or(0);
+        if special >= points.len() {
+            return Err(ArrayError::Special { index: special, points: points.len() });
+        }
         Ok(Branch {
             amplitude: self.amplitude,
-            points: self.points.points(size)?,
+            points,
             special: self.special.clone(),
             outcome: self.outcome,
             rejections: self.rejections,

@@ -6,12 +6,13 @@ use thiserror::Error;
 
 /// A name that cannot be a chunk of a key.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
-#[error("`{0}` is not a name: use letters, digits, `.`, `-` and `_`")]
+#[error("`{0}` is not a name: use letters, digits, `.`, `-` and `_`, the first one a letter or a digit")]
 pub struct NameError(pub String);
 
 fn checked(name: &str) -> Result<String, NameError> {
     let allowed = |c: char| c.is_ascii_alphanumeric() || ".-_".contains(c);
-    if !name.is_empty() && name.len() <= 100 && name.chars().all(allowed) {
+    let starts = name.starts_with(|c: char| c.is_ascii_alphanumeric() || c == '_');
+    if starts && name.len() <= 100 && name.chars().all(allowed) {
         Ok(name.to_string())
     } else {
         Err(NameError(name.to_string()))
@@ -82,6 +83,11 @@ impl TaskId {
     /// Task number `index` (from 0, the main branch) of the level whose amplitude was typed as `amplitude`.
     pub fn of_level(amplitude: &str, index: usize) -> Result<Self, NameError> {
         Self::new(&format!("{}-{index}", amplitude.replace('+', "")))
+    }
+
+    /// Whether this is a task of the level whose amplitude was typed as `amplitude`.
+    pub fn is_of_level(&self, amplitude: &str) -> bool {
+        self.0.rsplit_once('-').is_some_and(|(level, _)| level == amplitude.replace('+', ""))
     }
 }
 

@@ -102,6 +102,11 @@ impl Keys {
         self.at(&format!("progress/{task}"))
     }
 
+    /// Where the branches of all tasks are.
+    pub fn all_progress(&self) -> String {
+        self.at("progress/*")
+    }
+
     /// Announcement of a stored result: put, queryable.
     pub fn done(&self, task: &TaskId) -> String {
         self.at(&format!("done/{task}"))

@@ -7,7 +7,7 @@
 //! | module | holds |
 //! |---|---|
 //! | [`ids`], [`keys`] | names of runs, tasks and workers; key expressions |
-//! | [`codec`], [`array`] | bytes of a message; arrays of numbers |
+//! | [`codec`], [`mod@array`] | bytes of a message; arrays of numbers |
 //! | [`model`], [`curve`], [`backbone`], [`branch`] | the solver's nouns as arrays, there and back without loss |
 //! | [`from_worker`], [`to_worker`], [`to_everyone`], [`control`] | messages by direction |
 //! | [`session`] | Zenoh sessions that open nothing but what they are told to; requests with a deadline |

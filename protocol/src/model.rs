@@ -3,7 +3,7 @@
 use crate::array::{Array, ArrayError};
 use crate::codec::messages;
 use serde::{Deserialize, Serialize};
-use solver::laws::{Law, LawKind};
+use solver::laws::{Law, LawKind, ParameterError};
 use solver::linalg::Matrix;
 use solver::model::{Damping, Element, Forcing, Model, Modes};
 use thiserror::Error;
@@ -54,6 +54,9 @@ pub enum ModelMessageError {
     /// An array does not fit.
     #[error(transparent)]
     Array(#[from] ArrayError),
+    /// A parameter of a law, or the harmonic of the forcing, out of its range.
+    #[error("`{0}`: {1}")]
+    Value(String, String),
     /// A dof that does not exist, or a law without a channel for each of its arguments.
     #[error("element `{0}` or a monitored dof does not fit the model's dofs")]
     Reference(String),
@@ -106,6 +109,13 @@ impl ModelMessage {
             if !fits {
                 return Err(ModelMessageError::Reference(element.name.clone()));
             }
+        }
+        for element in &self.elements {
+            let refused = |error: ParameterError| ModelMessageError::Value(element.name.clone(), error.to_string());
+            element.law.validate().map_err(refused)?;
+        }
+        if self.forcing_harmonic == 0 {
+            return Err(ModelMessageError::Value("forcing_harmonic".into(), "0 is no harmonic to force".into()));
         }
         if self.monitors.is_empty() || self.monitors.iter().any(|&dof| dof >= n) {
             return Err(ModelMessageError::Reference("monitors".into()));

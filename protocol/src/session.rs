@@ -47,6 +47,8 @@ fn config(settings: &[(&str, String)]) -> Config {
     let common = [
         ("scouting/multicast/enabled", "false".to_string()),
         ("scouting/gossip/enabled", "false".to_string()),
+        // A router waits for so long at its start even if it looks for nobody; the default is 500 ms.
+        ("scouting/delay", "0".to_string()),
         ("adminspace/enabled", "false".to_string()),
         ("transport/link/tx/lease", TRANSPORT_LEASE_MS.to_string()),
     ];
@@ -84,8 +86,7 @@ pub async fn connect(endpoint: &str) -> Result<Session, SessionError> {
         ("connect/endpoints", endpoints(endpoint)?),
         ("connect/timeout_ms", CONNECT_MS.to_string()),
         ("connect/exit_on_failure", "true".to_string()),
-        ("connect/retry/period_init_ms", "200".to_string()),
-        ("connect/retry/period_max_ms", "1000".to_string()),
+        ("connect/retry", "{ period_init_ms: 200, period_max_ms: 1000 }".to_string()),
     ];
     zenoh::open(config(&settings)).await.map_err(|_| SessionError::Unreachable { endpoint: endpoint.to_string() })
 }

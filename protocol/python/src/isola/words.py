@@ -1,0 +1,80 @@
+"""Outcomes in words, the same ones that the program prints."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from .wire import variant
+
+_STOPS = {
+    "start": "linear range",
+    "closed": "closed",
+    "frequency_bound": "frequency bound",
+    "amplitude_bound": "amplitude bound",
+    "point_budget": "point budget used up",
+    "reversed": "turned back along itself",
+    "cancelled": "cancelled",
+}
+_FAILURES = {
+    "diverged": "the iteration diverged",
+    "out_of_reach": "the forcing amplitude is not reached by continuation in the amplitude",
+    "singular": "the Jacobian is singular",
+}
+_FAR = "every seed that converged ended far from its prediction, on a known branch (relative distance {:.2f} or more)"
+
+
+def failure(value: Any) -> str:
+    """Why a point could not be computed."""
+    name, content = variant(value)
+    if name == "not_converged":
+        # No leading zeros in the exponent, as Rust prints it.
+        mantissa, e, exponent = f"{content['residual']:.1e}".partition("e")
+        residual = f"{mantissa}e{int(exponent)}" if e else mantissa
+        return f"no convergence in {content['iterations']} iterations (scaled residual {residual})"
+    return _FAILURES.get(name, name)
+
+
+def stop(value: Any) -> str:
+    """Why a walk along a curve ended."""
+    name, content = variant(value)
+    if name != "stalled":
+        return _STOPS.get(name, name)
+    name, content = variant(content)
+    reasons = {"orientation": "the curve changes its orientation"}
+    if name == "newton":
+        reasons[name] = failure(content)
+    elif name == "angle":
+        reasons[name] = f"the point lies off the tangent (cosine {content:.2f})"
+    return f"stalled at the smallest step: {reasons.get(name, name)}"
+
+
+def outcome(value: Any) -> str:
+    """How a curve begins and ends."""
+    name, content = variant(value)
+    if name == "open":
+        first, last = content
+        return f"open: {stop(first)} to {stop(last)}"
+    return name
+
+
+def branch_name(value: Any) -> str:
+    """``main``, ``isola 1``, ``isola 2``, …"""
+    name, content = variant(value)
+    return f"{name} {content + 1}" if name == "isola" else name
+
+
+def seed_outcome(value: Any) -> str:
+    """What became of a task."""
+    name, content = variant(value)
+    if name == "found":
+        return branch_name(content)
+    if name == "not_landed":
+        name, content = variant(content)
+        if name == "far":
+            return _FAR.format(content)
+        return f"no seed of the window converged: {failure(content)}"
+    if name == "not_traced":
+        return f"landed, but no branch starts there: {failure(content)}"
+    if name == "out_of_bounds":
+        return "outside the frequency or amplitude bounds"
+    return name

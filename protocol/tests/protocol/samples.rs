@@ -1,0 +1,380 @@
+//! One small sample of every message; numbers are such that no two places can be confused.
+
+use protocol::array::Array;
+use protocol::backbone::BackboneMessage;
+use protocol::branch::{BranchMessage, FindingMessage};
+use protocol::codec::Message;
+use protocol::control::{ControlReply, ControlRequest};
+use protocol::curve::{Motions, Points, Seeds, Size};
+use protocol::from_worker::{FailRequest, Lease, LeaseRequest, Progress, ReleaseRequest, RenewRequest, SubmitRequest};
+use protocol::ids::{Attempt, RunId, TaskId, WorkerId};
+use protocol::model::{ElementMessage, ModelMessage};
+use protocol::to_everyone::{
+    Amplitude, Counts, Done, LevelStatus, LevelWindows, Manifest, SeedMessage, Stage, Status, StoredResult,
+    WindowsMessage, WorkerStatus,
+};
+use protocol::to_worker::{Acknowledgement, Grant, Known, LeaseReply, RenewReply, SubmitReply};
+use solver::branch::{Outcome, SpecialKind, SpecialPoint, Stop};
+use solver::continuation::Rejection;
+use solver::forced::Reach;
+use solver::laws::{Contact, Friction, Jenkins, LawKind, PenaltySpring, PolynomialDamper, PolynomialSpring};
+use solver::laws::{TanhFriction, Term};
+use solver::problem::Failure;
+use solver::seeds::{LandingFailure, Phase, Way};
+use solver::settings::Settings;
+use solver::task::{BranchId, SeedOutcome, SeedPlace, Task};
+use solver::windows::Window;
+use std::fmt::Debug;
+
+/// What is done with every sample.
+pub trait Visit {
+    /// With one, which is frozen in files of this name: the message's, and after a hyphen the variant's.
+    fn visit<M: Message + PartialEq + Debug>(&mut self, file: &str, sample: &M);
+}
+
+/// Visits all samples.
+pub fn all(visitor: &mut impl Visit) {
+    visitor.visit("manifest", &manifest());
+    visitor.visit("model", &model());
+    visitor.visit("backbone", &backbone());
+    visitor.visit("windows", &windows());
+    visitor.visit("seed", &seed());
+    visitor.visit("done", &done());
+    visitor.visit("done_nothing", &done_nothing());
+    visitor.visit("result", &result());
+    visitor.visit("result_nothing", &result_nothing());
+    visitor.visit("status", &status());
+    visitor.visit("progress", &progress());
+    visitor.visit("lease_request", &lease_request());
+    visitor.visit("renew_request", &RenewRequest { lease: lease(), progress: Some(progress()) });
+    visitor.visit("submit_request", &submit_request(FindingMessage::Branch(branch())));
+    visitor.visit("submit_request_nothing", &submit_request(FindingMessage::Nothing(not_landed())));
+    visitor.visit("fail_request", &FailRequest { lease: lease(), reason: "out of memory".into() });
+    visitor.visit("release_request", &ReleaseRequest { lease: lease() });
+    visitor.visit("lease_reply-grant", &LeaseReply::Grant(grant()));
+    visitor.visit("lease_reply-wait", &LeaseReply::Wait { retry_ms: 250 });
+    visitor.visit("lease_reply-drained", &LeaseReply::Drained);
+    visitor.visit("lease_reply-stop", &LeaseReply::Stop { reason: "another version".into() });
+    visitor.visit("renew_reply-ok", &RenewReply::Ok);
+    visitor.visit("renew_reply-lost", &RenewReply::Lost);
+    visitor.visit("renew_reply-cancel", &RenewReply::Cancel);
+    visitor.visit("submit_reply-accepted", &SubmitReply::Accepted);
+    visitor.visit("submit_reply-duplicate", &SubmitReply::Duplicate { agrees: true });
+    visitor.visit("submit_reply-rejected", &SubmitReply::Rejected { why: "no such task".into() });
+    visitor.visit("acknowledgement-ok", &Acknowledgement::Ok);
+    visitor.visit("acknowledgement-lost", &Acknowledgement::Lost);
+    visitor.visit("control_request-cancel", &ControlRequest::Cancel);
+    visitor.visit("control_request-retry_dead", &ControlRequest::RetryDead);
+    visitor.visit("control_reply", &ControlReply { message: "cancelled".into() });
+}
+
+fn run() -> RunId {
+    RunId::new("damper-1").unwrap()
+}
+
+fn task() -> TaskId {
+    TaskId::of_level("2.5", 3).unwrap()
+}
+
+fn worker() -> WorkerId {
+    WorkerId::new("host-77").unwrap()
+}
+
+fn amplitude() -> Amplitude {
+    Amplitude { text: "2.5".into(), value: 2.5 }
+}
+
+fn program() -> String {
+    "0.1.0".into()
+}
+
+fn lease() -> Lease {
+    Lease { task: task(), attempt: Attempt(2), worker: worker(), slot: 1 }
+}
+
+fn progress() -> Progress {
+    Progress { points: 300, omega: 1.25, amplitude: 0.5 }
+}
+
+fn reach() -> Reach {
+    Reach { frequency: (0.75, 1.5), amplitude: 8.0 }
+}
+
+/// Array whose numbers count up by a quarter.
+fn counting(shape: &[usize], first: f64) -> Array {
+    Array::new(shape, (0..shape.iter().product()).map(|i| first + 0.25 * i as f64))
+}
+
+/// Numbers of [`model`] that the shapes of the other samples depend on.
+pub const SIZE: Size = Size { channels: 9, modes: 2, monitors: 1, contacts: 2 };
+
+/// p motions of the model, H = 1.
+fn motions(count: usize) -> Motions {
+    Motions {
+        harmonics: 1,
+        omega: counting(&[count], 1.0),
+        decay: counting(&[count], 0.0),
+        forcing: counting(&[count], 2.5),
+        argument: counting(&[count, SIZE.channels, 2, 2], 10.0),
+        modal: counting(&[count, SIZE.modes, 2, 2], -1.0),
+    }
+}
+
+/// p points of the model.
+fn points(count: usize) -> Points {
+    Points {
+        motions: motions(count),
+        amplitude: counting(&[count, SIZE.monitors], 3.0),
+        rms: counting(&[count, SIZE.monitors], 2.0),
+        contact: counting(&[count, SIZE.contacts], 0.125),
+        residual: counting(&[count], 1e-13),
+        high_harmonics: counting(&[count], 1e-3),
+        iterations: Array::new([count], (0..count).map(|i| 2.0 + i as f64)),
+    }
+}
+
+/// What became of a seed, as deep as it goes.
+fn not_landed() -> SeedOutcome {
+    let failure = Failure::NotConverged { iterations: 10, residual: 0.00151 };
+    SeedOutcome::NotLanded(LandingFailure::NotConverged(failure))
+}
+
+/// A branch of two points.
+pub fn branch() -> BranchMessage {
+    let failure = Failure::NotConverged { iterations: 10, residual: 0.00151 };
+    let stalled = Stop::Stalled(Rejection::Newton(failure));
+    BranchMessage {
+        amplitude: 2.5,
+        outcome: Outcome::Open(Stop::FrequencyBound, stalled),
+        special: vec![
+            SpecialPoint { kind: SpecialKind::Start, index: 0 },
+            SpecialPoint { kind: SpecialKind::Peak, index: 1 },
+            SpecialPoint { kind: SpecialKind::Fold, index: 1 },
+        ],
+        rejections: 4,
+        points: points(2),
+    }
+}
+
+/// The manifest of a run under way.
+pub fn manifest() -> Manifest {
+    Manifest {
+        protocol: 1,
+        program: program(),
+        run: run(),
+        name: "nonlinear damper".into(),
+        model_sha256: protocol::codec::sha256(&protocol::codec::encode(&model())),
+        settings: Settings::default(),
+        reach: Some(reach()),
+        amplitudes: vec![Amplitude { text: "1e-3".into(), value: 1e-3 }, amplitude()],
+        monitors: vec!["tip".into()],
+        stage: Stage::Sweep,
+        lease_ms: 30_000,
+        max_result_bytes: 1 << 28,
+    }
+}
+
+/// Every law once; two dofs.
+pub fn model() -> ModelMessage {
+    let friction = Some(Friction { coefficient: 0.15, radius: 0.25, sense: -1.0 });
+    let laws = [
+        ("node", LawKind::Contact(Contact { gap: 1e-3, epsilon: 2e6, friction })),
+        ("stop", LawKind::Contact(Contact { gap: 2e-3, epsilon: 3e6, friction: None })),
+        ("elastic stop", LawKind::PenaltySpring(PenaltySpring { stiffness: 5.0, gap: 0.5 })),
+        ("spring", LawKind::PolynomialSpring(PolynomialSpring { terms: vec![Term { power: 3, coefficient: 0.75 }] })),
+        ("damper", LawKind::PolynomialDamper(PolynomialDamper { terms: vec![Term { power: 5, coefficient: -0.5 }] })),
+        ("dry friction", LawKind::TanhFriction(TanhFriction { limit: 6.0, velocity: 0.125 })),
+        ("slider", LawKind::Jenkins(Jenkins { stiffness: 7.0, limit: 1.5 })),
+    ];
+    let element = |(name, law): (&str, LawKind)| {
+        let channels = if name == "node" {
+            vec![vec![(0, 1.0)], vec![(1, -1.0)], vec![(0, 0.5), (1, 0.5)]]
+        } else {
+            vec![vec![(1, 1.0)]]
+        };
+        ElementMessage { name: name.into(), channels, law }
+    };
+    ModelMessage {
+        name: "two masses".into(),
+        dofs: vec!["root".into(), "tip".into()],
+        mass: counting(&[2, 2], 1.0),
+        stiffness: counting(&[2, 2], 100.0),
+        frequencies: counting(&[2], 10.0),
+        shapes: counting(&[2, 2], -1.0),
+        damping: counting(&[2], 0.5),
+        forcing: counting(&[2], 0.25),
+        forcing_harmonic: 1,
+        elements: laws.into_iter().map(element).collect(),
+        monitors: vec![1],
+    }
+}
+
+/// A backbone of three points, the last one with an infinite threshold.
+pub fn backbone() -> BackboneMessage {
+    BackboneMessage {
+        mode: 0,
+        outcome: Outcome::Open(Stop::Start, Stop::AmplitudeBound),
+        rejections: 2,
+        points: points(3),
+        r_lin: counting(&[3], 1.0),
+        r_nl: counting(&[3], -2.0),
+        work_per_amplitude: counting(&[3], 3.0),
+        certificate: counting(&[3], 1e-9),
+        threshold: Array::new([3], [0.5, 0.25, f64::INFINITY]),
+        arc: counting(&[3], 0.0),
+        contributions: Array::new([3, 2], [1.0, 0.0, 0.75, 0.25, 0.5, 0.5]),
+    }
+}
+
+fn window() -> Window {
+    Window { first: 40, last: 300, best: 70, threshold: 1.75, omega: (0.875, 1.125) }
+}
+
+fn windows() -> WindowsMessage {
+    let none = LevelWindows { amplitude: Amplitude { text: "1e-3".into(), value: 1e-3 }, windows: Vec::new() };
+    WindowsMessage { levels: vec![none, LevelWindows { amplitude: amplitude(), windows: vec![window()] }] }
+}
+
+fn work() -> Task {
+    Task::Seed(SeedPlace { window: 0, well: window(), phase: Phase::Second, way: Way::SteppedForcing })
+}
+
+fn seeds() -> Seeds {
+    Seeds { motions: motions(1), place: Array::new([1], [70.5]), phase: Some(Phase::Second) }
+}
+
+fn seed() -> SeedMessage {
+    SeedMessage { task: task(), amplitude: amplitude(), work: work(), seeds: seeds() }
+}
+
+/// An isola is announced.
+pub fn done() -> Done {
+    Done {
+        sequence: 4,
+        task: task(),
+        amplitude: amplitude(),
+        outcome: SeedOutcome::Found(BranchId::Isola(0)),
+        branch: Some(BranchId::Isola(0)),
+        size: protocol::codec::encode(&result()).len() as u64,
+        sha256: protocol::codec::sha256(&protocol::codec::encode(&result())),
+    }
+}
+
+fn done_nothing() -> Done {
+    Done {
+        sequence: 5,
+        task: TaskId::of_level("2.5", 4).unwrap(),
+        amplitude: amplitude(),
+        outcome: not_landed(),
+        branch: None,
+        size: protocol::codec::encode(&result_nothing()).len() as u64,
+        sha256: protocol::codec::sha256(&protocol::codec::encode(&result_nothing())),
+    }
+}
+
+/// The result of [`done`].
+pub fn result() -> StoredResult {
+    StoredResult {
+        task: task(),
+        attempt: Attempt(2),
+        amplitude: amplitude(),
+        work: work(),
+        outcome: SeedOutcome::Found(BranchId::Isola(0)),
+        name: Some(BranchId::Isola(0)),
+        branch: Some(branch()),
+        worker: worker(),
+        program: program(),
+        seconds: 1.5,
+    }
+}
+
+fn result_nothing() -> StoredResult {
+    StoredResult {
+        task: TaskId::of_level("2.5", 4).unwrap(),
+        attempt: Attempt(1),
+        amplitude: amplitude(),
+        work: Task::Main,
+        outcome: not_landed(),
+        name: None,
+        branch: None,
+        worker: worker(),
+        program: program(),
+        seconds: 0.25,
+    }
+}
+
+fn status() -> Status {
+    Status {
+        run: run(),
+        name: "nonlinear damper".into(),
+        stage: Stage::Sweep,
+        backbone: Some(progress()),
+        tasks: Counts { done: 4, skipped: 2, running: 1, waiting: 5, dead: 3, branches: 6 },
+        levels: 2,
+        levels_done: 1,
+        active: vec![LevelStatus {
+            amplitude: "2.5".into(),
+            done: 3,
+            total: 9,
+            branches: 2,
+            progress: Some(progress()),
+        }],
+        workers: vec![WorkerStatus { worker: worker(), tasks: vec![task()], done: 4, progress: None }],
+        sequence: 4,
+        elapsed: 12.5,
+        eta: Some(30.0),
+    }
+}
+
+fn lease_request() -> LeaseRequest {
+    LeaseRequest { protocol: 1, program: program(), worker: worker(), slot: 1 }
+}
+
+fn submit_request(finding: FindingMessage) -> SubmitRequest {
+    SubmitRequest { lease: lease(), program: program(), seconds: 1.5, finding }
+}
+
+fn grant() -> Grant {
+    Grant {
+        task: task(),
+        attempt: Attempt(2),
+        ttl_ms: 30_000,
+        amplitude: 2.5,
+        reach: reach(),
+        work: work(),
+        seeds: seeds(),
+        known: vec![
+            Known { branch: BranchId::Main, task: TaskId::of_level("2.5", 0).unwrap() },
+            Known { branch: BranchId::Isola(0), task: TaskId::of_level("2.5", 1).unwrap() },
+        ],
+    }
+}
+
+/// Every way in which a curve or a task can end.
+pub fn outcomes() -> (Vec<Outcome>, Vec<SeedOutcome>) {
+    let failures = [
+        Failure::NotConverged { iterations: 10, residual: 0.00151 },
+        Failure::NotConverged { iterations: 7, residual: 2.49e15 },
+        Failure::Diverged,
+        Failure::OutOfReach,
+        Failure::Singular,
+    ];
+    let rejections = failures.map(Rejection::Newton).into_iter();
+    let stalled = rejections.chain([Rejection::Angle(0.876), Rejection::Orientation]).map(Stop::Stalled);
+    let others = [
+        Stop::Start,
+        Stop::Closed,
+        Stop::FrequencyBound,
+        Stop::AmplitudeBound,
+        Stop::PointBudget,
+        Stop::Reversed,
+        Stop::Cancelled,
+    ];
+    let open = others.into_iter().chain(stalled).map(|stop| Outcome::Open(Stop::Start, stop));
+    let landing = failures.map(LandingFailure::NotConverged).into_iter().chain([LandingFailure::Far(1.376)]);
+    let mut seeds = vec![SeedOutcome::OutOfBounds];
+    seeds.extend([BranchId::Main, BranchId::Isola(0), BranchId::Isola(11)].map(SeedOutcome::Found));
+    seeds.extend(landing.map(SeedOutcome::NotLanded));
+    seeds.extend(failures.map(SeedOutcome::NotTraced));
+    (open.chain([Outcome::Closed]).collect(), seeds)
+}
