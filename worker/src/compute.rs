@@ -1,0 +1,235 @@
+//! The thread that computes: one task after the other, and nothing else.
+
+use protocol::branch::FindingMessage;
+use protocol::codec::encode;
+use protocol::from_worker::{Lease, Progress, SubmitRequest};
+use solver::branch::{Branch, BranchPoint};
+use solver::forced::{Forced, Reach};
+use solver::model::Model;
+use solver::seeds::Seed;
+use solver::settings::Settings;
+use solver::task::{BranchId, Finding, Task, carry_out};
+use std::any::Any;
+use std::ops::ControlFlow;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError, mpsc};
+use std::time::Instant;
+use tokio::sync::oneshot;
+
+/// A task with everything that it needs.
+pub struct Job {
+    /// Under which lease.
+    pub lease: Lease,
+    /// Forcing amplitude.
+    pub amplitude: f64,
+    /// Within which frequencies and amplitudes branches are followed.
+    pub reach: Reach,
+    /// What is to be done.
+    pub work: Task,
+    /// Where from.
+    pub seeds: Vec<Seed>,
+    /// Branches of the level found before.
+    pub known: Vec<(BranchId, Arc<Branch>)>,
+}
+
+/// What comes of a job.
+pub enum Computed {
+    /// A result.
+    Finished(Finished),
+    /// Stopped from outside.
+    Stopped,
+    /// It could not be carried out.
+    Failed(String),
+}
+
+/// A result, as it is sent and as it is.
+pub struct Finished {
+    /// The message of the result, encoded.
+    pub payload: Vec<u8>,
+    /// The branch, if it is a new one.
+    pub branch: Option<Branch>,
+    /// In words.
+    pub summary: String,
+}
+
+/// What a job under way shares with whoever waits for it.
+#[derive(Debug, Default)]
+pub struct Watch {
+    stop: AtomicBool,
+    progress: Mutex<Option<Progress>>,
+}
+
+impl Watch {
+    /// Asks the job to stop; heard at its next point.
+    pub fn stop(&self) {
+        self.stop.store(true, Ordering::Relaxed);
+    }
+
+    /// Where its branch is.
+    pub fn progress(&self) -> Option<Progress> {
+        *self.progress.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn visit(&self, point: &BranchPoint) -> ControlFlow<()> {
+        let mut progress = self.progress.lock().unwrap_or_else(PoisonError::into_inner);
+        let points = progress.map_or(0, |progress| progress.points) + 1;
+        *progress = Some(Progress { points, omega: point.omega(), amplitude: point.amplitude() });
+        if self.stop.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+}
+
+enum Order {
+    Compute(Box<Job>, Arc<Watch>, oneshot::Sender<Computed>),
+    Report(oneshot::Sender<()>),
+}
+
+/// A computing thread.
+pub struct Computer {
+    orders: mpsc::Sender<Order>,
+}
+
+impl Computer {
+    /// Starts the thread of a slot. It ends when it is idle and the [`Computer`] is gone.
+    pub fn start(slot: u32, model: Arc<Model>, settings: Settings) -> std::io::Result<Self> {
+        let (orders, inbox) = mpsc::channel();
+        let run = move || {
+            for order in inbox {
+                match order {
+                    Order::Compute(job, watch, reply) => {
+                        let _ = reply.send(guarded(&model, &settings, &job, &watch));
+                    }
+                    Order::Report(reply) => {
+                        let _ = reply.send(());
+                    }
+                }
+            }
+        };
+        std::thread::Builder::new().name(format!("slot-{slot}")).spawn(run)?;
+        Ok(Self { orders })
+    }
+
+    /// Computes a job. Not waiting for the answer does not stop it: see [`Watch::stop`].
+    pub async fn compute(&self, job: Job, watch: Arc<Watch>) -> Computed {
+        let (reply, computed) = oneshot::channel();
+        let order = Order::Compute(Box::new(job), watch, reply);
+        let gone = || Computed::Failed("the computing thread is gone".into());
+        if self.orders.send(order).is_err() {
+            return gone();
+        }
+        computed.await.unwrap_or_else(|_| gone())
+    }
+
+    /// Waits until nothing is computed any more.
+    pub async fn idle(&self) {
+        let (reply, report) = oneshot::channel();
+        if self.orders.send(Order::Report(reply)).is_ok() {
+            let _ = report.await;
+        }
+    }
+}
+
+/// A panic is a failure of its job, not of the worker.
+fn guarded(model: &Model, settings: &Settings, job: &Job, watch: &Watch) -> Computed {
+    catch_unwind(AssertUnwindSafe(|| compute(model, settings, job, watch)))
+        .unwrap_or_else(|panic| Computed::Failed(format!("panicked: {}", message(&*panic))))
+}
+
+fn compute(model: &Model, settings: &Settings, job: &Job, watch: &Watch) -> Computed {
+    if watch.stop.load(Ordering::Relaxed) {
+        return Computed::Stopped;
+    }
+    let started = Instant::now();
+    // New for every job: a result must not depend on what this thread computed before.
+    let mut forced = Forced::new(model, settings, job.reach, job.amplitude);
+    let known: Vec<(BranchId, &Branch)> = job.known.iter().map(|(id, branch)| (*id, &**branch)).collect();
+    let mut observer = |point: &BranchPoint| watch.visit(point);
+    let Some(finding) = carry_out(&mut forced, &job.work, &job.seeds, &known, &mut observer) else {
+        return Computed::Stopped;
+    };
+    let request = SubmitRequest {
+        lease: job.lease.clone(),
+        program: protocol::PROGRAM.into(),
+        seconds: started.elapsed().as_secs_f64(),
+        finding: FindingMessage::from(&finding),
+    };
+    let payload = encode(&request);
+    let (summary, branch) = match finding {
+        Finding::Branch(branch) => (format!("{} points, {}", branch.points.len(), branch.outcome), Some(branch)),
+        Finding::Nothing(outcome) => (format!("nothing new: {outcome}"), None),
+    };
+    Computed::Finished(Finished { payload, branch, summary })
+}
+
+fn message(panic: &(dyn Any + Send)) -> &str {
+    let text = panic.downcast_ref::<String>().map(String::as_str);
+    text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("without a message")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use protocol::ids::{Attempt, TaskId, WorkerId};
+    use solver::seeds::{Phase, Way};
+    use solver::state::State;
+    use solver::task::SeedPlace;
+    use solver::windows::Window;
+    use std::path::Path;
+
+    fn computer() -> Computer {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/duffing");
+        Computer::start(0, Arc::new(Model::load(&folder).unwrap()), Settings::default()).unwrap()
+    }
+
+    fn main() -> Job {
+        let (task, worker) = (TaskId::new("1-0").unwrap(), WorkerId::new("w").unwrap());
+        Job {
+            lease: Lease { task, attempt: Attempt(1), worker, slot: 0 },
+            amplitude: 0.01,
+            reach: Reach { frequency: (0.9, 1.1), amplitude: 10.0 },
+            work: Task::Main,
+            seeds: Vec::new(),
+            known: Vec::new(),
+        }
+    }
+
+    /// A seed without a motion, which whoever prepares jobs refuses.
+    fn impossible() -> Job {
+        let state = State { harmonics: 0, omega: 1.0, decay: 0.0, amplitude: 1.0, arguments: vec![], modal: vec![] };
+        let well = Window { first: 0, last: 0, best: 0, threshold: 0.0, omega: (1.0, 1.0) };
+        let place = SeedPlace { window: 0, well, phase: Phase::First, way: Way::FixedFrequency };
+        Job { work: Task::Seed(place), seeds: vec![Seed { state, place: 0.0, phase: Phase::First }], ..main() }
+    }
+
+    #[tokio::test]
+    async fn a_panic_is_a_failure_and_the_thread_lives_on() {
+        let computer = computer();
+        match computer.compute(impossible(), Arc::default()).await {
+            Computed::Failed(reason) => assert!(reason.starts_with("panicked: "), "{reason}"),
+            _ => panic!("carried out"),
+        }
+        let Computed::Finished(finished) = computer.compute(main(), Arc::default()).await else { panic!("failed") };
+        assert!(finished.branch.is_some_and(|branch| branch.points.len() > 10));
+    }
+
+    #[tokio::test]
+    async fn what_is_stopped_before_it_begins_is_not_begun() {
+        let watch = Arc::new(Watch::default());
+        watch.stop();
+        assert!(matches!(computer().compute(main(), watch.clone()).await, Computed::Stopped));
+        assert_eq!(watch.progress(), None);
+    }
+
+    #[tokio::test]
+    async fn results_do_not_depend_on_what_was_computed_before() {
+        let computer = computer();
+        let mut branches = Vec::new();
+        for amplitude in [0.01, 0.05, 0.01] {
+            let job = Job { amplitude, ..main() };
+            let Computed::Finished(finished) = computer.compute(job, Arc::default()).await else { panic!("failed") };
+            branches.push(finished.branch.unwrap());
+        }
+        assert_eq!(branches[0], branches[2]);
+        assert_ne!(branches[0], branches[1]);
+    }
+}

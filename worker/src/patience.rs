@@ -1,0 +1,48 @@
+//! How often and how long a request is repeated.
+
+use std::time::Duration;
+use tokio::time::Instant;
+
+const FIRST: Duration = Duration::from_millis(200);
+const LONGEST: Duration = Duration::from_secs(2);
+
+/// Patience is over.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Over;
+
+/// Patience with a coordinator that does not answer.
+#[derive(Debug)]
+pub struct Patience {
+    limit: Duration,
+    since: Instant,
+    pause: Duration,
+}
+
+impl Patience {
+    /// Patience for so long, from now.
+    pub fn new(limit: Duration) -> Self {
+        Self { limit, since: Instant::now(), pause: FIRST }
+    }
+
+    /// There was an answer.
+    pub fn restore(&mut self) {
+        *self = Self::new(self.limit);
+    }
+
+    /// The next pause, each twice as long as the one before up to 2 s.
+    pub fn next_pause(&mut self) -> Result<Duration, Over> {
+        let left = self.limit.saturating_sub(self.since.elapsed());
+        if left.is_zero() {
+            return Err(Over);
+        }
+        let pause = self.pause.min(left);
+        self.pause = (2 * self.pause).min(LONGEST);
+        Ok(pause)
+    }
+
+    /// Waits for the next pause.
+    pub async fn pause(&mut self) -> Result<(), Over> {
+        tokio::time::sleep(self.next_pause()?).await;
+        Ok(())
+    }
+}

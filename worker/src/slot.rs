@@ -1,0 +1,249 @@
+//! A computing thread's work: lease, trace, submit.
+
+use crate::compute::{Computed, Computer, Finished, Job, Watch};
+use crate::crew::Crew;
+use crate::error::WorkerError;
+use crate::known::KnownBranches;
+use crate::patience::{Over, Patience};
+use crate::renewal::{Cut, keep};
+use crate::shutdown::Phase;
+use protocol::from_worker::Lease;
+use protocol::session::RequestError;
+use protocol::to_everyone::Stage;
+use protocol::to_worker::{Grant, LeaseReply, SubmitReply};
+use solver::branch::Branch;
+use solver::task::Task;
+use std::pin::{Pin, pin};
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+use std::time::Duration;
+use zenoh::bytes::ZBytes;
+
+/// How much longer a request may take when the worker ends: a result at hand should arrive, a lease not be left behind.
+const LAST_WORDS: Duration = Duration::from_secs(2);
+/// The shortest wait between two requests for work that was not there.
+const SHORTEST_WAIT: Duration = Duration::from_millis(5);
+
+/// One computing thread with what drives it.
+pub struct Slot {
+    crew: Arc<Crew>,
+    number: u32,
+    computer: Computer,
+    known: KnownBranches,
+}
+
+impl Slot {
+    /// Starts the thread of slot `number`.
+    pub fn start(crew: Arc<Crew>, number: u32) -> Result<Self, WorkerError> {
+        let computer = Computer::start(number, crew.model.clone(), crew.settings)
+            .map_err(|source| WorkerError::System { what: "start a computing thread", source })?;
+        let known = KnownBranches::new(crew.size, crew.settings.harmonics.count, crew.max_result_bytes);
+        Ok(Self { crew, number, computer, known })
+    }
+
+    /// Works until all is done, the run is cancelled, or the worker is told to end.
+    pub async fn run(mut self) -> Result<(), WorkerError> {
+        while let Some(grant) = self.lease().await? {
+            self.carry_out(grant).await?;
+        }
+        Ok(())
+    }
+
+    /// Asks for work until there is some; `None`: no more.
+    async fn lease(&self) -> Result<Option<Grant>, WorkerError> {
+        let crew = &self.crew;
+        let mut patience = Patience::new(crew.bus.patience);
+        while !crew.is_over() {
+            let reply = tokio::select! {
+                reply = crew.bus.lease(self.number) => reply,
+                () = crew.shutdown.reached_for(Phase::Finishing, LAST_WORDS) => break,
+            };
+            match reply {
+                Ok(LeaseReply::Grant(grant)) if crew.shutdown.phase() > Phase::Working => {
+                    self.release(&self.lease_of(&grant)).await;
+                }
+                Ok(LeaseReply::Grant(grant)) => return Ok(Some(grant)),
+                Ok(LeaseReply::Wait { retry_ms }) => {
+                    patience.restore();
+                    crew.rest(Duration::from_millis(retry_ms).max(SHORTEST_WAIT)).await;
+                }
+                Ok(LeaseReply::Drained) => {
+                    crew.drained.send_replace(true);
+                }
+                Ok(LeaseReply::Stop { reason }) => self.stop(reason).await?,
+                Err(error @ (RequestError::Refused(_) | RequestError::Codec(_))) => {
+                    return Err(crew.refused(error.to_string()));
+                }
+                Err(RequestError::NoReply | RequestError::Closed(_)) => {
+                    let pause = patience.next_pause().map_err(|Over| crew.abandoned())?;
+                    crew.rest(pause).await;
+                }
+            }
+        }
+        Ok(None)
+    }
+
+    /// There is no work for this worker, ever: an ordinary end if the run was cancelled.
+    async fn stop(&self, reason: String) -> Result<(), WorkerError> {
+        if self.notice_cancelled().await {
+            return Ok(());
+        }
+        Err(self.crew.refused(reason))
+    }
+
+    /// Asks whether the run was cancelled.
+    async fn notice_cancelled(&self) -> bool {
+        let cancelled = self.crew.bus.manifest().await.is_ok_and(|manifest| manifest.stage == Stage::Cancelled);
+        if cancelled {
+            self.crew.cancelled.store(true, Ordering::Relaxed);
+        }
+        cancelled
+    }
+
+    fn lease_of(&self, grant: &Grant) -> Lease {
+        let worker = self.crew.bus.worker.clone();
+        Lease { task: grant.task.clone(), attempt: grant.attempt, worker, slot: self.number }
+    }
+
+    async fn carry_out(&mut self, grant: Grant) -> Result<(), WorkerError> {
+        let crew = self.crew.clone();
+        let (lease, watch) = (self.lease_of(&grant), Arc::new(Watch::default()));
+        tracing::debug!(task = %lease.task, attempt = %lease.attempt, slot = self.number, "leased");
+        let ttl = Duration::from_millis(grant.ttl_ms);
+        let (hints, drained) = (crew.hints.subscribe(), crew.drained.subscribe());
+        let mut keep = pin!(keep(&crew.bus, &lease, ttl, &watch, hints, drained));
+        let computed = tokio::select! {
+            // What is computed counts, even if it is cut at the same time.
+            biased;
+            computed = self.compute(grant, &lease, &watch) => Ok(computed),
+            cut = &mut keep => Err(cut),
+            () = crew.shutdown.reached(Phase::Stopping) => Err(Cut::Stopping),
+        };
+        let computed = match computed {
+            Ok(computed) => computed,
+            Err(cut) => return self.give_up(&lease, &watch, cut).await,
+        };
+        // What is computed is delivered, whatever becomes of the lease.
+        tokio::select! {
+            delivered = self.deliver(&lease, computed) => delivered,
+            never = after(keep) => match never {},
+            () = crew.shutdown.reached_for(Phase::Stopping, LAST_WORDS) => {
+                tracing::warn!(task = %lease.task, "the result was not taken in time, the worker ends");
+                Ok(())
+            }
+        }
+    }
+
+    async fn compute(&mut self, grant: Grant, lease: &Lease, watch: &Arc<Watch>) -> Computed {
+        match self.prepare(grant, lease).await {
+            Ok(job) => self.computer.compute(job, watch.clone()).await,
+            Err(reason) => Computed::Failed(reason),
+        }
+    }
+
+    /// Everything that a task needs.
+    async fn prepare(&mut self, grant: Grant, lease: &Lease) -> Result<Job, String> {
+        let crew = &self.crew;
+        let seeds = grant.seeds.seeds(&crew.size).map_err(|error| format!("unusable seeds: {error}"))?;
+        let harmonics = crew.settings.harmonics.count;
+        if let Some(seed) = seeds.iter().find(|seed| seed.state.harmonics != harmonics) {
+            return Err(format!("unusable seeds: {} harmonics in a run of {harmonics}", seed.state.harmonics));
+        }
+        if seeds.is_empty() && matches!(grant.work, Task::Seed(_)) {
+            return Err("unusable seeds: there is none".into());
+        }
+        let known = self.known.get(&crew.bus, lease, &grant.known).await?;
+        let Grant { amplitude, reach, work, .. } = grant;
+        Ok(Job { lease: lease.clone(), amplitude, reach, work, seeds, known })
+    }
+
+    async fn deliver(&mut self, lease: &Lease, computed: Computed) -> Result<(), WorkerError> {
+        let patience = self.crew.bus.patience;
+        let (reason, patience) = match computed {
+            Computed::Stopped => return Ok(()),
+            Computed::Failed(reason) => (reason, patience),
+            Computed::Finished(Finished { payload, branch, summary }) => {
+                let size = payload.len();
+                match self.submit(lease, payload, branch, &summary).await {
+                    Ok(Ok(())) => return Ok(()),
+                    Ok(Err(reason)) => (reason, patience),
+                    // Nobody is there, or only this result does not get through: one more request tells.
+                    Err(Over) => {
+                        let seconds = patience.as_secs_f64();
+                        (format!("the result of {size} bytes was not answered for {seconds} s"), Duration::ZERO)
+                    }
+                }
+            }
+        };
+        tracing::warn!(task = %lease.task, attempt = %lease.attempt, reason, "failed");
+        self.crew.bus.fail(lease, &reason, patience).await.map_err(|Over| self.crew.abandoned())
+    }
+
+    /// Sends a result until it is answered; gives the reason if the task fails by the answer.
+    async fn submit(
+        &mut self,
+        lease: &Lease,
+        payload: Vec<u8>,
+        branch: Option<Branch>,
+        summary: &str,
+    ) -> Result<Result<(), String>, Over> {
+        let (size, most) = (payload.len(), self.crew.max_result_bytes);
+        if size > most {
+            return Ok(Err(format!("the result has {size} bytes, this run accepts {most}")));
+        }
+        match self.crew.bus.submit(&lease.task, &ZBytes::from(payload)).await? {
+            SubmitReply::Rejected { why } => return Ok(Err(format!("the result was rejected: {why}"))),
+            SubmitReply::Accepted => {
+                tracing::info!(task = %lease.task, "{summary}");
+                if let Some(branch) = branch {
+                    self.known.add(lease.task.clone(), branch);
+                }
+            }
+            SubmitReply::Duplicate { agrees: true } => {
+                tracing::info!(task = %lease.task, "{summary}; another worker was faster");
+            }
+            SubmitReply::Duplicate { agrees: false } => {
+                tracing::warn!(task = %lease.task, "{summary}; another worker was faster and found something else");
+            }
+        }
+        self.crew.done.fetch_add(1, Ordering::Relaxed);
+        Ok(Ok(()))
+    }
+
+    /// Stops computing a task that is no longer worth it, and waits until the thread is free.
+    async fn give_up(&self, lease: &Lease, watch: &Watch, cut: Cut) -> Result<(), WorkerError> {
+        watch.stop();
+        tracing::info!(task = %lease.task, attempt = %lease.attempt, reason = ?cut, "given up");
+        match cut {
+            Cut::Lost => {}
+            Cut::Abandoned => return Err(self.crew.abandoned()),
+            Cut::Stopping => {
+                self.release(lease).await;
+                return Ok(());
+            }
+            Cut::Cancelled => {
+                // Asked for before the task is given back: the coordinator may end after that.
+                self.notice_cancelled().await;
+                self.release(lease).await;
+            }
+        }
+        tokio::select! {
+            () = self.computer.idle() => {}
+            () = self.crew.shutdown.reached(Phase::Stopping) => {}
+        }
+        Ok(())
+    }
+
+    async fn release(&self, lease: &Lease) {
+        tokio::select! {
+            () = self.crew.bus.release(lease) => {}
+            () = self.crew.shutdown.reached_for(Phase::Stopping, LAST_WORDS) => {}
+        }
+    }
+}
+
+/// Lets a future end, and never does itself.
+async fn after<T>(future: Pin<&mut impl Future<Output = T>>) -> std::convert::Infallible {
+    future.await;
+    std::future::pending().await
+}

@@ -1,0 +1,263 @@
+//! A coordinator that answers as it is told to.
+
+use crate::study::Study;
+use clap::Parser;
+use protocol::codec::{Message, encode, encoding};
+use protocol::from_worker::{FailRequest, LeaseRequest, ReleaseRequest, RenewRequest, SubmitRequest};
+use protocol::ids::TaskId;
+use protocol::keys::{Keys, last_chunk};
+use protocol::session::{answer, answer_encoded, listen, question, refuse};
+use protocol::to_everyone::{Manifest, StoredResult};
+use protocol::to_worker::{Acknowledgement, LeaseReply, RenewReply, SubmitReply};
+use std::collections::HashMap;
+use std::net::TcpListener;
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+use worker::shutdown::Shutdown;
+use worker::{Options, Summary, WorkerError};
+use zenoh::Session;
+use zenoh::key_expr::KeyExpr;
+use zenoh::query::Query;
+
+/// What a worker asks.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Asked {
+    Lease(LeaseRequest),
+    Renew(RenewRequest),
+    Submit(Box<SubmitRequest>),
+    Fail(FailRequest),
+    Release(ReleaseRequest),
+}
+
+impl Asked {
+    pub fn is_lease(&self) -> bool {
+        matches!(self, Asked::Lease(_))
+    }
+
+    pub fn is_renew(&self) -> bool {
+        matches!(self, Asked::Renew(_))
+    }
+
+    pub fn is_submit(&self) -> bool {
+        matches!(self, Asked::Submit(_))
+    }
+
+    pub fn is_fail(&self) -> bool {
+        matches!(self, Asked::Fail(_))
+    }
+
+    pub fn is_release(&self) -> bool {
+        matches!(self, Asked::Release(_))
+    }
+}
+
+/// What it is answered.
+pub enum Answer {
+    Lease(Box<LeaseReply>),
+    Renew(RenewReply),
+    Submit(SubmitReply),
+    Refuse(&'static str),
+    Silence,
+}
+
+pub fn grant(grant: protocol::to_worker::Grant) -> Answer {
+    Answer::Lease(Box::new(LeaseReply::Grant(grant)))
+}
+
+pub fn drained() -> Answer {
+    Answer::Lease(Box::new(LeaseReply::Drained))
+}
+
+pub fn wait() -> Answer {
+    Answer::Lease(Box::new(LeaseReply::Wait { retry_ms: 20 }))
+}
+
+/// What a friendly coordinator answers to anything but a request for work.
+pub fn fine(asked: &Asked) -> Answer {
+    match asked {
+        Asked::Renew(_) => Answer::Renew(RenewReply::Ok),
+        Asked::Submit(_) => Answer::Submit(SubmitReply::Accepted),
+        // Failures and releases are noted in any case.
+        _ => Answer::Silence,
+    }
+}
+
+/// Hands out these grants, then says that all is done.
+pub fn hand_out(grants: Vec<protocol::to_worker::Grant>) -> impl FnMut(&Asked) -> Answer + Send + 'static {
+    let mut grants = grants.into_iter();
+    move |asked| match asked {
+        Asked::Lease(_) => grants.next().map_or_else(drained, grant),
+        _ => fine(asked),
+    }
+}
+
+/// What everyone may see of a [`Fake`].
+#[derive(Default)]
+pub struct Seen {
+    pub log: Mutex<Vec<Asked>>,
+    pub results: Mutex<HashMap<TaskId, StoredResult>>,
+    pub manifest: Mutex<Option<Manifest>>,
+    pub model: Mutex<Vec<u8>>,
+}
+
+impl Seen {
+    pub fn count(&self, of: fn(&Asked) -> bool) -> usize {
+        self.log.lock().unwrap().iter().filter(|asked| of(asked)).count()
+    }
+
+    /// Waits until so many requests of a kind have come.
+    pub async fn wait_for(&self, of: fn(&Asked) -> bool, count: usize) {
+        let started = Instant::now();
+        while self.count(of) < count {
+            assert!(started.elapsed() < Duration::from_secs(15), "asked: {:?}", self.log.lock().unwrap());
+            tokio::time::sleep(Duration::from_millis(2)).await;
+        }
+    }
+
+    pub fn submitted(&self) -> Vec<SubmitRequest> {
+        let log = self.log.lock().unwrap();
+        let submit = |asked: &Asked| if let Asked::Submit(request) = asked { Some((**request).clone()) } else { None };
+        log.iter().filter_map(submit).collect()
+    }
+
+    pub fn reasons(&self) -> Vec<String> {
+        let log = self.log.lock().unwrap();
+        let fail = |asked: &Asked| if let Asked::Fail(request) = asked { Some(request.reason.clone()) } else { None };
+        log.iter().filter_map(fail).collect()
+    }
+}
+
+/// A coordinator that answers as it is told to; gone when it is dropped.
+pub struct Fake {
+    pub session: Session,
+    pub endpoint: String,
+    pub keys: Keys,
+    pub seen: Arc<Seen>,
+}
+
+pub fn free_endpoint() -> String {
+    let port = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
+    format!("tcp/127.0.0.1:{port}")
+}
+
+impl Fake {
+    pub async fn start(study: &Study, answer: impl FnMut(&Asked) -> Answer + Send + 'static) -> Self {
+        Self::start_at(&free_endpoint(), Arc::default(), study, answer).await
+    }
+
+    /// At an endpoint of one's choice, with something to see already.
+    pub async fn start_at(
+        endpoint: &str,
+        seen: Arc<Seen>,
+        study: &Study,
+        answer: impl FnMut(&Asked) -> Answer + Send + 'static,
+    ) -> Self {
+        let session = listen(endpoint).await.unwrap();
+        let manifest = study.manifest();
+        let keys = Keys::new("isola", &manifest.run);
+        *seen.manifest.lock().unwrap() = Some(manifest);
+        *seen.model.lock().unwrap() = study.model_message();
+        serve(&session, &keys, seen.clone(), answer).await;
+        Self { session, endpoint: endpoint.to_string(), keys, seen }
+    }
+
+    /// Makes another run visible on the same bus.
+    pub async fn announce(&self, manifest: Manifest) {
+        let key = Keys::new("isola", &manifest.run).run();
+        let reply = key.clone();
+        let queryable = self.session.declare_queryable(key).callback(move |query| answer(&query, &reply, &manifest));
+        queryable.background().await.unwrap();
+    }
+
+    /// Options of a worker of this coordinator.
+    pub fn options(&self, more: &[&str]) -> Options {
+        options(&self.endpoint, more)
+    }
+
+    /// Runs a worker to its end.
+    pub async fn work(&self, more: &[&str]) -> Result<Summary, WorkerError> {
+        worker::work(&self.options(more), &Shutdown::default()).await
+    }
+
+    /// Changes the manifest from now on.
+    pub fn change(&self, change: impl FnOnce(&mut Manifest)) {
+        change(self.seen.manifest.lock().unwrap().as_mut().unwrap());
+    }
+
+    /// Tells workers to ask for orders.
+    pub async fn hint(&self) {
+        self.session.put(self.keys.hint(), "").await.unwrap();
+    }
+}
+
+/// Later options win.
+#[derive(Parser)]
+#[command(args_override_self = true)]
+struct Line {
+    #[command(flatten)]
+    options: Options,
+}
+
+pub fn options(endpoint: &str, more: &[&str]) -> Options {
+    let line = ["worker", "--connect", endpoint, "--slots", "1", "--wait", "1"];
+    Line::parse_from(line.iter().chain(more)).options
+}
+
+async fn serve(
+    session: &Session,
+    keys: &Keys,
+    seen: Arc<Seen>,
+    mut decide: impl FnMut(&Asked) -> Answer + Send + 'static,
+) {
+    let (inbox, queries) = std::sync::mpsc::channel::<Query>();
+    let all = keys.run().replace("/run", "/**");
+    let queryable = session.declare_queryable(all).complete(true);
+    queryable.callback(move |query| drop(inbox.send(query))).background().await.unwrap();
+    let keys = keys.clone();
+    std::thread::spawn(move || {
+        for query in queries {
+            let key = query.key_expr().as_str().to_string();
+            // Of a query for all runs this is one.
+            if query.key_expr().intersects(&KeyExpr::try_from(keys.run()).unwrap()) {
+                answer(&query, &keys.run(), seen.manifest.lock().unwrap().as_ref().unwrap());
+            } else if key == keys.model() {
+                let model = seen.model.lock().unwrap().clone();
+                answer_encoded(&query, &key, model, &encoding::<protocol::model::ModelMessage>());
+            } else if key.contains("/result/") {
+                let task = TaskId::new(last_chunk(&key)).unwrap();
+                if let Some(stored) = seen.results.lock().unwrap().get(&task) {
+                    answer_encoded(&query, &key, encode(stored), &encoding::<StoredResult>());
+                }
+            } else if let Some(asked) = read(&query, &key, &keys) {
+                seen.log.lock().unwrap().push(asked.clone());
+                reply(&query, &key, &asked, decide(&asked));
+            }
+        }
+    });
+}
+
+fn read(query: &Query, key: &str, keys: &Keys) -> Option<Asked> {
+    fn of<Q: Message>(query: &Query) -> Q {
+        question(query).unwrap()
+    }
+    let asked = match key {
+        key if key == keys.lease() => Asked::Lease(of(query)),
+        key if key == keys.renew() => Asked::Renew(of(query)),
+        key if key == keys.fail() => Asked::Fail(of(query)),
+        key if key == keys.release() => Asked::Release(of(query)),
+        key if key.contains("/rpc/submit/") => Asked::Submit(Box::new(of(query))),
+        _ => return None,
+    };
+    Some(asked)
+}
+
+fn reply(query: &Query, key: &str, asked: &Asked, with: Answer) {
+    match (with, asked) {
+        (Answer::Lease(reply), _) => answer(query, key, &*reply),
+        (Answer::Renew(reply), _) => answer(query, key, &reply),
+        (Answer::Submit(reply), _) => answer(query, key, &reply),
+        (Answer::Refuse(why), _) => refuse(query, why),
+        (Answer::Silence, Asked::Fail(_) | Asked::Release(_)) => answer(query, key, &Acknowledgement::Ok),
+        (Answer::Silence, _) => {}
+    }
+}

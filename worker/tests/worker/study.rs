@@ -1,0 +1,96 @@
+//! Something to compute.
+
+use protocol::codec::{encode, sha256};
+use protocol::curve::Seeds;
+use protocol::ids::{Attempt, RunId, TaskId};
+use protocol::model::ModelMessage;
+use protocol::to_everyone::{Amplitude, Manifest, Stage};
+use protocol::to_worker::{Grant, Known};
+use solver::backbone::Backbone;
+use solver::branch::BranchPoint;
+use solver::forced::{Forced, Reach};
+use solver::model::Model;
+use solver::settings::Settings;
+use solver::task::Task;
+use std::ops::ControlFlow;
+use std::path::Path;
+
+/// Observes nothing.
+pub fn quiet(_: &BranchPoint) -> ControlFlow<()> {
+    ControlFlow::Continue(())
+}
+
+/// The damper that has an isola between A = 0.0048 and 0.0114.
+pub struct Study {
+    pub model: Model,
+    pub settings: Settings,
+    pub backbone: Backbone,
+}
+
+impl Study {
+    pub fn new(harmonics: usize) -> Self {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/nonlinear_damper");
+        let model = Model::load(&folder).unwrap();
+        let mut settings = Settings::default();
+        settings.harmonics.count = harmonics;
+        settings.harmonics.samples = 64;
+        let backbone = Backbone::compute(&model, &settings, &mut quiet).unwrap();
+        Self { model, settings, backbone }
+    }
+
+    /// With steps so short that no branch ends within a test.
+    pub fn endless() -> Self {
+        let mut study = Self::new(1);
+        let continuation = &mut study.settings.continuation;
+        (continuation.initial_step, continuation.min_step, continuation.max_step) = (1e-7, 1e-9, 1e-6);
+        study.settings.branch.max_points = usize::MAX;
+        study
+    }
+
+    pub fn reach(&self) -> Reach {
+        Reach::new(&self.settings, &self.backbone).unwrap()
+    }
+
+    pub fn model_message(&self) -> Vec<u8> {
+        encode(&ModelMessage::from(&self.model))
+    }
+
+    pub fn manifest(&self) -> Manifest {
+        Manifest {
+            protocol: protocol::VERSION,
+            program: protocol::PROGRAM.into(),
+            run: RunId::new("one").unwrap(),
+            name: "damper".into(),
+            model_sha256: sha256(&self.model_message()),
+            settings: self.settings,
+            reach: Some(self.reach()),
+            amplitudes: vec![Amplitude { text: "0.008".into(), value: 0.008 }],
+            monitors: vec!["x1".into()],
+            stage: Stage::Sweep,
+            lease_ms: 600,
+            max_result_bytes: 100_000_000,
+        }
+    }
+
+    /// Task number `index` of the level A = 0.008.
+    pub fn grant(&self, index: usize, work: Task, known: Vec<Known>) -> Grant {
+        let amplitude = 0.008;
+        let forced = Forced::new(&self.model, &self.settings, self.reach(), amplitude);
+        let seeds = work.seeds(&forced.problem, &self.backbone, amplitude);
+        Grant {
+            task: TaskId::of_level("0.008", index).unwrap(),
+            attempt: Attempt(1),
+            ttl_ms: 600,
+            amplitude,
+            reach: self.reach(),
+            work,
+            seeds: Seeds::new(&seeds),
+            known,
+        }
+    }
+
+    /// The main branch.
+    pub fn main(&self) -> Grant {
+        self.grant(0, Task::Main, Vec::new())
+    }
+}
