@@ -1,6 +1,7 @@
 //! What `isola check` says of a study before anything is computed.
 
-use crate::study::{Amplitude, Study};
+use crate::study::Study;
+use protocol::to_everyone::Amplitude;
 use solver::harmonics::width;
 use solver::laws::{Contact, Law, LawKind};
 use solver::model::{Damping, Model};

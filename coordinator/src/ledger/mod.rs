@@ -212,9 +212,18 @@ impl Ledger {
         }
         self.levels[l].entries[e].renew(now + self.rules.lease);
         if let Some(progress) = progress {
-            self.workers.entry(lease.worker.clone()).or_default().progress.insert(lease.task.clone(), progress);
+            self.note(&lease.task, progress);
         }
         RenewReply::Ok
+    }
+
+    /// Where the branch of a task under way is: for people, no sign of life.
+    pub fn note(&mut self, task: &TaskId, progress: Progress) {
+        let Some(&(l, e)) = self.index.get(task) else { return };
+        let holder = self.levels[l].entries[e].holder();
+        if let Some(worker) = holder.and_then(|holder| self.workers.get_mut(&holder.worker)) {
+            worker.progress.insert(task.clone(), progress);
+        }
     }
 
     /// A result: what became of the task, `None` if it found a new branch. The first result of a task counts, whoever it

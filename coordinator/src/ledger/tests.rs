@@ -1,1 +1,322 @@
-//! Any interleaving of events gives the same result.
+//! Any interleaving of events gives the same result: nothing lost, nothing counted twice.
+
+use super::*;
+use proptest::prelude::*;
+use solver::seeds::{LandingFailure, Phase, Way};
+use solver::task::{BranchId, SeedPlace};
+
+fn window(number: usize) -> Window {
+    Window { first: 10 * number, last: 10 * number + 5, best: 10 * number + 2, threshold: 1.0, omega: (1.0, 2.0) }
+}
+
+/// A level of `windows` windows of one well each.
+fn plan(amplitude: f64, windows: usize) -> LevelPlan {
+    let mut tasks = vec![Task::Main];
+    for window_number in 0..windows {
+        for way in [Way::FixedFrequency, Way::SteppedForcing] {
+            for phase in [Phase::First, Phase::Second] {
+                let well = window(window_number);
+                tasks.push(Task::Seed(SeedPlace { window: window_number, well, phase, way }));
+            }
+        }
+    }
+    let amplitude = Amplitude { text: amplitude.to_string(), value: amplitude };
+    LevelPlan { amplitude, windows: (0..windows).map(window).collect(), tasks }
+}
+
+/// What a worker would find: a function of the task and of what is known, as tracing is. Some windows have an isola at
+/// either phase, some the main branch, some nothing at fixed frequency.
+fn find(work: &Task, known: &[Known], amplitude: f64) -> Option<SeedOutcome> {
+    let Task::Seed(place) = work else { return None };
+    let nothing = Some(SeedOutcome::NotLanded(LandingFailure::Far(0.5)));
+    let kind = (place.window + amplitude as usize) % 4;
+    let isola = |number: usize| {
+        let id = BranchId::Isola(number);
+        known.iter().any(|k| k.branch == id).then_some(SeedOutcome::Found(id))
+    };
+    let isolas = known.len().saturating_sub(1);
+    match (kind, place.way, place.phase) {
+        (0, _, _) => Some(SeedOutcome::Found(BranchId::Main)),
+        (1, Way::FixedFrequency, Phase::First) => None,
+        (1, Way::FixedFrequency, Phase::Second) => isola(isolas - 1),
+        (2, Way::SteppedForcing, Phase::Second) => None,
+        _ => nothing,
+    }
+}
+
+/// Number of levels, and what becomes of all tasks of all levels.
+type Book = Vec<(TaskId, State)>;
+
+fn book(ledger: &Ledger) -> Book {
+    ledger.entries().map(|entry| (entry.id.clone(), entry.state.clone())).collect()
+}
+
+fn plans(levels: usize) -> Vec<LevelPlan> {
+    (1..=levels).map(|level| plan(level as f64, 3)).collect()
+}
+
+fn rules() -> Rules {
+    Rules { max_failures: 1000, ..Rules::default() }
+}
+
+/// One worker, no trouble.
+fn quiet(levels: usize) -> Book {
+    let mut ledger = Ledger::new(rules(), plans(levels));
+    let worker = WorkerId::new("w").unwrap();
+    while let (Leased::Grant(granted), _) = ledger.lease(&worker, 0, Duration::ZERO) {
+        let lease = Lease { task: granted.task.clone(), attempt: granted.attempt, worker: worker.clone(), slot: 0 };
+        let outcome = find(&granted.work, &granted.known, granted.amplitude.value);
+        assert!(matches!(ledger.submit(&lease, outcome).0, Submitted::Accepted(_)));
+    }
+    assert!(ledger.is_finished());
+    book(&ledger)
+}
+
+#[derive(Debug, Clone)]
+enum Event {
+    Lease(u8),
+    Submit(usize),
+    Fail(usize),
+    Release(usize),
+    Renew(usize),
+    Gone(u8),
+    Forget(usize),
+    Later(u64),
+    Restart,
+}
+
+fn event() -> impl Strategy<Value = Event> {
+    prop_oneof![
+        4 => (0u8..4).prop_map(Event::Lease),
+        4 => any::<usize>().prop_map(Event::Submit),
+        1 => any::<usize>().prop_map(Event::Fail),
+        1 => any::<usize>().prop_map(Event::Release),
+        1 => any::<usize>().prop_map(Event::Renew),
+        1 => (0u8..4).prop_map(Event::Gone),
+        1 => any::<usize>().prop_map(Event::Forget),
+        2 => (0u64..20).prop_map(Event::Later),
+        1 => Just(Event::Restart),
+    ]
+}
+
+/// Drives a ledger, keeping what a store would hold.
+struct Driver {
+    ledger: Ledger,
+    levels: usize,
+    now: Duration,
+    /// Leases that workers believe to hold, with what they will find.
+    held: Vec<(Lease, Granted)>,
+    accepted: Vec<TaskId>,
+    new_branches: Vec<TaskId>,
+    records: Vec<Record>,
+}
+
+impl Driver {
+    fn new(levels: usize) -> Self {
+        let ledger = Ledger::new(rules(), plans(levels));
+        let (held, accepted, new_branches, records) = Default::default();
+        Self { ledger, levels, now: Duration::ZERO, held, accepted, new_branches, records }
+    }
+
+    fn apply(&mut self, event: &Event) {
+        let pick = |index: usize, held: &[(Lease, Granted)]| (!held.is_empty()).then(|| index % held.len());
+        match *event {
+            Event::Lease(worker) => self.lease(worker),
+            Event::Submit(index) => {
+                if let Some(i) = pick(index, &self.held) {
+                    let (lease, granted) = self.held[i].clone();
+                    self.submit(&lease, &granted);
+                }
+            }
+            Event::Fail(index) | Event::Release(index) => {
+                if let Some(i) = pick(index, &self.held) {
+                    let (lease, _) = self.held.swap_remove(i);
+                    let ended = match event {
+                        Event::Fail(_) => self.ledger.fail(&lease, "out of memory", self.now),
+                        _ => self.ledger.release(&lease, self.now),
+                    };
+                    self.records.extend(ended.1);
+                }
+            }
+            Event::Renew(index) => {
+                if let Some(i) = pick(index, &self.held) {
+                    self.ledger.renew(&self.held[i].0.clone(), None, self.now);
+                }
+            }
+            Event::Gone(worker) => self.ledger.worker_gone(&name(worker), self.now),
+            // A worker dies without a word.
+            Event::Forget(index) => {
+                if let Some(i) = pick(index, &self.held) {
+                    self.held.swap_remove(i);
+                }
+            }
+            Event::Later(seconds) => {
+                self.now += Duration::from_secs(seconds);
+                let records = self.ledger.tick(self.now);
+                self.records.extend(records);
+            }
+            Event::Restart => self.restart(),
+        }
+    }
+
+    fn lease(&mut self, worker: u8) {
+        let (leased, records) = self.ledger.lease(&name(worker), 0, self.now);
+        self.records.extend(records);
+        if let Leased::Grant(granted) = leased {
+            let lease = Lease { task: granted.task.clone(), attempt: granted.attempt, worker: name(worker), slot: 0 };
+            if !self.held.iter().any(|(held, _)| *held == lease) {
+                self.held.push((lease, granted));
+            }
+        }
+    }
+
+    /// The worker keeps the lease, as if the answer had been lost: it will submit again.
+    fn submit(&mut self, lease: &Lease, granted: &Granted) {
+        let outcome = find(&granted.work, &granted.known, granted.amplitude.value);
+        let (submitted, records) = self.ledger.submit(lease, outcome);
+        self.records.extend(records);
+        match submitted {
+            Submitted::Accepted(_) => {
+                assert!(!self.accepted.contains(&lease.task), "{} was accepted twice", lease.task);
+                self.accepted.push(lease.task.clone());
+                if outcome.is_none() {
+                    self.new_branches.push(lease.task.clone());
+                }
+            }
+            Submitted::Duplicate => assert!(self.accepted.contains(&lease.task)),
+            Submitted::Unknown => panic!("{} is a task of the run", lease.task),
+        }
+    }
+
+    /// The coordinator is killed and starts again with what the records say.
+    fn restart(&mut self) {
+        let mut tasks: Vec<StoredTask> = self
+            .ledger
+            .entries()
+            .map(|entry| StoredTask {
+                id: entry.id.clone(),
+                state: entry.state.clone(),
+                is_new_branch: self.new_branches.contains(&entry.id),
+                attempts: entry.attempts,
+                reasons: entry.reasons.clone(),
+            })
+            .collect();
+        let order = |id: &TaskId| self.accepted.iter().position(|accepted| accepted == id).unwrap_or(usize::MAX);
+        tasks.sort_by_key(|task| order(&task.id));
+        let before = (book(&self.ledger), self.ledger.sequence());
+        self.ledger = Ledger::restore(rules(), plans(self.levels), tasks, self.now);
+        let settled = |book: &Book| -> Book {
+            let keep = |(_, state): &&(TaskId, State)| matches!(state, State::Done(_) | State::Skipped);
+            book.iter().filter(keep).cloned().collect()
+        };
+        assert_eq!(settled(&before.0), settled(&book(&self.ledger)));
+        assert_eq!(before.1, self.ledger.sequence());
+    }
+
+    /// Lets the run come to its end without further trouble.
+    fn conclude(&mut self) {
+        for _ in 0..10_000 {
+            if self.ledger.is_finished() {
+                return;
+            }
+            self.now += Duration::from_secs(60);
+            self.lease(0);
+            for (lease, granted) in std::mem::take(&mut self.held) {
+                self.submit(&lease, &granted);
+            }
+        }
+        panic!("the run does not end");
+    }
+}
+
+fn name(worker: u8) -> WorkerId {
+    WorkerId::new(&format!("w{worker}")).unwrap()
+}
+
+proptest! {
+    #[test]
+    fn any_interleaving_gives_the_same_result(levels in 1usize..4, events in prop::collection::vec(event(), 0..200)) {
+        let mut driver = Driver::new(levels);
+        for event in &events {
+            driver.apply(event);
+        }
+        driver.conclude();
+        prop_assert_eq!(book(&driver.ledger), quiet(levels));
+        let done = driver.records.iter().filter(|record| matches!(record, Record::Done { .. })).count();
+        prop_assert_eq!(done, driver.accepted.len());
+        prop_assert_eq!(driver.ledger.sequence() as usize, done);
+    }
+
+    #[test]
+    fn one_task_of_a_level_at_a_time(events in prop::collection::vec(event(), 0..200)) {
+        let mut driver = Driver::new(2);
+        for event in &events {
+            driver.apply(event);
+            for level in &driver.ledger.levels {
+                let held = level.entries.iter().filter(|entry| entry.holder().is_some()).count();
+                prop_assert!(held <= 1, "{held} tasks of level {} at a time", level.amplitude.text);
+            }
+        }
+    }
+}
+
+fn leased(ledger: &mut Ledger, worker: &str, now: Duration) -> Lease {
+    let worker = WorkerId::new(worker).unwrap();
+    let (Leased::Grant(granted), _) = ledger.lease(&worker, 0, now) else { panic!("no task") };
+    Lease { task: granted.task, attempt: granted.attempt, worker, slot: 0 }
+}
+
+#[test]
+fn a_lease_is_idempotent() {
+    let mut ledger = Ledger::new(Rules::default(), plans(2));
+    let first = leased(&mut ledger, "a", Duration::ZERO);
+    assert_eq!(leased(&mut ledger, "a", Duration::from_secs(1)), first);
+    assert_ne!(leased(&mut ledger, "b", Duration::from_secs(1)).task, first.task);
+}
+
+#[test]
+fn a_worker_that_vanishes_has_a_grace_that_a_sign_of_life_ends() {
+    let rules = Rules::default();
+    let mut ledger = Ledger::new(rules, plans(1));
+    let lease = leased(&mut ledger, "a", Duration::ZERO);
+    ledger.worker_gone(&lease.worker, Duration::from_secs(1));
+    assert!(ledger.tick(rules.grace).is_empty());
+    assert_eq!(ledger.renew(&lease, None, rules.grace), RenewReply::Ok);
+    assert!(ledger.tick(rules.grace + Duration::from_secs(2)).is_empty());
+    ledger.worker_gone(&lease.worker, Duration::from_secs(8));
+    let ended = ledger.tick(Duration::from_secs(8) + rules.grace);
+    assert!(matches!(&ended[..], [Record::Ended { end: AttemptEnd::Expired, .. }]));
+    assert_eq!(ledger.renew(&lease, None, Duration::from_secs(20)), RenewReply::Lost);
+}
+
+#[test]
+fn a_poison_task_dies_with_its_reasons_and_blocks_nobody() {
+    let rules = Rules::default();
+    let mut ledger = Ledger::new(rules, plans(1));
+    let mut now = Duration::ZERO;
+    for attempt in 1..=rules.max_failures {
+        let lease = leased(&mut ledger, "a", now);
+        assert_eq!((lease.task.as_str(), lease.attempt), ("1-0", Attempt(attempt)));
+        assert!(ledger.fail(&lease, "boom", now).0);
+        // Its level waits for the pause to pass.
+        if attempt < rules.max_failures {
+            assert!(matches!(ledger.lease(&lease.worker, 0, now).0, Leased::Wait(_)));
+        }
+        now += rules.backoff * 2u32.pow(attempt);
+    }
+    assert_eq!(ledger.dead(), [(TaskId::new("1-0").unwrap(), vec!["a: boom".to_string(); 3])]);
+    assert_eq!(leased(&mut ledger, "a", now).task.as_str(), "1-1");
+    assert!(!ledger.retry_dead().is_empty());
+    // What is under way comes first.
+    assert_eq!(leased(&mut ledger, "a", now).task.as_str(), "1-1");
+}
+
+#[test]
+fn cancelling_is_heard_in_the_answer_to_a_sign_of_life() {
+    let mut ledger = Ledger::new(Rules::default(), plans(1));
+    let lease = leased(&mut ledger, "a", Duration::ZERO);
+    ledger.cancel();
+    assert_eq!(ledger.renew(&lease, None, Duration::ZERO), RenewReply::Cancel);
+    assert!(matches!(ledger.lease(&lease.worker, 0, Duration::ZERO).0, Leased::Stop));
+    assert!(ledger.release(&lease, Duration::ZERO).0 && ledger.is_idle());
+}

@@ -1,25 +1,17 @@
 //! Forcing amplitudes, as written and as numbers.
+//!
+//! A study gives them as a list, `[20, 60, 100]`, or as a text, `"20, 60, 100"`. An entry that is a text may be a range
+//! `"start:stop:step"`, which includes both ends: `"20:140:20"`, its amplitudes named by the shortest decimals that are
+//! their values. The order is kept.
 
 use super::range;
-use serde::{Deserialize, Serialize};
+use protocol::to_everyone::Amplitude;
 use solver::model::{ModelError, Place};
 use std::collections::HashMap;
 use toml::de::{DeTable, DeValue};
 
 /// Largest number of forcing amplitudes of a study.
 pub const MAX_LEVELS: usize = 100_000;
-
-/// A forcing amplitude A.
-///
-/// A study gives them as a list, `[20, 60, 100]`, or as a text, `"20, 60, 100"`. An entry that is a text may be a range
-/// `"start:stop:step"`, which includes both ends: `"20:140:20"`. The order is kept.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Amplitude {
-    /// As typed: `20`, `0.5`, `1e-3`. In a range the shortest decimal that is the value.
-    pub text: String,
-    /// The number.
-    pub value: f64,
-}
 
 /// A refused entry and what would be right.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -6,7 +6,7 @@
 //! |---|---|---|
 //! | `name` | the model's | shown to people |
 //! | `model` | `"."` | folder of the model, relative to the folder of the study |
-//! | `amplitudes` | required | forcing amplitudes A, see [`Amplitude`] |
+//! | `amplitudes` | required | forcing amplitudes A: `[20, 60]`, `"20, 60"` or `"start:stop:step"` with both ends |
 //! | `harmonics`, `frequency`, `continuation`, `backbone`, `branch` | [`Settings::default`] | numerics, see [`Settings`] |
 //! | the keys of [`config`] but `name` | those of `model.toml` | scenario: put over those of the model |
 //!
@@ -18,10 +18,11 @@ mod difference;
 mod locate;
 mod range;
 
-pub use amplitudes::{Amplitude, MAX_LEVELS};
+pub use amplitudes::MAX_LEVELS;
 pub use difference::{Difference, differences};
 
 use locate::{locate, model_folder};
+use protocol::to_everyone::Amplitude;
 use serde::Deserialize;
 use solver::model::{Layers, Model, ModelError, Place, config};
 use solver::settings::{Settings, SettingsError};

@@ -1,7 +1,8 @@
 //! Ranges `start:stop:step` in exact decimal arithmetic.
 
 use super::MAX_LEVELS;
-use super::amplitudes::{Amplitude, Refusal, number};
+use super::amplitudes::{Refusal, number};
+use protocol::to_everyone::Amplitude;
 
 /// A decimal number, digits × 10^exponent.
 #[derive(Debug, Clone, Copy)]

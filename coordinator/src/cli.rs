@@ -1,0 +1,165 @@
+//! Command line of `isola`.
+
+use clap::{Args, Parser, Subcommand};
+use std::path::PathBuf;
+
+/// Finds the isolated branches (isolas) of the forced response of nonlinear structures.
+#[derive(Debug, Parser)]
+#[command(
+    name = "isola",
+    version,
+    after_help = "\
+Examples:
+  isola sweep models/rotor67/study.toml                      one command from a model to its isolas
+  isola sweep STUDY --amplitudes 5:140:5 --set contact.friction=0
+  isola sweep STUDY --listen tcp/0.0.0.0:7447 --workers 0    wait for workers elsewhere:
+  isola-worker --connect tcp/HOST:7447                       ... on each of them
+  isola resume runs/NAME                                     go on after Ctrl-C or a crash
+
+Exit codes: 0 done; 1 error; 2 wrong usage; 3 ended with tasks missing (cancelled or given up); 130 interrupted."
+)]
+pub struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// Commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Validate a study; print its eigenfrequencies, gaps and size.
+    #[command(after_help = "Example:\n  isola check models/rotor67/study.toml --set contact.gap=3e-4")]
+    Check(StudyArgs),
+    /// Compute a study: backbone, windows, every branch of every forcing level.
+    #[command(after_help = "\
+Examples:
+  isola sweep models/rotor67/study.toml
+  isola sweep models/rotor67/study.toml --amplitudes 20,60 --set contact.friction=0 --out runs/frictionless
+  isola sweep STUDY --listen tcp/0.0.0.0:7447 --workers 0    workers elsewhere: isola-worker --connect tcp/HOST:7447")]
+    Sweep(SweepArgs),
+    /// Go on with a run that was interrupted or cancelled; nothing that was accepted is computed again.
+    #[command(after_help = "Example:\n  isola resume runs/nasa-rotor-67-20261121-101500")]
+    Resume(ResumeArgs),
+    /// Say how a run is doing (also one that is not running).
+    #[command(after_help = "Examples:\n  isola status runs/NAME\n  isola status --connect tcp/HOST:7447")]
+    Status(TargetArgs),
+    /// Follow a run live, from anywhere on the bus.
+    #[command(after_help = "Examples:\n  isola watch runs/NAME\n  isola watch --connect tcp/HOST:7447")]
+    Watch(TargetArgs),
+    /// Stop a run; what is stored stays, and `resume` goes on.
+    #[command(after_help = "Example:\n  isola cancel runs/NAME")]
+    Cancel(TargetArgs),
+    /// Try the tasks that were given up again.
+    #[command(after_help = "Example:\n  isola retry-dead runs/NAME")]
+    RetryDead(TargetArgs),
+    /// Write summary.csv, backbone.csv, windows.csv and branches/ of a run.
+    #[command(after_help = "Example:\n  isola export runs/NAME --to results")]
+    Export(ExportArgs),
+    /// Work for a run: the same as isola-worker.
+    Worker(worker::Options),
+    /// Print a completion script.
+    #[command(after_help = "Example:\n  isola completions bash > /etc/bash_completion.d/isola")]
+    Completions {
+        /// Shell.
+        shell: clap_complete::Shell,
+    },
+}
+
+/// A study and what is changed in it.
+#[derive(Debug, Args)]
+pub struct StudyArgs {
+    /// Study file, or a folder with a study.toml.
+    pub study: PathBuf,
+    /// Change a key: contact.friction=0, harmonics.count=20, ...
+    #[arg(long, value_name = "KEY=VALUE", value_parser = key_value)]
+    pub set: Vec<(String, String)>,
+    /// Forcing amplitudes: 20,60 or start:stop:step with both ends.
+    #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
+    pub amplitudes: Option<String>,
+}
+
+/// Where a run is served and who works for it.
+#[derive(Debug, Clone, Args)]
+pub struct ServeArgs {
+    /// Local worker processes; 0: only workers elsewhere [default: one a core].
+    #[arg(long, value_name = "N")]
+    pub workers: Option<usize>,
+    /// Listen here for workers and viewers, as tcp/ADDRESS:PORT [default: a free port on the loopback interface].
+    #[arg(long, value_name = "ENDPOINT", conflicts_with = "connect")]
+    pub listen: Option<String>,
+    /// Meet workers and viewers at a Zenoh router instead.
+    #[arg(long, value_name = "ENDPOINT")]
+    pub connect: Option<String>,
+    /// First chunk of all keys.
+    #[arg(long, default_value = protocol::keys::NAMESPACE)]
+    pub namespace: String,
+    /// A task without a sign of life for so many seconds is handed out again.
+    #[arg(long, value_name = "SECONDS", default_value_t = 15.0)]
+    pub lease: f64,
+    /// Stay on the bus after the end, for viewers, until Ctrl-C.
+    #[arg(long)]
+    pub stay: bool,
+}
+
+/// Arguments of `sweep`.
+#[derive(Debug, Args)]
+pub struct SweepArgs {
+    /// Study.
+    #[command(flatten)]
+    pub study: StudyArgs,
+    /// Folder of the run [default: a new one under runs/].
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Where it is served and who works for it.
+    #[command(flatten)]
+    pub serve: ServeArgs,
+}
+
+/// Arguments of `resume`.
+#[derive(Debug, Args)]
+pub struct ResumeArgs {
+    /// Folder of the run.
+    pub run: PathBuf,
+    /// Go on with the study as it was when the run began, though its file or model has changed.
+    #[arg(long)]
+    pub as_started: bool,
+    /// Where it is served and who works for it.
+    #[command(flatten)]
+    pub serve: ServeArgs,
+}
+
+/// A run, by folder or on the bus.
+#[derive(Debug, Args)]
+pub struct TargetArgs {
+    /// Folder of the run.
+    #[arg(required_unless_present = "connect", conflicts_with = "connect")]
+    pub directory: Option<PathBuf>,
+    /// Where its coordinator or router listens.
+    #[arg(long, value_name = "ENDPOINT")]
+    pub connect: Option<String>,
+    /// Which run, if there are several.
+    #[arg(long, value_name = "RUN", requires = "connect")]
+    pub run: Option<String>,
+    /// First chunk of all keys.
+    #[arg(long, default_value = protocol::keys::NAMESPACE)]
+    pub namespace: String,
+}
+
+/// Arguments of `export`.
+#[derive(Debug, Args)]
+pub struct ExportArgs {
+    /// Folder of the run.
+    pub run: PathBuf,
+    /// Where to write [default: the folder of the run].
+    #[arg(long, value_name = "DIR")]
+    pub to: Option<PathBuf>,
+}
+
+fn key_value(text: &str) -> Result<(String, String), String> {
+    match text.split_once('=') {
+        Some((key, value)) if !key.trim().is_empty() && !value.trim().is_empty() => {
+            Ok((key.trim().to_string(), value.trim().to_string()))
+        }
+        _ => Err("write it as key=value, like contact.friction=0".to_string()),
+    }
+}

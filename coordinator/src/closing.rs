@@ -1,0 +1,76 @@
+//! The closing table of a run: what was found at every forcing level.
+
+use crate::display::digits;
+use crate::error::Error;
+use crate::export::{BranchRow, Closing, LevelSummary, Rise, closing};
+use crate::store::Reader;
+use comfy_table::{CellAlignment, Table, presets::UTF8_FULL_CONDENSED};
+
+/// Levels shown at most; all of them are in summary.csv.
+const LEVELS: usize = 60;
+
+/// The closing table of a run, also one in progress.
+///
+/// # Errors
+/// If the store cannot be read.
+pub fn table(reader: &Reader) -> Result<String, Error> {
+    let Closing { levels, rise } = closing(reader)?;
+    let mut table = Table::new();
+    table.load_preset(UTF8_FULL_CONDENSED);
+    table.set_header(["A", "main peak", "isolas (range, peak)", "windows", "not found"]);
+    for level in levels.iter().take(LEVELS) {
+        table.add_row([
+            level.amplitude.clone(),
+            main(level),
+            lines(level.isolas.iter().map(isola)),
+            level.windows.to_string(),
+            not_found(level),
+        ]);
+    }
+    for column in [0, 3] {
+        if let Some(column) = table.column_mut(column) {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+    }
+    let mut text = table.to_string();
+    if levels.len() > LEVELS {
+        text += &format!("\n... and {} more levels: see summary.csv", levels.len() - LEVELS);
+    }
+    if let Some(Rise { amplitudes: (from, to), omega: (low, high) }) = rise {
+        let (word, change) = if high >= low { ("rises", high - low) } else { ("falls", low - high) };
+        text += &format!(
+            "\nThe frequency of the largest response {word} most, by {change} rad/s to {high} rad/s, between A = {from} and A = {to}.",
+            change = digits(change),
+            high = digits(high)
+        );
+    }
+    Ok(text)
+}
+
+fn lines(lines: impl Iterator<Item = String>) -> String {
+    lines.collect::<Vec<_>>().join("\n")
+}
+
+fn peak(row: &BranchRow) -> String {
+    format!("{:.4e} m at {} rad/s", row.amplitude_max, digits(row.omega_at_max))
+}
+
+fn main(level: &LevelSummary) -> String {
+    match (&level.main, &level.main_failure) {
+        (Some(row), _) => peak(row),
+        (None, Some(failure)) => failure.clone(),
+        (None, None) => "to come".to_string(),
+    }
+}
+
+fn isola(row: &BranchRow) -> String {
+    let (low, high) = row.omega;
+    let open = if row.closed { String::new() } else { format!(" ({})", row.status) };
+    format!("{} to {} rad/s, {}{open}", digits(low), digits(high), peak(row))
+}
+
+fn not_found(level: &LevelSummary) -> String {
+    let pending = (level.pending > 0).then(|| format!("{} tasks to come", level.pending));
+    let dead = (level.dead > 0).then(|| format!("{} tasks given up", level.dead));
+    lines(level.not_found.iter().cloned().chain(pending).chain(dead))
+}

@@ -1,0 +1,168 @@
+//! Progress for people: bars on a terminal, a line now and then otherwise.
+
+use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
+use protocol::from_worker::Progress;
+use protocol::to_everyone::{Stage, Status};
+use std::io::IsTerminal;
+use std::time::{Duration, Instant};
+
+/// Bars of levels and workers shown at most, each.
+const ROWS: usize = 12;
+/// Time between two lines where there is no terminal.
+const LINE_PERIOD: Duration = Duration::from_secs(5);
+
+/// Shows the status of a run as it changes.
+pub struct Display {
+    bars: Option<Bars>,
+    last_line: Option<(Instant, Stage, usize)>,
+}
+
+struct Bars {
+    multi: MultiProgress,
+    total: ProgressBar,
+    levels: Vec<ProgressBar>,
+    workers: Vec<ProgressBar>,
+}
+
+fn style(template: &str) -> ProgressStyle {
+    ProgressStyle::with_template(template).expect("templates are fixed").progress_chars("━╸ ")
+}
+
+impl Display {
+    /// On standard error.
+    pub fn new() -> Self {
+        let bars = std::io::stderr().is_terminal().then(|| {
+            let multi = MultiProgress::with_draw_target(ProgressDrawTarget::stderr());
+            let total = multi.add(ProgressBar::new(0).with_style(style("{wide_bar:.cyan} {pos}/{len} tasks  {msg}")));
+            Bars { multi, total, levels: Vec::new(), workers: Vec::new() }
+        });
+        Self { bars, last_line: None }
+    }
+
+    /// Shows a status.
+    pub fn update(&mut self, status: &Status) {
+        match &mut self.bars {
+            Some(bars) => bars.update(status),
+            None => self.line(status),
+        }
+    }
+
+    fn line(&mut self, status: &Status) {
+        let levels_done = status.levels_done;
+        let due = self.last_line.is_none_or(|(time, stage, levels)| {
+            time.elapsed() >= LINE_PERIOD || stage != status.stage || levels != levels_done
+        });
+        if due {
+            self.last_line = Some((Instant::now(), status.stage, levels_done));
+            eprintln!("{}", summary(status));
+        }
+    }
+
+    /// Takes bars off the terminal.
+    pub fn clear(&mut self) {
+        if let Some(bars) = self.bars.take() {
+            // A terminal that is gone needs no clearing.
+            let _ = bars.multi.clear();
+        }
+    }
+}
+
+impl Default for Display {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Bars {
+    fn update(&mut self, status: &Status) {
+        let tasks = status.tasks;
+        self.total.set_length((tasks.done + tasks.skipped + tasks.running + tasks.waiting + tasks.dead) as u64);
+        self.total.set_position((tasks.done + tasks.skipped + tasks.dead) as u64);
+        self.total.set_message(match (status.stage, &status.backbone) {
+            (Stage::Backbone, Some(backbone)) => format!("backbone: {}", progress(backbone)),
+            (Stage::Sweep, _) => format!("{} branches{}", tasks.branches, eta(status)),
+            (stage, _) => stage.name().to_string(),
+        });
+        rows(&self.multi, &mut self.levels, status.active.len(), "  {prefix:>12} {bar:20.green} {pos}/{len}  {msg}");
+        for (bar, level) in self.levels.iter().zip(&status.active) {
+            bar.set_prefix(format!("A = {}", level.amplitude));
+            bar.set_length(level.total as u64);
+            bar.set_position(level.done as u64);
+            let place = level.progress.as_ref().map_or(String::new(), |p| format!(", {}", progress(p)));
+            bar.set_message(format!("{} branches{place}", level.branches));
+        }
+        rows(&self.multi, &mut self.workers, status.workers.len(), "  {prefix:.dim} {msg}");
+        for (bar, worker) in self.workers.iter().zip(&status.workers) {
+            bar.set_prefix(worker.worker.to_string());
+            let task = worker.tasks.iter().map(ToString::to_string).collect::<Vec<_>>().join(" ");
+            let place = worker.progress.as_ref().map_or(String::new(), |p| format!(", {}", progress(p)));
+            let doing = if task.is_empty() { "waiting".to_string() } else { format!("task {task}{place}") };
+            bar.set_message(format!("{} done, {doing}", worker.done));
+        }
+    }
+}
+
+/// As many bars as there is something to show.
+fn rows(multi: &MultiProgress, bars: &mut Vec<ProgressBar>, count: usize, template: &str) {
+    let count = count.min(ROWS);
+    while bars.len() > count {
+        if let Some(bar) = bars.pop() {
+            multi.remove(&bar);
+        }
+    }
+    while bars.len() < count {
+        let bar = ProgressBar::new(1).with_style(style(template));
+        let bar = match bars.last() {
+            Some(last) => multi.insert_after(last, bar),
+            None => multi.add(bar),
+        };
+        bars.push(bar);
+    }
+}
+
+fn progress(progress: &Progress) -> String {
+    format!("{} points, {} rad/s, {:.3e} m", progress.points, digits(progress.omega), progress.amplitude)
+}
+
+fn eta(status: &Status) -> String {
+    status.eta.map_or(String::new(), |eta| format!(", {} to go", duration(eta)))
+}
+
+/// A frequency with six digits.
+pub fn digits(omega: f64) -> String {
+    let before = omega.abs().max(1e-300).log10().floor() as i32 + 1;
+    format!("{omega:.*}", (6 - before).clamp(0, 12) as usize)
+}
+
+/// Seconds, minutes or hours, as coarse as people think of them.
+pub fn duration(seconds: f64) -> String {
+    if seconds < 100.0 {
+        format!("{seconds:.0} s")
+    } else if seconds < 6000.0 {
+        format!("{:.0} min", seconds / 60.0)
+    } else {
+        format!("{:.1} h", seconds / 3600.0)
+    }
+}
+
+/// A status in one line.
+pub fn summary(status: &Status) -> String {
+    let tasks = status.tasks;
+    if let (Stage::Backbone, place) = (status.stage, &status.backbone) {
+        let place = place.as_ref().map_or(String::new(), |p| format!(": {}", progress(p)));
+        return format!("{}{place}", status.stage.name());
+    }
+    let dead = if tasks.dead > 0 { format!(", {} given up", tasks.dead) } else { String::new() };
+    format!(
+        "{}: {} of {} levels, {} tasks done, {} under way, at most {} to come{dead}, {} branches, {} workers{}",
+        status.stage.name(),
+        status.levels_done,
+        status.levels,
+        tasks.done + tasks.skipped,
+        tasks.running,
+        tasks.waiting,
+        tasks.branches,
+        status.workers.len(),
+        if status.stage == Stage::Sweep { eta(status) } else { String::new() }
+    )
+}

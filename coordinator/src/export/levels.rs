@@ -1,0 +1,172 @@
+//! Levels as the store has them: branches, windows, failures.
+
+use crate::store::{Reader, Result, number};
+use rusqlite::Row;
+
+/// A branch of a level in numbers.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BranchRow {
+    /// `main` or `isola`.
+    pub kind: String,
+    /// Number from 1 within its kind, as in names of files.
+    pub number: usize,
+    /// How it ends, in words.
+    pub status: String,
+    /// Whether it is a closed curve.
+    pub closed: bool,
+    /// Number of points.
+    pub points: usize,
+    /// Lowest and highest frequency, rad/s.
+    pub omega: (f64, f64),
+    /// Largest amplitude of the first monitored dof, m.
+    pub amplitude_max: f64,
+    /// Frequency there, rad/s.
+    pub omega_at_max: f64,
+    /// Lowest and highest frequency at which any node touches, rad/s.
+    pub contact_omega: Option<(f64, f64)>,
+    pub(super) id: i64,
+    pub(super) task: String,
+}
+
+/// A forcing level.
+pub(super) struct LevelRow {
+    /// Number in the store.
+    pub level: i64,
+    /// Forcing amplitude, as typed.
+    pub amplitude: String,
+}
+
+/// A window and what became of it.
+pub(super) struct WindowRow {
+    /// Number, from 1.
+    pub number: usize,
+    /// Lowest and highest frequency, rad/s.
+    pub omega: (f64, f64),
+    /// Frequency of the smallest threshold, rad/s.
+    pub omega_best: f64,
+    /// Smallest threshold A*.
+    pub threshold: f64,
+    /// What became of it.
+    pub outcome: WindowOutcome,
+}
+
+/// What became of a window.
+pub(super) enum WindowOutcome {
+    /// It led to these branches.
+    Found(String),
+    /// Every seed was tried, none led to a branch, for these reasons.
+    NotFound(String),
+    /// Seeds are left to be tried; reasons why some were given up.
+    Pending(String),
+}
+
+/// Levels by amplitude.
+pub(super) fn levels(reader: &Reader) -> Result<Vec<LevelRow>> {
+    let sql = "SELECT level, amplitude FROM levels ORDER BY value, level";
+    reader.all(sql, [], |row| Ok(LevelRow { level: row.get(0)?, amplitude: row.get(1)? }))
+}
+
+/// Branches of a level: main, then isolas.
+pub(super) fn branches(reader: &Reader, level: i64) -> Result<Vec<BranchRow>> {
+    let sql = "SELECT kind, number, status, closed, points, omega_min, omega_max, amplitude_max, omega_at_max, \
+               contact_omega_min, contact_omega_max, id, task \
+               FROM branches WHERE level = ?1 ORDER BY kind DESC, number";
+    reader.all(sql, [level], branch)
+}
+
+fn branch(row: &Row<'_>) -> rusqlite::Result<BranchRow> {
+    let touching: (Option<f64>, Option<f64>) = (row.get(9)?, row.get(10)?);
+    Ok(BranchRow {
+        kind: row.get(0)?,
+        number: row.get(1)?,
+        status: row.get(2)?,
+        closed: row.get(3)?,
+        points: row.get(4)?,
+        omega: (number(row, 5)?, number(row, 6)?),
+        amplitude_max: number(row, 7)?,
+        omega_at_max: number(row, 8)?,
+        contact_omega: touching.0.zip(touching.1),
+        id: row.get(11)?,
+        task: row.get(12)?,
+    })
+}
+
+/// Why a level has no main branch, if it was tried.
+pub(super) fn main_failure(reader: &Reader, level: i64) -> Result<Option<String>> {
+    let sql = "SELECT state, outcome, (SELECT reason FROM attempts WHERE task = id AND reason IS NOT NULL \
+               ORDER BY attempt DESC LIMIT 1) FROM tasks \
+               WHERE level = ?1 AND kind = 'main' AND (state = 'dead' OR state = 'done' AND NOT found)";
+    reader.one(sql, [level], |row| {
+        let (state, outcome, reason): (String, Option<String>, Option<String>) =
+            (row.get(0)?, row.get(1)?, row.get(2)?);
+        Ok(if state == "dead" { given_up(reason) } else { outcome.unwrap_or_default() })
+    })
+}
+
+fn given_up(reason: Option<String>) -> String {
+    reason.map_or_else(|| "given up".into(), |reason| format!("given up: {reason}"))
+}
+
+/// Windows of a level, in the order of the backbone.
+pub(super) fn windows(reader: &Reader, level: i64) -> Result<Vec<WindowRow>> {
+    let seeds = seeds(reader, level)?;
+    let sql =
+        "SELECT window, omega_min, omega_max, omega_best, threshold FROM windows WHERE level = ?1 ORDER BY window";
+    reader.all(sql, [level], |row| {
+        let window: usize = row.get(0)?;
+        Ok(WindowRow {
+            number: window,
+            omega: (number(row, 1)?, number(row, 2)?),
+            omega_best: number(row, 3)?,
+            threshold: number(row, 4)?,
+            outcome: outcome(seeds.iter().filter(|seed| seed.window == window)),
+        })
+    })
+}
+
+/// A task that starts from a window.
+struct SeedRow {
+    window: usize,
+    state: String,
+    outcome: Option<String>,
+    branch: Option<String>,
+    reason: Option<String>,
+}
+
+fn seeds(reader: &Reader, level: i64) -> Result<Vec<SeedRow>> {
+    let sql = "SELECT window, state, outcome, branch, (SELECT reason FROM attempts WHERE task = id \
+               AND reason IS NOT NULL ORDER BY attempt DESC LIMIT 1) \
+               FROM tasks WHERE level = ?1 AND kind = 'seed' ORDER BY position";
+    reader.all(sql, [level], |row| {
+        Ok(SeedRow {
+            window: row.get(0)?,
+            state: row.get(1)?,
+            outcome: row.get(2)?,
+            branch: row.get(3)?,
+            reason: row.get(4)?,
+        })
+    })
+}
+
+fn outcome<'s>(seeds: impl Iterator<Item = &'s SeedRow> + Clone) -> WindowOutcome {
+    let found = distinct(seeds.clone().filter_map(|seed| seed.branch.clone()));
+    if !found.is_empty() {
+        return WindowOutcome::Found(found);
+    }
+    let is_dead = |seed: &&SeedRow| seed.state == "dead";
+    if seeds.clone().all(|seed| matches!(seed.state.as_str(), "done" | "skipped")) {
+        return WindowOutcome::NotFound(distinct(seeds.filter_map(|seed| seed.outcome.clone())));
+    }
+    WindowOutcome::Pending(distinct(seeds.filter(is_dead).map(|seed| given_up(seed.reason.clone()))))
+}
+
+/// Texts without repetition.
+fn distinct(texts: impl Iterator<Item = String>) -> String {
+    let mut list: Vec<String> = Vec::new();
+    for text in texts {
+        if !list.contains(&text) {
+            list.push(text);
+        }
+    }
+    list.join("; ")
+}

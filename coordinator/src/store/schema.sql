@@ -1,0 +1,260 @@
+-- A run of Isola. SI units: rad/s, m, N, J; forcing amplitudes A in the model's unit of forcing.
+-- `pragma application_id` is 0x49534F4C ("ISOL"), `pragma user_version` the version of this schema.
+--
+-- Arrays are BLOBs of little-endian 64-bit floating point numbers, row-major:
+--   numpy.frombuffer(data, dtype).reshape(json.loads(shape))
+-- "msgpack" marks BLOBs for the program itself; what they say stands in other columns in readable form.
+-- NULL in a column of numbers: not a number.
+
+-- What holds for the whole run.
+CREATE TABLE meta (
+    -- run, name, study_file, overrides (of the command line, JSON), study (TOML, every setting spelled out), model_sha256, program, created (RFC 3339, UTC),
+    -- namespace (of the keys on the bus), stage (backbone, sweep, finished, cancelled), settings (msgpack);
+    -- with the backbone: omega_low, omega_high, amplitude_bound (reach of branches), backbone_status, reach and
+    -- backbone (msgpack).
+    key TEXT NOT NULL PRIMARY KEY,
+    value NOT NULL
+) WITHOUT ROWID;
+
+-- The model, one row. Its matrices are in `arrays`, owner 'model': mass, stiffness, frequencies, shapes (a column per
+-- mode: x = shapes y), damping, forcing.
+CREATE TABLE model (
+    -- Name shown to people.
+    name TEXT NOT NULL,
+    -- Names of all dofs, JSON.
+    dofs TEXT NOT NULL,
+    -- Names of the monitored dofs, JSON: second axis of the arrays `amplitude` and `rms`.
+    monitors TEXT NOT NULL,
+    -- Names of the nonlinear and monitored dofs, JSON: second axis of the arrays `displacement`.
+    displacement_dofs TEXT NOT NULL,
+    -- Names of the contact elements, JSON: second axis of the arrays `contact`.
+    contacts TEXT NOT NULL,
+    -- The `model` message, msgpack.
+    payload BLOB NOT NULL
+);
+
+-- Forcing levels, in the order of the study.
+CREATE TABLE levels (
+    -- Number, from 1.
+    level INTEGER NOT NULL PRIMARY KEY,
+    -- Forcing amplitude as typed.
+    amplitude TEXT NOT NULL UNIQUE,
+    -- Forcing amplitude.
+    value REAL NOT NULL
+);
+
+-- Points of the backbone. Its arrays are in `arrays`, owner 'backbone'.
+CREATE TABLE backbone (
+    -- Number of the point, from 0.
+    i INTEGER NOT NULL PRIMARY KEY,
+    -- Frequency.
+    omega REAL,
+    -- Decay rate, 1/s.
+    zeta REAL,
+    -- Largest |x| of the first monitored dof over the period.
+    amplitude REAL,
+    -- Root mean square of the first monitored dof.
+    rms REAL,
+    -- Share of the period in contact, the largest over the contact elements.
+    contact REAL,
+    -- Largest scaled residual.
+    residual REAL,
+    -- Share of the two highest harmonics in the motion.
+    high_harmonics REAL,
+    -- Newton iterations.
+    iterations INTEGER,
+    -- Work of the linear damping, J a period.
+    r_lin REAL,
+    -- Work of the nonlinear elements, J a period.
+    r_nl REAL,
+    -- Work of the forcing per unit of A, J a period.
+    work_per_amplitude REAL,
+    -- Threshold A*: forced responses are predicted above.
+    threshold REAL,
+    -- Relative error of the energy balance.
+    certificate REAL,
+    -- Scaled arc length.
+    arc REAL
+);
+
+-- Windows: where along the backbone a level is predicted to have forced responses.
+CREATE TABLE windows (
+    -- Level.
+    level INTEGER NOT NULL REFERENCES levels (level),
+    -- Number within the level, from 1, in the order of the backbone.
+    window INTEGER NOT NULL,
+    -- Lowest and highest frequency.
+    omega_min REAL NOT NULL,
+    omega_max REAL NOT NULL,
+    -- Frequency of the point of smallest threshold.
+    omega_best REAL NOT NULL,
+    -- Smallest threshold A*.
+    threshold REAL NOT NULL,
+    -- Points of the backbone: first and last inside, and the one of smallest threshold.
+    first INTEGER NOT NULL,
+    last INTEGER NOT NULL,
+    best INTEGER NOT NULL,
+    PRIMARY KEY (level, window)
+) WITHOUT ROWID;
+
+-- Tasks: each continues one branch at most.
+CREATE TABLE tasks (
+    -- Name.
+    id TEXT NOT NULL PRIMARY KEY,
+    -- Level.
+    level INTEGER NOT NULL REFERENCES levels (level),
+    -- Turn within the level, from 0.
+    position INTEGER NOT NULL,
+    -- 'main' (from the lower frequency bound) or 'seed' (from a seed of a window).
+    kind TEXT NOT NULL,
+    -- Window the seed is from; NULL for 'main', as the next two.
+    window INTEGER,
+    -- 'first' or 'second': which of the two phases.
+    phase TEXT,
+    -- 'fixed_frequency' or 'stepped_forcing': how the seed is landed.
+    way TEXT,
+    -- 'waiting', 'leased', 'done', 'skipped' (not needed any more) or 'dead' (given up).
+    state TEXT NOT NULL DEFAULT 'waiting',
+    -- How often it was handed out.
+    attempts INTEGER NOT NULL DEFAULT 0,
+    -- Attempts up to this one do not count as failures: it was taken from the dead list after it.
+    forgiven INTEGER NOT NULL DEFAULT 0,
+    -- What became of it, in words; NULL unless done.
+    outcome TEXT,
+    -- Whether it lies on a branch; NULL unless done.
+    found INTEGER,
+    -- That branch, 'main' or 'isola 1', …; NULL unless found.
+    branch TEXT,
+    -- What is to be done, msgpack.
+    work BLOB NOT NULL,
+    -- What became of it, msgpack.
+    record BLOB,
+    UNIQUE (level, position)
+);
+
+-- Every time a task was handed out.
+CREATE TABLE attempts (
+    -- Task.
+    task TEXT NOT NULL REFERENCES tasks (id),
+    -- Counts from 1 for each task.
+    attempt INTEGER NOT NULL,
+    -- To whom.
+    worker TEXT NOT NULL,
+    -- To which of its computing threads, from 0.
+    slot INTEGER NOT NULL,
+    -- When, RFC 3339, UTC, to the ms.
+    granted_at TEXT NOT NULL,
+    -- When it ended; NULL while it is under way.
+    ended_at TEXT,
+    -- 'done', 'failed', 'expired' (no sign of life), 'released' (given back) or 'superseded' (another result came first).
+    "end" TEXT,
+    -- Why, if it failed or expired.
+    reason TEXT,
+    PRIMARY KEY (task, attempt)
+) WITHOUT ROWID;
+
+-- Results accepted, one a task at most, with and without a branch.
+CREATE TABLE results (
+    -- Number of the announcement, from 1.
+    sequence INTEGER NOT NULL PRIMARY KEY,
+    -- Task.
+    task TEXT NOT NULL UNIQUE REFERENCES tasks (id),
+    -- Attempt that it is from.
+    attempt INTEGER NOT NULL,
+    -- Who computed it.
+    worker TEXT NOT NULL,
+    -- With which version of the program.
+    program TEXT NOT NULL,
+    -- Computing time, s.
+    seconds REAL,
+    -- Size of the `result` message, bytes.
+    size INTEGER NOT NULL,
+    -- Its SHA-256.
+    sha256 TEXT NOT NULL,
+    -- The `result` message without the numbers of its arrays, msgpack.
+    record BLOB NOT NULL
+);
+
+-- Branches. Who computed one and when: `results` and `attempts` of its task. Its arrays: `arrays`, owner = task.
+CREATE TABLE branches (
+    -- Number of the branch in this file.
+    id INTEGER NOT NULL PRIMARY KEY,
+    -- Task that found it.
+    task TEXT NOT NULL UNIQUE REFERENCES results (task),
+    -- Level.
+    level INTEGER NOT NULL REFERENCES levels (level),
+    -- Forcing amplitude as typed.
+    amplitude TEXT NOT NULL,
+    -- 'main' or 'isola'.
+    kind TEXT NOT NULL,
+    -- Number within level and kind, from 1.
+    number INTEGER NOT NULL,
+    -- How it ends, in words.
+    status TEXT NOT NULL,
+    -- Whether it is a closed curve.
+    closed INTEGER NOT NULL,
+    -- Number of points.
+    points INTEGER NOT NULL,
+    -- Steps that were refused and repeated shorter.
+    rejections INTEGER NOT NULL,
+    -- Start, peak and folds, JSON: [{"kind": "fold", "index": 12}, …], index = points.i.
+    special TEXT NOT NULL,
+    -- Lowest and highest frequency.
+    omega_min REAL,
+    omega_max REAL,
+    -- Largest amplitude of the first monitored dof, and the frequency there.
+    amplitude_max REAL,
+    omega_at_max REAL,
+    -- Lowest and highest frequency at which any contact element touches; NULL if none does.
+    contact_omega_min REAL,
+    contact_omega_max REAL,
+    UNIQUE (level, kind, number)
+);
+
+-- Points of branches, in the order of the arc.
+CREATE TABLE points (
+    -- Branch.
+    branch INTEGER NOT NULL REFERENCES branches (id),
+    -- Number of the point, from 0.
+    i INTEGER NOT NULL,
+    -- Frequency.
+    omega REAL,
+    -- Largest |x| of the first monitored dof over the period (of all of them: array `amplitude`).
+    amplitude REAL,
+    -- Root mean square of the first monitored dof (of all of them: array `rms`).
+    rms REAL,
+    -- Share of the period in contact, the largest over the contact elements (of each: array `contact`).
+    contact REAL,
+    -- Largest scaled residual.
+    residual REAL,
+    -- Share of the two highest harmonics in the motion.
+    high_harmonics REAL,
+    -- Newton iterations.
+    iterations INTEGER,
+    PRIMARY KEY (branch, i)
+) WITHOUT ROWID;
+
+-- Arrays of the model, of the backbone and of branches. p points, H harmonics; harmonics X_k are complex, axes
+-- (H + 1) x 2, the last one (re, im): x(t) = Re sum X_k exp(i k omega t).
+--   argument       p x channels x (H + 1) x 2: arguments of the laws (contact normals: predicted pressure, N; else m)
+--   modal          p x modes x (H + 1) x 2: modal amplitudes, kg^0.5 m
+--   displacement   p x dofs x (H + 1) x 2: displacements of the dofs named in model.displacement_dofs, m
+--   amplitude, rms p x monitors: largest |x| and root mean square of the monitored dofs, m
+--   contact        p x contacts: share of the period in contact
+--   decay, forcing p: decay rate, 1/s (a column of `backbone`), and forcing amplitude A
+--   contributions  p x modes: modal contributions, summing to 1 (backbone only)
+-- Columns of `points` and `backbone` that hold a number of their own are not repeated here, unless they cannot hold it
+-- (NaN, -0).
+CREATE TABLE arrays (
+    -- 'model', 'backbone' or the task of a branch.
+    owner TEXT NOT NULL,
+    -- Name.
+    name TEXT NOT NULL,
+    -- '<f8'.
+    dtype TEXT NOT NULL,
+    -- Lengths of the axes, JSON.
+    shape TEXT NOT NULL,
+    -- The numbers.
+    data BLOB NOT NULL,
+    UNIQUE (owner, name)
+);
