@@ -1,1 +1,313 @@
-//! Placeholder.
+//! Real processes on loopback, for tests of the whole system.
+//!
+//! Every run gets a folder and a port of its own; children are ended by their ids when a test ends, however it ends.
+
+use protocol::keys::Keys;
+use protocol::session::{connect, fetch};
+use protocol::to_everyone::{Manifest, Stage, Status};
+use rustix::process::{Pid, Signal, kill_process};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, ExitStatus, Output, Stdio};
+use std::time::{Duration, Instant};
+
+pub mod results;
+
+/// How long anything is waited for before a test fails.
+pub const PATIENCE: Duration = Duration::from_secs(60);
+
+/// A program of this workspace, as built beside the test.
+pub fn program(name: &str) -> PathBuf {
+    let test = std::env::current_exe().expect("a test knows its own file");
+    let directory = test.ancestors().find(|path| path.join(name).is_file());
+    let directory = directory.unwrap_or_else(|| panic!("{name} is not built: run `cargo test --workspace`"));
+    directory.join(name)
+}
+
+/// A file of this repository.
+pub fn repository(path: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(path)
+}
+
+/// A child process; killed when dropped.
+pub struct Process {
+    child: Child,
+    log: PathBuf,
+}
+
+impl Process {
+    /// Starts a program whose output goes to `log`.
+    pub fn start(program: &Path, arguments: &[&str], log: &Path) -> Self {
+        let file = std::fs::File::create(log).expect("the folder of a test is writable");
+        let child = Command::new(program)
+            .args(arguments)
+            .stdin(Stdio::null())
+            .stdout(file.try_clone().expect("a file handle can be cloned"))
+            .stderr(file)
+            .spawn()
+            .unwrap_or_else(|error| panic!("{}: {error}", program.display()));
+        Self { child, log: log.to_path_buf() }
+    }
+
+    /// What it has said.
+    pub fn output(&self) -> String {
+        std::fs::read_to_string(&self.log).unwrap_or_default()
+    }
+
+    /// Its id.
+    pub fn id(&self) -> u32 {
+        self.child.id()
+    }
+
+    /// Sends a signal.
+    pub fn signal(&self, signal: Signal) {
+        let id = Pid::from_child(&self.child);
+        kill_process(id, signal).expect("the process is there");
+    }
+
+    /// Waits for it to end.
+    pub fn wait(&mut self) -> ExitStatus {
+        let mut status = None;
+        let ended = || {
+            status = self.child.try_wait().expect("a child can be waited for");
+            status.is_some()
+        };
+        if !eventually(PATIENCE, ended) {
+            panic!("{} does not end:\n{}", self.id(), self.output());
+        }
+        status.expect("it has ended")
+    }
+
+    /// Whether it is running.
+    pub fn is_running(&mut self) -> bool {
+        matches!(self.child.try_wait(), Ok(None))
+    }
+}
+
+impl Drop for Process {
+    fn drop(&mut self) {
+        // It may have ended already.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+/// Whether something holds within a time.
+pub fn eventually(within: Duration, mut holds: impl FnMut() -> bool) -> bool {
+    let deadline = Instant::now() + within;
+    loop {
+        if holds() {
+            return true;
+        }
+        if Instant::now() > deadline {
+            return false;
+        }
+        std::thread::sleep(Duration::from_millis(10));
+    }
+}
+
+/// Runs `isola` to its end.
+pub fn isola(arguments: &[&str]) -> Output {
+    let output = Command::new(program("isola")).args(arguments).stdin(Stdio::null()).output();
+    output.expect("isola can be started")
+}
+
+/// What a program wrote to standard error.
+pub fn complaint(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// A run with its folder, coordinator and workers.
+pub struct System {
+    folder: tempfile::TempDir,
+    /// The coordinator.
+    pub coordinator: Process,
+    workers: usize,
+}
+
+impl System {
+    /// Starts the sweep of a study without local workers, with leases of 2 s.
+    pub fn sweep(study: &str, more: &[&str]) -> Self {
+        Self::sweep_with(study, &[&["--workers", "0", "--lease", "2"], more].concat())
+    }
+
+    /// Starts the sweep of a study.
+    pub fn sweep_with(study: &str, more: &[&str]) -> Self {
+        let folder = tempfile::tempdir().expect("there is a folder for temporary files");
+        let run = folder.path().join("run");
+        let study = repository(study);
+        let fixed = ["sweep", study.to_str().expect("paths are text"), "--out", run.to_str().expect("paths are text")];
+        let coordinator =
+            Process::start(&program("isola"), &[&fixed, more].concat(), &folder.path().join("coordinator.log"));
+        let system = Self { folder, coordinator, workers: 0 };
+        system.wait_for_address();
+        system
+    }
+
+    /// Resumes the run, on another port.
+    pub fn resume(&mut self, more: &[&str]) {
+        let _ = std::fs::remove_file(self.directory().join("address"));
+        let run = self.directory();
+        let fixed = ["resume", run.to_str().expect("paths are text")];
+        let log = self.folder.path().join("resumed.log");
+        self.coordinator = Process::start(&program("isola"), &[&fixed, more].concat(), &log);
+        self.wait_for_address();
+    }
+
+    fn wait_for_address(&self) {
+        if !eventually(PATIENCE, || {
+            self.directory().join("address").exists() || self.directory().join("summary.csv").exists()
+        }) {
+            panic!("no coordinator:\n{}", self.coordinator.output());
+        }
+    }
+
+    /// Folder of the run.
+    pub fn directory(&self) -> PathBuf {
+        self.folder.path().join("run")
+    }
+
+    /// Folder of the run, as text.
+    pub fn directory_text(&self) -> String {
+        self.directory().display().to_string()
+    }
+
+    /// Folder for whatever a test needs beside the run.
+    pub fn folder(&self) -> &Path {
+        self.folder.path()
+    }
+
+    /// Where the coordinator listens.
+    pub fn address(&self) -> String {
+        std::fs::read_to_string(self.directory().join("address")).expect("the coordinator is there").trim().to_string()
+    }
+
+    /// Starts a worker of one computing thread.
+    pub fn worker(&mut self) -> Process {
+        let address = self.address();
+        self.worker_at(&address)
+    }
+
+    /// Starts a worker that connects elsewhere.
+    pub fn worker_at(&mut self, address: &str) -> Process {
+        self.workers += 1;
+        let log = self.folder.path().join(format!("worker-{}.log", self.workers));
+        Process::start(&program("isola-worker"), &["--connect", address, "--slots", "1", "-v"], &log)
+    }
+
+    /// Session, keys and manifest of a viewer.
+    pub async fn viewer(&self) -> (zenoh::Session, Keys, Manifest) {
+        let session = connect(&self.address()).await.expect("the coordinator is there");
+        let key = protocol::keys::all_runs(protocol::keys::NAMESPACE);
+        let manifest: Manifest = fetch(&session, &key, PATIENCE).await.expect("there is a run");
+        let keys = Keys::new(protocol::keys::NAMESPACE, &manifest.run);
+        (session, keys, manifest)
+    }
+
+    /// Waits until the status of the run is as wanted.
+    pub fn wait_until(&self, what: &str, holds: impl Fn(&Status) -> bool) -> Status {
+        block_on(self.reaches(what, holds))
+    }
+
+    /// [`System::wait_until`], for whoever is on a runtime already.
+    pub async fn reaches(&self, what: &str, holds: impl Fn(&Status) -> bool) -> Status {
+        let (session, keys, _) = self.viewer().await;
+        let deadline = Instant::now() + PATIENCE;
+        loop {
+            if let Ok(status) = fetch::<Status>(&session, &keys.status(), PATIENCE).await
+                && holds(&status)
+            {
+                return status;
+            }
+            assert!(Instant::now() < deadline, "not in time: {what}\n{}", self.coordinator.output());
+            tokio::time::sleep(Duration::from_millis(20)).await;
+        }
+    }
+
+    /// Waits until a branch is under way: a task with points.
+    pub fn wait_for_a_branch(&self) -> Status {
+        self.wait_until("a branch under way", |status| {
+            status.active.iter().any(|level| level.progress.is_some_and(|progress| progress.points > 1))
+        })
+    }
+
+    /// Waits for the coordinator to end with every task done.
+    pub fn expect_complete(&mut self) {
+        let status = self.coordinator.wait();
+        assert!(status.success(), "{status}\n{}", self.coordinator.output());
+        results::assert_stored_once(&self.directory());
+    }
+
+    /// Waits until every task is done, the coordinator staying.
+    pub fn wait_until_finished(&self) -> Status {
+        self.wait_until("the end of the run", |status| status.stage == Stage::Finished)
+    }
+
+    /// A number from the store.
+    pub fn number(&self, sql: &str) -> i64 {
+        results::number(&self.directory(), sql)
+    }
+
+    /// Attempts of which an SQL condition on `ending`, `reason` and `worker` holds.
+    pub fn attempts(&self, condition: &str) -> i64 {
+        let attempts = r#"SELECT worker, reason, "end" AS ending FROM attempts"#;
+        self.number(&format!("SELECT count(*) FROM ({attempts}) WHERE {condition}"))
+    }
+
+    /// Tasks that are done, in the order of their announcements.
+    pub fn done(&self) -> Vec<String> {
+        results::done(&self.directory())
+    }
+
+    /// Number of workers whose attempts led to results.
+    pub fn workers_with_results(&self) -> i64 {
+        self.number("SELECT count(DISTINCT worker) FROM results")
+    }
+
+    /// Ids of the coordinator's local workers.
+    pub fn children(&self) -> Vec<u32> {
+        let id = self.coordinator.id();
+        let list = std::fs::read_to_string(format!("/proc/{id}/task/{id}/children")).unwrap_or_default();
+        list.split_whitespace().filter_map(|child| child.parse().ok()).collect()
+    }
+}
+
+/// Runs a future on a runtime of its own.
+pub fn block_on<T>(future: impl Future<Output = T>) -> T {
+    let runtime = tokio::runtime::Builder::new_multi_thread().worker_threads(2).enable_all().build();
+    let runtime = runtime.expect("a runtime can be made");
+    let value = runtime.block_on(future);
+    runtime.shutdown_background();
+    value
+}
+
+/// Addresses that a process listens on, from the kernel's tables.
+pub fn listening(id: u32) -> Vec<String> {
+    let sockets: Vec<String> = std::fs::read_dir(format!("/proc/{id}/fd"))
+        .map(|entries| entries.flatten().filter_map(|entry| std::fs::read_link(entry.path()).ok()).collect())
+        .map(|links: Vec<PathBuf>| links.iter().map(|link| link.display().to_string()).collect())
+        .unwrap_or_default();
+    let mut found = Vec::new();
+    for table in ["tcp", "tcp6", "udp", "udp6"] {
+        let text = std::fs::read_to_string(format!("/proc/{id}/net/{table}")).unwrap_or_default();
+        for line in text.lines().skip(1) {
+            let fields: Vec<&str> = line.split_whitespace().collect();
+            let [_, local, _, state, ..] = fields[..] else { continue };
+            let inode = fields.get(9).copied().unwrap_or_default();
+            let is_open = (table.starts_with("tcp") && state == "0A") || (table.starts_with("udp") && state == "07");
+            if is_open && sockets.contains(&format!("socket:[{inode}]")) {
+                found.push(address(local));
+            }
+        }
+    }
+    found
+}
+
+/// `0100007F:1F90` as `127.0.0.1:8080`.
+fn address(hexadecimal: &str) -> String {
+    let (host, port) = hexadecimal.split_once(':').unwrap_or((hexadecimal, "0"));
+    let port = u16::from_str_radix(port, 16).unwrap_or(0);
+    match u32::from_str_radix(host, 16) {
+        Ok(host) => format!("{}:{port}", std::net::Ipv4Addr::from(host.swap_bytes())),
+        Err(_) => format!("[{host}]:{port}"),
+    }
+}

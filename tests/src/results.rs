@@ -1,0 +1,86 @@
+//! What a run left on disk.
+
+use rusqlite::Connection;
+use std::path::Path;
+
+/// A row of summary.csv.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Row {
+    /// Forcing amplitude as typed, kind and number.
+    pub name: (String, String, String),
+    /// omega_min, omega_max, amplitude_max, omega_at_max.
+    pub numbers: Vec<f64>,
+}
+
+/// summary.csv of a run.
+pub fn summary(directory: &Path) -> Vec<Row> {
+    let mut reader = csv::Reader::from_path(directory.join("summary.csv")).expect("the run wrote summary.csv");
+    let columns = reader.headers().expect("it has a header").clone();
+    let column = |name: &str| columns.iter().position(|c| c == name).expect("its columns are fixed");
+    let name = ["amplitude", "kind", "branch"].map(column);
+    let numbers = ["omega_min", "omega_max", "amplitude_max", "omega_at_max"].map(column);
+    reader
+        .records()
+        .map(|record| {
+            let record = record.expect("it is whole");
+            let text = |index: usize| record[index].to_string();
+            Row {
+                name: (text(name[0]), text(name[1]), text(name[2])),
+                numbers: numbers.iter().map(|&i| record[i].parse().unwrap_or(f64::NAN)).collect(),
+            }
+        })
+        .collect()
+}
+
+/// The same branches, with ranges and peaks within 1e-6.
+pub fn assert_same(one: &[Row], other: &[Row]) {
+    let names = |rows: &[Row]| rows.iter().map(|row| row.name.clone()).collect::<Vec<_>>();
+    assert_eq!(names(one), names(other));
+    for (a, b) in one.iter().zip(other) {
+        for (x, y) in a.numbers.iter().zip(&b.numbers) {
+            assert!((x - y).abs() <= 1e-6 * x.abs(), "{:?}: {x} and {y}", a.name);
+        }
+    }
+}
+
+fn store(directory: &Path) -> Connection {
+    Connection::open(directory.join("run.sqlite")).expect("there is a store")
+}
+
+/// A number from the store.
+pub fn number(directory: &Path, sql: &str) -> i64 {
+    store(directory).query_row(sql, [], |row| row.get(0)).unwrap_or_else(|error| panic!("{sql}: {error}"))
+}
+
+/// Tasks that are done, in the order of their announcements.
+pub fn done(directory: &Path) -> Vec<String> {
+    let store = store(directory);
+    let mut query = store.prepare("SELECT task FROM results ORDER BY sequence").expect("documented");
+    let rows = query.query_map([], |row| row.get(0)).expect("documented");
+    rows.collect::<Result<_, _>>().expect("documented")
+}
+
+/// Every task that was needed has one result, and every branch its points, once.
+pub fn assert_stored_once(directory: &Path) {
+    let number = |sql: &str| number(directory, sql);
+    assert_eq!(number("SELECT count(*) FROM tasks WHERE state NOT IN ('done', 'skipped')"), 0, "tasks left");
+    assert!(number("SELECT count(*) FROM branches") > 0, "no branch");
+    assert_eq!(number("SELECT count(*) - count(DISTINCT task) FROM branches"), 0, "a branch is stored twice");
+    assert_eq!(
+        number("SELECT count(*) - count(DISTINCT level || kind || number) FROM branches"),
+        0,
+        "two branches of one name"
+    );
+    assert_eq!(
+        number("SELECT (SELECT count(*) FROM points) - (SELECT sum(points) FROM branches)"),
+        0,
+        "points do not belong to branches"
+    );
+}
+
+/// Time from the first grant to the last acceptance.
+pub fn first_grant_to_last_acceptance(directory: &Path) -> std::time::Duration {
+    let sql = "SELECT unixepoch(max(ended_at), 'subsec') - unixepoch(min(granted_at), 'subsec') FROM attempts";
+    let seconds: f64 = store(directory).query_row(sql, [], |row| row.get(0)).expect("the schema is documented");
+    std::time::Duration::from_secs_f64(seconds)
+}

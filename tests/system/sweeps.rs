@@ -1,0 +1,40 @@
+//! What a sweep finds does not depend on how it is carried out.
+
+use crate::{DAMPER, SLOW};
+use tests::System;
+use tests::results::{assert_same, summary};
+
+/// 1, 2 and 4 workers: the same branches, ranges and peaks.
+#[test]
+fn the_number_of_workers_does_not_matter() {
+    let study = "models/rotor67/study.toml";
+    let rows = ["1", "2", "4"].map(|workers| {
+        let mut system = System::sweep_with(study, &["--amplitudes", "20,60", "--workers", workers]);
+        system.expect_complete();
+        summary(&system.directory())
+    });
+    assert!(rows[0].iter().any(|row| row.name.1 == "isola"));
+    assert_same(&rows[0], &rows[1]);
+    assert_same(&rows[0], &rows[2]);
+}
+
+/// The distributed sweep finds what the solver finds in one piece.
+#[test]
+fn the_same_as_the_solver_alone() {
+    let mut system = System::sweep_with(DAMPER, &[&SLOW[..2], &["--workers", "2"]].concat());
+    system.expect_complete();
+    let study = coordinator::study::Study::load(&tests::repository(DAMPER), &[], Some(SLOW[1])).unwrap();
+    let go_on = &mut |_: &_| std::ops::ControlFlow::Continue(());
+    let backbone = solver::backbone::Backbone::compute(&study.model, &study.settings, go_on).unwrap();
+    let mut expected = Vec::new();
+    for amplitude in &study.amplitudes {
+        let level =
+            solver::level::Level::compute(&study.model, &study.settings, &backbone, amplitude.value, go_on).unwrap();
+        for (_, branch) in level.branches() {
+            let (low, high) = branch.frequency_range();
+            expected.push([low, high, branch.peak().amplitude(), branch.peak().omega()]);
+        }
+    }
+    let found: Vec<Vec<f64>> = summary(&system.directory()).into_iter().map(|row| row.numbers).collect();
+    assert_eq!(found, expected);
+}
