@@ -93,15 +93,17 @@ pub async fn serve(
     let mut queryables = vec![rpc.await?];
     let library = Arc::new(Library { directory, keys: keys.clone(), shared, readers: Mutex::new(Vec::new()) });
     let permits = Arc::new(Semaphore::new(READS));
-    for key in [
-        keys.run(),
-        keys.model(),
-        keys.backbone(),
-        keys.windows(),
-        keys.status(),
-        keys.seeds(),
-        keys.all_done(),
-        keys.results(),
+    let small = Arc::new(Semaphore::new(READS));
+    for (key, permits) in [
+        (keys.run(), &small),
+        (keys.model(), &small),
+        (keys.backbone(), &small),
+        (keys.windows(), &small),
+        (keys.status(), &small),
+        (keys.seeds(), &small),
+        (keys.all_done(), &small),
+        // Whoever asks for many results and does not read them keeps nobody from the rest.
+        (keys.results(), &permits),
     ] {
         let (library, permits, runtime) = (library.clone(), permits.clone(), runtime.clone());
         let lend = move |query: Query| {

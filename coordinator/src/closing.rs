@@ -37,12 +37,14 @@ pub fn table(reader: &Reader) -> Result<String, Error> {
         text += &format!("\n... and {} more levels: see summary.csv", levels.len() - LEVELS);
     }
     if let Some(Rise { amplitudes: (from, to), omega: (low, high) }) = rise {
-        let (word, change) = if high >= low { ("rises", high - low) } else { ("falls", low - high) };
+        let change = high - low;
         text += &format!(
-            "\nThe frequency of the largest response {word} most, by {change} rad/s to {high} rad/s, between A = {from} and A = {to}.",
+            "\nThe frequency of the largest response rises most, by {change} rad/s to {high} rad/s, between A = {from} and A = {to}.",
             change = digits(change),
             high = digits(high)
         );
+    } else if levels.len() > 1 {
+        text += "\nThe frequency of the largest response never rises from one level to the next.";
     }
     Ok(text)
 }

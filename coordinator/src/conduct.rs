@@ -100,6 +100,11 @@ pub async fn conduct(
         model: model.clone(),
         sweep: sweep.clone(),
     };
+    // A run that goes on is there before anybody asks: workers that survived keep what they have.
+    let has_begun = stored.is_some();
+    if let Some(ready) = stored {
+        begin(ready, &sweep, &jobs);
+    }
     let presence = serve(&place.session, &keys, directory.to_path_buf(), shared, jobs.clone())
         .await
         .map_err(|error| Error::Other(format!("the run cannot be served on the bus: {error}")))?;
@@ -139,29 +144,38 @@ pub async fn conduct(
         presence,
     };
     let directory = conductor.directory.clone();
-    let ending = conductor.run(model, stored).await;
+    let ending = conductor.run((!has_begun).then_some(model)).await;
     remove_address(&directory);
     ending
 }
 
+/// Shows what is known when the sweep begins, and lets it begin.
+fn begin(ready: Ready, sweep: &Mutex<Option<Arc<Published>>>, jobs: &Sender<Job>) {
+    let level = |plan: &LevelPlan| LevelWindows { amplitude: plan.amplitude.clone(), windows: plan.windows.clone() };
+    let levels = ready.plans.iter().map(level).collect();
+    let published = Published::new(ready.backbone.clone(), ready.reach, levels);
+    *sweep.lock().expect("no holder of this lock panics") = Some(Arc::new(published));
+    // If the engine has ended, it says why when it is asked.
+    let _ = jobs.send(Job::Ready(Box::new(ready)));
+}
+
 impl Conductor {
-    async fn run(mut self, model: Arc<Model>, stored: Option<Ready>) -> Result<Ending, Error> {
+    /// To the end; the model is given if its backbone is still to be computed.
+    async fn run(mut self, without_backbone: Option<Arc<Model>>) -> Result<Ending, Error> {
         let mut display = Display::new();
-        let ready = match stored {
-            Some(ready) => Some(ready),
-            None => self.compute_backbone(model, &mut display).await?,
-        };
-        let Some(ready) = ready else {
-            display.clear();
-            let ending = if self.stage() == Stage::Cancelled { Ending::Incomplete } else { Ending::Interrupted };
-            return self.close(ending, None).await;
-        };
-        let level =
-            |plan: &LevelPlan| LevelWindows { amplitude: plan.amplitude.clone(), windows: plan.windows.clone() };
-        let levels = ready.plans.iter().map(level).collect();
-        let published = Published::new(ready.backbone.clone(), ready.reach, levels);
-        *self.sweep.lock().expect("no holder of this lock panics") = Some(Arc::new(published));
-        self.send(Job::Ready(Box::new(ready)));
+        if let Some(model) = without_backbone {
+            match self.compute_backbone(model, &mut display).await? {
+                Some(ready) => begin(ready, &self.sweep, &self.jobs),
+                None => {
+                    display.clear();
+                    if self.stage() != Stage::Cancelled {
+                        return self.close(Ending::Interrupted, None).await;
+                    }
+                    self.dismiss().await;
+                    return self.close(Ending::Incomplete, None).await;
+                }
+            }
+        }
         self.wait_for(|stage| stage != Stage::Backbone).await?;
         loop {
             let mut workers = self.start_workers()?;
@@ -171,6 +185,10 @@ impl Conductor {
                 return self.close(Ending::Interrupted, workers).await;
             }
             self.finish(workers).await?;
+            // Somebody may have put dead tasks back meanwhile.
+            if self.stage() == Stage::Sweep {
+                continue;
+            }
             if !self.options.stay {
                 let ending = self.ending();
                 return self.close(ending, None).await;
@@ -251,7 +269,8 @@ impl Conductor {
                 return Ok(false);
             }
             if let Some(workers) = workers {
-                workers.tend().map_err(Error::Other)?;
+                let done = self.status.borrow().as_ref().map_or(0, |status| status.tasks.done);
+                workers.tend(done).map_err(Error::Other)?;
             }
         }
     }
@@ -284,8 +303,7 @@ impl Conductor {
     }
 
     fn ending(&self) -> Ending {
-        let dead = self.status.borrow().as_ref().map_or(0, |status| status.tasks.dead);
-        if self.stage() == Stage::Finished && dead == 0 { Ending::Complete } else { Ending::Incomplete }
+        if self.stage() == Stage::Finished && dead(&self.status) == 0 { Ending::Complete } else { Ending::Incomplete }
     }
 
     async fn wait_for(&mut self, reached: impl Fn(Stage) -> bool) -> Result<(), Error> {
@@ -325,14 +343,23 @@ impl Conductor {
         // Without its presence on the bus and this sender nothing is left to decide: the engine closes the store.
         drop(self.presence);
         drop(self.jobs);
-        let _ = tokio::time::timeout(Duration::from_secs(2), self.engine).await;
-        if ending != Ending::Complete {
-            eprintln!("to go on: isola resume {}", self.directory.display());
+        if let Ok(Ok(Err(error))) = tokio::time::timeout(Duration::from_secs(2), self.engine).await {
+            return Err(error.into());
+        }
+        let (directory, dead) = (self.directory.display(), dead(&self.status));
+        if ending == Ending::Incomplete && dead > 0 {
+            eprintln!("{dead} tasks were given up: isola retry-dead {directory}, then isola resume {directory}");
+        } else if ending != Ending::Complete {
+            eprintln!("to go on: isola resume {directory}");
         }
         // Closing may hang (eclipse-zenoh/zenoh 2675); nothing depends on it.
         let _ = tokio::time::timeout(Duration::from_secs(1), self.place.session.close()).await;
         Ok(ending)
     }
+}
+
+fn dead(status: &watch::Receiver<Option<Status>>) -> usize {
+    status.borrow().as_ref().map_or(0, |status| status.tasks.dead)
 }
 
 fn engine_error(ended: Result<Result<(), StoreError>, oneshot::error::RecvError>) -> Error {

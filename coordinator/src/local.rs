@@ -4,10 +4,10 @@ use protocol::ids::RunId;
 use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, ExitStatus, Stdio};
+use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// Restarts of workers that died before a run ends with a message.
+/// Restarts of workers that died, without a result in between, before a run ends with a message.
 const RESTARTS: u32 = 10;
 
 /// How local workers are started.
@@ -29,6 +29,8 @@ pub struct LocalWorkers {
     launch: Launch,
     children: Vec<(usize, Child)>,
     restarts: u32,
+    /// Results when workers were last counted on.
+    done: usize,
 }
 
 impl LocalWorkers {
@@ -36,14 +38,19 @@ impl LocalWorkers {
     pub fn start(launch: Launch, count: usize) -> io::Result<Self> {
         std::fs::create_dir_all(&launch.logs)?;
         let children = (1..=count).map(|number| Ok((number, launch.spawn(number)?))).collect::<io::Result<_>>()?;
-        Ok(Self { launch, children, restarts: 0 })
+        Ok(Self { launch, children, restarts: 0, done: 0 })
     }
 
-    /// Starts workers again that died. Says why not if that happens too often.
-    pub fn tend(&mut self) -> Result<(), String> {
+    /// Starts workers again that died, and those that were told to end if no other is left. Says why not if that happens
+    /// too often without a result; `done` is the number of results so far.
+    pub fn tend(&mut self, done: usize) -> Result<(), String> {
+        if done > self.done {
+            (self.done, self.restarts) = (done, 0);
+        }
+        let all_gone = self.children.iter_mut().all(|(_, child)| matches!(child.try_wait(), Ok(Some(_))));
         for (number, child) in &mut self.children {
             let Ok(Some(status)) = child.try_wait() else { continue };
-            if status.success() {
+            if status.success() && !all_gone {
                 continue;
             }
             let log = self.launch.log(*number);
@@ -70,26 +77,22 @@ impl LocalWorkers {
     }
 
     /// Waits for workers to end by themselves, at most for `patience`; then they are killed.
-    pub fn wait(&mut self, patience: Duration) -> Vec<ExitStatus> {
+    pub fn wait(&mut self, patience: Duration) {
         let deadline = Instant::now() + patience;
-        let mut statuses = Vec::new();
         for (_, child) in &mut self.children {
             loop {
                 match child.try_wait() {
-                    Ok(Some(status)) => {
-                        statuses.push(status);
-                        break;
-                    }
+                    Ok(Some(_)) => break,
                     Ok(None) if Instant::now() < deadline => std::thread::sleep(Duration::from_millis(10)),
                     _ => {
+                        // It may have ended in between.
                         let _ = child.kill();
-                        statuses.extend(child.wait());
+                        let _ = child.wait();
                         break;
                     }
                 }
             }
         }
-        statuses
     }
 }
 

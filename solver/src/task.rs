@@ -234,8 +234,13 @@ impl Account {
         Self { main: None, windows, isolas: 0 }
     }
 
-    /// Whether a task is still of use: stepping in the forcing is not where fixed frequencies have led to a branch.
+    /// Whether a task is still of use: stepping in the forcing is not where fixed frequencies have led to a branch, and no
+    /// seed is without a main branch to tell isolas from.
     pub fn needs(&self, task: &Task) -> bool {
+        let has_main = !matches!(self.main, Some(outcome) if outcome != SeedOutcome::Found(BranchId::Main));
+        if matches!(task, Task::Seed(_)) && !has_main {
+            return false;
+        }
         let Task::Seed(SeedPlace { window, way: Way::SteppedForcing, .. }) = task else { return true };
         let found =
             |seed: &SeedAccount| seed.way == Way::FixedFrequency && matches!(seed.outcome, SeedOutcome::Found(_));

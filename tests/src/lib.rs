@@ -76,11 +76,6 @@ impl Process {
         }
         status.expect("it has ended")
     }
-
-    /// Whether it is running.
-    pub fn is_running(&mut self) -> bool {
-        matches!(self.child.try_wait(), Ok(None))
-    }
 }
 
 impl Drop for Process {

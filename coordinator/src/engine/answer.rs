@@ -5,9 +5,9 @@ use crate::ledger::{Accepted, Leased, Ledger, Record, Submitted};
 use crate::store::{StoreError, Summary};
 use protocol::branch::{BranchMessage, FindingMessage};
 use protocol::codec::{encode, sha256};
-use protocol::curve::{Seeds, Size};
+use protocol::curve::Seeds;
 use protocol::from_worker::{Lease, LeaseRequest, SubmitRequest};
-use protocol::to_everyone::{Done, SeedMessage, StoredResult};
+use protocol::to_everyone::{Done, SeedMessage, Stage, StoredResult};
 use protocol::to_worker::{Acknowledgement, Grant, LeaseReply, SubmitReply};
 use solver::task::SeedOutcome;
 use std::time::{Duration, Instant};
@@ -16,6 +16,8 @@ use tracing::warn;
 /// Relative difference of range and peak up to which two results of a task agree: vector instructions differ between
 /// processors.
 const AGREEMENT: f64 = 1e-6;
+/// What a cancelled run answers.
+const CANCELLED: &str = "the run was cancelled";
 
 impl Engine<'_> {
     pub(super) fn lease(
@@ -37,7 +39,12 @@ impl Engine<'_> {
             );
             return LeaseReply::Stop { reason };
         }
-        let Some(sweep) = &mut self.sweep else { return LeaseReply::Wait { retry_ms: 200 } };
+        let Some(sweep) = &mut self.sweep else {
+            return match self.manifest.stage {
+                Stage::Cancelled => LeaseReply::Stop { reason: CANCELLED.into() },
+                _ => LeaseReply::Wait { retry_ms: 200 },
+            };
+        };
         if self.stopping {
             return LeaseReply::Wait { retry_ms: 1000 };
         }
@@ -47,7 +54,7 @@ impl Engine<'_> {
             Leased::Grant(granted) => granted,
             Leased::Wait(pause) => return LeaseReply::Wait { retry_ms: pause.as_millis() as u64 },
             Leased::Drained => return LeaseReply::Drained,
-            Leased::Stop => return LeaseReply::Stop { reason: "the run was cancelled".into() },
+            Leased::Stop => return LeaseReply::Stop { reason: CANCELLED.into() },
         };
         if self.first_grant.is_none() {
             self.first_grant = Some((Instant::now(), sweep.ledger.settled()));
@@ -85,13 +92,17 @@ impl Engine<'_> {
             FindingMessage::Branch(branch) => (Some(branch), None),
             FindingMessage::Nothing(outcome) => (None, Some(outcome)),
         };
-        if let Some(why) = branch.as_ref().and_then(|branch| objection(branch, &self.size)) {
-            return Ok(SubmitReply::Rejected { why });
+        if let Some(error) = branch.as_ref().and_then(|branch| branch.branch(&self.size).err()) {
+            return Ok(SubmitReply::Rejected { why: error.to_string() });
         }
         let (submitted, records) = sweep.ledger.submit(&request.lease, outcome);
         let accepted = match submitted {
             Submitted::Accepted(accepted) => accepted,
-            Submitted::Duplicate => return self.compare(&request.lease, branch.as_ref()),
+            Submitted::Duplicate => return self.compare(&request.lease, branch.as_ref(), effects),
+            Submitted::Late => {
+                let why = format!("task {} was given up, and its level went on without it", request.lease.task);
+                return Ok(SubmitReply::Rejected { why });
+            }
             Submitted::Unknown => {
                 let why = format!("run {} has no task {}", self.manifest.run, request.lease.task);
                 return Ok(SubmitReply::Rejected { why });
@@ -123,8 +134,18 @@ impl Engine<'_> {
     }
 
     /// A second result of a task should be the first one again.
-    fn compare(&self, lease: &Lease, branch: Option<&BranchMessage>) -> Result<SubmitReply, StoreError> {
-        let stored = self.store.summary(&lease.task)?;
+    fn compare(
+        &self,
+        lease: &Lease,
+        branch: Option<&BranchMessage>,
+        effects: &[Effect],
+    ) -> Result<SubmitReply, StoreError> {
+        // The first one may be about to be stored.
+        let waiting = effects.iter().find_map(|effect| match effect {
+            Effect::Result { result, .. } if result.task == lease.task => Some(result.branch.as_ref().map(Summary::of)),
+            _ => None,
+        });
+        let stored = waiting.map_or_else(|| self.store.summary(&lease.task), Ok)?;
         let agrees = match (stored, branch) {
             (Some(stored), Some(branch)) => stored.agrees(&Summary::of(branch), AGREEMENT),
             (None, None) => true,
@@ -145,17 +166,5 @@ impl Engine<'_> {
         let (valid, changes) = event(&mut sweep.ledger);
         records.extend(changes);
         if valid { Acknowledgement::Ok } else { Acknowledgement::Lost }
-    }
-}
-
-/// Why a branch is not stored, if it cannot be.
-fn objection(branch: &BranchMessage, size: &Size) -> Option<String> {
-    match branch.branch(size) {
-        Err(error) => Some(error.to_string()),
-        Ok(branch) if branch.points.is_empty() => Some("a branch has at least one point".into()),
-        Ok(branch) if branch.special.iter().any(|special| special.index >= branch.points.len()) => {
-            Some("a special point lies beyond the branch".into())
-        }
-        Ok(_) => None,
     }
 }

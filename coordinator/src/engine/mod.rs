@@ -14,7 +14,6 @@ use protocol::control::{ControlReply, ControlRequest};
 use protocol::curve::Size;
 use protocol::from_worker::{FailRequest, Progress, ReleaseRequest};
 use protocol::to_everyone::{Manifest, Stage, Status, StoredResult};
-use protocol::to_worker::RenewReply;
 use solver::backbone::Backbone;
 use solver::forced::{Forced, Reach};
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
@@ -109,7 +108,8 @@ impl<'m> Engine<'m> {
         let mut effects: Vec<Effect> = Vec::new();
         let mut answers: Vec<Answer> = Vec::new();
         let mut news: Vec<News> = Vec::new();
-        if let Some(sweep) = &mut self.sweep {
+        // While the process ends nobody is asked to go on, and nothing is held against anybody.
+        if let Some(sweep) = self.sweep.as_mut().filter(|_| !self.stopping) {
             effects.extend(sweep.ledger.tick(now).into_iter().map(Effect::Record));
         }
         for job in batch {
@@ -146,13 +146,13 @@ impl<'m> Engine<'m> {
                 answers.push(Box::new(move || respond(reply)));
             }
             Job::Renew(request, respond) => {
-                let reply = match &mut self.sweep {
-                    Some(_) if self.stopping => RenewReply::Ok,
-                    Some(sweep) => sweep.ledger.renew(&request.lease, request.progress, now),
-                    None => RenewReply::Lost,
-                };
-                answers.push(Box::new(move || respond(reply)));
+                // Without an answer it is asked again: the sweep is about to begin.
+                if let Some(sweep) = &mut self.sweep {
+                    let reply = sweep.ledger.renew(&request.lease, request.progress, now);
+                    answers.push(Box::new(move || respond(reply)));
+                }
             }
+            Job::Submit(..) | Job::Fail(..) | Job::Release(..) if self.sweep.is_none() => {}
             Job::Submit(request, respond) => {
                 let reply = self.submit(*request, effects, news)?;
                 answers.push(Box::new(move || respond(reply)));
@@ -194,7 +194,9 @@ impl<'m> Engine<'m> {
         if fresh {
             self.store.set_backbone(&BackboneMessage::from(&backbone), &reach, &plans)?;
         }
-        let ledger = Ledger::restore(self.rules, plans, tasks, self.origin.elapsed());
+        let (ledger, records) = Ledger::restore(self.rules, plans, tasks, self.origin.elapsed());
+        let changes: Vec<Change<'_>> = records.iter().map(Change::Record).collect();
+        self.store.commit(&changes)?;
         // The amplitude does not matter: only its frequency–time tables are used, to make seeds.
         let forced = Forced::new(self.model, &self.manifest.settings, reach, 1.0);
         self.manifest.reach = Some(reach);
@@ -228,6 +230,9 @@ impl<'m> Engine<'m> {
                 self.enter(Stage::Cancelled)?;
                 news.push(News::Hint);
                 Ok(format!("run {run} is cancelled; what is stored stays"))
+            }
+            (ControlRequest::RetryDead, _, Stage::Cancelled) => {
+                Ok(format!("run {run} was cancelled: go on with `isola resume` first"))
             }
             (ControlRequest::RetryDead, Some(sweep), stage) => {
                 let revived = sweep.ledger.retry_dead();

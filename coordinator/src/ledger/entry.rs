@@ -48,6 +48,8 @@ pub(super) struct Entry {
     pub reasons: Vec<String>,
     /// Not handed out before.
     pub not_before: Duration,
+    /// Under way when the coordinator was interrupted, and not heard of since: if nothing comes, that is no failure.
+    pub orphaned: bool,
 }
 
 impl Entry {
@@ -75,6 +77,7 @@ impl Entry {
     pub fn renew(&mut self, until: Duration) {
         if let State::Leased { deadline, .. } = &mut self.state {
             *deadline = until;
+            self.orphaned = false;
         }
     }
 
@@ -88,6 +91,7 @@ impl Entry {
 
     pub fn grant(&mut self, holder: &Holder, deadline: Duration) -> Record {
         self.attempts += 1;
+        self.orphaned = false;
         self.state = State::Leased { holder: holder.clone(), deadline };
         Record::Granted {
             task: self.id.clone(),
@@ -149,6 +153,7 @@ impl Level {
             attempts: 0,
             reasons: Vec::new(),
             not_before: Duration::ZERO,
+            orphaned: false,
         };
         let entries: Vec<Entry> = plan.tasks.into_iter().enumerate().map(entry).collect();
         let next = (!entries.is_empty()).then_some(0);
@@ -190,12 +195,21 @@ impl Level {
         outcome
     }
 
-    /// Moves on to the next task that is needed.
+    /// Whether a result of entry `e` fits what is known: it comes from who holds it, or nobody went on without it.
+    pub fn takes(&self, e: usize, lease: &Lease) -> bool {
+        self.entries[e].is_held(lease) || self.entries[e + 1..].iter().all(|later| later.attempts == 0)
+    }
+
+    /// Moves on to the next task that is needed. Without its main branch a level waits: seeds would find that one, and
+    /// nobody could tell it from an isola.
     pub fn settle(&mut self) -> Vec<Record> {
         let mut records = Vec::new();
         // What is under way is waited for, whatever came back before it.
         self.next = self.entries.iter().position(|entry| entry.holder().is_some());
         if self.next.is_some() {
+            return records;
+        }
+        if self.entries.first().is_some_and(|main| main.state == State::Dead) {
             return records;
         }
         for (e, entry) in self.entries.iter_mut().enumerate() {

@@ -105,6 +105,8 @@ pub enum Submitted {
     Accepted(Accepted),
     /// There is one already.
     Duplicate,
+    /// The task was given up and its level went on: its branch may have been found by another one.
+    Late,
     /// No such task in this run.
     Unknown,
 }
@@ -234,6 +236,9 @@ impl Ledger {
         if matches!(level.entries[e].state, State::Done(_) | State::Skipped) {
             return (Submitted::Duplicate, Vec::new());
         }
+        if !level.takes(e, lease) {
+            return (Submitted::Late, Vec::new());
+        }
         let mut records = level.entries[e].supersede(lease);
         let outcome = level.finish(e, outcome);
         self.sequence += 1;
@@ -289,7 +294,8 @@ impl Ledger {
         let expired = |level: &Level| level.next.filter(|&e| level.entries[e].is_expired(now));
         let places: Vec<(usize, usize)> =
             self.levels.iter().enumerate().filter_map(|(l, level)| expired(level).map(|e| (l, e))).collect();
-        places.into_iter().flat_map(|(l, e)| self.end_at(l, e, AttemptEnd::Expired, now)).collect()
+        let end = |orphaned| if orphaned { AttemptEnd::Released } else { AttemptEnd::Expired };
+        places.into_iter().flat_map(|(l, e)| self.end_at(l, e, end(self.levels[l].entries[e].orphaned), now)).collect()
     }
 
     /// Hands out nothing any more.
@@ -305,17 +311,6 @@ impl Ledger {
     /// Whether no task is left to hand out or to wait for.
     pub fn is_finished(&self) -> bool {
         self.levels.iter().all(|level| level.next.is_none())
-    }
-
-    /// Whether anything is under way.
-    pub fn is_idle(&self) -> bool {
-        !self.entries().any(|entry| entry.holder().is_some())
-    }
-
-    /// What is to be done in a task, and its level.
-    pub fn task(&self, id: &TaskId) -> Option<(&Amplitude, &Task)> {
-        let &(l, e) = self.index.get(id)?;
-        Some((&self.levels[l].amplitude, &self.levels[l].entries[e].task))
     }
 
     fn entries(&self) -> impl Iterator<Item = &Entry> {

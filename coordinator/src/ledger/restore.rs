@@ -1,12 +1,15 @@
 //! The ledger of a run that goes on.
 
 use super::entry::State;
-use super::{Ledger, LevelPlan, Rules};
+use super::{Ledger, LevelPlan, Record, Rules};
 use protocol::ids::TaskId;
 use protocol::to_worker::Known;
 use solver::task::{BranchId, SeedOutcome};
 use std::collections::HashMap;
 use std::time::Duration;
+
+/// Time that a worker takes at most to notice that its connection is gone and to connect again.
+const RECONNECTION: Duration = Duration::from_secs(7);
 
 /// A task as the store has it.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,8 +28,9 @@ pub struct StoredTask {
 
 impl Ledger {
     /// The ledger of a run that was interrupted: what was stored stays, in the order of the announcements. Tasks that were
-    /// under way may still be: their leases run anew from `now`, and their workers' signs of life keep them.
-    pub fn restore(rules: Rules, plans: Vec<LevelPlan>, stored: Vec<StoredTask>, now: Duration) -> Self {
+    /// under way may still be: their workers have the time from `now` to connect again and to give a sign of life.
+    /// The records are what follows from the rest.
+    pub fn restore(rules: Rules, plans: Vec<LevelPlan>, stored: Vec<StoredTask>, now: Duration) -> (Self, Vec<Record>) {
         let mut ledger = Self::new(rules, plans);
         let mut rest = HashMap::new();
         for task in stored {
@@ -52,18 +56,17 @@ impl Ledger {
             }
         }
         for ((l, e), state) in rest {
-            ledger.levels[l].entries[e].state = match state {
+            let entry = &mut ledger.levels[l].entries[e];
+            entry.orphaned = matches!(state, State::Leased { .. });
+            entry.state = match state {
                 State::Leased { holder, .. } => {
-                    ledger.workers.entry(holder.worker.clone()).or_default();
-                    State::Leased { holder, deadline: now + rules.lease }
+                    ledger.workers.entry(holder.worker.clone()).or_default().gone = true;
+                    State::Leased { holder, deadline: now + rules.grace.max(rules.lease / 3 + RECONNECTION) }
                 }
                 state => state,
             };
         }
-        for level in &mut ledger.levels {
-            // A task that turns out not to be needed is found so again when its turn comes.
-            level.settle();
-        }
-        ledger
+        let records = ledger.levels.iter_mut().flat_map(|level| level.settle()).collect();
+        (ledger, records)
     }
 }

@@ -184,6 +184,7 @@ impl Driver {
                 }
             }
             Submitted::Duplicate => assert!(self.accepted.contains(&lease.task)),
+            Submitted::Late => panic!("nothing is given up here"),
             Submitted::Unknown => panic!("{} is a task of the run", lease.task),
         }
     }
@@ -204,7 +205,9 @@ impl Driver {
         let order = |id: &TaskId| self.accepted.iter().position(|accepted| accepted == id).unwrap_or(usize::MAX);
         tasks.sort_by_key(|task| order(&task.id));
         let before = (book(&self.ledger), self.ledger.sequence());
-        self.ledger = Ledger::restore(rules(), plans(self.levels), tasks, self.now);
+        let (ledger, records) = Ledger::restore(rules(), plans(self.levels), tasks, self.now);
+        assert!(records.is_empty(), "what is stored together is restored together");
+        self.ledger = ledger;
         let settled = |book: &Book| -> Book {
             let keep = |(_, state): &&(TaskId, State)| matches!(state, State::Done(_) | State::Skipped);
             book.iter().filter(keep).cloned().collect()
@@ -289,26 +292,81 @@ fn a_worker_that_vanishes_has_a_grace_that_a_sign_of_life_ends() {
     assert_eq!(ledger.renew(&lease, None, Duration::from_secs(20)), RenewReply::Lost);
 }
 
-#[test]
-fn a_poison_task_dies_with_its_reasons_and_blocks_nobody() {
+/// Fails a task until it is given up; returns its last lease.
+fn poison(ledger: &mut Ledger, task: &str, now: &mut Duration) -> Lease {
     let rules = Rules::default();
-    let mut ledger = Ledger::new(rules, plans(1));
-    let mut now = Duration::ZERO;
     for attempt in 1..=rules.max_failures {
-        let lease = leased(&mut ledger, "a", now);
-        assert_eq!((lease.task.as_str(), lease.attempt), ("1-0", Attempt(attempt)));
-        assert!(ledger.fail(&lease, "boom", now).0);
-        // Its level waits for the pause to pass.
-        if attempt < rules.max_failures {
-            assert!(matches!(ledger.lease(&lease.worker, 0, now).0, Leased::Wait(_)));
+        let lease = leased(ledger, "a", *now);
+        assert_eq!((lease.task.as_str(), lease.attempt), (task, Attempt(attempt)));
+        assert!(ledger.fail(&lease, "boom", *now).0);
+        if attempt == rules.max_failures {
+            return lease;
         }
-        now += rules.backoff * 2u32.pow(attempt);
+        // Its level waits for the pause to pass.
+        assert!(matches!(ledger.lease(&lease.worker, 0, *now).0, Leased::Wait(_)));
+        *now += rules.backoff * 2u32.pow(attempt);
     }
-    assert_eq!(ledger.dead(), [(TaskId::new("1-0").unwrap(), vec!["a: boom".to_string(); 3])]);
-    assert_eq!(leased(&mut ledger, "a", now).task.as_str(), "1-1");
+    unreachable!("there is a last attempt")
+}
+
+#[test]
+fn a_poison_seed_dies_with_its_reasons_and_blocks_nobody() {
+    let mut ledger = Ledger::new(Rules::default(), plans(1));
+    let mut now = Duration::ZERO;
+    let main = leased(&mut ledger, "a", now);
+    assert!(matches!(ledger.submit(&main, None).0, Submitted::Accepted(_)));
+    let late = poison(&mut ledger, "1-1", &mut now);
+    assert_eq!(ledger.dead(), [(TaskId::new("1-1").unwrap(), vec!["a: boom".to_string(); 3])]);
+    let next = leased(&mut ledger, "a", now);
+    assert_eq!(next.task.as_str(), "1-2");
+    // A result of the dead task may be a branch that the next one is about to find.
+    assert_eq!(ledger.submit(&late, None).0, Submitted::Late);
     assert!(!ledger.retry_dead().is_empty());
-    // What is under way comes first.
+    // What is under way comes first; then the one revived, with what is known by then.
+    assert_eq!(leased(&mut ledger, "a", now), next);
+    assert!(matches!(ledger.submit(&next, None).0, Submitted::Accepted(_)));
+    let revived = leased(&mut ledger, "a", now);
+    assert_eq!(revived.task.as_str(), "1-1");
+    assert_eq!(ledger.submit(&late, None).0, Submitted::Late);
+    assert!(matches!(ledger.submit(&revived, Some(SeedOutcome::Found(BranchId::Isola(0)))).0, Submitted::Accepted(_)));
+}
+
+#[test]
+fn a_level_waits_for_its_main_branch() {
+    let mut ledger = Ledger::new(Rules::default(), plans(1));
+    let mut now = Duration::ZERO;
+    let late = poison(&mut ledger, "1-0", &mut now);
+    assert!(ledger.is_finished(), "nothing of the level can be handed out");
+    assert!(matches!(ledger.lease(&late.worker, 0, now).0, Leased::Drained));
+    // Nobody went on without it.
+    assert!(matches!(ledger.submit(&late, None).0, Submitted::Accepted(_)));
     assert_eq!(leased(&mut ledger, "a", now).task.as_str(), "1-1");
+}
+
+#[test]
+fn without_a_main_branch_there_is_nothing_to_compare_with() {
+    let mut ledger = Ledger::new(Rules::default(), plans(1));
+    let main = leased(&mut ledger, "a", Duration::ZERO);
+    let failed = Some(SeedOutcome::NotTraced(solver::problem::Failure::Diverged));
+    assert!(matches!(ledger.submit(&main, failed).0, Submitted::Accepted(_)));
+    assert!(ledger.is_finished() && ledger.counts().skipped == 12);
+}
+
+#[test]
+fn a_crash_of_the_coordinator_is_no_failure_of_a_task() {
+    let rules = Rules::default();
+    let holder = Holder { worker: name(0), slot: 0 };
+    let under_way = StoredTask {
+        id: TaskId::new("1-0").unwrap(),
+        state: State::Leased { holder, deadline: Duration::ZERO },
+        is_new_branch: false,
+        attempts: 1,
+        reasons: Vec::new(),
+    };
+    let (mut ledger, _) = Ledger::restore(rules, plans(1), vec![under_way], Duration::ZERO);
+    let ended = ledger.tick(Duration::from_secs(60));
+    assert!(matches!(&ended[..], [Record::Ended { end: AttemptEnd::Released, .. }]));
+    assert_eq!(leased(&mut ledger, "b", Duration::from_secs(60)).attempt, Attempt(2));
 }
 
 #[test]
@@ -318,5 +376,5 @@ fn cancelling_is_heard_in_the_answer_to_a_sign_of_life() {
     ledger.cancel();
     assert_eq!(ledger.renew(&lease, None, Duration::ZERO), RenewReply::Cancel);
     assert!(matches!(ledger.lease(&lease.worker, 0, Duration::ZERO).0, Leased::Stop));
-    assert!(ledger.release(&lease, Duration::ZERO).0 && ledger.is_idle());
+    assert!(ledger.release(&lease, Duration::ZERO).0 && ledger.counts().running == 0);
 }

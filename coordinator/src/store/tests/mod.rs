@@ -119,7 +119,7 @@ fn an_interrupted_run_goes_on() {
 
     let mut store = Store::open(&dir).unwrap();
     let tasks = store.tasks().unwrap();
-    let mut ledger = Ledger::restore(Rules::default(), store.plans().unwrap(), tasks, hour(7));
+    let (mut ledger, _) = Ledger::restore(Rules::default(), store.plans().unwrap(), tasks, hour(7));
     assert_eq!(ledger.counts(), sweep.ledger.counts());
     assert_eq!(store.counts().unwrap(), ledger.counts());
     assert_eq!(ledger.dead(), sweep.ledger.dead());
@@ -137,7 +137,7 @@ fn an_interrupted_run_goes_on() {
     }
     drop(store);
     let mut store = Store::open(&dir).unwrap();
-    sweep.ledger = Ledger::restore(Rules::default(), store.plans().unwrap(), store.tasks().unwrap(), hour(9));
+    (sweep.ledger, _) = Ledger::restore(Rules::default(), store.plans().unwrap(), store.tasks().unwrap(), hour(9));
     while sweep.step(&mut store) {}
     for result in expected {
         let stored = store.result(&result.task).unwrap().unwrap();
