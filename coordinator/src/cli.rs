@@ -90,7 +90,7 @@ pub struct ServeArgs {
     /// Meet workers and viewers at a Zenoh router instead.
     #[arg(long, value_name = "ENDPOINT")]
     pub connect: Option<String>,
-    /// First chunk of all keys.
+    /// First chunk of all keys; a run that is resumed keeps its own.
     #[arg(long, default_value = protocol::keys::NAMESPACE)]
     pub namespace: String,
     /// A task without a sign of life for so many seconds is handed out again.
