@@ -30,7 +30,7 @@ fn sweep(study: &str, more: &[&str]) -> (Duration, i64) {
 fn overhead(c: &mut Criterion) {
     let mut group = c.benchmark_group("overhead");
     group.sample_size(10).throughput(Throughput::Elements(2000));
-    let amplitudes = ["--amplitudes", "0.0001:0.07:0.0001", "--workers", "2"];
+    let amplitudes = ["--amplitudes", "0.00005:0.035:0.00005", "--workers", "2"];
     group.bench_function("2000 tasks, 2 workers", |b| {
         b.iter_custom(|iterations| {
             let once = |_| {
