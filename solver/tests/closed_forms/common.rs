@@ -1,0 +1,85 @@
+//! Models and settings that the closed forms share.
+
+use solver::backbone::Backbone;
+use solver::branch::{Branch, BranchPoint};
+use solver::forced::Forced;
+use solver::laws::{Contact, LawKind};
+use solver::linalg::Matrix;
+use solver::model::{DampingParts, Element, ForcingShape, Model, ModelParts};
+use solver::settings::{BackboneEquation, HarmonicSettings, Settings};
+use solver::state::State;
+use std::ops::ControlFlow;
+use std::path::Path;
+
+pub fn load(name: &str) -> Model {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models").join(name);
+    Model::load(&folder).unwrap_or_else(|error| panic!("{error}"))
+}
+
+pub fn quiet(_: &BranchPoint) -> ControlFlow<()> {
+    ControlFlow::Continue(())
+}
+
+pub fn element(channel: &[(usize, f64)], law: LawKind) -> Element {
+    Element { name: "element".into(), channels: vec![channel.to_vec()], law }
+}
+
+pub fn contact(gap: f64, epsilon: f64) -> LawKind {
+    LawKind::Contact(Contact { gap, epsilon, friction: None })
+}
+
+/// One mass of 1 kg with modal damping, forced by 1 N per unit of amplitude.
+pub fn oscillator(stiffness: f64, ratio: f64, law: LawKind) -> Model {
+    Model::new(ModelParts {
+        name: "oscillator".into(),
+        dofs: Vec::new(),
+        mass: Matrix::diagonal(&[1.0]),
+        stiffness: Matrix::diagonal(&[stiffness]),
+        damping: DampingParts::Ratios(vec![ratio]),
+        shape: ForcingShape::Vector(vec![1.0]),
+        harmonic: 1,
+        elements: vec![element(&[(0, 1.0)], law)],
+        monitors: Vec::new(),
+    })
+    .unwrap()
+}
+
+pub fn with_harmonics(count: usize) -> Settings {
+    Settings { harmonics: HarmonicSettings { count, ..Default::default() }, ..Settings::default() }
+}
+
+pub fn conservative(count: usize) -> Settings {
+    let mut settings = with_harmonics(count);
+    settings.backbone.equation = BackboneEquation::ConservativeMode;
+    settings
+}
+
+pub fn backbone(model: &Model, settings: &Settings) -> Backbone {
+    Backbone::compute(model, settings, &mut quiet).unwrap()
+}
+
+/// Displacement of a dof.
+pub fn displacement(model: &Model, state: &State, dof: usize) -> Vec<f64> {
+    state.combine(model.modes.shapes.row(dof).iter().copied())
+}
+
+/// Converged states of a branch at one frequency, in the order of the arc.
+pub fn states_at(forced: &mut Forced<'_>, branch: &Branch, omega: f64) -> Vec<State> {
+    let crossing = |pair: &&[BranchPoint]| (pair[0].omega() - omega) * (pair[1].omega() - omega) < 0.0;
+    let pairs: Vec<_> = branch.points.windows(2).filter(crossing).collect();
+    let between = pairs.into_iter().map(|pair| {
+        let share = (omega - pair[0].omega()) / (pair[1].omega() - pair[0].omega());
+        State { omega, ..pair[0].state.interpolate(&pair[1].state, share) }
+    });
+    between.map(|state| forced.converge(&state).unwrap()).collect()
+}
+
+/// Root of a function with a sign change between `low` and `high`.
+pub fn bisect(mut low: f64, mut high: f64, function: impl Fn(f64) -> f64) -> f64 {
+    let sign = function(low) > 0.0;
+    for _ in 0..200 {
+        let middle = 0.5 * (low + high);
+        if (function(middle) > 0.0) == sign { low = middle } else { high = middle }
+    }
+    0.5 * (low + high)
+}
