@@ -15,6 +15,7 @@ Examples:
   isola sweep STUDY --listen tcp/0.0.0.0:7447 --workers 0    wait for workers elsewhere:
   isola-worker --connect tcp/HOST:7447                       ... on each of them
   isola resume runs/NAME                                     go on after Ctrl-C or a crash
+  isola report runs/NAME                                     one page that shows what was found
 
 Exit codes: 0 done; 1 error; 2 wrong usage; 3 ended with tasks missing (cancelled or given up); 130 interrupted."
 )]
@@ -43,15 +44,25 @@ Examples:
     /// Say how a run is doing (also one that is not running).
     #[command(after_help = "Examples:\n  isola status runs/NAME\n  isola status --connect tcp/HOST:7447")]
     Status(TargetArgs),
-    /// Follow a run live, from anywhere on the bus.
-    #[command(after_help = "Examples:\n  isola watch runs/NAME\n  isola watch --connect tcp/HOST:7447")]
-    Watch(TargetArgs),
+    /// Follow a run live, from anywhere on the bus, in the terminal or in a browser.
+    #[command(after_help = "\
+Examples:
+  isola watch runs/NAME
+  isola watch runs/NAME --page                  the response in a browser, as it grows
+  isola watch --connect tcp/HOST:7447")]
+    Watch(WatchArgs),
     /// Stop a run; what is stored stays, and `resume` goes on.
     #[command(after_help = "Example:\n  isola cancel runs/NAME")]
     Cancel(TargetArgs),
     /// Try the tasks that were given up again.
     #[command(after_help = "Example:\n  isola retry-dead runs/NAME")]
     RetryDead(TargetArgs),
+    /// Show a run, also one in progress, on one HTML page that needs no network.
+    #[command(after_help = "\
+Examples:
+  isola report runs/NAME                        writes runs/NAME/report.html
+  isola report runs/NAME --levels 20:60:20 -o isolas.html")]
+    Report(ReportArgs),
     /// Write summary.csv, backbone.csv, windows.csv and branches/ of a run.
     #[command(after_help = "Example:\n  isola export runs/NAME --to results")]
     Export(ExportArgs),
@@ -143,6 +154,30 @@ pub struct TargetArgs {
     /// First chunk of all keys.
     #[arg(long, default_value = protocol::keys::NAMESPACE)]
     pub namespace: String,
+}
+
+/// Arguments of `watch`.
+#[derive(Debug, Args)]
+pub struct WatchArgs {
+    /// The run.
+    #[command(flatten)]
+    pub target: TargetArgs,
+    /// Show it in a browser: serve a page here, as HOST:PORT [default: a free port on the loopback interface].
+    #[arg(long, value_name = "ADDRESS", num_args = 0..=1, default_missing_value = "127.0.0.1:0")]
+    pub page: Option<String>,
+}
+
+/// Arguments of `report`.
+#[derive(Debug, Args)]
+pub struct ReportArgs {
+    /// Folder of the run.
+    pub run: PathBuf,
+    /// File to write [default: report.html in the folder of the run].
+    #[arg(short, long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+    /// Draw the branches of these forcing amplitudes only: 20,60 or start:stop:step with both ends.
+    #[arg(long, value_name = "LIST")]
+    pub levels: Option<String>,
 }
 
 /// Arguments of `export`.

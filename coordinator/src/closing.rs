@@ -2,8 +2,8 @@
 
 use crate::display::digits;
 use crate::error::Error;
-use crate::export::{BranchRow, Closing, LevelSummary, Rise, closing};
 use crate::store::Reader;
+use crate::survey::{BranchRow, LevelSummary, Rise, Survey, survey};
 use comfy_table::{CellAlignment, Table, presets::UTF8_FULL_CONDENSED};
 
 /// Levels shown at most; all of them are in summary.csv.
@@ -14,7 +14,8 @@ const LEVELS: usize = 60;
 /// # Errors
 /// If the store cannot be read.
 pub fn table(reader: &Reader) -> Result<String, Error> {
-    let Closing { levels, rise } = closing(reader)?;
+    let _snapshot = reader.snapshot()?;
+    let Survey { levels, rise } = survey(reader)?;
     let mut table = Table::new();
     table.load_preset(UTF8_FULL_CONDENSED);
     table.set_header(["A", "main peak", "isolas (range, peak)", "windows", "not found"]);

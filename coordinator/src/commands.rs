@@ -1,13 +1,14 @@
 //! What each command does.
 
-use crate::cli::{Cli, Command, ExportArgs, ResumeArgs, ServeArgs, StudyArgs, SweepArgs};
+use crate::cli::{Cli, Command, ExportArgs, ReportArgs, ResumeArgs, ServeArgs, StudyArgs, SweepArgs};
 use crate::conduct::{Ending, conduct};
 use crate::error::Error;
 use crate::place::open;
-use crate::rundir::default_directory;
+use crate::report::{Report, Selection};
+use crate::rundir::{default_directory, write_whole};
 use crate::store::{Reader, RunHeader, Store};
-use crate::study::{Study, differences};
-use crate::{check, export, prepare, target};
+use crate::study::{Study, StudyError, differences, typed};
+use crate::{check, export, page, prepare, target};
 use clap::CommandFactory;
 use protocol::codec::{encode, sha256};
 use protocol::ids::RunId;
@@ -40,6 +41,7 @@ pub fn execute(cli: Cli) -> Result<ExitCode, Error> {
             Ok(ExitCode::SUCCESS)
         }
         Command::Export(args) => write_files(&args).map(|()| ExitCode::SUCCESS),
+        Command::Report(args) => write_report(&args).map(|()| ExitCode::SUCCESS),
         Command::Completions { shell } => {
             clap_complete::generate(shell, &mut Cli::command(), "isola", &mut std::io::stdout());
             Ok(ExitCode::SUCCESS)
@@ -66,7 +68,11 @@ async fn on_the_bus(command: Command) -> Result<ExitCode, Error> {
         Command::RetryDead(args) => {
             target::retry_dead(&args).await.map(|text| println!("{text}")).map(|()| ExitCode::SUCCESS)
         }
-        Command::Check(_) | Command::Export(_) | Command::Worker(_) | Command::Completions { .. } => {
+        Command::Check(_)
+        | Command::Export(_)
+        | Command::Report(_)
+        | Command::Worker(_)
+        | Command::Completions { .. } => {
             unreachable!("carried out without the bus")
         }
     }
@@ -158,6 +164,37 @@ fn unchanged(header: &RunHeader) -> Result<(), Error> {
     if sha256(&encode(&ModelMessage::from(&study.model))) != header.model_sha256 {
         return Err(Error::Other(format!("the model of {file} has changed since the run began; {remedy}")));
     }
+    Ok(())
+}
+
+/// The levels that `--levels` names.
+fn selection(reader: &Reader, list: Option<&str>, otherwise: Selection) -> Result<Selection, Error> {
+    let Some(list) = list else { return Ok(otherwise) };
+    let wanted = typed("--levels", list).map_err(StudyError::from)?;
+    let wanted: Vec<f64> = wanted.into_iter().map(|amplitude| amplitude.value).collect();
+    let stored = reader.header()?.amplitudes;
+    let text: Vec<&str> = stored.iter().map(|amplitude| amplitude.text.as_str()).collect();
+    match wanted.iter().find(|value| !stored.iter().any(|amplitude| amplitude.value == **value)) {
+        Some(value) => {
+            Err(Error::Other(format!("--levels {value}: the run has no such level, but {}", text.join(", "))))
+        }
+        None => Ok(Selection::Amplitudes(wanted)),
+    }
+}
+
+fn write_report(args: &ReportArgs) -> Result<(), Error> {
+    let reader = Reader::open(&args.run)?;
+    let selection = selection(&reader, args.levels.as_deref(), Selection::Fitting)?;
+    let report = Report::read(&reader, &selection)?;
+    let file = args.out.clone().unwrap_or_else(|| args.run.join("report.html"));
+    write_whole(&file, page::report(&report).as_bytes()).map_err(Error::io(&file))?;
+    for sentence in &report.run.missing {
+        eprintln!("note: {sentence}");
+    }
+    for sentence in &report.verdict {
+        println!("{} {}", sentence.title, sentence.text);
+    }
+    println!("{}", file.display());
     Ok(())
 }
 

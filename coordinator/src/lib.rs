@@ -11,12 +11,16 @@ pub mod engine;
 pub mod error;
 pub mod export;
 pub mod ledger;
+pub mod live;
 pub mod local;
+pub mod page;
 pub mod place;
 pub mod prepare;
+pub mod report;
 pub mod rundir;
 pub mod store;
 pub mod study;
+pub mod survey;
 pub mod target;
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! A run that somebody else conducts: found by its folder or on the bus.
 
-use crate::cli::TargetArgs;
+use crate::cli::{TargetArgs, WatchArgs};
 use crate::display::{Display, summary};
 use crate::error::Error;
 use crate::rundir::read_address;
@@ -20,9 +20,9 @@ const TIMEOUT: Duration = Duration::from_secs(5);
 const SILENCE: Duration = Duration::from_secs(5);
 
 /// A run on the bus.
-struct Live {
-    session: Session,
-    keys: Keys,
+pub struct Live {
+    pub(crate) session: Session,
+    pub(crate) keys: Keys,
 }
 
 impl Live {
@@ -105,9 +105,19 @@ pub async fn status(args: &TargetArgs) -> Result<String, Error> {
     Ok(format!("run {} ({}), {stage}\n{}", header.run, header.name, crate::closing::table(&reader)?))
 }
 
-/// Follows a run until it ends.
-pub async fn watch(args: &TargetArgs) -> Result<(), Error> {
-    let Some(live) = Live::find(args).await? else { return status(args).await.map(|text| print!("{text}")) };
+/// Follows a run until it ends; with a page, until the process is ended.
+pub async fn watch(args: &WatchArgs) -> Result<(), Error> {
+    let target = &args.target;
+    let live = match (Live::find(target).await?, &args.page) {
+        (Some(live), Some(address)) => return crate::live::serve(&live, address).await,
+        (Some(live), None) => live,
+        (None, Some(_)) => {
+            let directory = target.directory.as_deref().unwrap_or(Path::new("RUN")).display();
+            let remedy = format!("`isola report {directory}` draws what there is, `isola resume {directory}` goes on");
+            return Err(Error::Other(format!("nobody conducts this run: there is nothing to watch; {remedy}")));
+        }
+        (None, None) => return status(target).await.map(|text| print!("{text}")),
+    };
     let declared = live.session.declare_subscriber(live.keys.status()).await;
     let updates = declared.map_err(|error| Error::Other(format!("the run cannot be followed: {error}")))?;
     let mut display = Display::new();

@@ -3,6 +3,7 @@
 mod control;
 mod faults;
 mod input;
+mod pages;
 mod sweeps;
 mod viewers;
 

@@ -1,9 +1,9 @@
 //! The CSV files. Names of columns are an interface.
 
 use super::ExportError;
-use super::levels::{BranchRow, LevelRow, WindowOutcome, branches, levels, main_failure, windows};
 use super::table::{Table, failed, optional, text};
 use crate::store::{Reader, number};
+use crate::survey::{BranchRow, LevelRow, WindowOutcome, branches, levels, main_failure, windows};
 use protocol::array::Array;
 use std::fs;
 use std::path::Path;

@@ -1,15 +1,11 @@
-//! What people take away from a run: CSV files and the closing table.
+//! What people take away from a run: CSV files.
 
-mod closing;
 mod files;
-mod levels;
 mod table;
 #[cfg(test)]
 mod tests;
 
-pub use closing::{Closing, LevelSummary, Rise, closing};
 pub use files::csv;
-pub use levels::BranchRow;
 
 use crate::store::StoreError;
 use std::path::PathBuf;

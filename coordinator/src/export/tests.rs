@@ -2,10 +2,10 @@
 
 use super::files::csv;
 use super::table::text;
-use super::*;
 use crate::fixture::{Study, commit};
 use crate::ledger::Record;
 use crate::store::{Change, Reader};
+use crate::survey::survey;
 use protocol::to_everyone::StoredResult;
 use solver::problem::Failure;
 use solver::task::{BranchId, SeedOutcome};
@@ -99,8 +99,8 @@ fn before_the_backbone() {
     let (columns, rows) = table(&dir.path().join("backbone.csv"));
     assert_eq!(columns, "omega,zeta,amplitude,r_lin,r_nl,work_per_amplitude,threshold");
     assert!(rows.is_empty());
-    let closing = closing(&store).unwrap();
-    assert!(closing.rise.is_none() && closing.levels.iter().all(|level| level.main.is_none() && level.pending == 0));
+    let survey = survey(&store).unwrap();
+    assert!(survey.rise.is_none() && survey.levels.iter().all(|level| level.main.is_none() && level.pending == 0));
 }
 
 #[test]
@@ -162,26 +162,26 @@ fn failures_are_rows() {
         ["given up: worker-1: out of memory", "landed, but no branch starts there: the iteration diverged"]
     );
     assert!(rows.iter().all(|row| row["kind"] == "main" && row["branch"] == "1" && row["points"].is_empty()));
-    let closing = closing(&store).unwrap();
-    assert_eq!((closing.levels[0].dead, closing.levels[1].dead), (1, 0));
-    assert_eq!(closing.levels[1].main_failure.as_deref(), Some(status[1]));
+    let survey = survey(&store).unwrap();
+    assert_eq!((survey.levels[0].dead, survey.levels[1].dead), (1, 0));
+    assert_eq!(survey.levels[1].main_failure.as_deref(), Some(status[1]));
 }
 
 #[test]
-fn the_closing_table() {
+fn levels_in_numbers() {
     let (study, dir) = (Study::new("nonlinear_damper", 3, &["0.006", "0.0045", "0.007"]), tempdir().unwrap());
     let (store, _) = study.finished(dir.path());
-    let closing = closing(&store).unwrap();
-    let text: Vec<&str> = closing.levels.iter().map(|level| level.amplitude.as_str()).collect();
+    let survey = survey(&store).unwrap();
+    let text: Vec<&str> = survey.levels.iter().map(|level| level.amplitude.as_str()).collect();
     assert_eq!(text, ["0.0045", "0.006", "0.007"]);
-    for level in &closing.levels {
+    for level in &survey.levels {
         assert!(level.main.is_some() && level.main_failure.is_none());
         assert_eq!((level.pending, level.dead), (0, 0));
     }
-    assert_eq!(closing.levels.iter().map(|level| level.isolas.len()).collect::<Vec<_>>(), [0, 1, 1]);
-    let peaks: Vec<f64> = closing.levels.iter().map(|level| level.peak().unwrap().omega_at_max).collect();
+    assert_eq!(survey.levels.iter().map(|level| level.isolas.len()).collect::<Vec<_>>(), [0, 1, 1]);
+    let peaks: Vec<f64> = survey.levels.iter().map(|level| level.peak().unwrap().omega_at_max).collect();
     let largest = peaks.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
-    match &closing.rise {
+    match &survey.rise {
         Some(rise) => assert_eq!(rise.omega.1 - rise.omega.0, largest),
         None => assert_eq!(largest, 0.0),
     }

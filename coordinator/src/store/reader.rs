@@ -189,6 +189,11 @@ impl Reader {
         })
     }
 
+    /// What is stored makes no sense.
+    pub(crate) fn corrupt(&self, detail: impl std::fmt::Display) -> StoreError {
+        corrupt(&self.file, detail)
+    }
+
     /// An array that is stored as such.
     pub(crate) fn array(&self, owner: &str, name: &str) -> Result<Option<Array>> {
         let sql = "SELECT dtype, shape, data FROM arrays WHERE owner = ?1 AND name = ?2";

@@ -27,7 +27,10 @@ impl Refusal {
 }
 
 /// Amplitudes as typed after an option.
-pub(super) fn typed(option: &str, text: &str) -> Result<Vec<Amplitude>, ModelError> {
+///
+/// # Errors
+/// If they are none, with what would be right.
+pub fn typed(option: &str, text: &str) -> Result<Vec<Amplitude>, ModelError> {
     let place = || Place { file: None, key: "amplitudes".into(), set_by: Some(option.into()) };
     let entries = match text.trim() {
         text if text.starts_with(['[', '"', '\'']) => DeValue::parse(text)

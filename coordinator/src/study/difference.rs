@@ -1,4 +1,4 @@
-//! What changed between two resolved studies.
+//! The keys of a resolved study, and what changed between two.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -46,6 +46,13 @@ pub fn differences(old_resolved: &str, new_resolved: &str) -> Vec<Difference> {
             Difference { key: key.clone(), old, new }
         })
         .collect()
+}
+
+/// Dotted keys with their values as TOML, in alphabetical order, of a text of
+/// [`Study::resolved`](super::Study::resolved); none of a text that is not TOML. Long lists are shortened.
+pub fn settings(resolved: &str) -> Vec<(String, String)> {
+    let flat = resolved.parse::<Table>().map(flatten).unwrap_or_default();
+    flat.iter().map(|(key, value)| (key.clone(), shown(Some(value), None).0)).collect()
 }
 
 /// Dotted keys with their values; lists of tables are taken apart, others are values.

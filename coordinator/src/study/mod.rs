@@ -18,8 +18,8 @@ mod difference;
 mod locate;
 mod range;
 
-pub use amplitudes::MAX_LEVELS;
-pub use difference::{Difference, differences};
+pub use amplitudes::{MAX_LEVELS, typed};
+pub use difference::{Difference, differences, settings};
 
 use locate::{locate, model_folder};
 use protocol::to_everyone::Amplitude;

@@ -24,22 +24,26 @@ pub struct BranchRow {
     pub omega_at_max: f64,
     /// Lowest and highest frequency at which any node touches, rad/s.
     pub contact_omega: Option<(f64, f64)>,
-    pub(super) id: i64,
-    pub(super) task: String,
+    pub(crate) id: i64,
+    pub(crate) task: String,
 }
 
 /// A forcing level.
-pub(super) struct LevelRow {
+pub(crate) struct LevelRow {
     /// Number in the store.
     pub level: i64,
     /// Forcing amplitude, as typed.
     pub amplitude: String,
+    /// Forcing amplitude.
+    pub value: f64,
 }
 
 /// A window and what became of it.
-pub(super) struct WindowRow {
+pub(crate) struct WindowRow {
     /// Number, from 1.
     pub number: usize,
+    /// First point of the backbone inside, last, and the one of smallest threshold.
+    pub points: [usize; 3],
     /// Lowest and highest frequency, rad/s.
     pub omega: (f64, f64),
     /// Frequency of the smallest threshold, rad/s.
@@ -51,7 +55,7 @@ pub(super) struct WindowRow {
 }
 
 /// What became of a window.
-pub(super) enum WindowOutcome {
+pub(crate) enum WindowOutcome {
     /// It led to these branches.
     Found(String),
     /// Every seed was tried, none led to a branch, for these reasons.
@@ -61,13 +65,13 @@ pub(super) enum WindowOutcome {
 }
 
 /// Levels by amplitude.
-pub(super) fn levels(reader: &Reader) -> Result<Vec<LevelRow>> {
-    let sql = "SELECT level, amplitude FROM levels ORDER BY value, level";
-    reader.all(sql, [], |row| Ok(LevelRow { level: row.get(0)?, amplitude: row.get(1)? }))
+pub(crate) fn levels(reader: &Reader) -> Result<Vec<LevelRow>> {
+    let sql = "SELECT level, amplitude, value FROM levels ORDER BY value, level";
+    reader.all(sql, [], |row| Ok(LevelRow { level: row.get(0)?, amplitude: row.get(1)?, value: row.get(2)? }))
 }
 
 /// Branches of a level: main, then isolas.
-pub(super) fn branches(reader: &Reader, level: i64) -> Result<Vec<BranchRow>> {
+pub(crate) fn branches(reader: &Reader, level: i64) -> Result<Vec<BranchRow>> {
     let sql = "SELECT kind, number, status, closed, points, omega_min, omega_max, amplitude_max, omega_at_max, \
                contact_omega_min, contact_omega_max, id, task \
                FROM branches WHERE level = ?1 ORDER BY kind DESC, number";
@@ -92,7 +96,7 @@ fn branch(row: &Row<'_>) -> rusqlite::Result<BranchRow> {
 }
 
 /// Why a level has no main branch, if it was tried.
-pub(super) fn main_failure(reader: &Reader, level: i64) -> Result<Option<String>> {
+pub(crate) fn main_failure(reader: &Reader, level: i64) -> Result<Option<String>> {
     let sql = "SELECT state, outcome, (SELECT reason FROM attempts WHERE task = id AND reason IS NOT NULL \
                ORDER BY attempt DESC LIMIT 1) FROM tasks \
                WHERE level = ?1 AND kind = 'main' AND (state = 'dead' OR state = 'done' AND NOT found)";
@@ -108,14 +112,15 @@ fn given_up(reason: Option<String>) -> String {
 }
 
 /// Windows of a level, in the order of the backbone.
-pub(super) fn windows(reader: &Reader, level: i64) -> Result<Vec<WindowRow>> {
+pub(crate) fn windows(reader: &Reader, level: i64) -> Result<Vec<WindowRow>> {
     let seeds = seeds(reader, level)?;
-    let sql =
-        "SELECT window, omega_min, omega_max, omega_best, threshold FROM windows WHERE level = ?1 ORDER BY window";
+    let sql = "SELECT window, omega_min, omega_max, omega_best, threshold, first, last, best FROM windows WHERE level = ?1 \
+         ORDER BY window";
     reader.all(sql, [level], |row| {
         let window: usize = row.get(0)?;
         Ok(WindowRow {
             number: window,
+            points: [row.get(5)?, row.get(6)?, row.get(7)?],
             omega: (number(row, 1)?, number(row, 2)?),
             omega_best: number(row, 3)?,
             threshold: number(row, 4)?,

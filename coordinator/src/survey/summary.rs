@@ -1,6 +1,5 @@
-//! Numbers of the closing table.
+//! Every level in a few numbers: what the closing table and the report's first sentences are made of.
 
-use super::ExportError;
 use super::levels::{BranchRow, LevelRow, WindowOutcome, branches, levels, main_failure, windows};
 use crate::store::{Reader, Result};
 
@@ -9,6 +8,8 @@ use crate::store::{Reader, Result};
 pub struct LevelSummary {
     /// Forcing amplitude, as typed.
     pub amplitude: String,
+    /// Forcing amplitude.
+    pub value: f64,
     /// Main branch.
     pub main: Option<BranchRow>,
     /// Why there is no main branch, if it was tried.
@@ -34,26 +35,25 @@ pub struct Rise {
     pub omega: (f64, f64),
 }
 
-/// What the closing table shows.
+/// Every level of a run, in numbers.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Closing {
+pub struct Survey {
     /// Levels by amplitude.
     pub levels: Vec<LevelSummary>,
     /// The largest rise in frequency of the peak between neighbouring levels; `None` if it never rises.
     pub rise: Option<Rise>,
 }
 
-/// Numbers of the closing table.
+/// Surveys a run, also one in progress (of one moment if the caller holds a snapshot).
 ///
 /// # Errors
 /// If the run cannot be read.
-pub fn closing(reader: &Reader) -> std::result::Result<Closing, ExportError> {
-    let _snapshot = reader.snapshot()?;
+pub fn survey(reader: &Reader) -> Result<Survey> {
     let levels: Result<Vec<LevelSummary>> =
         levels(reader)?.into_iter().map(|level| level_summary(reader, level)).collect();
     let levels = levels?;
     let rise = largest_rise(&levels);
-    Ok(Closing { levels, rise })
+    Ok(Survey { levels, rise })
 }
 
 fn level_summary(reader: &Reader, level: LevelRow) -> Result<LevelSummary> {
@@ -80,6 +80,7 @@ fn level_summary(reader: &Reader, level: LevelRow) -> Result<LevelSummary> {
         pending,
         dead,
         amplitude: level.amplitude,
+        value: level.value,
     })
 }
 

@@ -1,0 +1,60 @@
+//! Quantities in words, as people say them.
+
+use std::f64::consts::TAU;
+
+/// A length with four digits: `0.948 mm`.
+pub fn length(metres: f64) -> String {
+    let (factor, unit) = match metres.abs() {
+        size if size >= 1.0 || size == 0.0 || !size.is_finite() => (1.0, "m"),
+        size if size >= 1e-4 => (1e3, "mm"),
+        size if size >= 1e-7 => (1e6, "µm"),
+        _ => (1e9, "nm"),
+    };
+    format!("{} {unit}", digits(metres * factor, 4))
+}
+
+/// A frequency: `2495 rad/s (397.2 Hz)`.
+pub fn frequency(omega: f64) -> String {
+    format!("{} rad/s ({} Hz)", digits(omega, 5), digits(omega / TAU, 4))
+}
+
+/// Two frequencies: `2451.2 and 2496.6 rad/s (390.1 and 397.3 Hz)`.
+pub fn range((low, high): (f64, f64)) -> String {
+    let hertz = |omega| digits(omega / TAU, 4);
+    format!("{} and {} rad/s ({} and {} Hz)", digits(low, 5), digits(high, 5), hertz(low), hertz(high))
+}
+
+/// A number with so many digits at most, without exponent unless it is very small.
+pub fn digits(value: f64, count: i32) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return value.to_string();
+    }
+    let before = value.abs().log10().floor() as i32 + 1;
+    if before < -3 {
+        return format!("{value:.*e}", (count - 1).max(0) as usize);
+    }
+    let text = format!("{value:.*}", (count - before).max(0) as usize);
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').into() } else { text }
+}
+
+/// A count with its noun: `1 window`, `3 windows`.
+pub fn count(number: usize, noun: &str) -> String {
+    if number == 1 { format!("1 {noun}") } else { format!("{number} {noun}s") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quantities() {
+        assert_eq!(length(9.4809e-4), "0.9481 mm");
+        assert_eq!(length(1.9817e-3), "1.982 mm");
+        assert_eq!(length(2.5e-6), "2.5 µm");
+        assert_eq!(frequency(2495.39), "2495.4 rad/s (397.2 Hz)");
+        assert_eq!(range((0.9, 1.25)), "0.9 and 1.25 rad/s (0.1432 and 0.1989 Hz)");
+        assert_eq!(digits(14.4252, 3), "14.4");
+        assert_eq!([digits(0.0, 3), digits(140.0, 3), digits(2.0e-7, 3)], ["0", "140", "2.00e-7"]);
+        assert_eq!([count(1, "window"), count(2, "window")], ["1 window", "2 windows"]);
+    }
+}
