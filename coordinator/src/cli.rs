@@ -1,5 +1,6 @@
 //! Command line of `isola`.
 
+use crate::export::Format;
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
 
@@ -63,8 +64,8 @@ Examples:
   isola report runs/NAME                        writes runs/NAME/report.html
   isola report runs/NAME --levels 20:60:20 -o isolas.html")]
     Report(ReportArgs),
-    /// Write summary.csv, backbone.csv, windows.csv and branches/ of a run.
-    #[command(after_help = "Example:\n  isola export runs/NAME --to results")]
+    /// Write the results of a run, at any stage, as files for spreadsheets, MATLAB or NumPy.
+    #[command(after_help = "Examples:\n  isola export runs/NAME --to results\n  isola export runs/NAME --format mat")]
     Export(ExportArgs),
     /// Work for a run: the same as isola-worker.
     Worker(worker::Options),
@@ -185,6 +186,9 @@ pub struct ReportArgs {
 pub struct ExportArgs {
     /// Folder of the run.
     pub run: PathBuf,
+    /// What kind of files.
+    #[arg(long, value_enum, default_value = "csv")]
+    pub format: Format,
     /// Where to write [default: the folder of the run].
     #[arg(long, value_name = "DIR")]
     pub to: Option<PathBuf>,

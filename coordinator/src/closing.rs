@@ -3,7 +3,7 @@
 use crate::display::digits;
 use crate::error::Error;
 use crate::store::Reader;
-use crate::survey::{BranchRow, LevelSummary, Rise, Survey, survey};
+use crate::survey::{BranchRow, Lacks, Level, Rise, Survey};
 use comfy_table::{CellAlignment, Table, presets::UTF8_FULL_CONDENSED};
 
 /// Levels shown at most; all of them are in summary.csv.
@@ -15,7 +15,9 @@ const LEVELS: usize = 60;
 /// If the store cannot be read.
 pub fn table(reader: &Reader) -> Result<String, Error> {
     let _snapshot = reader.snapshot()?;
-    let Survey { levels, rise } = survey(reader)?;
+    let mut lacks = Lacks::default();
+    let survey = Survey::read(reader, &mut lacks)?;
+    let levels = &survey.levels;
     let mut table = Table::new();
     table.load_preset(UTF8_FULL_CONDENSED);
     table.set_header(["A", "main peak", "isolas (range, peak)", "windows", "not found"]);
@@ -23,8 +25,8 @@ pub fn table(reader: &Reader) -> Result<String, Error> {
         table.add_row([
             level.amplitude.clone(),
             main(level),
-            lines(level.isolas.iter().map(isola)),
-            level.windows.to_string(),
+            lines(level.isolas().map(isola)),
+            level.windows.len().to_string(),
             not_found(level),
         ]);
     }
@@ -37,7 +39,7 @@ pub fn table(reader: &Reader) -> Result<String, Error> {
     if levels.len() > LEVELS {
         text += &format!("\n... and {} more levels: see summary.csv", levels.len() - LEVELS);
     }
-    if let Some(Rise { amplitudes: (from, to), omega: (low, high) }) = rise {
+    if let Some(Rise { amplitudes: (from, to), omega: (low, high) }) = survey.rise() {
         let change = high - low;
         text += &format!(
             "\nThe frequency of the largest response rises most, by {change} rad/s to {high} rad/s, between A = {from} and A = {to}.",
@@ -58,8 +60,8 @@ fn peak(row: &BranchRow) -> String {
     format!("{:.4e} m at {} rad/s", row.amplitude_max, digits(row.omega_at_max))
 }
 
-fn main(level: &LevelSummary) -> String {
-    match (&level.main, &level.main_failure) {
+fn main(level: &Level) -> String {
+    match (level.main(), &level.main_failure) {
         (Some(row), _) => peak(row),
         (None, Some(failure)) => failure.clone(),
         (None, None) => "to come".to_string(),
@@ -72,8 +74,11 @@ fn isola(row: &BranchRow) -> String {
     format!("{} to {} rad/s, {}{open}", digits(low), digits(high), peak(row))
 }
 
-fn not_found(level: &LevelSummary) -> String {
+fn not_found(level: &Level) -> String {
     let pending = (level.pending > 0).then(|| format!("{} tasks to come", level.pending));
     let dead = (level.dead > 0).then(|| format!("{} tasks given up", level.dead));
-    lines(level.not_found.iter().cloned().chain(pending).chain(dead))
+    let not_found = level
+        .not_found()
+        .map(|(window, reason)| format!("{:.2} to {:.2} rad/s: {reason}", window.omega.0, window.omega.1));
+    lines(not_found.chain(pending).chain(dead))
 }

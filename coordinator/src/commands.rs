@@ -3,12 +3,13 @@
 use crate::cli::{Cli, Command, ExportArgs, ReportArgs, ResumeArgs, ServeArgs, StudyArgs, SweepArgs};
 use crate::conduct::{Ending, conduct};
 use crate::error::Error;
+use crate::export::{self, Format};
 use crate::place::open;
 use crate::report::{Report, Selection};
 use crate::rundir::{default_directory, write_whole};
 use crate::store::{Reader, RunHeader, Store};
 use crate::study::{Study, StudyError, differences, typed};
-use crate::{check, export, page, prepare, target};
+use crate::{check, page, prepare, target};
 use clap::CommandFactory;
 use protocol::codec::{encode, sha256};
 use protocol::ids::RunId;
@@ -17,7 +18,7 @@ use std::io::IsTerminal;
 use std::process::ExitCode;
 use tracing_subscriber::EnvFilter;
 
-/// Exit code of a run that ended with tasks missing.
+/// Exit code of a run that ended with tasks missing, and of an export that had to leave out what is damaged.
 const INCOMPLETE: u8 = 3;
 /// Exit code of a run that was interrupted.
 const INTERRUPTED: u8 = 130;
@@ -40,7 +41,7 @@ pub fn execute(cli: Cli) -> Result<ExitCode, Error> {
             print!("{}", check::report(&load(&args)?));
             Ok(ExitCode::SUCCESS)
         }
-        Command::Export(args) => write_files(&args).map(|()| ExitCode::SUCCESS),
+        Command::Export(args) => write_files(&args),
         Command::Report(args) => write_report(&args).map(|()| ExitCode::SUCCESS),
         Command::Completions { shell } => {
             clap_complete::generate(shell, &mut Cli::command(), "isola", &mut std::io::stdout());
@@ -198,10 +199,23 @@ fn write_report(args: &ReportArgs) -> Result<(), Error> {
     Ok(())
 }
 
-fn write_files(args: &ExportArgs) -> Result<(), Error> {
+fn write_files(args: &ExportArgs) -> Result<ExitCode, Error> {
     let reader = Reader::open(&args.run)?;
     let to = args.to.as_ref().unwrap_or(&args.run);
-    export::csv(&reader, to)?;
-    println!("summary.csv, backbone.csv, windows.csv and branches/ are in {}", to.display());
-    Ok(())
+    let report = export::export(&reader, args.format, to)?;
+    let files = match args.format {
+        Format::Csv => "summary.csv, backbone.csv, windows.csv and branches/",
+        Format::Mat => "run.mat and branches/",
+        Format::Npz => "run.npz and branches/",
+    };
+    println!("{files} are in {}", to.display());
+    let list: Vec<String> = report.sentences().map(|sentence| format!("\n  {sentence}")).collect();
+    if !list.is_empty() {
+        eprintln!("What is missing there:{}", list.concat());
+    }
+    if report.damaged.is_empty() {
+        return Ok(ExitCode::SUCCESS);
+    }
+    eprintln!("The rest is what was stored. Restore a copy of the run, or start the study again in another folder.");
+    Ok(ExitCode::from(INCOMPLETE))
 }

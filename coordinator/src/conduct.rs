@@ -283,7 +283,9 @@ impl Conductor {
         }
         self.dismiss().await;
         let reader = Reader::open(&self.directory)?;
-        export::csv(&reader, &self.directory)?;
+        for sentence in export::csv(&reader, &self.directory)?.damaged {
+            eprintln!("{sentence}");
+        }
         println!("{}", closing::table(&reader)?);
         println!("results: {}", self.directory.display());
         Ok(())

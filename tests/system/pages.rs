@@ -24,13 +24,13 @@ fn a_report_at_every_stage() {
     let (running, notes) = report(&system);
     assert_eq!(running["run"]["stage"], "sweep");
     assert!(!running["branches"].as_array().unwrap().is_empty());
-    assert!(notes.contains("still to come: the run is not finished"), "{notes}");
+    assert!(notes.contains("still to be done, at A = "), "{notes}");
 
     assert!(isola(&["cancel", &system.directory_text()]).status.success());
     assert_eq!(system.coordinator.wait().code(), Some(3));
     let (cancelled, notes) = report(&system);
     assert_eq!(cancelled["run"]["stage"], "cancelled");
-    assert!(notes.contains("still to come: the run was cancelled"), "{notes}");
+    assert!(notes.contains("still to be done, at A = "), "{notes}");
 
     system.resume(&["--workers", "2"]);
     system.expect_complete();

@@ -1,11 +1,15 @@
 //! The CSV files. Names of columns are an interface.
 
 use super::ExportError;
-use super::table::{Table, failed, optional, text};
-use crate::store::{Reader, number};
-use crate::survey::{BranchRow, LevelRow, WindowOutcome, branches, levels, main_failure, windows};
-use protocol::array::Array;
-use std::fs;
+use super::contents::{backbone, monitors};
+use super::partial::branches_folder;
+use super::table::{Table, optional, text};
+use crate::store::{Reader, Scalars};
+use crate::survey::Lacks;
+use crate::survey::{BranchRow, Level, Survey};
+use protocol::array::{Array, ArrayError};
+use protocol::backbone::BackboneMessage;
+use protocol::branch::BranchMessage;
 use std::path::Path;
 
 const SUMMARY: [&str; 11] = [
@@ -31,46 +35,46 @@ const BRANCH: [&str; 6] = ["omega", "amplitude", "rms", "contact", "residual", "
 /// Frequencies are in rad/s, lengths in m, each number in the shortest form that reads back the same.
 ///
 /// # Errors
-/// If the run cannot be read or a file cannot be written; files are complete or not there.
-pub fn csv(reader: &Reader, dir: &Path) -> Result<(), ExportError> {
-    let folder = dir.join("branches");
-    fs::create_dir_all(&folder).map_err(|source| failed(&folder, source))?;
+/// If nothing of the run can be read or a file cannot be written; files are complete or not there.
+pub(super) fn write(reader: &Reader, dir: &Path, lacks: &mut Lacks) -> Result<(), ExportError> {
     let _snapshot = reader.snapshot()?;
-    let levels = levels(reader)?;
-    backbone(reader, dir)?;
-    write_windows(reader, dir, &levels)?;
-    let monitors: Vec<String> = {
-        let model = reader.model()?;
-        model.monitors.iter().map(|&dof| model.dofs[dof].clone()).collect()
-    };
-    for level in &levels {
-        for row in branches(reader, level.level)? {
-            branch(reader, &folder, level, &row, &monitors)?;
-        }
+    let survey = Survey::read(reader, lacks)?;
+    let folder = branches_folder(dir)?;
+    let backbone = lacks.take("The backbone is", backbone(reader));
+    lacks.levels(&survey.levels, backbone.as_ref().is_none_or(Option::is_some));
+    if let Some(backbone) = backbone {
+        write_backbone(dir, backbone.as_ref(), lacks)?;
     }
-    summary(reader, dir, &levels)
+    write_windows(dir, &survey.levels)?;
+    let monitors = survey.model.as_ref().map(monitors);
+    survey.each_branch(reader, lacks, |lacks, name, result| {
+        let columns = result.branch.as_ref().map(|branch| branch_columns(branch, monitors.as_deref()));
+        let columns = columns.and_then(|columns| lacks.take(format_args!("Branch {name} is"), columns));
+        columns.map_or(Ok(()), |columns| columns.write(&folder, &format!("{name}.csv")))
+    })?;
+    write_summary(dir, &survey.levels)
 }
 
 fn names(columns: &[&str]) -> Vec<String> {
     columns.iter().map(ToString::to_string).collect()
 }
 
-fn summary(reader: &Reader, dir: &Path, levels: &[LevelRow]) -> Result<(), ExportError> {
+fn write_summary(dir: &Path, levels: &[Level]) -> Result<(), ExportError> {
     let mut table = Table::create(dir, "summary.csv", &names(&SUMMARY))?;
     for level in levels {
-        if let Some(status) = main_failure(reader, level.level)? {
-            let mut row = vec![level.amplitude.clone(), "1".into(), "main".into(), status];
+        if let Some(status) = &level.main_failure {
+            let mut row = vec![level.amplitude.clone(), "1".into(), "main".into(), status.clone()];
             row.resize(SUMMARY.len(), String::new());
             table.row(row)?;
         }
-        for branch in branches(reader, level.level)? {
-            table.row(summary_row(level, &branch))?;
+        for branch in &level.branches {
+            table.row(summary_row(level, branch))?;
         }
     }
     table.finish()
 }
 
-fn summary_row(level: &LevelRow, branch: &BranchRow) -> [String; 11] {
+fn summary_row(level: &Level, branch: &BranchRow) -> [String; 11] {
     [
         level.amplitude.clone(),
         branch.number.to_string(),
@@ -86,23 +90,19 @@ fn summary_row(level: &LevelRow, branch: &BranchRow) -> [String; 11] {
     ]
 }
 
-fn write_windows(reader: &Reader, dir: &Path, levels: &[LevelRow]) -> Result<(), ExportError> {
+fn write_windows(dir: &Path, levels: &[Level]) -> Result<(), ExportError> {
     let mut table = Table::create(dir, "windows.csv", &names(&WINDOWS))?;
     for level in levels {
-        for window in windows(reader, level.level)? {
-            let (outcome, branch, reason) = match window.outcome {
-                WindowOutcome::Found(branches) => ("found", branches, String::new()),
-                WindowOutcome::NotFound(reasons) => ("not_found", String::new(), reasons),
-                WindowOutcome::Pending(reasons) => ("pending", String::new(), reasons),
-            };
+        for window in &level.windows {
+            let [outcome, branch, reason] = window.outcome.words();
             table.row([
-                level.amplitude.clone(),
-                window.number.to_string(),
-                text(window.omega.0),
-                text(window.omega.1),
-                text(window.omega_best),
-                text(window.threshold),
-                outcome.into(),
+                level.amplitude.as_str(),
+                &window.number.to_string(),
+                &text(window.omega.0),
+                &text(window.omega.1),
+                &text(window.omega_best),
+                &text(window.threshold),
+                outcome,
                 branch,
                 reason,
             ])?;
@@ -111,46 +111,74 @@ fn write_windows(reader: &Reader, dir: &Path, levels: &[LevelRow]) -> Result<(),
     table.finish()
 }
 
-fn backbone(reader: &Reader, dir: &Path) -> Result<(), ExportError> {
-    let contributions = Rows::of(reader.array("backbone", "contributions")?);
-    let mut columns = names(&BACKBONE);
-    columns.extend((1..=contributions.width).map(|mode| format!("contribution_{mode}")));
-    let mut table = Table::create(dir, "backbone.csv", &columns)?;
-    let sql = "SELECT omega, zeta, amplitude, r_lin, r_nl, work_per_amplitude, threshold FROM backbone ORDER BY i";
-    let mut rows = contributions.iter();
-    let read = |row: &rusqlite::Row<'_>| (0..BACKBONE.len()).map(|column| number(row, column)).collect();
-    reader.each(sql, [], read, |values: Vec<f64>| {
-        let rest = rows.next().unwrap_or_default();
-        table.row(values.iter().chain(rest).copied().map(text))
-    })?;
-    table.finish()
+fn write_backbone(dir: &Path, backbone: Option<&BackboneMessage>, lacks: &mut Lacks) -> Result<(), ExportError> {
+    let columns = backbone.map_or_else(|| Ok(Columns::new(&BACKBONE)), backbone_columns);
+    let columns = lacks.take("backbone.csv is", columns);
+    columns.map_or(Ok(()), |columns| columns.write(dir, "backbone.csv"))
 }
 
-fn branch(
-    reader: &Reader,
-    dir: &Path,
-    level: &LevelRow,
-    branch: &BranchRow,
-    monitors: &[String],
-) -> Result<(), ExportError> {
-    let further = monitors.get(1..).unwrap_or_default();
-    let amplitudes = match further {
-        [] => Rows::of(None),
-        _ => Rows::of(reader.array(&branch.task, "amplitude")?),
+fn backbone_columns(backbone: &BackboneMessage) -> Result<Columns, ArrayError> {
+    let (mut columns, count) = (Columns::new(&BACKBONE), backbone.points.len());
+    let scalars = Scalars::new(&backbone.points)?;
+    let contributions = Rows::of("contributions", &backbone.contributions)?;
+    let column = |name, array: &Array| array.values(name, &[count]);
+    let rows = [
+        scalars.omega,
+        column("decay", &backbone.points.motions.decay)?,
+        scalars.amplitude,
+        column("r_lin", &backbone.r_lin)?,
+        column("r_nl", &backbone.r_nl)?,
+        column("work_per_amplitude", &backbone.work_per_amplitude)?,
+        column("threshold", &backbone.threshold)?,
+    ];
+    columns.names.extend((1..=contributions.width).map(|mode| format!("contribution_{mode}")));
+    let row = |i: usize| {
+        let values = rows.iter().map(move |column| column[i]).chain(contributions.row(i).iter().copied());
+        values.map(text).collect()
     };
-    let mut columns = names(&BRANCH);
-    columns.extend(further.iter().map(|dof| format!("amplitude_{dof}")));
-    let name = format!("{}-{}-{}.csv", level.amplitude, branch.kind, branch.number);
-    let mut table = Table::create(dir, &name, &columns)?;
-    let sql =
-        "SELECT omega, amplitude, rms, contact, residual, high_harmonics FROM points WHERE branch = ?1 ORDER BY i";
-    let mut rows = amplitudes.iter();
-    let read = |row: &rusqlite::Row<'_>| (0..BRANCH.len()).map(|column| row.get(column)).collect();
-    reader.each(sql, [branch.id], read, |values: Vec<Option<f64>>| {
-        let rest = rows.next().and_then(|row| row.get(1..)).unwrap_or_default();
-        table.row(values.into_iter().chain(rest.iter().copied().map(Some)).map(optional))
-    })?;
-    table.finish()
+    columns.rows = (0..count).map(row).collect();
+    Ok(columns)
+}
+
+/// Columns of a branch; dofs that are monitored, after the first, have one each.
+fn branch_columns(branch: &BranchMessage, monitors: Option<&[String]>) -> Result<Columns, ArrayError> {
+    let mut columns = Columns::new(&BRANCH);
+    let scalars = Scalars::new(&branch.points)?;
+    let amplitude = Rows::of("amplitude", &branch.points.amplitude)?;
+    let name = |i: usize| monitors.and_then(|names| names.get(i)).map_or_else(|| (i + 1).to_string(), String::clone);
+    columns.names.extend((1..amplitude.width).map(|i| format!("amplitude_{}", name(i))));
+    let number = |value: f64| optional(Some(value).filter(|value| !value.is_nan()));
+    let row = |i: usize| {
+        let first = [
+            number(scalars.omega[i]),
+            number(scalars.amplitude[i]),
+            number(scalars.rms[i]),
+            scalars.contact[i].map_or_else(String::new, number),
+            number(scalars.residual[i]),
+            number(scalars.high_harmonics[i]),
+        ];
+        first.into_iter().chain(amplitude.row(i).iter().skip(1).copied().map(text)).collect()
+    };
+    columns.rows = (0..branch.points.len()).map(row).collect();
+    Ok(columns)
+}
+
+/// A table in memory.
+struct Columns {
+    names: Vec<String>,
+    rows: Vec<Vec<String>>,
+}
+
+impl Columns {
+    fn new(columns: &[&str]) -> Self {
+        Self { names: names(columns), rows: Vec::new() }
+    }
+
+    fn write(self, dir: &Path, name: &str) -> Result<(), ExportError> {
+        let mut table = Table::create(dir, name, &self.names)?;
+        self.rows.into_iter().try_for_each(|row| table.row(row))?;
+        table.finish()
+    }
 }
 
 /// Rows of an array of two axes.
@@ -160,14 +188,12 @@ struct Rows {
 }
 
 impl Rows {
-    /// Of an array, if there is one.
-    fn of(array: Option<Array>) -> Self {
-        let width = array.as_ref().and_then(|array| array.shape.get(1)).copied().unwrap_or(0);
-        let values = array.and_then(|array| array.values("rows", &[array.len(), width]).ok()).unwrap_or_default();
-        Self { values, width }
+    fn of(name: &'static str, array: &Array) -> Result<Self, ArrayError> {
+        let width = array.shape.get(1).copied().unwrap_or(0);
+        Ok(Self { values: array.values(name, &[array.len(), width])?, width })
     }
 
-    fn iter(&self) -> impl Iterator<Item = &[f64]> {
-        self.values.chunks(self.width.max(1))
+    fn row(&self, i: usize) -> &[f64] {
+        &self.values[i * self.width..(i + 1) * self.width]
     }
 }

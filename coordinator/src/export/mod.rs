@@ -1,15 +1,34 @@
-//! What people take away from a run: CSV files.
+//! What people take away from a run: CSV files, and files for MATLAB and NumPy.
 
+mod contents;
 mod files;
+mod mat;
+mod npz;
+mod partial;
 mod table;
 #[cfg(test)]
 mod tests;
+mod value;
 
-pub use files::csv;
-
-use crate::store::StoreError;
-use std::path::PathBuf;
+use crate::store::{Reader, StoreError};
+use crate::survey::{Lacks, Survey};
+use clap::ValueEnum;
+use contents::Contents;
+use partial::branches_folder;
+use std::path::{Path, PathBuf};
 use thiserror::Error;
+use value::Record;
+
+/// Format of exported files.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Format {
+    /// summary.csv, backbone.csv, windows.csv, branches/*.csv.
+    Csv,
+    /// For MATLAB and Octave, with all harmonics: run.mat, branches/*.mat.
+    Mat,
+    /// For NumPy, with all harmonics: run.npz, branches/*.npz.
+    Npz,
+}
 
 /// Why an export failed.
 #[derive(Debug, Error)]
@@ -25,4 +44,57 @@ pub enum ExportError {
         /// Why.
         source: std::io::Error,
     },
+    /// A variable for MATLAB that is larger than the format allows.
+    #[error("{}: `{variable}` is larger than the 2 GB that a variable may have; use --format npz", .file.display())]
+    TooLarge {
+        /// The file.
+        file: PathBuf,
+        /// The variable.
+        variable: String,
+    },
+}
+
+/// Writes what is stored of a run, at any stage, into folder `dir`, and reports what could not be written because it is
+/// not there or not what was stored.
+///
+/// # Errors
+/// If nothing of the run can be read or a file cannot be written; files are complete or not there.
+pub fn export(reader: &Reader, format: Format, dir: &Path) -> Result<Lacks, ExportError> {
+    let mut lacks = Lacks::default();
+    lacks.check(reader);
+    match format {
+        Format::Csv => files::write(reader, dir, &mut lacks)?,
+        Format::Mat => records(reader, dir, &mut lacks, mat::EXTENSION, mat::write)?,
+        Format::Npz => records(reader, dir, &mut lacks, npz::EXTENSION, npz::write)?,
+    }
+    Ok(lacks)
+}
+
+/// Writes the CSV files, as [`export`] does, of a run that was open for writing until now and was checked then.
+///
+/// # Errors
+/// As [`export`].
+pub fn csv(reader: &Reader, dir: &Path) -> Result<Lacks, ExportError> {
+    let mut lacks = Lacks::default();
+    files::write(reader, dir, &mut lacks)?;
+    Ok(lacks)
+}
+
+/// Writes a file for the run and one for every branch.
+fn records(
+    reader: &Reader,
+    dir: &Path,
+    lacks: &mut Lacks,
+    extension: &str,
+    write: impl Fn(&Path, &str, &Record) -> Result<(), ExportError>,
+) -> Result<(), ExportError> {
+    let _snapshot = reader.snapshot()?;
+    let survey = Survey::read(reader, lacks)?;
+    let folder = branches_folder(dir)?;
+    let contents = Contents::new(reader, &survey);
+    survey.each_branch(reader, lacks, |lacks, name, result| match contents.branch(name, result, lacks) {
+        Some(record) => write(&folder, &format!("{name}.{extension}"), &record),
+        None => Ok(()),
+    })?;
+    write(dir, &format!("run.{extension}"), &contents.run(lacks))
 }

@@ -1,49 +1,35 @@
-//! A CSV file that is there when it is complete.
+//! A CSV file.
 
 use super::ExportError;
-use std::fs::{self, File};
-use std::io;
-use std::path::{Path, PathBuf};
+use super::partial::Partial;
+use std::fs::File;
+use std::path::Path;
 
-/// A CSV file under way, under another name until it is finished.
+/// A CSV file under way.
 pub(super) struct Table {
     writer: csv::Writer<File>,
-    partial: PathBuf,
-    path: PathBuf,
+    partial: Partial,
 }
 
 impl Table {
     /// Begins `name` in folder `dir` with the names of its columns.
     pub fn create(dir: &Path, name: &str, columns: &[String]) -> Result<Self, ExportError> {
-        let (path, partial) = (dir.join(name), dir.join(format!(".{name}.partial")));
-        let file = File::create(&partial).map_err(|source| failed(&path, source))?;
-        let mut table = Self { writer: csv::Writer::from_writer(file), partial, path };
+        let (partial, file) = Partial::create(dir, name)?;
+        let mut table = Self { writer: csv::Writer::from_writer(file), partial };
         table.row(columns)?;
         Ok(table)
     }
 
     /// Adds a row.
     pub fn row<T: AsRef<[u8]>>(&mut self, fields: impl IntoIterator<Item = T>) -> Result<(), ExportError> {
-        self.writer.write_record(fields).map_err(|error| failed(&self.path, error.into()))
+        self.writer.write_record(fields).map_err(|error| self.partial.failed(error.into()))
     }
 
     /// Gives the file its name.
     pub fn finish(mut self) -> Result<(), ExportError> {
-        self.writer.flush().map_err(|source| failed(&self.path, source))?;
-        fs::rename(&self.partial, &self.path).map_err(|source| failed(&self.path, source))
+        self.writer.flush().map_err(|source| self.partial.failed(source))?;
+        self.partial.finish()
     }
-}
-
-impl Drop for Table {
-    fn drop(&mut self) {
-        // There is nothing to remove once it has its name.
-        let _ = fs::remove_file(&self.partial);
-    }
-}
-
-/// A file that cannot be written.
-pub(super) fn failed(file: &Path, source: io::Error) -> ExportError {
-    ExportError::Write { file: file.into(), source }
 }
 
 /// A number, in the shortest form that reads back the same.

@@ -1,11 +1,14 @@
 //! Columns are an interface; what is not finished is exported as far as it is.
 
-use super::files::csv;
+mod damage;
+mod records;
+
 use super::table::text;
+use super::*;
 use crate::fixture::{Study, commit};
 use crate::ledger::Record;
 use crate::store::{Change, Reader};
-use crate::survey::survey;
+use crate::survey::{Lacks, Survey};
 use protocol::to_everyone::StoredResult;
 use solver::problem::Failure;
 use solver::task::{BranchId, SeedOutcome};
@@ -99,8 +102,8 @@ fn before_the_backbone() {
     let (columns, rows) = table(&dir.path().join("backbone.csv"));
     assert_eq!(columns, "omega,zeta,amplitude,r_lin,r_nl,work_per_amplitude,threshold");
     assert!(rows.is_empty());
-    let survey = survey(&store).unwrap();
-    assert!(survey.rise.is_none() && survey.levels.iter().all(|level| level.main.is_none() && level.pending == 0));
+    let survey = Survey::read(&store, &mut Lacks::default()).unwrap();
+    assert!(survey.rise().is_none() && survey.levels.iter().all(|level| level.main().is_none() && level.pending == 0));
 }
 
 #[test]
@@ -162,7 +165,7 @@ fn failures_are_rows() {
         ["given up: worker-1: out of memory", "landed, but no branch starts there: the iteration diverged"]
     );
     assert!(rows.iter().all(|row| row["kind"] == "main" && row["branch"] == "1" && row["points"].is_empty()));
-    let survey = survey(&store).unwrap();
+    let survey = Survey::read(&store, &mut Lacks::default()).unwrap();
     assert_eq!((survey.levels[0].dead, survey.levels[1].dead), (1, 0));
     assert_eq!(survey.levels[1].main_failure.as_deref(), Some(status[1]));
 }
@@ -171,17 +174,17 @@ fn failures_are_rows() {
 fn levels_in_numbers() {
     let (study, dir) = (Study::new("nonlinear_damper", 3, &["0.006", "0.0045", "0.007"]), tempdir().unwrap());
     let (store, _) = study.finished(dir.path());
-    let survey = survey(&store).unwrap();
+    let survey = Survey::read(&store, &mut Lacks::default()).unwrap();
     let text: Vec<&str> = survey.levels.iter().map(|level| level.amplitude.as_str()).collect();
     assert_eq!(text, ["0.0045", "0.006", "0.007"]);
     for level in &survey.levels {
-        assert!(level.main.is_some() && level.main_failure.is_none());
+        assert!(level.main().is_some() && level.main_failure.is_none());
         assert_eq!((level.pending, level.dead), (0, 0));
     }
-    assert_eq!(survey.levels.iter().map(|level| level.isolas.len()).collect::<Vec<_>>(), [0, 1, 1]);
+    assert_eq!(survey.levels.iter().map(|level| level.isolas().count()).collect::<Vec<_>>(), [0, 1, 1]);
     let peaks: Vec<f64> = survey.levels.iter().map(|level| level.peak().unwrap().omega_at_max).collect();
     let largest = peaks.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
-    match &survey.rise {
+    match survey.rise() {
         Some(rise) => assert_eq!(rise.omega.1 - rise.omega.0, largest),
         None => assert_eq!(largest, 0.0),
     }

@@ -1,7 +1,6 @@
 //! A forcing level and the windows predicted for it.
 
-use crate::store::{Reader, Result};
-use crate::survey::{LevelRow, LevelSummary, WindowOutcome, WindowRow, windows};
+use crate::survey::{self, WindowRow};
 use serde::Serialize;
 
 /// A forcing level.
@@ -39,7 +38,7 @@ pub struct Window {
     /// Smallest threshold A*.
     pub threshold: f64,
     /// `found`, `not_found` or `pending`.
-    pub outcome: &'static str,
+    pub outcome: String,
     /// Branches it led to, in words.
     pub branches: String,
     /// Why it was not found, or why seeds were given up.
@@ -51,27 +50,24 @@ impl Level {
     pub fn bare(amplitude: String, value: f64) -> Self {
         Self { amplitude, value, windows: Vec::new(), main_failure: None, pending: 0, dead: 0 }
     }
+}
 
-    /// Of a level with its summary.
-    pub(crate) fn read(reader: &Reader, row: &LevelRow, summary: &LevelSummary) -> Result<Self> {
-        Ok(Self {
-            amplitude: row.amplitude.clone(),
-            value: row.value,
-            windows: windows(reader, row.level)?.into_iter().map(Window::from).collect(),
-            main_failure: summary.main_failure.clone(),
-            pending: summary.pending,
-            dead: summary.dead,
-        })
+impl From<&survey::Level> for Level {
+    fn from(level: &survey::Level) -> Self {
+        Self {
+            amplitude: level.amplitude.clone(),
+            value: level.value,
+            windows: level.windows.iter().map(Window::from).collect(),
+            main_failure: level.main_failure.clone(),
+            pending: level.pending,
+            dead: level.dead,
+        }
     }
 }
 
-impl From<WindowRow> for Window {
-    fn from(row: WindowRow) -> Self {
-        let (outcome, branches, reason) = match row.outcome {
-            WindowOutcome::Found(branches) => ("found", branches, String::new()),
-            WindowOutcome::NotFound(reasons) => ("not_found", String::new(), reasons),
-            WindowOutcome::Pending(reasons) => ("pending", String::new(), reasons),
-        };
+impl From<&WindowRow> for Window {
+    fn from(row: &WindowRow) -> Self {
+        let [outcome, branches, reason] = row.outcome.words();
         let [first, last, best] = row.points;
         Self {
             number: row.number,
@@ -81,9 +77,9 @@ impl From<WindowRow> for Window {
             omega: row.omega,
             omega_best: row.omega_best,
             threshold: row.threshold,
-            outcome,
-            branches,
-            reason,
+            outcome: outcome.into(),
+            branches: branches.into(),
+            reason: reason.into(),
         }
     }
 }

@@ -125,14 +125,14 @@ fn at_every_stage() {
     let store = Store::create(&dir.path().join("empty"), &study.header()).unwrap();
     let report = read(&store);
     assert!(report.backbone.is_none() && report.branches.is_empty() && report.motions.is_none());
-    assert_eq!(report.run.missing, ["There is no backbone yet: nothing is predicted and no branch is computed."]);
+    assert_eq!(report.run.missing, ["There is no backbone yet, and so there are no windows and no branches."]);
     assert_eq!(report.verdict[0].text, "No branch has been computed yet.");
 
     let (mut store, mut sweep) = study.begin(&dir.path().join("run"));
     assert!(sweep.step(&mut store));
     let report = read(&store);
     assert_eq!((report.run.stage, report.branches.len()), (Stage::Sweep, 1));
-    assert!(report.run.missing[0].contains("still to come: the run is not finished"), "{:?}", report.run.missing);
+    assert!(report.run.missing[0].contains("still to be done, at A = 3e-3, 0.006"), "{:?}", report.run.missing);
     assert!(report.verdict[2].text.contains("still to come"), "{}", report.verdict[2].text);
 }
 
@@ -144,7 +144,7 @@ fn of_a_damaged_run_what_is_left() {
     let report = damaged(&dir.path().join("a"), &sql);
     assert_eq!(report.branches.iter().map(|curve| &*curve.name).collect::<Vec<_>>(), ["main", "main"]);
     assert_eq!(report.run.missing.len(), 1);
-    assert!(report.run.missing[0].starts_with("Damaged: the branch of task 0.006-"), "{}", report.run.missing[0]);
+    assert!(report.run.missing[0].starts_with("The branch of task 0.006-"), "{}", report.run.missing[0]);
     // What the store's tables say of it is still there.
     assert!(report.verdict[2].text.starts_with("Yes."), "{}", report.verdict[2].text);
 
@@ -152,7 +152,7 @@ fn of_a_damaged_run_what_is_left() {
     let report = damaged(&dir.path().join("b"), sql);
     assert!(report.backbone.is_none());
     assert_eq!(report.branches.len(), 3);
-    assert!(report.run.missing[0].starts_with("Damaged: the backbone cannot be read"), "{:?}", report.run.missing);
+    assert!(report.run.missing[0].starts_with("The backbone is left out"), "{:?}", report.run.missing);
 }
 
 #[test]

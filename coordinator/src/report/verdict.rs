@@ -2,7 +2,7 @@
 //! would have missed.
 
 use super::words::{count, digits, frequency, length, range};
-use crate::survey::{BranchRow, LevelSummary};
+use crate::survey::{BranchRow, Level};
 use serde::Serialize;
 use solver::windows::{Event, EventKind};
 
@@ -18,7 +18,7 @@ pub struct Sentence {
 /// What the sentences are about.
 pub struct Evidence<'r> {
     /// Levels by forcing amplitude.
-    pub levels: &'r [LevelSummary],
+    pub levels: &'r [Level],
     /// Births and merges along the backbone.
     pub events: &'r [Event],
     /// The dof whose amplitudes are given.
@@ -38,7 +38,7 @@ pub fn verdict(evidence: &Evidence<'_>) -> [Sentence; 3] {
 
 /// A level with its highest isola and its main branch.
 struct Gain<'r> {
-    level: &'r LevelSummary,
+    level: &'r Level,
     isola: &'r BranchRow,
     main: &'r BranchRow,
 }
@@ -50,16 +50,16 @@ impl Gain<'_> {
 }
 
 impl<'r> Evidence<'r> {
-    fn with_isolas(&self) -> impl DoubleEndedIterator<Item = &'r LevelSummary> + Clone {
-        self.levels.iter().filter(|level| !level.isolas.is_empty())
+    fn with_isolas(&self) -> impl DoubleEndedIterator<Item = &'r Level> + Clone {
+        self.levels.iter().filter(|level| level.isolas().next().is_some())
     }
 
     fn is_empty(&self) -> bool {
-        self.levels.iter().all(|level| level.branches().next().is_none())
+        self.levels.iter().all(|level| level.is_bare())
     }
 
     /// The highest point over all branches of all levels.
-    fn largest(&self) -> Option<(&'r LevelSummary, &'r BranchRow)> {
+    fn largest(&self) -> Option<(&'r Level, &'r BranchRow)> {
         let peaks = self.levels.iter().filter_map(|level| Some((level, level.peak()?)));
         peaks.max_by(|a, b| a.1.amplitude_max.total_cmp(&b.1.amplitude_max))
     }
@@ -75,7 +75,7 @@ impl<'r> Evidence<'r> {
             level.amplitude,
             frequency(largest.omega_at_max),
         );
-        let isolas = self.with_isolas().flat_map(|level| &level.isolas);
+        let isolas = self.with_isolas().flat_map(Level::isolas);
         let Some(highest) = isolas.clone().max_by(|a, b| a.amplitude_max.total_cmp(&b.amplitude_max)) else {
             return format!("No isola was found{}; {overall}.", self.reservation());
         };
@@ -105,13 +105,13 @@ impl<'r> Evidence<'r> {
             return format!("There is no isola at {computed}{}{prediction}.", self.reservation());
         };
         let highest = levels.next_back().unwrap_or(lowest);
-        let above = self.levels.iter().find(|level| level.value > highest.value && level.main.is_some());
+        let above = self.levels.iter().find(|level| level.value > highest.value && level.main().is_some());
         let end = above.map(|level| {
             format!(
                 " At A = {} none is left: the main branch itself goes up to {} at {} there.",
                 level.amplitude,
-                level.main.as_ref().map(|main| length(main.amplitude_max)).unwrap_or_default(),
-                level.main.as_ref().map(|main| frequency(main.omega_at_max)).unwrap_or_default()
+                level.main().map(|main| length(main.amplitude_max)).unwrap_or_default(),
+                level.main().map(|main| frequency(main.omega_at_max)).unwrap_or_default()
             )
         });
         let range = if lowest.value == highest.value {
@@ -139,10 +139,9 @@ impl<'r> Evidence<'r> {
         if self.is_empty() {
             return "Nothing is known yet.".into();
         }
-        let gains = self.with_isolas().filter_map(|level| {
-            let isola = level.isolas.iter().max_by(|a, b| a.amplitude_max.total_cmp(&b.amplitude_max))?;
-            Some(Gain { level, isola, main: level.main.as_ref()? })
-        });
+        let gains = self
+            .with_isolas()
+            .filter_map(|level| Some(Gain { level, isola: level.highest_isola()?, main: level.main()? }));
         let Some(gain) = gains.max_by(|a, b| a.ratio().total_cmp(&b.ratio())) else {
             if self.with_isolas().next().is_some() {
                 return "Ordinary continuation has no main branch to compare the isolas with: see the account.".into();
@@ -169,7 +168,7 @@ impl<'r> Evidence<'r> {
     fn reservation(&self) -> String {
         let pending: usize = self.levels.iter().map(|level| level.pending).sum();
         let dead: usize = self.levels.iter().map(|level| level.dead).sum();
-        let not_found: usize = self.levels.iter().map(|level| level.not_found.len()).sum();
+        let not_found: usize = self.levels.iter().map(|level| level.not_found().count()).sum();
         let mut parts = Vec::new();
         if pending > 0 {
             parts.push(format!("{} still to come", count(pending, "task")));

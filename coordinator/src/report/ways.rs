@@ -1,7 +1,7 @@
 //! Frequency and amplitude of the largest response over the forcing amplitude, three ways.
 
 use super::backbone::BackboneCurve;
-use crate::survey::{BranchRow, LevelSummary};
+use crate::survey::{BranchRow, Level};
 use serde::Serialize;
 
 /// The largest response over A: by continuation of the main branch alone, by the energy balance along the backbone
@@ -34,7 +34,7 @@ impl Resonance {
         self.amplitude.push(amplitude);
     }
 
-    fn of_branches<'l>(levels: &'l [LevelSummary], pick: impl Fn(&'l LevelSummary) -> Option<&'l BranchRow>) -> Self {
+    fn of_branches<'l>(levels: &'l [Level], pick: impl Fn(&'l Level) -> Option<&'l BranchRow>) -> Self {
         let mut curve = Self::default();
         for (level, branch) in levels.iter().filter_map(|level| Some((level, pick(level)?))) {
             curve.push(level.value, branch.omega_at_max, branch.amplitude_max);
@@ -68,12 +68,12 @@ impl Resonance {
 
 impl Ways {
     /// Of the levels of a run and its backbone, if that is known.
-    pub fn new(levels: &[LevelSummary], backbone: Option<&BackboneCurve>) -> Self {
+    pub fn new(levels: &[Level], backbone: Option<&BackboneCurve>) -> Self {
         let highest = levels.iter().map(|level| level.value).fold(0.0, f64::max);
         Self {
-            continuation: Resonance::of_branches(levels, |level| level.main.as_ref()),
+            continuation: Resonance::of_branches(levels, Level::main),
             balance: backbone.map(|backbone| Resonance::of_balance(backbone, highest)).unwrap_or_default(),
-            isolas: Resonance::of_branches(levels, LevelSummary::peak),
+            isolas: Resonance::of_branches(levels, Level::peak),
         }
     }
 }

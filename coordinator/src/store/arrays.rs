@@ -121,7 +121,7 @@ pub(super) fn hollow(points: &Points) -> Points {
 }
 
 /// The columns that points of any curve have.
-pub(super) struct Scalars {
+pub(crate) struct Scalars {
     /// ω.
     pub omega: Vec<f64>,
     /// Of the first monitored dof.

@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 
 /// Rows of Φ of the nonlinear and monitored dofs.
 #[derive(Debug)]
-pub(super) struct Displacements {
+pub(crate) struct Displacements {
     /// The dofs.
     dofs: Vec<usize>,
     /// A row of Φ each.

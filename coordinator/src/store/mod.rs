@@ -21,11 +21,11 @@ pub use error::StoreError;
 pub use reader::Reader;
 pub use summary::Summary;
 
-pub(crate) use arrays::number;
+pub(crate) use arrays::{Scalars, number};
+pub(crate) use displacement::Displacements;
 
 use crate::ledger::{LevelPlan, Record};
 use changes::{Changes, now};
-use displacement::Displacements;
 use error::At;
 use lock::{LOCK, RunLock};
 use protocol::backbone::BackboneMessage;

@@ -2,7 +2,7 @@
 
 use super::arrays::{Columns, POINT_COLUMNS, SELECT_POINTS, array_at, fill, number, slots_of_points};
 use super::error::At;
-use super::header::{corrupt, read_header, read_model, read_stage, unpack};
+use super::header::{corrupt, get, read_header, read_model, read_stage, unpack};
 use super::plan::{read_backbone, read_plans, read_reach};
 use super::summary::Summary;
 use super::{FILE, Result, RunHeader, StoreError, database};
@@ -59,6 +59,25 @@ impl Reader {
     /// The model.
     pub fn model(&self) -> Result<ModelMessage> {
         read_model(&self.db, &self.file)
+    }
+
+    /// The model, if it is the one that the run began with.
+    pub(crate) fn genuine_model(&self) -> Result<ModelMessage> {
+        let model = self.model()?;
+        let expected: Option<String> = get(&self.db, &self.file, "model_sha256")?;
+        if expected != Some(sha256(&encode(&model))) {
+            return Err(corrupt(&self.file, "the model is not the one that the run began with"));
+        }
+        Ok(model)
+    }
+
+    /// Whether the tables and indices of the file hang together.
+    ///
+    /// # Errors
+    /// With the first thing that does not.
+    pub(crate) fn check(&self) -> Result<()> {
+        let check: String = self.db.query_row("PRAGMA quick_check(1)", [], |row| row.get(0)).at(&self.file)?;
+        if check == "ok" { Ok(()) } else { Err(corrupt(&self.file, check)) }
     }
 
     /// Where the run is.

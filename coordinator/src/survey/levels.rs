@@ -28,18 +28,9 @@ pub struct BranchRow {
     pub(crate) task: String,
 }
 
-/// A forcing level.
-pub(crate) struct LevelRow {
-    /// Number in the store.
-    pub level: i64,
-    /// Forcing amplitude, as typed.
-    pub amplitude: String,
-    /// Forcing amplitude.
-    pub value: f64,
-}
-
 /// A window and what became of it.
-pub(crate) struct WindowRow {
+#[derive(Debug, Clone, PartialEq)]
+pub struct WindowRow {
     /// Number, from 1.
     pub number: usize,
     /// First point of the backbone inside, last, and the one of smallest threshold.
@@ -55,7 +46,8 @@ pub(crate) struct WindowRow {
 }
 
 /// What became of a window.
-pub(crate) enum WindowOutcome {
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum WindowOutcome {
     /// It led to these branches.
     Found(String),
     /// Every seed was tried, none led to a branch, for these reasons.
@@ -64,14 +56,14 @@ pub(crate) enum WindowOutcome {
     Pending(String),
 }
 
-/// Levels by amplitude.
-pub(crate) fn levels(reader: &Reader) -> Result<Vec<LevelRow>> {
+/// Number, forcing amplitude as typed, and its value: levels by amplitude.
+pub(super) fn levels(reader: &Reader) -> Result<Vec<(i64, String, f64)>> {
     let sql = "SELECT level, amplitude, value FROM levels ORDER BY value, level";
-    reader.all(sql, [], |row| Ok(LevelRow { level: row.get(0)?, amplitude: row.get(1)?, value: row.get(2)? }))
+    reader.all(sql, [], |row| Ok((row.get(0)?, row.get(1)?, row.get(2)?)))
 }
 
 /// Branches of a level: main, then isolas.
-pub(crate) fn branches(reader: &Reader, level: i64) -> Result<Vec<BranchRow>> {
+pub(super) fn branches(reader: &Reader, level: i64) -> Result<Vec<BranchRow>> {
     let sql = "SELECT kind, number, status, closed, points, omega_min, omega_max, amplitude_max, omega_at_max, \
                contact_omega_min, contact_omega_max, id, task \
                FROM branches WHERE level = ?1 ORDER BY kind DESC, number";
@@ -96,7 +88,7 @@ fn branch(row: &Row<'_>) -> rusqlite::Result<BranchRow> {
 }
 
 /// Why a level has no main branch, if it was tried.
-pub(crate) fn main_failure(reader: &Reader, level: i64) -> Result<Option<String>> {
+pub(super) fn main_failure(reader: &Reader, level: i64) -> Result<Option<String>> {
     let sql = "SELECT state, outcome, (SELECT reason FROM attempts WHERE task = id AND reason IS NOT NULL \
                ORDER BY attempt DESC LIMIT 1) FROM tasks \
                WHERE level = ?1 AND kind = 'main' AND (state = 'dead' OR state = 'done' AND NOT found)";
@@ -112,7 +104,7 @@ fn given_up(reason: Option<String>) -> String {
 }
 
 /// Windows of a level, in the order of the backbone.
-pub(crate) fn windows(reader: &Reader, level: i64) -> Result<Vec<WindowRow>> {
+pub(super) fn windows(reader: &Reader, level: i64) -> Result<Vec<WindowRow>> {
     let seeds = seeds(reader, level)?;
     let sql = "SELECT window, omega_min, omega_max, omega_best, threshold, first, last, best FROM windows WHERE level = ?1 \
          ORDER BY window";
@@ -127,6 +119,17 @@ pub(crate) fn windows(reader: &Reader, level: i64) -> Result<Vec<WindowRow>> {
             outcome: outcome(seeds.iter().filter(|seed| seed.window == window)),
         })
     })
+}
+
+impl WindowOutcome {
+    /// What became of it, the branches, the reasons: as in `windows.csv`.
+    pub fn words(&self) -> [&str; 3] {
+        match self {
+            WindowOutcome::Found(branches) => ["found", branches, ""],
+            WindowOutcome::NotFound(reasons) => ["not_found", "", reasons],
+            WindowOutcome::Pending(reasons) => ["pending", "", reasons],
+        }
+    }
 }
 
 /// A task that starts from a window.

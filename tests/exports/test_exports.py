@@ -1,0 +1,158 @@
+"""What `isola export` writes against what the run has stored, to the last bit, as NumPy and SciPy read it."""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+import sqlite3
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+import scipy.io
+
+ROOT = Path(__file__).parents[2]
+STUDY = ROOT / "models" / "rotor67" / "study.toml"
+ISOLA = os.environ.get("ISOLA_BIN", str(ROOT / "target" / "release" / "isola"))
+COMPLEX = ["argument", "modal", "displacement"]
+COLUMNS = ["omega", "residual", "high_harmonics", "iterations"]
+
+
+def isola(*arguments: object) -> subprocess.CompletedProcess[str]:
+    """Runs the program."""
+    return subprocess.run([ISOLA, *map(str, arguments)], capture_output=True, text=True, check=False, timeout=300)
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A finished run of two levels, exported in all formats."""
+    folder = tmp_path_factory.mktemp("exports") / "run"
+    coarse = ["--set", "harmonics.count=3"]
+    sweep = isola("sweep", STUDY, "--out", folder, "--amplitudes", "20,40", "--workers", 1, *coarse)
+    assert sweep.returncode == 0, sweep.stderr
+    for kind in ["csv", "mat", "npz"]:
+        export = isola("export", folder, "--format", kind, "--to", folder.parent / kind)
+        assert (export.returncode, export.stderr) == (0, "")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def store(run: Path) -> sqlite3.Connection:
+    """Its store."""
+    return sqlite3.connect(run / "run.sqlite")
+
+
+def arrays(store: sqlite3.Connection, owner: str) -> dict[str, np.ndarray]:
+    """The arrays of a curve or the model."""
+    found = {}
+    for name, shape, data in store.execute("SELECT name, shape, data FROM arrays WHERE owner = ?", [owner]):
+        array = np.frombuffer(data, "<f8").reshape(json.loads(shape))
+        found[name] = array.view("<c16")[..., 0] if name in COMPLEX else array
+    return found
+
+
+def branches(store: sqlite3.Connection) -> list[tuple[int, str, str]]:
+    """Number, task and file of every branch."""
+    sql = "SELECT id, task, amplitude || '-' || kind || '-' || number FROM branches ORDER BY id"
+    rows = store.execute(sql).fetchall()
+    assert len(rows) >= 2
+    return rows
+
+
+def read(file: Path) -> dict[str, object]:
+    """All values of a file, by documented name."""
+    if file.suffix == ".npz":
+        with np.load(file) as found:
+            return dict(found)
+    values = {}
+    for name, value in scipy.io.loadmat(file, simplify_cells=True).items():
+        fields = {f"{name}.{key}": field for key, field in value.items()} if isinstance(value, dict) else {name: value}
+        values.update({name: value for name, value in fields.items() if not name.startswith("__")})
+    return values
+
+
+def assert_same(found: object, expected: np.ndarray, name: str) -> None:
+    """Equal to the last bit; SciPy drops axes of length one."""
+    found = np.ascontiguousarray(found, expected.dtype).reshape(expected.shape)
+    assert found.tobytes() == np.ascontiguousarray(expected).tobytes(), name
+
+
+@pytest.mark.parametrize("kind", ["mat", "npz"])
+def test_branches(run: Path, store: sqlite3.Connection, kind: str) -> None:
+    for number, task, name in branches(store):
+        found = read(run.parent / kind / "branches" / f"{name}.{kind}")
+        expected = arrays(store, task)
+        for column in COLUMNS:
+            if column not in expected:
+                rows = store.execute(f"SELECT {column} FROM points WHERE branch = ? ORDER BY i", [number]).fetchall()
+                expected[column] = np.array(rows, dtype="<f8")[:, 0]
+        assert {"modal", "displacement", "contact"} < expected.keys()
+        for array, values in expected.items():
+            assert_same(found[array], values, f"{name}: {array}")
+        status, special = store.execute("SELECT status, special FROM branches WHERE id = ?", [number]).fetchone()
+        assert str(found["status"]) == status and bool(found["closed"]) == (status == "closed")
+        assert [str(point) for point in found["special_kind"]] == [point["kind"] for point in json.loads(special)]
+        assert [int(index) for index in found["special_index"]] == [point["index"] for point in json.loads(special)]
+        worker = store.execute("SELECT worker, program, seconds FROM results WHERE task = ?", [task]).fetchone()
+        assert (str(found["worker"]), str(found["program"]), float(found["seconds"])) == worker
+
+
+@pytest.mark.parametrize("kind", ["mat", "npz"])
+def test_the_run(run: Path, store: sqlite3.Connection, kind: str) -> None:
+    found = read(run.parent / kind / f"run.{kind}")
+    model = arrays(store, "model")
+    model["forcing_shape"] = model.pop("forcing")
+    for array, values in model.items():
+        assert_same(found[f"model.{array}"], values, f"model: {array}")
+    backbone = arrays(store, "backbone")
+    for column in [*COLUMNS, "r_lin", "r_nl", "work_per_amplitude", "threshold", "certificate", "arc"]:
+        if column not in backbone:
+            rows = store.execute(f"SELECT {column} FROM backbone ORDER BY i").fetchall()
+            backbone[column] = np.array(rows, dtype="<f8")[:, 0]
+    for array, values in backbone.items():
+        assert_same(found[f"backbone.{array}"], values, f"backbone: {array}")
+    names = store.execute("SELECT dofs, displacement_dofs, contacts FROM model").fetchone()
+    for key, texts in zip(["dofs", "displacement_dofs", "contacts"], names):
+        assert [str(text) for text in found[f"model.{key}"]] == json.loads(texts)
+    for key in ["omega_min", "omega_max", "threshold", "first", "last", "best"]:
+        windows = "SELECT {} FROM windows JOIN levels USING (level) ORDER BY value, window"
+        rows = store.execute(windows.format(f"windows.{key}")).fetchall()
+        assert_same(found[f"windows.{key}"], np.array(rows, dtype="<f8")[:, 0], key)
+    assert {str(file) for file in found["branches.file"]} == {name for _, _, name in branches(store)}
+    assert len(found["run.missing"]) == 0
+
+
+@pytest.mark.parametrize("kind", ["mat", "npz"])
+def test_all_documented_names_are_there(run: Path, store: sqlite3.Connection, kind: str) -> None:
+    document = (ROOT / "coordinator" / "EXPORTS.md").read_text()
+    names = [line.split("`")[1] for line in document.splitlines() if line.startswith("| `")]
+    _, _, branch = branches(store)[0]
+    assert set(read(run.parent / kind / f"run.{kind}")) == {name for name in names if "." in name}
+    assert set(read(run.parent / kind / "branches" / f"{branch}.{kind}")) == {name for name in names if "." not in name}
+
+
+def test_text(run: Path, store: sqlite3.Connection) -> None:
+    columns = ["omega", "amplitude", "rms", "contact", "residual", "high_harmonics"]
+    for number, _, name in branches(store):
+        with (run.parent / "csv" / "branches" / f"{name}.csv").open() as file:
+            rows = list(csv.DictReader(file))
+        sql = f"SELECT {', '.join(columns)} FROM points WHERE branch = ? ORDER BY i"
+        expected = store.execute(sql, [number]).fetchall()
+        assert [tuple(float(row[column]) for column in columns) for row in rows] == expected
+
+
+def test_a_damaged_branch_is_named_and_the_rest_written(run: Path, store: sqlite3.Connection, tmp_path: Path) -> None:
+    (tmp_path / "run").mkdir()
+    with sqlite3.connect(tmp_path / "run" / "run.sqlite") as copy:
+        store.backup(copy)
+        copy.execute("UPDATE points SET omega = omega + 1e-9 WHERE branch = 1 AND i = 3")
+    copy.close()
+    names = [name for _, _, name in branches(store)]
+    for kind in ["csv", "mat", "npz"]:
+        export = isola("export", tmp_path / "run", "--format", kind, "--to", tmp_path / kind)
+        assert export.returncode == 3, export.stderr
+        assert f"Branch {names[0]} is left out" in export.stderr
+        files = {file.name for file in (tmp_path / kind / "branches").iterdir()}
+        assert files == {f"{name}.{kind}" for name in names[1:]}
