@@ -1,6 +1,7 @@
 //! Command line of `isola`.
 
 use crate::export::Format;
+use crate::plot::{Along, FigureName};
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
 
@@ -17,6 +18,7 @@ Examples:
   isola-worker --connect tcp/HOST:7447                       ... on each of them
   isola resume runs/NAME                                     go on after Ctrl-C or a crash
   isola report runs/NAME                                     one page that shows what was found
+  isola plot runs/NAME --figure response -o response.pdf     one figure for a paper
 
 Exit codes: 0 done; 1 error; 2 wrong usage; 3 ended with tasks missing (cancelled or given up); 130 interrupted."
 )]
@@ -64,6 +66,13 @@ Examples:
   isola report runs/NAME                        writes runs/NAME/report.html
   isola report runs/NAME --levels 20:60:20 -o isolas.html")]
     Report(ReportArgs),
+    /// Draw one figure of a run, also of one in progress, for a paper: SVG, PDF or PNG.
+    #[command(after_help = "\
+Examples:
+  isola plot runs/NAME --figure response -o response.pdf
+  isola plot runs/NAME --figure balance --amplitude 60 --width 85 --height 70 -o balance.svg
+  isola plot runs/NAME --figure motion --at \"20/isola 1/43\" -o motion.png")]
+    Plot(PlotArgs),
     /// Write the results of a run, at any stage, as files for spreadsheets, MATLAB or NumPy.
     #[command(after_help = "Examples:\n  isola export runs/NAME --to results\n  isola export runs/NAME --format mat")]
     Export(ExportArgs),
@@ -179,6 +188,40 @@ pub struct ReportArgs {
     /// Draw the branches of these forcing amplitudes only: 20,60 or start:stop:step with both ends.
     #[arg(long, value_name = "LIST")]
     pub levels: Option<String>,
+}
+
+/// Arguments of `plot`.
+#[derive(Debug, Args)]
+pub struct PlotArgs {
+    /// Folder of the run.
+    pub run: PathBuf,
+    /// Which figure.
+    #[arg(long, value_name = "NAME")]
+    pub figure: FigureName,
+    /// File to write; its ending says what: .svg, .pdf or .png (300 pixels an inch).
+    #[arg(short, long, value_name = "FILE")]
+    pub out: PathBuf,
+    /// Show these forcing amplitudes only: 20,60 or start:stop:step with both ends (response, map, resonance).
+    #[arg(long, value_name = "LIST")]
+    pub levels: Option<String>,
+    /// Monitored dof whose amplitude is shown [default: the first one].
+    #[arg(long, value_name = "DOF")]
+    pub monitor: Option<String>,
+    /// Forcing amplitude of balance and backbone [default: the lowest with an isola, else the middle one].
+    #[arg(long, value_name = "A")]
+    pub amplitude: Option<String>,
+    /// Point of motion: amplitude, branch and index from 0, or peak [default: peak of the highest isola].
+    #[arg(long, value_name = "A/BRANCH/INDEX")]
+    pub at: Option<String>,
+    /// What balance and modes are drawn over [default: arc].
+    #[arg(long, value_name = "QUANTITY")]
+    pub along: Option<Along>,
+    /// Width, mm.
+    #[arg(long, value_name = "MM", default_value_t = 170.0)]
+    pub width: f64,
+    /// Height, mm.
+    #[arg(long, value_name = "MM", default_value_t = 110.0)]
+    pub height: f64,
 }
 
 /// Arguments of `export`.

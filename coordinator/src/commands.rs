@@ -1,15 +1,13 @@
 //! What each command does.
 
-use crate::cli::{Cli, Command, ExportArgs, ReportArgs, ResumeArgs, ServeArgs, StudyArgs, SweepArgs};
+use crate::cli::{Cli, Command, ResumeArgs, ServeArgs, StudyArgs, SweepArgs};
 use crate::conduct::{Ending, conduct};
 use crate::error::Error;
-use crate::export::{self, Format};
 use crate::place::open;
-use crate::report::{Report, Selection};
-use crate::rundir::{default_directory, write_whole};
-use crate::store::{Reader, RunHeader, Store};
-use crate::study::{Study, StudyError, differences, typed};
-use crate::{check, page, prepare, target};
+use crate::rundir::default_directory;
+use crate::store::{RunHeader, Store};
+use crate::study::{Study, differences};
+use crate::{check, outputs, prepare, target};
 use clap::CommandFactory;
 use protocol::codec::{encode, sha256};
 use protocol::ids::RunId;
@@ -19,7 +17,7 @@ use std::process::ExitCode;
 use tracing_subscriber::EnvFilter;
 
 /// Exit code of a run that ended with tasks missing, and of an export that had to leave out what is damaged.
-const INCOMPLETE: u8 = 3;
+pub const INCOMPLETE: u8 = 3;
 /// Exit code of a run that was interrupted.
 const INTERRUPTED: u8 = 130;
 
@@ -41,8 +39,9 @@ pub fn execute(cli: Cli) -> Result<ExitCode, Error> {
             print!("{}", check::report(&load(&args)?));
             Ok(ExitCode::SUCCESS)
         }
-        Command::Export(args) => write_files(&args),
-        Command::Report(args) => write_report(&args).map(|()| ExitCode::SUCCESS),
+        Command::Export(args) => outputs::export(&args),
+        Command::Report(args) => outputs::report(&args).map(|()| ExitCode::SUCCESS),
+        Command::Plot(args) => outputs::plot(&args).map(|()| ExitCode::SUCCESS),
         Command::Completions { shell } => {
             clap_complete::generate(shell, &mut Cli::command(), "isola", &mut std::io::stdout());
             Ok(ExitCode::SUCCESS)
@@ -72,6 +71,7 @@ async fn on_the_bus(command: Command) -> Result<ExitCode, Error> {
         Command::Check(_)
         | Command::Export(_)
         | Command::Report(_)
+        | Command::Plot(_)
         | Command::Worker(_)
         | Command::Completions { .. } => {
             unreachable!("carried out without the bus")
@@ -166,56 +166,4 @@ fn unchanged(header: &RunHeader) -> Result<(), Error> {
         return Err(Error::Other(format!("the model of {file} has changed since the run began; {remedy}")));
     }
     Ok(())
-}
-
-/// The levels that `--levels` names.
-fn selection(reader: &Reader, list: Option<&str>, otherwise: Selection) -> Result<Selection, Error> {
-    let Some(list) = list else { return Ok(otherwise) };
-    let wanted = typed("--levels", list).map_err(StudyError::from)?;
-    let wanted: Vec<f64> = wanted.into_iter().map(|amplitude| amplitude.value).collect();
-    let stored = reader.header()?.amplitudes;
-    let text: Vec<&str> = stored.iter().map(|amplitude| amplitude.text.as_str()).collect();
-    match wanted.iter().find(|value| !stored.iter().any(|amplitude| amplitude.value == **value)) {
-        Some(value) => {
-            Err(Error::Other(format!("--levels {value}: the run has no such level, but {}", text.join(", "))))
-        }
-        None => Ok(Selection::Amplitudes(wanted)),
-    }
-}
-
-fn write_report(args: &ReportArgs) -> Result<(), Error> {
-    let reader = Reader::open(&args.run)?;
-    let selection = selection(&reader, args.levels.as_deref(), Selection::Fitting)?;
-    let report = Report::read(&reader, &selection)?;
-    let file = args.out.clone().unwrap_or_else(|| args.run.join("report.html"));
-    write_whole(&file, page::report(&report).as_bytes()).map_err(Error::io(&file))?;
-    for sentence in &report.run.missing {
-        eprintln!("note: {sentence}");
-    }
-    for sentence in &report.verdict {
-        println!("{} {}", sentence.title, sentence.text);
-    }
-    println!("{}", file.display());
-    Ok(())
-}
-
-fn write_files(args: &ExportArgs) -> Result<ExitCode, Error> {
-    let reader = Reader::open(&args.run)?;
-    let to = args.to.as_ref().unwrap_or(&args.run);
-    let report = export::export(&reader, args.format, to)?;
-    let files = match args.format {
-        Format::Csv => "summary.csv, backbone.csv, windows.csv and branches/",
-        Format::Mat => "run.mat and branches/",
-        Format::Npz => "run.npz and branches/",
-    };
-    println!("{files} are in {}", to.display());
-    let list: Vec<String> = report.sentences().map(|sentence| format!("\n  {sentence}")).collect();
-    if !list.is_empty() {
-        eprintln!("What is missing there:{}", list.concat());
-    }
-    if report.damaged.is_empty() {
-        return Ok(ExitCode::SUCCESS);
-    }
-    eprintln!("The rest is what was stored. Restore a copy of the run, or start the study again in another folder.");
-    Ok(ExitCode::from(INCOMPLETE))
 }

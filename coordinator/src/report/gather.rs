@@ -28,6 +28,8 @@ pub enum Selection {
     Fitting,
     /// All of them.
     All,
+    /// None of them: for figures that show no branches.
+    NoBranches,
     /// Those of these forcing amplitudes.
     Amplitudes(Vec<f64>),
 }
@@ -113,6 +115,7 @@ fn read_backbone(reader: &Reader, size: &Size) -> Result<Option<Backbone>> {
 fn drawn<'s>(survey: &'s Survey, selection: &Selection, lacks: &mut Lacks) -> Vec<(usize, &'s BranchRow)> {
     let levels = &survey.levels;
     let chosen: HashSet<usize> = match selection {
+        Selection::NoBranches => return Vec::new(),
         Selection::All => (0..levels.len()).collect(),
         Selection::Amplitudes(list) => (0..levels.len()).filter(|&i| list.contains(&levels[i].value)).collect(),
         Selection::Fitting => {

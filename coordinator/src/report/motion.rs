@@ -96,10 +96,29 @@ impl Motions {
         let Some(message) = &result.branch else { return Ok(()) };
         let states = message.points.motions.states(size.channels, size.modes)?;
         for index in chosen(curve, count) {
-            let coefficients = Column::short(self.coefficients(&states[index]));
-            self.points.push(Motion { branch, index, coefficients });
+            let motion = self.motion((branch, index), &states[index]);
+            self.points.push(motion);
         }
         Ok(())
+    }
+
+    /// The motion at a point of the branch that a result holds, if it holds one with such a point.
+    ///
+    /// # Errors
+    /// If the arrays of the result do not fit the model's size.
+    pub fn at(
+        &self,
+        (branch, index): (usize, usize),
+        result: &StoredResult,
+        size: &Size,
+    ) -> Result<Option<Motion>, ArrayError> {
+        let Some(message) = &result.branch else { return Ok(None) };
+        let states = message.points.motions.states(size.channels, size.modes)?;
+        Ok(states.get(index).map(|state| self.motion((branch, index), state)))
+    }
+
+    fn motion(&self, (branch, index): (usize, usize), state: &State) -> Motion {
+        Motion { branch, index, coefficients: Column::short(self.coefficients(state)) }
     }
 
     /// Displacement and predicted pressure of every node: nodes × 2 × (2H + 1).

@@ -4,13 +4,18 @@ use std::f64::consts::TAU;
 
 /// A length with four digits: `0.948 mm`.
 pub fn length(metres: f64) -> String {
-    let (factor, unit) = match metres.abs() {
+    let (factor, unit) = length_unit(metres);
+    format!("{} {unit}", digits(metres * factor, 4))
+}
+
+/// The unit in which lengths up to this one are read best, and how many of it make a metre.
+pub fn length_unit(metres: f64) -> (f64, &'static str) {
+    match metres.abs() {
         size if size >= 1.0 || size == 0.0 || !size.is_finite() => (1.0, "m"),
         size if size >= 1e-4 => (1e3, "mm"),
         size if size >= 1e-7 => (1e6, "µm"),
         _ => (1e9, "nm"),
-    };
-    format!("{} {unit}", digits(metres * factor, 4))
+    }
 }
 
 /// A frequency: `2495 rad/s (397.2 Hz)`.
