@@ -45,11 +45,12 @@ function responseLayers(chart) {
     gap,
     /** @param {Curve[]} curves with their branch @param {string[]} colours of the levels */
     draw(curves, colours) {
-      // Those of small levels lie inside the others: they come last. Of hundreds, thinner lines show more.
+      // Those of small levels lie inside the others: they come last. Of hundreds, thin lines show more, and
+      // fills upon fills would only cost time.
       curves = curves.toSorted((a, b) => b.branch.level - a.branch.level);
       const isolaCount = curves.filter((curve) => !isMain(curve)).length;
       bold[0].glyph.line_width = bold[1].glyph.line_width = isolaCount > 40 ? 1.8 : 3;
-      bold[1].glyph.fill_alpha = Math.min(0.14, 1.4 / Math.max(isolaCount, 1));
+      bold[1].glyph.fill_alpha = isolaCount > 40 ? 0 : Math.min(0.14, 1.4 / Math.max(isolaCount, 1));
       mains.data = columnsOf(curves.filter(isMain), colours);
       loops.data = columnsOf(curves.filter(isLoop), colours);
       opens.data = columnsOf(curves.filter((curve) => !isMain(curve) && !isLoop(curve)), colours);

@@ -60,7 +60,7 @@ impl Report {
         let monitors = monitors(&model);
         let evidence = Evidence {
             levels: &survey.levels,
-            events: backbone.as_ref().map_or(&[], |backbone| &backbone.events),
+            backbone: backbone.as_ref(),
             monitor: &monitors[0].name,
             gap: monitors[0].gap,
         };
@@ -125,7 +125,9 @@ fn drawn<'s>(survey: &'s Survey, selection: &Selection, lacks: &mut Lacks) -> Ve
     };
     if chosen.len() < levels.len() {
         let (drawn, all) = (chosen.len(), levels.len());
-        let sentence = format!("Branches are drawn for {drawn} of {all} forcing levels; --levels chooses others.");
+        let why =
+            if *selection == Selection::Fitting { "more would be too heavy, --levels chooses" } else { "as chosen" };
+        let sentence = format!("Branches are drawn for {drawn} of {all} forcing levels: {why}.");
         lacks.missing.push(sentence);
     }
     let of_level = |i: usize| levels[i].branches.iter().map(move |branch| (i, branch));

@@ -162,6 +162,6 @@ fn levels_are_chosen() {
     let report = Report::read(&store, &Selection::Amplitudes(vec![0.003])).unwrap();
     assert_eq!(report.branches.len(), 1);
     assert_eq!(report.levels.len(), 2);
-    let expected = "Branches are drawn for 1 of 2 forcing levels; --levels chooses others.";
+    let expected = "Branches are drawn for 1 of 2 forcing levels: as chosen.";
     assert_eq!(report.run.missing, [expected]);
 }

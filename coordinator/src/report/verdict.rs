@@ -1,6 +1,7 @@
 //! Three sentences that the store supports: where it is dangerous, from which forcing on, and what ordinary continuation
 //! would have missed.
 
+use super::backbone::BackboneCurve;
 use super::words::{count, digits, frequency, length, range};
 use crate::survey::{BranchRow, Level};
 use serde::Serialize;
@@ -19,8 +20,8 @@ pub struct Sentence {
 pub struct Evidence<'r> {
     /// Levels by forcing amplitude.
     pub levels: &'r [Level],
-    /// Births and merges along the backbone.
-    pub events: &'r [Event],
+    /// The backbone, if it is known.
+    pub backbone: Option<&'r BackboneCurve>,
     /// The dof whose amplitudes are given.
     pub monitor: &'r str,
     /// Its clearance to the casing, m.
@@ -66,15 +67,10 @@ impl<'r> Evidence<'r> {
 
     fn danger(&self) -> String {
         let Some((level, largest)) = self.largest() else { return "No branch has been computed yet.".into() };
-        let monitor = self.monitor;
         let casing = self.gap.map(|gap| format!(" ({} to the casing)", length(gap))).unwrap_or_default();
-        let overall = format!(
-            "the largest response of all, {} at {monitor}{casing}, is on {} at A = {}, at {}",
-            length(largest.amplitude_max),
-            branch_name(largest),
-            level.amplitude,
-            frequency(largest.omega_at_max),
-        );
+        let size = |row: &BranchRow| format!("{} at {}", length(row.amplitude_max), self.monitor);
+        let place = format!("at {} and A = {}", frequency(largest.omega_at_max), level.amplitude);
+        let overall = format!("the largest response of all, {}{casing}, is on the main branch, {place}", size(largest));
         let isolas = self.with_isolas().flat_map(Level::isolas);
         let Some(highest) = isolas.clone().max_by(|a, b| a.amplitude_max.total_cmp(&b.amplitude_max)) else {
             return format!("No isola was found{}; {overall}.", self.reservation());
@@ -82,12 +78,15 @@ impl<'r> Evidence<'r> {
         let bounds = isolas.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), isola| {
             (low.min(isola.omega.0), high.max(isola.omega.1))
         });
-        format!(
-            "Between {}: there an impact or a gust can throw the structure onto an isolated branch (isola) with up to {} at \
-             {monitor}; {overall}.",
-            range(bounds),
-            length(highest.amplitude_max)
-        )
+        let there = format!(
+            "Between {}: there an impact or a gust can throw the structure onto an isolated branch (isola)",
+            range(bounds)
+        );
+        if largest.kind == "main" {
+            format!("{there} with up to {}; {overall}.", size(highest))
+        } else {
+            format!("{there} with up to {}{casing}, the largest response of all, {place}.", size(largest))
+        }
     }
 
     fn onset(&self) -> String {
@@ -122,16 +121,23 @@ impl<'r> Evidence<'r> {
         format!("{range}, of {computed}{}{prediction}.{}", self.reservation(), end.unwrap_or_default())
     }
 
-    /// From where on the energy balance alone says that there is more than the main response.
+    /// From where on the energy balance alone says that there is more than the main response. A window that is born and
+    /// merges between two levels is no news.
     fn prediction(&self) -> String {
-        let births = self.events.iter().filter(|event| event.kind == EventKind::Birth);
-        match births.min_by(|a, b| a.threshold.total_cmp(&b.threshold)) {
+        let Some(backbone) = self.backbone else { return String::new() };
+        let (threshold, omega) = (&backbone.threshold.values, &backbone.omega.values);
+        let births = backbone.events.iter().filter(|event| event.kind == EventKind::Birth);
+        let is_separate = |birth: &&Event| {
+            let barrier = threshold[..birth.index].iter().copied().fold(0.0, f64::max);
+            self.levels.iter().any(|level| (birth.threshold..barrier).contains(&level.value))
+        };
+        match births.filter(is_separate).min_by(|a, b| a.threshold.total_cmp(&b.threshold)) {
             Some(birth) => format!(
                 "; the energy balance predicts separate responses from A = {} on, near {}",
                 digits(birth.threshold, 3),
-                frequency(birth.omega)
+                frequency(omega[birth.index])
             ),
-            None => "; the energy balance predicts no separate response at any forcing".into(),
+            None => "; the energy balance predicts no separate response at any of them".into(),
         }
     }
 
@@ -181,8 +187,4 @@ impl<'r> Evidence<'r> {
         }
         if parts.is_empty() { String::new() } else { format!(" ({})", parts.join(", ")) }
     }
-}
-
-fn branch_name(row: &BranchRow) -> String {
-    if row.kind == "main" { "the main branch".into() } else { format!("isola {}", row.number) }
 }
