@@ -90,7 +90,8 @@ impl Axis {
     /// empty second line of the title keeps their room.
     fn design_title(&self) -> des::Text {
         let title = escaped(&self.title);
-        let widest = self.texts().iter().map(|(_, text)| text.chars().map(width).sum()).fold(0.0, f32::max);
+        let widths = self.texts().into_iter().map(|(_, text)| 0.4 + text.chars().map(width).sum::<f32>());
+        let widest = widths.fold(0.0, f32::max);
         let room = if widest > 0.0 { format!("\n[size={}]\u{a0}[/size]", widest * TICK / LINE) } else { String::new() };
         des::Text::Rich(format!("[size={TITLE}]{title}[/size]{room}"))
     }

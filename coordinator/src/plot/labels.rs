@@ -2,7 +2,8 @@
 
 use super::axis::line_height;
 use super::panel::{Label, Panel};
-use super::style::{LABEL, text};
+use super::style::{FINE, LABEL, text};
+use plotive::Rgba8;
 use plotive::des::PlotIdx;
 use plotive::des::annot::{self, Anchor, Annotation, plot};
 use plotive::drawing::PreparedFigure;
@@ -14,7 +15,11 @@ use plotive::text::{Error, Font};
 
 /// Distances of a label from its point that are tried, in units of the figure, and how many crossings of curves each is
 /// as bad as.
-const DISTANCES: [(f32, usize); 2] = [(3.0, 0), (8.0, 3)];
+const DISTANCES: [(f32, usize); 5] = [(3.0, 0), (8.0, 2), (20.0, 5), (40.0, 8), (70.0, 12)];
+/// From this distance on a line leads from the label to its point.
+const FAR: f32 = 10.0;
+/// A label that covers more of the curves than so many of their points is left out.
+const COVERED: usize = 8;
 /// Half of what a marker covers at least.
 const MARK: f32 = 4.0;
 /// Distance from the edges of the panel, where ticks are.
@@ -54,48 +59,95 @@ fn edge(mut inside: f32, mut outside: f32, is_inside: impl Fn(f32) -> bool) -> f
 /// # Errors
 /// If the font cannot be read.
 pub fn placed(panel: &Panel, frame: &Rect, fonts: &Database) -> Result<Vec<Annotation>, Error> {
-    let size = frame.size();
-    let curves: Vec<Point> = panel.traces.iter().flat_map(|trace| dense(trace, &size)).collect();
-    let mut taken: Vec<Rect> = panel.marks.iter().map(|&mark| around(place(mark, &size))).collect();
+    let mut room = Room::of(panel, frame.size());
     let mut annotations = Vec::new();
     for label in &panel.labels {
-        let Some(spot) = spot(label, panel, &size, &curves, &taken, fonts)? else { continue };
-        let text = text(&label.text, LABEL, label.color);
-        let text = annot::Label::new(text, plot(spot.left()), plot(spot.top())).with_anchor(Anchor::TopLeft);
-        let text = text.with_frame(Some(halo()), None);
-        annotations.push(text.into());
-        taken.push(spot);
+        let align = (Align::Start, VerAlign::Baseline);
+        let width = LineText::new(label.text.clone(), align, LABEL, Font::default(), fonts)?.width();
+        let point = place((panel.x.share(label.at.0), panel.y.share(label.at.1)), &room.size);
+        let Some(spot) = room.best(point, width) else { continue };
+        annotations.extend(leader(&spot, point, label.color));
+        annotations.push(written(label, &spot));
+        room.leaders.extend(way(&spot, point));
+        room.taken.push(spot);
     }
     Ok(annotations)
 }
 
-/// The best place of a label, in the coordinates of its panel.
-fn spot(
-    label: &Label,
-    panel: &Panel,
-    size: &Size,
-    curves: &[Point],
-    taken: &[Rect],
-    fonts: &Database,
-) -> Result<Option<Rect>, Error> {
-    let align = (Align::Start, VerAlign::Baseline);
-    let width = LineText::new(label.text.clone(), align, LABEL, Font::default(), fonts)?.width();
-    let point = place((panel.x.share(label.at.0), panel.y.share(label.at.1)), size);
-    let spots = DISTANCES.iter().flat_map(|&(distance, penalty)| {
-        DIRECTIONS.iter().map(move |&(right, down)| {
-            let x = point.x - 0.5 * width + right * (0.5 * width + distance);
-            let y = point.y - 0.5 * line_height() + down * (0.5 * line_height() + 0.6 * distance);
-            (Rect::from_xywh(x, y, width, line_height()), penalty)
-        })
-    });
-    let has_room = |spot: &Rect| {
-        let is_across = spot.left() >= EDGE && spot.right() <= size.width() - EDGE;
-        let is_within = is_across && spot.top() >= 1.0 && spot.bottom() <= size.height() - 1.0;
-        is_within && !taken.iter().any(|other| overlap(spot, other))
-    };
-    let crossings = |spot: &Rect| curves.iter().filter(|point| spot.contains_point(point)).count();
-    let best = spots.filter(|(spot, _)| has_room(spot)).min_by_key(|(spot, penalty)| crossings(spot) + penalty);
-    Ok(best.map(|(spot, _)| spot))
+/// What is where in a panel, in its coordinates.
+struct Room {
+    size: Size,
+    reach: f32,
+    curves: Vec<Point>,
+    taken: Vec<Rect>,
+    leaders: Vec<Point>,
+}
+
+impl Room {
+    fn of(panel: &Panel, size: Size) -> Self {
+        Self {
+            reach: if panel.has_leaders { f32::INFINITY } else { FAR },
+            curves: panel.traces.iter().flat_map(|trace| dense(trace, &size)).collect(),
+            taken: panel.marks.iter().map(|&mark| around(place(mark, &size))).collect(),
+            leaders: Vec::new(),
+            size,
+        }
+    }
+
+    /// The place of a label of this width that covers least of the curves and is not far from its point.
+    fn best(&self, point: Point, width: f32) -> Option<Rect> {
+        let near = DISTANCES.iter().filter(|(distance, _)| *distance < self.reach);
+        let spots = near.flat_map(|&(distance, penalty)| {
+            DIRECTIONS.iter().map(move |&(right, down)| {
+                let x = point.x - 0.5 * width + right * (0.5 * width + distance);
+                let y = point.y - 0.5 * line_height() + down * (0.5 * line_height() + 0.6 * distance);
+                (Rect::from_xywh(x, y, width, line_height()), penalty)
+            })
+        });
+        let covered = |spot: &Rect| self.curves.iter().filter(|point| spot.contains_point(point)).count();
+        let rated = spots.filter(|(spot, _)| self.is_free(spot, point)).map(|(spot, far)| (covered(&spot), far, spot));
+        let clear = rated.filter(|(covered, ..)| *covered <= COVERED);
+        clear.min_by_key(|(covered, far, _)| covered + far).map(|(.., spot)| spot)
+    }
+
+    /// Whether a label may be here, with the line that leads to its point.
+    fn is_free(&self, spot: &Rect, point: Point) -> bool {
+        let is_across = spot.left() >= EDGE && spot.right() <= self.size.width() - EDGE;
+        let is_within = is_across && spot.top() >= 1.0 && spot.bottom() <= self.size.height() - 1.0;
+        let is_taken = |other: &Rect| overlap(spot, other) || way(spot, point).iter().any(|p| other.contains_point(p));
+        is_within && !self.taken.iter().any(is_taken) && !self.leaders.iter().any(|p| spot.contains_point(p))
+    }
+}
+
+fn written(label: &Label, spot: &Rect) -> Annotation {
+    let text = text(&label.text, LABEL, label.color);
+    let label = annot::Label::new(text, plot(spot.left()), plot(spot.top())).with_anchor(Anchor::TopLeft);
+    label.with_frame(Some(halo()), None).into()
+}
+
+/// From the edge of a label to its point, if it is far.
+fn gap(spot: &Rect, point: Point) -> Option<(Point, f32)> {
+    let edge = Point { x: point.x.clamp(spot.left(), spot.right()), y: point.y.clamp(spot.top(), spot.bottom()) };
+    let distance = (point.x - edge.x).hypot(point.y - edge.y);
+    (distance > FAR).then_some((edge, distance))
+}
+
+/// Points of the line that leads from a label to its point, up to the marker there.
+fn way(spot: &Rect, point: Point) -> Vec<Point> {
+    let Some((edge, distance)) = gap(spot, point) else { return Vec::new() };
+    let count = ((distance - 2.0 * MARK) / STEP).max(0.0) as usize;
+    let at = |i: usize| i as f32 * STEP / distance;
+    (1..count)
+        .map(|i| Point { x: edge.x + at(i) * (point.x - edge.x), y: edge.y + at(i) * (point.y - edge.y) })
+        .collect()
+}
+
+/// A line from a label that is far away to its point.
+fn leader(spot: &Rect, point: Point, color: Rgba8) -> Option<Annotation> {
+    let (edge, _) = gap(spot, point)?;
+    let stroke: theme::Stroke = (color.into(), FINE).into();
+    let line = annot::Arrow::new(plot(point.x), plot(point.y), point.x - edge.x, point.y - edge.y);
+    Some(line.with_head_size(0.0).with_stroke(stroke).into())
 }
 
 /// What keeps a label apart from curves under it.

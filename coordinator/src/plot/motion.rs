@@ -213,6 +213,7 @@ fn shapes(tracks: &[Track<'_>]) -> Panel {
     let gap: Vec<f64> = tracks.iter().map(|track| track.node.gap.map_or(f64::NAN, |gap| gap * factor)).collect();
     let y = Axis::around(format!("shape of the tip ({unit})"), shapes.iter().chain([&gap]).flatten().copied());
     let mut panel = Panel::new(Axis::exact("contact node", (0.8, tracks.len() as f64 + ROOM)), y);
+    panel.has_leaders = false;
     panel.line(&places, &gap, solid(GREY, THIN).with_pattern(dash(1)), None);
     for (shape, instant) in shapes.iter().zip(SHAPES) {
         panel.line(&places, shape, solid(GREY, THIN), None);

@@ -37,6 +37,8 @@ pub struct Panel {
     pub annotations: Vec<Annotation>,
     /// Labels, the most important first; those without room are left out.
     pub labels: Vec<Label>,
+    /// Whether labels may be far from their points, with a line that leads there.
+    pub has_leaders: bool,
     /// Where curves run, as shares of the axes: labels keep away from them.
     pub traces: Vec<Vec<(f64, f64)>>,
     /// Where markers are, likewise: labels never cover them.
@@ -52,6 +54,7 @@ impl Panel {
             series: Vec::new(),
             annotations: Vec::new(),
             labels: Vec::new(),
+            has_leaders: true,
             traces: Vec::new(),
             marks: Vec::new(),
         }
