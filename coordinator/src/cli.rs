@@ -20,7 +20,7 @@ Examples:
   isola report runs/NAME                                     one page that shows what was found
   isola plot runs/NAME --figure response -o response.pdf     one figure for a paper
 
-Exit codes: 0 done; 1 error; 2 wrong usage; 3 ended with tasks missing (cancelled or given up); 130 interrupted."
+Exit codes: 0 done; 1 error; 2 wrong usage; 3 ended with tasks missing (cancelled or\ngiven up), or something stored is damaged and was left out; 130 interrupted."
 )]
 pub struct Cli {
     /// What to do.

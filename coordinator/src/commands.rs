@@ -16,7 +16,7 @@ use std::io::IsTerminal;
 use std::process::ExitCode;
 use tracing_subscriber::EnvFilter;
 
-/// Exit code of a run that ended with tasks missing, and of an export that had to leave out what is damaged.
+/// Exit code of a run that ended with tasks missing, and of files, pages and figures that had to leave out what is damaged.
 pub const INCOMPLETE: u8 = 3;
 /// Exit code of a run that was interrupted.
 const INTERRUPTED: u8 = 130;
@@ -40,8 +40,8 @@ pub fn execute(cli: Cli) -> Result<ExitCode, Error> {
             Ok(ExitCode::SUCCESS)
         }
         Command::Export(args) => outputs::export(&args),
-        Command::Report(args) => outputs::report(&args).map(|()| ExitCode::SUCCESS),
-        Command::Plot(args) => outputs::plot(&args).map(|()| ExitCode::SUCCESS),
+        Command::Report(args) => outputs::report(&args),
+        Command::Plot(args) => outputs::plot(&args),
         Command::Completions { shell } => {
             clap_complete::generate(shell, &mut Cli::command(), "isola", &mut std::io::stdout());
             Ok(ExitCode::SUCCESS)

@@ -7,6 +7,7 @@ use crate::report::{Report, Selection};
 use crate::rundir::write_whole;
 use crate::store::Reader;
 use crate::study::{StudyError, typed};
+use crate::survey::Lacks;
 use crate::{export, page, plot};
 use std::ops::RangeInclusive;
 use std::process::ExitCode;
@@ -29,29 +30,35 @@ fn selection(reader: &Reader, list: Option<&str>, otherwise: Selection) -> Resul
     }
 }
 
-fn note<'s>(sentences: impl IntoIterator<Item = &'s String>) {
-    for sentence in sentences {
+/// Says what is missing; the code tells whether something had to be left out because it is damaged.
+fn code(lacks: &Lacks) -> ExitCode {
+    for sentence in lacks.sentences() {
         eprintln!("note: {sentence}");
     }
+    if lacks.damaged.is_empty() {
+        return ExitCode::SUCCESS;
+    }
+    eprintln!("The rest is what was stored. Restore a copy of the run, or start the study again in another folder.");
+    ExitCode::from(INCOMPLETE)
 }
 
 /// Writes the page of a run.
-pub fn report(args: &ReportArgs) -> Result<(), Error> {
+pub fn report(args: &ReportArgs) -> Result<ExitCode, Error> {
     let reader = Reader::open(&args.run)?;
+    let _snapshot = reader.snapshot()?;
     let selection = selection(&reader, args.levels.as_deref(), Selection::Fitting)?;
     let report = Report::read(&reader, &selection)?;
     let file = args.out.clone().unwrap_or_else(|| args.run.join("report.html"));
     write_whole(&file, page::report(&report).as_bytes()).map_err(Error::io(&file))?;
-    note(&report.run.missing);
     for sentence in &report.verdict {
         println!("{} {}", sentence.title, sentence.text);
     }
     println!("{}", file.display());
-    Ok(())
+    Ok(code(&report.lacks))
 }
 
 /// Draws a figure of a run.
-pub fn plot(args: &PlotArgs) -> Result<(), Error> {
+pub fn plot(args: &PlotArgs) -> Result<ExitCode, Error> {
     let format = plot::Format::of(&args.out)?;
     for (option, value) in [("--width", args.width), ("--height", args.height)] {
         if !SIZES.contains(&value) {
@@ -60,15 +67,14 @@ pub fn plot(args: &PlotArgs) -> Result<(), Error> {
     }
     let reader = Reader::open(&args.run)?;
     let selection = selection(&reader, args.levels.as_deref(), Selection::All)?;
-    let (sheet, missing) = plot::compose(&reader, args, &selection)?;
+    let (sheet, lacks) = plot::compose(&reader, args, &selection)?;
     let bytes = format.bytes(&sheet.prepare(args.width, args.height)?)?;
     write_whole(&args.out, &bytes).map_err(Error::io(&args.out))?;
-    note(&missing);
     println!("{}", args.out.display());
-    Ok(())
+    Ok(code(&lacks))
 }
 
-/// Writes the files of a run; the code says whether something had to be left out because it is damaged.
+/// Writes the files of a run.
 pub fn export(args: &ExportArgs) -> Result<ExitCode, Error> {
     let reader = Reader::open(&args.run)?;
     let to = args.to.as_ref().unwrap_or(&args.run);
@@ -79,10 +85,5 @@ pub fn export(args: &ExportArgs) -> Result<ExitCode, Error> {
         export::Format::Npz => "run.npz and branches/",
     };
     println!("{files} are in {}", to.display());
-    note(lacks.sentences());
-    if lacks.damaged.is_empty() {
-        return Ok(ExitCode::SUCCESS);
-    }
-    eprintln!("The rest is what was stored. Restore a copy of the run, or start the study again in another folder.");
-    Ok(ExitCode::from(INCOMPLETE))
+    Ok(code(&lacks))
 }

@@ -76,7 +76,8 @@ impl Live {
         Ok(reply.message)
     }
 
-    async fn status(&self) -> Result<Status, Error> {
+    /// How the run is doing.
+    pub(crate) async fn status(&self) -> Result<Status, Error> {
         fetch(&self.session, &self.keys.status(), TIMEOUT)
             .await
             .map_err(|source| Error::Request { what: "the status".into(), source })

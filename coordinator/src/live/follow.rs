@@ -18,7 +18,7 @@ use solver::model::Model;
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 use std::time::Duration;
-use zenoh::handlers::FifoChannelHandler;
+use tokio::sync::mpsc;
 use zenoh::pubsub::Subscriber;
 use zenoh::sample::Sample;
 
@@ -27,7 +27,11 @@ const TIMEOUT: Duration = Duration::from_secs(10);
 /// A run without a status for so long has no coordinator any more.
 const SILENCE: Duration = Duration::from_secs(10);
 
-type Updates = Subscriber<FifoChannelHandler<Sample>>;
+/// Samples as they come. Nothing is lost or held up while something else is waited for.
+struct Updates {
+    samples: mpsc::UnboundedReceiver<Sample>,
+    _subscriber: Subscriber<()>,
+}
 
 /// How the run is doing, as the page shows it.
 #[derive(Serialize)]
@@ -63,8 +67,11 @@ fn unanswered(what: &str) -> impl FnOnce(RequestError) -> Error {
 }
 
 async fn subscribe(live: &Live, key: String) -> Result<Updates, Error> {
-    let declared = live.session.declare_subscriber(key).await;
-    declared.map_err(|error| Error::Other(format!("the run cannot be followed: {error}")))
+    let (sender, samples) = mpsc::unbounded_channel();
+    // Nobody listens any more when the page ends.
+    let declared = live.session.declare_subscriber(key).callback(move |sample| drop(sender.send(sample))).await;
+    let subscriber = declared.map_err(|error| Error::Other(format!("the run cannot be followed: {error}")))?;
+    Ok(Updates { samples, _subscriber: subscriber })
 }
 
 fn read<M: Message>(sample: &Sample) -> Result<M, Error> {
@@ -90,16 +97,20 @@ impl<'l> Follower<'l> {
         self.catch_up().await?;
         loop {
             tokio::select! {
-                announcement = self.announcements.recv_async() => {
-                    let Ok(sample) = announcement else { return Ok(()) };
-                    self.tell(&read(&sample)?).await?;
-                }
-                status = tokio::time::timeout(SILENCE, self.statuses.recv_async()) => {
-                    let Ok(Ok(sample)) = status else {
-                        self.feed.tell("end", &"The coordinator does not answer any more; the run can be resumed.");
-                        return Ok(());
+                Some(sample) = self.announcements.samples.recv() => self.tell(&read(&sample)?).await,
+                status = tokio::time::timeout(SILENCE, self.statuses.samples.recv()) => {
+                    let status = match status {
+                        Ok(Some(sample)) => read(&sample)?,
+                        // Missed updates are no reason to give up; a coordinator that does not answer is.
+                        _ => match self.live.status().await {
+                            Ok(status) => status,
+                            Err(_) => {
+                                self.feed.tell("end", &"The coordinator does not answer any more.");
+                                return Ok(());
+                            }
+                        },
                     };
-                    if self.status(&read(&sample)?).await? {
+                    if self.status(&status).await? {
                         return Ok(());
                     }
                 }
@@ -115,14 +126,16 @@ impl<'l> Follower<'l> {
             self.feed.tell("backbone", &curve);
             self.awaits_backbone = None;
         }
-        if (self.told.len() as u64) < status.sequence && self.announcements.is_empty() {
+        self.feed.tell_status(&Line { stage: status.stage, text: summary(status) });
+        let has_ended = matches!(status.stage, Stage::Finished | Stage::Cancelled);
+        let is_behind = (self.told.len() as u64) < status.sequence;
+        if is_behind && (has_ended || self.announcements.samples.is_empty()) {
             self.catch_up().await?;
         }
-        self.feed.tell("status", &Line { stage: status.stage, text: summary(status) });
-        let has_ended = matches!(status.stage, Stage::Finished | Stage::Cancelled);
         if has_ended {
-            self.catch_up().await?;
-            self.feed.tell("end", &format!("The run is {}.", status.stage.name()));
+            let missing = status.sequence.saturating_sub(self.told.len() as u64);
+            let what = if missing > 0 { format!(" {missing} results did not arrive.") } else { String::new() };
+            self.feed.tell("end", &format!("The run is {}.{what}", status.stage.name()));
         }
         Ok(has_ended)
     }
@@ -133,23 +146,27 @@ impl<'l> Follower<'l> {
         let all: Vec<Done> =
             fetch_all(&self.live.session, &key, TIMEOUT).await.map_err(unanswered("the results so far"))?;
         for done in &all {
-            self.tell(done).await?;
+            self.tell(done).await;
         }
         Ok(())
     }
 
-    async fn tell(&mut self, done: &Done) -> Result<(), Error> {
-        if !self.told.insert(done.task.clone()) || done.branch.is_none() {
-            return Ok(());
+    /// Hands on what was announced. What cannot be fetched now is tried again at the next status.
+    async fn tell(&mut self, done: &Done) {
+        if self.told.contains(&done.task) {
+            return;
         }
-        let key = self.live.keys.result(&done.task);
-        let result: StoredResult = fetch(&self.live.session, &key, TIMEOUT).await.map_err(unanswered("a result"))?;
-        let Some(&level) = self.levels.get(&result.amplitude.text) else { return Ok(()) };
-        let curve = Curve::of(&result, level).map_err(|error| Error::Other(error.to_string()))?;
-        if let Some(curve) = curve {
-            self.feed.tell("branch", &Told { curve: &curve, value: result.amplitude.value });
+        if done.branch.is_some() {
+            let key = self.live.keys.result(&done.task);
+            let fetched: Result<StoredResult, _> = fetch(&self.live.session, &key, TIMEOUT).await;
+            let Ok(result) = fetched else { return };
+            if let Some(&level) = self.levels.get(&result.amplitude.text)
+                && let Ok(Some(curve)) = Curve::of(&result, level)
+            {
+                self.feed.tell("branch", &Told { curve: &curve, value: result.amplitude.value });
+            }
         }
-        Ok(())
+        self.told.insert(done.task.clone());
     }
 }
 

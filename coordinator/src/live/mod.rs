@@ -49,7 +49,7 @@ pub async fn serve(live: &Live, address: &str) -> Result<(), Error> {
     };
     let listener = TcpListener::bind(address).await.map_err(refused)?;
     let place = listener.local_addr().map_err(refused)?;
-    let feed = Arc::new(Feed::default());
+    let feed = Arc::new(Feed::new(uuid::Uuid::new_v4().simple().to_string()));
     let (follower, start) = Follower::start(live, feed.clone()).await?;
     println!("http://{place} shows the run as it goes on; Ctrl-C ends this");
     let pages = routes(Arc::new(start), feed);
@@ -57,16 +57,12 @@ pub async fn serve(live: &Live, address: &str) -> Result<(), Error> {
     tokio::try_join!(served, follower.follow()).map(|_| ())
 }
 
-/// Number of the first event that a browser has not had: it tells its last one when it connects again.
-fn first(headers: &HeaderMap) -> usize {
-    let last = headers.get("last-event-id").and_then(|value| value.to_str().ok()?.parse().ok());
-    last.map_or(0, |last: usize| last.saturating_add(1))
-}
-
 fn routes(start: Arc<Start>, feed: Arc<Feed>) -> Router {
     let title = start.run.name.clone();
     let events = |State(feed): State<Arc<Feed>>, headers: HeaderMap| async move {
-        Sse::new(feed.stream(first(&headers))).keep_alive(KeepAlive::default())
+        // A browser that connects again tells what it has had.
+        let last = headers.get("last-event-id").and_then(|value| value.to_str().ok());
+        Sse::new(feed.stream(last)).keep_alive(KeepAlive::default())
     };
     Router::new()
         .route("/", get(|| async move { Html(page::live(&title)) }))

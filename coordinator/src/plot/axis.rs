@@ -13,6 +13,8 @@ const LINE: f32 = 1.36;
 const COUNT: f64 = 6.0;
 /// Decades with numbers on a logarithmic axis at most.
 const DECADES: usize = 8;
+/// Decades that a logarithmic axis spans at most.
+const SPAN: f64 = 40.0;
 /// Room left beside the data, as a share of the axis.
 const MARGIN: f64 = 0.05;
 
@@ -30,8 +32,9 @@ pub struct Axis {
 }
 
 impl Axis {
-    /// From one value to another.
-    pub fn exact(title: impl Into<String>, (low, high): (f64, f64)) -> Self {
+    /// From one value to another; around it if they are the same.
+    pub fn exact(title: impl Into<String>, ends: (f64, f64)) -> Self {
+        let (low, high) = bounds([ends.0, ends.1]);
         Self { title: title.into(), low, high, is_log: false, has_numbers: true }
     }
 
@@ -45,6 +48,7 @@ impl Axis {
     /// Logarithmic, around the positive ones among values.
     pub fn logarithmic(title: impl Into<String>, values: impl IntoIterator<Item = f64>) -> Self {
         let (low, high) = bounds(values.into_iter().filter(|&value| value > 0.0).map(f64::log10));
+        let low = low.max(high - SPAN);
         let room = MARGIN * (high - low);
         let ends = (10_f64.powf(low - room), 10_f64.powf(high + room));
         Self { is_log: true, ..Self::exact(title, ends) }

@@ -11,7 +11,7 @@ use crate::error::Error;
 /// The figure.
 pub fn sheet(scene: &Scene<'_>) -> Result<Sheet, Error> {
     let backbone = scene.backbone()?;
-    let level = scene.level();
+    let level = scene.level()?;
     let amplitude = &backbone.amplitude[scene.monitor].values;
     let (factor, title) = scene.amplitude_title(amplitude.iter().copied().fold(0.0, f64::max));
     let (x, y) = (&backbone.omega.values, amplitude.iter().map(|a| a * factor).collect::<Vec<f64>>());

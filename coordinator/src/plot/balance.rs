@@ -16,17 +16,16 @@ const WIDE: f64 = 20.0;
 /// The figure.
 pub fn sheet(scene: &Scene<'_>) -> Result<Sheet, Error> {
     let backbone = scene.backbone()?;
-    let level = scene.level();
+    let level = scene.level()?;
     let (x, over) = scene.over(backbone);
-    let sum = |(linear, nonlinear): (&f64, &f64)| linear + nonlinear;
-    let dissipated: Vec<f64> = backbone.r_lin.values.iter().zip(&backbone.r_nl.values).map(sum).collect();
+    let needed = &backbone.needed.values;
     let work: Vec<f64> = backbone.work.values.iter().map(|work| level.value * work).collect();
-    let mut panel = Panel::new(x, energies(dissipated.iter().chain(&work).copied()));
+    let mut panel = Panel::new(x, energies(needed.iter().chain(&work).copied()));
     for (window, color) in level.windows.iter().zip(colors(level)) {
         let inside = window.first..(window.last + 1).min(over.len());
-        panel.between(&over[inside.clone()], &dissipated[inside.clone()], &work[inside], color);
+        panel.between(&over[inside.clone()], &needed[inside.clone()], &work[inside], color);
         let best = window.best.min(over.len() - 1);
-        panel.label(name(window), (over[best], (dissipated[best] * work[best]).sqrt()), color);
+        panel.label(name(window), (over[best], (needed[best] * work[best]).sqrt()), color);
     }
     panel.line(
         &over,
@@ -34,7 +33,7 @@ pub fn sheet(scene: &Scene<'_>) -> Result<Sheet, Error> {
         dashed(separate(4), MEDIUM),
         Some(&format!("work of the forcing A·W, A = {}", level.amplitude)),
     );
-    panel.line(&over, &dissipated, solid(INK, MEDIUM), Some("dissipated energy Rₗᵢₙ + Rₙₗ"));
+    panel.line(&over, needed, solid(INK, MEDIUM), Some("needed: A*·W"));
     Ok(Sheet { legend: Some(LegendPos::Top), ..panel.into() })
 }
 

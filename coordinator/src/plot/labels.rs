@@ -65,13 +65,18 @@ pub fn placed(panel: &Panel, frame: &Rect, fonts: &Database) -> Result<Vec<Annot
         let align = (Align::Start, VerAlign::Baseline);
         let width = LineText::new(label.text.clone(), align, LABEL, Font::default(), fonts)?.width();
         let point = place((panel.x.share(label.at.0), panel.y.share(label.at.1)), &room.size);
-        let Some(spot) = room.best(point, width) else { continue };
+        // A point that has no place on the axes has no label.
+        let Some(spot) = Some(point).filter(is_somewhere).and_then(|point| room.best(point, width)) else { continue };
         annotations.extend(leader(&spot, point, label.color));
         annotations.push(written(label, &spot));
         room.leaders.extend(way(&spot, point));
         room.taken.push(spot);
     }
     Ok(annotations)
+}
+
+fn is_somewhere(point: &Point) -> bool {
+    point.x.is_finite() && point.y.is_finite()
 }
 
 /// What is where in a panel, in its coordinates.
@@ -88,7 +93,7 @@ impl Room {
         Self {
             reach: if panel.has_leaders { f32::INFINITY } else { FAR },
             curves: panel.traces.iter().flat_map(|trace| dense(trace, &size)).collect(),
-            taken: panel.marks.iter().map(|&mark| around(place(mark, &size))).collect(),
+            taken: panel.marks.iter().map(|&mark| place(mark, &size)).filter(is_somewhere).map(around).collect(),
             leaders: Vec::new(),
             size,
         }

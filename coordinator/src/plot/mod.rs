@@ -25,6 +25,7 @@ use crate::cli::PlotArgs;
 use crate::error::Error;
 use crate::report::{Report, Selection};
 use crate::store::Reader;
+use crate::survey::Lacks;
 use clap::ValueEnum;
 use scene::Scene;
 
@@ -94,15 +95,16 @@ impl std::fmt::Display for FigureName {
     }
 }
 
-/// Reads what a figure shows and composes it; with it come sentences about what is missing.
+/// Reads what a figure shows and composes it; with it comes what is missing.
 ///
 /// # Errors
 /// If the run cannot be read, has nothing for this figure yet, or lacks what the options name.
-pub fn compose(reader: &Reader, args: &PlotArgs, selection: &Selection) -> Result<(Sheet, Vec<String>), Error> {
+pub fn compose(reader: &Reader, args: &PlotArgs, selection: &Selection) -> Result<(Sheet, Lacks), Error> {
     args.figure.accepts(args)?;
-    let none = Selection::NoBranches;
-    let report = Report::read(reader, if args.figure.shows_branches() { selection } else { &none })?;
-    let scene = Scene::new(reader, &report, args, selection)?;
+    let _snapshot = reader.snapshot()?;
+    let is_needless = *selection == Selection::All && !args.figure.shows_branches();
+    let report = Report::read(reader, if is_needless { &Selection::NoBranches } else { selection })?;
+    let scene = Scene::new(&report, args)?;
     let sheet = match args.figure {
         FigureName::Response => response::sheet(&scene),
         FigureName::Balance => balance::sheet(&scene),
@@ -112,5 +114,5 @@ pub fn compose(reader: &Reader, args: &PlotArgs, selection: &Selection) -> Resul
         FigureName::Modes => modes::sheet(&scene),
         FigureName::Motion => motion::sheet(&scene, reader, args.at.as_deref()),
     }?;
-    Ok((sheet, report.run.missing))
+    Ok((sheet, report.lacks))
 }

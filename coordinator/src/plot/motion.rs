@@ -9,12 +9,11 @@ use crate::error::Error;
 use crate::report::words::{digits, length_unit};
 use crate::report::{Curve, Motions, Node};
 use crate::store::Reader;
-use crate::survey::BranchRow;
+use crate::survey::{BranchRow, whole};
 use plotive::Rgba8;
 use plotive::des::figure::LegendPos;
 use plotive::style::MarkerShape;
 use protocol::curve::Size;
-use protocol::ids::TaskId;
 use protocol::to_everyone::StoredResult;
 use solver::harmonics::{complex, evaluate, width};
 use std::f64::consts::TAU;
@@ -45,7 +44,7 @@ pub fn sheet(scene: &Scene<'_>, reader: &Reader, at: Option<&str>) -> Result<She
         None => highest(scene)?,
     };
     let header = reader.header()?;
-    let model = header.model.model().map_err(|error| reader.corrupt(error))?;
+    let model = reader.genuine_model()?.model().map_err(|error| reader.corrupt(error))?;
     let (result, curve) = stored(reader, row)?;
     let index = index.point(&curve, scene.monitor)?;
     let motions = Motions::new(&model, header.settings.harmonics.count);
@@ -130,10 +129,9 @@ fn name(row: &BranchRow) -> String {
 }
 
 fn stored(reader: &Reader, row: &BranchRow) -> Result<(StoredResult, Curve), Error> {
-    let gone = || reader.corrupt(format!("the branch of task {} is missing", row.task));
-    let task = TaskId::new(&row.task).map_err(|error| reader.corrupt(error))?;
-    let result = reader.result(&task)?.ok_or_else(gone)?;
-    let curve = Curve::of(&result, 0).map_err(|error| reader.corrupt(error))?.ok_or_else(gone)?;
+    let result = whole(reader, row).map_err(|error| reader.corrupt(error))?;
+    let curve = Curve::of(&result, 0).map_err(|error| reader.corrupt(error))?;
+    let curve = curve.ok_or_else(|| reader.corrupt(format!("the branch of task {} is missing", row.task)))?;
     Ok((result, curve))
 }
 

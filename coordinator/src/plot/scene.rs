@@ -5,16 +5,15 @@ use super::axis::Axis;
 use crate::cli::PlotArgs;
 use crate::error::Error;
 use crate::report::words::length_unit;
-use crate::report::{BackboneCurve, Level, Report, Selection};
-use crate::store::Reader;
-use crate::survey::{self, Lacks, Survey};
+use crate::report::{BackboneCurve, Level, Report};
+use crate::survey;
 
 /// The data of a figure.
 pub struct Scene<'r> {
     /// The run.
     pub report: &'r Report,
-    /// Chosen levels by forcing amplitude.
-    pub levels: Vec<survey::Level>,
+    /// Levels by forcing amplitude.
+    pub levels: &'r [survey::Level],
     /// The monitored dof, by index.
     pub monitor: usize,
     /// What figures of the backbone are drawn over.
@@ -28,15 +27,10 @@ impl<'r> Scene<'r> {
     ///
     /// # Errors
     /// If there is no such dof or level, with those there are.
-    pub fn new(reader: &Reader, report: &'r Report, args: &PlotArgs, selection: &Selection) -> Result<Self, Error> {
-        // What is missing stands in the report already.
-        let mut levels = Survey::read(reader, &mut Lacks::default())?.levels;
-        if let Selection::Amplitudes(list) = selection {
-            levels.retain(|level| list.contains(&level.value));
-        }
+    pub fn new(report: &'r Report, args: &PlotArgs) -> Result<Self, Error> {
         Ok(Self {
             report,
-            levels,
+            levels: &report.survey.levels,
             monitor: args.monitor.as_deref().map_or(Ok(0), |name| monitor(report, name))?,
             along: args.along.unwrap_or_default(),
             amplitude: args.amplitude.as_deref().map(|text| level(report, "--amplitude", text)).transpose()?,
@@ -59,11 +53,15 @@ impl<'r> Scene<'r> {
     }
 
     /// The level of figures of one level: the one typed, else the lowest with an isola, else the middle one.
-    pub fn level(&self) -> &'r Level {
+    ///
+    /// # Errors
+    /// If the run has no level that can be read.
+    pub fn level(&self) -> Result<&'r Level, Error> {
         let levels = &self.report.levels;
         let with_isola = self.levels.iter().find(|level| level.isolas().next().is_some());
         let lowest = with_isola.and_then(|found| levels.iter().position(|level| level.value == found.value));
-        &levels[self.amplitude.or(lowest).unwrap_or(levels.len() / 2)]
+        let index = self.amplitude.or(lowest).unwrap_or(levels.len() / 2);
+        levels.get(index).ok_or_else(|| self.nothing("levels", "the run has no level"))
     }
 
     /// How many units make a metre, and the title of an axis of amplitudes of the monitored dof.

@@ -145,7 +145,7 @@ fn damage_is_named() {
     let reader = Reader::open(&run).unwrap();
     let (drawn, missing) = compose(&reader, &args(&run, &["--figure", "response"]), &Selection::All).unwrap();
     assert_eq!(labels(&drawn, 0), ["A = 0.006", "A = 3e-3"]);
-    assert!(missing.iter().any(|sentence| sentence.starts_with("The branch of task")), "{missing:?}");
+    assert!(missing.sentences().any(|sentence| sentence.starts_with("The branch of task")), "{missing:?}");
     damage("UPDATE results SET sha256 = 'x'");
     let error = sheet(&run, &["--figure", "response"]).unwrap_err();
     assert!(error.starts_with("nothing to draw: The branch of task"), "{error}");

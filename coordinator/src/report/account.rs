@@ -2,8 +2,10 @@
 
 use crate::store::{Reader, Result};
 use crate::study::settings;
+use crate::survey::{Lacks, Level};
 use rusqlite::Row;
 use serde::Serialize;
+use std::collections::HashMap;
 
 /// The account of a run.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
@@ -66,14 +68,15 @@ pub struct TaskRow {
 
 impl Account {
     /// Of a run whose resolved study is known.
-    pub fn read(reader: &Reader, study: &str) -> Result<Self> {
-        Ok(Self {
+    pub fn read(reader: &Reader, study: &str, levels: &[Level], lacks: &mut Lacks) -> Self {
+        let count = reader.one("SELECT count(*) FROM backbone", [], |row| row.get(0));
+        Self {
             settings: settings(study),
-            workers: workers(reader)?,
-            tasks: tasks(reader)?,
+            workers: lacks.read("The account of the workers is", workers(reader)).unwrap_or_default(),
+            tasks: lacks.read("The account of the tasks is", tasks(reader, levels)).unwrap_or_default(),
             study: study.into(),
-            backbone_points: reader.one("SELECT count(*) FROM backbone", [], |row| row.get(0))?.unwrap_or(0),
-        })
+            backbone_points: lacks.read("The number of points of the backbone is", count).flatten().unwrap_or(0),
+        }
     }
 }
 
@@ -92,20 +95,26 @@ fn workers(reader: &Reader) -> Result<Vec<WorkerCost>> {
     })
 }
 
-fn tasks(reader: &Reader) -> Result<Vec<TaskRow>> {
-    let sql = "SELECT tasks.id, (SELECT count(*) FROM levels AS lower \
-               WHERE (lower.value, lower.level) < (levels.value, levels.level)), tasks.kind, window, phase, way, state, attempts, \
+/// Tasks of these levels.
+fn tasks(reader: &Reader, levels: &[Level]) -> Result<Vec<TaskRow>> {
+    let places: HashMap<&str, usize> =
+        levels.iter().enumerate().map(|(place, level)| (level.amplitude.as_str(), place)).collect();
+    let sql = "SELECT tasks.id, levels.amplitude, tasks.kind, window, phase, way, state, attempts, \
                coalesce(outcome, (SELECT reason FROM attempts WHERE task = tasks.id AND reason IS NOT NULL \
                ORDER BY attempt DESC LIMIT 1)), branch, worker, seconds \
                FROM tasks JOIN levels USING (level) LEFT JOIN results ON results.task = tasks.id \
                ORDER BY levels.value, position";
-    reader.all(sql, [], task)
+    let rows = reader.all(sql, [], |row| {
+        let amplitude: String = row.get(1)?;
+        places.get(amplitude.as_str()).map(|&place| task(row, place)).transpose()
+    })?;
+    Ok(rows.into_iter().flatten().collect())
 }
 
-fn task(row: &Row<'_>) -> rusqlite::Result<TaskRow> {
+fn task(row: &Row<'_>, level: usize) -> rusqlite::Result<TaskRow> {
     Ok(TaskRow {
         task: row.get(0)?,
-        level: row.get(1)?,
+        level,
         kind: row.get(2)?,
         window: row.get(3)?,
         phase: row.get(4)?,

@@ -42,6 +42,8 @@ pub struct BackboneCurve {
     pub r_nl: Column,
     /// Work of the forcing per unit of A.
     pub work: Column,
+    /// Work that the forcing has to do by the criterion of the run: A* times the work per unit of A.
+    pub needed: Column,
     /// Threshold A*.
     pub threshold: Column,
     /// Relative error of the energy balance.
@@ -106,6 +108,7 @@ impl BackboneCurve {
             r_lin: short(&|p| p.energies.linear),
             r_nl: short(&|p| p.energies.nonlinear),
             work: short(&|p| p.energies.work_per_amplitude),
+            needed: short(&|p| p.threshold * p.energies.work_per_amplitude),
             threshold: short(&|p| p.threshold),
             certificate: short(&|p| p.energies.certificate),
             arc: short(&|p| p.arc),
@@ -113,6 +116,15 @@ impl BackboneCurve {
             modes,
             peaks,
         }
+    }
+}
+
+impl BackboneCurve {
+    /// Whether dissipation and what is fed in cancel near a point: R_lin + R_nl changes its sign beside it.
+    pub fn feeds_itself(&self, index: usize) -> bool {
+        let balance = |i: usize| self.r_lin.values[i] + self.r_nl.values[i];
+        let neighbours = index.saturating_sub(1)..=(index + 1).min(self.r_lin.values.len() - 1);
+        neighbours.clone().any(|i| balance(i) < 0.0) && neighbours.clone().any(|i| balance(i) >= 0.0)
     }
 }
 

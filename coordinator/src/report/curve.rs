@@ -48,6 +48,8 @@ pub struct Curve {
     pub iterations: Column,
     /// Start, peak and folds.
     pub special: Vec<SpecialPoint>,
+    /// Index of the point of largest amplitude of the first monitored dof.
+    pub peak: usize,
 }
 
 impl Curve {
@@ -66,6 +68,7 @@ impl Curve {
             BranchId::Main => ("main", 1),
             BranchId::Isola(index) => ("isola", index + 1),
         };
+        let amplitude = table("amplitude", &points.amplitude, size)?;
         let short = |columns: Vec<Vec<f64>>| columns.into_iter().map(Column::short).collect();
         Ok(Some(Self {
             level,
@@ -80,7 +83,8 @@ impl Curve {
             rejections: branch.rejections,
             size,
             omega: Column::exact(single(&points.motions.omega, "omega")?),
-            amplitude: short(table("amplitude", &points.amplitude, size)?),
+            peak: largest(amplitude.first().map_or(&[], Vec::as_slice)),
+            amplitude: short(amplitude),
             rms: short(table("rms", &points.rms, size)?),
             contact: Column::short(touching),
             residual: Column::short(single(&points.residual, "residual")?),
@@ -89,12 +93,11 @@ impl Curve {
             special: branch.special.clone(),
         }))
     }
+}
 
-    /// Index of the point of largest amplitude of the first monitored dof.
-    pub fn peak(&self) -> usize {
-        let amplitude = &self.amplitude[0].values;
-        (0..self.size).max_by(|&i, &j| amplitude[i].total_cmp(&amplitude[j])).unwrap_or(0)
-    }
+/// Index of the largest of some values.
+pub fn largest(values: &[f64]) -> usize {
+    (0..values.len()).max_by(|&i, &j| values[i].total_cmp(&values[j])).unwrap_or(0)
 }
 
 /// The columns of an array of `size` rows.

@@ -15,47 +15,53 @@ use std::collections::HashSet;
 
 /// Points of branches that a page takes without becoming heavy.
 const POINTS: usize = 250_000;
-/// Motions kept for all branches together.
+/// Motions kept for all branches together, though at least one for each.
 const MOTIONS: usize = 400;
 /// Motions kept for one branch at most.
 const MOTIONS_PER_BRANCH: usize = 40;
 
-/// Which levels have their branches drawn.
+/// Which levels are shown.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub enum Selection {
-    /// As many as a page takes.
+    /// All of them, the branches of as many as a page takes.
     #[default]
     Fitting,
     /// All of them.
     All,
-    /// None of them: for figures that show no branches.
+    /// All of them, but no branches: for figures that show none.
     NoBranches,
     /// Those of these forcing amplitudes.
     Amplitudes(Vec<f64>),
 }
 
 impl Report {
-    /// Reads a run, finished, in progress, cancelled or damaged.
+    /// Reads a run, finished, in progress, cancelled or damaged (of one moment if the caller holds a snapshot).
     ///
     /// # Errors
     /// If there is no run, or if what it is about (header, model) cannot be read.
     pub fn read(reader: &Reader, selection: &Selection) -> Result<Self> {
-        let _snapshot = reader.snapshot()?;
-        let header = reader.header()?;
-        let model = header.model.model().map_err(|error| reader.corrupt(error))?;
         let mut lacks = Lacks::default();
-        lacks.check(reader);
-        let survey = Survey::read(reader, &mut lacks)?;
-        let stage = reader.stage()?;
+        if *selection != Selection::NoBranches {
+            lacks.check(reader);
+        }
+        let mut survey = Survey::read(reader, &mut lacks)?;
+        if let Selection::Amplitudes(list) = selection {
+            survey.levels.retain(|level| list.contains(&level.value));
+        }
+        let header = survey.header.clone().map_or_else(|| reader.header(), Ok)?;
+        let model = survey.model.clone().map_or_else(|| reader.genuine_model(), Ok)?;
+        let model = model.model().map_err(|error| reader.corrupt(error))?;
+        let stage = lacks.read("The stage of the run is", reader.stage());
 
         let backbone = lacks.read("The backbone is", read_backbone(reader, &Size::of(&model)));
         lacks.levels(&survey.levels, backbone.as_ref().is_none_or(Option::is_some));
         let backbone = backbone.flatten().map(|backbone| BackboneCurve::new(&backbone, &model));
+        fit_windows(&mut survey, backbone.as_ref(), &mut lacks);
         let reach = lacks.read("The frequency range of the sweep is", reader.reach()).flatten();
         let drawn = drawn(&survey, selection, &mut lacks);
         let motions = Motions::new(&model, header.settings.harmonics.count);
         let (branches, motions) = curves(reader, &drawn, Size::of(&model), motions, &mut lacks);
-        let account = lacks.read("The account is", Account::read(reader, &header.study)).unwrap_or_default();
+        let account = Account::read(reader, &header.study, &survey.levels, &mut lacks);
 
         let monitors = monitors(&model);
         let evidence = Evidence {
@@ -68,22 +74,40 @@ impl Report {
             verdict: verdict(&evidence),
             omega: reach.map(|reach| reach.frequency),
             ways: Ways::new(&survey.levels, backbone.as_ref()),
-            run: facts(header, stage, lacks.sentences().cloned().collect()),
+            run: facts(header, model.name, stage, lacks.sentences().cloned().collect()),
             monitors,
             levels: survey.levels.iter().map(Level::from).collect(),
             branches,
             backbone,
             motions,
             account,
+            survey,
+            lacks,
         })
     }
 }
 
-fn facts(header: RunHeader, stage: Stage, missing: Vec<String>) -> RunFacts {
+/// Leaves out windows that are not windows of the backbone.
+fn fit_windows(survey: &mut Survey, backbone: Option<&BackboneCurve>, lacks: &mut Lacks) {
+    let Some(threshold) = backbone.map(|backbone| &backbone.threshold.values) else { return };
+    for level in &mut survey.levels {
+        let count = level.windows.len();
+        level.windows.retain(|window| {
+            let [first, last, best] = window.points;
+            first <= best && best <= last && last < threshold.len() && threshold[best] == window.threshold
+        });
+        if level.windows.len() < count {
+            let what = format!("{} of {count} windows at A = {} are", count - level.windows.len(), level.amplitude);
+            lacks.left_out(what, "they are none of the backbone");
+        }
+    }
+}
+
+fn facts(header: RunHeader, model: String, stage: Option<Stage>, missing: Vec<String>) -> RunFacts {
     RunFacts {
         id: header.run.to_string(),
         name: header.name,
-        model: header.model.name,
+        model,
         study_file: header.study_file.display().to_string(),
         created: header.created,
         program: header.program,
@@ -114,20 +138,20 @@ fn read_backbone(reader: &Reader, size: &Size) -> Result<Option<Backbone>> {
 /// The branches that are drawn, with the index of their level.
 fn drawn<'s>(survey: &'s Survey, selection: &Selection, lacks: &mut Lacks) -> Vec<(usize, &'s BranchRow)> {
     let levels = &survey.levels;
-    let chosen: HashSet<usize> = match selection {
+    let stride = match selection {
         Selection::NoBranches => return Vec::new(),
-        Selection::All => (0..levels.len()).collect(),
-        Selection::Amplitudes(list) => (0..levels.len()).filter(|&i| list.contains(&levels[i].value)).collect(),
+        Selection::All | Selection::Amplitudes(_) => 1,
         Selection::Fitting => {
             let points: usize = survey.branches().map(|(_, branch)| branch.points).sum();
-            (0..levels.len()).rev().step_by(points.div_ceil(POINTS).max(1)).collect()
+            points.div_ceil(POINTS).max(1)
         }
     };
+    let chosen: HashSet<usize> = (0..levels.len()).rev().step_by(stride).collect();
     if chosen.len() < levels.len() {
         let (drawn, all) = (chosen.len(), levels.len());
-        let why =
-            if *selection == Selection::Fitting { "more would be too heavy, --levels chooses" } else { "as chosen" };
-        let sentence = format!("Branches are drawn for {drawn} of {all} forcing levels: {why}.");
+        let sentence = format!(
+            "Branches are drawn for {drawn} of {all} forcing levels: more would be too heavy; --levels chooses."
+        );
         lacks.missing.push(sentence);
     }
     let of_level = |i: usize| levels[i].branches.iter().map(move |branch| (i, branch));

@@ -16,13 +16,14 @@ pub mod words;
 pub use account::{Account, TaskRow, WorkerCost};
 pub use backbone::{BackboneCurve, ModeShare, Peak};
 pub use column::Column;
-pub use curve::Curve;
+pub use curve::{Curve, largest};
 pub use gather::{Selection, monitors};
 pub use level::{Level, Window};
 pub use motion::{Motion, Motions, Node};
 pub use verdict::Sentence;
 pub use ways::{Resonance, Ways};
 
+use crate::survey::{Lacks, Survey};
 use serde::Serialize;
 
 /// A run as its figures show it. Its JSON is what the page is given: rad/s, m, N, J, s.
@@ -48,6 +49,12 @@ pub struct Report {
     pub motions: Option<Motions>,
     /// How it came about.
     pub account: Account,
+    /// What it was made of, with all levels that are shown.
+    #[serde(skip)]
+    pub survey: Survey,
+    /// What is missing.
+    #[serde(skip)]
+    pub lacks: Lacks,
 }
 
 /// Which run, and what is not there.
@@ -65,8 +72,8 @@ pub struct RunFacts {
     pub created: String,
     /// Version of the program.
     pub program: String,
-    /// `backbone`, `sweep`, `finished` or `cancelled`.
-    pub stage: protocol::to_everyone::Stage,
+    /// `backbone`, `sweep`, `finished` or `cancelled`; `None` if it cannot be read.
+    pub stage: Option<protocol::to_everyone::Stage>,
     /// When this was read, RFC 3339.
     pub made: String,
     /// What is not there, not yet, or damaged: a sentence each.

@@ -136,7 +136,7 @@ fn chosen(curve: &Curve, count: usize) -> Vec<usize> {
     let even = (0..count).map(|i| i * curve.size / count);
     let special = curve.special.iter().map(|special| special.index);
     let mut list = Vec::new();
-    for index in std::iter::once(curve.peak()).chain(special).chain(even) {
+    for index in std::iter::once(curve.peak).chain(special).chain(even) {
         if list.len() < count && !list.contains(&index) {
             list.push(index);
         }

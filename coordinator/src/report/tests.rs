@@ -81,9 +81,11 @@ fn motions_are_those_of_the_branches() {
     let width = 2 * motions.harmonics + 1;
     assert_eq!(motions.nodes.len(), report.monitors.len());
     assert!(
-        report.branches.iter().enumerate().all(|(b, curve)| {
-            motions.points.iter().any(|motion| (motion.branch, motion.index) == (b, curve.peak()))
-        })
+        report
+            .branches
+            .iter()
+            .enumerate()
+            .all(|(b, curve)| { motions.points.iter().any(|motion| (motion.branch, motion.index) == (b, curve.peak)) })
     );
     for motion in &motions.points {
         for (node, series) in motion.coefficients.values.chunks(2 * width).enumerate() {
@@ -131,9 +133,9 @@ fn at_every_stage() {
     let (mut store, mut sweep) = study.begin(&dir.path().join("run"));
     assert!(sweep.step(&mut store));
     let report = read(&store);
-    assert_eq!((report.run.stage, report.branches.len()), (Stage::Sweep, 1));
+    assert_eq!((report.run.stage, report.branches.len()), (Some(Stage::Sweep), 1));
     assert!(report.run.missing[0].contains("still to be done, at A = 3e-3, 0.006"), "{:?}", report.run.missing);
-    assert!(report.verdict[2].text.contains("still to come"), "{}", report.verdict[2].text);
+    assert!(report.verdict[2].text.starts_with("Not so far: "), "{}", report.verdict[2].text);
 }
 
 #[test]
@@ -148,6 +150,16 @@ fn of_a_damaged_run_what_is_left() {
     // What the store's tables say of it is still there.
     assert!(report.verdict[2].text.starts_with("Yes."), "{}", report.verdict[2].text);
 
+    // Numbers that do not agree with each other are not shown.
+    let report = damaged(&dir.path().join("c"), "UPDATE branches SET amplitude_max = 99 WHERE kind = 'isola'");
+    assert_eq!(report.branches.len(), 2);
+    assert!(report.run.missing[0].contains("in the table of branches are others"), "{:?}", report.run.missing);
+    let report = damaged(&dir.path().join("d"), "UPDATE windows SET last = 100000 WHERE level = 1");
+    assert!(report.levels[0].windows.is_empty() && !report.levels[1].windows.is_empty());
+    assert!(report.run.missing[0].ends_with("left out: they are none of the backbone."), "{:?}", report.run.missing);
+    let report = damaged(&dir.path().join("e"), "UPDATE tasks SET attempts = 'x'");
+    assert!(report.account.tasks.is_empty() && !report.account.settings.is_empty());
+
     let sql = "DELETE FROM arrays WHERE owner = 'backbone' AND name = 'argument'";
     let report = damaged(&dir.path().join("b"), sql);
     assert!(report.backbone.is_none());
@@ -160,8 +172,9 @@ fn levels_are_chosen() {
     let (study, dir) = (Study::damper(), tempdir().unwrap());
     let (store, _) = study.finished(dir.path());
     let report = Report::read(&store, &Selection::Amplitudes(vec![0.003])).unwrap();
-    assert_eq!(report.branches.len(), 1);
-    assert_eq!(report.levels.len(), 2);
-    let expected = "Branches are drawn for 1 of 2 forcing levels: as chosen.";
-    assert_eq!(report.run.missing, [expected]);
+    assert_eq!((report.branches.len(), report.levels.len()), (1, 1));
+    assert!(report.account.tasks.iter().all(|task| task.level == 0 && task.task.starts_with("3e-3-")));
+    assert!(report.run.missing.is_empty(), "{:?}", report.run.missing);
+    let report = Report::read(&store, &Selection::NoBranches).unwrap();
+    assert_eq!((report.branches.len(), report.levels.len()), (0, 2));
 }

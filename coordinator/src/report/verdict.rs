@@ -3,7 +3,7 @@
 
 use super::backbone::BackboneCurve;
 use super::words::{count, digits, frequency, length, range};
-use crate::survey::{BranchRow, Level};
+use crate::survey::{BranchRow, Level, highest};
 use serde::Serialize;
 use solver::windows::{Event, EventKind};
 
@@ -52,11 +52,11 @@ impl Gain<'_> {
 
 impl<'r> Evidence<'r> {
     fn with_isolas(&self) -> impl DoubleEndedIterator<Item = &'r Level> + Clone {
-        self.levels.iter().filter(|level| level.isolas().next().is_some())
+        self.levels.iter().filter(|level| level.highest_isola().is_some())
     }
 
     fn is_empty(&self) -> bool {
-        self.levels.iter().all(|level| level.is_bare())
+        self.levels.iter().all(|level| level.peak().is_none())
     }
 
     /// The highest point over all branches of all levels.
@@ -71,16 +71,13 @@ impl<'r> Evidence<'r> {
         let size = |row: &BranchRow| format!("{} at {}", length(row.amplitude_max), self.monitor);
         let place = format!("at {} and A = {}", frequency(largest.omega_at_max), level.amplitude);
         let overall = format!("the largest response of all, {}{casing}, is on the main branch, {place}", size(largest));
-        let isolas = self.with_isolas().flat_map(Level::isolas);
-        let Some(highest) = isolas.clone().max_by(|a, b| a.amplitude_max.total_cmp(&b.amplitude_max)) else {
+        let Some(highest) = highest(self.with_isolas().flat_map(Level::isolas)) else {
             return format!("No isola was found{}; {overall}.", self.reservation());
         };
-        let bounds = isolas.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), isola| {
-            (low.min(isola.omega.0), high.max(isola.omega.1))
-        });
+        let ranges = joined(self.with_isolas().flat_map(Level::isolas).map(|isola| isola.omega));
         let there = format!(
             "Between {}: there an impact or a gust can throw the structure onto an isolated branch (isola)",
-            range(bounds)
+            in_words(&ranges)
         );
         if largest.kind == "main" {
             format!("{there} with up to {}; {overall}.", size(highest))
@@ -93,32 +90,34 @@ impl<'r> Evidence<'r> {
         if self.is_empty() {
             return format!("Nothing is known yet: {} to come.", count(self.levels.len(), "forcing level"));
         }
-        let (first, last) = (&self.levels[0].amplitude, &self.levels[self.levels.len() - 1].amplitude);
-        let computed = match self.levels.len() {
-            1 => format!("the level computed, A = {first}"),
-            n => format!("the {n} levels computed, A = {first} to {last}"),
+        let all = match self.levels {
+            [only] => format!("the one level of the run, A = {}", only.amplitude),
+            [first, .., last] => {
+                format!("the {} levels of the run, A = {} to {}", self.levels.len(), first.amplitude, last.amplitude)
+            }
+            [] => "no level".into(),
         };
-        let mut levels = self.with_isolas();
-        let prediction = self.prediction();
-        let Some(lowest) = levels.next() else {
-            return format!("There is no isola at {computed}{}{prediction}.", self.reservation());
-        };
-        let highest = levels.next_back().unwrap_or(lowest);
-        let above = self.levels.iter().find(|level| level.value > highest.value && level.main().is_some());
-        let end = above.map(|level| {
+        let found: Vec<String> = runs(self.levels)
+            .iter()
+            .map(|(first, last)| if first == last { first.clone() } else { format!("{first} to {last}") })
+            .collect();
+        let (reservation, prediction) = (self.reservation(), self.prediction());
+        if found.is_empty() {
+            return format!("There is no isola among {all}{reservation}{prediction}.");
+        }
+        let highest = self.with_isolas().next_back().map_or(f64::INFINITY, |level| level.value);
+        let above = self.levels.iter().find(|level| level.value > highest);
+        let end = above.filter(|level| level.is_settled()).and_then(|level| Some((level, level.main()?)));
+        let end = end.map(|(level, main)| {
             format!(
                 " At A = {} none is left: the main branch itself goes up to {} at {} there.",
                 level.amplitude,
-                level.main().map(|main| length(main.amplitude_max)).unwrap_or_default(),
-                level.main().map(|main| frequency(main.omega_at_max)).unwrap_or_default()
+                length(main.amplitude_max),
+                frequency(main.omega_at_max)
             )
         });
-        let range = if lowest.value == highest.value {
-            format!("Isolas were found at A = {} alone", lowest.amplitude)
-        } else {
-            format!("Isolas were found from A = {} to A = {}", lowest.amplitude, highest.amplitude)
-        };
-        format!("{range}, of {computed}{}{prediction}.{}", self.reservation(), end.unwrap_or_default())
+        let list = found.join(", ");
+        format!("Isolas were found at A = {list}, of {all}{reservation}{prediction}.{}", end.unwrap_or_default())
     }
 
     /// From where on the energy balance alone says that there is more than the main response. A window that is born and
@@ -131,43 +130,57 @@ impl<'r> Evidence<'r> {
             let barrier = threshold[..birth.index].iter().copied().fold(0.0, f64::max);
             self.levels.iter().any(|level| (birth.threshold..barrier).contains(&level.value))
         };
-        match births.filter(is_separate).min_by(|a, b| a.threshold.total_cmp(&b.threshold)) {
-            Some(birth) => format!(
-                "; the energy balance predicts separate responses from A = {} on, near {}",
-                digits(birth.threshold, 3),
-                frequency(omega[birth.index])
-            ),
-            None => "; the energy balance predicts no separate response at any of them".into(),
+        let Some(birth) = births.filter(is_separate).min_by(|a, b| a.threshold.total_cmp(&b.threshold)) else {
+            return "; the energy balance predicts no separate response at any of them".into();
+        };
+        let near = frequency(omega[birth.index]);
+        if backbone.feeds_itself(birth.index) {
+            return format!(
+                "; the energy balance predicts separate responses at any forcing, near {near}, where the nonlinear forces \
+                 feed in as much energy as the damping takes"
+            );
         }
+        let threshold = digits(birth.threshold, 3);
+        format!("; the energy balance predicts separate responses from A = {threshold} on, near {near}")
     }
 
     fn missed(&self) -> String {
         if self.is_empty() {
             return "Nothing is known yet.".into();
         }
-        let gains = self
-            .with_isolas()
-            .filter_map(|level| Some(Gain { level, isola: level.highest_isola()?, main: level.main()? }));
+        let gains = self.with_isolas().filter_map(|level| {
+            let main = level.main().filter(|main| main.amplitude_max > 0.0)?;
+            Some(Gain { level, isola: level.highest_isola()?, main })
+        });
         let Some(gain) = gains.max_by(|a, b| a.ratio().total_cmp(&b.ratio())) else {
             if self.with_isolas().next().is_some() {
                 return "Ordinary continuation has no main branch to compare the isolas with: see the account.".into();
             }
-            return format!("No: nothing was found beside the main branch{}.", self.reservation());
+            let reservation = self.reservation();
+            let no = if reservation.is_empty() { "No" } else { "Not so far" };
+            return format!("{no}: nothing was found beside the main branch{reservation}.");
         };
         let Gain { level, isola, main } = &gain;
-        let comparison = match gain.ratio() {
-            ratio if ratio >= 2.0 => format!("{} times what ordinary continuation sees", digits(ratio, 2)),
-            ratio if ratio >= 1.0 => format!("{:.0} % more than ordinary continuation sees", (ratio - 1.0) * 100.0),
-            ratio => format!("{:.0} % less than the peak of the main branch", (1.0 - ratio) * 100.0),
-        };
-        format!(
-            "Yes. At A = {} it stops at {} at {}, but an isola goes up to {} at {}, {comparison}.",
-            level.amplitude,
-            length(main.amplitude_max),
-            frequency(main.omega_at_max),
-            length(isola.amplitude_max),
-            frequency(isola.omega_at_max),
-        )
+        let (stops, goes) = (
+            format!("{} at {}", length(main.amplitude_max), frequency(main.omega_at_max)),
+            format!("{} at {}", length(isola.amplitude_max), frequency(isola.omega_at_max)),
+        );
+        let amplitude = &level.amplitude;
+        match gain.ratio() {
+            ratio if ratio >= 2.0 => format!(
+                "Yes. At A = {amplitude} it stops at {stops}, but an isola goes up to {goes}, {} times as much.",
+                digits(ratio, 2)
+            ),
+            ratio if ratio >= 1.0 => format!(
+                "Yes. At A = {amplitude} it stops at {stops}, but an isola goes up to {goes}, {:.0} % more.",
+                (ratio - 1.0) * 100.0
+            ),
+            ratio => format!(
+                "Yes, though the main branch goes higher: at A = {amplitude} up to {stops}, an isola up to {goes}, {:.0} % \
+                 less.",
+                (1.0 - ratio) * 100.0
+            ),
+        }
     }
 
     /// What may be missing from a sentence.
@@ -186,5 +199,129 @@ impl<'r> Evidence<'r> {
             parts.push(format!("{} predicted but not found", count(not_found, "response")));
         }
         if parts.is_empty() { String::new() } else { format!(" ({})", parts.join(", ")) }
+    }
+}
+
+/// Levels with isolas as runs of neighbours: first and last, as typed.
+fn runs(levels: &[Level]) -> Vec<(String, String)> {
+    let runs = levels.chunk_by(|a, b| a.highest_isola().is_some() == b.highest_isola().is_some());
+    let with_isolas = runs.filter(|run| run[0].highest_isola().is_some());
+    with_isolas.map(|run| (run[0].amplitude.clone(), run[run.len() - 1].amplitude.clone())).collect()
+}
+
+/// Ranges in order, those that overlap as one.
+fn joined(ranges: impl Iterator<Item = (f64, f64)>) -> Vec<(f64, f64)> {
+    let mut sorted: Vec<(f64, f64)> = ranges.filter(|(low, high)| low.is_finite() && high.is_finite()).collect();
+    sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut list: Vec<(f64, f64)> = Vec::new();
+    for (low, high) in sorted {
+        match list.last_mut() {
+            Some(last) if low <= last.1 => last.1 = last.1.max(high),
+            _ => list.push((low, high)),
+        }
+    }
+    list
+}
+
+/// Ranges that a sentence names; the others are only counted.
+const NAMED: usize = 3;
+
+fn in_words(ranges: &[(f64, f64)]) -> String {
+    let mut list: Vec<String> = ranges.iter().take(NAMED).map(|&omega| range(omega)).collect();
+    if ranges.len() > NAMED {
+        list.push(format!("in {} more ranges", ranges.len() - NAMED));
+    }
+    list.join(", or between ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn branch(kind: &str, number: usize, omega: (f64, f64), amplitude: f64) -> BranchRow {
+        BranchRow {
+            kind: kind.into(),
+            number,
+            status: String::new(),
+            closed: kind != "main",
+            points: 3,
+            omega,
+            amplitude_max: amplitude,
+            omega_at_max: omega.1,
+            contact_omega: None,
+            id: 0,
+            task: String::new(),
+        }
+    }
+
+    fn level(value: f64, branches: Vec<BranchRow>) -> Level {
+        let (windows, main_failure) = (Vec::new(), None);
+        Level { amplitude: value.to_string(), value, branches, windows, main_failure, pending: 0, dead: 0 }
+    }
+
+    fn texts(levels: &[Level]) -> [String; 3] {
+        let evidence = Evidence { levels, backbone: None, monitor: "tip", gap: Some(4e-4) };
+        verdict(&evidence).map(|sentence| sentence.text)
+    }
+
+    fn main(amplitude: f64) -> BranchRow {
+        branch("main", 1, (90.0, 100.0), amplitude)
+    }
+
+    #[test]
+    fn isolas_apart() {
+        let isolas = [branch("isola", 1, (120.0, 130.0), 2e-3), branch("isola", 2, (150.0, 160.0), 1.5e-3)];
+        let levels = [
+            level(1.0, vec![main(1e-3)]),
+            level(2.0, vec![main(1e-3), isolas[0].clone(), isolas[1].clone()]),
+            level(3.0, vec![main(1e-3), branch("isola", 1, (125.0, 140.0), 1e-3)]),
+            level(4.0, vec![main(2.5e-3)]),
+            level(5.0, vec![main(1e-3), branch("isola", 1, (155.0, 165.0), 1.2e-3)]),
+        ];
+        let [danger, onset, missed] = texts(&levels);
+        assert_eq!(
+            danger,
+            "Between 120 and 140 rad/s (19.1 and 22.28 Hz), or between 150 and 165 rad/s (23.87 and 26.26 Hz): there an \
+             impact or a gust can throw the structure onto an isolated branch (isola) with up to 2 mm at tip; the largest \
+             response of all, 2.5 mm at tip (0.4 mm to the casing), is on the main branch, at 100 rad/s (15.92 Hz) and \
+             A = 4."
+        );
+        assert_eq!(onset, "Isolas were found at A = 2 to 3, 5, of the 5 levels of the run, A = 1 to 5.");
+        assert!(missed.starts_with("Yes. At A = 2 it stops at 1 mm at 100 rad/s"), "{missed}");
+        assert!(missed.ends_with("up to 2 mm at 130 rad/s (20.69 Hz), 2 times as much."), "{missed}");
+    }
+
+    #[test]
+    fn what_merged_and_what_is_not_known_yet() {
+        let isola = branch("isola", 1, (120.0, 130.0), 0.9e-3);
+        let mut levels = [level(1.0, vec![main(1e-3), isola]), level(2.0, vec![main(3e-3)])];
+        let [_, onset, missed] = texts(&levels);
+        assert!(
+            onset.ends_with(
+                "At A = 2 none is left: the main branch itself goes up to 3 mm at 100 rad/s (15.92 Hz) there."
+            )
+        );
+        assert!(missed.starts_with("Yes, though the main branch goes higher: at A = 1 up to 1 mm"), "{missed}");
+        assert!(missed.ends_with("10 % less."), "{missed}");
+        // As long as seeds of the level are left, nobody knows.
+        levels[1].pending = 3;
+        assert_eq!(
+            texts(&levels)[1],
+            "Isolas were found at A = 1, of the 2 levels of the run, A = 1 to 2 (3 tasks still to come)."
+        );
+        levels[0].branches.truncate(1);
+        assert!(texts(&levels)[2].starts_with("Not so far: nothing was found beside the main branch (3 tasks"));
+        levels[1].pending = 0;
+        assert_eq!(texts(&levels)[2], "No: nothing was found beside the main branch.");
+    }
+
+    #[test]
+    fn numbers_that_cannot_be_read() {
+        let unreadable = branch("isola", 1, (120.0, 130.0), f64::NAN);
+        let levels = [level(1.0, vec![main(1e-3), unreadable])];
+        assert!(texts(&levels).iter().all(|text| !text.contains("NaN")), "{:?}", texts(&levels));
+        let isola = branch("isola", 1, (120.0, 130.0), 1e-3);
+        assert!(texts(&[level(1.0, vec![isola])])[2].starts_with("Ordinary continuation has no main branch"));
+        assert_eq!(texts(&[level(1.0, Vec::new())])[1], "Nothing is known yet: 1 forcing level to come.");
     }
 }

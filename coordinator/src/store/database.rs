@@ -57,6 +57,12 @@ pub(super) fn open_to_read(dir: &Path) -> Result<Connection, StoreError> {
                 open_immutable(&file)
             }
         }
+        Err(StoreError::Corrupt { .. }) => {
+            // Of a file that was cut short SQLite reads what is left only if it is told not to insist on its size.
+            connection.pragma_update(None, "writable_schema", true).at(&file)?;
+            identify(&connection, &file)?;
+            Ok(connection)
+        }
         Err(error) => Err(error),
     }
 }

@@ -9,7 +9,7 @@ pub use levels::{BranchRow, WindowOutcome, WindowRow};
 
 pub(crate) use lacks::detail;
 
-use crate::store::{Reader, Result, RunHeader};
+use crate::store::{Reader, Result, RunHeader, Summary};
 use levels::{branches, levels, main_failure, windows};
 use protocol::ids::TaskId;
 use protocol::model::ModelMessage;
@@ -17,7 +17,7 @@ use protocol::to_everyone::StoredResult;
 use solver::task::BranchId;
 
 /// A run without its points.
-#[derive(Debug)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Survey {
     /// What does not change; `None` if it cannot be read.
     pub header: Option<RunHeader>,
@@ -117,8 +117,12 @@ pub(crate) fn whole(reader: &Reader, branch: &BranchRow) -> std::result::Result<
         "main" => BranchId::Main,
         _ => BranchId::Isola(branch.number.saturating_sub(1)),
     };
-    if result.branch.is_none() || result.name != Some(name) {
+    let Some(message) = result.branch.as_ref().filter(|_| result.name == Some(name)) else {
         return Err(format!("the result of task {task} is another one"));
+    };
+    let row = Summary::from([branch.omega.0, branch.omega.1, branch.amplitude_max, branch.omega_at_max]);
+    if Summary::of(message) != row {
+        return Err("its numbers in the table of branches are others".into());
     }
     Ok(result)
 }
@@ -162,17 +166,22 @@ impl Level {
 
     /// The isola with the point of largest amplitude.
     pub fn highest_isola(&self) -> Option<&BranchRow> {
-        self.isolas().max_by(|a, b| a.amplitude_max.total_cmp(&b.amplitude_max))
+        highest(self.isolas())
     }
 
     /// The branch with the point of largest amplitude.
     pub fn peak(&self) -> Option<&BranchRow> {
-        self.branches.iter().max_by(|a, b| a.amplitude_max.total_cmp(&b.amplitude_max))
+        highest(self.branches.iter())
     }
 
     /// Whether nothing has been found.
     pub fn is_bare(&self) -> bool {
         self.branches.is_empty()
+    }
+
+    /// Whether every window ended on a branch and nothing is left to be done.
+    pub fn is_settled(&self) -> bool {
+        self.pending == 0 && self.dead == 0 && self.main().is_some() && self.not_found().next().is_none()
     }
 
     /// Windows that led to no branch, with the reasons.
@@ -182,4 +191,10 @@ impl Level {
             _ => None,
         })
     }
+}
+
+/// The branch with the point of largest amplitude; one whose amplitude cannot be read counts for nothing.
+pub fn highest<'b>(branches: impl Iterator<Item = &'b BranchRow>) -> Option<&'b BranchRow> {
+    let readable = branches.filter(|branch| branch.amplitude_max.is_finite() && branch.omega_at_max.is_finite());
+    readable.max_by(|a, b| a.amplitude_max.total_cmp(&b.amplitude_max))
 }
