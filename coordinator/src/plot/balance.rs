@@ -33,7 +33,7 @@ pub fn sheet(scene: &Scene<'_>) -> Result<Sheet, Error> {
         dashed(separate(4), MEDIUM),
         Some(&format!("work of the forcing A·W, A = {}", level.amplitude)),
     );
-    panel.line(&over, needed, solid(INK, MEDIUM), Some("needed: A*·W"));
+    panel.line(&over, needed, solid(INK, MEDIUM), Some("dissipated energy, A*·W"));
     Ok(Sheet { legend: Some(LegendPos::Top), ..panel.into() })
 }
 

@@ -97,18 +97,22 @@ impl Index {
 
 /// The point that `A/branch/index` names, with its forcing amplitude as typed in the study.
 fn named<'s>(scene: &'s Scene<'_>, text: &str) -> Result<(&'s BranchRow, &'s str, Index), Error> {
-    let mut parts = text.split('/').map(str::trim);
-    let (amplitude, branch, index) = (parts.next().unwrap_or_default(), parts.next(), parts.next());
+    let usage =
+        || Error::Other(format!("--at {text}: write A/branch/index, like \"20/isola 1/43\" or \"20/main/peak\""));
+    let parts: Vec<&str> = text.split('/').map(str::trim).collect();
+    let (amplitude, branch, index) = match parts[..] {
+        [amplitude, branch] => (amplitude, branch, "peak"),
+        [amplitude, branch, index] => (amplitude, branch, index),
+        _ => return Err(usage()),
+    };
     let summary = &scene.levels[level(scene.report, "--at", amplitude)?];
     let names: Vec<String> = summary.branches.iter().map(name).collect();
     let known = if names.is_empty() { "nothing yet".into() } else { names.join(", ") };
     let unknown = || Error::Other(format!("--at {text}: A = {} has no such branch, but {known}", summary.amplitude));
-    let row = summary.branches.iter().find(|row| Some(name(row).as_str()) == branch).ok_or_else(unknown)?;
-    let index = match index.unwrap_or("peak") {
+    let row = summary.branches.iter().find(|row| name(row) == branch).ok_or_else(unknown)?;
+    let index = match index {
         "peak" => Index::Peak,
-        digits => Index::Point(digits.parse().map_err(|_| {
-            Error::Other(format!("--at {text}: write A/branch/index, like \"20/isola 1/43\" or \"20/main/peak\""))
-        })?),
+        digits => Index::Point(digits.parse().map_err(|_| usage())?),
     };
     Ok((row, &summary.amplitude, index))
 }

@@ -24,8 +24,7 @@ struct Way<'w> {
 
 /// The figure.
 pub fn sheet(scene: &Scene<'_>) -> Result<Sheet, Error> {
-    let ways = Ways::new(&scene.levels, scene.report.backbone.as_ref());
-    let ways = looks(&ways);
+    let ways = looks(&scene.report.ways);
     let values = |of: fn(&Resonance) -> &[f64]| ways.iter().flat_map(move |way| of(way.curve).iter().copied());
     if values(|curve| &curve.value).next().is_none() {
         return Err(Error::Other("nothing to draw: the run has neither a backbone nor a branch yet".into()));
