@@ -32,6 +32,6 @@ function redraw(folder, picture)
   title(run.run.name);
   xlabel('omega, rad/s');
   ylabel(['|' run.model.monitors{1} '|, mm']);
-  legend(labels, 'location', 'northwest');
+  legend(labels, 'location', 'eastoutside');
   print(window, picture, '-dpng', '-r120');
 end

@@ -287,7 +287,8 @@ impl Conductor {
             eprintln!("{sentence}");
         }
         println!("{}", closing::table(&reader)?);
-        println!("results: {}", self.directory.display());
+        let directory = self.directory.display();
+        println!("results: {directory}; a page that shows them: isola report {directory}");
         Ok(())
     }
 
