@@ -63,8 +63,7 @@ const byName = new Intl.Collator("en", { numeric: true });
 
 /** Sorted by the column whose head is pressed. */
 function branchTable({ branches, levels }) {
-  const peaks = branches.map((branch) => indexOfLargest(branch.amplitude[0]));
-  const largest = branches.map((branch, k) => branch.amplitude[0][peaks[k]] ?? NaN);
+  const largest = branches.map((branch) => branch.amplitude[0][branch.peaks[0]] ?? NaN);
   const unit = lengthUnit(extentOf(largest)?.[1] ?? 0);
   const size = `largest amplitude, ${unit.name}`;
   const heads = ["A", "branch", "points", size, "at, rad/s", "how it ends", "time, s", "steps repeated", "worker"];
@@ -73,7 +72,7 @@ function branchTable({ branches, levels }) {
     branch.name,
     branch.size,
     rounded(largest[k] * unit.factor, 5),
-    rounded(branch.omega[peaks[k]], 6),
+    rounded(branch.omega[branch.peaks[0]], 6),
     branch.status,
     rounded(branch.seconds, 3),
     branch.rejections ?? NaN,

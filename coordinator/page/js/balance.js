@@ -26,9 +26,8 @@ function balanceFigure(place, run, { amplitude }) {
 function energyPanel(panels, run) {
   const { backbone } = run;
   const lengths = lengthUnit(extentOf(backbone.amplitude[0])?.[1] ?? 0);
-  const size = Float64Array.from(backbone.resistance, Math.abs);
-  const energies = unitFor("J", extentOf(size)?.[1] ?? 0);
-  const needed = scaled(size, energies.factor);
+  const energies = unitFor("J", extentOf(backbone.needed)?.[1] ?? 0);
+  const needed = scaled(backbone.needed, energies.factor);
   const positive = extentOf(needed.filter((energy) => energy > 0));
   const type = spansDecades(positive) ? "log" : "linear";
   const range =
@@ -44,7 +43,7 @@ function energyPanel(panels, run) {
   panel.append(
     element("h3", {}, "Energy per period"),
     legend([
-      { text: "dissipated, |R|", colour: (palette) => palette.ink },
+      { text: "to be supplied, A*·W", colour: (palette) => palette.ink },
       { text: "supplied, A·W", colour: (palette) => palette.first, dash: "7 4" },
       { text: "supply is larger: window", colour: (palette) => palette.second, width: 0, marker: "patch" },
     ]),
@@ -74,10 +73,10 @@ function energyPanel(panels, run) {
   let runs = [];
   const relabel = keepLabels(chart, () =>
     runs.map((window, k) => ({
-      text: window.fromStart ? `${k + 1}: main branch` : `${k + 1}`,
+      text: window.fromStart ? `${k + 1}: ${mainInWords(run, forcing, window)}` : `${k + 1}`,
       x: valueAt(axis.column, window.best),
       y: energies.factor * forcing * Math.abs(valueAt(backbone.work, window.best)),
-      colour: runColour(window, k - 1, theme.palette),
+      colour: runColours(runs, theme.palette)[k],
     })),
     () => [curve],
   );
@@ -94,11 +93,11 @@ function energyPanel(panels, run) {
           ...alongRun(supplied, window).reverse(),
         ].map((y) => (type === "log" ? Math.max(y, range[0] * 1e-3) : y)),
       ),
-      colour: runs.map((window, k) => runColour(window, k - 1, theme.palette)),
+      colour: runColours(runs, theme.palette),
     };
     relabel();
   };
-  inspectPoints(chart, () => [curve], (_, index) => describeBackbonePoint(backbone, index));
+  inspectPoints(chart, () => [curve], (_, index) => describeBackbonePoint(backbone, index, forcing));
   return {
     at(value) {
       forcing = value;
@@ -133,7 +132,7 @@ function windowPanel(panels, run) {
     label: "Backbone with the windows of the chosen forcing amplitude",
     file: `${run.run.name} windows`,
     x: { label: "frequency ω, rad/s", range: withMargin(extentOf(backbone.omega)) },
-    y: { label: `amplitude of ${run.monitors[0].name}, ${unit.name}`, range: [0, (extentOf(y)?.[1] ?? 1) * 1.08] },
+    y: { label: `amplitude of ${run.monitors[0].name}, ${unit.name}`, range: [0, (extentOf(y)?.[1] || 1) * 1.08] },
   });
   const whole = chart.source({ x: backbone.omega, y });
   const parts = chart.source({ xs: [], ys: [], colour: [] });
@@ -148,31 +147,35 @@ function windowPanel(panels, run) {
   );
   const curves = [{ x: backbone.omega, y }];
   let runs = [];
+  let forcing = 0;
+  const nameOf = (window) =>
+    window.fromStart ? mainInWords(run, forcing, window) : `from A* = ${formatNumber(window.threshold, 3)}`;
   const relabel = keepLabels(chart, () =>
     runs.map((window, k) => ({
-      text: window.fromStart ? "1: main branch" : `${k + 1}: from A* = ${formatNumber(window.threshold, 3)}`,
+      text: `${k + 1}: ${nameOf(window)}`,
       x: valueAt(backbone.omega, (window.first + window.last) / 2),
       y: valueAt(y, (window.first + window.last) / 2),
-      colour: runColour(window, k - 1, theme.palette),
+      colour: runColours(runs, theme.palette)[k],
     })),
     () => curves,
   );
-  inspectPoints(chart, () => curves, (_, index) => describeBackbonePoint(backbone, index));
+  inspectPoints(chart, () => curves, (_, index) => describeBackbonePoint(backbone, index, forcing));
   return {
-    at(forcing) {
+    at(value) {
+      forcing = value;
       runs = runsBelow(backbone.threshold, forcing);
       parts.data = {
         xs: runs.map((window) => alongRun(backbone.omega, window)),
         ys: runs.map((window) => alongRun(y, window)),
-        colour: runs.map((window, k) => runColour(window, k - 1, theme.palette)),
+        colour: runColours(runs, theme.palette),
       };
       relabel();
     },
   };
 }
 
-/** All that is known of a point of the backbone. @returns {Description} */
-function describeBackbonePoint(backbone, index) {
+/** All that is known of a point of the backbone, at a forcing amplitude. @returns {Description} */
+function describeBackbonePoint(backbone, index, forcing) {
   const energy = (value) => formatIn(unitFor("J", Math.abs(value)), value, 4);
   return {
     title: `Backbone, point ${index}`,
@@ -182,7 +185,8 @@ function describeBackbonePoint(backbone, index) {
       ["threshold A*", formatNumber(backbone.threshold[index], 4)],
       ["R_lin", energy(backbone.linear[index])],
       ["R_nl", energy(backbone.nonlinear[index])],
-      ["W for A = 1", energy(backbone.work[index])],
+      ["to be supplied", energy(backbone.needed[index])],
+      [`A·W at A = ${formatNumber(forcing, 4)}`, energy(forcing * backbone.work[index])],
       ["decay rate", `${formatNumber(backbone.decay[index], 4)} 1/s`],
       ["in contact", formatShare(backbone.contact[index] ?? NaN)],
       ["energy certificate", formatNumber(backbone.certificate[index], 2)],

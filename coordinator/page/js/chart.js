@@ -88,6 +88,25 @@ class Chart {
     }
   }
 
+  /** Changes what "reset" goes back to, and with it what is seen, unless the reader has zoomed or panned. */
+  rehome({ x, y }) {
+    for (const [range, [start, end]] of [[this.figure.x_range, x], [this.figure.y_range, y]]) {
+      const isHome = range.start === range.reset_start && range.end === range.reset_end;
+      range.setv({ reset_start: start, reset_end: end, ...(isHome ? { start, end } : {}) });
+    }
+  }
+
+  /** Numbers along y are `factor` times what they were: the same is seen in another unit. */
+  scaleY(factor) {
+    const { start, end, reset_start, reset_end } = this.figure.y_range;
+    this.figure.y_range.setv({
+      start: start * factor,
+      end: end * factor,
+      reset_start: reset_start * factor,
+      reset_end: reset_end * factor,
+    });
+  }
+
   /** Zooms about the middle; factor < 1: closer. */
   zoom(factor) {
     for (const [range, log] of [[this.figure.x_range, this.isLog("x")], [this.figure.y_range, this.isLog("y")]]) {

@@ -19,6 +19,8 @@
  * @property {Numbers} highHarmonics
  * @property {Numbers} iterations
  * @property {{kind: string, index: number}[]} special start, peak, folds
+ * @property {number[]} peaks index of the largest amplitude, -1 if there is none; one a monitor
+ * @property {[number, number]|null} frequencies lowest and highest
  */
 
 /** @param {string} text base64 @returns {ArrayBuffer} */
@@ -88,10 +90,19 @@ function decodeBranch(raw) {
     residual: () => decodeColumn(raw.residual),
     highHarmonics: () => decodeColumn(raw.high_harmonics),
     iterations: () => decodeColumn(raw.iterations),
+    peaks: () => lazyPeaks(branch, raw),
+    frequencies: () => extentOf(branch.omega),
   });
 }
 
-/** The backbone with its columns decoded; `resistance` = R_lin + R_nl, the work that the forcing has to make up for. */
+/** The peak of the first monitor is given, of numbers with all their digits; the others are searched when asked for. */
+function lazyPeaks(branch, { amplitude = [], peak, size }) {
+  const isGiven = Number.isInteger(peak) && peak < size;
+  const find = (monitor) => (monitor === 0 && isGiven ? peak : indexOfLargest(branch.amplitude[monitor]));
+  return defineLazy([], Object.fromEntries(amplitude.map((_, monitor) => [monitor, () => find(monitor)])));
+}
+
+/** The backbone with its columns decoded; `needed` is what the forcing has to supply a period. */
 function decodeBackbone(raw) {
   if (!raw) return null;
   const { mode, status, events, peaks } = raw;
@@ -103,7 +114,7 @@ function decodeBackbone(raw) {
     contact: () => decodeColumn(raw.contact),
     linear: () => decodeColumn(raw.r_lin),
     nonlinear: () => decodeColumn(raw.r_nl),
-    resistance: () => Float64Array.from(backbone.linear, (linear, i) => linear + backbone.nonlinear[i]),
+    needed: () => (raw.needed ? decodeColumn(raw.needed) : lossesOf(backbone)),
     work: () => decodeColumn(raw.work),
     threshold: () => decodeColumn(raw.threshold),
     certificate: () => decodeColumn(raw.certificate),
@@ -112,6 +123,9 @@ function decodeBackbone(raw) {
   });
   return backbone;
 }
+
+/** |R_lin + R_nl|: what the balance asks for where it is not told. */
+const lossesOf = ({ linear, nonlinear }) => Float64Array.from(linear, (work, i) => Math.abs(work + nonlinear[i]));
 
 /** @param {object} raw the JSON of the page, or the part of it that a live page is given */
 function decodeRun(raw) {

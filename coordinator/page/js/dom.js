@@ -66,13 +66,32 @@ function button(label, pressed, attributes = {}) {
 /** Says in words what is not there. */
 const emptyNote = (text) => element("p.empty", {}, text);
 
-/** At most one call of `work` a frame, however often it is asked for. */
-function oncePerFrame(work) {
+/** At most one call of `work` a frame, and in `pause` ms, however often it is asked for. */
+function oncePerFrame(work, pause = 0) {
+  let waiting = false;
+  let last = -Infinity;
+  const workInFrame = () =>
+    requestAnimationFrame((now) => {
+      waiting = false;
+      last = now;
+      work();
+    });
+  return () => {
+    if (waiting) return;
+    waiting = true;
+    const left = last + pause - performance.now();
+    if (left > 0) setTimeout(workInFrame, left);
+    else workInFrame();
+  };
+}
+
+/** At most one call of `work` for all that one event changes, and before the browser paints any of it. */
+function oncePerEvent(work) {
   let waiting = false;
   return () => {
     if (waiting) return;
     waiting = true;
-    requestAnimationFrame(() => {
+    queueMicrotask(() => {
       waiting = false;
       work();
     });

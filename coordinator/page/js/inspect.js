@@ -1,7 +1,7 @@
 /* Looking at single points: the nearest one under the pointer or the arrow keys, with all its numbers. */
 
 /**
- * @typedef {{x: Numbers, y: Numbers}} Curve in the units of the chart; may carry more
+ * @typedef {{x: Numbers, y: Numbers, peak?: number}} Curve in the units of the chart; may carry more
  * @typedef {{title: string, rows: [string, string][]}} Description
  */
 
@@ -112,14 +112,16 @@ function pointByKey({ key, shiftKey }, curves, cursor) {
   const across = { ArrowUp: 1, ArrowDown: -1 }[key];
   if (curves.length === 0 || (along === undefined && across === undefined)) return null;
   const at = curves.findIndex((curve) => curve === cursor?.curve);
-  if (at < 0) return { curve: curves[0], index: Math.max(indexOfLargest(curves[0].y), 0) };
+  if (at < 0) return { curve: curves[0], index: peakOf(curves[0]) };
   if (along) {
     const index = cursor.index + along * (shiftKey ? 10 : 1);
     return { curve: cursor.curve, index: Math.min(Math.max(index, 0), cursor.curve.x.length - 1) };
   }
   const curve = curves[(at + across + curves.length) % curves.length];
-  return { curve, index: Math.max(indexOfLargest(curve.y), 0) };
+  return { curve, index: peakOf(curve) };
 }
+
+const peakOf = ({ y, peak = indexOfLargest(y) }) => Math.max(peak, 0);
 
 function zoomByKey(key, chart) {
   if (key === "+" || key === "=") chart.zoom(0.7);

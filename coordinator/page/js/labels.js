@@ -87,7 +87,8 @@ function placeLabels(wishes, projection, covered, fontSize) {
   measuringContext.font = `${fontSize}px ${chartFont()}`;
   for (const wish of wishes) {
     const [x, y] = [projection.x(wish.x), projection.y(wish.y)];
-    if (!(x >= frame.left && x <= frame.right && y >= frame.top && y <= frame.bottom)) continue;
+    // What stands on the edge may be rounded to either side of it.
+    if (!(x > frame.left - 1 && x < frame.right + 1 && y > frame.top - 1 && y < frame.bottom + 1)) continue;
     const width = measuringContext.measureText(wish.text).width + 4;
     const best = bestPlace(wish, { x, y, width, height: fontSize * 1.25 }, frame, taken, covered);
     if (!best) continue;
@@ -121,7 +122,7 @@ function labelBox({ x, y, width, height }, side, distance) {
 }
 
 /**
- * Keeps labels on a chart. `wishes` is asked for after each change of what is seen.
+ * Keeps labels on a chart. `wishes` is asked for after each change of the ranges, the room and the theme.
  * @param {() => LabelWish[]} wishes
  * @param {() => {x: Numbers, y: Numbers}[]} [curves] that labels should keep off
  * @returns {() => void} to be called when the wishes have changed
@@ -156,9 +157,13 @@ function keepLabels(chart, wishes, curves = () => []) {
   const leader = { ...columns("x", "y", "angle"), length: { field: "length", units: "screen" } };
   chart.glyph("ray", { ...leader, line_color: { field: "colour" }, line_width: 1, source, level: "overlay" });
   let shown = "";
-  const place = oncePerFrame(() => {
+  let room = "";
+  const roomOf = ({ frame }) => Object.values(frame).join();
+  // Before the chart is painted with what has changed: painting a large run twice takes twice as long.
+  const place = oncePerEvent(() => {
     const projection = chart.projection();
     if (!projection) return;
+    room = roomOf(projection);
     const placed = placeLabels(wishes(), projection, curveGrid(curves(), projection), labelSize());
     const column = (pick) => placed.map(pick);
     const data = {
@@ -175,14 +180,19 @@ function keepLabels(chart, wishes, curves = () => []) {
       angle: column(({ side }) => Math.atan2(-side.dy, side.dx)),
       colour: column(({ wish }) => wish.colour ?? theme.palette.ink),
     };
-    // Painting them calls this again: an end must come where nothing changes.
     const state = JSON.stringify(data);
     if (state === shown) return;
     shown = state;
     source.data = data;
   });
+  chart.paint(place);
+  for (const range of [chart.figure.x_range, chart.figure.y_range]) range.change.connect(place);
   chart.ready.then((view) => {
-    view.repainted.connect(place);
+    // The room for them is known once a chart is laid out, and changes with the window.
+    view.repainted.connect(() => {
+      const projection = chart.projection();
+      if (projection && roomOf(projection) !== room) place();
+    });
     place();
   });
   return place;

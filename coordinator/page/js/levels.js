@@ -2,7 +2,7 @@
 
 /**
  * @param {(shown: Set<number>) => void} changed told of the indices of the levels shown
- * @returns {{element: Element, setLevels: (levels: object[], notes: string[]) => void, shown: () => Set<number>}}
+ * @returns {object} its `element`, the indices `shown()`, and how it is told of levels and of what to note on them
  */
 function levelPicker(changed) {
   let shown = new Set();
@@ -44,17 +44,24 @@ function levelPicker(changed) {
   return {
     element: element("div.level-picker", {}, element("div.controls", {}, all, none, range, summary), list),
     shown: () => shown,
-    /** @param {string[]} notes said after each level, e.g. "1 isola" */
-    setLevels(next, notes) {
-      const added = next.map((_, k) => k).filter((k) => k >= levels.length || shown.has(k));
+    /** Of levels that there were already, those shown stay so; new ones are shown. */
+    setLevels(next) {
+      shown = new Set([...next.keys()].filter((k) => k >= levels.length || shown.has(k)));
+      if (next.length !== levels.length) {
+        for (const slider of [from, to]) slider.max = Math.max(next.length - 1, 0);
+        [from.value, to.value] = [0, next.length - 1];
+      }
       levels = next;
-      shown = new Set(added);
-      list.replaceChildren(...levels.map((level, k) => levelCheck(level, k, notes[k])));
-      for (const slider of [from, to]) slider.max = Math.max(levels.length - 1, 0);
-      [from.value, to.value] = [0, levels.length - 1];
+      list.replaceChildren(...levels.map(levelCheck));
       range.hidden = levels.length < 8;
       colourSwatches(theme.palette);
       refresh();
+    },
+    /** @param {string} note said after a level, e.g. "1 isola" */
+    setNote(index, note) {
+      const level = list.children[index];
+      level.title = note;
+      level.querySelector("small").textContent = note;
     },
   };
 
@@ -65,13 +72,13 @@ function levelPicker(changed) {
   }
 }
 
-function levelCheck(level, index, note) {
+function levelCheck(level, index) {
   return element(
     "label.level",
-    { title: note || null },
+    {},
     element("input", { type: "checkbox", value: index, checked: true }),
     element("span.swatch", { "aria-hidden": "true" }),
     element("span", {}, `A = ${level.amplitude}`),
-    note ? element("small", {}, note) : null,
+    element("small"),
   );
 }

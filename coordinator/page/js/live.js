@@ -22,26 +22,26 @@ async function startLive() {
 
 function listenForBranches(figure, levels, say) {
   const events = new EventSource("/events");
-  let count = 0;
   events.addEventListener("open", () => say("Connected: branches appear as they are computed."));
   events.addEventListener("branch", ({ data }) => {
     const raw = JSON.parse(data);
     const level = levels.findIndex(({ value }) => value === raw.value);
     if (level < 0) return; // All levels are known from the beginning: this is none of this run.
     figure.add(decodeBranch({ ...raw, level }));
-    count++;
-    say(`${countOf(count, "branch", "branches")} received; last: ${raw.name} at A = ${levels[level].amplitude}`);
+    const received = `${countOf(figure.branches.size, "branch", "branches")} received`;
+    say(`${received}; last: ${raw.name} at A = ${levels[level].amplitude}`);
   });
   events.addEventListener("backbone", ({ data }) => figure.setBackbone(decodeBackbone(JSON.parse(data))));
-  events.addEventListener("status", ({ data }) => {
-    say(JSON.parse(data).text);
-  });
+  events.addEventListener("status", ({ data }) => say(JSON.parse(data).text));
   events.addEventListener("end", ({ data }) => {
-    events.close();
+    events.close(); // The browser would connect again.
     say(`${JSON.parse(data)} This page keeps what it received; “isola report RUN” makes the complete one.`);
   });
-  // The browser connects again by itself.
-  events.addEventListener("error", () => say("The connection is lost; trying again …"));
+  // The browser connects again by itself, unless the answer was none of a run.
+  events.addEventListener("error", () => {
+    const isGivenUp = events.readyState === EventSource.CLOSED;
+    say(`The connection is lost; ${isGivenUp ? "reload to try again." : "trying again …"}`);
+  });
 }
 
 startLive();

@@ -24,7 +24,7 @@ function defaultSelection(branches) {
   const isolas = branches.filter((branch) => branch.kind === "isola");
   let best = null;
   for (const branch of isolas.length > 0 ? isolas : branches) {
-    const index = indexOfLargest(branch.amplitude[0]);
+    const index = branch.peaks[0];
     const amplitude = branch.amplitude[0][index];
     if (index >= 0 && (!best || amplitude > best.amplitude)) best = { branch, index, amplitude };
   }

@@ -31,8 +31,9 @@ function mapFigure(place, run, { amplitude }) {
   const here = chart.span("width", amplitude.get(), [9, 3], (palette) => palette.third);
   here.level = "annotation";
   const curves = [{ x: backbone.omega, y: backbone.threshold }];
-  keepLabels(chart, () => [amplitudeWish(chart, amplitude.get()), ...backbone.events.map(eventWish)], () => curves);
-  inspectPoints(chart, () => curves, (_, index) => describeBackbonePoint(backbone, index));
+  const wishes = () => [amplitudeWish(chart, amplitude.get()), ...backbone.events.map(eventWish)];
+  const relabel = keepLabels(chart, wishes, () => curves);
+  inspectPoints(chart, () => curves, (_, index) => describeBackbonePoint(backbone, index, amplitude.get()));
   dragAmplitude(chart, amplitude);
 
   const words = element("div", { "aria-live": "polite" });
@@ -43,9 +44,10 @@ function mapFigure(place, run, { amplitude }) {
     below.data = {
       xs: runs.map((window) => alongRun(backbone.omega, window)),
       ys: runs.map((window) => alongRun(backbone.threshold, window)),
-      colour: runs.map((window, k) => runColour(window, k - 1, theme.palette)),
+      colour: runColours(runs, theme.palette),
     };
     words.replaceChildren(...predictionInWords(run, value));
+    relabel();
   };
   follow(amplitude.get());
   amplitude.listen(follow);

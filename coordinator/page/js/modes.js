@@ -16,10 +16,11 @@ function modeColour(k, palette) {
   ][k % 7];
 }
 
-/** "mode 3 at 4ω (ω₃ = 1.003 · 4ω)" */
-function peakInWords({ mode, harmonic, ratio }) {
+/** "mode 3 at 4ω (ω₃ = 1.003 · 4ω)" in resonance, else "mode 3, mostly at ω" */
+function peakInWords({ mode, harmonic, ratio, resonant }) {
   const subscript = String(mode + 1).replace(/\d/g, (digit) => "₀₁₂₃₄₅₆₇₈₉"[digit]);
   const multiple = harmonic === 1 ? "ω" : `${harmonic}ω`;
+  if (!resonant) return `mode ${mode + 1}, mostly at ${multiple}`;
   return `mode ${mode + 1} at ${multiple} (ω${subscript} = ${formatNumber(ratio, 4)} · ${multiple})`;
 }
 

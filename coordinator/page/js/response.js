@@ -4,6 +4,9 @@
 /** Marks of folds and peaks, and labels of all isolas, help while there are few branches. */
 const FEW_BRANCHES = 24;
 
+/** Branches that come one by one are drawn together, once in so many ms: each time, all others are painted too. */
+const GROWTH_PAUSE = 250;
+
 /**
  * @param {Element} place
  * @param {object} run with `monitors`, `levels`, `branches`, `backbone` and `omega`, as the page's or a part of it
@@ -13,6 +16,7 @@ const responseFigure = (place, run, options = {}) => new ResponseFigure(place, r
 
 class ResponseFigure {
   constructor(place, run, { picked = null, runName = "isola" }) {
+    this.place = place;
     this.monitors = run.monitors;
     this.sweep = run.omega;
     /** @type {Map<string, {branch: Branch, curve?: object}>} by key of the branch, the curve in the units shown */
@@ -23,7 +27,10 @@ class ResponseFigure {
     this.withBackbone = false;
     this.selected = null;
     this.draw = oncePerFrame(() => this.drawNow());
-    this.grow = oncePerFrame(() => this.rescale());
+    this.grow = oncePerFrame(() => {
+      this.noteIsolas();
+      this.rescale();
+    }, GROWTH_PAUSE);
 
     this.picker = levelPicker(() => this.draw());
     const backboneLabel = "Backbone, bold where the largest level shown is predicted to respond";
@@ -44,13 +51,14 @@ class ResponseFigure {
   /** Takes a branch in; another with the same key is replaced. */
   add(branch) {
     this.branches.set(branch.key, { branch });
-    this.picker.setLevels(this.levels, this.levelNotes());
     this.grow();
   }
 
   setLevels(levels) {
     this.levels = levels;
-    this.picker.setLevels(levels, this.levelNotes());
+    this.isolaCounts = levels.map(() => 0);
+    this.picker.setLevels(levels);
+    this.noteIsolas();
     this.draw();
   }
 
@@ -71,6 +79,7 @@ class ResponseFigure {
     const options = this.monitors.map(({ name }, k) => [String(k), name]);
     return dropdown("Amplitude of", options, "0", (value) => {
       this.monitor = Number(value);
+      this.chart.reset();
       this.rescale();
     });
   }
@@ -90,11 +99,14 @@ class ResponseFigure {
     inspectPoints(this.chart, () => this.visible, describe, ({ branch }, index) => picked?.(branch, index));
   }
 
-  /** "2 isolas" for every level. */
-  levelNotes() {
+  /** Says "2 isolas" after every level of which the number has changed. */
+  noteIsolas() {
     const counts = this.levels.map(() => 0);
     for (const { branch } of this.branches.values()) if (branch.kind === "isola") counts[branch.level]++;
-    return counts.map((count) => (count > 0 ? countOf(count, "isola") : ""));
+    counts.forEach((count, k) => {
+      if (count !== this.isolaCounts[k]) this.picker.setNote(k, count > 0 ? countOf(count, "isola") : "");
+    });
+    this.isolaCounts = counts;
   }
 
   /** The curve of a branch in the units shown. */
@@ -103,7 +115,7 @@ class ResponseFigure {
     const entry = this.branches.get(branch.key);
     if (entry.curve?.monitor !== monitor || entry.curve.unit !== unit) {
       const y = scaled(branch.amplitude[monitor], unit.factor);
-      entry.curve = { branch, monitor, unit, x: branch.omega, y, peak: indexOfLargest(y) };
+      entry.curve = { branch, monitor, unit, x: branch.omega, y, peak: branch.peaks[monitor] };
     }
     return entry.curve;
   }
@@ -116,6 +128,7 @@ class ResponseFigure {
       ({ branch }) => this.curveOf(branch),
     );
     this.layers.draw(this.visible, levelColours(this.levels, theme.palette));
+    this.place.dataset.branches = this.branches.size;
     this.layers.drawBackbone(this.withBackbone ? this.backboneParts() : []);
     this.layers.drawSelection(
       selected && isShown(selected.branch) ? { curve: this.curveOf(selected.branch), index: selected.index } : null,
@@ -139,17 +152,27 @@ class ResponseFigure {
     return [{ x: omega, y, width: 1.2 }, ...inside];
   }
 
-  /** Units, ranges and gap line for the monitored dof chosen and the branches there are. */
+  /** Units, ranges and gap line for the monitored dof chosen and the branches there are. What was zoomed into stays. */
   rescale() {
+    const { monitor } = this;
     const branches = [...this.branches.values()].map(({ branch }) => branch);
-    const amplitudes = branches.map((branch) => branch.amplitude[this.monitor]);
-    const [, largest] = extentOf(...amplitudes) ?? extentOf(this.backbone?.amplitude[this.monitor] ?? []) ?? [0, 1];
-    this.unit = lengthUnit(largest);
+    // Each branch is searched once only: on a live page this is done whenever one has come.
+    const peaks = branches.map(({ amplitude, peaks }) => amplitude[monitor][peaks[monitor]] ?? NaN);
+    const [, found] = extentOf(peaks) ?? extentOf(this.backbone?.amplitude[monitor] ?? []) ?? [0, 1];
+    const largest = found || 1; // The dof may be at rest.
+    const unit = lengthUnit(largest);
+    if (unit.factor !== this.unit.factor) {
+      this.chart.scaleY(unit.factor / this.unit.factor);
+      this.unit = unit;
+    }
     const { name, gap } = this.monitors[this.monitor];
-    this.chart.figure.yaxes[0].axis_label = plainText(`largest |${name}| over the period, ${this.unit.name}`);
-    this.layers.gap.setv({ location: (gap ?? 0) * this.unit.factor, visible: gap !== null });
-    const x = this.sweep ?? withMargin(extentOf(...branches.map((branch) => branch.omega)));
-    this.chart.show({ x, y: [0, largest * this.unit.factor * 1.08], home: true });
+    const [axis] = this.chart.figure.yaxes;
+    const label = `largest |${name}| over the period, ${unit.name}`;
+    if (axis.axis_label.text !== label) axis.axis_label = plainText(label); // A new one is laid out anew.
+    this.layers.gap.setv({ location: (gap ?? 0) * unit.factor, visible: gap !== null });
+    const frequencies = extentOf(...branches.map((branch) => branch.frequencies ?? []));
+    const x = this.sweep ?? withMargin(frequencies ?? extentOf(this.backbone?.omega ?? []));
+    this.chart.rehome({ x, y: [0, largest * unit.factor * 1.08] });
     this.draw();
   }
 

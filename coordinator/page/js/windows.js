@@ -1,5 +1,5 @@
-/* Windows: runs of the backbone along which a forcing amplitude A lies above the threshold A*, i.e. A·W > |R|. There,
- * forced responses are predicted. */
+/* Windows: runs of the backbone along which a forcing amplitude A lies above the threshold A*, i.e. A·W is more than
+ * has to be supplied. There, forced responses are predicted. */
 
 /**
  * @typedef {object} Run
@@ -76,10 +76,18 @@ const windowOfRun = (level, run) => level?.windows.find(
   (window) => window.first <= run.best && run.best <= window.last,
 ) ?? null;
 
-/** Colours of runs: that from the start, where the main branch is, and the separate ones in turn. */
-function runColour(run, turn, palette) {
-  if (run.fromStart) return palette.first;
-  return [palette.second, palette.third, palette.fourth][turn % 3];
+/** Colours of runs: that from the start, if there is one, and the separate ones in turn. @param {Run[]} runs */
+function runColours(runs, palette) {
+  const inTurn = [palette.second, palette.third, palette.fourth];
+  let separate = 0;
+  return runs.map(({ fromStart }) => (fromStart ? palette.first : inTurn[separate++ % 3]));
+}
+
+/** Names the run from the start after the main branch: for certain only if that was computed there. */
+function mainInWords({ levels }, amplitude, run) {
+  const window = windowOfRun(levels.find(({ value }) => value === amplitude), run);
+  const isComputed = window?.outcome === "found" && window.branches.split("; ").includes("main");
+  return isComputed ? "main branch" : "main branch, as a rule";
 }
 
 /**
@@ -93,7 +101,7 @@ function windowsInWords(run, amplitude) {
     const range = formatRange(frequencyRange(backbone, window));
     const where = `Window ${k + 1}: ${range} rad/s, born at A* = ${formatNumber(window.threshold, 4)}`;
     const which = window.fromStart
-      ? "begins where the backbone does: main branch"
+      ? `begins where the backbone does: ${mainInWords(run, amplitude, window)}`
       : "separate: an isola, unless the main branch reaches it";
     return `${where}; ${which}.${outcomeInWords(level, windowOfRun(level, window))}`;
   });
