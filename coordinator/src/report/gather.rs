@@ -8,7 +8,7 @@ use crate::store::{Reader, Result, RunHeader};
 use crate::survey::{BranchRow, Lacks, Survey, whole};
 use protocol::curve::Size;
 use protocol::to_everyone::Stage;
-use solver::backbone::Backbone;
+use solver::backbone::{Backbone, BackbonePoint};
 use solver::laws::LawKind;
 use solver::model::Model;
 use std::collections::HashSet;
@@ -132,7 +132,14 @@ pub fn monitors(model: &Model) -> Vec<Monitor> {
 
 fn read_backbone(reader: &Reader, size: &Size) -> Result<Option<Backbone>> {
     let message = reader.backbone()?;
-    message.map(|message| message.backbone(size).map_err(|error| reader.corrupt(error))).transpose()
+    let backbone = message.map(|message| message.backbone(size).map_err(|error| reader.corrupt(error))).transpose()?;
+    let is_somewhere = |point: &BackbonePoint| point.point.omega().is_finite() && point.arc.is_finite();
+    match backbone {
+        Some(backbone) if !backbone.points.iter().all(is_somewhere) => {
+            Err(reader.corrupt("a frequency or an arc length is not a number"))
+        }
+        readable => Ok(readable),
+    }
 }
 
 /// The branches that are drawn, with the index of their level.

@@ -160,6 +160,14 @@ fn of_a_damaged_run_what_is_left() {
     let report = damaged(&dir.path().join("e"), "UPDATE tasks SET attempts = 'x'");
     assert!(report.account.tasks.is_empty() && !report.account.settings.is_empty());
 
+    let report = damaged(&dir.path().join("f"), "UPDATE backbone SET omega = NULL WHERE i = 3");
+    assert!(report.backbone.is_none());
+    assert!(
+        report.run.missing.iter().any(|sentence| sentence.ends_with("is not a number.")),
+        "{:?}",
+        report.run.missing
+    );
+
     let sql = "DELETE FROM arrays WHERE owner = 'backbone' AND name = 'argument'";
     let report = damaged(&dir.path().join("b"), sql);
     assert!(report.backbone.is_none());
