@@ -15,6 +15,8 @@ const COUNT: f64 = 6.0;
 const DECADES: usize = 8;
 /// Decades that a logarithmic axis spans at most.
 const SPAN: f64 = 40.0;
+/// No axis reaches so far: a number beyond is damage.
+const ABSURD: f64 = 1e100;
 /// Room left beside the data, as a share of the axis.
 const MARGIN: f64 = 0.05;
 
@@ -47,7 +49,7 @@ impl Axis {
 
     /// Logarithmic, around the positive ones among values.
     pub fn logarithmic(title: impl Into<String>, values: impl IntoIterator<Item = f64>) -> Self {
-        let (low, high) = bounds(values.into_iter().filter(|&value| value > 0.0).map(f64::log10));
+        let (low, high) = bounds(values.into_iter().filter(|&value| value > 0.0 && value < ABSURD).map(f64::log10));
         let low = low.max(high - SPAN);
         let room = MARGIN * (high - low);
         let ends = (10_f64.powf(low - room), 10_f64.powf(high + room));
@@ -157,7 +159,7 @@ fn power(exponent: i32) -> f64 {
 
 /// Lowest and highest of the finite ones among values; never equal.
 fn bounds(values: impl IntoIterator<Item = f64>) -> (f64, f64) {
-    let finite = values.into_iter().filter(|value| value.is_finite());
+    let finite = values.into_iter().filter(|value| value.abs() < ABSURD);
     let (low, high) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
     if low > high {
         return (0.0, 1.0);

@@ -10,6 +10,8 @@ use plotive::des::{Plot, Series, data_inline};
 use plotive::style::series::{Marker, Stroke};
 use plotive::style::theme;
 
+/// Beyond so many times the size of the panel a point is no place: plotive computes with 32 bits.
+const OUTSIDE: f64 = 1e4;
 /// Points nearer to each other than this share of the axes are drawn as one.
 const NEAR: f64 = 4e-4;
 
@@ -75,7 +77,8 @@ impl Panel {
         if self.visible(x, y).is_none() {
             return self.points(x, y, marker, name);
         }
-        let line = Line::new(data_inline(x.to_vec()), data_inline(y.to_vec())).with_stroke(stroke).with_marker(marker);
+        let (x, y) = self.on_the_axes(x, y, true);
+        let line = Line::new(data_inline(x), data_inline(y)).with_stroke(stroke).with_marker(marker);
         self.series.push(match name {
             Some(name) => line.with_name(name).into(),
             None => line.into(),
@@ -105,11 +108,12 @@ impl Panel {
 
     /// Markers. The name is for the legend.
     pub fn points(&mut self, x: &[f64], y: &[f64], marker: Marker, name: Option<&str>) {
+        let (x, y) = self.on_the_axes(x, y, false);
         if x.is_empty() {
             return;
         }
-        self.marks.extend(x.iter().zip(y).map(|(&x, &y)| (self.x.share(x), self.y.share(y))));
-        let scatter = Scatter::new(data_inline(x.to_vec()), data_inline(y.to_vec())).with_marker(marker);
+        self.marks.extend(x.iter().zip(&y).map(|(&x, &y)| (self.x.share(x), self.y.share(y))));
+        let scatter = Scatter::new(data_inline(x), data_inline(y)).with_marker(marker);
         self.series.push(match name {
             Some(name) => scatter.with_name(name).into(),
             None => scatter.into(),
@@ -140,11 +144,20 @@ impl Panel {
         self.annotations.iter().cloned().chain(self.y.numbers()).fold(plot, Plot::with_annotation)
     }
 
+    /// Points, without those that have no place on the axes, or with gaps for them.
+    fn on_the_axes(&self, x: &[f64], y: &[f64], has_gaps: bool) -> (Vec<f64>, Vec<f64>) {
+        let point = |(&x, &y): (&f64, &f64)| {
+            let is_place = [self.x.share(x), self.y.share(y)].iter().all(|share| share.abs() < OUTSIDE);
+            (is_place || has_gaps).then_some(if is_place { (x, y) } else { (f64::NAN, f64::NAN) })
+        };
+        x.iter().zip(y).filter_map(point).unzip()
+    }
+
     /// The points that make a difference, if they make a curve; what has no place on the axes becomes a gap.
     fn visible(&mut self, x: &[f64], y: &[f64]) -> Option<(Vec<f64>, Vec<f64>)> {
         let shares: Vec<(f64, f64)> = x.iter().zip(y).map(|(&x, &y)| (self.x.share(x), self.y.share(y))).collect();
         let kept = thinned(&shares);
-        let is_place = |i: usize| shares[i].0.is_finite() && shares[i].1.is_finite();
+        let is_place = |i: usize| [shares[i].0, shares[i].1].iter().all(|share| share.abs() < OUTSIDE);
         // plotive panics at a path without a segment.
         kept.windows(2).any(|pair| is_place(pair[0]) && is_place(pair[1])).then(|| {
             self.traces.push(kept.iter().map(|&i| shares[i]).collect());
