@@ -6,6 +6,7 @@ use crate::store::{Reader, Store};
 use protocol::to_everyone::Stage;
 use rusqlite::Connection;
 use solver::windows::EventKind;
+use std::fs;
 use std::path::Path;
 use tempfile::tempdir;
 
@@ -173,6 +174,17 @@ fn of_a_damaged_run_what_is_left() {
     assert!(report.backbone.is_none());
     assert_eq!(report.branches.len(), 3);
     assert!(report.run.missing[0].starts_with("The backbone is left out"), "{:?}", report.run.missing);
+}
+
+#[test]
+fn of_a_file_cut_short_what_is_left() {
+    let dir = tempdir().unwrap();
+    drop(Study::damper().finished(dir.path()));
+    let file = fs::OpenOptions::new().write(true).open(dir.path().join(crate::store::FILE)).unwrap();
+    file.set_len(file.metadata().unwrap().len() * 3 / 4).unwrap();
+    let report = read(&Reader::open(dir.path()).unwrap());
+    assert!(report.branches.len() < 3 && !report.lacks.damaged.is_empty());
+    assert_eq!((report.run.name.as_str(), report.levels.len()), ("test", 2));
 }
 
 #[test]
