@@ -4,7 +4,6 @@ use crate::cli::{ExportArgs, PlotArgs, ReportArgs};
 use crate::commands::INCOMPLETE;
 use crate::error::Error;
 use crate::report::{Report, Selection};
-use crate::rundir::write_whole;
 use crate::store::Reader;
 use crate::study::{StudyError, typed};
 use crate::survey::Lacks;
@@ -49,7 +48,7 @@ pub fn report(args: &ReportArgs) -> Result<ExitCode, Error> {
     let selection = selection(&reader, args.levels.as_deref(), Selection::Fitting)?;
     let report = Report::read(&reader, &selection)?;
     let file = args.out.clone().unwrap_or_else(|| args.run.join("report.html"));
-    write_whole(&file, page::report(&report).as_bytes()).map_err(Error::io(&file))?;
+    export::write_whole(&file, page::report(&report).as_bytes())?;
     for sentence in &report.verdict {
         println!("{} {}", sentence.title, sentence.text);
     }
@@ -69,7 +68,7 @@ pub fn plot(args: &PlotArgs) -> Result<ExitCode, Error> {
     let selection = selection(&reader, args.levels.as_deref(), Selection::All)?;
     let (sheet, lacks) = plot::compose(&reader, args, &selection)?;
     let bytes = format.bytes(&sheet.prepare(args.width, args.height)?)?;
-    write_whole(&args.out, &bytes).map_err(Error::io(&args.out))?;
+    export::write_whole(&args.out, &bytes)?;
     println!("{}", args.out.display());
     Ok(code(&lacks))
 }

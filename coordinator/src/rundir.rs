@@ -22,23 +22,11 @@ pub fn default_directory(study: &str) -> PathBuf {
     (2..).map(numbered).find(|directory| !directory.exists()).unwrap_or(plain)
 }
 
-/// Writes a file that is there when it is complete.
-pub fn write_whole(file: &Path, bytes: &[u8]) -> io::Result<()> {
-    let mut name = std::ffi::OsString::from(".");
-    name.push(file.file_name().ok_or(io::ErrorKind::InvalidFilename)?);
-    name.push(".partial");
-    let partial = file.with_file_name(name);
-    let written = std::fs::write(&partial, bytes).and_then(|()| std::fs::rename(&partial, file));
-    if written.is_err() {
-        // The first error counts.
-        let _ = std::fs::remove_file(partial);
-    }
-    written
-}
-
 /// Notes where the coordinator of a run is reached.
 pub fn write_address(directory: &Path, endpoint: &str) -> io::Result<()> {
-    write_whole(&directory.join(ADDRESS), format!("{endpoint}\n").as_bytes())
+    let partial = directory.join(".address");
+    std::fs::write(&partial, format!("{endpoint}\n"))?;
+    std::fs::rename(partial, directory.join(ADDRESS))
 }
 
 /// Where the coordinator of a run was last reached.

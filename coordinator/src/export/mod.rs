@@ -15,6 +15,7 @@ use crate::survey::{Lacks, Survey};
 use clap::ValueEnum;
 use contents::Contents;
 use partial::branches_folder;
+pub use partial::write_whole;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 use value::Record;

@@ -2,7 +2,7 @@
 
 use super::ExportError;
 use std::fs::{self, File};
-use std::io;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 /// A file under way, under another name until it is finished.
@@ -41,6 +41,18 @@ impl Drop for Partial {
         // There is nothing to remove once it has its name.
         let _ = fs::remove_file(&self.partial);
     }
+}
+
+/// Writes a file that is there when it is complete.
+///
+/// # Errors
+/// If it cannot be written.
+pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), ExportError> {
+    let unnamed = || failed(path, io::ErrorKind::InvalidFilename.into());
+    let name = path.file_name().and_then(|name| name.to_str()).ok_or_else(unnamed)?;
+    let (partial, mut file) = Partial::create(path.parent().unwrap_or(Path::new("")), name)?;
+    file.write_all(bytes).map_err(|source| partial.failed(source))?;
+    partial.finish()
 }
 
 /// The folder of the branches in `dir`.

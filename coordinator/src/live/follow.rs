@@ -42,7 +42,7 @@ struct Line {
 
 /// A branch with the forcing amplitude of its level.
 #[derive(Serialize)]
-struct Told<'c> {
+struct BranchOfLevel<'c> {
     #[serde(flatten)]
     curve: &'c Curve,
     value: f64,
@@ -163,7 +163,7 @@ impl<'l> Follower<'l> {
             if let Some(&level) = self.levels.get(&result.amplitude.text)
                 && let Ok(Some(curve)) = Curve::of(&result, level)
             {
-                self.feed.tell("branch", &Told { curve: &curve, value: result.amplitude.value });
+                self.feed.tell("branch", &BranchOfLevel { curve: &curve, value: result.amplitude.value });
             }
         }
         self.told.insert(done.task.clone());

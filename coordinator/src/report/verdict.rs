@@ -91,9 +91,9 @@ impl<'r> Evidence<'r> {
             return format!("Nothing is known yet: {} to come.", count(self.levels.len(), "forcing level"));
         }
         let all = match self.levels {
-            [only] => format!("the one level of the run, A = {}", only.amplitude),
+            [only] => format!("the one level, A = {}", only.amplitude),
             [first, .., last] => {
-                format!("the {} levels of the run, A = {} to {}", self.levels.len(), first.amplitude, last.amplitude)
+                format!("the {} levels, A = {} to {}", self.levels.len(), first.amplitude, last.amplitude)
             }
             [] => "no level".into(),
         };
@@ -286,7 +286,7 @@ mod tests {
              response of all, 2.5 mm at tip (0.4 mm to the casing), is on the main branch, at 100 rad/s (15.92 Hz) and \
              A = 4."
         );
-        assert_eq!(onset, "Isolas were found at A = 2 to 3, 5, of the 5 levels of the run, A = 1 to 5.");
+        assert_eq!(onset, "Isolas were found at A = 2 to 3, 5, of the 5 levels, A = 1 to 5.");
         assert!(missed.starts_with("Yes. At A = 2 it stops at 1 mm at 100 rad/s"), "{missed}");
         assert!(missed.ends_with("up to 2 mm at 130 rad/s (20.69 Hz), 2 times as much."), "{missed}");
     }
@@ -307,7 +307,7 @@ mod tests {
         levels[1].pending = 3;
         assert_eq!(
             texts(&levels)[1],
-            "Isolas were found at A = 1, of the 2 levels of the run, A = 1 to 2 (3 tasks still to come)."
+            "Isolas were found at A = 1, of the 2 levels, A = 1 to 2 (3 tasks still to come)."
         );
         levels[0].branches.truncate(1);
         assert!(texts(&levels)[2].starts_with("Not so far: nothing was found beside the main branch (3 tasks"));
