@@ -1,8 +1,13 @@
 //! Command line of `isola`.
 
-use crate::export::Format;
-use crate::plot::{Along, FigureName};
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand};
+use protocol::ids::RunId;
+use protocol::keys::namespace;
+use results::export::Format;
+#[cfg(feature = "figures")]
+use results::plot::{Along, FigureName};
+use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
 /// Finds the isolated branches (isolas) of the forced response of nonlinear structures.
@@ -20,7 +25,7 @@ Examples:
   isola report runs/NAME                                     one page that shows what was found
   isola plot runs/NAME --figure response -o response.pdf     one figure for a paper
 
-Exit codes: 0 done; 1 error; 2 wrong usage; 3 ended with tasks missing (cancelled or\ngiven up), or something stored is damaged and was left out; 130 interrupted."
+Exit codes: 0 done (also if nobody reads the output to its end); 1 error; 2 wrong usage, as\nan option with a wrong value; 3 ended with tasks missing (cancelled or given up), or\nsomething stored is damaged and was left out; 130 interrupted."
 )]
 pub struct Cli {
     /// What to do.
@@ -46,7 +51,7 @@ Examples:
     Resume(ResumeArgs),
     /// Say how a run is doing (also one that is not running).
     #[command(after_help = "Examples:\n  isola status runs/NAME\n  isola status --connect tcp/HOST:7447")]
-    Status(TargetArgs),
+    Status(RemoteArgs),
     /// Follow a run live, from anywhere on the bus, in the terminal or in a browser.
     #[command(after_help = "\
 Examples:
@@ -56,17 +61,19 @@ Examples:
     Watch(WatchArgs),
     /// Stop a run; what is stored stays, and `resume` goes on.
     #[command(after_help = "Example:\n  isola cancel runs/NAME")]
-    Cancel(TargetArgs),
+    Cancel(RemoteArgs),
     /// Try the tasks that were given up again.
     #[command(after_help = "Example:\n  isola retry-dead runs/NAME")]
-    RetryDead(TargetArgs),
+    RetryDead(RemoteArgs),
     /// Show a run, also one in progress, on one HTML page that needs no network.
+    #[cfg(feature = "page")]
     #[command(after_help = "\
 Examples:
   isola report runs/NAME                        writes runs/NAME/report.html
   isola report runs/NAME --levels 20:60:20 -o isolas.html")]
     Report(ReportArgs),
     /// Draw one figure of a run, also of one in progress, for a paper: SVG, PDF or PNG.
+    #[cfg(feature = "figures")]
     #[command(after_help = "\
 Examples:
   isola plot runs/NAME --figure response -o response.pdf
@@ -112,10 +119,10 @@ pub struct ServeArgs {
     #[arg(long, value_name = "ENDPOINT")]
     pub connect: Option<String>,
     /// First chunk of all keys; a run that is resumed keeps its own.
-    #[arg(long, default_value = protocol::keys::NAMESPACE)]
+    #[arg(long, default_value = protocol::keys::NAMESPACE, value_parser = namespace)]
     pub namespace: String,
     /// A task without a sign of life for so many seconds is handed out again.
-    #[arg(long, value_name = "SECONDS", default_value_t = 15.0)]
+    #[arg(long, value_name = "SECONDS", default_value_t = 15.0, value_parser = lease)]
     pub lease: f64,
     /// Stay on the bus after the end, for viewers, until Ctrl-C.
     #[arg(long)]
@@ -151,7 +158,7 @@ pub struct ResumeArgs {
 
 /// A run, by folder or on the bus.
 #[derive(Debug, Args)]
-pub struct TargetArgs {
+pub struct RemoteArgs {
     /// Folder of the run.
     #[arg(required_unless_present = "connect", conflicts_with = "connect")]
     pub directory: Option<PathBuf>,
@@ -160,9 +167,9 @@ pub struct TargetArgs {
     pub connect: Option<String>,
     /// Which run, if there are several.
     #[arg(long, value_name = "RUN", requires = "connect")]
-    pub run: Option<String>,
+    pub run: Option<RunId>,
     /// First chunk of all keys.
-    #[arg(long, default_value = protocol::keys::NAMESPACE)]
+    #[arg(long, default_value = protocol::keys::NAMESPACE, value_parser = namespace)]
     pub namespace: String,
 }
 
@@ -171,13 +178,15 @@ pub struct TargetArgs {
 pub struct WatchArgs {
     /// The run.
     #[command(flatten)]
-    pub target: TargetArgs,
+    pub run: RemoteArgs,
     /// Show it in a browser: serve a page here, as HOST:PORT [default: a free port on the loopback interface].
-    #[arg(long, value_name = "ADDRESS", num_args = 0..=1, default_missing_value = "127.0.0.1:0")]
+    #[cfg(feature = "page")]
+    #[arg(long, value_name = "ADDRESS", num_args = 0..=1, default_missing_value = "127.0.0.1:0", value_parser = host_port)]
     pub page: Option<String>,
 }
 
 /// Arguments of `report`.
+#[cfg(feature = "page")]
 #[derive(Debug, Args)]
 pub struct ReportArgs {
     /// Folder of the run.
@@ -191,12 +200,13 @@ pub struct ReportArgs {
 }
 
 /// Arguments of `plot`.
+#[cfg(feature = "figures")]
 #[derive(Debug, Args)]
 pub struct PlotArgs {
     /// Folder of the run.
     pub run: PathBuf,
     /// Which figure.
-    #[arg(long, value_name = "NAME")]
+    #[arg(long, value_name = "NAME", value_parser = figure_names())]
     pub figure: FigureName,
     /// File to write; its ending says what: .svg, .pdf or .png (300 pixels an inch).
     #[arg(short, long, value_name = "FILE")]
@@ -214,13 +224,13 @@ pub struct PlotArgs {
     #[arg(long, value_name = "A/BRANCH/INDEX")]
     pub at: Option<String>,
     /// What balance and modes are drawn over [default: arc].
-    #[arg(long, value_name = "QUANTITY")]
+    #[arg(long, value_name = "QUANTITY", value_parser = quantities())]
     pub along: Option<Along>,
     /// Width, mm.
-    #[arg(long, value_name = "MM", default_value_t = 170.0)]
+    #[arg(long, value_name = "MM", default_value_t = 170.0, value_parser = millimetres)]
     pub width: f64,
     /// Height, mm.
-    #[arg(long, value_name = "MM", default_value_t = 110.0)]
+    #[arg(long, value_name = "MM", default_value_t = 110.0, value_parser = millimetres)]
     pub height: f64,
 }
 
@@ -230,7 +240,7 @@ pub struct ExportArgs {
     /// Folder of the run.
     pub run: PathBuf,
     /// What kind of files.
-    #[arg(long, value_enum, default_value = "csv")]
+    #[arg(long, default_value = "csv", value_parser = formats())]
     pub format: Format,
     /// Where to write [default: the folder of the run].
     #[arg(long, value_name = "DIR")]
@@ -243,5 +253,84 @@ fn key_value(text: &str) -> Result<(String, String), String> {
             Ok((key.trim().to_string(), value.trim().to_string()))
         }
         _ => Err("write it as key=value, like contact.friction=0".to_string()),
+    }
+}
+
+/// A number within bounds, and of what.
+fn within(text: &str, bounds: RangeInclusive<f64>, what: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|number| bounds.contains(number));
+    number.ok_or_else(|| format!("use {} to {} {what}", bounds.start(), bounds.end()))
+}
+
+fn lease(text: &str) -> Result<f64, String> {
+    within(text, 0.5..=86400.0, "seconds")
+}
+
+#[cfg(feature = "figures")]
+fn millimetres(text: &str) -> Result<f64, String> {
+    within(text, 30.0..=1000.0, "mm")
+}
+
+#[cfg(feature = "page")]
+fn host_port(text: &str) -> Result<String, String> {
+    match text.rsplit_once(':') {
+        Some((host, port)) if !host.is_empty() && port.parse::<u16>().is_ok() => Ok(text.to_string()),
+        _ => Err("give HOST:PORT of this machine, as in 127.0.0.1:8080".to_string()),
+    }
+}
+
+/// One of a few values, each with its name and what it is.
+fn one_of<T: Copy + Send + Sync + 'static>(
+    values: &'static [(T, &'static str, &'static str)],
+) -> impl TypedValueParser<Value = T> {
+    let names = values.iter().map(|&(_, name, about)| PossibleValue::new(name).help(about));
+    PossibleValuesParser::new(names).map(move |chosen| {
+        let value = values.iter().find(|(_, name, _)| *name == chosen);
+        value.expect("clap lets no other name through").0
+    })
+}
+
+fn formats() -> impl TypedValueParser<Value = Format> {
+    one_of(&[
+        (Format::Csv, "csv", "summary.csv, backbone.csv, windows.csv, branches/*.csv"),
+        (Format::Mat, "mat", "For MATLAB and Octave, with all harmonics: run.mat, branches/*.mat"),
+        (Format::Npz, "npz", "For NumPy, with all harmonics: run.npz, branches/*.npz"),
+    ])
+}
+
+#[cfg(feature = "figures")]
+fn quantities() -> impl TypedValueParser<Value = Along> {
+    one_of(&[
+        (Along::Arc, "arc", "Arc length"),
+        (Along::Omega, "omega", "Frequency"),
+        (Along::Amplitude, "amplitude", "Amplitude"),
+    ])
+}
+
+#[cfg(feature = "figures")]
+fn figure_names() -> impl TypedValueParser<Value = FigureName> {
+    let names = FigureName::ALL.map(|figure| PossibleValue::new(figure.name()).help(figure.about()));
+    PossibleValuesParser::new(names).map(|chosen| {
+        let figure = FigureName::ALL.into_iter().find(|figure| figure.name() == chosen);
+        figure.expect("clap lets no other name through")
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        use clap::CommandFactory;
+        Cli::command().debug_assert();
+    }
+
+    #[cfg(feature = "figures")]
+    #[test]
+    fn figures_are_listed_where_an_unknown_one_is_asked_for() {
+        let line = ["isola", "plot", "run", "-o", "a.svg", "--figure", "pie"];
+        let error = Cli::try_parse_from(line).unwrap_err().to_string();
+        assert!(error.contains("response, balance, backbone, map, resonance, modes, motion"), "{error}");
     }
 }

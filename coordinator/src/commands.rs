@@ -1,25 +1,23 @@
 //! What each command does.
 
 use crate::cli::{Cli, Command, ResumeArgs, ServeArgs, StudyArgs, SweepArgs};
-use crate::conduct::{Ending, conduct};
 use crate::error::Error;
-use crate::place::open;
-use crate::rundir::default_directory;
-use crate::store::{RunHeader, Store};
-use crate::study::{Study, differences};
-use crate::{check, outputs, prepare, target};
+use crate::run::directory::default_directory;
+use crate::run::endpoint::open;
+use crate::run::{Ending, carry_out, preparation};
+use crate::study::Study;
+use crate::{check, exit, outputs, remote, watch};
 use clap::CommandFactory;
 use protocol::codec::{encode, sha256};
 use protocol::ids::RunId;
 use protocol::model::ModelMessage;
+use results::resolved_study::differences;
+use results::store::{RunHeader, Store};
+use std::fmt::Display;
 use std::io::IsTerminal;
 use std::process::ExitCode;
 use tracing_subscriber::EnvFilter;
-
-/// Exit code of a run that ended with tasks missing, and of files, pages and figures that had to leave out what is damaged.
-pub const INCOMPLETE: u8 = 3;
-/// Exit code of a run that was interrupted.
-const INTERRUPTED: u8 = 130;
+use worker::terminal;
 
 /// Carries out a command.
 ///
@@ -30,21 +28,21 @@ pub fn execute(cli: Cli) -> Result<ExitCode, Error> {
         let filter = EnvFilter::try_from_env("ISOLA_LOG").unwrap_or_else(|_| EnvFilter::new("error,coordinator=warn"));
         tracing_subscriber::fmt()
             .with_env_filter(filter)
-            .with_writer(std::io::stderr)
+            .with_writer(|| terminal::Log)
             .with_ansi(std::io::stderr().is_terminal())
             .init();
     }
     match cli.command {
-        Command::Check(args) => {
-            print!("{}", check::report(&load(&args)?));
-            Ok(ExitCode::SUCCESS)
-        }
+        Command::Check(args) => show(check::report(&load(&args)?)),
         Command::Export(args) => outputs::export(&args),
+        #[cfg(feature = "page")]
         Command::Report(args) => outputs::report(&args),
+        #[cfg(feature = "figures")]
         Command::Plot(args) => outputs::plot(&args),
         Command::Completions { shell } => {
-            clap_complete::generate(shell, &mut Cli::command(), "isola", &mut std::io::stdout());
-            Ok(ExitCode::SUCCESS)
+            let mut script = Vec::new();
+            clap_complete::generate(shell, &mut Cli::command(), "isola", &mut script);
+            show(String::from_utf8_lossy(&script))
         }
         Command::Worker(options) => Ok(worker::run(&options)),
         command => {
@@ -62,28 +60,25 @@ async fn on_the_bus(command: Command) -> Result<ExitCode, Error> {
     match command {
         Command::Sweep(args) => sweep(args).await.map(code),
         Command::Resume(args) => resume(args).await.map(code),
-        Command::Status(args) => target::status(&args).await.map(|text| print!("{text}")).map(|()| ExitCode::SUCCESS),
-        Command::Watch(args) => target::watch(&args).await.map(|()| ExitCode::SUCCESS),
-        Command::Cancel(args) => target::cancel(&args).await.map(|text| println!("{text}")).map(|()| ExitCode::SUCCESS),
-        Command::RetryDead(args) => {
-            target::retry_dead(&args).await.map(|text| println!("{text}")).map(|()| ExitCode::SUCCESS)
-        }
-        Command::Check(_)
-        | Command::Export(_)
-        | Command::Report(_)
-        | Command::Plot(_)
-        | Command::Worker(_)
-        | Command::Completions { .. } => {
-            unreachable!("carried out without the bus")
-        }
+        Command::Status(args) => show(remote::status(&args).await?),
+        Command::Watch(args) => watch::watch(&args).await.map(|()| ExitCode::SUCCESS),
+        Command::Cancel(args) => show(remote::cancel(&args).await? + "\n"),
+        Command::RetryDead(args) => show(remote::retry_dead(&args).await? + "\n"),
+        _ => unreachable!("carried out without the bus"),
     }
+}
+
+/// Writes what a command was asked for.
+fn show(text: impl Display) -> Result<ExitCode, Error> {
+    terminal::print(text).map_err(Error::io("standard output"))?;
+    Ok(ExitCode::SUCCESS)
 }
 
 fn code(ending: Ending) -> ExitCode {
     match ending {
         Ending::Complete => ExitCode::SUCCESS,
-        Ending::Incomplete => ExitCode::from(INCOMPLETE),
-        Ending::Interrupted => ExitCode::from(INTERRUPTED),
+        Ending::Incomplete => ExitCode::from(exit::INCOMPLETE),
+        Ending::Interrupted => ExitCode::from(exit::INTERRUPTED),
     }
 }
 
@@ -91,27 +86,15 @@ fn load(args: &StudyArgs) -> Result<Study, Error> {
     Ok(Study::load(&args.study, &args.set, args.amplitudes.as_deref())?)
 }
 
-fn checked(serve: &ServeArgs) -> Result<(), Error> {
-    if !(serve.lease.is_finite() && (0.5..=86400.0).contains(&serve.lease)) {
-        return Err(Error::Other(format!("--lease {}: use 0.5 to 86400 seconds", serve.lease)));
-    }
-    if RunId::new(&serve.namespace).is_err() {
-        let namespace = &serve.namespace;
-        return Err(Error::Other(format!("--namespace {namespace}: use letters, digits, `.`, `-` and `_`")));
-    }
-    Ok(())
-}
-
 async fn sweep(args: SweepArgs) -> Result<Ending, Error> {
-    checked(&args.serve)?;
     let study = load(&args.study)?;
     let directory = args.out.unwrap_or_else(|| default_directory(&study.name));
     // What is in use is said before a folder is made.
-    let place = open(&args.serve).await?;
+    let connection = open(&args.serve).await?;
     let header = header(&study, &args.study, &args.serve)?;
     let store = Store::create(&directory, &header)?;
-    eprintln!("run {} in {}", header.run, directory.display());
-    conduct(&directory, store, study.model, place, args.serve).await
+    terminal::note(format_args!("run {} in {}", header.run, directory.display()));
+    carry_out(&directory, store, study.model, connection, args.serve).await
 }
 
 fn header(study: &Study, args: &StudyArgs, serve: &ServeArgs) -> Result<RunHeader, Error> {
@@ -130,23 +113,22 @@ fn header(study: &Study, args: &StudyArgs, serve: &ServeArgs) -> Result<RunHeade
         settings: study.settings,
         amplitudes: study.amplitudes.clone(),
         program: protocol::PROGRAM.into(),
-        created: jiff::Timestamp::now().to_string(),
+        created: results::clock::now(),
         namespace: serve.namespace.clone(),
     })
 }
 
 async fn resume(args: ResumeArgs) -> Result<Ending, Error> {
-    checked(&args.serve)?;
     let store = Store::open(&args.run)?;
     let header = store.header()?;
     if !args.as_started {
         unchanged(&header)?;
     }
-    let model = prepare::model(&store)?;
+    let model = preparation::model(&store)?;
     let serve = ServeArgs { namespace: header.namespace.clone(), ..args.serve };
-    let place = open(&serve).await?;
-    eprintln!("run {} in {}", header.run, args.run.display());
-    conduct(&args.run, store, model, place, serve).await
+    let connection = open(&serve).await?;
+    terminal::note(format_args!("run {} in {}", header.run, args.run.display()));
+    carry_out(&args.run, store, model, connection, serve).await
 }
 
 /// Refuses to go on with a study whose file or model has changed since.

@@ -3,8 +3,10 @@
 use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use protocol::from_worker::Progress;
 use protocol::to_everyone::{Stage, Status};
+use results::words::{duration, fixed_digits};
 use std::io::IsTerminal;
 use std::time::{Duration, Instant};
+use worker::terminal;
 
 /// Bars of levels and workers shown at most, each.
 const ROWS: usize = 12;
@@ -15,6 +17,7 @@ const LINE_PERIOD: Duration = Duration::from_secs(5);
 pub struct Display {
     bars: Option<Bars>,
     last_line: Option<(Instant, Stage, usize)>,
+    is_seen: bool,
 }
 
 struct Bars {
@@ -36,7 +39,7 @@ impl Display {
             let total = multi.add(ProgressBar::new(0).with_style(style("{wide_bar:.cyan} {pos}/{len} tasks  {msg}")));
             Bars { multi, total, levels: Vec::new(), workers: Vec::new() }
         });
-        Self { bars, last_line: None }
+        Self { bars, last_line: None, is_seen: true }
     }
 
     /// Shows a status.
@@ -54,8 +57,13 @@ impl Display {
         });
         if due {
             self.last_line = Some((Instant::now(), status.stage, levels_done));
-            eprintln!("{}", summary(status));
+            self.is_seen = terminal::note(summary(status));
         }
+    }
+
+    /// Whether somebody may see it.
+    pub fn is_seen(&self) -> bool {
+        self.is_seen
     }
 
     /// Takes bars off the terminal.
@@ -121,28 +129,11 @@ fn rows(multi: &MultiProgress, bars: &mut Vec<ProgressBar>, count: usize, templa
 }
 
 fn progress(progress: &Progress) -> String {
-    format!("{} points, {} rad/s, {:.3e} m", progress.points, digits(progress.omega), progress.amplitude)
+    format!("{} points, {} rad/s, {:.3e} m", progress.points, fixed_digits(progress.omega, 6), progress.amplitude)
 }
 
 fn eta(status: &Status) -> String {
     status.eta.map_or(String::new(), |eta| format!(", {} to go", duration(eta)))
-}
-
-/// A frequency with six digits.
-pub fn digits(omega: f64) -> String {
-    let before = omega.abs().max(1e-300).log10().floor() as i32 + 1;
-    format!("{omega:.*}", (6 - before).clamp(0, 12) as usize)
-}
-
-/// Seconds, minutes or hours, as coarse as people think of them.
-pub fn duration(seconds: f64) -> String {
-    if seconds < 100.0 {
-        format!("{seconds:.0} s")
-    } else if seconds < 6000.0 {
-        format!("{:.0} min", seconds / 60.0)
-    } else {
-        format!("{:.1} h", seconds / 3600.0)
-    }
 }
 
 /// A status in one line.

@@ -1,8 +1,10 @@
-//! Why a command fails, in one message.
+//! Why a command fails, in one message, and its exit code.
 
-use crate::store::StoreError;
+use crate::exit;
 use crate::study::StudyError;
+use protocol::follow::FollowError;
 use protocol::session::{RequestError, SessionError};
+use results::store::StoreError;
 use solver::backbone::BackboneError;
 use std::io;
 use std::path::PathBuf;
@@ -34,6 +36,9 @@ pub enum Error {
         /// Why not.
         source: RequestError,
     },
+    /// A run cannot be followed.
+    #[error(transparent)]
+    Follow(#[from] FollowError),
     /// A file cannot be read or written.
     #[error("{}: {source}", path.display())]
     Io {
@@ -42,15 +47,35 @@ pub enum Error {
         /// What the system says.
         source: io::Error,
     },
-    /// The files of a run cannot be written.
+    /// Results cannot be shown or written.
     #[error(transparent)]
-    Export(#[from] crate::export::ExportError),
+    Results(#[from] results::error::Error),
+    /// An option has a value that makes no sense.
+    #[error("{0}")]
+    Usage(String),
     /// Anything else, in words.
     #[error("{0}")]
     Other(String),
 }
 
+impl From<results::export::ExportError> for Error {
+    fn from(error: results::export::ExportError) -> Self {
+        Self::Results(error.into())
+    }
+}
+
 impl Error {
+    /// Exit code: wrong usage is told from everything else. A wrong value in the file of a study is not one of usage.
+    pub fn exit_code(&self) -> u8 {
+        match self {
+            Self::Usage(_)
+            | Self::Session(SessionError::Endpoint { .. })
+            | Self::Results(results::error::Error::Usage(_)) => exit::USAGE,
+            Self::Study(error) if error.is_typed() => exit::USAGE,
+            _ => exit::ERROR,
+        }
+    }
+
     /// An input or output error at a path.
     pub fn io(path: impl Into<PathBuf>) -> impl FnOnce(io::Error) -> Self {
         let path = path.into();

@@ -1,15 +1,19 @@
 //! `isola`: from a model to its isolas.
 
+// They panic when nobody reads any more: see `worker::terminal`.
+#![warn(clippy::print_stdout, clippy::print_stderr)]
+
 use clap::Parser;
 use coordinator::cli::Cli;
 use std::process::ExitCode;
+use worker::terminal;
 
 fn main() -> ExitCode {
     match coordinator::commands::execute(Cli::parse()) {
         Ok(code) => code,
         Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::FAILURE
+            terminal::note(format_args!("error: {error}"));
+            ExitCode::from(error.exit_code())
         }
     }
 }

@@ -1,88 +1,90 @@
 //! What is made of a stored run, at any stage: page, figures, files. What is missing in them is said on stderr.
 
-use crate::cli::{ExportArgs, PlotArgs, ReportArgs};
-use crate::commands::INCOMPLETE;
+use crate::cli::ExportArgs;
 use crate::error::Error;
-use crate::report::{Report, Selection};
-use crate::store::Reader;
-use crate::study::{StudyError, typed};
-use crate::survey::Lacks;
-use crate::{export, page, plot};
-use std::ops::RangeInclusive;
+use crate::exit;
+use results::export;
+use results::overview::Omissions;
+use results::store::Reader;
+use std::fmt::Display;
 use std::process::ExitCode;
+use worker::terminal;
 
-/// Widths and heights of figures, mm.
-const SIZES: RangeInclusive<f64> = 30.0..=1000.0;
-
-/// The levels that `--levels` names.
-fn selection(reader: &Reader, list: Option<&str>, otherwise: Selection) -> Result<Selection, Error> {
-    let Some(list) = list else { return Ok(otherwise) };
-    let wanted = typed("--levels", list).map_err(StudyError::from)?;
-    let wanted: Vec<f64> = wanted.into_iter().map(|amplitude| amplitude.value).collect();
-    let stored = reader.header()?.amplitudes;
-    let text: Vec<&str> = stored.iter().map(|amplitude| amplitude.text.as_str()).collect();
-    match wanted.iter().find(|value| !stored.iter().any(|amplitude| amplitude.value == **value)) {
-        Some(value) => {
-            Err(Error::Other(format!("--levels {value}: the run has no such level, but {}", text.join(", "))))
-        }
-        None => Ok(Selection::Amplitudes(wanted)),
+/// Says what was made and what is missing; the code tells whether something had to be left out because it is damaged.
+fn told(made: impl Display, omissions: &Omissions) -> Result<ExitCode, Error> {
+    terminal::print(made).map_err(Error::io("standard output"))?;
+    for sentence in omissions.sentences() {
+        terminal::note(format_args!("note: {sentence}"));
     }
-}
-
-/// Says what is missing; the code tells whether something had to be left out because it is damaged.
-fn code(lacks: &Lacks) -> ExitCode {
-    for sentence in lacks.sentences() {
-        eprintln!("note: {sentence}");
+    if omissions.damaged.is_empty() {
+        return Ok(ExitCode::SUCCESS);
     }
-    if lacks.damaged.is_empty() {
-        return ExitCode::SUCCESS;
-    }
-    eprintln!("The rest is what was stored. Restore a copy of the run, or start the study again in another folder.");
-    ExitCode::from(INCOMPLETE)
-}
-
-/// Writes the page of a run.
-pub fn report(args: &ReportArgs) -> Result<ExitCode, Error> {
-    let reader = Reader::open(&args.run)?;
-    let _snapshot = reader.snapshot()?;
-    let selection = selection(&reader, args.levels.as_deref(), Selection::Fitting)?;
-    let report = Report::read(&reader, &selection)?;
-    let file = args.out.clone().unwrap_or_else(|| args.run.join("report.html"));
-    export::write_whole(&file, page::report(&report).as_bytes())?;
-    for sentence in &report.verdict {
-        println!("{} {}", sentence.title, sentence.text);
-    }
-    println!("{}", file.display());
-    Ok(code(&report.lacks))
-}
-
-/// Draws a figure of a run.
-pub fn plot(args: &PlotArgs) -> Result<ExitCode, Error> {
-    let format = plot::Format::of(&args.out)?;
-    for (option, value) in [("--width", args.width), ("--height", args.height)] {
-        if !SIZES.contains(&value) {
-            return Err(Error::Other(format!("{option} {value}: use {} to {} mm", SIZES.start(), SIZES.end())));
-        }
-    }
-    let reader = Reader::open(&args.run)?;
-    let selection = selection(&reader, args.levels.as_deref(), Selection::All)?;
-    let (sheet, lacks) = plot::compose(&reader, args, &selection)?;
-    let bytes = format.bytes(&sheet.prepare(args.width, args.height)?)?;
-    export::write_whole(&args.out, &bytes)?;
-    println!("{}", args.out.display());
-    Ok(code(&lacks))
+    terminal::note(
+        "The rest is what was stored. Restore a copy of the run, or start the study again in another folder.",
+    );
+    Ok(ExitCode::from(exit::INCOMPLETE))
 }
 
 /// Writes the files of a run.
 pub fn export(args: &ExportArgs) -> Result<ExitCode, Error> {
     let reader = Reader::open(&args.run)?;
     let to = args.to.as_ref().unwrap_or(&args.run);
-    let lacks = export::export(&reader, args.format, to)?;
+    let omissions = export::export(&reader, args.format, to)?;
     let files = match args.format {
         export::Format::Csv => "summary.csv, backbone.csv, windows.csv and branches/",
         export::Format::Mat => "run.mat and branches/",
         export::Format::Npz => "run.npz and branches/",
     };
-    println!("{files} are in {}", to.display());
-    Ok(code(&lacks))
+    told(format_args!("{files} are in {}\n", to.display()), &omissions)
+}
+
+/// Writes the page of a run.
+#[cfg(feature = "page")]
+pub fn report(args: &crate::cli::ReportArgs) -> Result<ExitCode, Error> {
+    use results::report::{Report, Selection};
+    let reader = Reader::open(&args.run)?;
+    let _snapshot = reader.snapshot()?;
+    let levels = chosen_levels(&reader, args.levels.as_deref())?;
+    let report = Report::read(&reader, &levels.map_or(Selection::Fitting, Selection::Amplitudes))?;
+    let file = args.out.clone().unwrap_or_else(|| args.run.join("report.html"));
+    export::write_atomically(&file, results::page::report(&report).as_bytes())?;
+    let verdict: String =
+        report.verdict.iter().map(|sentence| format!("{} {}\n", sentence.title, sentence.text)).collect();
+    told(format_args!("{verdict}{}\n", file.display()), &report.omissions)
+}
+
+/// Draws a figure of a run.
+#[cfg(feature = "figures")]
+pub fn plot(args: &crate::cli::PlotArgs) -> Result<ExitCode, Error> {
+    use results::plot::{FileFormat, Request, compose};
+    let format = FileFormat::of(&args.out)?;
+    let reader = Reader::open(&args.run)?;
+    let request = Request {
+        figure: args.figure,
+        levels: chosen_levels(&reader, args.levels.as_deref())?,
+        monitor: args.monitor.clone(),
+        amplitude: args.amplitude.clone(),
+        at: args.at.clone(),
+        along: args.along,
+    };
+    let (sheet, omissions) = compose(&reader, &request)?;
+    let bytes = format.bytes(sheet.svg(args.width, args.height)?)?;
+    export::write_atomically(&args.out, &bytes)?;
+    told(format_args!("{}\n", args.out.display()), &omissions)
+}
+
+/// The levels that `--levels` names, if it is given.
+#[cfg(any(feature = "figures", feature = "page"))]
+fn chosen_levels(reader: &Reader, list: Option<&str>) -> Result<Option<Vec<f64>>, Error> {
+    let Some(list) = list else { return Ok(None) };
+    let wanted = crate::study::typed("--levels", list).map_err(crate::study::StudyError::from)?;
+    let wanted: Vec<f64> = wanted.into_iter().map(|amplitude| amplitude.value).collect();
+    let stored = reader.header()?.amplitudes;
+    let text: Vec<&str> = stored.iter().map(|amplitude| amplitude.text.as_str()).collect();
+    match wanted.iter().find(|value| !stored.iter().any(|amplitude| amplitude.value == **value)) {
+        Some(value) => {
+            Err(Error::Usage(format!("--levels {value}: the run has no such level, but {}", text.join(", "))))
+        }
+        None => Ok(Some(wanted)),
+    }
 }

@@ -1,9 +1,10 @@
 //! Study files: what comes over what, and one message that says what is wrong, where, and what would be right.
 
 use coordinator::check::report;
-use coordinator::study::{Study, differences};
+use coordinator::study::Study;
 use proptest::prelude::*;
 use protocol::to_everyone::Amplitude;
+use results::resolved_study::differences;
 use solver::laws::LawKind;
 use solver::model::{Damping, Model};
 use solver::settings::Settings;

@@ -1,14 +1,23 @@
 //! The one codec: MessagePack maps, with the type and its version in the encoding.
 
 use crate::VERSION;
-use serde::{Serialize, de::DeserializeOwned};
+use serde::Serialize;
 use sha2::{Digest, Sha256};
 use thiserror::Error;
 
-/// A message of the bus.
-pub trait Message: Serialize + DeserializeOwned {
+/// A message of the bus. Both ways are compiled once, here, and not again wherever a message is sent or read.
+pub trait Message: Sized {
     /// Its name in the encoding `application/msgpack;<name>.v1`.
     const NAME: &'static str;
+
+    /// Its bytes.
+    fn to_bytes(&self) -> Vec<u8>;
+
+    /// The message in these bytes.
+    ///
+    /// # Errors
+    /// If they are none of this type.
+    fn from_bytes(bytes: &[u8]) -> Result<Self, rmp_serde::decode::Error>;
 }
 
 /// Declares messages and their names.
@@ -16,6 +25,14 @@ macro_rules! messages {
     ($($type:ty => $name:literal),+ $(,)?) => {
         $(impl $crate::codec::Message for $type {
             const NAME: &'static str = $name;
+
+            fn to_bytes(&self) -> Vec<u8> {
+                $crate::codec::encode_part(self)
+            }
+
+            fn from_bytes(bytes: &[u8]) -> Result<Self, rmp_serde::decode::Error> {
+                rmp_serde::from_slice(bytes)
+            }
         })+
     };
 }
@@ -49,8 +66,12 @@ pub fn encoding<M: Message>() -> String {
 
 /// Bytes of a message.
 pub fn encode<M: Message>(message: &M) -> Vec<u8> {
-    rmp_serde::to_vec_named(message)
-        .expect("messages are maps, sequences and numbers: all of them have MessagePack forms")
+    message.to_bytes()
+}
+
+/// Bytes of a message or of a part of one.
+pub(crate) fn encode_part<T: Serialize>(part: &T) -> Vec<u8> {
+    rmp_serde::to_vec_named(part).expect("messages are maps, sequences and numbers: all of them have MessagePack forms")
 }
 
 /// The message in `bytes` that came with `encoding`.
@@ -64,10 +85,15 @@ pub fn decode<M: Message>(bytes: &[u8], found: &str) -> Result<M, CodecError> {
 
 /// The message in `bytes` of a store.
 pub fn decode_stored<M: Message>(bytes: &[u8]) -> Result<M, CodecError> {
-    rmp_serde::from_slice(bytes).map_err(|source| CodecError::Malformed { name: M::NAME, source })
+    M::from_bytes(bytes).map_err(|source| CodecError::Malformed { name: M::NAME, source })
 }
 
 /// SHA-256 in hexadecimal digits.
 pub fn sha256(bytes: &[u8]) -> String {
-    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+    hexadecimal(&Sha256::digest(bytes))
+}
+
+/// Bytes in hexadecimal digits.
+pub(crate) fn hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }

@@ -1,10 +1,16 @@
 //! Key expressions: `<namespace>/v1/<run>/…`.
 
 use crate::VERSION;
-use crate::ids::{RunId, TaskId, WorkerId};
+use crate::ids::{NameError, RunId, TaskId, WorkerId};
 
 /// Namespace unless told otherwise.
 pub const NAMESPACE: &str = "isola";
+
+/// Checks a namespace: names, as those of runs, with `/` between them.
+pub fn namespace(text: &str) -> Result<String, NameError> {
+    text.split('/').try_for_each(|part| RunId::new(part).map(drop))?;
+    Ok(text.to_string())
+}
 
 /// Manifests of all runs of a namespace.
 pub fn all_runs(namespace: &str) -> String {

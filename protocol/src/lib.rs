@@ -10,7 +10,9 @@
 //! | [`codec`], [`mod@array`] | bytes of a message; arrays of numbers |
 //! | [`model`], [`curve`], [`backbone`], [`branch`] | the solver's nouns as arrays, there and back without loss |
 //! | [`from_worker`], [`to_worker`], [`to_everyone`], [`control`] | messages by direction |
+//! | [`digest`] | size and SHA-256 of a stored result |
 //! | [`session`] | Zenoh sessions that open nothing but what they are told to; requests with a deadline |
+//! | [`follow`] | a run followed from anywhere: every announcement exactly once |
 
 pub mod array;
 pub mod backbone;
@@ -18,6 +20,8 @@ pub mod branch;
 pub mod codec;
 pub mod control;
 pub mod curve;
+pub mod digest;
+pub mod follow;
 pub mod from_worker;
 pub mod ids;
 pub mod keys;

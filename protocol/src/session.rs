@@ -3,8 +3,10 @@
 use crate::codec::{CodecError, Message, decode, encode, encoding};
 use std::time::Duration;
 use thiserror::Error;
-use zenoh::bytes::Encoding;
-use zenoh::query::{ConsolidationMode, Query};
+use zenoh::bytes::{Encoding, ZBytes};
+use zenoh::handlers::FifoChannelHandler;
+use zenoh::query::{ConsolidationMode, Query, Reply};
+use zenoh::sample::Sample;
 use zenoh::{Config, Session};
 
 /// Why there is no session.
@@ -130,46 +132,83 @@ pub async fn request<Q: Message, R: Message>(
 pub async fn request_encoded<R: Message>(
     session: &Session,
     key: &str,
-    payload: impl Into<zenoh::bytes::ZBytes>,
+    payload: impl Into<ZBytes>,
     encoding: &str,
     timeout: Duration,
 ) -> Result<R, RequestError> {
-    let get = session
-        .get(key)
-        .payload(payload)
-        .encoding(Encoding::from(encoding))
-        .consolidation(ConsolidationMode::None)
-        .timeout(timeout);
-    let replies = get.await.map_err(|error| RequestError::Closed(error.to_string()))?;
-    first(&replies).await
+    let replies = ask(session, key, Some((payload.into(), encoding)), timeout).await?;
+    first(&replies).await?.read()
 }
 
 /// Fetches a message that needs no question.
 pub async fn fetch<R: Message>(session: &Session, key: &str, timeout: Duration) -> Result<R, RequestError> {
-    let get = session.get(key).consolidation(ConsolidationMode::None).timeout(timeout);
-    let replies = get.await.map_err(|error| RequestError::Closed(error.to_string()))?;
-    first(&replies).await
+    let replies = ask(session, key, None, timeout).await?;
+    first(&replies).await?.read()
 }
 
 /// Fetches everything that answers a key with wildcards; what cannot be read is left out.
 pub async fn fetch_all<R: Message>(session: &Session, key: &str, timeout: Duration) -> Result<Vec<R>, RequestError> {
-    let get = session.get(key).consolidation(ConsolidationMode::None).timeout(timeout);
-    let replies = get.await.map_err(|error| RequestError::Closed(error.to_string()))?;
-    let mut messages = Vec::new();
-    while let Ok(reply) = replies.recv_async().await {
-        if let Ok(sample) = reply.result() {
-            messages.extend(decode(&sample.payload().to_bytes(), &sample.encoding().to_string()));
-        }
-    }
-    Ok(messages)
+    let replies = ask(session, key, None, timeout).await?;
+    Ok(all(&replies).await.iter().filter_map(|answer| answer.read().ok()).collect())
 }
 
-type Replies = zenoh::handlers::FifoChannelHandler<zenoh::query::Reply>;
+/// Fetches everything that answers a key with wildcards.
+pub async fn fetch_every<R: Message>(session: &Session, key: &str, timeout: Duration) -> Result<Vec<R>, RequestError> {
+    let replies = ask(session, key, None, timeout).await?;
+    all(&replies).await.iter().map(Answer::read).collect()
+}
 
-async fn first<R: Message>(replies: &Replies) -> Result<R, RequestError> {
+/// Fetches a message as it comes: payload and encoding.
+pub async fn fetch_answer(session: &Session, key: &str, timeout: Duration) -> Result<(Vec<u8>, String), RequestError> {
+    let replies = ask(session, key, None, timeout).await?;
+    let Answer { payload, encoding } = first(&replies).await?;
+    Ok((payload.to_bytes().into_owned(), encoding))
+}
+
+type Replies = FifoChannelHandler<Reply>;
+
+/// An answer as it came.
+struct Answer {
+    payload: ZBytes,
+    encoding: String,
+}
+
+impl Answer {
+    fn of(sample: &Sample) -> Self {
+        Self { payload: sample.payload().clone(), encoding: sample.encoding().to_string() }
+    }
+
+    fn read<R: Message>(&self) -> Result<R, RequestError> {
+        Ok(decode(&self.payload.to_bytes(), &self.encoding)?)
+    }
+}
+
+async fn ask(
+    session: &Session,
+    key: &str,
+    question: Option<(ZBytes, &str)>,
+    timeout: Duration,
+) -> Result<Replies, RequestError> {
+    let get = session.get(key).consolidation(ConsolidationMode::None).timeout(timeout);
+    let get = match question {
+        Some((payload, encoding)) => get.payload(payload).encoding(Encoding::from(encoding)),
+        None => get,
+    };
+    get.await.map_err(|error| RequestError::Closed(error.to_string()))
+}
+
+async fn all(replies: &Replies) -> Vec<Answer> {
+    let mut answers = Vec::new();
+    while let Ok(reply) = replies.recv_async().await {
+        answers.extend(reply.result().ok().map(Answer::of));
+    }
+    answers
+}
+
+async fn first(replies: &Replies) -> Result<Answer, RequestError> {
     while let Ok(reply) = replies.recv_async().await {
         match reply.result() {
-            Ok(sample) => return Ok(decode(&sample.payload().to_bytes(), &sample.encoding().to_string())?),
+            Ok(sample) => return Ok(Answer::of(sample)),
             // Zenoh itself answers with an error when time is up or the partner is gone.
             Err(error) if error.encoding().to_string() == REFUSAL => {
                 return Err(RequestError::Refused(String::from_utf8_lossy(&error.payload().to_bytes()).into_owned()));

@@ -64,6 +64,11 @@ pub enum Stage {
 }
 
 impl Stage {
+    /// Whether nothing more will come.
+    pub fn is_over(self) -> bool {
+        matches!(self, Self::Finished | Self::Cancelled)
+    }
+
     /// In words.
     pub fn name(self) -> &'static str {
         match self {
@@ -123,9 +128,11 @@ pub struct Done {
     pub sha256: String,
 }
 
-/// A stored result, on `result/<task>`.
+/// A stored result, on `result/<task>`. The branch comes first: see [`crate::digest`].
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct StoredResult {
+    /// The new branch.
+    pub branch: Option<BranchMessage>,
     /// Task.
     pub task: TaskId,
     /// Attempt that was accepted.
@@ -138,8 +145,6 @@ pub struct StoredResult {
     pub outcome: SeedOutcome,
     /// Name of the branch, if it found a new one.
     pub name: Option<BranchId>,
-    /// The new branch.
-    pub branch: Option<BranchMessage>,
     /// Who computed it.
     pub worker: WorkerId,
     /// With which version of the program.

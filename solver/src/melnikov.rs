@@ -3,6 +3,7 @@
 use crate::harmonics::width;
 use crate::model::Damping;
 use crate::pressure::PressureForm;
+use crate::settings::Criterion;
 use crate::state::State;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
@@ -19,17 +20,6 @@ pub struct Energies {
     /// |R_lin + R_nl − 2πωζ Σ k³ X_kᴴ M X_k − W sin ψ| over |R_lin| + |R_nl|, R_lin with the damping that acts on the
     /// backbone, W sin ψ the work of the forcing if it acts: zero at an exact point.
     pub certificate: f64,
-}
-
-/// Which energies the work of the forcing has to exceed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Criterion {
-    /// W > |R_lin + R_nl|: the balance itself. Where the nonlinear forces feed energy in, only this one finds all.
-    #[default]
-    Balance,
-    /// W > |R_lin| + |R_nl|: the paper's criterion, sufficient.
-    Sufficient,
 }
 
 impl Energies {

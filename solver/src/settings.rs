@@ -1,7 +1,6 @@
 //! Numerical settings: every one has a default, a range and a message.
 
 use crate::continuation::ContinuationSettings;
-use crate::melnikov::Criterion;
 use crate::model::Model;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
@@ -56,6 +55,17 @@ pub struct FrequencySettings {
     pub min: Option<f64>,
     /// Upper bound. Default: 10 % above the highest frequency of the backbone.
     pub max: Option<f64>,
+}
+
+/// Which energies the work of the forcing has to exceed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Criterion {
+    /// W > |R_lin + R_nl|: the balance itself. Where the nonlinear forces feed energy in, only this one finds all.
+    #[default]
+    Balance,
+    /// W > |R_lin| + |R_nl|: the paper's criterion, sufficient.
+    Sufficient,
 }
 
 /// The backbone: damped nonlinear normal mode.

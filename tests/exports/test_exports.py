@@ -126,7 +126,7 @@ def test_the_run(run: Path, store: sqlite3.Connection, kind: str) -> None:
 
 @pytest.mark.parametrize("kind", ["mat", "npz"])
 def test_all_documented_names_are_there(run: Path, store: sqlite3.Connection, kind: str) -> None:
-    document = (ROOT / "coordinator" / "EXPORTS.md").read_text()
+    document = (ROOT / "results" / "EXPORTS.md").read_text()
     names = [line.split("`")[1] for line in document.splitlines() if line.startswith("| `")]
     _, _, branch = branches(store)[0]
     assert set(read(run.parent / kind / f"run.{kind}")) == {name for name in names if "." in name}

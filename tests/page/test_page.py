@@ -4,6 +4,7 @@ ISOLA_BIN names the program; chromium is taken from the PATH (Debian: apt-get in
 """
 
 import io
+import json
 import os
 import shutil
 import signal
@@ -12,6 +13,7 @@ import subprocess
 import time
 from contextlib import contextmanager
 from pathlib import Path
+from xml.etree import ElementTree
 
 import pytest
 from PIL import Image
@@ -19,7 +21,7 @@ from playwright.sync_api import sync_playwright
 
 REPOSITORY = Path(__file__).parents[2]
 ISOLA = os.environ.get("ISOLA_BIN", str(REPOSITORY / "target/debug/isola"))
-FIGURES = ["response", "balance", "map", "ways", "modes", "motion"]
+FIGURES = ["response", "balance", "map", "resonance", "modes", "motion"]
 # Colours, with the shades between them, of a chart with nothing but a grid and one label are fewer.
 EMPTY = 300
 # Levels enough for the run to go on while a reader zooms.
@@ -87,13 +89,17 @@ def colours(chart):
     return len(inside.getcolors(width * height))
 
 
-@pytest.mark.parametrize(("width", "scheme"), [(390, "dark"), (1400, "light"), (3840, "light")])
-def test_every_figure_is_drawn(run, browser, width, scheme):
-    with report(browser, run, viewport={"width": width, "height": 900}, color_scheme=scheme) as page:
+@pytest.mark.parametrize(
+    ("width", "height", "scheme"), [(390, 900, "dark"), (1400, 900, "light"), (1400, 7000, "light"), (3840, 900, "light")]
+)
+def test_every_figure_is_drawn(run, browser, width, height, scheme):
+    """Also where all of them are in sight at once."""
+    with report(browser, run, viewport={"width": width, "height": height}, color_scheme=scheme) as page:
         for figure in FIGURES:
             charts = page.locator(f"#{figure} .chart").all()
             assert charts, figure
             assert all(colours(chart) > EMPTY for chart in charts), figure
+        assert page.get_by_text("cannot be shown").count() == 0
         assert page.evaluate("document.documentElement.scrollWidth") <= width
         assert page.locator("#verdict p").count() == 3
         assert page.locator("#missing").is_hidden()
@@ -114,6 +120,67 @@ def test_levels_are_switched_and_points_are_chosen(run, browser):
                 break
         chart.press("Enter")
         page.locator("#motion", has_text="of main").wait_for()
+
+
+def colour(palette, name):
+    """The colour of a role, a forcing level or a category, as #rrggbb."""
+    if isinstance(name, str):
+        return palette[name]
+    if "category" in name:
+        return palette["categories"][name["category"] % len(palette["categories"])]
+    ramp = [[int(text[i : i + 2], 16) for i in (1, 3, 5)] for text in palette["ramp"]]
+    below = min(int(name["level"] * (len(ramp) - 1)), len(ramp) - 2)
+    share = name["level"] * (len(ramp) - 1) - below
+    mixed = (int(low + share * (high - low) + 0.5) for low, high in zip(ramp[below], ramp[below + 1]))
+    return "#" + "".join(f"{part:02x}" for part in mixed)
+
+
+def drawn(page, place):
+    """Labels with their colours, and colours of the lines, of the first chart in a place."""
+    labels, lines = page.evaluate(
+        """(box) => {
+            const { renderers } = [...Bokeh.index].find((view) => box.contains(view.el)).model;
+            const data = (kind) => renderers.find(({ glyph }) => glyph?.type === kind).data_source.data;
+            const [{ text, text_color }, { line_color }] = [data("Text"), data("MultiLine")];
+            return [text.map((label, k) => [label, text_color[k]]), line_color];
+        }""",
+        place.locator(".chart").first.element_handle(),
+    )
+    return dict(labels), set(lines)
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_labels_and_colours_are_those_of_the_description(run, browser, scheme):
+    with report(browser, run, viewport={"width": 1400, "height": 900}, color_scheme=scheme) as page:
+        data = json.loads(page.locator("#data").text_content())
+        palette = data["palette"][scheme]
+        [panel] = data["figures"]["response"]["panels"]
+        labels, lines = drawn(page, page.locator("#response"))
+        described = {label["text"]: colour(palette, label["color"]) for label in panel["labels"]}
+        assert len(labels) > 2 and labels.items() <= described.items()
+        series = [one for one in panel["series"] if "switch" not in one and one["style"]["width"] > 0]
+        assert lines == {colour(palette, one["style"]["color"]) for one in series}
+
+
+@pytest.mark.parametrize("figure", ["response", "balance", "backbone", "map", "resonance", "modes"])
+def test_page_and_file_name_the_same(run, browser, tmp_path, figure):
+    """Labels and legend of the page are those of the figure as a file, at the forcing level shown first."""
+    file = tmp_path / "figure.svg"
+    # As wide as the page, with smaller texts: whatever has room on the page has room there.
+    isola("plot", run, "--figure", figure, "--width", 330, "--height", 180, "-o", file)
+    texts = [text.attrib["aria-label"] for text in ElementTree.parse(file).iter() if "aria-label" in text.attrib]
+    with report(browser, run, viewport={"width": 1400, "height": 900}) as page:
+        data = json.loads(page.locator("#data").text_content())
+        description, frame = data["figures"][figure], data["frames"][data["first_frame"]]
+        place = page.locator(f"[data-describes={figure}]")
+        legend = [entry["text"] for entry in description["legend"]]
+        assert place.locator(".legend span").all_inner_texts() == legend
+        assert set(legend) <= set(texts)
+        panel = description["panels"][0]
+        known = {label["text"] for label in panel["labels"]} | {one["name"] for one in frame["runs"]}
+        labels, _ = drawn(page, place)
+        assert labels and labels.keys() & known <= set(texts)
+        assert labels.keys() - known <= {frame["name"]}
 
 
 def test_names_are_text(run, browser, tmp_path):
@@ -166,7 +233,7 @@ def view(page):
             return [x.start, x.end, y.start, y.end, axis.axis_label.text];
         }"""
     )
-    unit = {"m": 1, "mm": 1e-3}[label.split(", ")[-1]]
+    unit = {"(m)": 1, "(mm)": 1e-3}[label.split()[-1]]
     return [*ends[:2], ends[2] * unit, ends[3] * unit]
 
 

@@ -6,14 +6,26 @@ use protocol::keys::Keys;
 use protocol::session::{connect, fetch};
 use protocol::to_everyone::{Manifest, Stage, Status};
 use rustix::process::{Pid, Signal, kill_process};
+use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Output, Stdio};
+use std::sync::atomic::{AtomicU16, Ordering};
 use std::time::{Duration, Instant};
 
 pub mod results;
 
-/// How long anything is waited for before a test fails.
-pub const PATIENCE: Duration = Duration::from_secs(60);
+use results::Attempt;
+
+/// How long anything is waited for before a test fails: minutes, since the machine may be busy with other things.
+pub const PATIENCE: Duration = Duration::from_secs(300);
+
+/// An endpoint that no other test, of this process or another one, listens on or connects from: on a loopback address that
+/// belongs to this process, with a port below those that the system gives to connections.
+pub fn own_endpoint() -> String {
+    static COUNT: AtomicU16 = AtomicU16::new(0);
+    let [_, a, b, c] = std::process::id().to_be_bytes();
+    format!("tcp/127.{}.{b}.{c}:{}", 64 + a % 64, 20_000 + COUNT.fetch_add(1, Ordering::Relaxed))
+}
 
 /// A program of this workspace, as built beside the test.
 pub fn program(name: &str) -> PathBuf {
@@ -64,6 +76,11 @@ impl Process {
         kill_process(id, signal).expect("the process is there");
     }
 
+    /// Whether it has not ended.
+    pub fn is_running(&mut self) -> bool {
+        self.child.try_wait().expect("a child can be waited for").is_none()
+    }
+
     /// Waits for it to end.
     pub fn wait(&mut self) -> ExitStatus {
         let mut status = None;
@@ -71,7 +88,7 @@ impl Process {
             status = self.child.try_wait().expect("a child can be waited for");
             status.is_some()
         };
-        if !eventually(PATIENCE, ended) {
+        if !eventually(ended) {
             panic!("{} does not end:\n{}", self.id(), self.output());
         }
         status.expect("it has ended")
@@ -86,9 +103,9 @@ impl Drop for Process {
     }
 }
 
-/// Whether something holds within a time.
-pub fn eventually(within: Duration, mut holds: impl FnMut() -> bool) -> bool {
-    let deadline = Instant::now() + within;
+/// Whether something holds before patience is over.
+fn eventually(mut holds: impl FnMut() -> bool) -> bool {
+    let deadline = Instant::now() + PATIENCE;
     loop {
         if holds() {
             return true;
@@ -120,9 +137,9 @@ pub struct System {
 }
 
 impl System {
-    /// Starts the sweep of a study without local workers, with leases of 2 s.
+    /// Starts the sweep of a study without local workers.
     pub fn sweep(study: &str, more: &[&str]) -> Self {
-        Self::sweep_with(study, &[&["--workers", "0", "--lease", "2"], more].concat())
+        Self::sweep_with(study, &[&["--workers", "0"], more].concat())
     }
 
     /// Starts the sweep of a study.
@@ -140,7 +157,10 @@ impl System {
 
     /// Resumes the run, on another port.
     pub fn resume(&mut self, more: &[&str]) {
-        let _ = std::fs::remove_file(self.directory().join("address"));
+        // What an interrupted or cancelled run has left says nothing of this one.
+        for file in ["address", "summary.csv"] {
+            let _ = std::fs::remove_file(self.directory().join(file));
+        }
         let run = self.directory();
         let fixed = ["resume", run.to_str().expect("paths are text")];
         let log = self.folder.path().join("resumed.log");
@@ -149,11 +169,14 @@ impl System {
     }
 
     fn wait_for_address(&self) {
-        if !eventually(PATIENCE, || {
-            self.directory().join("address").exists() || self.directory().join("summary.csv").exists()
-        }) {
-            panic!("no coordinator:\n{}", self.coordinator.output());
-        }
+        self.eventually("a coordinator", |system| {
+            system.directory().join("address").exists() || system.directory().join("summary.csv").exists()
+        });
+    }
+
+    /// Waits until something holds.
+    pub fn eventually(&self, what: &str, holds: impl Fn(&Self) -> bool) {
+        assert!(eventually(|| holds(self)), "not in time: {what}\n{}", self.coordinator.output());
     }
 
     /// Folder of the run.
@@ -189,13 +212,63 @@ impl System {
         Process::start(&program("isola-worker"), &["--connect", address, "--slots", "1", "-v"], &log)
     }
 
+    /// What a worker has been given; waits until it has something.
+    pub fn attempt_of(&self, worker: &Process) -> Attempt {
+        let found = RefCell::new(None);
+        self.eventually("a task under way", |system| {
+            *found.borrow_mut() = results::attempt_of(&system.directory(), worker.id());
+            found.borrow().is_some()
+        });
+        found.take().expect("it was found")
+    }
+
+    /// How an attempt ended; waits until it has.
+    pub fn end_of(&self, attempt: &Attempt) -> String {
+        let end = || results::end_of(&self.directory(), attempt);
+        self.eventually("the end of an attempt", |_| end().is_some());
+        end().expect("what has ended stays so")
+    }
+
+    /// Starts a worker and freezes it when it has a task. What it has sent before may still arrive.
+    pub fn frozen_worker(&mut self) -> (Process, Attempt) {
+        let worker = self.worker();
+        loop {
+            let attempt = self.attempt_of(&worker);
+            worker.signal(Signal::STOP);
+            if results::end_of(&self.directory(), &attempt).is_none() {
+                return (worker, attempt);
+            }
+            worker.signal(Signal::CONT);
+        }
+    }
+
+    /// Freezes the coordinator while an SQL query of its store gives 1.
+    pub fn freeze_coordinator(&self, sql: &str) {
+        self.eventually(sql, |system| {
+            if system.number(sql) != 1 {
+                return false;
+            }
+            system.coordinator.signal(Signal::STOP);
+            let holds = system.number(sql) == 1;
+            if !holds {
+                system.coordinator.signal(Signal::CONT);
+            }
+            holds
+        });
+    }
+
     /// Session, keys and manifest of a viewer.
     pub async fn viewer(&self) -> (zenoh::Session, Keys, Manifest) {
-        let session = connect(&self.address()).await.expect("the coordinator is there");
+        let deadline = Instant::now() + PATIENCE;
         let key = protocol::keys::all_runs(protocol::keys::NAMESPACE);
-        let manifest: Manifest = fetch(&session, &key, PATIENCE).await.expect("there is a run");
-        let keys = Keys::new(protocol::keys::NAMESPACE, &manifest.run);
-        (session, keys, manifest)
+        loop {
+            if let Ok(session) = connect(&self.address()).await
+                && let Ok(manifest) = fetch::<Manifest>(&session, &key, PATIENCE).await
+            {
+                return (session, Keys::new(protocol::keys::NAMESPACE, &manifest.run), manifest);
+            }
+            assert!(Instant::now() < deadline, "no run on the bus\n{}", self.coordinator.output());
+        }
     }
 
     /// Waits until the status of the run is as wanted.

@@ -1,11 +1,11 @@
 //! What a run left on disk.
 
-use rusqlite::Connection;
+use rusqlite::{Connection, OptionalExtension, Row};
 use std::path::Path;
 
 /// A row of summary.csv.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Row {
+pub struct SummaryRow {
     /// Forcing amplitude as typed, kind and number.
     pub name: (String, String, String),
     /// omega_min, omega_max, amplitude_max, omega_at_max.
@@ -13,7 +13,7 @@ pub struct Row {
 }
 
 /// summary.csv of a run.
-pub fn summary(directory: &Path) -> Vec<Row> {
+pub fn summary(directory: &Path) -> Vec<SummaryRow> {
     let mut reader = csv::Reader::from_path(directory.join("summary.csv")).expect("the run wrote summary.csv");
     let columns = reader.headers().expect("it has a header").clone();
     let column = |name: &str| columns.iter().position(|c| c == name).expect("its columns are fixed");
@@ -24,7 +24,7 @@ pub fn summary(directory: &Path) -> Vec<Row> {
         .map(|record| {
             let record = record.expect("it is whole");
             let text = |index: usize| record[index].to_string();
-            Row {
+            SummaryRow {
                 name: (text(name[0]), text(name[1]), text(name[2])),
                 numbers: numbers.iter().map(|&i| record[i].parse().unwrap_or(f64::NAN)).collect(),
             }
@@ -33,8 +33,8 @@ pub fn summary(directory: &Path) -> Vec<Row> {
 }
 
 /// The same branches, with ranges and peaks within 1e-6.
-pub fn assert_same(one: &[Row], other: &[Row]) {
-    let names = |rows: &[Row]| rows.iter().map(|row| row.name.clone()).collect::<Vec<_>>();
+pub fn assert_same(one: &[SummaryRow], other: &[SummaryRow]) {
+    let names = |rows: &[SummaryRow]| rows.iter().map(|row| row.name.clone()).collect::<Vec<_>>();
     assert_eq!(names(one), names(other));
     for (a, b) in one.iter().zip(other) {
         for (x, y) in a.numbers.iter().zip(&b.numbers) {
@@ -50,6 +50,29 @@ fn store(directory: &Path) -> Connection {
 /// A number from the store.
 pub fn number(directory: &Path, sql: &str) -> i64 {
     store(directory).query_row(sql, [], |row| row.get(0)).unwrap_or_else(|error| panic!("{sql}: {error}"))
+}
+
+/// A task that was handed out.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Attempt {
+    /// Task.
+    pub task: String,
+    /// Counts from 1 for each task.
+    pub number: i64,
+}
+
+/// What a worker process has under way.
+pub fn attempt_of(directory: &Path, process: u32) -> Option<Attempt> {
+    let sql = "SELECT task, attempt FROM attempts WHERE ended_at IS NULL AND worker LIKE ?1";
+    // Workers are named after host and process.
+    let attempt = |row: &Row<'_>| Ok(Attempt { task: row.get(0)?, number: row.get(1)? });
+    store(directory).query_row(sql, [format!("%-{process}-%")], attempt).optional().expect("documented")
+}
+
+/// How an attempt ended, if it has.
+pub fn end_of(directory: &Path, attempt: &Attempt) -> Option<String> {
+    let sql = "SELECT \"end\" FROM attempts WHERE task = ?1 AND attempt = ?2";
+    store(directory).query_row(sql, (&attempt.task, attempt.number), |row| row.get(0)).expect("it was handed out")
 }
 
 /// Tasks that are done, in the order of their announcements.

@@ -1,56 +1,60 @@
 //! Workers, coordinators and networks that fail: nothing is lost, nothing is stored twice.
 
-use crate::{DAMPER, SLOW};
-use protocol::from_worker::{FailRequest, Lease, LeaseRequest, ReleaseRequest, SubmitRequest};
-use protocol::ids::WorkerId;
-use protocol::keys::Keys;
-use protocol::session::request;
+use crate::stand_in::StandIn;
+use crate::{DAMPER, ENDLESS, FINE, LEVELS, LONG, SHORT, THIRD_OF_LONG};
 use protocol::to_everyone::Stage;
-use protocol::to_worker::{Acknowledgement, Grant, LeaseReply, SubmitReply};
+use protocol::to_worker::{Acknowledgement, SubmitReply};
 use rustix::process::Signal;
-use std::cell::Cell;
 use std::io::{Read, Write};
 use std::net::{Shutdown, TcpListener, TcpStream};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant};
-use tests::{PATIENCE, System, block_on, eventually};
+use std::time::Instant;
+use tests::{Process, System, block_on, own_endpoint};
+
+/// A worker with a task that comes to its end by a signal; `then` is done to it while it is frozen. A result that was on
+/// its way may still arrive: then once more.
+fn expired(system: &mut System, then: impl Fn(&Process)) -> Process {
+    loop {
+        let (worker, attempt) = system.frozen_worker();
+        then(&worker);
+        match system.end_of(&attempt).as_str() {
+            "expired" => return worker,
+            end => assert_eq!(end, "done"),
+        }
+    }
+}
 
 /// At least once, acknowledged late.
 #[test]
 fn a_worker_killed_in_the_middle_of_a_branch() {
-    let mut system = System::sweep(DAMPER, SLOW);
-    let first = system.worker();
-    system.wait_for_a_branch();
-    first.signal(Signal::KILL);
+    let mut system = System::sweep(DAMPER, &[LEVELS, FINE, SHORT].concat());
+    let _killed = expired(&mut system, |worker| worker.signal(Signal::KILL));
     let _second = system.worker();
     system.expect_complete();
-    assert!(system.attempts("ending = 'expired'") >= 1);
 }
 
-/// Stored once.
+/// Stored once: whoever is frozen past its lease comes back too late, and notices.
 #[test]
 fn a_worker_frozen_past_its_lease() {
-    let mut system = System::sweep(DAMPER, &[SLOW, &["--stay"]].concat());
-    let mut frozen = system.worker();
-    system.wait_for_a_branch();
-    frozen.signal(Signal::STOP);
+    let mut system = System::sweep(DAMPER, &[LEVELS, FINE, SHORT, &["--stay"]].concat());
+    let mut frozen = expired(&mut system, |_| {});
     let _second = system.worker();
     system.wait_until_finished();
     frozen.signal(Signal::CONT);
     assert!(frozen.wait().success(), "{}", frozen.output());
+    let said = frozen.output();
+    assert!(said.contains("given up") || said.contains("another worker was faster"), "{said}");
     system.coordinator.signal(Signal::INT);
     system.expect_complete();
-    assert!(system.attempts("ending = 'expired'") >= 1);
 }
 
 /// A second result of a task is compared with the first one, and not stored.
 #[test]
 fn a_result_that_comes_twice() {
-    let mut system = System::sweep(DAMPER, &["--amplitudes", "0.007", "--stay"]);
+    let mut system = System::sweep(DAMPER, &[&["--amplitudes", "0.007", "--stay"], SHORT].concat());
     block_on(async {
-        let (session, keys, manifest) = system.viewer().await;
-        let tardy = Tardy::new(session, keys, &manifest).await;
+        let tardy = StandIn::of(&system).await;
         let grant = tardy.grant().await;
         let result = tardy.compute(&grant);
         // Its lease expires, somebody else carries the task out.
@@ -66,17 +70,17 @@ fn a_result_that_comes_twice() {
 /// A coordinator's restart loses nothing and recomputes nothing finished; a branch under way goes on.
 #[test]
 fn the_coordinator_killed_and_started_again() {
-    let port = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
-    let listen = format!("tcp/127.0.0.1:{port}");
-    let serve = ["--listen", &listen];
-    let mut system = System::sweep(DAMPER, &[SLOW, &serve].concat());
+    let listen = own_endpoint();
+    let serve = ["--listen", &listen, "--lease", "60"];
+    let mut system = System::sweep(DAMPER, &[LEVELS, FINE, &serve].concat());
     let _worker = system.worker();
-    system.wait_until("a result", |status| status.tasks.done > 0);
-    system.wait_for_a_branch();
+    system.freeze_coordinator(
+        "SELECT EXISTS (SELECT * FROM results) AND EXISTS (SELECT * FROM tasks WHERE state = 'leased')",
+    );
     system.coordinator.signal(Signal::KILL);
     system.coordinator.wait();
     let before = system.done();
-    system.resume(&[&["--workers", "0", "--lease", "5"], &serve[..]].concat());
+    system.resume(&[&["--workers", "0"], &serve[..]].concat());
     system.expect_complete();
     assert_eq!(system.done()[..before.len()], before[..]);
     assert_eq!(system.attempts("ending = 'expired'"), 0, "the branch under way was not adopted");
@@ -86,50 +90,56 @@ fn the_coordinator_killed_and_started_again() {
 /// Elastic: who joins late gets work.
 #[test]
 fn a_worker_that_joins_late() {
-    let mut system = System::sweep(DAMPER, SLOW);
-    let _first = system.worker();
-    system.wait_for_a_branch();
-    let _second = system.worker();
-    system.expect_complete();
-    assert_eq!(system.workers_with_results(), 2);
+    let mut system = System::sweep(DAMPER, &[LEVELS, FINE, LONG].concat());
+    block_on(async {
+        let holder = StandIn::of(&system).await;
+        let held = holder.grant().await;
+        let first = system.worker();
+        system.eventually("a result", |system| system.workers_with_results() == 1);
+        // So that it does not do all that is left by itself.
+        first.signal(Signal::STOP);
+        assert_eq!(holder.release(&held).await, Acknowledgement::Ok);
+        let _second = system.worker();
+        system.eventually("a result of the second worker", |system| system.workers_with_results() == 2);
+        first.signal(Signal::CONT);
+        system.expect_complete();
+    });
 }
 
-/// Drain: a worker told to end gives back what it has at once.
+/// Drain: a worker told to end gives back what it has at once, and somebody else is given it.
 #[test]
 fn a_worker_told_to_end() {
-    let mut system = System::sweep(DAMPER, SLOW);
+    let mut system = System::sweep(DAMPER, &[ENDLESS, LONG].concat());
     let mut first = system.worker();
+    let attempt = system.attempt_of(&first);
     system.wait_for_a_branch();
     let told = Instant::now();
     first.signal(Signal::TERM);
     assert!(first.wait().success(), "{}", first.output());
-    assert!(told.elapsed() < Duration::from_secs(2));
-    assert_eq!(system.attempts("ending = 'released'"), 1);
-    let _second = system.worker();
-    system.expect_complete();
+    assert!(told.elapsed() < THIRD_OF_LONG);
+    assert_eq!(system.end_of(&attempt), "released");
+    let second = system.worker();
+    assert_eq!(system.attempt_of(&second).task, attempt.task);
 }
 
 /// A partition: the network between a worker and the coordinator stops for longer than a lease.
 #[test]
 fn a_network_that_stops() {
-    let mut system = System::sweep(DAMPER, &[SLOW, &["--stay"]].concat());
+    let mut system = System::sweep(DAMPER, &[LEVELS, FINE, SHORT, &["--stay"]].concat());
     let proxy = Proxy::to(&system.address());
-    let _cut_off = system.worker_at(&proxy.address);
-    system.wait_for_a_branch();
-    // Between two tasks there is no lease that could expire: then once more.
-    let expires = |proxy: &Proxy| {
-        system.wait_until("a task under way", |status| status.tasks.running > 0);
+    let cut_off = system.worker_at(&proxy.address);
+    loop {
+        let attempt = system.attempt_of(&cut_off);
         proxy.frozen.store(true, Ordering::Relaxed);
-        let is_leased = || system.number("SELECT count(*) FROM tasks WHERE state = 'leased'") > 0;
-        let has_expired = || system.attempts("ending = 'expired'") >= 1;
-        std::thread::sleep(Duration::from_millis(300));
-        let expires = is_leased() && eventually(PATIENCE, has_expired) || has_expired();
-        proxy.frozen.store(expires, Ordering::Relaxed);
-        expires
-    };
-    assert!((0..5).any(|_| expires(&proxy)));
-    let _second = system.worker();
-    std::thread::sleep(Duration::from_millis(500));
+        match system.end_of(&attempt).as_str() {
+            "expired" => break,
+            // Its result was on its way: then once more.
+            end => assert_eq!(end, "done"),
+        }
+        proxy.frozen.store(false, Ordering::Relaxed);
+    }
+    let second = system.worker();
+    system.attempt_of(&second);
     proxy.frozen.store(false, Ordering::Relaxed);
     system.wait_until_finished();
     system.coordinator.signal(Signal::INT);
@@ -139,10 +149,9 @@ fn a_network_that_stops() {
 /// A poison task ends on the dead list with its reasons; the rest finishes.
 #[test]
 fn a_task_that_always_fails() {
-    let mut system = System::sweep(DAMPER, &["--amplitudes", "0.007,0.009"]);
+    let mut system = System::sweep(DAMPER, &[LEVELS, LONG].concat());
     block_on(async {
-        let (session, keys, manifest) = system.viewer().await;
-        let poisoned = Tardy::new(session, keys, &manifest).await;
+        let poisoned = StandIn::of(&system).await;
         for _ in 0..3 {
             let grant = poisoned.grant_of("0.009-0").await;
             assert_eq!(poisoned.fail(&grant, "out of memory").await, Acknowledgement::Ok);
@@ -160,78 +169,6 @@ fn a_task_that_always_fails() {
     assert!(retried.status.success(), "{}", tests::complaint(&retried));
     system.resume(&["--workers", "1"]);
     system.expect_complete();
-}
-
-/// A worker that does what a test says.
-struct Tardy {
-    session: zenoh::Session,
-    keys: Keys,
-    settings: solver::settings::Settings,
-    model: solver::model::Model,
-    worker: WorkerId,
-    /// Another one after every release: a thread is first offered the level that it worked on last.
-    slot: Cell<u32>,
-}
-
-impl Tardy {
-    async fn new(session: zenoh::Session, keys: Keys, manifest: &protocol::to_everyone::Manifest) -> Self {
-        let model: protocol::model::ModelMessage =
-            protocol::session::fetch(&session, &keys.model(), PATIENCE).await.unwrap();
-        let (settings, worker) = (manifest.settings, WorkerId::new("tardy").unwrap());
-        Self { session, keys, settings, model: model.model().unwrap(), worker, slot: Cell::new(0) }
-    }
-
-    async fn lease(&self) -> LeaseReply {
-        let (protocol, program) = (protocol::VERSION, protocol::PROGRAM.to_string());
-        let question = LeaseRequest { protocol, program, worker: self.worker.clone(), slot: self.slot.get() };
-        request(&self.session, &self.keys.lease(), &question, PATIENCE).await.unwrap()
-    }
-
-    async fn grant(&self) -> Grant {
-        loop {
-            match self.lease().await {
-                LeaseReply::Grant(grant) => return grant,
-                LeaseReply::Wait { retry_ms } => tokio::time::sleep(Duration::from_millis(retry_ms)).await,
-                other => panic!("{other:?}"),
-            }
-        }
-    }
-
-    /// Gives everything back until one task comes.
-    async fn grant_of(&self, task: &str) -> Grant {
-        loop {
-            let grant = self.grant().await;
-            if grant.task.as_str() == task {
-                return grant;
-            }
-            let question = ReleaseRequest { lease: self.held(&grant) };
-            let _: Acknowledgement = request(&self.session, &self.keys.release(), &question, PATIENCE).await.unwrap();
-            self.slot.set(self.slot.get() + 1);
-            tokio::time::sleep(Duration::from_millis(50)).await;
-        }
-    }
-
-    fn held(&self, grant: &Grant) -> Lease {
-        Lease { task: grant.task.clone(), attempt: grant.attempt, worker: self.worker.clone(), slot: self.slot.get() }
-    }
-
-    fn compute(&self, grant: &Grant) -> SubmitRequest {
-        assert!(grant.known.is_empty(), "the first task of a level knows of no branch");
-        let mut forced = solver::forced::Forced::new(&self.model, &self.settings, grant.reach, grant.amplitude);
-        let observer = &mut |_: &_| std::ops::ControlFlow::Continue(());
-        let finding = solver::task::carry_out(&mut forced, &grant.work, &[], &[], observer).unwrap();
-        let (lease, program) = (self.held(grant), protocol::PROGRAM.to_string());
-        SubmitRequest { lease, program, seconds: 0.1, finding: (&finding).into() }
-    }
-
-    async fn submit(&self, result: &SubmitRequest) -> SubmitReply {
-        request(&self.session, &self.keys.submit(&result.lease.task), result, PATIENCE).await.unwrap()
-    }
-
-    async fn fail(&self, grant: &Grant, reason: &str) -> Acknowledgement {
-        let question = FailRequest { lease: self.held(grant), reason: reason.into() };
-        request(&self.session, &self.keys.fail(), &question, PATIENCE).await.unwrap()
-    }
 }
 
 /// A TCP relay that can stop without closing anything.
@@ -265,7 +202,7 @@ fn relay(mut from: TcpStream, mut to: TcpStream, frozen: &AtomicBool) {
     let mut buffer = [0; 1 << 16];
     while let Ok(count) = from.read(&mut buffer) {
         while frozen.load(Ordering::Relaxed) {
-            std::thread::sleep(Duration::from_millis(10));
+            std::thread::sleep(std::time::Duration::from_millis(10));
         }
         if count == 0 || to.write_all(&buffer[..count]).is_err() {
             break;

@@ -37,7 +37,7 @@ fn studies() {
     sweep(&["--set", "contact.frictoin=0"], &["contact.frictoin", "did you mean `friction`"]);
     sweep(&["--set", "harmonics.count=0"], &["harmonics.count", "0"]);
     sweep(&["--set", "harmonics.count"], &["key=value"]);
-    sweep(&["--lease", "0"], &["--lease 0", "0.5 to 86400"]);
+    sweep(&["--lease", "0"], &["--lease", "use 0.5 to 86400 seconds"]);
     sweep(&["--namespace", "a/*"], &["--namespace"]);
     sweep(&["--listen", "7447"], &["7447", "tcp/HOST:7447"]);
     refused(&["sweep", "nowhere.toml"], &["nowhere.toml"]);
@@ -120,8 +120,8 @@ fn a_run_that_is_going_on() {
 fn a_worker_of_another_run_or_version() {
     let mut system = System::sweep(DAMPER, &["--amplitudes", "0.004"]);
     let address = system.address();
-    refused(&["worker", "--connect", &address, "--run", "elsewhere", "--wait", "1"], &["elsewhere", &address]);
-    refused(&["worker", "--connect", &address, "--namespace", "other", "--wait", "1"], &["other", &address]);
+    refused(&["worker", "--connect", &address, "--run", "elsewhere", "--wait", "15"], &["elsewhere", &address]);
+    refused(&["worker", "--connect", &address, "--namespace", "other", "--wait", "15"], &["other", &address]);
     let _worker = system.worker();
     system.expect_complete();
 }

@@ -1,16 +1,28 @@
 //! The whole system: real processes on loopback, and what users of job systems expect of it.
+//!
+//! Nothing here waits for seconds to pass: tests wait for states of the store, messages and ends of processes, however
+//! busy the machine is. Times are limits after which something has failed.
 
 mod control;
 mod faults;
 mod input;
 mod pages;
+mod pipes;
+mod stand_in;
 mod sweeps;
+mod usage;
 mod viewers;
 
-/// A study with isolas whose branches take a second or two each: small steps and many harmonics.
-pub const SLOW: &[&str] = &[
-    "--amplitudes",
-    "0.007,0.009",
+use std::time::Duration;
+
+/// A study with isolas between its forcing levels.
+pub const DAMPER: &str = "models/nonlinear_damper/study.toml";
+
+/// Two of its levels, with an isola each.
+pub const LEVELS: &[&str] = &["--amplitudes", "0.007,0.009"];
+
+/// Branches that take a second or two each: small steps and many harmonics.
+pub const FINE: &[&str] = &[
     "--set",
     "harmonics.count=100",
     "--set",
@@ -21,5 +33,29 @@ pub const SLOW: &[&str] = &[
     "branch.max_points=100000",
 ];
 
-/// Its file.
-pub const DAMPER: &str = "models/nonlinear_damper/study.toml";
+/// Branches that do not end within a test, after a backbone of a few points.
+pub const ENDLESS: &[&str] = &[
+    "--amplitudes",
+    "0.007,0.009",
+    "--set",
+    "backbone.max_points=10",
+    "--set",
+    "branch.max_amplitude=3",
+    "--set",
+    "branch.max_points=1000000000",
+    "--set",
+    "continuation.max_step=1e-8",
+    "--set",
+    "continuation.initial_step=1e-9",
+    "--set",
+    "continuation.min_step=1e-10",
+];
+
+/// Leases that run out while a test waits for it, but not under a worker that has to share its core with others.
+pub const SHORT: &[&str] = &["--lease", "5"];
+
+/// Leases that do not run out within a test: its workers give no sign of life by themselves for a third of that.
+pub const LONG: &[&str] = &["--lease", "900"];
+
+/// A third of it.
+pub const THIRD_OF_LONG: Duration = Duration::from_secs(300);

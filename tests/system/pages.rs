@@ -1,12 +1,14 @@
 //! Pages: the report at every stage of a run, and the live one.
 
-use crate::{DAMPER, SLOW};
+use crate::stand_in::StandIn;
+use crate::{DAMPER, FINE, LEVELS, LONG};
+use protocol::to_worker::Acknowledgement;
 use rustix::process::Signal;
 use serde_json::Value;
 use std::fs;
 use std::io::{Read, Write};
 use std::net::TcpStream;
-use tests::{PATIENCE, Process, System, complaint, eventually, isola, program};
+use tests::{PATIENCE, Process, System, block_on, complaint, isola, program};
 
 /// What the page of `isola report` shows, and what the command says is missing.
 fn report(system: &System) -> (Value, String) {
@@ -19,14 +21,21 @@ fn report(system: &System) -> (Value, String) {
 
 #[test]
 fn a_report_at_every_stage() {
-    let mut system = System::sweep_with(DAMPER, &[SLOW, &["--workers", "1"]].concat());
-    system.wait_until("a branch", |status| status.tasks.branches > 0);
-    let (running, notes) = report(&system);
-    assert_eq!(running["run"]["stage"], "sweep");
-    assert!(!running["branches"].as_array().unwrap().is_empty());
-    assert!(notes.contains("still to be done, at A = "), "{notes}");
+    let mut system = System::sweep(DAMPER, &[LEVELS, FINE, LONG, &["--stay"]].concat());
+    block_on(async {
+        let holder = StandIn::of(&system).await;
+        let held = holder.grant().await;
+        let _worker = system.worker();
+        system.reaches("a branch", |status| status.tasks.branches > 0).await;
+        let (running, notes) = report(&system);
+        assert_eq!(running["run"]["stage"], "sweep");
+        assert!(!running["branches"].as_array().unwrap().is_empty());
+        assert!(notes.contains("still to be done, at A = "), "{notes}");
 
-    assert!(isola(&["cancel", &system.directory_text()]).status.success());
+        assert!(isola(&["cancel", &system.directory_text()]).status.success());
+        assert_eq!(holder.release(&held).await, Acknowledgement::Ok);
+    });
+    system.coordinator.signal(Signal::INT);
     assert_eq!(system.coordinator.wait().code(), Some(3));
     let (cancelled, notes) = report(&system);
     assert_eq!(cancelled["run"]["stage"], "cancelled");
@@ -82,13 +91,22 @@ fn unchunked(bytes: &[u8]) -> String {
     body
 }
 
+/// An event with its name.
+type Event = (String, Value);
+
+/// What is told to every browser: of statuses, and of axes with labels, only the latest.
+fn lasting(events: &[Event]) -> (Vec<&Event>, Option<&Event>) {
+    let lasts = |(name, _): &&Event| name != "status" && name != "figure";
+    (events.iter().filter(lasts).collect(), events.iter().rev().find(|(name, _)| name == "figure"))
+}
+
 /// Whoever opens the live page, early or late, is given every branch.
 #[test]
 fn the_live_page() {
-    let mut system = System::sweep(DAMPER, &[SLOW, &["--stay"]].concat());
+    let mut system = System::sweep(DAMPER, &[LEVELS, FINE, &["--stay"]].concat());
     let log = system.folder().join("page.log");
     let mut page = Process::start(&program("isola"), &["watch", &system.directory_text(), "--page"], &log);
-    assert!(eventually(PATIENCE, || page.output().contains(" shows the run")), "{}", page.output());
+    system.eventually("a page", |_| page.output().contains(" shows the run"));
     let place = page.output().split_once("http://").unwrap().1.split(' ').next().unwrap().to_string();
     assert!(get(&place, "/", "</html>").contains("EventSource"));
     let start: Value = serde_json::from_str(&get(&place, "/data", "}")).unwrap();
@@ -99,12 +117,11 @@ fn the_live_page() {
     let named = |name: &str| early.iter().filter(|(event, _)| event == name).count() as i64;
     assert_eq!(named("branch"), system.number("SELECT count(*) FROM branches"));
     assert!(named("status") > 0);
-    // Of statuses only the latest is told.
-    let lasting =
-        |events: Vec<(String, Value)>| events.into_iter().filter(|(event, _)| event != "status").collect::<Vec<_>>();
-    assert!(lasting(early) == lasting(events(&place)), "late and early browsers are told different things");
+    let late = events(&place);
+    assert!(lasting(&early) == lasting(&late), "late and early browsers are told different things");
 
-    page.signal(Signal::INT);
+    // Whoever starts these tests in the background has them ignore SIGINT, and a page does not listen to signals.
+    page.signal(Signal::TERM);
     page.wait();
     system.coordinator.signal(Signal::INT);
     system.expect_complete();

@@ -1,6 +1,6 @@
 //! What a sweep finds does not depend on how it is carried out.
 
-use crate::{DAMPER, SLOW};
+use crate::{DAMPER, LEVELS};
 use tests::System;
 use tests::results::{assert_same, summary};
 
@@ -21,9 +21,9 @@ fn the_number_of_workers_does_not_matter() {
 /// The distributed sweep finds what the solver finds in one piece.
 #[test]
 fn the_same_as_the_solver_alone() {
-    let mut system = System::sweep_with(DAMPER, &[&SLOW[..2], &["--workers", "2"]].concat());
+    let mut system = System::sweep_with(DAMPER, &[LEVELS, &["--workers", "2"]].concat());
     system.expect_complete();
-    let study = coordinator::study::Study::load(&tests::repository(DAMPER), &[], Some(SLOW[1])).unwrap();
+    let study = coordinator::study::Study::load(&tests::repository(DAMPER), &[], Some(LEVELS[1])).unwrap();
     let go_on = &mut |_: &_| std::ops::ControlFlow::Continue(());
     let backbone = solver::backbone::Backbone::compute(&study.model, &study.settings, go_on).unwrap();
     let mut expected = Vec::new();

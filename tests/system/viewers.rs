@@ -1,39 +1,41 @@
 //! Viewers: late, after the end, frozen.
 
-use crate::{DAMPER, SLOW};
-use protocol::codec::{decode, encode, sha256};
+use crate::stand_in::StandIn;
+use crate::{DAMPER, FINE, LEVELS, LONG};
+use protocol::codec::{encode, sha256};
+use protocol::follow::{Follower, Update};
 use protocol::ids::TaskId;
-use protocol::session::{fetch, fetch_all};
-use protocol::to_everyone::{Done, Status, StoredResult};
+use protocol::keys::Keys;
+use protocol::session::fetch;
+use protocol::to_everyone::{Stage, Status, StoredResult};
+use protocol::to_worker::Acknowledgement;
 use rustix::process::Signal;
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 use tests::{PATIENCE, Process, System, block_on, program};
 
 /// Collects every result of a run that may be going on: announced before, or from now on.
-async fn collect(system: &System) -> BTreeMap<TaskId, StoredResult> {
-    let (session, keys, _) = system.viewer().await;
-    let announced = session.declare_subscriber(keys.all_done()).await.unwrap();
-    let mut results = BTreeMap::new();
-    let mut pending: Vec<Done> = fetch_all(&session, &keys.all_done(), PATIENCE).await.unwrap();
-    let deadline = Instant::now() + PATIENCE;
-    loop {
-        for done in pending.drain(..) {
-            if results.contains_key(&done.task) {
-                continue;
-            }
-            let result: StoredResult = fetch(&session, &keys.result(&done.task), PATIENCE).await.unwrap();
+struct Viewer {
+    follower: Follower,
+    results: BTreeMap<TaskId, StoredResult>,
+}
+
+impl Viewer {
+    async fn of(system: &System) -> Self {
+        let (session, keys, _) = system.viewer().await;
+        let follower = Follower::start(&session, &keys, PATIENCE).await.unwrap();
+        Self { follower, results: BTreeMap::new() }
+    }
+
+    /// Until there are so many, or the run has ended.
+    async fn collect(&mut self, count: usize) {
+        while self.results.len() < count {
+            let Some(update) = self.follower.next().await.unwrap() else { return };
+            let Update::Done(done) = update else { continue };
+            let result = self.follower.result(&done).await.unwrap();
             let bytes = encode(&result);
             assert_eq!((bytes.len() as u64, sha256(&bytes)), (done.size, done.sha256));
-            results.insert(done.task, result);
-        }
-        let status: Status = fetch(&session, &keys.status(), PATIENCE).await.unwrap();
-        if status.stage == protocol::to_everyone::Stage::Finished && results.len() as u64 == status.sequence {
-            return results;
-        }
-        assert!(Instant::now() < deadline, "{} of {} results", results.len(), status.sequence);
-        if let Ok(Ok(sample)) = tokio::time::timeout(Duration::from_millis(200), announced.recv_async()).await {
-            pending.push(decode(&sample.payload().to_bytes(), &sample.encoding().to_string()).unwrap());
+            assert!(self.results.insert(done.task, result).is_none(), "announced twice");
         }
     }
 }
@@ -41,12 +43,19 @@ async fn collect(system: &System) -> BTreeMap<TaskId, StoredResult> {
 /// One joins half way, one after the end: both hold every branch.
 #[test]
 fn late_viewers_see_all() {
-    let mut system = System::sweep(DAMPER, &[SLOW, &["--stay"]].concat());
-    let _worker = system.worker();
-    system.wait_until("half of it", |status| status.tasks.done >= 2);
+    let mut system = System::sweep(DAMPER, &[LEVELS, FINE, LONG, &["--stay"]].concat());
     let (half_way, after) = block_on(async {
-        let half_way = collect(&system).await;
-        (half_way, collect(&system).await)
+        let holder = StandIn::of(&system).await;
+        let held = holder.grant().await;
+        let _worker = system.worker();
+        system.reaches("a part of it", |status| status.tasks.done >= 2).await;
+        let mut half_way = Viewer::of(&system).await;
+        half_way.collect(2).await;
+        assert_eq!(holder.release(&held).await, Acknowledgement::Ok);
+        half_way.collect(usize::MAX).await;
+        let mut after = Viewer::of(&system).await;
+        after.collect(usize::MAX).await;
+        (half_way.results, after.results)
     });
     assert_eq!(half_way, after);
     let branches = after.values().filter(|result| result.branch.is_some()).count();
@@ -56,30 +65,49 @@ fn late_viewers_see_all() {
     system.expect_complete();
 }
 
-/// A frozen viewer hurts nobody: small requests stay under 100 ms, and the run ends.
+/// Whoever waits for a frozen viewer waits until Zenoh gives it up, 5 s after it was last heard.
+const FOR_THE_FROZEN: Duration = Duration::from_secs(2);
+
+/// A small request: how the run is doing.
+async fn timed_status(session: &zenoh::Session, keys: &Keys) -> (Status, Duration) {
+    let asked = Instant::now();
+    let status = fetch(session, &keys.status(), PATIENCE).await.unwrap();
+    (status, asked.elapsed())
+}
+
+/// A frozen viewer hurts nobody: the run ends, and small requests take no longer than those to another run, of which
+/// nobody wants anything, at the same time on the same machine.
 #[test]
 fn a_frozen_viewer() {
-    let mut system =
-        System::sweep_with("models/rotor67/study.toml", &["--workers", "1", "--stay", "--amplitudes", "20,60"]);
+    let quiet = System::sweep(DAMPER, LEVELS);
+    let rotor = ["--workers", "1", "--stay", "--amplitudes", "20,60"];
+    let mut system = System::sweep_with("models/rotor67/study.toml", &rotor);
     system.wait_until("a result", |status| status.tasks.done > 0);
     let log = system.folder().join("viewer.log");
     let frozen = Process::start(&program("isola-test-viewer"), &[&system.address()], &log);
-    assert!(tests::eventually(PATIENCE, || frozen.output().contains("result")), "{}", frozen.output());
+    system.eventually("a result that was read", |_| frozen.output().contains("result"));
     frozen.signal(Signal::STOP);
-    let slowest = block_on(async {
+    let mut times = block_on(async {
         let (session, keys, _) = system.viewer().await;
-        let mut slowest = Duration::ZERO;
+        let (other, other_keys, _) = quiet.viewer().await;
+        let mut times = Vec::new();
         loop {
-            let asked = Instant::now();
-            let status: Status = fetch(&session, &keys.status(), PATIENCE).await.unwrap();
-            slowest = slowest.max(asked.elapsed());
-            if status.stage == protocol::to_everyone::Stage::Finished {
-                return slowest;
+            let (status, time) = timed_status(&session, &keys).await;
+            times.push([time, timed_status(&other, &other_keys).await.1]);
+            if status.stage == Stage::Finished && times.len() >= 200 {
+                return times;
             }
             tokio::time::sleep(Duration::from_millis(5)).await;
         }
     });
-    assert!(slowest < Duration::from_millis(100), "{slowest:?}");
+    let [middle, slowest] = [times.len() / 2, times.len() - 1].map(|rank| {
+        [0, 1].map(|of| {
+            times.sort_by_key(|time| time[of]);
+            times[rank][of]
+        })
+    });
+    assert!(middle[0] < Duration::from_millis(100) + 10 * middle[1], "{middle:?}");
+    assert!(slowest[0] < FOR_THE_FROZEN + slowest[1], "{slowest:?}");
     system.coordinator.signal(Signal::INT);
     system.expect_complete();
 }

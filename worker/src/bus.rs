@@ -1,6 +1,6 @@
 //! Requests to the coordinator.
 
-use crate::patience::{Over, Patience};
+use crate::patience::{OutOfPatience, Patience};
 use protocol::codec::{encode, encoding};
 use protocol::from_worker::{FailRequest, Lease, LeaseRequest, Progress, ReleaseRequest, RenewRequest, SubmitRequest};
 use protocol::ids::{RunId, TaskId, WorkerId};
@@ -53,7 +53,7 @@ impl Bus {
     }
 
     /// Sends a result until it is answered.
-    pub async fn submit(&self, task: &TaskId, result: &ZBytes) -> Result<SubmitReply, Over> {
+    pub async fn submit(&self, task: &TaskId, result: &ZBytes) -> Result<SubmitReply, OutOfPatience> {
         let (key, encoding) = (self.keys.submit(task), encoding::<SubmitRequest>());
         let timeout = transfer(result.len());
         let send = || request_encoded(&self.session, &key, result.clone(), &encoding, timeout);
@@ -64,7 +64,7 @@ impl Bus {
     }
 
     /// Reports that a task cannot be carried out, at least once and until it is answered.
-    pub async fn fail(&self, lease: &Lease, reason: &str, patience: Duration) -> Result<(), Over> {
+    pub async fn fail(&self, lease: &Lease, reason: &str, patience: Duration) -> Result<(), OutOfPatience> {
         let question = FailRequest { lease: lease.clone(), reason: reason.to_string() };
         let key = self.keys.fail();
         let send = || request::<_, Acknowledgement>(&self.session, &key, &question, ANSWER);
@@ -103,7 +103,7 @@ impl Bus {
     }
 
     /// Repeats a request until it is answered, if by a refusal in words.
-    async fn insist<R, F>(&self, patience: Duration, send: impl Fn() -> F) -> Result<Result<R, String>, Over>
+    async fn insist<R, F>(&self, patience: Duration, send: impl Fn() -> F) -> Result<Result<R, String>, OutOfPatience>
     where
         F: Future<Output = Result<R, RequestError>>,
     {

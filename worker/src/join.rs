@@ -6,7 +6,7 @@ use protocol::codec::{decode, sha256};
 use protocol::ids::RunId;
 use protocol::keys::{Keys, all_runs, all_versions};
 use protocol::model::ModelMessage;
-use protocol::session::{SessionError, connect, fetch_all};
+use protocol::session::{SessionError, connect, fetch_all, fetch_answer};
 use protocol::to_everyone::{Manifest, Stage};
 use solver::model::Model;
 use std::time::Duration;
@@ -130,7 +130,7 @@ async fn fetch_model(
 ) -> Result<Model, WorkerError> {
     let key = Keys::new(&options.namespace, &manifest.run).model();
     loop {
-        if let Some((bytes, encoding)) = fetch_bytes(session, &key).await {
+        if let Ok((bytes, encoding)) = fetch_answer(session, &key, 6 * ANSWER).await {
             return read_model(&bytes, &encoding, manifest).map_err(|problem| unusable(options, manifest, problem));
         }
         if Instant::now() + PAUSE >= deadline {
@@ -158,16 +158,4 @@ fn read_model(bytes: &[u8], encoding: &str, manifest: &Manifest) -> Result<Model
     let model = message.model().map_err(|error| format!("cannot be read: {error}"))?;
     manifest.settings.validate(&model).map_err(|error| format!("does not fit the settings of the run: {error}"))?;
     Ok(model)
-}
-
-/// The bytes of an answer, and their encoding.
-async fn fetch_bytes(session: &Session, key: &str) -> Option<(Vec<u8>, String)> {
-    let get = session.get(key).consolidation(ConsolidationMode::None).timeout(6 * ANSWER);
-    let replies = get.await.ok()?;
-    while let Ok(reply) = replies.recv_async().await {
-        if let Ok(sample) = reply.result() {
-            return Some((sample.payload().to_bytes().into_owned(), sample.encoding().to_string()));
-        }
-    }
-    None
 }

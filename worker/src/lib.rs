@@ -6,12 +6,13 @@
 //! | module | holds |
 //! |---|---|
 //! | [`options`], [`error`], [`program`] | command line; errors and exit codes; the whole program |
+//! | [`terminal`] | what people are told |
 //! | [`shutdown`] | signals and lifeline |
 //! | [`join`], [`identity`] | finding the run and fetching its model; the worker's name |
-//! | [`crew`], [`slot`] | what the computing threads share; one of them: lease, trace, submit |
+//! | [`shared`], [`slot`] | what the computing threads share; one of them: lease, trace, submit |
 //! | [`bus`], [`patience`] | requests to the coordinator; how long and how often they are repeated |
 //! | [`renewal`] | signs of life of a task under way |
-//! | [`known`], [`compute`] | branches found before; the thread that computes |
+//! | [`known_branches`], [`compute`] | branches found before; the thread that computes |
 //!
 //! # Exit codes
 //!
@@ -23,19 +24,23 @@
 //! | 3 | this worker and this run do not fit (another version, another model, several runs to choose from): starting it again will not help |
 //! | 130, 143 | a second SIGINT or SIGTERM: ended at once, nothing given back |
 
+// They panic when nobody reads any more: see [`terminal`].
+#![warn(clippy::print_stdout, clippy::print_stderr)]
+
 pub mod bus;
 pub mod compute;
-pub mod crew;
 pub mod error;
 pub mod identity;
 pub mod join;
-pub mod known;
+pub mod known_branches;
 pub mod options;
 pub mod patience;
 pub mod program;
 pub mod renewal;
+pub mod shared;
 pub mod shutdown;
 pub mod slot;
+pub mod terminal;
 
 pub use error::WorkerError;
 pub use options::Options;

@@ -29,7 +29,7 @@ pub struct Options {
     pub connect: String,
 
     /// First part of every key on the bus, if several projects share one.
-    #[arg(long, value_name = "NAME", default_value = protocol::keys::NAMESPACE, value_parser = namespace)]
+    #[arg(long, value_name = "NAME", default_value = protocol::keys::NAMESPACE, value_parser = protocol::keys::namespace)]
     pub namespace: String,
 
     /// Which run to work for. Default: the only one with work to do.
@@ -76,10 +76,4 @@ fn seconds(text: &str) -> Result<Duration, String> {
         .ok()
         .filter(|duration| *duration < Duration::from_secs(1 << 31))
         .ok_or_else(|| "use seconds, from 0 to 2^31".to_string())
-}
-
-fn namespace(text: &str) -> Result<String, String> {
-    // Its parts obey the same rule as the names of runs.
-    text.split('/').try_for_each(|part| RunId::new(part).map(drop)).map_err(|error| error.to_string())?;
-    Ok(text.to_string())
 }

@@ -8,7 +8,7 @@ const LONGEST: Duration = Duration::from_secs(2);
 
 /// Patience is over.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Over;
+pub struct OutOfPatience;
 
 /// Patience with a coordinator that does not answer.
 #[derive(Debug)]
@@ -30,10 +30,10 @@ impl Patience {
     }
 
     /// The next pause, each twice as long as the one before up to 2 s.
-    pub fn next_pause(&mut self) -> Result<Duration, Over> {
+    pub fn next_pause(&mut self) -> Result<Duration, OutOfPatience> {
         let left = self.limit.saturating_sub(self.since.elapsed());
         if left.is_zero() {
-            return Err(Over);
+            return Err(OutOfPatience);
         }
         let pause = self.pause.min(left);
         self.pause = (2 * self.pause).min(LONGEST);
@@ -41,7 +41,7 @@ impl Patience {
     }
 
     /// Waits for the next pause.
-    pub async fn pause(&mut self) -> Result<(), Over> {
+    pub async fn pause(&mut self) -> Result<(), OutOfPatience> {
         tokio::time::sleep(self.next_pause()?).await;
         Ok(())
     }

@@ -1,13 +1,14 @@
 //! The whole program.
 
 use crate::bus::Bus;
-use crate::crew::Crew;
 use crate::error::WorkerError;
 use crate::identity::worker_id;
 use crate::join;
 use crate::options::Options;
+use crate::shared::Shared;
 use crate::shutdown::{self, Phase, Shutdown};
 use crate::slot::Slot;
+use crate::terminal;
 use protocol::keys::Keys;
 use std::io::IsTerminal;
 use std::process::ExitCode;
@@ -57,7 +58,7 @@ pub fn run(options: &Options) -> ExitCode {
             ExitCode::SUCCESS
         }
         Err(error) => {
-            eprintln!("error: {error}");
+            terminal::note(format_args!("error: {error}"));
             ExitCode::from(error.exit_code())
         }
     }
@@ -71,7 +72,7 @@ fn start_log(verbose: u8) {
     };
     let filter = EnvFilter::try_from_env("ISOLA_LOG").unwrap_or_else(|_| EnvFilter::new(default));
     // Another one may be there already, if this is part of another program.
-    let log = tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr);
+    let log = tracing_subscriber::fmt().with_env_filter(filter).with_writer(|| terminal::Log);
     let _ = log.with_ansi(std::io::stderr().is_terminal()).try_init();
 }
 
@@ -123,24 +124,24 @@ async fn work_within(
     };
     let (run, name) = (&joined.manifest.run, &joined.manifest.name);
     tracing::info!(%run, name, worker = %bus.worker, slots = options.threads(), "joined");
-    let crew = Arc::new(Crew::new(bus, joined, shutdown.clone()));
-    let _presence = crew.appear().await?;
-    run_slots(&crew, options.threads()).await?;
-    let ending = if crew.cancelled.load(Ordering::Relaxed) {
+    let shared = Arc::new(Shared::new(bus, joined, shutdown.clone()));
+    let _presence = shared.appear().await?;
+    run_slots(&shared, options.threads()).await?;
+    let ending = if shared.cancelled.load(Ordering::Relaxed) {
         Ending::Cancelled
-    } else if *crew.drained.borrow() {
+    } else if *shared.drained.borrow() {
         Ending::Drained
     } else {
         Ending::Told
     };
-    Ok(Summary { ending, done: crew.done.load(Ordering::Relaxed) })
+    Ok(Summary { ending, done: shared.done.load(Ordering::Relaxed) })
 }
 
 /// Runs every slot to its end; the first error counts, once the others have ended as well.
-async fn run_slots(crew: &Arc<Crew>, count: usize) -> Result<(), WorkerError> {
+async fn run_slots(shared: &Arc<Shared>, count: usize) -> Result<(), WorkerError> {
     let mut slots = JoinSet::new();
     for number in 0..count {
-        slots.spawn(Slot::start(crew.clone(), number as u32)?.run());
+        slots.spawn(Slot::start(shared.clone(), number as u32)?.run());
     }
     let mut result = Ok(());
     while let Some(slot) = slots.join_next().await {

@@ -15,7 +15,7 @@ const SHOWN: Duration = Duration::from_millis(500);
 
 /// Why a task is no longer worth computing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Cut {
+pub enum Interruption {
     /// Done, or somebody else's.
     Lost,
     /// The run was cancelled or stops.
@@ -35,7 +35,7 @@ pub async fn keep(
     watch: &Watch,
     mut hints: watch::Receiver<()>,
     drained: watch::Receiver<bool>,
-) -> Cut {
+) -> Interruption {
     let period = (ttl / 3).max(Duration::from_millis(10));
     let mut patience = Patience::new(bus.patience);
     let (mut renew_at, mut show_at) = (Instant::now() + period, Instant::now() + SHOWN);
@@ -58,12 +58,12 @@ pub async fn keep(
                 patience.restore();
                 period
             }
-            Ok(RenewReply::Lost) => return Cut::Lost,
-            Ok(RenewReply::Cancel) => return Cut::Cancelled,
-            Err(RequestError::NoReply) if *drained.borrow() => return Cut::Lost,
+            Ok(RenewReply::Lost) => return Interruption::Lost,
+            Ok(RenewReply::Cancel) => return Interruption::Cancelled,
+            Err(RequestError::NoReply) if *drained.borrow() => return Interruption::Lost,
             Err(error) => {
                 tracing::debug!(task = %lease.task, %error, "sign of life");
-                let Ok(pause) = patience.next_pause() else { return Cut::Abandoned };
+                let Ok(pause) = patience.next_pause() else { return Interruption::Abandoned };
                 pause.min(period)
             }
         };

@@ -1,11 +1,11 @@
 //! A computing thread's work: lease, trace, submit.
 
 use crate::compute::{Computed, Computer, Finished, Job, Watch};
-use crate::crew::Crew;
 use crate::error::WorkerError;
-use crate::known::KnownBranches;
-use crate::patience::{Over, Patience};
-use crate::renewal::{Cut, keep};
+use crate::known_branches::KnownBranches;
+use crate::patience::{OutOfPatience, Patience};
+use crate::renewal::{Interruption, keep};
+use crate::shared::Shared;
 use crate::shutdown::Phase;
 use protocol::from_worker::Lease;
 use protocol::session::RequestError;
@@ -26,7 +26,7 @@ const SHORTEST_WAIT: Duration = Duration::from_millis(5);
 
 /// One computing thread with what drives it.
 pub struct Slot {
-    crew: Arc<Crew>,
+    shared: Arc<Shared>,
     number: u32,
     computer: Computer,
     known: KnownBranches,
@@ -34,11 +34,11 @@ pub struct Slot {
 
 impl Slot {
     /// Starts the thread of slot `number`.
-    pub fn start(crew: Arc<Crew>, number: u32) -> Result<Self, WorkerError> {
-        let computer = Computer::start(number, crew.model.clone(), crew.settings)
+    pub fn start(shared: Arc<Shared>, number: u32) -> Result<Self, WorkerError> {
+        let computer = Computer::start(number, shared.model.clone(), shared.settings)
             .map_err(|source| WorkerError::System { what: "start a computing thread", source })?;
-        let known = KnownBranches::new(crew.size, crew.settings.harmonics.count, crew.max_result_bytes);
-        Ok(Self { crew, number, computer, known })
+        let known = KnownBranches::new(shared.size, shared.settings.harmonics.count, shared.max_result_bytes);
+        Ok(Self { shared, number, computer, known })
     }
 
     /// Works until all is done, the run is cancelled, or the worker is told to end.
@@ -51,32 +51,32 @@ impl Slot {
 
     /// Asks for work until there is some; `None`: no more.
     async fn lease(&self) -> Result<Option<Grant>, WorkerError> {
-        let crew = &self.crew;
-        let mut patience = Patience::new(crew.bus.patience);
-        while !crew.is_over() {
+        let shared = &self.shared;
+        let mut patience = Patience::new(shared.bus.patience);
+        while !shared.is_over() {
             let reply = tokio::select! {
-                reply = crew.bus.lease(self.number) => reply,
-                () = crew.shutdown.reached_for(Phase::Finishing, LAST_WORDS) => break,
+                reply = shared.bus.lease(self.number) => reply,
+                () = shared.shutdown.reached_for(Phase::Finishing, LAST_WORDS) => break,
             };
             match reply {
-                Ok(LeaseReply::Grant(grant)) if crew.shutdown.phase() > Phase::Working => {
+                Ok(LeaseReply::Grant(grant)) if shared.shutdown.phase() > Phase::Working => {
                     self.release(&self.lease_of(&grant)).await;
                 }
                 Ok(LeaseReply::Grant(grant)) => return Ok(Some(grant)),
                 Ok(LeaseReply::Wait { retry_ms }) => {
                     patience.restore();
-                    crew.rest(Duration::from_millis(retry_ms).max(SHORTEST_WAIT)).await;
+                    shared.rest(Duration::from_millis(retry_ms).max(SHORTEST_WAIT)).await;
                 }
                 Ok(LeaseReply::Drained) => {
-                    crew.drained.send_replace(true);
+                    shared.drained.send_replace(true);
                 }
                 Ok(LeaseReply::Stop { reason }) => self.stop(reason).await?,
                 Err(error @ (RequestError::Refused(_) | RequestError::Codec(_))) => {
-                    return Err(crew.refused(error.to_string()));
+                    return Err(shared.refused(error.to_string()));
                 }
                 Err(RequestError::NoReply | RequestError::Closed(_)) => {
-                    let pause = patience.next_pause().map_err(|Over| crew.abandoned())?;
-                    crew.rest(pause).await;
+                    let pause = patience.next_pause().map_err(|OutOfPatience| shared.abandoned())?;
+                    shared.rest(pause).await;
                 }
             }
         }
@@ -88,46 +88,46 @@ impl Slot {
         if self.notice_cancelled().await {
             return Ok(());
         }
-        Err(self.crew.refused(reason))
+        Err(self.shared.refused(reason))
     }
 
     /// Asks whether the run was cancelled.
     async fn notice_cancelled(&self) -> bool {
-        let cancelled = self.crew.bus.manifest().await.is_ok_and(|manifest| manifest.stage == Stage::Cancelled);
+        let cancelled = self.shared.bus.manifest().await.is_ok_and(|manifest| manifest.stage == Stage::Cancelled);
         if cancelled {
-            self.crew.cancelled.store(true, Ordering::Relaxed);
+            self.shared.cancelled.store(true, Ordering::Relaxed);
         }
         cancelled
     }
 
     fn lease_of(&self, grant: &Grant) -> Lease {
-        let worker = self.crew.bus.worker.clone();
+        let worker = self.shared.bus.worker.clone();
         Lease { task: grant.task.clone(), attempt: grant.attempt, worker, slot: self.number }
     }
 
     async fn carry_out(&mut self, grant: Grant) -> Result<(), WorkerError> {
-        let crew = self.crew.clone();
+        let shared = self.shared.clone();
         let (lease, watch) = (self.lease_of(&grant), Arc::new(Watch::default()));
         tracing::debug!(task = %lease.task, attempt = %lease.attempt, slot = self.number, "leased");
         let ttl = Duration::from_millis(grant.ttl_ms);
-        let (hints, drained) = (crew.hints.subscribe(), crew.drained.subscribe());
-        let mut keep = pin!(keep(&crew.bus, &lease, ttl, &watch, hints, drained));
+        let (hints, drained) = (shared.hints.subscribe(), shared.drained.subscribe());
+        let mut keep = pin!(keep(&shared.bus, &lease, ttl, &watch, hints, drained));
         let computed = tokio::select! {
-            // What is computed counts, even if it is cut at the same time.
+            // What is computed counts, even if it is interrupted at the same time.
             biased;
             computed = self.compute(grant, &lease, &watch) => Ok(computed),
-            cut = &mut keep => Err(cut),
-            () = crew.shutdown.reached(Phase::Stopping) => Err(Cut::Stopping),
+            interruption = &mut keep => Err(interruption),
+            () = shared.shutdown.reached(Phase::Stopping) => Err(Interruption::Stopping),
         };
         let computed = match computed {
             Ok(computed) => computed,
-            Err(cut) => return self.give_up(&lease, &watch, cut).await,
+            Err(interruption) => return self.give_up(&lease, &watch, interruption).await,
         };
         // What is computed is delivered, whatever becomes of the lease.
         tokio::select! {
             delivered = self.deliver(&lease, computed) => delivered,
             never = after(keep) => match never {},
-            () = crew.shutdown.reached_for(Phase::Stopping, LAST_WORDS) => {
+            () = shared.shutdown.reached_for(Phase::Stopping, LAST_WORDS) => {
                 tracing::warn!(task = %lease.task, "the result was not taken in time, the worker ends");
                 Ok(())
             }
@@ -143,22 +143,22 @@ impl Slot {
 
     /// Everything that a task needs.
     async fn prepare(&mut self, grant: Grant, lease: &Lease) -> Result<Job, String> {
-        let crew = &self.crew;
-        let seeds = grant.seeds.seeds(&crew.size).map_err(|error| format!("unusable seeds: {error}"))?;
-        let harmonics = crew.settings.harmonics.count;
+        let shared = &self.shared;
+        let seeds = grant.seeds.seeds(&shared.size).map_err(|error| format!("unusable seeds: {error}"))?;
+        let harmonics = shared.settings.harmonics.count;
         if let Some(seed) = seeds.iter().find(|seed| seed.state.harmonics != harmonics) {
             return Err(format!("unusable seeds: {} harmonics in a run of {harmonics}", seed.state.harmonics));
         }
         if seeds.is_empty() && matches!(grant.work, Task::Seed(_)) {
             return Err("unusable seeds: there is none".into());
         }
-        let known = self.known.get(&crew.bus, lease, &grant.known).await?;
+        let known = self.known.get(&shared.bus, lease, &grant.known).await?;
         let Grant { amplitude, reach, work, .. } = grant;
         Ok(Job { lease: lease.clone(), amplitude, reach, work, seeds, known })
     }
 
     async fn deliver(&mut self, lease: &Lease, computed: Computed) -> Result<(), WorkerError> {
-        let patience = self.crew.bus.patience;
+        let patience = self.shared.bus.patience;
         let (reason, patience) = match computed {
             Computed::Stopped => return Ok(()),
             Computed::Failed(reason) => (reason, patience),
@@ -168,7 +168,7 @@ impl Slot {
                     Ok(Ok(())) => return Ok(()),
                     Ok(Err(reason)) => (reason, patience),
                     // Nobody is there, or only this result does not get through: one more request tells.
-                    Err(Over) => {
+                    Err(OutOfPatience) => {
                         let seconds = patience.as_secs_f64();
                         (format!("the result of {size} bytes was not answered for {seconds} s"), Duration::ZERO)
                     }
@@ -176,7 +176,7 @@ impl Slot {
             }
         };
         tracing::warn!(task = %lease.task, attempt = %lease.attempt, reason, "failed");
-        self.crew.bus.fail(lease, &reason, patience).await.map_err(|Over| self.crew.abandoned())
+        self.shared.bus.fail(lease, &reason, patience).await.map_err(|OutOfPatience| self.shared.abandoned())
     }
 
     /// Sends a result until it is answered; gives the reason if the task fails by the answer.
@@ -186,12 +186,12 @@ impl Slot {
         payload: Vec<u8>,
         branch: Option<Branch>,
         summary: &str,
-    ) -> Result<Result<(), String>, Over> {
-        let (size, most) = (payload.len(), self.crew.max_result_bytes);
+    ) -> Result<Result<(), String>, OutOfPatience> {
+        let (size, most) = (payload.len(), self.shared.max_result_bytes);
         if size > most {
             return Ok(Err(format!("the result has {size} bytes, this run accepts {most}")));
         }
-        match self.crew.bus.submit(&lease.task, &ZBytes::from(payload)).await? {
+        match self.shared.bus.submit(&lease.task, &ZBytes::from(payload)).await? {
             SubmitReply::Rejected { why } => return Ok(Err(format!("the result was rejected: {why}"))),
             SubmitReply::Accepted => {
                 tracing::info!(task = %lease.task, "{summary}");
@@ -206,22 +206,22 @@ impl Slot {
                 tracing::warn!(task = %lease.task, "{summary}; another worker was faster and found something else");
             }
         }
-        self.crew.done.fetch_add(1, Ordering::Relaxed);
+        self.shared.done.fetch_add(1, Ordering::Relaxed);
         Ok(Ok(()))
     }
 
     /// Stops computing a task that is no longer worth it, and waits until the thread is free.
-    async fn give_up(&self, lease: &Lease, watch: &Watch, cut: Cut) -> Result<(), WorkerError> {
+    async fn give_up(&self, lease: &Lease, watch: &Watch, interruption: Interruption) -> Result<(), WorkerError> {
         watch.stop();
-        tracing::info!(task = %lease.task, attempt = %lease.attempt, reason = ?cut, "given up");
-        match cut {
-            Cut::Lost => {}
-            Cut::Abandoned => return Err(self.crew.abandoned()),
-            Cut::Stopping => {
+        tracing::info!(task = %lease.task, attempt = %lease.attempt, reason = ?interruption, "given up");
+        match interruption {
+            Interruption::Lost => {}
+            Interruption::Abandoned => return Err(self.shared.abandoned()),
+            Interruption::Stopping => {
                 self.release(lease).await;
                 return Ok(());
             }
-            Cut::Cancelled => {
+            Interruption::Cancelled => {
                 // Asked for before the task is given back: the coordinator may end after that.
                 self.notice_cancelled().await;
                 self.release(lease).await;
@@ -229,15 +229,15 @@ impl Slot {
         }
         tokio::select! {
             () = self.computer.idle() => {}
-            () = self.crew.shutdown.reached(Phase::Stopping) => {}
+            () = self.shared.shutdown.reached(Phase::Stopping) => {}
         }
         Ok(())
     }
 
     async fn release(&self, lease: &Lease) {
         tokio::select! {
-            () = self.crew.bus.release(lease) => {}
-            () = self.crew.shutdown.reached_for(Phase::Stopping, LAST_WORDS) => {}
+            () = self.shared.bus.release(lease) => {}
+            () = self.shared.shutdown.reached_for(Phase::Stopping, LAST_WORDS) => {}
         }
     }
 }

@@ -1,10 +1,12 @@
 //! The ledger in numbers, for people.
 
-use super::entry::{Level, State};
-use super::{Ledger, Worker};
+use super::level::LevelTasks;
+use super::state::Ledger;
+use super::worker::Worker;
 use protocol::from_worker::Progress;
 use protocol::ids::{TaskId, WorkerId};
 use protocol::to_everyone::{Counts, LevelStatus, WorkerStatus};
+use results::journal::TaskState;
 
 impl Ledger {
     /// Tasks by state.
@@ -12,11 +14,11 @@ impl Ledger {
         let mut counts = Counts::default();
         for entry in self.entries() {
             match entry.state {
-                State::Waiting => counts.waiting += 1,
-                State::Leased { .. } => counts.running += 1,
-                State::Done(_) => counts.done += 1,
-                State::Skipped => counts.skipped += 1,
-                State::Dead => counts.dead += 1,
+                TaskState::Waiting => counts.waiting += 1,
+                TaskState::Leased { .. } => counts.running += 1,
+                TaskState::Done(_) => counts.done += 1,
+                TaskState::Skipped => counts.skipped += 1,
+                TaskState::Dead => counts.dead += 1,
             }
         }
         counts.branches = self.levels.iter().map(|level| level.branches.len()).sum();
@@ -44,7 +46,7 @@ impl Ledger {
         active.filter(|level| level.next.is_some() && level.is_begun()).map(|level| self.level_status(level)).collect()
     }
 
-    fn level_status(&self, level: &Level) -> LevelStatus {
+    fn level_status(&self, level: &LevelTasks) -> LevelStatus {
         let under_way = level.next.map(|e| &level.entries[e]);
         LevelStatus {
             amplitude: level.amplitude.text.clone(),

@@ -2,8 +2,15 @@
 
 use super::*;
 use proptest::prelude::*;
+use protocol::from_worker::Lease;
+use protocol::ids::{Attempt, TaskId, WorkerId};
+use protocol::to_everyone::Amplitude;
+use protocol::to_worker::{Known, RenewReply};
+use results::journal::{AttemptEnd, Change, Holder, LevelPlan, StoredTask, TaskState};
 use solver::seeds::{LandingFailure, Phase, Way};
-use solver::task::{BranchId, SeedPlace};
+use solver::task::{BranchId, SeedOutcome, SeedPlace, Task};
+use solver::windows::Window;
+use std::time::Duration;
 
 fn window(number: usize) -> Window {
     Window { first: 10 * number, last: 10 * number + 5, best: 10 * number + 2, threshold: 1.0, omega: (1.0, 2.0) }
@@ -45,7 +52,7 @@ fn find(work: &Task, known: &[Known], amplitude: f64) -> Option<SeedOutcome> {
 }
 
 /// Number of levels, and what becomes of all tasks of all levels.
-type Book = Vec<(TaskId, State)>;
+type Book = Vec<(TaskId, TaskState)>;
 
 fn book(ledger: &Ledger) -> Book {
     ledger.entries().map(|entry| (entry.id.clone(), entry.state.clone())).collect()
@@ -108,14 +115,14 @@ struct Driver {
     held: Vec<(Lease, Granted)>,
     accepted: Vec<TaskId>,
     new_branches: Vec<TaskId>,
-    records: Vec<Record>,
+    changes: Vec<Change>,
 }
 
 impl Driver {
     fn new(levels: usize) -> Self {
         let ledger = Ledger::new(rules(), plans(levels));
-        let (held, accepted, new_branches, records) = Default::default();
-        Self { ledger, levels, now: Duration::ZERO, held, accepted, new_branches, records }
+        let (held, accepted, new_branches, changes) = Default::default();
+        Self { ledger, levels, now: Duration::ZERO, held, accepted, new_branches, changes }
     }
 
     fn apply(&mut self, event: &Event) {
@@ -135,7 +142,7 @@ impl Driver {
                         Event::Fail(_) => self.ledger.fail(&lease, "out of memory", self.now),
                         _ => self.ledger.release(&lease, self.now),
                     };
-                    self.records.extend(ended.1);
+                    self.changes.extend(ended.1);
                 }
             }
             Event::Renew(index) => {
@@ -152,16 +159,16 @@ impl Driver {
             }
             Event::Later(seconds) => {
                 self.now += Duration::from_secs(seconds);
-                let records = self.ledger.tick(self.now);
-                self.records.extend(records);
+                let changes = self.ledger.tick(self.now);
+                self.changes.extend(changes);
             }
             Event::Restart => self.restart(),
         }
     }
 
     fn lease(&mut self, worker: u8) {
-        let (leased, records) = self.ledger.lease(&name(worker), 0, self.now);
-        self.records.extend(records);
+        let (leased, changes) = self.ledger.lease(&name(worker), 0, self.now);
+        self.changes.extend(changes);
         if let Leased::Grant(granted) = leased {
             let lease = Lease { task: granted.task.clone(), attempt: granted.attempt, worker: name(worker), slot: 0 };
             if !self.held.iter().any(|(held, _)| *held == lease) {
@@ -173,8 +180,8 @@ impl Driver {
     /// The worker keeps the lease, as if the answer had been lost: it will submit again.
     fn submit(&mut self, lease: &Lease, granted: &Granted) {
         let outcome = find(&granted.work, &granted.known, granted.amplitude.value);
-        let (submitted, records) = self.ledger.submit(lease, outcome);
-        self.records.extend(records);
+        let (submitted, changes) = self.ledger.submit(lease, outcome);
+        self.changes.extend(changes);
         match submitted {
             Submitted::Accepted(_) => {
                 assert!(!self.accepted.contains(&lease.task), "{} was accepted twice", lease.task);
@@ -189,7 +196,7 @@ impl Driver {
         }
     }
 
-    /// The coordinator is killed and starts again with what the records say.
+    /// The coordinator is killed and starts again with what the changes say.
     fn restart(&mut self) {
         let mut tasks: Vec<StoredTask> = self
             .ledger
@@ -205,11 +212,11 @@ impl Driver {
         let order = |id: &TaskId| self.accepted.iter().position(|accepted| accepted == id).unwrap_or(usize::MAX);
         tasks.sort_by_key(|task| order(&task.id));
         let before = (book(&self.ledger), self.ledger.sequence());
-        let (ledger, records) = Ledger::restore(rules(), plans(self.levels), tasks, self.now);
-        assert!(records.is_empty(), "what is stored together is restored together");
+        let (ledger, changes) = Ledger::restore(rules(), plans(self.levels), tasks, self.now);
+        assert!(changes.is_empty(), "what is stored together is restored together");
         self.ledger = ledger;
         let settled = |book: &Book| -> Book {
-            let keep = |(_, state): &&(TaskId, State)| matches!(state, State::Done(_) | State::Skipped);
+            let keep = |(_, state): &&(TaskId, TaskState)| matches!(state, TaskState::Done(_) | TaskState::Skipped);
             book.iter().filter(keep).cloned().collect()
         };
         assert_eq!(settled(&before.0), settled(&book(&self.ledger)));
@@ -245,7 +252,7 @@ proptest! {
         }
         driver.conclude();
         prop_assert_eq!(book(&driver.ledger), quiet(levels));
-        let done = driver.records.iter().filter(|record| matches!(record, Record::Done { .. })).count();
+        let done = driver.changes.iter().filter(|record| matches!(record, Change::Done { .. })).count();
         prop_assert_eq!(done, driver.accepted.len());
         prop_assert_eq!(driver.ledger.sequence() as usize, done);
     }
@@ -288,7 +295,7 @@ fn a_worker_that_vanishes_has_a_grace_that_a_sign_of_life_ends() {
     assert!(ledger.tick(rules.grace + Duration::from_secs(2)).is_empty());
     ledger.worker_gone(&lease.worker, Duration::from_secs(8));
     let ended = ledger.tick(Duration::from_secs(8) + rules.grace);
-    assert!(matches!(&ended[..], [Record::Ended { end: AttemptEnd::Expired, .. }]));
+    assert!(matches!(&ended[..], [Change::Ended { end: AttemptEnd::Expired, .. }]));
     assert_eq!(ledger.renew(&lease, None, Duration::from_secs(20)), RenewReply::Lost);
 }
 
@@ -358,14 +365,14 @@ fn a_crash_of_the_coordinator_is_no_failure_of_a_task() {
     let holder = Holder { worker: name(0), slot: 0 };
     let under_way = StoredTask {
         id: TaskId::new("1-0").unwrap(),
-        state: State::Leased { holder, deadline: Duration::ZERO },
+        state: TaskState::Leased { holder, deadline: Duration::ZERO },
         is_new_branch: false,
         attempts: 1,
         reasons: Vec::new(),
     };
     let (mut ledger, _) = Ledger::restore(rules, plans(1), vec![under_way], Duration::ZERO);
     let ended = ledger.tick(Duration::from_secs(60));
-    assert!(matches!(&ended[..], [Record::Ended { end: AttemptEnd::Released, .. }]));
+    assert!(matches!(&ended[..], [Change::Ended { end: AttemptEnd::Released, .. }]));
     assert_eq!(leased(&mut ledger, "b", Duration::from_secs(60)).attempt, Attempt(2));
 }
 

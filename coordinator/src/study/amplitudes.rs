@@ -4,27 +4,12 @@
 //! `"start:stop:step"`, which includes both ends: `"20:140:20"`, its amplitudes named by the shortest decimals that are
 //! their values. The order is kept.
 
+use super::entry::{EXAMPLE, MAX_LEVELS, Refusal, number};
 use super::range;
 use protocol::to_everyone::Amplitude;
 use solver::model::{ModelError, Place};
 use std::collections::HashMap;
 use toml::de::{DeTable, DeValue};
-
-/// Largest number of forcing amplitudes of a study.
-pub const MAX_LEVELS: usize = 100_000;
-
-/// A refused entry and what would be right.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Refusal {
-    pub value: String,
-    pub remedy: String,
-}
-
-impl Refusal {
-    pub fn new(value: impl Into<String>, remedy: impl Into<String>) -> Self {
-        Self { value: value.into(), remedy: remedy.into() }
-    }
-}
 
 /// Amplitudes as typed after an option.
 ///
@@ -54,9 +39,6 @@ pub(super) fn written(text: &str, place: impl Fn() -> Place) -> Result<Vec<Ampli
         .and_then(levels)
         .map_err(|refusal| ModelError::value(place(), refusal.value, refusal.remedy))
 }
-
-const EXAMPLE: &str =
-    "give a list like [20, 60, 100], or a text like \"20, 60, 100\" or \"20:140:20\" (start:stop:step)";
 
 /// Numbers and ranges of a TOML value, as written.
 fn entries(value: &DeValue<'_>) -> Result<Vec<String>, Refusal> {
@@ -103,16 +85,6 @@ fn levels(entries: Vec<String>) -> Result<Vec<Amplitude>, Refusal> {
         }
     }
     Ok(levels)
-}
-
-/// A finite number above zero.
-pub(super) fn number(text: &str) -> Result<f64, Refusal> {
-    match text.parse::<f64>() {
-        Ok(value) if value > 0.0 && value.is_finite() => Ok(value),
-        Ok(_) => Err(Refusal::new(text, "a forcing amplitude is a finite number above zero")),
-        Err(_) if text.is_empty() => Err(Refusal::new("(nothing)", format!("an entry is empty; {EXAMPLE}"))),
-        Err(_) => Err(Refusal::new(text, format!("not a number; {EXAMPLE}"))),
-    }
 }
 
 #[cfg(test)]

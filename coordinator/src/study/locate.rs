@@ -1,6 +1,6 @@
 //! Finds the study file and the folder of its model.
 
-use super::StudyError;
+use super::error::StudyError;
 use solver::model::{ModelError, Place};
 use std::path::{Path, PathBuf};
 

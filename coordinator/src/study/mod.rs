@@ -14,12 +14,14 @@
 //! the others. Values typed on the command line come last and reach into lists (`contact.nodes.0.gap`).
 
 mod amplitudes;
-mod difference;
+mod entry;
+mod error;
 mod locate;
 mod range;
 
-pub use amplitudes::{MAX_LEVELS, typed};
-pub use difference::{Difference, differences, settings};
+pub use amplitudes::typed;
+pub use entry::MAX_LEVELS;
+pub use error::StudyError;
 
 use locate::{locate, model_folder};
 use protocol::to_everyone::Amplitude;
@@ -27,7 +29,6 @@ use serde::Deserialize;
 use solver::model::{Layers, Model, ModelError, Place, config};
 use solver::settings::{Settings, SettingsError};
 use std::path::{Path, PathBuf};
-use thiserror::Error;
 use toml::{Table, Value};
 
 /// Keys of the study itself.
@@ -68,30 +69,6 @@ pub struct Study {
     /// The study as TOML: settings of model, study and command line merged, every numerical setting that has a value
     /// spelled out. Loads as a study in the same folder.
     pub resolved: String,
-}
-
-/// Why a study was refused. Every message names the file or option, the key, the value and a remedy.
-#[derive(Debug, Error)]
-pub enum StudyError {
-    /// There is no study at this path.
-    #[error("{}: {problem}", path.display())]
-    NoStudy {
-        /// The path as given.
-        path: PathBuf,
-        /// What is there instead, and what to do.
-        problem: String,
-    },
-    /// A setting, or the model, is refused.
-    #[error(transparent)]
-    Refused(#[from] ModelError),
-    /// The settings cannot be written as TOML.
-    #[error("{}: the settings cannot be written as TOML: {source}", file.display())]
-    Unwritable {
-        /// The study file.
-        file: PathBuf,
-        /// What the writer says.
-        source: toml::ser::Error,
-    },
 }
 
 /// What a study says about itself.

@@ -1,7 +1,6 @@
 //! Ranges `start:stop:step` in exact decimal arithmetic.
 
-use super::MAX_LEVELS;
-use super::amplitudes::{Refusal, number};
+use super::entry::{MAX_LEVELS, Refusal, number};
 use protocol::to_everyone::Amplitude;
 
 /// A decimal number, digits × 10^exponent.

@@ -2,7 +2,8 @@
 //!
 //! `../frozen/` holds one small sample of every message (of every variant, for replies) twice: its bytes
 //! (`*.snap.msgpack`, which the tests of the Python client read as well) and a view of them (`*.view.snap`), where numbers
-//! have the types they have on the wire. A change of any of them is a new `protocol::VERSION`, unless it only adds a field.
+//! have the types they have on the wire. A change of any of them is a new `protocol::VERSION`, unless it only adds a field or
+//! changes the order of fields.
 
 use crate::samples::Visit;
 use crate::{samples, view};

@@ -1,5 +1,7 @@
-//! Bytes, keys and conversions of the messages.
+//! Bytes, keys and conversions of the messages; runs that are followed.
 
+mod digest;
+mod follow;
 mod frozen;
 mod keys;
 mod round_trips;

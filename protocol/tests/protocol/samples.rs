@@ -288,7 +288,7 @@ pub fn result() -> StoredResult {
     }
 }
 
-fn result_nothing() -> StoredResult {
+pub fn result_nothing() -> StoredResult {
     StoredResult {
         task: TaskId::of_level("2.5", 4).unwrap(),
         attempt: Attempt(1),
@@ -303,7 +303,7 @@ fn result_nothing() -> StoredResult {
     }
 }
 
-fn status() -> Status {
+pub fn status() -> Status {
     Status {
         run: run(),
         name: "nonlinear damper".into(),

@@ -192,6 +192,25 @@ impl ModelError {
         Self::Value { place, value: value.to_string(), remedy: remedy.into() }
     }
 
+    /// Where the refused value stands; none if a whole file is refused.
+    pub fn place(&self) -> Option<&Place> {
+        match self {
+            Self::Read { place, .. }
+            | Self::Unknown { place, .. }
+            | Self::Type { place, .. }
+            | Self::Value { place, .. }
+            | Self::Size { place, .. }
+            | Self::NotFinite { place, .. }
+            | Self::NotSymmetric { place, .. }
+            | Self::MassNotPositive { place, .. }
+            | Self::StiffnessNegative { place, .. }
+            | Self::NoModes { place }
+            | Self::Duplicate { place, .. }
+            | Self::NoForce { place } => Some(place),
+            Self::Syntax { .. } | Self::MatrixMarket { .. } => None,
+        }
+    }
+
     /// A name that does not exist, with those that look like it.
     pub fn unknown<'a>(place: Place, name: &str, known: impl IntoIterator<Item = &'a str>) -> Self {
         /// More names than this are not shown.

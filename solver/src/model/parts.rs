@@ -1,12 +1,9 @@
-//! A model from matrices at hand.
+//! What a model is made of: matrices at hand.
 
-use super::error::ModelError;
-use super::layers::Layers;
-use super::structure::{Rest, Structure};
-use super::{Element, Model};
+use super::Element;
 use crate::linalg::Matrix;
 
-/// What [`Model::new`] needs. SI units.
+/// What [`Model::new`](super::Model::new) needs. SI units.
 #[derive(Debug, Clone)]
 pub struct ModelParts {
     /// Name shown to people.
@@ -54,16 +51,4 @@ pub enum ForcingShape {
     ModeShape(usize),
     /// The n entries of s.
     Vector(Vec<f64>),
-}
-
-impl Model {
-    /// Model from matrices at hand, checked like one that is read from a folder.
-    pub fn new(parts: ModelParts) -> Result<Self, ModelError> {
-        let origin = Layers::default();
-        let ModelParts { name, dofs, mass, stiffness, damping, shape, harmonic, elements, monitors } = parts;
-        let mass = (origin.place("matrices.mass"), mass);
-        let stiffness = (origin.place("matrices.stiffness"), stiffness);
-        Structure::new(dofs, mass, stiffness, &origin)?
-            .complete(Rest { name, damping, shape, harmonic, elements, monitors }, &origin)
-    }
 }

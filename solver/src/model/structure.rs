@@ -2,10 +2,22 @@
 
 use super::error::{ModelError, Place};
 use super::layers::Layers;
-use super::parts::{DampingParts, ForcingShape};
+use super::parts::{DampingParts, ForcingShape, ModelParts};
 use super::{Damping, Element, Forcing, Model, Modes};
 use crate::laws::{Law, LawKind};
 use crate::linalg::{LinalgError, Matrix, symmetric_eigen};
+
+impl Model {
+    /// Model from matrices at hand, checked like one that is read from a folder.
+    pub fn new(parts: ModelParts) -> Result<Self, ModelError> {
+        let origin = Layers::default();
+        let ModelParts { name, dofs, mass, stiffness, damping, shape, harmonic, elements, monitors } = parts;
+        let mass = (origin.place("matrices.mass"), mass);
+        let stiffness = (origin.place("matrices.stiffness"), stiffness);
+        Structure::new(dofs, mass, stiffness, &origin)?
+            .complete(Rest { name, damping, shape, harmonic, elements, monitors }, &origin)
+    }
+}
 
 /// Matrices that belong together, with their modes.
 pub(super) struct Structure {

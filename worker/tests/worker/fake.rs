@@ -10,7 +10,7 @@ use protocol::session::{answer, answer_encoded, listen, question, refuse};
 use protocol::to_everyone::{Manifest, StoredResult};
 use protocol::to_worker::{Acknowledgement, LeaseReply, RenewReply, SubmitReply};
 use std::collections::HashMap;
-use std::net::TcpListener;
+use std::sync::atomic::{AtomicU16, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 use worker::shutdown::Shutdown;
@@ -105,11 +105,16 @@ impl Seen {
         self.log.lock().unwrap().iter().filter(|asked| of(asked)).count()
     }
 
+    /// Waits until one more request of a kind has come.
+    pub async fn wait_for_another(&self, of: fn(&Asked) -> bool) {
+        self.wait_for(of, self.count(of) + 1).await;
+    }
+
     /// Waits until so many requests of a kind have come.
     pub async fn wait_for(&self, of: fn(&Asked) -> bool, count: usize) {
         let started = Instant::now();
         while self.count(of) < count {
-            assert!(started.elapsed() < Duration::from_secs(15), "asked: {:?}", self.log.lock().unwrap());
+            assert!(started.elapsed() < PATIENCE, "asked: {:?}", self.log.lock().unwrap());
             tokio::time::sleep(Duration::from_millis(2)).await;
         }
     }
@@ -135,14 +140,20 @@ pub struct Fake {
     pub seen: Arc<Seen>,
 }
 
-pub fn free_endpoint() -> String {
-    let port = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
-    format!("tcp/127.0.0.1:{port}")
+/// How long anything is waited for before a test fails: minutes, since the machine may be busy with other things.
+pub const PATIENCE: Duration = Duration::from_secs(300);
+
+/// An endpoint that no other test, of this process or another one, listens on or connects from: on a loopback address that
+/// belongs to this process, with a port below those that the system gives to connections.
+pub fn own_endpoint() -> String {
+    static COUNT: AtomicU16 = AtomicU16::new(0);
+    let [_, a, b, c] = std::process::id().to_be_bytes();
+    format!("tcp/127.{}.{b}.{c}:{}", 64 + a % 64, 20_000 + COUNT.fetch_add(1, Ordering::Relaxed))
 }
 
 impl Fake {
     pub async fn start(study: &Study, answer: impl FnMut(&Asked) -> Answer + Send + 'static) -> Self {
-        Self::start_at(&free_endpoint(), Arc::default(), study, answer).await
+        Self::start_at(&own_endpoint(), Arc::default(), study, answer).await
     }
 
     /// At an endpoint of one's choice, with something to see already.
@@ -199,7 +210,7 @@ struct Line {
 }
 
 pub fn options(endpoint: &str, more: &[&str]) -> Options {
-    let line = ["worker", "--connect", endpoint, "--slots", "1", "--wait", "1"];
+    let line = ["worker", "--connect", endpoint, "--slots", "1", "--wait", "100"];
     Line::parse_from(line.iter().chain(more)).options
 }
 

@@ -1,6 +1,6 @@
 //! Finding a run, or saying why there is none.
 
-use crate::fake::{Answer, Asked, Fake, drained, fine, free_endpoint, hand_out, options};
+use crate::fake::{Answer, Asked, Fake, drained, fine, hand_out, options, own_endpoint};
 use crate::study::Study;
 use protocol::ids::RunId;
 use protocol::keys::Keys;
@@ -27,8 +27,8 @@ fn another(study: &Study, run: &str, stage: Stage) -> Manifest {
 
 #[tokio::test(flavor = "multi_thread")]
 async fn nobody_is_there() {
-    let endpoint = free_endpoint();
-    let (code, message) = refusal(&options(&endpoint, &[])).await;
+    let endpoint = own_endpoint();
+    let (code, message) = refusal(&options(&endpoint, &["--wait", "1"])).await;
     assert_eq!(code, 1);
     assert_says(&message, &[&endpoint, "start one there with `isola sweep"]);
 }
@@ -42,9 +42,9 @@ async fn an_endpoint_that_is_none() {
 
 #[tokio::test(flavor = "multi_thread")]
 async fn a_router_without_a_run() {
-    let endpoint = free_endpoint();
+    let endpoint = own_endpoint();
     let _router = listen(&endpoint).await.unwrap();
-    let (code, message) = refusal(&options(&endpoint, &["--namespace", "mine"])).await;
+    let (code, message) = refusal(&options(&endpoint, &["--namespace", "mine", "--wait", "10"])).await;
     assert_eq!(code, 1);
     assert_says(&message, &[&endpoint, "namespace `mine`", "--wait"]);
 }
@@ -52,8 +52,8 @@ async fn a_router_without_a_run() {
 /// Whoever comes first waits for the other.
 #[tokio::test(flavor = "multi_thread")]
 async fn a_coordinator_that_comes_later() {
-    let (study, endpoint) = (Study::new(1), free_endpoint());
-    let early = options(&endpoint, &["--wait", "10"]);
+    let (study, endpoint) = (Study::new(1), own_endpoint());
+    let early = options(&endpoint, &[]);
     let worker = tokio::spawn(async move { worker::work(&early, &Shutdown::default()).await });
     tokio::time::sleep(std::time::Duration::from_millis(300)).await;
     let _fake = Fake::start_at(&endpoint, Default::default(), &study, hand_out(vec![study.main()])).await;
@@ -83,7 +83,7 @@ async fn a_run_that_is_over_does_not_count() {
 #[tokio::test(flavor = "multi_thread")]
 async fn a_run_that_is_not_there() {
     let fake = Fake::start(&Study::new(1), hand_out(Vec::new())).await;
-    let (code, message) = refusal(&fake.options(&["--run", "three"])).await;
+    let (code, message) = refusal(&fake.options(&["--run", "three", "--wait", "10"])).await;
     assert_eq!(code, 1);
     assert_says(&message, &["`three` was not found", &fake.endpoint, "`one` (damper, running)"]);
 }
@@ -99,7 +99,7 @@ async fn another_version_of_the_messages() {
 
 #[tokio::test(flavor = "multi_thread")]
 async fn another_version_in_the_keys() {
-    let (endpoint, run) = (free_endpoint(), RunId::new("one").unwrap());
+    let (endpoint, run) = (own_endpoint(), RunId::new("one").unwrap());
     let router = listen(&endpoint).await.unwrap();
     let key = Keys::new("isola", &run).run().replace("/v1/", "/v2/");
     let reply = key.clone();

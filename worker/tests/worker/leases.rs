@@ -1,47 +1,48 @@
 //! Leases that are renewed, lost, cancelled, given twice.
 
 use crate::fake::{Answer, Asked, Fake, drained, fine, grant, hand_out, wait};
-use crate::study::Study;
+use crate::study::{LONG_LEASE, Study};
 use protocol::branch::FindingMessage;
 use protocol::from_worker::Progress;
 use protocol::ids::{Attempt, TaskId};
 use protocol::to_everyone::Stage;
-use protocol::to_worker::{RenewReply, SubmitReply};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use protocol::to_worker::{Grant, RenewReply, SubmitReply};
 use std::time::{Duration, Instant};
-use worker::Ending;
 use worker::shutdown::Shutdown;
+use worker::{Ending, Summary};
 
-/// Time within which a branch under way hears that it is to stop.
-const SOON: Duration = Duration::from_millis(1500);
-
-/// An endless branch, and then nothing; renewals are answered by `verdict` once it is set.
-async fn endless(verdict: RenewReply) -> (Fake, Arc<AtomicBool>) {
-    let study = Study::endless();
-    let mut grants = vec![study.main()].into_iter();
-    let decided = Arc::new(AtomicBool::new(false));
-    let is_decided = decided.clone();
+/// An endless branch, and then nothing; renewals are answered by `verdict`.
+async fn endless(study: &Study, grant: Grant, verdict: RenewReply) -> Fake {
+    let mut grants = vec![grant].into_iter();
     let answer = move |asked: &Asked| match asked {
-        Asked::Lease(_) => grants.next().map_or_else(drained, grant),
-        Asked::Renew(_) if is_decided.load(Ordering::Relaxed) => Answer::Renew(verdict),
+        Asked::Lease(_) => grants.next().map_or_else(drained, self::grant),
+        Asked::Renew(_) => Answer::Renew(verdict),
         _ => fine(asked),
     };
-    (Fake::start(&study, answer).await, decided)
+    Fake::start(study, answer).await
+}
+
+/// Runs a worker on an endless branch with a lease that needs no sign of life for long; once it is under way, the
+/// coordinator hints that there is something to ask.
+async fn hinted(fake: &Fake) -> Summary {
+    let task = TaskId::of_level("0.008", 0).unwrap();
+    let under_way = fake.session.declare_subscriber(fake.keys.progress(&task)).await.unwrap();
+    let options = fake.options(&[]);
+    let worker = tokio::spawn(async move { worker::work(&options, &Shutdown::default()).await });
+    under_way.recv_async().await.unwrap();
+    assert_eq!(fake.seen.count(Asked::is_renew), 0);
+    let started = Instant::now();
+    fake.hint().await;
+    let summary = worker.await.unwrap().unwrap();
+    assert!(started.elapsed() < LONG_LEASE / 3, "it did not hear the hint");
+    summary
 }
 
 #[tokio::test(flavor = "multi_thread")]
 async fn a_lost_lease_stops_its_branch() {
-    let (fake, decided) = endless(RenewReply::Lost).await;
-    let options = fake.options(&[]);
-    let worker = tokio::spawn(async move { worker::work(&options, &Shutdown::default()).await });
-    // Renewed by itself, three times a lease.
-    fake.seen.wait_for(Asked::is_renew, 1).await;
-    decided.store(true, Ordering::Relaxed);
-    let started = Instant::now();
-    fake.hint().await;
-    let summary = worker.await.unwrap().unwrap();
-    assert!(started.elapsed() < SOON, "{:?}", started.elapsed());
+    let study = Study::endless();
+    let fake = endless(&study, study.long_main(), RenewReply::Lost).await;
+    let summary = hinted(&fake).await;
     assert_eq!((summary.ending, summary.done), (Ending::Drained, 0));
     assert_eq!(fake.seen.count(Asked::is_release), 0);
     assert_eq!(fake.seen.count(Asked::is_submit), 0);
@@ -49,27 +50,30 @@ async fn a_lost_lease_stops_its_branch() {
 
 #[tokio::test(flavor = "multi_thread")]
 async fn cancelling_gives_the_branch_back() {
-    let (fake, decided) = endless(RenewReply::Cancel).await;
-    let options = fake.options(&[]);
-    let worker = tokio::spawn(async move { worker::work(&options, &Shutdown::default()).await });
-    fake.seen.wait_for(Asked::is_renew, 1).await;
-    decided.store(true, Ordering::Relaxed);
+    let study = Study::endless();
+    let fake = endless(&study, study.long_main(), RenewReply::Cancel).await;
     fake.change(|manifest| manifest.stage = Stage::Cancelled);
-    let started = Instant::now();
-    fake.hint().await;
-    let summary = worker.await.unwrap().unwrap();
-    assert!(started.elapsed() < SOON, "{:?}", started.elapsed());
+    let summary = hinted(&fake).await;
     assert_eq!((summary.ending, summary.done), (Ending::Cancelled, 0));
     assert_eq!(fake.seen.count(Asked::is_release), 1);
     // Nothing is asked of a coordinator that may be gone already.
     assert_eq!(fake.seen.count(Asked::is_lease), 1);
 }
 
+/// Without a hint it is heard by renewals, three times a lease.
+#[tokio::test(flavor = "multi_thread")]
+async fn a_lost_lease_is_noticed_by_itself() {
+    let study = Study::endless();
+    let fake = endless(&study, study.main(), RenewReply::Lost).await;
+    assert_eq!(fake.work(&[]).await.unwrap().ending, Ending::Drained);
+    assert_eq!(fake.seen.count(Asked::is_renew), 1);
+}
+
 /// A coordinator that stops, and may come back: the worker asks again.
 #[tokio::test(flavor = "multi_thread")]
 async fn a_coordinator_that_stops_is_waited_for() {
-    let (fake, decided) = endless(RenewReply::Cancel).await;
-    decided.store(true, Ordering::Relaxed);
+    let study = Study::endless();
+    let fake = endless(&study, study.main(), RenewReply::Cancel).await;
     assert_eq!(fake.work(&[]).await.unwrap().ending, Ending::Drained);
     assert_eq!(fake.seen.count(Asked::is_release), 1);
     assert_eq!(fake.seen.count(Asked::is_lease), 2);
@@ -77,26 +81,27 @@ async fn a_coordinator_that_stops_is_waited_for() {
 
 #[tokio::test(flavor = "multi_thread")]
 async fn progress_is_shown_and_told() {
-    let (fake, decided) = endless(RenewReply::Lost).await;
+    let study = Study::endless();
+    let fake = Fake::start(&study, hand_out(vec![study.main()])).await;
     let task = TaskId::of_level("0.008", 0).unwrap();
     let puts = fake.session.declare_subscriber(fake.keys.progress(&task)).await.unwrap();
-    let options = fake.options(&[]);
-    let worker = tokio::spawn(async move { worker::work(&options, &Shutdown::default()).await });
+    let (options, shutdown) = (fake.options(&[]), Shutdown::default());
+    let told_to_end = shutdown.clone();
+    let started = Instant::now();
+    let worker = tokio::spawn(async move { worker::work(&options, &shutdown).await });
     let mut points = Vec::new();
     for _ in 0..3 {
         let sample = puts.recv_async().await.unwrap();
         let encoding = sample.encoding().to_string();
         let progress: Progress = protocol::codec::decode(&sample.payload().to_bytes(), &encoding).unwrap();
-        points.push((Instant::now(), progress.points));
+        points.push(progress.points);
     }
-    assert!(points.windows(2).all(|pair| pair[0].1 < pair[1].1), "{points:?}");
-    assert!(points[2].0 - points[0].0 > Duration::from_millis(800), "more often than twice a second: {points:?}");
-    decided.store(true, Ordering::Relaxed);
-    fake.hint().await;
+    assert!(points.is_sorted_by(|earlier, later| earlier < later), "{points:?}");
+    assert!(started.elapsed() > Duration::from_millis(1400), "more often than twice a second: {:?}", started.elapsed());
+    let tells = |asked: &Asked| matches!(asked, Asked::Renew(request) if request.progress.is_some());
+    fake.seen.wait_for(tells, 1).await;
+    told_to_end.begin(Duration::ZERO);
     worker.await.unwrap().unwrap();
-    let log = fake.seen.log.lock().unwrap();
-    let told = log.iter().any(|asked| matches!(asked, Asked::Renew(request) if request.progress.is_some()));
-    assert!(told, "{log:?}");
 }
 
 /// A grant that is given again is computed again: its result may have been lost with the answer.

@@ -1,6 +1,6 @@
 //! A whole level, task by task.
 
-use crate::fake::{Answer, Asked, Fake, Seen, drained, fine, free_endpoint, grant, hand_out};
+use crate::fake::{Answer, Asked, Fake, Seen, drained, fine, grant, hand_out, own_endpoint};
 use crate::study::{Study, quiet};
 use protocol::branch::FindingMessage;
 use protocol::curve::Size;
@@ -92,7 +92,7 @@ async fn by_worker(accept: SubmitReply) -> (Vec<(BranchId, Branch)>, Account) {
             _ => fine(asked),
         }
     };
-    let fake = Fake::start_at(&free_endpoint(), seen, &study, answer).await;
+    let fake = Fake::start_at(&own_endpoint(), seen, &study, answer).await;
     let summary = fake.work(&[]).await.unwrap();
     assert_eq!(summary.ending, Ending::Drained);
     assert_eq!(summary.done, fake.seen.submitted().len());

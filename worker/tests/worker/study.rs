@@ -14,6 +14,13 @@ use solver::settings::Settings;
 use solver::task::Task;
 use std::ops::ControlFlow;
 use std::path::Path;
+use std::time::Duration;
+
+/// A lease with a sign of life every 200 ms.
+const LEASE_MS: u64 = 600;
+
+/// A lease without a sign of life within a test, unless there is a hint.
+pub const LONG_LEASE: Duration = Duration::from_secs(900);
 
 /// Observes nothing.
 pub fn quiet(_: &BranchPoint) -> ControlFlow<()> {
@@ -67,7 +74,7 @@ impl Study {
             amplitudes: vec![Amplitude { text: "0.008".into(), value: 0.008 }],
             monitors: vec!["x1".into()],
             stage: Stage::Sweep,
-            lease_ms: 600,
+            lease_ms: LEASE_MS,
             max_result_bytes: 100_000_000,
         }
     }
@@ -80,7 +87,7 @@ impl Study {
         Grant {
             task: TaskId::of_level("0.008", index).unwrap(),
             attempt: Attempt(1),
-            ttl_ms: 600,
+            ttl_ms: LEASE_MS,
             amplitude,
             reach: self.reach(),
             work,
@@ -92,5 +99,10 @@ impl Study {
     /// The main branch.
     pub fn main(&self) -> Grant {
         self.grant(0, Task::Main, Vec::new())
+    }
+
+    /// The main branch, with a lease that needs no sign of life within a test.
+    pub fn long_main(&self) -> Grant {
+        Grant { ttl_ms: LONG_LEASE.as_millis() as u64, ..self.main() }
     }
 }

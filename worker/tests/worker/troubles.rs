@@ -1,6 +1,6 @@
 //! Silence, restarts, failures.
 
-use crate::fake::{Answer, Asked, Fake, drained, fine, free_endpoint, grant, hand_out};
+use crate::fake::{Answer, Asked, Fake, drained, fine, grant, hand_out, own_endpoint};
 use crate::study::Study;
 use protocol::curve::Seeds;
 use protocol::ids::TaskId;
@@ -59,7 +59,7 @@ async fn silence_is_outlasted() {
 /// The coordinator goes away while a branch is computed, and comes back at the same place: the branch goes on.
 #[tokio::test(flavor = "multi_thread")]
 async fn a_restart_of_the_coordinator() {
-    let (study, endpoint) = (Study::endless(), free_endpoint());
+    let (study, endpoint) = (Study::endless(), own_endpoint());
     let first = Fake::start_at(&endpoint, Arc::default(), &study, hand_out(vec![study.main()])).await;
     let (options, shutdown) = (first.options(&["--grace", "0"]), Shutdown::default());
     let worker = {
@@ -87,7 +87,7 @@ async fn patience_ends() {
     let fake = Fake::start(&study, answer).await;
     let started = Instant::now();
     let error = fake.work(&["--patience", "2"]).await.unwrap_err();
-    assert!(started.elapsed() < Duration::from_secs(8));
+    assert!(started.elapsed() >= Duration::from_secs(2));
     assert_eq!(error.exit_code(), 1);
     let message = error.to_string();
     assert!(message.contains(&fake.endpoint) && message.contains("for 2 s") && message.contains("`one`"), "{message}");
@@ -182,8 +182,8 @@ async fn a_result_that_does_not_get_through() {
     let mut hand_out = hand_out(vec![study.main()]);
     let answer = move |asked: &Asked| if asked.is_submit() { Answer::Silence } else { hand_out(asked) };
     let fake = Fake::start(&study, answer).await;
-    assert_eq!(fake.work(&["--patience", "1"]).await.unwrap().done, 0);
+    assert_eq!(fake.work(&["--patience", "5"]).await.unwrap().done, 0);
     assert!(fake.seen.count(Asked::is_submit) > 2);
     assert!(fake.seen.count(Asked::is_renew) > 0, "the lease is kept meanwhile");
-    assert_one(&fake.seen.reasons(), &["bytes was not answered for 1 s"]);
+    assert_one(&fake.seen.reasons(), &["bytes was not answered for 5 s"]);
 }

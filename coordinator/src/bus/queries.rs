@@ -1,0 +1,111 @@
+//! Queries of anyone: answered from what the run is now and from the store.
+
+use super::state::{PublishedSweep, RunState};
+use protocol::backbone::BackboneMessage;
+use protocol::codec::encoding;
+use protocol::ids::TaskId;
+use protocol::keys::{Keys, last_chunk};
+use protocol::model::ModelMessage;
+use protocol::session::{answer, answer_encoded, refuse};
+use protocol::to_everyone::{StoredResult, WindowsMessage};
+use results::store::{Reader, StoreError};
+use std::path::PathBuf;
+use std::sync::Mutex;
+use tokio::sync::watch;
+use zenoh::key_expr::keyexpr;
+use zenoh::query::Query;
+
+/// Everything that anyone may ask for.
+pub(super) struct Queries {
+    directory: PathBuf,
+    keys: Keys,
+    /// The `model` message.
+    model_bytes: Vec<u8>,
+    state: watch::Receiver<RunState>,
+    /// Open and not in use.
+    readers: Mutex<Vec<Reader>>,
+}
+
+impl Queries {
+    /// Of the run in a folder.
+    pub fn new(directory: PathBuf, keys: Keys, model_bytes: Vec<u8>, state: watch::Receiver<RunState>) -> Self {
+        Self { directory, keys, model_bytes, state, readers: Mutex::new(Vec::new()) }
+    }
+
+    /// Answers a query. May wait for the disk, and for room on the way to whoever asked.
+    pub fn answer(&self, query: &Query) {
+        let asks = |own: &str| keyexpr::new(own).is_ok_and(|own| own.intersects(query.key_expr()));
+        let keys = &self.keys;
+        if asks(&keys.run()) {
+            let manifest = self.state.borrow().manifest.clone();
+            answer(query, &keys.run(), &manifest);
+        } else if asks(&keys.model()) {
+            answer_encoded(query, &keys.model(), self.model_bytes.clone(), &encoding::<ModelMessage>());
+        } else if asks(&keys.status()) {
+            let status = self.state.borrow().status.clone();
+            match status {
+                Some(status) => answer(query, &keys.status(), &status),
+                None => refuse(query, "the run is just starting"),
+            }
+        } else if asks(&keys.backbone()) || asks(&keys.windows()) || asks(&keys.seeds()) {
+            let sweep = self.state.borrow().sweep.clone();
+            match sweep {
+                Some(sweep) => self.answer_of_sweep(query, &sweep),
+                None => refuse(query, "the backbone is still being computed"),
+            }
+        } else if let Err(error) = self.answer_from_store(query) {
+            tracing::error!(%error, "a stored result cannot be read");
+            refuse(query, &error.to_string());
+        }
+    }
+
+    fn answer_of_sweep(&self, query: &Query, sweep: &PublishedSweep) {
+        let keys = &self.keys;
+        let asked = query.key_expr().as_str();
+        if asked == keys.backbone() {
+            answer_encoded(query, asked, sweep.backbone_bytes.clone(), &encoding::<BackboneMessage>());
+        } else if asked == keys.windows() {
+            answer_encoded(query, asked, sweep.windows_bytes.clone(), &encoding::<WindowsMessage>());
+        } else {
+            match TaskId::new(last_chunk(asked)).ok().and_then(|task| sweep.seed(&task)) {
+                Some(seed) => answer(query, &keys.seed(&seed.task), &seed),
+                None => refuse(query, "ask for the seed of one task: seed/<task>"),
+            }
+        }
+    }
+
+    fn answer_from_store(&self, query: &Query) -> Result<(), StoreError> {
+        let reader = self.readers.lock().expect("no holder of this lock panics").pop();
+        let reader = reader.map_or_else(|| Reader::open(&self.directory), Ok)?;
+        let answered = self.answer_from(&reader, query);
+        self.readers.lock().expect("no holder of this lock panics").push(reader);
+        answered
+    }
+
+    fn answer_from(&self, reader: &Reader, query: &Query) -> Result<(), StoreError> {
+        let (keys, asked) = (&self.keys, query.key_expr());
+        let one = TaskId::new(last_chunk(asked.as_str())).ok();
+        if let Some(task) = one.as_ref().filter(|task| asked.as_str() == keys.result(task)) {
+            if !self.answer_result(reader, query, task)? {
+                refuse(query, &format!("task {task} has no result yet"));
+            }
+            return Ok(());
+        }
+        let all_results = keyexpr::new(&keys.results()).is_ok_and(|own| own.intersects(asked));
+        for done in reader.done()? {
+            if all_results {
+                self.answer_result(reader, query, &done.task)?;
+            } else if one.as_ref().is_none_or(|task| *task == done.task) {
+                answer(query, &keys.done(&done.task), &done);
+            }
+        }
+        Ok(())
+    }
+
+    /// Answers with the result of a task, to the byte what was announced; false if there is none.
+    fn answer_result(&self, reader: &Reader, query: &Query, task: &TaskId) -> Result<bool, StoreError> {
+        let Some(bytes) = reader.encoded_result(task)? else { return Ok(false) };
+        answer_encoded(query, &self.keys.result(task), bytes, &encoding::<StoredResult>());
+        Ok(true)
+    }
+}

@@ -1,0 +1,46 @@
+//! A result as it reaches the engine.
+
+use protocol::array::ArrayError;
+use protocol::branch::FindingMessage;
+use protocol::curve::Size;
+use protocol::digest::HashedBranch;
+use protocol::from_worker::{Lease, SubmitRequest};
+use results::store::Extent;
+use solver::task::SeedOutcome;
+
+/// A result that fits the model, its branch encoded and hashed. Making one takes as long as its branch is large: done
+/// beside the engine.
+#[derive(Debug)]
+pub struct CheckedResult {
+    /// Whose.
+    pub lease: Lease,
+    /// Version of the program that computed it.
+    pub program: String,
+    /// Computing time, s.
+    pub seconds: f64,
+    /// The new branch, if it found one.
+    pub branch: HashedBranch,
+    /// The new branch in numbers.
+    pub extent: Option<Extent>,
+    /// What became of the task, if it found no new branch.
+    pub outcome: Option<SeedOutcome>,
+}
+
+impl CheckedResult {
+    /// Checks, encodes and hashes what was submitted for a model of this size.
+    ///
+    /// # Errors
+    /// If the branch does not fit the model.
+    pub fn new(request: SubmitRequest, size: &Size) -> Result<Self, ArrayError> {
+        let SubmitRequest { lease, program, seconds, finding } = request;
+        let (branch, outcome) = match finding {
+            FindingMessage::Branch(branch) => (Some(branch), None),
+            FindingMessage::Nothing(outcome) => (None, Some(outcome)),
+        };
+        if let Some(branch) = &branch {
+            branch.branch(size)?;
+        }
+        let extent = branch.as_ref().map(Extent::of);
+        Ok(Self { lease, program, seconds, branch: HashedBranch::new(branch), extent, outcome })
+    }
+}

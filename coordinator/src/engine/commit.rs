@@ -1,0 +1,58 @@
+//! The thread that commits: decisions that wait together share one transaction.
+
+use super::decision::News;
+use results::journal::{AcceptedResult, Change};
+use results::store::{Store, StoreError};
+use std::sync::mpsc::Receiver;
+use tracing::{info, warn};
+
+/// Most decisions that share a transaction.
+const BATCH: usize = 64;
+
+/// A decision on its way.
+pub struct Decided {
+    /// What is to be put on disk.
+    pub changes: Vec<Change>,
+    /// Gives the answer, then.
+    pub answer: Option<Box<dyn FnOnce() + Send>>,
+    /// What is to be told, then.
+    pub news: Vec<News>,
+}
+
+/// Commits decisions, in their order, and then lets answers go and tells the news; until nobody decides any more.
+///
+/// # Errors
+/// If the store cannot be written. Everything that was answered is stored.
+pub fn commit(mut store: Store, decided: &Receiver<Decided>, mut tell: impl FnMut(News)) -> Result<(), StoreError> {
+    while let Ok(first) = decided.recv() {
+        let (mut changes, mut answers, mut news) = (Vec::new(), Vec::new(), Vec::new());
+        for decision in std::iter::once(first).chain(decided.try_iter().take(BATCH - 1)) {
+            changes.extend(decision.changes);
+            answers.extend(decision.answer);
+            news.extend(decision.news);
+        }
+        if !changes.is_empty() {
+            changes.iter().for_each(log);
+            store.commit(&changes)?;
+        }
+        answers.into_iter().for_each(|answer| answer());
+        news.into_iter().for_each(&mut tell);
+    }
+    Ok(())
+}
+
+fn log(change: &Change) {
+    match change {
+        Change::Granted { task, attempt, holder } => info!(%task, %attempt, worker = %holder.worker, "granted"),
+        Change::Ended { task, attempt, end } => {
+            warn!(%task, %attempt, end = end.name(), reason = end.reason().unwrap_or(""), "attempt ended without a result");
+        }
+        Change::Dead { task } => warn!(%task, "given up"),
+        Change::Result(AcceptedResult { result, digest, .. }) => {
+            let (task, worker, seconds) = (&result.task, &result.worker, result.seconds);
+            info!(%task, %worker, seconds, size = digest.size, "{}", result.outcome);
+        }
+        Change::Stage(stage) => info!("{}", stage.name()),
+        Change::Planned(_) | Change::Done { .. } | Change::Skipped { .. } | Change::Revived { .. } => {}
+    }
+}

@@ -1,0 +1,67 @@
+//! What the engine decides.
+
+use crate::ledger::Granted;
+use protocol::control::ControlReply;
+use protocol::to_everyone::{Done, Manifest, Status};
+use protocol::to_worker::{Acknowledgement, RenewReply, SubmitReply};
+use results::journal::Change;
+use std::time::Duration;
+
+/// What follows from an event.
+#[derive(Debug, Default, PartialEq)]
+pub struct Decision {
+    /// What has to be on disk before the answer is given and the news are told.
+    pub changes: Vec<Change>,
+    /// The answer to whoever asked; without one they ask again.
+    pub answer: Option<Answer>,
+    /// What everybody should hear of.
+    pub news: Vec<News>,
+}
+
+/// An answer to whoever caused an event.
+#[derive(Debug, PartialEq)]
+pub enum Answer {
+    /// This task, with seeds that whoever hands on the answer makes.
+    Grant(Granted),
+    /// No task now; after so long there may be one.
+    Wait(Duration),
+    /// No task any more.
+    Drained,
+    /// No task for this worker, ever, and why.
+    Stop(String),
+    /// To a sign of life.
+    Renew(RenewReply),
+    /// To a result.
+    Submit(SubmitReply),
+    /// To a failure or a release.
+    Acknowledge(Acknowledgement),
+    /// To an order.
+    Control(ControlReply),
+}
+
+/// Something to tell everybody.
+#[derive(Debug, PartialEq)]
+pub enum News {
+    /// The run has changed.
+    Manifest(Manifest),
+    /// A result was stored.
+    Done(Done),
+    /// How the run is doing.
+    Status(Status),
+    /// Workers should ask how things are.
+    Hint,
+}
+
+impl Decision {
+    /// An answer that follows from changes.
+    pub(super) fn new(answer: Answer, changes: Vec<Change>) -> Self {
+        Self { changes, answer: Some(answer), news: Vec::new() }
+    }
+}
+
+impl Answer {
+    /// Whether it tells of nothing that has to be on disk.
+    pub(super) fn is_immediate(&self) -> bool {
+        matches!(self, Self::Renew(_))
+    }
+}

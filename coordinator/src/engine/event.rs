@@ -1,0 +1,57 @@
+//! What the engine is told and asked.
+
+use super::checked_result::CheckedResult;
+use protocol::control::ControlRequest;
+use protocol::from_worker::{FailRequest, LeaseRequest, Progress, ReleaseRequest, RenewRequest};
+use protocol::ids::{TaskId, WorkerId};
+use results::journal::{StoredTask, SweepPlan};
+use results::store::Extent;
+use std::collections::HashMap;
+use std::sync::Arc;
+
+/// Something to decide.
+#[derive(Debug)]
+pub enum Event {
+    /// A worker asks for work.
+    Lease(LeaseRequest),
+    /// A worker is alive.
+    Renew(RenewRequest),
+    /// A result.
+    Submit(Box<CheckedResult>),
+    /// A task that cannot be carried out.
+    Fail(FailRequest),
+    /// A task given back.
+    Release(ReleaseRequest),
+    /// Somebody wants something.
+    Control(ControlRequest),
+    /// A worker vanished from the bus.
+    WorkerGone(WorkerId),
+    /// Where the branch of a task is.
+    Progress(TaskId, Progress),
+    /// Where the backbone is.
+    Backbone(Progress),
+    /// Backbone and windows are there: the sweep begins.
+    Begin(Box<Beginning>),
+    /// Time has passed.
+    Tick,
+    /// Hand out nothing any more: the process ends.
+    Stop,
+}
+
+/// What a sweep begins with.
+#[derive(Debug)]
+pub struct Beginning {
+    /// Backbone, reach and tasks of every level.
+    pub plan: Arc<SweepPlan>,
+    /// What the store has of the sweep; `None`: nothing, the plan neither.
+    pub stored: Option<Stored>,
+}
+
+/// A sweep that was interrupted.
+#[derive(Debug, Default)]
+pub struct Stored {
+    /// What has become of the tasks: those done in the order of their announcements, then the others.
+    pub tasks: Vec<StoredTask>,
+    /// The branches found, in numbers, by task.
+    pub extents: HashMap<TaskId, Extent>,
+}

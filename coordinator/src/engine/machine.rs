@@ -1,0 +1,198 @@
+//! The state machine of a run.
+
+use super::decision::{Answer, Decision, News};
+use super::event::{Beginning, Event};
+use super::sweep::Sweep;
+use crate::ledger::{Ledger, Rules};
+use protocol::control::{ControlReply, ControlRequest};
+use protocol::from_worker::{FailRequest, LeaseRequest, Progress, ReleaseRequest, RenewRequest};
+use protocol::to_everyone::{Manifest, Stage, Status};
+use results::journal::Change;
+use std::time::Duration;
+
+/// Time between two reports of the status.
+const STATUS_PERIOD: Duration = Duration::from_millis(500);
+/// When to ask again for work that is about to be there.
+const SOON: Duration = Duration::from_millis(200);
+/// When to ask again a coordinator that is about to end.
+const LATER: Duration = Duration::from_secs(1);
+/// What a cancelled run answers.
+const CANCELLED: &str = "the run was cancelled";
+
+/// Decides what follows from events. Times are durations since the start of this process's part in the run.
+#[derive(Debug)]
+pub struct Engine {
+    manifest: Manifest,
+    rules: Rules,
+    /// Where the backbone is, as long as it is being computed.
+    backbone: Option<Progress>,
+    sweep: Option<Sweep>,
+    /// When the first task was handed out, and how many were settled before.
+    first_grant: Option<(Duration, usize)>,
+    /// When the status was last told.
+    reported: Option<Duration>,
+    stopping: bool,
+}
+
+impl Engine {
+    /// Engine of the run that `manifest` describes.
+    pub fn new(manifest: Manifest, rules: Rules) -> Self {
+        Self { manifest, rules, backbone: None, sweep: None, first_grant: None, reported: None, stopping: false }
+    }
+
+    /// Decides.
+    pub fn handle(&mut self, event: Event, now: Duration) -> Decision {
+        let mut decision = match (event, &mut self.sweep) {
+            (Event::Lease(request), _) => self.lease(&request, now),
+            (Event::Control(request), _) => self.control(request, now),
+            (Event::Begin(beginning), _) => self.begin(*beginning, now),
+            (Event::Tick, _) => self.tick(now),
+            (Event::Stop, _) => {
+                self.stopping = true;
+                Decision::default()
+            }
+            (Event::Backbone(progress), _) => {
+                self.backbone = Some(progress);
+                Decision::default()
+            }
+            // Asked again without an answer: the sweep is about to begin.
+            (_, None) => Decision::default(),
+            (Event::Renew(RenewRequest { lease, progress }), Some(sweep)) => sweep.renew(&lease, progress, now),
+            (Event::Submit(result), Some(sweep)) => sweep.submit(*result, &self.manifest.run),
+            (Event::Fail(FailRequest { lease, reason }), Some(sweep)) => sweep.fail(&lease, &reason, now),
+            (Event::Release(ReleaseRequest { lease }), Some(sweep)) => sweep.release(&lease, now),
+            (Event::WorkerGone(worker), Some(sweep)) => {
+                sweep.ledger.worker_gone(&worker, now);
+                Decision::default()
+            }
+            (Event::Progress(task, progress), Some(sweep)) => {
+                sweep.ledger.note(&task, progress);
+                Decision::default()
+            }
+        };
+        let is_finished = self.sweep.as_ref().is_some_and(|sweep| sweep.ledger.is_finished());
+        if self.manifest.stage == Stage::Sweep && is_finished {
+            self.enter(Stage::Finished, now, &mut decision);
+        }
+        decision
+    }
+
+    fn lease(&mut self, request: &LeaseRequest, now: Duration) -> Decision {
+        let without_task = |answer| Decision::new(answer, Vec::new());
+        if request.protocol != protocol::VERSION {
+            return without_task(Answer::Stop(other_version(request)));
+        }
+        let Some(sweep) = &mut self.sweep else {
+            let is_cancelled = self.manifest.stage == Stage::Cancelled;
+            return without_task(if is_cancelled { Answer::Stop(CANCELLED.into()) } else { Answer::Wait(SOON) });
+        };
+        if self.stopping {
+            return without_task(Answer::Wait(LATER));
+        }
+        let decision = sweep.lease(&request.worker, request.slot, CANCELLED, now);
+        if matches!(decision.answer, Some(Answer::Grant(_))) && self.first_grant.is_none() {
+            self.first_grant = Some((now, sweep.ledger.settled()));
+        }
+        decision
+    }
+
+    fn begin(&mut self, beginning: Beginning, now: Duration) -> Decision {
+        let mut decision = Decision::default();
+        // Cancelled in between.
+        if self.manifest.stage == Stage::Cancelled {
+            return decision;
+        }
+        self.manifest.reach = Some(beginning.plan.reach);
+        let (sweep, changes) = Sweep::begin(self.rules, beginning, now);
+        self.sweep = Some(sweep);
+        decision.changes = changes;
+        self.enter(Stage::Sweep, now, &mut decision);
+        decision
+    }
+
+    fn control(&mut self, request: ControlRequest, now: Duration) -> Decision {
+        let mut decision = Decision::default();
+        let run = self.manifest.run.clone();
+        let message = match (request, &mut self.sweep, self.manifest.stage) {
+            (ControlRequest::Cancel, _, Stage::Finished) => format!("run {run} has finished already"),
+            (ControlRequest::Cancel, sweep, _) => {
+                sweep.iter_mut().for_each(|sweep| sweep.ledger.cancel());
+                self.enter(Stage::Cancelled, now, &mut decision);
+                decision.news.push(News::Hint);
+                format!("run {run} is cancelled; what is stored stays")
+            }
+            (ControlRequest::RetryDead, _, Stage::Cancelled) => {
+                format!("run {run} was cancelled: go on with `isola resume` first")
+            }
+            (ControlRequest::RetryDead, None, _) => format!("run {run} has not begun: there are no dead tasks"),
+            (ControlRequest::RetryDead, Some(sweep), stage) => {
+                decision.changes = sweep.ledger.retry_dead();
+                let is_revived = |change: &&Change| matches!(change, Change::Revived { .. });
+                let count = decision.changes.iter().filter(is_revived).count();
+                if count > 0 && stage == Stage::Finished {
+                    self.enter(Stage::Sweep, now, &mut decision);
+                }
+                format!("{count} dead tasks of run {run} are tried again")
+            }
+        };
+        decision.answer = Some(Answer::Control(ControlReply { message }));
+        decision
+    }
+
+    fn tick(&mut self, now: Duration) -> Decision {
+        let mut decision = Decision::default();
+        // While the process ends nobody is asked to go on, and nothing is held against anybody.
+        if let Some(sweep) = self.sweep.as_mut().filter(|_| !self.stopping) {
+            decision.changes = sweep.ledger.tick(now);
+        }
+        if self.reported.is_none_or(|reported| now >= reported + STATUS_PERIOD) {
+            self.reported = Some(now);
+            decision.news.push(News::Status(self.status(now)));
+        }
+        decision
+    }
+
+    fn enter(&mut self, stage: Stage, now: Duration, decision: &mut Decision) {
+        self.manifest.stage = stage;
+        decision.changes.push(Change::Stage(stage));
+        decision.news.push(News::Manifest(self.manifest.clone()));
+        decision.news.push(News::Status(self.status(now)));
+    }
+
+    fn status(&self, now: Duration) -> Status {
+        let ledger = self.sweep.as_ref().map(|sweep| &sweep.ledger);
+        let tasks = ledger.map(Ledger::counts).unwrap_or_default();
+        let (levels, levels_done) = ledger.map_or((self.manifest.amplitudes.len(), 0), Ledger::levels);
+        let settled = tasks.done + tasks.skipped + tasks.dead;
+        let eta = self.first_grant.and_then(|(since, before)| {
+            let rate = (settled - before.min(settled)) as f64 / now.saturating_sub(since).as_secs_f64();
+            (rate > 0.0).then(|| (tasks.waiting + tasks.running) as f64 / rate)
+        });
+        Status {
+            run: self.manifest.run.clone(),
+            name: self.manifest.name.clone(),
+            stage: self.manifest.stage,
+            backbone: self.backbone,
+            tasks,
+            levels,
+            levels_done,
+            active: ledger.map(Ledger::active).unwrap_or_default(),
+            workers: ledger.map(Ledger::workers).unwrap_or_default(),
+            sequence: ledger.map_or(0, Ledger::sequence),
+            elapsed: now.as_secs_f64(),
+            eta,
+        }
+    }
+}
+
+fn other_version(request: &LeaseRequest) -> String {
+    format!(
+        "worker {} speaks version {} of the messages (Isola {}), this run version {} (Isola {}): install the same Isola on \
+         both sides",
+        request.worker,
+        request.protocol,
+        request.program,
+        protocol::VERSION,
+        protocol::PROGRAM
+    )
+}

@@ -1,0 +1,137 @@
+//! The sweep: a ledger, and what is compared with results that come twice.
+
+use super::checked_result::CheckedResult;
+use super::decision::{Answer, Decision, News};
+use super::event::Beginning;
+use crate::ledger::{Accepted, Leased, Ledger, Rules, Submitted};
+use protocol::from_worker::{Lease, Progress};
+use protocol::ids::{RunId, TaskId, WorkerId};
+use protocol::to_everyone::{Done, StoredResult};
+use protocol::to_worker::{Acknowledgement, SubmitReply};
+use results::journal::{AcceptedResult, Change};
+use results::store::Extent;
+use solver::task::SeedOutcome;
+use std::collections::HashMap;
+use std::time::Duration;
+use tracing::warn;
+
+/// Relative difference of range and peak up to which two results of a task agree: vector instructions differ between
+/// processors.
+const AGREEMENT: f64 = 1e-6;
+
+/// A sweep under way.
+#[derive(Debug)]
+pub(super) struct Sweep {
+    pub ledger: Ledger,
+    /// Accepted branches in numbers.
+    extents: HashMap<TaskId, Extent>,
+}
+
+impl Sweep {
+    /// A sweep that begins or goes on; the changes put it on disk.
+    pub fn begin(rules: Rules, beginning: Beginning, now: Duration) -> (Self, Vec<Change>) {
+        let Beginning { plan, stored } = beginning;
+        let mut changes = Vec::new();
+        if stored.is_none() {
+            changes.push(Change::Planned(plan.clone()));
+        }
+        let stored = stored.unwrap_or_default();
+        let (ledger, settled) = Ledger::restore(rules, plan.levels.clone(), stored.tasks, now);
+        changes.extend(settled);
+        (Self { ledger, extents: stored.extents }, changes)
+    }
+
+    /// A task for a computing thread. `cancelled`: what it is told if the run was cancelled.
+    pub fn lease(&mut self, worker: &WorkerId, slot: u32, cancelled: &str, now: Duration) -> Decision {
+        let (leased, changes) = self.ledger.lease(worker, slot, now);
+        let answer = match leased {
+            Leased::Grant(granted) => Answer::Grant(granted),
+            Leased::Wait(pause) => Answer::Wait(pause),
+            Leased::Drained => Answer::Drained,
+            Leased::Stop => Answer::Stop(cancelled.into()),
+        };
+        Decision::new(answer, changes)
+    }
+
+    /// A sign of life.
+    pub fn renew(&mut self, lease: &Lease, progress: Option<Progress>, now: Duration) -> Decision {
+        Decision::new(Answer::Renew(self.ledger.renew(lease, progress, now)), Vec::new())
+    }
+
+    /// A result of a task of `run`.
+    pub fn submit(&mut self, result: CheckedResult, run: &RunId) -> Decision {
+        let rejected = |why: String| Decision::new(Answer::Submit(SubmitReply::Rejected { why }), Vec::new());
+        let task = &result.lease.task;
+        let (submitted, changes) = self.ledger.submit(&result.lease, result.outcome);
+        match submitted {
+            Submitted::Accepted(accepted) => self.accept(result, accepted, changes),
+            Submitted::Duplicate => Decision::new(Answer::Submit(self.compare(&result)), changes),
+            Submitted::Late => rejected(format!("task {task} was given up, and its level went on without it")),
+            Submitted::Unknown => rejected(format!("run {run} has no task {task}")),
+        }
+    }
+
+    /// The first result of a task.
+    fn accept(&mut self, result: CheckedResult, accepted: Accepted, follow_up: Vec<Change>) -> Decision {
+        let CheckedResult { lease: Lease { task, attempt, worker, .. }, program, seconds, branch, extent, .. } = result;
+        let Accepted { outcome, sequence, amplitude, work } = accepted;
+        let name = match outcome {
+            SeedOutcome::Found(id) if extent.is_some() => Some(id),
+            _ => None,
+        };
+        self.extents.extend(extent.map(|extent| (task.clone(), extent)));
+        let (result, digest) = branch.complete(StoredResult {
+            branch: None,
+            task,
+            attempt,
+            amplitude,
+            work,
+            outcome,
+            name,
+            worker,
+            program,
+            seconds,
+        });
+        let done = Done {
+            sequence,
+            task: result.task.clone(),
+            amplitude: result.amplitude.clone(),
+            outcome,
+            branch: name,
+            size: digest.size,
+            sha256: digest.sha256.clone(),
+        };
+        let mut changes = vec![Change::Result(AcceptedResult { result: Box::new(result), sequence, digest })];
+        changes.extend(follow_up);
+        Decision { changes, answer: Some(Answer::Submit(SubmitReply::Accepted)), news: vec![News::Done(done)] }
+    }
+
+    /// A second result of a task should be the first one again.
+    fn compare(&self, result: &CheckedResult) -> SubmitReply {
+        let Lease { task, worker, .. } = &result.lease;
+        let agrees = match (self.extents.get(task), &result.extent) {
+            (Some(first), Some(second)) => first.agrees(second, AGREEMENT),
+            (None, None) => true,
+            _ => false,
+        };
+        if !agrees {
+            warn!(%task, %worker, "a second result disagrees with the stored one by more than {AGREEMENT:e}");
+        }
+        SubmitReply::Duplicate { agrees }
+    }
+
+    /// A task that could not be carried out.
+    pub fn fail(&mut self, lease: &Lease, reason: &str, now: Duration) -> Decision {
+        Self::acknowledge(self.ledger.fail(lease, reason, now))
+    }
+
+    /// A task given back.
+    pub fn release(&mut self, lease: &Lease, now: Duration) -> Decision {
+        Self::acknowledge(self.ledger.release(lease, now))
+    }
+
+    fn acknowledge((was_held, changes): (bool, Vec<Change>)) -> Decision {
+        let answer = if was_held { Acknowledgement::Ok } else { Acknowledgement::Lost };
+        Decision::new(Answer::Acknowledge(answer), changes)
+    }
+}

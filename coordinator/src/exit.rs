@@ -1,0 +1,10 @@
+//! Exit codes besides 0, as the help lists them.
+
+/// Something went wrong.
+pub const ERROR: u8 = 1;
+/// The command line asks for what makes no sense.
+pub const USAGE: u8 = 2;
+/// Ended with tasks missing, or without something stored that is damaged.
+pub const INCOMPLETE: u8 = 3;
+/// Somebody wanted the process to end.
+pub const INTERRUPTED: u8 = 130;

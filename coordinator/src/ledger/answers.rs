@@ -1,0 +1,61 @@
+//! What comes of a request for work and of a result.
+
+use protocol::ids::{Attempt, TaskId};
+use protocol::to_everyone::Amplitude;
+use protocol::to_worker::Known;
+use solver::task::{SeedOutcome, Task};
+use std::time::Duration;
+
+/// Answer to a request for work.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Leased {
+    /// This task.
+    Grant(Granted),
+    /// Nothing now; after so long there may be.
+    Wait(Duration),
+    /// Nothing any more.
+    Drained,
+    /// The run was cancelled.
+    Stop,
+}
+
+/// A task handed out.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Granted {
+    /// Task.
+    pub task: TaskId,
+    /// Which attempt at it.
+    pub attempt: Attempt,
+    /// Forcing amplitude.
+    pub amplitude: Amplitude,
+    /// What is to be done.
+    pub work: Task,
+    /// Branches of the level found before.
+    pub known: Vec<Known>,
+}
+
+/// Answer to a result.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Submitted {
+    /// First result of its task.
+    Accepted(Accepted),
+    /// There is one already.
+    Duplicate,
+    /// The task was given up and its level went on: its branch may have been found by another one.
+    Late,
+    /// No such task in this run.
+    Unknown,
+}
+
+/// A result to be stored.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Accepted {
+    /// What became of the task, with a new branch named.
+    pub outcome: SeedOutcome,
+    /// Number of the announcement.
+    pub sequence: u64,
+    /// Forcing amplitude.
+    pub amplitude: Amplitude,
+    /// What was to be done.
+    pub work: Task,
+}

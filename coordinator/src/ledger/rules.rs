@@ -1,0 +1,27 @@
+//! Times and limits by which tasks are handed out.
+
+use std::time::Duration;
+
+/// Times and limits.
+#[derive(Debug, Clone, Copy)]
+pub struct Rules {
+    /// A task without a sign of life for so long is handed out again.
+    pub lease: Duration,
+    /// What a lease is shortened to when its worker vanishes from the bus.
+    pub grace: Duration,
+    /// Attempts that may fail before a task is given up.
+    pub max_failures: u32,
+    /// Pause after a task's first failure; doubled after each further one.
+    pub backoff: Duration,
+}
+
+impl Default for Rules {
+    fn default() -> Self {
+        Self {
+            lease: Duration::from_secs(15),
+            grace: Duration::from_secs(5),
+            max_failures: 3,
+            backoff: Duration::from_secs(1),
+        }
+    }
+}

@@ -1,0 +1,18 @@
+//! A worker as the ledger knows it.
+
+use protocol::from_worker::Progress;
+use protocol::ids::TaskId;
+use std::collections::HashMap;
+
+/// A worker as the ledger knows it.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Worker {
+    /// Vanished from the bus, and not heard of since.
+    pub gone: bool,
+    /// Results accepted from it.
+    pub done: usize,
+    /// The level that each computing thread worked on last.
+    pub levels: HashMap<u32, usize>,
+    /// Where the branches of its tasks are.
+    pub progress: HashMap<TaskId, Progress>,
+}

@@ -1,0 +1,41 @@
+//! The folder of a run: where it is, and how to reach whoever serves it.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// File with the endpoint of the coordinator.
+const ADDRESS: &str = "address";
+
+/// A new folder under `runs/`, named after the study and the time.
+pub fn default_directory(study: &str) -> PathBuf {
+    let name: String =
+        study.chars().map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '-' }).collect();
+    let name = name.split('-').filter(|part| !part.is_empty()).collect::<Vec<_>>().join("-");
+    let time = results::clock::compact();
+    let base = Path::new("runs");
+    let plain = base.join(format!("{name}-{time}"));
+    let numbered = |number: u32| base.join(format!("{name}-{time}-{number}"));
+    if !plain.exists() {
+        return plain;
+    }
+    (2..).map(numbered).find(|directory| !directory.exists()).unwrap_or(plain)
+}
+
+/// Notes where the coordinator of a run is reached.
+pub fn write_address(directory: &Path, endpoint: &str) -> io::Result<()> {
+    let partial = directory.join(".address");
+    std::fs::write(&partial, format!("{endpoint}\n"))?;
+    std::fs::rename(partial, directory.join(ADDRESS))
+}
+
+/// Where the coordinator of a run was last reached.
+pub fn read_address(directory: &Path) -> Option<String> {
+    let text = std::fs::read_to_string(directory.join(ADDRESS)).ok()?;
+    Some(text.trim().to_string()).filter(|endpoint| !endpoint.is_empty())
+}
+
+/// Nobody serves the run any more.
+pub fn remove_address(directory: &Path) {
+    // Missing is as good as removed.
+    let _ = std::fs::remove_file(directory.join(ADDRESS));
+}

@@ -1,0 +1,285 @@
+//! The steps of a run: prepare, sweep with local workers, write files, stay if asked to, close.
+
+use super::directory::{remove_address, write_address};
+use super::endpoint::{Connection, refuse_second_coordinator};
+use super::local_workers::{Launch, LocalWorkers};
+use super::preparation::{self, Prepared};
+use super::services::{Services, Start};
+use crate::cli::ServeArgs;
+use crate::display::Display;
+use crate::engine::Event;
+use crate::error::Error;
+use crate::ledger::Rules;
+use protocol::keys::Keys;
+use protocol::to_everyone::Stage;
+use results::store::{Reader, RunHeader, Store};
+use results::{export, summary_table};
+use solver::model::Model;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+use tokio::signal::unix::{Signal, SignalKind, signal};
+use tokio::task::{JoinError, spawn_blocking};
+use worker::terminal;
+
+/// Time between two looks at how things are.
+const TICK: Duration = Duration::from_millis(200);
+/// Time for local workers to give back what they have.
+const WORKER_PATIENCE: Duration = Duration::from_secs(5);
+
+/// How a run ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Ending {
+    /// Every task is done.
+    Complete,
+    /// Tasks were given up, or the run was cancelled.
+    Incomplete,
+    /// Somebody wanted this process to end.
+    Interrupted,
+}
+
+/// A run under way.
+struct Run {
+    directory: PathBuf,
+    header: RunHeader,
+    options: ServeArgs,
+    connection: Connection,
+    interrupts: Interrupts,
+    services: Services,
+}
+
+/// Signals that ask this process to end.
+struct Interrupts {
+    interrupt: Signal,
+    terminate: Signal,
+}
+
+impl Interrupts {
+    fn new() -> Result<Self, Error> {
+        Ok(Self {
+            interrupt: signal(SignalKind::interrupt()).map_err(Error::io("SIGINT"))?,
+            terminate: signal(SignalKind::terminate()).map_err(Error::io("SIGTERM"))?,
+        })
+    }
+
+    async fn next(&mut self) {
+        tokio::select! {
+            _ = self.interrupt.recv() => {}
+            _ = self.terminate.recv() => {}
+        }
+    }
+}
+
+/// Carries out a run from where its store stands.
+///
+/// # Errors
+/// If the store cannot be written, or there is no backbone. What was accepted is stored; the run can be resumed.
+pub async fn carry_out(
+    directory: &Path,
+    store: Store,
+    model: Model,
+    connection: Connection,
+    options: ServeArgs,
+) -> Result<Ending, Error> {
+    let header = store.header()?;
+    refuse_second_coordinator(&connection.session, &Keys::new(&header.namespace, &header.run)).await?;
+    let model = Arc::new(model);
+    let prepared = preparation::stored(&store, &header, &model)?;
+    let is_prepared = prepared.is_some();
+    let start = Start {
+        directory: directory.to_path_buf(),
+        header: &header,
+        connection: &connection,
+        store,
+        model: &model,
+        rules: Rules { lease: Duration::from_secs_f64(options.lease), ..Rules::default() },
+        prepared,
+    };
+    let services = Services::start(start).await?;
+    write_address(directory, &connection.endpoint).map_err(Error::io(directory))?;
+    let interrupts = Interrupts::new()?;
+    let run = Run { directory: directory.to_path_buf(), header, options, connection, interrupts, services };
+    let ending = run.all_steps((!is_prepared).then_some(model)).await;
+    remove_address(directory);
+    ending
+}
+
+impl Run {
+    /// All steps that are left; the model is given if its backbone is still to be computed.
+    async fn all_steps(mut self, to_prepare: Option<Arc<Model>>) -> Result<Ending, Error> {
+        let mut display = Display::new();
+        if let Some(model) = to_prepare {
+            match self.prepare(model, &mut display).await? {
+                Some(prepared) => self.services.begin(prepared),
+                None => {
+                    display.clear();
+                    if self.services.stage() != Stage::Cancelled {
+                        return self.close(Ending::Interrupted, None).await;
+                    }
+                    self.dismiss_workers().await;
+                    return self.close(Ending::Incomplete, None).await;
+                }
+            }
+        }
+        self.services.reach(|stage| stage != Stage::Backbone).await?;
+        loop {
+            let mut workers = self.start_workers()?;
+            let is_interrupted = self.follow(&mut display, &mut workers).await?;
+            display.clear();
+            if is_interrupted {
+                return self.close(Ending::Interrupted, workers).await;
+            }
+            self.finish(workers).await?;
+            // Somebody may have put dead tasks back meanwhile.
+            if self.services.stage() == Stage::Sweep {
+                continue;
+            }
+            if self.options.stay {
+                terminal::note(format_args!(
+                    "the run stays on the bus at {}; Ctrl-C ends it",
+                    self.connection.endpoint
+                ));
+                if self.wait_for_work().await? {
+                    continue;
+                }
+            }
+            let ending = self.ending();
+            return self.close(ending, None).await;
+        }
+    }
+
+    /// Backbone and tasks; `None` if interrupted or cancelled.
+    async fn prepare(&mut self, model: Arc<Model>, display: &mut Display) -> Result<Option<Prepared>, Error> {
+        let stop = Arc::new(AtomicBool::new(false));
+        let (header, engine, stopped) = (self.header.clone(), self.services.engine(), stop.clone());
+        let mut computing = spawn_blocking(move || preparation::compute(&header, &model, &engine, &stopped));
+        let mut tick = tokio::time::interval(TICK);
+        loop {
+            tokio::select! {
+                prepared = &mut computing => return prepared.map_err(abnormal)?,
+                () = self.interrupts.next() => stop.store(true, Ordering::Relaxed),
+                changed = self.services.changed() => changed?,
+                _ = tick.tick() => self.show(display),
+            }
+            if self.services.stage() == Stage::Cancelled {
+                stop.store(true, Ordering::Relaxed);
+            }
+        }
+    }
+
+    fn show(&self, display: &mut Display) {
+        self.services.status().iter().for_each(|status| display.update(status));
+    }
+
+    fn start_workers(&self) -> Result<Option<LocalWorkers>, Error> {
+        let cores = std::thread::available_parallelism().map_or(1, usize::from);
+        let count = self.options.workers.unwrap_or(cores);
+        if count == 0 {
+            terminal::note(format_args!("waiting for workers: isola-worker --connect {}", self.connection.endpoint));
+            return Ok(None);
+        }
+        let launch = Launch {
+            endpoint: self.connection.endpoint.clone(),
+            namespace: self.header.namespace.clone(),
+            run: self.header.run.clone(),
+            logs: self.directory.join("logs"),
+        };
+        LocalWorkers::start(launch, count).map(Some).map_err(Error::io("local workers"))
+    }
+
+    /// Until the sweep ends (false) or somebody wants this process to end (true).
+    async fn follow(&mut self, display: &mut Display, workers: &mut Option<LocalWorkers>) -> Result<bool, Error> {
+        let mut tick = tokio::time::interval(TICK);
+        loop {
+            tokio::select! {
+                () = self.interrupts.next() => return Ok(true),
+                changed = self.services.changed() => changed?,
+                _ = tick.tick() => {}
+            }
+            self.show(display);
+            if self.services.stage() != Stage::Sweep {
+                return Ok(false);
+            }
+            if let Some(workers) = workers {
+                let done = self.services.status().map_or(0, |status| status.tasks.done);
+                workers.tend(done).map_err(Error::Other)?;
+            }
+        }
+    }
+
+    /// Waits for workers to notice that the sweep has ended; writes files and the closing table.
+    async fn finish(&self, workers: Option<LocalWorkers>) -> Result<(), Error> {
+        if let Some(mut workers) = workers {
+            // Their next request for work tells them.
+            spawn_blocking(move || workers.wait(WORKER_PATIENCE)).await.map_err(abnormal)?;
+        }
+        self.dismiss_workers().await;
+        let reader = Reader::open(&self.directory)?;
+        for sentence in export::csv(&reader, &self.directory)?.damaged {
+            terminal::note(sentence);
+        }
+        let (table, directory) = (summary_table::table(&reader)?, self.directory.display());
+        let closing = format!("{table}\nresults: {directory}; a page that shows them: isola report {directory}\n");
+        terminal::print(closing).map_err(Error::io("standard output"))
+    }
+
+    /// Gives workers elsewhere the time to hear that there is no more work.
+    async fn dismiss_workers(&self) {
+        let (session, keys) = (&self.connection.session, Keys::new(&self.header.namespace, &self.header.run));
+        for _ in 0..30 {
+            let query = session.liveliness().get(keys.alive_workers()).timeout(Duration::from_millis(500));
+            let Ok(replies) = query.await else { return };
+            if replies.recv_async().await.is_err() {
+                return;
+            }
+            tokio::time::sleep(Duration::from_millis(100)).await;
+        }
+    }
+
+    /// Until dead tasks are tried again (true) or somebody wants this process to end (false).
+    async fn wait_for_work(&mut self) -> Result<bool, Error> {
+        tokio::select! {
+            () = self.interrupts.next() => Ok(false),
+            reached = self.services.reach(|stage| stage == Stage::Sweep) => reached.map(|()| true),
+        }
+    }
+
+    fn dead(&self) -> usize {
+        self.services.status().map_or(0, |status| status.tasks.dead)
+    }
+
+    fn ending(&self) -> Ending {
+        let is_complete = self.services.stage() == Stage::Finished && self.dead() == 0;
+        if is_complete { Ending::Complete } else { Ending::Incomplete }
+    }
+
+    async fn close(mut self, ending: Ending, workers: Option<LocalWorkers>) -> Result<Ending, Error> {
+        self.services.send(Event::Stop);
+        if let Some(workers) = workers {
+            let stopping = spawn_blocking(move || workers.stop(WORKER_PATIENCE));
+            tokio::select! {
+                stopped = stopping => stopped.map_err(abnormal)?,
+                // A second signal: at once. The workers end with this process.
+                () = self.interrupts.next() => {}
+            }
+        }
+        let dead = self.dead();
+        self.services.stop().await?;
+        let directory = self.directory.display();
+        if ending == Ending::Incomplete && dead > 0 {
+            terminal::note(format_args!(
+                "{dead} tasks were given up: isola retry-dead {directory}, then isola resume {directory}"
+            ));
+        } else if ending != Ending::Complete {
+            terminal::note(format_args!("to go on: isola resume {directory}"));
+        }
+        // Closing may hang (eclipse-zenoh/zenoh 2675); nothing depends on it.
+        let _ = tokio::time::timeout(Duration::from_secs(1), self.connection.session.close()).await;
+        Ok(ending)
+    }
+}
+
+fn abnormal(error: JoinError) -> Error {
+    Error::Other(format!("ended abnormally: {error}"))
+}

@@ -1,0 +1,18 @@
+//! A run from its beginning, or from where it was left, to its end.
+//!
+//! | file | holds |
+//! |---|---|
+//! | `lifecycle.rs` | the steps from beginning to end |
+//! | `services.rs` | what runs beside: presence on the bus, and who decides, commits and announces |
+//! | `preparation.rs` | backbone and tasks, computed or stored |
+//! | `local_workers.rs` | worker processes on this machine |
+//! | `endpoint.rs`, `directory.rs` | the session on the bus; the folder of a run, and how to reach whoever serves it |
+
+pub mod directory;
+pub mod endpoint;
+mod lifecycle;
+mod local_workers;
+pub mod preparation;
+mod services;
+
+pub use lifecycle::{Ending, carry_out};

@@ -1,0 +1,114 @@
+//! What a sweep needs beside the model: from the store, or computed.
+
+use crate::bus::PublishedSweep;
+use crate::engine::{Beginning, Event, Request, Stored};
+use crate::error::Error;
+use protocol::backbone::BackboneMessage;
+use protocol::curve::Size;
+use protocol::from_worker::Progress;
+use protocol::to_everyone::{Amplitude, Manifest, Stage};
+use results::journal::{LevelPlan, SweepPlan};
+use results::store::{RunHeader, Store};
+use solver::backbone::Backbone;
+use solver::branch::BranchPoint;
+use solver::forced::Reach;
+use solver::model::Model;
+use solver::task::plan;
+use std::ops::ControlFlow;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::Sender;
+use std::time::{Duration, Instant};
+
+/// Largest result accepted.
+const MAX_RESULT_BYTES: usize = 256 << 20;
+/// Time between two reports of where the backbone is.
+const REPORT_PERIOD: Duration = Duration::from_millis(200);
+
+/// A sweep that can begin.
+pub struct Prepared {
+    /// What anyone may ask for.
+    pub sweep: Arc<PublishedSweep>,
+    /// What the engine begins with.
+    pub beginning: Beginning,
+}
+
+/// The manifest of a run that begins or goes on.
+pub fn manifest(header: &RunHeader, stage: Stage, lease: Duration) -> Manifest {
+    let dof = |&index: &usize| header.model.dofs[index].clone();
+    Manifest {
+        protocol: protocol::VERSION,
+        program: protocol::PROGRAM.into(),
+        run: header.run.clone(),
+        name: header.name.clone(),
+        model_sha256: header.model_sha256.clone(),
+        settings: header.settings,
+        reach: None,
+        amplitudes: header.amplitudes.clone(),
+        monitors: header.model.monitors.iter().map(dof).collect(),
+        stage,
+        lease_ms: lease.as_millis() as u64,
+        max_result_bytes: MAX_RESULT_BYTES,
+    }
+}
+
+/// The model of a run.
+///
+/// # Errors
+/// If the store cannot be read or contradicts itself.
+pub fn model(store: &Store) -> Result<Model, Error> {
+    store.model()?.model().map_err(|error| Error::Other(format!("the stored model: {error}")))
+}
+
+/// What a store already has of the sweep of a run; `None` as long as there is no backbone.
+///
+/// # Errors
+/// If the store cannot be read or contradicts itself.
+pub fn stored(store: &Store, header: &RunHeader, model: &Arc<Model>) -> Result<Option<Prepared>, Error> {
+    let (Some(message), Some(reach)) = (store.backbone()?, store.reach()?) else { return Ok(None) };
+    let backbone =
+        message.backbone(&Size::of(model)).map_err(|error| Error::Other(format!("the stored backbone: {error}")))?;
+    let plan = Arc::new(SweepPlan { backbone: message, reach, levels: store.plans()? });
+    let stored = Some(Stored { tasks: store.tasks()?, extents: store.extents()? });
+    let sweep = Arc::new(PublishedSweep::new(model.clone(), header.settings, backbone, plan.clone()));
+    Ok(Some(Prepared { sweep, beginning: Beginning { plan, stored } }))
+}
+
+/// Computes the backbone, and from it the tasks of every level; `None` if `stop` was set meanwhile. Tells the engine where
+/// the backbone is.
+///
+/// # Errors
+/// If the backbone does not start, or the bounds of branches contradict it.
+pub fn compute(
+    header: &RunHeader,
+    model: &Arc<Model>,
+    engine: &Sender<Request>,
+    stop: &AtomicBool,
+) -> Result<Option<Prepared>, Error> {
+    let settings = &header.settings;
+    let mut points = 0;
+    let mut told = Instant::now();
+    let mut observer = |point: &BranchPoint| {
+        points += 1;
+        if told.elapsed() > REPORT_PERIOD {
+            told = Instant::now();
+            let progress = Progress { points, omega: point.omega(), amplitude: point.amplitude() };
+            // If the engine has ended, that is noticed elsewhere.
+            let _ = engine.send(Event::Backbone(progress).into());
+        }
+        if stop.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    };
+    let backbone = Backbone::compute(model, settings, &mut observer)?;
+    if stop.load(Ordering::Relaxed) {
+        return Ok(None);
+    }
+    let reach = Reach::new(settings, &backbone)?;
+    let level = |amplitude: &Amplitude| {
+        let (windows, tasks) = plan(&backbone, amplitude.value);
+        LevelPlan { amplitude: amplitude.clone(), windows, tasks }
+    };
+    let levels = header.amplitudes.iter().map(level).collect();
+    let plan = Arc::new(SweepPlan { backbone: BackboneMessage::from(&backbone), reach, levels });
+    let sweep = Arc::new(PublishedSweep::new(model.clone(), *settings, backbone, plan.clone()));
+    Ok(Some(Prepared { sweep, beginning: Beginning { plan, stored: None } }))
+}

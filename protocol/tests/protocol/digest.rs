@@ -1,0 +1,35 @@
+//! The digest of a result, whole, in two parts, and as it was at first.
+
+use crate::samples;
+use protocol::codec::{decode_stored, encode, sha256};
+use protocol::digest::{Digest, HashedBranch, announced};
+use protocol::to_everyone::StoredResult;
+
+#[test]
+fn a_branch_hashed_beforehand_gives_the_digest_of_the_whole_result() {
+    for result in [samples::result(), samples::result_nothing()] {
+        let hashed = HashedBranch::new(result.branch.clone());
+        assert_eq!(hashed.branch(), result.branch.as_ref());
+        let (whole, digest) = hashed.complete(StoredResult { branch: None, ..result.clone() });
+        let bytes = encode(&result);
+        assert_eq!(whole, result);
+        assert_eq!(digest, Digest { size: bytes.len() as u64, sha256: sha256(&bytes) });
+        assert_eq!(digest, Digest::of(&result));
+    }
+}
+
+/// `../earlier/` holds results as they were encoded when the branch came after the name.
+#[test]
+fn results_stored_in_the_first_order_of_fields_keep_their_bytes() {
+    let earlier: [(&[u8], StoredResult); 2] = [
+        (include_bytes!("../earlier/result.msgpack"), samples::result()),
+        (include_bytes!("../earlier/result_nothing.msgpack"), samples::result_nothing()),
+    ];
+    for (bytes, result) in earlier {
+        assert_eq!(decode_stored::<StoredResult>(bytes).unwrap(), result);
+        assert_ne!(encode(&result), bytes);
+        assert_eq!(announced(&result, &sha256(bytes)).as_deref(), Some(bytes));
+        assert_eq!(announced(&result, &sha256(&encode(&result))), Some(encode(&result)));
+        assert_eq!(announced(&StoredResult { seconds: 7.0, ..result }, &sha256(bytes)), None);
+    }
+}

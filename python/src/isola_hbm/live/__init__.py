@@ -1,0 +1,1 @@
+"""Runs under way, over the bus: the session, a run, its messages and what they hold."""

@@ -1,0 +1,241 @@
+"""Sessions: a client that listens nowhere, and requests that end."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import time
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, final
+
+import msgpack
+import zenoh
+
+from ..errors import NoAnswer, NoSuchRun, OtherVersion, Refused, Unreachable
+from .types import Manifest
+from .wire import NAMESPACE, REFUSAL, VERSION, decode
+
+if TYPE_CHECKING:
+    from .run import Run
+
+#: How long a client tries to connect, ms.
+CONNECT_MS = 3000
+#: A partner that has been silent for so long is gone, ms.
+TRANSPORT_LEASE_MS = 5000
+#: Pauses between attempts at a request, s: the first one, doubled up to the last one.
+PAUSES = (0.05, 1.0)
+#: Whoever is so much later than it wanted to be was stopped meanwhile, s.
+STOPPED = 1.5
+#: How long to look for runs before there are none, s. Routes need a moment after connecting.
+LOOK = 2.0
+
+
+@dataclass(frozen=True)
+class Answer:
+    """One answer to a request."""
+
+    key: str
+    encoding: str
+    payload: bytes
+
+
+@dataclass(frozen=True)
+class Answers:
+    """All answers to a request."""
+
+    answers: list[Answer]
+    #: Why it was refused, if it was.
+    refusal: str | None
+    #: Whether time ran out or a partner disappeared before the last answer.
+    cut_short: bool
+
+
+def endpoint_of(where: str | os.PathLike[str]) -> str:
+    """The endpoint itself, or the one in the file `address` of a run directory."""
+    directory = Path(where)
+    if directory.is_dir():
+        try:
+            return (directory / "address").read_text("utf-8").strip()
+        except FileNotFoundError:
+            raise Unreachable(
+                f"there is no file `address` in {directory}: its run is not on the bus"
+            ) from None
+    if isinstance(where, str) and re.match(r"[a-z][a-z0-9_-]*/.+:\d+", where):
+        return where
+    raise Unreachable(f"`{where}` is neither an endpoint like tcp/HOST:7447 nor a run directory")
+
+
+def connect(
+    where: str | os.PathLike[str],
+    *,
+    namespace: str = NAMESPACE,
+    timeout: float = 10.0,
+    settings: Mapping[str, Any] | None = None,
+) -> Bus:
+    """Connects to a coordinator or a router.
+
+    `where` is an endpoint (``tcp/127.0.0.1:7447``) or a run directory, whose file `address` holds one. `timeout` is how
+    long requests are repeated, in s. `settings` are further settings of Zenoh by key, for TLS or passwords:
+    ``{"transport/auth/usrpwd": {"user": "me", "password": "…"}}``.
+    """
+    endpoint = endpoint_of(where)
+    config = zenoh.Config()
+    own: dict[str, Any] = {
+        "mode": "client",
+        "connect/endpoints": [endpoint],
+        "connect/timeout_ms": CONNECT_MS,
+        "connect/exit_on_failure": True,
+        "connect/retry": {"period_init_ms": 200, "period_max_ms": 1000},
+        "listen/endpoints": [],
+        "scouting/multicast/enabled": False,
+        "scouting/gossip/enabled": False,
+        "adminspace/enabled": False,
+        "transport/link/tx/lease": TRANSPORT_LEASE_MS,
+    }
+    for key, value in {**own, **(settings or {})}.items():
+        config.insert_json5(key, json.dumps(value))
+    try:
+        session = zenoh.open(config)
+    except zenoh.ZError as error:
+        raise Unreachable(
+            f"no coordinator or router can be reached at {endpoint}; check host, port and firewall "
+            "(a refused certificate or password looks the same)"
+        ) from error
+    return Bus(session, namespace, timeout)
+
+
+@final
+class Bus:
+    """A connection; use it in a `with` statement or close it. Closing ends every iterator of its runs."""
+
+    def __init__(self, session: zenoh.Session, namespace: str = NAMESPACE, timeout: float = 10.0) -> None:
+        self.session = session
+        self.namespace = namespace
+        #: How long requests are repeated, s.
+        self.timeout = timeout
+
+    def __enter__(self) -> Bus:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Closes the session."""
+        if not self.session.is_closed():
+            self.session.close()
+
+    def runs(self) -> list[Manifest]:
+        """Manifests of all runs that speak this version of the messages, by name."""
+        look, patience = Patience(min(LOOK, self.timeout)), Patience(self.timeout)
+        for pause in pauses():
+            answers = self.ask(f"{self.namespace}/v{VERSION}/*/run", patience).answers
+            if answers:
+                runs = (Manifest.read(decode(a.payload, a.encoding, "manifest")) for a in answers)
+                return sorted({run.run: run for run in runs}.values(), key=lambda run: run.run)
+            others = self._other_versions(patience)
+            if others:
+                raise OtherVersion(
+                    f"no run speaks version {VERSION} of the messages, which this client reads; there are {others}: "
+                    "install the client that belongs to them"
+                )
+            if not any(self.session.info.routers_zid()):
+                look = Patience(min(LOOK, self.timeout))
+                if patience.is_over():
+                    raise NoAnswer(f"the connection is lost, and was not restored in {self.timeout:g} s")
+            elif look.is_over():
+                return []
+            time.sleep(min(pause, patience.left()))
+        raise AssertionError("pauses do not end")
+
+    def _other_versions(self, patience: Patience) -> str:
+        """Runs of other versions, in words."""
+        found = []
+        for answer in self.ask(f"{self.namespace}/*/*/run", patience).answers:
+            version, run = answer.key.split("/")[-3:-1]
+            if version == f"v{VERSION}":
+                continue
+            try:
+                program = f", Isola {msgpack.unpackb(answer.payload)['program']}"
+            except (ValueError, KeyError, TypeError, msgpack.UnpackException):
+                program = ""
+            found.append(f"`{run}` ({version}{program})")
+        return ", ".join(sorted(found))
+
+    def run(self, name: str | None = None) -> Run:
+        """The run of this name, or the only one there is."""
+        from .run import Run
+
+        runs = self.runs()
+        chosen = [run for run in runs if name is None or run.run == name]
+        if len(chosen) == 1:
+            return Run(self, chosen[0])
+        if not runs:
+            raise NoSuchRun(f"there is no run in `{self.namespace}`")
+        there = "; ".join(f"`{run.run}` ({run.name}, {run.stage})" for run in runs)
+        if name is None:
+            raise NoSuchRun(f"there are several runs, choose one by its name: {there}")
+        raise NoSuchRun(f"there is no run `{name}`; there are {there}")
+
+    def ask(self, key: str, patience: Patience) -> Answers:
+        """All answers to one request. None at all may mean that nobody is reachable at the moment."""
+        replies = self.session.get(
+            key,
+            target=zenoh.QueryTarget.ALL,
+            consolidation=zenoh.ConsolidationMode.NONE,
+            timeout=patience.left(),
+        )
+        answers, refusal, cut_short = [], None, False
+        for reply in replies:
+            if (sample := reply.ok) is not None:
+                answers.append(Answer(str(sample.key_expr), str(sample.encoding), sample.payload.to_bytes()))
+            elif (error := reply.err) is not None and str(error.encoding) == REFUSAL:
+                refusal = error.payload.to_string()
+            else:
+                # Zenoh itself answers with an error when time is up or the partner is gone.
+                cut_short = True
+        return Answers(answers, refusal, cut_short)
+
+    def fetch(self, key: str, timeout: float | None = None) -> Answer:
+        """The one answer to a request, which is repeated until it comes."""
+        patience = Patience(self.timeout if timeout is None else timeout)
+        for pause in pauses():
+            answers = self.ask(key, patience)
+            if answers.answers:
+                return answers.answers[0]
+            if answers.refusal is not None:
+                raise Refused(answers.refusal)
+            if patience.is_over():
+                raise NoAnswer(f"no answer to `{key}` in {patience.seconds:g} s")
+            time.sleep(min(pause, patience.left()))
+        raise AssertionError("pauses do not end")
+
+
+class Patience:
+    """Time to wait. Time for which this process was stopped does not count: it could not hear anybody."""
+
+    def __init__(self, seconds: float) -> None:
+        self.seconds = seconds
+        self.deadline = time.monotonic() + seconds
+
+    def left(self) -> float:
+        """Time left, s; a little at least."""
+        return max(self.deadline - time.monotonic(), 0.1)
+
+    def is_over(self) -> bool:
+        """Whether it is over. Everything that waits ends at the deadline: whoever is later was stopped."""
+        late = time.monotonic() - self.deadline
+        if late > STOPPED:
+            self.deadline = time.monotonic() + self.seconds
+        return 0 < late <= STOPPED
+
+
+def pauses() -> Iterator[float]:
+    """Pauses between attempts, s."""
+    pause, last = PAUSES
+    while True:
+        yield pause
+        pause = min(2 * pause, last)

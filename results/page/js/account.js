@@ -1,0 +1,147 @@
+/* Account: every window, every branch, every worker; settings, study. */
+
+function accountSection(place, run) {
+  const { account } = run;
+  place.append(
+    windowTable(run),
+    branchTable(run),
+    workerTable(account),
+    taskDetails(run),
+    details("Settings", tableOf("Settings of the computation", ["setting", "value"], account.settings)),
+    details("Versions and sizes", tableOf("Versions and sizes", ["what", "value"], factsOf(run))),
+    details("Study as it was run", element("pre", {}, account.study)),
+  );
+}
+
+const details = (summary, ...children) => element("details", {}, element("summary", {}, summary), ...children);
+
+/** A table that scrolls inside its frame; in words if it has no rows. */
+function tableOf(caption, heads, rows, none = "Nothing yet.") {
+  if (rows.length === 0) return element("div", {}, element("h3", {}, caption), emptyNote(none));
+  return element("div.scroll", { tabindex: 0, role: "region", "aria-label": caption }, table(caption, heads, rows));
+}
+
+function windowTable({ levels }) {
+  const rows = levels.flatMap((level) => {
+    const remarks = [
+      level.main_failure && `main branch failed: ${level.main_failure}`,
+      level.pending > 0 && `${countOf(level.pending, "task")} to come`,
+      level.dead > 0 && `${countOf(level.dead, "task")} given up`,
+    ].filter(Boolean);
+    const failed = level.main_failure || level.dead > 0;
+    const word = element(failed ? "span.bad" : "span", {}, failed ? "incomplete" : "goes on");
+    const remark = remarks.length > 0 ? [[level.value, NOT_KNOWN, NOT_KNOWN, NOT_KNOWN, word, remarks.join("; ")]] : [];
+    return [...remark, ...level.windows.map((window) => windowRow(level, window))];
+  });
+  return tableOf(
+    "Windows of every level",
+    ["A", "window", "frequencies, rad/s", "threshold A*", "outcome", "branches, or why not"],
+    rows,
+    "No window is predicted, or the backbone is not there yet.",
+  );
+}
+
+/** What became of a window comes with the branches that it led to, or with the reason why there are none. */
+function windowRow(level, { number, omega, threshold, outcome }) {
+  const [[name, text]] = Object.entries(outcome);
+  const word = element(name === "not_found" ? "span.bad" : "span", {}, name.replaceAll("_", " "));
+  return [level.value, number, formatRange(omega), rounded(threshold, 5), word, text || NOT_KNOWN];
+}
+
+const rounded = (value, digits) => Number((value ?? NaN).toPrecision(digits));
+
+/** "isola 2" before "isola 10" */
+const byName = new Intl.Collator("en", { numeric: true });
+
+/** Sorted by the column whose head is pressed. */
+function branchTable({ branches, levels }) {
+  const largest = branches.map((branch) => branch.amplitude_at_peak ?? NaN);
+  const unit = lengthUnit(Math.max(...largest.filter(Number.isFinite), 0));
+  const size = `largest amplitude, ${unit.name}`;
+  const heads = ["A", "branch", "points", size, "at, rad/s", "how it ends", "time, s", "steps repeated", "worker"];
+  let rows = branches.map((branch, k) => [
+    levels[branch.level].value,
+    branch.name,
+    branch.size,
+    rounded(largest[k] * unit.factor, 5),
+    rounded(branch.omega_at_peak, 6),
+    branch.status,
+    rounded(branch.seconds, 3),
+    branch.rejections ?? NaN,
+    branch.worker ?? NOT_KNOWN,
+  ]);
+  const holder = tableOf("Branches (press a head to sort)", heads, rows, "No branch has been computed yet.");
+  let sorted = { column: -1, down: false };
+  const sort = (column) => {
+    sorted = { column, down: sorted.column === column ? !sorted.down : false };
+    const order = (a, b) =>
+      typeof a[column] === "number" ? a[column] - b[column] : byName.compare(a[column], b[column]);
+    rows = rows.toSorted((a, b) => (sorted.down ? -order(a, b) : order(a, b)));
+    holder.replaceChildren(table("Branches (press a head to sort)", heads, rows));
+    armHeads();
+    holder.querySelectorAll("th button")[column].focus();
+  };
+  const armHeads = () =>
+    holder.querySelectorAll("th").forEach((head, k) => {
+      const arrow = k === sorted.column ? (sorted.down ? " ↓" : " ↑") : "";
+      head.setAttribute("aria-sort", arrow === "" ? "none" : sorted.down ? "descending" : "ascending");
+      head.replaceChildren(button(heads[k] + arrow, () => sort(k)));
+    });
+  armHeads();
+  return holder;
+}
+
+function workerTable({ workers }) {
+  const rows = workers.map(({ name, branches, tasks, seconds, programs }) => [
+    name,
+    tasks,
+    branches,
+    formatSeconds(seconds),
+    programs.join(", "),
+  ]);
+  return tableOf(
+    "Workers",
+    ["worker", "tasks", "branches", "computing time", "program"],
+    rows,
+    "No worker has handed in anything yet.",
+  );
+}
+
+function taskDetails({ account, levels }) {
+  const rows = account.tasks.map((task) => [
+    task.task,
+    levels[task.level]?.value ?? NaN,
+    task.kind,
+    task.window ?? NOT_KNOWN,
+    [task.phase, task.way?.replaceAll("_", " ")].filter(Boolean).join(", ") || NOT_KNOWN,
+    task.state,
+    task.attempts,
+    task.outcome ?? NOT_KNOWN,
+    task.branch ?? NOT_KNOWN,
+    task.worker ?? NOT_KNOWN,
+    rounded(task.seconds, 3),
+  ]);
+  const heads = ["task", "A", "kind", "window", "seed", "state", "attempts", "outcome", "branch", "worker", "time, s"];
+  const made = details(`Tasks (${rows.length})`);
+  // There may be thousands: they are laid out when somebody wants to see them.
+  made.addEventListener("toggle", () => {
+    if (made.children.length === 1) made.append(tableOf("Tasks", heads, rows, "No task has been handed out yet."));
+  });
+  return made;
+}
+
+function factsOf({ run, account, branches }) {
+  const points = branches.reduce((sum, { size }) => sum + size, 0);
+  return [
+    ["run", run.id],
+    ["model", run.model],
+    ["study file", run.study_file],
+    ["program", run.program],
+    ["started", run.created],
+    ["page made", run.made],
+    ["points of the backbone", String(account.backbone_points)],
+    ["branches", String(branches.length)],
+    ["points of branches", String(points)],
+    ["charts", `BokehJS ${Bokeh.version} (BSD-3-Clause)`],
+  ];
+}

@@ -1,0 +1,271 @@
+/* A chart: a Bokeh figure with the page's colours, ranges known beforehand, printing, and room for marks (marks.js),
+ * labels (labels.js) and for looking at points (inspect.js). */
+
+/** All charts of the page. @type {Chart[]} */
+const charts = [];
+
+/**
+ * @typedef {object} Axis as figures describe it, in SI
+ * @property {string} name what a choice between axes calls it
+ * @property {string} title
+ * @property {{name: string, factor: number}} unit shown number = SI number × factor
+ * @property {[number, number]} range that files show
+ * @property {[number, number]} [whole] what the page shows at first and after "reset", if that is more
+ * @property {"linear"|"log"} scale
+ * @property {[number, string][]} [ticks] named ones
+ */
+class Chart {
+  /**
+   * @param {Element} place where it goes
+   * @param {{label: string, file: string, x: Axis, y: Axis, size: string}} options label: for screen readers
+   */
+  constructor(place, { label, file, x, y, size }) {
+    this.box = element(
+      `div.chart.${size}`,
+      { tabindex: 0, role: "group", "aria-roledescription": "chart", "aria-label": label },
+    );
+    this.painters = [];
+    this.tools = bokehTools();
+    this.figure = new Bokeh.Plotting.figure({
+      sizing_mode: "stretch_both",
+      x_axis_type: x.scale,
+      y_axis_type: y.scale,
+      x_range: new Bokeh.Range1d(),
+      y_range: new Bokeh.Range1d(),
+      tools: Object.values(this.tools),
+      toolbar_location: null,
+      lod_threshold: null,
+    });
+    this.factors = { x: x.unit.factor, y: y.unit.factor };
+    this.show({ x, y });
+    for (const [name, axis] of Object.entries({ x, y })) {
+      const drawn = this.figure[`${name}axes`][0];
+      if (axis.scale === "log") keepLogTicks(drawn, this.gridAlong(name), this.figure[`${name}_range`]);
+      if (axis.ticks) nameTicks(drawn, axis.ticks);
+    }
+    this.paint(() => restyle(this.figure));
+    charts.push(this);
+    /** The view, once it stands. */
+    this.ready = Promise.resolve().then(
+      () => Bokeh.Plotting.show(this.figure, this.box),
+    ).then((view) => (this.view = view));
+    place.append(toolButtons(this, file), this.box);
+  }
+
+  /** Runs `painter` now, and whenever the theme or the size of texts changes. */
+  paint(painter) {
+    this.painters.push(painter);
+    painter();
+  }
+
+  repaint() {
+    for (const painter of this.painters) painter();
+  }
+
+  /** A line across the chart, on the axis that it crosses. */
+  span(axis, options) {
+    const span = new Bokeh.Span({ dimension: axis === "x" ? "height" : "width", ...options });
+    this.figure.add_layout(span);
+    return span;
+  }
+
+  /**
+   * Axes for others in the place of those there were: titles, units and ranges.
+   * @param {{x: Axis, y: Axis}} axes @param {boolean} stay what the reader has zoomed into stays in view
+   */
+  show(axes, stay = false) {
+    for (const [name, axis] of Object.entries(axes)) {
+      const { factor } = axis.unit;
+      const range = this.figure[`${name}_range`];
+      const [drawn] = this.figure[`${name}axes`];
+      const label = axisLabel(axis);
+      if (drawn.axis_label?.text !== label) drawn.axis_label = plainText(label); // A new one is laid out anew.
+      const [start, end] = (axis.whole ?? axis.range).map((end) => end * factor);
+      const isHome = range.start === range.reset_start && range.end === range.reset_end;
+      const ratio = factor / this.factors[name];
+      const kept = { start: range.start * ratio, end: range.end * ratio };
+      range.setv({ reset_start: start, reset_end: end, ...(stay && !isHome ? kept : { start, end }) });
+      this.factors[name] = factor;
+    }
+  }
+
+  /** Zooms about the middle; factor < 1: closer. */
+  zoom(factor) {
+    for (const [range, log] of [[this.figure.x_range, this.isLog("x")], [this.figure.y_range, this.isLog("y")]]) {
+      const [from, to] = log ? [Math.log(range.start), Math.log(range.end)] : [range.start, range.end];
+      const half = ((to - from) * factor) / 2;
+      const ends = [(from + to) / 2 - half, (from + to) / 2 + half];
+      const [start, end] = log ? ends.map(Math.exp) : ends;
+      range.setv({ start, end });
+    }
+  }
+
+  /** Back to the ranges that it began with. */
+  reset() {
+    for (const range of [this.figure.x_range, this.figure.y_range]) range.setv({
+      start: range.reset_start,
+      end: range.reset_end,
+    });
+  }
+
+  /** Hands out a picture as a file. */
+  save(file) {
+    if (!this.view) return;
+    const link = element(
+      "a",
+      { href: this.view.export("png", true).canvas.toDataURL(), download: `${fileName(file)}.png` },
+    );
+    link.click();
+  }
+
+  gridAlong(axis) {
+    return this.figure.grids.find(({ dimension }) => dimension === (axis === "x" ? 0 : 1));
+  }
+
+  isLog(axis) {
+    return this.figure[`${axis}_scale`].type === "LogScale";
+  }
+
+  /**
+   * From shown numbers to pixels of the chart's box (`x`, `y`) and back (`xAt`, `yAt`), and the frame in pixels. Null
+   * before the chart stands.
+   */
+  projection() {
+    if (!this.view || this.view.frame.bbox.width <= 0) return null;
+    const { left, right, top, bottom } = this.view.frame.bbox;
+    const { x_range, y_range } = this.figure;
+    const [x, xAt] = axisProjection(x_range, left, right, this.isLog("x"));
+    const [y, yAt] = axisProjection(y_range, bottom, top, this.isLog("y"));
+    return { x, y, xAt, yAt, frame: { left, right, top, bottom } };
+  }
+
+  /**
+   * Puts a picture in the place of the canvas, which does not follow the width of paper. No time is given for painting
+   * anew: dark pictures are turned into light ones by style.css, for which their paper has to be black.
+   */
+  preparePrint() {
+    if (!this.view) return;
+    const dark = theme.name === "dark";
+    const paper = (colour) => this.figure.setv({ background_fill_color: colour, border_fill_color: colour });
+    if (dark) paper("#000000");
+    const picture = this.view.export("png", true).canvas.toDataURL();
+    if (dark) paper(theme.palette.paper);
+    this.box.after(element("img.print-only", { src: picture, alt: this.box.getAttribute("aria-label") }));
+  }
+}
+
+/** Text that Bokeh takes as it is: it would look for formulas in plain strings. */
+const plainText = (text) => new Bokeh.PlainText({ text });
+
+/** @param {Axis} axis */
+const axisLabel = ({ title, unit }) => (unit.name === "" ? title : `${title} (${unit.name})`);
+
+/** Ticks at 1, 2, 5 while a logarithmic axis shows few decades; Bokeh would show one or two powers of ten. */
+function keepLogTicks(axis, grid, range) {
+  const powers = axis.formatter;
+  const plain = new Bokeh.BasicTickFormatter();
+  const follow = () => {
+    const [low, high] = [Math.log10(range.start), Math.log10(range.end)];
+    const mantissas = high - low < 1 ? [1, 1.5, 2, 3, 4, 5, 6, 8] : high - low < 3.2 ? [1, 2, 5] : [1];
+    const step = Math.max(1, Math.ceil((high - low) / 8));
+    const ticks = [];
+    for (let power = Math.floor(low); power <= high; power++) {
+      if (power % step === 0) ticks.push(...mantissas.map((mantissa) => mantissa * 10 ** power));
+    }
+    const ticker = new Bokeh.FixedTicker({ ticks, minor_ticks: [] });
+    grid.setv({ ticker });
+    axis.setv({ ticker, formatter: mantissas.length > 1 ? plain : powers });
+  };
+  follow();
+  range.change.connect(follow);
+}
+
+/** Names in the place of numbers, not more than fit. @param {[number, string][]} ticks */
+function nameTicks(axis, ticks) {
+  const step = Math.ceil(ticks.length / 10);
+  const named = ticks.filter((_, k) => k % step === 0);
+  axis.ticker = new Bokeh.FixedTicker({ ticks: named.map(([place]) => place), minor_ticks: [] });
+  axis.major_label_overrides = new Map(named.map(([place, name]) => [place, plainText(name)]));
+}
+
+/** From data to pixels and back along one axis. @returns {[(value: number) => number, (pixel: number) => number]} */
+function axisProjection({ start, end }, from, to, log) {
+  const perUnit = (to - from) / (log ? Math.log(end / start) : end - start);
+  if (log) return [
+    (value) => from + Math.log(value / start) * perUnit,
+    (pixel) => start * Math.exp((pixel - from) / perUnit),
+  ];
+  return [(value) => from + (value - start) * perUnit, (pixel) => start + (pixel - from) / perUnit];
+}
+
+/** The size of the page's text: charts grow with it on large screens. */
+const rootFontSize = () => parseFloat(getComputedStyle(document.documentElement).fontSize);
+
+const chartFont = () => getComputedStyle(document.body).fontFamily;
+
+function restyle(figure) {
+  const { paper, ink, soft, faint } = theme.palette;
+  const text = { text_color: ink, text_font_size: `${0.82 * rootFontSize()}px`, text_font: chartFont() };
+  const under = (part) => Object.fromEntries(Object.entries(text).map(([name, value]) => [`${part}_${name}`, value]));
+  figure.setv({
+    background_fill_color: paper,
+    border_fill_color: paper,
+    outline_line_color: null,
+    min_border_right: 16,
+  });
+  for (const axis of figure.axes) {
+    axis.setv({
+      axis_line_color: soft,
+      major_tick_line_color: soft,
+      minor_tick_line_color: null,
+      ...under("major_label"),
+      ...under("axis_label"),
+      axis_label_text_font_style: "normal",
+    });
+  }
+  for (const grid of figure.grids) grid.setv({ grid_line_color: faint });
+}
+
+/** Charts below each other that are zoomed together along x. @param {Chart[]} linked */
+function linkAlongX(linked) {
+  for (const leader of linked) {
+    // The same border for all, so that their axes stand below each other.
+    leader.paint(() => leader.figure.setv({ min_border_left: Math.round(4.6 * rootFontSize()) }));
+    const { x_range } = leader.figure;
+    x_range.change.connect(() => {
+      const { start, end } = x_range;
+      for (const { figure } of linked) {
+        if (figure.x_range.start !== start || figure.x_range.end !== end) figure.x_range.setv({ start, end });
+      }
+    });
+  }
+}
+
+/** All charts follow the theme; before printing, each is made a picture. */
+function startCharts() {
+  Bokeh.set_log_level("warn");
+  const repaint = () => charts.forEach((chart) => chart.repaint());
+  theme.listeners.push(repaint);
+  let size = rootFontSize();
+  window.addEventListener("resize", () => {
+    if (rootFontSize() === size) return;
+    size = rootFontSize();
+    repaint();
+  });
+  window.addEventListener("beforeprint", () => charts.forEach((chart) => chart.preparePrint()));
+  window.addEventListener(
+    "afterprint",
+    () => document.querySelectorAll("img.print-only").forEach((picture) => picture.remove()),
+  );
+}
+
+/** Prints in light colours and, unlike the browser's own command, with charts laid out anew for the width of paper. */
+async function printPage() {
+  const before = theme.name;
+  document.documentElement.classList.add("paper");
+  theme.use("light");
+  await new Promise((resolve) => setTimeout(resolve, 600)); // for charts to follow
+  window.print();
+  document.documentElement.classList.remove("paper");
+  theme.use(before);
+}

@@ -1,0 +1,134 @@
+/* The page: what it says at the top, and its figures in their order. */
+
+/** What fills the places of the page. All take (place, run, context). */
+const SECTIONS = {
+  response(place, run, context) {
+    const { selection } = context;
+    const picked = (branch, index) => selection.set({ branch, index });
+    const section = new ResponseSection(place, run.figures.response, run, { ...context, picked });
+    const select = (chosen) => chosen && section.select(chosen.branch, chosen.index);
+    selection.listen(select);
+    select(selection.get());
+  },
+  balance(place, run, context) {
+    const controls = amplitudeControls(run.frames, run.levels, context.looked);
+    const panels = element("div.panels");
+    place.append(controls, panels, predictionInWords(context.looked));
+    for (const name of ["balance", "backbone"]) {
+      const part = element("div");
+      panels.append(part);
+      controls.append(...plainFigure(part, run.figures[name], context).controls.children);
+    }
+  },
+  map(place, run, context) {
+    plainFigure(place, run.figures.map, context);
+    const controls = amplitudeControls(run.frames, run.levels, context.looked);
+    place.append(controls, predictionInWords(context.looked));
+  },
+  resonance: (place, run, context) => plainFigure(place, run.figures.resonance, context),
+  modes: (place, run, context) => plainFigure(place, run.figures.modes, context),
+  motion: motionSection,
+  account: accountSection,
+};
+
+/** A figure that depends on nothing but the forcing amplitude looked at. */
+function plainFigure(place, description, { looked, ...context }) {
+  const figure = new Figure(place, description, context);
+  const look = (frame) => figure.set({ frame });
+  look(looked.get());
+  looked.listen(look);
+  return figure;
+}
+
+/** What is selected when nothing was picked: the largest amplitude of all isolas, or of all branches. */
+function defaultSelection(branches) {
+  const isolas = branches.filter(({ kind }) => kind === "isola");
+  const [highest] = (isolas.length > 0 ? isolas : branches).toSorted(
+    (a, b) => b.amplitude_at_peak - a.amplitude_at_peak,
+  );
+  return highest ? { branch: branches.indexOf(highest), index: highest.peak } : null;
+}
+
+function fillHeader({ run, verdict }) {
+  const stages = {
+    backbone: "the backbone is being computed",
+    sweep: "the levels are being computed",
+    finished: "finished",
+    cancelled: "cancelled",
+  };
+  const facts = [
+    `Model ${run.model}`,
+    stages[run.stage] ?? run.stage,
+    `started ${formatTime(run.created)}`,
+    `page made ${formatTime(run.made)}`,
+  ];
+  document.querySelector("#run-name").textContent = run.name;
+  document.querySelector("#run-facts").textContent = facts.join(" · ");
+  document.querySelector("#run-description").textContent = run.description ?? "";
+  document.querySelector("#missing").hidden = run.missing.length === 0;
+  document.querySelector("#missing ul").replaceChildren(...run.missing.map((sentence) => element("li", {}, sentence)));
+  document.querySelector("#verdict").replaceChildren(
+    ...verdict.map(({ title, text }) => element("div", {}, element("h2", {}, title), element("p", {}, text))),
+  );
+}
+
+/** Draws figures one after another as the browser finds time, those in sight first: none delays what is read first. */
+function drawFigures(run, context) {
+  const waiting = new Map(
+    [...document.querySelectorAll("[data-figure]")].map((place) => [place, SECTIONS[place.dataset.figure]]),
+  );
+  const draw = (place) => {
+    // One that comes into sight may have been drawn meanwhile.
+    if (!waiting.has(place)) return;
+    const section = waiting.get(place);
+    const why = run.nothing[place.dataset.figure];
+    waiting.delete(place);
+    try {
+      if (why === undefined) section(place, run, context);
+      else place.append(emptyNote(`Nothing to show: ${why}.`));
+    } catch (error) {
+      // What is damaged in one figure must not take the others away.
+      place.append(emptyNote(`This part cannot be shown: ${error.message}`));
+      console.error(error);
+    }
+  };
+  const seen = new IntersectionObserver(
+    (entries) => entries.filter((entry) => entry.isIntersecting).forEach(({ target }) => draw(target)),
+  );
+  for (const place of waiting.keys()) seen.observe(place);
+  const later = window.requestIdleCallback ?? ((work) => setTimeout(work, 60));
+  const drawNext = () => {
+    const [place] = waiting.keys();
+    if (!place) {
+      seen.disconnect();
+      document.documentElement.dataset.drawn = "all";
+      return;
+    }
+    draw(place);
+    later(drawNext, { timeout: 500 });
+  };
+  later(drawNext, { timeout: 500 });
+  window.addEventListener("beforeprint", () => [...waiting.keys()].forEach(draw));
+}
+
+function startReport() {
+  const run = JSON.parse(document.querySelector("#data").textContent);
+  theme.palettes = run.palette;
+  startTheme(document.querySelector("#theme"));
+  startCharts();
+  document.querySelector("#print").addEventListener("click", printPage);
+  fillHeader(run);
+  run.frames.forEach((frame, index) => (frame.index = index));
+  const looked = shared(run.frames[run.first_frame ?? 0] ?? null);
+  const context = {
+    columns: lazyColumns(run.columns),
+    file: run.run.name,
+    selection: shared(defaultSelection(run.branches)),
+    looked,
+    moved: (amplitude) => looked.set(nearestFrame(run.frames, amplitude)),
+  };
+  // Figures far down wait until the first ones are on the screen.
+  requestAnimationFrame(() => setTimeout(() => drawFigures(run, context)));
+}
+
+startReport();

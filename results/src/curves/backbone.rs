@@ -1,0 +1,165 @@
+//! The backbone as its figures show it: energies, births and merges of windows, modes.
+
+use super::column::Column;
+use solver::backbone::{Backbone, BackbonePoint};
+use solver::extrema::turning_points;
+use solver::harmonics::complex;
+use solver::model::Model;
+use solver::windows::{Event, events};
+
+/// Modes drawn at most.
+const MODES: usize = 6;
+/// Share below which a mode is not worth drawing.
+const FAINT: f64 = 1e-4;
+/// Share below which the peak of a mode is not worth a label.
+const LABELLED: f64 = 5e-3;
+/// A peak stands out by this factor.
+const PROMINENCE: f64 = 1.5;
+/// Peaks labelled at most.
+const PEAKS: usize = 12;
+/// Relative distance of frequencies within which a mode is in resonance.
+const RESONANT: f64 = 0.1;
+
+/// The backbone: p points, in rad/s, 1/s, m and J a period.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BackboneCurve {
+    /// Mode it starts from, from 0.
+    pub mode: usize,
+    /// How it ends, in words.
+    pub status: String,
+    /// Frequency.
+    pub omega: Column,
+    /// Decay rate.
+    pub decay: Column,
+    /// Largest |x| over the period of every monitored dof.
+    pub amplitude: Vec<Column>,
+    /// Share of the period in contact, the largest over the contact elements; NaN without any.
+    pub contact: Column,
+    /// Work of the linear damping R_lin.
+    pub r_lin: Column,
+    /// Work of the nonlinear elements R_nl.
+    pub r_nl: Column,
+    /// Work of the forcing per unit of A.
+    pub work: Column,
+    /// Work that the forcing has to do by the criterion of the run: A* times the work per unit of A.
+    pub needed: Column,
+    /// Threshold A*.
+    pub threshold: Column,
+    /// Relative error of the energy balance.
+    pub certificate: Column,
+    /// Scaled arc length.
+    pub arc: Column,
+    /// Births and merges of windows.
+    pub events: Vec<Event>,
+    /// The modes that contribute most, the one followed first.
+    pub modes: Vec<ModeShare>,
+    /// Where the share of a mode peaks.
+    pub peaks: Vec<Peak>,
+}
+
+/// A mode along the backbone.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ModeShare {
+    /// Mode, from 0.
+    pub mode: usize,
+    /// Its frequency, rad/s.
+    pub frequency: f64,
+    /// Its contribution, all modes summing to 1.
+    pub share: Column,
+}
+
+/// A peak of a mode's contribution.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Peak {
+    /// Mode j, from 0.
+    pub mode: usize,
+    /// Index of the point.
+    pub index: usize,
+    /// Frequency ω, rad/s.
+    pub omega: f64,
+    /// Its contribution.
+    pub share: f64,
+    /// The harmonic h that is largest in the motion of the mode.
+    pub harmonic: usize,
+    /// ω_j/(h ω): 1 in resonance.
+    pub ratio: f64,
+    /// Whether that is a resonance.
+    pub resonant: bool,
+}
+
+impl BackboneCurve {
+    /// Of a backbone of this model.
+    pub fn new(backbone: &Backbone, model: &Model) -> Self {
+        let points = &backbone.points;
+        let column = |of: &dyn Fn(&BackbonePoint) -> f64| points.iter().map(of).collect::<Vec<f64>>();
+        let short = |of: &dyn Fn(&BackbonePoint) -> f64| Column::short(column(of));
+        let modes = modes(backbone, model);
+        let mut peaks: Vec<Peak> = modes.iter().skip(1).flat_map(|mode| peaks(backbone, mode)).collect();
+        peaks.sort_by(|a, b| b.share.total_cmp(&a.share));
+        peaks.truncate(PEAKS);
+        Self {
+            mode: backbone.mode,
+            status: backbone.outcome.to_string(),
+            omega: Column::exact(column(&|p| p.point.omega())),
+            decay: short(&|p| p.point.state.decay),
+            amplitude: (0..model.monitors.len()).map(|m| short(&|p| p.point.monitors[m].amplitude)).collect(),
+            contact: short(&|p| p.point.contact.iter().copied().fold(f64::NAN, f64::max)),
+            r_lin: short(&|p| p.energies.linear),
+            r_nl: short(&|p| p.energies.nonlinear),
+            work: short(&|p| p.energies.work_per_amplitude),
+            needed: short(&|p| p.threshold * p.energies.work_per_amplitude),
+            threshold: short(&|p| p.threshold),
+            certificate: short(&|p| p.energies.certificate),
+            arc: short(&|p| p.arc),
+            events: events(backbone),
+            modes,
+            peaks,
+        }
+    }
+}
+
+impl BackboneCurve {
+    /// Whether dissipation and what is fed in cancel near a point: R_lin + R_nl changes its sign beside it.
+    pub fn feeds_itself(&self, index: usize) -> bool {
+        let balance = |i: usize| self.r_lin.values[i] + self.r_nl.values[i];
+        let neighbours = index.saturating_sub(1)..=(index + 1).min(self.r_lin.values.len() - 1);
+        neighbours.clone().any(|i| balance(i) < 0.0) && neighbours.clone().any(|i| balance(i) >= 0.0)
+    }
+}
+
+fn modes(backbone: &Backbone, model: &Model) -> Vec<ModeShare> {
+    let share = |mode: usize| backbone.points.iter().map(move |point| point.contributions[mode]);
+    let largest = |mode: usize| share(mode).fold(0.0, f64::max);
+    let mut others: Vec<usize> = (0..model.size()).filter(|&j| j != backbone.mode && largest(j) > FAINT).collect();
+    others.sort_by(|&a, &b| largest(b).total_cmp(&largest(a)));
+    others.truncate(MODES - 1);
+    let drawn = std::iter::once(backbone.mode).chain(others);
+    let mode = |j: usize| ModeShare {
+        mode: j,
+        frequency: model.modes.frequencies[j],
+        share: Column::short(share(j).collect()),
+    };
+    drawn.map(mode).collect()
+}
+
+fn peaks<'b>(backbone: &'b Backbone, mode: &'b ModeShare) -> impl Iterator<Item = Peak> + 'b {
+    let logs: Vec<f64> = mode.share.values.iter().map(|share| share.max(1e-12).ln()).collect();
+    let found = turning_points(&logs, PROMINENCE.ln()).into_iter();
+    let is_peak = move |&(index, is_maximum): &(usize, bool)| is_maximum && index > 0 && index + 1 < logs.len();
+    found.filter(is_peak).filter(|&(index, _)| mode.share.values[index] > LABELLED).map(move |(index, _)| {
+        let state = &backbone.points[index].point.state;
+        let series = state.mode(mode.mode);
+        let size = |k: usize| complex(series, k).norm();
+        let harmonic = (1..=state.harmonics).max_by(|&a, &b| size(a).total_cmp(&size(b))).unwrap_or(1);
+        let ratio = mode.frequency / (harmonic as f64 * state.omega);
+        Peak {
+            mode: mode.mode,
+            index,
+            omega: state.omega,
+            share: mode.share.values[index],
+            harmonic,
+            ratio,
+            resonant: (ratio - 1.0).abs() < RESONANT,
+        }
+    })
+}

@@ -1,0 +1,15 @@
+//! What a run has computed, as its figures need it: branches, backbone, largest responses, motions.
+
+mod backbone;
+mod branch;
+mod column;
+mod monitor;
+mod motion;
+mod resonance;
+
+pub use backbone::{BackboneCurve, ModeShare, Peak};
+pub use branch::{Curve, largest};
+pub use column::Column;
+pub use monitor::{Monitor, monitors};
+pub use motion::{Motion, Motions, Node};
+pub use resonance::{Resonance, ResonanceComparison};

@@ -1,0 +1,146 @@
+//! One period of motion at chosen points: what contact nodes do against the casing.
+
+use super::branch::Curve;
+use super::column::Column;
+use protocol::array::ArrayError;
+use protocol::curve::Size;
+use protocol::to_everyone::StoredResult;
+use serde::Serialize;
+use solver::harmonics::width;
+use solver::laws::{Law, LawKind};
+use solver::model::Model;
+use solver::state::State;
+
+/// A place whose motion is drawn.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Node {
+    /// Name of the contact element or of the monitored dof.
+    pub name: String,
+    /// Clearance to the casing, m; `None` without contact.
+    pub gap: Option<f64>,
+    /// The displacement, in modal coordinates: modes.
+    #[serde(skip)]
+    shape: Vec<f64>,
+    /// Which argument of the laws is its predicted pressure.
+    #[serde(skip)]
+    pressure: Option<usize>,
+}
+
+/// The motion at a point of a branch.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Motion {
+    /// Branch, by index.
+    pub branch: usize,
+    /// Index of the point.
+    pub index: usize,
+    /// nodes × 2 × (2H + 1): displacement normal to the casing, m, and predicted pressure p, N, as series
+    /// c₀, a₁, b₁, …: x = c₀ + Σ a_k cos kωt + b_k sin kωt. The contact pressure is max(0, p).
+    pub coefficients: Column,
+}
+
+/// Motions at chosen points.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Motions {
+    /// Number of harmonics H.
+    pub harmonics: usize,
+    /// The contact nodes; without contact, the monitored dofs.
+    pub nodes: Vec<Node>,
+    /// The chosen points.
+    pub points: Vec<Motion>,
+}
+
+/// Contact nodes of a model; without contact, its monitored dofs.
+pub fn nodes(model: &Model) -> Vec<Node> {
+    let shape = |dofs: &[(usize, f64)]| {
+        let along = |j: usize| dofs.iter().map(|&(dof, share)| share * model.modes.shapes[(dof, j)]).sum();
+        (0..model.size()).map(along).collect::<Vec<f64>>()
+    };
+    let mut nodes = Vec::new();
+    let mut argument = 0;
+    for element in &model.elements {
+        if let LawKind::Contact(law) = &element.law {
+            let (name, gap) = (element.name.clone(), Some(law.gap));
+            nodes.push(Node { name, gap, shape: shape(&element.channels[0]), pressure: Some(argument) });
+        }
+        argument += element.law.arguments();
+    }
+    if nodes.is_empty() {
+        let monitored = |&dof: &usize| Node {
+            name: model.dofs[dof].clone(),
+            gap: None,
+            shape: shape(&[(dof, 1.0)]),
+            pressure: None,
+        };
+        nodes = model.monitors.iter().map(monitored).collect();
+    }
+    nodes
+}
+
+impl Motions {
+    /// None yet, of a model with H harmonics.
+    pub fn new(model: &Model, harmonics: usize) -> Self {
+        Self { harmonics, nodes: nodes(model), points: Vec::new() }
+    }
+
+    /// Adds motions of a branch, `count` at most: peak, folds and start, then evenly along the arc.
+    ///
+    /// # Errors
+    /// If the arrays of the result do not fit the model's size.
+    pub fn choose(
+        &mut self,
+        (branch, curve): (usize, &Curve),
+        result: &StoredResult,
+        size: &Size,
+        count: usize,
+    ) -> Result<(), ArrayError> {
+        let Some(message) = &result.branch else { return Ok(()) };
+        let states = message.points.motions.states(size.channels, size.modes)?;
+        for index in chosen(curve, count) {
+            let motion = self.motion((branch, index), &states[index]);
+            self.points.push(motion);
+        }
+        Ok(())
+    }
+
+    /// The motion at a point of the branch that a result holds, if it holds one with such a point.
+    ///
+    /// # Errors
+    /// If the arrays of the result do not fit the model's size.
+    pub fn at(
+        &self,
+        (branch, index): (usize, usize),
+        result: &StoredResult,
+        size: &Size,
+    ) -> Result<Option<Motion>, ArrayError> {
+        let Some(message) = &result.branch else { return Ok(None) };
+        let states = message.points.motions.states(size.channels, size.modes)?;
+        Ok(states.get(index).map(|state| self.motion((branch, index), state)))
+    }
+
+    fn motion(&self, (branch, index): (usize, usize), state: &State) -> Motion {
+        Motion { branch, index, coefficients: Column::short(self.coefficients(state)) }
+    }
+
+    /// Displacement and predicted pressure of every node: nodes × 2 × (2H + 1).
+    fn coefficients(&self, state: &State) -> Vec<f64> {
+        let nc = width(self.harmonics);
+        let series = |node: &Node| {
+            let pressure = node.pressure.map_or(vec![0.0; nc], |u| state.arguments[u * nc..(u + 1) * nc].to_vec());
+            [state.combine(node.shape.iter().copied()), pressure]
+        };
+        self.nodes.iter().flat_map(series).flatten().collect()
+    }
+}
+
+fn chosen(curve: &Curve, count: usize) -> Vec<usize> {
+    let even = (0..count).map(|i| i * curve.size / count);
+    let special = curve.special.iter().map(|special| special.index);
+    let mut list = Vec::new();
+    for index in std::iter::once(curve.peak).chain(special).chain(even) {
+        if list.len() < count && !list.contains(&index) {
+            list.push(index);
+        }
+    }
+    list.sort_unstable();
+    list
+}

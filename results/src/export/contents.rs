@@ -1,0 +1,256 @@
+//! The contents of the files for MATLAB and NumPy. `EXPORTS.md` documents every name.
+
+mod run;
+
+use super::value::{Group, Record, Value};
+use crate::overview::Overview;
+use crate::overview::{Omissions, detail, unfinished};
+use crate::store::{Displacements, Reader};
+use protocol::array::{Array, ArrayError};
+use protocol::backbone::BackboneMessage;
+use protocol::branch::BranchMessage;
+use protocol::curve::{Motions, Points};
+use protocol::model::ModelMessage;
+use protocol::to_everyone::StoredResult;
+use solver::branch::{Outcome, SpecialKind};
+use solver::laws::LawKind;
+use solver::task::BranchId;
+
+/// What the contents of all files are read with.
+pub(super) struct Contents<'r> {
+    reader: &'r Reader,
+    overview: &'r Overview,
+    names: Option<Names>,
+}
+
+/// Names along the axes of arrays.
+struct Names {
+    displacements: Displacements,
+    displacement_dofs: Vec<String>,
+    monitors: Vec<String>,
+    contacts: Vec<String>,
+    modes: Vec<String>,
+    arguments: Vec<String>,
+}
+
+impl Names {
+    /// Of a model; `None` if its arrays do not fit.
+    fn new(model: &ModelMessage) -> Option<Self> {
+        let displacements = Displacements::new(model).ok()?;
+        let contacts = model.elements.iter().filter(|element| matches!(element.law, LawKind::Contact(_)));
+        let arguments = model
+            .elements
+            .iter()
+            .flat_map(|element| (1..=element.channels.len()).map(|argument| format!("{} {argument}", element.name)));
+        Some(Self {
+            displacement_dofs: displacements.names(model).into_iter().map(String::from).collect(),
+            displacements,
+            monitors: monitors(model),
+            contacts: contacts.map(|element| element.name.clone()).collect(),
+            modes: (1..=model.dofs.len()).map(|mode| format!("mode {mode}")).collect(),
+            arguments: arguments.collect(),
+        })
+    }
+
+    fn add(&self, group: &mut Group<'_>) {
+        group.add("displacement_dofs", self.displacement_dofs.clone());
+        group.add("monitors", self.monitors.clone());
+        group.add("contacts", self.contacts.clone());
+        group.add("modes", self.modes.clone());
+        group.add("arguments", self.arguments.clone());
+    }
+}
+
+impl<'r> Contents<'r> {
+    /// Of a run.
+    pub fn new(reader: &'r Reader, overview: &'r Overview) -> Self {
+        Self { reader, overview, names: overview.model.as_ref().and_then(Names::new) }
+    }
+
+    /// The file of the run: everything but the points of branches. Notes what is missing.
+    pub fn run(&self, omissions: &mut Omissions) -> Record {
+        let (mut record, mut rest) = (Record::default(), Record::default());
+        let backbone = omissions.take("The backbone is", backbone(self.reader));
+        omissions.missing.extend(unfinished(&self.overview.levels, backbone.as_ref().is_none_or(Option::is_some)));
+        run::header(&mut record.group("run"), self.reader, self.overview, omissions);
+        if let Some(model) = &self.overview.model {
+            self.model(&mut rest.group("model"), model);
+        }
+        run::levels(&mut rest.group("levels"), self.overview);
+        if let Some(backbone) = backbone.flatten() {
+            self.backbone(&mut rest.group("backbone"), backbone, omissions);
+        }
+        run::windows(&mut rest.group("windows"), self.overview);
+        run::branches(&mut rest.group("branches"), self.overview);
+        // Now everything that is missing is known.
+        record.group("run").add("missing", omissions.sentences().cloned().collect::<Vec<String>>());
+        record.0.append(&mut rest.0);
+        record
+    }
+
+    fn model(&self, group: &mut Group<'_>, model: &ModelMessage) {
+        run::model(group, model);
+        if let Some(names) = &self.names {
+            names.add(group);
+        }
+    }
+
+    fn backbone(&self, group: &mut Group<'_>, backbone: BackboneMessage, omissions: &mut Omissions) {
+        group.add("mode", backbone.mode);
+        group.add("status", backbone.outcome.to_string());
+        group.add("rejections", backbone.rejections);
+        if let Some(reach) = omissions.read("The reach of branches is", self.reader.reach()).flatten() {
+            group.add("omega_low", reach.frequency.0);
+            group.add("omega_high", reach.frequency.1);
+            group.add("amplitude_bound", reach.amplitude);
+        }
+        self.points(group, backbone.points, ("The displacements of the backbone are", "backbone"), omissions);
+        group.add("r_lin", backbone.r_lin);
+        group.add("r_nl", backbone.r_nl);
+        group.add("work_per_amplitude", backbone.work_per_amplitude);
+        group.add("threshold", backbone.threshold);
+        group.add("certificate", backbone.certificate);
+        group.add("arc", backbone.arc);
+        group.add("contributions", backbone.contributions);
+    }
+
+    /// The file of branch `name`: everything that is known of it.
+    pub fn branch(&self, name: &str, result: StoredResult, omissions: &mut Omissions) -> Option<Record> {
+        let mut record = Record::default();
+        let mut group = record.group("");
+        let (kind, number) = match result.name {
+            Some(BranchId::Isola(i)) => ("isola", i + 1),
+            _ => ("main", 1),
+        };
+        let branch = result.branch?;
+        if let Err(error) = check(&branch.points) {
+            omissions.left_out(format_args!("Branch {name} is"), error);
+            return None;
+        }
+        group.add("level", result.amplitude.text);
+        group.add("level_value", result.amplitude.value);
+        group.add("kind", kind);
+        group.add("number", number);
+        group.add("status", branch.outcome.to_string());
+        group.add("closed", branch.outcome == Outcome::Closed);
+        group.add("rejections", branch.rejections);
+        special(&mut group, &branch);
+        group.add("task", result.task.as_str());
+        group.add("attempt", result.attempt.0 as usize);
+        group.add("worker", result.worker.as_str());
+        group.add("program", result.program);
+        group.add("seconds", result.seconds);
+        let what = format!("The displacements of branch {name} are");
+        self.points(&mut group, branch.points, (&what, result.task.as_str()), omissions);
+        if let Some(names) = &self.names {
+            names.add(&mut group);
+        }
+        Some(record)
+    }
+
+    /// Points of a curve, whose arrays fit together; `(what, owner)`: its displacements in a sentence and in the store.
+    fn points(&self, group: &mut Group<'_>, points: Points, (what, owner): (&str, &str), omissions: &mut Omissions) {
+        let displacement = self.displacement(owner, &points.motions);
+        group.add("harmonics", points.motions.harmonics);
+        group.add("omega", points.motions.omega);
+        group.add("decay", points.motions.decay);
+        group.add("forcing", points.motions.forcing);
+        group.add("argument", Value::Complex(points.motions.argument));
+        group.add("modal", Value::Complex(points.motions.modal));
+        match displacement {
+            Ok(displacement) => group.add("displacement", Value::Complex(displacement)),
+            Err(why) => omissions.left_out(what, why),
+        }
+        group.add("amplitude", points.amplitude);
+        group.add("rms", points.rms);
+        group.add("contact", points.contact);
+        group.add("residual", points.residual);
+        group.add("high_harmonics", points.high_harmonics);
+        group.add("iterations", points.iterations);
+    }
+
+    /// The displacements that are stored with `owner`, if they are those of the motions. They have no checksum.
+    fn displacement(&self, owner: &str, motions: &Motions) -> Result<Array, String> {
+        let stored = self.reader.array(owner, "displacement").map_err(|error| detail(&error))?;
+        let stored = stored.ok_or("they are gone")?;
+        let names = self.names.as_ref().ok_or("there is no model to compare them with")?;
+        let expected = names.displacements.array(motions).map_err(|error| error.to_string())?;
+        if agree(&stored, &expected) { Ok(stored) } else { Err("they are not those of the modal amplitudes".into()) }
+    }
+}
+
+/// Names of the monitored dofs.
+pub(super) fn monitors(model: &ModelMessage) -> Vec<String> {
+    model.monitors.iter().filter_map(|&dof| model.dofs.get(dof)).cloned().collect()
+}
+
+/// The backbone, if there is one.
+///
+/// # Errors
+/// If it cannot be read or its arrays do not fit together.
+pub(super) fn backbone(reader: &Reader) -> Result<Option<BackboneMessage>, String> {
+    let stored = reader.backbone().map_err(|error| detail(&error))?;
+    let Some(backbone) = stored else { return Ok(None) };
+    let fit = || {
+        check(&backbone.points)?;
+        let count = backbone.points.len();
+        for (name, array) in [
+            ("r_lin", &backbone.r_lin),
+            ("r_nl", &backbone.r_nl),
+            ("work_per_amplitude", &backbone.work_per_amplitude),
+            ("threshold", &backbone.threshold),
+            ("certificate", &backbone.certificate),
+            ("arc", &backbone.arc),
+        ] {
+            array.values(name, &[count])?;
+        }
+        backbone.contributions.values("contributions", &[count, width(&backbone.contributions)]).map(drop)
+    };
+    fit().map_err(|error: ArrayError| error.to_string())?;
+    Ok(Some(backbone))
+}
+
+/// Whether arrays of points fit together, for whatever number of channels, modes, monitored dofs and contacts.
+fn check(points: &Points) -> Result<(), ArrayError> {
+    let (count, motions) = (points.len(), &points.motions);
+    for (name, array) in [
+        ("omega", &motions.omega),
+        ("decay", &motions.decay),
+        ("forcing", &motions.forcing),
+        ("residual", &points.residual),
+        ("high_harmonics", &points.high_harmonics),
+        ("iterations", &points.iterations),
+    ] {
+        array.values(name, &[count])?;
+    }
+    for (name, array) in [("amplitude", &points.amplitude), ("rms", &points.rms), ("contact", &points.contact)] {
+        array.values(name, &[count, width(array)])?;
+    }
+    for (name, array) in [("argument", &motions.argument), ("modal", &motions.modal)] {
+        array.series(name, &[count, width(array)], motions.harmonics)?;
+    }
+    Ok(())
+}
+
+/// Length of the second axis.
+fn width(array: &Array) -> usize {
+    array.shape.get(1).copied().unwrap_or(0)
+}
+
+/// Whether two arrays are the same but for rounding: another processor adds up in another order.
+fn agree(a: &Array, b: &Array) -> bool {
+    const TOLERANCE: f64 = 1e-9;
+    let (Ok(a), Ok(b)) = (a.values("displacement", &b.shape), b.values("displacement", &b.shape)) else { return false };
+    let scale = b.iter().fold(0.0, |scale: f64, value| scale.max(value.abs()));
+    a.iter().zip(&b).all(|(a, b)| (a - b).abs() <= TOLERANCE * scale || a.to_bits() == b.to_bits())
+}
+
+fn special(group: &mut Group<'_>, branch: &BranchMessage) {
+    let kind = |kind| match kind {
+        SpecialKind::Start => "start",
+        SpecialKind::Peak => "peak",
+        SpecialKind::Fold => "fold",
+    };
+    group.add("special_kind", branch.special.iter().map(|point| kind(point.kind).to_string()).collect::<Vec<String>>());
+    group.add("special_index", branch.special.iter().map(|point| point.index).collect::<Vec<usize>>());
+}

@@ -1,0 +1,116 @@
+//! Names, model and overview of a run.
+
+use crate::export::value::{Group, Value};
+use crate::overview::Omissions;
+use crate::overview::{BranchRow, Level, Overview, WindowRow};
+use crate::store::Reader;
+use protocol::array::Array;
+use protocol::model::{ElementMessage, ModelMessage};
+
+/// What does not change, and the stage.
+pub(super) fn header(group: &mut Group<'_>, reader: &Reader, overview: &Overview, omissions: &mut Omissions) {
+    if let Some(header) = &overview.header {
+        let overrides = header.overrides.iter().map(|(key, value)| format!("{key}={value}"));
+        group.add("id", header.run.as_str());
+        group.add("name", header.name.as_str());
+        group.add("study_file", header.study_file.to_string_lossy().into_owned());
+        group.add("overrides", overrides.collect::<Vec<String>>());
+        group.add("study", header.study.as_str());
+        group.add("model_sha256", header.model_sha256.as_str());
+        group.add("program", header.program.as_str());
+        group.add("created", header.created.as_str());
+        group.add("namespace", header.namespace.as_str());
+    }
+    if let Some(stage) = omissions.read("The stage of the run is", reader.stage()) {
+        group.add("stage", stage.name());
+    }
+}
+
+/// The structure.
+pub(super) fn model(group: &mut Group<'_>, model: &ModelMessage) {
+    group.add("name", model.name.as_str());
+    group.add("dofs", model.dofs.clone());
+    group.add("mass", model.mass.clone());
+    group.add("stiffness", model.stiffness.clone());
+    group.add("frequencies", model.frequencies.clone());
+    group.add("shapes", model.shapes.clone());
+    group.add("damping", model.damping.clone());
+    group.add("forcing_shape", model.forcing.clone());
+    group.add("forcing_harmonic", model.forcing_harmonic);
+    group.add("elements", model.elements.iter().map(|element| element.name.clone()).collect::<Vec<String>>());
+    let law = |element: &ElementMessage| serde_json::to_string(&element.law).expect("numbers and names");
+    group.add("laws", model.elements.iter().map(law).collect::<Vec<String>>());
+    group.add("coefficients", coefficients(model));
+}
+
+/// What the arguments of the laws are of the displacements: arguments × dofs.
+fn coefficients(model: &ModelMessage) -> Value {
+    let (width, channels) = (model.dofs.len(), model.elements.iter().flat_map(|element| &element.channels));
+    let row = |channel: &Vec<(usize, f64)>| {
+        let mut row = vec![0.0; width];
+        for &(dof, coefficient) in channel {
+            row[dof] += coefficient;
+        }
+        row
+    };
+    let rows: Vec<f64> = channels.clone().flat_map(row).collect();
+    Array::new([channels.count(), width], rows).into()
+}
+
+/// Levels, by amplitude.
+pub(super) fn levels(group: &mut Group<'_>, overview: &Overview) {
+    let levels = &overview.levels;
+    column(group, "amplitude", levels, |level| level.amplitude.clone());
+    column(group, "value", levels, |level| level.value);
+    column(group, "pending", levels, |level| level.pending);
+    column(group, "dead", levels, |level| level.dead);
+    column(group, "main_failure", levels, |level| level.main_failure.clone().unwrap_or_default());
+}
+
+/// Windows of all levels, as in `windows.csv`.
+pub(super) fn windows<'t>(group: &mut Group<'_>, overview: &'t Overview) {
+    let of_level = |level: &'t Level| level.windows.iter().map(move |window| (level, window));
+    let rows: Vec<(&Level, &WindowRow)> = overview.levels.iter().flat_map(of_level).collect();
+    column(group, "amplitude", &rows, |(level, _)| level.amplitude.clone());
+    column(group, "value", &rows, |(level, _)| level.value);
+    column(group, "number", &rows, |(_, window)| window.number);
+    column(group, "omega_min", &rows, |(_, window)| window.omega.0);
+    column(group, "omega_max", &rows, |(_, window)| window.omega.1);
+    column(group, "omega_best", &rows, |(_, window)| window.omega_best);
+    column(group, "threshold", &rows, |(_, window)| window.threshold);
+    column(group, "first", &rows, |(_, window)| window.points[0]);
+    column(group, "last", &rows, |(_, window)| window.points[1]);
+    column(group, "best", &rows, |(_, window)| window.points[2]);
+    column(group, "outcome", &rows, |(_, window)| window.outcome.words()[0].to_string());
+    column(group, "branch", &rows, |(_, window)| window.outcome.words()[1].to_string());
+    column(group, "reason", &rows, |(_, window)| window.outcome.words()[2].to_string());
+}
+
+/// Branches of all levels, as in `summary.csv`.
+pub(super) fn branches(group: &mut Group<'_>, overview: &Overview) {
+    let rows: Vec<(&Level, &BranchRow)> = overview.branches().collect();
+    column(group, "file", &rows, |(level, branch)| level.file_name(branch));
+    column(group, "amplitude", &rows, |(level, _)| level.amplitude.clone());
+    column(group, "value", &rows, |(level, _)| level.value);
+    column(group, "kind", &rows, |(_, branch)| branch.kind.clone());
+    column(group, "number", &rows, |(_, branch)| branch.number);
+    column(group, "status", &rows, |(_, branch)| branch.status.clone());
+    column(group, "closed", &rows, |(_, branch)| branch.closed);
+    column(group, "points", &rows, |(_, branch)| branch.points);
+    column(group, "omega_min", &rows, |(_, branch)| branch.omega.0);
+    column(group, "omega_max", &rows, |(_, branch)| branch.omega.1);
+    column(group, "amplitude_max", &rows, |(_, branch)| branch.amplitude_max);
+    column(group, "omega_at_max", &rows, |(_, branch)| branch.omega_at_max);
+    let contact = |branch: &BranchRow| branch.contact_omega.unwrap_or((f64::NAN, f64::NAN));
+    column(group, "contact_omega_min", &rows, |(_, branch)| contact(branch).0);
+    column(group, "contact_omega_max", &rows, |(_, branch)| contact(branch).1);
+    column(group, "task", &rows, |(_, branch)| branch.task.clone());
+}
+
+/// A column of a table.
+fn column<R, T>(group: &mut Group<'_>, name: &str, rows: &[R], of: impl Fn(&R) -> T)
+where
+    Vec<T>: Into<Value>,
+{
+    group.add(name, rows.iter().map(of).collect::<Vec<T>>());
+}

@@ -1,0 +1,103 @@
+//! What people take away from a run: CSV files, and files for MATLAB and NumPy.
+
+mod atomic;
+mod contents;
+mod files;
+mod mat;
+mod npz;
+mod table;
+#[cfg(test)]
+mod tests;
+mod value;
+
+use crate::overview::{Omissions, Overview};
+use crate::store::{Reader, StoreError};
+use atomic::branches_folder;
+pub use atomic::write_atomically;
+use contents::Contents;
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+use value::Record;
+
+/// Format of exported files.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Format {
+    /// summary.csv, backbone.csv, windows.csv, branches/*.csv.
+    #[default]
+    Csv,
+    /// For MATLAB and Octave, with all harmonics: run.mat, branches/*.mat.
+    Mat,
+    /// For NumPy, with all harmonics: run.npz, branches/*.npz.
+    Npz,
+}
+
+/// Why an export failed.
+#[derive(Debug, Error)]
+pub enum ExportError {
+    /// The run cannot be read.
+    #[error(transparent)]
+    Store(#[from] StoreError),
+    /// A file cannot be written.
+    #[error("{}: {source}; check that there is space and that you may write there", .file.display())]
+    Write {
+        /// The file.
+        file: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// A variable for MATLAB that is larger than the format allows.
+    #[error("{}: `{variable}` is larger than the 2 GB that a variable may have; use --format npz", .file.display())]
+    TooLarge {
+        /// The file.
+        file: PathBuf,
+        /// The variable.
+        variable: String,
+    },
+}
+
+/// Writes what is stored of a run, at any stage, into folder `dir`, and reports what could not be written because it is
+/// not there or not what was stored.
+///
+/// # Errors
+/// If nothing of the run can be read or a file cannot be written; files are complete or not there.
+pub fn export(reader: &Reader, format: Format, dir: &Path) -> Result<Omissions, ExportError> {
+    let mut omissions = Omissions::default();
+    omissions.check(reader);
+    match format {
+        Format::Csv => files::write(reader, dir, &mut omissions)?,
+        Format::Mat => records(reader, dir, &mut omissions, mat::EXTENSION, mat::write)?,
+        Format::Npz => records(reader, dir, &mut omissions, npz::EXTENSION, npz::write)?,
+    }
+    Ok(omissions)
+}
+
+/// Writes the CSV files, as [`export`] does, of a run that was open for writing until now and was checked then.
+///
+/// # Errors
+/// As [`export`].
+pub fn csv(reader: &Reader, dir: &Path) -> Result<Omissions, ExportError> {
+    let mut omissions = Omissions::default();
+    files::write(reader, dir, &mut omissions)?;
+    Ok(omissions)
+}
+
+/// Writes a file for the run and one for every branch.
+fn records(
+    reader: &Reader,
+    dir: &Path,
+    omissions: &mut Omissions,
+    extension: &str,
+    write: impl Fn(&Path, &str, &Record) -> Result<(), ExportError>,
+) -> Result<(), ExportError> {
+    let _snapshot = reader.snapshot()?;
+    let overview = Overview::read(reader, omissions)?;
+    let folder = branches_folder(dir)?;
+    let contents = Contents::new(reader, &overview);
+    overview.each_branch(reader, omissions, |omissions, name, result| {
+        match contents.branch(name, result, omissions) {
+            Some(record) => write(&folder, &format!("{name}.{extension}"), &record),
+            None => Ok(()),
+        }
+    })?;
+    write(dir, &format!("run.{extension}"), &contents.run(omissions))
+}

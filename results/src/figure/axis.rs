@@ -1,0 +1,134 @@
+//! Axes around the values that they are for.
+
+use super::data::{Axis, Scale, Unit};
+use crate::words::length_unit;
+
+/// Decades that a logarithmic axis spans at most.
+const SPAN: f64 = 40.0;
+/// No axis reaches so far: a number beyond is damage.
+const ABSURD: f64 = 1e100;
+/// Room left beside the data, as a share of the axis.
+const MARGIN: f64 = 0.05;
+
+impl Axis {
+    /// From one value to another; around it if they are the same.
+    pub fn exact(title: impl Into<String>, unit: Unit, ends: (f64, f64)) -> Self {
+        Self {
+            name: String::new(),
+            title: title.into(),
+            unit,
+            range: bounds([ends.0, ends.1]),
+            whole: None,
+            scale: Scale::Linear,
+            ticks: Vec::new(),
+        }
+    }
+
+    /// Around values, with room beside them. A lowest value of 0 stays the end.
+    pub fn around(title: impl Into<String>, unit: Unit, values: impl IntoIterator<Item = f64>) -> Self {
+        let (low, high) = bounds(values);
+        let room = MARGIN * (high - low);
+        Self::exact(title, unit, (if low == 0.0 { 0.0 } else { low - room }, high + room))
+    }
+
+    /// Logarithmic, around the positive ones among values.
+    pub fn logarithmic(title: impl Into<String>, unit: Unit, values: impl IntoIterator<Item = f64>) -> Self {
+        let (low, high) = bounds(values.into_iter().filter(|&value| value > 0.0 && value < ABSURD).map(f64::log10));
+        let low = low.max(high - SPAN);
+        let room = MARGIN * (high - low);
+        let ends = (10_f64.powf(low - room), 10_f64.powf(high + room));
+        Self { scale: Scale::Log, ..Self::exact(title, unit, ends) }
+    }
+
+    /// Of frequencies, rad/s.
+    pub fn of_frequencies(ends: (f64, f64)) -> Self {
+        Self::exact("frequency ω", Unit::si("rad/s"), ends).called("frequency")
+    }
+
+    /// With a name for a choice.
+    pub fn called(self, name: impl Into<String>) -> Self {
+        Self { name: name.into(), ..self }
+    }
+
+    /// Where a value lies: 0 at the lowest, 1 at the highest; NaN if it has no place.
+    pub fn share(&self, value: f64) -> f64 {
+        let (low, high) = self.range;
+        match self.scale {
+            Scale::Log => (value / low).ln() / (high / low).ln(),
+            Scale::Linear => (value - low) / (high - low),
+        }
+    }
+
+    /// The value at a share.
+    pub fn value_at(&self, share: f64) -> f64 {
+        let (low, high) = self.range;
+        match self.scale {
+            Scale::Log => low * (high / low).powf(share),
+            Scale::Linear => low + share * (high - low),
+        }
+    }
+
+    /// As the page shows it at first.
+    pub fn at_first(&self) -> Self {
+        Self { range: self.whole.unwrap_or(self.range), ..self.clone() }
+    }
+
+    /// Quantity and unit: `frequency ω (rad/s)`.
+    pub fn heading(&self) -> String {
+        match self.unit.name.as_str() {
+            "" => self.title.clone(),
+            unit => format!("{} ({unit})", self.title),
+        }
+    }
+}
+
+impl Unit {
+    /// In which lengths up to this one are read best.
+    pub fn of_lengths(largest: f64) -> Self {
+        let (factor, name) = length_unit(largest);
+        Self { name: name.into(), factor }
+    }
+}
+
+/// Largest finite number; 0 if there is none.
+pub fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
+    values.into_iter().filter(|value| value.abs() < ABSURD).fold(0.0, f64::max)
+}
+
+/// Lowest and highest of the finite ones among values; never equal.
+pub fn bounds(values: impl IntoIterator<Item = f64>) -> (f64, f64) {
+    let finite = values.into_iter().filter(|value| value.abs() < ABSURD);
+    let (low, high) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
+    if low > high {
+        return (0.0, 1.0);
+    }
+    let size = low.abs().max(high.abs());
+    // Less is rounding.
+    if high - low > 1e-9 * size { (low, high) } else { (low - 0.05 * size.max(1e-15), high + 0.05 * size.max(1e-15)) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_axis_around_one_value_has_a_length() {
+        let none = Unit::none;
+        for axis in [
+            Axis::around("", none(), [5.0]),
+            Axis::around("", none(), [0.0]),
+            Axis::around("", none(), []),
+            Axis::logarithmic("", none(), [3.0]),
+            Axis::around("", none(), [f64::NAN, 1e300]),
+        ] {
+            let (low, high) = axis.range;
+            assert!(high > low && axis.share(low) == 0.0 && axis.share(high) == 1.0, "{axis:?}");
+        }
+    }
+
+    #[test]
+    fn lengths_have_units() {
+        let axis = Axis::exact("amplitude of tip", Unit::of_lengths(2e-3), (0.0, 2e-3));
+        assert_eq!(axis.heading(), "amplitude of tip (mm)");
+    }
+}

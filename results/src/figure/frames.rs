@@ -1,0 +1,229 @@
+//! What depends on the forcing amplitude looked at: windows, the runs of the backbone along which the amplitude lies above
+//! the threshold, with their names and colours, and what the balance predicts, in words.
+
+use super::style::Color;
+use super::subject::Subject;
+use crate::curves::BackboneCurve;
+use crate::overview::{Level, WindowOutcome, WindowRow};
+use crate::words::{count, digits};
+use serde::Serialize;
+
+/// One forcing amplitude.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Frame {
+    /// Forcing amplitude A.
+    pub amplitude: f64,
+    /// `A = 60`.
+    pub name: String,
+    /// The level of the run that has it, by index.
+    pub level: Option<usize>,
+    /// Windows along the backbone.
+    pub runs: Vec<Run>,
+    /// How many windows are predicted.
+    pub words: String,
+    /// A sentence for each window.
+    pub sentences: Vec<String>,
+}
+
+/// A window as a run of the backbone.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Run {
+    /// Place where it begins; between points, a fraction.
+    pub first: f64,
+    /// Place where it ends.
+    pub last: f64,
+    /// Point of smallest threshold.
+    pub best: usize,
+    /// What it led to, or its number.
+    pub name: String,
+    /// Its colour.
+    pub color: Color,
+}
+
+impl Frame {
+    /// Of a level of a run.
+    pub fn of_level(subject: &Subject<'_>, backbone: &BackboneCurve, level: usize) -> Option<Self> {
+        let row = subject.levels.get(level)?;
+        Some(Self::new(backbone, row.value, Some((level, row))))
+    }
+
+    /// Of any forcing amplitude.
+    pub fn at(subject: &Subject<'_>, backbone: &BackboneCurve, amplitude: f64) -> Self {
+        let level = subject.levels.iter().enumerate().find(|(_, level)| level.value == amplitude);
+        Self::new(backbone, amplitude, level)
+    }
+
+    fn new(backbone: &BackboneCurve, amplitude: f64, level: Option<(usize, &Level)>) -> Self {
+        let mut runs = runs(&backbone.threshold.values, amplitude);
+        let row = |run: &Run| level.and_then(|(_, level)| window_of(level, run));
+        for (k, run) in runs.iter_mut().enumerate() {
+            run.name = name(row(run), k + 1);
+        }
+        paint(&mut runs);
+        let sentences = runs.iter().enumerate().map(|(k, run)| sentence(backbone, k + 1, run, level)).collect();
+        let name = level.map_or_else(|| digits(amplitude, 4), |(_, level)| level.amplitude.clone());
+        let note = if level.is_some() { "" } else { " (not a level of this run)" };
+        let what = match runs.len() {
+            0 => "no forced response on this backbone.".into(),
+            windows => format!("{}:", count(windows, "window")),
+        };
+        Self {
+            amplitude,
+            words: format!("At A = {name}{note} the balance predicts {what}"),
+            name: format!("A = {name}"),
+            level: level.map(|(index, _)| index),
+            runs,
+            sentences,
+        }
+    }
+}
+
+/// Runs along which the threshold lies below an amplitude, without names and colours.
+fn runs(threshold: &[f64], amplitude: f64) -> Vec<Run> {
+    let mut runs: Vec<Run> = Vec::new();
+    let mut is_inside = false;
+    for (i, &value) in threshold.iter().enumerate() {
+        let was_inside = std::mem::replace(&mut is_inside, value < amplitude);
+        if is_inside && !was_inside {
+            let first = if i == 0 { 0.0 } else { crossing(threshold, i - 1, amplitude) };
+            runs.push(Run { first, last: i as f64, best: i, name: String::new(), color: Color::Ink });
+        }
+        let Some(run) = runs.last_mut() else { continue };
+        if is_inside {
+            run.last = i as f64;
+            run.best = if value < threshold[run.best] { i } else { run.best };
+        } else if was_inside {
+            run.last = crossing(threshold, i - 1, amplitude);
+        }
+    }
+    runs
+}
+
+/// Where between points `i` and `i + 1` the threshold passes the amplitude, its logarithm taken as straight.
+fn crossing(threshold: &[f64], i: usize, amplitude: f64) -> f64 {
+    let (a, b) = (threshold[i].ln(), threshold[i + 1].ln());
+    let share = (amplitude.ln() - a) / (b - a);
+    i as f64 + if share.is_finite() { share.clamp(0.0, 1.0) } else { 0.5 }
+}
+
+/// The window of a level that a run is.
+fn window_of<'l>(level: &'l Level, run: &Run) -> Option<&'l WindowRow> {
+    level.windows.iter().find(|window| (window.points[0]..=window.points[1]).contains(&run.best))
+}
+
+fn name(window: Option<&WindowRow>, number: usize) -> String {
+    match window.map(|window| (window.number, &window.outcome)) {
+        Some((_, WindowOutcome::Found(branches))) => branches.clone(),
+        Some((number, WindowOutcome::NotFound(_))) => format!("window {number}, not found"),
+        Some((number, WindowOutcome::Pending(_))) => format!("window {number}, pending"),
+        None => format!("window {number}"),
+    }
+}
+
+/// The first category is of the run that begins where the backbone does; the others follow, one for each thing that the
+/// runs led to.
+fn paint(runs: &mut [Run]) {
+    let mut names: Vec<String> = vec![runs.first().filter(|run| run.first == 0.0).map_or("", |run| &run.name).into()];
+    for run in runs {
+        let place = names.iter().position(|name| *name == run.name).unwrap_or(names.len());
+        if place == names.len() {
+            names.push(run.name.clone());
+        }
+        run.color = Color::Category(place);
+    }
+}
+
+/// What is predicted and, at a level of the run, what was found there.
+fn sentence(backbone: &BackboneCurve, number: usize, run: &Run, level: Option<(usize, &Level)>) -> String {
+    let omega = along(&backbone.omega.values, run.first, run.last);
+    let (low, high) = super::axis::bounds(omega);
+    let window = level.and_then(|(_, level)| window_of(level, run));
+    let is_main = |window: &WindowRow| match &window.outcome {
+        WindowOutcome::Found(branches) => branches.split("; ").any(|branch| branch == "main"),
+        _ => false,
+    };
+    let which = match (run.first == 0.0, window.is_some_and(is_main)) {
+        (true, true) => "begins where the backbone does: main branch",
+        (true, false) => "begins where the backbone does: main branch, as a rule",
+        _ => "separate: an isola, unless the main branch reaches it",
+    };
+    let outcome = match (level, window.map(|window| &window.outcome)) {
+        (None, _) => String::new(),
+        (_, None) => " Not among the windows of this level.".into(),
+        (_, Some(WindowOutcome::Found(branches))) => format!(" Computed: {branches}."),
+        (_, Some(WindowOutcome::Pending(_))) => " Not computed yet.".into(),
+        (_, Some(WindowOutcome::NotFound(reason))) => format!(" Computed, not found: {reason}."),
+    };
+    let threshold = digits(backbone.threshold.values[run.best], 4);
+    let (low, high) = (digits(low, 5), digits(high, 5));
+    format!("Window {number}: {low} to {high} rad/s, born at A* = {threshold}; {which}.{outcome}")
+}
+
+/// A column at a place between its points.
+pub fn value_at(column: &[f64], place: f64) -> f64 {
+    let i = (place as usize).min(column.len().saturating_sub(1));
+    match (column.get(i), column.get(i + 1)) {
+        (Some(&value), Some(&next)) if place > i as f64 => value + (next - value) * (place - i as f64),
+        (Some(&value), _) => value,
+        _ => f64::NAN,
+    }
+}
+
+/// A column along a run, both ends included.
+pub fn along(column: &[f64], first: f64, last: f64) -> Vec<f64> {
+    let inside = (first as usize + 1..column.len()).take_while(|&i| (i as f64) < last).map(|i| column[i]);
+    let end = (last > first).then(|| value_at(column, last));
+    std::iter::once(value_at(column, first)).chain(inside).chain(end).collect()
+}
+
+/// Levels among the frames at most; more are thinned evenly.
+const LEVELS: usize = 150;
+/// Amplitudes between and beside the levels.
+const BETWEEN: usize = 60;
+
+/// Forcing amplitudes worth looking at, ascending: levels, births and merges, and steps from below the first birth, yet not
+/// far below the levels, to above the highest level.
+pub fn ladder(subject: &Subject<'_>, backbone: &BackboneCurve) -> Vec<f64> {
+    let levels: Vec<f64> = subject.levels.iter().map(|level| level.value).filter(|value| *value > 0.0).collect();
+    let (low, high) = match levels[..] {
+        [] => (0.1, 10.0),
+        _ => (levels[0], levels[levels.len() - 1]),
+    };
+    let positive = backbone.threshold.values.iter().copied().filter(|value| *value > 0.0);
+    let first = positive.fold(f64::INFINITY, f64::min);
+    let (low, high) = (low.min(first.max(low / 30.0)) / 1.3, high * 1.5);
+    let step = |k: usize| low * (high / low).powf(k as f64 / BETWEEN as f64);
+    let round = |value: f64| digits(value, 3).parse().unwrap_or(value);
+    let stride = levels.len().div_ceil(LEVELS).max(1);
+    let events = backbone.events.iter().map(|event| event.threshold).filter(|value| (low..=high).contains(value));
+    let first = subject.first_level().map(|level| subject.levels[level].value);
+    let mut all: Vec<f64> = levels.iter().rev().copied().step_by(stride).chain(first).chain(events).collect();
+    all.extend((0..=BETWEEN).map(step).map(round));
+    all.sort_by(f64::total_cmp);
+    all.dedup();
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn runs_end_between_points() {
+        let found = runs(&[1.0, 4.0, 2.0, 1.0, 8.0], 2.0);
+        assert_eq!(found.len(), 2);
+        assert_eq!((found[0].first, found[0].last, found[0].best), (0.0, 0.5, 0));
+        assert!((found[1].first - 2.0).abs() < 1e-12 && found[1].best == 3);
+        assert!((found[1].last - (3.0 + 1.0 / 3.0)).abs() < 1e-12, "{}", found[1].last);
+        assert!(runs(&[f64::NAN, f64::NAN], 2.0).is_empty());
+    }
+
+    #[test]
+    fn columns_along_runs() {
+        let column = [0.0, 10.0, 20.0, 30.0];
+        assert_eq!(along(&column, 0.5, 2.25), [5.0, 10.0, 20.0, 22.5]);
+        assert_eq!(along(&column, 2.0, 2.0), [20.0]);
+        assert_eq!(along(&column, 1.0, 3.0), [10.0, 20.0, 30.0]);
+        assert!(along(&[], 0.0, 0.0)[0].is_nan());
+    }
+}

@@ -1,0 +1,99 @@
+//! Series as points: columns resolved, cut to windows, as shares of the axes.
+
+use super::column_store::{ColumnStore, Ref};
+use super::data::{Axis, Direction, Panel, Series, chosen};
+use super::frames::{Frame, Run, along};
+use super::labels::Mark;
+use super::style::Color;
+
+/// What panels are looked at with.
+#[derive(Debug, Clone, Copy)]
+pub struct View<'v> {
+    /// The option of the reader's choice.
+    pub choice: usize,
+    /// The columns.
+    pub store: &'v ColumnStore,
+    /// The forcing amplitude looked at, if there is one.
+    pub frame: Option<&'v Frame>,
+}
+
+/// Points of a curve, in shares of the axes, right and up; NaN in gaps.
+pub type Shares = Vec<(f64, f64)>;
+
+/// A part of a series as it is drawn.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Part {
+    /// Its points.
+    pub points: Shares,
+    /// Of a band, those of its other edge.
+    pub edge: Shares,
+    /// Its colour.
+    pub color: Color,
+}
+
+impl View<'_> {
+    fn column(&self, options: &[Ref]) -> Vec<f64> {
+        let amplitude = self.frame.map_or(f64::NAN, |frame| frame.amplitude);
+        chosen(options, self.choice).map(|of| self.store.values(of, amplitude)).unwrap_or_default()
+    }
+
+    /// The axes of a panel that are chosen, if there are any.
+    pub fn axes<'p>(&self, panel: &'p Panel) -> Option<(&'p Axis, &'p Axis)> {
+        panel.axes(self.choice)
+    }
+
+    /// The parts of a series: one, or one for each window.
+    pub fn parts(&self, series: &Series, (across, up): (&Axis, &Axis)) -> Vec<Part> {
+        let (x, y, y2) = (self.column(&series.x), self.column(&series.y), self.column(&series.y2));
+        let shares = |x: &[f64], y: &[f64]| -> Shares {
+            x.iter().zip(y).map(|(&x, &y)| (across.share(x), up.share(y))).collect()
+        };
+        if !series.along_runs {
+            let points = with_smooth(series, &shares(&x, &y), &|of| shares(&self.column(&of.x), &self.column(&of.y)));
+            return vec![Part { points, edge: shares(&x, &y2), color: series.style.color }];
+        }
+        // Cut as shares: on a logarithmic axis, values between points are not on the line between them.
+        let part = |run: &Run| {
+            let cut = |points: &Shares| -> Shares {
+                let of = |column: Vec<f64>| along(&column, run.first, run.last);
+                let (x, y) = points.iter().copied().unzip();
+                if points.is_empty() { Vec::new() } else { of(x).into_iter().zip(of(y)).collect() }
+            };
+            Part { points: cut(&shares(&x, &y)), edge: cut(&shares(&x, &y2)), color: run.color }
+        };
+        self.frame.map(|frame| frame.runs.iter().map(part).collect()).unwrap_or_default()
+    }
+
+    /// What labels of a panel keep away from: curves and upright lines, and marks. What is switched on later does not count.
+    pub fn obstacles(&self, panel: &Panel, axes: (&Axis, &Axis)) -> (Vec<Shares>, Vec<Mark>) {
+        let upright = panel.spans.iter().filter(|span| span.axis == Direction::X);
+        let at = upright.filter_map(|span| chosen(&span.at, self.choice).copied().flatten());
+        let mut curves: Vec<Shares> = at.map(|value| axes.0.share(value)).map(|x| vec![(x, 0.0), (x, 1.0)]).collect();
+        let mut marks = Vec::new();
+        for series in panel.series.iter().filter(|series| series.switch.is_none() && series.y2.is_empty()) {
+            for part in self.parts(series, axes) {
+                if series.style.width > 0.0 {
+                    curves.push(part.points);
+                } else {
+                    let size = series.style.marker.map_or(0.0, |marker| marker.size);
+                    marks.extend(part.points.into_iter().map(|at| Mark { at, size }));
+                }
+            }
+        }
+        (curves, marks)
+    }
+}
+
+fn with_smooth(series: &Series, points: &Shares, resolve: &dyn Fn(&super::data::Smooth) -> Shares) -> Shares {
+    let Some(smooth) = &series.smooth else { return points.clone() };
+    let between = resolve(smooth);
+    let mut more = smooth.after.iter().zip(between).peekable();
+    let mut all = Vec::with_capacity(points.len() + smooth.after.len());
+    for (i, &point) in points.iter().enumerate() {
+        all.push(point);
+        while let Some((_, inserted)) = more.next_if(|(after, _)| **after <= i) {
+            all.push(inserted);
+        }
+    }
+    all
+}

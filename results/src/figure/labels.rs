@@ -1,0 +1,287 @@
+//! Labels where there is room: beside their points, within the panel, off the curves and off each other.
+
+use super::data::Side;
+use super::text::LINE;
+
+/// Distances of a label from its point that are tried, for texts of [`TEXT`], and how many crossings of curves each is as
+/// bad as.
+const DISTANCES: [(f64, usize); 5] = [(3.0, 0), (8.0, 2), (20.0, 5), (40.0, 8), (70.0, 12)];
+/// Size of texts for which these distances are.
+const TEXT: f64 = 9.3;
+/// From this distance on a line leads from the label to its point.
+const FAR: f64 = 10.0;
+/// How bad each point of a curve is that a label covers.
+const CROSSING: usize = 2;
+/// A label that covers more of the curves than so many of their points is left out.
+const COVERED: usize = 8;
+/// Between a mark and a label.
+const BESIDE_MARK: f64 = 0.8;
+/// A line from a label ends so far before its point.
+const END: f64 = 8.0;
+/// Distance from the edges of the panel, where ticks are.
+const EDGE: f64 = 5.0;
+/// Distance of the points at which a curve is tested, px, and size of the cells in which they are counted.
+const STEP: f64 = 3.0;
+/// Directions that are tried, right and down of the point, the best first.
+const ABOVE: [(f64, f64); 8] =
+    [(0.0, -1.0), (1.0, -1.0), (-1.0, -1.0), (1.0, 0.0), (-1.0, 0.0), (1.0, 1.0), (-1.0, 1.0), (0.0, 1.0)];
+const BESIDE: [(f64, f64); 8] =
+    [(1.0, -1.0), (1.0, 1.0), (1.0, 0.0), (-1.0, -1.0), (-1.0, 1.0), (-1.0, 0.0), (0.0, -1.0), (0.0, 1.0)];
+
+/// How large a panel and its texts are, px.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Field {
+    /// Width inside of the axes.
+    pub width: f64,
+    /// Height inside of the axes.
+    pub height: f64,
+    /// Size of texts.
+    pub text: f64,
+}
+
+/// Where a label stands.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Spot {
+    /// Which part of the text is at the end of the offset: −1, 0, 1 for left, centre, right; and for top, centre, bottom.
+    pub anchor: (i8, i8),
+    /// From the point to there, right and down, px.
+    pub offset: (f64, f64),
+    /// Whether a line leads there.
+    pub has_leader: bool,
+    /// The room it takes.
+    pub area: Rect,
+}
+
+/// A rectangle; right and down from the panel's upper left corner.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Rect {
+    /// Left edge.
+    pub left: f64,
+    /// Upper edge.
+    pub top: f64,
+    /// Right edge.
+    pub right: f64,
+    /// Lower edge.
+    pub bottom: f64,
+}
+
+/// A mark at a point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Mark {
+    /// Where, in shares of the axes, right and up.
+    pub at: (f64, f64),
+    /// How wide it is in files, px.
+    pub size: f64,
+}
+
+/// A point; right and down from the panel's upper left corner.
+type Point = (f64, f64);
+
+/// What is where in a panel.
+#[derive(Debug, Clone)]
+pub struct Room {
+    field: Field,
+    reach: f64,
+    curves: Cells,
+    taken: Vec<Rect>,
+    leaders: Vec<Point>,
+}
+
+impl Room {
+    /// With curves, in shares of the axes, right and up, and marks.
+    pub fn new(field: Field, has_leaders: bool, curves: &[Vec<(f64, f64)>], marks: &[Mark]) -> Self {
+        let points = curves.iter().flat_map(|curve| dense(curve, field));
+        let half = |size: f64| 0.5 * size * field.text / TEXT + BESIDE_MARK;
+        let marks = marks.iter().map(|mark| (place(mark.at, field), half(mark.size)));
+        let marks = marks.filter(|(point, _)| is_somewhere(point));
+        Self {
+            field,
+            reach: if has_leaders { f64::INFINITY } else { FAR },
+            curves: Cells::new(points, field),
+            taken: marks.map(|(point, half)| around(point, half)).collect(),
+            leaders: Vec::new(),
+        }
+    }
+
+    /// Takes the place of a label of this width that covers least of the curves and is not far from its point, if there is
+    /// one; the point in shares of the axes.
+    pub fn take(&mut self, at: (f64, f64), width: f64, side: Side) -> Option<Spot> {
+        let point = Some(place(at, self.field)).filter(is_somewhere)?;
+        let spot = self.best(point, width, side)?;
+        self.leaders.extend(way(&spot, point));
+        self.taken.push(spot.area);
+        Some(spot)
+    }
+
+    fn best(&self, point: Point, width: f64, side: Side) -> Option<Spot> {
+        let (scale, height) = (self.field.text / TEXT, LINE * self.field.text);
+        let directions = match side {
+            Side::Above => ABOVE,
+            Side::Below => ABOVE.map(|(right, down)| (right, -down)),
+            Side::Right => BESIDE,
+        };
+        let near = DISTANCES.iter().filter(|(distance, _)| *distance < self.reach);
+        let spots = near.flat_map(|&(distance, penalty)| {
+            directions.iter().map(move |&(right, down)| {
+                let offset = (right * distance * scale, down * 0.6 * distance * scale);
+                let left = point.0 + offset.0 + 0.5 * (right - 1.0) * width;
+                let top = point.1 + offset.1 + 0.5 * (down - 1.0) * height;
+                let area = Rect { left, top, right: left + width, bottom: top + height };
+                let has_leader = offset.0.hypot(offset.1) > FAR * scale;
+                (Spot { anchor: (-right as i8, -down as i8), offset, has_leader, area }, penalty)
+            })
+        });
+        let free = spots.filter(|(spot, _)| self.is_free(spot, point));
+        let rated = free.map(|(spot, far)| (self.curves.count(&spot.area), far, spot));
+        let clear = rated.filter(|(covered, ..)| *covered <= COVERED);
+        clear.min_by_key(|(covered, far, _)| CROSSING * covered + far).map(|(.., spot)| spot)
+    }
+
+    /// Whether a label may be here, with the line that leads to its point.
+    fn is_free(&self, spot: &Spot, point: Point) -> bool {
+        let area = &spot.area;
+        let is_across = area.left >= EDGE && area.right <= self.field.width - EDGE;
+        let is_within = is_across && area.top >= 1.0 && area.bottom <= self.field.height - 1.0;
+        let is_taken = |other: &Rect| area.overlaps(other) || way(spot, point).iter().any(|p| other.holds(p));
+        is_within && !self.taken.iter().any(is_taken) && !self.leaders.iter().any(|p| area.holds(p))
+    }
+}
+
+impl Spot {
+    /// The anchor as Bokeh names it.
+    pub fn anchor_name(&self) -> &'static str {
+        match self.anchor {
+            (-1, -1) => "top_left",
+            (0, -1) => "top_center",
+            (1, -1) => "top_right",
+            (-1, 0) => "center_left",
+            (1, 0) => "center_right",
+            (-1, _) => "bottom_left",
+            (1, _) => "bottom_right",
+            (_, 1) => "bottom_center",
+            _ => "center_center",
+        }
+    }
+}
+
+impl Rect {
+    fn holds(&self, point: &Point) -> bool {
+        (self.left..self.right).contains(&point.0) && (self.top..self.bottom).contains(&point.1)
+    }
+
+    fn overlaps(&self, other: &Self) -> bool {
+        let is_beside = self.left >= other.right || other.left >= self.right;
+        !(is_beside || self.top >= other.bottom || other.top >= self.bottom)
+    }
+}
+
+/// How many points of curves are left and above of the corners of cells.
+#[derive(Debug, Clone)]
+struct Cells {
+    columns: usize,
+    rows: usize,
+    sums: Vec<u32>,
+}
+
+impl Cells {
+    fn new(points: impl Iterator<Item = Point>, field: Field) -> Self {
+        let columns = (field.width / STEP).ceil().max(1.0) as usize;
+        let rows = (field.height / STEP).ceil().max(1.0) as usize;
+        let mut sums = vec![0; (columns + 1) * (rows + 1)];
+        for (x, y) in points {
+            let (column, row) = ((x / STEP).floor(), (y / STEP).floor());
+            if (0.0..columns as f64).contains(&column) && (0.0..rows as f64).contains(&row) {
+                sums[(row as usize + 1) * (columns + 1) + column as usize + 1] += 1;
+            }
+        }
+        for row in 1..=rows {
+            let mut along = 0;
+            for column in 1..=columns {
+                along += sums[row * (columns + 1) + column];
+                sums[row * (columns + 1) + column] = along + sums[(row - 1) * (columns + 1) + column];
+            }
+        }
+        Self { columns, rows, sums }
+    }
+
+    /// How many points are in the cells that a rectangle covers.
+    fn count(&self, area: &Rect) -> usize {
+        let column = |x: f64| (x / STEP).clamp(0.0, self.columns as f64) as usize;
+        let row = |y: f64| (y / STEP).clamp(0.0, self.rows as f64) as usize;
+        let (left, right) = (column(area.left), column((area.right + STEP).floor()).max(column(area.left)));
+        let (top, bottom) = (row(area.top), row((area.bottom + STEP).floor()).max(row(area.top)));
+        let sum = |row: usize, column: usize| self.sums[row * (self.columns + 1) + column] as usize;
+        sum(bottom, right) + sum(top, left) - sum(top, right) - sum(bottom, left)
+    }
+}
+
+fn is_somewhere(point: &Point) -> bool {
+    point.0.is_finite() && point.1.is_finite()
+}
+
+/// Points of the line that leads from a label to its point, up to the mark there.
+fn way(spot: &Spot, point: Point) -> Vec<Point> {
+    let distance = spot.offset.0.hypot(spot.offset.1);
+    let count = if spot.has_leader { ((distance - END) / STEP).max(0.0) as usize } else { 0 };
+    let at = |i: usize| 1.0 - i as f64 * STEP / distance;
+    (1..count).map(|i| (point.0 + at(i) * spot.offset.0, point.1 + at(i) * spot.offset.1)).collect()
+}
+
+/// What a mark covers.
+fn around((x, y): Point, half: f64) -> Rect {
+    Rect { left: x - half, top: y - half, right: x + half, bottom: y + half }
+}
+
+fn place((right, up): (f64, f64), field: Field) -> Point {
+    (right * field.width, (1.0 - up) * field.height)
+}
+
+/// Points along the visible part of a curve.
+fn dense(curve: &[(f64, f64)], field: Field) -> Vec<Point> {
+    let is_near = |share: &(f64, f64)| (-0.5..=1.5).contains(&share.0) && (-0.5..=1.5).contains(&share.1);
+    let mut points = Vec::new();
+    for pair in curve.windows(2).filter(|pair| is_near(&pair[0]) && is_near(&pair[1])) {
+        let (a, b) = (place(pair[0], field), place(pair[1], field));
+        let steps = ((b.0 - a.0).abs().max((b.1 - a.1).abs()) / STEP).ceil();
+        // What is shorter than a step counts for as much of one.
+        if steps <= 1.0 {
+            let is_new = points.last().is_none_or(|last: &Point| (a.0 - last.0).hypot(a.1 - last.1) >= 0.5 * STEP);
+            points.extend(is_new.then_some(a));
+            continue;
+        }
+        let at = |i: usize| i as f64 / steps;
+        points.extend((0..steps as usize).map(|i| (a.0 + at(i) * (b.0 - a.0), a.1 + at(i) * (b.1 - a.1))));
+    }
+    points
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const FIELD: Field = Field { width: 300.0, height: 200.0, text: 10.0 };
+
+    #[test]
+    fn labels_keep_off_each_other_marks_and_curves() {
+        let curve: Vec<(f64, f64)> = (0..=10).map(|i| (f64::from(i) / 10.0, 0.5)).collect();
+        let mut room = Room::new(FIELD, true, &[curve], &[Mark { at: (0.5, 0.5), size: 6.0 }]);
+        let spots: Vec<Spot> = (0..4).map_while(|_| room.take((0.5, 0.5), 60.0, Side::Above)).collect();
+        assert_eq!(spots.len(), 4);
+        assert!(!spots[0].has_leader, "{:?}", spots[0]);
+        for (i, spot) in spots.iter().enumerate() {
+            assert!(spots[..i].iter().all(|other| !other.area.overlaps(&spot.area)), "{spots:?}");
+            assert!(spot.area.bottom <= 100.0 || spot.area.top >= 100.0, "{spot:?} is on the curve");
+            assert!(!spot.area.overlaps(&around((150.0, 100.0), 3.0)), "{spot:?} is on the mark");
+        }
+    }
+
+    #[test]
+    fn labels_stay_inside() {
+        let mut room = Room::new(FIELD, true, &[], &[]);
+        let spot = room.take((1.0, 1.0), 60.0, Side::Above).unwrap();
+        assert!(spot.area.right <= 300.0 && spot.area.top >= 0.0, "{spot:?}");
+        assert!(room.take((0.5, 0.5), 400.0, Side::Above).is_none());
+        assert!(room.take((f64::NAN, 0.5), 40.0, Side::Above).is_none());
+        assert!(room.take((1e300, -1e300), 40.0, Side::Above).is_none());
+    }
+}

@@ -1,0 +1,154 @@
+//! Isola map: the threshold along the backbone, where windows are born and merge, and what every level has.
+
+use super::column_store::ColumnStore;
+use super::data::{Axis, Direction, Entry, Figure, Kind, Label, Panel, Series, Side, Size, Span, Unit};
+use super::style::{BOLD, Color, FINE, MARK, MEDIUM, Shape, Style};
+use super::subject::{BackboneColumns, Subject};
+use crate::curves::BackboneCurve;
+use crate::overview::{WindowOutcome, WindowRow};
+use crate::words::digits;
+use solver::windows::{Event, EventKind};
+
+/// Thresholds within this factor of the levels are shown.
+const NEAR: f64 = 4.0;
+/// Bars are thinner where there are many: their widths together, px, and those of the main branches, which are wide.
+const TOGETHER: (f64, f64) = (100.0, 30.0);
+
+/// The figure.
+///
+/// # Errors
+/// If there is no backbone: in words.
+pub fn figure(
+    subject: &Subject<'_>,
+    store: &mut ColumnStore,
+    columns: Option<&BackboneColumns>,
+) -> Result<Figure, String> {
+    let backbone = subject.backbone()?;
+    let columns = columns.ok_or("the run has no backbone yet")?;
+    let ends = subject.levels.iter().flat_map(|level| level.isolas().flat_map(|isola| [isola.omega.0, isola.omega.1]));
+    let x = Axis::around("", Unit::none(), backbone.omega.values.iter().copied().chain(ends));
+    let y = Axis::logarithmic("forcing amplitude A, threshold A*", Unit::none(), thresholds(subject, backbone));
+
+    let mut drawing = Drawing { series: Vec::new(), legend: Vec::new(), store };
+    let curve = Style::line(Color::Ink, MEDIUM);
+    drawing.name("threshold A* of the backbone", curve.clone());
+    let levels = subject.levels.len().max(1) as f64;
+    let thin = (TOGETHER.0 / levels).max(0.5 * FINE);
+    let mains = subject.levels.iter().filter_map(|level| Some((level.value, level.main()?.omega)));
+    drawing.bars("main branches", Style::line(Color::Shade, FINE.min(TOGETHER.1 / levels)), mains);
+    let isolas = subject.levels.iter().flat_map(|level| level.isolas().map(|isola| (level.value, isola.omega)));
+    drawing.bars("isolas", Style::line(Color::Category(1), (1.3 * BOLD).min(thin)), isolas);
+    let missed = windows(subject, |outcome| matches!(outcome, WindowOutcome::NotFound(_)));
+    let alert = Style::line(Color::Alert, MEDIUM.min(thin)).with_dash(1);
+    drawing.bars("windows not found", alert, missed.clone().map(|(value, window)| (value, window.omega)));
+    drawing.points(
+        None,
+        Style::marks(Color::Alert, Shape::Cross, MARK, false),
+        missed.map(|(value, window)| (window.omega_best, value)),
+    );
+    let pending = windows(subject, |outcome| matches!(outcome, WindowOutcome::Pending(_)));
+    let shade = Style::line(Color::Shade, MEDIUM.min(thin)).with_dash(2);
+    drawing.bars("windows pending", shade, pending.map(|(value, window)| (value, window.omega)));
+
+    let threshold = Series {
+        name: Some("backbone".into()),
+        x: vec![columns.omega.clone()],
+        y: vec![columns.threshold.clone()],
+        style: curve,
+        details: columns.details(),
+        ..Series::default()
+    };
+    let below = Series {
+        along_runs: true,
+        name: None,
+        details: Vec::new(),
+        style: Style::line(Color::Category(1), 1.6 * BOLD),
+        ..threshold.clone()
+    };
+    drawing.series.extend([below, threshold]);
+    let is_shown = |event: &&Event| (0.0..=1.0).contains(&y.share(event.threshold));
+    let events = || backbone.events.iter().filter(is_shown);
+    for (kind, shape, name) in
+        [(EventKind::Birth, Shape::Triangle, "births"), (EventKind::Merge, Shape::InvertedTriangle, "merges")]
+    {
+        let style = Style::marks(Color::Ink, shape, 1.4 * MARK, kind == EventKind::Merge);
+        let of_kind = events().filter(|event| event.kind == kind);
+        drawing.points(Some(name), style, of_kind.map(|event| (event.omega, event.threshold)));
+    }
+    let labels = events().map(label).collect();
+    let Drawing { series, legend, .. } = drawing;
+    let line = Style::line(Color::Category(2), FINE).with_dash(4);
+    let panel = Panel {
+        about: "Isola map: threshold of the forcing amplitude over frequency. Drag the line to move A.",
+        size: Size::Tall,
+        x: vec![Axis::of_frequencies(x.range)],
+        y: vec![y],
+        series,
+        spans: vec![Span { axis: Direction::Y, at: Vec::new(), by_amplitude: true, style: line }],
+        labels,
+        has_leaders: true,
+        ..Panel::default()
+    };
+    Ok(Figure { name: "map", title: None, columns: 1, choice: "", linked_x: false, legend, panels: vec![panel] })
+}
+
+/// Series with their names in the legend.
+struct Drawing<'s> {
+    series: Vec<Series>,
+    legend: Vec<Entry>,
+    store: &'s mut ColumnStore,
+}
+
+impl Drawing<'_> {
+    fn name(&mut self, text: &str, style: Style) {
+        self.legend.push(Entry { text: text.into(), kind: Kind::Line, style });
+    }
+
+    /// Level lines with gaps between them.
+    fn bars(&mut self, name: &str, style: Style, bars: impl Iterator<Item = (f64, (f64, f64))>) {
+        let points = bars.flat_map(|(value, (low, high))| [(low, value), (high, value), (f64::NAN, f64::NAN)]);
+        self.points(Some(name), style, points);
+    }
+
+    fn points(&mut self, name: Option<&str>, style: Style, points: impl Iterator<Item = (f64, f64)>) {
+        let (x, y): (Vec<f64>, Vec<f64>) = points.unzip();
+        if x.is_empty() {
+            return;
+        }
+        if let Some(name) = name {
+            self.name(name, style.clone());
+        }
+        let (x, y) = (vec![self.store.exact(x)], vec![self.store.exact(y)]);
+        self.series.push(Series { x, y, style, ..Series::default() });
+    }
+}
+
+/// What the axis of A spans: all levels, and thresholds within a few times as much or as little.
+fn thresholds<'s>(subject: &'s Subject<'_>, backbone: &'s BackboneCurve) -> impl Iterator<Item = f64> + 's {
+    let levels = subject.levels.iter().map(|level| level.value);
+    let (low, high) = super::axis::bounds(levels.clone());
+    let is_near = move |value: &f64| (low / NEAR..=high * NEAR).contains(value);
+    levels.chain(backbone.threshold.values.iter().copied().filter(is_near))
+}
+
+/// Windows of the levels with such an outcome, each with its forcing amplitude.
+fn windows<'s>(
+    subject: &'s Subject<'_>,
+    is_wanted: fn(&WindowOutcome) -> bool,
+) -> impl Iterator<Item = (f64, &'s WindowRow)> + Clone {
+    let all = subject.levels.iter().flat_map(|level| level.windows.iter().map(|window| (level.value, window)));
+    all.filter(move |(_, window)| is_wanted(&window.outcome))
+}
+
+/// Births are named below the curve, merges above it.
+fn label(event: &Event) -> Label {
+    let (word, side) = if event.kind == EventKind::Birth { ("born", Side::Below) } else { ("merge", Side::Above) };
+    Label {
+        text: format!("{word} at {}", digits(event.threshold, 3)),
+        x: vec![Some(event.omega)],
+        y: vec![Some(event.threshold)],
+        color: Color::Ink,
+        level: None,
+        side,
+    }
+}

@@ -1,0 +1,37 @@
+//! Figures as data: each is described once, from what a run has computed, and drawn by the page or into a file.
+
+mod axis;
+mod backbone;
+mod balance;
+mod column_store;
+mod data;
+mod figures;
+mod frames;
+mod geometry;
+mod labels;
+mod map;
+mod modes;
+mod motion;
+mod palette;
+mod placement;
+mod places;
+mod resonance;
+mod response;
+mod smooth;
+mod style;
+mod subject;
+mod text;
+
+pub use column_store::{ColumnStore, Ref};
+pub use data::{Axis, Direction, Entry, Figure, Kind, Panel, Scale, Series, Span, Unit, chosen};
+pub use figures::Figures;
+pub use frames::{Frame, ladder};
+pub use geometry::{Part, View};
+pub use labels::{Field, Spot};
+pub use motion::{MotionAxis, axes as motion_axes, drawn as motion_drawn, template as motion_template};
+pub use palette::{Colors, LIGHT, PALETTE, Palette, Rgb};
+pub use placement::{place, place_for_page, point as label_point, run_points};
+pub use response::{FEW, Outline, backbone_series, branch_series, is_crowd, special_points};
+pub use style::{Color, Marker, Shape, Style};
+pub use subject::{BackboneColumns, Subject, level_colors};
+pub use text::{CAPITALS, Font, LINE};

@@ -1,0 +1,140 @@
+//! Frequency and size of the largest response over the forcing amplitude, three ways.
+
+use super::axis::{bounds, largest};
+use super::column_store::{ColumnStore, Ref};
+use super::data::{Axis, Detail, Direction, Entry, Figure, Format, Kind, Label, Panel, Series, Side, Size, Span, Unit};
+use super::style::{Color, FINE, MARK, MEDIUM, Shape, Style};
+use super::subject::Subject;
+use crate::curves::Resonance;
+use crate::words::digits;
+use solver::windows::{Event, EventKind};
+
+/// Levels that span more than so many decades are shown logarithmically.
+const DECADES: f64 = 2.0;
+/// Points of a curve that have marks at most.
+const MARKED: usize = 60;
+
+/// A way to the largest response, and how it looks.
+struct Way<'w> {
+    name: &'static str,
+    curve: &'w Resonance,
+    style: Style,
+}
+
+/// The figure.
+///
+/// # Errors
+/// If there is nothing to compare: in words.
+pub fn figure(subject: &Subject<'_>, store: &mut ColumnStore) -> Result<Figure, String> {
+    let ways = ways(subject);
+    let values = |of: fn(&Resonance) -> &[f64]| ways.iter().flat_map(move |way| of(way.curve).iter().copied());
+    let amplitudes = values(|curve| &curve.amplitude);
+    if values(|curve| &curve.value).next().is_none() {
+        return Err("the run has neither a backbone nor a branch yet".into());
+    }
+    let x = forcing(values(|curve| &curve.value));
+    let frequency = Axis::around("frequency ω", Unit::si("rad/s"), values(|curve| &curve.omega));
+    let monitor = subject.monitors.first().map_or("", |monitor| &monitor.name);
+    let unit = Unit::of_lengths(largest(amplitudes.clone()));
+    let amplitude = Axis::around(format!("largest |{monitor}|"), unit, amplitudes.chain([0.0]));
+
+    let events = subject.backbone.map_or(&[][..], |backbone| &backbone.events);
+    let shown: Vec<&Event> = events.iter().filter(|event| (0.0..=1.0).contains(&x.share(event.threshold))).collect();
+    let panel = |y: Axis, about| Panel {
+        about,
+        size: Size::Low,
+        x: vec![x.clone()],
+        spans: shown.iter().map(|event| span(event)).collect(),
+        y: vec![y],
+        has_leaders: false,
+        ..Panel::default()
+    };
+    let labels = shown.iter().map(|event| label(event, &frequency)).collect();
+    let mut above = Panel { labels, ..panel(frequency, "Resonance over forcing: frequency") };
+    let mut below = panel(amplitude, "Resonance over forcing: largest amplitude");
+    for way in &ways {
+        let columns = [&way.curve.value, &way.curve.omega, &way.curve.amplitude];
+        let [x, omega, amplitude] = columns.map(|values| store.exact(values.clone()));
+        above.series.push(series(way, &x, &omega, (&omega, &amplitude)));
+        below.series.push(series(way, &x, &amplitude, (&omega, &amplitude)));
+    }
+    let entry = |way: &Way<'_>| Entry { text: way.name.into(), kind: Kind::Line, style: way.style.clone() };
+    let mut legend: Vec<Entry> = ways.iter().map(entry).collect();
+    for (kind, text) in [(EventKind::Birth, "▲ window born"), (EventKind::Merge, "▼ windows merge")] {
+        let event = shown.iter().find(|event| event.kind == kind);
+        legend.extend(event.map(|event| Entry { text: text.into(), kind: Kind::Line, style: span(event).style }));
+    }
+    Ok(Figure {
+        name: "resonance",
+        title: None,
+        columns: 1,
+        choice: "",
+        linked_x: true,
+        legend,
+        panels: vec![above, below],
+    })
+}
+
+fn ways<'s>(subject: &Subject<'s>) -> Vec<Way<'s>> {
+    let resonance = subject.resonance;
+    let line = |category| Style::line(Color::Category(category), MEDIUM);
+    let circles = line(0).with_dash(2).with_marker(Shape::Circle, 0.9 * MARK, true);
+    let ways = [
+        Way { name: "energy balance alone", curve: &resonance.balance, style: line(2).with_dash(1) },
+        Way { name: "with isolas", curve: &resonance.isolas, style: line(1).with_marker(Shape::Square, MARK, false) },
+        Way { name: "main branches alone", curve: &resonance.continuation, style: circles },
+    ];
+    let is_there = |way: &Way<'_>| !way.curve.value.is_empty();
+    let unmarked = |way: Way<'s>| match way.curve.value.len() {
+        0..=MARKED => way,
+        _ => Way { style: Style { marker: None, ..way.style }, ..way },
+    };
+    ways.into_iter().filter(is_there).map(unmarked).collect()
+}
+
+fn forcing(values: impl Iterator<Item = f64> + Clone) -> Axis {
+    let (low, high) = bounds(values.clone().filter(|&value| value > 0.0));
+    let title = "forcing amplitude A";
+    if (high / low).log10() > DECADES {
+        Axis::logarithmic(title, Unit::none(), values)
+    } else {
+        Axis::around(title, Unit::none(), values.chain([0.0]))
+    }
+}
+
+fn series(way: &Way<'_>, x: &Ref, y: &Ref, (omega, amplitude): (&Ref, &Ref)) -> Series {
+    Series {
+        name: Some(way.name.into()),
+        x: vec![x.clone()],
+        y: vec![y.clone()],
+        style: way.style.clone(),
+        details: vec![
+            Detail::new("A", Format::Number, 4, x),
+            Detail::new("frequency", Format::Frequency, 6, omega),
+            Detail::new("largest amplitude", Format::Length, 4, amplitude),
+        ],
+        ..Series::default()
+    }
+}
+
+fn span(event: &Event) -> Span {
+    let dash = if event.kind == EventKind::Birth { 2 } else { 1 };
+    let style = Style::line(Color::Shade, FINE).with_dash(dash);
+    Span { axis: Direction::X, at: vec![Some(event.threshold)], by_amplitude: false, style }
+}
+
+/// Births are named at the foot, merges at the head of their lines.
+fn label(event: &Event, axis: &Axis) -> Label {
+    let (mark, y, side) = match event.kind {
+        EventKind::Birth => ("▲", axis.range.0, Side::Right),
+        EventKind::Merge => ("▼", axis.range.1, Side::Right),
+    };
+    Label {
+        text: format!("{mark} {}", digits(event.threshold, 3)),
+        x: vec![Some(event.threshold)],
+        y: vec![Some(y)],
+        color: Color::Soft,
+        level: None,
+        side,
+    }
+}

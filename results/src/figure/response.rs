@@ -1,0 +1,333 @@
+//! Amplitude over frequency: main branches thin, isolas bold, one colour for each forcing level.
+
+use super::axis::largest;
+use super::column_store::{ColumnStore, Ref};
+use super::data::{Axis, Detail, Direction, Entry, Figure, Format, Kind, Label, Panel, Series, Side, Size, Span};
+use super::smooth::smooth;
+use super::style::{BOLD, Color, FINE, MARK, Shape, Style, THIN};
+use super::subject::{BackboneColumns, Subject, level_colors};
+use crate::curves::{Curve, Monitor};
+use solver::branch::SpecialKind;
+
+/// Peaks and folds are marked while there are so few branches.
+pub const FEW: usize = 24;
+/// A fold so near to the peak, as a share of the branch, is not marked: resonances turn back just below their peaks.
+const NEAR_PEAK: f64 = 0.02;
+/// Of more isolas, thin lines show more.
+const CROWD: usize = 40;
+/// Levels whose isolas are named before their main branches, and both before other levels.
+const AT_ONCE: usize = 8;
+/// Branches with labels at most.
+const LABELLED: usize = 40;
+/// A main branch is shown at least where it is higher than this share of its peak.
+const HIGH: f64 = 0.8;
+/// Room beside what is shown at least, as a share of its width.
+const ROOM: f64 = 0.25;
+/// What switches the backbone on.
+const SWITCH: &str = "Backbone, bold where the largest level shown is predicted to respond";
+
+/// The figure.
+///
+/// # Errors
+/// If there is no branch: in words.
+pub fn figure(
+    subject: &Subject<'_>,
+    columns: &mut ColumnStore,
+    backbone: Option<&BackboneColumns>,
+) -> Result<Figure, String> {
+    if subject.branches.is_empty() {
+        return Err(subject.nothing("the branch", "no branch of these levels has been computed yet"));
+    }
+    let colors = level_colors(&subject.levels.iter().map(|level| level.value).collect::<Vec<f64>>());
+    let has_marks = subject.branches.len() <= FEW;
+    let mut figure = Outline::new(subject.branches.iter(), subject, &colors).with_marks(has_marks).figure(backbone);
+    let is_crowded = is_crowd(subject.branches.iter().filter(|branch| branch.kind != "main").count());
+    let mut marks = Vec::new();
+    let panel = &mut figure.panels[0];
+    let axes = (panel.x[0].clone(), panel.y.clone());
+    let series = &mut panel.series;
+    // What a lower level has lies inside of what a higher one has.
+    let mut order: Vec<usize> = (0..subject.branches.len()).collect();
+    order.sort_by_key(|&i| std::cmp::Reverse(subject.branches[i].level));
+    for i in order {
+        let branch = &subject.branches[i];
+        let amplitude = subject.levels.get(branch.level).map_or("", |level| &level.amplitude);
+        let color = colors.get(branch.level).copied().unwrap_or_default();
+        let mut curve = Series { branch: Some(i), ..branch_series(branch, amplitude, color, is_crowded, columns) };
+        let heights: Vec<&[f64]> = branch.amplitude.iter().map(|column| column.values.as_slice()).collect();
+        smooth(&mut curve, (&branch.omega.values, &heights), (&axes.0, &axes.1), columns);
+        if has_marks {
+            marks.extend(special_points(branch, &curve, color));
+        }
+        series.push(curve);
+    }
+    series.append(&mut marks);
+    Ok(figure)
+}
+
+/// All of the figure but the curves of its branches: axes, backbone, lines across, labels.
+#[derive(Debug)]
+pub struct Outline<'r> {
+    branches: Vec<&'r Curve>,
+    subject: &'r Subject<'r>,
+    colors: &'r [Color],
+    has_marks: bool,
+}
+
+impl<'r> Outline<'r> {
+    /// Of these branches of a subject.
+    pub fn new(branches: impl Iterator<Item = &'r Curve>, subject: &'r Subject<'r>, colors: &'r [Color]) -> Self {
+        Self { branches: branches.collect(), subject, colors, has_marks: false }
+    }
+
+    /// Whether peaks and folds are marked.
+    pub fn with_marks(self, has_marks: bool) -> Self {
+        Self { has_marks, ..self }
+    }
+
+    /// The figure with the backbone alone.
+    pub fn figure(&self, backbone: Option<&BackboneColumns>) -> Figure {
+        let panel = Panel {
+            about: "Forced response: amplitude over frequency. Arrow keys go from point to point, Enter selects one.",
+            size: Size::Tall,
+            x: vec![self.frequencies()],
+            y: self.amplitudes(),
+            series: backbone.map(backbone_series).unwrap_or_default(),
+            spans: gaps(self.subject.monitors).into_iter().collect(),
+            labels: self.labels(),
+            has_leaders: true,
+            ..Panel::default()
+        };
+        Figure {
+            name: "response",
+            title: None,
+            columns: 1,
+            choice: "Amplitude of",
+            linked_x: false,
+            legend: self.legend(backbone.is_some()),
+            panels: vec![panel],
+        }
+    }
+
+    fn amplitudes(&self) -> Vec<Axis> {
+        let of = |m: usize| {
+            let largest = self.branches.iter().map(move |branch| largest(branch.amplitude[m].values.iter().copied()));
+            let found = largest.fold(0.0, f64::max);
+            let backbone = self.subject.backbone.filter(|_| self.branches.is_empty());
+            backbone.map_or(vec![found], |backbone| backbone.amplitude[m].values.clone())
+        };
+        self.subject.amplitudes(of)
+    }
+
+    /// In files, where something happens: all isolas and the upper parts of all main branches, with room beside them. On the
+    /// page at first, the whole sweep.
+    fn frequencies(&self) -> Axis {
+        let all = self.branches.iter().flat_map(|branch| branch.omega.values.iter().copied());
+        let backbone = self.subject.backbone.filter(|_| self.branches.is_empty());
+        let ends = super::axis::bounds(all.chain(backbone.iter().flat_map(|b| b.omega.values.iter().copied())));
+        let whole = self.subject.sweep.unwrap_or(ends);
+        let shown = self.branches.iter().flat_map(|branch| {
+            let values = &branch.amplitude[0].values;
+            let floor = if branch.kind == "main" { HIGH * largest(values.iter().copied()) } else { 0.0 };
+            (0..branch.size).filter(move |&i| values[i] >= floor).map(|i| branch.omega.values[i])
+        });
+        let (low, high) = super::axis::bounds(shown);
+        let room = ROOM * (high - low);
+        let part = ((low - room).max(ends.0), (high + room).min(ends.1));
+        let range = if part.1 > part.0 { part } else { ends };
+        Axis { whole: Some(super::axis::bounds([whole.0, whole.1])), ..Axis::of_frequencies(range) }
+    }
+
+    fn legend(&self, has_backbone: bool) -> Vec<Entry> {
+        let color = self.colors.last().copied().unwrap_or_default();
+        let has = |kind| self.branches.iter().any(|branch| (branch.kind == "main") == (kind == "main"));
+        let marked = |wanted| {
+            self.has_marks
+                && self.branches.iter().any(|branch| branch.special.iter().any(|special| special.kind == wanted))
+        };
+        let line = Kind::Line;
+        let entries = [
+            (has("main"), "main branch", line, Style::line(color, THIN)),
+            (has("isola"), "isola", line, Style::line(color, BOLD)),
+            (has_backbone, "backbone", line, Style::line(Color::Soft, FINE).with_dash(1)),
+            (marked(SpecialKind::Peak), "peak", line, mark(SpecialKind::Peak, color)),
+            (marked(SpecialKind::Fold), "fold", line, mark(SpecialKind::Fold, color)),
+        ];
+        let shown = entries.into_iter().filter(|(is_shown, ..)| *is_shown);
+        shown.map(|(_, text, kind, style)| Entry { text: text.into(), kind, style }).collect()
+    }
+
+    /// The gap, then branches at their peaks: isolas before main branches, the highest level, the lowest one, and those
+    /// between as far as there is room.
+    fn labels(&self) -> Vec<Label> {
+        let monitors = self.subject.monitors;
+        let mut levels: Vec<usize> = self.branches.iter().map(|branch| branch.level).collect();
+        levels.sort_unstable();
+        levels.dedup();
+        let levels = spread(&levels);
+        let of_kind = |levels: &[usize], is_main| levels.iter().map(move |level| (is_main, *level)).collect::<Vec<_>>();
+        let kinds = levels.chunks(AT_ONCE).flat_map(|levels| [of_kind(levels, false), of_kind(levels, true)].concat());
+        let of = |(is_main, level)| {
+            self.branches.iter().filter(move |branch| (branch.kind == "main") == is_main && branch.level == level)
+        };
+        let label = |branch: &&Curve| {
+            let peak = |m: usize| crate::curves::largest(&branch.amplitude[m].values);
+            let level = self.subject.levels.get(branch.level);
+            let forcing = format!("A = {}", level.map_or("", |level| &level.amplitude));
+            Label {
+                text: if branch.kind == "main" { forcing } else { format!("{}, {forcing}", branch.name) },
+                x: (0..monitors.len()).map(|m| branch.omega.values.get(peak(m)).copied()).collect(),
+                y: (0..monitors.len()).map(|m| branch.amplitude[m].values.get(peak(m)).copied()).collect(),
+                color: self.colors.get(branch.level).copied().unwrap_or_default(),
+                level: Some(branch.level),
+                side: Side::Above,
+            }
+        };
+        gap_label(monitors).into_iter().chain(kinds.flat_map(of).take(LABELLED).map(label)).collect()
+    }
+}
+
+/// The order in which levels are named: last, first, middle, quarters, …
+fn spread(levels: &[usize]) -> Vec<usize> {
+    let count = levels.len();
+    let mut order: Vec<usize> = if count > 1 { vec![count - 1, 0] } else { (0..count).collect() };
+    let mut parts = 2;
+    while order.len() < count {
+        for place in (1..parts).map(|k| k * count / parts) {
+            if !order.contains(&place) {
+                order.push(place);
+            }
+        }
+        parts *= 2;
+    }
+    order.into_iter().map(|place| levels[place]).collect()
+}
+
+/// A branch as a curve, with what is said of its points.
+pub fn branch_series(
+    branch: &Curve,
+    amplitude: &str,
+    color: Color,
+    is_crowded: bool,
+    columns: &mut ColumnStore,
+) -> Series {
+    let omega = columns.add(branch.omega.clone());
+    let y = columns.add_all(&branch.amplitude);
+    let rms = columns.add_all(&branch.rms);
+    let mut details = vec![
+        Detail::new("frequency", Format::Frequency, 6, &omega),
+        Detail { label: "amplitude", format: Format::Length, digits: 5, values: y.clone() },
+        Detail { label: "rms", format: Format::Length, digits: 5, values: rms },
+    ];
+    if branch.contact.values.iter().any(|share| share.is_finite()) {
+        details.push(Detail::new("in contact", Format::Share, 3, &columns.add(branch.contact.clone())));
+    }
+    details.extend([
+        Detail::new("residual", Format::Number, 2, &columns.add(branch.residual.clone())),
+        Detail::new("highest harmonics", Format::Number, 2, &columns.add(branch.high_harmonics.clone())),
+        Detail::new("Newton iterations", Format::Number, 3, &columns.add(branch.iterations.clone())),
+    ]);
+    let is_main = branch.kind == "main";
+    let is_loop = !is_main && branch.closed;
+    let width = if is_main || is_crowded { THIN } else { BOLD };
+    Series {
+        kind: if is_loop { Kind::Closed } else { Kind::Line },
+        name: Some(format!("A = {amplitude}, {}", branch.name)),
+        x: vec![omega],
+        y,
+        style: Style { fill: is_loop && !is_crowded, ..Style::line(color, width) },
+        level: Some(branch.level),
+        marks: branch.special.iter().map(|special| (special.index, word(special.kind))).collect(),
+        details,
+        ..Series::default()
+    }
+}
+
+fn word(kind: SpecialKind) -> &'static str {
+    match kind {
+        SpecialKind::Start => "start",
+        SpecialKind::Peak => "peak",
+        SpecialKind::Fold => "fold",
+    }
+}
+
+fn mark(kind: SpecialKind, color: Color) -> Style {
+    let shape = if kind == SpecialKind::Peak { Shape::Triangle } else { Shape::Circle };
+    Style::marks(color, shape, 0.8 * MARK, true)
+}
+
+/// Whether so many isolas are drawn thin and empty.
+pub fn is_crowd(isolas: usize) -> bool {
+    isolas > CROWD
+}
+
+/// Marks at the peaks and folds of a branch.
+pub fn special_points<'s>(branch: &'s Curve, curve: &'s Series, color: Color) -> impl Iterator<Item = Series> + 's {
+    let spread = |values: &[f64]| super::axis::bounds(values.iter().copied());
+    let heights = branch.amplitude.first().map_or(&[][..], |column| &column.values);
+    let ((left, right), (low, high)) = (spread(&branch.omega.values), spread(heights));
+    let is_at_peak = move |i: usize| {
+        let across = (branch.omega.values[i] - branch.omega_at_peak) / (right - left);
+        let up = (heights[i] - branch.amplitude_at_peak) / (high - low);
+        across.hypot(up) < NEAR_PEAK
+    };
+    [SpecialKind::Fold, SpecialKind::Peak].into_iter().filter_map(move |kind| {
+        let special = branch.special.iter().filter(|special| special.kind == kind).map(|special| special.index);
+        let is_shown = |i: &usize| *i < heights.len() && (kind == SpecialKind::Peak || !is_at_peak(*i));
+        let places: Vec<usize> = special.filter(is_shown).collect();
+        let of = |refs: &[Ref]| refs.iter().map(|column| column.at(&places)).collect();
+        let marks = || Series {
+            x: of(&curve.x),
+            y: of(&curve.y),
+            style: mark(kind, color),
+            level: curve.level,
+            ..Series::default()
+        };
+        (!places.is_empty()).then(marks)
+    })
+}
+
+/// The backbone, and its parts inside of windows.
+pub fn backbone_series(backbone: &BackboneColumns) -> Vec<Series> {
+    let whole = Series {
+        x: vec![backbone.omega.clone()],
+        y: backbone.amplitude.clone(),
+        style: Style::line(Color::Soft, FINE).with_dash(1),
+        switch: Some(SWITCH),
+        ..Series::default()
+    };
+    let inside = Series { style: Style::line(Color::Soft, BOLD), along_runs: true, ..whole.clone() };
+    vec![whole, inside]
+}
+
+/// A line at the clearance of each monitored dof, if one has a clearance.
+pub fn gaps(monitors: &[Monitor]) -> Option<Span> {
+    let at: Vec<Option<f64>> = monitors.iter().map(|monitor| monitor.gap).collect();
+    let style = Style::line(Color::Soft, FINE).with_dash(2);
+    at.iter().any(Option::is_some).then_some(Span { axis: Direction::Y, at, by_amplitude: false, style })
+}
+
+/// The label of that line.
+pub fn gap_label(monitors: &[Monitor]) -> Vec<Label> {
+    let gap = monitors.iter().find_map(|monitor| monitor.gap);
+    let label = |_| Label {
+        text: "gap".into(),
+        x: vec![None],
+        y: monitors.iter().map(|monitor| monitor.gap).collect(),
+        color: Color::Soft,
+        level: None,
+        side: Side::Above,
+    };
+    gap.map(label).into_iter().collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn levels_are_named_evenly() {
+        assert_eq!(spread(&[3, 5, 8, 9, 11]), [11, 3, 8, 5, 9]);
+        assert_eq!([spread(&[]), spread(&[7]), spread(&[7, 9])], [vec![], vec![7], vec![9, 7]]);
+    }
+}

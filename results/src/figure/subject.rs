@@ -1,0 +1,162 @@
+//! What figures are drawn from, and how quantities are named.
+
+use super::axis::largest;
+use super::column_store::{ColumnStore, Ref};
+use super::data::{Axis, Unit};
+use super::style::Color;
+use crate::curves::{BackboneCurve, Curve, Monitor, Motions, ResonanceComparison};
+use crate::overview::Level;
+
+/// Levels that span more than so many decades are coloured by the logarithm of their amplitudes.
+const DECADES: f64 = 1.5;
+
+/// What there is of a run.
+#[derive(Debug, Clone, Copy)]
+pub struct Subject<'r> {
+    /// Levels by forcing amplitude.
+    pub levels: &'r [Level],
+    /// Branches of these levels.
+    pub branches: &'r [Curve],
+    /// Monitored dofs.
+    pub monitors: &'r [Monitor],
+    /// The backbone, once it is known.
+    pub backbone: Option<&'r BackboneCurve>,
+    /// Lowest and highest frequency of the sweep, rad/s.
+    pub sweep: Option<(f64, f64)>,
+    /// The largest response over the forcing.
+    pub resonance: &'r ResonanceComparison,
+    /// Motions at chosen points.
+    pub motions: &'r Motions,
+    /// What is missing, in sentences.
+    pub missing: &'r [String],
+}
+
+/// The backbone with its columns.
+#[derive(Debug, Clone)]
+pub struct BackboneColumns {
+    /// Frequency.
+    pub omega: Ref,
+    /// Amplitude of every monitored dof.
+    pub amplitude: Vec<Ref>,
+    /// Arc length.
+    pub arc: Ref,
+    /// Work that the forcing has to do.
+    pub needed: Ref,
+    /// Its work per unit of A.
+    pub work: Ref,
+    /// Threshold A*.
+    pub threshold: Ref,
+    decay: Ref,
+    contact: Option<Ref>,
+    linear: Ref,
+    nonlinear: Ref,
+    certificate: Ref,
+}
+
+impl<'r> Subject<'r> {
+    /// The backbone.
+    ///
+    /// # Errors
+    /// If there is none yet, or if it cannot be read: in words.
+    pub fn backbone(&self) -> Result<&'r BackboneCurve, String> {
+        self.backbone.ok_or_else(|| self.nothing("the backbone", "the run has no backbone yet"))
+    }
+
+    /// Why there is nothing to draw: what would be drawn is damaged, or is not there for another reason.
+    pub fn nothing(&self, what: &str, otherwise: &str) -> String {
+        let left_out = |sentence: &&String| sentence.to_lowercase().starts_with(what) && sentence.contains("left out");
+        self.missing.iter().find(left_out).map_or(otherwise, String::as_str).into()
+    }
+
+    /// The level to look at first: the lowest with an isola, else the middle one.
+    pub fn first_level(&self) -> Option<usize> {
+        let with_isola = self.levels.iter().position(|level| level.isolas().next().is_some());
+        let level = with_isola.unwrap_or(self.levels.len() / 2);
+        (level < self.levels.len()).then_some(level)
+    }
+
+    /// Axes of the amplitude of every monitored dof, each up to the largest of its values.
+    pub fn amplitudes<V: IntoIterator<Item = f64>>(&self, values: impl Fn(usize) -> V) -> Vec<Axis> {
+        let axis = |(m, monitor): (usize, &Monitor)| {
+            let largest = largest(values(m));
+            let title = format!("amplitude of {}", monitor.name);
+            Axis::exact(title, Unit::of_lengths(largest), (0.0, 1.08 * largest)).called(&monitor.name)
+        };
+        self.monitors.iter().enumerate().map(axis).collect()
+    }
+}
+
+/// Colours of levels: by amplitude, or by its logarithm where they span decades.
+pub fn level_colors(values: &[f64]) -> Vec<Color> {
+    let ends = (values.first().copied().unwrap_or(0.0), values.last().copied().unwrap_or(0.0));
+    let is_wide = ends.0 > 0.0 && (ends.1 / ends.0).log10() > DECADES;
+    let measure = |value: f64| if is_wide { value.ln() } else { value };
+    let (low, high) = (measure(ends.0), measure(ends.1));
+    let share = |value: f64| if high > low { (measure(value) - low) / (high - low) } else { 1.0 };
+    values.iter().map(|&value| Color::Level(share(value))).collect()
+}
+
+impl BackboneColumns {
+    /// Puts the columns of a backbone into a store.
+    pub fn new(backbone: &BackboneCurve, columns: &mut ColumnStore) -> Self {
+        let touches = backbone.contact.values.iter().any(|share| share.is_finite());
+        Self {
+            omega: columns.add(backbone.omega.clone()),
+            amplitude: columns.add_all(&backbone.amplitude),
+            arc: columns.add(backbone.arc.clone()),
+            needed: columns.add(backbone.needed.clone()),
+            work: columns.add(backbone.work.clone()),
+            threshold: columns.add(backbone.threshold.clone()),
+            decay: columns.add(backbone.decay.clone()),
+            contact: touches.then(|| columns.add(backbone.contact.clone())),
+            linear: columns.add(backbone.r_lin.clone()),
+            nonlinear: columns.add(backbone.r_nl.clone()),
+            certificate: columns.add(backbone.certificate.clone()),
+        }
+    }
+
+    /// All that is known of a point of the backbone.
+    pub fn details(&self) -> Vec<super::data::Detail> {
+        use super::data::Format::{Energy, Frequency, Length, Number, Rate, Share};
+        let row = super::data::Detail::new;
+        let mut rows = vec![
+            row("frequency", Frequency, 6, &self.omega),
+            super::data::Detail { values: self.amplitude.clone(), ..row("amplitude", Length, 4, &self.omega) },
+            row("threshold A*", Number, 4, &self.threshold),
+            row("R_lin", Energy, 4, &self.linear),
+            row("R_nl", Energy, 4, &self.nonlinear),
+            row("to be supplied", Energy, 4, &self.needed),
+            row("A·W", Energy, 4, &self.work.by_amplitude()),
+            row("decay rate", Rate, 4, &self.decay),
+        ];
+        rows.extend(self.contact.iter().map(|contact| row("in contact", Share, 3, contact)));
+        rows.push(row("energy certificate", Number, 2, &self.certificate));
+        rows
+    }
+
+    /// What figures of the backbone may be drawn over, with its columns: arc length, frequency, amplitudes.
+    pub fn over(&self, backbone: &BackboneCurve, subject: &Subject<'_>) -> (Vec<Axis>, Vec<Ref>) {
+        let arc = Axis::around("arc length along the backbone (scaled)", Unit::none(), values(&backbone.arc.values));
+        let mut omega = Axis::around("", Unit::none(), values(&backbone.omega.values));
+        omega = Axis::of_frequencies(omega.range);
+        let amplitudes = subject.monitors.iter().zip(&backbone.amplitude).enumerate().map(|(m, (monitor, column))| {
+            let unit = Unit::of_lengths(largest(values(&column.values)));
+            let name = if m == 0 { "amplitude".into() } else { format!("amplitude of {}", monitor.name) };
+            Axis::around(format!("amplitude of {}", monitor.name), unit, values(&column.values)).called(name)
+        });
+        let axes = [arc.called("arc length"), omega].into_iter().chain(amplitudes).collect();
+        let columns = [&self.arc, &self.omega].into_iter().chain(&self.amplitude).cloned().collect();
+        (axes, columns)
+    }
+}
+
+fn values(column: &[f64]) -> impl Iterator<Item = f64> + '_ {
+    column.iter().copied()
+}
+
+impl super::data::Detail {
+    /// A line with one column.
+    pub fn new(label: &'static str, format: super::data::Format, digits: u8, column: &Ref) -> Self {
+        Self { label, format, digits, values: vec![column.clone()] }
+    }
+}

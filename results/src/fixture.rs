@@ -1,0 +1,251 @@
+//! Small runs for tests, computed for real.
+
+use crate::journal::{AcceptedResult, AttemptEnd, Change, Holder, LevelPlan, SweepPlan};
+use crate::store::{RunHeader, Store};
+use protocol::backbone::BackboneMessage;
+use protocol::branch::BranchMessage;
+use protocol::codec::{encode, sha256};
+use protocol::digest::Digest;
+use protocol::ids::{Attempt, RunId, TaskId, WorkerId};
+use protocol::model::ModelMessage;
+use protocol::to_everyone::{Amplitude, Stage, StoredResult};
+use solver::backbone::Backbone;
+use solver::branch::{Branch, BranchPoint};
+use solver::forced::{Forced, Reach};
+use solver::model::Model;
+use solver::settings::Settings;
+use solver::task::{Account, BranchId, Finding, SeedOutcome, Task, carry_out, plan};
+use std::collections::HashMap;
+use std::ops::ControlFlow;
+use std::path::Path;
+use std::sync::Arc;
+
+/// A study with its backbone.
+pub struct Study {
+    /// Model.
+    pub model: Model,
+    /// Numerics.
+    pub settings: Settings,
+    /// Backbone.
+    pub backbone: Backbone,
+    /// Bounds of branches.
+    pub reach: Reach,
+    /// Work of every level.
+    pub plans: Vec<LevelPlan>,
+    amplitudes: Vec<Amplitude>,
+}
+
+fn quiet(_: &BranchPoint) -> ControlFlow<()> {
+    ControlFlow::Continue(())
+}
+
+impl Study {
+    /// Of a model of the repository, all dofs monitored, along its highest mode.
+    pub fn new(model: &str, harmonics: usize, amplitudes: &[&str]) -> Self {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models").join(model);
+        let mut model = Model::load(&folder).unwrap();
+        model.monitors = (0..model.size()).collect();
+        let mut settings = Settings::default();
+        settings.harmonics.count = harmonics;
+        settings.harmonics.samples = 64;
+        settings.backbone.mode = model.size();
+        let backbone = Backbone::compute(&model, &settings, &mut quiet).unwrap();
+        let reach = Reach::new(&settings, &backbone).unwrap();
+        let amplitude = |text: &&str| Amplitude { text: text.to_string(), value: text.parse().unwrap() };
+        let amplitudes: Vec<Amplitude> = amplitudes.iter().map(amplitude).collect();
+        let level = |amplitude: &Amplitude| {
+            let (windows, tasks) = plan(&backbone, amplitude.value);
+            LevelPlan { amplitude: amplitude.clone(), windows, tasks }
+        };
+        let plans = amplitudes.iter().map(level).collect();
+        Self { model, settings, backbone, reach, plans, amplitudes }
+    }
+
+    /// The damper with an isola at the second of two levels.
+    pub fn damper() -> Self {
+        Self::new("nonlinear_damper", 3, &["3e-3", "0.006"])
+    }
+
+    /// What does not change in the course of its run.
+    pub fn header(&self) -> RunHeader {
+        let model = ModelMessage::from(&self.model);
+        RunHeader {
+            run: RunId::new("test-1").unwrap(),
+            name: "test".into(),
+            study_file: "study.toml".into(),
+            overrides: vec![("amplitudes".into(), "3e-3,0.006".into())],
+            study: "model = \"damper\"\n".into(),
+            model_sha256: sha256(&encode(&model)),
+            model,
+            settings: self.settings,
+            amplitudes: self.amplitudes.clone(),
+            program: "0.1.0".into(),
+            created: "2026-01-01T00:00:00Z".into(),
+            namespace: "isola".into(),
+        }
+    }
+
+    /// What its sweep consists of.
+    pub fn plan(&self) -> SweepPlan {
+        SweepPlan { backbone: BackboneMessage::from(&self.backbone), reach: self.reach, levels: self.plans.clone() }
+    }
+
+    /// A run in `dir` whose tasks are ready to be handed out.
+    pub fn begin(&self, dir: &Path) -> (Store, Sweep<'_>) {
+        let mut store = Store::create(dir, &self.header()).unwrap();
+        store.commit(&[Change::Planned(Arc::new(self.plan())), Change::Stage(Stage::Sweep)]).unwrap();
+        (store, Sweep::new(self))
+    }
+
+    /// A finished run in `dir`.
+    pub fn finished(&self, dir: &Path) -> (Store, Vec<StoredResult>) {
+        let (mut store, mut sweep) = self.begin(dir);
+        while sweep.step(&mut store) {}
+        (store, sweep.results)
+    }
+}
+
+/// The one worker.
+pub fn worker() -> WorkerId {
+    WorkerId::new("worker-1").unwrap()
+}
+
+/// A task handed out.
+#[derive(Debug, Clone)]
+pub struct Granted {
+    /// Task.
+    pub task: TaskId,
+    /// Which attempt at it.
+    pub attempt: Attempt,
+    level: usize,
+    work: Task,
+}
+
+/// A sweep under way, with one worker that takes level after level, the largest forcing first, and task after task.
+pub struct Sweep<'s> {
+    /// What is computed.
+    pub study: &'s Study,
+    /// Branches found, by task.
+    pub branches: HashMap<TaskId, Branch>,
+    /// Results so far.
+    pub results: Vec<StoredResult>,
+    levels: Vec<Turn>,
+    attempts: HashMap<TaskId, u32>,
+}
+
+/// Where a level is.
+struct Turn {
+    account: Account,
+    next: usize,
+    known: Vec<(BranchId, TaskId)>,
+}
+
+impl<'s> Sweep<'s> {
+    fn new(study: &'s Study) -> Self {
+        let turn = |plan: &LevelPlan| Turn { account: Account::new(plan.windows.clone()), next: 0, known: Vec::new() };
+        let levels = study.plans.iter().map(turn).collect();
+        Self { study, branches: HashMap::new(), results: Vec::new(), levels, attempts: HashMap::new() }
+    }
+
+    /// Takes the next task that is needed.
+    pub fn lease(&mut self, store: &mut Store, slot: u32) -> Option<Granted> {
+        let mut changes = Vec::new();
+        let Some((level, e)) = self.next(&mut changes) else {
+            store.commit(&changes).unwrap();
+            return None;
+        };
+        let plan = &self.study.plans[level];
+        let task = TaskId::of_level(&plan.amplitude.text, e).unwrap();
+        let attempt = self.attempts.entry(task.clone()).or_default();
+        *attempt += 1;
+        let granted = Granted { task, attempt: Attempt(*attempt), level, work: plan.tasks[e] };
+        let (task, attempt) = (granted.task.clone(), granted.attempt);
+        changes.push(Change::Granted { task, attempt, holder: Holder { worker: worker(), slot } });
+        store.commit(&changes).unwrap();
+        Some(granted)
+    }
+
+    /// Level and place of the next task that is needed; those before it are skipped.
+    fn next(&mut self, changes: &mut Vec<Change>) -> Option<(usize, usize)> {
+        let plans = &self.study.plans;
+        let mut order: Vec<usize> = (0..plans.len()).collect();
+        order.sort_by(|&a, &b| plans[b].amplitude.value.total_cmp(&plans[a].amplitude.value));
+        for level in order {
+            let (turn, plan) = (&mut self.levels[level], &plans[level]);
+            while let Some(task) = plan.tasks.get(turn.next) {
+                if turn.account.needs(task) {
+                    return Some((level, turn.next));
+                }
+                changes.push(Change::Skipped { task: TaskId::of_level(&plan.amplitude.text, turn.next).unwrap() });
+                turn.next += 1;
+            }
+        }
+        None
+    }
+
+    /// Takes a task and fails at it.
+    pub fn fail(&mut self, store: &mut Store, reason: &str) -> TaskId {
+        let Granted { task, attempt, .. } = self.lease(store, 0).unwrap();
+        let end = AttemptEnd::Failed(format!("{}: {reason}", worker()));
+        store.commit(&[Change::Ended { task: task.clone(), attempt, end }]).unwrap();
+        task
+    }
+
+    /// Carries out a task; false if there is none left.
+    pub fn step(&mut self, store: &mut Store) -> bool {
+        let Some(granted) = self.lease(store, 0) else { return false };
+        let finding = self.compute(&granted);
+        let changes = self.accept(&granted, finding);
+        store.commit(&changes).unwrap();
+        true
+    }
+
+    fn compute(&self, granted: &Granted) -> Finding {
+        let (study, amplitude) = (self.study, self.study.plans[granted.level].amplitude.value);
+        let mut forced = Forced::new(&study.model, &study.settings, study.reach, amplitude);
+        let seeds = granted.work.seeds(&forced.problem, &study.backbone, amplitude);
+        let known = self.levels[granted.level].known.iter();
+        let known: Vec<(BranchId, &Branch)> = known.map(|(id, task)| (*id, &self.branches[task])).collect();
+        carry_out(&mut forced, &granted.work, &seeds, &known, &mut quiet).unwrap()
+    }
+
+    /// Takes down what became of a task: what is to be stored.
+    pub fn accept(&mut self, granted: &Granted, finding: Finding) -> Vec<Change> {
+        let (branch, outcome) = match finding {
+            Finding::Branch(branch) => (Some(branch), None),
+            Finding::Nothing(outcome) => (None, Some(outcome)),
+        };
+        let turn = &mut self.levels[granted.level];
+        let outcome = turn.account.record(&granted.work, outcome);
+        turn.next += 1;
+        let name = match outcome {
+            SeedOutcome::Found(id) if branch.is_some() => Some(id),
+            _ => None,
+        };
+        turn.known.extend(name.map(|name| (name, granted.task.clone())));
+        let result = StoredResult {
+            task: granted.task.clone(),
+            attempt: granted.attempt,
+            amplitude: self.study.plans[granted.level].amplitude.clone(),
+            work: granted.work,
+            outcome,
+            name,
+            branch: branch.as_ref().map(BranchMessage::from),
+            worker: worker(),
+            program: "0.1.0".into(),
+            seconds: 0.25,
+        };
+        if let Some(branch) = branch {
+            self.branches.insert(granted.task.clone(), branch);
+        }
+        self.results.push(result.clone());
+        let (task, attempt, sequence) = (granted.task.clone(), granted.attempt, self.results.len() as u64);
+        vec![Change::Done { task, attempt, outcome, sequence }, Change::Result(accepted(result, sequence))]
+    }
+}
+
+/// A result as it is stored.
+pub fn accepted(result: StoredResult, sequence: u64) -> AcceptedResult {
+    let digest = Digest::of(&result);
+    AcceptedResult { result: Box::new(result), sequence, digest }
+}

@@ -1,0 +1,176 @@
+//! What the engine of a run puts on disk and gets back: the plan of a sweep, tasks, their states, and every change of them.
+
+use protocol::backbone::BackboneMessage;
+use protocol::digest::Digest;
+use protocol::ids::{Attempt, TaskId, WorkerId};
+use protocol::to_everyone::{Amplitude, Stage, StoredResult};
+use solver::forced::Reach;
+use solver::task::{SeedOutcome, Task};
+use solver::windows::Window;
+use std::sync::Arc;
+use std::time::Duration;
+
+/// What a sweep consists of: known when the backbone is.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SweepPlan {
+    /// Backbone.
+    pub backbone: BackboneMessage,
+    /// Within which frequencies and amplitudes branches are followed.
+    pub reach: Reach,
+    /// The work of every level.
+    pub levels: Vec<LevelPlan>,
+}
+
+/// The work of one forcing level.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LevelPlan {
+    /// Forcing amplitude.
+    pub amplitude: Amplitude,
+    /// Windows.
+    pub windows: Vec<Window>,
+    /// Tasks, in order.
+    pub tasks: Vec<Task>,
+}
+
+/// A computing thread of a worker.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Holder {
+    /// Worker.
+    pub worker: WorkerId,
+    /// Thread, from 0.
+    pub slot: u32,
+}
+
+/// State of a task.
+#[derive(Debug, Clone, PartialEq)]
+pub enum TaskState {
+    /// To be handed out in its turn.
+    Waiting,
+    /// Handed out.
+    Leased {
+        /// To whom.
+        holder: Holder,
+        /// Until when, since an origin of the ledger's choice; not stored.
+        deadline: Duration,
+    },
+    /// Result stored.
+    Done(SeedOutcome),
+    /// Not needed.
+    Skipped,
+    /// Given up.
+    Dead,
+}
+
+/// A task as the store has it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StoredTask {
+    /// Task.
+    pub id: TaskId,
+    /// State; the deadline of a lease does not count.
+    pub state: TaskState,
+    /// Whether its result is a new branch.
+    pub is_new_branch: bool,
+    /// Attempts so far.
+    pub attempts: u32,
+    /// Why attempts failed, since it was last taken from the dead list.
+    pub reasons: Vec<String>,
+}
+
+/// A change that has to be on disk before whoever caused it is answered.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Change {
+    /// The run is here now.
+    Stage(Stage),
+    /// There is a backbone, and what follows from it.
+    Planned(Arc<SweepPlan>),
+    /// Handed out.
+    Granted {
+        /// Task.
+        task: TaskId,
+        /// Which attempt at it.
+        attempt: Attempt,
+        /// To whom.
+        holder: Holder,
+    },
+    /// An attempt ended without a result.
+    Ended {
+        /// Task.
+        task: TaskId,
+        /// Which attempt at it.
+        attempt: Attempt,
+        /// How.
+        end: AttemptEnd,
+    },
+    /// A result was accepted.
+    Done {
+        /// Task.
+        task: TaskId,
+        /// Which attempt at it.
+        attempt: Attempt,
+        /// What became of it.
+        outcome: SeedOutcome,
+        /// Number of the announcement.
+        sequence: u64,
+    },
+    /// The result of a task that is done.
+    Result(AcceptedResult),
+    /// Not needed.
+    Skipped {
+        /// Task.
+        task: TaskId,
+    },
+    /// Given up.
+    Dead {
+        /// Task.
+        task: TaskId,
+    },
+    /// Taken from the dead list.
+    Revived {
+        /// Task.
+        task: TaskId,
+    },
+}
+
+/// A result as it is stored and announced.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AcceptedResult {
+    /// The result.
+    pub result: Box<StoredResult>,
+    /// Number of its announcement.
+    pub sequence: u64,
+    /// Size and SHA-256 of its encoding.
+    pub digest: Digest,
+}
+
+/// How an attempt ended without a result.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum AttemptEnd {
+    /// No sign of life in time.
+    Expired,
+    /// The worker says that it cannot.
+    Failed(String),
+    /// The worker gave it back.
+    Released,
+    /// Somebody else's result came first.
+    Superseded,
+}
+
+impl AttemptEnd {
+    /// One word for the store.
+    pub fn name(&self) -> &'static str {
+        match self {
+            AttemptEnd::Expired => "expired",
+            AttemptEnd::Failed(_) => "failed",
+            AttemptEnd::Released => "released",
+            AttemptEnd::Superseded => "superseded",
+        }
+    }
+
+    /// Why, if there is a reason to tell.
+    pub fn reason(&self) -> Option<&str> {
+        match self {
+            AttemptEnd::Failed(reason) => Some(reason),
+            _ => None,
+        }
+    }
+}

@@ -1,0 +1,73 @@
+//! The live page of a run: an HTTP server for whoever has a browser. What is shown comes from whoever fills the [`Feed`].
+
+mod feed;
+mod sketch;
+
+pub use feed::Feed;
+
+use crate::curves::{BackboneCurve, Monitor};
+use crate::page;
+use axum::Router;
+use axum::extract::State;
+use axum::http::HeaderMap;
+use axum::http::header::CONTENT_TYPE;
+use axum::response::Html;
+use axum::response::sse::{KeepAlive, Sse};
+use axum::routing::get;
+use protocol::to_everyone::Stage;
+use serde::Serialize;
+use std::io;
+use std::sync::Arc;
+use tokio::net::TcpListener;
+
+/// What the page begins with. The branches come as events.
+#[derive(Debug)]
+pub struct Start {
+    run: Run,
+    monitors: Vec<Monitor>,
+    levels: Vec<(String, f64)>,
+    backbone: Option<BackboneCurve>,
+}
+
+/// Which run.
+#[derive(Debug, Serialize)]
+pub struct Run {
+    /// Run.
+    pub id: String,
+    /// Name of the study.
+    pub name: String,
+    /// Name of the model.
+    pub model: String,
+    /// Where it is.
+    pub stage: Stage,
+}
+
+impl Start {
+    /// Of a run with forcing levels (as typed, and their values) in ascending order.
+    pub fn new(run: Run, monitors: Vec<Monitor>, levels: Vec<(String, f64)>, backbone: Option<BackboneCurve>) -> Self {
+        Self { run, monitors, levels, backbone }
+    }
+}
+
+/// Serves the page until the process is ended.
+///
+/// # Errors
+/// If the listener fails.
+pub async fn serve(listener: TcpListener, start: Start, feed: Arc<Feed>) -> io::Result<()> {
+    axum::serve(listener, routes(start, feed)).await
+}
+
+fn routes(start: Start, feed: Arc<Feed>) -> Router {
+    let title = start.run.name.clone();
+    let opening = feed.begin(start);
+    let events = |State(feed): State<Arc<Feed>>, headers: HeaderMap| async move {
+        // A browser that connects again tells what it has had.
+        let last = headers.get("last-event-id").and_then(|value| value.to_str().ok());
+        Sse::new(feed.stream(last)).keep_alive(KeepAlive::default())
+    };
+    Router::new()
+        .route("/", get(|| async move { Html(page::live(&title)) }))
+        .route("/data", get(|| async move { ([(CONTENT_TYPE, "application/json")], opening) }))
+        .route("/events", get(events))
+        .with_state(feed)
+}

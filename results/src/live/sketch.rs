@@ -1,0 +1,179 @@
+//! The figure of the forced response while branches come: what the page is told of each, and of axes and labels.
+
+use super::{Run, Start};
+use crate::curves::{BackboneCurve, Column, Curve, Monitor, Motions, ResonanceComparison, largest};
+use crate::figure::{
+    BackboneColumns, Color, ColumnStore, FEW, Figure, Font, Frame, Outline, PALETTE, Palette, Series, Subject,
+    backbone_series, branch_series, is_crowd, level_colors, place_for_page, special_points,
+};
+use crate::overview::Level;
+use serde::Serialize;
+
+/// Points of a branch that labels keep away from, about.
+const POINTS: usize = 64;
+
+/// All branches so far, thinned, and what else the figure is made of.
+#[derive(Debug)]
+pub struct Sketch {
+    levels: Vec<Level>,
+    monitors: Vec<Monitor>,
+    colors: Vec<Color>,
+    backbone: Option<BackboneCurve>,
+    branches: Vec<Curve>,
+    resonance: ResonanceComparison,
+    motions: Motions,
+    /// Where the next column goes.
+    end: usize,
+    font: Font,
+}
+
+/// What the page is given at first.
+#[derive(Serialize)]
+struct Opening {
+    run: Run,
+    palette: Palette,
+    levels: Vec<Level>,
+    level_colors: Vec<Color>,
+    frames: Vec<Frame>,
+    columns: ColumnStore,
+    figure: Figure,
+}
+
+/// A branch that has come.
+#[derive(Debug, Serialize)]
+pub struct BranchEvent<'c> {
+    first_column: usize,
+    columns: ColumnStore,
+    series: Vec<Series>,
+    branch: &'c Curve,
+}
+
+/// The backbone when it has come.
+#[derive(Debug, Serialize)]
+pub struct BackboneEvent {
+    first_column: usize,
+    columns: ColumnStore,
+    series: Vec<Series>,
+    frames: Vec<Frame>,
+}
+
+impl Sketch {
+    /// Of a run without branches, with what the page is given of it, JSON.
+    pub fn new(start: Start) -> (Self, String) {
+        let level = |(amplitude, value): (String, f64)| Level { amplitude, value, ..Level::default() };
+        let levels: Vec<Level> = start.levels.into_iter().map(level).collect();
+        let colors = level_colors(&levels.iter().map(|level| level.value).collect::<Vec<f64>>());
+        let mut sketch = Self {
+            levels,
+            monitors: start.monitors,
+            colors,
+            backbone: start.backbone,
+            branches: Vec::new(),
+            resonance: ResonanceComparison::default(),
+            motions: Motions { harmonics: 0, nodes: Vec::new(), points: Vec::new() },
+            end: 0,
+            font: Font::bundled(),
+        };
+        let mut columns = ColumnStore::default();
+        let mut figure = sketch.figure();
+        if let Some(backbone) = &sketch.backbone {
+            figure.panels[0].series = backbone_series(&BackboneColumns::new(backbone, &mut columns));
+        }
+        sketch.end = columns.end();
+        let opening = Opening {
+            run: start.run,
+            palette: PALETTE,
+            levels: sketch.levels.clone(),
+            level_colors: sketch.colors.clone(),
+            frames: sketch.frames(),
+            columns,
+            figure,
+        };
+        let json = serde_json::to_string(&opening).expect("numbers and texts have JSON forms");
+        (sketch, json)
+    }
+
+    fn subject(&self) -> Subject<'_> {
+        Subject {
+            levels: &self.levels,
+            branches: &self.branches,
+            monitors: &self.monitors,
+            backbone: self.backbone.as_ref(),
+            sweep: None,
+            resonance: &self.resonance,
+            motions: &self.motions,
+            missing: &[],
+        }
+    }
+
+    /// The windows that the backbone has at every level.
+    fn frames(&self) -> Vec<Frame> {
+        let subject = self.subject();
+        let of_level = |level| Frame::of_level(&subject, self.backbone.as_ref()?, level);
+        (0..self.levels.len()).filter_map(of_level).collect()
+    }
+
+    /// Takes a branch in.
+    pub fn branch<'c>(&mut self, curve: &'c Curve) -> BranchEvent<'c> {
+        let has_marks = self.branches.len() < FEW;
+        self.branches.push(thinned(curve));
+        let first_column = self.end;
+        let mut columns = ColumnStore::starting_at(first_column);
+        let drawn = self.series(curve, &mut columns);
+        self.end = columns.end();
+        let marks = special_points(curve, &drawn, drawn.style.color).filter(|_| has_marks);
+        let series = std::iter::once(drawn.clone()).chain(marks).collect();
+        BranchEvent { first_column, columns, series, branch: curve }
+    }
+
+    fn series(&self, curve: &Curve, columns: &mut ColumnStore) -> Series {
+        let amplitude = self.levels.get(curve.level).map_or("", |level| &level.amplitude);
+        let color = self.colors.get(curve.level).copied().unwrap_or_default();
+        // There are about as many isolas as levels.
+        branch_series(curve, amplitude, color, is_crowd(self.levels.len()), columns)
+    }
+
+    /// Takes the backbone in.
+    pub fn backbone(&mut self, curve: &BackboneCurve) -> BackboneEvent {
+        self.backbone = Some(curve.clone());
+        let first_column = self.end;
+        let mut columns = ColumnStore::starting_at(first_column);
+        let series = backbone_series(&BackboneColumns::new(curve, &mut columns));
+        self.end = columns.end();
+        BackboneEvent { first_column, columns, series, frames: self.frames() }
+    }
+
+    /// The figure without its series: axes, lines across, labels in their places.
+    pub fn figure(&self) -> Figure {
+        let subject = self.subject();
+        let mut columns = ColumnStore::default();
+        let mut figure = Outline::new(self.branches.iter(), &subject, &self.colors).with_marks(true).figure(None);
+        let series = self.branches.iter().map(|branch| self.series(branch, &mut columns));
+        figure.panels[0].series = series.collect();
+        place_for_page(&mut figure, &columns, &[], &self.font);
+        figure.panels[0].series.clear();
+        figure
+    }
+}
+
+/// A branch with few of its points, the peaks among them, and without what is only said of points.
+fn thinned(curve: &Curve) -> Curve {
+    let stride = curve.size.div_ceil(POINTS).max(1);
+    let mut places: Vec<usize> = (0..curve.size).step_by(stride).collect();
+    places.extend(curve.amplitude.iter().map(|amplitude| largest(&amplitude.values)).filter(|&i| i < curve.size));
+    places.sort_unstable();
+    places.dedup();
+    let thin = |column: &Column| Column::short(places.iter().map(|&i| column.values[i]).collect());
+    let none = || Column::short(Vec::new());
+    Curve {
+        size: places.len(),
+        omega: thin(&curve.omega),
+        amplitude: curve.amplitude.iter().map(thin).collect(),
+        rms: Vec::new(),
+        contact: none(),
+        residual: none(),
+        high_harmonics: none(),
+        iterations: none(),
+        ..curve.clone()
+    }
+}

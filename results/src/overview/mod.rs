@@ -1,0 +1,93 @@
+//! What a run has found so far, level by level, as the store has it: branches, windows and what became of them; and what
+//! is missing.
+
+mod level;
+mod omissions;
+mod unfinished;
+mod verified;
+
+pub use level::{Level, highest};
+pub use omissions::Omissions;
+pub use unfinished::unfinished;
+
+pub use crate::store::{BranchRow, WindowOutcome, WindowRow};
+
+pub(crate) use omissions::detail;
+pub(crate) use verified::verified_result;
+
+use crate::store::{Reader, Result, RunHeader};
+use protocol::model::ModelMessage;
+use protocol::to_everyone::StoredResult;
+
+/// A run without its points.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Overview {
+    /// What does not change; `None` if it cannot be read.
+    pub header: Option<RunHeader>,
+    /// Model; `None` if it cannot be read.
+    pub model: Option<ModelMessage>,
+    /// Levels by amplitude.
+    pub levels: Vec<Level>,
+}
+
+/// The peak moves up in frequency from one level to the next.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rise {
+    /// Lower forcing amplitude and the next one, as typed.
+    pub amplitudes: (String, String),
+    /// Frequencies of the points of largest amplitude over all branches, rad/s.
+    pub omega: (f64, f64),
+}
+
+impl Overview {
+    /// Reads what can be read, at any stage (of one moment if the caller holds a snapshot).
+    ///
+    /// # Errors
+    /// If neither header nor model nor levels can be read.
+    pub fn read(reader: &Reader, omissions: &mut Omissions) -> Result<Self> {
+        let (header, model, levels) = match (reader.header(), reader.verified_model(), reader.levels()) {
+            (Err(error), Err(_), Err(_)) => return Err(error),
+            all => all,
+        };
+        let header = omissions.read("Names and settings of the run are", header);
+        let model = omissions.read("The model is", model);
+        let levels = omissions.read("Levels and branches are", levels).unwrap_or_default();
+        let levels = levels.into_iter().map(|row| Level::read(reader, row, omissions)).collect();
+        Ok(Self { header, model, levels })
+    }
+
+    /// Branches with their levels: level by level, main before isolas.
+    pub fn branches(&self) -> impl Iterator<Item = (&Level, &BranchRow)> {
+        self.levels.iter().flat_map(|level| level.branches.iter().map(move |branch| (level, branch)))
+    }
+
+    /// Hands every branch that is what was stored to `sink`, one after the other, with its [`Level::file_name`]; notes the
+    /// others.
+    ///
+    /// # Errors
+    /// Those of `sink`.
+    pub fn each_branch<E>(
+        &self,
+        reader: &Reader,
+        omissions: &mut Omissions,
+        mut sink: impl FnMut(&mut Omissions, &str, StoredResult) -> std::result::Result<(), E>,
+    ) -> std::result::Result<(), E> {
+        for (level, branch) in self.branches() {
+            let name = level.file_name(branch);
+            if let Some(result) = omissions.take(format_args!("Branch {name} is"), verified_result(reader, branch)) {
+                sink(omissions, &name, result)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The largest rise in frequency of the peak between neighbouring levels; `None` if it never rises.
+    pub fn rise(&self) -> Option<Rise> {
+        let rises = self.levels.windows(2).filter_map(|pair| {
+            let omega = (pair[0].peak()?.omega_at_max, pair[1].peak()?.omega_at_max);
+            let amplitudes = (pair[0].amplitude.clone(), pair[1].amplitude.clone());
+            (omega.1 > omega.0).then_some(Rise { amplitudes, omega })
+        });
+        rises.max_by(|a, b| (a.omega.1 - a.omega.0).total_cmp(&(b.omega.1 - b.omega.0)))
+    }
+}

@@ -1,0 +1,109 @@
+//! What the page is given: all that it shows, as JSON.
+
+use crate::curves::{Curve, Motion, Node};
+use crate::figure::{
+    Color, ColumnStore, Figure, Font, Frame, MotionAxis, PALETTE, Palette, ladder, level_colors, motion_axes,
+    place_for_page,
+};
+use crate::overview::Level;
+use crate::report::{CostAccount, Report, RunFacts, Sentence};
+use crate::words::{digits, length};
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::f64::consts::TAU;
+
+/// The JSON of the page.
+#[derive(Serialize)]
+pub struct PageData<'r> {
+    run: &'r RunFacts,
+    verdict: &'r [Sentence],
+    palette: Palette,
+    columns: &'r ColumnStore,
+    levels: &'r [Level],
+    level_colors: Vec<Color>,
+    branches: &'r [Curve],
+    frames: Vec<Frame>,
+    first_frame: usize,
+    figures: BTreeMap<&'static str, Figure>,
+    nothing: &'r BTreeMap<&'static str, String>,
+    motions: Option<MotionData<'r>>,
+    account: &'r CostAccount,
+}
+
+/// The motions that the page has.
+#[derive(Serialize)]
+struct MotionData<'r> {
+    harmonics: usize,
+    nodes: &'r [Node],
+    points: Vec<MotionPoint<'r>>,
+}
+
+/// A motion, with the axes of its panels.
+#[derive(Serialize)]
+struct MotionPoint<'r> {
+    #[serde(flatten)]
+    motion: &'r Motion,
+    words: String,
+    panels: Vec<MotionAxis>,
+}
+
+impl<'r> PageData<'r> {
+    /// Of a report: labels are placed for the page here.
+    pub fn new(report: &'r Report) -> Self {
+        let subject = report.subject();
+        let levels = &report.overview.levels;
+        let frames: Vec<Frame> = report.backbone.as_ref().map_or_else(Vec::new, |backbone| {
+            ladder(&subject, backbone).into_iter().map(|value| Frame::at(&subject, backbone, value)).collect()
+        });
+        let first = subject.first_level();
+        let first_frame = frames.iter().position(|frame| frame.level.is_some() && frame.level == first).unwrap_or(0);
+        let mut figures = report.figures.drawn.clone();
+        let font = Font::bundled();
+        for figure in figures.values_mut() {
+            place_for_page(figure, &report.figures.columns, &frames, &font);
+        }
+        Self {
+            run: &report.run,
+            verdict: &report.verdict,
+            palette: PALETTE,
+            columns: &report.figures.columns,
+            levels,
+            level_colors: level_colors(&levels.iter().map(|level| level.value).collect::<Vec<f64>>()),
+            branches: &report.branches,
+            motions: figures.get("motion").map(|figure| MotionData::new(report, figure)),
+            frames,
+            first_frame,
+            figures,
+            nothing: &report.figures.nothing,
+            account: &report.account,
+        }
+    }
+}
+
+impl<'r> MotionData<'r> {
+    fn new(report: &'r Report, figure: &Figure) -> Self {
+        let motions = &report.motions;
+        let point = |motion: &'r Motion| MotionPoint {
+            motion,
+            words: words(report, motion),
+            panels: motion_axes(figure, motions, &motion.coefficients.values),
+        };
+        Self { harmonics: motions.harmonics, nodes: &motions.nodes, points: motions.points.iter().map(point).collect() }
+    }
+}
+
+/// Which motion it is.
+fn words(report: &Report, motion: &Motion) -> String {
+    let Some(branch) = report.branches.get(motion.branch) else { return String::new() };
+    let amplitude = report.overview.levels.get(branch.level).map_or("", |level| &level.amplitude);
+    let omega = branch.omega.values.get(motion.index).copied().unwrap_or(f64::NAN);
+    let size = branch.amplitude.first().and_then(|column| column.values.get(motion.index)).copied();
+    format!(
+        "Point {} of {}, A = {amplitude}: ω = {} rad/s, one period lasts {} ms, amplitude {}.",
+        motion.index,
+        branch.name,
+        digits(omega, 6),
+        digits(1e3 * TAU / omega, 4),
+        length(size.unwrap_or(f64::NAN))
+    )
+}

@@ -1,0 +1,98 @@
+//! The figure of a motion at any point of a branch.
+
+use super::named::level;
+use super::sheet::Sheet;
+use crate::curves::{Curve, largest};
+use crate::error::Error;
+use crate::figure::{ColumnStore, motion_drawn, motion_template};
+use crate::overview::{BranchRow, verified_result};
+use crate::report::Report;
+use crate::store::Reader;
+use crate::words::digits;
+use protocol::curve::Size;
+use protocol::to_everyone::StoredResult;
+
+/// The figure, at `A/branch/index` or at the highest isola's peak.
+pub fn sheet(report: &Report, reader: &Reader, monitor: usize, at: Option<&str>) -> Result<Sheet, Error> {
+    let (row, amplitude, index) = match at {
+        Some(text) => named(report, text)?,
+        None => highest(report)?,
+    };
+    let model = reader.verified_model()?.model().map_err(|error| reader.corrupt(error))?;
+    let (result, curve) = stored(reader, row)?;
+    let index = index.point(&curve, monitor)?;
+    let motions = &report.motions;
+    let motion = motions.at((0, index), &result, &Size::of(&model)).map_err(|error| reader.corrupt(error))?;
+    let motion = motion.ok_or_else(|| Error::Usage(format!("--at: {} has no point {index}", curve.name)))?;
+    let mut columns = ColumnStore::default();
+    let mut figure = motion_drawn(motion_template(motions), motions, &motion.coefficients.values, &mut columns);
+    let omega = digits(curve.omega.values[index], 6);
+    figure.title = Some(format!("A = {amplitude}, {}, point {index}, ω = {omega} rad/s", curve.name));
+    Ok(Sheet { figure, columns, choice: 0, frame: None })
+}
+
+/// Where on a branch.
+enum Index {
+    Peak,
+    Point(usize),
+}
+
+impl Index {
+    fn point(&self, curve: &Curve, monitor: usize) -> Result<usize, Error> {
+        let amplitude = &curve.amplitude[monitor].values;
+        match *self {
+            Self::Peak => Ok(largest(amplitude)),
+            Self::Point(index) if index < curve.size => Ok(index),
+            Self::Point(index) => {
+                let last = curve.size.saturating_sub(1);
+                Err(Error::Usage(format!("--at: {} has no point {index}, but 0 to {last}, or peak", curve.name)))
+            }
+        }
+    }
+}
+
+/// The point that `A/branch/index` names, with its forcing amplitude as typed in the study.
+fn named<'s>(report: &'s Report, text: &str) -> Result<(&'s BranchRow, &'s str, Index), Error> {
+    let usage =
+        || Error::Usage(format!("--at {text}: write A/branch/index, like \"20/isola 1/43\" or \"20/main/peak\""));
+    let parts: Vec<&str> = text.split('/').map(str::trim).collect();
+    let (amplitude, branch, index) = match parts[..] {
+        [amplitude, branch] => (amplitude, branch, "peak"),
+        [amplitude, branch, index] => (amplitude, branch, index),
+        _ => return Err(usage()),
+    };
+    let summary = &report.overview.levels[level(&report.overview.levels, "--at", amplitude)?];
+    let names: Vec<String> = summary.branches.iter().map(name).collect();
+    let known = if names.is_empty() { "nothing yet".into() } else { names.join(", ") };
+    let unknown = || Error::Usage(format!("--at {text}: A = {} has no such branch, but {known}", summary.amplitude));
+    let row = summary.branches.iter().find(|row| name(row) == branch).ok_or_else(unknown)?;
+    let index = match index {
+        "peak" => Index::Peak,
+        digits => Index::Point(digits.parse().map_err(|_| usage())?),
+    };
+    Ok((row, &summary.amplitude, index))
+}
+
+/// The highest isola, else the highest branch.
+fn highest(report: &Report) -> Result<(&BranchRow, &str, Index), Error> {
+    let all = || {
+        report.overview.levels.iter().flat_map(|level| level.branches.iter().map(|row| (row, level.amplitude.as_str())))
+    };
+    let by_amplitude = |a: &(&BranchRow, &str), b: &(&BranchRow, &str)| a.0.amplitude_max.total_cmp(&b.0.amplitude_max);
+    let isola = all().filter(|(row, _)| row.kind != "main").max_by(by_amplitude);
+    let (row, amplitude) = isola
+        .or_else(|| all().max_by(by_amplitude))
+        .ok_or_else(|| Error::Other("nothing to draw: no branch has been computed yet".into()))?;
+    Ok((row, amplitude, Index::Peak))
+}
+
+fn name(row: &BranchRow) -> String {
+    if row.kind == "main" { "main".into() } else { format!("{} {}", row.kind, row.number) }
+}
+
+fn stored(reader: &Reader, row: &BranchRow) -> Result<(StoredResult, Curve), Error> {
+    let result = verified_result(reader, row).map_err(|error| reader.corrupt(error))?;
+    let curve = Curve::of(&result, 0).map_err(|error| reader.corrupt(error))?;
+    let curve = curve.ok_or_else(|| reader.corrupt(format!("the branch of task {} is missing", row.task)))?;
+    Ok((result, curve))
+}

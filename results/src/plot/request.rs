@@ -1,0 +1,116 @@
+//! Which figure, and what of the run it shows.
+
+use crate::error::Error;
+
+/// A figure.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FigureName {
+    /// Amplitude over frequency: main branches and isolas of every level.
+    Response,
+    /// Dissipated energy and work of the forcing along the backbone, for one forcing amplitude.
+    Balance,
+    /// Amplitude over frequency along the backbone, with the windows of one forcing amplitude.
+    Backbone,
+    /// Isola map: threshold over frequency with births and merges, and what every level has.
+    Map,
+    /// Frequency and size of the largest response over the forcing amplitude, three ways.
+    Resonance,
+    /// Contributions of the modes along the backbone.
+    Modes,
+    /// One period at a point of a branch: displacements, pressures, spectrum, shape of the tip.
+    Motion,
+}
+
+/// What a figure of the backbone is drawn over.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Along {
+    /// Arc length.
+    #[default]
+    Arc,
+    /// Frequency.
+    Omega,
+    /// Amplitude.
+    Amplitude,
+}
+
+/// Which figure, and what of the run it shows.
+#[derive(Debug, Clone)]
+pub struct Request {
+    /// Which figure.
+    pub figure: FigureName,
+    /// Forcing amplitudes that are shown; not for every figure. All of them if `None`.
+    pub levels: Option<Vec<f64>>,
+    /// Monitored dof whose amplitude is shown.
+    pub monitor: Option<String>,
+    /// Forcing amplitude of balance and backbone.
+    pub amplitude: Option<String>,
+    /// Point of motion: `A/branch/index`.
+    pub at: Option<String>,
+    /// What balance and modes are drawn over.
+    pub along: Option<Along>,
+}
+
+impl FigureName {
+    /// All figures.
+    pub const ALL: [Self; 7] =
+        [Self::Response, Self::Balance, Self::Backbone, Self::Map, Self::Resonance, Self::Modes, Self::Motion];
+
+    /// What it is called.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Response => "response",
+            Self::Balance => "balance",
+            Self::Backbone => "backbone",
+            Self::Map => "map",
+            Self::Resonance => "resonance",
+            Self::Modes => "modes",
+            Self::Motion => "motion",
+        }
+    }
+
+    /// What it shows, in a line.
+    pub fn about(self) -> &'static str {
+        match self {
+            Self::Response => "Amplitude over frequency: main branches and isolas of every level",
+            Self::Balance => "Dissipated energy and work of the forcing along the backbone, for one forcing amplitude",
+            Self::Backbone => "Amplitude over frequency along the backbone, with the windows of one forcing amplitude",
+            Self::Map => "Isola map: threshold over frequency with births and merges, and what every level has",
+            Self::Resonance => "Frequency and size of the largest response over the forcing amplitude, three ways",
+            Self::Modes => "Contributions of the modes along the backbone",
+            Self::Motion => "One period at a point of a branch: displacements, pressures, spectrum, shape of the tip",
+        }
+    }
+
+    /// Refuses options that mean nothing for this figure.
+    ///
+    /// # Errors
+    /// With the figures that take the option.
+    pub(super) fn accepts(self, request: &Request) -> Result<(), Error> {
+        use FigureName::{Backbone, Balance, Map, Modes, Motion, Resonance, Response};
+        let options: [(&str, bool, &[Self]); 5] = [
+            ("--levels", request.levels.is_some(), &[Response, Map, Resonance]),
+            ("--monitor", request.monitor.is_some(), &[Response, Backbone, Motion, Balance, Modes]),
+            ("--amplitude", request.amplitude.is_some(), &[Balance, Backbone]),
+            ("--at", request.at.is_some(), &[Motion]),
+            ("--along", request.along.is_some(), &[Balance, Modes]),
+        ];
+        match options.into_iter().find(|(_, is_given, figures)| *is_given && !figures.contains(&self)) {
+            None => Ok(()),
+            Some((option, _, figures)) => {
+                let names: Vec<String> = figures.iter().map(|figure| figure.to_string()).collect();
+                Err(Error::Usage(format!("{option}: not for the figure {self}, but for {}", names.join(", "))))
+            }
+        }
+    }
+
+    /// Whether it needs the points of branches.
+    pub(super) fn shows_branches(self) -> bool {
+        self == Self::Response
+    }
+}
+
+impl std::fmt::Display for FigureName {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        formatter.write_str(self.name())
+    }
+}

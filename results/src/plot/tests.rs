@@ -1,0 +1,267 @@
+//! What figures show of small runs, and what they say when they cannot.
+
+use super::*;
+use crate::figure::{LIGHT, run_points};
+use crate::fixture::Study;
+use crate::store::Reader;
+use std::path::Path;
+use tempfile::{TempDir, tempdir};
+
+/// A request as `isola plot` would make it of these options.
+fn request(options: &[&str]) -> Request {
+    let figure = FigureName::Response;
+    let mut request = Request { figure, levels: None, monitor: None, amplitude: None, at: None, along: None };
+    for pair in options.chunks(2) {
+        let value = || Some(pair[1].to_string());
+        match pair[0] {
+            "--figure" => request.figure = FigureName::ALL.into_iter().find(|figure| figure.name() == pair[1]).unwrap(),
+            "--monitor" => request.monitor = value(),
+            "--amplitude" => request.amplitude = value(),
+            "--at" => request.at = value(),
+            "--along" => request.along = Some(if pair[1] == "omega" { Along::Omega } else { Along::Amplitude }),
+            option => panic!("{option}"),
+        }
+    }
+    request
+}
+
+fn sheet(run: &Path, options: &[&str]) -> Result<Sheet, String> {
+    let reader = Reader::open(run).unwrap();
+    compose(&reader, &request(options)).map(|(sheet, _)| sheet).map_err(|error| error.to_string())
+}
+
+/// What the labels of a panel say, windows included.
+fn labels(sheet: &Sheet, panel: usize) -> Vec<&str> {
+    let panel = &sheet.figure.panels[panel];
+    let runs = run_points(panel, sheet.view()).into_iter().map(|(_, name)| name);
+    panel.labels.iter().map(|label| label.text.as_str()).chain(runs).collect()
+}
+
+/// What the entries of the legend say.
+fn legend(sheet: &Sheet) -> Vec<&str> {
+    sheet.figure.legend.iter().map(|entry| entry.text.as_str()).collect()
+}
+
+/// The damper: two levels, an isola at the second.
+fn damper() -> TempDir {
+    let dir = tempdir().unwrap();
+    Study::damper().finished(&dir.path().join("run"));
+    dir
+}
+
+#[test]
+fn response_has_branches_backbone_and_labels() {
+    let dir = damper();
+    let drawn = sheet(&dir.path().join("run"), &["--figure", "response"]).unwrap();
+    let panel = &drawn.figure.panels[0];
+    assert_eq!(panel.series.iter().filter(|series| series.branch.is_some()).count(), 3);
+    assert_eq!(panel.series.iter().filter(|series| series.switch.is_some() && !series.along_runs).count(), 1);
+    assert_eq!(labels(&drawn, 0), ["isola 1, A = 0.006", "A = 0.006", "A = 3e-3"]);
+    assert_eq!(legend(&drawn), ["main branch", "isola", "backbone", "peak", "fold"]);
+    assert_eq!(panel.y[0].heading(), "amplitude of x1 (m)");
+    let (x, isola) = (&panel.x[0], panel.labels[0].x[0].unwrap());
+    assert!((0.0..1.0).contains(&x.share(isola)) && x.range.1 - x.range.0 < 0.1, "{x:?}");
+}
+
+#[test]
+fn figures_of_the_backbone_show_windows() {
+    let dir = damper();
+    let run = dir.path().join("run");
+    for figure in ["balance", "backbone"] {
+        let drawn = sheet(&run, &["--figure", figure]).unwrap();
+        assert_eq!(labels(&drawn, 0), ["main", "isola 1"], "{figure}");
+        let drawn = sheet(&run, &["--figure", figure, "--amplitude", "0.003"]).unwrap();
+        assert_eq!(labels(&drawn, 0), ["main"], "{figure}");
+    }
+    let over = |quantity| sheet(&run, &["--figure", "balance", "--along", quantity]).map(heading).unwrap();
+    fn heading(sheet: Sheet) -> String {
+        sheet.figure.panels[0].axes(sheet.choice).unwrap().0.heading()
+    }
+    assert_eq!(over("omega"), "frequency ω (rad/s)");
+    assert_eq!(over("amplitude"), "amplitude of x1 (m)");
+}
+
+#[test]
+fn map_and_resonance_show_levels() {
+    let dir = damper();
+    let run = dir.path().join("run");
+    let drawn = sheet(&run, &["--figure", "map"]).unwrap();
+    assert_eq!(legend(&drawn), ["threshold A* of the backbone", "main branches", "isolas", "births", "merges"]);
+    assert_eq!(labels(&drawn, 0).len(), 2);
+    let drawn = sheet(&run, &["--figure", "resonance"]).unwrap();
+    assert_eq!(drawn.figure.panels.iter().map(|panel| panel.series.len()).collect::<Vec<_>>(), [3, 3]);
+}
+
+#[test]
+fn motion_at_any_point() {
+    let dir = damper();
+    let run = dir.path().join("run");
+    let title = |at: &str| sheet(&run, &["--figure", "motion", "--at", at]).map(|sheet| sheet.figure.title.unwrap());
+    let highest = sheet(&run, &["--figure", "motion"]).unwrap();
+    assert!(
+        highest.figure.title.as_deref().unwrap().starts_with("A = 0.006, isola 1, point "),
+        "{:?}",
+        highest.figure.title
+    );
+    // Without contact there are displacements and spectrum only.
+    assert_eq!(highest.figure.panels.len(), 2);
+    assert_eq!(title("6e-3/isola 1/peak").unwrap(), highest.figure.title.unwrap());
+    assert!(title("3e-3/main/0").unwrap().starts_with("A = 3e-3, main, point 0, ω = "));
+    assert_eq!(
+        title("0.006/isola 2").unwrap_err(),
+        "--at 0.006/isola 2: A = 0.006 has no such branch, but main, isola 1"
+    );
+    let beyond = title("0.006/isola 1/9999").unwrap_err();
+    assert!(beyond.starts_with("--at: isola 1 has no point 9999, but 0 to "), "{beyond}");
+    assert!(title("0.006/main/first").unwrap_err().contains("write A/branch/index"));
+}
+
+#[test]
+fn what_is_not_there_is_named() {
+    let dir = damper();
+    let run = dir.path().join("run");
+    let error = |options: &[&str]| sheet(&run, options).unwrap_err();
+    assert_eq!(
+        error(&["--figure", "balance", "--amplitude", "7"]),
+        "--amplitude 7: the run has no such level, but 3e-3, 0.006"
+    );
+    assert_eq!(
+        error(&["--figure", "response", "--monitor", "tip"]),
+        "--monitor tip: the run monitors no such dof, but x1"
+    );
+    assert_eq!(
+        error(&["--figure", "map", "--along", "omega"]),
+        "--along: not for the figure map, but for balance, modes"
+    );
+    assert_eq!(error(&["--figure", "modes"]), "nothing to draw: one mode alone makes the backbone");
+    let extension = FileFormat::of(Path::new("figure.jpg")).unwrap_err().to_string();
+    assert_eq!(extension, "-o figure.jpg: end it in .svg, .png or .pdf");
+}
+
+#[test]
+fn figures_at_every_stage() {
+    let (study, dir) = (Study::damper(), tempdir().unwrap());
+    let bare = dir.path().join("bare");
+    drop(crate::store::Store::create(&bare, &study.header()).unwrap());
+    for figure in ["balance", "backbone", "map", "modes"] {
+        assert_eq!(sheet(&bare, &["--figure", figure]).unwrap_err(), "nothing to draw: the run has no backbone yet");
+    }
+    for figure in ["response", "resonance", "motion"] {
+        assert!(sheet(&bare, &["--figure", figure]).unwrap_err().starts_with("nothing to draw: "), "{figure}");
+    }
+    let begun = dir.path().join("begun");
+    let (store, _) = study.begin(&begun);
+    let drawn = sheet(&begun, &["--figure", "balance", "--amplitude", "0.006"]).unwrap();
+    assert_eq!(labels(&drawn, 0), ["window 1, pending", "window 2, pending"]);
+    let drawn = sheet(&begun, &["--figure", "map"]).unwrap();
+    assert_eq!(legend(&drawn), ["threshold A* of the backbone", "windows pending", "births", "merges"]);
+    drop(store);
+}
+
+#[test]
+fn damage_is_named() {
+    let dir = damper();
+    let run = dir.path().join("run");
+    let database = rusqlite::Connection::open(run.join("run.sqlite")).unwrap();
+    let damage = |sql: &str| assert!(database.execute(sql, []).unwrap() > 0);
+    damage("UPDATE results SET sha256 = 'x' WHERE task = (SELECT task FROM branches WHERE kind = 'isola')");
+    let reader = Reader::open(&run).unwrap();
+    let (drawn, missing) = compose(&reader, &request(&["--figure", "response"])).unwrap();
+    assert_eq!(labels(&drawn, 0), ["A = 0.006", "A = 3e-3"]);
+    assert!(missing.sentences().any(|sentence| sentence.starts_with("The branch of task")), "{missing:?}");
+    damage("UPDATE results SET sha256 = 'x'");
+    let error = sheet(&run, &["--figure", "response"]).unwrap_err();
+    assert!(error.starts_with("nothing to draw: The branch of task"), "{error}");
+    assert!(sheet(&run, &["--figure", "motion"]).is_err());
+}
+
+#[test]
+fn modes_of_several() {
+    let dir = tempdir().unwrap();
+    let study = Study::new("nltva", 3, &["0.1"]);
+    let (store, _) = study.begin(&dir.path().join("run"));
+    let drawn = sheet(store.dir(), &["--figure", "modes"]).unwrap();
+    assert_eq!(drawn.figure.legend.len(), study.model.size());
+}
+
+#[test]
+fn motion_in_contact() {
+    let dir = tempdir().unwrap();
+    let (store, _) = Study::new("two_masses_stop", 5, &["0.1"]).finished(&dir.path().join("run"));
+    let drawn = sheet(store.dir(), &["--figure", "motion"]).unwrap();
+    // Displacements, pressures and spectrum; one contact node has no shape.
+    assert_eq!(drawn.figure.panels.len(), 3);
+}
+
+#[test]
+fn files_begin_right_and_repeat() {
+    let dir = damper();
+    let run = dir.path().join("run");
+    let bytes = |format: FileFormat| {
+        let figure = sheet(&run, &["--figure", "response"]).unwrap().svg(170.0, 110.0).unwrap();
+        format.bytes(figure).unwrap()
+    };
+    for (format, start) in
+        [(FileFormat::Svg, &b"<svg"[..]), (FileFormat::Png, b"\x89PNG\r\n"), (FileFormat::Pdf, b"%PDF-")]
+    {
+        let first = bytes(format);
+        assert!(first.starts_with(start), "{format:?}");
+        assert!(first == bytes(format), "{format:?} is another one every time");
+    }
+    let svg = String::from_utf8(bytes(FileFormat::Svg)).unwrap();
+    assert!(svg.contains("width=\"170mm\"") && svg.contains("height=\"110mm\""), "{}", &svg[..200]);
+    let small = sheet(&run, &["--figure", "resonance"]).unwrap().svg(30.0, 30.0).unwrap_err().to_string();
+    assert!(small.contains("use larger --width and --height"), "{small}");
+}
+
+/// Whatever numbers a run has, figures leave gaps.
+#[test]
+fn damaged_numbers_leave_gaps() {
+    let dir = damper();
+    let reader = Reader::open(&dir.path().join("run")).unwrap();
+    let mut report = crate::report::Report::read(&reader, &crate::report::Selection::All).unwrap();
+    let damage = |values: &mut [f64]| {
+        let wrong = [f64::NAN, 1e300, -1e300, f64::INFINITY, 0.0];
+        values.iter_mut().skip(2).step_by(3).zip(wrong.iter().cycle()).for_each(|(value, wrong)| *value = *wrong);
+    };
+    for branch in &mut report.branches {
+        damage(&mut branch.omega.values);
+        branch.amplitude.iter_mut().for_each(|column| damage(&mut column.values));
+    }
+    let backbone = report.backbone.as_mut().unwrap();
+    for column in [&mut backbone.threshold, &mut backbone.needed, &mut backbone.work, &mut backbone.arc] {
+        damage(&mut column.values);
+    }
+    let figures = crate::figure::Figures::new(&report.subject());
+    let subject = report.subject();
+    let frame = crate::figure::Frame::at(&subject, subject.backbone.unwrap(), 0.006);
+    assert!(figures.drawn.len() > 4, "{:?}", figures.nothing);
+    for figure in figures.drawn.values().filter(|figure| figure.name != "motion") {
+        let (figure, columns) = (figure.clone(), figures.columns.clone());
+        for choice in 0..3 {
+            let (figure, columns, frame) = (figure.clone(), columns.clone(), Some(frame.clone()));
+            let svg = Sheet { figure, columns, choice, frame }.svg(170.0, 110.0).unwrap();
+            assert!(!svg.contains("NaN") && !svg.contains("inf"));
+            assert!(!FileFormat::Png.bytes(svg).unwrap().is_empty());
+        }
+    }
+}
+
+/// The colours of a file are those of the palette for the roles that the description names.
+#[test]
+fn files_have_the_colours_of_the_description() {
+    let dir = damper();
+    for figure in ["response", "map", "resonance", "balance", "backbone"] {
+        let sheet = sheet(&dir.path().join("run"), &["--figure", figure]).unwrap();
+        let svg = sheet.svg(170.0, 110.0).unwrap();
+        let panels = &sheet.figure.panels;
+        let series = panels.iter().flat_map(|panel| &panel.series).filter(|series| !series.along_runs);
+        for color in series.map(|series| series.style.color).chain(sheet.figure.legend.iter().map(|e| e.style.color)) {
+            assert!(
+                svg.contains(&LIGHT.of(color).to_string()) || svg.contains(&LIGHT.tint(color).to_string()),
+                "{color:?}"
+            );
+        }
+        assert!(!svg.contains("opacity"));
+    }
+}

@@ -1,0 +1,12 @@
+//! A run as page and figures show it, read from the store at any stage: one [`Report`].
+
+mod account;
+mod read;
+#[cfg(test)]
+mod tests;
+mod verdict;
+
+pub use crate::curves::{BackboneCurve, Curve, Monitor, monitors};
+pub use account::CostAccount;
+pub use read::{Report, RunFacts, Selection};
+pub use verdict::Sentence;

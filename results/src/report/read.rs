@@ -1,0 +1,245 @@
+//! Reads a report from the store. What cannot be read becomes a sentence in its place.
+
+use super::account::CostAccount;
+use super::verdict::Sentence;
+use super::verdict::{Evidence, verdict};
+use crate::clock::now;
+use crate::curves::{BackboneCurve, Curve, Monitor, Motions, ResonanceComparison, monitors};
+use crate::figure::{Figures, Subject};
+use crate::overview::{BranchRow, Omissions, Overview, unfinished, verified_result};
+use crate::store::{Reader, Result, RunHeader};
+use protocol::curve::Size;
+use protocol::to_everyone::Stage;
+use serde::Serialize;
+use solver::backbone::{Backbone, BackbonePoint};
+use std::collections::HashSet;
+
+/// Points of branches that a page takes without becoming heavy.
+const POINTS: usize = 250_000;
+/// Motions kept for all branches together, though at least one for each.
+const MOTIONS: usize = 400;
+/// Motions kept for one branch at most.
+const MOTIONS_PER_BRANCH: usize = 40;
+
+/// A run as page and figures show it: rad/s, m, N, J, s.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Report {
+    /// Which run.
+    pub run: RunFacts,
+    /// Where it is dangerous, from which forcing on, what ordinary continuation would have missed.
+    pub verdict: [Sentence; 3],
+    /// Its figures.
+    pub figures: Figures,
+    /// How it came about.
+    pub account: CostAccount,
+    /// Monitored dofs; the first one counts.
+    pub monitors: Vec<Monitor>,
+    /// Lowest and highest frequency of the sweep, rad/s; known when the backbone is.
+    pub sweep: Option<(f64, f64)>,
+    /// Branches, level by level, main before isolas.
+    pub branches: Vec<Curve>,
+    /// The backbone, once it is known.
+    pub backbone: Option<BackboneCurve>,
+    /// Frequency and amplitude of the largest response, three ways.
+    pub resonance: ResonanceComparison,
+    /// Motions at chosen points.
+    pub motions: Motions,
+    /// What was found, level by level.
+    pub overview: Overview,
+    /// What is missing.
+    pub omissions: Omissions,
+}
+
+/// Which run, and what is not there.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct RunFacts {
+    /// Run.
+    pub id: String,
+    /// Name of the study.
+    pub name: String,
+    /// Name of the model.
+    pub model: String,
+    /// Where the study was read from.
+    pub study_file: String,
+    /// When the run was created, RFC 3339.
+    pub created: String,
+    /// Version of the program.
+    pub program: String,
+    /// `backbone`, `sweep`, `finished` or `cancelled`; `None` if it cannot be read.
+    pub stage: Option<protocol::to_everyone::Stage>,
+    /// When this was read, RFC 3339.
+    pub made: String,
+    /// What is not there, not yet, or damaged: a sentence each.
+    pub missing: Vec<String>,
+}
+
+/// Which levels are shown.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub enum Selection {
+    /// All of them, the branches of as many as a page takes.
+    #[default]
+    Fitting,
+    /// All of them.
+    All,
+    /// All of them, but no branches: for figures that show none.
+    NoBranches,
+    /// Those of these forcing amplitudes.
+    Amplitudes(Vec<f64>),
+}
+
+impl Report {
+    /// Reads a run, finished, in progress, cancelled or damaged (of one moment if the caller holds a snapshot).
+    ///
+    /// # Errors
+    /// If there is no run, or if what it is about (header, model) cannot be read.
+    pub fn read(reader: &Reader, selection: &Selection) -> Result<Self> {
+        let mut omissions = Omissions::default();
+        if *selection != Selection::NoBranches {
+            omissions.check(reader);
+        }
+        let mut overview = Overview::read(reader, &mut omissions)?;
+        if let Selection::Amplitudes(list) = selection {
+            overview.levels.retain(|level| list.contains(&level.value));
+        }
+        let header = overview.header.clone().map_or_else(|| reader.header(), Ok)?;
+        let model = overview.model.clone().map_or_else(|| reader.verified_model(), Ok)?;
+        let model = model.model().map_err(|error| reader.corrupt(error))?;
+        let stage = omissions.read("The stage of the run is", reader.stage());
+
+        let backbone = omissions.read("The backbone is", read_backbone(reader, &Size::of(&model)));
+        omissions.missing.extend(unfinished(&overview.levels, backbone.as_ref().is_none_or(Option::is_some)));
+        let backbone = backbone.flatten().map(|backbone| BackboneCurve::new(&backbone, &model));
+        fit_windows(&mut overview, backbone.as_ref(), &mut omissions);
+        let reach = omissions.read("The frequency range of the sweep is", reader.reach()).flatten();
+        let drawn = drawn(&overview, selection, &mut omissions);
+        let motions = Motions::new(&model, header.settings.harmonics.count);
+        let (branches, motions) = curves(reader, &drawn, Size::of(&model), motions, &mut omissions);
+        let account = CostAccount::read(reader, &header.study, &overview.levels, &mut omissions);
+
+        let monitors = monitors(&model);
+        let evidence = Evidence {
+            levels: &overview.levels,
+            backbone: backbone.as_ref(),
+            monitor: &monitors[0].name,
+            gap: monitors[0].gap,
+        };
+        let mut report = Self {
+            verdict: verdict(&evidence),
+            figures: Figures::default(),
+            sweep: reach.map(|reach| reach.frequency),
+            resonance: ResonanceComparison::new(&overview.levels, backbone.as_ref()),
+            run: facts(header, model.name, stage, omissions.sentences().cloned().collect()),
+            monitors,
+            branches,
+            backbone,
+            motions,
+            account,
+            overview,
+            omissions,
+        };
+        report.figures = Figures::new(&report.subject());
+        Ok(report)
+    }
+
+    /// What its figures are drawn from.
+    pub fn subject(&self) -> Subject<'_> {
+        Subject {
+            levels: &self.overview.levels,
+            branches: &self.branches,
+            monitors: &self.monitors,
+            backbone: self.backbone.as_ref(),
+            sweep: self.sweep,
+            resonance: &self.resonance,
+            motions: &self.motions,
+            missing: &self.run.missing,
+        }
+    }
+}
+
+/// Leaves out windows that are not windows of the backbone.
+fn fit_windows(overview: &mut Overview, backbone: Option<&BackboneCurve>, omissions: &mut Omissions) {
+    let Some(threshold) = backbone.map(|backbone| &backbone.threshold.values) else { return };
+    for level in &mut overview.levels {
+        let count = level.windows.len();
+        level.windows.retain(|window| {
+            let [first, last, best] = window.points;
+            first <= best && best <= last && last < threshold.len() && threshold[best] == window.threshold
+        });
+        if level.windows.len() < count {
+            let what = format!("{} of {count} windows at A = {} are", count - level.windows.len(), level.amplitude);
+            omissions.left_out(what, "they are none of the backbone");
+        }
+    }
+}
+
+fn facts(header: RunHeader, model: String, stage: Option<Stage>, missing: Vec<String>) -> RunFacts {
+    RunFacts {
+        id: header.run.to_string(),
+        name: header.name,
+        model,
+        study_file: header.study_file.display().to_string(),
+        created: header.created,
+        program: header.program,
+        stage,
+        made: now(),
+        missing,
+    }
+}
+
+fn read_backbone(reader: &Reader, size: &Size) -> Result<Option<Backbone>> {
+    let message = reader.backbone()?;
+    let backbone = message.map(|message| message.backbone(size).map_err(|error| reader.corrupt(error))).transpose()?;
+    let is_somewhere = |point: &BackbonePoint| point.point.omega().is_finite() && point.arc.is_finite();
+    match backbone {
+        Some(backbone) if !backbone.points.iter().all(is_somewhere) => {
+            Err(reader.corrupt("a frequency or an arc length is not a number"))
+        }
+        readable => Ok(readable),
+    }
+}
+
+/// The branches that are drawn, with the index of their level.
+fn drawn<'s>(overview: &'s Overview, selection: &Selection, omissions: &mut Omissions) -> Vec<(usize, &'s BranchRow)> {
+    let levels = &overview.levels;
+    let stride = match selection {
+        Selection::NoBranches => return Vec::new(),
+        Selection::All | Selection::Amplitudes(_) => 1,
+        Selection::Fitting => {
+            let points: usize = overview.branches().map(|(_, branch)| branch.points).sum();
+            points.div_ceil(POINTS).max(1)
+        }
+    };
+    let chosen: HashSet<usize> = (0..levels.len()).rev().step_by(stride).collect();
+    if chosen.len() < levels.len() {
+        let (drawn, all) = (chosen.len(), levels.len());
+        let sentence = format!(
+            "Branches are drawn for {drawn} of {all} forcing levels: more would be too heavy; --levels chooses."
+        );
+        omissions.missing.push(sentence);
+    }
+    let of_level = |i: usize| levels[i].branches.iter().map(move |branch| (i, branch));
+    (0..levels.len()).filter(|i| chosen.contains(i)).flat_map(of_level).collect()
+}
+
+/// Branches one after the other, each checked against its checksum, and some of their motions.
+fn curves(
+    reader: &Reader,
+    drawn: &[(usize, &BranchRow)],
+    size: Size,
+    mut motions: Motions,
+    omissions: &mut Omissions,
+) -> (Vec<Curve>, Motions) {
+    let mut curves: Vec<Curve> = Vec::new();
+    let share = (MOTIONS / drawn.len().max(1)).clamp(1, MOTIONS_PER_BRANCH);
+    for &(level, branch) in drawn {
+        let read = verified_result(reader, branch).and_then(|result| {
+            let curve = Curve::of(&result, level).map_err(|error| error.to_string())?;
+            if let Some(curve) = &curve {
+                motions.choose((curves.len(), curve), &result, &size, share).map_err(|error| error.to_string())?;
+            }
+            Ok(curve)
+        });
+        curves.extend(omissions.take(format_args!("The branch of task {} is", branch.task), read).flatten());
+    }
+    (curves, motions)
+}

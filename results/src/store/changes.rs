@@ -1,0 +1,187 @@
+//! What changes in the course of a run: tasks, attempts, results.
+
+use super::Result;
+use super::arrays::{POINT_COLUMNS, Scalars, empty_points, insert, insert_rest, of_points};
+use super::displacement::Displacements;
+use super::error::At;
+use super::extent::{Extent, contact_range};
+use super::header::{pack, set_stage};
+use super::plan::insert_plan;
+use crate::journal::{AcceptedResult, AttemptEnd, Change, Holder};
+use protocol::branch::BranchMessage;
+use protocol::codec::encode;
+use protocol::ids::{Attempt, TaskId};
+use protocol::to_everyone::StoredResult;
+use rusqlite::{Connection, Params, params};
+use solver::branch::Outcome;
+use solver::task::{BranchId, SeedOutcome};
+use std::path::Path;
+
+/// Writes changes, all at one time.
+pub(super) struct Changes<'a> {
+    /// The transaction.
+    pub db: &'a Connection,
+    /// Its file.
+    pub file: &'a Path,
+    /// Displacements of the model.
+    pub displacements: &'a Displacements,
+    /// When.
+    pub now: String,
+}
+
+impl Changes<'_> {
+    /// Writes one change.
+    pub fn write(&self, change: &Change) -> Result<()> {
+        match change {
+            Change::Stage(stage) => set_stage(self.db, self.file, *stage),
+            Change::Planned(plan) => insert_plan(self.db, self.file, plan, self.displacements),
+            Change::Granted { task, attempt, holder } => self.granted(task, *attempt, holder),
+            Change::Ended { task, attempt, end } => self.ended(task, *attempt, end),
+            Change::Done { task, attempt, outcome, .. } => self.done(task, *attempt, outcome),
+            Change::Result(accepted) => self.result(accepted),
+            Change::Skipped { task } => self.state(task, "skipped"),
+            Change::Dead { task } => self.state(task, "dead"),
+            Change::Revived { task } => {
+                self.execute("UPDATE tasks SET state = 'waiting', forgiven = attempts WHERE id = ?1", [task.as_str()])
+            }
+        }
+    }
+
+    fn execute(&self, sql: &str, params: impl Params) -> Result<()> {
+        self.db.prepare_cached(sql).at(self.file)?.execute(params).at(self.file)?;
+        Ok(())
+    }
+
+    fn state(&self, task: &TaskId, state: &str) -> Result<()> {
+        self.execute("UPDATE tasks SET state = ?2 WHERE id = ?1", [task.as_str(), state])
+    }
+
+    fn granted(&self, task: &TaskId, attempt: Attempt, holder: &Holder) -> Result<()> {
+        self.execute(
+            "UPDATE tasks SET state = 'leased', attempts = ?2 WHERE id = ?1",
+            params![task.as_str(), attempt.0],
+        )?;
+        let sql = "INSERT INTO attempts (task, attempt, worker, slot, granted_at) VALUES (?1, ?2, ?3, ?4, ?5)";
+        self.execute(sql, params![task.as_str(), attempt.0, holder.worker.as_str(), holder.slot, self.now])
+    }
+
+    fn ended(&self, task: &TaskId, attempt: Attempt, end: &AttemptEnd) -> Result<()> {
+        let sql = "UPDATE attempts SET ended_at = ?3, \"end\" = ?4, \
+                   reason = CASE ?4 WHEN 'expired' THEN worker || ': no sign of life' ELSE ?5 END \
+                   WHERE task = ?1 AND attempt = ?2";
+        self.execute(sql, params![task.as_str(), attempt.0, self.now, end.name(), end.reason()])?;
+        self.execute("UPDATE tasks SET state = 'waiting' WHERE id = ?1 AND state = 'leased'", [task.as_str()])
+    }
+
+    fn done(&self, task: &TaskId, attempt: Attempt, outcome: &SeedOutcome) -> Result<()> {
+        let branch = match outcome {
+            SeedOutcome::Found(id) => Some(id.to_string()),
+            _ => None,
+        };
+        let sql = "UPDATE tasks SET state = 'done', outcome = ?2, found = ?3, branch = ?4, record = ?5 WHERE id = ?1";
+        self.execute(sql, params![task.as_str(), outcome.to_string(), branch.is_some(), branch, pack(outcome)])?;
+        let sql = "UPDATE attempts SET ended_at = ?3, \"end\" = 'done', reason = NULL WHERE task = ?1 AND attempt = ?2";
+        self.execute(sql, params![task.as_str(), attempt.0, self.now])
+    }
+
+    fn result(&self, accepted: &AcceptedResult) -> Result<()> {
+        let AcceptedResult { result, sequence, digest } = accepted;
+        let named = result.branch.as_ref().zip(result.name);
+        let record = if named.is_some() { encode(&without_numbers(result)) } else { encode(&**result) };
+        let row = params![
+            *sequence as i64,
+            result.task.as_str(),
+            result.attempt.0,
+            result.worker.as_str(),
+            result.program,
+            result.seconds,
+            digest.size as i64,
+            digest.sha256,
+            record,
+        ];
+        let sql = "INSERT INTO results (sequence, task, attempt, worker, program, seconds, size, sha256, record) \
+                   VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9)";
+        self.execute(sql, row)?;
+        match named {
+            Some((branch, name)) => self.branch(&result.task, branch, name),
+            None => Ok(()),
+        }
+    }
+
+    fn branch(&self, task: &TaskId, branch: &BranchMessage, name: BranchId) -> Result<()> {
+        let (kind, number) = match name {
+            BranchId::Main => ("main", 1),
+            BranchId::Isola(i) => ("isola", i + 1),
+        };
+        let points = Scalars::new(&branch.points).at(self.file)?;
+        let (summary, contact) = (Extent::of_scalars(&points), contact_range(&points));
+        let row = params![
+            task.as_str(),
+            kind,
+            number,
+            branch.outcome.to_string(),
+            branch.outcome == Outcome::Closed,
+            points.omega.len(),
+            branch.rejections,
+            serde_json::to_string(&branch.special).expect("a list of indices"),
+            summary.omega_min,
+            summary.omega_max,
+            summary.amplitude_max,
+            summary.omega_at_max,
+            contact.map(|(low, _)| low),
+            contact.map(|(_, high)| high),
+        ];
+        let sql = "INSERT INTO branches (task, level, amplitude, kind, number, status, closed, points, rejections, \
+                   special, omega_min, omega_max, amplitude_max, omega_at_max, contact_omega_min, contact_omega_max) \
+                   SELECT ?1, level, amplitude, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14 \
+                   FROM tasks JOIN levels USING (level) WHERE tasks.id = ?1";
+        self.execute(sql, row)?;
+        self.points(self.db.last_insert_rowid(), &points)?;
+        insert_rest(self.db, self.file, task.as_str(), &of_points(&branch.points), &POINT_COLUMNS)?;
+        let displacement = self.displacements.array(&branch.points.motions).at(self.file)?;
+        insert(self.db, self.file, task.as_str(), "displacement", &displacement)
+    }
+
+    fn points(&self, branch: i64, points: &Scalars) -> Result<()> {
+        let sql = "INSERT INTO points (branch, i, omega, amplitude, rms, contact, residual, high_harmonics, \
+                   iterations) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9)";
+        let mut statement = self.db.prepare_cached(sql).at(self.file)?;
+        for i in 0..points.omega.len() {
+            let row = params![
+                branch,
+                i,
+                points.omega[i],
+                points.amplitude[i],
+                points.rms[i],
+                points.contact[i],
+                points.residual[i],
+                points.high_harmonics[i],
+                points.iterations[i],
+            ];
+            statement.execute(row).at(self.file)?;
+        }
+        Ok(())
+    }
+}
+
+fn without_numbers(result: &StoredResult) -> StoredResult {
+    let without_arrays = |branch: &BranchMessage| BranchMessage {
+        amplitude: branch.amplitude,
+        outcome: branch.outcome,
+        special: branch.special.clone(),
+        rejections: branch.rejections,
+        points: empty_points(&branch.points),
+    };
+    StoredResult {
+        task: result.task.clone(),
+        attempt: result.attempt,
+        amplitude: result.amplitude.clone(),
+        work: result.work,
+        outcome: result.outcome,
+        name: result.name,
+        branch: result.branch.as_ref().map(without_arrays),
+        worker: result.worker.clone(),
+        program: result.program.clone(),
+        seconds: result.seconds,
+    }
+}

@@ -1,0 +1,195 @@
+//! Levels as the store has them: branches, windows, failures.
+
+use super::arrays::number;
+use super::{Reader, Result};
+use rusqlite::Row;
+use serde::Serialize;
+
+/// A branch of a level in numbers.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct BranchRow {
+    /// `main` or `isola`.
+    pub kind: String,
+    /// Number from 1 within its kind, as in names of files.
+    pub number: usize,
+    /// How it ends, in words.
+    pub status: String,
+    /// Whether it is a closed curve.
+    pub closed: bool,
+    /// Number of points.
+    pub points: usize,
+    /// Lowest and highest frequency, rad/s.
+    pub omega: (f64, f64),
+    /// Largest amplitude of the first monitored dof, m.
+    pub amplitude_max: f64,
+    /// Frequency there, rad/s.
+    pub omega_at_max: f64,
+    /// Lowest and highest frequency at which any node touches, rad/s.
+    pub contact_omega: Option<(f64, f64)>,
+    #[serde(skip)]
+    pub(crate) id: i64,
+    #[serde(skip)]
+    pub(crate) task: String,
+}
+
+/// A window and what became of it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct WindowRow {
+    /// Number, from 1.
+    pub number: usize,
+    /// First point of the backbone inside, last, and the one of smallest threshold.
+    pub points: [usize; 3],
+    /// Lowest and highest frequency, rad/s.
+    pub omega: (f64, f64),
+    /// Frequency of the smallest threshold, rad/s.
+    pub omega_best: f64,
+    /// Smallest threshold A*.
+    pub threshold: f64,
+    /// What became of it.
+    pub outcome: WindowOutcome,
+}
+
+/// What became of a window.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum WindowOutcome {
+    /// It led to these branches.
+    Found(String),
+    /// Every seed was tried, none led to a branch, for these reasons.
+    NotFound(String),
+    /// Seeds are left to be tried; reasons why some were given up.
+    Pending(String),
+}
+
+impl Reader {
+    /// Number, forcing amplitude as typed, and its value: levels by amplitude.
+    pub(crate) fn levels(&self) -> Result<Vec<(i64, String, f64)>> {
+        let sql = "SELECT level, amplitude, value FROM levels ORDER BY value, level";
+        self.all(sql, [], |row| Ok((row.get(0)?, row.get(1)?, row.get(2)?)))
+    }
+
+    /// Tasks of a level that are still to be done, and those that were given up.
+    pub(crate) fn open_tasks(&self, level: i64) -> Result<(usize, usize)> {
+        let sql = "SELECT count(*) FILTER (WHERE state IN ('waiting', 'leased')), \
+                   count(*) FILTER (WHERE state = 'dead') FROM tasks WHERE level = ?1";
+        Ok(self.one(sql, [level], |row| Ok((row.get(0)?, row.get(1)?)))?.unwrap_or_default())
+    }
+
+    /// Branches of a level: main, then isolas.
+    pub(crate) fn branches(&self, level: i64) -> Result<Vec<BranchRow>> {
+        let sql = "SELECT kind, number, status, closed, points, omega_min, omega_max, amplitude_max, omega_at_max, \
+                   contact_omega_min, contact_omega_max, id, task \
+                   FROM branches WHERE level = ?1 ORDER BY kind DESC, number";
+        self.all(sql, [level], branch)
+    }
+
+    /// Why a level has no main branch, if it was tried.
+    pub(crate) fn main_failure(&self, level: i64) -> Result<Option<String>> {
+        let sql = "SELECT state, outcome, (SELECT reason FROM attempts WHERE task = id AND reason IS NOT NULL \
+                   ORDER BY attempt DESC LIMIT 1) FROM tasks \
+                   WHERE level = ?1 AND kind = 'main' AND (state = 'dead' OR state = 'done' AND NOT found)";
+        self.one(sql, [level], |row| {
+            let (state, outcome, reason): (String, Option<String>, Option<String>) =
+                (row.get(0)?, row.get(1)?, row.get(2)?);
+            Ok(if state == "dead" { given_up(reason) } else { outcome.unwrap_or_default() })
+        })
+    }
+
+    /// Windows of a level, in the order of the backbone.
+    pub(crate) fn windows(&self, level: i64) -> Result<Vec<WindowRow>> {
+        let seeds = self.seeds(level)?;
+        let sql = "SELECT window, omega_min, omega_max, omega_best, threshold, first, last, best FROM windows \
+                   WHERE level = ?1 ORDER BY window";
+        self.all(sql, [level], |row| {
+            let window: usize = row.get(0)?;
+            Ok(WindowRow {
+                number: window,
+                points: [row.get(5)?, row.get(6)?, row.get(7)?],
+                omega: (number(row, 1)?, number(row, 2)?),
+                omega_best: number(row, 3)?,
+                threshold: number(row, 4)?,
+                outcome: outcome(seeds.iter().filter(|seed| seed.window == window)),
+            })
+        })
+    }
+
+    /// Tasks of a level that start from windows.
+    fn seeds(&self, level: i64) -> Result<Vec<SeedRow>> {
+        let sql = "SELECT window, state, outcome, branch, (SELECT reason FROM attempts WHERE task = id \
+                   AND reason IS NOT NULL ORDER BY attempt DESC LIMIT 1) \
+                   FROM tasks WHERE level = ?1 AND kind = 'seed' ORDER BY position";
+        self.all(sql, [level], |row| {
+            Ok(SeedRow {
+                window: row.get(0)?,
+                state: row.get(1)?,
+                outcome: row.get(2)?,
+                branch: row.get(3)?,
+                reason: row.get(4)?,
+            })
+        })
+    }
+}
+
+fn branch(row: &Row<'_>) -> rusqlite::Result<BranchRow> {
+    let touching: (Option<f64>, Option<f64>) = (row.get(9)?, row.get(10)?);
+    Ok(BranchRow {
+        kind: row.get(0)?,
+        number: row.get(1)?,
+        status: row.get(2)?,
+        closed: row.get(3)?,
+        points: row.get(4)?,
+        omega: (number(row, 5)?, number(row, 6)?),
+        amplitude_max: number(row, 7)?,
+        omega_at_max: number(row, 8)?,
+        contact_omega: touching.0.zip(touching.1),
+        id: row.get(11)?,
+        task: row.get(12)?,
+    })
+}
+
+fn given_up(reason: Option<String>) -> String {
+    reason.map_or_else(|| "given up".into(), |reason| format!("given up: {reason}"))
+}
+
+impl WindowOutcome {
+    /// What became of it, the branches, the reasons: as in `windows.csv`.
+    pub fn words(&self) -> [&str; 3] {
+        match self {
+            WindowOutcome::Found(branches) => ["found", branches, ""],
+            WindowOutcome::NotFound(reasons) => ["not_found", "", reasons],
+            WindowOutcome::Pending(reasons) => ["pending", "", reasons],
+        }
+    }
+}
+
+/// A task that starts from a window.
+struct SeedRow {
+    window: usize,
+    state: String,
+    outcome: Option<String>,
+    branch: Option<String>,
+    reason: Option<String>,
+}
+
+fn outcome<'s>(seeds: impl Iterator<Item = &'s SeedRow> + Clone) -> WindowOutcome {
+    let found = distinct(seeds.clone().filter_map(|seed| seed.branch.clone()));
+    if !found.is_empty() {
+        return WindowOutcome::Found(found);
+    }
+    let is_dead = |seed: &&SeedRow| seed.state == "dead";
+    if seeds.clone().all(|seed| matches!(seed.state.as_str(), "done" | "skipped")) {
+        return WindowOutcome::NotFound(distinct(seeds.filter_map(|seed| seed.outcome.clone())));
+    }
+    WindowOutcome::Pending(distinct(seeds.filter(is_dead).map(|seed| given_up(seed.reason.clone()))))
+}
+
+/// Texts without repetition.
+fn distinct(texts: impl Iterator<Item = String>) -> String {
+    let mut list: Vec<String> = Vec::new();
+    for text in texts {
+        if !list.contains(&text) {
+            list.push(text);
+        }
+    }
+    list.join("; ")
+}

@@ -1,0 +1,344 @@
+//! Reading a run, finished or in progress.
+
+use super::arrays::{Columns, POINT_COLUMNS, SELECT_POINTS, array_at, fill, number, of_points_mut};
+use super::error::At;
+use super::extent::Extent;
+use super::header::{corrupt, get, read_header, read_model, read_stage, unpack};
+use super::plan::{read_backbone, read_plans, read_reach};
+use super::{FILE, Result, RunHeader, StoreError, database};
+use crate::journal::{Holder, LevelPlan, StoredTask, TaskState};
+use protocol::array::Array;
+use protocol::backbone::BackboneMessage;
+use protocol::codec::{decode_stored, encode, sha256};
+use protocol::digest::announced;
+use protocol::ids::{TaskId, WorkerId};
+use protocol::model::ModelMessage;
+use protocol::to_everyone::{Amplitude, Counts, Done, Stage, StoredResult};
+use rusqlite::{Connection, OptionalExtension, Params, Row, Transaction};
+use solver::forced::Reach;
+use solver::task::BranchId;
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+/// Reads a run, also one in progress.
+#[derive(Debug)]
+pub struct Reader {
+    db: Connection,
+    dir: PathBuf,
+    file: PathBuf,
+}
+
+impl Reader {
+    /// Opens the run in folder `dir` for reading. No lock is needed, nor, for a run that was closed in order,
+    /// permission to write there.
+    ///
+    /// # Errors
+    /// If there is no run, or something that is none.
+    pub fn open(dir: &Path) -> Result<Self> {
+        Ok(Self::new(database::open_to_read(dir)?, dir))
+    }
+
+    pub(super) fn new(db: Connection, dir: &Path) -> Self {
+        Self { db, dir: dir.into(), file: dir.join(FILE) }
+    }
+
+    pub(super) fn parts_mut(&mut self) -> (&mut Connection, &Path) {
+        (&mut self.db, &self.file)
+    }
+
+    /// Folder of the run.
+    pub fn dir(&self) -> &Path {
+        &self.dir
+    }
+
+    /// What does not change.
+    pub fn header(&self) -> Result<RunHeader> {
+        read_header(&self.db, &self.file)
+    }
+
+    /// The model.
+    pub fn model(&self) -> Result<ModelMessage> {
+        read_model(&self.db, &self.file)
+    }
+
+    /// The model, if it is the one that the run began with.
+    pub(crate) fn verified_model(&self) -> Result<ModelMessage> {
+        let model = self.model()?;
+        let expected: Option<String> = get(&self.db, &self.file, "model_sha256")?;
+        if expected != Some(sha256(&encode(&model))) {
+            return Err(corrupt(&self.file, "the model is not the one that the run began with"));
+        }
+        Ok(model)
+    }
+
+    /// Whether the tables and indices of the file hang together.
+    ///
+    /// # Errors
+    /// With the first thing that does not.
+    pub(crate) fn check(&self) -> Result<()> {
+        let check: String = self.db.query_row("PRAGMA quick_check(1)", [], |row| row.get(0)).at(&self.file)?;
+        if check == "ok" { Ok(()) } else { Err(corrupt(&self.file, check)) }
+    }
+
+    /// Where the run is.
+    pub fn stage(&self) -> Result<Stage> {
+        read_stage(&self.db, &self.file)
+    }
+
+    /// Tasks by state.
+    pub fn counts(&self) -> Result<Counts> {
+        let mut counts = Counts::default();
+        let sql = "SELECT state, count(*) FROM tasks GROUP BY state UNION ALL SELECT 'branch', count(*) FROM branches";
+        for (state, count) in self.all(sql, [], |row| Ok((row.get::<_, String>(0)?, row.get(1)?)))? {
+            match state.as_str() {
+                "done" => counts.done = count,
+                "skipped" => counts.skipped = count,
+                "leased" => counts.running = count,
+                "waiting" => counts.waiting = count,
+                "dead" => counts.dead = count,
+                _ => counts.branches = count,
+            }
+        }
+        Ok(counts)
+    }
+
+    /// The backbone, once it is known.
+    pub fn backbone(&self) -> Result<Option<BackboneMessage>> {
+        read_backbone(&self.db, &self.file)
+    }
+
+    /// Within which frequencies and amplitudes branches are followed; known when the backbone is.
+    pub fn reach(&self) -> Result<Option<Reach>> {
+        read_reach(&self.db, &self.file)
+    }
+
+    /// Windows and tasks of every level; empty as long as there is no backbone.
+    pub fn plans(&self) -> Result<Vec<LevelPlan>> {
+        read_plans(&self.db, &self.file)
+    }
+
+    /// Tasks with what became of them: those done in the order of their announcements, then the others.
+    pub fn tasks(&self) -> Result<Vec<StoredTask>> {
+        let mut failures = self.failures()?;
+        let sql = "SELECT tasks.id, state, tasks.attempts, tasks.record, last.worker, last.slot, \
+                   branches.id IS NOT NULL FROM tasks LEFT JOIN results ON results.task = tasks.id \
+                   LEFT JOIN branches ON branches.task = tasks.id \
+                   LEFT JOIN attempts AS last ON last.task = tasks.id AND last.attempt = tasks.attempts \
+                   ORDER BY sequence IS NULL, sequence, tasks.level, position";
+        let rows = self.all(sql, [], TaskRow::read)?;
+        let task = |row: TaskRow| {
+            let reasons = failures.remove(&row.id).unwrap_or_default();
+            Ok(StoredTask {
+                id: self.task_id(&row.id)?,
+                is_new_branch: row.is_new_branch,
+                attempts: row.attempts,
+                reasons,
+                state: self.state(row)?,
+            })
+        };
+        rows.into_iter().map(task).collect()
+    }
+
+    /// Why attempts that count failed, by task.
+    fn failures(&self) -> Result<HashMap<String, Vec<String>>> {
+        let sql = "SELECT task, coalesce(reason, \"end\") FROM attempts JOIN tasks ON tasks.id = task \
+                   WHERE \"end\" IN ('failed', 'expired') AND attempt > forgiven ORDER BY task, attempt";
+        let mut failures: HashMap<String, Vec<String>> = HashMap::new();
+        for (task, reason) in self.all(sql, [], |row| Ok((row.get::<_, String>(0)?, row.get(1)?)))? {
+            failures.entry(task).or_default().push(reason);
+        }
+        Ok(failures)
+    }
+
+    fn state(&self, row: TaskRow) -> Result<TaskState> {
+        Ok(match (row.state.as_str(), row.record, row.worker, row.slot) {
+            ("done", Some(record), ..) => TaskState::Done(unpack(&self.file, &record)?),
+            ("leased", _, Some(worker), Some(slot)) => {
+                let worker = WorkerId::new(&worker).map_err(|error| corrupt(&self.file, error))?;
+                TaskState::Leased { holder: Holder { worker, slot }, deadline: Duration::ZERO }
+            }
+            ("skipped", ..) => TaskState::Skipped,
+            ("dead", ..) => TaskState::Dead,
+            ("waiting", ..) => TaskState::Waiting,
+            (state, ..) => return Err(corrupt(&self.file, format!("task {}: state `{state}`", row.id))),
+        })
+    }
+
+    fn task_id(&self, id: &str) -> Result<TaskId> {
+        TaskId::new(id).map_err(|error| corrupt(&self.file, error))
+    }
+
+    /// The result of a task: its encoding has the SHA-256 that was announced.
+    pub fn result(&self, task: &TaskId) -> Result<Option<StoredResult>> {
+        Ok(self.verified(task)?.map(|(result, _)| result))
+    }
+
+    /// The encoding of the result of a task, to the byte what was announced.
+    pub fn encoded_result(&self, task: &TaskId) -> Result<Option<Vec<u8>>> {
+        Ok(self.verified(task)?.map(|(_, bytes)| bytes))
+    }
+
+    fn verified(&self, task: &TaskId) -> Result<Option<(StoredResult, Vec<u8>)>> {
+        let sql = "SELECT record, sha256, branches.id FROM results LEFT JOIN branches USING (task) WHERE task = ?1";
+        let row =
+            |row: &Row<'_>| Ok((row.get::<_, Vec<u8>>(0)?, row.get::<_, String>(1)?, row.get::<_, Option<i64>>(2)?));
+        let Some((record, expected, branch)) = self.one(sql, [task.as_str()], row)? else { return Ok(None) };
+        let mut result: StoredResult = decode_stored(&record).map_err(|error| corrupt(&self.file, error))?;
+        if let (Some(message), Some(id)) = (&mut result.branch, branch) {
+            let (db, file) = (&self.db, &self.file);
+            let mut columns = Columns::read(db, file, &POINT_COLUMNS, SELECT_POINTS, [id])?;
+            fill(db, file, task.as_str(), of_points_mut(&mut message.points), &mut columns)?;
+        }
+        let bytes = announced(&result, &expected);
+        let bytes = bytes.ok_or_else(|| self.corrupt(format!("the result of task {task} is not what was stored")))?;
+        Ok(Some((result, bytes)))
+    }
+
+    /// All announcements, in order.
+    pub fn done(&self) -> Result<Vec<Done>> {
+        self.done_since(0)
+    }
+
+    /// The announcements after number `sequence`, in order.
+    pub fn done_since(&self, sequence: u64) -> Result<Vec<Done>> {
+        let sql = "SELECT sequence, results.task, levels.amplitude, levels.value, tasks.record, branches.kind, \
+                   branches.number, size, sha256 FROM results JOIN tasks ON tasks.id = results.task \
+                   JOIN levels USING (level) LEFT JOIN branches ON branches.task = results.task \
+                   WHERE sequence > ?1 ORDER BY sequence";
+        self.all(sql, [sequence as i64], DoneRow::read)?.into_iter().map(|row| row.done(&self.file)).collect()
+    }
+
+    /// The branches found so far in numbers, by the tasks that found them.
+    pub fn extents(&self) -> Result<HashMap<TaskId, Extent>> {
+        let sql = "SELECT task, omega_min, omega_max, amplitude_max, omega_at_max FROM branches";
+        let row = |row: &Row<'_>| {
+            let extent = Extent::from([number(row, 1)?, number(row, 2)?, number(row, 3)?, number(row, 4)?]);
+            Ok((row.get::<_, String>(0)?, extent))
+        };
+        self.all(sql, [], row)?.into_iter().map(|(task, extent)| Ok((self.task_id(&task)?, extent))).collect()
+    }
+
+    /// What is stored makes no sense.
+    pub(crate) fn corrupt(&self, detail: impl std::fmt::Display) -> StoreError {
+        corrupt(&self.file, detail)
+    }
+
+    /// An array that is stored as such.
+    pub(crate) fn array(&self, owner: &str, name: &str) -> Result<Option<Array>> {
+        let sql = "SELECT dtype, shape, data FROM arrays WHERE owner = ?1 AND name = ?2";
+        self.one(sql, [owner, name], |row| array_at(row, 0))
+    }
+
+    /// Everything read until the guard is dropped is of one moment.
+    pub fn snapshot(&self) -> Result<Transaction<'_>> {
+        self.db.unchecked_transaction().at(&self.file)
+    }
+
+    /// Hands the rows that `sql` selects to `sink`, one after the other.
+    pub(super) fn each<T, E: From<StoreError>>(
+        &self,
+        sql: &str,
+        params: impl Params,
+        map: impl Fn(&Row<'_>) -> rusqlite::Result<T>,
+        mut sink: impl FnMut(T) -> std::result::Result<(), E>,
+    ) -> std::result::Result<(), E> {
+        let mut statement = self.db.prepare_cached(sql).at(&self.file)?;
+        let mut rows = statement.query(params).at(&self.file)?;
+        while let Some(row) = rows.next().at(&self.file)? {
+            sink(map(row).at(&self.file)?)?;
+        }
+        Ok(())
+    }
+
+    /// The rows that `sql` selects.
+    pub(super) fn all<T>(
+        &self,
+        sql: &str,
+        params: impl Params,
+        map: impl Fn(&Row<'_>) -> rusqlite::Result<T>,
+    ) -> Result<Vec<T>> {
+        let mut list = Vec::new();
+        self.each(sql, params, map, |item| -> Result<()> {
+            list.push(item);
+            Ok(())
+        })?;
+        Ok(list)
+    }
+
+    /// The row that `sql` selects, if any.
+    pub(super) fn one<T>(
+        &self,
+        sql: &str,
+        params: impl Params,
+        map: impl Fn(&Row<'_>) -> rusqlite::Result<T>,
+    ) -> Result<Option<T>> {
+        let mut statement = self.db.prepare_cached(sql).at(&self.file)?;
+        statement.query_row(params, |row| map(row)).optional().at(&self.file)
+    }
+}
+
+struct TaskRow {
+    id: String,
+    state: String,
+    attempts: u32,
+    record: Option<Vec<u8>>,
+    worker: Option<String>,
+    slot: Option<u32>,
+    is_new_branch: bool,
+}
+
+impl TaskRow {
+    fn read(row: &Row<'_>) -> rusqlite::Result<Self> {
+        Ok(Self {
+            id: row.get(0)?,
+            state: row.get(1)?,
+            attempts: row.get(2)?,
+            record: row.get(3)?,
+            worker: row.get(4)?,
+            slot: row.get(5)?,
+            is_new_branch: row.get(6)?,
+        })
+    }
+}
+
+struct DoneRow {
+    sequence: u64,
+    task: String,
+    amplitude: Amplitude,
+    record: Vec<u8>,
+    branch: Option<(String, usize)>,
+    size: u64,
+    sha256: String,
+}
+
+impl DoneRow {
+    fn read(row: &Row<'_>) -> rusqlite::Result<Self> {
+        let kind: Option<String> = row.get(5)?;
+        Ok(Self {
+            sequence: row.get(0)?,
+            task: row.get(1)?,
+            amplitude: Amplitude { text: row.get(2)?, value: row.get(3)? },
+            record: row.get(4)?,
+            branch: kind.zip(row.get(6)?),
+            size: row.get(7)?,
+            sha256: row.get(8)?,
+        })
+    }
+
+    fn done(self, file: &Path) -> Result<Done> {
+        let name = |(kind, number): (String, usize)| match kind.as_str() {
+            "main" => BranchId::Main,
+            _ => BranchId::Isola(number.saturating_sub(1)),
+        };
+        Ok(Done {
+            sequence: self.sequence,
+            task: TaskId::new(&self.task).map_err(|error| corrupt(file, error))?,
+            amplitude: self.amplitude,
+            outcome: unpack(file, &self.record)?,
+            branch: self.branch.map(name),
+            size: self.size,
+            sha256: self.sha256,
+        })
+    }
+}

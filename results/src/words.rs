@@ -1,0 +1,147 @@
+//! Quantities in words, as people say them.
+
+use std::f64::consts::TAU;
+
+/// A length with four digits: `0.948 mm`.
+pub fn length(metres: f64) -> String {
+    let (factor, unit) = length_unit(metres);
+    format!("{} {unit}", digits(metres * factor, 4))
+}
+
+/// The unit in which lengths up to this one are read best, and how many of it make a metre.
+pub fn length_unit(metres: f64) -> (f64, &'static str) {
+    match metres.abs() {
+        size if size >= 1.0 || size == 0.0 || !size.is_finite() => (1.0, "m"),
+        size if size >= 1e-4 => (1e3, "mm"),
+        size if size >= 1e-7 => (1e6, "µm"),
+        _ => (1e9, "nm"),
+    }
+}
+
+/// A frequency: `2495 rad/s (397.2 Hz)`.
+pub fn frequency(omega: f64) -> String {
+    format!("{} rad/s ({} Hz)", digits(omega, 5), digits(omega / TAU, 4))
+}
+
+/// Two frequencies: `2451.2 and 2496.6 rad/s (390.1 and 397.3 Hz)`.
+pub fn range((low, high): (f64, f64)) -> String {
+    let hertz = |omega| digits(omega / TAU, 4);
+    format!("{} and {} rad/s ({} and {} Hz)", digits(low, 5), digits(high, 5), hertz(low), hertz(high))
+}
+
+/// A number with so many digits at most, without exponent unless it is very small.
+pub fn digits(value: f64, count: i32) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return value.to_string();
+    }
+    let before = value.abs().log10().floor() as i32 + 1;
+    if before < -3 {
+        return format!("{value:.*e}", (count - 1).max(0) as usize);
+    }
+    let text = format!("{value:.*}", (count - before).max(0) as usize);
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').into() } else { text }
+}
+
+/// A number with so many digits, trailing zeros too: for columns of numbers.
+pub fn fixed_digits(value: f64, count: i32) -> String {
+    let before = value.abs().max(1e-300).log10().floor() as i32 + 1;
+    format!("{value:.*}", (count - before).clamp(0, 12) as usize)
+}
+
+/// A number to six digits, without trailing zeros, with an exponent where it is read better so.
+pub fn number(value: f64) -> String {
+    let magnitude = value.abs().log10().floor();
+    let (text, exponent) = if value == 0.0 || (-4.0..6.0).contains(&magnitude) {
+        let decimals = if value == 0.0 { 0 } else { (5.0 - magnitude) as usize };
+        (format!("{value:.decimals$}"), String::new())
+    } else {
+        let text = format!("{value:.5e}");
+        let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));
+        (mantissa.to_string(), format!("e{exponent}"))
+    };
+    let digits = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
+    format!("{digits}{exponent}")
+}
+
+/// Seconds, minutes or hours, as coarse as people think of them.
+pub fn duration(seconds: f64) -> String {
+    if seconds < 100.0 {
+        format!("{seconds:.0} s")
+    } else if seconds < 6000.0 {
+        format!("{:.0} min", seconds / 60.0)
+    } else {
+        format!("{:.1} h", seconds / 3600.0)
+    }
+}
+
+/// A power of ten, exactly the number that is written 1e…
+pub fn power(exponent: i32) -> f64 {
+    format!("1e{exponent}").parse().unwrap_or(f64::NAN)
+}
+
+/// A number with one leading digit: 0.05, 200.
+pub fn decimal(value: f64) -> String {
+    let exponent = (value * 1.001).log10().floor() as i32;
+    format!("{value:.*}", (-exponent).max(0) as usize)
+}
+
+/// A number with one leading digit: 10⁻⁶, 2·10⁷.
+pub fn scientific(value: f64) -> String {
+    let exponent = (value * 1.001).log10().floor() as i32;
+    let leading = (value / power(exponent)).round();
+    let digit = |c: char| {
+        if c == '-' {
+            '⁻'
+        } else {
+            ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'][c as usize - '0' as usize]
+        }
+    };
+    let raised: String = exponent.to_string().chars().map(digit).collect();
+    if leading == 1.0 { format!("10{raised}") } else { format!("{leading}·10{raised}") }
+}
+
+/// A count with its noun: `1 window`, `3 windows`.
+pub fn count(number: usize, noun: &str) -> String {
+    if number == 1 { format!("1 {noun}") } else { format!("{number} {noun}s") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quantities() {
+        assert_eq!(length(9.4809e-4), "0.9481 mm");
+        assert_eq!(length(1.9817e-3), "1.982 mm");
+        assert_eq!(length(2.5e-6), "2.5 µm");
+        assert_eq!(frequency(2495.39), "2495.4 rad/s (397.2 Hz)");
+        assert_eq!(range((0.9, 1.25)), "0.9 and 1.25 rad/s (0.1432 and 0.1989 Hz)");
+        assert_eq!(digits(14.4252, 3), "14.4");
+        assert_eq!([digits(0.0, 3), digits(140.0, 3), digits(2.0e-7, 3)], ["0", "140", "2.00e-7"]);
+        assert_eq!([scientific(2e7), scientific(1e-6), decimal(300.0)], ["2·10⁷", "10⁻⁶", "300"]);
+        assert_eq!([count(1, "window"), count(2, "window")], ["1 window", "2 windows"]);
+    }
+
+    #[test]
+    fn numbers_have_six_digits() {
+        let cases = [
+            (2333.3301985, "2333.33"),
+            (0.001, "0.001"),
+            (1e7, "1e7"),
+            (0.4, "0.4"),
+            (0.0, "0"),
+            (-1.0, "-1"),
+            (123456.7, "123457"),
+            (1.0 / 3.0, "0.333333"),
+            (1.234567e-9, "1.23457e-9"),
+        ];
+        for (value, text) in cases {
+            assert_eq!(number(value), text);
+        }
+    }
+
+    #[test]
+    fn durations_are_coarse() {
+        assert_eq!([duration(2.4), duration(600.0), duration(7200.0)], ["2 s", "10 min", "2.0 h"]);
+    }
+}
