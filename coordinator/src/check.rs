@@ -3,10 +3,10 @@
 use crate::study::Study;
 use protocol::to_everyone::Amplitude;
 use results::words::{count, number};
-use solver::harmonics::width;
-use solver::laws::{Contact, Law, LawKind};
-use solver::model::{Damping, Model};
+use solver::formulation::harmonics::width;
 use solver::settings::Quadrature;
+use solver::structure::laws::{Contact, Law, LawKind};
+use solver::structure::{Damping, Model};
 use std::f64::consts::TAU;
 
 /// Eigenfrequencies shown.

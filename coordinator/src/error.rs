@@ -5,7 +5,7 @@ use crate::study::StudyError;
 use protocol::follow::FollowError;
 use protocol::session::{RequestError, SessionError};
 use results::store::StoreError;
-use solver::backbone::BackboneError;
+use solver::response::backbone::BackboneError;
 use std::io;
 use std::path::PathBuf;
 use thiserror::Error;

@@ -11,7 +11,7 @@ use protocol::session::RequestError;
 use protocol::to_everyone::{Done, Stage, Status};
 use results::live::{self, Feed, Run, Start};
 use results::report::{BackboneCurve, Curve, monitors};
-use solver::model::Model;
+use solver::structure::Model;
 use std::collections::HashMap;
 use std::io;
 use std::sync::Arc;

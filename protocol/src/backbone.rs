@@ -4,9 +4,9 @@ use crate::array::{Array, ArrayError};
 use crate::codec::messages;
 use crate::curve::{Points, Size};
 use serde::{Deserialize, Serialize};
-use solver::backbone::{Backbone, BackbonePoint};
-use solver::branch::Outcome;
-use solver::melnikov::Energies;
+use solver::response::backbone::{Backbone, BackbonePoint};
+use solver::response::branch::Outcome;
+use solver::response::melnikov::Energies;
 
 /// Backbone of p points.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -3,8 +3,8 @@
 use crate::array::ArrayError;
 use crate::curve::{Points, Size};
 use serde::{Deserialize, Serialize};
-use solver::branch::{Branch, Outcome, SpecialPoint};
-use solver::task::{Finding, SeedOutcome};
+use solver::response::branch::{Branch, Outcome, SpecialPoint};
+use solver::response::task::{Finding, SeedOutcome};
 
 /// A forced-response branch.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -24,7 +24,7 @@ pub struct BranchMessage {
 impl From<&Branch> for BranchMessage {
     fn from(branch: &Branch) -> Self {
         Self {
-            amplitude: branch.amplitude,
+            amplitude: branch.forcing,
             outcome: branch.outcome,
             special: branch.special.clone(),
             rejections: branch.rejections,
@@ -43,7 +43,7 @@ impl BranchMessage {
             return Err(ArrayError::Special { index: special, points: points.len() });
         }
         Ok(Branch {
-            amplitude: self.amplitude,
+            forcing: self.amplitude,
             points,
             special: self.special.clone(),
             outcome: self.outcome,

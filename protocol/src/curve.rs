@@ -2,10 +2,10 @@
 
 use crate::array::{Array, ArrayError};
 use serde::{Deserialize, Serialize};
-use solver::branch::{BranchPoint, Certificate, Monitored};
-use solver::harmonics::width;
-use solver::seeds::{Phase, Seed};
-use solver::state::State;
+use solver::formulation::harmonics::width;
+use solver::formulation::state::State;
+use solver::response::branch::{BranchPoint, Certificate, Monitored};
+use solver::response::seeds::{Phase, Seed};
 
 /// p periodic motions of one truncation H.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -39,7 +39,7 @@ impl Motions {
             harmonics,
             omega: column(|state| state.omega),
             decay: column(|state| state.decay),
-            forcing: column(|state| state.amplitude),
+            forcing: column(|state| state.forcing),
             argument: Array::harmonics(&[count, channels], harmonics, states.clone().map(|s| &s.arguments[..])),
             modal: Array::harmonics(&[count, modes], harmonics, states.clone().map(|s| &s.modal[..])),
         }
@@ -69,7 +69,7 @@ impl Motions {
             harmonics,
             omega: omega[i],
             decay: decay[i],
-            amplitude: forcing[i],
+            forcing: forcing[i],
             arguments: part(&argument, i, channels * nc),
             modal: part(&modal, i, modes * nc),
         };
@@ -170,8 +170,8 @@ pub struct Size {
 
 impl Size {
     /// Of a model.
-    pub fn of(model: &solver::model::Model) -> Self {
-        use solver::laws::{Law, LawKind};
+    pub fn of(model: &solver::structure::Model) -> Self {
+        use solver::structure::laws::{Law, LawKind};
         let contacts = model.elements.iter().filter(|element| matches!(element.law, LawKind::Contact(_)));
         Self {
             channels: model.elements.iter().map(|element| element.law.arguments()).sum(),

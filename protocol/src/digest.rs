@@ -9,7 +9,7 @@ use crate::ids::{Attempt, TaskId, WorkerId};
 use crate::to_everyone::{Amplitude, StoredResult};
 use serde::Serialize;
 use sha2::{Digest as _, Sha256};
-use solver::task::{BranchId, SeedOutcome, Task};
+use solver::response::task::{BranchId, SeedOutcome, Task};
 
 /// How the encoding of a result begins: a map of ten fields, of which the first is `branch`.
 const HEAD: &[u8] = b"\x8a\xa6branch";

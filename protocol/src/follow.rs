@@ -246,7 +246,7 @@ mod tests {
     use super::*;
     use crate::ids::RunId;
     use crate::to_everyone::{Amplitude, Counts, Stage};
-    use solver::task::SeedOutcome;
+    use solver::response::task::SeedOutcome;
 
     fn status(stage: Stage, sequence: u64) -> Update {
         Update::Status(Status {

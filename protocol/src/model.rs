@@ -3,9 +3,9 @@
 use crate::array::{Array, ArrayError};
 use crate::codec::messages;
 use serde::{Deserialize, Serialize};
-use solver::laws::{Law, LawKind, ParameterError};
 use solver::linalg::Matrix;
-use solver::model::{Damping, Element, Forcing, Model, Modes};
+use solver::structure::laws::{Law, LawKind, ParameterError};
+use solver::structure::{Damping, Element, Forcing, Model, Modes};
 use thiserror::Error;
 
 /// A structure with its nonlinear elements, n dofs.

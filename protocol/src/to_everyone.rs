@@ -6,10 +6,10 @@ use crate::curve::Seeds;
 use crate::from_worker::Progress;
 use crate::ids::{Attempt, RunId, TaskId, WorkerId};
 use serde::{Deserialize, Serialize};
-use solver::forced::Reach;
+use solver::response::forced::Reach;
+use solver::response::task::{BranchId, SeedOutcome, Task};
+use solver::response::windows::Window;
 use solver::settings::Settings;
-use solver::task::{BranchId, SeedOutcome, Task};
-use solver::windows::Window;
 
 /// A forcing amplitude.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -4,8 +4,8 @@ use crate::codec::messages;
 use crate::curve::Seeds;
 use crate::ids::{Attempt, TaskId};
 use serde::{Deserialize, Serialize};
-use solver::forced::Reach;
-use solver::task::{BranchId, Task};
+use solver::response::forced::Reach;
+use solver::response::task::{BranchId, Task};
 
 /// Answer to a request for work.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

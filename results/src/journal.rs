@@ -4,9 +4,9 @@ use protocol::backbone::BackboneMessage;
 use protocol::digest::Digest;
 use protocol::ids::{Attempt, TaskId, WorkerId};
 use protocol::to_everyone::{Amplitude, Stage, StoredResult};
-use solver::forced::Reach;
-use solver::task::{SeedOutcome, Task};
-use solver::windows::Window;
+use solver::response::forced::Reach;
+use solver::response::task::{SeedOutcome, Task};
+use solver::response::windows::Window;
 use std::sync::Arc;
 use std::time::Duration;
 

@@ -2,10 +2,10 @@
 #![expect(missing_docs, reason = "criterion's macros write functions without any")]
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use solver::backbone::Backbone;
-use solver::level::Level;
-use solver::model::Model;
+use solver::response::backbone::Backbone;
+use solver::response::level::Level;
 use solver::settings::Settings;
+use solver::structure::Model;
 use std::ops::ControlFlow;
 use std::path::Path;
 

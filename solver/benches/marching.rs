@@ -2,10 +2,10 @@
 #![expect(missing_docs, reason = "criterion's macros write functions without any")]
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use solver::laws::{Contact, Friction, LawKind};
 use solver::linalg::{Matrix, symmetric_eigen};
-use solver::marching::{Marching, MarchingSettings};
-use solver::model::{Damping, Element, Forcing, Model, Modes};
+use solver::stability::marching::{Marching, MarchingSettings};
+use solver::structure::laws::{Contact, Friction, LawKind};
+use solver::structure::{Damping, Element, Forcing, Model, Modes};
 
 /// A clamped chain of 39 masses; three neighbours make the normal and tangential dofs of a contact node.
 fn chain(damping: impl Fn(Vec<f64>) -> Damping) -> Model {

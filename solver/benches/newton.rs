@@ -3,15 +3,15 @@
 #![expect(missing_docs, reason = "criterion's macros write functions without any")]
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
-use solver::backbone::{Backbone, BackbonePoint};
-use solver::displacement::DisplacementForm;
-use solver::model::Model;
-use solver::pressure::PressureForm;
-use solver::problem::Problem;
-use solver::scales::Scales;
+use solver::curve::problem::Problem;
+use solver::formulation::displacement::DisplacementForm;
+use solver::formulation::pressure::PressureForm;
+use solver::formulation::scales::Scales;
+use solver::formulation::state::State;
+use solver::formulation::unknown::Unknown;
+use solver::response::backbone::{Backbone, BackbonePoint};
 use solver::settings::{HarmonicSettings, Quadrature, Settings};
-use solver::state::State;
-use solver::unknown::Unknown;
+use solver::structure::Model;
 use std::hint::black_box;
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -106,7 +106,7 @@ fn with_nodes(count: usize) -> (Model, impl Fn(usize) -> State) {
             (series[0], series[1]) = (-700.0, 1000.0);
         }
         let (omega, decay) = (2400.0, 3.0);
-        State { harmonics, omega, decay, amplitude: 0.0, arguments, modal: vec![1e-6; modes * nc] }
+        State { harmonics, omega, decay, forcing: 0.0, arguments, modal: vec![1e-6; modes * nc] }
     };
     (model, state)
 }

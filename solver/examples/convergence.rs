@@ -3,10 +3,10 @@
 //!
 //!     cargo run --release --example convergence
 
-use solver::backbone::Backbone;
-use solver::level::Level;
-use solver::model::Model;
+use solver::response::backbone::Backbone;
+use solver::response::level::Level;
 use solver::settings::{HarmonicSettings, Quadrature, Settings};
+use solver::structure::Model;
 use std::error::Error;
 use std::ops::ControlFlow;
 use std::path::Path;

@@ -4,12 +4,12 @@
 //!
 //! Settings of the model are overridden by `key=value`.
 
-use solver::backbone::Backbone;
-use solver::branch::Branch;
-use solver::level::{BranchId, Level};
-use solver::model::Model;
+use solver::response::backbone::Backbone;
+use solver::response::branch::Branch;
+use solver::response::level::{BranchId, Level};
+use solver::response::windows::events;
 use solver::settings::Settings;
-use solver::windows::events;
+use solver::structure::Model;
 use std::error::Error;
 use std::ops::ControlFlow;
 use std::path::Path;

@@ -11,35 +11,13 @@
 //! are g = c − x_N ≥ 0 with pressures λ(t) ≥ 0.
 //!
 //! # Way of the data
-//! [`model::Model`] → [`backbone::Backbone`] → [`windows`] → [`seeds`] → [`task`] → [`level::Level`], with [`settings::Settings`];
+//! [`structure::Model`] → [`response::backbone::Backbone`] → [`windows`] → [`seeds`] → [`task`] → [`response::level::Level`], with [`settings::Settings`];
 //! [`marching`] checks the results independently.
 
-pub mod aft;
-pub mod amplitude;
-pub mod arcs;
-pub mod backbone;
-pub mod branch;
-pub mod continuation;
-pub mod displacement;
-pub mod extrema;
-pub mod forced;
-pub mod harmonics;
-pub mod laws;
-pub mod level;
+pub mod curve;
+pub mod formulation;
 pub mod linalg;
-pub mod linear;
-pub mod marching;
-pub mod melnikov;
-pub mod model;
-pub mod newton;
-pub mod pressure;
-pub mod problem;
-pub mod receptance;
-pub mod scales;
-pub mod seeds;
+pub mod response;
 pub mod settings;
-pub mod state;
-pub mod task;
-pub mod unknown;
-pub mod walk;
-pub mod windows;
+pub mod stability;
+pub mod structure;

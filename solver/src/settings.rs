@@ -1,7 +1,7 @@
 //! Numerical settings: every one has a default, a range and a message.
 
-use crate::continuation::ContinuationSettings;
-use crate::model::Model;
+use crate::curve::continuation::ContinuationSettings;
+use crate::structure::Model;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 

@@ -1,12 +1,12 @@
 //! Wrong input is refused with one message that names the file, the key, the value and a remedy.
 
 use proptest::prelude::*;
-use solver::backbone::Backbone;
-use solver::laws::{Contact, LawKind};
-use solver::level::Level;
 use solver::linalg::Matrix;
-use solver::model::{DampingParts, Element, ForcingShape, Model, ModelParts};
+use solver::response::backbone::Backbone;
+use solver::response::level::Level;
 use solver::settings::{FrequencySettings, Settings};
+use solver::structure::laws::{Contact, LawKind};
+use solver::structure::{DampingParts, Element, ForcingShape, Model, ModelParts};
 use std::fs;
 use std::ops::ControlFlow;
 use tempfile::TempDir;

@@ -1,12 +1,12 @@
 //! Predictors, correctors, cancelling: every way of walking finds the same closed curve.
 
-use solver::backbone::Backbone;
-use solver::branch::{Branch, BranchPoint, Outcome, Stop};
-use solver::continuation::{Corrector, Predictor};
-use solver::forced::{Forced, Reach};
-use solver::level::{Level, LevelError, SeedOutcome};
-use solver::model::Model;
+use solver::curve::continuation::{Corrector, Predictor};
+use solver::response::backbone::Backbone;
+use solver::response::branch::{Branch, BranchPoint, Outcome, Stop};
+use solver::response::forced::{Forced, Reach};
+use solver::response::level::{Level, LevelError, SeedOutcome};
 use solver::settings::Settings;
+use solver::structure::Model;
 use std::ops::ControlFlow;
 use std::path::Path;
 

@@ -1,16 +1,16 @@
 //! Isolas that follow from a backbone alone, without any guess, and where they are born and merge: predicted by the energy
 //! balance of the backbone and computed from the branches themselves, side by side.
 
-use solver::backbone::Backbone;
-use solver::branch::{Branch, BranchPoint, SpecialKind};
-use solver::forced::{Forced, Reach};
-use solver::harmonics::evaluate;
-use solver::level::{BranchId, Level};
-use solver::marching::{Marching, MarchingSettings};
-use solver::model::Model;
+use solver::formulation::harmonics::evaluate;
+use solver::formulation::state::State;
+use solver::response::backbone::Backbone;
+use solver::response::branch::{Branch, BranchPoint, SpecialKind};
+use solver::response::forced::{Forced, Reach};
+use solver::response::level::{BranchId, Level};
+use solver::response::windows::{Event, EventKind, events};
 use solver::settings::Settings;
-use solver::state::State;
-use solver::windows::{Event, EventKind, events};
+use solver::stability::marching::{Marching, MarchingSettings};
+use solver::structure::Model;
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -127,7 +127,7 @@ fn states_at(study: &Study, branch: &Branch, omega: f64) -> Vec<State> {
         &study.model,
         &study.settings,
         Reach::new(&study.settings, &study.backbone).unwrap(),
-        branch.amplitude,
+        branch.forcing,
     );
     let count = branch.points.len();
     let pairs = (0..count).map(|i| (&branch.points[i], &branch.points[(i + 1) % count]));
@@ -159,7 +159,7 @@ fn amplitude_of(model: &Model, state: &State) -> f64 {
 
 /// Largest |x| of the first monitored dof, period by period, when a state is left to time marching.
 fn march(model: &Model, state: &State, settings: &MarchingSettings, periods: usize) -> Vec<f64> {
-    let mut marching = Marching::new(model, settings, state.amplitude, state.omega).unwrap();
+    let mut marching = Marching::new(model, settings, state.forcing, state.omega).unwrap();
     let (x, v) = start(model, state);
     marching.set_state(&x, &v).unwrap();
     (0..periods).map(|_| marching.period().unwrap().max[0]).collect()

@@ -1,11 +1,11 @@
 //! Time marching against closed forms: nothing here is computed by harmonic balance.
 
-use solver::laws::{
+use solver::linalg::{Matrix, symmetric_eigen};
+use solver::stability::marching::{Marching, MarchingError, MarchingSettings};
+use solver::structure::laws::{
     Contact, Friction, Jenkins, LawKind, PenaltySpring, PolynomialDamper, PolynomialSpring, TanhFriction, Term,
 };
-use solver::linalg::{Matrix, symmetric_eigen};
-use solver::marching::{Marching, MarchingError, MarchingSettings};
-use solver::model::{Damping, Element, Forcing, Model, Modes};
+use solver::structure::{Damping, Element, Forcing, Model, Modes};
 use std::f64::consts::{PI, TAU};
 
 /// Model with modal damping ratio `ratio`, forced by `shape`.

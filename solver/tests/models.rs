@@ -1,8 +1,8 @@
 //! Every model folder loads, and what is known in closed form about it holds.
 
-use solver::laws::LawKind;
 use solver::linalg::dot;
-use solver::model::{Damping, Model};
+use solver::structure::laws::LawKind;
+use solver::structure::{Damping, Model};
 use std::path::{Path, PathBuf};
 
 fn folder(name: &str) -> PathBuf {

@@ -1,23 +1,23 @@
 //! The pressure form against the displacement form: they share the laws and the sampling, but neither the unknowns nor
 //! the linear algebra (receptance of the modes there, condensed physical matrices here).
 
-use solver::backbone::Backbone;
-use solver::branch::BranchPoint;
-use solver::continuation::{Continuation, ContinuationSettings, CurvePoint};
-use solver::displacement::DisplacementForm;
-use solver::forced::{Forced, Reach};
-use solver::harmonics::{Transform, max_abs};
-use solver::laws::LawKind;
+use solver::curve::continuation::{Continuation, ContinuationSettings, CurvePoint};
+use solver::curve::newton::{Constraint, Newton, NewtonSettings};
+use solver::curve::problem::Problem;
+use solver::formulation::displacement::DisplacementForm;
+use solver::formulation::harmonics::{Transform, max_abs};
+use solver::formulation::linear::forced_response;
+use solver::formulation::pressure::PressureForm;
+use solver::formulation::scales::Scales;
+use solver::formulation::state::State;
+use solver::formulation::unknown::Unknown;
 use solver::linalg::{Matrix, dot};
-use solver::linear::forced_response;
-use solver::model::{Damping, Model};
-use solver::newton::{Constraint, Newton, NewtonSettings};
-use solver::pressure::PressureForm;
-use solver::problem::Problem;
-use solver::scales::Scales;
+use solver::response::backbone::Backbone;
+use solver::response::branch::BranchPoint;
+use solver::response::forced::{Forced, Reach};
 use solver::settings::{HarmonicSettings, Settings};
-use solver::state::State;
-use solver::unknown::Unknown;
+use solver::structure::laws::LawKind;
+use solver::structure::{Damping, Model};
 use std::ops::ControlFlow;
 use std::path::Path;
 
@@ -81,8 +81,8 @@ impl<'m> Forms<'m> {
         let norm = amplitude * dot(&model.forcing.shape, &model.forcing.shape).sqrt();
         let mut displacement = DisplacementForm::new(model, truncation, tracked, unknown, scales).unwrap();
         let mut pressure = PressureForm::new(model, truncation, tracked, unknown, scales);
-        displacement.set_amplitude(amplitude);
-        pressure.set_amplitude(amplitude);
+        displacement.set_forcing(amplitude);
+        pressure.set_forcing(amplitude);
         Self { displacement, pressure, forcing: if unit > 0.0 && norm > 0.0 { norm / unit } else { 1.0 } }
     }
 

@@ -14,7 +14,7 @@ pub struct StandIn {
     session: zenoh::Session,
     keys: Keys,
     settings: solver::settings::Settings,
-    model: solver::model::Model,
+    model: solver::structure::Model,
     worker: WorkerId,
     /// Another one after every release: a thread is first offered the level that it worked on last.
     slot: Cell<u32>,
@@ -64,9 +64,10 @@ impl StandIn {
     /// Carries a task out.
     pub fn compute(&self, grant: &Grant) -> SubmitRequest {
         assert!(grant.known.is_empty(), "the first task of a level knows of no branch");
-        let mut forced = solver::forced::Forced::new(&self.model, &self.settings, grant.reach, grant.amplitude);
+        let mut forced =
+            solver::response::forced::Forced::new(&self.model, &self.settings, grant.reach, grant.amplitude);
         let observer = &mut |_: &_| std::ops::ControlFlow::Continue(());
-        let finding = solver::task::carry_out(&mut forced, &grant.work, &[], &[], observer).unwrap();
+        let finding = solver::response::task::carry_out(&mut forced, &grant.work, &[], &[], observer).unwrap();
         let (lease, program) = (self.held(grant), protocol::PROGRAM.to_string());
         SubmitRequest { lease, program, seconds: 0.1, finding: (&finding).into() }
     }

@@ -3,12 +3,12 @@
 use protocol::branch::FindingMessage;
 use protocol::codec::encode;
 use protocol::from_worker::{Lease, Progress, SubmitRequest};
-use solver::branch::{Branch, BranchPoint};
-use solver::forced::{Forced, Reach};
-use solver::model::Model;
-use solver::seeds::Seed;
+use solver::response::branch::{Branch, BranchPoint};
+use solver::response::forced::{Forced, Reach};
+use solver::response::seeds::Seed;
+use solver::response::task::{BranchId, Finding, Task, carry_out};
 use solver::settings::Settings;
-use solver::task::{BranchId, Finding, Task, carry_out};
+use solver::structure::Model;
 use std::any::Any;
 use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -170,10 +170,10 @@ fn message(panic: &(dyn Any + Send)) -> &str {
 mod tests {
     use super::*;
     use protocol::ids::{Attempt, TaskId, WorkerId};
-    use solver::seeds::{Phase, Way};
-    use solver::state::State;
-    use solver::task::SeedPlace;
-    use solver::windows::Window;
+    use solver::formulation::state::State;
+    use solver::response::seeds::{Phase, Way};
+    use solver::response::task::SeedPlace;
+    use solver::response::windows::Window;
     use std::path::Path;
 
     fn computer() -> Computer {
@@ -195,7 +195,7 @@ mod tests {
 
     /// A seed without a motion, which whoever prepares jobs refuses.
     fn impossible() -> Job {
-        let state = State { harmonics: 0, omega: 1.0, decay: 0.0, amplitude: 1.0, arguments: vec![], modal: vec![] };
+        let state = State { harmonics: 0, omega: 1.0, decay: 0.0, forcing: 1.0, arguments: vec![], modal: vec![] };
         let well = Window { first: 0, last: 0, best: 0, threshold: 0.0, omega: (1.0, 1.0) };
         let place = SeedPlace { window: 0, well, phase: Phase::First, way: Way::FixedFrequency };
         Job { work: Task::Seed(place), seeds: vec![Seed { state, place: 0.0, phase: Phase::First }], ..main() }

@@ -8,7 +8,7 @@ use protocol::keys::{Keys, all_runs, all_versions};
 use protocol::model::ModelMessage;
 use protocol::session::{SessionError, connect, fetch_all, fetch_answer};
 use protocol::to_everyone::{Manifest, Stage};
-use solver::model::Model;
+use solver::structure::Model;
 use std::time::Duration;
 use tokio::time::{Instant, sleep, timeout_at};
 use zenoh::Session;

@@ -5,11 +5,11 @@ use protocol::curve::Seeds;
 use protocol::ids::TaskId;
 use protocol::to_everyone::{LevelWindows, Manifest, SeedMessage, Status, WindowsMessage};
 use results::journal::{LevelPlan, SweepPlan};
-use solver::backbone::Backbone;
-use solver::forced::Forced;
-use solver::model::Model;
+use solver::response::backbone::Backbone;
+use solver::response::forced::Forced;
+use solver::response::task::Task;
 use solver::settings::Settings;
-use solver::task::Task;
+use solver::structure::Model;
 use std::sync::Arc;
 
 /// A run as it is now. Whoever carries it out changes it, whoever answers reads it.

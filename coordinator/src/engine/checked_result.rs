@@ -6,7 +6,7 @@ use protocol::curve::Size;
 use protocol::digest::HashedBranch;
 use protocol::from_worker::{Lease, SubmitRequest};
 use results::store::Extent;
-use solver::task::SeedOutcome;
+use solver::response::task::SeedOutcome;
 
 /// A result that fits the model, its branch encoded and hashed. Making one takes as long as its branch is large: done
 /// beside the engine.

@@ -10,7 +10,7 @@ use protocol::to_everyone::{Done, StoredResult};
 use protocol::to_worker::{Acknowledgement, SubmitReply};
 use results::journal::{AcceptedResult, Change};
 use results::store::Extent;
-use solver::task::SeedOutcome;
+use solver::response::task::SeedOutcome;
 use std::collections::HashMap;
 use std::time::Duration;
 use tracing::warn;

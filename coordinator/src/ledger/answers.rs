@@ -3,7 +3,7 @@
 use protocol::ids::{Attempt, TaskId};
 use protocol::to_everyone::Amplitude;
 use protocol::to_worker::Known;
-use solver::task::{SeedOutcome, Task};
+use solver::response::task::{SeedOutcome, Task};
 use std::time::Duration;
 
 /// Answer to a request for work.

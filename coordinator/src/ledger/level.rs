@@ -7,7 +7,7 @@ use protocol::ids::{Attempt, TaskId};
 use protocol::to_everyone::Amplitude;
 use protocol::to_worker::Known;
 use results::journal::{Change, LevelPlan, TaskState};
-use solver::task::{Account, SeedOutcome, Task};
+use solver::response::task::{Account, SeedOutcome, Task};
 use std::time::Duration;
 
 #[derive(Debug)]

@@ -4,7 +4,7 @@ use super::rules::Rules;
 use super::state::Ledger;
 use protocol::to_worker::Known;
 use results::journal::{Change, LevelPlan, StoredTask, TaskState};
-use solver::task::{BranchId, SeedOutcome};
+use solver::response::task::{BranchId, SeedOutcome};
 use std::collections::HashMap;
 use std::time::Duration;
 

@@ -9,7 +9,7 @@ use protocol::from_worker::{Lease, Progress};
 use protocol::ids::{TaskId, WorkerId};
 use protocol::to_worker::RenewReply;
 use results::journal::{AttemptEnd, Change, Holder, LevelPlan, TaskState};
-use solver::task::SeedOutcome;
+use solver::response::task::SeedOutcome;
 use std::collections::{BTreeMap, HashMap};
 use std::time::Duration;
 

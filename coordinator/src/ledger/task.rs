@@ -4,7 +4,7 @@ use super::rules::Rules;
 use protocol::from_worker::Lease;
 use protocol::ids::{Attempt, TaskId, WorkerId};
 use results::journal::{AttemptEnd, Change, Holder, TaskState};
-use solver::task::Task;
+use solver::response::task::Task;
 use std::time::Duration;
 
 #[derive(Debug)]

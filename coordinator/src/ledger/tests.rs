@@ -7,9 +7,9 @@ use protocol::ids::{Attempt, TaskId, WorkerId};
 use protocol::to_everyone::Amplitude;
 use protocol::to_worker::{Known, RenewReply};
 use results::journal::{AttemptEnd, Change, Holder, LevelPlan, StoredTask, TaskState};
-use solver::seeds::{LandingFailure, Phase, Way};
-use solver::task::{BranchId, SeedOutcome, SeedPlace, Task};
-use solver::windows::Window;
+use solver::response::seeds::{LandingFailure, Phase, Way};
+use solver::response::task::{BranchId, SeedOutcome, SeedPlace, Task};
+use solver::response::windows::Window;
 use std::time::Duration;
 
 fn window(number: usize) -> Window {
@@ -354,7 +354,7 @@ fn a_level_waits_for_its_main_branch() {
 fn without_a_main_branch_there_is_nothing_to_compare_with() {
     let mut ledger = Ledger::new(Rules::default(), plans(1));
     let main = leased(&mut ledger, "a", Duration::ZERO);
-    let failed = Some(SeedOutcome::NotTraced(solver::problem::Failure::Diverged));
+    let failed = Some(SeedOutcome::NotTraced(solver::curve::problem::Failure::Diverged));
     assert!(matches!(ledger.submit(&main, failed).0, Submitted::Accepted(_)));
     assert!(ledger.is_finished() && ledger.counts().skipped == 12);
 }

@@ -14,7 +14,7 @@ use protocol::keys::Keys;
 use protocol::to_everyone::Stage;
 use results::store::{Reader, RunHeader, Store};
 use results::{export, summary_table};
-use solver::model::Model;
+use solver::structure::Model;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};

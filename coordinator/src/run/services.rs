@@ -11,7 +11,7 @@ use protocol::curve::Size;
 use protocol::keys::Keys;
 use protocol::to_everyone::{Stage, Status};
 use results::store::{RunHeader, Store, StoreError};
-use solver::model::Model;
+use solver::structure::Model;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::mpsc::{Sender, channel};

@@ -7,7 +7,7 @@
 use super::entry::{EXAMPLE, MAX_LEVELS, Refusal, number};
 use super::range;
 use protocol::to_everyone::Amplitude;
-use solver::model::{ModelError, Place};
+use solver::structure::{ModelError, Place};
 use std::collections::HashMap;
 use toml::de::{DeTable, DeValue};
 

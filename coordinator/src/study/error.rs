@@ -1,6 +1,6 @@
 //! Why a study was refused.
 
-use solver::model::ModelError;
+use solver::structure::ModelError;
 use std::path::PathBuf;
 use thiserror::Error;
 

@@ -1,7 +1,7 @@
 //! Finds the study file and the folder of its model.
 
 use super::error::StudyError;
-use solver::model::{ModelError, Place};
+use solver::structure::{ModelError, Place};
 use std::path::{Path, PathBuf};
 
 const STUDY: &str = "study.toml";

@@ -26,8 +26,8 @@ pub use error::StudyError;
 use locate::{locate, model_folder};
 use protocol::to_everyone::Amplitude;
 use serde::Deserialize;
-use solver::model::{Layers, Model, ModelError, Place, config};
 use solver::settings::{Settings, SettingsError};
+use solver::structure::{Layers, Model, ModelError, Place, config};
 use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 

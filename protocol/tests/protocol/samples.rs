@@ -14,16 +14,16 @@ use protocol::to_everyone::{
     WindowsMessage, WorkerStatus,
 };
 use protocol::to_worker::{Acknowledgement, Grant, Known, LeaseReply, RenewReply, SubmitReply};
-use solver::branch::{Outcome, SpecialKind, SpecialPoint, Stop};
-use solver::continuation::Rejection;
-use solver::forced::Reach;
-use solver::laws::{Contact, Friction, Jenkins, LawKind, PenaltySpring, PolynomialDamper, PolynomialSpring};
-use solver::laws::{TanhFriction, Term};
-use solver::problem::Failure;
-use solver::seeds::{LandingFailure, Phase, Way};
+use solver::curve::continuation::Rejection;
+use solver::curve::problem::Failure;
+use solver::response::branch::{Outcome, SpecialKind, SpecialPoint, Stop};
+use solver::response::forced::Reach;
+use solver::response::seeds::{LandingFailure, Phase, Way};
+use solver::response::task::{BranchId, SeedOutcome, SeedPlace, Task};
+use solver::response::windows::Window;
 use solver::settings::Settings;
-use solver::task::{BranchId, SeedOutcome, SeedPlace, Task};
-use solver::windows::Window;
+use solver::structure::laws::{Contact, Friction, Jenkins, LawKind, PenaltySpring, PolynomialDamper, PolynomialSpring};
+use solver::structure::laws::{TanhFriction, Term};
 use std::fmt::Debug;
 
 /// What is done with every sample.

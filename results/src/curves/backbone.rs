@@ -1,11 +1,11 @@
 //! The backbone as its figures show it: energies, births and merges of windows, modes.
 
 use super::column::Column;
-use solver::backbone::{Backbone, BackbonePoint};
-use solver::extrema::turning_points;
-use solver::harmonics::complex;
-use solver::model::Model;
-use solver::windows::{Event, events};
+use solver::formulation::harmonics::complex;
+use solver::response::backbone::{Backbone, BackbonePoint};
+use solver::response::extrema::turning_points;
+use solver::response::windows::{Event, events};
+use solver::structure::Model;
 
 /// Modes drawn at most.
 const MODES: usize = 6;

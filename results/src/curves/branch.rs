@@ -4,8 +4,8 @@ use super::column::Column;
 use protocol::array::{Array, ArrayError};
 use protocol::to_everyone::StoredResult;
 use serde::Serialize;
-use solver::branch::{Outcome, SpecialPoint};
-use solver::task::BranchId;
+use solver::response::branch::{Outcome, SpecialPoint};
+use solver::response::task::BranchId;
 
 /// A branch: p points in the order of the arc, in rad/s and m. Its JSON is without the columns.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -1,8 +1,8 @@
 //! Monitored dofs and their clearances.
 
 use serde::Serialize;
-use solver::laws::LawKind;
-use solver::model::Model;
+use solver::structure::Model;
+use solver::structure::laws::LawKind;
 
 /// A monitored dof.
 #[derive(Debug, Clone, PartialEq, Serialize)]

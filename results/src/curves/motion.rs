@@ -6,10 +6,10 @@ use protocol::array::ArrayError;
 use protocol::curve::Size;
 use protocol::to_everyone::StoredResult;
 use serde::Serialize;
-use solver::harmonics::width;
-use solver::laws::{Law, LawKind};
-use solver::model::Model;
-use solver::state::State;
+use solver::formulation::harmonics::width;
+use solver::formulation::state::State;
+use solver::structure::Model;
+use solver::structure::laws::{Law, LawKind};
 
 /// A place whose motion is drawn.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -12,9 +12,9 @@ use protocol::branch::BranchMessage;
 use protocol::curve::{Motions, Points};
 use protocol::model::ModelMessage;
 use protocol::to_everyone::StoredResult;
-use solver::branch::{Outcome, SpecialKind};
-use solver::laws::LawKind;
-use solver::task::BranchId;
+use solver::response::branch::{Outcome, SpecialKind};
+use solver::response::task::BranchId;
+use solver::structure::laws::LawKind;
 
 /// What the contents of all files are read with.
 pub(super) struct Contents<'r> {

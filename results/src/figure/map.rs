@@ -7,7 +7,7 @@ use super::subject::{BackboneColumns, Subject};
 use crate::curves::BackboneCurve;
 use crate::overview::{WindowOutcome, WindowRow};
 use crate::words::digits;
-use solver::windows::{Event, EventKind};
+use solver::response::windows::{Event, EventKind};
 
 /// Thresholds within this factor of the levels are shown.
 const NEAR: f64 = 4.0;

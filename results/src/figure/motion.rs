@@ -8,7 +8,7 @@ use super::places::Placement;
 use super::style::{BOLD, Color, FINE, MARK, Shape, Style, THIN};
 use crate::curves::{Motions, Node};
 use serde::Serialize;
-use solver::harmonics::{complex, evaluate, width};
+use solver::formulation::harmonics::{complex, evaluate, width};
 use std::f64::consts::TAU;
 
 /// Instants of a period at which curves are computed.

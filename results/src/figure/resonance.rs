@@ -7,7 +7,7 @@ use super::style::{Color, FINE, MARK, MEDIUM, Shape, Style};
 use super::subject::Subject;
 use crate::curves::Resonance;
 use crate::words::digits;
-use solver::windows::{Event, EventKind};
+use solver::response::windows::{Event, EventKind};
 
 /// Levels that span more than so many decades are shown logarithmically.
 const DECADES: f64 = 2.0;

@@ -7,7 +7,7 @@ use super::smooth::smooth;
 use super::style::{BOLD, Color, FINE, MARK, Shape, Style, THIN};
 use super::subject::{BackboneColumns, Subject, level_colors};
 use crate::curves::{Curve, Monitor};
-use solver::branch::SpecialKind;
+use solver::response::branch::SpecialKind;
 
 /// Peaks and folds are marked while there are so few branches.
 pub const FEW: usize = 24;

@@ -4,7 +4,7 @@ use super::omissions::detail;
 use crate::store::{BranchRow, Extent, Reader};
 use protocol::ids::TaskId;
 use protocol::to_everyone::StoredResult;
-use solver::task::BranchId;
+use solver::response::task::BranchId;
 
 /// The result that a branch is from, checksum verified: what was accepted, to the bit. Otherwise says why not.
 pub(crate) fn verified_result(reader: &Reader, branch: &BranchRow) -> std::result::Result<StoredResult, String> {

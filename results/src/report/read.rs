@@ -11,7 +11,7 @@ use crate::store::{Reader, Result, RunHeader};
 use protocol::curve::Size;
 use protocol::to_everyone::Stage;
 use serde::Serialize;
-use solver::backbone::{Backbone, BackbonePoint};
+use solver::response::backbone::{Backbone, BackbonePoint};
 use std::collections::HashSet;
 
 /// Points of branches that a page takes without becoming heavy.

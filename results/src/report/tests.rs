@@ -6,7 +6,7 @@ use crate::fixture::Study;
 use crate::store::{Reader, Store};
 use protocol::to_everyone::Stage;
 use rusqlite::Connection;
-use solver::windows::EventKind;
+use solver::response::windows::EventKind;
 use std::fs;
 use std::path::Path;
 use tempfile::tempdir;
@@ -43,7 +43,10 @@ fn a_finished_run() {
     let backbone = report.backbone.unwrap();
     assert_eq!(backbone.threshold.values.len(), study.backbone.points.len());
     let kinds: Vec<EventKind> = backbone.events.iter().map(|event| event.kind).collect();
-    assert_eq!(kinds, solver::windows::events(&study.backbone).iter().map(|event| event.kind).collect::<Vec<_>>());
+    assert_eq!(
+        kinds,
+        solver::response::windows::events(&study.backbone).iter().map(|event| event.kind).collect::<Vec<_>>()
+    );
     assert_eq!(backbone.modes[0].mode, study.backbone.mode);
     assert_eq!(report.account.tasks.len(), study.plans.iter().map(|plan| plan.tasks.len()).sum::<usize>());
     assert_eq!(report.account.settings, [("model".to_string(), "\"damper\"".to_string())]);
@@ -72,7 +75,7 @@ fn three_ways() {
 
 /// A series over the period.
 fn samples(series: &[f64]) -> impl Iterator<Item = f64> {
-    (0..2000).map(|i| solver::harmonics::evaluate(series, i as f64 * std::f64::consts::TAU / 2000.0)[0])
+    (0..2000).map(|i| solver::formulation::harmonics::evaluate(series, i as f64 * std::f64::consts::TAU / 2000.0)[0])
 }
 
 #[test]
@@ -120,7 +123,7 @@ fn pressures_are_positive_while_nodes_touch() {
 #[test]
 fn a_monitored_dof_normal_to_the_casing_has_a_gap() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/rotor67");
-    let model = solver::model::Model::load(&folder).unwrap();
+    let model = solver::structure::Model::load(&folder).unwrap();
     assert_eq!(monitors(&model), [Monitor { name: "b0.r".into(), gap: Some(4e-4) }]);
 }
 

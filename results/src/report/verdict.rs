@@ -5,7 +5,7 @@ use crate::curves::BackboneCurve;
 use crate::overview::{BranchRow, Level, highest};
 use crate::words::{count, digits, frequency, length, range};
 use serde::Serialize;
-use solver::windows::{Event, EventKind};
+use solver::response::windows::{Event, EventKind};
 
 /// One of the sentences.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]

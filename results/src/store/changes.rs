@@ -13,8 +13,8 @@ use protocol::codec::encode;
 use protocol::ids::{Attempt, TaskId};
 use protocol::to_everyone::StoredResult;
 use rusqlite::{Connection, Params, params};
-use solver::branch::Outcome;
-use solver::task::{BranchId, SeedOutcome};
+use solver::response::branch::Outcome;
+use solver::response::task::{BranchId, SeedOutcome};
 use std::path::Path;
 
 /// Writes changes, all at one time.

@@ -12,7 +12,7 @@ use rusqlite::types::FromSql;
 use rusqlite::{Connection, OptionalExtension, ToSql, params};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
-use solver::laws::LawKind;
+use solver::structure::laws::LawKind;
 use std::path::{Path, PathBuf};
 
 /// Bytes for the program itself.

@@ -13,10 +13,10 @@ use protocol::backbone::BackboneMessage;
 use protocol::codec::{decode_stored, encode};
 use protocol::ids::TaskId;
 use rusqlite::{Connection, Row, params};
-use solver::forced::Reach;
-use solver::seeds::{Phase, Way};
-use solver::task::{SeedPlace, Task};
-use solver::windows::Window;
+use solver::response::forced::Reach;
+use solver::response::seeds::{Phase, Way};
+use solver::response::task::{SeedPlace, Task};
+use solver::response::windows::Window;
 use std::path::Path;
 
 const OWNER: &str = "backbone";

@@ -1,13 +1,13 @@
 //! Models and settings that the closed forms share.
 
-use solver::backbone::Backbone;
-use solver::branch::{Branch, BranchPoint};
-use solver::forced::Forced;
-use solver::laws::{Contact, LawKind};
+use solver::formulation::state::State;
 use solver::linalg::Matrix;
-use solver::model::{DampingParts, Element, ForcingShape, Model, ModelParts};
+use solver::response::backbone::Backbone;
+use solver::response::branch::{Branch, BranchPoint};
+use solver::response::forced::Forced;
 use solver::settings::{BackboneEquation, HarmonicSettings, Settings};
-use solver::state::State;
+use solver::structure::laws::{Contact, LawKind};
+use solver::structure::{DampingParts, Element, ForcingShape, Model, ModelParts};
 use std::ops::ControlFlow;
 use std::path::Path;
 

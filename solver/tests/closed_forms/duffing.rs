@@ -1,9 +1,9 @@
 //! Duffing oscillators, against formulas and orbits.
 
 use crate::common::*;
-use solver::branch::{BranchPoint, SpecialKind};
-use solver::forced::{Forced, Reach};
-use solver::harmonics::evaluate;
+use solver::formulation::harmonics::evaluate;
+use solver::response::branch::{BranchPoint, SpecialKind};
+use solver::response::forced::{Forced, Reach};
 use std::f64::consts::TAU;
 
 /// Damping of models/duffing, x'' + c x' + x + x³ = A cos ωt.

@@ -1,9 +1,9 @@
 //! Friction, against areas of loops.
 
 use crate::common::*;
-use solver::forced::{Forced, Reach};
-use solver::harmonics::complex;
-use solver::laws::{Jenkins, LawKind, TanhFriction};
+use solver::formulation::harmonics::complex;
+use solver::response::forced::{Forced, Reach};
+use solver::structure::laws::{Jenkins, LawKind, TanhFriction};
 use std::f64::consts::{PI, TAU};
 
 #[test]

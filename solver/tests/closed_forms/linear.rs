@@ -1,15 +1,15 @@
 //! Linear response, against a dense solve.
 
 use crate::common::*;
-use solver::forced::{Forced, Reach};
-use solver::harmonics::complex;
+use solver::formulation::harmonics::complex;
+use solver::formulation::linear::forced_response;
+use solver::formulation::pressure::PressureForm;
+use solver::formulation::scales::Scales;
+use solver::formulation::state::State;
+use solver::formulation::unknown::Unknown;
 use solver::linalg::Matrix;
-use solver::linear::forced_response;
-use solver::model::{DampingParts, ForcingShape, Model, ModelParts};
-use solver::pressure::PressureForm;
-use solver::scales::Scales;
-use solver::state::State;
-use solver::unknown::Unknown;
+use solver::response::forced::{Forced, Reach};
+use solver::structure::{DampingParts, ForcingShape, Model, ModelParts};
 
 /// A chain of five masses between two walls; the dampers give modal damping or a C that no modes diagonalise.
 fn chain(proportional: bool) -> (Model, Matrix) {
@@ -87,7 +87,7 @@ fn dense_response(model: &Model, c: &Matrix, amplitude: f64, omega: f64) -> Vec<
 
 /// Largest difference of the displacements, and the largest displacement.
 fn linear_error(model: &Model, c: &Matrix, state: &State) -> (f64, f64) {
-    let exact = dense_response(model, c, state.amplitude, state.omega);
+    let exact = dense_response(model, c, state.forcing, state.omega);
     let size = exact.iter().fold(0.0f64, |m, x| m.max(x.0.hypot(x.1)));
     let error = exact.iter().enumerate().map(|(i, x)| {
         let series = displacement(model, state, i);

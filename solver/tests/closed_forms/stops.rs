@@ -1,11 +1,11 @@
 //! Rigid stops, against exact free motion.
 
 use crate::common::*;
-use solver::backbone::Backbone;
-use solver::forced::{Forced, Reach};
-use solver::harmonics::width;
-use solver::problem::Problem;
-use solver::state::State;
+use solver::curve::problem::Problem;
+use solver::formulation::harmonics::width;
+use solver::formulation::state::State;
+use solver::response::backbone::Backbone;
+use solver::response::forced::{Forced, Reach};
 use std::f64::consts::PI;
 
 /// Frequency of the undamped free motion before a rigid stop, a the excursion away from it: x = −a cos ω₀t from −a to the

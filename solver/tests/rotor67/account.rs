@@ -1,15 +1,15 @@
 //! The account of every window, and branches that are what they claim to be.
 
 use crate::common::{AMPLITUDES, BACKWARD, FORWARD, FRICTIONLESS, Scenario, TUNED, quiet};
-use solver::backbone::Backbone;
-use solver::branch::{Branch, Outcome, SpecialKind, Stop};
-use solver::level::{BranchId, Level, SeedOutcome};
+use solver::response::backbone::Backbone;
+use solver::response::branch::{Branch, Outcome, SpecialKind, Stop};
+use solver::response::level::{BranchId, Level, SeedOutcome};
+use solver::response::windows::windows;
 use solver::settings::Settings;
-use solver::windows::windows;
 
 /// Number of windows of the level, and of those that led nowhere.
 fn check_windows(level: &Level, backbone: &Backbone, what: &str) -> (usize, usize) {
-    let predicted = windows(backbone, level.amplitude);
+    let predicted = windows(backbone, level.forcing);
     let accounted: Vec<_> = level.windows.iter().map(|account| account.window).collect();
     assert_eq!(accounted, predicted, "{what}: every window once, in the order of the backbone");
     let mut named = vec![false; level.isolas.len()];
@@ -50,7 +50,7 @@ fn check_branch(branch: &Branch, what: &str) {
     for point in &branch.points {
         let certificate = point.certificate;
         assert!(certificate.residual <= 1e-8, "{what}: residual {} at {}", certificate.residual, point.omega());
-        assert_eq!(point.state.amplitude, branch.amplitude, "{what}");
+        assert_eq!(point.state.forcing, branch.forcing, "{what}");
         assert_eq!(point.state.decay, 0.0, "{what}");
     }
     assert_eq!(branch.special(SpecialKind::Start).count(), 1, "{what}");

@@ -1,7 +1,7 @@
 //! Backbones of the four scenarios.
 
 use crate::common::{BACKWARD, FORWARD, FRICTIONLESS, Scenario, TUNED};
-use solver::backbone::Backbone;
+use solver::response::backbone::Backbone;
 
 /// What must hold for every backbone.
 fn check(scenario: &Scenario) -> &Backbone {

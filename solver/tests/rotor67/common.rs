@@ -1,10 +1,10 @@
 //! Models, backbones and levels of rotor 67, each computed once for all tests.
 
-use solver::backbone::Backbone;
-use solver::branch::{Branch, BranchPoint};
-use solver::level::{BranchId, Level};
-use solver::model::Model;
+use solver::response::backbone::Backbone;
+use solver::response::branch::{Branch, BranchPoint};
+use solver::response::level::{BranchId, Level};
 use solver::settings::Settings;
+use solver::structure::Model;
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::OnceLock;

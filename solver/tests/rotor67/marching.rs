@@ -4,13 +4,13 @@
 //! truncates at H = 10; both are within 2 % of the amplitude here. A stable solution holds, an unstable one is left.
 
 use crate::common::{BACKWARD, FRICTIONLESS, Scenario, found_from_window};
-use solver::branch::Branch;
-use solver::forced::{Forced, Reach};
-use solver::harmonics::evaluate;
-use solver::level::BranchId;
-use solver::marching::{Marching, MarchingSettings};
+use solver::formulation::harmonics::evaluate;
+use solver::formulation::state::State;
+use solver::response::branch::Branch;
+use solver::response::forced::{Forced, Reach};
+use solver::response::level::BranchId;
 use solver::settings::Settings;
-use solver::state::State;
+use solver::stability::marching::{Marching, MarchingSettings};
 use std::f64::consts::TAU;
 
 /// Largest |x| of the leading edge over a period, m.
@@ -24,7 +24,7 @@ fn leading_edge(scenario: &Scenario, state: &State) -> f64 {
 fn solutions(scenario: &Scenario, branch: &Branch, omega: f64) -> Vec<State> {
     let (model, backbone) = (scenario.model(), scenario.backbone());
     let mut forced =
-        Forced::new(model, &Settings::default(), Reach::new(&Settings::default(), backbone).unwrap(), branch.amplitude);
+        Forced::new(model, &Settings::default(), Reach::new(&Settings::default(), backbone).unwrap(), branch.forcing);
     let mut points: Vec<&State> = branch.points.iter().map(|p| &p.state).collect();
     if branch.is_closed() {
         points.push(points[0]);
@@ -55,7 +55,7 @@ fn start<'s>(scenario: &'s Scenario, state: &State) -> Marching<'s> {
         })
         .unzip();
     let settings = MarchingSettings::default();
-    let mut marching = Marching::new(model, &settings, state.amplitude, state.omega).unwrap();
+    let mut marching = Marching::new(model, &settings, state.forcing, state.omega).unwrap();
     marching.set_state(&x, &xdot).unwrap();
     marching
 }

@@ -6,8 +6,8 @@
 use crate::common::{
     BACKWARD, FORWARD, FRICTIONLESS, GAP, Scenario, TUNED, assert_close, found_from_window, highest_contact, touches,
 };
-use solver::branch::{Branch, Outcome, SpecialKind, Stop};
-use solver::level::BranchId;
+use solver::response::branch::{Branch, Outcome, SpecialKind, Stop};
+use solver::response::level::BranchId;
 
 /// The first eigenfrequency, rad/s.
 fn eigenfrequency(scenario: &Scenario) -> f64 {

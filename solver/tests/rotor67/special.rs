@@ -4,9 +4,9 @@
 //! 0.01 rad/s of each other, because the contact changes one sample at a time.
 
 use crate::common::{BACKWARD, FRICTIONLESS, Scenario, TUNED, found_from_window, quiet};
-use solver::branch::{Branch, SpecialKind};
-use solver::forced::{Forced, Reach};
-use solver::level::BranchId;
+use solver::response::branch::{Branch, SpecialKind};
+use solver::response::forced::{Forced, Reach};
+use solver::response::level::BranchId;
 use solver::settings::{Quadrature, Settings};
 
 /// An isola, by the window it is found from.

@@ -6,7 +6,7 @@ use protocol::curve::Seeds;
 use protocol::ids::TaskId;
 use protocol::to_everyone::StoredResult;
 use protocol::to_worker::{Grant, Known, SubmitReply};
-use solver::task::{BranchId, SeedOutcome, Task, plan};
+use solver::response::task::{BranchId, SeedOutcome, Task, plan};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use worker::Ending;

@@ -13,7 +13,7 @@ use protocol::curve::Points;
 use protocol::digest::Digest;
 use protocol::ids::{TaskId, WorkerId};
 use protocol::to_everyone::{Stage, StoredResult};
-use solver::task::{BranchId, SeedOutcome, Task};
+use solver::response::task::{BranchId, SeedOutcome, Task};
 use std::sync::Arc;
 use tempfile::tempdir;
 

@@ -1,0 +1,315 @@
+//! Arc-length continuation as an iterator over the points of a solution curve.
+//!
+//! The iterator only walks: it yields converged points until its smallest step fails. Bounds, closed loops, storing,
+//! progress and cancelling belong to whoever drives it.
+
+use crate::curve::newton::{Constraint, Newton, NewtonSettings};
+use crate::curve::problem::{Failure, Problem, inner, norm};
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+/// Direction in which the next point is predicted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Predictor {
+    /// Tangent, from the Jacobian already factorised.
+    #[default]
+    Tangent,
+    /// Secant through the last two points (paper \[7\]).
+    Secant,
+}
+
+/// Scalar equation of the corrector.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Corrector {
+    /// Keller's hyperplane normal to the predictor.
+    #[default]
+    Hyperplane,
+    /// Sphere round the last point (paper \[8\]).
+    Sphere,
+}
+
+/// Settings of the continuation; steps are scaled arc lengths.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct ContinuationSettings {
+    /// First step. Default 0.02.
+    pub initial_step: f64,
+    /// Smallest step: a branch that needs a smaller one has stalled. Default 1e-7.
+    pub min_step: f64,
+    /// Largest step. Default 0.1.
+    pub max_step: f64,
+    /// Factorisations a point that leave the step as it is. Default 2.
+    pub target_factorisations: usize,
+    /// Smallest cosine between a step and the tangent it started with. Default 0.9.
+    pub min_cosine: f64,
+    /// Predictor. Default tangent.
+    pub predictor: Predictor,
+    /// Corrector. Default hyperplane.
+    pub corrector: Corrector,
+    /// Newton's method.
+    pub newton: NewtonSettings,
+}
+
+impl Default for ContinuationSettings {
+    fn default() -> Self {
+        Self {
+            initial_step: 0.02,
+            min_step: 1e-7,
+            max_step: 0.1,
+            target_factorisations: 2,
+            min_cosine: 0.9,
+            predictor: Predictor::default(),
+            corrector: Corrector::default(),
+            newton: NewtonSettings { max_iterations: 10, ..NewtonSettings::default() },
+        }
+    }
+}
+
+/// A converged point of the curve.
+#[derive(Debug, Clone)]
+pub struct CurvePoint {
+    /// Scaled state.
+    pub y: Vec<f64>,
+    /// Unit tangent in the direction of travel.
+    pub tangent: Vec<f64>,
+    /// Newton iterations.
+    pub iterations: usize,
+    /// Factorisations they needed.
+    pub factorisations: usize,
+    /// Largest scaled residual.
+    pub residual: f64,
+    /// Sign of the bordered Jacobian's determinant; a change between points marks a bifurcation.
+    pub orientation: f64,
+    /// Arc length of the step that led here.
+    pub step: f64,
+}
+
+/// Why a step was not accepted.
+#[derive(Debug, Clone, Copy, PartialEq, Error, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Rejection {
+    /// Newton's method failed.
+    #[error("{0}")]
+    Newton(Failure),
+    /// The point lies too far off the tangent.
+    #[error("the point lies off the tangent (cosine {0:.2})")]
+    Angle(f64),
+    /// The determinant changed its sign: the corrector may have hopped to another part of the curve.
+    #[error("the curve changes its orientation")]
+    Orientation,
+}
+
+/// Continuation of one curve in one direction.
+pub struct Continuation<'p, P: Problem> {
+    problem: &'p mut P,
+    settings: ContinuationSettings,
+    newton: Newton,
+    current: CurvePoint,
+    previous: Option<Vec<f64>>,
+    step: f64,
+    rejections: usize,
+    /// Whether the tangent of the current point is that of its own Jacobian.
+    refreshed: bool,
+    stalled: Option<Rejection>,
+    row: Vec<f64>,
+    origin: Vec<f64>,
+}
+
+impl<'p, P: Problem> Continuation<'p, P> {
+    /// Starts from a point near the curve, which is first corrected on the plane normal to `direction` through it; the
+    /// walk goes the way of `direction`.
+    pub fn start(
+        problem: &'p mut P,
+        y: Vec<f64>,
+        direction: &[f64],
+        settings: ContinuationSettings,
+    ) -> Result<Self, Failure> {
+        let mut newton = Newton::default();
+        let row = weighted(problem.metric(), &unit(problem.metric(), direction.to_vec()));
+        let current = land(problem, &mut newton, y, &row, &settings)?;
+        let step = settings.initial_step;
+        Ok(Self {
+            problem,
+            settings,
+            newton,
+            current,
+            previous: None,
+            step,
+            rejections: 0,
+            refreshed: false,
+            stalled: None,
+            row,
+            origin: Vec::new(),
+        })
+    }
+
+    /// The point reached.
+    pub fn current(&self) -> &CurvePoint {
+        &self.current
+    }
+
+    /// The problem, for whoever evaluates the points.
+    pub fn problem(&mut self) -> &mut P {
+        self.problem
+    }
+
+    /// Steps refused so far.
+    pub fn rejections(&self) -> usize {
+        self.rejections
+    }
+
+    /// Why the walk ended, once it has.
+    pub fn stalled(&self) -> Option<Rejection> {
+        self.stalled
+    }
+
+    /// Point at arc length `step` along the tangent from `from`, corrected; neither the walk nor its step change.
+    pub fn probe(&mut self, from: &CurvePoint, step: f64) -> Result<CurvePoint, Failure> {
+        self.correct(from, None, step)
+    }
+
+    /// Point of the curve near `y` on the plane through it normal to `row`; neither the walk nor its step change.
+    pub fn correct_on(&mut self, y: Vec<f64>, row: &[f64]) -> Result<CurvePoint, Failure> {
+        land(self.problem, &mut self.newton, y, row, &self.settings)
+    }
+
+    fn correct(&mut self, from: &CurvePoint, previous: Option<&[f64]>, step: f64) -> Result<CurvePoint, Failure> {
+        let metric = self.problem.metric();
+        let direction = match (self.settings.predictor, previous) {
+            (Predictor::Secant, Some(previous)) => {
+                unit(metric, from.y.iter().zip(previous).map(|(a, b)| a - b).collect())
+            }
+            _ => from.tangent.clone(),
+        };
+        let mut y: Vec<f64> = from.y.iter().zip(&direction).map(|(y, t)| y + step * t).collect();
+        self.row.clear();
+        self.row.extend(metric.iter().zip(&direction).map(|(w, t)| w * t));
+        self.origin.clone_from(&y);
+        let constraint = match self.settings.corrector {
+            Corrector::Hyperplane => Constraint::Hyperplane { row: &self.row, origin: &self.origin },
+            Corrector::Sphere => Constraint::Sphere { centre: &from.y, radius: step },
+        };
+        let convergence = self.newton.solve(self.problem, &mut y, constraint, &self.settings.newton)?;
+        let mut tangent = unit(self.problem.metric(), self.newton.direction.clone());
+        let mut orientation = self.problem.orientation();
+        if inner(self.problem.metric(), &tangent, &from.tangent) < 0.0 {
+            tangent.iter_mut().for_each(|t| *t = -*t);
+            orientation = -orientation;
+        }
+        Ok(CurvePoint {
+            y,
+            tangent,
+            iterations: convergence.iterations,
+            factorisations: convergence.factorisations,
+            residual: convergence.residual,
+            orientation,
+            step,
+        })
+    }
+
+    /// A candidate next point with the present step, or why not.
+    fn attempt(&mut self) -> Result<CurvePoint, Rejection> {
+        let from = self.current.clone();
+        let previous = self.previous.take();
+        let result = self.correct(&from, previous.as_deref(), self.step);
+        self.previous = previous;
+        let point = result.map_err(Rejection::Newton)?;
+        let metric = self.problem.metric();
+        let moved: Vec<f64> = point.y.iter().zip(&from.y).map(|(a, b)| a - b).collect();
+        let cosine = inner(metric, &moved, &from.tangent) / norm(metric, &moved);
+        if cosine < self.settings.min_cosine {
+            return Err(Rejection::Angle(cosine));
+        }
+        if point.orientation != from.orientation && self.step > 64.0 * self.settings.min_step {
+            return Err(Rejection::Orientation);
+        }
+        Ok(point)
+    }
+
+    /// The tangent comes from the last matrix factorised, which belongs to a point nearby: where the curve turns sharply
+    /// that is not good enough, however short the step.
+    fn refresh_tangent(&mut self) {
+        if self.refreshed {
+            return;
+        }
+        self.refreshed = true;
+        let row = weighted(self.problem.metric(), &self.current.tangent);
+        if let Ok(point) = land(self.problem, &mut self.newton, self.current.y.clone(), &row, &self.settings) {
+            self.current.tangent = point.tangent;
+        }
+    }
+
+    /// Next step from the effort of the last one and from how much the tangent turned.
+    fn adapt(&mut self, point: &CurvePoint) {
+        let turn = inner(self.problem.metric(), &point.tangent, &self.current.tangent).clamp(-1.0, 1.0).acos();
+        let excess = point.factorisations as f64 - self.settings.target_factorisations as f64;
+        let by_effort = 2.0f64.powf(-0.5 * excess);
+        let by_turn = if turn > 1e-12 { 0.3 / turn } else { f64::INFINITY };
+        let factor = by_effort.min(by_turn).clamp(0.5, 2.0);
+        self.step = (self.step * factor).min(self.settings.max_step);
+    }
+}
+
+impl<P: Problem> Iterator for Continuation<'_, P> {
+    type Item = CurvePoint;
+
+    fn next(&mut self) -> Option<CurvePoint> {
+        loop {
+            match self.attempt() {
+                Ok(point) => {
+                    self.adapt(&point);
+                    self.refreshed = false;
+                    self.previous = Some(std::mem::replace(&mut self.current, point.clone()).y);
+                    return Some(point);
+                }
+                Err(rejection) => {
+                    self.rejections += 1;
+                    self.refresh_tangent();
+                    self.step *= 0.5;
+                    if self.step < self.settings.min_step {
+                        self.stalled = Some(rejection);
+                        return None;
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Corrects `y` on the plane through it normal to `row`.
+fn land<P: Problem>(
+    problem: &mut P,
+    newton: &mut Newton,
+    mut y: Vec<f64>,
+    row: &[f64],
+    settings: &ContinuationSettings,
+) -> Result<CurvePoint, Failure> {
+    let origin = y.clone();
+    let settings = NewtonSettings { max_iterations: 20, ..settings.newton };
+    let constraint = Constraint::Hyperplane { row, origin: &origin };
+    let convergence = newton.solve(problem, &mut y, constraint, &settings)?;
+    // The last matrix may be that of a distant start: once more at the point itself, for its tangent.
+    newton.solve(problem, &mut y, constraint, &settings)?;
+    Ok(CurvePoint {
+        orientation: problem.orientation(),
+        y,
+        tangent: unit(problem.metric(), newton.direction.clone()),
+        iterations: convergence.iterations,
+        factorisations: convergence.factorisations,
+        residual: convergence.residual,
+        step: 0.0,
+    })
+}
+
+/// Linear form of the scalar product with `direction`.
+pub fn weighted(metric: &[f64], direction: &[f64]) -> Vec<f64> {
+    metric.iter().zip(direction).map(|(w, d)| w * d).collect()
+}
+
+fn unit(metric: &[f64], mut direction: Vec<f64>) -> Vec<f64> {
+    let length = norm(metric, &direction);
+    direction.iter_mut().for_each(|d| *d /= length);
+    direction
+}

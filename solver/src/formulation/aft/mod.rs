@@ -1,0 +1,210 @@
+//! Alternating frequency–time: from the harmonics of a law's arguments to those of its forces, with the exact Jacobian.
+//!
+//! Laws are evaluated on a uniform grid and transformed by FFT; unilateral laws by default at the Gauss points of the
+//! arcs on which they act (see [`crate::arcs`]).
+
+mod gauss;
+mod samples;
+
+use crate::formulation::arcs::{Coverage, positive_arcs};
+use crate::formulation::harmonics::{
+    self, Transform, add_product_matrix, differentiate, series_from_coefficients, width,
+};
+use crate::settings::{HarmonicSettings, Quadrature};
+use crate::structure::laws::{Instant, Law, MAX_ARGUMENTS, Response};
+use gauss::ArcWork;
+use rustfft::num_complex::Complex64;
+
+/// Harmonics of an element's forces and their derivatives. `c` arguments, nc = 2H + 1.
+#[derive(Debug, Clone, Default)]
+pub struct ElementForce {
+    /// Forces, c × nc.
+    pub force: Vec<f64>,
+    /// ∂force/∂arguments, (c·nc)², row-major.
+    pub jacobian: Vec<f64>,
+    /// ∂force/∂ω at fixed argument harmonics, c × nc.
+    pub domega: Vec<f64>,
+}
+
+/// Frequency and rotor speed of an evaluation.
+#[derive(Debug, Clone, Copy)]
+pub struct Rate {
+    /// Response frequency ω, rad/s.
+    pub omega: f64,
+    /// Forcing harmonic m: the rotor turns at m ω.
+    pub harmonic: f64,
+}
+
+/// Work space for the alternating frequency–time method.
+pub struct Aft {
+    transform: Transform,
+    /// A grid just fine enough to find arcs and maxima, which are then refined.
+    search: Transform,
+    u: [Vec<f64>; MAX_ARGUMENTS],
+    v: [Vec<f64>; MAX_ARGUMENTS],
+    scratch: Vec<f64>,
+    slope: [Vec<f64>; 2],
+    signals: Vec<Vec<f64>>,
+    spectra: [Vec<Complex64>; 2],
+    quadrature: Quadrature,
+    arcs: ArcWork,
+}
+
+/// What a sampled signal of the law stands for in the frequency domain.
+#[derive(Debug, Clone, Copy)]
+enum Target {
+    Force(usize),
+    Displacement(usize, usize),
+    Velocity(usize, usize),
+    Omega(usize),
+}
+
+impl Aft {
+    /// Work space for a truncation.
+    pub fn new(truncation: HarmonicSettings) -> Self {
+        let HarmonicSettings { count: harmonics, samples, quadrature } = truncation;
+        let empty = || vec![0.0; samples];
+        Self {
+            transform: Transform::new(harmonics, samples),
+            search: Transform::new(harmonics, (8 * harmonics).next_power_of_two().max(64)),
+            u: std::array::from_fn(|_| empty()),
+            v: std::array::from_fn(|_| empty()),
+            scratch: Vec::new(),
+            slope: std::array::from_fn(|_| vec![0.0; width(harmonics)]),
+            signals: Vec::new(),
+            spectra: std::array::from_fn(|_| vec![Complex64::default(); width(harmonics)]),
+            quadrature,
+            arcs: ArcWork::default(),
+        }
+    }
+
+    /// Where on the period a series exceeds `threshold`, to rounding.
+    pub fn coverage(&mut self, series: &[f64], threshold: f64) -> Coverage {
+        let count = self.search.samples();
+        self.scratch.resize(2 * count, 0.0);
+        let (values, unused) = self.scratch.split_at_mut(count);
+        self.search.synthesise(series, None, values, unused);
+        positive_arcs(series, threshold, values)
+    }
+
+    /// Whether a predicted pressure is positive anywhere, as the quadrature sees it.
+    pub fn touches(&mut self, pressure: &[f64]) -> bool {
+        match self.quadrature {
+            Quadrature::Arcs => self.coverage(pressure, 0.0) != Coverage::Never,
+            Quadrature::Samples => {
+                self.transform.synthesise(pressure, None, &mut self.u[0], &mut self.v[0]);
+                self.u[0].iter().any(|&p| p > 0.0)
+            }
+        }
+    }
+
+    /// Maximum of |x| over a period of a series, between samples too.
+    pub fn max_abs(&mut self, series: &[f64]) -> f64 {
+        harmonics::max_abs(series, &mut self.search)
+    }
+
+    /// Forces of `law` for `arguments` (c × nc) and their derivatives, into `out`.
+    pub fn evaluate<L: Law>(&mut self, law: &L, arguments: &[f64], rate: Rate, out: &mut ElementForce) {
+        let (c, nc) = (law.arguments(), width(self.transform.harmonics()));
+        out.force.clear();
+        out.force.resize(c * nc, 0.0);
+        out.domega.clear();
+        out.domega.resize(c * nc, 0.0);
+        out.jacobian.clear();
+        out.jacobian.resize(c * nc * c * nc, 0.0);
+        if let (Some(threshold), Quadrature::Arcs) = (law.threshold(), self.quadrature) {
+            match self.coverage(&arguments[..nc], threshold) {
+                Coverage::Never => return,
+                Coverage::Arcs(arcs) => return self.evaluate_arcs(law, arguments, &arcs, rate, out),
+                // A force that never vanishes is smooth: samples converge as fast as anything.
+                Coverage::Always => {}
+            }
+        }
+        self.sample_arguments(law, arguments, rate.omega);
+        if law.has_memory() {
+            self.evaluate_with_memory(law, rate, out);
+        } else {
+            self.evaluate_samples(law, rate, out);
+        }
+    }
+
+    /// Fills `u` and `v` with the samples the law needs.
+    fn sample_arguments<L: Law>(&mut self, law: &L, arguments: &[f64], omega: f64) {
+        let nc = width(self.transform.harmonics());
+        let pattern = law.pattern();
+        for j in 0..law.arguments() {
+            let series = &arguments[j * nc..(j + 1) * nc];
+            let velocity = pattern.dv.iter().any(|row| row[j]);
+            if velocity {
+                differentiate(series, &mut self.slope[0]);
+                self.slope[0].iter_mut().for_each(|x| *x *= omega);
+            }
+            let slope = velocity.then_some(self.slope[0].as_slice());
+            self.transform.synthesise(series, slope, &mut self.u[j], &mut self.v[j]);
+        }
+    }
+
+    fn instant(&self, n: usize, speed: f64) -> Instant {
+        Instant { u: std::array::from_fn(|j| self.u[j][n]), v: std::array::from_fn(|j| self.v[j][n]), speed }
+    }
+}
+
+/// ∂force_i/∂ω at fixed harmonics: velocities are proportional to ω, the rotor speed is m ω.
+fn explicit_omega(r: &Response, now: &Instant, i: usize, arguments: usize, rate: Rate) -> f64 {
+    let velocities: f64 = (0..arguments).map(|j| r.dv[i][j] * now.v[j]).sum();
+    velocities / rate.omega + r.dspeed[i] * rate.harmonic
+}
+
+const MAX_TARGETS: usize = MAX_ARGUMENTS * (2 + 2 * MAX_ARGUMENTS);
+
+/// The signals that a law produces, from its pattern.
+fn targets<L: Law>(law: &L) -> ([Target; MAX_TARGETS], usize) {
+    let (pattern, c) = (law.pattern(), law.arguments());
+    let mut list = [Target::Force(0); MAX_TARGETS];
+    let mut count = 0;
+    let mut push = |target| {
+        list[count] = target;
+        count += 1;
+    };
+    for i in 0..c {
+        push(Target::Force(i));
+        for j in 0..c {
+            if pattern.du[i][j] {
+                push(Target::Displacement(i, j));
+            }
+            if pattern.dv[i][j] {
+                push(Target::Velocity(i, j));
+            }
+        }
+        if pattern.dv[i].contains(&true) && !law.is_homogeneous_in_rate() {
+            push(Target::Omega(i));
+        }
+    }
+    (list, count)
+}
+
+fn scatter(target: Target, spectrum: &[Complex64], c: usize, omega: f64, out: &mut ElementForce) {
+    let nc = spectrum.len();
+    let stride = c * nc;
+    match target {
+        Target::Force(i) => series_from_coefficients(spectrum, &mut out.force[i * nc..(i + 1) * nc]),
+        Target::Omega(i) => series_from_coefficients(spectrum, &mut out.domega[i * nc..(i + 1) * nc]),
+        Target::Displacement(i, j) => {
+            add_product_matrix(spectrum, None, &mut out.jacobian[i * nc * stride + j * nc..], stride);
+        }
+        Target::Velocity(i, j) => {
+            add_product_matrix(spectrum, Some(omega), &mut out.jacobian[i * nc * stride + j * nc..], stride);
+        }
+    }
+}
+
+/// The signal of a target at one instant.
+#[inline(always)]
+fn signal(target: Target, r: &Response, now: &Instant, arguments: usize, rate: Rate) -> f64 {
+    match target {
+        Target::Force(i) => r.force[i],
+        Target::Displacement(i, j) => r.du[i][j],
+        Target::Velocity(i, j) => r.dv[i][j],
+        Target::Omega(i) => explicit_omega(r, now, i, arguments, rate),
+    }
+}

@@ -1,0 +1,309 @@
+//! Displacement form of the harmonic balance: the reference formulation, as in the paper.
+//!
+//! Unknowns are the harmonics of the displacements X_r of all dofs that carry a nonlinear force, with the rest condensed
+//! exactly from the physical matrices; neither modes nor receptances enter:
+//!
+//! * balance: D_r X_r + F − E_r = 0
+//! * contact (DLFT, paper [16–19]): λ = max(0, p), p̂ = P(E − D X − F_other) − ε ĝ, with P the left inverse of the
+//!   contact normals, F_other the forces of the other laws
+//! * backbone: Re(φᵀ M x_1) = 0, φ the tracked mode and x_1 the first harmonic of all dofs, recovered from X_r: the same
+//!   phase as that of the pressure form
+//!
+//! Simple, general and slow: it serves to check the pressure form.
+
+mod condensation;
+mod contacts;
+mod evaluate;
+mod jacobian;
+#[cfg(test)]
+mod tests;
+
+pub use contacts::DisplacementError;
+
+use crate::curve::problem::Problem;
+use crate::formulation::aft::{Aft, ElementForce};
+use crate::formulation::harmonics::{complex, set_complex, width};
+use crate::formulation::receptance::Point;
+use crate::formulation::scales::Scales;
+use crate::formulation::state::State;
+use crate::formulation::unknown::{Parameter, Unknown};
+use crate::linalg::{LinalgError, Lu, Matrix, dot};
+use crate::settings::HarmonicSettings;
+use crate::structure::Model;
+use crate::structure::laws::{Law, LawKind};
+use condensation::{Condensation, Condensed};
+use rustfft::num_complex::Complex64;
+
+/// A nonlinear element as the displacement form sees it.
+struct Part {
+    law: LawKind,
+    /// Index of its first argument among all.
+    first: usize,
+    /// Relative displacements: (position among the dofs kept, coefficient) pairs.
+    channels: Vec<Vec<(usize, f64)>>,
+    contact: Option<Normal>,
+}
+
+/// Rigid contact: row of the left inverse, ε and gap.
+#[derive(Clone, Copy)]
+struct Normal {
+    index: usize,
+    epsilon: f64,
+    gap: f64,
+}
+
+/// The system in displacement form, bound to a model, a truncation and a kind of unknown parameters.
+pub struct DisplacementForm<'m> {
+    model: &'m Model,
+    unknown: Unknown,
+    scales: Scales,
+    harmonics: usize,
+    nc: usize,
+    parts: Vec<Part>,
+    condensation: Condensation,
+    /// P, contacts × dofs kept.
+    left_inverse: Matrix,
+    aft: Aft,
+    /// Unit of the residual, N.
+    force_scale: f64,
+    metric: Vec<f64>,
+    point: Point,
+    forcing: f64,
+    /// X_r, dofs kept × nc, m.
+    displacement: Vec<f64>,
+    /// Arguments of the laws, channels × nc, as in [`State`].
+    arguments: Vec<f64>,
+    condensed: Vec<Condensed>,
+    forces: Vec<ElementForce>,
+    /// D X + F − E in N; on a backbone the phase condition in units of the modal amplitude.
+    residual: Vec<f64>,
+    lu: Lu,
+}
+
+impl<'m> DisplacementForm<'m> {
+    /// System for `model` at a truncation; mode `tracked` fixes the phase of a backbone.
+    ///
+    /// # Errors
+    /// If contact pressures cannot be told apart from the forces on the dofs (two contacts at one dof), or for a kind of
+    /// backbone that this form does not have.
+    pub fn new(
+        model: &'m Model,
+        truncation: HarmonicSettings,
+        tracked: usize,
+        unknown: Unknown,
+        scales: Scales,
+    ) -> Result<Self, DisplacementError> {
+        if matches!(unknown, Unknown::PhaseResonance | Unknown::Mode { damped: false }) {
+            return Err(DisplacementError::Unsupported);
+        }
+        if model.elements.is_empty() {
+            return Err(DisplacementError::Linear);
+        }
+        let harmonics = truncation.count;
+        let nc = width(harmonics);
+        let channels = |element: &'m crate::structure::Element| element.channels.iter().take(element.law.arguments());
+        let mut kept: Vec<usize> = model.elements.iter().flat_map(channels).flatten().map(|&(dof, _)| dof).collect();
+        kept.sort_unstable();
+        kept.dedup();
+        let (mut parts, mut names) = (Vec::new(), Vec::new());
+        let mut first = 0;
+        for element in &model.elements {
+            let local = |channel: &Vec<(usize, f64)>| {
+                channel.iter().map(|&(dof, factor)| (kept.partition_point(|&k| k < dof), factor)).collect()
+            };
+            let contact = match &element.law {
+                LawKind::Contact(c) => Some(Normal { index: names.len(), epsilon: c.epsilon, gap: c.gap }),
+                _ => None,
+            };
+            if contact.is_some() {
+                names.push(element.name.as_str());
+            }
+            let channels: Vec<Vec<(usize, f64)>> = channels(element).map(local).collect();
+            let count = channels.len();
+            parts.push(Part { law: element.law.clone(), first, channels, contact });
+            first += count;
+        }
+        let contacts: Vec<&Part> = parts.iter().filter(|part| part.contact.is_some()).collect();
+        let normals = directions(kept.len(), contacts.iter().map(|part| &part.channels[0]));
+        let tangents = directions(kept.len(), contacts.iter().flat_map(|part| &part.channels[1..]));
+        let epsilon = contacts.iter().filter_map(|part| part.contact).map(|c| c.epsilon).fold(0.0, f64::max);
+        let stiffness = kept.iter().map(|&i| model.stiffness[(i, i)]).fold(0.0, f64::max);
+        let left_inverse = contacts::left_inverse(&normals, &tangents, &names)?;
+        let unknowns = kept.len() * nc;
+        let parameters = unknown.parameters().len();
+        Ok(Self {
+            forces: parts.iter().map(|_| ElementForce::default()).collect(),
+            displacement: vec![0.0; unknowns],
+            arguments: vec![0.0; first * nc],
+            metric: vec![1.0; unknowns + parameters],
+            condensation: Condensation::new(model, kept, tracked),
+            aft: Aft::new(truncation),
+            force_scale: if epsilon > 0.0 { epsilon } else { stiffness } * scales.length,
+            point: Point { omega: scales.frequency, decay: 0.0 },
+            forcing: 0.0,
+            condensed: Vec::new(),
+            residual: Vec::new(),
+            lu: Lu::default(),
+            model,
+            unknown,
+            scales,
+            harmonics,
+            nc,
+            parts,
+            left_inverse,
+        })
+    }
+
+    /// Sets the forcing amplitude A of a system whose unknown is the frequency.
+    pub fn set_forcing(&mut self, forcing: f64) {
+        self.forcing = forcing;
+    }
+
+    /// Sets the frequency of a system whose unknown is the forcing amplitude, rad/s.
+    pub fn set_frequency(&mut self, omega: f64) {
+        self.point.omega = omega;
+    }
+
+    /// Scaled state vector of a solution: X_r = Φ_r y.
+    pub fn encode(&self, state: &State) -> Vec<f64> {
+        let mut y = Vec::with_capacity(self.metric.len());
+        for &dof in self.condensation.kept() {
+            let series = state.combine(self.model.modes.shapes.row(dof).iter().copied());
+            y.extend(series.iter().map(|x| x / self.scales.length));
+        }
+        y.extend(self.unknown.encode(state, &self.scales));
+        y
+    }
+
+    /// Solution of a scaled state vector, all dofs recovered: modal amplitudes Φᵀ M x.
+    ///
+    /// # Errors
+    /// If the dofs without nonlinear force have an undamped resonance there.
+    pub fn decode(&mut self, y: &[f64]) -> Result<State, LinalgError> {
+        self.load(y);
+        self.evaluate()?;
+        let projection = self.model.modes.shapes.transpose().matmul(&self.model.mass);
+        let (n, nc) = (self.model.size(), self.nc);
+        let mut modal = vec![0.0; n * nc];
+        for k in 0..=self.harmonics {
+            let x = self.recover(k);
+            for (j, series) in modal.chunks_mut(nc).enumerate() {
+                set_complex(series, k, projection.row(j).iter().zip(&x).map(|(p, x)| p * x).sum());
+            }
+        }
+        Ok(State {
+            harmonics: self.harmonics,
+            omega: self.point.omega,
+            decay: self.point.decay,
+            forcing: self.forcing,
+            arguments: self.arguments.clone(),
+            modal,
+        })
+    }
+
+    /// Norm of the unbalanced forces at a solution of any formulation, over the dofs kept and all harmonics, relative to
+    /// that of the forcing, A‖s‖. A backbone has no forcing: relative to its damping forces C ẋ, which a forcing would
+    /// have to balance.
+    ///
+    /// # Errors
+    /// If the dofs without nonlinear force have an undamped resonance there.
+    pub fn residual_of(&mut self, state: &State) -> Result<f64, LinalgError> {
+        let y = self.encode(state);
+        self.load(&y);
+        self.point = Point { omega: state.omega, decay: state.decay };
+        self.forcing = state.forcing;
+        self.evaluate()?;
+        let rows = &self.residual[..self.displacement.len()];
+        let reference = if self.forcing == 0.0 {
+            let square = |k| {
+                let force = self.condensation.damping_times(&self.recover(k));
+                self.point.lambda(k).norm_sqr() * force.iter().map(Complex64::norm_sqr).sum::<f64>()
+            };
+            (0..=self.harmonics).map(square).sum::<f64>().sqrt()
+        } else {
+            self.forcing.abs() * self.condensation.shape_norm()
+        };
+        Ok(dot(rows, rows).sqrt() / reference)
+    }
+
+    /// Displacements of all dofs at harmonic k of the state last evaluated.
+    fn recover(&self, k: usize) -> Vec<Complex64> {
+        let kept: Vec<Complex64> = self.displacement.chunks(self.nc).map(|series| complex(series, k)).collect();
+        self.condensation.recover(&self.condensed[k], &kept, self.forcing)
+    }
+
+    /// Unscales `y`.
+    fn load(&mut self, y: &[f64]) {
+        let (displacement, parameters) = y.split_at(self.displacement.len());
+        for (x, y) in self.displacement.iter_mut().zip(displacement) {
+            *x = y * self.scales.length;
+        }
+        for (&parameter, value) in self.unknown.parameters().iter().zip(parameters) {
+            let value = value * parameter.unit(&self.scales);
+            match parameter {
+                Parameter::Frequency => self.point.omega = value,
+                Parameter::Decay => self.point.decay = value,
+                Parameter::Forcing => self.forcing = value,
+            }
+        }
+    }
+
+    /// Residual divided by its units, row after row.
+    fn scaled_residual(&self) -> impl Iterator<Item = f64> + '_ {
+        let balance = self.displacement.len();
+        self.residual.iter().enumerate().map(move |(i, r)| if i < balance { r / self.force_scale } else { *r })
+    }
+}
+
+/// Matrix of the directions of some channels, one column each.
+fn directions<'c>(dofs: usize, channels: impl Iterator<Item = &'c Vec<(usize, f64)>>) -> Matrix {
+    let channels: Vec<_> = channels.collect();
+    let mut matrix = Matrix::zeros(dofs, channels.len());
+    for (j, channel) in channels.iter().enumerate() {
+        for &(dof, factor) in *channel {
+            matrix[(dof, j)] += factor;
+        }
+    }
+    matrix
+}
+
+impl Problem for DisplacementForm<'_> {
+    fn len(&self) -> usize {
+        self.metric.len()
+    }
+
+    fn metric(&self) -> &[f64] {
+        &self.metric
+    }
+
+    fn linearise(&mut self, y: &mut [f64]) -> f64 {
+        self.load(y);
+        if !y.iter().all(|v| v.is_finite()) || self.point.omega <= 0.0 || self.evaluate().is_err() {
+            return f64::NAN;
+        }
+        self.scaled_residual().fold(0.0, |m, r| if r.is_nan() { f64::NAN } else { m.max(r.abs()) })
+    }
+
+    fn factor(&mut self, row: &[f64]) -> Result<(), LinalgError> {
+        self.assemble(row);
+        self.lu.factor()
+    }
+
+    fn is_factorisation_current(&self) -> bool {
+        true
+    }
+
+    fn orientation(&self) -> f64 {
+        self.lu.determinant_sign()
+    }
+
+    fn solve(&mut self, mismatch: f64, step: &mut [f64], tangent: &mut [f64]) {
+        for ((s, t), r) in step.iter_mut().zip(tangent.iter_mut()).zip(self.scaled_residual()) {
+            (*s, *t) = (-r, 0.0);
+        }
+        let last = self.metric.len() - 1;
+        (step[last], tangent[last]) = (-mismatch, 1.0);
+        self.lu.solve(step);
+        self.lu.solve(tangent);
+    }
+}

@@ -1,0 +1,81 @@
+//! Closed-form linear solutions: where branches and backbones start.
+
+use crate::formulation::harmonics::{complex, set_complex, width};
+use crate::formulation::pressure::PressureForm;
+use crate::formulation::receptance::{Point, Receptance};
+use crate::formulation::state::State;
+use crate::linalg::LinalgError;
+use crate::structure::Damping;
+use crate::structure::laws::{Law, LawKind};
+use rustfft::num_complex::Complex64;
+
+/// Linear response to the forcing of amplitude `forcing` at response frequency `omega` (rad/s).
+///
+/// # Errors
+/// At an undamped resonance.
+pub fn forced_response(problem: &PressureForm<'_>, forcing: f64, omega: f64) -> Result<State, LinalgError> {
+    let model = problem.model();
+    let (n, nc, m) = (model.size(), width(problem.harmonics()), model.forcing.harmonic);
+    let mut modal = vec![0.0; n * nc];
+    if m <= problem.harmonics() {
+        let mut receptance = Receptance::new(model, problem.harmonics(), Vec::new(), true);
+        let load: Vec<Complex64> = problem.modal_forcing().iter().map(|s| (forcing * s).into()).collect();
+        let mut y = vec![Complex64::default(); n];
+        receptance.solve_all(Point { omega, decay: 0.0 }, m, &load, &mut y)?;
+        for (series, y) in modal.chunks_mut(nc).zip(&y) {
+            set_complex(series, m, *y);
+        }
+    }
+    let arguments = problem.open_arguments(&modal);
+    Ok(State { harmonics: problem.harmonics(), omega, decay: 0.0, forcing, arguments, modal })
+}
+
+/// The linear mode `mode` (from 0) with its damping, Re q = 0, just below the first touch (see [`below_first_touch`]).
+pub fn mode_motion(problem: &PressureForm<'_>, mode: usize) -> State {
+    let model = problem.model();
+    let nc = width(problem.harmonics());
+    let omega = model.modes.frequencies[mode];
+    let damping = match problem.damping() {
+        Damping::Modal(c) => c[mode],
+        Damping::Full(c) => c[(mode, mode)],
+    };
+    let ratio = damping / (2.0 * omega);
+    let mut modal = vec![0.0; model.size() * nc];
+    // X_1 = −i b: motion b sin ωt.
+    modal[mode * nc + 2] = problem.scales().modal;
+    let state = State {
+        harmonics: problem.harmonics(),
+        omega: omega * (1.0 - ratio * ratio).max(0.0).sqrt(),
+        decay: ratio * omega,
+        forcing: 0.0,
+        arguments: Vec::new(),
+        modal,
+    };
+    below_first_touch(problem, state)
+}
+
+/// Scales a linear motion (and its forcing) to 99 % of the first touch; where a law acts at any amplitude, to a thousandth
+/// of the reference length.
+pub fn below_first_touch(problem: &PressureForm<'_>, mut state: State) -> State {
+    let nc = width(state.harmonics);
+    let largest = state.modal.iter().fold(0.0f64, |m, q| m.max(q.abs()));
+    let mut factor = f64::INFINITY;
+    let mut channel = 0;
+    for element in &problem.model().elements {
+        let series = state.combine(problem.channel_shape(channel).iter().copied());
+        let reach: f64 = (1..=nc / 2).map(|k| complex(&series, k).norm()).sum();
+        factor = factor.min(match &element.law {
+            LawKind::Contact(contact) if contact.gap > 0.0 => 0.99 * contact.gap / reach,
+            LawKind::PenaltySpring(spring) if spring.gap > 0.0 => 0.99 * spring.gap / reach,
+            _ => 1e-3 * problem.scales().modal / largest,
+        });
+        channel += element.law.arguments();
+    }
+    if !factor.is_finite() {
+        factor = problem.scales().modal / largest;
+    }
+    state.modal.iter_mut().for_each(|q| *q *= factor);
+    state.forcing *= factor;
+    state.arguments = problem.open_arguments(&state.modal);
+    state
+}

@@ -1,0 +1,65 @@
+//! A periodic (or decaying) solution in physical units.
+
+use crate::formulation::harmonics::{shift_phase, width};
+use serde::{Deserialize, Serialize};
+
+/// Harmonics of a solution: everything needed to restart from it or to rebuild any displacement.
+///
+/// Rotating the phase, storing and sending a solution need nothing else; displacements are x = Φ y.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct State {
+    /// Number of harmonics H; every series has nc = 2H + 1 numbers.
+    pub harmonics: usize,
+    /// Response frequency ω, rad/s.
+    pub omega: f64,
+    /// Decay rate ζ, 1/s (zero for forced responses).
+    pub decay: f64,
+    /// Forcing amplitude A (zero on a backbone).
+    pub forcing: f64,
+    /// Harmonics of the laws' arguments, channels × nc (contact: predicted pressure in N; displacements in m).
+    pub arguments: Vec<f64>,
+    /// Harmonics of the modal amplitudes, n × nc, kg^½·m.
+    pub modal: Vec<f64>,
+}
+
+impl State {
+    /// The same motion with time shifted: X_k ← X_k e^{ikφ}.
+    pub fn shifted(&self, phase: f64) -> State {
+        let mut state = self.clone();
+        let nc = width(self.harmonics);
+        for series in state.arguments.chunks_mut(nc).chain(state.modal.chunks_mut(nc)) {
+            shift_phase(series, phase);
+        }
+        state
+    }
+
+    /// (1 − share) self + share other, parameters included.
+    pub fn interpolate(&self, other: &State, share: f64) -> State {
+        let mix = |a: f64, b: f64| a + share * (b - a);
+        let series = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(&a, &b)| mix(a, b)).collect();
+        State {
+            harmonics: self.harmonics,
+            omega: mix(self.omega, other.omega),
+            decay: mix(self.decay, other.decay),
+            forcing: mix(self.forcing, other.forcing),
+            arguments: series(&self.arguments, &other.arguments),
+            modal: series(&self.modal, &other.modal),
+        }
+    }
+
+    /// Harmonics of mode `j`.
+    pub fn mode(&self, j: usize) -> &[f64] {
+        let nc = width(self.harmonics);
+        &self.modal[j * nc..(j + 1) * nc]
+    }
+
+    /// Harmonics of Σ_j shape_j y_j: a displacement if `shape` is a row of Φ.
+    pub fn combine(&self, shape: impl IntoIterator<Item = f64>) -> Vec<f64> {
+        let nc = width(self.harmonics);
+        let mut out = vec![0.0; nc];
+        for (factor, series) in shape.into_iter().zip(self.modal.chunks(nc)) {
+            crate::linalg::axpy(factor, series, &mut out);
+        }
+        out
+    }
+}

@@ -1,0 +1,225 @@
+//! Backbone: the nonlinear normal mode of one mode, or its resonances in quadrature with the forcing, with energies and
+//! modal contributions (paper [20–26]).
+
+use crate::curve::continuation::Continuation;
+use crate::curve::problem::{Failure, Problem};
+use crate::formulation::harmonics::width;
+use crate::formulation::linear;
+use crate::formulation::pressure::PressureForm;
+use crate::formulation::scales::Scales;
+use crate::formulation::state::State;
+use crate::formulation::unknown::Unknown;
+use crate::response::branch::{BranchPoint, Outcome, Stop};
+use crate::response::extrema::{insert_maxima, locate_maximum};
+use crate::response::melnikov::Energies;
+use crate::response::walk::{Bounds, Observer, Visited, walk, walk_both};
+use crate::settings::{BackboneEquation, Criterion, Settings, SettingsError};
+use crate::structure::Model;
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+/// A point of the backbone.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct BackbonePoint {
+    /// Motion, amplitudes, contact, certificate.
+    pub point: BranchPoint,
+    /// Energy balance.
+    pub energies: Energies,
+    /// Threshold amplitude A*: forced responses are predicted here for A > A*.
+    pub threshold: f64,
+    /// Share of each mode: max |γ_j(t)| over a period, γ_j = Φ_jᵀ M x, divided by their sum (paper [35, 36]).
+    pub contributions: Vec<f64>,
+    /// Scaled arc length from the first point.
+    pub arc: f64,
+}
+
+/// A nonlinear normal mode, or a curve of phase-resonant responses.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Backbone {
+    /// Mode it starts from, from 0.
+    pub mode: usize,
+    /// Points along the arc.
+    pub points: Vec<BackbonePoint>,
+    /// How it begins and ends.
+    pub outcome: Outcome,
+    /// Steps refused and repeated shorter.
+    pub rejections: usize,
+}
+
+/// Why there is no backbone at all.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum BackboneError {
+    /// A setting is out of its range.
+    #[error(transparent)]
+    Settings(#[from] SettingsError),
+    /// Not even the first point, close to the linear mode, converged.
+    #[error("the backbone of mode {mode} does not start near its linear range ({omega:.6} rad/s): {failure}")]
+    Start {
+        /// Mode, from 1.
+        mode: usize,
+        /// Its eigenfrequency, rad/s.
+        omega: f64,
+        /// Why.
+        failure: Failure,
+    },
+    /// The forced response given is not close to quadrature with the forcing.
+    #[error("no phase-resonant response near {omega:.6} rad/s: {failure}")]
+    Resonance {
+        /// Frequency of the forced response, rad/s.
+        omega: f64,
+        /// Why.
+        failure: Failure,
+    },
+}
+
+fn system<'m>(model: &'m Model, settings: &Settings, equation: BackboneEquation) -> PressureForm<'m> {
+    let unknown = match equation {
+        BackboneEquation::DampedMode => Unknown::Mode { damped: true },
+        BackboneEquation::ConservativeMode => Unknown::Mode { damped: false },
+        BackboneEquation::PhaseResonance => Unknown::PhaseResonance,
+    };
+    let scales = Scales::new(model, settings.tracked());
+    PressureForm::new(model, settings.harmonics, settings.tracked(), unknown, scales)
+}
+
+fn bounds(settings: &Settings, scales: &Scales) -> Bounds {
+    let limits = &settings.backbone;
+    let omega = scales.frequency;
+    Bounds {
+        frequency: (limits.min_frequency.unwrap_or(0.25 * omega), limits.max_frequency.unwrap_or(4.0 * omega)),
+        amplitude: limits.max_amplitude.unwrap_or(8.0 * scales.length),
+        points: limits.max_points,
+        closure: None,
+    }
+}
+
+impl Backbone {
+    /// Computes the backbone of `settings.backbone.mode`, telling `observer` of every point.
+    pub fn compute(model: &Model, settings: &Settings, observer: &mut Observer<'_>) -> Result<Self, BackboneError> {
+        settings.validate(model)?;
+        let mode = settings.tracked();
+        let omega = model.modes.frequencies[mode];
+        let not_started = |failure| BackboneError::Start { mode: mode + 1, omega, failure };
+        let equation = settings.backbone.equation;
+        let mut problem = system(model, settings, equation);
+        let start = match equation {
+            BackboneEquation::PhaseResonance => {
+                linear::forced_response(&problem, 1.0, omega / model.forcing.harmonic as f64)
+                    .map(|state| linear::below_first_touch(&problem, state))
+                    .map_err(|_| not_started(Failure::Singular))?
+            }
+            _ => linear::mode_motion(&problem, mode),
+        };
+        let y = problem.encode(&start);
+        let direction = problem.growth(&y);
+        let bounds = bounds(settings, problem.scales());
+        let (low, high) = bounds.frequency;
+        if !(low..=high).contains(&start.omega) {
+            let remedy = format!("mode {} starts at {} rad/s: choose bounds round it", mode + 1, start.omega);
+            let (key, value) =
+                if start.omega < low { ("backbone.min_frequency", low) } else { ("backbone.max_frequency", high) };
+            return Err(SettingsError { key, value: value.to_string(), remedy }.into());
+        }
+        let mut continuation =
+            Continuation::start(&mut problem, y, &direction, settings.continuation).map_err(not_started)?;
+        let (visited, stop) = walk(&mut continuation, &bounds, observer);
+        Ok(Self::assemble(&mut continuation, settings, visited, Outcome::Open(Stop::Start, stop)))
+    }
+
+    /// The phase-resonance backbone through a forced response near quadrature (see [`crate::response::forced::Forced::resonances`]),
+    /// both ways: finds the backbones that are not connected to any linear mode, from branches that are.
+    pub fn through(
+        model: &Model,
+        settings: &Settings,
+        near: &State,
+        observer: &mut Observer<'_>,
+    ) -> Result<Self, BackboneError> {
+        settings.validate(model)?;
+        let mut problem = system(model, settings, BackboneEquation::PhaseResonance);
+        let y = problem.encode(near);
+        let direction = problem.growth(&y);
+        let bounds = Bounds { closure: Some(settings.branch.closure), ..bounds(settings, problem.scales()) };
+        let walked = walk_both(&mut problem, y, &direction, &settings.continuation, &bounds, observer)
+            .map_err(|failure| BackboneError::Resonance { omega: near.omega, failure })?;
+        let first = walked.visited[walked.start].curve.clone();
+        let mut continuation = Continuation::start(&mut problem, first.y, &first.tangent, settings.continuation)
+            .map_err(|failure| BackboneError::Resonance { omega: near.omega, failure })?;
+        let backbone = Self::assemble(&mut continuation, settings, walked.visited, walked.outcome);
+        Ok(Self { rejections: walked.rejections, ..backbone })
+    }
+
+    /// Locates the extrema of the threshold curve and evaluates every point.
+    fn assemble(
+        continuation: &mut Continuation<'_, PressureForm<'_>>,
+        settings: &Settings,
+        visited: Vec<Visited>,
+        outcome: Outcome,
+    ) -> Self {
+        let criterion = settings.backbone.criterion;
+        let visited = with_threshold_extrema(continuation, visited, criterion);
+        let rejections = continuation.rejections();
+        let mut arc = 0.0;
+        let points = visited
+            .into_iter()
+            .map(|visited| {
+                arc += visited.curve.step;
+                evaluate(continuation.problem(), visited, arc, criterion)
+            })
+            .collect();
+        Self { mode: settings.tracked(), points, outcome, rejections }
+    }
+
+    /// Lowest and highest frequency, rad/s.
+    pub fn frequency_range(&self) -> (f64, f64) {
+        self.points
+            .iter()
+            .map(|p| p.point.omega())
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), omega| (low.min(omega), high.max(omega)))
+    }
+
+    /// Largest amplitude of the first monitored dof, m.
+    pub fn max_amplitude(&self) -> f64 {
+        self.points.iter().map(|p| p.point.amplitude()).fold(0.0, f64::max)
+    }
+}
+
+/// Inserts the minima and maxima of the threshold curve, located along the arc.
+fn with_threshold_extrema(
+    continuation: &mut Continuation<'_, PressureForm<'_>>,
+    visited: Vec<Visited>,
+    criterion: Criterion,
+) -> Vec<Visited> {
+    let log_threshold = |problem: &mut PressureForm<'_>, v: &Visited| {
+        energies_at(problem, &v.curve.y, &v.point.state).threshold(criterion).ln()
+    };
+    let values: Vec<f64> = visited.iter().map(|v| log_threshold(continuation.problem(), v)).collect();
+    let mut maxima = Vec::new();
+    for i in 1..visited.len().saturating_sub(1) {
+        let (before, here, after) = (values[i - 1], values[i], values[i + 1]);
+        let sign = match (here < before && here <= after, here > before && here >= after) {
+            (true, _) => -1.0,
+            (_, true) => 1.0,
+            _ => continue,
+        };
+        let arcs = (visited[i].curve.step, visited[i + 1].curve.step);
+        let values = [before, here, after].map(|v| sign * v);
+        let measure = move |problem: &mut PressureForm<'_>, v: &Visited| sign * log_threshold(problem, v);
+        maxima.push(locate_maximum(continuation, &visited, i, arcs, values, &measure));
+    }
+    insert_maxima(visited, maxima).0
+}
+
+/// Energies at a converged scaled state.
+fn energies_at(problem: &mut PressureForm<'_>, y: &[f64], state: &State) -> Energies {
+    problem.linearise(&mut y.to_vec());
+    Energies::evaluate(problem, state)
+}
+
+fn evaluate(problem: &mut PressureForm<'_>, visited: Visited, arc: f64, criterion: Criterion) -> BackbonePoint {
+    let energies = energies_at(problem, &visited.curve.y, &visited.point.state);
+    let nc = width(visited.point.state.harmonics);
+    let maxima: Vec<f64> = visited.point.state.modal.chunks(nc).map(|series| problem.aft().max_abs(series)).collect();
+    let sum: f64 = maxima.iter().sum();
+    let contributions = maxima.iter().map(|m| m / sum).collect();
+    BackbonePoint { point: visited.point, threshold: energies.threshold(criterion), energies, contributions, arc }
+}

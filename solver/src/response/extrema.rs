@@ -1,0 +1,156 @@
+//! Extrema of quantities along a curve: found between its points, located along the arc, inserted.
+
+use crate::curve::continuation::Continuation;
+use crate::formulation::pressure::PressureForm;
+use crate::response::branch::BranchPoint;
+use crate::response::walk::Visited;
+
+/// Indices of alternating minima and maxima (true) of a sequence, ignoring wiggles lower than `prominence`; the ends
+/// count as extrema.
+pub fn turning_points(values: &[f64], prominence: f64) -> Vec<(usize, bool)> {
+    let mut found = Vec::new();
+    let (mut low, mut high) = (0, 0);
+    let mut rising = None;
+    for (i, &value) in values.iter().enumerate() {
+        if value > values[high] {
+            high = i;
+        }
+        if value < values[low] {
+            low = i;
+        }
+        if rising != Some(true) && value > values[low] + prominence {
+            found.push((low, false));
+            (rising, high) = (Some(true), i);
+        } else if rising != Some(false) && value < values[high] - prominence {
+            found.push((high, true));
+            (rising, low) = (Some(false), i);
+        }
+    }
+    match rising {
+        Some(true) => found.push((high, true)),
+        Some(false) => found.push((low, false)),
+        None => {}
+    }
+    found
+}
+
+/// Something to maximise along a curve.
+pub type Measure<'f> = dyn Fn(&mut PressureForm<'_>, &Visited) -> f64 + 'f;
+
+/// A maximum located along the arc.
+#[derive(Debug, Clone)]
+pub struct Maximum {
+    /// Index of the visited point it was found from.
+    pub anchor: usize,
+    /// Arc length from there, and the point; `None` if the visited point itself is the maximum.
+    pub located: Option<(f64, Visited)>,
+}
+
+/// Locates a maximum of `measure` near `visited[anchor]`, whose value `values[1]` is not below those of its neighbours,
+/// `values[0]` and `values[2]` at arc lengths `-arcs.0` and `arcs.1`: successive parabolic interpolation, until the value
+/// changes by less than 1e-10 relative.
+pub fn locate_maximum(
+    continuation: &mut Continuation<'_, PressureForm<'_>>,
+    visited: &[Visited],
+    anchor: usize,
+    arcs: (f64, f64),
+    values: [f64; 3],
+    measure: &Measure<'_>,
+) -> Maximum {
+    let centre = &visited[anchor];
+    let (mut lower, mut best, mut upper) = ((-arcs.0, values[0]), (0.0, values[1]), (arcs.1, values[2]));
+    let mut located = None;
+    for _ in 0..40 {
+        let width = upper.0 - lower.0;
+        let gain = parabola_gain(lower, best, upper);
+        if width < 1e-6 || gain.is_some_and(|gain| gain < 1e-10 * best.1.abs()) {
+            break;
+        }
+        let farther = if upper.0 - best.0 > best.0 - lower.0 { upper.0 } else { lower.0 };
+        let inside = |s: &f64| *s > lower.0 + 1e-3 * width && *s < upper.0 - 1e-3 * width;
+        let mut s = parabola_vertex(lower, best, upper).filter(inside).unwrap_or(best.0 + 0.38 * (farther - best.0));
+        if (s - best.0).abs() < 1e-3 * width {
+            s = best.0 + (1e-2 * width).copysign(farther - best.0);
+        }
+        let Ok(curve) = continuation.probe(&centre.curve, s) else { break };
+        let point = BranchPoint::evaluate(continuation.problem(), &curve);
+        let trial_point = Visited { curve, point };
+        let trial = (s, measure(continuation.problem(), &trial_point));
+        let better = trial.1 > best.1;
+        match (better, s > best.0) {
+            (true, true) => (lower, best) = (best, trial),
+            (true, false) => (upper, best) = (best, trial),
+            (false, true) => upper = trial,
+            (false, false) => lower = trial,
+        }
+        if better {
+            located = Some((s, trial_point));
+        }
+    }
+    Maximum { anchor, located }
+}
+
+/// Inserts located maxima between the visited points (steps are kept consistent with the arc) and returns the index of
+/// each of them in the new list, in the order given.
+pub fn insert_maxima(visited: Vec<Visited>, maxima: Vec<Maximum>) -> (Vec<Visited>, Vec<usize>) {
+    /// Where an entry of the new list comes from.
+    #[derive(PartialEq)]
+    enum Origin {
+        Visited(usize),
+        Located(usize),
+    }
+    let mut arc = 0.0;
+    let mut entries: Vec<(f64, Visited, Origin)> = Vec::with_capacity(visited.len() + maxima.len());
+    for (i, v) in visited.into_iter().enumerate() {
+        arc += v.curve.step;
+        entries.push((arc, v, Origin::Visited(i)));
+    }
+    let mut origins = Vec::with_capacity(maxima.len());
+    for (label, Maximum { anchor, located }) in maxima.into_iter().enumerate() {
+        origins.push(match located {
+            Some((offset, v)) => {
+                entries.push((entries[anchor].0 + offset, v, Origin::Located(label)));
+                Origin::Located(label)
+            }
+            None => Origin::Visited(anchor),
+        });
+    }
+    entries.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let place = |origin: &Origin| entries.iter().position(|entry| entry.2 == *origin).unwrap_or(0);
+    let indices = origins.iter().map(place).collect();
+    let mut last = entries.first().map_or(0.0, |entry| entry.0);
+    let merged = entries
+        .into_iter()
+        .map(|(position, mut v, _)| {
+            v.curve.step = position - std::mem::replace(&mut last, position);
+            v
+        })
+        .collect();
+    (merged, indices)
+}
+
+/// Position of the vertex of the parabola through three points.
+fn parabola_vertex(a: (f64, f64), b: (f64, f64), c: (f64, f64)) -> Option<f64> {
+    let (p, q) = ((b.0 - a.0) * (b.1 - c.1), (b.0 - c.0) * (b.1 - a.1));
+    let s = b.0 - 0.5 * ((b.0 - a.0) * p - (b.0 - c.0) * q) / (p - q);
+    s.is_finite().then_some(s)
+}
+
+/// How far the vertex of the parabola through three points lies above the middle one.
+fn parabola_gain(a: (f64, f64), b: (f64, f64), c: (f64, f64)) -> Option<f64> {
+    let s = parabola_vertex(a, b, c)?;
+    let curvature = ((c.1 - b.1) / (c.0 - b.0) - (b.1 - a.1) / (b.0 - a.0)) / (c.0 - a.0);
+    Some((curvature * (s - b.0) * (s - b.0)).abs())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn turning_points_ignore_wiggles() {
+        let values = [1.0, 0.5, 0.2, 0.2001, 0.1999, 0.6, 0.9, 0.8999, 0.95, 0.3];
+        assert_eq!(turning_points(&values, 0.01), vec![(0, true), (4, false), (8, true), (9, false)]);
+        assert!(turning_points(&[1.0, 1.0001, 1.0], 0.01).is_empty());
+    }
+}

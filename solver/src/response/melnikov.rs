@@ -1,0 +1,101 @@
+//! Melnikov energy balance over one period (paper [27–31]).
+
+use crate::formulation::harmonics::width;
+use crate::formulation::pressure::PressureForm;
+use crate::formulation::state::State;
+use crate::settings::Criterion;
+use crate::structure::Damping;
+use serde::{Deserialize, Serialize};
+use std::f64::consts::PI;
+
+/// Energies of one period at a backbone point, in J.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Energies {
+    /// Dissipated by the linear damping: R_lin = π ω Σ k² (a_kᵀ C a_k + b_kᵀ C b_k).
+    pub linear: f64,
+    /// Dissipated by the nonlinear forces: R_nl = π Σ k (b_k·fa_k − a_k·fb_k); negative if friction feeds energy in.
+    pub nonlinear: f64,
+    /// Largest work of the forcing per unit amplitude, W/A = π m |X_m·s|.
+    pub work_per_amplitude: f64,
+    /// |R_lin + R_nl − 2πωζ Σ k³ X_kᴴ M X_k − W sin ψ| over |R_lin| + |R_nl|, R_lin with the damping that acts on the
+    /// backbone, W sin ψ the work of the forcing if it acts: zero at an exact point.
+    pub certificate: f64,
+}
+
+impl Energies {
+    /// Threshold amplitude A*: forced responses are predicted for A > A*. Infinite where the forcing does no work.
+    pub fn threshold(&self, criterion: Criterion) -> f64 {
+        let dissipated = match criterion {
+            Criterion::Balance => (self.linear + self.nonlinear).abs(),
+            Criterion::Sufficient => self.linear.abs() + self.nonlinear.abs(),
+        };
+        if self.work_per_amplitude > 0.0 { dissipated / self.work_per_amplitude } else { f64::INFINITY }
+    }
+
+    /// (R_lin + R_nl)/(W/A): sine of the phase between forcing and motion, times A.
+    pub fn balance(&self) -> f64 {
+        (self.linear + self.nonlinear) / self.work_per_amplitude
+    }
+
+    /// Energies of a state just linearised by `problem` (its forces are used).
+    pub fn evaluate(problem: &PressureForm<'_>, state: &State) -> Self {
+        let model = problem.model();
+        let (omega, nc) = (state.omega, width(state.harmonics));
+        let linear = dissipation(&model.damping, state);
+        let acting = dissipation(problem.damping(), state);
+        let mut nonlinear = 0.0;
+        for (u, force) in problem.force().chunks(nc).enumerate() {
+            if force.iter().all(|&f| f == 0.0) {
+                continue;
+            }
+            let x = state.combine(problem.channel_shape(u).iter().copied());
+            for k in 1..=state.harmonics {
+                let (a, b) = (2 * k - 1, 2 * k);
+                nonlinear += PI * k as f64 * (x[b] * force[a] - x[a] * force[b]);
+            }
+        }
+        let weighted: f64 = state
+            .modal
+            .chunks(nc)
+            .flat_map(|y| {
+                (1..=state.harmonics).map(move |k| (k as f64).powi(3) * (y[2 * k - 1].powi(2) + y[2 * k].powi(2)))
+            })
+            .sum();
+        let stored = 2.0 * PI * omega * state.decay * weighted;
+        // What the forcing puts in, if there is one.
+        let input = PI * model.forcing.harmonic as f64 * state.forcing * -forcing_projection(problem, state).im;
+        let scale = linear.abs() + nonlinear.abs();
+        Self {
+            linear,
+            nonlinear,
+            work_per_amplitude: PI * model.forcing.harmonic as f64 * forcing_projection(problem, state).norm(),
+            certificate: if scale > 0.0 { (acting + nonlinear - stored - input).abs() / scale } else { 0.0 },
+        }
+    }
+}
+
+/// X_m·s: the motion on the forcing shape at the forcing harmonic (zero if m > H).
+pub fn forcing_projection(problem: &PressureForm<'_>, state: &State) -> rustfft::num_complex::Complex64 {
+    let m = problem.model().forcing.harmonic;
+    if m > state.harmonics {
+        return Default::default();
+    }
+    let series = state.combine(problem.modal_forcing().iter().copied());
+    crate::formulation::harmonics::complex(&series, m)
+}
+
+/// R_lin in modal coordinates.
+fn dissipation(damping: &Damping, state: &State) -> f64 {
+    let product = |i: usize, j: usize| -> f64 {
+        let (x, y) = (state.mode(i), state.mode(j));
+        (1..=state.harmonics).map(|k| (k * k) as f64 * (x[2 * k - 1] * y[2 * k - 1] + x[2 * k] * y[2 * k])).sum()
+    };
+    let sum: f64 = match damping {
+        Damping::Modal(c) => c.iter().enumerate().map(|(j, c)| c * product(j, j)).sum(),
+        Damping::Full(c) => {
+            let entries = (0..c.rows()).flat_map(|i| (0..c.cols()).map(move |j| (i, j)));
+            entries.map(|(i, j)| c[(i, j)] * product(i, j)).sum()
+        }
+    };
+    PI * state.omega * sum
+}

@@ -1,0 +1,13 @@
+//! What a structure does: its backbones, the energy balance along them, its forced responses and how they are found.
+
+pub mod backbone;
+pub mod branch;
+pub mod extrema;
+pub mod forced;
+pub mod forcing;
+pub mod level;
+pub mod melnikov;
+pub mod seeds;
+pub mod task;
+pub mod walk;
+pub mod windows;

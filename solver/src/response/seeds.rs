@@ -1,0 +1,208 @@
+//! Seeds: backbone motions shifted in time so that the forcing feeds in what is dissipated; landing on forced responses.
+
+use crate::curve::problem::Failure;
+use crate::formulation::pressure::PressureForm;
+use crate::formulation::state::State;
+use crate::response::backbone::Backbone;
+use crate::response::forced::Forced;
+use crate::response::forcing::through_motion;
+use crate::response::melnikov::forcing_projection;
+use crate::response::windows::Window;
+use serde::{Deserialize, Serialize};
+use std::ops::RangeInclusive;
+use thiserror::Error;
+
+/// The two time shifts per backbone point at which the forcing does the right work.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Phase {
+    /// ψ = asin((R_lin + R_nl)/W).
+    First,
+    /// ψ = π − asin((R_lin + R_nl)/W).
+    Second,
+}
+
+/// A predicted forced response.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Seed {
+    /// Predicted motion at its frequency, with its forcing amplitude.
+    pub state: State,
+    /// Place on the backbone: index of a point, and between points the share of the way to the next.
+    pub place: f64,
+    /// Which of the two phases.
+    pub phase: Phase,
+}
+
+/// A backbone motion at a place, interpolated between points, and its (R_lin + R_nl)/(W/A).
+fn motion(backbone: &Backbone, place: f64) -> (State, f64) {
+    let index = place as usize;
+    let here = &backbone.points[index];
+    let share = place - index as f64;
+    match backbone.points.get(index + 1) {
+        Some(next) if share > 0.0 => {
+            let (from, to) = (here.energies.balance(), next.energies.balance());
+            (here.point.state.interpolate(&next.point.state, share), from + share * (to - from))
+        }
+        _ => (here.point.state.clone(), here.energies.balance()),
+    }
+}
+
+/// Seed at a place of the backbone (see [`Seed::place`]) for forcing amplitude `forcing`.
+pub fn seed(problem: &PressureForm<'_>, backbone: &Backbone, place: f64, phase: Phase, forcing: f64) -> Seed {
+    let (state, balance) = motion(backbone, place);
+    let m = problem.model().forcing.harmonic as f64;
+    let angle = (balance / forcing).clamp(-1.0, 1.0).asin();
+    let psi = match phase {
+        Phase::First => angle,
+        Phase::Second => std::f64::consts::PI - angle,
+    };
+    let shift = -(psi + forcing_projection(problem, &state).arg()) / m;
+    let mut state = state.shifted(shift);
+    (state.forcing, state.decay) = (forcing, 0.0);
+    Seed { state, place, phase }
+}
+
+/// Landing no farther than this from its seed is a landing on what was predicted. Motions are compared whatever their
+/// phases: where the dissipation changes steeply along the backbone, a response at the seed's own frequency has another
+/// phase than the balance alone gives.
+const NEAR: f64 = 0.3;
+
+/// A converged forced response and its distance from the seed that led to it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Landing {
+    /// The response.
+    pub state: State,
+    /// Relative distance of the two motions.
+    pub distance: f64,
+}
+
+impl Landing {
+    /// Whether this is what was predicted. A landing that is not may still be a response that nobody knew.
+    pub fn is_near(&self) -> bool {
+        self.distance <= NEAR
+    }
+}
+
+/// Why a seed did not lead to a forced response.
+#[derive(Debug, Clone, Copy, PartialEq, Error, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum LandingFailure {
+    /// No point of the window converged.
+    #[error("no seed of the window converged: {0}")]
+    NotConverged(Failure),
+    /// Every point that converged did so far from its prediction, this relative distance at best, on a known branch.
+    #[error(
+        "every seed that converged ended far from its prediction, on a known branch (relative distance {0:.2} or more)"
+    )]
+    Far(f64),
+}
+
+/// How a seed is turned into a forced response.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Way {
+    /// At the seed's own frequency, with the full forcing.
+    FixedFrequency,
+    /// By fold-safe steps in the forcing amplitude, from where the energy balance just closes: slower, for windows where
+    /// the other way finds nothing.
+    SteppedForcing,
+}
+
+/// Seeds to land from in turn, the most promising places of a well first.
+pub fn candidates(
+    problem: &PressureForm<'_>,
+    backbone: &Backbone,
+    well: &Window,
+    phase: Phase,
+    way: Way,
+    forcing: f64,
+) -> Vec<Seed> {
+    let places = places(backbone, well, forcing);
+    match way {
+        Way::FixedFrequency => places.into_iter().map(|place| seed(problem, backbone, place, phase, forcing)).collect(),
+        // The best places are enough: a walk in A passes through the motions of the others.
+        Way::SteppedForcing => {
+            let best = places.into_iter().take(3);
+            best.map(|place| {
+                let closing = motion(backbone, place).1.abs().clamp(1e-3 * forcing, forcing);
+                seed(problem, backbone, place, phase, closing)
+            })
+            .collect()
+        }
+    }
+}
+
+/// Lands on a forced response from several seeds in turn, until one leads where it should; otherwise the nearest landing
+/// counts.
+pub fn land(forced: &mut Forced<'_>, seeds: &[Seed], way: Way) -> Result<Landing, Failure> {
+    let mut nearest: Result<Landing, Failure> = Err(Failure::Diverged);
+    for seed in seeds {
+        let landed = match way {
+            Way::FixedFrequency => land_at_frequency(forced, seed),
+            Way::SteppedForcing => land_by_forcing(forced, seed),
+        };
+        match (landed, &nearest) {
+            (Ok(landing), _) if landing.is_near() => return Ok(landing),
+            (Ok(landing), Ok(best)) if best.distance <= landing.distance => {}
+            (Ok(landing), _) => nearest = Ok(landing),
+            (Err(failure), Err(_)) => nearest = Err(failure),
+            (Err(_), Ok(_)) => {}
+        }
+    }
+    nearest
+}
+
+fn land_at_frequency(forced: &mut Forced<'_>, seed: &Seed) -> Result<Landing, Failure> {
+    let state = forced.converge(&seed.state)?;
+    let distance = forced.motion_distance(&state, &seed.state);
+    Ok(Landing { state, distance })
+}
+
+fn land_by_forcing(forced: &mut Forced<'_>, seed: &Seed) -> Result<Landing, Failure> {
+    let mut best: Result<Landing, Failure> = Err(Failure::OutOfReach);
+    for state in through_motion(forced.problem.model(), forced.settings(), forced.forcing(), &seed.state)? {
+        let Ok(landed) = forced.converge(&state) else { continue };
+        let distance = forced.motion_distance(&landed, &seed.state);
+        if best.as_ref().is_ok_and(|best| best.distance <= distance) {
+            continue;
+        }
+        best = Ok(Landing { state: landed, distance });
+    }
+    best
+}
+
+/// Places to try. Near the edges of a window, where A* is close to A, the forced response crosses the backbone and the
+/// prediction is nearly exact; far inside, where the forcing exceeds what is dissipated many times, it is poor. Edges are
+/// interpolated: a window may hold no more than a point or two.
+fn places(backbone: &Backbone, window: &Window, forcing: f64) -> Vec<f64> {
+    let nearest = |indices: RangeInclusive<usize>, ratio: f64| {
+        let distance = |i: usize| (backbone.points[i].threshold / forcing - ratio).abs();
+        indices.min_by(|&a, &b| distance(a).total_cmp(&distance(b))).unwrap_or(window.best)
+    };
+    let edge = |indices: RangeInclusive<usize>, inside: usize, outside: Option<usize>| {
+        let crossing = outside.and_then(|outside| crossing(backbone, inside, outside, 0.9 * forcing));
+        crossing.unwrap_or(nearest(indices, 0.9) as f64)
+    };
+    let (left, right) = (window.first..=window.best, window.best..=window.last);
+    let inner = nearest(right.clone(), 0.5) as f64;
+    let after = Some(window.last + 1).filter(|&index| index < backbone.points.len());
+    let edges = [edge(right, window.last, after), edge(left, window.first, window.first.checked_sub(1))];
+    let span = (window.last - window.first) as f64;
+    let between = [0.5, 0.25, 0.75].map(|share| (window.first as f64 + share * span).round());
+    let mut list: Vec<f64> = Vec::new();
+    for place in [inner].into_iter().chain(edges).chain([window.best as f64]).chain(between) {
+        if !list.contains(&place) {
+            list.push(place);
+        }
+    }
+    list
+}
+
+/// Where the balance passes ±`level` between a point below it and a neighbouring point above it.
+fn crossing(backbone: &Backbone, inside: usize, outside: usize, level: f64) -> Option<f64> {
+    let balance = |index: usize| backbone.points[index].energies.balance();
+    let (from, to) = (balance(inside), balance(outside));
+    let share = (level.copysign(to) - from) / (to - from);
+    let forwards = if outside > inside { share } else { -share };
+    (0.0..=1.0).contains(&share).then_some(inside as f64 + forwards)
+}

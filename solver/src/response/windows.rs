@@ -1,0 +1,123 @@
+//! Windows of the Melnikov balance: where along the backbone forced responses are predicted, for any forcing amplitude.
+
+use crate::response::backbone::Backbone;
+use crate::response::extrema::turning_points;
+use serde::{Deserialize, Serialize};
+
+/// A maximal arc of the backbone with threshold A* < A.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Window {
+    /// Index of the first backbone point inside.
+    pub first: usize,
+    /// Index of the last backbone point inside.
+    pub last: usize,
+    /// Index of the point with the smallest threshold.
+    pub best: usize,
+    /// Smallest threshold amplitude inside.
+    pub threshold: f64,
+    /// Lowest and highest frequency inside, rad/s.
+    pub omega: (f64, f64),
+}
+
+/// Windows at forcing amplitude `forcing`, in the order of the backbone.
+pub fn windows(backbone: &Backbone, forcing: f64) -> Vec<Window> {
+    let mut windows = Vec::new();
+    let mut first = None;
+    for (index, point) in backbone.points.iter().enumerate() {
+        let inside = point.threshold < forcing;
+        match (inside, first) {
+            (true, None) => first = Some(index),
+            (false, Some(begin)) => {
+                windows.extend(Window::covering(backbone, begin, index - 1));
+                first = None;
+            }
+            _ => {}
+        }
+    }
+    if let Some(begin) = first {
+        windows.extend(Window::covering(backbone, begin, backbone.points.len() - 1));
+    }
+    windows
+}
+
+impl Window {
+    /// The wells of a window: its parts between neighbouring maxima of A*, one for each minimum. A barrier below A is
+    /// predicted to have been passed, but forced responses on its two sides may still be separate.
+    pub fn wells(&self, backbone: &Backbone) -> Vec<Window> {
+        let points = &backbone.points[self.first..=self.last];
+        let logs: Vec<f64> = points.iter().map(|p| p.threshold.ln()).collect();
+        let barriers = turning_points(&logs, PROMINENCE)
+            .into_iter()
+            .filter(|&(i, is_maximum)| is_maximum && i > 0 && i + 1 < points.len())
+            .map(|(i, _)| self.first + i);
+        let mut wells = Vec::new();
+        let mut first = self.first;
+        for last in barriers.chain([self.last]) {
+            wells.extend(Self::covering(backbone, first, last));
+            first = last;
+        }
+        wells
+    }
+
+    /// The window over backbone points `first` to `last`.
+    fn covering(backbone: &Backbone, first: usize, last: usize) -> Option<Window> {
+        let range = first..=last;
+        let best =
+            range.clone().min_by(|&a, &b| backbone.points[a].threshold.total_cmp(&backbone.points[b].threshold))?;
+        let omegas = range.map(|i| backbone.points[i].point.omega());
+        let omega = omegas.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), w| (low.min(w), high.max(w)));
+        Some(Window { first, last, best, threshold: backbone.points[best].threshold, omega })
+    }
+}
+
+/// Whether windows appear or join.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum EventKind {
+    /// Minimum of the threshold: a window is born.
+    Birth,
+    /// Maximum of the threshold: two neighbouring windows merge.
+    Merge,
+}
+
+/// A birth or a merge of windows, for all forcing amplitudes at once.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Event {
+    /// Birth or merge.
+    pub kind: EventKind,
+    /// Index of the backbone point.
+    pub index: usize,
+    /// Forcing amplitude A* at which it happens.
+    pub threshold: f64,
+    /// Frequency, rad/s.
+    pub omega: f64,
+    /// Amplitude of the first monitored dof, m.
+    pub amplitude: f64,
+    /// Mode (from 0) that contributes most beside the one followed; `None` for a single mode.
+    pub mode: Option<usize>,
+}
+
+/// Relative height below which an extremum of the threshold curve is noise.
+const PROMINENCE: f64 = 1e-3;
+
+/// Births and merges along the backbone, alternating, in its order. The start of the backbone is not a birth: the main
+/// response is always there.
+pub fn events(backbone: &Backbone) -> Vec<Event> {
+    let logs: Vec<f64> = backbone.points.iter().map(|p| p.threshold.ln()).collect();
+    turning_points(&logs, PROMINENCE)
+        .into_iter()
+        .filter(|&(index, _)| index > 0 && index + 1 < logs.len())
+        .map(|(index, is_maximum)| {
+            let point = &backbone.points[index];
+            let others = point.contributions.iter().enumerate().filter(|&(j, _)| j != backbone.mode);
+            Event {
+                kind: if is_maximum { EventKind::Merge } else { EventKind::Birth },
+                index,
+                threshold: point.threshold,
+                omega: point.point.omega(),
+                amplitude: point.point.amplitude(),
+                mode: others.max_by(|a, b| a.1.total_cmp(b.1)).map(|(j, _)| j),
+            }
+        })
+        .collect()
+}

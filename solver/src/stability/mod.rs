@@ -1,0 +1,3 @@
+//! What happens in time: marching without harmonics.
+
+pub mod marching;

@@ -1,0 +1,316 @@
+//! From raw settings to a checked [`Model`]: files are read, names become dof numbers, defaults are filled in.
+
+use super::config::{Config, ContactConfig, DampingConfig, DirectionConfig, LawConfig, MatrixConfig, ModesConfig};
+use super::config::{NodeConfig, ShapeConfig};
+use super::error::{ModelError, Place};
+use super::layers::Layers;
+use super::parts::{DampingParts, ForcingShape};
+use super::structure::{Rest, Structure};
+use super::structure::{above_zero, at_least_zero, check_law, check_ratio, check_sense, duplicate, symmetric};
+use super::{Element, Model, matrix_market};
+use crate::linalg::Matrix;
+use crate::structure::laws::{Contact, Friction, LawKind};
+use std::collections::BTreeMap;
+use std::path::Path;
+
+type Direction = Vec<(usize, f64)>;
+
+/// Builds the model that `config`, read from the folder `dir`, describes.
+pub(super) fn build(dir: &Path, config: Config, origin: &Layers) -> Result<Model, ModelError> {
+    let mass = matrix(dir, &config.matrices.mass, origin, "matrices.mass")?;
+    let stiffness = matrix(dir, &config.matrices.stiffness, origin, "matrices.stiffness")?;
+    let structure = Structure::new(config.dofs.unwrap_or_default(), mass, stiffness, origin)?;
+    let builder = Builder { origin, structure };
+    let damping = match &config.matrices.damping {
+        Some(source) => {
+            builder.no_other_damping(&config.damping)?;
+            let (place, matrix) = matrix(dir, source, origin, "matrices.damping")?;
+            DampingParts::Matrix(symmetric(&place, matrix, builder.structure.size())?)
+        }
+        None => builder.damping(config.damping)?,
+    };
+    let shape = builder.shape(config.forcing.shape)?;
+    let mut elements = builder.contacts(&config.contact)?;
+    for (i, law) in config.laws.into_iter().enumerate() {
+        elements.push(builder.law(law, i)?);
+    }
+    if let Some(name) = duplicate(elements.iter().map(|element| &element.name)) {
+        // The second one is at fault; contact nodes come first.
+        let last = elements.iter().rposition(|element| element.name == name).unwrap_or(0);
+        let key = match last.checked_sub(config.contact.nodes.len()) {
+            None => format!("contact.nodes[{last}].name"),
+            Some(law) => format!("laws[{law}].name"),
+        };
+        return Err(ModelError::Duplicate { place: origin.place(key), what: "nonlinear element", name });
+    }
+    let monitors = match config.monitors {
+        None => vec![],
+        Some(names) if names.is_empty() => {
+            return Err(ModelError::value(
+                origin.place("monitors"),
+                "[]",
+                "name at least one dof, or leave the key out",
+            ));
+        }
+        Some(names) => names
+            .iter()
+            .enumerate()
+            .map(|(i, name)| builder.dof(name, || format!("monitors[{i}]")))
+            .collect::<Result<_, _>>()?,
+    };
+    let folder = dir.canonicalize().unwrap_or_else(|_| dir.to_path_buf());
+    let folder = folder.file_name().map_or_else(|| "model".into(), |name| name.to_string_lossy().into_owned());
+    let name = config.name.unwrap_or(folder);
+    let rest = Rest { name, damping, shape, harmonic: config.forcing.harmonic, elements, monitors };
+    builder.structure.complete(rest, origin)
+}
+
+/// Reads a matrix; its place names the file that holds it.
+fn matrix(dir: &Path, source: &MatrixConfig, origin: &Layers, key: &str) -> Result<(Place, Matrix), ModelError> {
+    match source {
+        MatrixConfig::File(name) => {
+            let file = dir.join(name);
+            let place = origin.place_in(file.clone(), key);
+            let text = std::fs::read_to_string(&file).map_err(|source| ModelError::Read {
+                place: place.clone(),
+                source,
+                remedy: format!("put `{name}` beside model.toml, or name another Matrix Market file there"),
+            })?;
+            Ok((place, matrix_market::parse(&file, &text)?))
+        }
+        MatrixConfig::Rows(rows) => {
+            let place = origin.place(key);
+            let cols = rows.first().map_or(0, Vec::len);
+            if let Some(i) = rows.iter().position(|row| row.len() != cols) {
+                let remedy =
+                    format!("has {} entries but row 1 has {cols}; give rows of the same length", rows[i].len());
+                return Err(ModelError::value(place, format!("row {}", i + 1), remedy));
+            }
+            let matrix = Matrix::from_fn(rows.len(), cols, |i, j| rows[i][j]);
+            Ok((place, matrix))
+        }
+    }
+}
+
+struct Builder<'a> {
+    origin: &'a Layers,
+    structure: Structure,
+}
+
+impl Builder<'_> {
+    fn dof(&self, name: &str, key: impl Fn() -> String) -> Result<usize, ModelError> {
+        let dofs = &self.structure.dofs;
+        dofs.iter()
+            .position(|dof| dof == name)
+            .ok_or_else(|| ModelError::unknown(self.origin.place(key()), name, dofs.iter().map(String::as_str)))
+    }
+
+    fn combination(&self, terms: &BTreeMap<String, f64>, key: &str) -> Result<Direction, ModelError> {
+        let mut direction = Vec::with_capacity(terms.len());
+        for (name, &b) in terms {
+            if !b.is_finite() || b == 0.0 {
+                let remedy = "a coefficient must be a finite number other than zero";
+                return Err(ModelError::value(self.origin.place(format!("{key}.{name}")), b, remedy));
+            }
+            direction.push((self.dof(name, || format!("{key}.{name}"))?, b));
+        }
+        if direction.is_empty() {
+            return Err(ModelError::value(self.origin.place(key), "{}", "name at least one dof, like {x1 = 1}"));
+        }
+        Ok(direction)
+    }
+
+    fn direction(&self, config: &DirectionConfig, key: &str) -> Result<Direction, ModelError> {
+        match config {
+            DirectionConfig::Dof(name) => Ok(vec![(self.dof(name, || key.to_string())?, 1.0)]),
+            DirectionConfig::Coefficients(terms) => self.combination(terms, key),
+        }
+    }
+
+    fn no_other_damping(&self, config: &DampingConfig) -> Result<(), ModelError> {
+        let given = [
+            ("damping.ratios", config.ratios.is_some()),
+            ("damping.default_ratio", config.default_ratio.is_some()),
+            ("damping.rayleigh", config.rayleigh.is_some()),
+        ];
+        match given.into_iter().find(|(_, given)| *given) {
+            None => Ok(()),
+            Some((key, _)) => {
+                let remedy = "`matrices.damping` gives the damping already; remove one of the two";
+                Err(ModelError::value(self.origin.place(key), "given", remedy))
+            }
+        }
+    }
+
+    fn damping(&self, config: DampingConfig) -> Result<DampingParts, ModelError> {
+        let n = self.structure.size();
+        if let Some(rayleigh) = config.rayleigh {
+            if config.ratios.is_some() || config.default_ratio.is_some() {
+                let remedy =
+                    "`damping.ratios` or `damping.default_ratio` gives the damping already; remove one of them";
+                return Err(ModelError::value(self.origin.place("damping.rayleigh"), "given", remedy));
+            }
+            return Ok(DampingParts::Rayleigh { mass: rayleigh.mass, stiffness: rayleigh.stiffness });
+        }
+        let default = config.default_ratio.unwrap_or(DampingConfig::DEFAULT_RATIO);
+        check_ratio(self.origin.place("damping.default_ratio"), default)?;
+        let mut ratios = vec![None; n];
+        for (i, entry) in config.ratios.unwrap_or_default().iter().enumerate() {
+            check_ratio(self.origin.place(format!("damping.ratios[{i}].ratio")), entry.ratio)?;
+            let place = self.origin.place(format!("damping.ratios[{i}].modes"));
+            let (text, range) = match &entry.modes {
+                ModesConfig::One(mode) => (mode.to_string(), Some((*mode, *mode))),
+                ModesConfig::Range(text) => (text.clone(), mode_range(text)),
+            };
+            let Some((first, last)) = range.filter(|&(first, last)| 1 <= first && first <= last && last <= n) else {
+                let remedy = format!("expected a mode number or an ascending range \"a-b\" within 1 to {n}");
+                return Err(ModelError::value(place, text, remedy));
+            };
+            for (mode, slot) in ratios.iter_mut().enumerate().take(last).skip(first - 1) {
+                if slot.replace(entry.ratio).is_some() {
+                    let remedy = format!("mode {} has a ratio already; give it once", mode + 1);
+                    return Err(ModelError::value(place, text, remedy));
+                }
+            }
+        }
+        Ok(DampingParts::Ratios(ratios.into_iter().map(|ratio| ratio.unwrap_or(default)).collect()))
+    }
+
+    fn shape(&self, config: ShapeConfig) -> Result<ForcingShape, ModelError> {
+        let n = self.structure.size();
+        Ok(match config {
+            ShapeConfig::Mode(number) => ForcingShape::Mode(number),
+            ShapeConfig::ModeShape(number) => ForcingShape::ModeShape(number),
+            ShapeConfig::Constant(force) => ForcingShape::Vector(vec![force; n]),
+            ShapeConfig::Dofs(forces) => {
+                let mut shape = vec![0.0; n];
+                for (name, force) in &forces {
+                    shape[self.dof(name, || format!("forcing.shape.dofs.{name}"))?] = *force;
+                }
+                ForcingShape::Vector(shape)
+            }
+        })
+    }
+
+    fn contacts(&self, config: &ContactConfig) -> Result<Vec<Element>, ModelError> {
+        // Checked here, so that a wrong common value is reported once and under its own key.
+        self.check_contact("contact", config.gap, config.epsilon, config.friction, config.sense)?;
+        let mut normals = Vec::with_capacity(config.nodes.len());
+        for (i, node) in config.nodes.iter().enumerate() {
+            normals.push(self.direction(&node.normal, &format!("contact.nodes[{i}].normal"))?);
+        }
+        let epsilon = match config.epsilon {
+            None if config.nodes.iter().any(|node| node.epsilon.is_none()) => {
+                let normals: Vec<&[(usize, f64)]> = normals.iter().map(Vec::as_slice).collect();
+                let epsilon = self.structure.condensed_stiffness(&normals);
+                Some(epsilon.ok_or_else(|| {
+                    let remedy =
+                        "no default can be derived, the contact normals meet no stiffness; give a value in N/m";
+                    ModelError::value(self.origin.place("contact.epsilon"), "(not given)", remedy)
+                })?)
+            }
+            given => given,
+        };
+        let nodes = config.nodes.iter().zip(normals).enumerate();
+        nodes.map(|(i, (node, normal))| self.contact(config, node, i, normal, epsilon)).collect()
+    }
+
+    fn check_contact(
+        &self,
+        section: &str,
+        gap: Option<f64>,
+        epsilon: Option<f64>,
+        friction: Option<f64>,
+        sense: Option<f64>,
+    ) -> Result<(), ModelError> {
+        let place = |key: &str| self.origin.place(format!("{section}.{key}"));
+        gap.map_or(Ok(()), |value| at_least_zero(place("gap"), value, "m"))?;
+        epsilon.map_or(Ok(()), |value| {
+            let unit = "N/m; right is the order of the stiffness condensed on the contact dofs, or above";
+            above_zero(place("epsilon"), value, unit)
+        })?;
+        friction.map_or(Ok(()), |value| at_least_zero(place("friction"), value, ""))?;
+        sense.map_or(Ok(()), |value| check_sense(place("sense"), value))
+    }
+
+    fn contact(
+        &self,
+        common: &ContactConfig,
+        node: &NodeConfig,
+        i: usize,
+        normal: Direction,
+        epsilon: Option<f64>,
+    ) -> Result<Element, ModelError> {
+        let section = format!("contact.nodes[{i}]");
+        let place = |key: &str| self.origin.place(format!("{section}.{key}"));
+        self.check_contact(&section, node.gap, node.epsilon, node.friction, node.sense)?;
+        node.radius.map_or(Ok(()), |radius| above_zero(place("radius"), radius, "m"))?;
+        if node.tangential.len() > 2 {
+            return Err(ModelError::value(place("tangential"), node.tangential.len(), "give one or two directions"));
+        }
+        let mut tangential = Vec::with_capacity(2);
+        for (k, direction) in node.tangential.iter().enumerate() {
+            tangential.push(self.direction(direction, &format!("{section}.tangential[{k}]"))?);
+        }
+        let coefficient = node.friction.or(common.friction).unwrap_or(0.0);
+        let mut channels = vec![normal];
+        let mut friction = None;
+        if coefficient > 0.0 {
+            let missing = |key| {
+                let remedy =
+                    format!("friction is {coefficient}, so `{key}` is needed; give it, or set friction = 0 here");
+                ModelError::value(place(key), "(not given)", remedy)
+            };
+            if tangential.is_empty() {
+                return Err(missing("tangential"));
+            }
+            let radius = node.radius.ok_or_else(|| missing("radius"))?;
+            friction = Some(Friction { coefficient, radius, sense: node.sense.or(common.sense).unwrap_or(1.0) });
+            channels.extend(tangential);
+            channels.resize(3, vec![]);
+        }
+        Ok(Element {
+            name: node.name.clone().unwrap_or_else(|| format!("contact{}", i + 1)),
+            channels,
+            law: LawKind::Contact(Contact {
+                gap: node.gap.or(common.gap).unwrap_or(0.0),
+                epsilon: node.epsilon.or(epsilon).unwrap_or(f64::NAN),
+                friction,
+            }),
+        })
+    }
+
+    fn law(&self, config: LawConfig, i: usize) -> Result<Element, ModelError> {
+        let key = |key: &str| format!("laws[{i}].{key}");
+        let channel = match (&config.dof, &config.between, &config.coefficients) {
+            (Some(name), None, None) => vec![(self.dof(name, || key("dof"))?, 1.0)],
+            (None, Some([a, b]), None) if a != b => {
+                vec![(self.dof(a, || key("between[0]"))?, 1.0), (self.dof(b, || key("between[1]"))?, -1.0)]
+            }
+            (None, Some([a, _]), None) => {
+                let remedy = format!("a law between `{a}` and itself never acts; name two different dofs");
+                return Err(ModelError::value(self.origin.place(key("between")), format!("[{a}, {a}]"), remedy));
+            }
+            (None, None, Some(terms)) => self.combination(terms, &key("coefficients"))?,
+            _ => {
+                let given = [config.dof.is_some(), config.between.is_some(), config.coefficients.is_some()];
+                let value = format!("{} of dof, between, coefficients", given.iter().filter(|given| **given).count());
+                let remedy = "say what the law acts on by exactly one of them";
+                return Err(ModelError::value(self.origin.place(format!("laws[{i}]")), value, remedy));
+            }
+        };
+        if matches!(config.law, LawKind::Contact(_)) {
+            let remedy = "rigid contact is described under [[contact.nodes]]";
+            return Err(ModelError::value(self.origin.place(key("law")), "contact", remedy));
+        }
+        check_law(&config.law, |parameter| self.origin.place(key(&format!("law.{parameter}"))))?;
+        let name = config.name.unwrap_or_else(|| format!("law{}", i + 1));
+        Ok(Element { name, channels: vec![channel], law: config.law })
+    }
+}
+
+/// "2-5" → (2, 5); "3" → (3, 3).
+fn mode_range(text: &str) -> Option<(usize, usize)> {
+    let (first, last) = text.split_once('-').unwrap_or((text, text));
+    Some((first.trim().parse().ok()?, last.trim().parse().ok()?))
+}

@@ -1,0 +1,217 @@
+//! Nonlinear laws: pure functions of one instant and, for laws with memory, the one before.
+//!
+//! A law sees up to three *arguments* (relative displacements; for rigid contact the first one is the predicted contact
+//! pressure of the DLFT, in newtons) and their time derivatives, and returns as many forces, counted on the left-hand
+//! side of the balance D X + F = E, with exact derivatives. Parameters are plain serde structs; the choice of law is
+//! made once per element, outside the sample loop.
+
+#[cfg(test)]
+mod check;
+mod contact;
+mod jenkins;
+mod penalty_spring;
+mod polynomial;
+mod tanh_friction;
+
+pub use contact::{Contact, Friction};
+pub use jenkins::Jenkins;
+pub use penalty_spring::PenaltySpring;
+pub use polynomial::{PolynomialDamper, PolynomialSpring, Term};
+pub use tanh_friction::TanhFriction;
+
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+/// Largest number of arguments of a law: normal and two tangential directions.
+pub const MAX_ARGUMENTS: usize = 3;
+
+/// What a law sees of one instant.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Instant {
+    /// Arguments: relative displacements in m (contact: argument 0 is the predicted pressure in N).
+    pub u: [f64; MAX_ARGUMENTS],
+    /// Time derivatives of the arguments, in m/s.
+    pub v: [f64; MAX_ARGUMENTS],
+    /// Rotor speed Ω in rad/s: the forcing frequency.
+    pub speed: f64,
+}
+
+/// What a law with memory sees of the instant before. Laws without memory ignore it.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Before {
+    /// Argument 0 one sample earlier, in m.
+    pub u: f64,
+    /// Force 0 one sample earlier, in N.
+    pub force: f64,
+}
+
+/// Forces and their exact derivatives at one instant.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Response {
+    /// Forces on the left-hand side of the balance, in N.
+    pub force: [f64; MAX_ARGUMENTS],
+    /// `∂force[i]/∂u[j]`.
+    pub du: [[f64; MAX_ARGUMENTS]; MAX_ARGUMENTS],
+    /// `∂force[i]/∂v[j]`.
+    pub dv: [[f64; MAX_ARGUMENTS]; MAX_ARGUMENTS],
+    /// `∂force[i]/∂speed`.
+    pub dspeed: [f64; MAX_ARGUMENTS],
+    /// `∂force[0]/∂(argument 0 one sample earlier)`; laws with memory only.
+    pub du_before: f64,
+    /// `∂force[0]/∂(force 0 one sample earlier)`; laws with memory only.
+    pub dforce_before: f64,
+}
+
+/// Which derivatives of a law can differ from zero: the others are never transformed.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Pattern {
+    /// Entries of [`Response::du`].
+    pub du: [[bool; MAX_ARGUMENTS]; MAX_ARGUMENTS],
+    /// Entries of [`Response::dv`].
+    pub dv: [[bool; MAX_ARGUMENTS]; MAX_ARGUMENTS],
+}
+
+impl Pattern {
+    /// Pattern of a scalar law.
+    pub fn scalar(du: bool, dv: bool) -> Self {
+        let mut pattern = Self::default();
+        pattern.du[0][0] = du;
+        pattern.dv[0][0] = dv;
+        pattern
+    }
+}
+
+/// A parameter of a law that is out of its range.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[error("{parameter} = {value} is out of range: expected {expected}")]
+pub struct ParameterError {
+    /// Name of the parameter, as in the model file.
+    pub parameter: &'static str,
+    /// Its value.
+    pub value: f64,
+    /// What would be right.
+    pub expected: &'static str,
+}
+
+/// Refuses a parameter unless it is in range.
+fn require(parameter: &'static str, value: f64, in_range: bool, expected: &'static str) -> Result<(), ParameterError> {
+    if in_range { Ok(()) } else { Err(ParameterError { parameter, value, expected }) }
+}
+
+/// Refuses a parameter unless it is finite and above zero.
+fn require_positive(parameter: &'static str, value: f64) -> Result<(), ParameterError> {
+    require(parameter, value, value > 0.0 && value.is_finite(), "a finite number above zero")
+}
+
+/// A nonlinear law.
+pub trait Law {
+    /// Number of arguments (and of forces), 1 to [`MAX_ARGUMENTS`].
+    fn arguments(&self) -> usize;
+    /// Derivatives that can differ from zero.
+    fn pattern(&self) -> Pattern;
+    /// Whether the force depends on the instant before.
+    fn has_memory(&self) -> bool {
+        false
+    }
+    /// For unilateral laws the value of argument 0 below which nothing acts.
+    fn threshold(&self) -> Option<f64> {
+        None
+    }
+    /// Whether the forces do not change when all velocities and the rotor speed are multiplied by one factor: then they
+    /// have no explicit ω-derivative.
+    fn is_homogeneous_in_rate(&self) -> bool {
+        false
+    }
+    /// Checks that every parameter is in its range.
+    fn validate(&self) -> Result<(), ParameterError>;
+    /// Forces and derivatives at one instant.
+    fn respond(&self, now: &Instant, before: &Before) -> Response;
+}
+
+/// Parameters of every law, as they stand in files and messages.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum LawKind {
+    /// Rigid unilateral contact, with or without permanent-sliding friction.
+    Contact(Contact),
+    /// Unilateral penalty spring.
+    PenaltySpring(PenaltySpring),
+    /// Polynomial spring.
+    PolynomialSpring(PolynomialSpring),
+    /// Polynomial damper.
+    PolynomialDamper(PolynomialDamper),
+    /// Dry friction regularised by a hyperbolic tangent.
+    TanhFriction(TanhFriction),
+    /// Elastic dry friction.
+    Jenkins(Jenkins),
+}
+
+/// Evaluates `$body` with `$law` bound to the concrete law inside the [`LawKind`] `$kind`: code generic over
+/// `L: Law` is instantiated once per law, and the choice is made once per element instead of once per sample.
+macro_rules! with_law {
+    ($kind:expr, $law:ident => $body:expr) => {
+        match $kind {
+            $crate::structure::laws::LawKind::Contact($law) => $body,
+            $crate::structure::laws::LawKind::PenaltySpring($law) => $body,
+            $crate::structure::laws::LawKind::PolynomialSpring($law) => $body,
+            $crate::structure::laws::LawKind::PolynomialDamper($law) => $body,
+            $crate::structure::laws::LawKind::TanhFriction($law) => $body,
+            $crate::structure::laws::LawKind::Jenkins($law) => $body,
+        }
+    };
+}
+pub(crate) use with_law;
+
+/// For code that asks once per element; sample loops take the concrete law out with `with_law!`.
+impl Law for LawKind {
+    fn arguments(&self) -> usize {
+        with_law!(self, law => law.arguments())
+    }
+
+    fn pattern(&self) -> Pattern {
+        with_law!(self, law => law.pattern())
+    }
+
+    fn has_memory(&self) -> bool {
+        with_law!(self, law => law.has_memory())
+    }
+
+    fn threshold(&self) -> Option<f64> {
+        with_law!(self, law => law.threshold())
+    }
+
+    fn is_homogeneous_in_rate(&self) -> bool {
+        with_law!(self, law => law.is_homogeneous_in_rate())
+    }
+
+    fn validate(&self) -> Result<(), ParameterError> {
+        with_law!(self, law => law.validate())
+    }
+
+    fn respond(&self, now: &Instant, before: &Before) -> Response {
+        with_law!(self, law => law.respond(now, before))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn laws_are_read_by_their_snake_case_names_and_unknown_keys_are_refused() {
+        #[derive(Deserialize)]
+        struct File {
+            law: LawKind,
+        }
+        let read = |text: &str| toml::from_str::<File>(text).map(|file| file.law);
+        let spring = read("law = { penalty_spring = { stiffness = 2.0, gap = 0.1 } }").unwrap();
+        assert_eq!(spring, LawKind::PenaltySpring(PenaltySpring { stiffness: 2.0, gap: 0.1 }));
+        let damper = read("law.polynomial_damper.terms = [{ power = 3, coefficient = 0.5 }]").unwrap();
+        assert_eq!(
+            damper,
+            LawKind::PolynomialDamper(PolynomialDamper { terms: vec![Term { power: 3, coefficient: 0.5 }] })
+        );
+        let error = read("law = { jenkins = { stiffness = 2.0, limit = 0.1, gap = 1.0 } }").unwrap_err();
+        assert!(error.to_string().contains("unknown field `gap`"), "{error}");
+    }
+}
