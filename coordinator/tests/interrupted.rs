@@ -43,7 +43,7 @@ impl Sweep<'_> {
         let Some((granted, lease)) = self.lease(store, 0, Duration::from_secs(360_000)) else { return false };
         let study = self.study;
         let mut forced = Forced::new(&study.model, &study.settings, study.reach, granted.amplitude.value);
-        let seeds = granted.work.seeds(&forced.problem, &study.backbone, granted.amplitude.value);
+        let seeds = granted.work.seeds(forced.modal(), &study.backbone, granted.amplitude.value);
         let known: Vec<(BranchId, &Branch)> =
             granted.known.iter().map(|known| (known.branch, &self.branches[&known.task])).collect();
         let observer = &mut |_: &BranchPoint| ControlFlow::Continue(());

@@ -203,7 +203,7 @@ impl<'s> Sweep<'s> {
     fn compute(&self, granted: &Granted) -> Finding {
         let (study, amplitude) = (self.study, self.study.plans[granted.level].amplitude.value);
         let mut forced = Forced::new(&study.model, &study.settings, study.reach, amplitude);
-        let seeds = granted.work.seeds(&forced.problem, &study.backbone, amplitude);
+        let seeds = granted.work.seeds(forced.modal(), &study.backbone, amplitude);
         let known = self.levels[granted.level].known.iter();
         let known: Vec<(BranchId, &Branch)> = known.map(|(id, task)| (*id, &self.branches[task])).collect();
         carry_out(&mut forced, &granted.work, &seeds, &known, &mut quiet).unwrap()

@@ -4,6 +4,7 @@
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use solver::curve::problem::Problem;
+use solver::formulation::Formulation;
 use solver::formulation::displacement::DisplacementForm;
 use solver::formulation::pressure::PressureForm;
 use solver::formulation::scales::Scales;

@@ -4,6 +4,7 @@
 use solver::curve::continuation::{Continuation, ContinuationSettings, CurvePoint};
 use solver::curve::newton::{Constraint, Newton, NewtonSettings};
 use solver::curve::problem::Problem;
+use solver::formulation::Formulation;
 use solver::formulation::displacement::DisplacementForm;
 use solver::formulation::harmonics::{Transform, max_abs};
 use solver::formulation::linear::forced_response;
@@ -70,7 +71,8 @@ struct Forms<'m> {
 }
 
 impl<'m> Forms<'m> {
-    fn new(model: &'m Model, settings: &Settings, unknown: Unknown, amplitude: f64) -> Self {
+    fn new(model: &'m Model, settings: &Settings, unknown: Unknown) -> Self {
+        let amplitude = if let Unknown::Frequency { forcing } = unknown { forcing } else { 0.0 };
         let (truncation, tracked) = (settings.harmonics, settings.tracked());
         let scales = Scales::new(model, tracked);
         let stiffness = model.elements.iter().map(|element| match &element.law {
@@ -79,10 +81,8 @@ impl<'m> Forms<'m> {
         });
         let unit = stiffness.fold(0.0, f64::max) * scales.length;
         let norm = amplitude * dot(&model.forcing.shape, &model.forcing.shape).sqrt();
-        let mut displacement = DisplacementForm::new(model, truncation, tracked, unknown, scales).unwrap();
-        let mut pressure = PressureForm::new(model, truncation, tracked, unknown, scales);
-        displacement.set_forcing(amplitude);
-        pressure.set_forcing(amplitude);
+        let displacement = DisplacementForm::new(model, truncation, tracked, unknown, scales).unwrap();
+        let pressure = PressureForm::new(model, truncation, tracked, unknown, scales);
         Self { displacement, pressure, forcing: if unit > 0.0 && norm > 0.0 { norm / unit } else { 1.0 } }
     }
 
@@ -123,12 +123,12 @@ impl<'m> Forms<'m> {
 /// Checks both ways and prints the worst residuals, relative to the forcing.
 fn check(name: &str, model: &Model, settings: &Settings, amplitude: f64, count: usize) {
     let (free, forced) = pressure_states(model, settings, amplitude);
-    for (what, unknown, states) in
-        [("backbone", Unknown::Mode { damped: true }, free), ("main branch", Unknown::Frequency, forced)]
-    {
+    for (what, unknown, states) in [
+        ("backbone", Unknown::Mode { damped: true }, free),
+        ("main branch", Unknown::Frequency { forcing: amplitude }, forced),
+    ] {
         assert!(states.len() > 10, "{name}: only {} points on the {what}", states.len());
-        let amplitude = if unknown.is_autonomous() { 0.0 } else { amplitude };
-        let mut forms = Forms::new(model, settings, unknown, amplitude);
+        let mut forms = Forms::new(model, settings, unknown);
         let (mut there, mut back) = (0.0f64, 0.0f64);
         let total = states.len();
         for state in spread(states, count) {
@@ -183,11 +183,12 @@ fn both_forms_find_the_same_peak() {
     settings.continuation.max_step = 2e-3;
     for name in ["duffing", "nltva"] {
         let model = load(name, &[]);
-        let Forms { mut displacement, mut pressure, .. } = Forms::new(&model, &settings, Unknown::Frequency, 0.1);
+        let Forms { mut displacement, mut pressure, .. } =
+            Forms::new(&model, &settings, Unknown::Frequency { forcing: 0.1 });
         let start = forced_response(&pressure, 0.1, 0.7).unwrap();
         let (from, also_from) = (pressure.encode(&start), displacement.encode(&start));
         let steps = &settings.continuation;
-        let one = walk_over_peak(&mut pressure, from, steps, |form, y| amplitude(&model, &form.decode(y)));
+        let one = walk_over_peak(&mut pressure, from, steps, |form, y| amplitude(&model, &form.decode(y).unwrap()));
         let other =
             walk_over_peak(&mut displacement, also_from, steps, |form, y| amplitude(&model, &form.decode(y).unwrap()));
         let (one, other) = (parabolic_peak(&one), parabolic_peak(&other));
@@ -202,7 +203,8 @@ fn both_forms_find_the_same_peak() {
 fn the_displacement_form_walks_the_curve_of_the_pressure_form() {
     let model = load("rotor67", &[]);
     let settings = settings(3, 256);
-    let Forms { mut displacement, mut pressure, .. } = Forms::new(&model, &settings, Unknown::Frequency, 8.0);
+    let Forms { mut displacement, mut pressure, .. } =
+        Forms::new(&model, &settings, Unknown::Frequency { forcing: 8.0 });
     let start = forced_response(&pressure, 8.0, 2320.0).unwrap();
     let from = displacement.encode(&start);
     let points = walk_over_peak(&mut displacement, from, &settings.continuation, |form, y| {
@@ -219,7 +221,7 @@ fn the_displacement_form_walks_the_curve_of_the_pressure_form() {
         let constraint = Constraint::Hyperplane { row: &row, origin: &origin };
         newton.solve(&mut pressure, &mut y, constraint, &settings.continuation.newton).unwrap();
         touching += usize::from(pressure.active().contains(&true));
-        worst = worst.max((amplitude(&model, &pressure.decode(&y)) / value - 1.0).abs());
+        worst = worst.max((amplitude(&model, &pressure.decode(&y).unwrap()) / value - 1.0).abs());
     }
     println!("rotor 67: {} points walked, {touching} compared with contact, at most {worst:.1e} apart", points.len());
     assert!(touching > 20, "only {touching} points with contact");

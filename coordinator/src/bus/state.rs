@@ -5,11 +5,9 @@ use protocol::curve::Seeds;
 use protocol::ids::TaskId;
 use protocol::to_everyone::{LevelWindows, Manifest, SeedMessage, Status, WindowsMessage};
 use results::journal::{LevelPlan, SweepPlan};
+use solver::formulation::modal::Modal;
 use solver::response::backbone::Backbone;
-use solver::response::forced::Forced;
 use solver::response::task::Task;
-use solver::settings::Settings;
-use solver::structure::Model;
 use std::sync::Arc;
 
 /// A run as it is now. Whoever carries it out changes it, whoever answers reads it.
@@ -30,28 +28,23 @@ pub struct PublishedSweep {
     pub backbone_bytes: Vec<u8>,
     /// The `windows` message.
     pub windows_bytes: Vec<u8>,
-    model: Arc<Model>,
-    settings: Settings,
+    modal: Modal,
     backbone: Backbone,
 }
 
 impl PublishedSweep {
     /// From what was computed.
-    pub fn new(model: Arc<Model>, settings: Settings, backbone: Backbone, plan: Arc<SweepPlan>) -> Self {
+    pub fn new(modal: Modal, backbone: Backbone, plan: Arc<SweepPlan>) -> Self {
         let level =
             |plan: &LevelPlan| LevelWindows { amplitude: plan.amplitude.clone(), windows: plan.windows.clone() };
         let windows = WindowsMessage { levels: plan.levels.iter().map(level).collect() };
         let (backbone_bytes, windows_bytes) = (encode(&plan.backbone), encode(&windows));
-        Self { plan, backbone_bytes, windows_bytes, model, settings, backbone }
+        Self { plan, backbone_bytes, windows_bytes, modal, backbone }
     }
 
     /// The seeds of a task: they follow from it, the backbone and the amplitude.
     pub fn seeds(&self, work: &Task, amplitude: f64) -> Seeds {
-        if matches!(work, Task::Main) {
-            return Seeds::new(&[]);
-        }
-        let forced = Forced::new(&self.model, &self.settings, self.plan.reach, amplitude);
-        Seeds::new(&work.seeds(&forced.problem, &self.backbone, amplitude))
+        Seeds::new(&work.seeds(&self.modal, &self.backbone, amplitude))
     }
 
     /// The `seed` message of a task; `None` if there is no such task.

@@ -266,7 +266,7 @@ fn the_last_result_finishes_the_run() {
     let mut engine = sweeping();
     let (_, main) = grant(&mut engine, "a", at(0));
     // Without a main branch there is nothing that seeds could be compared with.
-    let decision = engine.handle(result(&main, Err(SeedOutcome::NotTraced(Failure::Diverged))), at(1));
+    let decision = engine.handle(result(&main, Err(SeedOutcome::NotTraced(Failure::Diverged.into()))), at(1));
     assert_eq!(decision.answer, submitted(SubmitReply::Accepted));
     assert!(matches!(&decision.changes[..], [Change::Result(_), Change::Done { .. }, Change::Skipped { .. }, ..]));
     assert_eq!((stages(&decision), told(&decision)), (vec![Stage::Finished], vec![Stage::Finished]));

@@ -354,7 +354,7 @@ fn a_level_waits_for_its_main_branch() {
 fn without_a_main_branch_there_is_nothing_to_compare_with() {
     let mut ledger = Ledger::new(Rules::default(), plans(1));
     let main = leased(&mut ledger, "a", Duration::ZERO);
-    let failed = Some(SeedOutcome::NotTraced(solver::curve::problem::Failure::Diverged));
+    let failed = Some(SeedOutcome::NotTraced(solver::curve::problem::Failure::Diverged.into()));
     assert!(matches!(ledger.submit(&main, failed).0, Submitted::Accepted(_)));
     assert!(ledger.is_finished() && ledger.counts().skipped == 12);
 }

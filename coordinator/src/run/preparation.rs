@@ -9,6 +9,7 @@ use protocol::from_worker::Progress;
 use protocol::to_everyone::{Amplitude, Manifest, Stage};
 use results::journal::{LevelPlan, SweepPlan};
 use results::store::{RunHeader, Store};
+use solver::formulation::modal::Modal;
 use solver::response::backbone::Backbone;
 use solver::response::branch::BranchPoint;
 use solver::response::forced::Reach;
@@ -64,13 +65,13 @@ pub fn model(store: &Store) -> Result<Model, Error> {
 ///
 /// # Errors
 /// If the store cannot be read or contradicts itself.
-pub fn stored(store: &Store, header: &RunHeader, model: &Arc<Model>) -> Result<Option<Prepared>, Error> {
+pub fn stored(store: &Store, model: &Model) -> Result<Option<Prepared>, Error> {
     let (Some(message), Some(reach)) = (store.backbone()?, store.reach()?) else { return Ok(None) };
     let backbone =
         message.backbone(&Size::of(model)).map_err(|error| Error::Other(format!("the stored backbone: {error}")))?;
     let plan = Arc::new(SweepPlan { backbone: message, reach, levels: store.plans()? });
     let stored = Some(Stored { tasks: store.tasks()?, extents: store.extents()? });
-    let sweep = Arc::new(PublishedSweep::new(model.clone(), header.settings, backbone, plan.clone()));
+    let sweep = Arc::new(PublishedSweep::new(Modal::new(model), backbone, plan.clone()));
     Ok(Some(Prepared { sweep, beginning: Beginning { plan, stored } }))
 }
 
@@ -81,7 +82,7 @@ pub fn stored(store: &Store, header: &RunHeader, model: &Arc<Model>) -> Result<O
 /// If the backbone does not start, or the bounds of branches contradict it.
 pub fn compute(
     header: &RunHeader,
-    model: &Arc<Model>,
+    model: &Model,
     engine: &Sender<Request>,
     stop: &AtomicBool,
 ) -> Result<Option<Prepared>, Error> {
@@ -109,6 +110,6 @@ pub fn compute(
     };
     let levels = header.amplitudes.iter().map(level).collect();
     let plan = Arc::new(SweepPlan { backbone: BackboneMessage::from(&backbone), reach, levels });
-    let sweep = Arc::new(PublishedSweep::new(model.clone(), *settings, backbone, plan.clone()));
+    let sweep = Arc::new(PublishedSweep::new(Modal::new(model), backbone, plan.clone()));
     Ok(Some(Prepared { sweep, beginning: Beginning { plan, stored: None } }))
 }

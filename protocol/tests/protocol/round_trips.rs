@@ -11,9 +11,9 @@ use protocol::from_worker::{Lease, SubmitRequest};
 use protocol::ids::{Attempt, TaskId, WorkerId};
 use protocol::model::{ModelMessage, ModelMessageError};
 use protocol::to_everyone::StoredResult;
+use solver::formulation::modal::Modal;
 use solver::response::backbone::Backbone;
 use solver::response::branch::{Branch, SpecialKind, SpecialPoint};
-use solver::response::forced::{Forced, Reach};
 use solver::response::level::Level;
 use solver::response::task::{Finding, plan};
 use solver::settings::Settings;
@@ -38,7 +38,6 @@ fn assert_identical(a: &impl std::fmt::Debug, b: &impl std::fmt::Debug) {
 /// Backbone and one level with an isola.
 struct Damper {
     model: Model,
-    settings: Settings,
     size: Size,
     backbone: Backbone,
     level: Level,
@@ -56,7 +55,7 @@ static DAMPER: LazyLock<Damper> = LazyLock::new(|| {
     let level = Level::compute(&model, &settings, &backbone, AMPLITUDE, &mut observer).unwrap();
     assert_eq!(level.isolas.len(), 1);
     let size = Size::of(&model);
-    Damper { model, settings, size, backbone, level }
+    Damper { model, size, backbone, level }
 });
 
 #[test]
@@ -122,12 +121,11 @@ fn contact_on_a_branch() {
 #[test]
 fn seeds() {
     let damper = &*DAMPER;
-    let reach = Reach::new(&damper.settings, &damper.backbone).unwrap();
-    let forced = Forced::new(&damper.model, &damper.settings, reach, AMPLITUDE);
+    let modal = Modal::new(&damper.model);
     let (_, tasks) = plan(&damper.backbone, AMPLITUDE);
     assert!(tasks.len() > 2);
     for task in tasks {
-        let seeds = task.seeds(&forced.problem, &damper.backbone, AMPLITUDE);
+        let seeds = task.seeds(&modal, &damper.backbone, AMPLITUDE);
         let read: Seeds = rmp_serde::from_slice(&rmp_serde::to_vec_named(&Seeds::new(&seeds)).unwrap()).unwrap();
         assert_eq!(read.seeds(&damper.size).unwrap(), seeds);
     }

@@ -18,6 +18,7 @@ use solver::curve::continuation::Rejection;
 use solver::curve::problem::Failure;
 use solver::response::branch::{Outcome, SpecialKind, SpecialPoint, Stop};
 use solver::response::forced::Reach;
+use solver::response::forcing::Unreached;
 use solver::response::seeds::{LandingFailure, Phase, Way};
 use solver::response::task::{BranchId, SeedOutcome, SeedPlace, Task};
 use solver::response::windows::Window;
@@ -136,7 +137,7 @@ fn points(count: usize) -> Points {
 /// What became of a seed, as deep as it goes.
 fn not_landed() -> SeedOutcome {
     let failure = Failure::NotConverged { iterations: 10, residual: 0.00151 };
-    SeedOutcome::NotLanded(LandingFailure::NotConverged(failure))
+    SeedOutcome::NotLanded(LandingFailure::NotConverged(failure.into()))
 }
 
 /// A branch of two points.
@@ -356,7 +357,6 @@ pub fn outcomes() -> (Vec<Outcome>, Vec<SeedOutcome>) {
         Failure::NotConverged { iterations: 10, residual: 0.00151 },
         Failure::NotConverged { iterations: 7, residual: 2.49e15 },
         Failure::Diverged,
-        Failure::OutOfReach,
         Failure::Singular,
     ];
     let rejections = failures.map(Rejection::Newton).into_iter();
@@ -371,10 +371,11 @@ pub fn outcomes() -> (Vec<Outcome>, Vec<SeedOutcome>) {
         Stop::Cancelled,
     ];
     let open = others.into_iter().chain(stalled).map(|stop| Outcome::Open(Stop::Start, stop));
-    let landing = failures.map(LandingFailure::NotConverged).into_iter().chain([LandingFailure::Far(1.376)]);
+    let unreached = failures.map(Unreached::from).into_iter().chain([Unreached::OutOfReach]);
+    let landing = unreached.clone().map(LandingFailure::NotConverged).chain([LandingFailure::Far(1.376)]);
     let mut seeds = vec![SeedOutcome::OutOfBounds];
     seeds.extend([BranchId::Main, BranchId::Isola(0), BranchId::Isola(11)].map(SeedOutcome::Found));
     seeds.extend(landing.map(SeedOutcome::NotLanded));
-    seeds.extend(failures.map(SeedOutcome::NotTraced));
+    seeds.extend(unreached.map(SeedOutcome::NotTraced));
     (open.chain([Outcome::Closed]).collect(), seeds)
 }

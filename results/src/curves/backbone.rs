@@ -1,9 +1,9 @@
 //! The backbone as its figures show it: energies, births and merges of windows, modes.
 
 use super::column::Column;
+use solver::curve::extrema::turning_points;
 use solver::formulation::harmonics::complex;
 use solver::response::backbone::{Backbone, BackbonePoint};
-use solver::response::extrema::turning_points;
 use solver::response::windows::{Event, events};
 use solver::structure::Model;
 

@@ -134,7 +134,7 @@ fn failures_are_rows() {
     let (mut store, mut sweep) = study.begin(&dir.path().join("run"));
     // Of the larger level the main branch does not start, of the smaller one it is given up.
     let granted = sweep.lease(&mut store, 0).unwrap();
-    let changes = sweep.accept(&granted, Finding::Nothing(SeedOutcome::NotTraced(Failure::Diverged)));
+    let changes = sweep.accept(&granted, Finding::Nothing(SeedOutcome::NotTraced(Failure::Diverged.into())));
     store.commit(&changes).unwrap();
     let (task, attempt): (TaskId, _) = ("3e-3-0".parse().unwrap(), Attempt(1));
     let end = AttemptEnd::Failed("worker-1: out of memory".into());

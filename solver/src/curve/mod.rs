@@ -1,5 +1,8 @@
-//! Curves of solutions of an underdetermined system: Newton's method and continuation.
+//! Curves of solutions of an underdetermined system: Newton's method, continuation, walking to an end, extrema.
 
 pub mod continuation;
+pub mod extrema;
 pub mod newton;
+pub mod outcome;
 pub mod problem;
+pub mod walk;

@@ -13,6 +13,9 @@ pub trait Problem {
     /// Length of the state.
     fn len(&self) -> usize;
 
+    /// Number of free parameters: the last entries of the state.
+    fn parameters(&self) -> usize;
+
     /// Diagonal of the metric in which arc length, steps and distances are measured.
     fn metric(&self) -> &[f64];
 
@@ -33,6 +36,18 @@ pub trait Problem {
     /// With the matrix last factorised: Newton correction J δ = −R, row·δ = −`mismatch`, and direction of the solution
     /// curve J t = 0, row·t = 1.
     fn solve(&mut self, mismatch: f64, step: &mut [f64], tangent: &mut [f64]);
+
+    /// The part of the metric that measures motions, without the parameters.
+    fn motion_metric(&self) -> &[f64] {
+        &self.metric()[..self.len() - self.parameters()]
+    }
+
+    /// Linear form that takes the first parameter out of the state.
+    fn parameter_row(&self) -> Vec<f64> {
+        let mut row = vec![0.0; self.len()];
+        row[self.len() - self.parameters()] = 1.0;
+        row
+    }
 }
 
 /// Why a point could not be computed.
@@ -50,9 +65,6 @@ pub enum Failure {
     /// The residual or the state is not finite.
     #[error("the iteration diverged")]
     Diverged,
-    /// A continuation in the forcing amplitude never came to the amplitude wanted.
-    #[error("the forcing amplitude is not reached by continuation in the amplitude")]
-    OutOfReach,
     /// The bordered Jacobian is singular.
     #[error("the Jacobian is singular")]
     Singular,

@@ -1,9 +1,9 @@
 //! Closed-form linear solutions: where branches and backbones start.
 
+use crate::formulation::Formulation;
 use crate::formulation::harmonics::{complex, set_complex, width};
-use crate::formulation::pressure::PressureForm;
-use crate::formulation::receptance::{Point, Receptance};
-use crate::formulation::state::State;
+use crate::formulation::receptance::Receptance;
+use crate::formulation::state::{Parameters, State};
 use crate::linalg::LinalgError;
 use crate::structure::Damping;
 use crate::structure::laws::{Law, LawKind};
@@ -13,29 +13,30 @@ use rustfft::num_complex::Complex64;
 ///
 /// # Errors
 /// At an undamped resonance.
-pub fn forced_response(problem: &PressureForm<'_>, forcing: f64, omega: f64) -> Result<State, LinalgError> {
+pub fn forced_response<'m>(problem: &impl Formulation<'m>, forcing: f64, omega: f64) -> Result<State, LinalgError> {
     let model = problem.model();
     let (n, nc, m) = (model.size(), width(problem.harmonics()), model.forcing.harmonic);
     let mut modal = vec![0.0; n * nc];
     if m <= problem.harmonics() {
-        let mut receptance = Receptance::new(model, problem.harmonics(), Vec::new(), true);
-        let load: Vec<Complex64> = problem.modal_forcing().iter().map(|s| (forcing * s).into()).collect();
+        let mut receptance = Receptance::new(model, problem.harmonics(), problem.modal().clone(), true);
+        let load: Vec<Complex64> = problem.modal().forcing().iter().map(|s| (forcing * s).into()).collect();
         let mut y = vec![Complex64::default(); n];
-        receptance.solve_all(Point { omega, decay: 0.0 }, m, &load, &mut y)?;
+        receptance.solve_all(Parameters { omega, decay: 0.0, forcing }, m, &load, &mut y)?;
         for (series, y) in modal.chunks_mut(nc).zip(&y) {
             set_complex(series, m, *y);
         }
     }
-    let arguments = problem.open_arguments(&modal);
+    let arguments = problem.modal().open_arguments(&modal);
     Ok(State { harmonics: problem.harmonics(), omega, decay: 0.0, forcing, arguments, modal })
 }
 
 /// The linear mode `mode` (from 0) with its damping, Re q = 0, just below the first touch (see [`below_first_touch`]).
-pub fn mode_motion(problem: &PressureForm<'_>, mode: usize) -> State {
+pub fn mode_motion<'m>(problem: &impl Formulation<'m>, mode: usize) -> State {
     let model = problem.model();
     let nc = width(problem.harmonics());
     let omega = model.modes.frequencies[mode];
-    let damping = match problem.damping() {
+    let damping = match &model.damping {
+        _ if !problem.unknown().is_damped() => 0.0,
         Damping::Modal(c) => c[mode],
         Damping::Full(c) => c[(mode, mode)],
     };
@@ -56,13 +57,13 @@ pub fn mode_motion(problem: &PressureForm<'_>, mode: usize) -> State {
 
 /// Scales a linear motion (and its forcing) to 99 % of the first touch; where a law acts at any amplitude, to a thousandth
 /// of the reference length.
-pub fn below_first_touch(problem: &PressureForm<'_>, mut state: State) -> State {
+pub fn below_first_touch<'m>(problem: &impl Formulation<'m>, mut state: State) -> State {
     let nc = width(state.harmonics);
     let largest = state.modal.iter().fold(0.0f64, |m, q| m.max(q.abs()));
     let mut factor = f64::INFINITY;
     let mut channel = 0;
     for element in &problem.model().elements {
-        let series = state.combine(problem.channel_shape(channel).iter().copied());
+        let series = state.combine(problem.modal().shape(channel).iter().copied());
         let reach: f64 = (1..=nc / 2).map(|k| complex(&series, k).norm()).sum();
         factor = factor.min(match &element.law {
             LawKind::Contact(contact) if contact.gap > 0.0 => 0.99 * contact.gap / reach,
@@ -76,6 +77,6 @@ pub fn below_first_touch(problem: &PressureForm<'_>, mut state: State) -> State 
     }
     state.modal.iter_mut().for_each(|q| *q *= factor);
     state.forcing *= factor;
-    state.arguments = problem.open_arguments(&state.modal);
+    state.arguments = problem.modal().open_arguments(&state.modal);
     state
 }

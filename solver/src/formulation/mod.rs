@@ -5,8 +5,92 @@ pub mod arcs;
 pub mod displacement;
 pub mod harmonics;
 pub mod linear;
+pub mod modal;
 pub mod pressure;
 pub mod receptance;
 pub mod scales;
 pub mod state;
 pub mod unknown;
+
+use crate::curve::problem::Problem;
+use crate::linalg::LinalgError;
+use crate::settings::HarmonicSettings;
+use crate::structure::Model;
+use aft::Aft;
+use modal::Modal;
+use scales::Scales;
+use state::State;
+use thiserror::Error;
+use unknown::Unknown;
+
+/// Why a model or a kind of unknowns does not fit a formulation.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum FormulationError {
+    /// The pressures of some contacts cannot be told apart from the forces on the dofs.
+    #[error(
+        "the normal forces of the contacts {} cannot be told apart: they push along the same dofs (or along those of \
+         friction forces); use the pressure form, which keeps every pressure as an unknown", names.join(", ")
+    )]
+    Inseparable {
+        /// Names of the elements.
+        names: Vec<String>,
+    },
+    /// There is nothing to keep: no nonlinear element.
+    #[error("the model has no nonlinear element; its response is linear")]
+    Linear,
+    /// This form knows forced responses at fixed A or ω, and damped modes.
+    #[error("the displacement form has no conservative or phase-resonance backbone; use the pressure form")]
+    Unsupported,
+    /// The eigenvalue problem behind the left inverse did not converge.
+    #[error("the directions of the contacts could not be separated")]
+    NoConvergence,
+}
+
+/// A harmonic balance: what curves of periodic solutions are traced with, whatever its unknowns are. Model, truncation,
+/// kind of unknown parameters and the value of the fixed one are given when it is made.
+pub trait Formulation<'m>: Problem + Sized {
+    /// System for `model` at a truncation; mode `tracked` (from 0) is the one that scales and phase conditions go by.
+    ///
+    /// # Errors
+    /// If the formulation does not fit the model, or has no such unknowns.
+    fn build(
+        model: &'m Model,
+        truncation: HarmonicSettings,
+        tracked: usize,
+        unknown: Unknown,
+        scales: Scales,
+    ) -> Result<Self, FormulationError>;
+
+    /// The structure.
+    fn model(&self) -> &'m Model;
+
+    /// Forcing and channels in modal coordinates.
+    fn modal(&self) -> &Modal;
+
+    /// Number of harmonics H.
+    fn harmonics(&self) -> usize;
+
+    /// Which parameters are unknown, and the value of the one that is not.
+    fn unknown(&self) -> Unknown;
+
+    /// Scales of the unknowns.
+    fn scales(&self) -> &Scales;
+
+    /// Frequency–time work space.
+    fn aft(&mut self) -> &mut Aft;
+
+    /// Scaled state vector of a solution.
+    fn encode(&self, state: &State) -> Vec<f64>;
+
+    /// Solution of a scaled state vector.
+    ///
+    /// # Errors
+    /// If dofs that are not among the unknowns have an undamped resonance there.
+    fn decode(&mut self, y: &[f64]) -> Result<State, LinalgError>;
+
+    /// Direction in which the motion of a scaled state grows, its parameters unchanged.
+    fn growth(&self, y: &[f64]) -> Vec<f64>;
+
+    /// Force harmonics of the laws at a scaled state, channels × nc, N (left-hand side).
+    fn forces(&mut self, y: &[f64]) -> Vec<f64>;
+}

@@ -5,26 +5,12 @@
 //! harmonic k are *kept*: their amplitudes stay unknowns and the receptance is that of the other modes,
 //! x_u = Σ_κ t_uκ q_κ + b̂ᵀ D̂_oo⁻¹ g_o.
 
-use crate::formulation::harmonics::{complex, set_complex, width};
+use crate::formulation::harmonics::{complex, set_complex};
+use crate::formulation::modal::Modal;
+use crate::formulation::state::Parameters;
 use crate::linalg::{LinalgError, dot, solve_complex};
 use crate::structure::{Damping, Model};
 use rustfft::num_complex::Complex64;
-
-/// Frequency and decay of a periodic or decaying response.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Point {
-    /// Frequency ω, rad/s.
-    pub omega: f64,
-    /// Decay rate ζ, 1/s.
-    pub decay: f64,
-}
-
-impl Point {
-    /// λ_k = k(−ζ + iω).
-    pub fn lambda(&self, k: usize) -> Complex64 {
-        k as f64 * Complex64::new(-self.decay, self.omega)
-    }
-}
 
 /// A kept modal amplitude: mode `mode` at harmonic `harmonic`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -47,38 +33,31 @@ pub struct Receptance {
     modes: usize,
     squares: Vec<f64>,
     damping: Damping,
-    /// b̂ of every channel, channels × modes.
-    shapes: Vec<f64>,
-    point: Point,
+    modal: Modal,
+    point: Parameters,
     kept: Vec<Kept>,
     inverse: Vec<Inverse>,
 }
 
 impl Receptance {
-    /// Receptance of `model` for the channels whose modal shapes are given (channels × modes, row-major), with or without
-    /// its damping.
-    pub fn new(model: &Model, harmonics: usize, shapes: Vec<f64>, damped: bool) -> Self {
+    /// Receptance of `model` for the channels of `modal`, with or without its damping.
+    pub fn new(model: &Model, harmonics: usize, modal: Modal, damped: bool) -> Self {
         let modes = model.size();
         Self {
             harmonics,
             modes,
             squares: model.modes.frequencies.iter().map(|w| w * w).collect(),
             damping: if damped { model.damping.clone() } else { Damping::Modal(vec![0.0; modes]) },
-            shapes,
-            point: Point { omega: 0.0, decay: 0.0 },
+            modal,
+            point: Parameters { omega: 0.0, decay: 0.0, forcing: 0.0 },
             kept: Vec::new(),
             inverse: (0..=harmonics).map(|_| Inverse::Diagonal(vec![Complex64::default(); modes])).collect(),
         }
     }
 
-    /// Modal shape b̂ of channel `u`.
-    pub fn shape(&self, u: usize) -> &[f64] {
-        &self.shapes[u * self.modes..(u + 1) * self.modes]
-    }
-
-    /// The damping that acts.
-    pub fn damping(&self) -> &Damping {
-        &self.damping
+    /// Forcing and channels.
+    pub fn modal(&self) -> &Modal {
+        &self.modal
     }
 
     /// The kept modal amplitudes.
@@ -89,7 +68,7 @@ impl Receptance {
     /// Modal amplitudes y = D̂_k⁻¹ `load` at a point, with no mode kept apart.
     pub fn solve_all(
         &mut self,
-        point: Point,
+        point: Parameters,
         k: usize,
         load: &[Complex64],
         y: &mut [Complex64],
@@ -102,7 +81,7 @@ impl Receptance {
     }
 
     /// Moves to another point, keeping the tracked mode at harmonic 1 and every amplitude within 2 % of a pole.
-    pub fn update(&mut self, point: Point, tracked: usize) -> Result<(), LinalgError> {
+    pub fn update(&mut self, point: Parameters, tracked: usize) -> Result<(), LinalgError> {
         self.point = point;
         self.kept.clear();
         let reference = self.squares[tracked].sqrt();
@@ -123,7 +102,8 @@ impl Receptance {
         Ok(())
     }
 
-    fn kept_at(&self, k: usize) -> impl Iterator<Item = usize> + '_ {
+    /// Modes kept at harmonic k.
+    pub fn kept_at(&self, k: usize) -> impl Iterator<Item = usize> + '_ {
         self.kept.iter().filter(move |kept| kept.harmonic == k).map(|kept| kept.mode)
     }
 
@@ -238,35 +218,24 @@ impl Receptance {
         for (b, &v) in channels.iter().enumerate() {
             match &self.inverse[k] {
                 Inverse::Diagonal(d) => {
-                    for (j, (d, s)) in d.iter().zip(self.shape(v)).enumerate() {
+                    for (j, (d, s)) in d.iter().zip(self.modal.shape(v)).enumerate() {
                         (response_re[j], response_im[j]) = (s * d.re, s * d.im);
                     }
                 }
                 Inverse::Full(d) => {
                     for (i, row) in d.chunks(n).enumerate() {
-                        let sum: Complex64 = row.iter().zip(self.shape(v)).map(|(d, s)| d * s).sum();
+                        let sum: Complex64 = row.iter().zip(self.modal.shape(v)).map(|(d, s)| d * s).sum();
                         (response_re[i], response_im[i]) = (sum.re, sum.im);
                     }
                 }
             }
             for (a, &u) in channels.iter().enumerate().take(b + 1) {
-                let sums = (dot(self.shape(u), response_re), dot(self.shape(u), response_im));
+                let sums = (dot(self.modal.shape(u), response_re), dot(self.modal.shape(u), response_im));
                 for (i, j) in [(a, b), (b, a)] {
                     (re[i * count + j], im[i * count + j]) = sums;
                 }
             }
         }
-    }
-
-    /// Displacement harmonics of channel `u` from modal harmonics (modes × nc).
-    pub fn channel(&self, u: usize, modal: &[f64], out: &mut [f64]) {
-        let nc = width(self.harmonics);
-        crate::linalg::vectorised(|| {
-            out.fill(0.0);
-            for (shape, series) in self.shape(u).iter().zip(modal.chunks(nc)) {
-                crate::linalg::axpy(*shape, series, out);
-            }
-        });
     }
 }
 

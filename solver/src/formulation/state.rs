@@ -1,7 +1,26 @@
 //! A periodic (or decaying) solution in physical units.
 
 use crate::formulation::harmonics::{shift_phase, width};
+use rustfft::num_complex::Complex64;
 use serde::{Deserialize, Serialize};
+
+/// Frequency, decay rate and forcing amplitude.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Parameters {
+    /// Frequency ω, rad/s.
+    pub omega: f64,
+    /// Decay rate ζ, 1/s.
+    pub decay: f64,
+    /// Forcing amplitude A.
+    pub forcing: f64,
+}
+
+impl Parameters {
+    /// λ_k = k(−ζ + iω).
+    pub fn lambda(&self, k: usize) -> Complex64 {
+        k as f64 * Complex64::new(-self.decay, self.omega)
+    }
+}
 
 /// Harmonics of a solution: everything needed to restart from it or to rebuild any displacement.
 ///
@@ -23,6 +42,11 @@ pub struct State {
 }
 
 impl State {
+    /// Frequency, decay rate and forcing amplitude.
+    pub fn parameters(&self) -> Parameters {
+        Parameters { omega: self.omega, decay: self.decay, forcing: self.forcing }
+    }
+
     /// The same motion with time shifted: X_k ← X_k e^{ikφ}.
     pub fn shifted(&self, phase: f64) -> State {
         let mut state = self.clone();

@@ -1,16 +1,22 @@
 //! What is unknown beside the harmonics, in either formulation.
 
 use crate::formulation::scales::Scales;
-use crate::formulation::state::State;
+use crate::formulation::state::{Parameters, State};
 use rustfft::num_complex::Complex64;
 
 /// Which parameters are unknown beside the harmonics.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Unknown {
-    /// Forced response, ω free at fixed forcing amplitude.
-    Frequency,
-    /// Forced response, A free at fixed ω.
-    Forcing,
+    /// Forced response, ω free.
+    Frequency {
+        /// Forcing amplitude A.
+        forcing: f64,
+    },
+    /// Forced response, A free.
+    Forcing {
+        /// Frequency ω, rad/s.
+        omega: f64,
+    },
     /// Nonlinear normal mode: E = 0, ω and ζ free, phase fixed by Re q = 0; with or without the linear damping.
     Mode {
         /// Whether the linear damping acts.
@@ -24,8 +30,8 @@ impl Unknown {
     /// The parameters, in their order in the state.
     pub fn parameters(self) -> &'static [Parameter] {
         match self {
-            Unknown::Frequency => &[Parameter::Frequency],
-            Unknown::Forcing => &[Parameter::Forcing],
+            Unknown::Frequency { .. } => &[Parameter::Frequency],
+            Unknown::Forcing { .. } => &[Parameter::Forcing],
             Unknown::Mode { .. } => &[Parameter::Frequency, Parameter::Decay],
             Unknown::PhaseResonance => &[Parameter::Frequency, Parameter::Forcing],
         }
@@ -36,16 +42,32 @@ impl Unknown {
         matches!(self, Unknown::Mode { .. })
     }
 
-    /// Scaled parameters of a solution.
+    /// Whether the linear damping acts.
+    pub fn is_damped(self) -> bool {
+        self != Unknown::Mode { damped: false }
+    }
+
+    /// Frequency, decay rate and forcing amplitude before any unknown one is set.
+    pub fn fixed(self, scales: &Scales) -> Parameters {
+        let rest = Parameters { omega: scales.frequency, decay: 0.0, forcing: 0.0 };
+        match self {
+            Unknown::Frequency { forcing } => Parameters { forcing, ..rest },
+            Unknown::Forcing { omega } => Parameters { omega, ..rest },
+            Unknown::Mode { .. } | Unknown::PhaseResonance => rest,
+        }
+    }
+
+    /// Scaled unknown parameters of a solution.
     pub fn encode(self, state: &State, scales: &Scales) -> impl Iterator<Item = f64> {
-        self.parameters().iter().map(move |&parameter| {
-            let value = match parameter {
-                Parameter::Frequency => state.omega,
-                Parameter::Decay => state.decay,
-                Parameter::Forcing => state.forcing,
-            };
-            value / parameter.unit(scales)
-        })
+        let values = state.parameters();
+        self.parameters().iter().map(move |&parameter| parameter.of(&values) / parameter.unit(scales))
+    }
+
+    /// Sets the unknown parameters from their scaled values.
+    pub fn decode(self, scaled: &[f64], scales: &Scales, values: &mut Parameters) {
+        for (&parameter, value) in self.parameters().iter().zip(scaled) {
+            *parameter.of_mut(values) = value * parameter.unit(scales);
+        }
     }
 }
 
@@ -61,6 +83,22 @@ pub enum Parameter {
 }
 
 impl Parameter {
+    fn of(self, values: &Parameters) -> f64 {
+        match self {
+            Parameter::Frequency => values.omega,
+            Parameter::Decay => values.decay,
+            Parameter::Forcing => values.forcing,
+        }
+    }
+
+    fn of_mut(self, values: &mut Parameters) -> &mut f64 {
+        match self {
+            Parameter::Frequency => &mut values.omega,
+            Parameter::Decay => &mut values.decay,
+            Parameter::Forcing => &mut values.forcing,
+        }
+    }
+
     /// Unit of the scaled parameter.
     pub fn unit(self, scales: &Scales) -> f64 {
         match self {

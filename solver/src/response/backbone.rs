@@ -2,17 +2,18 @@
 //! modal contributions (paper [20–26]).
 
 use crate::curve::continuation::Continuation;
-use crate::curve::problem::{Failure, Problem};
+use crate::curve::extrema::{insert_maxima, locate_maximum};
+use crate::curve::problem::Failure;
+use crate::curve::walk::{Bounds, walk, walk_both};
 use crate::formulation::harmonics::width;
 use crate::formulation::linear;
 use crate::formulation::pressure::PressureForm;
 use crate::formulation::scales::Scales;
 use crate::formulation::state::State;
 use crate::formulation::unknown::Unknown;
-use crate::response::branch::{BranchPoint, Outcome, Stop};
-use crate::response::extrema::{insert_maxima, locate_maximum};
+use crate::formulation::{Formulation, FormulationError};
+use crate::response::branch::{BranchPoint, Observer, Outcome, Stop, Visited};
 use crate::response::melnikov::Energies;
-use crate::response::walk::{Bounds, Observer, Visited, walk, walk_both};
 use crate::settings::{BackboneEquation, Criterion, Settings, SettingsError};
 use crate::structure::Model;
 use serde::{Deserialize, Serialize};
@@ -52,6 +53,9 @@ pub enum BackboneError {
     /// A setting is out of its range.
     #[error(transparent)]
     Settings(#[from] SettingsError),
+    /// The formulation does not have this backbone.
+    #[error(transparent)]
+    Formulation(#[from] FormulationError),
     /// Not even the first point, close to the linear mode, converged.
     #[error("the backbone of mode {mode} does not start near its linear range ({omega:.6} rad/s): {failure}")]
     Start {
@@ -72,14 +76,18 @@ pub enum BackboneError {
     },
 }
 
-fn system<'m>(model: &'m Model, settings: &Settings, equation: BackboneEquation) -> PressureForm<'m> {
+fn system<'m, F: Formulation<'m>>(
+    model: &'m Model,
+    settings: &Settings,
+    equation: BackboneEquation,
+) -> Result<F, FormulationError> {
     let unknown = match equation {
         BackboneEquation::DampedMode => Unknown::Mode { damped: true },
         BackboneEquation::ConservativeMode => Unknown::Mode { damped: false },
         BackboneEquation::PhaseResonance => Unknown::PhaseResonance,
     };
     let scales = Scales::new(model, settings.tracked());
-    PressureForm::new(model, settings.harmonics, settings.tracked(), unknown, scales)
+    F::build(model, settings.harmonics, settings.tracked(), unknown, scales)
 }
 
 fn bounds(settings: &Settings, scales: &Scales) -> Bounds {
@@ -94,14 +102,29 @@ fn bounds(settings: &Settings, scales: &Scales) -> Bounds {
 }
 
 impl Backbone {
-    /// Computes the backbone of `settings.backbone.mode`, telling `observer` of every point.
+    /// Computes the backbone of `settings.backbone.mode` in pressure form, telling `observer` of every point.
+    ///
+    /// # Errors
+    /// If a setting is out of range, or the first point does not converge. What stops the curve later is part of the result.
     pub fn compute(model: &Model, settings: &Settings, observer: &mut Observer<'_>) -> Result<Self, BackboneError> {
+        Self::compute_in::<PressureForm<'_>>(model, settings, observer)
+    }
+
+    /// Computes the backbone of `settings.backbone.mode` in any formulation, telling `observer` of every point.
+    ///
+    /// # Errors
+    /// Those of [`Backbone::compute`], and if the formulation does not have this backbone.
+    pub fn compute_in<'m, F: Formulation<'m>>(
+        model: &'m Model,
+        settings: &Settings,
+        observer: &mut Observer<'_>,
+    ) -> Result<Self, BackboneError> {
         settings.validate(model)?;
         let mode = settings.tracked();
         let omega = model.modes.frequencies[mode];
         let not_started = |failure| BackboneError::Start { mode: mode + 1, omega, failure };
         let equation = settings.backbone.equation;
-        let mut problem = system(model, settings, equation);
+        let mut problem: F = system(model, settings, equation)?;
         let start = match equation {
             BackboneEquation::PhaseResonance => {
                 linear::forced_response(&problem, 1.0, omega / model.forcing.harmonic as f64)
@@ -135,7 +158,7 @@ impl Backbone {
         observer: &mut Observer<'_>,
     ) -> Result<Self, BackboneError> {
         settings.validate(model)?;
-        let mut problem = system(model, settings, BackboneEquation::PhaseResonance);
+        let mut problem: PressureForm<'_> = system(model, settings, BackboneEquation::PhaseResonance)?;
         let y = problem.encode(near);
         let direction = problem.growth(&y);
         let bounds = Bounds { closure: Some(settings.branch.closure), ..bounds(settings, problem.scales()) };
@@ -149,8 +172,8 @@ impl Backbone {
     }
 
     /// Locates the extrema of the threshold curve and evaluates every point.
-    fn assemble(
-        continuation: &mut Continuation<'_, PressureForm<'_>>,
+    fn assemble<'m, F: Formulation<'m>>(
+        continuation: &mut Continuation<'_, F>,
         settings: &Settings,
         visited: Vec<Visited>,
         outcome: Outcome,
@@ -184,13 +207,13 @@ impl Backbone {
 }
 
 /// Inserts the minima and maxima of the threshold curve, located along the arc.
-fn with_threshold_extrema(
-    continuation: &mut Continuation<'_, PressureForm<'_>>,
+fn with_threshold_extrema<'m, F: Formulation<'m>>(
+    continuation: &mut Continuation<'_, F>,
     visited: Vec<Visited>,
     criterion: Criterion,
 ) -> Vec<Visited> {
-    let log_threshold = |problem: &mut PressureForm<'_>, v: &Visited| {
-        energies_at(problem, &v.curve.y, &v.point.state).threshold(criterion).ln()
+    let log_threshold = |problem: &mut F, v: &Visited| {
+        Energies::evaluate(problem, &v.curve.y, &v.point.state).threshold(criterion).ln()
     };
     let values: Vec<f64> = visited.iter().map(|v| log_threshold(continuation.problem(), v)).collect();
     let mut maxima = Vec::new();
@@ -203,20 +226,14 @@ fn with_threshold_extrema(
         };
         let arcs = (visited[i].curve.step, visited[i + 1].curve.step);
         let values = [before, here, after].map(|v| sign * v);
-        let measure = move |problem: &mut PressureForm<'_>, v: &Visited| sign * log_threshold(problem, v);
+        let measure = move |problem: &mut F, v: &Visited| sign * log_threshold(problem, v);
         maxima.push(locate_maximum(continuation, &visited, i, arcs, values, &measure));
     }
     insert_maxima(visited, maxima).0
 }
 
-/// Energies at a converged scaled state.
-fn energies_at(problem: &mut PressureForm<'_>, y: &[f64], state: &State) -> Energies {
-    problem.linearise(&mut y.to_vec());
-    Energies::evaluate(problem, state)
-}
-
-fn evaluate(problem: &mut PressureForm<'_>, visited: Visited, arc: f64, criterion: Criterion) -> BackbonePoint {
-    let energies = energies_at(problem, &visited.curve.y, &visited.point.state);
+fn evaluate<'m>(problem: &mut impl Formulation<'m>, visited: Visited, arc: f64, criterion: Criterion) -> BackbonePoint {
+    let energies = Energies::evaluate(problem, &visited.curve.y, &visited.point.state);
     let nc = width(visited.point.state.harmonics);
     let maxima: Vec<f64> = visited.point.state.modal.chunks(nc).map(|series| problem.aft().max_abs(series)).collect();
     let sum: f64 = maxima.iter().sum();

@@ -1,8 +1,10 @@
 //! Forced-response branches: points, special points, outcome.
 
-use crate::curve::continuation::{CurvePoint, Rejection};
+use crate::curve::continuation::CurvePoint;
+pub use crate::curve::outcome::{Outcome, Stop};
+use crate::curve::walk::{self, Evaluated};
+use crate::formulation::Formulation;
 use crate::formulation::harmonics::{rms, width};
-use crate::formulation::pressure::PressureForm;
 use crate::formulation::state::State;
 use crate::structure::laws::{Law, LawKind};
 use serde::{Deserialize, Serialize};
@@ -40,10 +42,15 @@ pub struct BranchPoint {
     pub certificate: Certificate,
 }
 
-impl BranchPoint {
-    /// Evaluates a converged point of the curve.
-    pub fn evaluate(problem: &mut PressureForm<'_>, point: &CurvePoint) -> Self {
-        let state = problem.decode(&point.y);
+/// A point of a walk: as the continuation needs it and as people do.
+pub type Visited = walk::Visited<BranchPoint>;
+
+/// Told of every point that continuation steps to (not of the first one); breaking cancels it.
+pub type Observer<'o> = walk::Observer<'o, BranchPoint>;
+
+impl<'m, F: Formulation<'m>> Evaluated<F> for BranchPoint {
+    fn evaluate(problem: &mut F, point: &CurvePoint) -> Self {
+        let state = problem.decode(&point.y).expect("it converged, so it can be evaluated");
         let model = problem.model();
         let nc = width(state.harmonics);
         let monitors = model
@@ -73,6 +80,16 @@ impl BranchPoint {
         Self { state, monitors, contact, certificate }
     }
 
+    fn omega(&self) -> f64 {
+        self.state.omega
+    }
+
+    fn amplitude(&self) -> f64 {
+        self.monitors[0].amplitude
+    }
+}
+
+impl BranchPoint {
     /// Amplitude of the first monitored dof, in m.
     pub fn amplitude(&self) -> f64 {
         self.monitors[0].amplitude
@@ -82,53 +99,6 @@ impl BranchPoint {
     pub fn omega(&self) -> f64 {
         self.state.omega
     }
-}
-
-/// Why a walk along a curve ended.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Stop {
-    /// It began here, in the linear range.
-    Start,
-    /// It came back to its first point.
-    Closed,
-    /// It reached a frequency bound.
-    FrequencyBound,
-    /// It reached the amplitude bound.
-    AmplitudeBound,
-    /// It used up its points.
-    PointBudget,
-    /// The smallest step failed.
-    Stalled(Rejection),
-    /// It turned back and walked along itself.
-    Reversed,
-    /// Whoever drives it asked to stop.
-    Cancelled,
-}
-
-impl std::fmt::Display for Stop {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Stop::Start => write!(f, "linear range"),
-            Stop::Closed => write!(f, "closed"),
-            Stop::FrequencyBound => write!(f, "frequency bound"),
-            Stop::AmplitudeBound => write!(f, "amplitude bound"),
-            Stop::PointBudget => write!(f, "point budget used up"),
-            Stop::Stalled(rejection) => write!(f, "stalled at the smallest step: {rejection}"),
-            Stop::Reversed => write!(f, "turned back along itself"),
-            Stop::Cancelled => write!(f, "cancelled"),
-        }
-    }
-}
-
-/// How a curve begins and ends.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Outcome {
-    /// A closed curve.
-    Closed,
-    /// An open curve, with what is at its first and at its last point.
-    Open(Stop, Stop),
 }
 
 /// What a special point is.
@@ -141,15 +111,6 @@ pub enum SpecialKind {
     Peak,
     /// Turning point in frequency.
     Fold,
-}
-
-impl std::fmt::Display for Outcome {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Outcome::Closed => write!(f, "closed"),
-            Outcome::Open(first, last) => write!(f, "open: {first} to {last}"),
-        }
-    }
 }
 
 /// A special point: its kind and its index among the branch's points.

@@ -1,12 +1,11 @@
 //! One forcing level: main branch, isolas, and the account of every window.
 
-use crate::curve::problem::Failure;
 use crate::response::backbone::Backbone;
-use crate::response::branch::{Branch, BranchPoint};
+use crate::response::branch::{Branch, BranchPoint, Observer};
 use crate::response::forced::{Forced, Reach};
+use crate::response::forcing::Unreached;
 pub use crate::response::task::{Account, BranchId, SeedAccount, SeedOutcome, WindowAccount};
 use crate::response::task::{Finding, Task, carry_out, plan};
-use crate::response::walk::Observer;
 use crate::settings::{Settings, SettingsError};
 use crate::structure::Model;
 use serde::{Deserialize, Serialize};
@@ -34,7 +33,7 @@ pub enum LevelError {
         /// Lower frequency bound, rad/s.
         omega: f64,
         /// Why.
-        failure: Failure,
+        failure: Unreached,
     },
 }
 
@@ -77,7 +76,7 @@ impl Level {
             if !account.needs(&task) {
                 continue;
             }
-            let seeds = task.seeds(&forced.problem, backbone, forcing);
+            let seeds = task.seeds(forced.modal(), backbone, forcing);
             let known: Vec<(BranchId, &Branch)> = found.iter().map(|(id, branch)| (*id, branch)).collect();
             match carry_out(&mut forced, &task, &seeds, &known, observer).ok_or(LevelError::Cancelled)? {
                 Finding::Branch(branch) => {

@@ -1,7 +1,7 @@
 //! Melnikov energy balance over one period (paper [27–31]).
 
+use crate::formulation::Formulation;
 use crate::formulation::harmonics::width;
-use crate::formulation::pressure::PressureForm;
 use crate::formulation::state::State;
 use crate::settings::Criterion;
 use crate::structure::Damping;
@@ -37,18 +37,19 @@ impl Energies {
         (self.linear + self.nonlinear) / self.work_per_amplitude
     }
 
-    /// Energies of a state just linearised by `problem` (its forces are used).
-    pub fn evaluate(problem: &PressureForm<'_>, state: &State) -> Self {
-        let model = problem.model();
+    /// Energies of a converged state; `y` is the same state as `problem` encodes it.
+    pub fn evaluate<'m>(problem: &mut impl Formulation<'m>, y: &[f64], state: &State) -> Self {
+        let forces = problem.forces(y);
+        let (model, modal) = (problem.model(), problem.modal());
         let (omega, nc) = (state.omega, width(state.harmonics));
         let linear = dissipation(&model.damping, state);
-        let acting = dissipation(problem.damping(), state);
+        let acting = if problem.unknown().is_damped() { linear } else { 0.0 };
         let mut nonlinear = 0.0;
-        for (u, force) in problem.force().chunks(nc).enumerate() {
+        for (u, force) in forces.chunks(nc).enumerate() {
             if force.iter().all(|&f| f == 0.0) {
                 continue;
             }
-            let x = state.combine(problem.channel_shape(u).iter().copied());
+            let x = state.combine(modal.shape(u).iter().copied());
             for k in 1..=state.harmonics {
                 let (a, b) = (2 * k - 1, 2 * k);
                 nonlinear += PI * k as f64 * (x[b] * force[a] - x[a] * force[b]);
@@ -62,26 +63,17 @@ impl Energies {
             })
             .sum();
         let stored = 2.0 * PI * omega * state.decay * weighted;
+        let (m, projection) = (modal.harmonic() as f64, modal.forcing_projection(state));
         // What the forcing puts in, if there is one.
-        let input = PI * model.forcing.harmonic as f64 * state.forcing * -forcing_projection(problem, state).im;
+        let input = PI * m * state.forcing * -projection.im;
         let scale = linear.abs() + nonlinear.abs();
         Self {
             linear,
             nonlinear,
-            work_per_amplitude: PI * model.forcing.harmonic as f64 * forcing_projection(problem, state).norm(),
+            work_per_amplitude: PI * m * projection.norm(),
             certificate: if scale > 0.0 { (acting + nonlinear - stored - input).abs() / scale } else { 0.0 },
         }
     }
-}
-
-/// X_m·s: the motion on the forcing shape at the forcing harmonic (zero if m > H).
-pub fn forcing_projection(problem: &PressureForm<'_>, state: &State) -> rustfft::num_complex::Complex64 {
-    let m = problem.model().forcing.harmonic;
-    if m > state.harmonics {
-        return Default::default();
-    }
-    let series = state.combine(problem.modal_forcing().iter().copied());
-    crate::formulation::harmonics::complex(&series, m)
 }
 
 /// R_lin in modal coordinates.

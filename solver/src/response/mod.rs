@@ -2,12 +2,11 @@
 
 pub mod backbone;
 pub mod branch;
-pub mod extrema;
 pub mod forced;
 pub mod forcing;
 pub mod level;
 pub mod melnikov;
 pub mod seeds;
+mod special;
 pub mod task;
-pub mod walk;
 pub mod windows;

@@ -1,12 +1,12 @@
 //! Seeds: backbone motions shifted in time so that the forcing feeds in what is dissipated; landing on forced responses.
 
 use crate::curve::problem::Failure;
-use crate::formulation::pressure::PressureForm;
+use crate::formulation::Formulation;
+use crate::formulation::modal::Modal;
 use crate::formulation::state::State;
 use crate::response::backbone::Backbone;
 use crate::response::forced::Forced;
-use crate::response::forcing::through_motion;
-use crate::response::melnikov::forcing_projection;
+use crate::response::forcing::{Unreached, through_motion};
 use crate::response::windows::Window;
 use serde::{Deserialize, Serialize};
 use std::ops::RangeInclusive;
@@ -48,15 +48,15 @@ fn motion(backbone: &Backbone, place: f64) -> (State, f64) {
 }
 
 /// Seed at a place of the backbone (see [`Seed::place`]) for forcing amplitude `forcing`.
-pub fn seed(problem: &PressureForm<'_>, backbone: &Backbone, place: f64, phase: Phase, forcing: f64) -> Seed {
+pub fn seed(modal: &Modal, backbone: &Backbone, place: f64, phase: Phase, forcing: f64) -> Seed {
     let (state, balance) = motion(backbone, place);
-    let m = problem.model().forcing.harmonic as f64;
+    let m = modal.harmonic() as f64;
     let angle = (balance / forcing).clamp(-1.0, 1.0).asin();
     let psi = match phase {
         Phase::First => angle,
         Phase::Second => std::f64::consts::PI - angle,
     };
-    let shift = -(psi + forcing_projection(problem, &state).arg()) / m;
+    let shift = -(psi + modal.forcing_projection(&state).arg()) / m;
     let mut state = state.shifted(shift);
     (state.forcing, state.decay) = (forcing, 0.0);
     Seed { state, place, phase }
@@ -89,7 +89,7 @@ impl Landing {
 pub enum LandingFailure {
     /// No point of the window converged.
     #[error("no seed of the window converged: {0}")]
-    NotConverged(Failure),
+    NotConverged(Unreached),
     /// Every point that converged did so far from its prediction, this relative distance at best, on a known branch.
     #[error(
         "every seed that converged ended far from its prediction, on a known branch (relative distance {0:.2} or more)"
@@ -110,7 +110,7 @@ pub enum Way {
 
 /// Seeds to land from in turn, the most promising places of a well first.
 pub fn candidates(
-    problem: &PressureForm<'_>,
+    modal: &Modal,
     backbone: &Backbone,
     well: &Window,
     phase: Phase,
@@ -119,13 +119,13 @@ pub fn candidates(
 ) -> Vec<Seed> {
     let places = places(backbone, well, forcing);
     match way {
-        Way::FixedFrequency => places.into_iter().map(|place| seed(problem, backbone, place, phase, forcing)).collect(),
+        Way::FixedFrequency => places.into_iter().map(|place| seed(modal, backbone, place, phase, forcing)).collect(),
         // The best places are enough: a walk in A passes through the motions of the others.
         Way::SteppedForcing => {
             let best = places.into_iter().take(3);
             best.map(|place| {
                 let closing = motion(backbone, place).1.abs().clamp(1e-3 * forcing, forcing);
-                seed(problem, backbone, place, phase, closing)
+                seed(modal, backbone, place, phase, closing)
             })
             .collect()
         }
@@ -134,8 +134,12 @@ pub fn candidates(
 
 /// Lands on a forced response from several seeds in turn, until one leads where it should; otherwise the nearest landing
 /// counts.
-pub fn land(forced: &mut Forced<'_>, seeds: &[Seed], way: Way) -> Result<Landing, Failure> {
-    let mut nearest: Result<Landing, Failure> = Err(Failure::Diverged);
+pub fn land<'m, F: Formulation<'m>>(
+    forced: &mut Forced<'m, F>,
+    seeds: &[Seed],
+    way: Way,
+) -> Result<Landing, Unreached> {
+    let mut nearest: Result<Landing, Unreached> = Err(Failure::Diverged.into());
     for seed in seeds {
         let landed = match way {
             Way::FixedFrequency => land_at_frequency(forced, seed),
@@ -152,15 +156,15 @@ pub fn land(forced: &mut Forced<'_>, seeds: &[Seed], way: Way) -> Result<Landing
     nearest
 }
 
-fn land_at_frequency(forced: &mut Forced<'_>, seed: &Seed) -> Result<Landing, Failure> {
+fn land_at_frequency<'m, F: Formulation<'m>>(forced: &mut Forced<'m, F>, seed: &Seed) -> Result<Landing, Unreached> {
     let state = forced.converge(&seed.state)?;
     let distance = forced.motion_distance(&state, &seed.state);
     Ok(Landing { state, distance })
 }
 
-fn land_by_forcing(forced: &mut Forced<'_>, seed: &Seed) -> Result<Landing, Failure> {
-    let mut best: Result<Landing, Failure> = Err(Failure::OutOfReach);
-    for state in through_motion(forced.problem.model(), forced.settings(), forced.forcing(), &seed.state)? {
+fn land_by_forcing<'m, F: Formulation<'m>>(forced: &mut Forced<'m, F>, seed: &Seed) -> Result<Landing, Unreached> {
+    let mut best: Result<Landing, Unreached> = Err(Unreached::OutOfReach);
+    for state in through_motion::<F>(forced.model(), forced.settings(), forced.forcing(), &seed.state)? {
         let Ok(landed) = forced.converge(&state) else { continue };
         let distance = forced.motion_distance(&landed, &seed.state);
         if best.as_ref().is_ok_and(|best| best.distance <= distance) {

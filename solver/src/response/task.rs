@@ -1,13 +1,13 @@
 //! The work of a forcing level in pieces: each task continues one branch, and knows the branches found before it.
 
-use crate::curve::problem::Failure;
-use crate::formulation::pressure::PressureForm;
+use crate::formulation::Formulation;
+use crate::formulation::modal::Modal;
 use crate::formulation::state::State;
 use crate::response::backbone::Backbone;
-use crate::response::branch::Branch;
+use crate::response::branch::{Branch, Observer};
 use crate::response::forced::Forced;
+use crate::response::forcing::Unreached;
 use crate::response::seeds::{LandingFailure, Phase, Seed, Way, candidates, land};
-use crate::response::walk::Observer;
 use crate::response::windows::{Window, windows};
 use serde::{Deserialize, Serialize};
 
@@ -55,12 +55,10 @@ pub enum Task {
 
 impl Task {
     /// Seeds to start from, the most promising first; none for the main branch.
-    pub fn seeds(&self, problem: &PressureForm<'_>, backbone: &Backbone, forcing: f64) -> Vec<Seed> {
+    pub fn seeds(&self, modal: &Modal, backbone: &Backbone, forcing: f64) -> Vec<Seed> {
         match self {
             Task::Main => Vec::new(),
-            Task::Seed(SeedPlace { well, phase, way, .. }) => {
-                candidates(problem, backbone, well, *phase, *way, forcing)
-            }
+            Task::Seed(SeedPlace { well, phase, way, .. }) => candidates(modal, backbone, well, *phase, *way, forcing),
         }
     }
 }
@@ -74,7 +72,7 @@ pub enum SeedOutcome {
     /// It did not lead to a forced response.
     NotLanded(LandingFailure),
     /// It landed, but no branch could be started there.
-    NotTraced(Failure),
+    NotTraced(Unreached),
     /// It lies outside the bounds within which branches are followed.
     OutOfBounds,
 }
@@ -102,8 +100,8 @@ pub enum Finding {
 
 /// Carries out a task: `seeds` are those of [`Task::seeds`], `known` the branches found at this level before it. `None`
 /// if `observer` breaks.
-pub fn carry_out(
-    forced: &mut Forced<'_>,
+pub fn carry_out<'m, F: Formulation<'m>>(
+    forced: &mut Forced<'m, F>,
     task: &Task,
     seeds: &[Seed],
     known: &[(BranchId, &Branch)],
@@ -121,8 +119,8 @@ pub fn carry_out(
 }
 
 /// Traces the branch that seeds lead to, unless it is known.
-fn follow(
-    forced: &mut Forced<'_>,
+fn follow<'m, F: Formulation<'m>>(
+    forced: &mut Forced<'m, F>,
     seeds: &[Seed],
     way: Way,
     known: &[(BranchId, &Branch)],
@@ -143,7 +141,7 @@ fn follow(
     }
     let branch = match forced.branch_through(state, observer) {
         Ok(branch) => branch,
-        Err(failure) => return Finding::Nothing(SeedOutcome::NotTraced(failure)),
+        Err(failure) => return Finding::Nothing(SeedOutcome::NotTraced(failure.into())),
     };
     // A known branch that ended too early is met from its other side.
     if !branch.is_closed() && !branch.is_cancelled() {
@@ -156,7 +154,11 @@ fn follow(
 }
 
 /// The branch that a converged state lies on, if it is known.
-fn identify(forced: &mut Forced<'_>, state: &State, known: &[(BranchId, &Branch)]) -> Option<BranchId> {
+fn identify<'m, F: Formulation<'m>>(
+    forced: &mut Forced<'m, F>,
+    state: &State,
+    known: &[(BranchId, &Branch)],
+) -> Option<BranchId> {
     known.iter().find(|(_, branch)| forced.lies_on(state, branch)).map(|(id, _)| *id)
 }
 

@@ -1,7 +1,7 @@
 //! Windows of the Melnikov balance: where along the backbone forced responses are predicted, for any forcing amplitude.
 
+use crate::curve::extrema::turning_points;
 use crate::response::backbone::Backbone;
-use crate::response::extrema::turning_points;
 use serde::{Deserialize, Serialize};
 
 /// A maximal arc of the backbone with threshold A* < A.

@@ -2,6 +2,7 @@
 
 use crate::common::*;
 use solver::curve::problem::Problem;
+use solver::formulation::Formulation;
 use solver::formulation::harmonics::width;
 use solver::formulation::state::State;
 use solver::response::backbone::Backbone;
@@ -74,9 +75,9 @@ fn contact_between_two_bodies_is_that_of_one_body_before_a_stop() {
         let mut modal = vec![0.0; width(20)];
         modal.extend(point.state.modal.iter().map(|q| sign * q));
         let arguments = point.state.arguments.iter().map(|p| p / 2f64.sqrt()).collect();
-        let y = forced.problem.encode(&State { arguments, modal, ..point.state.clone() });
+        let y = forced.problem().encode(&State { arguments, modal, ..point.state.clone() });
         let mut completed = y.clone();
-        let residual = forced.problem.linearise(&mut completed);
+        let residual = forced.problem().linearise(&mut completed);
         // Where modal amplitudes follow from the forces they agree as far as the residual of one body allows, 1e-11.
         let moved = y.iter().zip(&completed).fold(0.0f64, |m, (a, b)| m.max((a - b).abs()));
         assert!(residual < 1e-10 && moved < 1e-10, "{} rad/s: {residual:e} {moved:e}", point.omega());

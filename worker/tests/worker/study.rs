@@ -6,9 +6,10 @@ use protocol::ids::{Attempt, RunId, TaskId};
 use protocol::model::ModelMessage;
 use protocol::to_everyone::{Amplitude, Manifest, Stage};
 use protocol::to_worker::{Grant, Known};
+use solver::formulation::modal::Modal;
 use solver::response::backbone::Backbone;
 use solver::response::branch::BranchPoint;
-use solver::response::forced::{Forced, Reach};
+use solver::response::forced::Reach;
 use solver::response::task::Task;
 use solver::settings::Settings;
 use solver::structure::Model;
@@ -82,8 +83,7 @@ impl Study {
     /// Task number `index` of the level A = 0.008.
     pub fn grant(&self, index: usize, work: Task, known: Vec<Known>) -> Grant {
         let amplitude = 0.008;
-        let forced = Forced::new(&self.model, &self.settings, self.reach(), amplitude);
-        let seeds = work.seeds(&forced.problem, &self.backbone, amplitude);
+        let seeds = work.seeds(&Modal::new(&self.model), &self.backbone, amplitude);
         Grant {
             task: TaskId::of_level("0.008", index).unwrap(),
             attempt: Attempt(1),

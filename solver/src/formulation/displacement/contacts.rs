@@ -1,30 +1,7 @@
 //! Which contact pressures a field of dof forces stands for.
 
+use crate::formulation::FormulationError;
 use crate::linalg::{Matrix, symmetric_eigen};
-use thiserror::Error;
-
-/// Why a model has no displacement form.
-#[derive(Debug, Clone, PartialEq, Error)]
-pub enum DisplacementError {
-    /// The pressures of some contacts cannot be told apart from the forces on the dofs.
-    #[error(
-        "the normal forces of the contacts {} cannot be told apart: they push along the same dofs (or along those of \
-         friction forces); use the pressure form, which keeps every pressure as an unknown", names.join(", ")
-    )]
-    Inseparable {
-        /// Names of the elements.
-        names: Vec<String>,
-    },
-    /// There is nothing to keep: no nonlinear element.
-    #[error("the model has no nonlinear element; its response is linear")]
-    Linear,
-    /// This form knows forced responses at fixed A or ω, and damped modes.
-    #[error("the displacement form has no conservative or phase-resonance backbone; use the pressure form")]
-    Unsupported,
-    /// The eigenvalue problem behind the left inverse did not converge.
-    #[error("the directions of the contacts could not be separated")]
-    NoConvergence,
-}
 
 /// Relative size below which a direction counts as dependent on others.
 const RANK_TOLERANCE: f64 = 1e-10;
@@ -32,12 +9,12 @@ const RANK_TOLERANCE: f64 = 1e-10;
 /// Least-squares left inverse P of the contact normals B_N (c × contacts) that is blind to forces along B_T:
 /// P B_N = I, P B_T = 0. A contact between two bodies, b = (1, −1), has P = (½, −½): with the row b instead, its
 /// pressure would count twice.
-pub(super) fn left_inverse(normals: &Matrix, tangents: &Matrix, names: &[&str]) -> Result<Matrix, DisplacementError> {
+pub(super) fn left_inverse(normals: &Matrix, tangents: &Matrix, names: &[&str]) -> Result<Matrix, FormulationError> {
     let (dofs, contacts) = (normals.rows(), normals.cols());
     if contacts == 0 {
         return Ok(Matrix::zeros(0, dofs));
     }
-    let failed = |_| DisplacementError::NoConvergence;
+    let failed = |_| FormulationError::NoConvergence;
     let identity = |n: usize| Matrix::diagonal(&vec![1.0; n]);
     // Projector onto the complement of the tangential directions, which may depend on each other.
     let mut projector = identity(dofs);
@@ -60,7 +37,7 @@ pub(super) fn left_inverse(normals: &Matrix, tangents: &Matrix, names: &[&str]) 
     if !dependent.is_empty() {
         let involved = |i: usize| dependent.iter().any(|&k| vectors[(i, k)].abs() > 1e-6);
         let names = (0..contacts).filter(|&i| involved(i)).map(|i| names[i].to_string()).collect();
-        return Err(DisplacementError::Inseparable { names });
+        return Err(FormulationError::Inseparable { names });
     }
     let inverse = Matrix::from_fn(contacts, contacts, |i, j| {
         (0..contacts).map(|k| vectors[(i, k)] * vectors[(j, k)] / values[k]).sum()
@@ -105,7 +82,7 @@ mod tests {
     fn contacts_that_cannot_be_told_apart_are_named() {
         let normals = columns(3, &[&[(0, 1.0)], &[(1, 1.0)], &[(0, -2.0)]]);
         let error = left_inverse(&normals, &Matrix::zeros(3, 0), &["left", "top", "right"]).unwrap_err();
-        assert_eq!(error, DisplacementError::Inseparable { names: vec!["left".into(), "right".into()] });
+        assert_eq!(error, FormulationError::Inseparable { names: vec!["left".into(), "right".into()] });
         assert!(error.to_string().contains("contacts left, right cannot be told apart"), "{error}");
     }
 }

@@ -13,7 +13,7 @@ impl DisplacementForm<'_> {
         self.condensed.clear();
         for k in 0..=self.harmonics {
             let forced = k == self.model.forcing.harmonic;
-            self.condensed.push(self.condensation.condense(self.point.lambda(k), forced)?);
+            self.condensed.push(self.condensation.condense(self.at.lambda(k), forced)?);
         }
         self.linear_balance();
         for e in 0..self.parts.len() {
@@ -51,7 +51,7 @@ impl DisplacementForm<'_> {
             let x: Vec<Complex64> = self.displacement.chunks(nc).map(|series| complex(series, k)).collect();
             for (i, row) in condensed.stiffness.chunks(c).enumerate() {
                 let elastic: Complex64 = row.iter().zip(&x).map(|(d, x)| d * x).sum();
-                let balance = elastic - self.forcing * condensed.force[i];
+                let balance = elastic - self.at.forcing * condensed.force[i];
                 set_complex(&mut self.residual[i * nc..(i + 1) * nc], k, balance);
             }
         }
@@ -88,7 +88,7 @@ impl DisplacementForm<'_> {
     fn add_force(&mut self, e: usize) {
         let (part, nc) = (&self.parts[e], self.nc);
         let arguments = &self.arguments[part.first * nc..(part.first + part.channels.len()) * nc];
-        let rate = Rate { omega: self.point.omega, harmonic: self.model.forcing.harmonic as f64 };
+        let rate = Rate { omega: self.at.omega, harmonic: self.model.forcing.harmonic as f64 };
         let out = &mut self.forces[e];
         with_law!(&part.law, law => self.aft.evaluate(law, arguments, rate, out));
         for (channel, force) in part.channels.iter().zip(out.force.chunks(nc)) {

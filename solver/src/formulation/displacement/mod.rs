@@ -18,15 +18,14 @@ mod jacobian;
 #[cfg(test)]
 mod tests;
 
-pub use contacts::DisplacementError;
-
 use crate::curve::problem::Problem;
 use crate::formulation::aft::{Aft, ElementForce};
 use crate::formulation::harmonics::{complex, set_complex, width};
-use crate::formulation::receptance::Point;
+use crate::formulation::modal::Modal;
 use crate::formulation::scales::Scales;
-use crate::formulation::state::State;
-use crate::formulation::unknown::{Parameter, Unknown};
+use crate::formulation::state::{Parameters, State};
+use crate::formulation::unknown::Unknown;
+use crate::formulation::{Formulation, FormulationError};
 use crate::linalg::{LinalgError, Lu, Matrix, dot};
 use crate::settings::HarmonicSettings;
 use crate::structure::Model;
@@ -55,6 +54,7 @@ struct Normal {
 /// The system in displacement form, bound to a model, a truncation and a kind of unknown parameters.
 pub struct DisplacementForm<'m> {
     model: &'m Model,
+    modal: Modal,
     unknown: Unknown,
     scales: Scales,
     harmonics: usize,
@@ -67,8 +67,8 @@ pub struct DisplacementForm<'m> {
     /// Unit of the residual, N.
     force_scale: f64,
     metric: Vec<f64>,
-    point: Point,
-    forcing: f64,
+    /// Where it is evaluated.
+    at: Parameters,
     /// X_r, dofs kept × nc, m.
     displacement: Vec<f64>,
     /// Arguments of the laws, channels × nc, as in [`State`].
@@ -92,12 +92,12 @@ impl<'m> DisplacementForm<'m> {
         tracked: usize,
         unknown: Unknown,
         scales: Scales,
-    ) -> Result<Self, DisplacementError> {
+    ) -> Result<Self, FormulationError> {
         if matches!(unknown, Unknown::PhaseResonance | Unknown::Mode { damped: false }) {
-            return Err(DisplacementError::Unsupported);
+            return Err(FormulationError::Unsupported);
         }
         if model.elements.is_empty() {
-            return Err(DisplacementError::Linear);
+            return Err(FormulationError::Linear);
         }
         let harmonics = truncation.count;
         let nc = width(harmonics);
@@ -139,8 +139,8 @@ impl<'m> DisplacementForm<'m> {
             condensation: Condensation::new(model, kept, tracked),
             aft: Aft::new(truncation),
             force_scale: if epsilon > 0.0 { epsilon } else { stiffness } * scales.length,
-            point: Point { omega: scales.frequency, decay: 0.0 },
-            forcing: 0.0,
+            at: unknown.fixed(&scales),
+            modal: Modal::new(model),
             condensed: Vec::new(),
             residual: Vec::new(),
             lu: Lu::default(),
@@ -154,53 +154,6 @@ impl<'m> DisplacementForm<'m> {
         })
     }
 
-    /// Sets the forcing amplitude A of a system whose unknown is the frequency.
-    pub fn set_forcing(&mut self, forcing: f64) {
-        self.forcing = forcing;
-    }
-
-    /// Sets the frequency of a system whose unknown is the forcing amplitude, rad/s.
-    pub fn set_frequency(&mut self, omega: f64) {
-        self.point.omega = omega;
-    }
-
-    /// Scaled state vector of a solution: X_r = Φ_r y.
-    pub fn encode(&self, state: &State) -> Vec<f64> {
-        let mut y = Vec::with_capacity(self.metric.len());
-        for &dof in self.condensation.kept() {
-            let series = state.combine(self.model.modes.shapes.row(dof).iter().copied());
-            y.extend(series.iter().map(|x| x / self.scales.length));
-        }
-        y.extend(self.unknown.encode(state, &self.scales));
-        y
-    }
-
-    /// Solution of a scaled state vector, all dofs recovered: modal amplitudes Φᵀ M x.
-    ///
-    /// # Errors
-    /// If the dofs without nonlinear force have an undamped resonance there.
-    pub fn decode(&mut self, y: &[f64]) -> Result<State, LinalgError> {
-        self.load(y);
-        self.evaluate()?;
-        let projection = self.model.modes.shapes.transpose().matmul(&self.model.mass);
-        let (n, nc) = (self.model.size(), self.nc);
-        let mut modal = vec![0.0; n * nc];
-        for k in 0..=self.harmonics {
-            let x = self.recover(k);
-            for (j, series) in modal.chunks_mut(nc).enumerate() {
-                set_complex(series, k, projection.row(j).iter().zip(&x).map(|(p, x)| p * x).sum());
-            }
-        }
-        Ok(State {
-            harmonics: self.harmonics,
-            omega: self.point.omega,
-            decay: self.point.decay,
-            forcing: self.forcing,
-            arguments: self.arguments.clone(),
-            modal,
-        })
-    }
-
     /// Norm of the unbalanced forces at a solution of any formulation, over the dofs kept and all harmonics, relative to
     /// that of the forcing, A‖s‖. A backbone has no forcing: relative to its damping forces C ẋ, which a forcing would
     /// have to balance.
@@ -210,18 +163,17 @@ impl<'m> DisplacementForm<'m> {
     pub fn residual_of(&mut self, state: &State) -> Result<f64, LinalgError> {
         let y = self.encode(state);
         self.load(&y);
-        self.point = Point { omega: state.omega, decay: state.decay };
-        self.forcing = state.forcing;
+        self.at = state.parameters();
         self.evaluate()?;
         let rows = &self.residual[..self.displacement.len()];
-        let reference = if self.forcing == 0.0 {
+        let reference = if self.at.forcing == 0.0 {
             let square = |k| {
                 let force = self.condensation.damping_times(&self.recover(k));
-                self.point.lambda(k).norm_sqr() * force.iter().map(Complex64::norm_sqr).sum::<f64>()
+                self.at.lambda(k).norm_sqr() * force.iter().map(Complex64::norm_sqr).sum::<f64>()
             };
             (0..=self.harmonics).map(square).sum::<f64>().sqrt()
         } else {
-            self.forcing.abs() * self.condensation.shape_norm()
+            self.at.forcing.abs() * self.condensation.shape_norm()
         };
         Ok(dot(rows, rows).sqrt() / reference)
     }
@@ -229,7 +181,7 @@ impl<'m> DisplacementForm<'m> {
     /// Displacements of all dofs at harmonic k of the state last evaluated.
     fn recover(&self, k: usize) -> Vec<Complex64> {
         let kept: Vec<Complex64> = self.displacement.chunks(self.nc).map(|series| complex(series, k)).collect();
-        self.condensation.recover(&self.condensed[k], &kept, self.forcing)
+        self.condensation.recover(&self.condensed[k], &kept, self.at.forcing)
     }
 
     /// Unscales `y`.
@@ -238,14 +190,7 @@ impl<'m> DisplacementForm<'m> {
         for (x, y) in self.displacement.iter_mut().zip(displacement) {
             *x = y * self.scales.length;
         }
-        for (&parameter, value) in self.unknown.parameters().iter().zip(parameters) {
-            let value = value * parameter.unit(&self.scales);
-            match parameter {
-                Parameter::Frequency => self.point.omega = value,
-                Parameter::Decay => self.point.decay = value,
-                Parameter::Forcing => self.forcing = value,
-            }
-        }
+        self.unknown.decode(parameters, &self.scales, &mut self.at);
     }
 
     /// Residual divided by its units, row after row.
@@ -272,13 +217,17 @@ impl Problem for DisplacementForm<'_> {
         self.metric.len()
     }
 
+    fn parameters(&self) -> usize {
+        self.unknown.parameters().len()
+    }
+
     fn metric(&self) -> &[f64] {
         &self.metric
     }
 
     fn linearise(&mut self, y: &mut [f64]) -> f64 {
         self.load(y);
-        if !y.iter().all(|v| v.is_finite()) || self.point.omega <= 0.0 || self.evaluate().is_err() {
+        if !y.iter().all(|v| v.is_finite()) || self.at.omega <= 0.0 || self.evaluate().is_err() {
             return f64::NAN;
         }
         self.scaled_residual().fold(0.0, |m, r| if r.is_nan() { f64::NAN } else { m.max(r.abs()) })
@@ -305,5 +254,81 @@ impl Problem for DisplacementForm<'_> {
         (step[last], tangent[last]) = (-mismatch, 1.0);
         self.lu.solve(step);
         self.lu.solve(tangent);
+    }
+}
+
+impl<'m> Formulation<'m> for DisplacementForm<'m> {
+    fn build(
+        model: &'m Model,
+        truncation: HarmonicSettings,
+        tracked: usize,
+        unknown: Unknown,
+        scales: Scales,
+    ) -> Result<Self, FormulationError> {
+        Self::new(model, truncation, tracked, unknown, scales)
+    }
+
+    fn model(&self) -> &'m Model {
+        self.model
+    }
+
+    fn modal(&self) -> &Modal {
+        &self.modal
+    }
+
+    fn harmonics(&self) -> usize {
+        self.harmonics
+    }
+
+    fn unknown(&self) -> Unknown {
+        self.unknown
+    }
+
+    fn scales(&self) -> &Scales {
+        &self.scales
+    }
+
+    fn aft(&mut self) -> &mut Aft {
+        &mut self.aft
+    }
+
+    /// X_r = Φ_r y.
+    fn encode(&self, state: &State) -> Vec<f64> {
+        let mut y = Vec::with_capacity(self.metric.len());
+        for &dof in self.condensation.kept() {
+            let series = state.combine(self.model.modes.shapes.row(dof).iter().copied());
+            y.extend(series.iter().map(|x| x / self.scales.length));
+        }
+        y.extend(self.unknown.encode(state, &self.scales));
+        y
+    }
+
+    /// All dofs recovered: modal amplitudes Φᵀ M x.
+    fn decode(&mut self, y: &[f64]) -> Result<State, LinalgError> {
+        self.load(y);
+        self.evaluate()?;
+        let projection = self.model.modes.shapes.transpose().matmul(&self.model.mass);
+        let (n, nc) = (self.model.size(), self.nc);
+        let mut modal = vec![0.0; n * nc];
+        for k in 0..=self.harmonics {
+            let x = self.recover(k);
+            for (j, series) in modal.chunks_mut(nc).enumerate() {
+                set_complex(series, k, projection.row(j).iter().zip(&x).map(|(p, x)| p * x).sum());
+            }
+        }
+        let Parameters { omega, decay, forcing } = self.at;
+        Ok(State { harmonics: self.harmonics, omega, decay, forcing, arguments: self.arguments.clone(), modal })
+    }
+
+    fn growth(&self, y: &[f64]) -> Vec<f64> {
+        let motion = self.displacement.len();
+        let mut direction = vec![0.0; y.len()];
+        direction[..motion].copy_from_slice(&y[..motion]);
+        direction
+    }
+
+    fn forces(&mut self, y: &[f64]) -> Vec<f64> {
+        self.linearise(&mut y.to_vec());
+        self.forces.iter().flat_map(|element| element.force.iter().copied()).collect()
     }
 }

@@ -1,15 +1,12 @@
 //! Bordered Jacobian of the pressure form.
 
 use super::PressureForm;
+use super::layout::{KeptAt, Pair};
 use crate::formulation::harmonics::complex;
 use crate::formulation::receptance::{gather, scatter};
 use crate::formulation::unknown::Parameter;
+use crate::linalg::{axpy, dot};
 use rustfft::num_complex::Complex64;
-
-/// Rows or columns (a_k, b_k) of harmonic k within a series; b_0 does not exist.
-fn parts(k: usize) -> (usize, Option<usize>) {
-    if k == 0 { (0, None) } else { (2 * k - 1, Some(2 * k)) }
-}
 
 /// A row-major square matrix being filled.
 struct Target<'a> {
@@ -18,19 +15,19 @@ struct Target<'a> {
 }
 
 impl Target<'_> {
-    /// Adds the complex row `factor` × (row_a − i row_b) to rows `start + parts(k)`, columns from `column`.
+    /// Adds the complex row `factor` × (row_a − i row_b) to a pair of rows, columns from `column`.
     #[inline(always)]
     fn add_complex_row(
         &mut self,
-        rows: (usize, Option<usize>),
+        rows: Pair,
         column: usize,
         factor: Complex64,
         source_a: &[f64],
         source_b: Option<&[f64]>,
     ) {
         let width = source_a.len();
-        let begin = rows.0 * self.size + column;
-        match (rows.1, source_b) {
+        let begin = rows.a * self.size + column;
+        match (rows.b, source_b) {
             (Some(row_b), Some(source_b)) => {
                 let offset = row_b * self.size + column;
                 let (head, tail) = self.data.split_at_mut(offset);
@@ -40,59 +37,49 @@ impl Target<'_> {
                     dest_b[i] += factor.re * source_b[i] - factor.im * source_a[i];
                 }
             }
-            _ => crate::linalg::axpy(factor.re, source_a, &mut self.data[begin..begin + width]),
+            _ => axpy(factor.re, source_a, &mut self.data[begin..begin + width]),
         }
     }
 
     /// Adds the 2 × 2 (or 1 × 1) real form of multiplication by `factor`.
-    fn add_complex(&mut self, rows: (usize, Option<usize>), cols: (usize, Option<usize>), factor: Complex64) {
-        self.data[rows.0 * self.size + cols.0] += factor.re;
-        if let Some(row_b) = rows.1 {
-            self.data[row_b * self.size + cols.0] -= factor.im;
+    fn add_complex(&mut self, rows: Pair, cols: Pair, factor: Complex64) {
+        self.data[rows.a * self.size + cols.a] += factor.re;
+        if let Some(row_b) = rows.b {
+            self.data[row_b * self.size + cols.a] -= factor.im;
         }
-        if let Some(col_b) = cols.1 {
-            self.data[rows.0 * self.size + col_b] += factor.im;
-            if let Some(row_b) = rows.1 {
+        if let Some(col_b) = cols.b {
+            self.data[rows.a * self.size + col_b] += factor.im;
+            if let Some(row_b) = rows.b {
                 self.data[row_b * self.size + col_b] += factor.re;
             }
         }
     }
 }
 
-fn shifted((a, b): (usize, Option<usize>), start: usize) -> (usize, Option<usize>) {
-    (start + a, b.map(|b| start + b))
-}
-
 impl PressureForm<'_> {
     /// Fills the bordered matrix of the state last evaluated.
     pub(super) fn assemble(&mut self, row: &[f64]) {
-        let size = self.residual.len() + 1;
+        let size = self.unknowns.len();
+        debug_assert_eq!(size, self.residual.len() + 1);
         let mut lu = std::mem::take(&mut self.lu);
         let mut target = Target { data: lu.reset(size), size };
         crate::linalg::vectorised(|| self.assemble_arguments(&mut target));
-        let kept_start = self.argument_unknowns();
-        self.assemble_kept(&mut target, kept_start);
-        let parameter_start = size - self.parameters();
-        self.assemble_parameters(&mut target, kept_start, parameter_start);
-        if let Some(phase) = &self.phase {
-            let row = &mut target.data[(size - 2) * size..(size - 1) * size];
-            self.assemble_form(row, phase, kept_start, parameter_start);
+        for kept in &self.unknowns.kept {
+            self.assemble_kept(&mut target, kept);
         }
-        self.assemble_form(&mut target.data[(size - 1) * size..], row, kept_start, parameter_start);
+        self.assemble_parameters(&mut target);
+        if let Some(phase) = &self.phase {
+            self.assemble_form(&mut target.data[(size - 2) * size..(size - 1) * size], phase);
+        }
+        self.assemble_form(&mut target.data[(size - 1) * size..], row);
         self.lu = lu;
-    }
-
-    /// Number of argument unknowns: all channels of the active elements.
-    fn argument_unknowns(&self) -> usize {
-        self.slots.iter().filter(|slot| slot.active).map(|slot| slot.count * self.nc).sum()
     }
 
     /// I − δ ∂f + s R ∂f, scaled.
     #[inline(always)]
     fn assemble_arguments(&mut self, target: &mut Target<'_>) {
-        let nc = self.nc;
-        let active: Vec<usize> =
-            self.slots.iter().filter(|slot| slot.active).flat_map(|slot| slot.first..slot.first + slot.count).collect();
+        let nc = self.layout.nc;
+        let active: Vec<usize> = self.unknowns.channels().collect();
         let count = active.len();
         for i in 0..count * nc {
             target.data[i * target.size + i] = 1.0;
@@ -107,19 +94,18 @@ impl PressureForm<'_> {
                 &mut self.receptance_re,
                 &mut self.receptance_im,
             );
-            let (row_a, row_b) = parts(k);
-            let mut column = 0;
-            for (slot, element) in self.slots.iter().zip(&self.forces).filter(|(slot, _)| slot.active) {
-                let width = slot.count * nc;
-                for i in 0..slot.count {
+            let rows = Pair::of(k);
+            for block in &self.unknowns.blocks {
+                let (slot, element) = (&self.slots[block.element], &self.forces[block.element]);
+                for (i, _, start) in block.arguments() {
                     // Force i does not depend on the arguments from `reach` on.
                     let reach = slot.reach[i] * nc;
                     let source = |part: usize| {
-                        let start = (i * nc + part) * width;
-                        &element.jacobian[start..start + reach]
+                        let begin = (i * nc + part) * block.unknowns.len();
+                        &element.jacobian[begin..begin + reach]
                     };
-                    let (source_a, source_b) = (source(row_a), row_b.map(source));
-                    let v = column / nc + i;
+                    let (source_a, source_b) = (source(rows.a), rows.b.map(source));
+                    let v = start / nc;
                     for (a, &u) in active.iter().enumerate() {
                         let channel = self.channels[u];
                         let gain = channel.gain / channel.scale;
@@ -130,17 +116,16 @@ impl PressureForm<'_> {
                         if a == v {
                             factor.re -= channel.feedback / channel.scale;
                         }
-                        target.add_complex_row(shifted(parts(k), a * nc), column, factor, source_a, source_b);
+                        target.add_complex_row(rows.after(a * nc), block.unknowns.start, factor, source_a, source_b);
                     }
                 }
-                column += width;
             }
         }
     }
 
     /// Shape t_uκ of channel `u` for a kept amplitude and the correction D̂_oo⁻¹ D̂_oκ of the other modes.
     fn kept_shape(&self, u: usize, mode: usize, response: Option<&[Complex64]>) -> Complex64 {
-        let shape = self.receptance.shape(u);
+        let shape = self.receptance.modal().shape(u);
         let own = Complex64::new(shape[mode], 0.0);
         match response {
             None => own,
@@ -148,135 +133,128 @@ impl PressureForm<'_> {
         }
     }
 
-    /// Columns and rows of the kept modal amplitudes.
-    fn assemble_kept(&self, target: &mut Target<'_>, kept_start: usize) {
-        let (nc, n) = (self.nc, self.model.size());
-        let mut start = kept_start;
-        for (index, kept) in self.receptance.kept().iter().enumerate() {
-            let (k, mode) = (kept.harmonic, kept.mode);
-            let place = if k == 0 { (start, None) } else { (start, Some(start + 1)) };
-            let scale = self.kept_scale(index);
-            let response = self.receptance.coupling(k, mode).map(|column| {
-                let mut response = vec![Complex64::default(); n];
-                self.receptance.inverse_times(k, &column, &mut response);
-                response
-            });
-            let mut column = 0;
-            for (slot, element) in self.slots.iter().zip(&self.forces).filter(|(slot, _)| slot.active) {
-                let width = slot.count * nc;
-                for i in 0..slot.count {
-                    let u = slot.first + i;
-                    let shape = self.kept_shape(u, mode, response.as_deref());
-                    let channel = self.channels[u];
-                    let gain = -channel.gain / channel.scale * self.scales.modal;
-                    target.add_complex(shifted(parts(k), column + i * nc), place, gain * shape);
-                    let source = |part: usize| {
-                        let begin = (i * nc + part) * width;
-                        &element.jacobian[begin..begin + width]
-                    };
-                    let (a, b) = parts(k);
-                    target.add_complex_row(place, column, shape / scale, source(a), b.map(source));
-                }
-                column += width;
+    /// Column and row of a kept modal amplitude.
+    fn assemble_kept(&self, target: &mut Target<'_>, kept: &KeptAt) {
+        let nc = self.layout.nc;
+        let (k, mode) = (kept.kept.harmonic, kept.kept.mode);
+        let (scale, parts) = (self.kept_scale(&kept.kept), Pair::of(k));
+        let response = self.receptance.coupling(k, mode).map(|column| {
+            let mut response = vec![Complex64::default(); self.layout.modes];
+            self.receptance.inverse_times(k, &column, &mut response);
+            response
+        });
+        for block in &self.unknowns.blocks {
+            let (element, width) = (&self.forces[block.element], block.unknowns.len());
+            for (i, u, start) in block.arguments() {
+                let shape = self.kept_shape(u, mode, response.as_deref());
+                let channel = self.channels[u];
+                let gain = -channel.gain / channel.scale * self.scales.modal;
+                target.add_complex(parts.after(start), kept.at, gain * shape);
+                let source = |part: usize| {
+                    let begin = (i * nc + part) * width;
+                    &element.jacobian[begin..begin + width]
+                };
+                let (source_a, source_b) = (source(parts.a), parts.b.map(source));
+                target.add_complex_row(kept.at, block.unknowns.start, shape / scale, source_a, source_b);
             }
-            let mut other_start = kept_start;
-            for other in self.receptance.kept() {
-                let other_place =
-                    if other.harmonic == 0 { (other_start, None) } else { (other_start, Some(other_start + 1)) };
-                if other.harmonic == k {
-                    let mut entry = self.receptance.entry(k, mode, other.mode);
-                    if let (Some(response), Some(column)) = (&response, self.receptance.coupling(k, other.mode)) {
-                        entry -= response.iter().zip(&column).map(|(r, c)| r * c).sum::<Complex64>();
-                    }
-                    target.add_complex(place, other_place, entry * (self.scales.modal / scale));
-                }
-                other_start += if other.harmonic == 0 { 1 } else { 2 };
+        }
+        for other in self.unknowns.kept_at(k) {
+            let mut entry = self.receptance.entry(k, mode, other.kept.mode);
+            if let (Some(response), Some(column)) = (&response, self.receptance.coupling(k, other.kept.mode)) {
+                entry -= response.iter().zip(&column).map(|(r, c)| r * c).sum::<Complex64>();
             }
-            start += if k == 0 { 1 } else { 2 };
+            target.add_complex(kept.at, other.at, entry * (self.scales.modal / scale));
         }
     }
 
     /// Columns of the parameters; also the rates of the dependent modal amplitudes.
-    fn assemble_parameters(&mut self, target: &mut Target<'_>, kept_start: usize, parameter_start: usize) {
-        let (nc, n) = (self.nc, self.model.size());
+    fn assemble_parameters(&mut self, target: &mut Target<'_>) {
         let mut rates = std::mem::take(&mut self.modal_rates);
-        let mut buffer = vec![Complex64::default(); 4 * n];
-        let (y, rest) = buffer.split_at_mut(n);
-        let (moved, rest) = rest.split_at_mut(n);
-        let (load, response) = rest.split_at_mut(n);
         for (p, (rate, &parameter)) in rates.iter_mut().zip(self.unknown.parameters()).enumerate() {
-            let column = parameter_start + p;
-            let unit = parameter.unit(&self.scales);
-            let is_omega = parameter == Parameter::Frequency;
-            for k in 0..=self.harmonics {
-                // `moved` = (∂D/∂p) Y, `load` = ∂(E − F)/∂p.
-                gather(&self.current.modal, nc, k, y);
-                moved.fill(Complex64::default());
-                load.fill(Complex64::default());
-                if parameter != Parameter::Forcing {
-                    self.receptance.rate_times(k, y, moved);
-                    moved.iter_mut().for_each(|m| *m *= parameter.rate(k));
-                } else if k == self.model.forcing.harmonic {
-                    load.iter_mut().zip(&self.modal_forcing).for_each(|(l, &s)| *l = s.into());
-                }
-                if is_omega {
-                    self.add_explicit_force_rates(k, load);
-                }
-                for j in 0..n {
-                    y[j] = load[j] - moved[j];
-                }
-                self.receptance.inverse_times(k, y, response);
-                scatter(response, nc, k, rate);
-                let mut start = kept_start;
-                for (index, kept) in self.receptance.kept().iter().enumerate() {
-                    if kept.harmonic == k {
-                        let balance = moved[kept.mode] - load[kept.mode]
-                            + self.receptance.stiffness_times(k, kept.mode, response);
-                        let scaled = balance * (unit / self.kept_scale(index));
-                        target.data[start * target.size + column] = scaled.re;
-                        if k > 0 {
-                            target.data[(start + 1) * target.size + column] = -scaled.im;
-                        }
-                    }
-                    start += if kept.harmonic == 0 { 1 } else { 2 };
-                }
-            }
-            rate.iter_mut().for_each(|r| *r *= unit);
-            let mut series = vec![0.0; nc];
-            let mut row = 0;
-            for (slot, element) in self.slots.iter().zip(&self.forces).filter(|(slot, _)| slot.active) {
-                for i in 0..slot.count {
-                    let channel = self.channels[slot.first + i];
-                    self.receptance.channel(slot.first + i, rate, &mut series);
-                    for (h, x) in series.iter().enumerate() {
-                        let explicit = if is_omega { unit * element.domega[i * nc + h] } else { 0.0 };
-                        target.data[row * target.size + column] =
-                            -(channel.gain * x + channel.feedback * explicit) / channel.scale;
-                        row += 1;
-                    }
-                }
-            }
+            let column = self.unknowns.parameters.start + p;
+            self.kept_rates(target, column, parameter, rate);
+            rate.iter_mut().for_each(|r| *r *= parameter.unit(&self.scales));
+            self.argument_rates(target, column, parameter, rate);
         }
         self.modal_rates = rates;
     }
 
-    /// Subtracts b̂ ∂f/∂ω (at fixed arguments) of harmonic k.
-    fn add_explicit_force_rates(&self, k: usize, load: &mut [Complex64]) {
-        for (slot, element) in self.slots.iter().zip(&self.forces).filter(|(slot, _)| slot.active) {
-            for (i, series) in element.domega.chunks(self.nc).enumerate() {
-                let rate = complex(series, k);
-                let shape = self.receptance.shape(slot.first + i);
-                load.iter_mut().zip(shape).for_each(|(l, s)| *l -= rate * s);
+    /// A parameter's column in the rows of the kept amplitudes; `rate`: derivatives of the others.
+    fn kept_rates(&self, target: &mut Target<'_>, column: usize, parameter: Parameter, rate: &mut [f64]) {
+        let (nc, n) = (self.layout.nc, self.layout.modes);
+        let mut buffer = vec![Complex64::default(); 4 * n];
+        let (y, rest) = buffer.split_at_mut(n);
+        let (moved, rest) = rest.split_at_mut(n);
+        let (load, response) = rest.split_at_mut(n);
+        let modal = self.receptance.modal();
+        for k in 0..=self.harmonics {
+            // `moved` = (∂D/∂p) Y, `load` = ∂(E − F)/∂p.
+            gather(&self.current.modal, nc, k, y);
+            moved.fill(Complex64::default());
+            load.fill(Complex64::default());
+            if parameter != Parameter::Forcing {
+                self.receptance.rate_times(k, y, moved);
+                moved.iter_mut().for_each(|m| *m *= parameter.rate(k));
+            } else if k == modal.harmonic() {
+                load.iter_mut().zip(modal.forcing()).for_each(|(l, &s)| *l = s.into());
+            }
+            if parameter == Parameter::Frequency {
+                self.add_explicit_force_rates(k, load);
+            }
+            for j in 0..n {
+                y[j] = load[j] - moved[j];
+            }
+            self.receptance.inverse_times(k, y, response);
+            scatter(response, nc, k, rate);
+            for KeptAt { kept, at } in self.unknowns.kept_at(k) {
+                let balance =
+                    moved[kept.mode] - load[kept.mode] + self.receptance.stiffness_times(k, kept.mode, response);
+                let scaled = balance * (parameter.unit(&self.scales) / self.kept_scale(kept));
+                target.data[at.a * target.size + column] = scaled.re;
+                if let Some(b) = at.b {
+                    target.data[b * target.size + column] = -scaled.im;
+                }
             }
         }
     }
 
-    /// A linear form on the state as a row over the unknowns: entries of dependent modal amplitudes are carried over to the unknowns by the chain rule.
-    fn assemble_form(&self, border: &mut [f64], row: &[f64], kept_start: usize, parameter_start: usize) {
-        let (nc, n) = (self.nc, self.model.size());
-        let (arguments, rest) = row.split_at(self.current.arguments.len());
-        let (modal, parameters) = rest.split_at(self.current.modal.len());
-        let mut weight = vec![0.0; self.current.arguments.len()];
+    /// A parameter's column in the rows of the arguments, from the (scaled) rates of the modal amplitudes.
+    fn argument_rates(&self, target: &mut Target<'_>, column: usize, parameter: Parameter, rate: &[f64]) {
+        let nc = self.layout.nc;
+        let unit = parameter.unit(&self.scales);
+        let mut series = vec![0.0; nc];
+        for block in &self.unknowns.blocks {
+            let element = &self.forces[block.element];
+            for (i, u, start) in block.arguments() {
+                let channel = self.channels[u];
+                self.receptance.modal().displacement(u, rate, &mut series);
+                for (h, x) in series.iter().enumerate() {
+                    let explicit =
+                        if parameter == Parameter::Frequency { unit * element.domega[i * nc + h] } else { 0.0 };
+                    target.data[(start + h) * target.size + column] =
+                        -(channel.gain * x + channel.feedback * explicit) / channel.scale;
+                }
+            }
+        }
+    }
+
+    /// Subtracts b̂ ∂f/∂ω (at fixed arguments) of harmonic k.
+    fn add_explicit_force_rates(&self, k: usize, load: &mut [Complex64]) {
+        for block in &self.unknowns.blocks {
+            let rates = self.forces[block.element].domega.chunks(self.layout.nc);
+            for (u, series) in block.channels.clone().zip(rates) {
+                let rate = complex(series, k);
+                load.iter_mut().zip(self.receptance.modal().shape(u)).for_each(|(l, s)| *l -= rate * s);
+            }
+        }
+    }
+
+    /// A linear form on the state as a row over the unknowns: entries of dependent modal amplitudes are carried over to the
+    /// unknowns by the chain rule.
+    fn assemble_form(&self, border: &mut [f64], row: &[f64]) {
+        let (nc, n) = (self.layout.nc, self.layout.modes);
+        let (arguments, modal) = (&row[self.layout.arguments()], &row[self.layout.modal()]);
+        let mut weight = vec![0.0; arguments.len()];
         let mut work = vec![Complex64::default(); 2 * n];
         let (conjugate, response) = work.split_at_mut(n);
         for k in 0..=self.harmonics {
@@ -286,112 +264,37 @@ impl PressureForm<'_> {
             }
             conjugate.iter_mut().for_each(|w| *w = w.conj());
             self.receptance.inverse_times(k, conjugate, response);
-            let (a, b) = parts(k);
-            for slot in self.slots.iter().filter(|slot| slot.active) {
-                for u in slot.first..slot.first + slot.count {
-                    let shape = self.receptance.shape(u);
-                    let z: Complex64 = shape.iter().zip(response.iter()).map(|(s, r)| r * *s).sum();
-                    weight[u * nc + a] = -z.re / self.scales.modal;
-                    if let Some(b) = b {
-                        weight[u * nc + b] = -z.im / self.scales.modal;
-                    }
+            let parts = Pair::of(k);
+            for u in self.unknowns.channels() {
+                let shape = self.receptance.modal().shape(u);
+                let z: Complex64 = shape.iter().zip(response.iter()).map(|(s, r)| r * *s).sum();
+                weight[u * nc + parts.a] = -z.re / self.scales.modal;
+                if let Some(b) = parts.b {
+                    weight[u * nc + b] = -z.im / self.scales.modal;
                 }
             }
-            let mut start = kept_start;
-            for kept in self.receptance.kept() {
-                if kept.harmonic == k {
-                    let own = conjugate[kept.mode];
-                    let coupled = self.receptance.coupling(k, kept.mode).map_or(Complex64::default(), |column| {
-                        column.iter().zip(response.iter()).map(|(c, r)| c * r).sum()
-                    });
-                    border[start] += own.re - coupled.re;
-                    if k > 0 {
-                        border[start + 1] += own.im - coupled.im;
-                    }
-                }
-                start += if kept.harmonic == 0 { 1 } else { 2 };
-            }
-        }
-        let mut column = 0;
-        for (slot, element) in self.slots.iter().zip(&self.forces).filter(|(slot, _)| slot.active) {
-            let width = slot.count * nc;
-            let range = slot.first * nc..slot.first * nc + width;
-            border[column..column + width].copy_from_slice(&arguments[range.clone()]);
-            for (w, source) in weight[range].iter().zip(element.jacobian.chunks(width)) {
-                crate::linalg::axpy(*w, source, &mut border[column..column + width]);
-            }
-            column += width;
-        }
-        for (p, rate) in self.modal_rates.iter().enumerate() {
-            border[parameter_start + p] = parameters[p] + crate::linalg::dot(modal, rate) / self.scales.modal;
-        }
-    }
-
-    /// Expands a solution of the bordered system to the full scaled state, dependent entries included.
-    pub(super) fn expand(&self, solution: &[f64], out: &mut [f64]) {
-        let (nc, n) = (self.nc, self.model.size());
-        let kept_start = self.argument_unknowns();
-        let parameter_start = solution.len() - self.parameters();
-        let (arguments, rest) = out.split_at_mut(self.current.arguments.len());
-        let (modal, parameters) = rest.split_at_mut(self.current.modal.len());
-        parameters.copy_from_slice(&solution[parameter_start..]);
-        // Forces, then modal amplitudes.
-        let mut force = vec![0.0; arguments.len()];
-        let mut column = 0;
-        for (slot, element) in self.slots.iter().zip(&self.forces).filter(|(slot, _)| slot.active) {
-            let width = slot.count * nc;
-            let start = slot.first * nc;
-            let unknowns = &solution[column..column + width];
-            arguments[start..start + width].copy_from_slice(unknowns);
-            for (f, row) in force[start..start + width].iter_mut().zip(element.jacobian.chunks(width)) {
-                *f = crate::linalg::dot(row, unknowns);
-            }
-            column += width;
-        }
-        let mut work = vec![Complex64::default(); 2 * n];
-        let (load, response) = work.split_at_mut(n);
-        for k in 0..=self.harmonics {
-            load.fill(Complex64::default());
-            for slot in self.slots.iter().filter(|slot| slot.active) {
-                for u in slot.first..slot.first + slot.count {
-                    let f = complex(&force[u * nc..(u + 1) * nc], k);
-                    load.iter_mut().zip(self.receptance.shape(u)).for_each(|(l, s)| *l -= f * s);
+            for KeptAt { kept, at } in self.unknowns.kept_at(k) {
+                let own = conjugate[kept.mode];
+                let coupled = self.receptance.coupling(k, kept.mode).map_or(Complex64::default(), |column| {
+                    column.iter().zip(response.iter()).map(|(c, r)| c * r).sum()
+                });
+                border[at.a] += own.re - coupled.re;
+                if let Some(b) = at.b {
+                    border[b] += own.im - coupled.im;
                 }
             }
-            let mut start = kept_start;
-            let mut amplitudes = Vec::new();
-            for kept in self.receptance.kept() {
-                let step = if kept.harmonic == 0 { 1 } else { 2 };
-                if kept.harmonic == k {
-                    let imaginary = if k == 0 { 0.0 } else { -solution[start + 1] };
-                    let q = Complex64::new(solution[start], imaginary);
-                    if let Some(coupling) = self.receptance.coupling(k, kept.mode) {
-                        load.iter_mut().zip(&coupling).for_each(|(l, c)| *l -= c * q * self.scales.modal);
-                    }
-                    amplitudes.push((kept.mode, q));
-                }
-                start += step;
-            }
-            self.receptance.inverse_times(k, load, response);
-            response.iter_mut().for_each(|r| *r /= self.scales.modal);
-            for (mode, q) in amplitudes {
-                response[mode] = q;
-            }
-            scatter(response, nc, k, modal);
         }
-        for (p, rate) in self.modal_rates.iter().enumerate() {
-            crate::linalg::axpy(parameters[p] / self.scales.modal, rate, modal);
-        }
-        let mut series = vec![0.0; nc];
-        for slot in self.slots.iter().filter(|slot| !slot.active) {
-            for u in slot.first..slot.first + slot.count {
-                let channel = self.channels[u];
-                self.receptance.channel(u, modal, &mut series);
-                let factor = channel.gain * self.scales.modal / channel.scale;
-                for (a, x) in arguments[u * nc..(u + 1) * nc].iter_mut().zip(&series) {
-                    *a = factor * x;
-                }
+        for block in &self.unknowns.blocks {
+            let range = self.layout.element(&block.channels);
+            let border = &mut border[block.unknowns.clone()];
+            border.copy_from_slice(&arguments[range.clone()]);
+            for (w, source) in weight[range].iter().zip(self.forces[block.element].jacobian.chunks(border.len())) {
+                axpy(*w, source, border);
             }
+        }
+        let parameters = row[self.layout.parameters()].iter().zip(&self.modal_rates);
+        for (border, (own, rate)) in border[self.unknowns.parameters.clone()].iter_mut().zip(parameters) {
+            *border = own + dot(modal, rate) / self.scales.modal;
         }
     }
 }

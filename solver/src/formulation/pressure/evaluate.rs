@@ -1,9 +1,10 @@
 //! Residual of the pressure form.
 
 use super::PressureForm;
+use super::layout::Unknowns;
 use crate::formulation::aft::Rate;
 use crate::formulation::harmonics::complex;
-use crate::formulation::receptance::{Point, gather, scatter};
+use crate::formulation::receptance::{Kept, gather, scatter};
 use crate::structure::laws::with_law;
 use rustfft::num_complex::Complex64;
 
@@ -11,7 +12,7 @@ impl PressureForm<'_> {
     /// Completes `y`, evaluates forces, displacements and residual; returns the largest scaled residual.
     pub(super) fn evaluate(&mut self, y: &mut [f64]) -> f64 {
         self.load(y);
-        let point = Point { omega: self.current.omega, decay: self.current.decay };
+        let point = self.current.parameters();
         if !y.iter().all(|v| v.is_finite())
             || point.omega <= 0.0
             || self.receptance.update(point, self.tracked).is_err()
@@ -36,30 +37,23 @@ impl PressureForm<'_> {
         self.residual.iter().fold(0.0f64, |m, r| if r.is_nan() { f64::NAN } else { m.max(r.abs()) })
     }
 
-    fn argument(&self, u: usize) -> &[f64] {
-        &self.current.arguments[u * self.nc..(u + 1) * self.nc]
-    }
-
     /// Elements other than contact always act; contact nodes act while their predicted pressure is positive somewhere.
     fn mark_touching(&mut self) {
-        for e in 0..self.slots.len() {
-            let first = self.slots[e].first;
-            let series = &self.current.arguments[first * self.nc..(first + 1) * self.nc];
-            self.slots[e].active = self.slots[e].contact.is_none() || self.aft.touches(series);
+        for slot in &mut self.slots {
+            let series = &self.current.arguments[self.layout.channel(slot.channels.start)];
+            slot.active = !slot.is_contact || self.aft.touches(series);
         }
     }
 
     fn evaluate_element(&mut self, e: usize) {
         let slot = &self.slots[e];
-        let range = slot.first * self.nc..(slot.first + slot.count) * self.nc;
         let rate = Rate { omega: self.current.omega, harmonic: self.model.forcing.harmonic as f64 };
         let out = &mut self.forces[e];
-        let arguments = &self.current.arguments[range];
+        let arguments = &self.current.arguments[self.layout.element(&slot.channels)];
         with_law!(&slot.law, law => self.aft.evaluate(law, arguments, rate, out));
-        let width = slot.count * self.nc;
-        let scales = &self.channels[slot.first..slot.first + slot.count];
-        for row in out.jacobian.chunks_mut(width) {
-            for (part, channel) in row.chunks_mut(self.nc).zip(scales) {
+        let scales = &self.channels[slot.channels.clone()];
+        for row in out.jacobian.chunks_mut(arguments.len()) {
+            for (part, channel) in row.chunks_mut(self.layout.nc).zip(scales) {
                 part.iter_mut().for_each(|d| *d *= channel.scale);
             }
         }
@@ -68,15 +62,15 @@ impl PressureForm<'_> {
     /// Modal forces E − F of harmonic k into `out`.
     pub(super) fn modal_load(&self, k: usize, out: &mut [Complex64]) {
         out.fill(Complex64::default());
-        if k == self.model.forcing.harmonic && !self.unknown.is_autonomous() {
+        let modal = self.receptance.modal();
+        if k == modal.harmonic() && !self.unknown.is_autonomous() {
             let forcing = self.current.forcing;
-            out.iter_mut().zip(&self.modal_forcing).for_each(|(o, s)| *o = Complex64::new(forcing * s, 0.0));
+            out.iter_mut().zip(modal.forcing()).for_each(|(o, s)| *o = Complex64::new(forcing * s, 0.0));
         }
         for (slot, element) in self.slots.iter().zip(&self.forces).filter(|(slot, _)| slot.active) {
-            for (i, series) in element.force.chunks(self.nc).enumerate() {
+            for (u, series) in slot.channels.clone().zip(element.force.chunks(self.layout.nc)) {
                 let force = complex(series, k);
-                let shape = self.receptance.shape(slot.first + i);
-                out.iter_mut().zip(shape).for_each(|(o, s)| *o -= force * s);
+                out.iter_mut().zip(modal.shape(u)).for_each(|(o, s)| *o -= force * s);
             }
         }
     }
@@ -90,17 +84,17 @@ impl PressureForm<'_> {
         let (y, old) = rest.split_at_mut(n);
         for k in 0..=self.harmonics {
             self.modal_load(k, load);
-            gather(&self.current.modal, self.nc, k, old);
-            for kept in self.receptance.kept().iter().filter(|kept| kept.harmonic == k) {
-                if let Some(column) = self.receptance.coupling(k, kept.mode) {
-                    load.iter_mut().zip(&column).for_each(|(l, c)| *l -= c * old[kept.mode]);
+            gather(&self.current.modal, self.layout.nc, k, old);
+            for mode in self.receptance.kept_at(k) {
+                if let Some(column) = self.receptance.coupling(k, mode) {
+                    load.iter_mut().zip(&column).for_each(|(l, c)| *l -= c * old[mode]);
                 }
             }
             self.receptance.inverse_times(k, load, y);
-            for kept in self.receptance.kept().iter().filter(|kept| kept.harmonic == k) {
-                y[kept.mode] = old[kept.mode];
+            for mode in self.receptance.kept_at(k) {
+                y[mode] = old[mode];
             }
-            scatter(y, self.nc, k, &mut self.current.modal);
+            scatter(y, self.layout.nc, k, &mut self.current.modal);
         }
         self.work = work;
     }
@@ -108,26 +102,25 @@ impl PressureForm<'_> {
     /// Arguments of the nodes that do not touch, explicitly. True if one of them touches after all; its force then has
     /// been added.
     fn complete_open_nodes(&mut self) -> bool {
-        let nc = self.nc;
-        for (u, out) in self.displacement.chunks_mut(nc).enumerate() {
-            self.receptance.channel(u, &self.current.modal, out);
+        let layout = self.layout;
+        for (u, out) in self.displacement.chunks_mut(layout.nc).enumerate() {
+            self.receptance.modal().displacement(u, &self.current.modal, out);
         }
         let mut touched = false;
         for e in 0..self.slots.len() {
             if self.slots[e].active {
                 continue;
             }
-            let (first, count) = (self.slots[e].first, self.slots[e].count);
-            for u in first..first + count {
+            let channels = self.slots[e].channels.clone();
+            for u in channels.clone() {
                 let channel = self.channels[u];
-                let argument = &mut self.current.arguments[u * nc..(u + 1) * nc];
-                for (a, x) in argument.iter_mut().zip(&self.displacement[u * nc..(u + 1) * nc]) {
+                let argument = &mut self.current.arguments[layout.channel(u)];
+                for (a, x) in argument.iter_mut().zip(&self.displacement[layout.channel(u)]) {
                     *a = channel.gain * x;
                 }
                 argument[0] -= channel.offset;
             }
-            let series = &self.current.arguments[first * nc..(first + 1) * nc];
-            if self.aft.touches(series) {
+            if self.aft.touches(&self.current.arguments[layout.channel(channels.start)]) {
                 self.slots[e].active = true;
                 self.evaluate_element(e);
                 touched = true;
@@ -138,58 +131,67 @@ impl PressureForm<'_> {
 
     /// Writes the completed entries back into the scaled state: open nodes, and those that were held to be open but touch.
     fn store_completed(&self, y: &mut [f64]) {
-        for (u, channel) in self.channels.iter().enumerate() {
-            let target = &mut y[u * self.nc..(u + 1) * self.nc];
-            target.iter_mut().zip(self.argument(u)).for_each(|(t, a)| *t = a / channel.scale);
+        let (arguments, rest) = y.split_at_mut(self.layout.arguments().end);
+        let series = arguments.chunks_mut(self.layout.nc).zip(self.current.arguments.chunks(self.layout.nc));
+        for ((target, argument), channel) in series.zip(&self.channels) {
+            target.iter_mut().zip(argument).for_each(|(t, a)| *t = a / channel.scale);
         }
-        let start = self.current.arguments.len();
-        for (t, q) in y[start..].iter_mut().zip(&self.current.modal) {
+        for (t, q) in rest.iter_mut().zip(&self.current.modal) {
             *t = q / self.scales.modal;
         }
     }
 
+    /// Residuals in the order of the unknowns, which are those that are active and kept here.
     fn evaluate_residual(&mut self) {
-        let nc = self.nc;
+        let active = self.slots.iter().enumerate().filter(|(_, slot)| slot.active);
+        let active = active.map(|(e, slot)| (e, slot.channels.clone()));
+        self.unknowns = Unknowns::new(active, self.receptance.kept(), &self.layout);
         let mut residual = std::mem::take(&mut self.residual);
         residual.clear();
-        for (slot, element) in self.slots.iter().zip(&self.forces).filter(|(slot, _)| slot.active) {
-            for i in 0..slot.count {
-                let (u, channel) = (slot.first + i, self.channels[slot.first + i]);
-                let (argument, x) = (self.argument(u), &self.displacement[u * nc..(u + 1) * nc]);
-                let force = &element.force[i * nc..(i + 1) * nc];
-                for h in 0..nc {
+        self.argument_residuals(&mut residual);
+        self.kept_residuals(&mut residual);
+        if let Some(phase) = &self.phase {
+            residual.push(crate::linalg::dot(&phase[self.layout.modal()], &self.current.modal) / self.scales.modal);
+        }
+        self.residual = residual;
+    }
+
+    fn argument_residuals(&self, residual: &mut Vec<f64>) {
+        let layout = self.layout;
+        for block in &self.unknowns.blocks {
+            for ((_, u, _), force) in block.arguments().zip(self.forces[block.element].force.chunks(layout.nc)) {
+                let channel = self.channels[u];
+                let (argument, x) = (&self.current.arguments[layout.channel(u)], &self.displacement[layout.channel(u)]);
+                for h in 0..layout.nc {
                     let offset = if h == 0 { channel.offset } else { 0.0 };
                     let balance = argument[h] - channel.feedback * force[h] - channel.gain * x[h] + offset;
                     residual.push(balance / channel.scale);
                 }
             }
         }
-        let n = self.model.size();
+    }
+
+    fn kept_residuals(&mut self, residual: &mut Vec<f64>) {
+        let n = self.layout.modes;
         let mut work = std::mem::take(&mut self.work);
         work.resize(2 * n, Complex64::default());
         let (load, y) = work.split_at_mut(n);
-        for (index, kept) in self.receptance.kept().iter().enumerate() {
+        for kept in self.receptance.kept() {
             self.modal_load(kept.harmonic, load);
-            gather(&self.current.modal, nc, kept.harmonic, &mut y[..n]);
+            gather(&self.current.modal, self.layout.nc, kept.harmonic, &mut y[..n]);
             let balance = self.receptance.stiffness_times(kept.harmonic, kept.mode, &y[..n]) - load[kept.mode];
-            let scaled = balance / self.kept_scale(index);
+            let scaled = balance / self.kept_scale(kept);
             residual.push(scaled.re);
             if kept.harmonic > 0 {
                 residual.push(-scaled.im);
             }
         }
-        if let Some(phase) = &self.phase {
-            let modal = &phase[self.current.arguments.len()..];
-            residual
-                .push(crate::linalg::dot(&modal[..self.current.modal.len()], &self.current.modal) / self.scales.modal);
-        }
         self.work = work;
-        self.residual = residual;
     }
 
     /// Scale of the equation of a kept amplitude: modal amplitude times the square of its eigenfrequency.
-    pub(super) fn kept_scale(&self, index: usize) -> f64 {
-        let omega = self.model.modes.frequencies[self.receptance.kept()[index].mode];
+    pub(super) fn kept_scale(&self, kept: &Kept) -> f64 {
+        let omega = self.model.modes.frequencies[kept.mode];
         self.scales.modal * omega.max(self.scales.frequency).powi(2)
     }
 }

@@ -12,30 +12,33 @@
 
 mod assemble;
 mod evaluate;
+mod layout;
+mod solution;
 #[cfg(test)]
 pub(crate) mod tests;
 
 use crate::curve::problem::Problem;
 use crate::formulation::aft::{Aft, ElementForce};
-use crate::formulation::harmonics::width;
-use crate::formulation::receptance::{Kept, Receptance};
+use crate::formulation::modal::Modal;
+use crate::formulation::receptance::Receptance;
 use crate::formulation::scales::Scales;
-use crate::formulation::state::State;
-use crate::formulation::unknown::{Parameter, Unknown};
-use crate::linalg::Lu;
+use crate::formulation::state::{Parameters, State};
+use crate::formulation::unknown::Unknown;
+use crate::formulation::{Formulation, FormulationError};
+use crate::linalg::{LinalgError, Lu};
 use crate::settings::HarmonicSettings;
+use crate::structure::Model;
 use crate::structure::laws::{Law, LawKind, MAX_ARGUMENTS};
-use crate::structure::{Damping, Model};
+use layout::{Layout, Unknowns};
 use rustfft::num_complex::Complex64;
+use std::ops::Range;
 
 /// A nonlinear element as the pressure form sees it.
 struct Slot {
     law: LawKind,
-    /// First channel and number of channels.
-    first: usize,
-    count: usize,
-    /// Rigid contact: ε and gap.
-    contact: Option<(f64, f64)>,
+    /// Its channels.
+    channels: Range<usize>,
+    is_contact: bool,
     /// For each force, one more than the last argument it depends on.
     reach: [usize; MAX_ARGUMENTS],
     active: bool,
@@ -61,11 +64,9 @@ pub struct PressureForm<'m> {
     tracked: usize,
     scales: Scales,
     harmonics: usize,
-    nc: usize,
+    layout: Layout,
     slots: Vec<Slot>,
     channels: Vec<Channel>,
-    /// Φᵀ s.
-    modal_forcing: Vec<f64>,
     receptance: Receptance,
     aft: Aft,
     metric: Vec<f64>,
@@ -77,12 +78,14 @@ pub struct PressureForm<'m> {
     forces: Vec<ElementForce>,
     /// Channel displacements, channels × nc.
     displacement: Vec<f64>,
+    /// Unknowns at the state last linearised, and their residual.
+    unknowns: Unknowns,
     residual: Vec<f64>,
     /// Derivatives of the dependent modal amplitudes with respect to each parameter, modes × nc each.
     modal_rates: Vec<Vec<f64>>,
     lu: Lu,
-    /// Active elements and kept amplitudes of the matrix last factorised.
-    factored: (Vec<bool>, Vec<Kept>),
+    /// Unknowns of the matrix last factorised.
+    factored: Unknowns,
     solutions: Vec<f64>,
     work: Vec<Complex64>,
     receptance_re: Vec<f64>,
@@ -100,211 +103,60 @@ impl<'m> PressureForm<'m> {
         scales: Scales,
     ) -> Self {
         let harmonics = truncation.count;
-        let (n, nc) = (model.size(), width(harmonics));
-        let mut slots = Vec::new();
-        let mut channels = Vec::new();
-        let mut shapes = Vec::new();
-        for element in &model.elements {
-            let count = element.law.arguments();
-            let contact = match &element.law {
-                LawKind::Contact(contact) => Some((contact.epsilon, contact.gap)),
-                _ => None,
-            };
-            let pattern = element.law.pattern();
-            let depends = |i: usize, j: &usize| pattern.du[i][*j] || pattern.dv[i][*j];
-            let reach = std::array::from_fn(|i| (0..count).rev().find(|j| depends(i, j)).map_or(0, |j| j + 1));
-            let first = channels.len();
-            slots.push(Slot { law: element.law.clone(), first, count, contact, reach, active: false });
-            for (i, combination) in element.channels.iter().take(count).enumerate() {
-                channels.push(match contact {
-                    Some((epsilon, gap)) if i == 0 => {
-                        Channel { gain: epsilon, feedback: 1.0, offset: epsilon * gap, scale: epsilon * scales.length }
-                    }
-                    _ => Channel { gain: 1.0, feedback: 0.0, offset: 0.0, scale: scales.length },
-                });
-                shapes.extend((0..n).map(|j| {
-                    combination.iter().map(|&(dof, factor)| factor * model.modes.shapes[(dof, j)]).sum::<f64>()
-                }));
-            }
-        }
-        let parameters = unknown.parameters().len();
-        let arguments = channels.len() * nc;
-        let mut metric = vec![0.0; arguments + n * nc + parameters];
-        metric[arguments..].fill(1.0);
-        let modal_forcing = model.modes.shapes.transpose().mul_vec(&model.forcing.shape);
-        let mut phase = vec![0.0; metric.len()];
-        match unknown {
-            Unknown::Mode { .. } => phase[arguments + tracked * nc + 1] = 1.0,
-            Unknown::PhaseResonance => {
-                let size = crate::linalg::dot(&modal_forcing, &modal_forcing).sqrt();
-                for (j, projection) in modal_forcing.iter().enumerate() {
-                    phase[arguments + j * nc + 2 * model.forcing.harmonic - 1] = projection / size;
-                }
-            }
-            Unknown::Frequency | Unknown::Forcing => {}
-        }
+        let modal = Modal::new(model);
+        let layout = Layout {
+            nc: crate::formulation::harmonics::width(harmonics),
+            channels: modal.channels(),
+            modes: model.size(),
+            parameters: unknown.parameters().len(),
+        };
+        let (slots, channels) = slots(model, &modal, &scales);
+        let mut metric = vec![0.0; layout.len()];
+        metric[layout.modal().start..].fill(1.0);
+        let Parameters { omega, decay, forcing } = unknown.fixed(&scales);
+        let (arguments, amplitudes) = (vec![0.0; layout.arguments().len()], vec![0.0; layout.modal().len()]);
         Self {
-            unknown,
-            tracked,
-            harmonics,
-            nc,
-            phase: (parameters == 2).then_some(phase),
-            modal_forcing,
-            receptance: Receptance::new(model, harmonics, shapes, unknown != Unknown::Mode { damped: false }),
+            phase: phase(unknown, &layout, tracked, &modal),
+            receptance: Receptance::new(model, harmonics, modal, unknown.is_damped()),
             aft: Aft::new(truncation),
-            metric,
-            current: State {
-                harmonics,
-                omega: scales.frequency,
-                decay: 0.0,
-                forcing: 0.0,
-                arguments: vec![0.0; arguments],
-                modal: vec![0.0; n * nc],
-            },
             forces: slots.iter().map(|_| ElementForce::default()).collect(),
-            displacement: vec![0.0; arguments],
+            displacement: arguments.clone(),
+            unknowns: Unknowns::default(),
             residual: Vec::new(),
-            modal_rates: vec![vec![0.0; n * nc]; parameters],
+            modal_rates: vec![amplitudes.clone(); layout.parameters],
+            current: State { harmonics, omega, decay, forcing, arguments, modal: amplitudes },
             lu: Lu::default(),
-            factored: (Vec::new(), Vec::new()),
+            factored: Unknowns::default(),
             solutions: Vec::new(),
             work: Vec::new(),
             receptance_re: Vec::new(),
             receptance_im: Vec::new(),
             receptance_work: Vec::new(),
+            model,
+            unknown,
+            tracked,
+            scales,
+            harmonics,
+            layout,
             slots,
             channels,
-            model,
-            scales,
+            metric,
         }
-    }
-
-    /// The model.
-    pub fn model(&self) -> &'m Model {
-        self.model
-    }
-
-    /// Scales of the unknowns.
-    pub fn scales(&self) -> &Scales {
-        &self.scales
-    }
-
-    /// Frequency–time work space.
-    pub fn aft(&mut self) -> &mut Aft {
-        &mut self.aft
-    }
-
-    /// Sets the forcing amplitude A of a system whose unknown is the frequency.
-    pub fn set_forcing(&mut self, forcing: f64) {
-        self.current.forcing = forcing;
-    }
-
-    /// Sets the frequency of a system whose unknown is the forcing amplitude, rad/s.
-    pub fn set_frequency(&mut self, omega: f64) {
-        self.current.omega = omega;
-    }
-
-    /// Scaled state vector of a solution.
-    pub fn encode(&self, state: &State) -> Vec<f64> {
-        let mut y = Vec::with_capacity(self.metric.len());
-        for (series, channel) in state.arguments.chunks(self.nc).zip(&self.channels) {
-            y.extend(series.iter().map(|a| a / channel.scale));
-        }
-        y.extend(state.modal.iter().map(|q| q / self.scales.modal));
-        y.extend(self.unknown.encode(state, &self.scales));
-        y
-    }
-
-    /// Solution of a scaled state vector.
-    pub fn decode(&mut self, y: &[f64]) -> State {
-        self.load(y);
-        self.current.clone()
     }
 
     /// Unscales `y` into `current`.
     fn load(&mut self, y: &[f64]) {
-        let (arguments, rest) = y.split_at(self.current.arguments.len());
-        let (modal, parameters) = rest.split_at(self.current.modal.len());
-        let targets = self.current.arguments.chunks_mut(self.nc);
-        for ((target, source), channel) in targets.zip(arguments.chunks(self.nc)).zip(&self.channels) {
+        let arguments = y[self.layout.arguments()].chunks(self.layout.nc);
+        let targets = self.current.arguments.chunks_mut(self.layout.nc);
+        for ((target, source), channel) in targets.zip(arguments).zip(&self.channels) {
             target.iter_mut().zip(source).for_each(|(t, s)| *t = s * channel.scale);
         }
+        let modal = &y[self.layout.modal()];
         self.current.modal.iter_mut().zip(modal).for_each(|(t, s)| *t = s * self.scales.modal);
-        for (&parameter, value) in self.unknown.parameters().iter().zip(parameters) {
-            let value = value * parameter.unit(&self.scales);
-            match parameter {
-                Parameter::Frequency => self.current.omega = value,
-                Parameter::Decay => self.current.decay = value,
-                Parameter::Forcing => self.current.forcing = value,
-            }
-        }
-    }
-
-    /// Number of unknown parameters.
-    fn parameters(&self) -> usize {
-        self.modal_rates.len()
-    }
-
-    /// Direction in which the motion of a scaled state grows, its parameters unchanged.
-    pub fn growth(&self, y: &[f64]) -> Vec<f64> {
-        let (arguments, modal) = (self.current.arguments.len(), self.current.modal.len());
-        let mut direction = vec![0.0; y.len()];
-        direction[arguments..arguments + modal].copy_from_slice(&y[arguments..arguments + modal]);
-        direction
-    }
-
-    /// Arguments of the laws when none of them exerts a force: displacements, and −ε times the open gap for contact
-    /// normals.
-    pub fn open_arguments(&self, modal: &[f64]) -> Vec<f64> {
-        let mut arguments = vec![0.0; self.current.arguments.len()];
-        for (u, (series, channel)) in arguments.chunks_mut(self.nc).zip(&self.channels).enumerate() {
-            self.receptance.channel(u, modal, series);
-            series.iter_mut().for_each(|x| *x *= channel.gain);
-            series[0] -= channel.offset;
-        }
-        arguments
-    }
-
-    /// Force harmonics at the state last linearised, channels × nc, N (left-hand side).
-    pub fn force(&self) -> Vec<f64> {
-        let mut force = vec![0.0; self.current.arguments.len()];
-        for (slot, element) in self.slots.iter().zip(&self.forces).filter(|(slot, _)| slot.active) {
-            let start = slot.first * self.nc;
-            force[start..start + slot.count * self.nc].copy_from_slice(&element.force);
-        }
-        force
-    }
-
-    /// The part of the metric that measures motions, without the parameters.
-    pub fn motion_metric(&self) -> &[f64] {
-        &self.metric[..self.metric.len() - self.parameters()]
-    }
-
-    /// Linear form that takes the (first) parameter out of the state: the frequency, or the forcing amplitude.
-    pub fn parameter_row(&self) -> Vec<f64> {
-        let mut row = vec![0.0; self.metric.len()];
-        row[self.metric.len() - self.parameters()] = 1.0;
-        row
-    }
-
-    /// Number of harmonics H.
-    pub fn harmonics(&self) -> usize {
-        self.harmonics
-    }
-
-    /// The linear damping that acts, in modal coordinates.
-    pub fn damping(&self) -> &Damping {
-        self.receptance.damping()
-    }
-
-    /// Φᵀ s: the forcing shape in modal coordinates.
-    pub fn modal_forcing(&self) -> &[f64] {
-        &self.modal_forcing
-    }
-
-    /// Modal shape b̂ of channel `u`.
-    pub fn channel_shape(&self, u: usize) -> &[f64] {
-        self.receptance.shape(u)
+        let mut values = self.current.parameters();
+        self.unknown.decode(&y[self.layout.parameters()], &self.scales, &mut values);
+        let Parameters { omega, decay, forcing } = values;
+        (self.current.omega, self.current.decay, self.current.forcing) = (omega, decay, forcing);
     }
 
     /// Elements that carry a force at the state last linearised.
@@ -313,9 +165,116 @@ impl<'m> PressureForm<'m> {
     }
 }
 
+/// Elements and their channels as the pressure form sees them.
+fn slots(model: &Model, modal: &Modal, scales: &Scales) -> (Vec<Slot>, Vec<Channel>) {
+    let (mut slots, mut channels) = (Vec::new(), Vec::new());
+    for element in &model.elements {
+        let count = element.law.arguments();
+        let is_contact = matches!(element.law, LawKind::Contact(_));
+        let pattern = element.law.pattern();
+        let depends = |i: usize, j: &usize| pattern.du[i][*j] || pattern.dv[i][*j];
+        let reach = std::array::from_fn(|i| (0..count).rev().find(|j| depends(i, j)).map_or(0, |j| j + 1));
+        let range = channels.len()..channels.len() + count;
+        channels.extend(range.clone().map(|u| {
+            let (gain, offset) = modal.open(u);
+            let feedback = if is_contact && u == range.start { 1.0 } else { 0.0 };
+            Channel { gain, feedback, offset, scale: gain * scales.length }
+        }));
+        slots.push(Slot { law: element.law.clone(), channels: range, is_contact, reach, active: false });
+    }
+    (slots, channels)
+}
+
+/// Phase condition of a free motion, Re q = 0 of the tracked mode, or of a phase-resonant one, Re(X_m·s) = 0.
+fn phase(unknown: Unknown, layout: &Layout, tracked: usize, modal: &Modal) -> Option<Vec<f64>> {
+    let mut phase = vec![0.0; layout.len()];
+    match unknown {
+        Unknown::Mode { .. } => phase[layout.mode(tracked).start + 1] = 1.0,
+        Unknown::PhaseResonance => {
+            let size = crate::linalg::dot(modal.forcing(), modal.forcing()).sqrt();
+            for (j, projection) in modal.forcing().iter().enumerate() {
+                phase[layout.mode(j).start + 2 * modal.harmonic() - 1] = projection / size;
+            }
+        }
+        Unknown::Frequency { .. } | Unknown::Forcing { .. } => return None,
+    }
+    Some(phase)
+}
+
+impl<'m> Formulation<'m> for PressureForm<'m> {
+    fn build(
+        model: &'m Model,
+        truncation: HarmonicSettings,
+        tracked: usize,
+        unknown: Unknown,
+        scales: Scales,
+    ) -> Result<Self, FormulationError> {
+        Ok(Self::new(model, truncation, tracked, unknown, scales))
+    }
+
+    fn model(&self) -> &'m Model {
+        self.model
+    }
+
+    fn modal(&self) -> &Modal {
+        self.receptance.modal()
+    }
+
+    fn harmonics(&self) -> usize {
+        self.harmonics
+    }
+
+    fn unknown(&self) -> Unknown {
+        self.unknown
+    }
+
+    fn scales(&self) -> &Scales {
+        &self.scales
+    }
+
+    fn aft(&mut self) -> &mut Aft {
+        &mut self.aft
+    }
+
+    fn encode(&self, state: &State) -> Vec<f64> {
+        let mut y = Vec::with_capacity(self.layout.len());
+        for (series, channel) in state.arguments.chunks(self.layout.nc).zip(&self.channels) {
+            y.extend(series.iter().map(|a| a / channel.scale));
+        }
+        y.extend(state.modal.iter().map(|q| q / self.scales.modal));
+        y.extend(self.unknown.encode(state, &self.scales));
+        y
+    }
+
+    fn decode(&mut self, y: &[f64]) -> Result<State, LinalgError> {
+        self.load(y);
+        Ok(self.current.clone())
+    }
+
+    fn growth(&self, y: &[f64]) -> Vec<f64> {
+        let modal = self.layout.modal();
+        let mut direction = vec![0.0; y.len()];
+        direction[modal.clone()].copy_from_slice(&y[modal]);
+        direction
+    }
+
+    fn forces(&mut self, y: &[f64]) -> Vec<f64> {
+        self.linearise(&mut y.to_vec());
+        let mut force = vec![0.0; self.layout.arguments().len()];
+        for block in &self.unknowns.blocks {
+            force[self.layout.element(&block.channels)].copy_from_slice(&self.forces[block.element].force);
+        }
+        force
+    }
+}
+
 impl Problem for PressureForm<'_> {
     fn len(&self) -> usize {
         self.metric.len()
+    }
+
+    fn parameters(&self) -> usize {
+        self.layout.parameters
     }
 
     fn metric(&self) -> &[f64] {
@@ -326,15 +285,14 @@ impl Problem for PressureForm<'_> {
         self.evaluate(y)
     }
 
-    fn factor(&mut self, row: &[f64]) -> Result<(), crate::linalg::LinalgError> {
+    fn factor(&mut self, row: &[f64]) -> Result<(), LinalgError> {
         self.assemble(row);
-        self.factored = (self.active(), self.receptance.kept().to_vec());
+        self.factored.clone_from(&self.unknowns);
         self.lu.factor()
     }
 
     fn is_factorisation_current(&self) -> bool {
-        let active = self.slots.iter().map(|slot| slot.active);
-        self.factored.0.iter().copied().eq(active) && self.factored.1 == self.receptance.kept()
+        self.factored == self.unknowns
     }
 
     fn orientation(&self) -> f64 {

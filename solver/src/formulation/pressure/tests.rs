@@ -1,9 +1,9 @@
 //! Derivatives of the pressure form against central differences, at states with contact partly open and several kept
 //! modal amplitudes; the model and the differences serve the other formulation's tests too.
 
-use super::PressureForm;
+use super::{PressureForm, Slot};
 use crate::curve::problem::Problem;
-use crate::formulation::harmonics::width;
+use crate::formulation::Formulation;
 use crate::formulation::scales::Scales;
 use crate::formulation::state::State;
 use crate::formulation::unknown::{Parameter, Unknown};
@@ -21,6 +21,7 @@ pub(crate) const TRACKED: usize = 1;
 /// Rigid-body mode at k = 0; near 101 rad/s one pole at k = 1 (mode 1), two at k = 2 (modes 3 and 4), one at k = 3.
 const FREQUENCIES: [f64; 9] = [0.0, 100.0, 137.0, 199.0, 203.0, 305.0, 450.0, 530.0, 690.0];
 const OMEGA: f64 = 100.7;
+const FORCING: f64 = 3.0;
 const LENGTH: f64 = 1e-3;
 
 /// Uniform numbers in ±1.
@@ -65,10 +66,11 @@ pub(crate) fn cases(unknowns: &[Unknown]) -> impl Iterator<Item = Case> {
 }
 
 /// The kinds that both formulations have.
-pub(crate) const COMMON: [Unknown; 3] = [Unknown::Frequency, Unknown::Forcing, Unknown::Mode { damped: true }];
+pub(crate) const COMMON: [Unknown; 3] =
+    [Unknown::Frequency { forcing: FORCING }, Unknown::Forcing { omega: OMEGA }, Unknown::Mode { damped: true }];
 const ALL: [Unknown; 5] = [
-    Unknown::Frequency,
-    Unknown::Forcing,
+    Unknown::Frequency { forcing: FORCING },
+    Unknown::Forcing { omega: OMEGA },
     Unknown::Mode { damped: true },
     Unknown::Mode { damped: false },
     Unknown::PhaseResonance,
@@ -156,40 +158,34 @@ pub(crate) fn model(case: Case) -> Model {
 fn form<'m>(case: Case, model: &'m Model, seed: u64) -> (PressureForm<'m>, Vec<f64>) {
     let scales = Scales::new(model, TRACKED);
     let mut form = PressureForm::new(model, case.truncation(), TRACKED, case.unknown, scales);
-    form.set_forcing(3.0);
-    form.set_frequency(OMEGA);
-    let (nc, mut next) = (form.nc, random(seed));
+    let (layout, mut next) = (form.layout, random(seed));
     let mut y = vec![0.0; form.len()];
     for slot in &form.slots {
-        for i in 0..slot.count {
-            let u = slot.first + i;
-            for h in 0..nc {
-                let size = if h == 0 || (slot.contact.is_some() && i > 0) { 0.3 } else { 1.0 };
-                y[u * nc + h] = size * next() / (1 + h.div_ceil(2)) as f64;
+        for (i, u) in slot.channels.clone().enumerate() {
+            for (h, value) in y[layout.channel(u)].iter_mut().enumerate() {
+                let size = if h == 0 || (slot.is_contact && i > 0) { 0.3 } else { 1.0 };
+                *value = size * next() / (1 + h.div_ceil(2)) as f64;
             }
         }
     }
-    for slot in form.slots.iter().filter(|slot| slot.contact.is_some()) {
-        y[slot.first * nc + 1] = 1.5;
+    let normal = |slot: &Slot| layout.channel(slot.channels.start);
+    for slot in form.slots.iter().filter(|slot| slot.is_contact) {
+        y[normal(slot)][1] = 1.5;
     }
-    let far = form.slots[2].first * nc;
-    y[far] = -40.0;
-    let modal = form.current.arguments.len();
-    let end = modal + form.current.modal.len();
-    y[modal..end].iter_mut().for_each(|q| *q = next());
+    y[normal(&form.slots[2])][0] = -40.0;
+    y[layout.modal()].iter_mut().for_each(|q| *q = next());
     for (p, parameter) in case.unknown.parameters().iter().enumerate() {
         let value = match parameter {
             Parameter::Frequency => OMEGA,
             Parameter::Decay => 0.4,
-            Parameter::Forcing => 3.0,
+            Parameter::Forcing => FORCING,
         };
-        y[end + p] = value / parameter.unit(&scales);
+        y[layout.parameters()][p] = value / parameter.unit(&scales);
     }
     assert!(form.linearise(&mut y).is_finite());
     assert_eq!(form.active()[..3], [true, true, false], "{case:?}");
     for e in 0..2 {
-        let start = form.slots[e].first * nc;
-        let share = form.aft.coverage(&form.current.arguments[start..start + nc], 0.0).fraction();
+        let share = form.aft.coverage(&form.current.arguments[normal(&form.slots[e])], 0.0).fraction();
         assert!((0.1..0.95).contains(&share), "{case:?}: element {e} touches for {share} of the period");
     }
     (form, y)
@@ -198,25 +194,23 @@ fn form<'m>(case: Case, model: &'m Model, seed: u64) -> (PressureForm<'m>, Vec<f
 /// The random state in physical units.
 pub(crate) fn random_state(case: Case, model: &Model, seed: u64) -> State {
     let (mut form, y) = form(case, model, seed);
-    form.decode(&y)
+    form.decode(&y).unwrap()
 }
 
 /// Positions in the full state of the unknowns that are factorised.
 fn unknowns(form: &PressureForm<'_>) -> Vec<usize> {
-    let nc = form.nc;
     let mut list = Vec::new();
     for slot in form.slots.iter().filter(|slot| slot.active) {
-        list.extend(slot.first * nc..(slot.first + slot.count) * nc);
+        list.extend(form.layout.element(&slot.channels));
     }
-    let modal = form.current.arguments.len();
     for kept in form.receptance.kept() {
-        let start = modal + kept.mode * nc;
+        let start = form.layout.mode(kept.mode).start;
         match kept.harmonic {
             0 => list.push(start),
             k => list.extend([start + 2 * k - 1, start + 2 * k]),
         }
     }
-    list.extend(modal + form.current.modal.len()..form.len());
+    list.extend(form.layout.parameters());
     list
 }
 
@@ -324,7 +318,7 @@ fn directions_and_steps_move_dependent_entries_along() {
 #[test]
 fn a_node_that_touches_after_all_takes_its_place_in_the_state() {
     let case = Case {
-        unknown: Unknown::Frequency,
+        unknown: Unknown::Frequency { forcing: 0.0 },
         friction: true,
         full_damping: false,
         other_laws: false,
@@ -339,10 +333,9 @@ fn a_node_that_touches_after_all_takes_its_place_in_the_state() {
     let mut form = PressureForm::new(&model, case.truncation(), TRACKED, case.unknown, scales);
     let mut y = vec![0.0; form.len()];
     for slot in &form.slots {
-        y[slot.first * width(HARMONICS)] = -1.0;
+        y[form.layout.channel(slot.channels.start)][0] = -1.0;
     }
-    let modal = form.current.arguments.len();
-    y[modal + TRACKED * form.nc + 1] = 3.0;
+    y[form.layout.mode(TRACKED)][1] = 3.0;
     *y.last_mut().unwrap() = OMEGA / scales.frequency;
     form.linearise(&mut y);
     assert!(form.active().contains(&true));

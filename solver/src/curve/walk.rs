@@ -1,20 +1,31 @@
-//! Walking a curve of the pressure form to its end: bounds, closure, reversal, extrema.
+//! Walking a curve to its end: bounds, closure, reversal.
 
 use crate::curve::continuation::{Continuation, ContinuationSettings, CurvePoint, Rejection};
+use crate::curve::outcome::{Outcome, Stop};
 use crate::curve::problem::{Failure, Problem, inner, norm};
-use crate::formulation::pressure::PressureForm;
-use crate::response::branch::{BranchPoint, Outcome, Stop};
 use std::ops::ControlFlow;
 
+/// What is evaluated of every point of a curve of `P`, once, when it is reached.
+pub trait Evaluated<P>: Clone {
+    /// Evaluates a converged point.
+    fn evaluate(problem: &mut P, point: &CurvePoint) -> Self;
+
+    /// Frequency ω, rad/s.
+    fn omega(&self) -> f64;
+
+    /// Amplitude that bounds apply to, m.
+    fn amplitude(&self) -> f64;
+}
+
 /// Told of every point a walk steps to (not of its first point); breaking cancels the walk.
-pub type Observer<'o> = dyn FnMut(&BranchPoint) -> ControlFlow<()> + 'o;
+pub type Observer<'o, T> = dyn FnMut(&T) -> ControlFlow<()> + 'o;
 
 /// Where a walk ends.
 #[derive(Debug, Clone, Copy)]
 pub struct Bounds {
     /// Frequencies, rad/s.
     pub frequency: (f64, f64),
-    /// Largest amplitude of the first monitored dof, m.
+    /// Largest amplitude, m.
     pub amplitude: f64,
     /// Largest number of points.
     pub points: usize,
@@ -24,27 +35,27 @@ pub struct Bounds {
 
 /// A point of a walk: as the continuation needs it and as people do.
 #[derive(Debug, Clone)]
-pub struct Visited {
+pub struct Visited<T> {
     /// Scaled state and tangent.
     pub curve: CurvePoint,
     /// Evaluated point.
-    pub point: BranchPoint,
+    pub point: T,
 }
 
 /// Walks until a bound, a closed loop or a failure, from the continuation's current point (included).
-pub fn walk(
-    continuation: &mut Continuation<'_, PressureForm<'_>>,
+pub fn walk<P: Problem, T: Evaluated<P>>(
+    continuation: &mut Continuation<'_, P>,
     bounds: &Bounds,
-    observer: &mut Observer<'_>,
-) -> (Vec<Visited>, Stop) {
+    observer: &mut Observer<'_, T>,
+) -> (Vec<Visited<T>>, Stop) {
     let first = continuation.current().clone();
-    let point = BranchPoint::evaluate(continuation.problem(), &first);
-    let outside = |point: &BranchPoint| {
+    let point = T::evaluate(continuation.problem(), &first);
+    let outside = |point: &T| {
         let (low, high) = bounds.frequency;
         // A walk may start at a bound.
         point.omega() < low * (1.0 - 1e-9) || point.omega() > high * (1.0 + 1e-9)
     };
-    let too_large = |point: &BranchPoint| point.amplitude() > bounds.amplitude;
+    let too_large = |point: &T| point.amplitude() > bounds.amplitude;
     let start = if outside(&point) {
         Some(Stop::FrequencyBound)
     } else if too_large(&point) {
@@ -64,7 +75,7 @@ pub fn walk(
             let rejection = continuation.stalled().expect("a walk only ends by a refused step");
             return (visited, Stop::Stalled(rejection));
         };
-        let point = BranchPoint::evaluate(continuation.problem(), &curve);
+        let point = T::evaluate(continuation.problem(), &curve);
         let cancelled = observer(&point).is_break();
         let (outside, too_large) = (outside(&point), too_large(&point));
         visited.push(Visited { curve, point });
@@ -77,7 +88,7 @@ pub fn walk(
             visited.pop();
             return (visited, Stop::Closed);
         }
-        if has_reversed(metric, motion, &visited) {
+        if has_reversed::<P, T>(metric, motion, &visited) {
             return (visited, Stop::Reversed);
         }
         if outside {
@@ -91,9 +102,9 @@ pub fn walk(
 }
 
 /// A curve walked to both of its ends.
-pub struct Walked {
+pub struct Walked<T> {
     /// Points in the order of the arc.
-    pub visited: Vec<Visited>,
+    pub visited: Vec<Visited<T>>,
     /// Index of the point where the walk started.
     pub start: usize,
     /// How the curve begins and ends.
@@ -103,14 +114,14 @@ pub struct Walked {
 }
 
 /// Walks from a point near the curve the way of `direction` and, if the curve does not close, the other way as well.
-pub fn walk_both(
-    problem: &mut PressureForm<'_>,
+pub fn walk_both<P: Problem, T: Evaluated<P>>(
+    problem: &mut P,
     y: Vec<f64>,
     direction: &[f64],
     settings: &ContinuationSettings,
     bounds: &Bounds,
-    observer: &mut Observer<'_>,
-) -> Result<Walked, Failure> {
+    observer: &mut Observer<'_, T>,
+) -> Result<Walked<T>, Failure> {
     let mut continuation = Continuation::start(problem, y, direction, *settings)?;
     let (visited, stop) = walk(&mut continuation, bounds, observer);
     let mut rejections = continuation.rejections();
@@ -137,7 +148,7 @@ pub fn walk_both(
 }
 
 /// One list in the direction of `forwards`; both start at the same point.
-fn join(backwards: Vec<Visited>, mut forwards: Vec<Visited>) -> Vec<Visited> {
+fn join<T>(backwards: Vec<Visited<T>>, mut forwards: Vec<Visited<T>>) -> Vec<Visited<T>> {
     let steps: Vec<f64> = backwards.iter().map(|v| v.curve.step).collect();
     let mut joined = Vec::with_capacity(backwards.len() + forwards.len());
     for (i, mut visited) in backwards.into_iter().enumerate().skip(1).rev() {
@@ -152,9 +163,9 @@ fn join(backwards: Vec<Visited>, mut forwards: Vec<Visited>) -> Vec<Visited> {
 
 /// Replaces a last point beyond a frequency bound by the point at the bound, so that a branch's range does not depend on
 /// its steps.
-fn end_at_bound(
-    continuation: &mut Continuation<'_, PressureForm<'_>>,
-    visited: &mut [Visited],
+fn end_at_bound<P: Problem, T: Evaluated<P>>(
+    continuation: &mut Continuation<'_, P>,
+    visited: &mut [Visited<T>],
     (low, high): (f64, f64),
 ) {
     let [.., before, last] = visited else { return };
@@ -168,14 +179,14 @@ fn end_at_bound(
     let frequency = continuation.problem().parameter_row();
     if let Ok(mut curve) = continuation.correct_on(y, &frequency) {
         curve.step = share * last.curve.step;
-        let point = BranchPoint::evaluate(continuation.problem(), &curve);
+        let point = T::evaluate(continuation.problem(), &curve);
         *last = Visited { curve, point };
     }
 }
 
 /// Whether the last step crosses the plane through the first point normal to its tangent, in the same direction and
 /// close to it. The paper [9, 10] cuts with ω = ω_first instead, which fails when the first point is a fold.
-fn has_closed(metric: &[f64], motion: &[f64], visited: &[Visited], tolerance: f64) -> bool {
+fn has_closed<T>(metric: &[f64], motion: &[f64], visited: &[Visited<T>], tolerance: f64) -> bool {
     let [.., before, last] = visited else { return false };
     if visited.len() < 5 {
         return false;
@@ -193,7 +204,7 @@ fn has_closed(metric: &[f64], motion: &[f64], visited: &[Visited], tolerance: f6
 }
 
 /// Whether the last point lies on an earlier part of the curve, walked the other way.
-fn has_reversed(metric: &[f64], motion: &[f64], visited: &[Visited]) -> bool {
+fn has_reversed<P, T: Evaluated<P>>(metric: &[f64], motion: &[f64], visited: &[Visited<T>]) -> bool {
     let Some((last, earlier)) = visited.split_last() else { return false };
     let omega = last.point.omega();
     let keep_clear = earlier.len().saturating_sub(3);

@@ -1,9 +1,8 @@
 //! Extrema of quantities along a curve: found between its points, located along the arc, inserted.
 
 use crate::curve::continuation::Continuation;
-use crate::formulation::pressure::PressureForm;
-use crate::response::branch::BranchPoint;
-use crate::response::walk::Visited;
+use crate::curve::problem::Problem;
+use crate::curve::walk::{Evaluated, Visited};
 
 /// Indices of alternating minima and maxima (true) of a sequence, ignoring wiggles lower than `prominence`; the ends
 /// count as extrema.
@@ -35,28 +34,28 @@ pub fn turning_points(values: &[f64], prominence: f64) -> Vec<(usize, bool)> {
 }
 
 /// Something to maximise along a curve.
-pub type Measure<'f> = dyn Fn(&mut PressureForm<'_>, &Visited) -> f64 + 'f;
+pub type Measure<'f, P, T> = dyn Fn(&mut P, &Visited<T>) -> f64 + 'f;
 
 /// A maximum located along the arc.
 #[derive(Debug, Clone)]
-pub struct Maximum {
+pub struct Maximum<T> {
     /// Index of the visited point it was found from.
     pub anchor: usize,
     /// Arc length from there, and the point; `None` if the visited point itself is the maximum.
-    pub located: Option<(f64, Visited)>,
+    pub located: Option<(f64, Visited<T>)>,
 }
 
 /// Locates a maximum of `measure` near `visited[anchor]`, whose value `values[1]` is not below those of its neighbours,
 /// `values[0]` and `values[2]` at arc lengths `-arcs.0` and `arcs.1`: successive parabolic interpolation, until the value
 /// changes by less than 1e-10 relative.
-pub fn locate_maximum(
-    continuation: &mut Continuation<'_, PressureForm<'_>>,
-    visited: &[Visited],
+pub fn locate_maximum<P: Problem, T: Evaluated<P>>(
+    continuation: &mut Continuation<'_, P>,
+    visited: &[Visited<T>],
     anchor: usize,
     arcs: (f64, f64),
     values: [f64; 3],
-    measure: &Measure<'_>,
-) -> Maximum {
+    measure: &Measure<'_, P, T>,
+) -> Maximum<T> {
     let centre = &visited[anchor];
     let (mut lower, mut best, mut upper) = ((-arcs.0, values[0]), (0.0, values[1]), (arcs.1, values[2]));
     let mut located = None;
@@ -73,7 +72,7 @@ pub fn locate_maximum(
             s = best.0 + (1e-2 * width).copysign(farther - best.0);
         }
         let Ok(curve) = continuation.probe(&centre.curve, s) else { break };
-        let point = BranchPoint::evaluate(continuation.problem(), &curve);
+        let point = T::evaluate(continuation.problem(), &curve);
         let trial_point = Visited { curve, point };
         let trial = (s, measure(continuation.problem(), &trial_point));
         let better = trial.1 > best.1;
@@ -92,7 +91,7 @@ pub fn locate_maximum(
 
 /// Inserts located maxima between the visited points (steps are kept consistent with the arc) and returns the index of
 /// each of them in the new list, in the order given.
-pub fn insert_maxima(visited: Vec<Visited>, maxima: Vec<Maximum>) -> (Vec<Visited>, Vec<usize>) {
+pub fn insert_maxima<T>(visited: Vec<Visited<T>>, maxima: Vec<Maximum<T>>) -> (Vec<Visited<T>>, Vec<usize>) {
     /// Where an entry of the new list comes from.
     #[derive(PartialEq)]
     enum Origin {
@@ -100,7 +99,7 @@ pub fn insert_maxima(visited: Vec<Visited>, maxima: Vec<Maximum>) -> (Vec<Visite
         Located(usize),
     }
     let mut arc = 0.0;
-    let mut entries: Vec<(f64, Visited, Origin)> = Vec::with_capacity(visited.len() + maxima.len());
+    let mut entries: Vec<(f64, Visited<T>, Origin)> = Vec::with_capacity(visited.len() + maxima.len());
     for (i, v) in visited.into_iter().enumerate() {
         arc += v.curve.step;
         entries.push((arc, v, Origin::Visited(i)));

@@ -1,0 +1,60 @@
+//! How a walk along a curve ends.
+
+use crate::curve::continuation::Rejection;
+use serde::{Deserialize, Serialize};
+
+/// Why a walk along a curve ended.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Stop {
+    /// It began here, in the linear range.
+    Start,
+    /// It came back to its first point.
+    Closed,
+    /// It reached a frequency bound.
+    FrequencyBound,
+    /// It reached the amplitude bound.
+    AmplitudeBound,
+    /// It used up its points.
+    PointBudget,
+    /// The smallest step failed.
+    Stalled(Rejection),
+    /// It turned back and walked along itself.
+    Reversed,
+    /// Whoever drives it asked to stop.
+    Cancelled,
+}
+
+impl std::fmt::Display for Stop {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Stop::Start => write!(f, "linear range"),
+            Stop::Closed => write!(f, "closed"),
+            Stop::FrequencyBound => write!(f, "frequency bound"),
+            Stop::AmplitudeBound => write!(f, "amplitude bound"),
+            Stop::PointBudget => write!(f, "point budget used up"),
+            Stop::Stalled(rejection) => write!(f, "stalled at the smallest step: {rejection}"),
+            Stop::Reversed => write!(f, "turned back along itself"),
+            Stop::Cancelled => write!(f, "cancelled"),
+        }
+    }
+}
+
+/// How a curve begins and ends.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Outcome {
+    /// A closed curve.
+    Closed,
+    /// An open curve, with what is at its first and at its last point.
+    Open(Stop, Stop),
+}
+
+impl std::fmt::Display for Outcome {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Outcome::Closed => write!(f, "closed"),
+            Outcome::Open(first, last) => write!(f, "open: {first} to {last}"),
+        }
+    }
+}

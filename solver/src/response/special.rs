@@ -1,0 +1,92 @@
+//! Special points of a branch: folds and peak, located along the arc.
+
+use crate::curve::continuation::{Continuation, ContinuationSettings};
+use crate::curve::extrema::{Maximum, Measure, insert_maxima, locate_maximum, turning_points};
+use crate::curve::problem::{Problem, norm};
+use crate::curve::walk::{Evaluated, Walked};
+use crate::response::branch::{BranchPoint, Outcome, SpecialKind, SpecialPoint, Visited};
+
+/// The points of a branch that was walked, with its folds and its peak among them.
+pub(super) fn with_special_points<P: Problem>(
+    problem: &mut P,
+    settings: ContinuationSettings,
+    walked: Walked<BranchPoint>,
+) -> (Vec<BranchPoint>, Vec<SpecialPoint>)
+where
+    BranchPoint: Evaluated<P>,
+{
+    let Walked { visited, start, outcome, .. } = walked;
+    let closed = outcome == Outcome::Closed;
+    let mut maxima = vec![Maximum { anchor: start, located: None }];
+    let mut kinds = vec![SpecialKind::Start];
+    let first = visited[start].curve.clone();
+    if let Ok(mut continuation) = Continuation::start(problem, first.y.clone(), &first.tangent, settings) {
+        for (anchor, sign) in frequency_folds(&visited, closed) {
+            let measure = move |_: &mut P, v: &Visited| sign * v.point.omega();
+            maxima.push(refine(&mut continuation, &visited, anchor, closed, &measure));
+            kinds.resize(maxima.len(), SpecialKind::Fold);
+        }
+        let amplitude = |v: &Visited| v.point.amplitude();
+        let peak = (0..visited.len()).max_by(|&a, &b| amplitude(&visited[a]).total_cmp(&amplitude(&visited[b])));
+        let measure = move |_: &mut P, v: &Visited| v.point.amplitude();
+        maxima.push(refine(&mut continuation, &visited, peak.unwrap_or(0), closed, &measure));
+        kinds.resize(maxima.len(), SpecialKind::Peak);
+    }
+    let (visited, indices) = insert_maxima(visited, maxima);
+    let mut special: Vec<SpecialPoint> =
+        kinds.into_iter().zip(indices).map(|(kind, index)| SpecialPoint { kind, index }).collect();
+    // A fold may turn out higher than the point refined from the highest step.
+    let highest = |a: &usize, b: &usize| visited[*a].point.amplitude().total_cmp(&visited[*b].point.amplitude());
+    if let Some(index) = (0..visited.len()).max_by(highest) {
+        special.retain(|s| s.kind != SpecialKind::Peak);
+        special.push(SpecialPoint { kind: SpecialKind::Peak, index });
+    }
+    special.sort_by_key(|s| s.index);
+    (visited.into_iter().map(|v| v.point).collect(), special)
+}
+
+/// Turning points in frequency, (index, +1 for a maximum or −1 for a minimum); those that the sampled contact makes by
+/// changing one sample at a time are too shallow to count.
+fn frequency_folds(visited: &[Visited], closed: bool) -> Vec<(usize, f64)> {
+    let omegas: Vec<f64> = visited.iter().map(|v| v.point.omega()).collect();
+    let scale = omegas.iter().fold(0.0f64, |m, w| m.max(w.abs()));
+    let n = omegas.len();
+    if closed {
+        // Rotated to start at the lowest frequency, so that the ends of the list are no folds of their own.
+        let lowest = (0..n).min_by(|&a, &b| omegas[a].total_cmp(&omegas[b])).unwrap_or(0);
+        let rotated: Vec<f64> = (0..=n).map(|i| omegas[(lowest + i) % n]).collect();
+        let mut folds = turning_points(&rotated, 1e-5 * scale);
+        folds.pop();
+        return folds.into_iter().map(|(i, max)| ((lowest + i) % n, if max { 1.0 } else { -1.0 })).collect();
+    }
+    turning_points(&omegas, 1e-5 * scale)
+        .into_iter()
+        .filter(|&(i, _)| i > 0 && i + 1 < n)
+        .map(|(i, max)| (i, if max { 1.0 } else { -1.0 }))
+        .collect()
+}
+
+fn refine<P: Problem>(
+    continuation: &mut Continuation<'_, P>,
+    visited: &[Visited],
+    anchor: usize,
+    closed: bool,
+    measure: &Measure<'_, P, BranchPoint>,
+) -> Maximum<BranchPoint>
+where
+    BranchPoint: Evaluated<P>,
+{
+    let n = visited.len();
+    if n < 3 || (!closed && (anchor == 0 || anchor + 1 == n)) {
+        return Maximum { anchor, located: None };
+    }
+    let (before, after) = ((anchor + n - 1) % n, (anchor + 1) % n);
+    let arc = |a: usize, b: usize, problem: &P| {
+        let difference: Vec<f64> = visited[a].curve.y.iter().zip(&visited[b].curve.y).map(|(a, b)| a - b).collect();
+        norm(problem.metric(), &difference)
+    };
+    let problem = continuation.problem();
+    let arcs = (arc(before, anchor, problem), arc(anchor, after, problem));
+    let values = [before, anchor, after].map(|i| measure(problem, &visited[i]));
+    locate_maximum(continuation, visited, anchor, arcs, values, measure)
+}
