@@ -194,7 +194,8 @@ impl Lu {
         self.inverse.resize(n, 0);
         if self.scratch_size < n {
             let request = factor::lu_in_place_scratch::<usize, f64>(n, n, Par::Seq, Spec::default())
-                .or(solve::solve_transpose_in_place_scratch::<usize, f64>(n, 2, Par::Seq));
+                .or(solve::solve_transpose_in_place_scratch::<usize, f64>(n, 2, Par::Seq))
+                .or(solve::solve_in_place_scratch::<usize, f64>(n, 1, Par::Seq));
             self.scratch = MemBuffer::new(request);
             self.scratch_size = n;
         }
@@ -242,6 +243,20 @@ impl Lu {
             factors,
             faer::perm::PermRef::new_checked(&self.permutation, &self.inverse, n),
             MatMut::from_column_major_slice_mut(b, n, columns),
+            Par::Seq,
+            MemStack::new(&mut self.scratch),
+        );
+    }
+
+    /// Solves Aᵀ x = b in place.
+    pub fn solve_transposed(&mut self, b: &mut [f64]) {
+        let n = self.size;
+        let factors = MatRef::from_column_major_slice(&self.factors, n, n);
+        solve::solve_in_place(
+            factors,
+            factors,
+            faer::perm::PermRef::new_checked(&self.permutation, &self.inverse, n),
+            MatMut::from_column_major_slice_mut(b, n, 1),
             Par::Seq,
             MemStack::new(&mut self.scratch),
         );

@@ -14,8 +14,9 @@ use solver::formulation::state::State;
 use solver::formulation::unknown::Unknown;
 use solver::linalg::{Matrix, dot};
 use solver::response::backbone::Backbone;
-use solver::response::branch::BranchPoint;
+use solver::response::branch::{Branch, BranchPoint};
 use solver::response::forced::{Forced, Reach};
+use solver::response::level::Level;
 use solver::settings::{HarmonicSettings, Settings};
 use solver::structure::laws::LawKind;
 use solver::structure::{Damping, Model};
@@ -226,6 +227,66 @@ fn the_displacement_form_walks_the_curve_of_the_pressure_form() {
     println!("rotor 67: {} points walked, {touching} compared with contact, at most {worst:.1e} apart", points.len());
     assert!(touching > 20, "only {touching} points with contact");
     assert!(worst < 1e-6, "the walk leaves the curve by {worst:e}");
+}
+
+/// Largest distance between states of a curve in displacement form and what they converge to in pressure form: forced
+/// responses at their own frequency.
+fn farthest(pressure: &mut Forced<'_>, branch: &Branch, count: usize) -> f64 {
+    let states = spread(branch.points.iter().map(|point| point.state.clone()).collect(), count);
+    states.iter().fold(0.0, |worst, state| {
+        let converged = pressure.converge(state).unwrap();
+        worst.max(pressure.distance(state, &converged))
+    })
+}
+
+#[test]
+fn both_forms_trace_the_isola_of_rotor67() {
+    let (model, settings) = (load("rotor67", &[("contact.friction", "0")]), Settings::default());
+    let mut silent = |_: &_| ControlFlow::Continue(());
+    let backbone = Backbone::compute(&model, &settings, &mut silent).unwrap();
+    let level = Level::compute(&model, &settings, &backbone, 60.0, &mut silent).unwrap();
+    let reach = Reach::new(&settings, &backbone).unwrap();
+    let one = &level.isolas[0];
+    let mut displacement = Forced::<DisplacementForm<'_>>::build(&model, &settings, reach, 60.0).unwrap();
+    let other = displacement.branch_through(&one.points[0].state, &mut silent).unwrap();
+    assert!(one.is_closed() && other.is_closed(), "{} and {}", one.outcome, other.outcome);
+    let mut pressure = Forced::new(&model, &settings, reach, 60.0);
+    let worst = farthest(&mut pressure, &other, 60);
+    let peaks = one.peak().amplitude() / other.peak().amplitude() - 1.0;
+    let ((low, high), (other_low, other_high)) = (one.frequency_range(), other.frequency_range());
+    let ends = (low / other_low - 1.0).abs().max((high / other_high - 1.0).abs());
+    println!(
+        "rotor 67: {} points and {}, {worst:.1e} apart, peaks {peaks:.1e}, ends {ends:.1e}",
+        one.points.len(),
+        other.points.len()
+    );
+    assert!(worst < 1e-8 && peaks.abs() < 1e-8 && ends < 1e-8, "{worst:e}, peaks {peaks:e}, ends {ends:e}");
+}
+
+#[test]
+fn both_forms_trace_the_backbone_of_duffing() {
+    let (model, settings) = (load("duffing", &[]), Settings::default());
+    let mut silent = |_: &_| ControlFlow::Continue(());
+    let one = Backbone::compute(&model, &settings, &mut silent).unwrap();
+    let other = Backbone::compute_in::<DisplacementForm<'_>>(&model, &settings, &mut silent).unwrap();
+    assert_eq!(one.outcome, other.outcome);
+    let scales = Scales::new(&model, 0);
+    let mut pressure = PressureForm::new(&model, settings.harmonics, 0, Unknown::Mode { damped: true }, scales);
+    let mut worst = 0.0f64;
+    for point in &other.points {
+        let state = &point.point.state;
+        let mut y = pressure.encode(state);
+        let origin = y.clone();
+        // The size of the motion is held: b_1 of the mode followed.
+        let mut row = vec![0.0; y.len()];
+        row[state.arguments.len() + 2] = 1.0;
+        let constraint = Constraint::Hyperplane { row: &row, origin: &origin };
+        Newton::default().solve(&mut pressure, &mut y, constraint, &settings.continuation.newton).unwrap();
+        let apart = y.iter().zip(&origin).fold(0.0f64, |m, (a, b)| m.max((a - b).abs()));
+        worst = worst.max(apart / origin.iter().fold(0.0f64, |m, y| m.max(y.abs())));
+    }
+    println!("duffing: {} points and {}, {worst:.1e} apart", one.points.len(), other.points.len());
+    assert!(other.points.len() > 50 && worst < 1e-8, "{worst:e} apart");
 }
 
 #[test]

@@ -37,6 +37,11 @@ pub trait Problem {
     /// curve J t = 0, row·t = 1.
     fn solve(&mut self, mismatch: f64, step: &mut [f64], tangent: &mut [f64]);
 
+    /// With the matrix last factorised: weights w of the equations and of the border row (last) with
+    /// Σ_i w_i ∂R_i + w_last row = `form` on every movement of the state that keeps dependent entries dependent. The solution of
+    /// the transposed system: what folds, sensitivities and error estimates are made of.
+    fn solve_transposed(&mut self, form: &[f64]) -> Vec<f64>;
+
     /// The part of the metric that measures motions, without the parameters.
     fn motion_metric(&self) -> &[f64] {
         &self.metric()[..self.len() - self.parameters()]

@@ -255,6 +255,12 @@ impl Problem for DisplacementForm<'_> {
         self.lu.solve(step);
         self.lu.solve(tangent);
     }
+
+    fn solve_transposed(&mut self, form: &[f64]) -> Vec<f64> {
+        let mut weights = form.to_vec();
+        self.lu.solve_transposed(&mut weights);
+        weights
+    }
 }
 
 impl<'m> Formulation<'m> for DisplacementForm<'m> {

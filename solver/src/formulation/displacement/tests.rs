@@ -5,7 +5,7 @@ use crate::curve::problem::Problem;
 use crate::formulation::Formulation;
 use crate::formulation::pressure::PressureForm;
 use crate::formulation::pressure::tests::{
-    COMMON, TRACKED, assert_column, cases, derivative, model, moved, random, random_state,
+    COMMON, TRACKED, assert_adjoint, assert_column, cases, derivative, model, moved, random, random_state,
 };
 use crate::formulation::scales::Scales;
 use crate::linalg::dot;
@@ -30,6 +30,12 @@ fn every_column_of_the_bordered_jacobian_matches_differences() {
         form.assemble(&row);
         let size = y.len();
         let matrix = form.lu.entries().to_vec();
+        form.lu.factor().unwrap();
+        let (mut step, mut tangent) = (vec![0.0; size], vec![0.0; size]);
+        form.solve(0.3, &mut step, &mut tangent);
+        let residual: Vec<f64> = form.scaled_residual().collect();
+        let other: Vec<f64> = y.iter().map(|_| next()).collect();
+        assert_adjoint(&form.solve_transposed(&other), &other, (&residual, 0.3), (&step, &tangent));
         for column in 0..size {
             let mut unit = vec![0.0; size];
             unit[column] = 1.0;

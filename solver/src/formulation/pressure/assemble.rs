@@ -251,7 +251,7 @@ impl PressureForm<'_> {
 
     /// A linear form on the state as a row over the unknowns: entries of dependent modal amplitudes are carried over to the
     /// unknowns by the chain rule.
-    fn assemble_form(&self, border: &mut [f64], row: &[f64]) {
+    pub(super) fn assemble_form(&self, border: &mut [f64], row: &[f64]) {
         let (nc, n) = (self.layout.nc, self.layout.modes);
         let (arguments, modal) = (&row[self.layout.arguments()], &row[self.layout.modal()]);
         let mut weight = vec![0.0; arguments.len()];

@@ -312,4 +312,11 @@ impl Problem for PressureForm<'_> {
         self.expand(&solutions[size..], tangent);
         self.solutions = solutions;
     }
+
+    fn solve_transposed(&mut self, form: &[f64]) -> Vec<f64> {
+        let mut weights = vec![0.0; self.unknowns.len()];
+        self.assemble_form(&mut weights, form);
+        self.lu.solve_transposed(&mut weights);
+        weights
+    }
 }

@@ -242,9 +242,27 @@ pub(crate) fn moved(y: &[f64], h: f64, direction: &[f64]) -> Vec<f64> {
 }
 
 /// Weights on the modal entries and the parameters, as in every border row of the continuation.
-fn border(form: &PressureForm<'_>) -> Vec<f64> {
-    let mut next = random(77);
+fn border(form: &PressureForm<'_>, seed: u64) -> Vec<f64> {
+    let mut next = random(seed);
     form.metric().iter().map(|w| w * next()).collect()
+}
+
+/// The transposed system agrees with the solutions of the system: along the tangent no residual changes, and along the step
+/// the residuals, and the mismatch, go to zero.
+pub(crate) fn assert_adjoint(
+    weights: &[f64],
+    form: &[f64],
+    (residual, mismatch): (&[f64], f64),
+    (step, tangent): (&[f64], &[f64]),
+) {
+    let (last, rest) = weights.split_last().unwrap();
+    let along_step = -dot(rest, residual) - last * mismatch;
+    // Both sides are sums of terms that may cancel: compared with their sizes.
+    let size = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a * b).abs()).sum::<f64>();
+    for (weighed, direction, other) in [(*last, tangent, last.abs()), (along_step, step, size(rest, residual))] {
+        let (found, scale) = (dot(form, direction), size(form, direction) + other);
+        assert!((found - weighed).abs() < 1e-9 * scale, "{found} and {weighed} of {scale}");
+    }
 }
 
 #[test]
@@ -253,7 +271,7 @@ fn every_column_of_the_bordered_jacobian_matches_differences() {
     for (seed, case) in (100..).zip(cases(&ALL)) {
         let model = model(case);
         let (mut form, y) = form(case, &model, seed);
-        let row = border(&form);
+        let row = border(&form, 77);
         let unknowns = unknowns(&form);
         assert!(form.receptance.kept().len() >= 4, "modes 1, 3, 4, 5 are kept");
         let size = unknowns.len();
@@ -289,11 +307,13 @@ fn directions_and_steps_move_dependent_entries_along() {
     for (seed, case) in (200..).zip(cases(&ALL)) {
         let model = model(case);
         let (mut form, y) = form(case, &model, seed);
-        let row = border(&form);
+        let row = border(&form, 77);
         let residual = form.residual.clone();
         form.factor(&row).unwrap();
         let (mut tangent, mut step) = (vec![0.0; y.len()], vec![0.0; y.len()]);
         form.solve(0.3, &mut step, &mut tangent);
+        let other = border(&form, 79);
+        assert_adjoint(&form.solve_transposed(&other), &other, (&residual, 0.3), (&step, &tangent));
         for (vector, product, rate) in [(&tangent, 1.0, 0.0), (&step, -0.3, -1.0)] {
             assert!((dot(&row, vector) - product).abs() < 1e-9, "{case:?}: {}", dot(&row, vector));
             // A unit step, so that the differences are as good as for a single unknown.
