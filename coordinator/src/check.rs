@@ -21,14 +21,14 @@ pub fn report(study: &Study) -> String {
     let mut lines = vec![
         ("study", study.name.clone()),
         ("file", study.file.display().to_string()),
-        ("model", format!("{} ({})", model.name, study.model_dir.display())),
+        ("model", format!("{} ({})", model.name(), study.model_dir.display())),
         ("size", size(model)),
     ];
     let modes = (0..model.size().min(MODES)).map(|j| (if j == 0 { "modes" } else { "" }, mode(study, j)));
     lines.extend(modes);
     lines.push(("forcing", forcing(model)));
     lines.push(("contact", contact(model)));
-    let monitors: Vec<&str> = model.monitors.iter().map(|&dof| model.dofs[dof].as_str()).collect();
+    let monitors: Vec<&str> = model.monitors().iter().map(|&dof| model.dofs()[dof].as_str()).collect();
     lines.push(("monitored", monitors.join(", ")));
     lines.push(("amplitudes", amplitudes(&study.amplitudes)));
     lines.push(("harmonics", harmonics(study)));
@@ -38,13 +38,13 @@ pub fn report(study: &Study) -> String {
 }
 
 fn contacts(model: &Model) -> Vec<&Contact> {
-    let laws = model.elements.iter().map(|element| &element.law);
+    let laws = model.elements().iter().map(|element| &element.law);
     laws.filter_map(|law| if let LawKind::Contact(contact) = law { Some(contact) } else { None }).collect()
 }
 
 fn size(model: &Model) -> String {
     let contacts = contacts(model).len();
-    let others = model.elements.iter().filter(|element| !matches!(element.law, LawKind::Contact(_)));
+    let others = model.elements().iter().filter(|element| !matches!(element.law, LawKind::Contact(_)));
     let names: Vec<&str> = others.map(|element| element.name.as_str()).collect();
     let laws = match names.len() {
         0 => "no other laws".to_string(),
@@ -55,12 +55,12 @@ fn size(model: &Model) -> String {
 
 fn mode(study: &Study, j: usize) -> String {
     let model = &study.model;
-    let omega = model.modes.frequencies[j];
+    let omega = model.modes().frequencies[j];
     let followed = if j == study.settings.tracked() { "  followed" } else { "" };
-    if omega <= RIGID * model.modes.frequencies[model.size() - 1] {
+    if omega <= RIGID * model.modes().frequencies[model.size() - 1] {
         return format!("{:>2}  rigid body{followed}", j + 1);
     }
-    let damping = match &model.damping {
+    let damping = match model.damping() {
         Damping::Modal(diagonal) => diagonal[j],
         Damping::Full(matrix) => matrix[(j, j)],
     };
@@ -69,8 +69,8 @@ fn mode(study: &Study, j: usize) -> String {
 }
 
 fn forcing(model: &Model) -> String {
-    let norm = model.forcing.shape.iter().map(|s| s * s).sum::<f64>().sqrt();
-    format!("shape of norm {} N per unit of A, on harmonic {}", number(norm), model.forcing.harmonic)
+    let norm = model.forcing().shape.iter().map(|s| s * s).sum::<f64>().sqrt();
+    format!("shape of norm {} N per unit of A, on harmonic {}", number(norm), model.forcing().harmonic)
 }
 
 fn contact(model: &Model) -> String {
@@ -111,7 +111,7 @@ fn harmonics(study: &Study) -> String {
 
 /// Unknowns of a forced response when every element acts.
 fn unknowns(study: &Study) -> String {
-    let channels: usize = study.model.elements.iter().map(|element| element.law.arguments()).sum();
+    let channels: usize = study.model.elements().iter().map(|element| element.law.arguments()).sum();
     let coefficients = width(study.settings.harmonics.count);
     format!(
         "at most {} ({} × {coefficients} coefficients), plus the frequency and resonant modal amplitudes",

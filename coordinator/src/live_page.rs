@@ -68,7 +68,7 @@ impl Teller {
         let shown = Run {
             id: manifest.run.to_string(),
             name: manifest.name.clone(),
-            model: model.name.clone(),
+            model: model.name().to_string(),
             stage: manifest.stage,
         };
         let backbone = backbone(&follower, &backbone_key, &model).await?;

@@ -172,11 +172,11 @@ impl Size {
     /// Of a model.
     pub fn of(model: &solver::structure::Model) -> Self {
         use solver::structure::laws::{Law, LawKind};
-        let contacts = model.elements.iter().filter(|element| matches!(element.law, LawKind::Contact(_)));
+        let contacts = model.elements().iter().filter(|element| matches!(element.law, LawKind::Contact(_)));
         Self {
-            channels: model.elements.iter().map(|element| element.law.arguments()).sum(),
+            channels: model.elements().iter().map(|element| element.law.arguments()).sum(),
             modes: model.size(),
-            monitors: model.monitors.len(),
+            monitors: model.monitors().len(),
             contacts: contacts.count(),
         }
     }

@@ -4,8 +4,8 @@ use crate::array::{Array, ArrayError};
 use crate::codec::messages;
 use serde::{Deserialize, Serialize};
 use solver::linalg::Matrix;
-use solver::structure::laws::{Law, LawKind, ParameterError};
-use solver::structure::{Damping, Element, Forcing, Model, Modes};
+use solver::structure::laws::LawKind;
+use solver::structure::{Damping, Element, Forcing, Model, ModelData, ModelError, Modes};
 use thiserror::Error;
 
 /// A structure with its nonlinear elements, n dofs.
@@ -49,17 +49,14 @@ pub struct ElementMessage {
 messages! { ModelMessage => "model" }
 
 /// Why a message is not a model.
-#[derive(Debug, Clone, PartialEq, Error)]
+#[derive(Debug, Error)]
 pub enum ModelMessageError {
     /// An array does not fit.
     #[error(transparent)]
     Array(#[from] ArrayError),
-    /// A parameter of a law, or the harmonic of the forcing, out of its range.
-    #[error("`{0}`: {1}")]
-    Value(String, String),
-    /// A dof that does not exist, or a law without a channel for each of its arguments.
-    #[error("element `{0}` or a monitored dof does not fit the model's dofs")]
-    Reference(String),
+    /// The numbers are there, but make no model.
+    #[error(transparent)]
+    Model(#[from] ModelError),
 }
 
 impl From<&Model> for ModelMessage {
@@ -67,20 +64,20 @@ impl From<&Model> for ModelMessage {
         let n = model.size();
         let matrix = |m: &Matrix| Array::new([m.rows(), m.cols()], m.entries().iter().copied());
         Self {
-            name: model.name.clone(),
-            dofs: model.dofs.clone(),
-            mass: matrix(&model.mass),
-            stiffness: matrix(&model.stiffness),
-            frequencies: Array::new([n], model.modes.frequencies.iter().copied()),
-            shapes: matrix(&model.modes.shapes),
-            damping: match &model.damping {
+            name: model.name().to_string(),
+            dofs: model.dofs().to_vec(),
+            mass: matrix(model.mass()),
+            stiffness: matrix(model.stiffness()),
+            frequencies: Array::new([n], model.modes().frequencies.iter().copied()),
+            shapes: matrix(&model.modes().shapes),
+            damping: match model.damping() {
                 Damping::Modal(c) => Array::new([n], c.iter().copied()),
                 Damping::Full(c) => matrix(c),
             },
-            forcing: Array::new([n], model.forcing.shape.iter().copied()),
-            forcing_harmonic: model.forcing.harmonic,
-            elements: model.elements.iter().map(ElementMessage::from).collect(),
-            monitors: model.monitors.clone(),
+            forcing: Array::new([n], model.forcing().shape.iter().copied()),
+            forcing_harmonic: model.forcing().harmonic,
+            elements: model.elements().iter().map(ElementMessage::from).collect(),
+            monitors: model.monitors().to_vec(),
         }
     }
 }
@@ -93,6 +90,9 @@ impl From<&Element> for ElementMessage {
 
 impl ModelMessage {
     /// The model.
+    ///
+    /// # Errors
+    /// Arrays of another shape or type, and data that are no model.
     pub fn model(&self) -> Result<Model, ModelMessageError> {
         let n = self.dofs.len();
         let matrix = |array: &Array, name| -> Result<Matrix, ArrayError> {
@@ -103,26 +103,9 @@ impl ModelMessage {
             1 => Damping::Modal(self.damping.values("damping", &[n])?),
             _ => Damping::Full(matrix(&self.damping, "damping")?),
         };
-        for element in &self.elements {
-            let fits = element.channels.len() == element.law.arguments()
-                && element.channels.iter().flatten().all(|&(dof, _)| dof < n);
-            if !fits {
-                return Err(ModelMessageError::Reference(element.name.clone()));
-            }
-        }
-        for element in &self.elements {
-            let refused = |error: ParameterError| ModelMessageError::Value(element.name.clone(), error.to_string());
-            element.law.validate().map_err(refused)?;
-        }
-        if self.forcing_harmonic == 0 {
-            return Err(ModelMessageError::Value("forcing_harmonic".into(), "0 is no harmonic to force".into()));
-        }
-        if self.monitors.is_empty() || self.monitors.iter().any(|&dof| dof >= n) {
-            return Err(ModelMessageError::Reference("monitors".into()));
-        }
         let element =
             |e: &ElementMessage| Element { name: e.name.clone(), channels: e.channels.clone(), law: e.law.clone() };
-        Ok(Model {
+        let data = ModelData {
             name: self.name.clone(),
             dofs: self.dofs.clone(),
             mass: matrix(&self.mass, "mass")?,
@@ -135,6 +118,7 @@ impl ModelMessage {
             forcing: Forcing { shape: self.forcing.values("forcing", &[n])?, harmonic: self.forcing_harmonic },
             elements: self.elements.iter().map(element).collect(),
             monitors: self.monitors.clone(),
-        })
+        };
+        Ok(Model::try_from(data)?)
     }
 }

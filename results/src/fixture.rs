@@ -14,7 +14,7 @@ use solver::response::branch::{Branch, BranchPoint};
 use solver::response::forced::{Forced, Reach};
 use solver::response::task::{Account, BranchId, Finding, SeedOutcome, Task, carry_out, plan};
 use solver::settings::Settings;
-use solver::structure::Model;
+use solver::structure::{Model, ModelData};
 use std::collections::HashMap;
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -43,8 +43,9 @@ impl Study {
     /// Of a model of the repository, all dofs monitored, along its highest mode.
     pub fn new(model: &str, harmonics: usize, amplitudes: &[&str]) -> Self {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models").join(model);
-        let mut model = Model::load(&folder).unwrap();
-        model.monitors = (0..model.size()).collect();
+        let model = Model::load(&folder).unwrap();
+        let monitors = (0..model.size()).collect();
+        let model = Model::try_from(ModelData { monitors, ..model.into() }).unwrap();
         let mut settings = Settings::default();
         settings.harmonics.count = harmonics;
         settings.harmonics.samples = 64;

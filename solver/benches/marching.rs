@@ -5,7 +5,7 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use solver::linalg::{Matrix, symmetric_eigen};
 use solver::stability::marching::{Marching, MarchingSettings};
 use solver::structure::laws::{Contact, Friction, LawKind};
-use solver::structure::{Damping, Element, Forcing, Model, Modes};
+use solver::structure::{Damping, Element, Forcing, Model, ModelData, Modes};
 
 /// A clamped chain of 39 masses; three neighbours make the normal and tangential dofs of a contact node.
 fn chain(damping: impl Fn(Vec<f64>) -> Damping) -> Model {
@@ -19,7 +19,7 @@ fn chain(damping: impl Fn(Vec<f64>) -> Damping) -> Model {
     let (squares, shapes) = symmetric_eigen(&stiffness, &mass).expect("a clamped chain is positive definite");
     let frequencies: Vec<f64> = squares.iter().map(|square| square.sqrt()).collect();
     let friction = Some(Friction { coefficient: 0.15, radius: 1.0, sense: 1.0 });
-    Model {
+    let data = ModelData {
         name: "chain".into(),
         dofs: (0..n).map(|i| format!("x{i}")).collect(),
         damping: damping(frequencies.iter().map(|w| 0.01 * w).collect()),
@@ -35,14 +35,15 @@ fn chain(damping: impl Fn(Vec<f64>) -> Damping) -> Model {
             })
             .collect(),
         monitors: vec![n - 1],
-    }
+    };
+    Model::try_from(data).expect("it is a model")
 }
 
 fn marching(criterion: &mut Criterion) {
     let settings = MarchingSettings { min_steps_per_period: 7500, ..MarchingSettings::default() };
     let modal = chain(Damping::Modal);
     let full = chain(|rates| Damping::Full(Matrix::diagonal(&rates)));
-    let omega = 1.2 * modal.modes.frequencies[0];
+    let omega = 1.2 * modal.modes().frequencies[0];
     // The chain's period of 7500 steps without any contact, then with every node rubbing.
     for (name, model, amplitude) in
         [("free", &modal, 1e-6), ("rubbing", &modal, 1.0), ("rubbing, full damping", &full, 1.0)]

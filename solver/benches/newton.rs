@@ -12,7 +12,7 @@ use solver::formulation::state::State;
 use solver::formulation::unknown::Unknown;
 use solver::response::backbone::{Backbone, BackbonePoint};
 use solver::settings::{HarmonicSettings, Quadrature, Settings};
-use solver::structure::Model;
+use solver::structure::{Element, Model, ModelData};
 use std::hint::black_box;
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -84,13 +84,13 @@ fn parts(c: &mut Criterion) {
 /// `count` nodes along the tip line of the blade, interpolated between its nine, every one of them in contact for the
 /// same part of the period.
 fn with_nodes(count: usize) -> (Model, impl Fn(usize) -> State) {
-    let mut model = rotor();
-    let nine = model.elements.clone();
-    model.elements = (0..count)
+    let mut data = ModelData::from(rotor());
+    let nine = data.elements.clone();
+    data.elements = (0..count)
         .map(|i| {
             let place = 8.0 * i as f64 / (count - 1) as f64;
             let (left, share) = ((place as usize).min(7), place - (place as usize).min(7) as f64);
-            let mut element = nine[left].clone();
+            let mut element = Element { name: format!("node {i}"), ..nine[left].clone() };
             for (channel, next) in element.channels.iter_mut().zip(&nine[left + 1].channels) {
                 channel.iter_mut().for_each(|(_, factor)| *factor *= 1.0 - share);
                 channel.extend(next.iter().map(|&(dof, factor)| (dof, factor * share)));
@@ -98,6 +98,7 @@ fn with_nodes(count: usize) -> (Model, impl Fn(usize) -> State) {
             element
         })
         .collect();
+    let model = Model::try_from(data).expect("it is a model");
     let modes = model.size();
     let state = move |harmonics: usize| {
         let nc = 2 * harmonics + 1;

@@ -167,7 +167,7 @@ impl Settings {
                 format!("{count} harmonics need at least {} samples a period (and at most {})", 4 * count, 1 << 20);
             return refuse("harmonics.samples", samples.to_string(), remedy);
         }
-        let m = model.forcing.harmonic;
+        let m = model.forcing().harmonic;
         if m > count {
             let remedy = format!("the forcing acts on harmonic {m}: use at least {m} harmonics");
             return refuse("harmonics.count", count.to_string(), remedy);
@@ -176,7 +176,7 @@ impl Settings {
         if !(1..=modes).contains(&mode) {
             return refuse("backbone.mode", mode.to_string(), format!("the model has modes 1 to {modes}"));
         }
-        let frequencies = &model.modes.frequencies;
+        let frequencies = &model.modes().frequencies;
         if frequencies[mode - 1] <= RIGID * frequencies[modes - 1] {
             let remedy = "a rigid-body mode has no backbone; choose a mode that deforms the structure".into();
             return refuse("backbone.mode", mode.to_string(), remedy);

@@ -146,13 +146,13 @@ fn states_at(study: &Study, branch: &Branch, omega: f64) -> Vec<State> {
 /// Displacements and velocities of all dofs at t = 0.
 fn start(model: &Model, state: &State) -> (Vec<f64>, Vec<f64>) {
     let dofs = 0..model.size();
-    let values = dofs.map(|i| evaluate(&state.combine(model.modes.shapes.row(i).iter().copied()), 0.0));
+    let values = dofs.map(|i| evaluate(&state.combine(model.modes().shapes.row(i).iter().copied()), 0.0));
     values.map(|[x, slope, _]| (x, state.omega * slope)).unzip()
 }
 
 /// Largest |x| of the first monitored dof of a state.
 fn amplitude_of(model: &Model, state: &State) -> f64 {
-    let series = state.combine(model.modes.shapes.row(model.monitors[0]).iter().copied());
+    let series = state.combine(model.modes().shapes.row(model.monitors()[0]).iter().copied());
     let count = 20_000;
     (0..count).map(|i| evaluate(&series, TAU * f64::from(i) / f64::from(count))[0].abs()).fold(0.0, f64::max)
 }

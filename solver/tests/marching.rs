@@ -5,7 +5,7 @@ use solver::stability::marching::{Marching, MarchingError, MarchingSettings};
 use solver::structure::laws::{
     Contact, Friction, Jenkins, LawKind, PenaltySpring, PolynomialDamper, PolynomialSpring, TanhFriction, Term,
 };
-use solver::structure::{Damping, Element, Forcing, Model, Modes};
+use solver::structure::{Damping, Element, Forcing, Model, ModelData, Modes};
 use std::f64::consts::{PI, TAU};
 
 /// Model with modal damping ratio `ratio`, forced by `shape`.
@@ -13,7 +13,7 @@ fn model(mass: Matrix, stiffness: Matrix, ratio: f64, shape: &[f64]) -> Model {
     let (squares, shapes) = symmetric_eigen(&stiffness, &mass).unwrap();
     // Rigid-body modes come out at ± rounding.
     let frequencies: Vec<f64> = squares.iter().map(|square| square.max(0.0).sqrt()).collect();
-    Model {
+    let data = ModelData {
         name: "test".into(),
         dofs: (0..mass.rows()).map(|i| format!("x{i}")).collect(),
         damping: Damping::Modal(frequencies.iter().map(|w| 2.0 * ratio * w).collect()),
@@ -23,7 +23,14 @@ fn model(mass: Matrix, stiffness: Matrix, ratio: f64, shape: &[f64]) -> Model {
         forcing: Forcing { shape: shape.to_vec(), harmonic: 1 },
         elements: Vec::new(),
         monitors: vec![0],
-    }
+    };
+    Model::try_from(data).unwrap()
+}
+
+fn changed(model: Model, change: impl FnOnce(&mut ModelData)) -> Model {
+    let mut data = ModelData::from(model);
+    change(&mut data);
+    Model::try_from(data).unwrap()
 }
 
 /// One dof.
@@ -31,9 +38,25 @@ fn oscillator(mass: f64, stiffness: f64, ratio: f64) -> Model {
     model(Matrix::diagonal(&[mass]), Matrix::diagonal(&[stiffness]), ratio, &[1.0])
 }
 
-fn with_law(mut model: Model, law: LawKind) -> Model {
-    model.elements = vec![Element { name: "element".into(), channels: vec![vec![(0, 1.0)]], law }];
-    model
+fn element(name: &str, channels: &[&[(usize, f64)]], law: LawKind) -> Element {
+    Element { name: name.into(), channels: channels.iter().map(|channel| channel.to_vec()).collect(), law }
+}
+
+fn with_elements(model: Model, elements: Vec<Element>) -> Model {
+    changed(model, |data| data.elements = elements)
+}
+
+fn with_law(model: Model, law: LawKind) -> Model {
+    with_elements(model, vec![element("element", &[&[(0, 1.0)]], law)])
+}
+
+/// The same damping as a full matrix.
+fn with_full_damping(model: Model) -> Model {
+    changed(model, |data| {
+        if let Damping::Modal(rates) = &data.damping {
+            data.damping = Damping::Full(Matrix::diagonal(rates));
+        }
+    })
 }
 
 fn stop(gap: f64) -> LawKind {
@@ -85,16 +108,13 @@ fn free_decay_follows_its_closed_form_at_second_order() {
 #[test]
 fn the_steady_linear_response_keeps_the_amplitude_of_the_receptance() {
     for (full, harmonic) in [(false, 1), (true, 1), (false, 3)] {
-        let mut model = chain();
-        model.forcing.harmonic = harmonic;
-        if let (true, Damping::Modal(rates)) = (full, &model.damping) {
-            model.damping = Damping::Full(Matrix::diagonal(rates));
-        }
-        let (amplitude, omega) = (3.0, 0.9 * model.modes.frequencies[0]);
+        let model = changed(chain(), |data| data.forcing.harmonic = harmonic);
+        let model = if full { with_full_damping(model) } else { model };
+        let (amplitude, omega) = (3.0, 0.9 * model.modes().frequencies[0]);
         let (mut a, mut b) = (vec![0.0; 3], vec![0.0; 3]);
-        for (j, w) in model.modes.frequencies.iter().enumerate() {
-            let phi = model.modes.shapes.column(j);
-            let force: f64 = phi.iter().zip(&model.forcing.shape).map(|(x, s)| amplitude * x * s).sum();
+        for (j, w) in model.modes().frequencies.iter().enumerate() {
+            let phi = model.modes().shapes.column(j);
+            let force: f64 = phi.iter().zip(&model.forcing().shape).map(|(x, s)| amplitude * x * s).sum();
             let (re, im) = (w * w - omega * omega, 0.04 * w * omega);
             for i in 0..3 {
                 a[i] += phi[i] * force * re / (re * re + im * im);
@@ -117,25 +137,16 @@ fn the_steady_linear_response_keeps_the_amplitude_of_the_receptance() {
 
 #[test]
 fn smooth_laws_converge_at_second_order() {
-    let mut model = chain();
     let cubic = |coefficient| vec![Term { power: 3, coefficient }];
-    model.elements = vec![
-        Element {
-            name: "spring".into(),
-            channels: vec![vec![(0, 1.0), (1, -1.0)]],
-            law: LawKind::PolynomialSpring(PolynomialSpring { terms: cubic(5e4) }),
-        },
-        Element {
-            name: "damper".into(),
-            channels: vec![vec![(2, 1.0)]],
-            law: LawKind::PolynomialDamper(PolynomialDamper { terms: cubic(0.3) }),
-        },
-        Element {
-            name: "friction".into(),
-            channels: vec![vec![(1, 1.0)]],
-            law: LawKind::TanhFriction(TanhFriction { limit: 2.0, velocity: 1.0 }),
-        },
+    let spring = LawKind::PolynomialSpring(PolynomialSpring { terms: cubic(5e4) });
+    let damper = LawKind::PolynomialDamper(PolynomialDamper { terms: cubic(0.3) });
+    let friction = LawKind::TanhFriction(TanhFriction { limit: 2.0, velocity: 1.0 });
+    let elements = vec![
+        element("spring", &[&[(0, 1.0), (1, -1.0)]], spring),
+        element("damper", &[&[(2, 1.0)]], damper),
+        element("friction", &[&[(1, 1.0)]], friction),
     ];
+    let model = with_elements(chain(), elements);
     let last = |count| {
         let mut marching = Marching::new(&model, &steps(count), 20.0, 15.0).unwrap();
         marching.set_state(&[0.1, 0.15, 0.05], &[1.0, -0.5, 0.0]).unwrap();
@@ -185,38 +196,50 @@ fn a_jenkins_element_sticks_as_a_spring_and_slides_as_coulomb_friction() {
     assert!((marching.displacements()[0] - (1.0 - 5.0 * 0.04)).abs() < 1e-4);
 }
 
+/// A spring of 1 N/m that presses a dof against its stop, by this force at the stop.
+fn pressing_spring(dof: usize, force: f64) -> Element {
+    element("pressing", &[&[(dof, -1.0)]], LawKind::PenaltySpring(PenaltySpring { stiffness: 1.0, gap: -force }))
+}
+
+/// A mass of 1 kg on springs of together `stiffness`, pressed against a stop without clearance.
+fn pressed(stiffness: f64, ratio: f64, force: f64) -> Model {
+    let stop = element("stop", &[&[(0, 1.0)]], stop(0.0));
+    with_elements(oscillator(1.0, stiffness - 1.0, ratio), vec![stop, pressing_spring(0, force)])
+}
+
 #[test]
 fn a_stop_pressed_on_for_ever_carries_the_exact_force() {
-    // Clearance −c: the stop holds the mass at −c with λ = kc + A cos ωt, which is above zero for A < kc.
-    let (c, amplitude, omega) = (0.5, 1.0, 1.3);
-    let model = with_law(oscillator(1.0, 4.0, 0.01), stop(-c));
+    // The stop holds the mass at zero with λ = P + A cos ωt, which is above zero for A < P.
+    let (pressing, amplitude, omega) = (2.0, 1.0, 1.3);
+    let model = pressed(4.0, 0.01, pressing);
     let mut marching = Marching::new(&model, &MarchingSettings::default(), amplitude, omega).unwrap();
-    marching.set_state(&[-c], &[0.0]).unwrap();
+    marching.set_state(&[0.0], &[0.0]).unwrap();
     run(&mut marching, 3);
     for _ in 0..2000 {
         marching.step().unwrap();
-        let exact = 4.0 * c + amplitude * (omega * marching.time()).cos();
+        let exact = pressing + amplitude * (omega * marching.time()).cos();
         assert!((marching.pressures()[0] - exact).abs() < 1e-9);
-        assert!((marching.displacements()[0] + c).abs() < 1e-13);
+        assert!(marching.displacements()[0].abs() < 1e-13);
     }
     assert!((marching.period().unwrap().contact[0] - 1.0).abs() < 1e-9);
 }
 
 #[test]
 fn a_released_mass_flies_on_its_exact_orbit() {
-    // λ = A cos ωt − kc falls to zero at cos ωt = −1/2; from there on the motion is that of the linear oscillator.
+    // λ = A cos ωt + A/2 falls to zero at cos ωt = −1/2; from there on the motion is that of the linear oscillator around
+    // the place where it would rest without a stop, A/2k beyond it.
     let (w, omega, amplitude) = (2.0, 1.3, 1.0);
     let c = -0.5 * amplitude / (w * w);
-    let model = with_law(oscillator(1.0, w * w, 0.0), stop(c));
+    let model = pressed(w * w, 0.0, 0.5 * amplitude);
     let mut marching = Marching::new(&model, &steps(3000), amplitude, omega).unwrap();
-    marching.set_state(&[c], &[0.0]).unwrap();
+    marching.set_state(&[0.0], &[0.0]).unwrap();
     run(&mut marching, 1500);
     let (t, release) = (marching.time(), TAU / 3.0 / omega);
     let forced = amplitude / (w * w - omega * omega);
     let (a, b) = (c + 0.5 * forced, forced * omega * (TAU / 3.0).sin() / w);
     let phase = w * (t - release);
-    let exact = forced * (omega * t).cos() + a * phase.cos() + b * phase.sin();
-    assert!(exact < c && (marching.displacements()[0] - exact).abs() < 1e-5);
+    let exact = forced * (omega * t).cos() + a * phase.cos() + b * phase.sin() - c;
+    assert!(exact < 0.0 && (marching.displacements()[0] - exact).abs() < 1e-5);
     assert_eq!(marching.pressures(), [0.0]);
 }
 
@@ -246,7 +269,7 @@ fn bar(elements: usize, gap: f64) -> Model {
         1 => -k,
         _ => 0.0,
     });
-    with_law(model(Matrix::diagonal(&mass), stiffness, 0.0, &vec![0.0; n]), stop(gap))
+    with_law(model(Matrix::diagonal(&mass), stiffness, 0.0, &vec![1.0; n]), stop(gap))
 }
 
 #[test]
@@ -277,7 +300,7 @@ fn a_bar_that_hits_a_wall_rebounds_after_two_wave_travels() {
         assert!((last - first - 2.0).abs() < 0.3 / (elements as f64).cbrt(), "{last}");
         assert!((plateau.0 / f64::from(plateau.1) - 1.0).abs() < 1e-3);
         assert!((impulse - 2.0).abs() < 0.35 * (elements as f64).powf(-2.0 / 3.0), "{impulse}");
-        let momentum: f64 = (0..n).map(|i| model.mass[(i, i)] * marching.velocities()[i]).sum();
+        let momentum: f64 = (0..n).map(|i| model.mass()[(i, i)] * marching.velocities()[i]).sum();
         assert!((momentum - (1.0 - impulse)).abs() < 1e-9);
         1.0 - marching.energy() / energy
     });
@@ -287,27 +310,29 @@ fn a_bar_that_hits_a_wall_rebounds_after_two_wave_travels() {
     assert!((480.0 * losses[1] - 1.0).abs() < 0.05, "{losses:?}");
 }
 
+/// A stop without clearance that rubs.
+fn rubbing(channels: &[&[(usize, f64)]; 3], friction: Friction) -> Element {
+    element("node", channels, LawKind::Contact(Contact { gap: 0.0, epsilon: 1.0, friction: Some(friction) }))
+}
+
 #[test]
 fn friction_drags_a_pressed_mass_along_the_sliding_direction() {
-    // Held at clearance −c by λ = kc; friction μλ against σθ, so that the mass rests at θ = −σ μλ/k_θ.
-    let (k, tangential, c, coefficient) = (4.0, 2.0, 0.5, 0.3);
+    // Held at the stop by λ, the force of the spring; friction μλ against σθ, so that the mass rests at θ = −σ μλ/k_θ.
+    let (tangential, pressing, coefficient) = (2.0, 2.0, 0.3);
     for sense in [1.0, -1.0] {
-        let stiffness = Matrix::diagonal(&[k, tangential, 3.0]);
-        let mut model = model(Matrix::diagonal(&[1.0; 3]), stiffness, 0.2, &[0.0; 3]);
-        let friction = Some(Friction { coefficient, radius: 10.0, sense });
-        model.elements = vec![Element {
-            name: "node".into(),
-            channels: (0..3).map(|i| vec![(i, 1.0)]).collect(),
-            law: LawKind::Contact(Contact { gap: -c, epsilon: 1.0, friction }),
-        }];
+        let stiffness = Matrix::diagonal(&[3.0, tangential, 3.0]);
+        let model = model(Matrix::diagonal(&[1.0; 3]), stiffness, 0.2, &[1.0; 3]);
+        let friction = Friction { coefficient, radius: 10.0, sense };
+        let node = rubbing(&[&[(0, 1.0)], &[(1, 1.0)], &[(2, 1.0)]], friction);
+        let model = with_elements(model, vec![node, pressing_spring(0, pressing)]);
         let mut marching = Marching::new(&model, &MarchingSettings::default(), 0.0, 2.0).unwrap();
-        marching.set_state(&[-c, 0.0, 0.0], &[0.0; 3]).unwrap();
+        marching.set_state(&[0.0; 3], &[0.0; 3]).unwrap();
         for _ in 0..20 {
             marching.period().unwrap();
         }
         let x = marching.displacements();
-        assert!((marching.pressures()[0] - k * c).abs() < 1e-9);
-        assert!((x[1] + sense * coefficient * k * c / tangential).abs() < 1e-6, "{x:?}");
+        assert!((marching.pressures()[0] - pressing).abs() < 1e-9);
+        assert!((x[1] + sense * coefficient * pressing / tangential).abs() < 1e-6, "{x:?}");
         assert!(x[2].abs() < 1e-12);
     }
 }
@@ -316,51 +341,39 @@ fn friction_drags_a_pressed_mass_along_the_sliding_direction() {
 fn friction_couples_into_the_contact_force() {
     // The normal direction is inclined in the stiffness: the steady balance of three coupled dofs under λ and μλ.
     let stiffness = Matrix::from_fn(3, 3, |i, j| [[5.0, 1.5, 0.5], [1.5, 4.0, -0.5], [0.5, -0.5, 3.0]][i][j]);
-    let mut model = model(Matrix::diagonal(&[1.0, 2.0, 1.5]), stiffness.clone(), 0.3, &[0.0; 3]);
-    let (c, coefficient) = (0.5, 0.4);
-    model.elements = vec![Element {
-        name: "node".into(),
-        channels: (0..3).map(|i| vec![(i, 1.0)]).collect(),
-        law: LawKind::Contact(Contact {
-            gap: -c,
-            epsilon: 1.0,
-            friction: Some(Friction { coefficient, radius: 10.0, sense: 1.0 }),
-        }),
-    }];
+    let model = model(Matrix::diagonal(&[1.0, 2.0, 1.5]), stiffness.clone(), 0.3, &[1.0; 3]);
+    let (pressing, coefficient) = (2.5, 0.4);
+    let friction = Friction { coefficient, radius: 10.0, sense: 1.0 };
+    let node = rubbing(&[&[(0, 1.0)], &[(1, 1.0)], &[(2, 1.0)]], friction);
+    let model = with_elements(model, vec![node, pressing_spring(0, pressing)]);
     let mut marching = Marching::new(&model, &MarchingSettings::default(), 0.0, 2.0).unwrap();
-    marching.set_state(&[-c, 0.0, 0.0], &[0.0; 3]).unwrap();
+    marching.set_state(&[0.0; 3], &[0.0; 3]).unwrap();
     for _ in 0..30 {
         marching.period().unwrap();
     }
     let (x, pressure) = (marching.displacements(), marching.pressures()[0]);
     let balance = stiffness.mul_vec(&x);
-    assert!((x[0] + c).abs() < 1e-12);
-    assert!((balance[0] + pressure).abs() < 1e-6);
+    assert!(x[0].abs() < 1e-12);
+    assert!((balance[0] + pressure - pressing).abs() < 1e-6);
     assert!((balance[1] + coefficient * pressure).abs() < 1e-6);
     assert!(balance[2].abs() < 1e-6);
 }
 
 /// The chain with a frictional stop that presses on its tip at rest, and that the tip leaves in every period.
 fn rubbing_chain() -> Model {
-    let mut model = chain();
-    model.elements = vec![Element {
-        name: "tip".into(),
-        channels: vec![vec![(2, 1.0)], vec![(0, 1.0), (1, -1.0)], vec![(1, 1.0)]],
-        law: LawKind::Contact(Contact {
-            gap: -0.01,
-            epsilon: 1.0,
-            friction: Some(Friction { coefficient: 0.2, radius: 0.1, sense: -1.0 }),
-        }),
-    }];
-    model.monitors = vec![2];
-    model
+    let friction = Friction { coefficient: 0.2, radius: 0.1, sense: -1.0 };
+    let tip = rubbing(&[&[(2, 1.0)], &[(0, 1.0), (1, -1.0)], &[(1, 1.0)]], friction);
+    changed(chain(), |data| {
+        data.elements = vec![tip, pressing_spring(2, 15.0)];
+        data.monitors = vec![2];
+    })
 }
 
 #[test]
 fn the_two_forms_of_damping_agree_in_contact() {
     let modal = rubbing_chain();
-    let Damping::Modal(rates) = &modal.damping else { unreachable!() };
-    let full = Model { damping: Damping::Full(Matrix::diagonal(rates)), ..modal.clone() };
+    let full = with_full_damping(modal.clone());
+    assert!(matches!(full.damping(), Damping::Full(_)));
     let [a, b] = [&modal, &full].map(|model| {
         let mut marching = Marching::new(model, &MarchingSettings::default(), 30.0, 20.0).unwrap();
         let summary = marching.period().unwrap();
@@ -376,7 +389,7 @@ fn a_motion_restarted_in_contact_goes_on() {
     let error = |count: usize| {
         let mut first = Marching::new(&model, &steps(count), 30.0, 20.0).unwrap();
         // Whole periods, for a restart is at phase zero; the start is chosen so that the tip is pressed on there.
-        first.set_state(&[0.0, 0.0, -0.01], &[0.0, 0.5, 0.0]).unwrap();
+        first.set_state(&[0.0; 3], &[0.0, 0.5, 0.0]).unwrap();
         first.period().unwrap();
         while first.pressures()[0] == 0.0 {
             first.period().unwrap();

@@ -19,7 +19,7 @@ use solver::response::forced::{Forced, Reach};
 use solver::response::level::Level;
 use solver::settings::{HarmonicSettings, Settings};
 use solver::structure::laws::LawKind;
-use solver::structure::{Damping, Model};
+use solver::structure::{Damping, Model, ModelData};
 use std::ops::ControlFlow;
 use std::path::Path;
 
@@ -33,13 +33,14 @@ fn settings(count: usize, samples: usize) -> Settings {
 }
 
 /// Couples all modes: a tenth of the geometric mean of their own damping.
-fn with_full_damping(mut model: Model) -> Model {
-    if let Damping::Modal(c) = &model.damping {
+fn with_full_damping(model: Model) -> Model {
+    let mut data = ModelData::from(model);
+    if let Damping::Modal(c) = &data.damping {
         let coupled =
             |i: usize, j: usize| if i == j { c[i] } else { 0.1 * (c[i] * c[j]).sqrt() / (1 + i.abs_diff(j)) as f64 };
-        model.damping = Damping::Full(Matrix::from_fn(c.len(), c.len(), coupled));
+        data.damping = Damping::Full(Matrix::from_fn(c.len(), c.len(), coupled));
     }
-    model
+    Model::try_from(data).unwrap()
 }
 
 /// Up to `count` states, evenly spread.
@@ -76,12 +77,12 @@ impl<'m> Forms<'m> {
         let amplitude = if let Unknown::Frequency { forcing } = unknown { forcing } else { 0.0 };
         let (truncation, tracked) = (settings.harmonics, settings.tracked());
         let scales = Scales::new(model, tracked);
-        let stiffness = model.elements.iter().map(|element| match &element.law {
+        let stiffness = model.elements().iter().map(|element| match &element.law {
             LawKind::Contact(contact) => contact.epsilon,
             _ => 0.0,
         });
         let unit = stiffness.fold(0.0, f64::max) * scales.length;
-        let norm = amplitude * dot(&model.forcing.shape, &model.forcing.shape).sqrt();
+        let norm = amplitude * dot(&model.forcing().shape, &model.forcing().shape).sqrt();
         let displacement = DisplacementForm::new(model, truncation, tracked, unknown, scales).unwrap();
         let pressure = PressureForm::new(model, truncation, tracked, unknown, scales);
         Self { displacement, pressure, forcing: if unit > 0.0 && norm > 0.0 { norm / unit } else { 1.0 } }
@@ -163,7 +164,7 @@ fn walk_over_peak<P: Problem>(
 }
 
 fn amplitude(model: &Model, state: &State) -> f64 {
-    let series = state.combine(model.modes.shapes.row(model.monitors[0]).iter().copied());
+    let series = state.combine(model.modes().shapes.row(model.monitors()[0]).iter().copied());
     max_abs(&series, &mut Transform::new(state.harmonics, 256))
 }
 

@@ -105,7 +105,7 @@ impl Study {
         let model_dir = model_folder(&file, &written, || study.place("model"))?;
         let (model, merged) = load_model(&model_dir, scenario, set)?;
         let settings = load_settings(&numerics, &model)?;
-        let name = header.name.unwrap_or_else(|| model.name.clone());
+        let name = header.name.unwrap_or_else(|| model.name().to_string());
         if name.trim().is_empty() {
             let remedy = "give a name, or leave the key out";
             return Err(ModelError::value(study.place("name"), format!("\"{name}\""), remedy).into());

@@ -9,7 +9,7 @@ use protocol::codec::{Message, decode, decode_stored, encode, encoding};
 use protocol::curve::{Seeds, Size};
 use protocol::from_worker::{Lease, SubmitRequest};
 use protocol::ids::{Attempt, TaskId, WorkerId};
-use protocol::model::{ModelMessage, ModelMessageError};
+use protocol::model::ModelMessage;
 use protocol::to_everyone::StoredResult;
 use solver::formulation::modal::Modal;
 use solver::response::backbone::Backbone;
@@ -248,7 +248,8 @@ fn models_that_do_not_fit_are_errors() {
     }
     let mut message = samples::model();
     message.elements[0].channels.pop();
-    assert_eq!(message.model().unwrap_err(), ModelMessageError::Reference("node".into()));
+    let error = message.model().unwrap_err().to_string();
+    assert!(error.contains("`elements.node.channels` = 2"), "{error}");
 }
 
 /// Series of the same length, several of them.

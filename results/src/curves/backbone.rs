@@ -102,7 +102,7 @@ impl BackboneCurve {
             status: backbone.outcome.to_string(),
             omega: Column::exact(column(&|p| p.point.omega())),
             decay: short(&|p| p.point.state.decay),
-            amplitude: (0..model.monitors.len()).map(|m| short(&|p| p.point.monitors[m].amplitude)).collect(),
+            amplitude: (0..model.monitors().len()).map(|m| short(&|p| p.point.monitors[m].amplitude)).collect(),
             contact: short(&|p| p.point.contact.iter().copied().fold(f64::NAN, f64::max)),
             r_lin: short(&|p| p.energies.linear),
             r_nl: short(&|p| p.energies.nonlinear),
@@ -136,7 +136,7 @@ fn modes(backbone: &Backbone, model: &Model) -> Vec<ModeShare> {
     let drawn = std::iter::once(backbone.mode).chain(others);
     let mode = |j: usize| ModeShare {
         mode: j,
-        frequency: model.modes.frequencies[j],
+        frequency: model.modes().frequencies[j],
         share: Column::short(share(j).collect()),
     };
     drawn.map(mode).collect()

@@ -16,12 +16,12 @@ pub struct Monitor {
 /// Monitored dofs, with their clearances where they are normal to the casing.
 pub fn monitors(model: &Model) -> Vec<Monitor> {
     let gap = |dof: usize| {
-        model.elements.iter().find_map(|element| match &element.law {
+        model.elements().iter().find_map(|element| match &element.law {
             LawKind::Contact(law) => {
                 matches!(element.channels[0][..], [(normal, _)] if normal == dof).then_some(law.gap)
             }
             _ => None,
         })
     };
-    model.monitors.iter().map(|&dof| Monitor { name: model.dofs[dof].clone(), gap: gap(dof) }).collect()
+    model.monitors().iter().map(|&dof| Monitor { name: model.dofs()[dof].clone(), gap: gap(dof) }).collect()
 }

@@ -52,12 +52,12 @@ pub struct Motions {
 /// Contact nodes of a model; without contact, its monitored dofs.
 pub fn nodes(model: &Model) -> Vec<Node> {
     let shape = |dofs: &[(usize, f64)]| {
-        let along = |j: usize| dofs.iter().map(|&(dof, share)| share * model.modes.shapes[(dof, j)]).sum();
+        let along = |j: usize| dofs.iter().map(|&(dof, share)| share * model.modes().shapes[(dof, j)]).sum();
         (0..model.size()).map(along).collect::<Vec<f64>>()
     };
     let mut nodes = Vec::new();
     let mut argument = 0;
-    for element in &model.elements {
+    for element in model.elements() {
         if let LawKind::Contact(law) = &element.law {
             let (name, gap) = (element.name.clone(), Some(law.gap));
             nodes.push(Node { name, gap, shape: shape(&element.channels[0]), pressure: Some(argument) });
@@ -66,12 +66,12 @@ pub fn nodes(model: &Model) -> Vec<Node> {
     }
     if nodes.is_empty() {
         let monitored = |&dof: &usize| Node {
-            name: model.dofs[dof].clone(),
+            name: model.dofs()[dof].clone(),
             gap: None,
             shape: shape(&[(dof, 1.0)]),
             pressure: None,
         };
-        nodes = model.monitors.iter().map(monitored).collect();
+        nodes = model.monitors().iter().map(monitored).collect();
     }
     nodes
 }

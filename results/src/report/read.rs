@@ -128,7 +128,7 @@ impl Report {
             figures: Figures::default(),
             sweep: reach.map(|reach| reach.frequency),
             resonance: ResonanceComparison::new(&overview.levels, backbone.as_ref()),
-            run: facts(header, model.name, stage, omissions.sentences().cloned().collect()),
+            run: facts(header, model.name().to_string(), stage, omissions.sentences().cloned().collect()),
             monitors,
             branches,
             backbone,

@@ -35,7 +35,7 @@ fn a_finished_run() {
         let result = results.iter().find(|result| result.task.to_string() == curve.task).unwrap();
         let points = &result.branch.as_ref().unwrap().points;
         assert_eq!(curve.omega.values, points.motions.omega.values("omega", &[curve.size]).unwrap());
-        assert_eq!(curve.amplitude.len(), study.model.monitors.len());
+        assert_eq!(curve.amplitude.len(), study.model.monitors().len());
         assert!(curve.contact.values.iter().all(|share| share.is_nan()));
     }
 

@@ -15,7 +15,7 @@ use rustfft::num_complex::Complex64;
 /// At an undamped resonance.
 pub fn forced_response<'m>(problem: &impl Formulation<'m>, forcing: f64, omega: f64) -> Result<State, LinalgError> {
     let model = problem.model();
-    let (n, nc, m) = (model.size(), width(problem.harmonics()), model.forcing.harmonic);
+    let (n, nc, m) = (model.size(), width(problem.harmonics()), model.forcing().harmonic);
     let mut modal = vec![0.0; n * nc];
     if m <= problem.harmonics() {
         let mut receptance = Receptance::new(model, problem.harmonics(), problem.modal().clone(), true);
@@ -34,8 +34,8 @@ pub fn forced_response<'m>(problem: &impl Formulation<'m>, forcing: f64, omega: 
 pub fn mode_motion<'m>(problem: &impl Formulation<'m>, mode: usize) -> State {
     let model = problem.model();
     let nc = width(problem.harmonics());
-    let omega = model.modes.frequencies[mode];
-    let damping = match &model.damping {
+    let omega = model.modes().frequencies[mode];
+    let damping = match model.damping() {
         _ if !problem.unknown().is_damped() => 0.0,
         Damping::Modal(c) => c[mode],
         Damping::Full(c) => c[(mode, mode)],
@@ -62,7 +62,7 @@ pub fn below_first_touch<'m>(problem: &impl Formulation<'m>, mut state: State) -
     let largest = state.modal.iter().fold(0.0f64, |m, q| m.max(q.abs()));
     let mut factor = f64::INFINITY;
     let mut channel = 0;
-    for element in &problem.model().elements {
+    for element in problem.model().elements() {
         let series = state.combine(problem.modal().shape(channel).iter().copied());
         let reach: f64 = (1..=nc / 2).map(|k| complex(&series, k).norm()).sum();
         factor = factor.min(match &element.law {

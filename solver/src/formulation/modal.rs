@@ -24,10 +24,10 @@ impl Modal {
     pub fn new(model: &Model) -> Self {
         let modes = model.size();
         let (mut shapes, mut open) = (Vec::new(), Vec::new());
-        for element in &model.elements {
+        for element in model.elements() {
             for (i, combination) in element.channels.iter().take(element.law.arguments()).enumerate() {
                 shapes.extend((0..modes).map(|j| {
-                    combination.iter().map(|&(dof, factor)| factor * model.modes.shapes[(dof, j)]).sum::<f64>()
+                    combination.iter().map(|&(dof, factor)| factor * model.modes().shapes[(dof, j)]).sum::<f64>()
                 }));
                 open.push(match &element.law {
                     LawKind::Contact(contact) if i == 0 => (contact.epsilon, contact.epsilon * contact.gap),
@@ -35,8 +35,8 @@ impl Modal {
                 });
             }
         }
-        let forcing = model.modes.shapes.transpose().mul_vec(&model.forcing.shape);
-        Self { modes, harmonic: model.forcing.harmonic, forcing, shapes, open }
+        let forcing = model.modes().shapes.transpose().mul_vec(&model.forcing().shape);
+        Self { modes, harmonic: model.forcing().harmonic, forcing, shapes, open }
     }
 
     /// Forcing harmonic m.

@@ -46,8 +46,8 @@ impl Receptance {
         Self {
             harmonics,
             modes,
-            squares: model.modes.frequencies.iter().map(|w| w * w).collect(),
-            damping: if damped { model.damping.clone() } else { Damping::Modal(vec![0.0; modes]) },
+            squares: model.modes().frequencies.iter().map(|w| w * w).collect(),
+            damping: if damped { model.damping().clone() } else { Damping::Modal(vec![0.0; modes]) },
             modal,
             point: Parameters { omega: 0.0, decay: 0.0, forcing: 0.0 },
             kept: Vec::new(),

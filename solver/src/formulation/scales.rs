@@ -25,28 +25,28 @@ pub struct Scales {
 impl Scales {
     /// Scales of a model for the mode `tracked` (from 0).
     pub fn new(model: &Model, tracked: usize) -> Self {
-        let frequency = model.modes.frequencies[tracked];
-        let shape = model.modes.shapes.column(tracked);
+        let frequency = model.modes().frequencies[tracked];
+        let shape = model.modes().shapes.column(tracked);
         // A monitored dof on a node of the mode would make the scale meaningless.
         let largest = shape.iter().fold(0.0f64, |m, s| m.max(s.abs()));
-        let phi = shape[model.monitors[0]].abs().max(1e-3 * largest);
+        let phi = shape[model.monitors()[0]].abs().max(1e-3 * largest);
         let gap = |law: &LawKind| match law {
             LawKind::Contact(contact) => contact.gap,
             LawKind::PenaltySpring(spring) => spring.gap,
             _ => 0.0,
         };
-        let smallest = model.elements.iter().map(|e| gap(&e.law)).filter(|&g| g > 0.0).fold(f64::INFINITY, f64::min);
+        let smallest = model.elements().iter().map(|e| gap(&e.law)).filter(|&g| g > 0.0).fold(f64::INFINITY, f64::min);
         let length = if smallest.is_finite() {
             smallest
         } else {
             characteristic_amplitude(model, tracked, &shape, frequency).unwrap_or(1.0) * phi
         };
         let modal = length / phi;
-        let damping = match &model.damping {
+        let damping = match model.damping() {
             Damping::Modal(c) => c[tracked],
             Damping::Full(c) => c[(tracked, tracked)],
         };
-        let projections = model.modes.shapes.transpose().mul_vec(&model.forcing.shape);
+        let projections = model.modes().shapes.transpose().mul_vec(&model.forcing().shape);
         let force = projections.iter().fold(0.0f64, |m, f| m.max(f.abs()));
         let forcing = modal * frequency * damping.max(1e-3 * frequency) / force;
         Self { length, frequency, modal, forcing }
@@ -60,7 +60,7 @@ fn characteristic_amplitude(model: &Model, tracked: usize, shape: &[f64], freque
     let ratio = |amplitude: f64, aft: &mut Aft| -> f64 {
         let mut force = [0.0; 2];
         // A contact without gap scales with the motion: it sets no length.
-        for element in model.elements.iter().filter(|element| !matches!(element.law, LawKind::Contact(_))) {
+        for element in model.elements().iter().filter(|element| !matches!(element.law, LawKind::Contact(_))) {
             let count = element.law.arguments();
             let reach: Vec<f64> = element
                 .channels
@@ -73,14 +73,14 @@ fn characteristic_amplitude(model: &Model, tracked: usize, shape: &[f64], freque
                 series[1] = amplitude * reach;
             }
             let mut out = ElementForce::default();
-            let rate = Rate { omega: frequency, harmonic: model.forcing.harmonic as f64 };
+            let rate = Rate { omega: frequency, harmonic: model.forcing().harmonic as f64 };
             with_law!(&element.law, law => aft.evaluate(law, &arguments, rate, &mut out));
             for (series, reach) in out.force.chunks(nc).zip(&reach) {
                 force[0] += reach * series[1];
                 force[1] += reach * series[2];
             }
         }
-        let linear = model.modes.frequencies[tracked].powi(2) * amplitude;
+        let linear = model.modes().frequencies[tracked].powi(2) * amplitude;
         force[0].hypot(force[1]) / linear
     };
     let mut above: Option<bool> = None;

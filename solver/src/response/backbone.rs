@@ -121,13 +121,13 @@ impl Backbone {
     ) -> Result<Self, BackboneError> {
         settings.validate(model)?;
         let mode = settings.tracked();
-        let omega = model.modes.frequencies[mode];
+        let omega = model.modes().frequencies[mode];
         let not_started = |failure| BackboneError::Start { mode: mode + 1, omega, failure };
         let equation = settings.backbone.equation;
         let mut problem: F = system(model, settings, equation)?;
         let start = match equation {
             BackboneEquation::PhaseResonance => {
-                linear::forced_response(&problem, 1.0, omega / model.forcing.harmonic as f64)
+                linear::forced_response(&problem, 1.0, omega / model.forcing().harmonic as f64)
                     .map(|state| linear::below_first_touch(&problem, state))
                     .map_err(|_| not_started(Failure::Singular))?
             }

@@ -54,16 +54,16 @@ impl<'m, F: Formulation<'m>> Evaluated<F> for BranchPoint {
         let model = problem.model();
         let nc = width(state.harmonics);
         let monitors = model
-            .monitors
+            .monitors()
             .iter()
             .map(|&dof| {
-                let series = state.combine(model.modes.shapes.row(dof).iter().copied());
+                let series = state.combine(model.modes().shapes.row(dof).iter().copied());
                 Monitored { amplitude: problem.aft().max_abs(&series), rms: rms(&series) }
             })
             .collect();
         let mut contact = Vec::new();
         let mut first = 0;
-        for element in &model.elements {
+        for element in model.elements() {
             if matches!(element.law, LawKind::Contact(_)) {
                 contact.push(problem.aft().coverage(&state.arguments[first * nc..(first + 1) * nc], 0.0).fraction());
             }

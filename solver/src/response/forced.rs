@@ -157,7 +157,7 @@ impl<'m, F: Formulation<'m>> Forced<'m, F> {
     /// Whether a state lies within the bounds of branches.
     pub fn contains(&mut self, state: &State) -> bool {
         let (low, high) = self.bounds.frequency;
-        let monitored = self.model.modes.shapes.row(self.model.monitors[0]);
+        let monitored = self.model.modes().shapes.row(self.model.monitors()[0]);
         let amplitude = self.problem.aft().max_abs(&state.combine(monitored.iter().copied()));
         (low..=high).contains(&state.omega) && amplitude <= self.bounds.amplitude
     }

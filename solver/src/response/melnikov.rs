@@ -42,7 +42,7 @@ impl Energies {
         let forces = problem.forces(y);
         let (model, modal) = (problem.model(), problem.modal());
         let (omega, nc) = (state.omega, width(state.harmonics));
-        let linear = dissipation(&model.damping, state);
+        let linear = dissipation(model.damping(), state);
         let acting = if problem.unknown().is_damped() { linear } else { 0.0 };
         let mut nonlinear = 0.0;
         for (u, force) in forces.chunks(nc).enumerate() {

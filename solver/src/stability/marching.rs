@@ -140,24 +140,24 @@ impl<'m> Marching<'m> {
         check("amplitude", amplitude, amplitude.is_finite(), "a finite forcing amplitude")?;
 
         let n = model.size();
-        let shapes = &model.modes.shapes;
-        let speed = model.forcing.harmonic as f64 * omega;
+        let shapes = &model.modes().shapes;
+        let speed = model.forcing().harmonic as f64 * omega;
         let laws: Vec<_> = model
-            .elements
+            .elements()
             .iter()
             .filter(|element| !matches!(element.law, LawKind::Contact(_)))
             .map(|element| LocalLaw::new(element, shapes, speed))
             .collect();
-        let squares: Vec<f64> = model.modes.frequencies.iter().map(|w| w * w).collect();
+        let squares: Vec<f64> = model.modes().frequencies.iter().map(|w| w * w).collect();
         let period = TAU / omega;
         let steps = (period / (fraction * stability_limit(&squares, &laws))).ceil();
         let steps_per_period = (steps as usize).max(least);
         let step = period / steps_per_period as f64;
-        let inverse = Inverse::new(&model.damping, step)?;
+        let inverse = Inverse::new(model.damping(), step)?;
         let contacts = Contacts::new(model, &inverse, speed);
-        let monitors = Matrix::from_fn(model.monitors.len(), n, |i, j| shapes[(model.monitors[i], j)]);
+        let monitors = Matrix::from_fn(model.monitors().len(), n, |i, j| shapes[(model.monitors()[i], j)]);
         let forcing =
-            (0..n).map(|j| (0..n).map(|i| amplitude * shapes[(i, j)] * model.forcing.shape[i]).sum()).collect();
+            (0..n).map(|j| (0..n).map(|i| amplitude * shapes[(i, j)] * model.forcing().shape[i]).sum()).collect();
         let zeros = vec![0.0; n];
         let mut marching = Self {
             model,
@@ -188,7 +188,7 @@ impl<'m> Marching<'m> {
     pub fn set_state(&mut self, x: &[f64], xdot: &[f64]) -> Result<(), MarchingError> {
         let n = self.model.size();
         assert!(x.len() == n && xdot.len() == n, "{} and {} entries for {n} dofs", x.len(), xdot.len());
-        let modal = |z: &[f64]| self.model.modes.shapes.transpose().mul_vec(&self.model.mass.mul_vec(z));
+        let modal = |z: &[f64]| self.model.modes().shapes.transpose().mul_vec(&self.model.mass().mul_vec(z));
         let velocity = modal(xdot);
         self.y = modal(x);
         self.index = 0;
@@ -196,7 +196,7 @@ impl<'m> Marching<'m> {
         for law in &mut self.laws {
             law.start(&self.y, &velocity, &mut self.force);
         }
-        let damping = match &self.model.damping {
+        let damping = match self.model.damping() {
             Damping::Modal(rates) => rates.iter().zip(&velocity).map(|(c, v)| c * v).collect(),
             Damping::Full(matrix) => matrix.mul_vec(&velocity),
         };
@@ -263,14 +263,14 @@ impl<'m> Marching<'m> {
 
     /// Displacements at t_n, n entries in m.
     pub fn displacements(&self) -> Vec<f64> {
-        self.model.modes.shapes.mul_vec(&self.y)
+        self.model.modes().shapes.mul_vec(&self.y)
     }
 
     /// Velocities (x_{n+1} − x_{n−1})/(2h) at t_n, n entries in m/s.
     pub fn velocities(&self) -> Vec<f64> {
         let scale = 0.5 / self.step;
         let velocity: Vec<f64> = self.increment.iter().zip(&self.next).map(|(a, b)| scale * (a + b)).collect();
-        self.model.modes.shapes.mul_vec(&velocity)
+        self.model.modes().shapes.mul_vec(&velocity)
     }
 
     /// Contact pressures λ_n of the contact elements, in N, in the order of the model's elements.
@@ -292,7 +292,7 @@ impl<'m> Marching<'m> {
     fn linear_force(&mut self) {
         // The phase is reduced in integers: it does not drift over many periods.
         let steps = self.steps_per_period;
-        let turns = (self.model.forcing.harmonic * (self.index % steps) % steps) as f64 / steps as f64;
+        let turns = (self.model.forcing().harmonic * (self.index % steps) % steps) as f64 / steps as f64;
         let cosine = (TAU * turns).cos();
         let modes = self.forcing.iter().zip(&self.squares).zip(&self.y);
         for (force, ((forcing, square), y)) in self.force.iter_mut().zip(modes) {

@@ -1,12 +1,12 @@
 //! From raw settings to a checked [`Model`]: files are read, names become dof numbers, defaults are filled in.
 
+use super::assembly::{Rest, Structure};
+use super::assembly::{above_zero, at_least_zero, check_law, check_ratio, check_sense, duplicate, symmetric};
 use super::config::{Config, ContactConfig, DampingConfig, DirectionConfig, LawConfig, MatrixConfig, ModesConfig};
 use super::config::{NodeConfig, ShapeConfig};
 use super::error::{ModelError, Place};
 use super::layers::Layers;
 use super::parts::{DampingParts, ForcingShape};
-use super::structure::{Rest, Structure};
-use super::structure::{above_zero, at_least_zero, check_law, check_ratio, check_sense, duplicate, symmetric};
 use super::{Element, Model, matrix_market};
 use crate::linalg::Matrix;
 use crate::structure::laws::{Contact, Friction, LawKind};

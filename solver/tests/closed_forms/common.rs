@@ -60,7 +60,7 @@ pub fn backbone(model: &Model, settings: &Settings) -> Backbone {
 
 /// Displacement of a dof.
 pub fn displacement(model: &Model, state: &State, dof: usize) -> Vec<f64> {
-    state.combine(model.modes.shapes.row(dof).iter().copied())
+    state.combine(model.modes().shapes.row(dof).iter().copied())
 }
 
 /// Converged states of a branch at one frequency, in the order of the arc.

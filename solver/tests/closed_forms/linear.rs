@@ -44,8 +44,8 @@ fn chain(proportional: bool) -> (Model, Matrix) {
     .unwrap();
     // C = M Φ diag(2 ξ ω) Φᵀ M.
     let c = if proportional {
-        let rates: Vec<f64> = ratios.iter().zip(&model.modes.frequencies).map(|(r, w)| 2.0 * r * w).collect();
-        let left = mass.matmul(&model.modes.shapes);
+        let rates: Vec<f64> = ratios.iter().zip(&model.modes().frequencies).map(|(r, w)| 2.0 * r * w).collect();
+        let left = mass.matmul(&model.modes().shapes);
         left.matmul(&Matrix::diagonal(&rates)).matmul(&left.transpose())
     } else {
         dashpots
@@ -59,14 +59,14 @@ fn dense_response(model: &Model, c: &Matrix, amplitude: f64, omega: f64) -> Vec<
     let mut rows: Vec<Vec<f64>> = Vec::new();
     for part in 0..2 {
         for i in 0..n {
-            let re = |j| model.stiffness[(i, j)] - omega * omega * model.mass[(i, j)];
+            let re = |j| model.stiffness()[(i, j)] - omega * omega * model.mass()[(i, j)];
             let im = |j| omega * c[(i, j)];
             let mut row: Vec<f64> = if part == 0 {
                 (0..n).map(re).chain((0..n).map(|j| -im(j))).collect()
             } else {
                 (0..n).map(im).chain((0..n).map(re)).collect()
             };
-            row.push(if part == 0 { amplitude * model.forcing.shape[i] } else { 0.0 });
+            row.push(if part == 0 { amplitude * model.forcing().shape[i] } else { 0.0 });
             rows.push(row);
         }
     }
@@ -104,9 +104,9 @@ fn the_linear_response_is_that_of_a_dense_solve() {
         let (model, c) = chain(proportional);
         let unknown = Unknown::Frequency { forcing: 2.5 };
         let problem = PressureForm::new(&model, with_harmonics(3).harmonics, 0, unknown, Scales::new(&model, 0));
-        let top = 1.3 * model.modes.frequencies[4];
+        let top = 1.3 * model.modes().frequencies[4];
         let grid = (1..=400).map(|i| top * f64::from(i) / 400.0);
-        for omega in grid.chain(model.modes.frequencies.iter().copied()) {
+        for omega in grid.chain(model.modes().frequencies.iter().copied()) {
             let state = forced_response(&problem, 2.5, omega).unwrap();
             let (error, size) = linear_error(&model, &c, &state);
             assert!(error < 1e-10 * size, "proportional {proportional}, {omega} rad/s: {error:e} of {size:e}");
@@ -121,7 +121,7 @@ fn a_main_branch_that_never_touches_is_that_of_a_dense_solve() {
         let mut settings = with_harmonics(3);
         // Residuals are measured in gaps, and a resonance amplifies them.
         settings.continuation.newton.tolerance = 1e-13;
-        let frequencies = &model.modes.frequencies;
+        let frequencies = &model.modes().frequencies;
         (settings.frequency.min, settings.frequency.max) = (Some(0.5 * frequencies[0]), Some(1.2 * frequencies[4]));
         let backbone = backbone(&model, &settings);
         let mut forced = Forced::new(&model, &settings, Reach::new(&settings, &backbone).unwrap(), 2.5);

@@ -38,7 +38,7 @@ fn a_mass_bouncing_on_a_rigid_stop() {
             backbone(&model, &settings)
         });
         for amplitude in [1.5 * gap, 2.0 * gap, 4.0 * gap] {
-            let exact = bouncing(model.modes.frequencies[mode - 1], gap, amplitude);
+            let exact = bouncing(model.modes().frequencies[mode - 1], gap, amplitude);
             let found = curves.each_ref().map(|curve| frequency_at(curve, amplitude));
             let errors = found.map(|omega| omega / exact - 1.0);
             let extrapolated = (2.0 * found[4] - found[3]) / exact - 1.0;
@@ -69,7 +69,7 @@ fn contact_between_two_bodies_is_that_of_one_body_before_a_stop() {
     settings.backbone.mode = 2;
     let mut forced = Forced::new(&two, &settings, Reach::new(&settings, &reference).unwrap(), 0.005);
     // The forcing shape M φ_2 follows the sign of φ_2 = ±(1, −1)/√2, and so does q.
-    let sign = two.modes.shapes[(0, 1)].signum();
+    let sign = two.modes().shapes[(0, 1)].signum();
     let mut touching = 0;
     for point in &branch.points {
         let mut modal = vec![0.0; width(20)];

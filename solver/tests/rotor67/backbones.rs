@@ -35,7 +35,7 @@ fn frictionless_comes_out_of_the_torsion_tongue() {
     assert!(torsion(&deepest) > 0.3, "no torsion tongue: share {} at most", torsion(&deepest));
     assert!((omega / 2720.0 - 1.0).abs() < 0.005, "the tongue is at {omega} rad/s");
     // Inside, damping goes to that of the torsion over four: ξ_3 ω_3 / 4.
-    let damping = 5e-3 * FRICTIONLESS.model().modes.frequencies[2] / 4.0;
+    let damping = 5e-3 * FRICTIONLESS.model().modes().frequencies[2] / 4.0;
     let decay = points[deepest].point.state.decay;
     assert!((decay / damping - 1.0).abs() < 0.02, "decay rate {decay} in the tongue, torsion {damping}");
     let beyond = points[deepest..].iter().filter(|p| p.contributions[2] < 0.05);
@@ -62,12 +62,12 @@ fn tuned() {
 fn below_the_first_touch_the_backbone_is_the_linear_mode() {
     for scenario in [&FRICTIONLESS, &BACKWARD, &FORWARD, &TUNED] {
         let first = &scenario.backbone().points[0];
-        let omega = scenario.model().modes.frequencies[0];
+        let omega = scenario.model().modes().frequencies[0];
         // ξ_1 = 1e-3: ω = ω_1 √(1 − ξ²), ζ = ξ ω_1, both closed forms of the damped oscillator.
         assert!((first.point.omega() / (omega * (1.0f64 - 1e-6).sqrt()) - 1.0).abs() < 1e-12, "{}", scenario.name);
         assert!((first.point.state.decay / (1e-3 * omega) - 1.0).abs() < 1e-9, "{}", scenario.name);
         // W = A π |b| for mass-normalised forcing of the mode: A* = 2 ξ ω_1² b.
-        let amplitude = first.point.amplitude() / scenario.model().modes.shapes[(0, 0)].abs();
+        let amplitude = first.point.amplitude() / scenario.model().modes().shapes[(0, 0)].abs();
         let expected = 2e-3 * omega * first.point.omega() * amplitude;
         assert!((first.threshold / expected - 1.0).abs() < 1e-9, "{}", scenario.name);
     }

@@ -11,7 +11,7 @@ use solver::response::level::BranchId;
 
 /// The first eigenfrequency, rad/s.
 fn eigenfrequency(scenario: &Scenario) -> f64 {
-    scenario.model().modes.frequencies[0]
+    scenario.model().modes().frequencies[0]
 }
 
 /// Closed isolas of a level that lie wholly above `omega`.
@@ -89,7 +89,7 @@ fn tuned_at_60_ends_where_the_second_bending_is_excited() {
     let level = TUNED.level(60);
     let end = highest_contact(&level.main);
     assert_close(end, 2120.0, 0.005, "end of the main branch, rad/s");
-    assert_close(end, TUNED.model().modes.frequencies[1] / 3.0, 0.005, "end of the main branch against ω_2/3");
+    assert_close(end, TUNED.model().modes().frequencies[1] / 3.0, 0.005, "end of the main branch against ω_2/3");
     assert!(!closed_isolas_above(&TUNED, 60, end).is_empty());
 }
 

@@ -41,18 +41,18 @@ impl Condensation {
     /// Partition of `model`; `kept` in ascending order.
     pub fn new(model: &Model, kept: Vec<usize>, tracked: usize) -> Self {
         let n = model.size();
-        let weighted = model.mass.matmul(&model.modes.shapes);
-        let modal = match &model.damping {
+        let weighted = model.mass().matmul(&model.modes().shapes);
+        let modal = match model.damping() {
             Damping::Modal(c) => Matrix::diagonal(c),
             Damping::Full(c) => c.clone(),
         };
         Self {
-            mass: model.mass.clone(),
+            mass: model.mass().clone(),
             damping: weighted.matmul(&modal).matmul(&weighted.transpose()),
-            stiffness: model.stiffness.clone(),
+            stiffness: model.stiffness().clone(),
             others: (0..n).filter(|i| !kept.contains(i)).collect(),
             kept,
-            shape: model.forcing.shape.clone(),
+            shape: model.forcing().shape.clone(),
             momentum: weighted.column(tracked),
         }
     }

@@ -12,7 +12,7 @@ impl DisplacementForm<'_> {
     pub(super) fn evaluate(&mut self) -> Result<(), LinalgError> {
         self.condensed.clear();
         for k in 0..=self.harmonics {
-            let forced = k == self.model.forcing.harmonic;
+            let forced = k == self.model.forcing().harmonic;
             self.condensed.push(self.condensation.condense(self.at.lambda(k), forced)?);
         }
         self.linear_balance();
@@ -88,7 +88,7 @@ impl DisplacementForm<'_> {
     fn add_force(&mut self, e: usize) {
         let (part, nc) = (&self.parts[e], self.nc);
         let arguments = &self.arguments[part.first * nc..(part.first + part.channels.len()) * nc];
-        let rate = Rate { omega: self.at.omega, harmonic: self.model.forcing.harmonic as f64 };
+        let rate = Rate { omega: self.at.omega, harmonic: self.model.forcing().harmonic as f64 };
         let out = &mut self.forces[e];
         with_law!(&part.law, law => self.aft.evaluate(law, arguments, rate, out));
         for (channel, force) in part.channels.iter().zip(out.force.chunks(nc)) {

@@ -96,18 +96,18 @@ impl<'m> DisplacementForm<'m> {
         if matches!(unknown, Unknown::PhaseResonance | Unknown::Mode { damped: false }) {
             return Err(FormulationError::Unsupported);
         }
-        if model.elements.is_empty() {
+        if model.elements().is_empty() {
             return Err(FormulationError::Linear);
         }
         let harmonics = truncation.count;
         let nc = width(harmonics);
         let channels = |element: &'m crate::structure::Element| element.channels.iter().take(element.law.arguments());
-        let mut kept: Vec<usize> = model.elements.iter().flat_map(channels).flatten().map(|&(dof, _)| dof).collect();
+        let mut kept: Vec<usize> = model.elements().iter().flat_map(channels).flatten().map(|&(dof, _)| dof).collect();
         kept.sort_unstable();
         kept.dedup();
         let (mut parts, mut names) = (Vec::new(), Vec::new());
         let mut first = 0;
-        for element in &model.elements {
+        for element in model.elements() {
             let local = |channel: &Vec<(usize, f64)>| {
                 channel.iter().map(|&(dof, factor)| (kept.partition_point(|&k| k < dof), factor)).collect()
             };
@@ -127,7 +127,7 @@ impl<'m> DisplacementForm<'m> {
         let normals = directions(kept.len(), contacts.iter().map(|part| &part.channels[0]));
         let tangents = directions(kept.len(), contacts.iter().flat_map(|part| &part.channels[1..]));
         let epsilon = contacts.iter().filter_map(|part| part.contact).map(|c| c.epsilon).fold(0.0, f64::max);
-        let stiffness = kept.iter().map(|&i| model.stiffness[(i, i)]).fold(0.0, f64::max);
+        let stiffness = kept.iter().map(|&i| model.stiffness()[(i, i)]).fold(0.0, f64::max);
         let left_inverse = contacts::left_inverse(&normals, &tangents, &names)?;
         let unknowns = kept.len() * nc;
         let parameters = unknown.parameters().len();
@@ -302,7 +302,7 @@ impl<'m> Formulation<'m> for DisplacementForm<'m> {
     fn encode(&self, state: &State) -> Vec<f64> {
         let mut y = Vec::with_capacity(self.metric.len());
         for &dof in self.condensation.kept() {
-            let series = state.combine(self.model.modes.shapes.row(dof).iter().copied());
+            let series = state.combine(self.model.modes().shapes.row(dof).iter().copied());
             y.extend(series.iter().map(|x| x / self.scales.length));
         }
         y.extend(self.unknown.encode(state, &self.scales));
@@ -313,7 +313,7 @@ impl<'m> Formulation<'m> for DisplacementForm<'m> {
     fn decode(&mut self, y: &[f64]) -> Result<State, LinalgError> {
         self.load(y);
         self.evaluate()?;
-        let projection = self.model.modes.shapes.transpose().matmul(&self.model.mass);
+        let projection = self.model.modes().shapes.transpose().matmul(self.model.mass());
         let (n, nc) = (self.model.size(), self.nc);
         let mut modal = vec![0.0; n * nc];
         for k in 0..=self.harmonics {

@@ -47,7 +47,7 @@ impl PressureForm<'_> {
 
     fn evaluate_element(&mut self, e: usize) {
         let slot = &self.slots[e];
-        let rate = Rate { omega: self.current.omega, harmonic: self.model.forcing.harmonic as f64 };
+        let rate = Rate { omega: self.current.omega, harmonic: self.model.forcing().harmonic as f64 };
         let out = &mut self.forces[e];
         let arguments = &self.current.arguments[self.layout.element(&slot.channels)];
         with_law!(&slot.law, law => self.aft.evaluate(law, arguments, rate, out));
@@ -191,7 +191,7 @@ impl PressureForm<'_> {
 
     /// Scale of the equation of a kept amplitude: modal amplitude times the square of its eigenfrequency.
     pub(super) fn kept_scale(&self, kept: &Kept) -> f64 {
-        let omega = self.model.modes.frequencies[kept.mode];
+        let omega = self.model.modes().frequencies[kept.mode];
         self.scales.modal * omega.max(self.scales.frequency).powi(2)
     }
 }

@@ -168,7 +168,7 @@ impl<'m> PressureForm<'m> {
 /// Elements and their channels as the pressure form sees them.
 fn slots(model: &Model, modal: &Modal, scales: &Scales) -> (Vec<Slot>, Vec<Channel>) {
     let (mut slots, mut channels) = (Vec::new(), Vec::new());
-    for element in &model.elements {
+    for element in model.elements() {
         let count = element.law.arguments();
         let is_contact = matches!(element.law, LawKind::Contact(_));
         let pattern = element.law.pattern();

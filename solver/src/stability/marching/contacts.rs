@@ -42,7 +42,7 @@ impl Contacts {
     /// Contacts of `model` at a rotor speed in rad/s.
     pub fn new(model: &Model, inverse: &Inverse, speed: f64) -> Self {
         let (mut nodes, mut channels) = (Vec::new(), Vec::new());
-        for element in &model.elements {
+        for element in model.elements() {
             let LawKind::Contact(law) = &element.law else { continue };
             let friction = law.friction.as_ref().map(|friction| Sliding {
                 coefficient: friction.coefficient,
@@ -51,7 +51,7 @@ impl Contacts {
             nodes.push(Node { gap: law.gap, normal: channels.len(), friction });
             channels.extend(element.channels.iter().cloned());
         }
-        let rows = modal_rows(&channels, &model.modes.shapes);
+        let rows = modal_rows(&channels, &model.modes().shapes);
         let mut responses = Matrix::zeros(rows.rows(), rows.cols());
         for i in 0..rows.rows() {
             responses.row_mut(i).copy_from_slice(&inverse.apply(rows.row(i)));

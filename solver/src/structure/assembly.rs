@@ -111,21 +111,12 @@ impl Structure {
     pub fn complete(mut self, rest: Rest, origin: &Layers) -> Result<Model, ModelError> {
         let n = self.size();
         let monitors = if rest.monitors.is_empty() { vec![0] } else { rest.monitors };
-        if let Some(dof) = monitors.iter().find(|&&dof| dof >= n) {
-            return Err(ModelError::value(origin.place("monitors"), dof, format!("dofs count from 0 to {}", n - 1)));
-        }
+        check_monitors(&monitors, n, origin)?;
         self.orient(monitors[0]);
         let damping = self.damping(rest.damping, origin)?;
         let shape = self.force(rest.shape, origin)?;
-        if rest.harmonic == 0 {
-            return Err(ModelError::value(origin.place("forcing.harmonic"), 0, "the harmonic must be 1 or more"));
-        }
-        if let Some(name) = duplicate(rest.elements.iter().map(|element| &element.name)) {
-            return Err(ModelError::Duplicate { place: origin.place("elements"), what: "nonlinear element", name });
-        }
-        for element in &rest.elements {
-            check_element(element, n, origin)?;
-        }
+        check_harmonic(rest.harmonic, origin)?;
+        check_elements(&rest.elements, n, origin)?;
         Ok(Model {
             name: rest.name,
             dofs: self.dofs,
@@ -201,21 +192,7 @@ impl Structure {
             ForcingShape::ModeShape(number) => mode(number, "forcing.shape.mode_shape")?,
             ForcingShape::Vector(force) => force,
         };
-        let place = origin.place("forcing.shape");
-        if force.len() != n {
-            return Err(ModelError::value(
-                place,
-                format!("{} entries", force.len()),
-                format!("give {n}, one per dof, in N"),
-            ));
-        }
-        if let Some(i) = force.iter().position(|f| !f.is_finite()) {
-            let value = format!("{} on dof `{}`", force[i], self.dofs[i]);
-            return Err(ModelError::value(place, value, "a force must be a finite number, in N"));
-        }
-        if force.iter().all(|&f| f == 0.0) {
-            return Err(ModelError::NoForce { place });
-        }
+        check_force(&force, &self.dofs, origin)?;
         Ok(force)
     }
 }
@@ -280,6 +257,50 @@ pub(super) fn check_sense(place: Place, sense: f64) -> Result<(), ModelError> {
 
 fn in_unit(unit: &str) -> String {
     if unit.is_empty() { String::new() } else { format!(", in {unit}") }
+}
+
+/// Refuses a force that is not one finite number per dof, or zero.
+pub(super) fn check_force(force: &[f64], dofs: &[String], origin: &Layers) -> Result<(), ModelError> {
+    let (n, place) = (dofs.len(), origin.place("forcing.shape"));
+    if force.len() != n {
+        let value = format!("{} entries", force.len());
+        return Err(ModelError::value(place, value, format!("give {n}, one per dof, in N")));
+    }
+    if let Some(i) = force.iter().position(|f| !f.is_finite()) {
+        let value = format!("{} on dof `{}`", force[i], dofs[i]);
+        return Err(ModelError::value(place, value, "a force must be a finite number, in N"));
+    }
+    if force.iter().all(|&f| f == 0.0) {
+        return Err(ModelError::NoForce { place });
+    }
+    Ok(())
+}
+
+pub(super) fn check_harmonic(harmonic: usize, origin: &Layers) -> Result<(), ModelError> {
+    if harmonic > 0 {
+        return Ok(());
+    }
+    Err(ModelError::value(origin.place("forcing.harmonic"), 0, "the harmonic must be 1 or more"))
+}
+
+pub(super) fn check_monitors(monitors: &[usize], n: usize, origin: &Layers) -> Result<(), ModelError> {
+    let place = || origin.place("monitors");
+    if monitors.is_empty() {
+        return Err(ModelError::value(place(), "[]", "name at least one dof"));
+    }
+    match monitors.iter().find(|&&dof| dof >= n) {
+        None => Ok(()),
+        Some(dof) if n == 0 => Err(ModelError::value(place(), dof, "there is no dof")),
+        Some(dof) => Err(ModelError::value(place(), dof, format!("dofs count from 0 to {}", n - 1))),
+    }
+}
+
+/// Refuses a name that comes twice, and elements that do not fit `n` dofs.
+pub(super) fn check_elements(elements: &[Element], n: usize, origin: &Layers) -> Result<(), ModelError> {
+    if let Some(name) = duplicate(elements.iter().map(|element| &element.name)) {
+        return Err(ModelError::Duplicate { place: origin.place("elements"), what: "nonlinear element", name });
+    }
+    elements.iter().try_for_each(|element| check_element(element, n, origin))
 }
 
 fn check_element(element: &Element, n: usize, origin: &Layers) -> Result<(), ModelError> {
