@@ -50,7 +50,7 @@ impl Study {
         settings.harmonics.count = harmonics;
         settings.harmonics.samples = 64;
         settings.backbone.mode = model.size();
-        let backbone = Backbone::compute(&model, &settings, &mut quiet).unwrap();
+        let backbone = Backbone::compute(&model, &settings).unwrap();
         let reach = Reach::new(&settings, &backbone).unwrap();
         let amplitude = |text: &&str| Amplitude { text: text.to_string(), value: text.parse().unwrap() };
         let amplitudes: Vec<Amplitude> = amplitudes.iter().map(amplitude).collect();

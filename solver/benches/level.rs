@@ -6,7 +6,6 @@ use solver::response::backbone::Backbone;
 use solver::response::level::Level;
 use solver::settings::Settings;
 use solver::structure::Model;
-use std::ops::ControlFlow;
 use std::path::Path;
 
 const SCENARIOS: [(&str, &[(&str, &str)]); 4] = [
@@ -23,11 +22,11 @@ fn rotor67(c: &mut Criterion) {
     group.sample_size(10);
     for (name, overrides) in SCENARIOS {
         let model = Model::load_with(&folder, overrides).expect("the model is part of the repository");
-        let compute = || Backbone::compute(&model, &settings, &mut |_| ControlFlow::Continue(())).expect("it starts");
+        let compute = || Backbone::compute(&model, &settings).expect("it starts");
         let backbone = compute();
         group.bench_function(format!("{name}: backbone of {} points", backbone.points.len()), |b| b.iter(compute));
         group.bench_function(format!("{name}: level A = 60"), |b| {
-            b.iter(|| Level::compute(&model, &settings, &backbone, 60.0, &mut |_| ControlFlow::Continue(())))
+            b.iter(|| Level::compute(&model, &settings, &backbone, 60.0))
         });
     }
     group.finish();

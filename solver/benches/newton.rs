@@ -14,7 +14,6 @@ use solver::response::backbone::{Backbone, BackbonePoint};
 use solver::settings::{HarmonicSettings, Quadrature, Settings};
 use solver::structure::{Element, Model, ModelData};
 use std::hint::black_box;
-use std::ops::ControlFlow;
 use std::path::Path;
 
 const MODE: Unknown = Unknown::Mode { damped: true };
@@ -28,7 +27,7 @@ fn rotor() -> Model {
 fn three_nodes(model: &Model) -> State {
     let mut settings = Settings::default();
     settings.backbone.max_amplitude = Some(1e-3);
-    let backbone = Backbone::compute(model, &settings, &mut |_| ControlFlow::Continue(())).expect("it starts");
+    let backbone = Backbone::compute(model, &settings).expect("it starts");
     let touching = |p: &&BackbonePoint| p.point.contact.iter().filter(|&&share| share > 0.0).count() == 3;
     backbone.points.iter().find(touching).expect("three nodes touch somewhere").point.state.clone()
 }

@@ -8,7 +8,6 @@ use solver::response::level::Level;
 use solver::settings::{HarmonicSettings, Quadrature, Settings};
 use solver::structure::Model;
 use std::error::Error;
-use std::ops::ControlFlow;
 use std::path::Path;
 use std::time::Instant;
 
@@ -37,10 +36,9 @@ fn row(model: &Model, harmonics: HarmonicSettings) -> Result<String, Box<dyn Err
     // Enough of the backbone for the first isola.
     settings.backbone.max_amplitude = Some(1.45e-3);
     settings.frequency.max = Some(2800.0);
-    let go_on = &mut |_: &_| ControlFlow::Continue(());
     let start = Instant::now();
-    let backbone = Backbone::compute(model, &settings, go_on)?;
-    let level = Level::compute(model, &settings, &backbone, 60.0, go_on)?;
+    let backbone = Backbone::compute(model, &settings)?;
+    let level = Level::compute(model, &settings, &backbone, 60.0)?;
     let seconds = start.elapsed().as_secs_f64();
     let peak = level.main.peak();
     let isola = level.isolas.first();

@@ -11,7 +11,6 @@ use solver::response::windows::events;
 use solver::settings::Settings;
 use solver::structure::Model;
 use std::error::Error;
-use std::ops::ControlFlow;
 use std::path::Path;
 use std::process::ExitCode;
 use std::time::Instant;
@@ -42,10 +41,9 @@ fn run(arguments: &[String]) -> Result<(), Box<dyn Error>> {
     let model = Model::load_with(Path::new(folder), &overrides)?;
     let settings = Settings::default();
     settings.validate(&model)?;
-    let go_on = &mut |_: &_| ControlFlow::Continue(());
 
     let start = Instant::now();
-    let backbone = Backbone::compute(&model, &settings, go_on)?;
+    let backbone = Backbone::compute(&model, &settings)?;
     println!(
         "backbone of mode {}: {} points to {:.3e} m, {}, in {:.2} s",
         backbone.mode + 1,
@@ -63,7 +61,7 @@ fn run(arguments: &[String]) -> Result<(), Box<dyn Error>> {
     }
     for amplitude in amplitudes {
         let start = Instant::now();
-        let level = Level::compute(&model, &settings, &backbone, amplitude, go_on)?;
+        let level = Level::compute(&model, &settings, &backbone, amplitude)?;
         println!("A = {amplitude}, in {:.2} s", start.elapsed().as_secs_f64());
         for (id, branch) in level.branches() {
             print_branch(id, branch);

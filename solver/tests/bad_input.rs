@@ -8,7 +8,6 @@ use solver::settings::{FrequencySettings, Settings};
 use solver::structure::laws::{Contact, LawKind};
 use solver::structure::{DampingParts, Element, ForcingShape, Model, ModelParts};
 use std::fs;
-use std::ops::ControlFlow;
 use tempfile::TempDir;
 
 /// Two masses, every key that the tests break.
@@ -343,30 +342,29 @@ fn numerical_settings() {
         (change(|s| s.continuation.min_cosine = 1.5), &["continuation.min_cosine", "1.5", "0 to below 1"]),
     ];
     for (settings, parts) in cases {
-        let refused = Backbone::compute(&model, &settings, &mut |_| ControlFlow::Continue(())).unwrap_err();
+        let refused = Backbone::compute(&model, &settings).unwrap_err();
         says(&refused.to_string(), parts);
     }
 }
 
 #[test]
 fn settings_that_do_not_fit_the_model() {
-    let go_on = &mut |_: &_| ControlFlow::Continue(());
     let model = Model::new(parts()).unwrap();
     let low = change(|s| s.backbone.max_frequency = Some(1e-3));
-    let refused = Backbone::compute(&model, &low, go_on).unwrap_err();
+    let refused = Backbone::compute(&model, &low).unwrap_err();
     says(&refused.to_string(), &["backbone.max_frequency", "0.001", "mode 1 starts at"]);
 
-    let backbone = Backbone::compute(&model, &Settings::default(), go_on).unwrap();
+    let backbone = Backbone::compute(&model, &Settings::default()).unwrap();
     let inverted = change(|s| s.frequency.min = Some(1e6));
-    let refused = Level::compute(&model, &inverted, &backbone, 1.0, go_on).unwrap_err();
+    let refused = Level::compute(&model, &inverted, &backbone, 1.0).unwrap_err();
     says(&refused.to_string(), &["frequency.max", "lower frequency bound is 1000000"]);
 
     let model = Model::new(ModelParts { harmonic: 11, ..parts() }).unwrap();
-    let refused = Backbone::compute(&model, &Settings::default(), go_on).unwrap_err();
+    let refused = Backbone::compute(&model, &Settings::default()).unwrap_err();
     says(&refused.to_string(), &["harmonics.count", "10", "harmonic 11"]);
 
     let model = Model::new(ModelParts { stiffness: Matrix::diagonal(&[0.0, 1.0]), ..parts() }).unwrap();
-    let refused = Backbone::compute(&model, &Settings::default(), go_on).unwrap_err();
+    let refused = Backbone::compute(&model, &Settings::default()).unwrap_err();
     says(&refused.to_string(), &["backbone.mode", "1", "rigid-body"]);
 }
 
@@ -379,11 +377,10 @@ fn unknown_numerical_settings() {
 #[test]
 fn forcing_amplitudes() {
     let model = Model::new(parts()).unwrap();
-    let go_on = &mut |_: &_| ControlFlow::Continue(());
     let settings = Settings::default();
-    let backbone = Backbone::compute(&model, &settings, go_on).unwrap();
+    let backbone = Backbone::compute(&model, &settings).unwrap();
     for amplitude in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        let refused = Level::compute(&model, &settings, &backbone, amplitude, go_on).unwrap_err();
+        let refused = Level::compute(&model, &settings, &backbone, amplitude).unwrap_err();
         says(&refused.to_string(), &[&amplitude.to_string(), "above zero"]);
     }
 }

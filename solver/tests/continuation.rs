@@ -16,9 +16,8 @@ fn load(name: &str) -> Model {
 
 fn isola(settings: &Settings) -> Branch {
     let model = load("impact_subharmonic");
-    let go_on = &mut |_: &_| ControlFlow::Continue(());
-    let backbone = Backbone::compute(&model, settings, go_on).unwrap();
-    let level = Level::compute(&model, settings, &backbone, 0.5, go_on).unwrap();
+    let backbone = Backbone::compute(&model, settings).unwrap();
+    let level = Level::compute(&model, settings, &backbone, 0.5).unwrap();
     assert_eq!(level.isolas.len(), 1);
     level.isolas.into_iter().next().unwrap()
 }
@@ -47,7 +46,7 @@ fn every_predictor_and_corrector_closes_the_same_isola() {
 fn a_walk_is_cancelled_between_points() {
     let model = load("duffing");
     let settings = Settings::default();
-    let backbone = Backbone::compute(&model, &settings, &mut |_| ControlFlow::Continue(())).unwrap();
+    let backbone = Backbone::compute(&model, &settings).unwrap();
     let mut seen = 0;
     let mut observer = |_: &BranchPoint| {
         seen += 1;
@@ -69,7 +68,7 @@ fn branches_end_exactly_at_the_frequency_bounds() {
     settings.frequency.min = Some(0.8);
     settings.frequency.max = Some(1.3);
     let go_on = &mut |_: &_| ControlFlow::Continue(());
-    let backbone = Backbone::compute(&model, &settings, go_on).unwrap();
+    let backbone = Backbone::compute(&model, &settings).unwrap();
     let branch =
         Forced::new(&model, &settings, Reach::new(&settings, &backbone).unwrap(), 0.05).main_branch(go_on).unwrap();
     let last = branch.points.last().unwrap();
@@ -82,13 +81,13 @@ fn branches_end_exactly_at_the_frequency_bounds() {
 fn a_cancelled_level_stops_and_says_so() {
     let model = load("nonlinear_damper");
     let settings = Settings::default();
-    let backbone = Backbone::compute(&model, &settings, &mut |_| ControlFlow::Continue(())).unwrap();
+    let backbone = Backbone::compute(&model, &settings).unwrap();
     let mut seen = 0;
     let mut observer = |_: &BranchPoint| {
         seen += 1;
         if seen == 5 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
-    let cancelled = Level::compute(&model, &settings, &backbone, 0.01, &mut observer).unwrap_err();
+    let cancelled = Level::compute_with(&model, &settings, &backbone, 0.01, &mut observer).unwrap_err();
     assert_eq!(cancelled, LevelError::Cancelled);
     assert_eq!(seen, 5);
 }
@@ -98,11 +97,10 @@ fn a_cancelled_level_stops_and_says_so() {
 fn what_lies_out_of_bounds_is_said_to() {
     let model = load("impact_subharmonic");
     let mut settings = Settings::default();
-    let go_on = &mut |_: &_| ControlFlow::Continue(());
-    let backbone = Backbone::compute(&model, &settings, go_on).unwrap();
+    let backbone = Backbone::compute(&model, &settings).unwrap();
     settings.frequency.min = Some(0.5);
     settings.frequency.max = Some(0.9);
-    let level = Level::compute(&model, &settings, &backbone, 0.5, go_on).unwrap();
+    let level = Level::compute(&model, &settings, &backbone, 0.5).unwrap();
     assert!(level.isolas.is_empty(), "{:?}", level.isolas.iter().map(|b| b.outcome).collect::<Vec<_>>());
     let outcomes = level.windows.iter().flat_map(|w| &w.seeds).map(|seed| seed.outcome);
     assert!(outcomes.clone().any(|outcome| outcome == SeedOutcome::OutOfBounds), "{:?}", outcomes.collect::<Vec<_>>());

@@ -44,12 +44,12 @@ struct Study {
 impl Study {
     fn new(name: &str, settings: Settings) -> Self {
         let model = load(name);
-        let backbone = Backbone::compute(&model, &settings, &mut quiet).unwrap();
+        let backbone = Backbone::compute(&model, &settings).unwrap();
         Self { model, settings, backbone }
     }
 
     fn level(&self, amplitude: f64) -> Level {
-        Level::compute(&self.model, &self.settings, &self.backbone, amplitude, &mut quiet).unwrap()
+        Level::compute(&self.model, &self.settings, &self.backbone, amplitude).unwrap()
     }
 
     /// The only isola of a level, closed and apart from the main branch.
@@ -146,13 +146,13 @@ fn states_at(study: &Study, branch: &Branch, omega: f64) -> Vec<State> {
 /// Displacements and velocities of all dofs at t = 0.
 fn start(model: &Model, state: &State) -> (Vec<f64>, Vec<f64>) {
     let dofs = 0..model.size();
-    let values = dofs.map(|i| evaluate(&state.combine(model.modes().shapes.row(i).iter().copied()), 0.0));
+    let values = dofs.map(|i| evaluate(&state.displacement(model, i), 0.0));
     values.map(|[x, slope, _]| (x, state.omega * slope)).unzip()
 }
 
 /// Largest |x| of the first monitored dof of a state.
 fn amplitude_of(model: &Model, state: &State) -> f64 {
-    let series = state.combine(model.modes().shapes.row(model.monitors()[0]).iter().copied());
+    let series = state.displacement(model, model.monitors()[0]);
     let count = 20_000;
     (0..count).map(|i| evaluate(&series, TAU * f64::from(i) / f64::from(count))[0].abs()).fold(0.0, f64::max)
 }

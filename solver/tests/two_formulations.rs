@@ -58,7 +58,7 @@ fn touching<'p>(points: impl Iterator<Item = &'p BranchPoint>) -> Vec<State> {
 /// Points of the backbone, and of the main branch at amplitude A, by the pressure form.
 fn pressure_states(model: &Model, settings: &Settings, amplitude: f64) -> (Vec<State>, Vec<State>) {
     let mut silent = |_: &_| ControlFlow::Continue(());
-    let backbone = Backbone::compute(model, settings, &mut silent).unwrap();
+    let backbone = Backbone::compute(model, settings).unwrap();
     let free = touching(backbone.points.iter().map(|point| &point.point));
     let mut forced = Forced::new(model, settings, Reach::new(settings, &backbone).unwrap(), amplitude);
     let branch = forced.main_branch(&mut silent).unwrap();
@@ -164,7 +164,7 @@ fn walk_over_peak<P: Problem>(
 }
 
 fn amplitude(model: &Model, state: &State) -> f64 {
-    let series = state.combine(model.modes().shapes.row(model.monitors()[0]).iter().copied());
+    let series = state.displacement(model, model.monitors()[0]);
     max_abs(&series, &mut Transform::new(state.harmonics, 256))
 }
 
@@ -244,8 +244,8 @@ fn farthest(pressure: &mut Forced<'_>, branch: &Branch, count: usize) -> f64 {
 fn both_forms_trace_the_isola_of_rotor67() {
     let (model, settings) = (load("rotor67", &[("contact.friction", "0")]), Settings::default());
     let mut silent = |_: &_| ControlFlow::Continue(());
-    let backbone = Backbone::compute(&model, &settings, &mut silent).unwrap();
-    let level = Level::compute(&model, &settings, &backbone, 60.0, &mut silent).unwrap();
+    let backbone = Backbone::compute(&model, &settings).unwrap();
+    let level = Level::compute(&model, &settings, &backbone, 60.0).unwrap();
     let reach = Reach::new(&settings, &backbone).unwrap();
     let one = &level.isolas[0];
     let mut displacement = Forced::<DisplacementForm<'_>>::build(&model, &settings, reach, 60.0).unwrap();
@@ -268,7 +268,7 @@ fn both_forms_trace_the_isola_of_rotor67() {
 fn both_forms_trace_the_backbone_of_duffing() {
     let (model, settings) = (load("duffing", &[]), Settings::default());
     let mut silent = |_: &_| ControlFlow::Continue(());
-    let one = Backbone::compute(&model, &settings, &mut silent).unwrap();
+    let one = Backbone::compute(&model, &settings).unwrap();
     let other = Backbone::compute_in::<DisplacementForm<'_>>(&model, &settings, &mut silent).unwrap();
     assert_eq!(one.outcome, other.outcome);
     let scales = Scales::new(&model, 0);

@@ -24,13 +24,11 @@ fn the_same_as_the_solver_alone() {
     let mut system = System::sweep_with(DAMPER, &[LEVELS, &["--workers", "2"]].concat());
     system.expect_complete();
     let study = coordinator::study::Study::load(&tests::repository(DAMPER), &[], Some(LEVELS[1])).unwrap();
-    let go_on = &mut |_: &_| std::ops::ControlFlow::Continue(());
-    let backbone = solver::response::backbone::Backbone::compute(&study.model, &study.settings, go_on).unwrap();
+    let backbone = solver::response::backbone::Backbone::compute(&study.model, &study.settings).unwrap();
     let mut expected = Vec::new();
     for amplitude in &study.amplitudes {
         let level =
-            solver::response::level::Level::compute(&study.model, &study.settings, &backbone, amplitude.value, go_on)
-                .unwrap();
+            solver::response::level::Level::compute(&study.model, &study.settings, &backbone, amplitude.value).unwrap();
         for (_, branch) in level.branches() {
             let (low, high) = branch.frequency_range();
             expected.push([low, high, branch.peak().amplitude(), branch.peak().omega()]);

@@ -99,7 +99,7 @@ pub fn compute(
         }
         if stop.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
-    let backbone = Backbone::compute(model, settings, &mut observer)?;
+    let backbone = Backbone::compute_with(model, settings, &mut observer)?;
     if stop.load(Ordering::Relaxed) {
         return Ok(None);
     }

@@ -51,8 +51,8 @@ static DAMPER: LazyLock<Damper> = LazyLock::new(|| {
     settings.harmonics.count = 3;
     settings.backbone.max_amplitude = Some(3.0);
     let mut observer = |_: &_| ControlFlow::Continue(());
-    let backbone = Backbone::compute(&model, &settings, &mut observer).unwrap();
-    let level = Level::compute(&model, &settings, &backbone, AMPLITUDE, &mut observer).unwrap();
+    let backbone = Backbone::compute_with(&model, &settings, &mut observer).unwrap();
+    let level = Level::compute_with(&model, &settings, &backbone, AMPLITUDE, &mut observer).unwrap();
     assert_eq!(level.isolas.len(), 1);
     let size = Size::of(&model);
     Damper { model, size, backbone, level }
@@ -111,7 +111,7 @@ fn contact_on_a_branch() {
         points += 1;
         if points < 60 { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
     };
-    let backbone = Backbone::compute(&model, &settings, &mut observer).unwrap();
+    let backbone = Backbone::compute_with(&model, &settings, &mut observer).unwrap();
     let message = BackboneMessage::from(&backbone);
     assert_eq!(message.points.contact.shape, [backbone.points.len(), 1]);
     assert!(backbone.points.iter().any(|point| point.point.contact[0] > 0.0));

@@ -1,6 +1,7 @@
 //! A periodic (or decaying) solution in physical units.
 
-use crate::formulation::harmonics::{shift_phase, width};
+use crate::formulation::harmonics::{Transform, evaluate, max_abs, shift_phase, width};
+use crate::structure::Model;
 use rustfft::num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 
@@ -75,6 +76,29 @@ impl State {
     pub fn mode(&self, j: usize) -> &[f64] {
         let nc = width(self.harmonics);
         &self.modal[j * nc..(j + 1) * nc]
+    }
+
+    /// Harmonics of the displacement of a dof, nc = 2H + 1 numbers, m.
+    pub fn displacement(&self, model: &Model, dof: usize) -> Vec<f64> {
+        self.combine(model.modes().shapes.row(dof).iter().copied())
+    }
+
+    /// Displacement (m) and velocity (m/s) of a dof at `count` instants, evenly spread over a period from t = 0 on.
+    pub fn over_period(&self, model: &Model, dof: usize, count: usize) -> Vec<[f64; 2]> {
+        let series = self.displacement(model, dof);
+        let instant = |i: usize| std::f64::consts::TAU * i as f64 / count as f64;
+        (0..count)
+            .map(|i| {
+                let [x, slope, _] = evaluate(&series, instant(i));
+                [x, self.omega * slope]
+            })
+            .collect()
+    }
+
+    /// Largest |x| of a dof over a period, between instants too, m.
+    pub fn amplitude(&self, model: &Model, dof: usize) -> f64 {
+        let samples = (8 * self.harmonics).next_power_of_two().max(64);
+        max_abs(&self.displacement(model, dof), &mut Transform::new(self.harmonics, samples))
     }
 
     /// Harmonics of Σ_j shape_j y_j: a displacement if `shape` is a row of Φ.

@@ -17,6 +17,7 @@ use crate::response::melnikov::Energies;
 use crate::settings::{BackboneEquation, Criterion, Settings, SettingsError};
 use crate::structure::Model;
 use serde::{Deserialize, Serialize};
+use std::ops::ControlFlow;
 use thiserror::Error;
 
 /// A point of the backbone.
@@ -102,11 +103,23 @@ fn bounds(settings: &Settings, scales: &Scales) -> Bounds {
 }
 
 impl Backbone {
-    /// Computes the backbone of `settings.backbone.mode` in pressure form, telling `observer` of every point.
+    /// Computes the backbone of `settings.backbone.mode`.
     ///
     /// # Errors
     /// If a setting is out of range, or the first point does not converge. What stops the curve later is part of the result.
-    pub fn compute(model: &Model, settings: &Settings, observer: &mut Observer<'_>) -> Result<Self, BackboneError> {
+    pub fn compute(model: &Model, settings: &Settings) -> Result<Self, BackboneError> {
+        Self::compute_with(model, settings, &mut |_| ControlFlow::Continue(()))
+    }
+
+    /// The same, telling `observer` of every point.
+    ///
+    /// # Errors
+    /// Those of [`Backbone::compute`].
+    pub fn compute_with(
+        model: &Model,
+        settings: &Settings,
+        observer: &mut Observer<'_>,
+    ) -> Result<Self, BackboneError> {
         Self::compute_in::<PressureForm<'_>>(model, settings, observer)
     }
 

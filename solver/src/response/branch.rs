@@ -57,7 +57,7 @@ impl<'m, F: Formulation<'m>> Evaluated<F> for BranchPoint {
             .monitors()
             .iter()
             .map(|&dof| {
-                let series = state.combine(model.modes().shapes.row(dof).iter().copied());
+                let series = state.displacement(model, dof);
                 Monitored { amplitude: problem.aft().max_abs(&series), rms: rms(&series) }
             })
             .collect();

@@ -9,6 +9,7 @@ use crate::response::task::{Finding, Task, carry_out, plan};
 use crate::settings::{Settings, SettingsError};
 use crate::structure::Model;
 use serde::{Deserialize, Serialize};
+use std::ops::ControlFlow;
 use thiserror::Error;
 
 /// Why a level has no result at all.
@@ -55,9 +56,17 @@ impl Level {
     /// Computes a whole level from the backbone.
     ///
     /// # Errors
-    /// If a setting or the amplitude is out of range, the main branch cannot be started, or `observer` breaks; everything
-    /// else is part of the result.
-    pub fn compute(
+    /// If a setting or the amplitude is out of range, or the main branch cannot be started; everything else is part of the
+    /// result.
+    pub fn compute(model: &Model, settings: &Settings, backbone: &Backbone, forcing: f64) -> Result<Self, LevelError> {
+        Self::compute_with(model, settings, backbone, forcing, &mut |_| ControlFlow::Continue(()))
+    }
+
+    /// The same, telling `observer` of every point.
+    ///
+    /// # Errors
+    /// Those of [`Level::compute`], and if `observer` breaks.
+    pub fn compute_with(
         model: &Model,
         settings: &Settings,
         backbone: &Backbone,

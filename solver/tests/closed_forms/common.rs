@@ -55,12 +55,12 @@ pub fn conservative(count: usize) -> Settings {
 }
 
 pub fn backbone(model: &Model, settings: &Settings) -> Backbone {
-    Backbone::compute(model, settings, &mut quiet).unwrap()
+    Backbone::compute(model, settings).unwrap()
 }
 
 /// Displacement of a dof.
 pub fn displacement(model: &Model, state: &State, dof: usize) -> Vec<f64> {
-    state.combine(model.modes().shapes.row(dof).iter().copied())
+    state.displacement(model, dof)
 }
 
 /// Converged states of a branch at one frequency, in the order of the arc.

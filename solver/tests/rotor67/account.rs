@@ -1,6 +1,6 @@
 //! The account of every window, and branches that are what they claim to be.
 
-use crate::common::{AMPLITUDES, BACKWARD, FORWARD, FRICTIONLESS, Scenario, TUNED, quiet};
+use crate::common::{AMPLITUDES, BACKWARD, FORWARD, FRICTIONLESS, Scenario, TUNED};
 use solver::response::backbone::Backbone;
 use solver::response::branch::{Branch, Outcome, SpecialKind, Stop};
 use solver::response::level::{BranchId, Level, SeedOutcome};
@@ -118,7 +118,7 @@ fn the_peak_is_the_highest_point() {
 
 #[test]
 fn the_same_level_twice_is_identical() {
-    let backbone = Backbone::compute(BACKWARD.model(), &Settings::default(), &mut quiet).unwrap();
+    let backbone = Backbone::compute(BACKWARD.model(), &Settings::default()).unwrap();
     assert!(&backbone == BACKWARD.backbone(), "the backbone differs");
     assert!(&BACKWARD.compute_level(20) == BACKWARD.level(20), "the level differs");
 }

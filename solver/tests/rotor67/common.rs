@@ -45,7 +45,7 @@ impl Scenario {
     /// The backbone with the paper's settings.
     pub fn backbone(&self) -> &Backbone {
         self.backbone.get_or_init(|| {
-            Backbone::compute(self.model(), &Settings::default(), &mut quiet)
+            Backbone::compute(self.model(), &Settings::default())
                 .unwrap_or_else(|error| panic!("{}: {error}", self.name))
         })
     }
@@ -58,7 +58,7 @@ impl Scenario {
 
     /// Computes a level afresh.
     pub fn compute_level(&self, amplitude: u32) -> Level {
-        Level::compute(self.model(), &Settings::default(), self.backbone(), amplitude.into(), &mut quiet)
+        Level::compute(self.model(), &Settings::default(), self.backbone(), amplitude.into())
             .unwrap_or_else(|error| panic!("{} at A = {amplitude}: {error}", self.name))
     }
 }

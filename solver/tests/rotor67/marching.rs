@@ -16,7 +16,7 @@ use std::f64::consts::TAU;
 /// Largest |x| of the leading edge over a period, m.
 fn leading_edge(scenario: &Scenario, state: &State) -> f64 {
     let model = scenario.model();
-    let series = state.combine(model.modes().shapes.row(model.monitors()[0]).iter().copied());
+    let series = state.displacement(model, model.monitors()[0]);
     (0..4096).map(|j| evaluate(&series, TAU * j as f64 / 4096.0)[0].abs()).fold(0.0, f64::max)
 }
 
@@ -50,7 +50,7 @@ fn start<'s>(scenario: &'s Scenario, state: &State) -> Marching<'s> {
     let model = scenario.model();
     let (x, xdot): (Vec<f64>, Vec<f64>) = (0..model.size())
         .map(|i| {
-            let [x, slope, _] = evaluate(&state.combine(model.modes().shapes.row(i).iter().copied()), 0.0);
+            let [x, slope, _] = evaluate(&state.displacement(model, i), 0.0);
             (x, state.omega * slope)
         })
         .unzip();

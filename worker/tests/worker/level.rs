@@ -1,7 +1,7 @@
 //! A whole level, task by task.
 
 use crate::fake::{Answer, Asked, Fake, Seen, drained, fine, grant, hand_out, own_endpoint};
-use crate::study::{Study, quiet};
+use crate::study::Study;
 use protocol::branch::FindingMessage;
 use protocol::curve::Size;
 use protocol::from_worker::SubmitRequest;
@@ -103,7 +103,7 @@ async fn by_worker(accept: SubmitReply) -> (Vec<(BranchId, Branch)>, Account) {
 
 fn assert_is_the_level((found, account): (Vec<(BranchId, Branch)>, Account)) {
     let study = Study::new(3);
-    let level = Level::compute(&study.model, &study.settings, &study.backbone, 0.008, &mut quiet).unwrap();
+    let level = Level::compute(&study.model, &study.settings, &study.backbone, 0.008).unwrap();
     assert_eq!(level.isolas.len(), 1);
     assert_eq!(account.windows, level.windows);
     let expected: Vec<(BranchId, Branch)> = level.branches().map(|(id, branch)| (id, branch.clone())).collect();

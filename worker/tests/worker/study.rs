@@ -13,7 +13,6 @@ use solver::response::forced::Reach;
 use solver::response::task::Task;
 use solver::settings::Settings;
 use solver::structure::Model;
-use std::ops::ControlFlow;
 use std::path::Path;
 use std::time::Duration;
 
@@ -22,11 +21,6 @@ const LEASE_MS: u64 = 600;
 
 /// A lease without a sign of life within a test, unless there is a hint.
 pub const LONG_LEASE: Duration = Duration::from_secs(900);
-
-/// Observes nothing.
-pub fn quiet(_: &BranchPoint) -> ControlFlow<()> {
-    ControlFlow::Continue(())
-}
 
 /// The damper that has an isola between A = 0.0048 and 0.0114.
 pub struct Study {
@@ -42,7 +36,7 @@ impl Study {
         let mut settings = Settings::default();
         settings.harmonics.count = harmonics;
         settings.harmonics.samples = 64;
-        let backbone = Backbone::compute(&model, &settings, &mut quiet).unwrap();
+        let backbone = Backbone::compute(&model, &settings).unwrap();
         Self { model, settings, backbone }
     }
 

@@ -302,7 +302,7 @@ impl<'m> Formulation<'m> for DisplacementForm<'m> {
     fn encode(&self, state: &State) -> Vec<f64> {
         let mut y = Vec::with_capacity(self.metric.len());
         for &dof in self.condensation.kept() {
-            let series = state.combine(self.model.modes().shapes.row(dof).iter().copied());
+            let series = state.displacement(self.model, dof);
             y.extend(series.iter().map(|x| x / self.scales.length));
         }
         y.extend(self.unknown.encode(state, &self.scales));
