@@ -46,6 +46,12 @@ pub enum ArrayError {
         /// Number of harmonics H.
         harmonics: usize,
     },
+    /// Not there, though every sender has it.
+    #[error("array `{name}` is missing")]
+    Missing {
+        /// Which array.
+        name: &'static str,
+    },
     /// A special point of a branch that is none of its points.
     #[error("special point {index} of {points} points")]
     Special {

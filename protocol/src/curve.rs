@@ -1,10 +1,12 @@
 //! Points of a curve as arrays: what branches and the backbone share. Seeds are such points as well.
 
 use crate::array::{Array, ArrayError};
-use serde::{Deserialize, Serialize};
+use crate::columns::Columns;
+use serde::{Deserialize, Deserializer, Serialize};
 use solver::formulation::harmonics::width;
 use solver::formulation::state::State;
-use solver::response::branch::{BranchPoint, Certificate, Monitored};
+use solver::response::branch::BranchPoint;
+use solver::response::columns::{self, Axis};
 use solver::response::seeds::{Phase, Seed};
 
 /// p periodic motions of one truncation H.
@@ -82,39 +84,21 @@ impl Motions {
 pub struct Points {
     /// The motions.
     pub motions: Motions,
-    /// Largest |x| of every monitored dof over the period, m: p × monitors.
-    pub amplitude: Array,
-    /// Root mean square of every monitored dof, m: p × monitors.
-    pub rms: Array,
-    /// Share of the period in contact: p × contact elements.
-    pub contact: Array,
-    /// Largest scaled residual: p.
-    pub residual: Array,
-    /// Share of the two highest harmonics: p.
-    pub high_harmonics: Array,
-    /// Newton iterations: p.
-    pub iterations: Array,
+    /// What else is known of every point: [`columns::of_points`].
+    #[serde(flatten, deserialize_with = "columns_of_points")]
+    pub columns: Columns,
+}
+
+fn columns_of_points<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Columns, D::Error> {
+    Columns::read(deserializer, columns::of_points())
 }
 
 impl Points {
     /// Of points of one curve.
     pub fn new<'p>(points: impl ExactSizeIterator<Item = &'p BranchPoint> + Clone) -> Self {
-        let count = points.len();
-        let first = points.clone().next();
-        let monitors = first.map_or(0, |point| point.monitors.len());
-        let contacts = first.map_or(0, |point| point.contact.len());
-        let monitored = |of: fn(&Monitored) -> f64| {
-            Array::new([count, monitors], points.clone().flat_map(|point| point.monitors.iter().map(of)))
-        };
-        let column = |of: fn(&Certificate) -> f64| Array::new([count], points.clone().map(|p| of(&p.certificate)));
         Self {
             motions: Motions::new(points.clone().map(|point| &point.state)),
-            amplitude: monitored(|m| m.amplitude),
-            rms: monitored(|m| m.rms),
-            contact: Array::new([count, contacts], points.clone().flat_map(|point| point.contact.iter().copied())),
-            residual: column(|c| c.residual),
-            high_harmonics: column(|c| c.high_harmonics),
-            iterations: column(|c| c.iterations as f64),
+            columns: Columns::new(columns::of_points(), points.map(|point| &point.values)),
         }
     }
 
@@ -130,28 +114,9 @@ impl Points {
 
     /// The points, for a model of this size.
     pub fn points(&self, size: &Size) -> Result<Vec<BranchPoint>, ArrayError> {
-        let count = self.len();
-        let amplitude = self.amplitude.values("amplitude", &[count, size.monitors])?;
-        let rms = self.rms.values("rms", &[count, size.monitors])?;
-        let contact = self.contact.values("contact", &[count, size.contacts])?;
-        let residual = self.residual.values("residual", &[count])?;
-        let high_harmonics = self.high_harmonics.values("high_harmonics", &[count])?;
-        let iterations = self.iterations.values("iterations", &[count])?;
+        let rows = self.columns.rows(columns::of_points(), self.len(), size)?;
         let states = self.motions.states(size.channels, size.modes)?;
-        let point = |(i, state): (usize, State)| {
-            let monitors = i * size.monitors..(i + 1) * size.monitors;
-            BranchPoint {
-                state,
-                monitors: monitors.map(|j| Monitored { amplitude: amplitude[j], rms: rms[j] }).collect(),
-                contact: contact[i * size.contacts..(i + 1) * size.contacts].to_vec(),
-                certificate: Certificate {
-                    residual: residual[i],
-                    high_harmonics: high_harmonics[i],
-                    iterations: iterations[i] as usize,
-                },
-            }
-        };
-        Ok(states.into_iter().enumerate().map(point).collect())
+        Ok(states.into_iter().zip(rows).map(|(state, values)| BranchPoint { state, values }).collect())
     }
 }
 
@@ -178,6 +143,16 @@ impl Size {
             modes: model.size(),
             monitors: model.monitors().len(),
             contacts: contacts.count(),
+        }
+    }
+
+    /// How many numbers a column has for a point.
+    pub(crate) fn along(&self, axis: Axis) -> usize {
+        match axis {
+            Axis::Point => 1,
+            Axis::Monitors => self.monitors,
+            Axis::Contacts => self.contacts,
+            Axis::Modes => self.modes,
         }
     }
 }

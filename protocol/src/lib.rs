@@ -18,6 +18,7 @@ pub mod array;
 pub mod backbone;
 pub mod branch;
 pub mod codec;
+pub mod columns;
 pub mod control;
 pub mod curve;
 pub mod digest;

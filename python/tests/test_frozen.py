@@ -215,6 +215,23 @@ def test_arrays_are_complex_by_their_last_axis():
             harmonics({**message, "shape": shape})
 
 
+def test_columns_by_name_also_those_of_later_programs():
+    sent = sample("result")
+    points = sent["branch"]["points"]
+    count = points["residual"]["shape"][0]
+    points["of tomorrow"] = {"dtype": "<f8", "shape": [count], "data": np.arange(count, dtype="<f8").tobytes()}
+    points["of another kind"] = {"dtype": "<f8", "shape": [count + 1], "data": bytes(8 * (count + 1))}
+    points["no array"] = {"a": [1, None]}
+    branch = Result.read(sent, model()).branch
+    np.testing.assert_array_equal(branch.columns["of tomorrow"], np.arange(count))
+    assert set(branch.columns) == {*sample("result")["branch"]["points"], "of tomorrow"} - {"motions"}
+    np.testing.assert_array_equal(branch.columns["amplitude"], branch.amplitudes)
+
+    backbone = Backbone.read(sample("backbone"), model())
+    np.testing.assert_array_equal(backbone.columns["threshold"], backbone.threshold)
+    np.testing.assert_array_equal(backbone.columns["rms"], backbone.rms)
+
+
 def test_arrays_that_do_not_fit_the_model():
     result = sample("result")
     points = result["branch"]["points"]

@@ -28,7 +28,7 @@ fn three_nodes(model: &Model) -> State {
     let mut settings = Settings::default();
     settings.backbone.max_amplitude = Some(1e-3);
     let backbone = Backbone::compute(model, &settings).expect("it starts");
-    let touching = |p: &&BackbonePoint| p.point.contact.iter().filter(|&&share| share > 0.0).count() == 3;
+    let touching = |p: &&BackbonePoint| p.point.contact().iter().filter(|&&share| share > 0.0).count() == 3;
     backbone.points.iter().find(touching).expect("three nodes touch somewhere").point.state.clone()
 }
 

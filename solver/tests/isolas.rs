@@ -376,7 +376,7 @@ fn a_cantilever_before_a_stop_has_an_isola_of_ten_harmonics() {
     println!("cantilever: {low:.4} to {high:.4} rad/s, peak {:.4e} m", isola.peak().amplitude());
     assert!((low - 68.5895).abs() < 1e-3 && (high - 74.6535).abs() < 1e-3);
     // It goes on where the main branch falls back to the linear range.
-    let touching = level.main.points.iter().filter(|p| p.contact[0] > 0.0);
+    let touching = level.main.points.iter().filter(|p| p.contact()[0] > 0.0);
     let end = touching.map(BranchPoint::omega).fold(0.0, f64::max);
     println!("cantilever: contact on the main branch up to {end:.4} rad/s");
     assert!((end - 68.998).abs() < 1e-2 && level.main.frequency_range().1 > high);

@@ -51,7 +51,7 @@ fn spread(states: Vec<State>, count: usize) -> Vec<State> {
 
 /// States of the points where a contact, if there is one, touches for part of the period.
 fn touching<'p>(points: impl Iterator<Item = &'p BranchPoint>) -> Vec<State> {
-    let touches = |point: &&BranchPoint| point.contact.is_empty() || point.contact.iter().any(|&share| share > 0.0);
+    let touches = |point: &&BranchPoint| point.contact().is_empty() || point.contact().iter().any(|&share| share > 0.0);
     points.filter(touches).map(|point| point.state.clone()).collect()
 }
 

@@ -17,7 +17,7 @@ ROOT = Path(__file__).parents[2]
 STUDY = ROOT / "models" / "rotor67" / "study.toml"
 ISOLA = os.environ.get("ISOLA_BIN", str(ROOT / "target" / "release" / "isola"))
 COMPLEX = ["argument", "modal", "displacement"]
-COLUMNS = ["omega", "residual", "high_harmonics", "iterations"]
+RENAMED = {"zeta": "decay"}
 
 
 def isola(*arguments: object) -> subprocess.CompletedProcess[str]:
@@ -53,6 +53,12 @@ def arrays(store: sqlite3.Connection, owner: str) -> dict[str, np.ndarray]:
     return found
 
 
+def columns(store: sqlite3.Connection, table: str) -> dict[str, str]:
+    """Names of the columns of numbers of a table of points, and of the arrays that they hold."""
+    names = [name for _, name, *_ in store.execute(f"PRAGMA table_info({table})")]
+    return {name: RENAMED.get(name, name) for name in names if name not in ("branch", "i")}
+
+
 def branches(store: sqlite3.Connection) -> list[tuple[int, str, str]]:
     """Number, task and file of every branch."""
     sql = "SELECT id, task, amplitude || '-' || kind || '-' || number FROM branches ORDER BY id"
@@ -84,11 +90,11 @@ def test_branches(run: Path, store: sqlite3.Connection, kind: str) -> None:
     for number, task, name in branches(store):
         found = read(run.parent / kind / "branches" / f"{name}.{kind}")
         expected = arrays(store, task)
-        for column in COLUMNS:
-            if column not in expected:
+        for column, array in columns(store, "points").items():
+            if array not in expected:
                 rows = store.execute(f"SELECT {column} FROM points WHERE branch = ? ORDER BY i", [number]).fetchall()
-                expected[column] = np.array(rows, dtype="<f8")[:, 0]
-        assert {"modal", "displacement", "contact"} < expected.keys()
+                expected[array] = np.array(rows, dtype="<f8")[:, 0]
+        assert {"modal", "displacement", "contact", "residual", "iterations"} < expected.keys()
         for array, values in expected.items():
             assert_same(found[array], values, f"{name}: {array}")
         status, special = store.execute("SELECT status, special FROM branches WHERE id = ?", [number]).fetchone()
@@ -107,10 +113,11 @@ def test_the_run(run: Path, store: sqlite3.Connection, kind: str) -> None:
     for array, values in model.items():
         assert_same(found[f"model.{array}"], values, f"model: {array}")
     backbone = arrays(store, "backbone")
-    for column in [*COLUMNS, "r_lin", "r_nl", "work_per_amplitude", "threshold", "certificate", "arc"]:
-        if column not in backbone:
+    for column, array in columns(store, "backbone").items():
+        if array not in backbone:
             rows = store.execute(f"SELECT {column} FROM backbone ORDER BY i").fetchall()
-            backbone[column] = np.array(rows, dtype="<f8")[:, 0]
+            backbone[array] = np.array(rows, dtype="<f8")[:, 0]
+    assert {"decay", "residual", "r_lin", "threshold", "certificate", "arc"} < backbone.keys()
     for array, values in backbone.items():
         assert_same(found[f"backbone.{array}"], values, f"backbone: {array}")
     names = store.execute("SELECT dofs, displacement_dofs, contacts FROM model").fetchone()
@@ -134,13 +141,15 @@ def test_all_documented_names_are_there(run: Path, store: sqlite3.Connection, ki
 
 
 def test_text(run: Path, store: sqlite3.Connection) -> None:
-    columns = ["omega", "amplitude", "rms", "contact", "residual", "high_harmonics"]
+    first = ["omega", "amplitude", "rms", "contact", "residual", "high_harmonics"]
     for number, _, name in branches(store):
         with (run.parent / "csv" / "branches" / f"{name}.csv").open() as file:
             rows = list(csv.DictReader(file))
-        sql = f"SELECT {', '.join(columns)} FROM points WHERE branch = ? ORDER BY i"
+        assert list(rows[0])[: len(first)] == first
+        common = [column for column in rows[0] if column in columns(store, "points")]
+        sql = f"SELECT {', '.join(common)} FROM points WHERE branch = ? ORDER BY i"
         expected = store.execute(sql, [number]).fetchall()
-        assert [tuple(float(row[column]) for column in columns) for row in rows] == expected
+        assert [tuple(float(row[column]) for column in common) for row in rows] == expected
 
 
 def test_a_damaged_branch_is_named_and_the_rest_written(run: Path, store: sqlite3.Connection, tmp_path: Path) -> None:

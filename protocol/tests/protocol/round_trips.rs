@@ -6,7 +6,7 @@ use protocol::array::{Array, ArrayError};
 use protocol::backbone::BackboneMessage;
 use protocol::branch::{BranchMessage, FindingMessage};
 use protocol::codec::{Message, decode, decode_stored, encode, encoding};
-use protocol::curve::{Seeds, Size};
+use protocol::curve::{Points, Seeds, Size};
 use protocol::from_worker::{Lease, SubmitRequest};
 use protocol::ids::{Attempt, TaskId, WorkerId};
 use protocol::model::ModelMessage;
@@ -14,6 +14,7 @@ use protocol::to_everyone::StoredResult;
 use solver::formulation::modal::Modal;
 use solver::response::backbone::Backbone;
 use solver::response::branch::{Branch, SpecialKind, SpecialPoint};
+use solver::response::columns;
 use solver::response::level::Level;
 use solver::response::task::{Finding, plan};
 use solver::settings::Settings;
@@ -113,8 +114,8 @@ fn contact_on_a_branch() {
     };
     let backbone = Backbone::compute_with(&model, &settings, &mut observer).unwrap();
     let message = BackboneMessage::from(&backbone);
-    assert_eq!(message.points.contact.shape, [backbone.points.len(), 1]);
-    assert!(backbone.points.iter().any(|point| point.point.contact[0] > 0.0));
+    assert_eq!(message.points.columns.get("contact").unwrap().shape, [backbone.points.len(), 1]);
+    assert!(backbone.points.iter().any(|point| point.point.contact()[0] > 0.0));
     assert_eq!(through_bytes(&message).backbone(&Size::of(&model)).unwrap(), backbone);
 }
 
@@ -150,28 +151,26 @@ fn a_model_of_another_size_is_refused() {
     }
 }
 
-/// Every array of points, by name.
-type Place = (&'static str, fn(&mut BranchMessage) -> &mut Array);
-const ARRAYS: [Place; 11] = [
-    ("omega", |b| &mut b.points.motions.omega),
-    ("decay", |b| &mut b.points.motions.decay),
-    ("forcing", |b| &mut b.points.motions.forcing),
-    ("argument", |b| &mut b.points.motions.argument),
-    ("modal", |b| &mut b.points.motions.modal),
-    ("amplitude", |b| &mut b.points.amplitude),
-    ("rms", |b| &mut b.points.rms),
-    ("contact", |b| &mut b.points.contact),
-    ("residual", |b| &mut b.points.residual),
-    ("high_harmonics", |b| &mut b.points.high_harmonics),
-    ("iterations", |b| &mut b.points.iterations),
-];
+/// An array of points.
+fn array<'b>(branch: &'b mut BranchMessage, name: &str) -> &'b mut Array {
+    let Points { motions, columns } = &mut branch.points;
+    match name {
+        "omega" => &mut motions.omega,
+        "decay" => &mut motions.decay,
+        "forcing" => &mut motions.forcing,
+        "argument" => &mut motions.argument,
+        "modal" => &mut motions.modal,
+        column => columns.get_mut(column).unwrap(),
+    }
+}
 
 #[test]
 fn arrays_that_do_not_fit_are_named() {
     assert_eq!(Size::of(&samples::model().model().unwrap()), SIZE);
     samples::branch().branch(&SIZE).unwrap();
     samples::backbone().backbone(&SIZE).unwrap();
-    for (name, place) in ARRAYS {
+    let motions = ["omega", "decay", "forcing", "argument", "modal"].into_iter();
+    for name in motions.chain(columns::of_points().map(|column| column.name)) {
         let damages: [fn(&mut Array); 8] = [
             |a| a.dtype = "<f4".into(),
             |a| a.dtype = ">f8".into(),
@@ -184,7 +183,7 @@ fn arrays_that_do_not_fit_are_named() {
         ];
         for damage in damages {
             let mut branch = samples::branch();
-            damage(place(&mut branch));
+            damage(array(&mut branch, name));
             // The number of points is that of ω: if it is wrong another array may be the first that does not fit.
             let error = branch.branch(&SIZE).unwrap_err().to_string();
             assert!(error.contains(&format!("`{name}`")) || name == "omega", "{name}: {error}");
@@ -206,12 +205,10 @@ fn harmonics_that_overflow_are_errors() {
             *array =
                 Array { dtype: "<f8".into(), shape: vec![0, axis, harmonics.wrapping_add(1), 2], data: Vec::new() };
         }
-        for array in [&mut branch.points.amplitude, &mut branch.points.rms] {
-            *array = Array::new([0, SIZE.monitors], []);
+        for (_, array) in branch.points.columns.iter_mut() {
+            array.shape[0] = 0;
+            array.data.clear();
         }
-        branch.points.contact = Array::new([0, SIZE.contacts], []);
-        (branch.points.residual, branch.points.high_harmonics) = (none.clone(), none.clone());
-        branch.points.iterations = none;
         assert!(branch.branch(&SIZE).is_err(), "{harmonics}");
     }
 }
@@ -321,7 +318,7 @@ proptest! {
         if let Ok(StoredResult { branch: Some(message), .. }) = decode_stored(&bytes)
             && let Ok(branch) = message.branch(&SIZE)
         {
-            prop_assert_eq!(branch.peak().monitors.len(), 1);
+            prop_assert_eq!(branch.peak().amplitudes().len(), 1);
             for kind in [SpecialKind::Start, SpecialKind::Peak, SpecialKind::Fold] {
                 prop_assert!(Branch::special(&branch, kind).count() <= branch.special.len());
             }

@@ -4,6 +4,7 @@ use protocol::array::Array;
 use protocol::backbone::BackboneMessage;
 use protocol::branch::{BranchMessage, FindingMessage};
 use protocol::codec::Message;
+use protocol::columns::Columns;
 use protocol::control::{ControlReply, ControlRequest};
 use protocol::curve::{Motions, Points, Seeds, Size};
 use protocol::from_worker::{FailRequest, Lease, LeaseRequest, Progress, ReleaseRequest, RenewRequest, SubmitRequest};
@@ -125,12 +126,14 @@ fn motions(count: usize) -> Motions {
 fn points(count: usize) -> Points {
     Points {
         motions: motions(count),
-        amplitude: counting(&[count, SIZE.monitors], 3.0),
-        rms: counting(&[count, SIZE.monitors], 2.0),
-        contact: counting(&[count, SIZE.contacts], 0.125),
-        residual: counting(&[count], 1e-13),
-        high_harmonics: counting(&[count], 1e-3),
-        iterations: Array::new([count], (0..count).map(|i| 2.0 + i as f64)),
+        columns: Columns::from_iter([
+            ("amplitude", counting(&[count, SIZE.monitors], 3.0)),
+            ("rms", counting(&[count, SIZE.monitors], 2.0)),
+            ("contact", counting(&[count, SIZE.contacts], 0.125)),
+            ("residual", counting(&[count], 1e-13)),
+            ("high_harmonics", counting(&[count], 1e-3)),
+            ("iterations", Array::new([count], (0..count).map(|i| 2.0 + i as f64))),
+        ]),
     }
 }
 
@@ -217,13 +220,15 @@ pub fn backbone() -> BackboneMessage {
         outcome: Outcome::Open(Stop::Start, Stop::AmplitudeBound),
         rejections: 2,
         points: points(3),
-        r_lin: counting(&[3], 1.0),
-        r_nl: counting(&[3], -2.0),
-        work_per_amplitude: counting(&[3], 3.0),
-        certificate: counting(&[3], 1e-9),
-        threshold: Array::new([3], [0.5, 0.25, f64::INFINITY]),
-        arc: counting(&[3], 0.0),
-        contributions: Array::new([3, 2], [1.0, 0.0, 0.75, 0.25, 0.5, 0.5]),
+        columns: Columns::from_iter([
+            ("r_lin", counting(&[3], 1.0)),
+            ("r_nl", counting(&[3], -2.0)),
+            ("work_per_amplitude", counting(&[3], 3.0)),
+            ("certificate", counting(&[3], 1e-9)),
+            ("threshold", Array::new([3], [0.5, 0.25, f64::INFINITY])),
+            ("arc", counting(&[3], 0.0)),
+            ("contributions", Array::new([3, 2], [1.0, 0.0, 0.75, 0.25, 0.5, 0.5])),
+        ]),
     }
 }
 

@@ -40,10 +40,11 @@ const FORMATS = {
   count: (value) => formatNumber(value, 9),
 };
 
-/** @param {string} format key of FORMATS @param {number|undefined} value SI */
-function formatQuantity(format, value, digits = 5) {
+/** @param {string} format key of FORMATS @param {number|undefined} value SI @param {string} [unit] that FORMATS lack */
+function formatQuantity(format, value, digits = 5, unit = "") {
   if (value === null || value === undefined || Number.isNaN(value)) return NOT_KNOWN;
-  return (FORMATS[format] ?? formatNumber)(value, digits);
+  const text = (FORMATS[format] ?? formatNumber)(value, digits);
+  return unit ? `${text} ${unit}` : text;
 }
 
 const formatRange = ([low, high]) => `${formatNumber(low)} to ${formatNumber(high)}`;

@@ -158,9 +158,9 @@ class Panel {
       const row = ({ title, unit }, value) => [title, `${formatNumber(value, 4)} ${unit.name}`];
       return { title: name, rows: [row(axes.x, x[index]), row(axes.y, y[index])] };
     }
-    const rows = details.map(({ label, format, digits, values }) => [
+    const rows = details.map(({ label, format, digits, unit, values }) => [
       label,
-      formatQuantity(format, numbersOf(values, columns, this.view)?.[index], digits),
+      formatQuantity(format, numbersOf(values, columns, this.view)?.[index], digits, unit),
     ]);
     const special = marks.filter(([at]) => at === index).map(([, text]) => text);
     const place = `${index} of ${x.length}${special.length > 0 ? ` (${special.join(", ")})` : ""}`;

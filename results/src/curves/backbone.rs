@@ -1,9 +1,10 @@
 //! The backbone as its figures show it: energies, births and merges of windows, modes.
 
-use super::column::Column;
+use super::column::{Column, Quantity};
 use solver::curve::extrema::turning_points;
 use solver::formulation::harmonics::complex;
 use solver::response::backbone::{Backbone, BackbonePoint};
+use solver::response::columns;
 use solver::response::windows::{Event, events};
 use solver::structure::Model;
 
@@ -49,6 +50,8 @@ pub struct BackboneCurve {
     pub certificate: Column,
     /// Scaled arc length.
     pub arc: Column,
+    /// Columns that were added later, as far as the page says them.
+    pub later: Vec<Quantity>,
     /// Births and merges of windows.
     pub events: Vec<Event>,
     /// The modes that contribute most, the one followed first.
@@ -102,15 +105,16 @@ impl BackboneCurve {
             status: backbone.outcome.to_string(),
             omega: Column::exact(column(&|p| p.point.omega())),
             decay: short(&|p| p.point.state.decay),
-            amplitude: (0..model.monitors().len()).map(|m| short(&|p| p.point.monitors[m].amplitude)).collect(),
-            contact: short(&|p| p.point.contact.iter().copied().fold(f64::NAN, f64::max)),
-            r_lin: short(&|p| p.energies.linear),
-            r_nl: short(&|p| p.energies.nonlinear),
-            work: short(&|p| p.energies.work_per_amplitude),
-            needed: short(&|p| p.threshold * p.energies.work_per_amplitude),
-            threshold: short(&|p| p.threshold),
-            certificate: short(&|p| p.energies.certificate),
-            arc: short(&|p| p.arc),
+            amplitude: (0..model.monitors().len()).map(|m| short(&|p| p.point.amplitudes()[m])).collect(),
+            contact: short(&|p| p.point.contact().iter().copied().fold(f64::NAN, f64::max)),
+            r_lin: short(&|p| p.energies().linear),
+            r_nl: short(&|p| p.energies().nonlinear),
+            work: short(&|p| p.energies().work_per_amplitude),
+            needed: short(&|p| p.threshold() * p.energies().work_per_amplitude),
+            threshold: short(&|p| p.threshold()),
+            certificate: short(&|p| p.energies().certificate),
+            arc: short(&|p| p.arc()),
+            later: later(points),
             events: events(backbone),
             modes,
             peaks,
@@ -127,8 +131,22 @@ impl BackboneCurve {
     }
 }
 
+/// What every point has of the columns that were added later and are shown.
+fn later(points: &[BackbonePoint]) -> Vec<Quantity> {
+    let is_shown = |(_, column): &(usize, &columns::Column)| column.is_later && column.hover.is_some();
+    let of_points = columns::of_points().enumerate().filter(is_shown).filter_map(|(place, column)| {
+        let rows = points.iter().map(|p| p.point.values.get(place)).collect::<Option<Vec<&[f64]>>>()?;
+        Quantity::new(column, &rows)
+    });
+    let of_backbone = columns::of_backbone().enumerate().filter(is_shown).filter_map(|(place, column)| {
+        let rows = points.iter().map(|p| p.values.get(place)).collect::<Option<Vec<&[f64]>>>()?;
+        Quantity::new(column, &rows)
+    });
+    of_points.chain(of_backbone).collect()
+}
+
 fn modes(backbone: &Backbone, model: &Model) -> Vec<ModeShare> {
-    let share = |mode: usize| backbone.points.iter().map(move |point| point.contributions[mode]);
+    let share = |mode: usize| backbone.points.iter().map(move |point| point.contributions()[mode]);
     let largest = |mode: usize| share(mode).fold(0.0, f64::max);
     let mut others: Vec<usize> = (0..model.size()).filter(|&j| j != backbone.mode && largest(j) > FAINT).collect();
     others.sort_by(|&a, &b| largest(b).total_cmp(&largest(a)));

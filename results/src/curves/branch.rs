@@ -1,10 +1,12 @@
 //! A forced-response branch as its figures show it.
 
-use super::column::Column;
+use super::column::{Column, Quantity};
 use protocol::array::{Array, ArrayError};
+use protocol::columns::Columns;
 use protocol::to_everyone::StoredResult;
 use serde::Serialize;
 use solver::response::branch::{Outcome, SpecialPoint};
+use solver::response::columns::{self, Axis};
 use solver::response::task::BranchId;
 
 /// A branch: p points in the order of the arc, in rad/s and m. Its JSON is without the columns.
@@ -38,21 +40,9 @@ pub struct Curve {
     /// Largest |x| over the period of every monitored dof.
     #[serde(skip)]
     pub amplitude: Vec<Column>,
-    /// Root mean square of every monitored dof.
+    /// What else the page says of its points, in the order of the list.
     #[serde(skip)]
-    pub rms: Vec<Column>,
-    /// Share of the period in contact, the largest over the contact elements; NaN without any.
-    #[serde(skip)]
-    pub contact: Column,
-    /// Largest scaled residual.
-    #[serde(skip)]
-    pub residual: Column,
-    /// Share of the two highest harmonics in the motion.
-    #[serde(skip)]
-    pub high_harmonics: Column,
-    /// Newton iterations.
-    #[serde(skip)]
-    pub iterations: Column,
+    pub others: Vec<Quantity>,
     /// Start, peak and folds.
     pub special: Vec<SpecialPoint>,
     /// Index of the point of largest amplitude of the first monitored dof.
@@ -72,18 +62,14 @@ impl Curve {
         let (Some(branch), Some(id)) = (&result.branch, result.name) else { return Ok(None) };
         let points = &branch.points;
         let size = points.len();
-        let single = |array: &Array, name| array.values(name, &[size]);
-        let contact = table("contact", &points.contact, size)?;
-        let touching = (0..size).map(|i| contact.iter().map(|node| node[i]).fold(f64::NAN, f64::max)).collect();
         let (kind, number) = match id {
             BranchId::Main => ("main", 1),
             BranchId::Isola(index) => ("isola", index + 1),
         };
-        let amplitude = table("amplitude", &points.amplitude, size)?;
-        let omega = single(&points.motions.omega, "omega")?;
+        let amplitude = table("amplitude", points.columns.required("amplitude")?, size)?;
+        let omega = points.motions.omega.values("omega", &[size])?;
         let first = amplitude.first().map_or(&[][..], Vec::as_slice);
         let peak = largest(first);
-        let short = |columns: Vec<Vec<f64>>| columns.into_iter().map(Column::short).collect();
         Ok(Some(Self {
             level,
             kind,
@@ -100,15 +86,30 @@ impl Curve {
             omega_at_peak: omega.get(peak).copied().unwrap_or(f64::NAN),
             amplitude_at_peak: first.get(peak).copied().unwrap_or(f64::NAN),
             omega: Column::exact(omega),
-            amplitude: short(amplitude),
-            rms: short(table("rms", &points.rms, size)?),
-            contact: Column::short(touching),
-            residual: Column::short(single(&points.residual, "residual")?),
-            high_harmonics: Column::short(single(&points.high_harmonics, "high_harmonics")?),
-            iterations: Column::short(single(&points.iterations, "iterations")?),
+            amplitude: amplitude.into_iter().map(Column::short).collect(),
+            others: others(&points.columns, size)?,
             special: branch.special.clone(),
         }))
     }
+
+    /// What the page says of its points under the name of a column.
+    pub fn other(&self, name: &str) -> Option<&Quantity> {
+        self.others.iter().find(|quantity| quantity.about.name == name)
+    }
+}
+
+/// What the page says of points besides frequency and amplitude.
+fn others(columns: &Columns, size: usize) -> Result<Vec<Quantity>, ArrayError> {
+    let list = columns::of_points().filter(|column| column.hover.is_some() && column.name != "amplitude");
+    let mut others = Vec::new();
+    for (column, array) in columns.among(list) {
+        let width = if column.axis == Axis::Point { 1 } else { array.shape.get(1).copied().unwrap_or(0) };
+        let shape = if column.axis == Axis::Point { vec![size] } else { vec![size, width] };
+        let values = array.values(column.name, &shape)?;
+        let rows: Vec<&[f64]> = (0..size).map(|i| &values[i * width..(i + 1) * width]).collect();
+        others.extend(Quantity::new(column, &rows));
+    }
+    Ok(others)
 }
 
 /// Index of the largest of some values.

@@ -3,6 +3,7 @@
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use serde::ser::{Serialize, SerializeMap, Serializer};
+use solver::response::columns::{self, Axis};
 
 /// A number for each point of a curve; NaN where there is none.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,6 +22,36 @@ impl Column {
     /// Written with seven digits.
     pub fn short(values: Vec<f64>) -> Self {
         Self { values, is_exact: false }
+    }
+}
+
+/// A column of the solver's list as figures show it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Quantity {
+    /// What it is.
+    pub about: &'static columns::Column,
+    /// For every monitored dof, or once: of the point, or the largest over the contact elements; NaN without any.
+    pub values: Vec<Column>,
+}
+
+impl Quantity {
+    /// Of `size` points, from a row of numbers each; `None`: of modes, which have a figure of their own.
+    pub fn new<'p>(about: &'static columns::Column, rows: &[&'p [f64]]) -> Option<Self> {
+        let of = |value: &dyn Fn(&'p [f64]) -> f64| Column::short(rows.iter().map(|row| value(row)).collect());
+        let largest = |row: &[f64]| row.iter().copied().fold(f64::NAN, f64::max);
+        let values = match about.axis {
+            Axis::Point => vec![of(&|row| row[0])],
+            Axis::Contacts => vec![of(&largest)],
+            Axis::Monitors => (0..rows.first().map_or(0, |row| row.len())).map(|m| of(&|row| row[m])).collect(),
+            Axis::Modes => return None,
+        };
+        Some(Self { about, values })
+    }
+
+    /// Whether there is anything to be said of it: shares of the period in contact, where nothing can touch, are none.
+    pub fn is_known(&self) -> bool {
+        self.about.axis != Axis::Contacts
+            || self.values.iter().any(|column| column.values.iter().any(|v| v.is_finite()))
     }
 }
 

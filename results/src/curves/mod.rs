@@ -9,7 +9,7 @@ mod resonance;
 
 pub use backbone::{BackboneCurve, ModeShare, Peak};
 pub use branch::{Curve, largest};
-pub use column::Column;
+pub use column::{Column, Quantity};
 pub use monitor::{Monitor, monitors};
 pub use motion::{Motion, Motions, Node};
 pub use resonance::{Resonance, ResonanceComparison};

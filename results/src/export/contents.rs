@@ -9,10 +9,12 @@ use crate::store::{Displacements, Reader};
 use protocol::array::{Array, ArrayError};
 use protocol::backbone::BackboneMessage;
 use protocol::branch::BranchMessage;
+use protocol::columns::Columns;
 use protocol::curve::{Motions, Points};
 use protocol::model::ModelMessage;
 use protocol::to_everyone::StoredResult;
 use solver::response::branch::{Outcome, SpecialKind};
+use solver::response::columns::{self, Axis, Column};
 use solver::response::task::BranchId;
 use solver::structure::laws::LawKind;
 
@@ -105,13 +107,7 @@ impl<'r> Contents<'r> {
             group.add("amplitude_bound", reach.amplitude);
         }
         self.points(group, backbone.points, ("The displacements of the backbone are", "backbone"), omissions);
-        group.add("r_lin", backbone.r_lin);
-        group.add("r_nl", backbone.r_nl);
-        group.add("work_per_amplitude", backbone.work_per_amplitude);
-        group.add("threshold", backbone.threshold);
-        group.add("certificate", backbone.certificate);
-        group.add("arc", backbone.arc);
-        group.add("contributions", backbone.contributions);
+        add_columns(group, &backbone.columns, columns::of_backbone_in_files());
     }
 
     /// The file of branch `name`: everything that is known of it.
@@ -161,12 +157,7 @@ impl<'r> Contents<'r> {
             Ok(displacement) => group.add("displacement", Value::Complex(displacement)),
             Err(why) => omissions.left_out(what, why),
         }
-        group.add("amplitude", points.amplitude);
-        group.add("rms", points.rms);
-        group.add("contact", points.contact);
-        group.add("residual", points.residual);
-        group.add("high_harmonics", points.high_harmonics);
-        group.add("iterations", points.iterations);
+        add_columns(group, &points.columns, columns::of_points());
     }
 
     /// The displacements that are stored with `owner`, if they are those of the motions. They have no checksum.
@@ -193,18 +184,7 @@ pub(super) fn backbone(reader: &Reader) -> Result<Option<BackboneMessage>, Strin
     let Some(backbone) = stored else { return Ok(None) };
     let fit = || {
         check(&backbone.points)?;
-        let count = backbone.points.len();
-        for (name, array) in [
-            ("r_lin", &backbone.r_lin),
-            ("r_nl", &backbone.r_nl),
-            ("work_per_amplitude", &backbone.work_per_amplitude),
-            ("threshold", &backbone.threshold),
-            ("certificate", &backbone.certificate),
-            ("arc", &backbone.arc),
-        ] {
-            array.values(name, &[count])?;
-        }
-        backbone.contributions.values("contributions", &[count, width(&backbone.contributions)]).map(drop)
+        check_columns(&backbone.columns, columns::of_backbone(), backbone.points.len())
     };
     fit().map_err(|error: ArrayError| error.to_string())?;
     Ok(Some(backbone))
@@ -213,23 +193,32 @@ pub(super) fn backbone(reader: &Reader) -> Result<Option<BackboneMessage>, Strin
 /// Whether arrays of points fit together, for whatever number of channels, modes, monitored dofs and contacts.
 fn check(points: &Points) -> Result<(), ArrayError> {
     let (count, motions) = (points.len(), &points.motions);
-    for (name, array) in [
-        ("omega", &motions.omega),
-        ("decay", &motions.decay),
-        ("forcing", &motions.forcing),
-        ("residual", &points.residual),
-        ("high_harmonics", &points.high_harmonics),
-        ("iterations", &points.iterations),
-    ] {
+    for (name, array) in [("omega", &motions.omega), ("decay", &motions.decay), ("forcing", &motions.forcing)] {
         array.values(name, &[count])?;
     }
-    for (name, array) in [("amplitude", &points.amplitude), ("rms", &points.rms), ("contact", &points.contact)] {
-        array.values(name, &[count, width(array)])?;
-    }
+    check_columns(&points.columns, columns::of_points(), count)?;
     for (name, array) in [("argument", &motions.argument), ("modal", &motions.modal)] {
         array.series(name, &[count, width(array)], motions.harmonics)?;
     }
     Ok(())
+}
+
+/// Whether columns are of `count` points.
+fn check_columns(
+    columns: &Columns,
+    list: impl Iterator<Item = &'static Column>,
+    count: usize,
+) -> Result<(), ArrayError> {
+    for (column, array) in columns.among(list) {
+        let shape = if column.axis == Axis::Point { vec![count] } else { vec![count, width(array)] };
+        array.values(column.name, &shape)?;
+    }
+    Ok(())
+}
+
+/// Adds the columns that are there.
+fn add_columns(group: &mut Group<'_>, columns: &Columns, list: impl Iterator<Item = &'static Column>) {
+    columns.among(list).for_each(|(column, array)| group.add(column.name, array.clone()));
 }
 
 /// Length of the second axis.

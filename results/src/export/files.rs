@@ -3,13 +3,11 @@
 use super::ExportError;
 use super::atomic::branches_folder;
 use super::contents::{backbone, monitors};
+use super::csv_columns::CsvColumns;
 use super::table::{Table, optional, text};
 use crate::overview::Omissions;
 use crate::overview::{BranchRow, Level, Overview, unfinished};
-use crate::store::{Reader, Scalars};
-use protocol::array::{Array, ArrayError};
-use protocol::backbone::BackboneMessage;
-use protocol::branch::BranchMessage;
+use crate::store::Reader;
 use std::path::Path;
 
 const SUMMARY: [&str; 11] = [
@@ -27,8 +25,6 @@ const SUMMARY: [&str; 11] = [
 ];
 const WINDOWS: [&str; 9] =
     ["amplitude", "window", "omega_min", "omega_max", "omega_best", "threshold", "outcome", "branch", "reason"];
-const BACKBONE: [&str; 7] = ["omega", "zeta", "amplitude", "r_lin", "r_nl", "work_per_amplitude", "threshold"];
-const BRANCH: [&str; 6] = ["omega", "amplitude", "rms", "contact", "residual", "high_harmonics"];
 
 /// Writes `summary.csv`, `backbone.csv`, `windows.csv` and `branches/*.csv` into folder `dir`, at any stage of a run.
 ///
@@ -43,12 +39,16 @@ pub(super) fn write(reader: &Reader, dir: &Path, omissions: &mut Omissions) -> R
     let backbone = omissions.take("The backbone is", backbone(reader));
     omissions.missing.extend(unfinished(&overview.levels, backbone.as_ref().is_none_or(Option::is_some)));
     if let Some(backbone) = backbone {
-        write_backbone(dir, backbone.as_ref(), omissions)?;
+        let columns = omissions.take(
+            "backbone.csv is",
+            backbone.as_ref().map_or_else(|| Ok(CsvColumns::without_backbone()), CsvColumns::of_backbone),
+        );
+        columns.map_or(Ok(()), |columns| columns.write(dir, "backbone.csv"))?;
     }
     write_windows(dir, &overview.levels)?;
     let monitors = overview.model.as_ref().map(monitors);
     overview.each_branch(reader, omissions, |omissions, name, result| {
-        let columns = result.branch.as_ref().map(|branch| branch_columns(branch, monitors.as_deref()));
+        let columns = result.branch.as_ref().map(|branch| CsvColumns::of_branch(branch, monitors.as_deref()));
         let columns = columns.and_then(|columns| omissions.take(format_args!("Branch {name} is"), columns));
         columns.map_or(Ok(()), |columns| columns.write(&folder, &format!("{name}.csv")))
     })?;
@@ -109,95 +109,4 @@ fn write_windows(dir: &Path, levels: &[Level]) -> Result<(), ExportError> {
         }
     }
     table.finish()
-}
-
-fn write_backbone(
-    dir: &Path,
-    backbone: Option<&BackboneMessage>,
-    omissions: &mut Omissions,
-) -> Result<(), ExportError> {
-    let columns = backbone.map_or_else(|| Ok(Columns::new(&BACKBONE)), backbone_columns);
-    let columns = omissions.take("backbone.csv is", columns);
-    columns.map_or(Ok(()), |columns| columns.write(dir, "backbone.csv"))
-}
-
-fn backbone_columns(backbone: &BackboneMessage) -> Result<Columns, ArrayError> {
-    let (mut columns, count) = (Columns::new(&BACKBONE), backbone.points.len());
-    let scalars = Scalars::new(&backbone.points)?;
-    let contributions = Rows::of("contributions", &backbone.contributions)?;
-    let column = |name, array: &Array| array.values(name, &[count]);
-    let rows = [
-        scalars.omega,
-        column("decay", &backbone.points.motions.decay)?,
-        scalars.amplitude,
-        column("r_lin", &backbone.r_lin)?,
-        column("r_nl", &backbone.r_nl)?,
-        column("work_per_amplitude", &backbone.work_per_amplitude)?,
-        column("threshold", &backbone.threshold)?,
-    ];
-    columns.names.extend((1..=contributions.width).map(|mode| format!("contribution_{mode}")));
-    let row = |i: usize| {
-        let values = rows.iter().map(move |column| column[i]).chain(contributions.row(i).iter().copied());
-        values.map(text).collect()
-    };
-    columns.rows = (0..count).map(row).collect();
-    Ok(columns)
-}
-
-/// Columns of a branch; dofs that are monitored, after the first, have one each.
-fn branch_columns(branch: &BranchMessage, monitors: Option<&[String]>) -> Result<Columns, ArrayError> {
-    let mut columns = Columns::new(&BRANCH);
-    let scalars = Scalars::new(&branch.points)?;
-    let amplitude = Rows::of("amplitude", &branch.points.amplitude)?;
-    let name = |i: usize| monitors.and_then(|names| names.get(i)).map_or_else(|| (i + 1).to_string(), String::clone);
-    columns.names.extend((1..amplitude.width).map(|i| format!("amplitude_{}", name(i))));
-    let number = |value: f64| optional(Some(value).filter(|value| !value.is_nan()));
-    let row = |i: usize| {
-        let first = [
-            number(scalars.omega[i]),
-            number(scalars.amplitude[i]),
-            number(scalars.rms[i]),
-            scalars.contact[i].map_or_else(String::new, number),
-            number(scalars.residual[i]),
-            number(scalars.high_harmonics[i]),
-        ];
-        first.into_iter().chain(amplitude.row(i).iter().skip(1).copied().map(text)).collect()
-    };
-    columns.rows = (0..branch.points.len()).map(row).collect();
-    Ok(columns)
-}
-
-/// A table in memory.
-struct Columns {
-    names: Vec<String>,
-    rows: Vec<Vec<String>>,
-}
-
-impl Columns {
-    fn new(columns: &[&str]) -> Self {
-        Self { names: names(columns), rows: Vec::new() }
-    }
-
-    fn write(self, dir: &Path, name: &str) -> Result<(), ExportError> {
-        let mut table = Table::create(dir, name, &self.names)?;
-        self.rows.into_iter().try_for_each(|row| table.row(row))?;
-        table.finish()
-    }
-}
-
-/// Rows of an array of two axes.
-struct Rows {
-    values: Vec<f64>,
-    width: usize,
-}
-
-impl Rows {
-    fn of(name: &'static str, array: &Array) -> Result<Self, ArrayError> {
-        let width = array.shape.get(1).copied().unwrap_or(0);
-        Ok(Self { values: array.values(name, &[array.len(), width])?, width })
-    }
-
-    fn row(&self, i: usize) -> &[f64] {
-        &self.values[i * self.width..(i + 1) * self.width]
-    }
 }

@@ -2,6 +2,7 @@
 
 mod atomic;
 mod contents;
+mod csv_columns;
 mod files;
 mod mat;
 mod npz;

@@ -1,6 +1,7 @@
 //! Columns are an interface; what is not finished is exported as far as it is.
 
 mod damage;
+mod documents;
 mod records;
 
 use super::table::text;
@@ -67,7 +68,7 @@ fn a_finished_run() {
     assert_eq!(columns, "omega,zeta,amplitude,r_lin,r_nl,work_per_amplitude,threshold,contribution_1");
     assert_eq!(rows.len(), study.backbone.points.len());
     let threshold: Vec<f64> = rows.iter().map(|row| row["threshold"].parse().unwrap()).collect();
-    assert!(threshold.iter().zip(&study.backbone.points).all(|(read, point)| *read == point.threshold));
+    assert!(threshold.iter().zip(&study.backbone.points).all(|(read, point)| *read == point.threshold()));
 }
 
 #[test]
@@ -115,7 +116,7 @@ fn contact_and_further_monitors() {
     let (columns, rows) = table(&dir.path().join("branches/0.02-main-1.csv"));
     assert_eq!(columns, "omega,amplitude,rms,contact,residual,high_harmonics,amplitude_x2");
     let points = &results[0].branch.as_ref().unwrap().points;
-    let amplitude = points.amplitude.values("amplitude", &[rows.len(), 2]).unwrap();
+    let amplitude = points.columns.get("amplitude").unwrap().values("amplitude", &[rows.len(), 2]).unwrap();
     for (row, pair) in rows.iter().zip(amplitude.chunks(2)) {
         assert_eq!([&row["amplitude"], &row["amplitude_x2"]].map(|t| t.parse::<f64>().unwrap()), pair);
     }

@@ -187,6 +187,9 @@ pub struct Detail {
     pub label: &'static str,
     /// How its values are written.
     pub format: Format,
+    /// Unit after the number, where the format has none.
+    #[serde(skip_serializing_if = "str::is_empty")]
+    pub unit: &'static str,
     /// Significant digits.
     pub digits: u8,
     /// One column, or one for each axis up.

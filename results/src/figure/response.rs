@@ -8,6 +8,7 @@ use super::style::{BOLD, Color, FINE, MARK, Shape, Style, THIN};
 use super::subject::{BackboneColumns, Subject, level_colors};
 use crate::curves::{Curve, Monitor};
 use solver::response::branch::SpecialKind;
+use solver::response::columns;
 
 /// Peaks and folds are marked while there are so few branches.
 pub const FEW: usize = 24;
@@ -209,24 +210,17 @@ pub fn branch_series(
     amplitude: &str,
     color: Color,
     is_crowded: bool,
-    columns: &mut ColumnStore,
+    store: &mut ColumnStore,
 ) -> Series {
-    let omega = columns.add(branch.omega.clone());
-    let y = columns.add_all(&branch.amplitude);
-    let rms = columns.add_all(&branch.rms);
-    let mut details = vec![
-        Detail::new("frequency", Format::Frequency, 6, &omega),
-        Detail { label: "amplitude", format: Format::Length, digits: 5, values: y.clone() },
-        Detail { label: "rms", format: Format::Length, digits: 5, values: rms },
-    ];
-    if branch.contact.values.iter().any(|share| share.is_finite()) {
-        details.push(Detail::new("in contact", Format::Share, 3, &columns.add(branch.contact.clone())));
+    let omega = store.add(branch.omega.clone());
+    let y = store.add_all(&branch.amplitude);
+    let mut details = vec![Detail::new("frequency", Format::Frequency, 6, &omega)];
+    for column in columns::of_points() {
+        let known = || branch.other(column.name).filter(|quantity| quantity.is_known());
+        let values =
+            if column.name == "amplitude" { Some(y.clone()) } else { known().map(|q| store.add_all(&q.values)) };
+        details.extend(values.and_then(|values| Detail::of(column, values)));
     }
-    details.extend([
-        Detail::new("residual", Format::Number, 2, &columns.add(branch.residual.clone())),
-        Detail::new("highest harmonics", Format::Number, 2, &columns.add(branch.high_harmonics.clone())),
-        Detail::new("Newton iterations", Format::Number, 3, &columns.add(branch.iterations.clone())),
-    ]);
     let is_main = branch.kind == "main";
     let is_loop = !is_main && branch.closed;
     let width = if is_main || is_crowded { THIN } else { BOLD };

@@ -2,7 +2,7 @@
 
 use super::axis::largest;
 use super::column_store::{ColumnStore, Ref};
-use super::data::{Axis, Unit};
+use super::data::{Axis, Detail, Format, Unit};
 use super::style::Color;
 use crate::curves::{BackboneCurve, Curve, Monitor, Motions, ResonanceComparison};
 use crate::overview::Level;
@@ -51,6 +51,8 @@ pub struct BackboneColumns {
     linear: Ref,
     nonlinear: Ref,
     certificate: Ref,
+    /// What is said of the columns that were added later.
+    later: Vec<Detail>,
 }
 
 impl<'r> Subject<'r> {
@@ -112,16 +114,17 @@ impl BackboneColumns {
             linear: columns.add(backbone.r_lin.clone()),
             nonlinear: columns.add(backbone.r_nl.clone()),
             certificate: columns.add(backbone.certificate.clone()),
+            later: backbone.later.iter().filter_map(|q| Detail::of(q.about, columns.add_all(&q.values))).collect(),
         }
     }
 
     /// All that is known of a point of the backbone.
-    pub fn details(&self) -> Vec<super::data::Detail> {
-        use super::data::Format::{Energy, Frequency, Length, Number, Rate, Share};
-        let row = super::data::Detail::new;
+    pub fn details(&self) -> Vec<Detail> {
+        use Format::{Energy, Frequency, Length, Number, Rate, Share};
+        let row = Detail::new;
         let mut rows = vec![
             row("frequency", Frequency, 6, &self.omega),
-            super::data::Detail { values: self.amplitude.clone(), ..row("amplitude", Length, 4, &self.omega) },
+            Detail { values: self.amplitude.clone(), ..row("amplitude", Length, 4, &self.omega) },
             row("threshold A*", Number, 4, &self.threshold),
             row("R_lin", Energy, 4, &self.linear),
             row("R_nl", Energy, 4, &self.nonlinear),
@@ -131,6 +134,7 @@ impl BackboneColumns {
         ];
         rows.extend(self.contact.iter().map(|contact| row("in contact", Share, 3, contact)));
         rows.push(row("energy certificate", Number, 2, &self.certificate));
+        rows.extend(self.later.iter().cloned());
         rows
     }
 
@@ -154,9 +158,23 @@ fn values(column: &[f64]) -> impl Iterator<Item = f64> + '_ {
     column.iter().copied()
 }
 
-impl super::data::Detail {
+impl Detail {
     /// A line with one column.
-    pub fn new(label: &'static str, format: super::data::Format, digits: u8, column: &Ref) -> Self {
-        Self { label, format, digits, values: vec![column.clone()] }
+    pub fn new(label: &'static str, format: Format, digits: u8, column: &Ref) -> Self {
+        Self { label, format, unit: "", digits, values: vec![column.clone()] }
+    }
+
+    /// A line of a column of the solver's list, with its numbers; `None` if it is shown nowhere.
+    pub fn of(about: &solver::response::columns::Column, values: Vec<Ref>) -> Option<Self> {
+        let hover = about.hover?;
+        let (format, unit) = match about.unit {
+            _ if hover.is_percentage => (Format::Share, ""),
+            "m" => (Format::Length, ""),
+            "rad/s" => (Format::Frequency, ""),
+            "1/s" => (Format::Rate, ""),
+            "J" | "J a period" => (Format::Energy, ""),
+            unit => (Format::Number, unit),
+        };
+        Some(Self { label: hover.label, format, unit, digits: hover.digits, values })
     }
 }

@@ -164,16 +164,11 @@ fn thinned(curve: &Curve) -> Curve {
     places.sort_unstable();
     places.dedup();
     let thin = |column: &Column| Column::short(places.iter().map(|&i| column.values[i]).collect());
-    let none = || Column::short(Vec::new());
     Curve {
         size: places.len(),
         omega: thin(&curve.omega),
         amplitude: curve.amplitude.iter().map(thin).collect(),
-        rms: Vec::new(),
-        contact: none(),
-        residual: none(),
-        high_harmonics: none(),
-        iterations: none(),
+        others: Vec::new(),
         ..curve.clone()
     }
 }

@@ -189,7 +189,7 @@ fn facts(header: RunHeader, model: String, stage: Option<Stage>, missing: Vec<St
 fn read_backbone(reader: &Reader, size: &Size) -> Result<Option<Backbone>> {
     let message = reader.backbone()?;
     let backbone = message.map(|message| message.backbone(size).map_err(|error| reader.corrupt(error))).transpose()?;
-    let is_somewhere = |point: &BackbonePoint| point.point.omega().is_finite() && point.arc.is_finite();
+    let is_somewhere = |point: &BackbonePoint| point.point.omega().is_finite() && point.arc().is_finite();
     match backbone {
         Some(backbone) if !backbone.points.iter().all(is_somewhere) => {
             Err(reader.corrupt("a frequency or an arc length is not a number"))

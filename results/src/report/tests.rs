@@ -36,7 +36,7 @@ fn a_finished_run() {
         let points = &result.branch.as_ref().unwrap().points;
         assert_eq!(curve.omega.values, points.motions.omega.values("omega", &[curve.size]).unwrap());
         assert_eq!(curve.amplitude.len(), study.model.monitors().len());
-        assert!(curve.contact.values.iter().all(|share| share.is_nan()));
+        assert!(curve.other("contact").unwrap().values[0].values.iter().all(|share| share.is_nan()));
     }
 
     assert_eq!(report.figures.nothing.keys().collect::<Vec<_>>(), [&"modes"]);
@@ -63,7 +63,7 @@ fn three_ways() {
     assert!(isolas.amplitude[1] > continuation.amplitude[1]);
     // The balance alone: the largest amplitude of the backbone that the forcing reaches.
     for (value, amplitude) in balance.value.iter().zip(&balance.amplitude) {
-        let reached = study.backbone.points.iter().filter(|point| point.threshold <= *value);
+        let reached = study.backbone.points.iter().filter(|point| point.threshold() <= *value);
         let largest = reached.map(|point| point.point.amplitude()).fold(0.0, f64::max);
         // At a birth the curve has the value before as well.
         let is_step = balance.value.iter().filter(|other| *other == value).count() == 2;
@@ -113,7 +113,7 @@ fn pressures_are_positive_while_nodes_touch() {
     for motion in &motions.points {
         let pressure = &motion.coefficients.values[2 * motions.harmonics + 1..];
         let share = samples(pressure).filter(|pressure| *pressure > 0.0).count() as f64 / 2000.0;
-        let stored = report.branches[motion.branch].contact.values[motion.index];
+        let stored = report.branches[motion.branch].other("contact").unwrap().values[0].values[motion.index];
         assert!((share - stored).abs() < 2e-3, "{share} and {stored}");
         touching += usize::from(stored > 0.0);
     }

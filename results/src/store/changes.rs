@@ -1,12 +1,14 @@
 //! What changes in the course of a run: tasks, attempts, results.
 
 use super::Result;
-use super::arrays::{POINT_COLUMNS, Scalars, empty_points, insert, insert_rest, of_points};
+use super::arrays::{empty_points, insert, insert_rest, of_points};
 use super::displacement::Displacements;
 use super::error::At;
 use super::extent::{Extent, contact_range};
 use super::header::{pack, set_stage};
 use super::plan::insert_plan;
+use super::points_table::POINTS;
+use super::scalars::Scalars;
 use crate::journal::{AcceptedResult, AttemptEnd, Change, Holder};
 use protocol::branch::BranchMessage;
 use protocol::codec::encode;
@@ -136,31 +138,11 @@ impl Changes<'_> {
                    SELECT ?1, level, amplitude, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14 \
                    FROM tasks JOIN levels USING (level) WHERE tasks.id = ?1";
         self.execute(sql, row)?;
-        self.points(self.db.last_insert_rowid(), &points)?;
-        insert_rest(self.db, self.file, task.as_str(), &of_points(&branch.points), &POINT_COLUMNS)?;
+        let id = Some(self.db.last_insert_rowid());
+        let held = POINTS.insert(self.db, self.file, id, &[&points.omega], &points.columns)?;
+        insert_rest(self.db, self.file, task.as_str(), &of_points(&branch.points), &held)?;
         let displacement = self.displacements.array(&branch.points.motions).at(self.file)?;
         insert(self.db, self.file, task.as_str(), "displacement", &displacement)
-    }
-
-    fn points(&self, branch: i64, points: &Scalars) -> Result<()> {
-        let sql = "INSERT INTO points (branch, i, omega, amplitude, rms, contact, residual, high_harmonics, \
-                   iterations) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9)";
-        let mut statement = self.db.prepare_cached(sql).at(self.file)?;
-        for i in 0..points.omega.len() {
-            let row = params![
-                branch,
-                i,
-                points.omega[i],
-                points.amplitude[i],
-                points.rms[i],
-                points.contact[i],
-                points.residual[i],
-                points.high_harmonics[i],
-                points.iterations[i],
-            ];
-            statement.execute(row).at(self.file)?;
-        }
-        Ok(())
     }
 }
 

@@ -1,6 +1,7 @@
 //! Connections to the file, and what tells it from other files.
 
 use super::error::At;
+use super::points_table::schema;
 use super::{FILE, StoreError};
 use rusqlite::{Connection, ErrorCode, OpenFlags};
 use std::path::{Path, PathBuf};
@@ -22,7 +23,7 @@ pub(super) fn create(file: &Path) -> Result<Connection, StoreError> {
     connection.pragma_update(None, "page_size", PAGE).at(file)?;
     connection.pragma_update(None, "application_id", APPLICATION).at(file)?;
     connection.pragma_update(None, "user_version", VERSION).at(file)?;
-    connection.execute_batch(include_str!("schema.sql")).at(file)?;
+    connection.execute_batch(&schema()).at(file)?;
     Ok(connection)
 }
 

@@ -1,6 +1,6 @@
 //! A branch in numbers.
 
-use super::arrays::Scalars;
+use super::scalars::Scalars;
 use protocol::branch::BranchMessage;
 
 /// A branch in numbers.
@@ -26,8 +26,9 @@ impl Extent {
     /// Of the points of a branch.
     pub(super) fn of_scalars(points: &Scalars) -> Self {
         let (low, high) = range(points.omega.iter().copied()).unwrap_or((f64::NAN, f64::NAN));
-        let peak = (0..points.omega.len()).max_by(|&a, &b| points.amplitude[a].total_cmp(&points.amplitude[b]));
-        let (amplitude, omega) = peak.map_or((f64::NAN, f64::NAN), |i| (points.amplitude[i], points.omega[i]));
+        let amplitude = points.get("amplitude");
+        let peak = (0..amplitude.len()).max_by(|&a, &b| amplitude[a].total_cmp(&amplitude[b]));
+        let (amplitude, omega) = peak.map_or((f64::NAN, f64::NAN), |i| (amplitude[i], points.omega[i]));
         Self { omega_min: low, omega_max: high, amplitude_max: amplitude, omega_at_max: omega }
     }
 
@@ -49,7 +50,7 @@ impl From<[f64; 4]> for Extent {
 
 /// Lowest and highest frequency at which any contact element touches.
 pub(super) fn contact_range(points: &Scalars) -> Option<(f64, f64)> {
-    let touching = points.omega.iter().zip(&points.contact).filter(|(_, contact)| contact.is_some_and(|c| c > 0.0));
+    let touching = points.omega.iter().zip(points.get("contact")).filter(|(_, contact)| **contact > 0.0);
     range(touching.map(|(&omega, _)| omega))
 }
 

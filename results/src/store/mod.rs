@@ -16,7 +16,9 @@ mod header;
 mod levels;
 mod lock;
 mod plan;
+mod points_table;
 mod reader;
+mod scalars;
 #[cfg(test)]
 mod tests;
 
@@ -28,8 +30,8 @@ pub use reader::Reader;
 pub use account::{TaskRow, WorkerCost};
 pub use levels::{BranchRow, WindowOutcome, WindowRow};
 
-pub(crate) use arrays::Scalars;
 pub(crate) use displacement::Displacements;
+pub(crate) use scalars::{Scalar, Scalars, scalars};
 
 use crate::clock::now;
 use crate::journal::Change;

@@ -1,18 +1,18 @@
 //! Backbone, windows and tasks: what is known once the backbone is.
 
-use super::arrays::{
-    BACKBONE_COLUMNS, Columns, SELECT_BACKBONE, Scalars, empty, empty_points, fill, insert, insert_rest, of_backbone,
-    of_backbone_mut,
-};
+use super::arrays::{empty_points, fill, insert, insert_rest, of_backbone, of_backbone_mut};
 use super::displacement::Displacements;
 use super::error::At;
 use super::header::{corrupt, get, pack, read_levels, set, unpack};
+use super::points_table::BACKBONE;
+use super::scalars::{Scalars, scalars};
 use super::{Result, StoreError};
 use crate::journal::{LevelPlan, SweepPlan};
 use protocol::backbone::BackboneMessage;
 use protocol::codec::{decode_stored, encode};
 use protocol::ids::TaskId;
 use rusqlite::{Connection, Row, params};
+use solver::response::columns::of_backbone_in_files;
 use solver::response::forced::Reach;
 use solver::response::seeds::{Phase, Way};
 use solver::response::task::{SeedPlace, Task};
@@ -37,8 +37,8 @@ fn insert_backbone(
     reach: &Reach,
     displacements: &Displacements,
 ) -> Result<()> {
-    insert_points(db, file, backbone)?;
-    insert_rest(db, file, OWNER, &of_backbone(backbone), &BACKBONE_COLUMNS)?;
+    let held = insert_points(db, file, backbone)?;
+    insert_rest(db, file, OWNER, &of_backbone(backbone), &held)?;
     insert(db, file, OWNER, "displacement", &displacements.array(&backbone.points.motions).at(file)?)?;
     set(db, file, "backbone", encode(&without_numbers(backbone)))?;
     set(db, file, "backbone_status", backbone.outcome.to_string())?;
@@ -54,57 +54,24 @@ fn without_numbers(backbone: &BackboneMessage) -> BackboneMessage {
         outcome: backbone.outcome,
         rejections: backbone.rejections,
         points: empty_points(&backbone.points),
-        r_lin: empty(),
-        r_nl: empty(),
-        work_per_amplitude: empty(),
-        certificate: empty(),
-        threshold: empty(),
-        arc: empty(),
-        contributions: empty(),
+        columns: backbone.columns.emptied(),
     }
 }
 
-fn insert_points(db: &Connection, file: &Path, backbone: &BackboneMessage) -> Result<()> {
-    let points = Scalars::new(&backbone.points).at(file)?;
-    let count = [backbone.points.len()];
-    let zeta = backbone.points.motions.decay.values("decay", &count).at(file)?;
-    let r_lin = backbone.r_lin.values("r_lin", &count).at(file)?;
-    let r_nl = backbone.r_nl.values("r_nl", &count).at(file)?;
-    let work = backbone.work_per_amplitude.values("work_per_amplitude", &count).at(file)?;
-    let threshold = backbone.threshold.values("threshold", &count).at(file)?;
-    let certificate = backbone.certificate.values("certificate", &count).at(file)?;
-    let arc = backbone.arc.values("arc", &count).at(file)?;
-    let sql = "INSERT INTO backbone VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15)";
-    let mut statement = db.prepare_cached(sql).at(file)?;
-    for i in 0..count[0] {
-        let row = params![
-            i,
-            points.omega[i],
-            zeta[i],
-            points.amplitude[i],
-            points.rms[i],
-            points.contact[i],
-            points.residual[i],
-            points.high_harmonics[i],
-            points.iterations[i],
-            r_lin[i],
-            r_nl[i],
-            work[i],
-            threshold[i],
-            certificate[i],
-            arc[i],
-        ];
-        statement.execute(row).at(file)?;
-    }
-    Ok(())
+/// Stores the points; returns the arrays that their table holds.
+fn insert_points(db: &Connection, file: &Path, backbone: &BackboneMessage) -> Result<Vec<&'static str>> {
+    let count = backbone.points.len();
+    let Scalars { omega, mut columns } = Scalars::new(&backbone.points).at(file)?;
+    let zeta = backbone.points.motions.decay.values("decay", &[count]).at(file)?;
+    columns.append(&mut scalars(&backbone.columns, of_backbone_in_files(), count).at(file)?);
+    BACKBONE.insert(db, file, None, &[&omega, &zeta], &columns)
 }
 
 /// The backbone, once it is known.
 pub(super) fn read_backbone(db: &Connection, file: &Path) -> Result<Option<BackboneMessage>> {
     let Some(record) = get::<Vec<u8>>(db, file, "backbone")? else { return Ok(None) };
     let mut backbone: BackboneMessage = decode_stored(&record).map_err(|error| corrupt(file, error))?;
-    let mut columns = Columns::read(db, file, &BACKBONE_COLUMNS, SELECT_BACKBONE, [])?;
-    fill(db, file, OWNER, of_backbone_mut(&mut backbone), &mut columns)?;
+    fill(db, file, (OWNER, &BACKBONE), None, of_backbone_mut(&mut backbone))?;
     Ok(Some(backbone))
 }
 

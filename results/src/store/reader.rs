@@ -1,10 +1,11 @@
 //! Reading a run, finished or in progress.
 
-use super::arrays::{Columns, POINT_COLUMNS, SELECT_POINTS, array_at, fill, number, of_points_mut};
+use super::arrays::{array_at, fill, number, of_points_mut};
 use super::error::At;
 use super::extent::Extent;
 use super::header::{corrupt, get, read_header, read_model, read_stage, unpack};
 use super::plan::{read_backbone, read_plans, read_reach};
+use super::points_table::POINTS;
 use super::{FILE, Result, RunHeader, StoreError, database};
 use crate::journal::{Holder, LevelPlan, StoredTask, TaskState};
 use protocol::array::Array;
@@ -187,8 +188,7 @@ impl Reader {
         let mut result: StoredResult = decode_stored(&record).map_err(|error| corrupt(&self.file, error))?;
         if let (Some(message), Some(id)) = (&mut result.branch, branch) {
             let (db, file) = (&self.db, &self.file);
-            let mut columns = Columns::read(db, file, &POINT_COLUMNS, SELECT_POINTS, [id])?;
-            fill(db, file, task.as_str(), of_points_mut(&mut message.points), &mut columns)?;
+            fill(db, file, (task.as_str(), &POINTS), Some(id), of_points_mut(&mut message.points))?;
         }
         let bytes = announced(&result, &expected);
         let bytes = bytes.ok_or_else(|| self.corrupt(format!("the result of task {task} is not what was stored")))?;

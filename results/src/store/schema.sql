@@ -51,30 +51,8 @@ CREATE TABLE backbone (
     omega REAL,
     -- Decay rate, 1/s.
     zeta REAL,
-    -- Largest |x| of the first monitored dof over the period.
-    amplitude REAL,
-    -- Root mean square of the first monitored dof.
-    rms REAL,
-    -- Share of the period in contact, the largest over the contact elements.
-    contact REAL,
-    -- Largest scaled residual.
-    residual REAL,
-    -- Share of the two highest harmonics in the motion.
-    high_harmonics REAL,
-    -- Newton iterations.
-    iterations INTEGER,
-    -- Work of the linear damping, J a period.
-    r_lin REAL,
-    -- Work of the nonlinear elements, J a period.
-    r_nl REAL,
-    -- Work of the forcing per unit of A, J a period.
-    work_per_amplitude REAL,
-    -- Threshold A*: forced responses are predicted above.
-    threshold REAL,
-    -- Relative error of the energy balance.
-    certificate REAL,
-    -- Scaled arc length.
-    arc REAL
+    {columns of points},
+    {columns of the backbone}
 );
 
 -- Windows: where along the backbone a level is predicted to have forced responses.
@@ -219,18 +197,7 @@ CREATE TABLE points (
     i INTEGER NOT NULL,
     -- Frequency.
     omega REAL,
-    -- Largest |x| of the first monitored dof over the period (of all of them: array `amplitude`).
-    amplitude REAL,
-    -- Root mean square of the first monitored dof (of all of them: array `rms`).
-    rms REAL,
-    -- Share of the period in contact, the largest over the contact elements (of each: array `contact`).
-    contact REAL,
-    -- Largest scaled residual.
-    residual REAL,
-    -- Share of the two highest harmonics in the motion.
-    high_harmonics REAL,
-    -- Newton iterations.
-    iterations INTEGER,
+    {columns of points},
     PRIMARY KEY (branch, i)
 ) WITHOUT ROWID;
 
@@ -239,10 +206,8 @@ CREATE TABLE points (
 --   argument       p x channels x (H + 1) x 2: arguments of the laws (contact normals: predicted pressure, N; else m)
 --   modal          p x modes x (H + 1) x 2: modal amplitudes, kg^0.5 m
 --   displacement   p x dofs x (H + 1) x 2: displacements of the dofs named in model.displacement_dofs, m
---   amplitude, rms p x monitors: largest |x| and root mean square of the monitored dofs, m
---   contact        p x contacts: share of the period in contact
 --   decay, forcing p: decay rate, 1/s (a column of `backbone`), and forcing amplitude A
---   contributions  p x modes: modal contributions, summing to 1 (backbone only)
+{arrays}
 -- Columns of `points` and `backbone` that hold a number of their own are not repeated here, unless they cannot hold it
 -- (NaN, -0).
 CREATE TABLE arrays (

@@ -5,7 +5,6 @@ use crate::curve::continuation::Continuation;
 use crate::curve::extrema::{insert_maxima, locate_maximum};
 use crate::curve::problem::Failure;
 use crate::curve::walk::{Bounds, walk, walk_both};
-use crate::formulation::harmonics::width;
 use crate::formulation::linear;
 use crate::formulation::pressure::PressureForm;
 use crate::formulation::scales::Scales;
@@ -13,6 +12,7 @@ use crate::formulation::state::State;
 use crate::formulation::unknown::Unknown;
 use crate::formulation::{Formulation, FormulationError};
 use crate::response::branch::{BranchPoint, Observer, Outcome, Stop, Visited};
+use crate::response::columns::{self, OnBackbone, Row};
 use crate::response::melnikov::Energies;
 use crate::settings::{BackboneEquation, Criterion, Settings, SettingsError};
 use crate::structure::Model;
@@ -23,16 +23,37 @@ use thiserror::Error;
 /// A point of the backbone.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct BackbonePoint {
-    /// Motion, amplitudes, contact, certificate.
+    /// Motion, and what points of any curve have.
     pub point: BranchPoint,
+    /// What a backbone has besides: [`columns::of_backbone`].
+    pub values: Row,
+}
+
+impl BackbonePoint {
     /// Energy balance.
-    pub energies: Energies,
+    pub fn energies(&self) -> Energies {
+        Energies {
+            linear: self.values.first(columns::R_LIN),
+            nonlinear: self.values.first(columns::R_NL),
+            work_per_amplitude: self.values.first(columns::WORK),
+            certificate: self.values.first(columns::CERTIFICATE),
+        }
+    }
+
     /// Threshold amplitude A*: forced responses are predicted here for A > A*.
-    pub threshold: f64,
-    /// Share of each mode: max |γ_j(t)| over a period, γ_j = Φ_jᵀ M x, divided by their sum (paper [35, 36]).
-    pub contributions: Vec<f64>,
+    pub fn threshold(&self) -> f64 {
+        self.values.first(columns::THRESHOLD)
+    }
+
+    /// Share of each mode, summing to 1.
+    pub fn contributions(&self) -> &[f64] {
+        self.values.all(columns::CONTRIBUTIONS)
+    }
+
     /// Scaled arc length from the first point.
-    pub arc: f64,
+    pub fn arc(&self) -> f64 {
+        self.values.first(columns::ARC)
+    }
 }
 
 /// A nonlinear normal mode, or a curve of phase-resonant responses.
@@ -247,9 +268,7 @@ fn with_threshold_extrema<'m, F: Formulation<'m>>(
 
 fn evaluate<'m>(problem: &mut impl Formulation<'m>, visited: Visited, arc: f64, criterion: Criterion) -> BackbonePoint {
     let energies = Energies::evaluate(problem, &visited.curve.y, &visited.point.state);
-    let nc = width(visited.point.state.harmonics);
-    let maxima: Vec<f64> = visited.point.state.modal.chunks(nc).map(|series| problem.aft().max_abs(series)).collect();
-    let sum: f64 = maxima.iter().sum();
-    let contributions = maxima.iter().map(|m| m / sum).collect();
-    BackbonePoint { point: visited.point, threshold: energies.threshold(criterion), energies, contributions, arc }
+    let (aft, state) = (problem.aft(), &visited.point.state);
+    let values = Row::of_backbone(OnBackbone { aft, state, energies, criterion, arc });
+    BackbonePoint { point: visited.point, values }
 }

@@ -4,42 +4,17 @@ use crate::curve::continuation::CurvePoint;
 pub use crate::curve::outcome::{Outcome, Stop};
 use crate::curve::walk::{self, Evaluated};
 use crate::formulation::Formulation;
-use crate::formulation::harmonics::{rms, width};
 use crate::formulation::state::State;
-use crate::structure::laws::{Law, LawKind};
+use crate::response::columns::{self, Row};
 use serde::{Deserialize, Serialize};
-
-/// Amplitude and root mean square of a monitored dof, in m.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Monitored {
-    /// Maximum of |x| over the period, between samples too.
-    pub amplitude: f64,
-    /// Root mean square over the period.
-    pub rms: f64,
-}
-
-/// What tells whether a point can be trusted.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Certificate {
-    /// Largest scaled residual.
-    pub residual: f64,
-    /// Share of the two highest harmonics in the norm of the modal amplitudes.
-    pub high_harmonics: f64,
-    /// Newton iterations.
-    pub iterations: usize,
-}
 
 /// A periodic solution on a branch or on the backbone.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct BranchPoint {
     /// Harmonics, ω, ζ and A.
     pub state: State,
-    /// Monitored dofs, in the model's order.
-    pub monitors: Vec<Monitored>,
-    /// Share of the period in contact, per contact element.
-    pub contact: Vec<f64>,
-    /// Certificate.
-    pub certificate: Certificate,
+    /// What else is known of it: [`columns::of_points`].
+    pub values: Row,
 }
 
 /// A point of a walk: as the continuation needs it and as people do.
@@ -51,33 +26,8 @@ pub type Observer<'o> = walk::Observer<'o, BranchPoint>;
 impl<'m, F: Formulation<'m>> Evaluated<F> for BranchPoint {
     fn evaluate(problem: &mut F, point: &CurvePoint) -> Self {
         let state = problem.decode(&point.y).expect("it converged, so it can be evaluated");
-        let model = problem.model();
-        let nc = width(state.harmonics);
-        let monitors = model
-            .monitors()
-            .iter()
-            .map(|&dof| {
-                let series = state.displacement(model, dof);
-                Monitored { amplitude: problem.aft().max_abs(&series), rms: rms(&series) }
-            })
-            .collect();
-        let mut contact = Vec::new();
-        let mut first = 0;
-        for element in model.elements() {
-            if matches!(element.law, LawKind::Contact(_)) {
-                contact.push(problem.aft().coverage(&state.arguments[first * nc..(first + 1) * nc], 0.0).fraction());
-            }
-            first += element.law.arguments();
-        }
-        let energy =
-            |from: usize| -> f64 { state.modal.chunks(nc).flat_map(|series| &series[from..]).map(|c| c * c).sum() };
-        let high = if state.harmonics >= 2 { energy(nc - 4) / energy(0) } else { 1.0 };
-        let certificate = Certificate {
-            residual: point.residual,
-            high_harmonics: if high.is_finite() { high.sqrt() } else { 0.0 },
-            iterations: point.iterations,
-        };
-        Self { state, monitors, contact, certificate }
+        let values = Row::of_point(problem.model(), problem.aft(), point, &state);
+        Self { state, values }
     }
 
     fn omega(&self) -> f64 {
@@ -85,14 +35,29 @@ impl<'m, F: Formulation<'m>> Evaluated<F> for BranchPoint {
     }
 
     fn amplitude(&self) -> f64 {
-        self.monitors[0].amplitude
+        self.values.first(columns::AMPLITUDE)
     }
 }
 
 impl BranchPoint {
-    /// Amplitude of the first monitored dof, in m.
+    /// Amplitude of the first monitored dof: maximum of |x| over the period, between samples too, m.
     pub fn amplitude(&self) -> f64 {
-        self.monitors[0].amplitude
+        self.values.first(columns::AMPLITUDE)
+    }
+
+    /// Amplitudes of the monitored dofs, in the model's order, m.
+    pub fn amplitudes(&self) -> &[f64] {
+        self.values.all(columns::AMPLITUDE)
+    }
+
+    /// Share of the period in contact, per contact element.
+    pub fn contact(&self) -> &[f64] {
+        self.values.all(columns::CONTACT)
+    }
+
+    /// Largest scaled residual.
+    pub fn residual(&self) -> f64 {
+        self.values.first(columns::RESIDUAL)
     }
 
     /// Frequency ω, rad/s.
@@ -147,6 +112,12 @@ impl Branch {
     /// Whether whoever observed it asked to stop.
     pub fn is_cancelled(&self) -> bool {
         matches!(self.outcome, Outcome::Open(first, last) if [first, last].contains(&Stop::Cancelled))
+    }
+
+    /// The values of the column of this name at every point; `None` if there is no such column, or a point is without.
+    pub fn column(&self, name: &str) -> Option<Vec<&[f64]>> {
+        let place = columns::of_points().position(|column| column.name == name)?;
+        self.points.iter().map(|point| point.values.get(place)).collect()
     }
 
     /// Lowest and highest frequency, rad/s.

@@ -2,6 +2,7 @@
 
 pub mod backbone;
 pub mod branch;
+pub mod columns;
 pub mod forced;
 pub mod forcing;
 pub mod level;

@@ -40,10 +40,10 @@ fn motion(backbone: &Backbone, place: f64) -> (State, f64) {
     let share = place - index as f64;
     match backbone.points.get(index + 1) {
         Some(next) if share > 0.0 => {
-            let (from, to) = (here.energies.balance(), next.energies.balance());
+            let (from, to) = (here.energies().balance(), next.energies().balance());
             (here.point.state.interpolate(&next.point.state, share), from + share * (to - from))
         }
-        _ => (here.point.state.clone(), here.energies.balance()),
+        _ => (here.point.state.clone(), here.energies().balance()),
     }
 }
 
@@ -180,7 +180,7 @@ fn land_by_forcing<'m, F: Formulation<'m>>(forced: &mut Forced<'m, F>, seed: &Se
 /// interpolated: a window may hold no more than a point or two.
 fn places(backbone: &Backbone, window: &Window, forcing: f64) -> Vec<f64> {
     let nearest = |indices: RangeInclusive<usize>, ratio: f64| {
-        let distance = |i: usize| (backbone.points[i].threshold / forcing - ratio).abs();
+        let distance = |i: usize| (backbone.points[i].threshold() / forcing - ratio).abs();
         indices.min_by(|&a, &b| distance(a).total_cmp(&distance(b))).unwrap_or(window.best)
     };
     let edge = |indices: RangeInclusive<usize>, inside: usize, outside: Option<usize>| {
@@ -204,7 +204,7 @@ fn places(backbone: &Backbone, window: &Window, forcing: f64) -> Vec<f64> {
 
 /// Where the balance passes ±`level` between a point below it and a neighbouring point above it.
 fn crossing(backbone: &Backbone, inside: usize, outside: usize, level: f64) -> Option<f64> {
-    let balance = |index: usize| backbone.points[index].energies.balance();
+    let balance = |index: usize| backbone.points[index].energies().balance();
     let (from, to) = (balance(inside), balance(outside));
     let share = (level.copysign(to) - from) / (to - from);
     let forwards = if outside > inside { share } else { -share };

@@ -24,7 +24,7 @@ pub fn windows(backbone: &Backbone, forcing: f64) -> Vec<Window> {
     let mut windows = Vec::new();
     let mut first = None;
     for (index, point) in backbone.points.iter().enumerate() {
-        let inside = point.threshold < forcing;
+        let inside = point.threshold() < forcing;
         match (inside, first) {
             (true, None) => first = Some(index),
             (false, Some(begin)) => {
@@ -45,7 +45,7 @@ impl Window {
     /// predicted to have been passed, but forced responses on its two sides may still be separate.
     pub fn wells(&self, backbone: &Backbone) -> Vec<Window> {
         let points = &backbone.points[self.first..=self.last];
-        let logs: Vec<f64> = points.iter().map(|p| p.threshold.ln()).collect();
+        let logs: Vec<f64> = points.iter().map(|p| p.threshold().ln()).collect();
         let barriers = turning_points(&logs, PROMINENCE)
             .into_iter()
             .filter(|&(i, is_maximum)| is_maximum && i > 0 && i + 1 < points.len())
@@ -63,10 +63,10 @@ impl Window {
     fn covering(backbone: &Backbone, first: usize, last: usize) -> Option<Window> {
         let range = first..=last;
         let best =
-            range.clone().min_by(|&a, &b| backbone.points[a].threshold.total_cmp(&backbone.points[b].threshold))?;
+            range.clone().min_by(|&a, &b| backbone.points[a].threshold().total_cmp(&backbone.points[b].threshold()))?;
         let omegas = range.map(|i| backbone.points[i].point.omega());
         let omega = omegas.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), w| (low.min(w), high.max(w)));
-        Some(Window { first, last, best, threshold: backbone.points[best].threshold, omega })
+        Some(Window { first, last, best, threshold: backbone.points[best].threshold(), omega })
     }
 }
 
@@ -103,17 +103,17 @@ const PROMINENCE: f64 = 1e-3;
 /// Births and merges along the backbone, alternating, in its order. The start of the backbone is not a birth: the main
 /// response is always there.
 pub fn events(backbone: &Backbone) -> Vec<Event> {
-    let logs: Vec<f64> = backbone.points.iter().map(|p| p.threshold.ln()).collect();
+    let logs: Vec<f64> = backbone.points.iter().map(|p| p.threshold().ln()).collect();
     turning_points(&logs, PROMINENCE)
         .into_iter()
         .filter(|&(index, _)| index > 0 && index + 1 < logs.len())
         .map(|(index, is_maximum)| {
             let point = &backbone.points[index];
-            let others = point.contributions.iter().enumerate().filter(|&(j, _)| j != backbone.mode);
+            let others = point.contributions().iter().enumerate().filter(|&(j, _)| j != backbone.mode);
             Event {
                 kind: if is_maximum { EventKind::Merge } else { EventKind::Birth },
                 index,
-                threshold: point.threshold,
+                threshold: point.threshold(),
                 omega: point.point.omega(),
                 amplitude: point.point.amplitude(),
                 mode: others.max_by(|a, b| a.1.total_cmp(b.1)).map(|(j, _)| j),

@@ -40,7 +40,7 @@ fn elastic_friction_dissipates_the_area_of_its_loop() {
     let curve = backbone(&model, &settings);
     let (mut sticking, mut sliding) = (0, 0);
     for point in &curve.points {
-        let (a, loss) = (point.point.amplitude(), point.energies.nonlinear);
+        let (a, loss) = (point.point.amplitude(), point.energies().nonlinear);
         if a < limit / k {
             assert!(loss.abs() < 1e-12 * limit * a, "a = {a}: {loss}");
             assert!(
@@ -70,7 +70,7 @@ fn rubbing_dissipates_the_area_of_its_loop() {
     let curve = backbone(&model, &settings);
     let (mut slow, mut fast) = (0, 0);
     for point in &curve.points {
-        let (a, loss) = (point.point.amplitude(), point.energies.nonlinear);
+        let (a, loss) = (point.point.amplitude(), point.energies().nonlinear);
         let peak = point.point.omega() * a;
         // ∮ F tanh(v/v₀) dx by the rectangle rule, which is spectrally accurate on a period.
         let count = 20_000;

@@ -131,7 +131,7 @@ fn a_main_branch_that_never_touches_is_that_of_a_dense_solve() {
         let errors: Vec<(f64, f64)> = branch.points.iter().map(|p| linear_error(&model, &c, &p.state)).collect();
         let peak = errors.iter().fold(0.0f64, |m, e| m.max(e.1));
         for (point, (error, _)) in branch.points.iter().zip(errors) {
-            assert_eq!(point.contact, [0.0]);
+            assert_eq!(point.contact(), [0.0]);
             assert!(error < 1e-10 * peak, "proportional {proportional}, {} rad/s: {error:e}", point.omega());
         }
         assert!(branch.points.len() > 50);

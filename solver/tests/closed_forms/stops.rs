@@ -81,7 +81,7 @@ fn contact_between_two_bodies_is_that_of_one_body_before_a_stop() {
         // Where modal amplitudes follow from the forces they agree as far as the residual of one body allows, 1e-11.
         let moved = y.iter().zip(&completed).fold(0.0f64, |m, (a, b)| m.max((a - b).abs()));
         assert!(residual < 1e-10 && moved < 1e-10, "{} rad/s: {residual:e} {moved:e}", point.omega());
-        touching += usize::from(point.contact[0] > 0.0);
+        touching += usize::from(point.contact()[0] > 0.0);
     }
     assert!(touching > 100 && branch.peak().amplitude() > 0.14, "{touching} {}", branch.peak().amplitude());
 }

@@ -48,8 +48,7 @@ fn check_branch(branch: &Branch, what: &str) {
         }
     }
     for point in &branch.points {
-        let certificate = point.certificate;
-        assert!(certificate.residual <= 1e-8, "{what}: residual {} at {}", certificate.residual, point.omega());
+        assert!(point.residual() <= 1e-8, "{what}: residual {} at {}", point.residual(), point.omega());
         assert_eq!(point.state.forcing, branch.forcing, "{what}");
         assert_eq!(point.state.decay, 0.0, "{what}");
     }

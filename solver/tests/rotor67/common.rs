@@ -75,7 +75,7 @@ pub fn quiet(_: &BranchPoint) -> ControlFlow<()> {
 
 /// Whether any node touches during the period.
 pub fn touches(point: &BranchPoint) -> bool {
-    point.contact.iter().any(|&share| share > 0.0)
+    point.contact().iter().any(|&share| share > 0.0)
 }
 
 /// Highest frequency of the branch in contact, rad/s: a main branch goes on to its bound without.

@@ -8,7 +8,6 @@ use protocol::to_everyone::{Amplitude, Manifest, Stage};
 use protocol::to_worker::{Grant, Known};
 use solver::formulation::modal::Modal;
 use solver::response::backbone::Backbone;
-use solver::response::branch::BranchPoint;
 use solver::response::forced::Reach;
 use solver::response::task::Task;
 use solver::settings::Settings;

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from typing import Any, TypeVar
 
@@ -10,7 +10,7 @@ import numpy as np
 
 from ..errors import Corrupt
 from . import words
-from .wire import Complexes, Floats, array, harmonics, variant
+from .wire import Complexes, Floats, array, harmonics, is_array, variant
 
 T = TypeVar("T")
 
@@ -308,6 +308,8 @@ class Curve:
     high_harmonics: Floats = field(repr=False)
     #: Newton iterations [p].
     iterations: Floats = field(repr=False)
+    #: All columns that were sent, also those that have no attribute here, by the names of ``MESSAGES.md`` [p, …].
+    columns: Mapping[str, Floats] = field(repr=False)
     #: Complex harmonics of the modal amplitudes [p, n, H + 1], kg^½·m.
     modal: Complexes = field(repr=False)
     #: Complex harmonics of the arguments of all laws [p, arguments, H + 1]: predicted pressure in N for the first
@@ -347,10 +349,16 @@ class Curve:
         return np.real(values @ np.exp(angles))
 
 
-def curve_fields(message: dict[str, Any], model: Model) -> dict[str, Any]:
-    """Fields of a :class:`Curve` from a `points` part of a message."""
+def columns_of(message: dict[str, Any]) -> dict[str, Floats]:
+    """The arrays of real numbers among the fields of a message."""
+    return {name: array(value) for name, value in message.items() if is_array(value)}
+
+
+def curve_fields(message: dict[str, Any], model: Model, **others: Floats) -> dict[str, Any]:
+    """Fields of a :class:`Curve` from a `points` part of a message; `others` are columns that stand beside it."""
     motions = message["motions"]
     names = ("rms", "contact", "residual", "high_harmonics", "iterations")
+    columns = {**columns_of(message), **others}
     read = {
         "omega": array(motions["omega"]),
         "decay": array(motions["decay"]),
@@ -364,7 +372,9 @@ def curve_fields(message: dict[str, Any], model: Model) -> dict[str, Any]:
     if any(values.shape[:1] != (count,) for values in read.values()) or read["modal"].shape[1] != modes:
         shapes = {name: values.shape for name, values in read.items()}
         raise Corrupt(f"arrays do not fit a model of {modes} modes: {shapes}")
-    return {**read, "model": model}
+    # What is not known may be of something else than points.
+    columns = {name: values for name, values in columns.items() if values.shape[:1] == (count,)}
+    return {**read, "columns": columns, "model": model}
 
 
 @dataclass(frozen=True, eq=False)
@@ -398,7 +408,7 @@ class Backbone(Curve):
         names = ("r_lin", "r_nl", "work_per_amplitude", "certificate", "threshold", "arc", "contributions")
         arrays: dict[str, Any] = {name: array(message[name]) for name in names}
         return cls(
-            **curve_fields(message["points"], model),
+            **curve_fields(message["points"], model, **columns_of(message)),
             mode=message["mode"],
             outcome=words.outcome(message["outcome"]),
             rejections=message["rejections"],

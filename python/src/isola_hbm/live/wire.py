@@ -56,6 +56,11 @@ def array(message: dict[str, Any]) -> Floats:
         raise Corrupt(f"not an array: {error}") from error
 
 
+def is_array(value: Any) -> bool:
+    """Whether a part of a message is meant as an array of numbers that are known here."""
+    return isinstance(value, dict) and {"dtype", "shape", "data"} <= value.keys() and value["dtype"] == "<f8"
+
+
 def harmonics(message: dict[str, Any]) -> Complexes:
     """Array whose last axis is (re, im), as complex numbers without that axis. Read-only, without a copy."""
     values = array(message)

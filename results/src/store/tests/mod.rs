@@ -1,5 +1,6 @@
 //! What is stored comes back; what is not a run is told.
 
+mod columns;
 mod files;
 mod writing;
 
@@ -125,8 +126,10 @@ fn numbers_that_columns_cannot_hold_come_back() {
         let values = array.values("spoilt", &[array.len()]).unwrap();
         Array::new(array.shape.clone(), values.into_iter().enumerate().map(|(i, v)| *odd.get(i).unwrap_or(&v)))
     };
-    points.residual = spoil(&points.residual);
-    points.iterations = spoil(&points.iterations);
+    for name in ["residual", "iterations"] {
+        let array = points.columns.get_mut(name).unwrap();
+        *array = spoil(array);
+    }
     result.seconds = f64::NAN;
     let (task, attempt, outcome) = (result.task.clone(), result.attempt, result.outcome);
     let done = Change::Done { task: task.clone(), attempt, outcome, sequence: 1 };

@@ -1,0 +1,71 @@
+//! The tables of columns in the documents follow from the list of the solver. `UPDATE_DOCUMENTS=always` writes them anew.
+
+use solver::response::columns::{Axis, Column, of_backbone, of_backbone_in_files, of_points};
+use std::fs;
+use std::path::Path;
+
+/// Shape of the array of a column.
+fn shape(column: &Column, modes: &str) -> String {
+    match column.axis {
+        Axis::Point => "p".into(),
+        Axis::Monitors => "p × monitors".into(),
+        Axis::Contacts => "p × contacts".into(),
+        Axis::Modes => format!("p × {modes}"),
+    }
+}
+
+/// The meaning of a column in a cell of a table.
+fn meaning(column: &Column) -> String {
+    column.description().replace('|', r"\|")
+}
+
+/// Rows of `EXPORTS.md`, of a group.
+fn exported(group: &str, list: impl Iterator<Item = &'static Column>) -> String {
+    let row = |column: &Column| {
+        format!("| `{group}{}` | real | {} | {} |\n", column.name, shape(column, "modes"), meaning(column))
+    };
+    list.map(row).collect()
+}
+
+/// Rows of `MESSAGES.md`.
+fn sent(list: impl Iterator<Item = &'static Column>) -> String {
+    let later = |column: &Column| if column.is_later { "; absent from earlier programs" } else { "" };
+    let row = |column: &Column| {
+        format!("| `{}` | array {} | {}{} |\n", column.name, shape(column, "n"), meaning(column), later(column))
+    };
+    list.map(row).collect()
+}
+
+/// The document with these rows after the line that begins with the first text, up to one that begins with the second, or
+/// an empty one.
+fn with_rows(document: &str, (after, before): (&str, &str), rows: &str) -> String {
+    let lines: Vec<&str> = document.split_inclusive('\n').collect();
+    let start = lines.iter().position(|line| line.starts_with(after)).unwrap_or_else(|| panic!("no line {after}")) + 1;
+    let is_end = |line: &&str| line.starts_with(before) || line.trim().is_empty();
+    let end = start + lines[start..].iter().position(is_end).unwrap();
+    lines[..start].concat() + rows + &lines[end..].concat()
+}
+
+fn assert_rows(file: &str, expected: impl Fn(&str) -> String) {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(file);
+    let document = fs::read_to_string(&path).unwrap();
+    let expected = expected(&document);
+    if std::env::var("UPDATE_DOCUMENTS").is_ok_and(|value| value == "always") {
+        fs::write(&path, &expected).unwrap();
+    } else {
+        assert!(document == expected, "{file} has other columns than the list: UPDATE_DOCUMENTS=always writes them");
+    }
+}
+
+#[test]
+fn tables_of_columns_are_those_of_the_list() {
+    assert_rows("EXPORTS.md", |document| {
+        let backbone = exported("backbone.", of_points().chain(of_backbone_in_files()));
+        let document = with_rows(document, ("| `backbone.displacement`", "| `windows."), &backbone);
+        with_rows(&document, ("| `displacement`", "| `displacement_dofs`"), &exported("", of_points()))
+    });
+    assert_rows("../protocol/MESSAGES.md", |document| {
+        let document = with_rows(document, ("| `motions` | *motions* | |", "\n"), &sent(of_points()));
+        with_rows(&document, ("| `points` | *points* | |", "\n"), &sent(of_backbone()))
+    });
+}

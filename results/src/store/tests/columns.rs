@@ -1,0 +1,46 @@
+//! Columns come and go with the programs: files of earlier and of later ones are read and written.
+
+use super::*;
+use protocol::columns::Columns;
+use solver::response::columns::of_points;
+
+#[test]
+fn a_file_without_some_columns_is_written_and_read() {
+    let (study, dir) = (Study::damper(), tempdir().unwrap());
+    let mut store = Store::create(dir.path(), &study.header()).unwrap();
+    let sql = "ALTER TABLE points DROP COLUMN residual; ALTER TABLE points DROP COLUMN rms; \
+               ALTER TABLE backbone DROP COLUMN certificate; ALTER TABLE backbone DROP COLUMN contact";
+    store.reader.parts_mut().0.execute_batch(sql).unwrap();
+    store.commit(&[Change::Planned(Arc::new(study.plan())), Change::Stage(Stage::Sweep)]).unwrap();
+    let (_, results) = study.finished(&dir.path().join("whole"));
+    assert_eq!(store.backbone().unwrap(), Some(study.plan().backbone));
+    let result = results[0].clone();
+    let (task, attempt, outcome) = (result.task.clone(), result.attempt, result.outcome);
+    let done = Change::Done { task: task.clone(), attempt, outcome, sequence: 1 };
+    store.commit(&[done, Change::Result(accepted(result.clone(), 1))]).unwrap();
+    assert_eq!(store.result(&task).unwrap(), Some(result));
+}
+
+#[test]
+fn a_column_of_a_later_program_comes_back_from_its_place() {
+    let (study, dir) = (Study::damper(), tempdir().unwrap());
+    let (_, results) = study.finished(&dir.path().join("a"));
+    let (mut store, mut sweep) = study.begin(&dir.path().join("b"));
+    let granted = sweep.lease(&mut store, 0).unwrap();
+    let mut result = results.iter().find(|result| result.task == granted.task).unwrap().clone();
+    let points = &mut result.branch.as_mut().unwrap().points;
+    let count = points.len();
+    let known = of_points().map(|column| (column.name, points.columns.get(column.name).unwrap().clone()));
+    let later = ("of tomorrow", Array::new([count], vec![1.5; count]));
+    points.columns = Columns::from_iter(known.chain([later]).collect::<Vec<_>>());
+    let (task, attempt, outcome) = (result.task.clone(), result.attempt, result.outcome);
+    let done = Change::Done { task: task.clone(), attempt, outcome, sequence: 1 };
+    let bytes = encode(&result);
+    store.commit(&[done, Change::Result(accepted(result, 1))]).unwrap();
+    assert_eq!(store.encoded_result(&task).unwrap().unwrap(), bytes);
+    // As the later program stores it.
+    let sql = "DELETE FROM arrays WHERE name = 'of tomorrow'; ALTER TABLE points ADD COLUMN \"of tomorrow\" REAL; \
+               UPDATE points SET \"of tomorrow\" = 1.5";
+    store.reader.parts_mut().0.execute_batch(sql).unwrap();
+    assert_eq!(store.encoded_result(&task).unwrap().unwrap(), bytes);
+}

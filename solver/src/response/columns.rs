@@ -1,0 +1,368 @@
+//! Columns: what is known of every point of a curve besides its motion.
+//!
+//! Two lists: what points of any curve have, and what points of a backbone have besides. Everything that carries, stores,
+//! writes or shows columns follows them. Columns are added at the end and are later ([`Column::later`]), as results of before
+//! do not have them.
+
+use crate::curve::continuation::CurvePoint;
+use crate::formulation::aft::Aft;
+use crate::formulation::harmonics::{rms, width};
+use crate::formulation::state::State;
+use crate::response::melnikov::Energies;
+use crate::settings::Criterion;
+use crate::structure::Model;
+use crate::structure::laws::{Law, LawKind};
+use serde::{Deserialize, Serialize};
+
+/// What a column has a number for, at each point.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Axis {
+    /// The point.
+    Point,
+    /// Every monitored dof.
+    Monitors,
+    /// Every contact element.
+    Contacts,
+    /// Every mode.
+    Modes,
+}
+
+/// What the numbers of a column are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Number {
+    /// Measured.
+    Real,
+    /// Counted.
+    Integer,
+}
+
+/// Where a column stands in a CSV file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Csv {
+    /// Nowhere.
+    No,
+    /// One number a row: of the first monitored dof, the largest over the contact elements.
+    One,
+    /// One for every mode, `PREFIX_1`, …; or, of the monitored dofs, for the first one, and at the end `PREFIX_NAME` for
+    /// each of the others.
+    Every(&'static str),
+}
+
+/// How the page shows a column beside the pointer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Hover {
+    /// Name of the quantity.
+    pub label: &'static str,
+    /// Significant digits.
+    pub digits: u8,
+    /// Whether it is a share in per cent.
+    pub is_percentage: bool,
+}
+
+/// A column.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Column {
+    /// Name on the wire, in tables and files.
+    pub name: &'static str,
+    /// Unit; empty without one.
+    pub unit: &'static str,
+    /// What it has numbers for.
+    pub axis: Axis,
+    /// What they are.
+    pub number: Number,
+    /// What it means, in words.
+    pub meaning: &'static str,
+    /// Whether results of the first programs are without it.
+    pub is_later: bool,
+    /// On the page, if it is shown there.
+    pub hover: Option<Hover>,
+    /// In the CSV files of branches.
+    pub branch_csv: Csv,
+    /// In the CSV file of the backbone.
+    pub backbone_csv: Csv,
+}
+
+impl Column {
+    /// A column that is shown nowhere.
+    pub const fn new(name: &'static str, unit: &'static str, axis: Axis, meaning: &'static str) -> Self {
+        let (number, is_later, hover, none) = (Number::Real, false, None, Csv::No);
+        Self { name, unit, axis, number, meaning, is_later, hover, branch_csv: none, backbone_csv: none }
+    }
+
+    /// Of integers.
+    pub const fn of_integers(self) -> Self {
+        Self { number: Number::Integer, ..self }
+    }
+
+    /// Added after the first programs: what they computed does not have it.
+    pub const fn later(self) -> Self {
+        Self { is_later: true, ..self }
+    }
+
+    /// Shown on the page.
+    pub const fn hover(self, label: &'static str, digits: u8) -> Self {
+        Self { hover: Some(Hover { label, digits, is_percentage: false }), ..self }
+    }
+
+    /// Shown on the page, in per cent.
+    pub const fn percentage(self, label: &'static str, digits: u8) -> Self {
+        Self { hover: Some(Hover { label, digits, is_percentage: true }), ..self }
+    }
+
+    /// Written into CSV files: of branches, of the backbone.
+    pub const fn csv(self, branch_csv: Csv, backbone_csv: Csv) -> Self {
+        Self { branch_csv, backbone_csv, ..self }
+    }
+
+    /// What it means, with its unit.
+    pub fn description(&self) -> String {
+        if self.unit.is_empty() { self.meaning.into() } else { format!("{}, {}", self.meaning, self.unit) }
+    }
+}
+
+/// A converged point of a curve, as its columns are computed from it.
+struct Converged<'p> {
+    /// The structure.
+    model: &'p Model,
+    /// Frequency–time work space of the curve's truncation.
+    aft: &'p mut Aft,
+    /// Where Newton's method ended.
+    curve: &'p CurvePoint,
+    /// The motion there.
+    state: &'p State,
+    /// Displacements of the monitored dofs, m.
+    monitored: Vec<Vec<f64>>,
+}
+
+/// A column of points of any curve.
+struct PointColumn {
+    column: Column,
+    compute: fn(&mut Converged<'_>) -> Vec<f64>,
+}
+
+/// What points of any curve have, in the order of the wire.
+static POINTS: [PointColumn; 6] = [
+    PointColumn {
+        column: Column::new("amplitude", "m", Axis::Monitors, "largest |x| over the period")
+            .hover("amplitude", 5)
+            .csv(Csv::Every("amplitude"), Csv::One),
+        compute: |at| at.monitored.iter().map(|series| at.aft.max_abs(series)).collect(),
+    },
+    PointColumn {
+        column: Column::new("rms", "m", Axis::Monitors, "root mean square over the period")
+            .hover("rms", 5)
+            .csv(Csv::One, Csv::No),
+        compute: |at| at.monitored.iter().map(|series| rms(series)).collect(),
+    },
+    PointColumn {
+        column: Column::new("contact", "", Axis::Contacts, "share of the period in contact")
+            .percentage("in contact", 3)
+            .csv(Csv::One, Csv::No),
+        compute: contact,
+    },
+    PointColumn {
+        column: Column::new("residual", "", Axis::Point, "largest scaled residual")
+            .hover("residual", 2)
+            .csv(Csv::One, Csv::No),
+        compute: |at| vec![at.curve.residual],
+    },
+    PointColumn {
+        column: Column::new("high_harmonics", "", Axis::Point, "share of the two highest harmonics in the motion")
+            .hover("highest harmonics", 2)
+            .csv(Csv::One, Csv::No),
+        compute: |at| vec![high_harmonics(at.state)],
+    },
+    PointColumn {
+        column: Column::new("iterations", "", Axis::Point, "Newton iterations")
+            .of_integers()
+            .hover("Newton iterations", 3),
+        compute: |at| vec![at.curve.iterations as f64],
+    },
+];
+
+/// Share of the period in contact, per contact element.
+fn contact(at: &mut Converged<'_>) -> Vec<f64> {
+    let (nc, model) = (width(at.state.harmonics), at.model);
+    let (mut shares, mut first) = (Vec::new(), 0);
+    for element in model.elements() {
+        if matches!(element.law, LawKind::Contact(_)) {
+            let pressure = &at.state.arguments[first * nc..(first + 1) * nc];
+            shares.push(at.aft.coverage(pressure, 0.0).fraction());
+        }
+        first += element.law.arguments();
+    }
+    shares
+}
+
+/// Share of the two highest harmonics in the norm of the modal amplitudes.
+fn high_harmonics(state: &State) -> f64 {
+    let nc = width(state.harmonics);
+    let energy =
+        |from: usize| -> f64 { state.modal.chunks(nc).flat_map(|series| &series[from..]).map(|c| c * c).sum() };
+    let high = if state.harmonics >= 2 { energy(nc - 4) / energy(0) } else { 1.0 };
+    if high.is_finite() { high.sqrt() } else { 0.0 }
+}
+
+/// A converged point of a backbone, as its columns are computed from it.
+pub(super) struct OnBackbone<'p> {
+    /// Frequency–time work space of the curve's truncation.
+    pub aft: &'p mut Aft,
+    /// Its motion.
+    pub state: &'p State,
+    /// Energy balance there.
+    pub energies: Energies,
+    /// What the threshold is.
+    pub criterion: Criterion,
+    /// Scaled arc length from the first point.
+    pub arc: f64,
+}
+
+/// A column that a backbone has besides.
+struct BackboneColumn {
+    column: Column,
+    compute: fn(&mut OnBackbone<'_>) -> Vec<f64>,
+}
+
+/// What points of a backbone have besides, in the order of the wire.
+static BACKBONE: [BackboneColumn; 7] = [
+    BackboneColumn {
+        column: Column::new("r_lin", "J a period", Axis::Point, "work of the linear damping")
+            .hover("R_lin", 4)
+            .csv(Csv::No, Csv::One),
+        compute: |at| vec![at.energies.linear],
+    },
+    BackboneColumn {
+        column: Column::new("r_nl", "J a period", Axis::Point, "work of the nonlinear elements")
+            .hover("R_nl", 4)
+            .csv(Csv::No, Csv::One),
+        compute: |at| vec![at.energies.nonlinear],
+    },
+    BackboneColumn {
+        column: Column::new(
+            "work_per_amplitude",
+            "J a period",
+            Axis::Point,
+            "largest work of the forcing per unit of A",
+        )
+        .csv(Csv::No, Csv::One),
+        compute: |at| vec![at.energies.work_per_amplitude],
+    },
+    BackboneColumn {
+        column: Column::new("certificate", "", Axis::Point, "relative error of the energy balance")
+            .hover("energy certificate", 2),
+        compute: |at| vec![at.energies.certificate],
+    },
+    BackboneColumn {
+        column: Column::new(
+            "threshold",
+            "",
+            Axis::Point,
+            "threshold A*: forced responses are predicted for A > A*; infinite where the forcing does no work",
+        )
+        .hover("threshold A*", 4)
+        .csv(Csv::No, Csv::One),
+        compute: |at| vec![at.energies.threshold(at.criterion)],
+    },
+    BackboneColumn { column: Column::new("arc", "", Axis::Point, "scaled arc length"), compute: |at| vec![at.arc] },
+    BackboneColumn {
+        column: Column::new("contributions", "", Axis::Modes, "modal contributions, summing to 1")
+            .csv(Csv::No, Csv::Every("contribution")),
+        compute: contributions,
+    },
+];
+
+/// Share of each mode: max |γ_j(t)| over a period, γ_j = Φ_jᵀ M x, divided by their sum (paper [35, 36]).
+fn contributions(at: &mut OnBackbone<'_>) -> Vec<f64> {
+    let nc = width(at.state.harmonics);
+    let maxima: Vec<f64> = at.state.modal.chunks(nc).map(|series| at.aft.max_abs(series)).collect();
+    let sum: f64 = maxima.iter().sum();
+    maxima.iter().map(|maximum| maximum / sum).collect()
+}
+
+/// Columns of points of any curve, in the order of the wire.
+pub fn of_points() -> impl ExactSizeIterator<Item = &'static Column> + Clone {
+    POINTS.iter().map(|entry| &entry.column)
+}
+
+/// Columns that a backbone has besides, in the order of the wire.
+pub fn of_backbone() -> impl ExactSizeIterator<Item = &'static Column> + Clone {
+    BACKBONE.iter().map(|entry| &entry.column)
+}
+
+/// Columns that a backbone has besides, in the order of tables and files: there the threshold has its place before the
+/// certificate.
+pub fn of_backbone_in_files() -> impl Iterator<Item = &'static Column> + Clone {
+    let place = |i: usize| match i {
+        CERTIFICATE => THRESHOLD,
+        THRESHOLD => CERTIFICATE,
+        i => i,
+    };
+    (0..BACKBONE.len()).map(move |i| &BACKBONE[place(i)].column)
+}
+
+/// The values of a point, by place in the list of its columns.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Row(Vec<Option<Vec<f64>>>);
+
+impl Row {
+    /// Of values in the order of the list; `None`: there are none, of a column that was added later.
+    pub fn new(values: Vec<Option<Vec<f64>>>) -> Self {
+        Self(values)
+    }
+
+    /// Of a converged point of any curve.
+    pub(super) fn of_point(model: &Model, aft: &mut Aft, curve: &CurvePoint, state: &State) -> Self {
+        let displacement = |&dof: &usize| state.combine(model.modes().shapes.row(dof).iter().copied());
+        let monitored = model.monitors().iter().map(displacement).collect();
+        let mut at = Converged { model, aft, curve, state, monitored };
+        Self(POINTS.iter().map(|entry| Some((entry.compute)(&mut at))).collect())
+    }
+
+    /// Of a converged point of a backbone.
+    pub(super) fn of_backbone(mut at: OnBackbone<'_>) -> Self {
+        Self(BACKBONE.iter().map(|entry| Some((entry.compute)(&mut at))).collect())
+    }
+
+    /// The values at a place of the list; `None` if there are none.
+    pub fn get(&self, place: usize) -> Option<&[f64]> {
+        self.0.get(place)?.as_deref()
+    }
+
+    /// The values of a column that every point has; none if it is not there.
+    pub(super) fn all(&self, place: usize) -> &[f64] {
+        self.get(place).unwrap_or_default()
+    }
+
+    /// The value of a column that every point has; NaN if it is not there.
+    pub(super) fn first(&self, place: usize) -> f64 {
+        self.all(place).first().copied().unwrap_or(f64::NAN)
+    }
+}
+
+const fn is_same(a: &str, b: &str) -> bool {
+    let (a, b) = (a.as_bytes(), b.as_bytes());
+    let mut i = 0;
+    while i < a.len() && i < b.len() && a[i] == b[i] {
+        i += 1;
+    }
+    i == a.len() && i == b.len()
+}
+
+/// Places of columns that the numerics use: a name that is not in the list does not compile.
+macro_rules! places {
+    ($($list:ident: $($place:ident = $name:literal),+;)+) => {
+        $($(pub(super) const $place: usize = {
+            let mut place = 0;
+            while !is_same($list[place].column.name, $name) {
+                place += 1;
+            }
+            place
+        };)+)+
+    };
+}
+
+places! {
+    POINTS: AMPLITUDE = "amplitude", CONTACT = "contact", RESIDUAL = "residual";
+    BACKBONE: R_LIN = "r_lin", R_NL = "r_nl", WORK = "work_per_amplitude", CERTIFICATE = "certificate",
+        THRESHOLD = "threshold", ARC = "arc", CONTRIBUTIONS = "contributions";
+}
