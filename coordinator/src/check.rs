@@ -5,8 +5,8 @@ use protocol::to_everyone::Amplitude;
 use results::words::{count, number};
 use solver::formulation::harmonics::width;
 use solver::settings::Quadrature;
-use solver::structure::laws::{Contact, Law, LawKind};
-use solver::structure::{Damping, Model};
+use solver::structure::Model;
+use solver::structure::laws::{Law, RigidContact};
 use std::f64::consts::TAU;
 
 /// Eigenfrequencies shown.
@@ -37,14 +37,9 @@ pub fn report(study: &Study) -> String {
     lines.into_iter().map(|(what, text)| format!("{what:<12}{text}\n")).collect()
 }
 
-fn contacts(model: &Model) -> Vec<&Contact> {
-    let laws = model.elements().iter().map(|element| &element.law);
-    laws.filter_map(|law| if let LawKind::Contact(contact) = law { Some(contact) } else { None }).collect()
-}
-
 fn size(model: &Model) -> String {
-    let contacts = contacts(model).len();
-    let others = model.elements().iter().filter(|element| !matches!(element.law, LawKind::Contact(_)));
+    let contacts = model.contacts().count();
+    let others = model.elements().iter().filter(|element| element.law.rigid().is_none());
     let names: Vec<&str> = others.map(|element| element.name.as_str()).collect();
     let laws = match names.len() {
         0 => "no other laws".to_string(),
@@ -60,11 +55,7 @@ fn mode(study: &Study, j: usize) -> String {
     if omega <= RIGID * model.modes().frequencies[model.size() - 1] {
         return format!("{:>2}  rigid body{followed}", j + 1);
     }
-    let damping = match model.damping() {
-        Damping::Modal(diagonal) => diagonal[j],
-        Damping::Full(matrix) => matrix[(j, j)],
-    };
-    let (hertz, ratio) = (number(omega / TAU), number(damping / (2.0 * omega)));
+    let (hertz, ratio) = (number(omega / TAU), number(model.damping().diagonal(j) / (2.0 * omega)));
     format!("{:>2}  {:>10} rad/s  {hertz:>10} Hz  damping ratio {ratio}{followed}", j + 1, number(omega))
 }
 
@@ -74,13 +65,13 @@ fn forcing(model: &Model) -> String {
 }
 
 fn contact(model: &Model) -> String {
-    let contacts = contacts(model);
+    let contacts: Vec<RigidContact<'_>> = model.contacts().map(|contact| contact.law).collect();
     if contacts.is_empty() {
         return "none".into();
     }
     let gap = span(contacts.iter().map(|contact| 1e3 * contact.gap));
     let epsilon = span(contacts.iter().map(|contact| contact.epsilon));
-    let rubbing = contacts.iter().filter_map(|contact| contact.friction.as_ref());
+    let rubbing = contacts.iter().filter_map(|contact| contact.friction);
     let friction = match span(rubbing.clone().map(|friction| friction.coefficient)) {
         text if text.is_empty() => "no friction".into(),
         text => format!("friction {text}, sense {}", span(rubbing.clone().map(|friction| friction.sense))),
@@ -111,7 +102,7 @@ fn harmonics(study: &Study) -> String {
 
 /// Unknowns of a forced response when every element acts.
 fn unknowns(study: &Study) -> String {
-    let channels: usize = study.model.elements().iter().map(|element| element.law.arguments()).sum();
+    let channels = study.model.arguments();
     let coefficients = width(study.settings.harmonics.count);
     format!(
         "at most {} ({} × {coefficients} coefficients), plus the frequency and resonant modal amplitudes",

@@ -136,13 +136,11 @@ pub struct Size {
 impl Size {
     /// Of a model.
     pub fn of(model: &solver::structure::Model) -> Self {
-        use solver::structure::laws::{Law, LawKind};
-        let contacts = model.elements().iter().filter(|element| matches!(element.law, LawKind::Contact(_)));
         Self {
-            channels: model.elements().iter().map(|element| element.law.arguments()).sum(),
+            channels: model.arguments(),
             modes: model.size(),
             monitors: model.monitors().len(),
-            contacts: contacts.count(),
+            contacts: model.contacts().count(),
         }
     }
 

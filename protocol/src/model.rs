@@ -70,9 +70,9 @@ impl From<&Model> for ModelMessage {
             stiffness: matrix(model.stiffness()),
             frequencies: Array::new([n], model.modes().frequencies.iter().copied()),
             shapes: matrix(&model.modes().shapes),
-            damping: match model.damping() {
-                Damping::Modal(c) => Array::new([n], c.iter().copied()),
-                Damping::Full(c) => matrix(c),
+            damping: match model.damping().uncoupled() {
+                Some(rates) => Array::new([n], rates.iter().copied()),
+                None => matrix(&model.damping().matrix()),
             },
             forcing: Array::new([n], model.forcing().shape.iter().copied()),
             forcing_harmonic: model.forcing().harmonic,

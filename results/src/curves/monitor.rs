@@ -2,7 +2,6 @@
 
 use serde::Serialize;
 use solver::structure::Model;
-use solver::structure::laws::LawKind;
 
 /// A monitored dof.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -16,12 +15,8 @@ pub struct Monitor {
 /// Monitored dofs, with their clearances where they are normal to the casing.
 pub fn monitors(model: &Model) -> Vec<Monitor> {
     let gap = |dof: usize| {
-        model.elements().iter().find_map(|element| match &element.law {
-            LawKind::Contact(law) => {
-                matches!(element.channels[0][..], [(normal, _)] if normal == dof).then_some(law.gap)
-            }
-            _ => None,
-        })
+        let at_dof = |channels: &[Vec<(usize, f64)>]| matches!(channels[0][..], [(normal, _)] if normal == dof);
+        model.contacts().find(|contact| at_dof(&contact.element.channels)).map(|contact| contact.law.gap)
     };
     model.monitors().iter().map(|&dof| Monitor { name: model.dofs()[dof].clone(), gap: gap(dof) }).collect()
 }

@@ -8,8 +8,7 @@ use protocol::to_everyone::StoredResult;
 use serde::Serialize;
 use solver::formulation::harmonics::width;
 use solver::formulation::state::State;
-use solver::structure::Model;
-use solver::structure::laws::{Law, LawKind};
+use solver::structure::{ContactElement, Model};
 
 /// A place whose motion is drawn.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -55,15 +54,13 @@ pub fn nodes(model: &Model) -> Vec<Node> {
         let along = |j: usize| dofs.iter().map(|&(dof, share)| share * model.modes().shapes[(dof, j)]).sum();
         (0..model.size()).map(along).collect::<Vec<f64>>()
     };
-    let mut nodes = Vec::new();
-    let mut argument = 0;
-    for element in model.elements() {
-        if let LawKind::Contact(law) = &element.law {
-            let (name, gap) = (element.name.clone(), Some(law.gap));
-            nodes.push(Node { name, gap, shape: shape(&element.channels[0]), pressure: Some(argument) });
-        }
-        argument += element.law.arguments();
-    }
+    let touching = |contact: ContactElement<'_>| Node {
+        name: contact.element.name.clone(),
+        gap: Some(contact.law.gap),
+        shape: shape(&contact.element.channels[0]),
+        pressure: Some(contact.first),
+    };
+    let mut nodes: Vec<Node> = model.contacts().map(touching).collect();
     if nodes.is_empty() {
         let monitored = |&dof: &usize| Node {
             name: model.dofs()[dof].clone(),

@@ -16,7 +16,7 @@ use protocol::to_everyone::StoredResult;
 use solver::response::branch::{Outcome, SpecialKind};
 use solver::response::columns::{self, Axis, Column};
 use solver::response::task::BranchId;
-use solver::structure::laws::LawKind;
+use solver::structure::laws::Law;
 
 /// What the contents of all files are read with.
 pub(super) struct Contents<'r> {
@@ -39,7 +39,7 @@ impl Names {
     /// Of a model; `None` if its arrays do not fit.
     fn new(model: &ModelMessage) -> Option<Self> {
         let displacements = Displacements::new(model).ok()?;
-        let contacts = model.elements.iter().filter(|element| matches!(element.law, LawKind::Contact(_)));
+        let contacts = model.elements.iter().filter(|element| element.law.rigid().is_some());
         let arguments = model
             .elements
             .iter()

@@ -12,7 +12,7 @@ use rusqlite::types::FromSql;
 use rusqlite::{Connection, OptionalExtension, ToSql, params};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
-use solver::structure::laws::LawKind;
+use solver::structure::laws::Law;
 use std::path::{Path, PathBuf};
 
 /// Bytes for the program itself.
@@ -71,7 +71,7 @@ pub(super) fn insert_header(db: &Connection, file: &Path, header: &RunHeader) ->
 fn insert_model(db: &Connection, file: &Path, model: &ModelMessage) -> Result<()> {
     let displacements = Displacements::new(model).at(file)?;
     let json = |names: Vec<&str>| serde_json::to_string(&names).expect("a list of names");
-    let contacts = model.elements.iter().filter(|element| matches!(element.law, LawKind::Contact(_)));
+    let contacts = model.elements.iter().filter(|element| element.law.rigid().is_some());
     let values = params![
         model.name,
         json(model.dofs.iter().map(String::as_str).collect()),

@@ -5,8 +5,7 @@ use crate::formulation::harmonics::{complex, set_complex, width};
 use crate::formulation::receptance::Receptance;
 use crate::formulation::state::{Parameters, State};
 use crate::linalg::LinalgError;
-use crate::structure::Damping;
-use crate::structure::laws::{Law, LawKind};
+use crate::structure::laws::Law;
 use rustfft::num_complex::Complex64;
 
 /// Linear response to the forcing of amplitude `forcing` at response frequency `omega` (rad/s).
@@ -35,11 +34,7 @@ pub fn mode_motion<'m>(problem: &impl Formulation<'m>, mode: usize) -> State {
     let model = problem.model();
     let nc = width(problem.harmonics());
     let omega = model.modes().frequencies[mode];
-    let damping = match model.damping() {
-        _ if !problem.unknown().is_damped() => 0.0,
-        Damping::Modal(c) => c[mode],
-        Damping::Full(c) => c[(mode, mode)],
-    };
+    let damping = if problem.unknown().is_damped() { model.damping().diagonal(mode) } else { 0.0 };
     let ratio = damping / (2.0 * omega);
     let mut modal = vec![0.0; model.size() * nc];
     // X_1 = −i b: motion b sin ωt.
@@ -61,16 +56,13 @@ pub fn below_first_touch<'m>(problem: &impl Formulation<'m>, mut state: State) -
     let nc = width(state.harmonics);
     let largest = state.modal.iter().fold(0.0f64, |m, q| m.max(q.abs()));
     let mut factor = f64::INFINITY;
-    let mut channel = 0;
-    for element in problem.model().elements() {
+    for (channel, element) in problem.model().numbered() {
         let series = state.combine(problem.modal().shape(channel).iter().copied());
         let reach: f64 = (1..=nc / 2).map(|k| complex(&series, k).norm()).sum();
-        factor = factor.min(match &element.law {
-            LawKind::Contact(contact) if contact.gap > 0.0 => 0.99 * contact.gap / reach,
-            LawKind::PenaltySpring(spring) if spring.gap > 0.0 => 0.99 * spring.gap / reach,
+        factor = factor.min(match element.law.clearance() {
+            Some(gap) if gap > 0.0 => 0.99 * gap / reach,
             _ => 1e-3 * problem.scales().modal / largest,
         });
-        channel += element.law.arguments();
     }
     if !factor.is_finite() {
         factor = problem.scales().modal / largest;

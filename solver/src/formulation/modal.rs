@@ -3,7 +3,7 @@
 use crate::formulation::harmonics::complex;
 use crate::formulation::state::State;
 use crate::structure::Model;
-use crate::structure::laws::{Law, LawKind};
+use crate::structure::laws::Law;
 use rustfft::num_complex::Complex64;
 
 /// What a formulation, energies and seeds need of a model's forcing and channels: b̂ = Φᵀb for every channel bᵀx that a law
@@ -25,12 +25,12 @@ impl Modal {
         let modes = model.size();
         let (mut shapes, mut open) = (Vec::new(), Vec::new());
         for element in model.elements() {
-            for (i, combination) in element.channels.iter().take(element.law.arguments()).enumerate() {
+            for (i, combination) in element.channels.iter().enumerate() {
                 shapes.extend((0..modes).map(|j| {
                     combination.iter().map(|&(dof, factor)| factor * model.modes().shapes[(dof, j)]).sum::<f64>()
                 }));
-                open.push(match &element.law {
-                    LawKind::Contact(contact) if i == 0 => (contact.epsilon, contact.epsilon * contact.gap),
+                open.push(match element.law.rigid() {
+                    Some(contact) if i == 0 => (contact.epsilon, contact.epsilon * contact.gap),
                     _ => (1.0, 0.0),
                 });
             }

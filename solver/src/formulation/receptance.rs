@@ -109,8 +109,8 @@ impl Receptance {
 
     fn invert(&mut self, k: usize) -> Result<(), LinalgError> {
         let (n, lambda) = (self.modes, self.point.lambda(k));
-        self.inverse[k] = match &self.damping {
-            Damping::Modal(c) => {
+        self.inverse[k] = match self.damping.uncoupled() {
+            Some(c) => {
                 let mut diagonal = match std::mem::replace(&mut self.inverse[k], Inverse::Diagonal(Vec::new())) {
                     Inverse::Diagonal(buffer) => buffer,
                     Inverse::Full(_) => vec![Complex64::default(); n],
@@ -123,14 +123,14 @@ impl Receptance {
                 }
                 Inverse::Diagonal(diagonal)
             }
-            Damping::Full(c) => {
+            None => {
                 let others: Vec<usize> = (0..n).filter(|&j| !self.kept_at(k).any(|kept| kept == j)).collect();
                 let m = others.len();
                 let mut d = vec![Complex64::default(); m * m];
                 let mut identity = d.clone();
                 for (a, &i) in others.iter().enumerate() {
                     for (b, &j) in others.iter().enumerate() {
-                        d[a * m + b] = lambda * c[(i, j)];
+                        d[a * m + b] = lambda * self.damping.entry(i, j);
                     }
                     d[a * m + a] += lambda * lambda + self.squares[i];
                     identity[a * m + a] = Complex64::new(1.0, 0.0);
@@ -165,31 +165,25 @@ impl Receptance {
     /// (D̂ y)_j at harmonic k.
     pub fn stiffness_times(&self, k: usize, j: usize, y: &[Complex64]) -> Complex64 {
         let lambda = self.point.lambda(k);
-        let damping: Complex64 = match &self.damping {
-            Damping::Modal(c) => c[j] * y[j],
-            Damping::Full(c) => c.row(j).iter().zip(y).map(|(c, y)| c * y).sum(),
-        };
-        lambda * lambda * y[j] + lambda * damping + self.squares[j] * y[j]
+        lambda * lambda * y[j] + lambda * self.damping.row_times(j, y) + self.squares[j] * y[j]
     }
 
     /// out = (∂D̂/∂λ) y = (2λ + Ĉ) y at harmonic k.
     pub fn rate_times(&self, k: usize, y: &[Complex64], out: &mut [Complex64]) {
         let twice = 2.0 * self.point.lambda(k);
         for j in 0..self.modes {
-            out[j] = twice * y[j]
-                + match &self.damping {
-                    Damping::Modal(c) => c[j] * y[j],
-                    Damping::Full(c) => c.row(j).iter().zip(y).map(|(c, y)| c * y).sum(),
-                };
+            out[j] = twice * y[j] + self.damping.row_times(j, y);
         }
     }
 
     /// Column D̂_oκ of the dynamic stiffness at harmonic k for a kept mode, zero on the kept modes; `None` if the modes
     /// are not coupled.
     pub fn coupling(&self, k: usize, mode: usize) -> Option<Vec<Complex64>> {
-        let Damping::Full(c) = &self.damping else { return None };
+        if self.damping.uncoupled().is_some() {
+            return None;
+        }
         let lambda = self.point.lambda(k);
-        let mut column: Vec<Complex64> = (0..self.modes).map(|i| lambda * c[(i, mode)]).collect();
+        let mut column: Vec<Complex64> = (0..self.modes).map(|i| lambda * self.damping.entry(i, mode)).collect();
         for kept in self.kept_at(k) {
             column[kept] = Complex64::default();
         }
@@ -200,12 +194,7 @@ impl Receptance {
     pub fn entry(&self, k: usize, i: usize, j: usize) -> Complex64 {
         let lambda = self.point.lambda(k);
         let diagonal = if i == j { lambda * lambda + self.squares[i] } else { Complex64::default() };
-        diagonal
-            + match &self.damping {
-                Damping::Modal(c) if i == j => lambda * c[i],
-                Damping::Modal(_) => Complex64::default(),
-                Damping::Full(c) => lambda * c[(i, j)],
-            }
+        diagonal + lambda * self.damping.entry(i, j)
     }
 
     /// Receptances between the channels `channels` at harmonic k, into `re` and `im` (count × count, row-major).

@@ -3,8 +3,8 @@
 use crate::formulation::aft::{Aft, ElementForce, Rate};
 use crate::formulation::harmonics::width;
 use crate::settings::{HarmonicSettings, Quadrature};
-use crate::structure::laws::{Law, LawKind, with_law};
-use crate::structure::{Damping, Model};
+use crate::structure::Model;
+use crate::structure::laws::{Law, with_law};
 use serde::{Deserialize, Serialize};
 
 /// Reference length, frequency, modal amplitude and forcing amplitude.
@@ -30,22 +30,15 @@ impl Scales {
         // A monitored dof on a node of the mode would make the scale meaningless.
         let largest = shape.iter().fold(0.0f64, |m, s| m.max(s.abs()));
         let phi = shape[model.monitors()[0]].abs().max(1e-3 * largest);
-        let gap = |law: &LawKind| match law {
-            LawKind::Contact(contact) => contact.gap,
-            LawKind::PenaltySpring(spring) => spring.gap,
-            _ => 0.0,
-        };
-        let smallest = model.elements().iter().map(|e| gap(&e.law)).filter(|&g| g > 0.0).fold(f64::INFINITY, f64::min);
+        let gaps = model.elements().iter().filter_map(|element| element.law.clearance());
+        let smallest = gaps.filter(|&g| g > 0.0).fold(f64::INFINITY, f64::min);
         let length = if smallest.is_finite() {
             smallest
         } else {
             characteristic_amplitude(model, tracked, &shape, frequency).unwrap_or(1.0) * phi
         };
         let modal = length / phi;
-        let damping = match model.damping() {
-            Damping::Modal(c) => c[tracked],
-            Damping::Full(c) => c[(tracked, tracked)],
-        };
+        let damping = model.damping().diagonal(tracked);
         let projections = model.modes().shapes.transpose().mul_vec(&model.forcing().shape);
         let force = projections.iter().fold(0.0f64, |m, f| m.max(f.abs()));
         let forcing = modal * frequency * damping.max(1e-3 * frequency) / force;
@@ -60,7 +53,7 @@ fn characteristic_amplitude(model: &Model, tracked: usize, shape: &[f64], freque
     let ratio = |amplitude: f64, aft: &mut Aft| -> f64 {
         let mut force = [0.0; 2];
         // A contact without gap scales with the motion: it sets no length.
-        for element in model.elements().iter().filter(|element| !matches!(element.law, LawKind::Contact(_))) {
+        for element in model.elements().iter().filter(|element| element.law.rigid().is_none()) {
             let count = element.law.arguments();
             let reach: Vec<f64> = element
                 .channels

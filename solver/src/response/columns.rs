@@ -11,7 +11,6 @@ use crate::formulation::state::State;
 use crate::response::melnikov::Energies;
 use crate::settings::Criterion;
 use crate::structure::Model;
-use crate::structure::laws::{Law, LawKind};
 use serde::{Deserialize, Serialize};
 
 /// What a column has a number for, at each point.
@@ -182,16 +181,10 @@ static POINTS: [PointColumn; 6] = [
 
 /// Share of the period in contact, per contact element.
 fn contact(at: &mut Converged<'_>) -> Vec<f64> {
-    let (nc, model) = (width(at.state.harmonics), at.model);
-    let (mut shares, mut first) = (Vec::new(), 0);
-    for element in model.elements() {
-        if matches!(element.law, LawKind::Contact(_)) {
-            let pressure = &at.state.arguments[first * nc..(first + 1) * nc];
-            shares.push(at.aft.coverage(pressure, 0.0).fraction());
-        }
-        first += element.law.arguments();
-    }
-    shares
+    let nc = width(at.state.harmonics);
+    let pressure = |first: usize| &at.state.arguments[first * nc..(first + 1) * nc];
+    let mut share = |first| at.aft.coverage(pressure(first), 0.0).fraction();
+    at.model.contacts().map(|contact| share(contact.first)).collect()
 }
 
 /// Share of the two highest harmonics in the norm of the modal amplitudes.
@@ -312,7 +305,7 @@ impl Row {
 
     /// Of a converged point of any curve.
     pub(super) fn of_point(model: &Model, aft: &mut Aft, curve: &CurvePoint, state: &State) -> Self {
-        let displacement = |&dof: &usize| state.combine(model.modes().shapes.row(dof).iter().copied());
+        let displacement = |&dof: &usize| state.displacement(model, dof);
         let monitored = model.monitors().iter().map(displacement).collect();
         let mut at = Converged { model, aft, curve, state, monitored };
         Self(POINTS.iter().map(|entry| Some((entry.compute)(&mut at))).collect())

@@ -82,12 +82,6 @@ fn dissipation(damping: &Damping, state: &State) -> f64 {
         let (x, y) = (state.mode(i), state.mode(j));
         (1..=state.harmonics).map(|k| (k * k) as f64 * (x[2 * k - 1] * y[2 * k - 1] + x[2 * k] * y[2 * k])).sum()
     };
-    let sum: f64 = match damping {
-        Damping::Modal(c) => c.iter().enumerate().map(|(j, c)| c * product(j, j)).sum(),
-        Damping::Full(c) => {
-            let entries = (0..c.rows()).flat_map(|i| (0..c.cols()).map(move |j| (i, j)));
-            entries.map(|(i, j)| c[(i, j)] * product(i, j)).sum()
-        }
-    };
+    let sum: f64 = damping.entries().map(|(i, j, c)| c * product(i, j)).sum();
     PI * state.omega * sum
 }

@@ -26,8 +26,8 @@ mod inverse;
 mod local;
 
 use crate::linalg::{LinalgError, Matrix};
-use crate::structure::laws::LawKind;
-use crate::structure::{Damping, Model};
+use crate::structure::Model;
+use crate::structure::laws::Law;
 use contacts::Contacts;
 use inverse::Inverse;
 use local::LocalLaw;
@@ -145,7 +145,7 @@ impl<'m> Marching<'m> {
         let laws: Vec<_> = model
             .elements()
             .iter()
-            .filter(|element| !matches!(element.law, LawKind::Contact(_)))
+            .filter(|element| element.law.rigid().is_none())
             .map(|element| LocalLaw::new(element, shapes, speed))
             .collect();
         let squares: Vec<f64> = model.modes().frequencies.iter().map(|w| w * w).collect();
@@ -196,10 +196,7 @@ impl<'m> Marching<'m> {
         for law in &mut self.laws {
             law.start(&self.y, &velocity, &mut self.force);
         }
-        let damping = match self.model.damping() {
-            Damping::Modal(rates) => rates.iter().zip(&velocity).map(|(c, v)| c * v).collect(),
-            Damping::Full(matrix) => matrix.mul_vec(&velocity),
-        };
+        let damping = self.model.damping().times(&velocity);
         for j in 0..n {
             let acceleration = self.force[j] - damping[j];
             self.increment[j] = self.step * velocity[j] - 0.5 * self.step * self.step * acceleration;

@@ -9,7 +9,7 @@ use super::layers::Layers;
 use super::parts::{DampingParts, ForcingShape};
 use super::{Element, Model, matrix_market};
 use crate::linalg::Matrix;
-use crate::structure::laws::{Contact, Friction, LawKind};
+use crate::structure::laws::{Contact, Friction, Law, LawKind};
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -299,7 +299,7 @@ impl Builder<'_> {
                 return Err(ModelError::value(self.origin.place(format!("laws[{i}]")), value, remedy));
             }
         };
-        if matches!(config.law, LawKind::Contact(_)) {
+        if config.law.rigid().is_some() {
             let remedy = "rigid contact is described under [[contact.nodes]]";
             return Err(ModelError::value(self.origin.place(key("law")), "contact", remedy));
         }

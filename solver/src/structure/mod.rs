@@ -16,7 +16,7 @@ mod restore;
 
 pub use error::{ModelError, Place};
 pub use layers::Layers;
-pub use model::{Damping, Element, Forcing, Model, Modes};
+pub use model::{ContactElement, Damping, Element, Forcing, Model, Modes};
 pub use parts::{DampingParts, ForcingShape, ModelParts};
 pub use restore::ModelData;
 

@@ -1,7 +1,8 @@
 //! The model: what all of the numerics ask.
 
-use super::laws::LawKind;
+use super::laws::{Law, LawKind, RigidContact};
 use crate::linalg::Matrix;
+use rustfft::num_complex::Complex64;
 
 /// A linear structure with nonlinear elements and one forcing shape, n dofs. It is always valid.
 #[derive(Debug, Clone)]
@@ -35,6 +36,64 @@ pub enum Damping {
     Full(Matrix),
 }
 
+impl Damping {
+    /// The diagonal of Ĉ, if nothing couples the modes.
+    pub fn uncoupled(&self) -> Option<&[f64]> {
+        match self {
+            Self::Modal(rates) => Some(rates),
+            Self::Full(_) => None,
+        }
+    }
+
+    /// Ĉ_jj, 1/s.
+    pub fn diagonal(&self, j: usize) -> f64 {
+        self.entry(j, j)
+    }
+
+    /// Ĉ_ij, 1/s.
+    pub fn entry(&self, i: usize, j: usize) -> f64 {
+        match self {
+            Self::Modal(rates) if i == j => rates[i],
+            Self::Modal(_) => 0.0,
+            Self::Full(matrix) => matrix[(i, j)],
+        }
+    }
+
+    /// The entries (i, j, Ĉ_ij) that can differ from zero, row by row.
+    pub fn entries(&self) -> impl Iterator<Item = (usize, usize, f64)> + '_ {
+        let (n, coupled) = match self {
+            Self::Modal(rates) => (rates.len(), false),
+            Self::Full(matrix) => (matrix.rows(), true),
+        };
+        let columns = move |i| if coupled { 0..n } else { i..i + 1 };
+        (0..n).flat_map(move |i| columns(i).map(move |j| (i, j, self.entry(i, j))))
+    }
+
+    /// Ĉ as a matrix, n × n.
+    pub fn matrix(&self) -> Matrix {
+        match self {
+            Self::Modal(rates) => Matrix::diagonal(rates),
+            Self::Full(matrix) => matrix.clone(),
+        }
+    }
+
+    /// Ĉ v, v a velocity in modal coordinates.
+    pub fn times(&self, v: &[f64]) -> Vec<f64> {
+        match self {
+            Self::Modal(rates) => rates.iter().zip(v).map(|(c, v)| c * v).collect(),
+            Self::Full(matrix) => matrix.mul_vec(v),
+        }
+    }
+
+    /// (Ĉ y)_j of complex modal amplitudes.
+    pub fn row_times(&self, j: usize, y: &[Complex64]) -> Complex64 {
+        match self {
+            Self::Modal(rates) => rates[j] * y[j],
+            Self::Full(matrix) => matrix.row(j).iter().zip(y).map(|(c, y)| c * y).sum(),
+        }
+    }
+}
+
 /// External force f(t) = A s cos(mωt).
 #[derive(Debug, Clone)]
 pub struct Forcing {
@@ -54,6 +113,17 @@ pub struct Element {
     pub channels: Vec<Vec<(usize, f64)>>,
     /// The law.
     pub law: LawKind,
+}
+
+/// A rigid contact of a model.
+#[derive(Debug, Clone, Copy)]
+pub struct ContactElement<'m> {
+    /// The element.
+    pub element: &'m Element,
+    /// What its law is made of.
+    pub law: RigidContact<'m>,
+    /// Number of its first argument, its normal, among the arguments of all laws.
+    pub first: usize,
 }
 
 impl Model {
@@ -105,5 +175,28 @@ impl Model {
     /// Dofs whose amplitude is reported, one or more; the first one is the one that plots and bounds use.
     pub fn monitors(&self) -> &[usize] {
         &self.monitors
+    }
+
+    /// Number of arguments of all laws.
+    pub fn arguments(&self) -> usize {
+        self.elements.iter().map(|element| element.law.arguments()).sum()
+    }
+
+    /// The elements, each with the number of its first argument among the arguments of all laws.
+    pub fn numbered(&self) -> impl Iterator<Item = (usize, &Element)> {
+        self.elements.iter().scan(0, |next, element| {
+            let first = *next;
+            *next += element.law.arguments();
+            Some((first, element))
+        })
+    }
+
+    /// The rigid contacts, in the order of the elements.
+    pub fn contacts(&self) -> impl Iterator<Item = ContactElement<'_>> {
+        let contact = |(first, element): (usize, _)| {
+            let element: &Element = element;
+            element.law.rigid().map(|law| ContactElement { element, law, first })
+        };
+        self.numbered().filter_map(contact)
     }
 }

@@ -1,7 +1,7 @@
 //! Exact condensation of the physical dynamic stiffness to the dofs that carry nonlinear forces (paper [6]).
 
 use crate::linalg::{LinalgError, Matrix, solve_complex};
-use crate::structure::{Damping, Model};
+use crate::structure::Model;
 use rustfft::num_complex::Complex64;
 
 /// Physical matrices, partitioned into the dofs kept (r) and the others (l).
@@ -42,13 +42,9 @@ impl Condensation {
     pub fn new(model: &Model, kept: Vec<usize>, tracked: usize) -> Self {
         let n = model.size();
         let weighted = model.mass().matmul(&model.modes().shapes);
-        let modal = match model.damping() {
-            Damping::Modal(c) => Matrix::diagonal(c),
-            Damping::Full(c) => c.clone(),
-        };
         Self {
             mass: model.mass().clone(),
-            damping: weighted.matmul(&modal).matmul(&weighted.transpose()),
+            damping: weighted.matmul(&model.damping().matrix()).matmul(&weighted.transpose()),
             stiffness: model.stiffness().clone(),
             others: (0..n).filter(|i| !kept.contains(i)).collect(),
             kept,

@@ -29,7 +29,7 @@ use crate::formulation::{Formulation, FormulationError};
 use crate::linalg::{LinalgError, Lu, Matrix, dot};
 use crate::settings::HarmonicSettings;
 use crate::structure::Model;
-use crate::structure::laws::{Law, LawKind};
+use crate::structure::laws::{Law, LawKind, RigidContact};
 use condensation::{Condensation, Condensed};
 use rustfft::num_complex::Complex64;
 
@@ -101,27 +101,22 @@ impl<'m> DisplacementForm<'m> {
         }
         let harmonics = truncation.count;
         let nc = width(harmonics);
-        let channels = |element: &'m crate::structure::Element| element.channels.iter().take(element.law.arguments());
-        let mut kept: Vec<usize> = model.elements().iter().flat_map(channels).flatten().map(|&(dof, _)| dof).collect();
+        let channels = model.elements().iter().flat_map(|element| &element.channels);
+        let mut kept: Vec<usize> = channels.flatten().map(|&(dof, _)| dof).collect();
         kept.sort_unstable();
         kept.dedup();
         let (mut parts, mut names) = (Vec::new(), Vec::new());
-        let mut first = 0;
-        for element in model.elements() {
+        for (first, element) in model.numbered() {
             let local = |channel: &Vec<(usize, f64)>| {
                 channel.iter().map(|&(dof, factor)| (kept.partition_point(|&k| k < dof), factor)).collect()
             };
-            let contact = match &element.law {
-                LawKind::Contact(c) => Some(Normal { index: names.len(), epsilon: c.epsilon, gap: c.gap }),
-                _ => None,
-            };
+            let normal = |c: RigidContact<'_>| Normal { index: names.len(), epsilon: c.epsilon, gap: c.gap };
+            let contact = element.law.rigid().map(normal);
             if contact.is_some() {
                 names.push(element.name.as_str());
             }
-            let channels: Vec<Vec<(usize, f64)>> = channels(element).map(local).collect();
-            let count = channels.len();
+            let channels = element.channels.iter().map(local).collect();
             parts.push(Part { law: element.law.clone(), first, channels, contact });
-            first += count;
         }
         let contacts: Vec<&Part> = parts.iter().filter(|part| part.contact.is_some()).collect();
         let normals = directions(kept.len(), contacts.iter().map(|part| &part.channels[0]));
@@ -134,7 +129,7 @@ impl<'m> DisplacementForm<'m> {
         Ok(Self {
             forces: parts.iter().map(|_| ElementForce::default()).collect(),
             displacement: vec![0.0; unknowns],
-            arguments: vec![0.0; first * nc],
+            arguments: vec![0.0; model.arguments() * nc],
             metric: vec![1.0; unknowns + parameters],
             condensation: Condensation::new(model, kept, tracked),
             aft: Aft::new(truncation),

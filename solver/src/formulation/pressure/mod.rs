@@ -170,7 +170,7 @@ fn slots(model: &Model, modal: &Modal, scales: &Scales) -> (Vec<Slot>, Vec<Chann
     let (mut slots, mut channels) = (Vec::new(), Vec::new());
     for element in model.elements() {
         let count = element.law.arguments();
-        let is_contact = matches!(element.law, LawKind::Contact(_));
+        let is_contact = element.law.rigid().is_some();
         let pattern = element.law.pattern();
         let depends = |i: usize, j: &usize| pattern.du[i][*j] || pattern.dv[i][*j];
         let reach = std::array::from_fn(|i| (0..count).rev().find(|j| depends(i, j)).map_or(0, |j| j + 1));

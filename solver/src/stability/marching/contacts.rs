@@ -4,8 +4,7 @@ use super::complementarity::{Complementarity, Unsolvable};
 use super::inverse::Inverse;
 use super::{dot, modal_rows};
 use crate::linalg::{Matrix, axpy};
-use crate::structure::Model;
-use crate::structure::laws::LawKind;
+use crate::structure::{ContactElement, Model};
 
 /// One contact element.
 struct Node {
@@ -42,9 +41,8 @@ impl Contacts {
     /// Contacts of `model` at a rotor speed in rad/s.
     pub fn new(model: &Model, inverse: &Inverse, speed: f64) -> Self {
         let (mut nodes, mut channels) = (Vec::new(), Vec::new());
-        for element in model.elements() {
-            let LawKind::Contact(law) = &element.law else { continue };
-            let friction = law.friction.as_ref().map(|friction| Sliding {
+        for ContactElement { element, law, .. } in model.contacts() {
+            let friction = law.friction.map(|friction| Sliding {
                 coefficient: friction.coefficient,
                 velocity: friction.sense * friction.radius * speed,
             });

@@ -15,13 +15,14 @@ pub enum Inverse {
 impl Inverse {
     /// For a time step in s. Full damping is factorised here, once.
     pub fn new(damping: &Damping, step: f64) -> Result<Self, LinalgError> {
-        match damping {
-            Damping::Modal(rates) => {
+        match damping.uncoupled() {
+            Some(rates) => {
                 let mode =
                     |c: &f64| ((1.0 - 0.5 * c * step) / (1.0 + 0.5 * c * step), step * step / (1.0 + 0.5 * c * step));
                 Ok(Self::Diagonal(rates.iter().map(mode).collect()))
             }
-            Damping::Full(matrix) => {
+            None => {
+                let matrix = damping.matrix();
                 let n = matrix.rows();
                 let mut lu = Lu::default();
                 let a = lu.reset(n);

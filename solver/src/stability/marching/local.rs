@@ -3,7 +3,7 @@
 use super::{dot, modal_rows};
 use crate::linalg::{Matrix, axpy};
 use crate::structure::Element;
-use crate::structure::laws::{Before, Instant, Law, LawKind, MAX_ARGUMENTS, PolynomialDamper, PolynomialSpring, Term};
+use crate::structure::laws::{Before, Instant, Law, LawKind, MAX_ARGUMENTS};
 
 /// A law of the model with what it remembers of the step before.
 pub struct LocalLaw<'m> {
@@ -23,21 +23,10 @@ impl<'m> LocalLaw<'m> {
         Self { law: &element.law, rows, speed, before: Before::default(), slopes: [0.0; MAX_ARGUMENTS] }
     }
 
-    /// Largest stiffness and damping rates, k bᵀM⁻¹b in 1/s² and c bᵀM⁻¹b in 1/s, as far as they are known beforehand:
-    /// the slope of a polynomial depends on the motion, only its linear term counts here.
+    /// Largest stiffness and damping rates, k bᵀM⁻¹b in 1/s² and c bᵀM⁻¹b in 1/s, as far as they are known beforehand.
     pub fn steepest(&self) -> (f64, f64) {
-        let linear =
-            |terms: &[Term]| terms.iter().filter(|term| term.power == 1).map(|term| term.coefficient.abs()).sum();
-        let (stiffness, damping) = match self.law {
-            LawKind::PenaltySpring(law) => (law.stiffness, 0.0),
-            LawKind::Jenkins(law) => (law.stiffness, 0.0),
-            LawKind::TanhFriction(law) => (0.0, law.limit / law.velocity),
-            LawKind::PolynomialSpring(PolynomialSpring { terms }) => (linear(terms), 0.0),
-            LawKind::PolynomialDamper(PolynomialDamper { terms }) => (0.0, linear(terms)),
-            LawKind::Contact(_) => (0.0, 0.0),
-        };
         let mobility = dot(self.rows.row(0), self.rows.row(0));
-        (stiffness * mobility, damping * mobility)
+        (self.law.stiffness_bound() * mobility, self.law.damping_bound() * mobility)
     }
 
     /// Forces of the start: `velocity` is known there. A law with memory starts without force.

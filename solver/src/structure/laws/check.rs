@@ -1,4 +1,5 @@
-//! Gradient checker used by every law: exact derivatives against central differences at randomised states.
+//! Gradient checker used by every law: exact first and second derivatives against central differences at randomised
+//! states.
 
 use super::{Before, Instant, Law, MAX_ARGUMENTS, Pattern, Response};
 
@@ -32,21 +33,27 @@ impl Sequence {
         z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
         scale * ((z ^ (z >> 31)) as f64 / u64::MAX as f64 * 2.0 - 1.0)
     }
+
+    fn state(&mut self, scales: &Scales) -> (Instant, Before) {
+        let now = Instant {
+            u: scales.u.map(|scale| self.next(scale)),
+            v: scales.v.map(|scale| self.next(scale)),
+            speed: self.next(scales.speed),
+        };
+        (now, Before { u: self.next(scales.u[0]), force: self.next(scales.force) })
+    }
 }
 
-/// Panics unless every derivative of `law` agrees with central differences, and unless entries outside its pattern
-/// (and memory derivatives of a law without memory) are zero.
+/// Panics unless every first and second derivative of `law` agrees with central differences, and unless entries outside
+/// its pattern (and memory derivatives of a law without memory) are zero.
 pub fn check_gradients(law: &impl Law, scales: &Scales) {
     law.validate().unwrap();
-    let mut sequence = Sequence(1);
+    let (mut states, mut directions) = (Sequence(1), Sequence(2));
     for _ in 0..500 {
-        let now = Instant {
-            u: scales.u.map(|scale| sequence.next(scale)),
-            v: scales.v.map(|scale| sequence.next(scale)),
-            speed: sequence.next(scales.speed),
-        };
-        let before = Before { u: sequence.next(scales.u[0]), force: sequence.next(scales.force) };
+        let (now, before) = states.state(scales);
         check_state(law, scales, &now, &before);
+        let (along, before_along) = directions.state(scales);
+        check_along(law, scales, (&now, &before), (&along, &before_along));
     }
 }
 
@@ -81,6 +88,48 @@ fn check_state(law: &impl Law, scales: &Scales, now: &Instant, before: &Before) 
             let size = exact.abs().max(scales.force / scale);
             assert!((exact - difference).abs() < 1e-7 * size, "∂f{i}/∂{input:?}: {exact} against {difference}");
         }
+    }
+}
+
+/// Second derivatives in one direction: central differences of all that the law responds.
+fn check_along(law: &impl Law, scales: &Scales, at: (&Instant, &Before), direction: (&Instant, &Before)) {
+    const STEP: f64 = 1e-6;
+    let moved = |step: f64| {
+        let ((now, before), (along, before_along)) = (at, direction);
+        let add = |x: [f64; MAX_ARGUMENTS], d: [f64; MAX_ARGUMENTS]| std::array::from_fn(|i| x[i] + step * d[i]);
+        let now = Instant { u: add(now.u, along.u), v: add(now.v, along.v), speed: now.speed + step * along.speed };
+        let force = before.force + step * before_along.force;
+        entries(&law.respond(&now, &Before { u: before.u + step * before_along.u, force }))
+    };
+    let exact = entries(&law.respond_along(at.0, at.1, direction.0, direction.1));
+    let (plus, minus, sizes) = (moved(STEP), moved(-STEP), entries(&units(scales)));
+    for (i, exact) in exact.iter().enumerate() {
+        let difference = (plus[i] - minus[i]) / (2.0 * STEP);
+        // Truncation 1e-12 times the third derivatives (up to 1e4 in these units), rounding 1e-10.
+        let size = exact.abs().max(sizes[i]);
+        assert!(
+            (exact - difference).abs() < 1e-6 * size,
+            "entry {i} along {direction:?}: {exact} against {difference}"
+        );
+    }
+}
+
+/// Forces and derivatives in a row.
+fn entries(response: &Response) -> Vec<f64> {
+    let Response { force, du, dv, dspeed, du_before, dforce_before } = response;
+    let matrices = du.iter().chain(dv).flatten();
+    force.iter().chain(matrices).chain(dspeed).chain([du_before, dforce_before]).copied().collect()
+}
+
+/// The orders of magnitude of forces and derivatives.
+fn units(scales: &Scales) -> Response {
+    Response {
+        force: [scales.force; MAX_ARGUMENTS],
+        du: [scales.u.map(|u| scales.force / u); MAX_ARGUMENTS],
+        dv: [scales.v.map(|v| scales.force / v); MAX_ARGUMENTS],
+        dspeed: [scales.force / scales.speed; MAX_ARGUMENTS],
+        du_before: scales.force / scales.u[0],
+        dforce_before: 1.0,
     }
 }
 

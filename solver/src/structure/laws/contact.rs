@@ -1,6 +1,6 @@
 //! Rigid unilateral contact with permanent-sliding friction, by the dynamic Lagrangian frequency–time method (DLFT).
 
-use super::{Before, Instant, Law, ParameterError, Pattern, Response, require};
+use super::{Before, Instant, Law, ParameterError, Pattern, Response, RigidContact, require};
 use serde::{Deserialize, Serialize};
 
 /// Rigid unilateral contact (gap g = c − x_N ≥ 0, pressure λ ≥ 0, λ g = 0).
@@ -55,6 +55,23 @@ impl Law for Contact {
         true
     }
 
+    fn rigid(&self) -> Option<RigidContact<'_>> {
+        Some(RigidContact { gap: self.gap, epsilon: self.epsilon, friction: self.friction.as_ref() })
+    }
+
+    fn clearance(&self) -> Option<f64> {
+        Some(self.gap)
+    }
+
+    /// Zero: its pressures are solved for.
+    fn stiffness_bound(&self) -> f64 {
+        0.0
+    }
+
+    fn damping_bound(&self) -> f64 {
+        0.0
+    }
+
     fn validate(&self) -> Result<(), ParameterError> {
         let clearance = self.gap >= 0.0 && self.gap.is_finite();
         require("gap", self.gap, clearance, "a clearance in m, zero or above")?;
@@ -94,6 +111,37 @@ impl Law for Contact {
                 for j in 0..2 {
                     let identity = if i == j { 1.0 } else { 0.0 };
                     r.dv[i + 1][j + 1] = scale * (identity - w[i] * w[j]);
+                }
+                r.dspeed[i + 1] = r.dv[i + 1][1] * slide;
+            }
+        }
+        r
+    }
+
+    #[inline]
+    fn respond_along(&self, now: &Instant, _: &Before, along: &Instant, _: &Before) -> Response {
+        let mut r = Response::default();
+        let pressure = now.u[0];
+        if pressure <= 0.0 {
+            return r;
+        }
+        r.force[0] = along.u[0];
+        if let Some(friction) = &self.friction {
+            let slide = friction.sense * friction.radius;
+            let v = [now.v[1] + slide * now.speed, now.v[2]];
+            let dv = [along.v[1] + slide * along.speed, along.v[2]];
+            let norm = v[0].hypot(v[1]);
+            let w = [v[0] / norm, v[1] / norm];
+            let dnorm = w[0] * dv[0] + w[1] * dv[1];
+            let dw = [(dv[0] - w[0] * dnorm) / norm, (dv[1] - w[1] * dnorm) / norm];
+            let scale = friction.coefficient * pressure / norm;
+            let dscale = (friction.coefficient * along.u[0] - scale * dnorm) / norm;
+            for i in 0..2 {
+                r.force[i + 1] = friction.coefficient * (along.u[0] * w[i] + pressure * dw[i]);
+                r.du[i + 1][0] = friction.coefficient * dw[i];
+                for j in 0..2 {
+                    let identity = if i == j { 1.0 } else { 0.0 };
+                    r.dv[i + 1][j + 1] = dscale * (identity - w[i] * w[j]) - scale * (dw[i] * w[j] + w[i] * dw[j]);
                 }
                 r.dspeed[i + 1] = r.dv[i + 1][1] * slide;
             }

@@ -32,6 +32,14 @@ impl Law for Jenkins {
         require_positive("limit", self.limit)
     }
 
+    fn stiffness_bound(&self) -> f64 {
+        self.stiffness
+    }
+
+    fn damping_bound(&self) -> f64 {
+        0.0
+    }
+
     #[inline]
     fn respond(&self, now: &Instant, before: &Before) -> Response {
         let mut r = Response::default();
@@ -43,6 +51,15 @@ impl Law for Jenkins {
             r.dforce_before = 1.0;
         } else {
             r.force[0] = self.limit.copysign(stuck);
+        }
+        r
+    }
+
+    #[inline]
+    fn respond_along(&self, now: &Instant, before: &Before, along: &Instant, before_along: &Before) -> Response {
+        let mut r = Response::default();
+        if (before.force + self.stiffness * (now.u[0] - before.u)).abs() <= self.limit {
+            r.force[0] = before_along.force + self.stiffness * (along.u[0] - before_along.u);
         }
         r
     }

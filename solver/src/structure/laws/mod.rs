@@ -13,11 +13,8 @@ mod penalty_spring;
 mod polynomial;
 mod tanh_friction;
 
-pub use contact::{Contact, Friction};
-pub use jenkins::Jenkins;
-pub use penalty_spring::PenaltySpring;
-pub use polynomial::{PolynomialDamper, PolynomialSpring, Term};
-pub use tanh_friction::TanhFriction;
+pub use contact::Friction;
+pub use polynomial::Term;
 
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
@@ -103,6 +100,17 @@ fn require_positive(parameter: &'static str, value: f64) -> Result<(), Parameter
     require(parameter, value, value > 0.0 && value.is_finite(), "a finite number above zero")
 }
 
+/// What formulations need of a rigid contact: its pressures are found with the motion, not given by it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RigidContact<'l> {
+    /// Clearance at rest, m.
+    pub gap: f64,
+    /// Numerical stiffness of the predicted pressure, N/m.
+    pub epsilon: f64,
+    /// Friction, if there is any.
+    pub friction: Option<&'l Friction>,
+}
+
 /// A nonlinear law.
 pub trait Law {
     /// Number of arguments (and of forces), 1 to [`MAX_ARGUMENTS`].
@@ -122,43 +130,68 @@ pub trait Law {
     fn is_homogeneous_in_rate(&self) -> bool {
         false
     }
+    /// What a rigid contact is made of; none for a law that is a function of the motion.
+    fn rigid(&self) -> Option<RigidContact<'_>> {
+        None
+    }
+    /// For a law that acts beyond a gap only: the gap at rest, m.
+    fn clearance(&self) -> Option<f64> {
+        None
+    }
+    /// Largest |∂force/∂u|, N/m, as far as it is known without the motion: it limits the step of time marching.
+    fn stiffness_bound(&self) -> f64;
+    /// Largest |∂force/∂v|, N·s/m, as far as it is known without the motion: it limits the step of time marching.
+    fn damping_bound(&self) -> f64;
     /// Checks that every parameter is in its range.
+    ///
+    /// # Errors
+    /// The first parameter that is not.
     fn validate(&self) -> Result<(), ParameterError>;
     /// Forces and derivatives at one instant.
     fn respond(&self, now: &Instant, before: &Before) -> Response;
+    /// Second derivatives: the derivative of every entry of [`respond`](Self::respond) in the direction
+    /// (`along`, `before_along`).
+    fn respond_along(&self, now: &Instant, before: &Before, along: &Instant, before_along: &Before) -> Response;
 }
 
-/// Parameters of every law, as they stand in files and messages.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum LawKind {
-    /// Rigid unilateral contact, with or without permanent-sliding friction.
-    Contact(Contact),
-    /// Unilateral penalty spring.
-    PenaltySpring(PenaltySpring),
-    /// Polynomial spring.
-    PolynomialSpring(PolynomialSpring),
-    /// Polynomial damper.
-    PolynomialDamper(PolynomialDamper),
-    /// Dry friction regularised by a hyperbolic tangent.
-    TanhFriction(TanhFriction),
-    /// Elastic dry friction.
-    Jenkins(Jenkins),
-}
+/// The laws: a row for each gives its module, its type and what it is.
+macro_rules! laws {
+    ($dollar:tt $($(#[$doc:meta])* $module:ident::$name:ident,)*) => {
+        $(pub use $module::$name;)*
 
-/// Evaluates `$body` with `$law` bound to the concrete law inside the [`LawKind`] `$kind`: code generic over
-/// `L: Law` is instantiated once per law, and the choice is made once per element instead of once per sample.
-macro_rules! with_law {
-    ($kind:expr, $law:ident => $body:expr) => {
-        match $kind {
-            $crate::structure::laws::LawKind::Contact($law) => $body,
-            $crate::structure::laws::LawKind::PenaltySpring($law) => $body,
-            $crate::structure::laws::LawKind::PolynomialSpring($law) => $body,
-            $crate::structure::laws::LawKind::PolynomialDamper($law) => $body,
-            $crate::structure::laws::LawKind::TanhFriction($law) => $body,
-            $crate::structure::laws::LawKind::Jenkins($law) => $body,
+        /// Parameters of every law, as they stand in files and messages.
+        #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+        #[serde(rename_all = "snake_case")]
+        pub enum LawKind {
+            $($(#[$doc])* $name($name),)*
+        }
+
+        /// Evaluates `$body` with `$law` bound to the concrete law inside the [`LawKind`] `$kind`: code generic over
+        /// `L: Law` is instantiated once per law, and the choice is made once per element instead of once per sample.
+        macro_rules! with_law {
+            ($dollar kind:expr, $dollar law:ident => $dollar body:expr) => {
+                match $dollar kind {
+                    $($crate::structure::laws::LawKind::$name($dollar law) => $dollar body,)*
+                }
+            };
         }
     };
+}
+
+laws! {
+    $
+    /// Rigid unilateral contact, with or without permanent-sliding friction.
+    contact::Contact,
+    /// Unilateral penalty spring.
+    penalty_spring::PenaltySpring,
+    /// Polynomial spring.
+    polynomial::PolynomialSpring,
+    /// Polynomial damper.
+    polynomial::PolynomialDamper,
+    /// Dry friction regularised by a hyperbolic tangent.
+    tanh_friction::TanhFriction,
+    /// Elastic dry friction.
+    jenkins::Jenkins,
 }
 pub(crate) use with_law;
 
@@ -184,12 +217,32 @@ impl Law for LawKind {
         with_law!(self, law => law.is_homogeneous_in_rate())
     }
 
+    fn rigid(&self) -> Option<RigidContact<'_>> {
+        with_law!(self, law => law.rigid())
+    }
+
+    fn clearance(&self) -> Option<f64> {
+        with_law!(self, law => law.clearance())
+    }
+
+    fn stiffness_bound(&self) -> f64 {
+        with_law!(self, law => law.stiffness_bound())
+    }
+
+    fn damping_bound(&self) -> f64 {
+        with_law!(self, law => law.damping_bound())
+    }
+
     fn validate(&self) -> Result<(), ParameterError> {
         with_law!(self, law => law.validate())
     }
 
     fn respond(&self, now: &Instant, before: &Before) -> Response {
         with_law!(self, law => law.respond(now, before))
+    }
+
+    fn respond_along(&self, now: &Instant, before: &Before, along: &Instant, before_along: &Before) -> Response {
+        with_law!(self, law => law.respond_along(now, before, along, before_along))
     }
 }
 

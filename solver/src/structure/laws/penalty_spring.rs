@@ -26,6 +26,18 @@ impl Law for PenaltySpring {
         Some(self.gap)
     }
 
+    fn clearance(&self) -> Option<f64> {
+        Some(self.gap)
+    }
+
+    fn stiffness_bound(&self) -> f64 {
+        self.stiffness
+    }
+
+    fn damping_bound(&self) -> f64 {
+        0.0
+    }
+
     fn validate(&self) -> Result<(), ParameterError> {
         require_positive("stiffness", self.stiffness)?;
         require("gap", self.gap, self.gap.is_finite(), "a finite gap in m")
@@ -38,6 +50,15 @@ impl Law for PenaltySpring {
         if penetration > 0.0 {
             r.force[0] = self.stiffness * penetration;
             r.du[0][0] = self.stiffness;
+        }
+        r
+    }
+
+    #[inline]
+    fn respond_along(&self, now: &Instant, _: &Before, along: &Instant, _: &Before) -> Response {
+        let mut r = Response::default();
+        if now.u[0] > self.gap {
+            r.force[0] = self.stiffness * along.u[0];
         }
         r
     }

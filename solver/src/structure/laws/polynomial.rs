@@ -41,6 +41,21 @@ fn evaluate(terms: &[Term], z: f64) -> (f64, f64) {
     })
 }
 
+/// Derivatives of value and slope of Σ c z^p along `along`.
+#[inline]
+fn evaluate_along(terms: &[Term], z: f64, along: f64) -> (f64, f64) {
+    let curvature = terms
+        .iter()
+        .filter(|term| term.power > 1)
+        .map(|&Term { power, coefficient }| f64::from(power * (power - 1)) * coefficient * z.powi(power as i32 - 2));
+    (evaluate(terms, z).1 * along, curvature.sum::<f64>() * along)
+}
+
+/// Slope of the linear terms: that of the others depends on the motion.
+fn linear(terms: &[Term]) -> f64 {
+    terms.iter().filter(|term| term.power == 1).map(|term| term.coefficient.abs()).sum()
+}
+
 fn validate(terms: &[Term]) -> Result<(), ParameterError> {
     require("terms (number of)", terms.len() as f64, !terms.is_empty(), "at least one term")?;
     for &Term { power, coefficient } in terms {
@@ -59,6 +74,14 @@ impl Law for PolynomialSpring {
         Pattern::scalar(true, false)
     }
 
+    fn stiffness_bound(&self) -> f64 {
+        linear(&self.terms)
+    }
+
+    fn damping_bound(&self) -> f64 {
+        0.0
+    }
+
     fn validate(&self) -> Result<(), ParameterError> {
         validate(&self.terms)
     }
@@ -67,6 +90,13 @@ impl Law for PolynomialSpring {
     fn respond(&self, now: &Instant, _: &Before) -> Response {
         let mut r = Response::default();
         (r.force[0], r.du[0][0]) = evaluate(&self.terms, now.u[0]);
+        r
+    }
+
+    #[inline]
+    fn respond_along(&self, now: &Instant, _: &Before, along: &Instant, _: &Before) -> Response {
+        let mut r = Response::default();
+        (r.force[0], r.du[0][0]) = evaluate_along(&self.terms, now.u[0], along.u[0]);
         r
     }
 }
@@ -80,6 +110,14 @@ impl Law for PolynomialDamper {
         Pattern::scalar(false, true)
     }
 
+    fn stiffness_bound(&self) -> f64 {
+        0.0
+    }
+
+    fn damping_bound(&self) -> f64 {
+        linear(&self.terms)
+    }
+
     fn validate(&self) -> Result<(), ParameterError> {
         validate(&self.terms)
     }
@@ -88,6 +126,13 @@ impl Law for PolynomialDamper {
     fn respond(&self, now: &Instant, _: &Before) -> Response {
         let mut r = Response::default();
         (r.force[0], r.dv[0][0]) = evaluate(&self.terms, now.v[0]);
+        r
+    }
+
+    #[inline]
+    fn respond_along(&self, now: &Instant, _: &Before, along: &Instant, _: &Before) -> Response {
+        let mut r = Response::default();
+        (r.force[0], r.dv[0][0]) = evaluate_along(&self.terms, now.v[0], along.v[0]);
         r
     }
 }
@@ -113,6 +158,7 @@ mod tests {
         assert_eq!(evaluate(&terms(), 2.0), (1.0 - 8.0 + 32.0 + 32.0, 0.5 - 8.0 + 48.0 + 80.0));
         // 0^0 = 1: a linear term keeps its slope at the origin.
         assert_eq!(evaluate(&terms(), 0.0), (0.0, 0.5));
+        assert_eq!(evaluate_along(&terms(), 0.0, 3.0), (1.5, -12.0));
     }
 
     #[test]

@@ -22,6 +22,14 @@ impl Law for TanhFriction {
         Pattern::scalar(false, true)
     }
 
+    fn stiffness_bound(&self) -> f64 {
+        0.0
+    }
+
+    fn damping_bound(&self) -> f64 {
+        self.limit / self.velocity
+    }
+
     fn validate(&self) -> Result<(), ParameterError> {
         require_positive("limit", self.limit)?;
         require_positive("velocity", self.velocity)
@@ -33,6 +41,16 @@ impl Law for TanhFriction {
         let t = (now.v[0] / self.velocity).tanh();
         r.force[0] = self.limit * t;
         r.dv[0][0] = self.limit / self.velocity * (1.0 - t * t);
+        r
+    }
+
+    #[inline]
+    fn respond_along(&self, now: &Instant, _: &Before, along: &Instant, _: &Before) -> Response {
+        let mut r = Response::default();
+        let t = (now.v[0] / self.velocity).tanh();
+        let rate = (1.0 - t * t) * along.v[0] / self.velocity;
+        r.force[0] = self.limit * rate;
+        r.dv[0][0] = -2.0 * t * rate * self.limit / self.velocity;
         r
     }
 }
