@@ -2,6 +2,7 @@
 
 pub mod backbone;
 pub mod branch;
+mod column;
 pub mod columns;
 pub mod forced;
 pub mod forcing;
