@@ -188,6 +188,9 @@ impl Lu {
     }
 
     /// Factorises the matrix that [`Lu::reset`] handed out.
+    ///
+    /// # Errors
+    /// If a pivot is zero or not finite.
     pub fn factor(&mut self) -> Result<(), LinalgError> {
         let n = self.size;
         self.permutation.resize(n, 0);
@@ -264,6 +267,9 @@ impl Lu {
 }
 
 /// Solves A X = B for a complex row-major A of order `size` and `columns` right-hand sides (row-major, in place).
+///
+/// # Errors
+/// If A is singular.
 pub fn solve_complex(a: &[Complex64], b: &mut [Complex64], size: usize, columns: usize) -> Result<(), LinalgError> {
     use faer::linalg::solvers::Solve;
     let lu = MatRef::from_row_major_slice(a, size, size).partial_piv_lu();
@@ -280,6 +286,9 @@ pub fn solve_complex(a: &[Complex64], b: &mut [Complex64], size: usize, columns:
 ///
 /// Cholesky of M and a symmetric eigenvalue problem, then one step of iterative refinement: without it the lowest
 /// eigenvalue is only good to machine precision times λ_max/λ_min, which a lightly damped resonance amplifies.
+///
+/// # Errors
+/// If M is not positive definite, or the iteration does not converge.
 pub fn symmetric_eigen(k: &Matrix, m: &Matrix) -> Result<(Vec<f64>, Matrix), LinalgError> {
     use faer::linalg::cholesky::llt::factor::LltError;
     use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};

@@ -155,6 +155,9 @@ pub struct Settings {
 
 impl Settings {
     /// Checks every setting, for a model.
+    ///
+    /// # Errors
+    /// The first setting out of its range, with the key and what would be right.
     pub fn validate(&self, model: &Model) -> Result<(), SettingsError> {
         let modes = model.size();
         let refuse = |key, value: String, remedy: String| Err(SettingsError { key, value, remedy });

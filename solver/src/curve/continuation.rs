@@ -120,6 +120,9 @@ pub struct Continuation<'p, P: Problem> {
 impl<'p, P: Problem> Continuation<'p, P> {
     /// Starts from a point near the curve, which is first corrected on the plane normal to `direction` through it; the
     /// walk goes the way of `direction`.
+    ///
+    /// # Errors
+    /// If the corrector fails at the first point.
     pub fn start(
         problem: &'p mut P,
         y: Vec<f64>,
@@ -166,11 +169,17 @@ impl<'p, P: Problem> Continuation<'p, P> {
     }
 
     /// Point at arc length `step` along the tangent from `from`, corrected; neither the walk nor its step change.
+    ///
+    /// # Errors
+    /// If the corrector fails.
     pub fn probe(&mut self, from: &CurvePoint, step: f64) -> Result<CurvePoint, Failure> {
         self.correct(from, None, step)
     }
 
     /// Point of the curve near `y` on the plane through it normal to `row`; neither the walk nor its step change.
+    ///
+    /// # Errors
+    /// If the corrector fails.
     pub fn correct_on(&mut self, y: Vec<f64>, row: &[f64]) -> Result<CurvePoint, Failure> {
         land(self.problem, &mut self.newton, y, row, &self.settings)
     }

@@ -90,6 +90,9 @@ pub struct Newton {
 
 impl Newton {
     /// Solves R(y) = 0 and the constraint, starting from and ending in `y`.
+    ///
+    /// # Errors
+    /// If it needs more iterations than allowed, diverges, or meets a singular Jacobian.
     pub fn solve<P: Problem>(
         &mut self,
         problem: &mut P,

@@ -24,6 +24,9 @@ pub trait Problem {
     fn linearise(&mut self, y: &mut [f64]) -> f64;
 
     /// Factorises the Jacobian of the last [`Problem::linearise`], bordered by `row` (a linear form on the state).
+    ///
+    /// # Errors
+    /// If the matrix is singular.
     fn factor(&mut self, row: &[f64]) -> Result<(), LinalgError>;
 
     /// Whether the factorisation at hand still fits the state last linearised: the same unknowns. Its steps then are those

@@ -114,6 +114,9 @@ pub struct Walked<T> {
 }
 
 /// Walks from a point near the curve the way of `direction` and, if the curve does not close, the other way as well.
+///
+/// # Errors
+/// If the first point does not converge. What stops the walk later is part of the result.
 pub fn walk_both<P: Problem, T: Evaluated<P>>(
     problem: &mut P,
     y: Vec<f64>,

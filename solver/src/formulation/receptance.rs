@@ -66,6 +66,9 @@ impl Receptance {
     }
 
     /// Modal amplitudes y = D̂_k⁻¹ `load` at a point, with no mode kept apart.
+    ///
+    /// # Errors
+    /// At an undamped resonance of coupled modes.
     pub fn solve_all(
         &mut self,
         point: Parameters,
@@ -81,6 +84,9 @@ impl Receptance {
     }
 
     /// Moves to another point, keeping the tracked mode at harmonic 1 and every amplitude within 2 % of a pole.
+    ///
+    /// # Errors
+    /// At an undamped resonance of coupled modes that are not kept.
     pub fn update(&mut self, point: Parameters, tracked: usize) -> Result<(), LinalgError> {
         self.point = point;
         self.kept.clear();

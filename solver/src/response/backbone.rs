@@ -185,6 +185,9 @@ impl Backbone {
 
     /// The phase-resonance backbone through a forced response near quadrature (see [`crate::response::forced::Forced::resonances`]),
     /// both ways: finds the backbones that are not connected to any linear mode, from branches that are.
+    ///
+    /// # Errors
+    /// If a setting is out of range, or the first point does not converge.
     pub fn through(
         model: &Model,
         settings: &Settings,

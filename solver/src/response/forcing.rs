@@ -53,6 +53,9 @@ pub fn from_rest<'m, F: Formulation<'m>>(
 
 /// States near forcing amplitude `forcing` on the curve in A through a predicted motion: the curve is entered at the
 /// motion's own size, with A free, and followed both ways over its fold in A.
+///
+/// # Errors
+/// If neither way leads there.
 pub fn through_motion<'m, F: Formulation<'m>>(
     model: &'m Model,
     settings: &Settings,

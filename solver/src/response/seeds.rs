@@ -134,6 +134,9 @@ pub fn candidates(
 
 /// Lands on a forced response from several seeds in turn, until one leads where it should; otherwise the nearest landing
 /// counts.
+///
+/// # Errors
+/// If no seed converges.
 pub fn land<'m, F: Formulation<'m>>(
     forced: &mut Forced<'m, F>,
     seeds: &[Seed],
