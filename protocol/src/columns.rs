@@ -1,7 +1,7 @@
 //! Columns of a curve as arrays by name: those of the list first, in its order, then what later programs have besides.
 
 use crate::array::{Array, ArrayError};
-use crate::curve::Size;
+use crate::size::Size;
 use serde::Deserialize;
 use serde::de::{Deserializer, Error, IgnoredAny, MapAccess, Visitor};
 use serde::ser::{Serialize, SerializeMap, Serializer};

@@ -2,11 +2,12 @@
 
 use crate::array::{Array, ArrayError};
 use crate::columns::Columns;
+pub use crate::size::Size;
 use serde::{Deserialize, Deserializer, Serialize};
 use solver::formulation::harmonics::width;
 use solver::formulation::state::State;
 use solver::response::branch::BranchPoint;
-use solver::response::columns::{self, Axis};
+use solver::response::columns;
 use solver::response::seeds::{Phase, Seed};
 
 /// p periodic motions of one truncation H.
@@ -117,41 +118,6 @@ impl Points {
         let rows = self.columns.rows(columns::of_points(), self.len(), size)?;
         let states = self.motions.states(size.channels, size.modes)?;
         Ok(states.into_iter().zip(rows).map(|(state, values)| BranchPoint { state, values }).collect())
-    }
-}
-
-/// Numbers of a model that the shapes of arrays depend on.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Size {
-    /// Arguments of all laws.
-    pub channels: usize,
-    /// Modes.
-    pub modes: usize,
-    /// Monitored dofs.
-    pub monitors: usize,
-    /// Contact elements.
-    pub contacts: usize,
-}
-
-impl Size {
-    /// Of a model.
-    pub fn of(model: &solver::structure::Model) -> Self {
-        Self {
-            channels: model.arguments(),
-            modes: model.size(),
-            monitors: model.monitors().len(),
-            contacts: model.contacts().count(),
-        }
-    }
-
-    /// How many numbers a column has for a point.
-    pub(crate) fn along(&self, axis: Axis) -> usize {
-        match axis {
-            Axis::Point => 1,
-            Axis::Monitors => self.monitors,
-            Axis::Contacts => self.contacts,
-            Axis::Modes => self.modes,
-        }
     }
 }
 

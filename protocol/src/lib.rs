@@ -28,6 +28,7 @@ pub mod ids;
 pub mod keys;
 pub mod model;
 pub mod session;
+mod size;
 pub mod to_everyone;
 pub mod to_worker;
 

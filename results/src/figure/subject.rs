@@ -6,6 +6,7 @@ use super::data::{Axis, Detail, Format, Unit};
 use super::style::Color;
 use crate::curves::{BackboneCurve, Curve, Monitor, Motions, ResonanceComparison};
 use crate::overview::Level;
+use solver::response::columns;
 
 /// Levels that span more than so many decades are coloured by the logarithm of their amplitudes.
 const DECADES: f64 = 1.5;
@@ -120,20 +121,22 @@ impl BackboneColumns {
 
     /// All that is known of a point of the backbone.
     pub fn details(&self) -> Vec<Detail> {
-        use Format::{Energy, Frequency, Length, Number, Rate, Share};
+        use Format::{Energy, Frequency, Length, Rate};
         let row = Detail::new;
+        let listed =
+            |name, column: &Ref| columns::named(name).and_then(|about| Detail::of(about, vec![column.clone()]));
         let mut rows = vec![
             row("frequency", Frequency, 6, &self.omega),
             Detail { values: self.amplitude.clone(), ..row("amplitude", Length, 4, &self.omega) },
-            row("threshold A*", Number, 4, &self.threshold),
-            row("R_lin", Energy, 4, &self.linear),
-            row("R_nl", Energy, 4, &self.nonlinear),
-            row("to be supplied", Energy, 4, &self.needed),
-            row("A·W", Energy, 4, &self.work.by_amplitude()),
-            row("decay rate", Rate, 4, &self.decay),
         ];
-        rows.extend(self.contact.iter().map(|contact| row("in contact", Share, 3, contact)));
-        rows.push(row("energy certificate", Number, 2, &self.certificate));
+        rows.extend(listed("threshold", &self.threshold));
+        rows.extend(listed("r_lin", &self.linear));
+        rows.extend(listed("r_nl", &self.nonlinear));
+        rows.push(row("to be supplied", Energy, 4, &self.needed));
+        rows.push(row("A·W", Energy, 4, &self.work.by_amplitude()));
+        rows.push(row("decay rate", Rate, 4, &self.decay));
+        rows.extend(self.contact.iter().filter_map(|contact| listed("contact", contact)));
+        rows.extend(listed("certificate", &self.certificate));
         rows.extend(self.later.iter().cloned());
         rows
     }
@@ -165,7 +168,7 @@ impl Detail {
     }
 
     /// A line of a column of the solver's list, with its numbers; `None` if it is shown nowhere.
-    pub fn of(about: &solver::response::columns::Column, values: Vec<Ref>) -> Option<Self> {
+    pub fn of(about: &columns::Column, values: Vec<Ref>) -> Option<Self> {
         let hover = about.hover?;
         let (format, unit) = match about.unit {
             _ if hover.is_percentage => (Format::Share, ""),

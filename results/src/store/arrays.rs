@@ -134,8 +134,3 @@ pub(super) fn array_at(row: &Row<'_>, column: usize) -> rusqlite::Result<Array> 
     let shape = serde_json::from_str(row.get_ref(column + 1)?.as_str()?).unwrap_or_default();
     Ok(Array { dtype: row.get(column)?, shape, data: row.get(column + 2)? })
 }
-
-/// A number of a row.
-pub(crate) fn number(row: &Row<'_>, column: usize) -> rusqlite::Result<f64> {
-    Ok(row.get::<_, Option<f64>>(column)?.unwrap_or(f64::NAN))
-}

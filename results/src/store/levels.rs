@@ -1,6 +1,6 @@
 //! Levels as the store has them: branches, windows, failures.
 
-use super::arrays::number;
+use super::number::number;
 use super::{Reader, Result};
 use rusqlite::Row;
 use serde::Serialize;

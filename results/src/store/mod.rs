@@ -15,6 +15,7 @@ mod extent;
 mod header;
 mod levels;
 mod lock;
+mod number;
 mod plan;
 mod points_table;
 mod reader;

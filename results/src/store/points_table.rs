@@ -1,8 +1,8 @@
 //! The tables of points: a row for each, and their columns follow from the list of the solver.
 
 use super::Result;
-use super::arrays::number;
 use super::error::At;
+use super::number::number;
 use super::scalars::Scalar;
 use rusqlite::types::Value;
 use rusqlite::{Connection, params_from_iter};
@@ -135,6 +135,5 @@ impl PointsTable {
 
 /// Whether an array has one number a point; of one that is not known here, the table tells.
 fn is_of_points(array: &str) -> bool {
-    let known = columns::of_points().chain(columns::of_backbone()).find(|column| column.name == array);
-    known.is_none_or(|column| column.axis == Axis::Point)
+    columns::named(array).is_none_or(|column| column.axis == Axis::Point)
 }

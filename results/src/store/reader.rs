@@ -1,9 +1,10 @@
 //! Reading a run, finished or in progress.
 
-use super::arrays::{array_at, fill, number, of_points_mut};
+use super::arrays::{array_at, fill, of_points_mut};
 use super::error::At;
 use super::extent::Extent;
 use super::header::{corrupt, get, read_header, read_model, read_stage, unpack};
+use super::number::number;
 use super::plan::{read_backbone, read_plans, read_reach};
 use super::points_table::POINTS;
 use super::{FILE, Result, RunHeader, StoreError, database};

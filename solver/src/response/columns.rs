@@ -177,6 +177,11 @@ pub fn of_backbone() -> impl ExactSizeIterator<Item = &'static Column> + Clone {
     BACKBONE.iter().map(|entry| &entry.column)
 }
 
+/// The column of this name, of either list.
+pub fn named(name: &str) -> Option<&'static Column> {
+    of_points().chain(of_backbone()).find(|column| column.name == name)
+}
+
 /// Columns that a backbone has besides, in the order of tables and files: there the threshold has its place before the
 /// certificate.
 pub fn of_backbone_in_files() -> impl Iterator<Item = &'static Column> + Clone {
