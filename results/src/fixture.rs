@@ -9,6 +9,7 @@ use protocol::digest::Digest;
 use protocol::ids::{Attempt, RunId, TaskId, WorkerId};
 use protocol::model::ModelMessage;
 use protocol::to_everyone::{Amplitude, Stage, StoredResult};
+use solver::files;
 use solver::response::backbone::Backbone;
 use solver::response::branch::{Branch, BranchPoint};
 use solver::response::forced::{Forced, Reach};
@@ -43,7 +44,7 @@ impl Study {
     /// Of a model of the repository, all dofs monitored, along its highest mode.
     pub fn new(model: &str, harmonics: usize, amplitudes: &[&str]) -> Self {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models").join(model);
-        let model = Model::load(&folder).unwrap();
+        let model = files::load(&folder).unwrap();
         let monitors = (0..model.size()).collect();
         let model = Model::try_from(ModelData { monitors, ..model.into() }).unwrap();
         let mut settings = Settings::default();

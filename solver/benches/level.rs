@@ -2,10 +2,10 @@
 #![expect(missing_docs, reason = "criterion's macros write functions without any")]
 
 use criterion::{Criterion, criterion_group, criterion_main};
+use solver::files;
 use solver::response::backbone::Backbone;
 use solver::response::level::Level;
 use solver::settings::Settings;
-use solver::structure::Model;
 use std::path::Path;
 
 const SCENARIOS: [(&str, &[(&str, &str)]); 4] = [
@@ -21,7 +21,7 @@ fn rotor67(c: &mut Criterion) {
     let mut group = c.benchmark_group("rotor 67");
     group.sample_size(10);
     for (name, overrides) in SCENARIOS {
-        let model = Model::load_with(&folder, overrides).expect("the model is part of the repository");
+        let model = files::load_with(&folder, overrides).expect("the model is part of the repository");
         let compute = || Backbone::compute(&model, &settings).expect("it starts");
         let backbone = compute();
         group.bench_function(format!("{name}: backbone of {} points", backbone.points.len()), |b| b.iter(compute));

@@ -4,6 +4,7 @@
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use solver::curve::problem::Problem;
+use solver::files;
 use solver::formulation::Formulation;
 use solver::formulation::displacement::DisplacementForm;
 use solver::formulation::pressure::PressureForm;
@@ -20,7 +21,7 @@ const MODE: Unknown = Unknown::Mode { damped: true };
 
 fn rotor() -> Model {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/rotor67");
-    Model::load(&folder).expect("the model is part of the repository")
+    files::load(&folder).expect("the model is part of the repository")
 }
 
 /// A backbone motion during which exactly three nodes touch.

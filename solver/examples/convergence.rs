@@ -3,6 +3,7 @@
 //!
 //!     cargo run --release --example convergence
 
+use solver::files;
 use solver::response::backbone::Backbone;
 use solver::response::level::Level;
 use solver::settings::{HarmonicSettings, Quadrature, Settings};
@@ -13,7 +14,7 @@ use std::time::Instant;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/rotor67");
-    let model = Model::load_with(&folder, &[("contact.friction", "0")])?;
+    let model = files::load_with(&folder, &[("contact.friction", "0")])?;
     println!("| H | N_t | main peak, mm | at, rad/s | isola, rad/s | isola top, mm | points | time, s |");
     println!("| --- | --- | --- | --- | --- | --- | --- | --- |");
     for count in [5, 10, 20, 40] {

@@ -4,12 +4,12 @@
 //!
 //! Settings of the model are overridden by `key=value`.
 
+use solver::files;
 use solver::response::backbone::Backbone;
 use solver::response::branch::Branch;
 use solver::response::level::{BranchId, Level};
 use solver::response::windows::events;
 use solver::settings::Settings;
-use solver::structure::Model;
 use std::error::Error;
 use std::path::Path;
 use std::process::ExitCode;
@@ -38,7 +38,7 @@ fn run(arguments: &[String]) -> Result<(), Box<dyn Error>> {
         .iter()
         .map(|text| text.split_once('=').ok_or_else(|| format!("`{text}`: use key=value")))
         .collect::<Result<Vec<_>, _>>()?;
-    let model = Model::load_with(Path::new(folder), &overrides)?;
+    let model = files::load_with(Path::new(folder), &overrides)?;
     let settings = Settings::default();
     settings.validate(&model)?;
 

@@ -11,10 +11,11 @@
 //! are g = c − x_N ≥ 0 with pressures λ(t) ≥ 0.
 //!
 //! # Way of the data
-//! [`structure::Model`] → [`response::backbone::Backbone`] → [`windows`] → [`seeds`] → [`task`] → [`response::level::Level`], with [`settings::Settings`];
+//! [`files::load`] or [`structure::Model::builder`] → [`structure::Model`] → [`response::backbone::Backbone`] → [`windows`] → [`seeds`] → [`task`] → [`response::level::Level`], with [`settings::Settings`];
 //! [`marching`] checks the results independently.
 
 pub mod curve;
+pub mod files;
 pub mod formulation;
 pub mod linalg;
 pub mod response;

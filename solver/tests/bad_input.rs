@@ -1,12 +1,13 @@
 //! Wrong input is refused with one message that names the file, the key, the value and a remedy.
 
 use proptest::prelude::*;
+use solver::files;
 use solver::linalg::Matrix;
 use solver::response::backbone::Backbone;
 use solver::response::level::Level;
 use solver::settings::{FrequencySettings, Settings};
-use solver::structure::laws::{Contact, LawKind};
-use solver::structure::{DampingParts, Element, ForcingShape, Model, ModelParts};
+use solver::structure::laws::Contact;
+use solver::structure::{Model, ModelBuilder};
 use std::fs;
 use tempfile::TempDir;
 
@@ -56,7 +57,7 @@ fn says(message: &str, parts: &[&str]) {
 #[track_caller]
 fn refused(from: &str, to: &str, parts: &[&str]) {
     assert!(GOOD.contains(from), "the good settings do not contain {from:?}");
-    let error = Model::load(folder(&GOOD.replacen(from, to, 1), K).path()).unwrap_err().to_string();
+    let error = files::load(folder(&GOOD.replacen(from, to, 1), K).path()).unwrap_err().to_string();
     says(&error, &["model.toml"]);
     says(&error, parts);
 }
@@ -64,14 +65,14 @@ fn refused(from: &str, to: &str, parts: &[&str]) {
 /// Checks the message about a stiffness file, which must name it.
 #[track_caller]
 fn stiffness_refused(text: &str, parts: &[&str]) {
-    let error = Model::load(folder(GOOD, text).path()).unwrap_err().to_string();
+    let error = files::load(folder(GOOD, text).path()).unwrap_err().to_string();
     says(&error, &["K.mtx"]);
     says(&error, parts);
 }
 
 #[test]
 fn the_good_settings_load() {
-    let model = Model::load(folder(GOOD, K).path()).unwrap();
+    let model = files::load(folder(GOOD, K).path()).unwrap();
     assert_eq!(model.elements()[0].channels, [vec![(0, 1.0)], vec![(1, 1.0)], vec![]]);
     assert_eq!(model.elements()[1].name, "law1");
 }
@@ -79,16 +80,16 @@ fn the_good_settings_load() {
 #[test]
 fn missing_files() {
     let dir = TempDir::new().unwrap();
-    let error = Model::load(dir.path()).unwrap_err().to_string();
+    let error = files::load(dir.path()).unwrap_err().to_string();
     says(&error, &["model.toml", "cannot be read", "give a folder"]);
     let dir = folder(&GOOD.replace("K.mtx", "stiff.mtx"), K);
-    let error = Model::load(dir.path()).unwrap_err().to_string();
+    let error = files::load(dir.path()).unwrap_err().to_string();
     says(&error, &["stiff.mtx", "`matrices.stiffness`", "cannot be read", "beside model.toml"]);
 }
 
 #[test]
 fn settings_that_are_not_toml() {
-    let error = Model::load(folder("dofs = [", K).path()).unwrap_err().to_string();
+    let error = files::load(folder("dofs = [", K).path()).unwrap_err().to_string();
     assert!(error.contains("model.toml") && error.contains("TOML") && error.contains("line 1"), "{error}");
 }
 
@@ -125,7 +126,7 @@ fn sizes() {
     refused("\"blade.theta\"]", "\"blade.theta\", \"z\"]", &["`dofs`", "3 names for 2 dofs", "one name per row"]);
     let with_c = "stiffness = \"K.mtx\"\ndamping = [[1]]";
     let dir = folder(&GOOD.replace("stiffness = \"K.mtx\"", with_c).replace("ratios =", "#"), K);
-    says(&Model::load(dir.path()).unwrap_err().to_string(), &["model.toml", "`matrices.damping`", "1 × 1", "2 × 2"]);
+    says(&files::load(dir.path()).unwrap_err().to_string(), &["model.toml", "`matrices.damping`", "1 × 1", "2 × 2"]);
 }
 
 #[test]
@@ -140,7 +141,7 @@ fn entries() {
 #[test]
 fn tiny_asymmetry_is_removed() {
     let nearly = "%%MatrixMarket matrix array real general\n2 2\n2\n-1\n-1.000000001\n2\n";
-    let model = Model::load(folder(GOOD, nearly).path()).unwrap();
+    let model = files::load(folder(GOOD, nearly).path()).unwrap();
     assert_eq!(model.stiffness()[(0, 1)], model.stiffness()[(1, 0)]);
 }
 
@@ -157,10 +158,9 @@ fn definiteness() {
 #[test]
 fn matrices_that_overflow() {
     let error = |scale: f64| {
-        let mut parts = parts();
-        parts.mass = Matrix::diagonal(&[1.0 / scale, 1.0]);
-        parts.stiffness = Matrix::from_fn(2, 2, |i, j| if i == j { scale } else { -0.5 * scale });
-        Model::new(parts).unwrap_err().to_string()
+        let stiffness = Matrix::from_fn(2, 2, |i, j| if i == j { scale } else { -0.5 * scale });
+        let model = parts().mass(Matrix::diagonal(&[1.0 / scale, 1.0])).stiffness(stiffness);
+        model.build().unwrap_err().to_string()
     };
     says(&error(1e300), &["`matrices.stiffness`", "modes", "scaling"]);
 }
@@ -168,7 +168,7 @@ fn matrices_that_overflow() {
 #[test]
 fn rigid_body_modes_are_welcome() {
     let free = K.replace("1 1 2", "1 1 1").replace("2 2 2", "2 2 1");
-    let model = Model::load(folder(GOOD, &free).path()).unwrap();
+    let model = files::load(folder(GOOD, &free).path()).unwrap();
     assert!(model.modes().frequencies[0] < 1e-7);
     assert!((model.modes().frequencies[1] - 2.0_f64.sqrt()).abs() < 1e-14);
 }
@@ -245,7 +245,7 @@ fn laws() {
 #[test]
 fn overrides() {
     let refused = |key: &str, value: &str, parts: &[&str]| {
-        let error = Model::load_with(folder(GOOD, K).path(), &[(key, value)]).unwrap_err().to_string();
+        let error = files::load_with(folder(GOOD, K).path(), &[(key, value)]).unwrap_err().to_string();
         says(&error, &["override"]);
         says(&error, parts);
     };
@@ -258,47 +258,36 @@ fn overrides() {
     refused("contact.nodes.0.radius", "-1", &["`contact.nodes[0].radius`", "= -1"]);
 }
 
-fn parts() -> ModelParts {
-    ModelParts {
-        name: "parts".into(),
-        dofs: vec![],
-        mass: Matrix::diagonal(&[1.0, 2.0]),
-        stiffness: Matrix::diagonal(&[1.0, 1.0]),
-        damping: DampingParts::Ratios(vec![0.01, 0.01]),
-        shape: ForcingShape::Mode(1),
-        harmonic: 1,
-        elements: vec![Element {
-            name: "stop".into(),
-            channels: vec![vec![(0, 1.0)]],
-            law: LawKind::Contact(Contact { gap: 0.1, epsilon: 1.0, friction: None }),
-        }],
-        monitors: vec![],
-    }
+/// Two masses without elements.
+fn masses() -> ModelBuilder {
+    let model = Model::builder("parts").mass(Matrix::diagonal(&[1.0, 2.0])).stiffness(Matrix::diagonal(&[1.0, 1.0]));
+    model.damping_ratios([0.01, 0.01]).force_mode(1)
+}
+
+fn stop(gap: f64) -> Contact {
+    Contact { gap, epsilon: 1.0, friction: None }
+}
+
+fn parts() -> ModelBuilder {
+    masses().element("stop", stop(0.1), [0])
 }
 
 #[test]
 fn parts_at_hand_are_checked_too() {
-    let model = Model::new(parts()).unwrap();
+    let model = parts().build().unwrap();
     assert_eq!((model.dofs(), model.monitors()), (&["x1".to_string(), "x2".to_string()][..], &[0][..]));
-    let refused = |change: fn(&mut ModelParts), expected: &[&str]| {
-        let mut parts = parts();
-        change(&mut parts);
-        says(&Model::new(parts).unwrap_err().to_string(), expected);
-    };
-    refused(|p| p.stiffness = Matrix::zeros(3, 3), &["`matrices.stiffness`", "3 × 3", "2 × 2"]);
-    refused(|p| p.damping = DampingParts::Ratios(vec![0.1]), &["`damping.ratios`", "1 ratios for 2 modes"]);
-    refused(|p| p.damping = DampingParts::Ratios(vec![0.1, 2.0]), &["`damping.ratios` = 2", "below 1"]);
-    refused(|p| p.shape = ForcingShape::Vector(vec![1.0]), &["`forcing.shape` = 1 entries", "2, one per dof"]);
-    refused(|p| p.shape = ForcingShape::Vector(vec![0.0; 2]), &["`forcing.shape`", "does nothing"]);
-    refused(|p| p.harmonic = 0, &["`forcing.harmonic` = 0"]);
-    refused(|p| p.monitors = vec![2], &["`monitors` = 2", "0 to 1"]);
-    refused(|p| p.elements[0].channels[0][0].0 = 5, &["elements.stop.channels", "(5, 1)", "0 to 1"]);
-    refused(|p| p.elements[0].channels.clear(), &["elements.stop.channels", "no dof"]);
-    refused(|p| p.elements[0].channels.push(vec![]), &["elements.stop.channels", "= 2", "1 displacements"]);
-    let negative = |p: &mut ModelParts| {
-        p.elements[0].law = LawKind::Contact(Contact { gap: -0.1, epsilon: 1.0, friction: None });
-    };
-    refused(negative, &["`elements.stop.gap` = -0.1", "zero or above"]);
+    let refused = |model: ModelBuilder, expected: &[&str]| says(&model.build().unwrap_err().to_string(), expected);
+    refused(parts().stiffness(Matrix::zeros(3, 3)), &["`matrices.stiffness`", "3 × 3", "2 × 2"]);
+    refused(parts().damping_ratios([0.1]), &["`damping.ratios`", "1 ratios for 2 modes"]);
+    refused(parts().damping_ratios([0.1, 2.0]), &["`damping.ratios` = 2", "below 1"]);
+    refused(parts().force_shape([1.0]), &["`forcing.shape` = 1 entries", "2, one per dof"]);
+    refused(parts().force_shape([0.0; 2]), &["`forcing.shape`", "does nothing"]);
+    refused(parts().harmonic(0), &["`forcing.harmonic` = 0"]);
+    refused(parts().monitor(2), &["`monitors` = 2", "0 to 1"]);
+    refused(masses().element("stop", stop(0.1), [5]), &["elements.stop.channels", "(5, 1)", "0 to 1"]);
+    refused(masses().element("stop", stop(0.1), [0; 0]), &["elements.stop.channels", "no dof"]);
+    refused(masses().element("stop", stop(0.1), [0, 1]), &["elements.stop.channels", "= 2", "1 displacements"]);
+    refused(masses().element("stop", stop(-0.1), [0]), &["`elements.stop.gap` = -0.1", "zero or above"]);
 }
 
 proptest! {
@@ -315,10 +304,10 @@ proptest! {
             format!("{}{text}{}", &whole[..start], &whole[(start + length).min(whole.len())..])
         };
         let (settings, matrix) = if in_matrix { (GOOD.into(), splice(K)) } else { (splice(GOOD), K.into()) };
-        if let Err(error) = Model::load(folder(&settings, &matrix).path()) {
+        if let Err(error) = files::load(folder(&settings, &matrix).path()) {
             prop_assert!(!error.to_string().is_empty());
         }
-        let _ = Model::load_with(folder(GOOD, K).path(), &[(&text, "1"), ("contact.gap", &text)]);
+        let _ = files::load_with(folder(GOOD, K).path(), &[(&text, "1"), ("contact.gap", &text)]);
     }
 }
 
@@ -330,7 +319,7 @@ fn change(set: impl FnOnce(&mut Settings)) -> Settings {
 
 #[test]
 fn numerical_settings() {
-    let model = Model::new(parts()).unwrap();
+    let model = parts().build().unwrap();
     let cases: [(Settings, &[&str]); 8] = [
         (change(|s| s.harmonics.samples = 32), &["harmonics.samples", "32", "10 harmonics", "at least 40"]),
         (change(|s| s.harmonics.count = 0), &["harmonics.count", "0", "1 to 400"]),
@@ -349,7 +338,7 @@ fn numerical_settings() {
 
 #[test]
 fn settings_that_do_not_fit_the_model() {
-    let model = Model::new(parts()).unwrap();
+    let model = parts().build().unwrap();
     let low = change(|s| s.backbone.max_frequency = Some(1e-3));
     let refused = Backbone::compute(&model, &low).unwrap_err();
     says(&refused.to_string(), &["backbone.max_frequency", "0.001", "mode 1 starts at"]);
@@ -359,11 +348,11 @@ fn settings_that_do_not_fit_the_model() {
     let refused = Level::compute(&model, &inverted, &backbone, 1.0).unwrap_err();
     says(&refused.to_string(), &["frequency.max", "lower frequency bound is 1000000"]);
 
-    let model = Model::new(ModelParts { harmonic: 11, ..parts() }).unwrap();
+    let model = parts().harmonic(11).build().unwrap();
     let refused = Backbone::compute(&model, &Settings::default()).unwrap_err();
     says(&refused.to_string(), &["harmonics.count", "10", "harmonic 11"]);
 
-    let model = Model::new(ModelParts { stiffness: Matrix::diagonal(&[0.0, 1.0]), ..parts() }).unwrap();
+    let model = parts().stiffness(Matrix::diagonal(&[0.0, 1.0])).build().unwrap();
     let refused = Backbone::compute(&model, &Settings::default()).unwrap_err();
     says(&refused.to_string(), &["backbone.mode", "1", "rigid-body"]);
 }
@@ -376,7 +365,7 @@ fn unknown_numerical_settings() {
 
 #[test]
 fn forcing_amplitudes() {
-    let model = Model::new(parts()).unwrap();
+    let model = parts().build().unwrap();
     let settings = Settings::default();
     let backbone = Backbone::compute(&model, &settings).unwrap();
     for amplitude in [0.0, -1.0, f64::NAN, f64::INFINITY] {

@@ -1,6 +1,7 @@
 //! Predictors, correctors, cancelling: every way of walking finds the same closed curve.
 
 use solver::curve::continuation::{Corrector, Predictor};
+use solver::files;
 use solver::response::backbone::Backbone;
 use solver::response::branch::{Branch, BranchPoint, Outcome, Stop};
 use solver::response::forced::{Forced, Reach};
@@ -11,7 +12,7 @@ use std::ops::ControlFlow;
 use std::path::Path;
 
 fn load(name: &str) -> Model {
-    Model::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../models").join(name)).unwrap()
+    files::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../models").join(name)).unwrap()
 }
 
 fn isola(settings: &Settings) -> Branch {

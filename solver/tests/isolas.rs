@@ -1,6 +1,7 @@
 //! Isolas that follow from a backbone alone, without any guess, and where they are born and merge: predicted by the energy
 //! balance of the backbone and computed from the branches themselves, side by side.
 
+use solver::files;
 use solver::formulation::harmonics::evaluate;
 use solver::formulation::state::State;
 use solver::response::backbone::Backbone;
@@ -17,7 +18,7 @@ use std::path::Path;
 
 fn load(name: &str) -> Model {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models").join(name);
-    Model::load(&folder).unwrap_or_else(|error| panic!("{error}"))
+    files::load(&folder).unwrap_or_else(|error| panic!("{error}"))
 }
 
 fn quiet(_: &BranchPoint) -> ControlFlow<()> {

@@ -1,5 +1,6 @@
 //! Every model folder loads, and what is known in closed form about it holds.
 
+use solver::files;
 use solver::linalg::dot;
 use solver::structure::laws::LawKind;
 use solver::structure::{Damping, Model};
@@ -10,7 +11,7 @@ fn folder(name: &str) -> PathBuf {
 }
 
 fn load(name: &str, overrides: &[(&str, &str)]) -> Model {
-    Model::load_with(&folder(name), overrides).unwrap_or_else(|error| panic!("{error}"))
+    files::load_with(&folder(name), overrides).unwrap_or_else(|error| panic!("{error}"))
 }
 
 fn assert_close(value: f64, expected: f64, relative: f64) {
@@ -26,7 +27,7 @@ fn every_folder_loads_with_orthonormal_modes() {
         if !dir.is_dir() {
             continue;
         }
-        let model = Model::load(&dir).unwrap_or_else(|error| panic!("{error}"));
+        let model = files::load(&dir).unwrap_or_else(|error| panic!("{error}"));
         let shapes = &model.modes().shapes;
         let product = shapes.transpose().matmul(&model.mass().matmul(shapes));
         for i in 0..model.size() {

@@ -4,6 +4,7 @@
 use solver::curve::continuation::{Continuation, ContinuationSettings, CurvePoint};
 use solver::curve::newton::{Constraint, Newton, NewtonSettings};
 use solver::curve::problem::Problem;
+use solver::files;
 use solver::formulation::Formulation;
 use solver::formulation::displacement::DisplacementForm;
 use solver::formulation::harmonics::{Transform, max_abs};
@@ -25,7 +26,7 @@ use std::path::Path;
 
 fn load(name: &str, overrides: &[(&str, &str)]) -> Model {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models").join(name);
-    Model::load_with(&folder, overrides).unwrap_or_else(|error| panic!("{error}"))
+    files::load_with(&folder, overrides).unwrap_or_else(|error| panic!("{error}"))
 }
 
 fn settings(count: usize, samples: usize) -> Settings {

@@ -170,6 +170,7 @@ fn message(panic: &(dyn Any + Send)) -> &str {
 mod tests {
     use super::*;
     use protocol::ids::{Attempt, TaskId, WorkerId};
+    use solver::files;
     use solver::formulation::state::State;
     use solver::response::seeds::{Phase, Way};
     use solver::response::task::SeedPlace;
@@ -178,7 +179,7 @@ mod tests {
 
     fn computer() -> Computer {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/duffing");
-        Computer::start(0, Arc::new(Model::load(&folder).unwrap()), Settings::default()).unwrap()
+        Computer::start(0, Arc::new(files::load(&folder).unwrap()), Settings::default()).unwrap()
     }
 
     fn main() -> Job {

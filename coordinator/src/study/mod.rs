@@ -26,8 +26,10 @@ pub use error::StudyError;
 use locate::{locate, model_folder};
 use protocol::to_everyone::Amplitude;
 use serde::Deserialize;
+use solver::files;
+use solver::files::{Layers, config};
 use solver::settings::{Settings, SettingsError};
-use solver::structure::{Layers, Model, ModelError, Place, config};
+use solver::structure::{Model, ModelError, Place};
 use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 
@@ -118,12 +120,12 @@ impl Study {
 
 /// The model with the scenario of the study and of the command line, and its settings.
 fn load_model(dir: &Path, scenario: Layers, set: &[(String, String)]) -> Result<(Model, Table), ModelError> {
-    let mut layers = Model::settings(dir)?;
+    let mut layers = files::settings(dir)?;
     layers.merge(scenario);
     for (key, value) in set.iter().filter(|(key, _)| is_scenario(first(key))) {
         layers.set("--set", key, value)?;
     }
-    Ok((Model::from_layers(dir, &layers)?, layers.table().clone()))
+    Ok((files::from_layers(dir, &layers)?, layers.table().clone()))
 }
 
 /// The option that sets the amplitudes, and its text.

@@ -11,6 +11,7 @@ use protocol::from_worker::{Lease, SubmitRequest};
 use protocol::ids::{Attempt, TaskId, WorkerId};
 use protocol::model::ModelMessage;
 use protocol::to_everyone::StoredResult;
+use solver::files;
 use solver::formulation::modal::Modal;
 use solver::response::backbone::Backbone;
 use solver::response::branch::{Branch, SpecialKind, SpecialPoint};
@@ -24,7 +25,7 @@ use std::path::Path;
 use std::sync::LazyLock;
 
 fn load(name: &str) -> Model {
-    Model::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../models").join(name)).unwrap()
+    files::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../models").join(name)).unwrap()
 }
 
 fn through_bytes<M: Message>(message: &M) -> M {

@@ -123,7 +123,7 @@ fn pressures_are_positive_while_nodes_touch() {
 #[test]
 fn a_monitored_dof_normal_to_the_casing_has_a_gap() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/rotor67");
-    let model = solver::structure::Model::load(&folder).unwrap();
+    let model = solver::files::load(&folder).unwrap();
     assert_eq!(monitors(&model), [Monitor { name: "b0.r".into(), gap: Some(4e-4) }]);
 }
 

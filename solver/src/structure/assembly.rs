@@ -1,26 +1,35 @@
 //! Checked matrices and modes, and the last steps to a [`Model`].
 
 use super::error::{ModelError, Place};
-use super::layers::Layers;
-use super::parts::{DampingParts, ForcingShape, ModelParts};
+use super::validation::{at_least_zero, check_elements, check_force, check_harmonic, check_monitors, check_ratio};
+use super::validation::{duplicate, symmetric};
 use super::{Damping, Element, Forcing, Model, Modes};
 use crate::linalg::{LinalgError, Matrix, symmetric_eigen};
-use crate::structure::laws::{Law, LawKind};
 
-impl Model {
-    /// Model from matrices at hand, checked like one that is read from a folder.
-    pub fn new(parts: ModelParts) -> Result<Self, ModelError> {
-        let origin = Layers::default();
-        let ModelParts { name, dofs, mass, stiffness, damping, shape, harmonic, elements, monitors } = parts;
-        let mass = (origin.place("matrices.mass"), mass);
-        let stiffness = (origin.place("matrices.stiffness"), stiffness);
-        Structure::new(dofs, mass, stiffness, &origin)?
-            .complete(Rest { name, damping, shape, harmonic, elements, monitors }, &origin)
-    }
+/// The ways to give damping.
+#[derive(Debug, Clone)]
+pub(crate) enum DampingSource {
+    /// Modal damping ratios ξ_j, 0 ≤ ξ < 1, one per mode: C = M Φ diag(2 ξ_j ω_j) Φᵀ M.
+    Ratios(Vec<f64>),
+    /// C = mass · M + stiffness · K, in 1/s and s.
+    Rayleigh { mass: f64, stiffness: f64 },
+    /// Symmetric n × n matrix C, N·s/m.
+    Matrix(Matrix),
+}
+
+/// The ways to give the forcing shape s, in N per unit of amplitude; modes count from 1.
+#[derive(Debug, Clone)]
+pub(crate) enum ForcingSource {
+    /// s = M Φ_j: forces mode j alone.
+    Mode(usize),
+    /// s = Φ_j.
+    ModeShape(usize),
+    /// The n entries of s.
+    Vector(Vec<f64>),
 }
 
 /// Matrices that belong together, with their modes.
-pub(super) struct Structure {
+pub(crate) struct Structure {
     pub dofs: Vec<String>,
     pub mass: Matrix,
     pub stiffness: Matrix,
@@ -28,10 +37,10 @@ pub(super) struct Structure {
 }
 
 /// Everything else, with dof numbers instead of names.
-pub(super) struct Rest {
+pub(crate) struct Rest {
     pub name: String,
-    pub damping: DampingParts,
-    pub shape: ForcingShape,
+    pub damping: DampingSource,
+    pub shape: ForcingSource,
     pub harmonic: usize,
     pub elements: Vec<Element>,
     pub monitors: Vec<usize>,
@@ -39,26 +48,22 @@ pub(super) struct Rest {
 
 impl Structure {
     /// Checks matrices and names, symmetrises, computes the modes.
-    pub fn new(
-        dofs: Vec<String>,
-        (mass_place, mass): (Place, Matrix),
-        (stiffness_place, stiffness): (Place, Matrix),
-        origin: &Layers,
-    ) -> Result<Self, ModelError> {
+    pub fn new(dofs: Vec<String>, mass: Matrix, stiffness: Matrix) -> Result<Self, ModelError> {
+        let (mass_place, stiffness_place) = (Place::key("matrices.mass"), Place::key("matrices.stiffness"));
         let n = mass.rows();
         if n == 0 || n != mass.cols() {
             let expected = "but it must be square, with at least one dof".into();
             return Err(ModelError::Size { place: mass_place, rows: n, cols: mass.cols(), expected });
         }
-        let mass = symmetric(&mass_place, mass, n)?;
-        let stiffness = symmetric(&stiffness_place, stiffness, n)?;
+        let mass = symmetric("matrices.mass", mass, n)?;
+        let stiffness = symmetric("matrices.stiffness", stiffness, n)?;
         let dofs = if dofs.is_empty() { (1..=n).map(|i| format!("x{i}")).collect() } else { dofs };
         if dofs.len() != n {
             let remedy = format!("{} names for {n} dofs; give one name per row of the mass matrix", dofs.len());
-            return Err(ModelError::value(origin.place("dofs"), format!("[{}]", dofs.join(", ")), remedy));
+            return Err(ModelError::value(Place::key("dofs"), format!("[{}]", dofs.join(", ")), remedy));
         }
         if let Some(name) = duplicate(dofs.iter()) {
-            return Err(ModelError::Duplicate { place: origin.place("dofs"), what: "dof", name });
+            return Err(ModelError::Duplicate { place: Place::key("dofs"), what: "dof", name });
         }
         let (values, shapes) = symmetric_eigen(&stiffness, &mass).map_err(|error| match error {
             LinalgError::NotPositiveDefinite(minor) => ModelError::MassNotPositive {
@@ -107,16 +112,31 @@ impl Structure {
             .filter(|epsilon| epsilon.is_finite() && *epsilon > 0.0)
     }
 
+    /// Numerical stiffness of rigid contacts that do not give their own, N/m: the stiffness condensed on all normals.
+    pub fn default_epsilon(&self, normals: &[&[(usize, f64)]]) -> Result<f64, ModelError> {
+        self.condensed_stiffness(normals).ok_or_else(|| {
+            let remedy = "no default can be derived, the contact normals meet no stiffness; give a value in N/m";
+            ModelError::value(Place::key("contact.epsilon"), "(not given)", remedy)
+        })
+    }
+
+    /// The dof of this name; `key` is where it is asked for.
+    pub fn dof(&self, name: &str, key: impl FnOnce() -> String) -> Result<usize, ModelError> {
+        let known = || self.dofs.iter().map(String::as_str);
+        let place = || Place::key(key());
+        known().position(|dof| dof == name).ok_or_else(|| ModelError::unknown(place(), name, known()))
+    }
+
     /// The model, once everything else is checked too.
-    pub fn complete(mut self, rest: Rest, origin: &Layers) -> Result<Model, ModelError> {
+    pub fn complete(mut self, rest: Rest) -> Result<Model, ModelError> {
         let n = self.size();
         let monitors = if rest.monitors.is_empty() { vec![0] } else { rest.monitors };
-        check_monitors(&monitors, n, origin)?;
+        check_monitors(&monitors, n)?;
         self.orient(monitors[0]);
-        let damping = self.damping(rest.damping, origin)?;
-        let shape = self.force(rest.shape, origin)?;
-        check_harmonic(rest.harmonic, origin)?;
-        check_elements(&rest.elements, n, origin)?;
+        let damping = self.damping(rest.damping)?;
+        let shape = self.force(rest.shape)?;
+        check_harmonic(rest.harmonic)?;
+        check_elements(&rest.elements, n)?;
         Ok(Model {
             name: rest.name,
             dofs: self.dofs,
@@ -146,27 +166,27 @@ impl Structure {
         }
     }
 
-    fn damping(&self, parts: DampingParts, origin: &Layers) -> Result<Damping, ModelError> {
+    fn damping(&self, parts: DampingSource) -> Result<Damping, ModelError> {
         let n = self.size();
         let frequencies = &self.modes.frequencies;
         match parts {
-            DampingParts::Ratios(ratios) => {
+            DampingSource::Ratios(ratios) => {
                 if ratios.len() != n {
                     let remedy = format!("{} ratios for {n} modes; give one for each", ratios.len());
-                    return Err(ModelError::value(origin.place("damping.ratios"), format!("{ratios:?}"), remedy));
+                    return Err(ModelError::value(Place::key("damping.ratios"), format!("{ratios:?}"), remedy));
                 }
                 for &ratio in &ratios {
-                    check_ratio(origin.place("damping.ratios"), ratio)?;
+                    check_ratio(Place::key("damping.ratios"), ratio)?;
                 }
                 Ok(Damping::Modal(ratios.iter().zip(frequencies).map(|(xi, w)| 2.0 * xi * w).collect()))
             }
-            DampingParts::Rayleigh { mass, stiffness } => {
-                at_least_zero(origin.place("damping.rayleigh.mass"), mass, "1/s")?;
-                at_least_zero(origin.place("damping.rayleigh.stiffness"), stiffness, "s")?;
+            DampingSource::Rayleigh { mass, stiffness } => {
+                at_least_zero(Place::key("damping.rayleigh.mass"), mass, "1/s")?;
+                at_least_zero(Place::key("damping.rayleigh.stiffness"), stiffness, "s")?;
                 Ok(Damping::Modal(frequencies.iter().map(|w| mass + stiffness * w * w).collect()))
             }
-            DampingParts::Matrix(matrix) => {
-                let matrix = symmetric(&origin.place("matrices.damping"), matrix, n)?;
+            DampingSource::Matrix(matrix) => {
+                let matrix = symmetric("matrices.damping", matrix, n)?;
                 let shapes = &self.modes.shapes;
                 let modal = shapes.transpose().matmul(&matrix.matmul(shapes));
                 let diagonal: Vec<f64> = (0..n).map(|j| modal[(j, j)]).collect();
@@ -178,154 +198,23 @@ impl Structure {
         }
     }
 
-    fn force(&self, shape: ForcingShape, origin: &Layers) -> Result<Vec<f64>, ModelError> {
+    fn force(&self, shape: ForcingSource) -> Result<Vec<f64>, ModelError> {
         let n = self.size();
         let mode = |number: usize, key| match number {
             1.. if number <= n => Ok(self.modes.shapes.column(number - 1)),
             _ => {
                 let remedy = format!("there is no such mode; modes are numbered 1 to {n}");
-                Err(ModelError::value(origin.place(key), number, remedy))
+                Err(ModelError::value(Place::key(key), number, remedy))
             }
         };
         let force = match shape {
-            ForcingShape::Mode(number) => self.mass.mul_vec(&mode(number, "forcing.shape.mode")?),
-            ForcingShape::ModeShape(number) => mode(number, "forcing.shape.mode_shape")?,
-            ForcingShape::Vector(force) => force,
+            ForcingSource::Mode(number) => self.mass.mul_vec(&mode(number, "forcing.shape.mode")?),
+            ForcingSource::ModeShape(number) => mode(number, "forcing.shape.mode_shape")?,
+            ForcingSource::Vector(force) => force,
         };
-        check_force(&force, &self.dofs, origin)?;
+        check_force(&force, &self.dofs)?;
         Ok(force)
     }
-}
-
-/// Refuses a matrix that is not n × n, finite and symmetric to 1e-8; removes the asymmetry that is left.
-pub(super) fn symmetric(place: &Place, matrix: Matrix, n: usize) -> Result<Matrix, ModelError> {
-    let (rows, cols) = (matrix.rows(), matrix.cols());
-    if rows != n || cols != n {
-        let expected = format!("but the mass matrix is {n} × {n}; M, K and C must have the same size");
-        return Err(ModelError::Size { place: place.clone(), rows, cols, expected });
-    }
-    if let Some(at) = matrix.entries().iter().position(|v| !v.is_finite()) {
-        let (row, col) = (at / n + 1, at % n + 1);
-        return Err(ModelError::NotFinite { place: place.clone(), row, col, value: matrix.entries()[at] });
-    }
-    let largest = matrix.entries().iter().fold(0.0_f64, |a, v| a.max(v.abs()));
-    for i in 0..n {
-        for j in 0..i {
-            let (value, mirrored) = (matrix[(i, j)], matrix[(j, i)]);
-            if (value - mirrored).abs() > 1e-8 * largest {
-                let (row, col) = (i + 1, j + 1);
-                return Err(ModelError::NotSymmetric { place: place.clone(), row, col, value, mirrored });
-            }
-        }
-    }
-    Ok(Matrix::from_fn(n, n, |i, j| 0.5 * (matrix[(i, j)] + matrix[(j, i)])))
-}
-
-/// The first name that comes twice.
-pub(super) fn duplicate<'a>(names: impl IntoIterator<Item = &'a String>) -> Option<String> {
-    let mut seen = std::collections::HashSet::new();
-    names.into_iter().find(|&name| !seen.insert(name)).cloned()
-}
-
-pub(super) fn check_ratio(place: Place, ratio: f64) -> Result<(), ModelError> {
-    let remedy = "a damping ratio must be at least 0 and below 1 (0.01 is one percent of critical)";
-    if (0.0..1.0).contains(&ratio) { Ok(()) } else { Err(ModelError::value(place, ratio, remedy)) }
-}
-
-pub(super) fn at_least_zero(place: Place, value: f64, unit: &str) -> Result<(), ModelError> {
-    let ok = value.is_finite() && value >= 0.0;
-    if ok {
-        Ok(())
-    } else {
-        Err(ModelError::value(place, value, format!("must be finite, zero or positive{}", in_unit(unit))))
-    }
-}
-
-pub(super) fn above_zero(place: Place, value: f64, unit: &str) -> Result<(), ModelError> {
-    let ok = value.is_finite() && value > 0.0;
-    if ok {
-        Ok(())
-    } else {
-        Err(ModelError::value(place, value, format!("must be finite and positive{}", in_unit(unit))))
-    }
-}
-
-pub(super) fn check_sense(place: Place, sense: f64) -> Result<(), ModelError> {
-    let remedy = "must be 1 or -1: the sign of the sliding velocity along the first tangential direction";
-    if sense.abs() == 1.0 { Ok(()) } else { Err(ModelError::value(place, sense, remedy)) }
-}
-
-fn in_unit(unit: &str) -> String {
-    if unit.is_empty() { String::new() } else { format!(", in {unit}") }
-}
-
-/// Refuses a force that is not one finite number per dof, or zero.
-pub(super) fn check_force(force: &[f64], dofs: &[String], origin: &Layers) -> Result<(), ModelError> {
-    let (n, place) = (dofs.len(), origin.place("forcing.shape"));
-    if force.len() != n {
-        let value = format!("{} entries", force.len());
-        return Err(ModelError::value(place, value, format!("give {n}, one per dof, in N")));
-    }
-    if let Some(i) = force.iter().position(|f| !f.is_finite()) {
-        let value = format!("{} on dof `{}`", force[i], dofs[i]);
-        return Err(ModelError::value(place, value, "a force must be a finite number, in N"));
-    }
-    if force.iter().all(|&f| f == 0.0) {
-        return Err(ModelError::NoForce { place });
-    }
-    Ok(())
-}
-
-pub(super) fn check_harmonic(harmonic: usize, origin: &Layers) -> Result<(), ModelError> {
-    if harmonic > 0 {
-        return Ok(());
-    }
-    Err(ModelError::value(origin.place("forcing.harmonic"), 0, "the harmonic must be 1 or more"))
-}
-
-pub(super) fn check_monitors(monitors: &[usize], n: usize, origin: &Layers) -> Result<(), ModelError> {
-    let place = || origin.place("monitors");
-    if monitors.is_empty() {
-        return Err(ModelError::value(place(), "[]", "name at least one dof"));
-    }
-    match monitors.iter().find(|&&dof| dof >= n) {
-        None => Ok(()),
-        Some(dof) if n == 0 => Err(ModelError::value(place(), dof, "there is no dof")),
-        Some(dof) => Err(ModelError::value(place(), dof, format!("dofs count from 0 to {}", n - 1))),
-    }
-}
-
-/// Refuses a name that comes twice, and elements that do not fit `n` dofs.
-pub(super) fn check_elements(elements: &[Element], n: usize, origin: &Layers) -> Result<(), ModelError> {
-    if let Some(name) = duplicate(elements.iter().map(|element| &element.name)) {
-        return Err(ModelError::Duplicate { place: origin.place("elements"), what: "nonlinear element", name });
-    }
-    elements.iter().try_for_each(|element| check_element(element, n, origin))
-}
-
-fn check_element(element: &Element, n: usize, origin: &Layers) -> Result<(), ModelError> {
-    let place = |key: &str| origin.place(format!("elements.{}.{key}", element.name));
-    for channel in &element.channels {
-        if let Some((dof, b)) = channel.iter().find(|(dof, b)| *dof >= n || !b.is_finite()) {
-            let remedy = format!("expected a dof counted from 0 to {} and a finite coefficient", n - 1);
-            return Err(ModelError::value(place("channels"), format!("({dof}, {b})"), remedy));
-        }
-    }
-    // A second tangential direction may be missing; a first argument that never moves would switch the law off.
-    if element.channels.first().is_none_or(|channel| channel.iter().all(|(_, b)| *b == 0.0)) {
-        let remedy = "the law acts on no dof; give it one with a coefficient other than zero";
-        return Err(ModelError::value(place("channels"), "[]", remedy));
-    }
-    let (given, needed) = (element.channels.len(), element.law.arguments());
-    if given != needed {
-        return Err(ModelError::value(place("channels"), given, format!("this law acts on {needed} displacements")));
-    }
-    check_law(&element.law, place)
-}
-
-/// Refuses parameters that are out of range; `place` finds the place of one.
-pub(super) fn check_law(law: &LawKind, place: impl Fn(&str) -> Place) -> Result<(), ModelError> {
-    law.validate().map_err(|e| ModelError::value(place(e.parameter), e.value, format!("expected {}", e.expected)))
 }
 
 #[cfg(test)]
@@ -339,9 +228,7 @@ mod tests {
             1 => -1.0,
             _ => 0.0,
         });
-        let origin = Layers::default();
-        let mass = Matrix::diagonal(&vec![1.0; n]);
-        Structure::new(vec![], (origin.place("m"), mass), (origin.place("k"), stiffness), &origin).unwrap()
+        Structure::new(vec![], Matrix::diagonal(&vec![1.0; n]), stiffness).unwrap()
     }
 
     #[test]
@@ -373,14 +260,13 @@ mod tests {
     fn a_damping_matrix_is_modal_only_if_the_modes_diagonalise_it() {
         let structure = chain(3);
         let proportional = Matrix::from_fn(3, 3, |i, j| 0.1 * structure.stiffness[(i, j)]);
-        let origin = Layers::default();
-        let Damping::Modal(diagonal) = structure.damping(DampingParts::Matrix(proportional), &origin).unwrap() else {
+        let Damping::Modal(diagonal) = structure.damping(DampingSource::Matrix(proportional)).unwrap() else {
             panic!("stiffness-proportional damping is modal");
         };
         for (d, w) in diagonal.iter().zip(&structure.modes.frequencies) {
             assert!((d - 0.1 * w * w).abs() < 1e-14);
         }
-        let local = DampingParts::Matrix(Matrix::diagonal(&[0.1, 0.0, 0.0]));
-        assert!(matches!(structure.damping(local, &origin).unwrap(), Damping::Full(_)));
+        let local = DampingSource::Matrix(Matrix::diagonal(&[0.1, 0.0, 0.0]));
+        assert!(matches!(structure.damping(local).unwrap(), Damping::Full(_)));
     }
 }

@@ -15,6 +15,13 @@ pub struct Place {
     pub set_by: Option<Box<str>>,
 }
 
+impl Place {
+    /// A key of nobody's file.
+    pub fn key(key: impl Into<String>) -> Self {
+        Self { file: None, key: key.into(), set_by: None }
+    }
+}
+
 impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match (&self.file, &self.set_by) {
@@ -194,6 +201,35 @@ impl ModelError {
 
     /// Where the refused value stands; none if a whole file is refused.
     pub fn place(&self) -> Option<&Place> {
+        match self {
+            Self::Read { place, .. }
+            | Self::Unknown { place, .. }
+            | Self::Type { place, .. }
+            | Self::Value { place, .. }
+            | Self::Size { place, .. }
+            | Self::NotFinite { place, .. }
+            | Self::NotSymmetric { place, .. }
+            | Self::MassNotPositive { place, .. }
+            | Self::StiffnessNegative { place, .. }
+            | Self::NoModes { place }
+            | Self::Duplicate { place, .. }
+            | Self::NoForce { place } => Some(place),
+            Self::Syntax { .. } | Self::MatrixMarket { .. } => None,
+        }
+    }
+
+    /// The same error with its key looked up: `find` knows what set it.
+    pub(crate) fn located(mut self, find: impl FnOnce(&str) -> Place) -> Self {
+        if let Some(place) = self.place_mut()
+            && place.file.is_none()
+            && place.set_by.is_none()
+        {
+            *place = find(&place.key);
+        }
+        self
+    }
+
+    fn place_mut(&mut self) -> Option<&mut Place> {
         match self {
             Self::Read { place, .. }
             | Self::Unknown { place, .. }

@@ -1,8 +1,7 @@
 //! A model as plain data, modes and all: how it travels, is stored, and is changed.
 
-use super::assembly::{check_elements, check_force, check_harmonic, check_monitors, duplicate};
-use super::error::ModelError;
-use super::layers::Layers;
+use super::error::{ModelError, Place};
+use super::validation::{check_elements, check_force, check_harmonic, check_monitors, duplicate};
 use super::{Damping, Element, Forcing, Model, Modes};
 use crate::linalg::Matrix;
 
@@ -44,52 +43,51 @@ impl TryFrom<ModelData> for Model {
     ///
     /// # Errors
     /// Sizes that do not fit together, numbers that are not finite, names given twice, and elements, monitored dofs or a
-    /// forcing that [`Model::new`] would refuse. That the modes are those of the matrices is not checked.
+    /// forcing that [`ModelBuilder`](super::ModelBuilder) would refuse. That the modes are those of the matrices is not checked.
     fn try_from(data: ModelData) -> Result<Self, ModelError> {
-        let origin = Layers::default();
         let n = data.dofs.len();
-        check_monitors(&data.monitors, n, &origin)?;
-        check_square(&data.mass, n, "matrices.mass", &origin)?;
-        check_square(&data.stiffness, n, "matrices.stiffness", &origin)?;
-        check_square(&data.modes.shapes, n, "modes.shapes", &origin)?;
-        check_list(&data.modes.frequencies, n, "modes.frequencies", &origin)?;
+        check_monitors(&data.monitors, n)?;
+        check_square(&data.mass, n, "matrices.mass")?;
+        check_square(&data.stiffness, n, "matrices.stiffness")?;
+        check_square(&data.modes.shapes, n, "modes.shapes")?;
+        check_list(&data.modes.frequencies, n, "modes.frequencies")?;
         match &data.damping {
-            Damping::Modal(rates) => check_list(rates, n, "damping", &origin)?,
-            Damping::Full(matrix) => check_square(matrix, n, "damping", &origin)?,
+            Damping::Modal(rates) => check_list(rates, n, "damping")?,
+            Damping::Full(matrix) => check_square(matrix, n, "damping")?,
         }
         if let Some(name) = duplicate(data.dofs.iter()) {
-            return Err(ModelError::Duplicate { place: origin.place("dofs"), what: "dof", name });
+            return Err(ModelError::Duplicate { place: Place::key("dofs"), what: "dof", name });
         }
-        check_force(&data.forcing.shape, &data.dofs, &origin)?;
-        check_harmonic(data.forcing.harmonic, &origin)?;
-        check_elements(&data.elements, n, &origin)?;
+        check_force(&data.forcing.shape, &data.dofs)?;
+        check_harmonic(data.forcing.harmonic)?;
+        check_elements(&data.elements, n)?;
         let ModelData { name, dofs, mass, stiffness, modes, damping, forcing, elements, monitors } = data;
         Ok(Self { name, dofs, mass, stiffness, modes, damping, forcing, elements, monitors })
     }
 }
 
-fn check_square(matrix: &Matrix, n: usize, key: &str, origin: &Layers) -> Result<(), ModelError> {
+fn check_square(matrix: &Matrix, n: usize, key: &str) -> Result<(), ModelError> {
     let (rows, cols) = (matrix.rows(), matrix.cols());
     if rows != n || cols != n {
         let expected = format!("but there are {n} dofs");
-        return Err(ModelError::Size { place: origin.place(key), rows, cols, expected });
+        return Err(ModelError::Size { place: Place::key(key), rows, cols, expected });
     }
     match matrix.entries().iter().position(|v| !v.is_finite()) {
         None => Ok(()),
         Some(at) => {
             let (row, col) = (at / n + 1, at % n + 1);
-            Err(ModelError::NotFinite { place: origin.place(key), row, col, value: matrix.entries()[at] })
+            Err(ModelError::NotFinite { place: Place::key(key), row, col, value: matrix.entries()[at] })
         }
     }
 }
 
-fn check_list(values: &[f64], n: usize, key: &str, origin: &Layers) -> Result<(), ModelError> {
+fn check_list(values: &[f64], n: usize, key: &str) -> Result<(), ModelError> {
     if values.len() != n {
         let value = format!("{} numbers", values.len());
-        return Err(ModelError::value(origin.place(key), value, format!("give {n}, one per mode")));
+        return Err(ModelError::value(Place::key(key), value, format!("give {n}, one per mode")));
     }
     match values.iter().find(|v| !v.is_finite()) {
         None => Ok(()),
-        Some(value) => Err(ModelError::value(origin.place(key), value, "every number must be finite")),
+        Some(value) => Err(ModelError::value(Place::key(key), value, "every number must be finite")),
     }
 }

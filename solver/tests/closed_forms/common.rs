@@ -1,27 +1,23 @@
 //! Models and settings that the closed forms share.
 
+use solver::files;
 use solver::formulation::state::State;
-use solver::linalg::Matrix;
 use solver::response::backbone::Backbone;
 use solver::response::branch::{Branch, BranchPoint};
 use solver::response::forced::Forced;
 use solver::settings::{BackboneEquation, HarmonicSettings, Settings};
+use solver::structure::Model;
 use solver::structure::laws::{Contact, LawKind};
-use solver::structure::{DampingParts, Element, ForcingShape, Model, ModelParts};
 use std::ops::ControlFlow;
 use std::path::Path;
 
 pub fn load(name: &str) -> Model {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models").join(name);
-    Model::load(&folder).unwrap_or_else(|error| panic!("{error}"))
+    files::load(&folder).unwrap_or_else(|error| panic!("{error}"))
 }
 
 pub fn quiet(_: &BranchPoint) -> ControlFlow<()> {
     ControlFlow::Continue(())
-}
-
-pub fn element(channel: &[(usize, f64)], law: LawKind) -> Element {
-    Element { name: "element".into(), channels: vec![channel.to_vec()], law }
 }
 
 pub fn contact(gap: f64, epsilon: f64) -> LawKind {
@@ -30,18 +26,14 @@ pub fn contact(gap: f64, epsilon: f64) -> LawKind {
 
 /// One mass of 1 kg with modal damping, forced by 1 N per unit of amplitude.
 pub fn oscillator(stiffness: f64, ratio: f64, law: LawKind) -> Model {
-    Model::new(ModelParts {
-        name: "oscillator".into(),
-        dofs: Vec::new(),
-        mass: Matrix::diagonal(&[1.0]),
-        stiffness: Matrix::diagonal(&[stiffness]),
-        damping: DampingParts::Ratios(vec![ratio]),
-        shape: ForcingShape::Vector(vec![1.0]),
-        harmonic: 1,
-        elements: vec![element(&[(0, 1.0)], law)],
-        monitors: Vec::new(),
-    })
-    .unwrap()
+    Model::builder("oscillator")
+        .mass([[1.0]])
+        .stiffness([[stiffness]])
+        .damping_ratio(ratio)
+        .force("x1", 1.0)
+        .element("element", law, ["x1"])
+        .build()
+        .unwrap()
 }
 
 pub fn with_harmonics(count: usize) -> Settings {

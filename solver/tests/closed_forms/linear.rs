@@ -9,7 +9,7 @@ use solver::formulation::state::State;
 use solver::formulation::unknown::Unknown;
 use solver::linalg::Matrix;
 use solver::response::forced::{Forced, Reach};
-use solver::structure::{DampingParts, ForcingShape, Model, ModelParts};
+use solver::structure::Model;
 
 /// A chain of five masses between two walls; the dampers give modal damping or a C that no modes diagonalise.
 fn chain(proportional: bool) -> (Model, Matrix) {
@@ -26,22 +26,17 @@ fn chain(proportional: bool) -> (Model, Matrix) {
     let stiffness = tridiagonal([1000.0, 1500.0, 800.0, 1200.0, 900.0, 1100.0]);
     let dashpots = tridiagonal([0.0, 3.0, 0.0, 0.2, 1.0, 0.0]);
     let ratios: Vec<f64> = (1..=n).map(|j| 0.004 * j as f64).collect();
-    let damping =
-        if proportional { DampingParts::Ratios(ratios.clone()) } else { DampingParts::Matrix(dashpots.clone()) };
     let mass = Matrix::diagonal(&masses);
-    let model = Model::new(ModelParts {
-        name: "chain".into(),
-        dofs: Vec::new(),
-        mass: mass.clone(),
-        stiffness,
-        damping,
-        shape: ForcingShape::Vector(vec![0.0, 1.0, 0.0, -0.3, 0.2]),
-        harmonic: 1,
+    let model = Model::builder("chain").mass(mass.clone()).stiffness(stiffness);
+    let damped =
+        if proportional { model.damping_ratios(ratios.clone()) } else { model.damping_matrix(dashpots.clone()) };
+    let model = damped
+        .force_shape([0.0, 1.0, 0.0, -0.3, 0.2])
         // Far out of reach: the model is linear, but its contact is part of every system solved.
-        elements: vec![element(&[(4, 1.0)], contact(1.0, 1e3))],
-        monitors: vec![2],
-    })
-    .unwrap();
+        .element("element", contact(1.0, 1e3), ["x5"])
+        .monitor("x3")
+        .build()
+        .unwrap();
     // C = M Φ diag(2 ξ ω) Φᵀ M.
     let c = if proportional {
         let rates: Vec<f64> = ratios.iter().zip(&model.modes().frequencies).map(|(r, w)| 2.0 * r * w).collect();

@@ -1,5 +1,6 @@
 //! Models, backbones and levels of rotor 67, each computed once for all tests.
 
+use solver::files;
 use solver::response::backbone::Backbone;
 use solver::response::branch::{Branch, BranchPoint};
 use solver::response::level::{BranchId, Level};
@@ -38,7 +39,7 @@ impl Scenario {
     pub fn model(&self) -> &Model {
         self.model.get_or_init(|| {
             let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/rotor67");
-            Model::load_with(&folder, self.overrides).unwrap_or_else(|error| panic!("{error}"))
+            files::load_with(&folder, self.overrides).unwrap_or_else(|error| panic!("{error}"))
         })
     }
 

@@ -6,6 +6,7 @@ use protocol::ids::{Attempt, RunId, TaskId};
 use protocol::model::ModelMessage;
 use protocol::to_everyone::{Amplitude, Manifest, Stage};
 use protocol::to_worker::{Grant, Known};
+use solver::files;
 use solver::formulation::modal::Modal;
 use solver::response::backbone::Backbone;
 use solver::response::forced::Reach;
@@ -31,7 +32,7 @@ pub struct Study {
 impl Study {
     pub fn new(harmonics: usize) -> Self {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/nonlinear_damper");
-        let model = Model::load(&folder).unwrap();
+        let model = files::load(&folder).unwrap();
         let mut settings = Settings::default();
         settings.harmonics.count = harmonics;
         settings.harmonics.samples = 64;

@@ -166,6 +166,12 @@ macro_rules! laws {
             $($(#[$doc])* $name($name),)*
         }
 
+        $(impl From<$name> for LawKind {
+            fn from(law: $name) -> Self {
+                Self::$name(law)
+            }
+        })*
+
         /// Evaluates `$body` with `$law` bound to the concrete law inside the [`LawKind`] `$kind`: code generic over
         /// `L: Law` is instantiated once per law, and the choice is made once per element instead of once per sample.
         macro_rules! with_law {

@@ -2,7 +2,7 @@
 //!
 //! A section is merged key by key; what stands at a key of a section, list and inline table too, is replaced as a whole.
 
-use super::error::{ModelError, Place};
+use crate::structure::{ModelError, Place};
 use serde::de::DeserializeOwned;
 use std::path::{Path, PathBuf};
 use toml::{Table, Value};
@@ -22,7 +22,7 @@ enum Source {
 /// Settings of a file with others over them.
 #[derive(Debug, Clone, Default)]
 pub struct Layers {
-    /// The file below all; none for a model built from matrices at hand.
+    /// The file below all, if there is one.
     file: Option<PathBuf>,
     table: Table,
     /// Dotted keys in the order they were set: the last one counts.
@@ -41,6 +41,9 @@ impl Layers {
     }
 
     /// Settings from the text of a file.
+    ///
+    /// # Errors
+    /// A text that is not TOML.
     pub fn parse(file: &Path, text: &str) -> Result<Self, ModelError> {
         let syntax =
             |e: toml::de::Error| ModelError::Syntax { file: file.into(), message: e.to_string().trim_end().into() };
@@ -80,6 +83,9 @@ impl Layers {
 
     /// Puts one value over these settings: a dotted key (entries of lists counted from 0) and a TOML value as typed
     /// after `option`. A bare word that is not a TOML value is a string.
+    ///
+    /// # Errors
+    /// A key that is not dotted, or that reaches into a value without keys or entries.
     pub fn set(&mut self, option: &str, key: &str, typed: &str) -> Result<(), ModelError> {
         let by = format!("{option} {key}={typed}");
         let refused = |message| {
@@ -120,6 +126,9 @@ impl Layers {
     }
 
     /// Refuses a section that is given as something else: serde would take a list for its keys in order.
+    ///
+    /// # Errors
+    /// A section of these that is no table.
     pub fn check_sections(&self, sections: &[&str]) -> Result<(), ModelError> {
         let given = sections.iter().filter_map(|key| Some((key, self.table.get(*key)?)));
         match given.into_iter().find(|(_, value)| !value.is_table()) {
@@ -132,6 +141,9 @@ impl Layers {
     }
 
     /// These settings as a type; refuses keys that it does not know.
+    ///
+    /// # Errors
+    /// Keys that the type does not know, and values of the wrong type.
     pub fn parsed<T: DeserializeOwned>(&self) -> Result<T, ModelError> {
         serde_path_to_error::deserialize(Value::Table(self.table.clone()))
             .map_err(|error| self.explain(&error.path().to_string(), error.inner().message()))

@@ -4,8 +4,8 @@
 //! may hold either triangle. An entry given twice is refused rather than summed: it is nearly always both triangles of
 //! a file that calls itself symmetric, and summing would double the stiffness silently.
 
-use super::error::ModelError;
 use crate::linalg::Matrix;
+use crate::structure::ModelError;
 use std::collections::HashMap;
 use std::path::Path;
 

@@ -1,15 +1,16 @@
 //! From raw settings to a checked [`Model`]: files are read, names become dof numbers, defaults are filled in.
 
-use super::assembly::{Rest, Structure};
-use super::assembly::{above_zero, at_least_zero, check_law, check_ratio, check_sense, duplicate, symmetric};
 use super::config::{Config, ContactConfig, DampingConfig, DirectionConfig, LawConfig, MatrixConfig, ModesConfig};
 use super::config::{NodeConfig, ShapeConfig};
-use super::error::{ModelError, Place};
 use super::layers::Layers;
-use super::parts::{DampingParts, ForcingShape};
-use super::{Element, Model, matrix_market};
+use super::matrix_market;
 use crate::linalg::Matrix;
-use crate::structure::laws::{Contact, Friction, Law, LawKind};
+use crate::structure::assembly::{DampingSource, ForcingSource, Rest, Structure};
+use crate::structure::laws::{Contact, Friction, Law};
+use crate::structure::validation::{
+    above_zero, at_least_zero, check_law, check_ratio, check_sense, duplicate, symmetric,
+};
+use crate::structure::{Element, Model, ModelError, Place};
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -17,15 +18,22 @@ type Direction = Vec<(usize, f64)>;
 
 /// Builds the model that `config`, read from the folder `dir`, describes.
 pub(super) fn build(dir: &Path, config: Config, origin: &Layers) -> Result<Model, ModelError> {
-    let mass = matrix(dir, &config.matrices.mass, origin, "matrices.mass")?;
-    let stiffness = matrix(dir, &config.matrices.stiffness, origin, "matrices.stiffness")?;
-    let structure = Structure::new(config.dofs.unwrap_or_default(), mass, stiffness, origin)?;
+    let (mass_place, mass) = matrix(dir, &config.matrices.mass, origin, "matrices.mass")?;
+    let (stiffness_place, stiffness) = matrix(dir, &config.matrices.stiffness, origin, "matrices.stiffness")?;
+    let find = |key: &str| match key {
+        "matrices.mass" => mass_place.clone(),
+        "matrices.stiffness" => stiffness_place.clone(),
+        _ => origin.place(key),
+    };
+    let structure = Structure::new(config.dofs.unwrap_or_default(), mass, stiffness);
+    let structure = structure.map_err(|error| error.located(find))?;
     let builder = Builder { origin, structure };
     let damping = match &config.matrices.damping {
         Some(source) => {
             builder.no_other_damping(&config.damping)?;
             let (place, matrix) = matrix(dir, source, origin, "matrices.damping")?;
-            DampingParts::Matrix(symmetric(&place, matrix, builder.structure.size())?)
+            let matrix = symmetric("matrices.damping", matrix, builder.structure.size());
+            DampingSource::Matrix(matrix.map_err(|error| error.located(|_| place))?)
         }
         None => builder.damping(config.damping)?,
     };
@@ -62,7 +70,7 @@ pub(super) fn build(dir: &Path, config: Config, origin: &Layers) -> Result<Model
     let folder = folder.file_name().map_or_else(|| "model".into(), |name| name.to_string_lossy().into_owned());
     let name = config.name.unwrap_or(folder);
     let rest = Rest { name, damping, shape, harmonic: config.forcing.harmonic, elements, monitors };
-    builder.structure.complete(rest, origin)
+    builder.structure.complete(rest).map_err(|error| error.located(|key| origin.place(key)))
 }
 
 /// Reads a matrix; its place names the file that holds it.
@@ -99,10 +107,7 @@ struct Builder<'a> {
 
 impl Builder<'_> {
     fn dof(&self, name: &str, key: impl Fn() -> String) -> Result<usize, ModelError> {
-        let dofs = &self.structure.dofs;
-        dofs.iter()
-            .position(|dof| dof == name)
-            .ok_or_else(|| ModelError::unknown(self.origin.place(key()), name, dofs.iter().map(String::as_str)))
+        self.structure.dof(name, key).map_err(|error| error.located(|key| self.origin.place(key)))
     }
 
     fn combination(&self, terms: &BTreeMap<String, f64>, key: &str) -> Result<Direction, ModelError> {
@@ -142,7 +147,7 @@ impl Builder<'_> {
         }
     }
 
-    fn damping(&self, config: DampingConfig) -> Result<DampingParts, ModelError> {
+    fn damping(&self, config: DampingConfig) -> Result<DampingSource, ModelError> {
         let n = self.structure.size();
         if let Some(rayleigh) = config.rayleigh {
             if config.ratios.is_some() || config.default_ratio.is_some() {
@@ -150,7 +155,7 @@ impl Builder<'_> {
                     "`damping.ratios` or `damping.default_ratio` gives the damping already; remove one of them";
                 return Err(ModelError::value(self.origin.place("damping.rayleigh"), "given", remedy));
             }
-            return Ok(DampingParts::Rayleigh { mass: rayleigh.mass, stiffness: rayleigh.stiffness });
+            return Ok(DampingSource::Rayleigh { mass: rayleigh.mass, stiffness: rayleigh.stiffness });
         }
         let default = config.default_ratio.unwrap_or(DampingConfig::DEFAULT_RATIO);
         check_ratio(self.origin.place("damping.default_ratio"), default)?;
@@ -173,21 +178,21 @@ impl Builder<'_> {
                 }
             }
         }
-        Ok(DampingParts::Ratios(ratios.into_iter().map(|ratio| ratio.unwrap_or(default)).collect()))
+        Ok(DampingSource::Ratios(ratios.into_iter().map(|ratio| ratio.unwrap_or(default)).collect()))
     }
 
-    fn shape(&self, config: ShapeConfig) -> Result<ForcingShape, ModelError> {
+    fn shape(&self, config: ShapeConfig) -> Result<ForcingSource, ModelError> {
         let n = self.structure.size();
         Ok(match config {
-            ShapeConfig::Mode(number) => ForcingShape::Mode(number),
-            ShapeConfig::ModeShape(number) => ForcingShape::ModeShape(number),
-            ShapeConfig::Constant(force) => ForcingShape::Vector(vec![force; n]),
+            ShapeConfig::Mode(number) => ForcingSource::Mode(number),
+            ShapeConfig::ModeShape(number) => ForcingSource::ModeShape(number),
+            ShapeConfig::Constant(force) => ForcingSource::Vector(vec![force; n]),
             ShapeConfig::Dofs(forces) => {
                 let mut shape = vec![0.0; n];
                 for (name, force) in &forces {
                     shape[self.dof(name, || format!("forcing.shape.dofs.{name}"))?] = *force;
                 }
-                ForcingShape::Vector(shape)
+                ForcingSource::Vector(shape)
             }
         })
     }
@@ -202,12 +207,8 @@ impl Builder<'_> {
         let epsilon = match config.epsilon {
             None if config.nodes.iter().any(|node| node.epsilon.is_none()) => {
                 let normals: Vec<&[(usize, f64)]> = normals.iter().map(Vec::as_slice).collect();
-                let epsilon = self.structure.condensed_stiffness(&normals);
-                Some(epsilon.ok_or_else(|| {
-                    let remedy =
-                        "no default can be derived, the contact normals meet no stiffness; give a value in N/m";
-                    ModelError::value(self.origin.place("contact.epsilon"), "(not given)", remedy)
-                })?)
+                let epsilon = self.structure.default_epsilon(&normals);
+                Some(epsilon.map_err(|error| error.located(|key| self.origin.place(key)))?)
             }
             given => given,
         };
@@ -272,11 +273,12 @@ impl Builder<'_> {
         Ok(Element {
             name: node.name.clone().unwrap_or_else(|| format!("contact{}", i + 1)),
             channels,
-            law: LawKind::Contact(Contact {
+            law: Contact {
                 gap: node.gap.or(common.gap).unwrap_or(0.0),
                 epsilon: node.epsilon.or(epsilon).unwrap_or(f64::NAN),
                 friction,
-            }),
+            }
+            .into(),
         })
     }
 

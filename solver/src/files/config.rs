@@ -93,7 +93,7 @@ pub(super) struct DampingConfig {
 }
 
 impl DampingConfig {
-    pub const DEFAULT_RATIO: f64 = 0.01;
+    pub const DEFAULT_RATIO: f64 = crate::structure::DEFAULT_RATIO;
 }
 
 #[derive(Debug, Deserialize)]
