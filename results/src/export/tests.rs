@@ -12,6 +12,7 @@ use crate::overview::{Omissions, Overview};
 use crate::store::Reader;
 use protocol::ids::{Attempt, TaskId};
 use solver::curve::problem::Failure;
+use solver::response::columns::{Column, Csv, of_backbone, of_points};
 use solver::response::task::{BranchId, Finding, SeedOutcome};
 use std::collections::HashMap;
 use std::fs;
@@ -24,6 +25,12 @@ fn table(path: &Path) -> (String, Vec<HashMap<String, String>>) {
     let names: Vec<String> = reader.headers().unwrap().iter().map(String::from).collect();
     let rows = reader.deserialize().map(Result::unwrap).collect();
     (names.join(","), rows)
+}
+
+/// The columns of the first programs, and behind them what the list has been given since.
+fn with_later(first: &str, list: impl Iterator<Item = &'static Column>, csv: fn(&Column) -> Csv) -> String {
+    let later = list.filter(|column| column.is_later && csv(column) != Csv::No);
+    later.fold(first.into(), |names, column| format!("{names},{}", column.name))
 }
 
 fn names(dir: &Path) -> Vec<String> {
@@ -55,7 +62,10 @@ fn a_finished_run() {
     assert_eq!(rows[2]["contact_omega_min"], "");
 
     let (columns, rows) = table(&out.join("branches/0.006-isola-1.csv"));
-    assert_eq!(columns, "omega,amplitude,rms,contact,residual,high_harmonics");
+    assert_eq!(
+        columns,
+        with_later("omega,amplitude,rms,contact,residual,high_harmonics", of_points(), |c| c.branch_csv)
+    );
 
     let isola = results.iter().find(|result| result.name == Some(BranchId::Isola(0))).unwrap();
     let isola = isola.branch.as_ref().unwrap();
@@ -65,7 +75,8 @@ fn a_finished_run() {
     assert!(rows.iter().all(|row| row["contact"].is_empty()));
 
     let (columns, rows) = table(&out.join("backbone.csv"));
-    assert_eq!(columns, "omega,zeta,amplitude,r_lin,r_nl,work_per_amplitude,threshold,contribution_1");
+    let first = "omega,zeta,amplitude,r_lin,r_nl,work_per_amplitude,threshold,contribution_1";
+    assert_eq!(columns, with_later(first, of_points().chain(of_backbone()), |column| column.backbone_csv));
     assert_eq!(rows.len(), study.backbone.points.len());
     let threshold: Vec<f64> = rows.iter().map(|row| row["threshold"].parse().unwrap()).collect();
     assert!(threshold.iter().zip(&study.backbone.points).all(|(read, point)| *read == point.threshold()));
@@ -100,7 +111,8 @@ fn before_the_backbone() {
     let store = crate::store::Store::create(&dir.path().join("run"), &study.header()).unwrap();
     csv(&store, dir.path()).unwrap();
     let (columns, rows) = table(&dir.path().join("backbone.csv"));
-    assert_eq!(columns, "omega,zeta,amplitude,r_lin,r_nl,work_per_amplitude,threshold");
+    let first = "omega,zeta,amplitude,r_lin,r_nl,work_per_amplitude,threshold";
+    assert_eq!(columns, with_later(first, of_points().chain(of_backbone()), |column| column.backbone_csv));
     assert!(rows.is_empty());
     let overview = Overview::read(&store, &mut Omissions::default()).unwrap();
     assert!(
@@ -114,7 +126,8 @@ fn contact_and_further_monitors() {
     let (store, results) = study.finished(&dir.path().join("run"));
     csv(&store, dir.path()).unwrap();
     let (columns, rows) = table(&dir.path().join("branches/0.02-main-1.csv"));
-    assert_eq!(columns, "omega,amplitude,rms,contact,residual,high_harmonics,amplitude_x2");
+    let first = "omega,amplitude,rms,contact,residual,high_harmonics,amplitude_x2";
+    assert_eq!(columns, with_later(first, of_points(), |column| column.branch_csv));
     let points = &results[0].branch.as_ref().unwrap().points;
     let amplitude = points.columns.get("amplitude").unwrap().values("amplitude", &[rows.len(), 2]).unwrap();
     for (row, pair) in rows.iter().zip(amplitude.chunks(2)) {
