@@ -101,6 +101,13 @@ fn branches() {
         let read = through_bytes(&stored).branch.unwrap().branch(&damper.size).unwrap();
         assert_eq!(&read, branch);
         assert_identical(&read, branch);
+        for column in columns::of_points() {
+            let array = stored.branch.as_ref().unwrap().points.columns.get(column.name).unwrap();
+            let values = branch.column(column.name).unwrap();
+            assert_eq!(values.len(), branch.points.len());
+            assert_eq!(array.values(column.name, &array.shape).unwrap(), values.concat());
+        }
+        assert!(branch.column("nothing").is_none());
     }
 }
 

@@ -181,3 +181,23 @@ impl Detail {
         Some(Self { label: hover.label, format, unit, digits: hover.digits, values })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use solver::response::columns::{Axis as Along, Column};
+
+    #[test]
+    fn a_unit_that_has_no_format_follows_the_number() {
+        let detail = |unit| {
+            let column = Column::new("name", unit, Along::Point, "meaning").hover("label", 4);
+            let detail = Detail::of(&column, vec![Ref::to(0)]).unwrap();
+            (detail.format, detail.unit, detail.digits)
+        };
+        assert_eq!(detail("m"), (Format::Length, "", 4));
+        assert_eq!(detail("m/s"), (Format::Number, "m/s", 4));
+        let share = Column::new("name", "", Along::Contacts, "meaning").percentage("label", 3);
+        assert_eq!(Detail::of(&share, vec![]).unwrap().format, Format::Share);
+        assert_eq!(Detail::of(&Column::new("name", "m", Along::Point, "meaning"), vec![]), None);
+    }
+}

@@ -259,3 +259,21 @@ places! {
     BACKBONE: R_LIN = "r_lin", R_NL = "r_nl", WORK = "work_per_amplitude", CERTIFICATE = "certificate",
         THRESHOLD = "threshold", ARC = "arc", CONTRIBUTIONS = "contributions";
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_distinct_and_each_has_its_place_in_files() {
+        let names: Vec<&str> = of_points().chain(of_backbone()).map(|column| column.name).collect();
+        for (i, name) in names.iter().enumerate() {
+            assert!(!names[..i].contains(name), "{name}");
+            assert_eq!(named(name).map(|column| column.name), Some(*name));
+        }
+        let first: Vec<&str> = of_backbone_in_files().map(|column| column.name).take(7).collect();
+        let expected = ["r_lin", "r_nl", "work_per_amplitude", "threshold", "certificate", "arc", "contributions"];
+        assert_eq!(first, expected);
+        assert_eq!(of_backbone_in_files().count(), of_backbone().len());
+    }
+}

@@ -2,7 +2,25 @@
 
 use super::*;
 use protocol::columns::Columns;
-use solver::response::columns::of_points;
+use solver::response::columns::{Axis, of_backbone_in_files, of_points};
+
+#[test]
+fn tables_have_the_columns_of_the_list() {
+    let (study, dir) = (Study::damper(), tempdir().unwrap());
+    let store = Store::create(dir.path(), &study.header()).unwrap();
+    let names = |table: &str| -> Vec<String> {
+        store.all("SELECT name FROM pragma_table_info(?1)", [table], |row| row.get(0)).unwrap()
+    };
+    let points: Vec<&str> = of_points().map(|column| column.name).collect();
+    assert_eq!(names("points"), [&["branch", "i", "omega"], &points[..]].concat());
+    let backbone = of_backbone_in_files().filter(|column| column.axis != Axis::Modes).map(|column| column.name);
+    assert_eq!(names("backbone"), [&["i", "omega", "zeta"], &points[..], &backbone.collect::<Vec<_>>()].concat());
+    let sql = "SELECT group_concat(sql) FROM sqlite_master";
+    let text: String = store.one(sql, [], |row| row.get(0)).unwrap().unwrap();
+    for meaning in ["-- Largest |x| over the period, m, of the first monitored dof", "-- Newton iterations.\n"] {
+        assert_eq!(text.matches(meaning).count(), 2, "{meaning}");
+    }
+}
 
 #[test]
 fn a_file_without_some_columns_is_written_and_read() {
