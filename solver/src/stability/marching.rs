@@ -123,6 +123,9 @@ pub struct Marching<'m> {
 impl<'m> Marching<'m> {
     /// Prepares the motion of `model` under A = `amplitude` with a response of frequency `omega` (rad/s): forcing and
     /// rotor have m·`omega`. It starts at rest; see [`Marching::set_state`].
+    ///
+    /// # Errors
+    /// Settings out of their range, full damping that cannot be factorised, and those of [`Marching::set_state`].
     pub fn new(
         model: &'m Model,
         settings: &MarchingSettings,
@@ -183,6 +186,9 @@ impl<'m> Marching<'m> {
     /// Starts again at t = 0 with displacements `x` (m) and velocities `xdot` (m/s) of the n dofs. Laws with memory
     /// start without force.
     ///
+    /// # Errors
+    /// If no contact pressures are found for the first step.
+    ///
     /// # Panics
     /// If `x` or `xdot` do not have n entries.
     pub fn set_state(&mut self, x: &[f64], xdot: &[f64]) -> Result<(), MarchingError> {
@@ -205,6 +211,9 @@ impl<'m> Marching<'m> {
     }
 
     /// One time step.
+    ///
+    /// # Errors
+    /// If no contact pressures are found that leave no penetration.
     pub fn step(&mut self) -> Result<(), MarchingError> {
         for (y, next) in self.y.iter_mut().zip(&self.next) {
             *y += next;
@@ -219,6 +228,9 @@ impl<'m> Marching<'m> {
     }
 
     /// One period 2π/ω of the response.
+    ///
+    /// # Errors
+    /// Those of [`step`](Self::step), and a motion that is not finite any more.
     pub fn period(&mut self) -> Result<PeriodSummary, MarchingError> {
         let count = self.steps_per_period as f64;
         let mut summary = PeriodSummary {

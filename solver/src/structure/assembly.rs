@@ -48,6 +48,9 @@ pub(crate) struct Rest {
 
 impl Structure {
     /// Checks matrices and names, symmetrises, computes the modes.
+    ///
+    /// # Errors
+    /// Matrices of other sizes, not finite, not symmetric or not definite; names that are too few, too many or given twice.
     pub fn new(dofs: Vec<String>, mass: Matrix, stiffness: Matrix) -> Result<Self, ModelError> {
         let (mass_place, stiffness_place) = (Place::key("matrices.mass"), Place::key("matrices.stiffness"));
         let n = mass.rows();
@@ -113,6 +116,9 @@ impl Structure {
     }
 
     /// Numerical stiffness of rigid contacts that do not give their own, N/m: the stiffness condensed on all normals.
+    ///
+    /// # Errors
+    /// If the normals meet no stiffness.
     pub fn default_epsilon(&self, normals: &[&[(usize, f64)]]) -> Result<f64, ModelError> {
         self.condensed_stiffness(normals).ok_or_else(|| {
             let remedy = "no default can be derived, the contact normals meet no stiffness; give a value in N/m";
@@ -121,6 +127,9 @@ impl Structure {
     }
 
     /// The dof of this name; `key` is where it is asked for.
+    ///
+    /// # Errors
+    /// If there is none, with the names that look like it.
     pub fn dof(&self, name: &str, key: impl FnOnce() -> String) -> Result<usize, ModelError> {
         let known = || self.dofs.iter().map(String::as_str);
         let place = || Place::key(key());
@@ -128,6 +137,9 @@ impl Structure {
     }
 
     /// The model, once everything else is checked too.
+    ///
+    /// # Errors
+    /// Damping, forcing, elements or monitored dofs that do not fit, or are out of their range.
     pub fn complete(mut self, rest: Rest) -> Result<Model, ModelError> {
         let n = self.size();
         let monitors = if rest.monitors.is_empty() { vec![0] } else { rest.monitors };

@@ -14,6 +14,9 @@ pub enum Inverse {
 
 impl Inverse {
     /// For a time step in s. Full damping is factorised here, once.
+    ///
+    /// # Errors
+    /// If that is singular.
     pub fn new(damping: &Damping, step: f64) -> Result<Self, LinalgError> {
         match damping.uncoupled() {
             Some(rates) => {
