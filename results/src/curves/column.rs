@@ -35,7 +35,7 @@ pub struct Quantity {
 }
 
 impl Quantity {
-    /// Of `size` points, from a row of numbers each; `None`: of modes, which have a figure of their own.
+    /// Of points, from a row of numbers each; `None`: of modes, which have a figure of their own.
     pub fn new<'p>(about: &'static columns::Column, rows: &[&'p [f64]]) -> Option<Self> {
         let of = |value: &dyn Fn(&'p [f64]) -> f64| Column::short(rows.iter().map(|row| value(row)).collect());
         let largest = |row: &[f64]| row.iter().copied().fold(f64::NAN, f64::max);
