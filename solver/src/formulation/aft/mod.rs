@@ -1,7 +1,7 @@
 //! Alternating frequency–time: from the harmonics of a law's arguments to those of its forces, with the exact Jacobian.
 //!
 //! Laws are evaluated on a uniform grid and transformed by FFT; unilateral laws by default at the Gauss points of the
-//! arcs on which they act (see [`crate::arcs`]).
+//! arcs on which they act (see [`crate::formulation::arcs`]).
 
 mod gauss;
 mod samples;
