@@ -88,6 +88,12 @@ impl Array {
         Ok(chunks.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect())
     }
 
+    /// Whether its bytes are as many numbers as its shape says.
+    pub fn is_sound(&self) -> bool {
+        let bytes = self.shape.iter().try_fold(8usize, |size, &axis| size.checked_mul(axis));
+        self.dtype == "<f8" && bytes == Some(self.data.len())
+    }
+
     /// Length of the first axis.
     pub fn len(&self) -> usize {
         self.shape.first().copied().unwrap_or(0)

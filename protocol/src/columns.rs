@@ -5,7 +5,7 @@ use crate::size::Size;
 use serde::Deserialize;
 use serde::de::{Deserializer, Error, IgnoredAny, MapAccess, Visitor};
 use serde::ser::{Serialize, SerializeMap, Serializer};
-use solver::response::columns::{Axis, Column, Row};
+use solver::response::columns::{self, Axis, Column, Row};
 use std::borrow::Cow;
 
 /// Arrays by name, which stand as fields of their own in the map of a message.
@@ -100,8 +100,9 @@ impl Columns {
     /// Reads fields of a map.
     ///
     /// # Errors
-    /// If a column of the list that every sender has is missing, or one of the list is no array. Unknown arrays are kept,
-    /// so that a result passed on keeps its bytes; other unknown fields are ignored.
+    /// If a column of the list that every sender has is missing, or one of the list is no array. Unknown arrays
+    /// are kept, so that a result passed on keeps its bytes, unless they contradict themselves or have the name of
+    /// something else; other unknown fields are ignored.
     pub(crate) fn read<'de, D: Deserializer<'de>>(
         deserializer: D,
         list: impl Iterator<Item = &'static Column>,
@@ -124,10 +125,21 @@ impl Serialize for Columns {
     }
 }
 
+/// Arrays that stand beside columns wherever these are stored.
+const BESIDE: [&str; 6] = ["omega", "decay", "forcing", "argument", "modal", "displacement"];
+
+/// Whether an array that is not known may have this name: nothing else that is stored with it has.
+fn is_free(name: &str, others: &[(Cow<'static, str>, Array)]) -> bool {
+    let mut listed = columns::of_points().chain(columns::of_backbone());
+    !BESIDE.contains(&name)
+        && !listed.any(|column| column.name == name)
+        && !others.iter().any(|(other, _)| other == name)
+}
+
 /// A field that is not known.
 #[derive(Deserialize)]
 #[serde(untagged)]
-enum Unknown {
+enum UnknownField {
     Array(Array),
     Other(IgnoredAny),
 }
@@ -149,8 +161,10 @@ impl<'de> Visitor<'de> for Fields {
                 Some((column, Some(_))) => return Err(M::Error::duplicate_field(column.name)),
                 Some((_, array)) => *array = Some(map.next_value()?),
                 None => match map.next_value()? {
-                    Unknown::Array(array) => others.push((Cow::Owned(name), array)),
-                    Unknown::Other(IgnoredAny) => {}
+                    UnknownField::Array(array) if array.is_sound() && is_free(&name, &others) => {
+                        others.push((Cow::Owned(name), array));
+                    }
+                    UnknownField::Array(_) | UnknownField::Other(IgnoredAny) => {}
                 },
             }
         }
@@ -215,5 +229,23 @@ mod tests {
         assert_eq!(rmp_serde::to_vec_named(&columns).unwrap(), as_sent);
         assert_eq!(read(&bytes(vec![tomorrow, speed])).unwrap(), columns);
         assert_eq!(columns.rows(KNOWN.iter(), 1, &SIZE).unwrap().len(), 1);
+    }
+
+    #[test]
+    fn what_is_not_known_takes_no_other_name_and_does_not_contradict_itself() {
+        let speed = ("speed", Array::new([1, 2], [3.0, 4.0]));
+        let array = || Array::new([1], [5.0]);
+        let unsound = Array { shape: vec![2], ..array() };
+        let huge = Array { shape: vec![usize::MAX, 2], ..array() };
+        let alone = read(&bytes(vec![speed.clone()])).unwrap();
+        for (name, array) in
+            [("modal", array()), ("omega", array()), ("displacement", array()), ("rms", array()), ("arc", array())]
+                .into_iter()
+                .chain([("of tomorrow", unsound), ("of tomorrow", huge)])
+        {
+            assert_eq!(read(&bytes(vec![speed.clone(), (name, array)])).unwrap(), alone, "{name}");
+        }
+        let twice = read(&bytes(vec![speed, ("of tomorrow", array()), ("of tomorrow", array())])).unwrap();
+        assert_eq!(twice.iter().count(), 2);
     }
 }

@@ -53,8 +53,8 @@
 //! * [`response`]: backbone, energy balance, windows, seeds, branches, levels
 //! * [`stability`]: marching in time, without harmonics: an independent check
 //!
-//! Laws are a closed set: they travel in messages and files, so a new one is added to the library (one file and one line)
-//! rather than from outside.
+//! Laws are a closed set: they travel in messages and files, so a new one is added to the library (one file, its `mod`
+//! line and its row in a table) rather than from outside.
 
 pub mod curve;
 pub mod files;

@@ -42,7 +42,8 @@ pub trait Problem {
 
     /// With the matrix last factorised: weights w of the equations and of the border row (last) with
     /// Σ_i w_i ∂R_i + w_last row = `form` on every movement of the state that keeps dependent entries dependent. The solution of
-    /// the transposed system: what folds, sensitivities and error estimates are made of.
+    /// the transposed system: what folds, sensitivities and error estimates are made of. `form` has weights on motions that the
+    /// metric measures, and on parameters. Only while [`Problem::is_factorisation_current`].
     fn solve_transposed(&mut self, form: &[f64]) -> Vec<f64>;
 
     /// The part of the metric that measures motions, without the parameters.

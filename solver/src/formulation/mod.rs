@@ -79,7 +79,7 @@ pub trait Formulation<'m>: Problem + Sized {
     /// Frequency–time work space.
     fn aft(&mut self) -> &mut Aft;
 
-    /// Scaled state vector of a solution.
+    /// Scaled state vector of a solution, [`Problem::len`] numbers.
     fn encode(&self, state: &State) -> Vec<f64>;
 
     /// Solution of a scaled state vector.
@@ -91,6 +91,6 @@ pub trait Formulation<'m>: Problem + Sized {
     /// Direction in which the motion of a scaled state grows, its parameters unchanged.
     fn growth(&self, y: &[f64]) -> Vec<f64>;
 
-    /// Force harmonics of the laws at a scaled state, channels × nc, N (left-hand side).
+    /// Force harmonics of the laws at a converged scaled state, channels × nc, N (left-hand side).
     fn forces(&mut self, y: &[f64]) -> Vec<f64>;
 }

@@ -83,7 +83,8 @@ impl State {
         self.combine(model.modes().shapes.row(dof).iter().copied())
     }
 
-    /// Displacement (m) and velocity (m/s) of a dof at `count` instants, evenly spread over a period from t = 0 on.
+    /// Displacement (m) and velocity (m/s) of a dof at `count` instants, evenly spread over a period from t = 0 on. A decaying motion is
+    /// taken as periodic: ζ is left out.
     pub fn over_period(&self, model: &Model, dof: usize, count: usize) -> Vec<[f64; 2]> {
         let series = self.displacement(model, dof);
         let instant = |i: usize| std::f64::consts::TAU * i as f64 / count as f64;

@@ -38,7 +38,7 @@ pub enum Unreached {
 ///
 /// # Errors
 /// If a point on the way does not converge, or the curve never comes to the amplitude.
-pub fn from_rest<'m, F: Formulation<'m>>(
+pub(super) fn from_rest<'m, F: Formulation<'m>>(
     model: &'m Model,
     settings: &Settings,
     forcing: f64,
@@ -56,7 +56,7 @@ pub fn from_rest<'m, F: Formulation<'m>>(
 ///
 /// # Errors
 /// If neither way leads there.
-pub fn through_motion<'m, F: Formulation<'m>>(
+pub(super) fn through_motion<'m, F: Formulation<'m>>(
     model: &'m Model,
     settings: &Settings,
     forcing: f64,

@@ -1,7 +1,8 @@
 //! The structure: matrices, modes, damping, forcing shape, nonlinear elements.
 //!
 //! A [`Model`] is always valid: it is built by a [`ModelBuilder`], read from a folder ([`crate::files`]) or restored from
-//! [`ModelData`], and all three check everything. SI units throughout.
+//! [`ModelData`], and all three check what they are given (of restored models, whose modes
+//! come with them: sizes, numbers and laws, but not that modes belong to matrices). SI units throughout.
 
 pub(crate) mod assembly;
 mod builder;

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, fields
 from typing import Any, TypeVar
 
@@ -308,7 +309,8 @@ class Curve:
     high_harmonics: Floats = field(repr=False)
     #: Newton iterations [p].
     iterations: Floats = field(repr=False)
-    #: All columns that were sent, also those that have no attribute here, by the names of ``MESSAGES.md`` [p, …].
+    #: Every array with one row a point that was sent (those of a backbone win), also those that have no attribute
+    #: here, by the names of ``MESSAGES.md`` [p, …].
     columns: Mapping[str, Floats] = field(repr=False)
     #: Complex harmonics of the modal amplitudes [p, n, H + 1], kg^½·m.
     modal: Complexes = field(repr=False)
@@ -350,15 +352,22 @@ class Curve:
 
 
 def columns_of(message: dict[str, Any]) -> dict[str, Floats]:
-    """The arrays of real numbers among the fields of a message."""
-    return {name: array(value) for name, value in message.items() if is_array(value)}
+    """The arrays of real numbers among the fields of a message: what is not known here and no sound array is left out."""
+    columns = {}
+    for name, value in message.items():
+        if isinstance(name, str) and is_array(value):
+            with suppress(Corrupt):
+                columns[name] = array(value)
+    return columns
 
 
-def curve_fields(message: dict[str, Any], model: Model, **others: Floats) -> dict[str, Any]:
+def curve_fields(
+    message: dict[str, Any], model: Model, others: Mapping[str, Floats] | None = None
+) -> dict[str, Any]:
     """Fields of a :class:`Curve` from a `points` part of a message; `others` are columns that stand beside it."""
     motions = message["motions"]
     names = ("rms", "contact", "residual", "high_harmonics", "iterations")
-    columns = {**columns_of(message), **others}
+    columns = {**columns_of(message), **(others or {})}
     read = {
         "omega": array(motions["omega"]),
         "decay": array(motions["decay"]),
@@ -408,7 +417,7 @@ class Backbone(Curve):
         names = ("r_lin", "r_nl", "work_per_amplitude", "certificate", "threshold", "arc", "contributions")
         arrays: dict[str, Any] = {name: array(message[name]) for name in names}
         return cls(
-            **curve_fields(message["points"], model, **columns_of(message)),
+            **curve_fields(message["points"], model, columns_of(message)),
             mode=message["mode"],
             outcome=words.outcome(message["outcome"]),
             rejections=message["rejections"],

@@ -185,6 +185,7 @@ impl<'m> DisplacementForm<'m> {
         for (x, y) in self.displacement.iter_mut().zip(displacement) {
             *x = y * self.scales.length;
         }
+        self.at = self.unknown.fixed(&self.scales);
         self.unknown.decode(parameters, &self.scales, &mut self.at);
     }
 

@@ -314,6 +314,7 @@ impl Problem for PressureForm<'_> {
     }
 
     fn solve_transposed(&mut self, form: &[f64]) -> Vec<f64> {
+        debug_assert!(self.is_factorisation_current(), "the unknowns have changed since the matrix was factorised");
         let mut weights = vec![0.0; self.unknowns.len()];
         self.assemble_form(&mut weights, form);
         self.lu.solve_transposed(&mut weights);
