@@ -17,7 +17,7 @@ pub fn forced_response<'m>(problem: &impl Formulation<'m>, forcing: f64, omega: 
     let (n, nc, m) = (model.size(), width(problem.harmonics()), model.forcing().harmonic);
     let mut modal = vec![0.0; n * nc];
     if m <= problem.harmonics() {
-        let mut receptance = Receptance::new(model, problem.harmonics(), problem.modal().clone(), true);
+        let mut receptance = Receptance::new(model, problem.harmonics(), problem.system().modal.clone(), true);
         let load: Vec<Complex64> = problem.modal().forcing().iter().map(|s| (forcing * s).into()).collect();
         let mut y = vec![Complex64::default(); n];
         receptance.solve_all(Parameters { omega, decay: 0.0, forcing }, m, &load, &mut y)?;

@@ -20,6 +20,7 @@ use aft::Aft;
 use modal::Modal;
 use scales::Scales;
 use state::State;
+use std::sync::Arc;
 use thiserror::Error;
 use unknown::Unknown;
 
@@ -46,6 +47,29 @@ pub enum FormulationError {
     NoConvergence,
 }
 
+/// What a harmonic balance is of, in whatever formulation.
+pub struct System<'m> {
+    /// The structure.
+    pub model: &'m Model,
+    /// Forcing and channels in modal coordinates.
+    pub modal: Arc<Modal>,
+    /// Number of harmonics H.
+    pub harmonics: usize,
+    /// Mode that scales and phase conditions go by, from 0.
+    pub tracked: usize,
+    /// Which parameters are unknown, and the value of the one that is not.
+    pub unknown: Unknown,
+    /// Scales of the unknowns.
+    pub scales: Scales,
+}
+
+impl<'m> System<'m> {
+    fn new(model: &'m Model, truncation: HarmonicSettings, tracked: usize, unknown: Unknown, scales: Scales) -> Self {
+        let modal = Arc::new(Modal::new(model));
+        Self { model, modal, harmonics: truncation.count, tracked, unknown, scales }
+    }
+}
+
 /// A harmonic balance: what curves of periodic solutions are traced with, whatever its unknowns are. Model, truncation,
 /// kind of unknown parameters and the value of the fixed one are given when it is made.
 pub trait Formulation<'m>: Problem + Sized {
@@ -61,20 +85,48 @@ pub trait Formulation<'m>: Problem + Sized {
         scales: Scales,
     ) -> Result<Self, FormulationError>;
 
+    /// What it is the harmonic balance of.
+    fn system(&self) -> &System<'m>;
+
     /// The structure.
-    fn model(&self) -> &'m Model;
+    fn model<'s>(&'s self) -> &'m Model
+    where
+        'm: 's,
+    {
+        self.system().model
+    }
 
     /// Forcing and channels in modal coordinates.
-    fn modal(&self) -> &Modal;
+    fn modal<'s>(&'s self) -> &'s Modal
+    where
+        'm: 's,
+    {
+        &self.system().modal
+    }
 
     /// Number of harmonics H.
-    fn harmonics(&self) -> usize;
+    fn harmonics<'s>(&'s self) -> usize
+    where
+        'm: 's,
+    {
+        self.system().harmonics
+    }
 
     /// Which parameters are unknown, and the value of the one that is not.
-    fn unknown(&self) -> Unknown;
+    fn unknown<'s>(&'s self) -> Unknown
+    where
+        'm: 's,
+    {
+        self.system().unknown
+    }
 
     /// Scales of the unknowns.
-    fn scales(&self) -> &Scales;
+    fn scales<'s>(&'s self) -> &'s Scales
+    where
+        'm: 's,
+    {
+        &self.system().scales
+    }
 
     /// Frequency–time work space.
     fn aft(&mut self) -> &mut Aft;

@@ -11,6 +11,7 @@ use crate::formulation::state::Parameters;
 use crate::linalg::{LinalgError, dot, solve_complex};
 use crate::structure::{Damping, Model};
 use rustfft::num_complex::Complex64;
+use std::sync::Arc;
 
 /// A kept modal amplitude: mode `mode` at harmonic `harmonic`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -33,7 +34,7 @@ pub struct Receptance {
     modes: usize,
     squares: Vec<f64>,
     damping: Damping,
-    modal: Modal,
+    modal: Arc<Modal>,
     point: Parameters,
     kept: Vec<Kept>,
     inverse: Vec<Inverse>,
@@ -41,7 +42,7 @@ pub struct Receptance {
 
 impl Receptance {
     /// Receptance of `model` for the channels of `modal`, with or without its damping.
-    pub fn new(model: &Model, harmonics: usize, modal: Modal, damped: bool) -> Self {
+    pub fn new(model: &Model, harmonics: usize, modal: Arc<Modal>, damped: bool) -> Self {
         let modes = model.size();
         Self {
             harmonics,

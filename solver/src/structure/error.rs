@@ -193,15 +193,10 @@ pub enum ModelError {
     },
 }
 
-impl ModelError {
-    /// A value that is refused.
-    pub fn value(place: Place, value: impl fmt::Display, remedy: impl Into<String>) -> Self {
-        Self::Value { place, value: value.to_string(), remedy: remedy.into() }
-    }
-
-    /// Where the refused value stands; none if a whole file is refused.
-    pub fn place(&self) -> Option<&Place> {
-        match self {
+/// The place of an error, borrowed as the error is.
+macro_rules! place_of {
+    ($error:expr) => {
+        match $error {
             Self::Read { place, .. }
             | Self::Unknown { place, .. }
             | Self::Type { place, .. }
@@ -216,6 +211,18 @@ impl ModelError {
             | Self::NoForce { place } => Some(place),
             Self::Syntax { .. } | Self::MatrixMarket { .. } => None,
         }
+    };
+}
+
+impl ModelError {
+    /// A value that is refused.
+    pub fn value(place: Place, value: impl fmt::Display, remedy: impl Into<String>) -> Self {
+        Self::Value { place, value: value.to_string(), remedy: remedy.into() }
+    }
+
+    /// Where the refused value stands; none if a whole file is refused.
+    pub fn place(&self) -> Option<&Place> {
+        place_of!(self)
     }
 
     /// The same error with its key looked up: `find` knows what set it.
@@ -230,21 +237,7 @@ impl ModelError {
     }
 
     fn place_mut(&mut self) -> Option<&mut Place> {
-        match self {
-            Self::Read { place, .. }
-            | Self::Unknown { place, .. }
-            | Self::Type { place, .. }
-            | Self::Value { place, .. }
-            | Self::Size { place, .. }
-            | Self::NotFinite { place, .. }
-            | Self::NotSymmetric { place, .. }
-            | Self::MassNotPositive { place, .. }
-            | Self::StiffnessNegative { place, .. }
-            | Self::NoModes { place }
-            | Self::Duplicate { place, .. }
-            | Self::NoForce { place } => Some(place),
-            Self::Syntax { .. } | Self::MatrixMarket { .. } => None,
-        }
+        place_of!(self)
     }
 
     /// A name that does not exist, with those that look like it.

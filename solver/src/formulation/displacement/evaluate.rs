@@ -11,8 +11,8 @@ impl DisplacementForm<'_> {
     /// Condenses, evaluates forces and residual at the state last loaded.
     pub(super) fn evaluate(&mut self) -> Result<(), LinalgError> {
         self.condensed.clear();
-        for k in 0..=self.harmonics {
-            let forced = k == self.model.forcing().harmonic;
+        for k in 0..=self.system.harmonics {
+            let forced = k == self.system.model.forcing().harmonic;
             self.condensed.push(self.condensation.condense(self.at.lambda(k), forced)?);
         }
         self.linear_balance();
@@ -34,10 +34,10 @@ impl DisplacementForm<'_> {
                 self.add_force(e);
             }
         }
-        if self.unknown.is_autonomous() {
+        if self.system.unknown.is_autonomous() {
             let first = self.displacement.chunks(self.nc).map(|series| complex(series, 1));
             let amplitude: Complex64 = self.condensed[1].mode.iter().zip(first).map(|(w, x)| w * x).sum();
-            self.residual.push(amplitude.re / self.scales.modal);
+            self.residual.push(amplitude.re / self.system.scales.modal);
         }
         Ok(())
     }
@@ -88,7 +88,7 @@ impl DisplacementForm<'_> {
     fn add_force(&mut self, e: usize) {
         let (part, nc) = (&self.parts[e], self.nc);
         let arguments = &self.arguments[part.first * nc..(part.first + part.channels.len()) * nc];
-        let rate = Rate { omega: self.at.omega, harmonic: self.model.forcing().harmonic as f64 };
+        let rate = Rate { omega: self.at.omega, harmonic: self.system.model.forcing().harmonic as f64 };
         let out = &mut self.forces[e];
         with_law!(&part.law, law => self.aft.evaluate(law, arguments, rate, out));
         for (channel, force) in part.channels.iter().zip(out.force.chunks(nc)) {

@@ -32,10 +32,10 @@ impl DisplacementForm<'_> {
                 *t = value * unit / self.force_scale;
             }
         }
-        if self.unknown.is_autonomous() {
+        if self.system.unknown.is_autonomous() {
             let target = &mut buffer[unknowns * size..(unknowns + 1) * size];
             self.phase_row(target);
-            target.iter_mut().zip(&units).for_each(|(t, unit)| *t *= unit / self.scales.modal);
+            target.iter_mut().zip(&units).for_each(|(t, unit)| *t *= unit / self.system.scales.modal);
         }
         buffer[(size - 1) * size..].copy_from_slice(row);
         self.lu = lu;
@@ -44,8 +44,8 @@ impl DisplacementForm<'_> {
     /// Unit of an entry of the state.
     fn unit(&self, column: usize) -> f64 {
         match column.checked_sub(self.displacement.len()) {
-            None => self.scales.length,
-            Some(p) => self.unknown.parameters()[p].unit(&self.scales),
+            None => self.system.scales.length,
+            Some(p) => self.system.unknown.parameters()[p].unit(&self.system.scales),
         }
     }
 
@@ -59,7 +59,7 @@ impl DisplacementForm<'_> {
                 }
             }
             let x: Vec<Complex64> = self.displacement.chunks(nc).map(|series| complex(series, k)).collect();
-            for (p, &parameter) in self.unknown.parameters().iter().enumerate() {
+            for (p, &parameter) in self.system.unknown.parameters().iter().enumerate() {
                 for i in 0..c {
                     let value = if parameter == Parameter::Forcing {
                         -condensed.force[i]
@@ -103,7 +103,7 @@ impl DisplacementForm<'_> {
     /// Adds the derivatives of an element's forces, given those of its arguments.
     fn add_forces(&self, e: usize, arguments: &Matrix, jacobian: &mut Matrix) {
         let (part, force, nc) = (&self.parts[e], &self.forces[e], self.nc);
-        let frequency = self.unknown.parameters().iter().position(|&p| p == Parameter::Frequency);
+        let frequency = self.system.unknown.parameters().iter().position(|&p| p == Parameter::Frequency);
         let mut rate = vec![0.0; self.metric.len()];
         for (i, channel) in part.channels.iter().enumerate() {
             for h in 0..nc {
@@ -136,7 +136,7 @@ impl DisplacementForm<'_> {
             target[i * nc + 2] = condensed.mode[i].im;
             drift += condensed.mode_rate[i] * complex(series, 1);
         }
-        for (p, parameter) in self.unknown.parameters().iter().enumerate() {
+        for (p, parameter) in self.system.unknown.parameters().iter().enumerate() {
             target[unknowns + p] = (parameter.rate(1) * drift).re;
         }
     }

@@ -21,11 +21,10 @@ mod tests;
 use crate::curve::problem::Problem;
 use crate::formulation::aft::{Aft, ElementForce};
 use crate::formulation::harmonics::{complex, set_complex, width};
-use crate::formulation::modal::Modal;
 use crate::formulation::scales::Scales;
 use crate::formulation::state::{Parameters, State};
 use crate::formulation::unknown::Unknown;
-use crate::formulation::{Formulation, FormulationError};
+use crate::formulation::{Formulation, FormulationError, System};
 use crate::linalg::{LinalgError, Lu, Matrix, dot};
 use crate::settings::HarmonicSettings;
 use crate::structure::Model;
@@ -53,11 +52,7 @@ struct Normal {
 
 /// The system in displacement form, bound to a model, a truncation and a kind of unknown parameters.
 pub struct DisplacementForm<'m> {
-    model: &'m Model,
-    modal: Modal,
-    unknown: Unknown,
-    scales: Scales,
-    harmonics: usize,
+    system: System<'m>,
     nc: usize,
     parts: Vec<Part>,
     condensation: Condensation,
@@ -135,14 +130,10 @@ impl<'m> DisplacementForm<'m> {
             aft: Aft::new(truncation),
             force_scale: if epsilon > 0.0 { epsilon } else { stiffness } * scales.length,
             at: unknown.fixed(&scales),
-            modal: Modal::new(model),
             condensed: Vec::new(),
             residual: Vec::new(),
             lu: Lu::default(),
-            model,
-            unknown,
-            scales,
-            harmonics,
+            system: System::new(model, truncation, tracked, unknown, scales),
             nc,
             parts,
             left_inverse,
@@ -166,7 +157,7 @@ impl<'m> DisplacementForm<'m> {
                 let force = self.condensation.damping_times(&self.recover(k));
                 self.at.lambda(k).norm_sqr() * force.iter().map(Complex64::norm_sqr).sum::<f64>()
             };
-            (0..=self.harmonics).map(square).sum::<f64>().sqrt()
+            (0..=self.system.harmonics).map(square).sum::<f64>().sqrt()
         } else {
             self.at.forcing.abs() * self.condensation.shape_norm()
         };
@@ -183,10 +174,10 @@ impl<'m> DisplacementForm<'m> {
     fn load(&mut self, y: &[f64]) {
         let (displacement, parameters) = y.split_at(self.displacement.len());
         for (x, y) in self.displacement.iter_mut().zip(displacement) {
-            *x = y * self.scales.length;
+            *x = y * self.system.scales.length;
         }
-        self.at = self.unknown.fixed(&self.scales);
-        self.unknown.decode(parameters, &self.scales, &mut self.at);
+        self.at = self.system.unknown.fixed(&self.system.scales);
+        self.system.unknown.decode(parameters, &self.system.scales, &mut self.at);
     }
 
     /// Residual divided by its units, row after row.
@@ -214,7 +205,7 @@ impl Problem for DisplacementForm<'_> {
     }
 
     fn parameters(&self) -> usize {
-        self.unknown.parameters().len()
+        self.system.unknown.parameters().len()
     }
 
     fn metric(&self) -> &[f64] {
@@ -270,24 +261,8 @@ impl<'m> Formulation<'m> for DisplacementForm<'m> {
         Self::new(model, truncation, tracked, unknown, scales)
     }
 
-    fn model(&self) -> &'m Model {
-        self.model
-    }
-
-    fn modal(&self) -> &Modal {
-        &self.modal
-    }
-
-    fn harmonics(&self) -> usize {
-        self.harmonics
-    }
-
-    fn unknown(&self) -> Unknown {
-        self.unknown
-    }
-
-    fn scales(&self) -> &Scales {
-        &self.scales
+    fn system(&self) -> &System<'m> {
+        &self.system
     }
 
     fn aft(&mut self) -> &mut Aft {
@@ -298,10 +273,10 @@ impl<'m> Formulation<'m> for DisplacementForm<'m> {
     fn encode(&self, state: &State) -> Vec<f64> {
         let mut y = Vec::with_capacity(self.metric.len());
         for &dof in self.condensation.kept() {
-            let series = state.displacement(self.model, dof);
-            y.extend(series.iter().map(|x| x / self.scales.length));
+            let series = state.displacement(self.system.model, dof);
+            y.extend(series.iter().map(|x| x / self.system.scales.length));
         }
-        y.extend(self.unknown.encode(state, &self.scales));
+        y.extend(self.system.unknown.encode(state, &self.system.scales));
         y
     }
 
@@ -309,17 +284,17 @@ impl<'m> Formulation<'m> for DisplacementForm<'m> {
     fn decode(&mut self, y: &[f64]) -> Result<State, LinalgError> {
         self.load(y);
         self.evaluate()?;
-        let projection = self.model.modes().shapes.transpose().matmul(self.model.mass());
-        let (n, nc) = (self.model.size(), self.nc);
+        let projection = self.system.model.modes().shapes.transpose().matmul(self.system.model.mass());
+        let (n, nc) = (self.system.model.size(), self.nc);
         let mut modal = vec![0.0; n * nc];
-        for k in 0..=self.harmonics {
+        for k in 0..=self.system.harmonics {
             let x = self.recover(k);
             for (j, series) in modal.chunks_mut(nc).enumerate() {
                 set_complex(series, k, projection.row(j).iter().zip(&x).map(|(p, x)| p * x).sum());
             }
         }
         let Parameters { omega, decay, forcing } = self.at;
-        Ok(State { harmonics: self.harmonics, omega, decay, forcing, arguments: self.arguments.clone(), modal })
+        Ok(State { harmonics: self.system.harmonics, omega, decay, forcing, arguments: self.arguments.clone(), modal })
     }
 
     fn growth(&self, y: &[f64]) -> Vec<f64> {

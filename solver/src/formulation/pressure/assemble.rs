@@ -86,7 +86,7 @@ impl PressureForm<'_> {
         }
         self.receptance_re.resize(count * count, 0.0);
         self.receptance_im.resize(count * count, 0.0);
-        for k in 0..=self.harmonics {
+        for k in 0..=self.system.harmonics {
             self.receptance.matrix(
                 k,
                 &active,
@@ -148,7 +148,7 @@ impl PressureForm<'_> {
             for (i, u, start) in block.arguments() {
                 let shape = self.kept_shape(u, mode, response.as_deref());
                 let channel = self.channels[u];
-                let gain = -channel.gain / channel.scale * self.scales.modal;
+                let gain = -channel.gain / channel.scale * self.system.scales.modal;
                 target.add_complex(parts.after(start), kept.at, gain * shape);
                 let source = |part: usize| {
                     let begin = (i * nc + part) * width;
@@ -163,17 +163,17 @@ impl PressureForm<'_> {
             if let (Some(response), Some(column)) = (&response, self.receptance.coupling(k, other.kept.mode)) {
                 entry -= response.iter().zip(&column).map(|(r, c)| r * c).sum::<Complex64>();
             }
-            target.add_complex(kept.at, other.at, entry * (self.scales.modal / scale));
+            target.add_complex(kept.at, other.at, entry * (self.system.scales.modal / scale));
         }
     }
 
     /// Columns of the parameters; also the rates of the dependent modal amplitudes.
     fn assemble_parameters(&mut self, target: &mut Target<'_>) {
         let mut rates = std::mem::take(&mut self.modal_rates);
-        for (p, (rate, &parameter)) in rates.iter_mut().zip(self.unknown.parameters()).enumerate() {
+        for (p, (rate, &parameter)) in rates.iter_mut().zip(self.system.unknown.parameters()).enumerate() {
             let column = self.unknowns.parameters.start + p;
             self.kept_rates(target, column, parameter, rate);
-            rate.iter_mut().for_each(|r| *r *= parameter.unit(&self.scales));
+            rate.iter_mut().for_each(|r| *r *= parameter.unit(&self.system.scales));
             self.argument_rates(target, column, parameter, rate);
         }
         self.modal_rates = rates;
@@ -187,7 +187,7 @@ impl PressureForm<'_> {
         let (moved, rest) = rest.split_at_mut(n);
         let (load, response) = rest.split_at_mut(n);
         let modal = self.receptance.modal();
-        for k in 0..=self.harmonics {
+        for k in 0..=self.system.harmonics {
             // `moved` = (∂D/∂p) Y, `load` = ∂(E − F)/∂p.
             gather(&self.current.modal, nc, k, y);
             moved.fill(Complex64::default());
@@ -209,7 +209,7 @@ impl PressureForm<'_> {
             for KeptAt { kept, at } in self.unknowns.kept_at(k) {
                 let balance =
                     moved[kept.mode] - load[kept.mode] + self.receptance.stiffness_times(k, kept.mode, response);
-                let scaled = balance * (parameter.unit(&self.scales) / self.kept_scale(kept));
+                let scaled = balance * (parameter.unit(&self.system.scales) / self.kept_scale(kept));
                 target.data[at.a * target.size + column] = scaled.re;
                 if let Some(b) = at.b {
                     target.data[b * target.size + column] = -scaled.im;
@@ -221,7 +221,7 @@ impl PressureForm<'_> {
     /// A parameter's column in the rows of the arguments, from the (scaled) rates of the modal amplitudes.
     fn argument_rates(&self, target: &mut Target<'_>, column: usize, parameter: Parameter, rate: &[f64]) {
         let nc = self.layout.nc;
-        let unit = parameter.unit(&self.scales);
+        let unit = parameter.unit(&self.system.scales);
         let mut series = vec![0.0; nc];
         for block in &self.unknowns.blocks {
             let element = &self.forces[block.element];
@@ -257,7 +257,7 @@ impl PressureForm<'_> {
         let mut weight = vec![0.0; arguments.len()];
         let mut work = vec![Complex64::default(); 2 * n];
         let (conjugate, response) = work.split_at_mut(n);
-        for k in 0..=self.harmonics {
+        for k in 0..=self.system.harmonics {
             gather(modal, nc, k, conjugate);
             if conjugate.iter().all(|w| w.re == 0.0 && w.im == 0.0) {
                 continue;
@@ -268,9 +268,9 @@ impl PressureForm<'_> {
             for u in self.unknowns.channels() {
                 let shape = self.receptance.modal().shape(u);
                 let z: Complex64 = shape.iter().zip(response.iter()).map(|(s, r)| r * *s).sum();
-                weight[u * nc + parts.a] = -z.re / self.scales.modal;
+                weight[u * nc + parts.a] = -z.re / self.system.scales.modal;
                 if let Some(b) = parts.b {
-                    weight[u * nc + b] = -z.im / self.scales.modal;
+                    weight[u * nc + b] = -z.im / self.system.scales.modal;
                 }
             }
             for KeptAt { kept, at } in self.unknowns.kept_at(k) {
@@ -294,7 +294,7 @@ impl PressureForm<'_> {
         }
         let parameters = row[self.layout.parameters()].iter().zip(&self.modal_rates);
         for (border, (own, rate)) in border[self.unknowns.parameters.clone()].iter_mut().zip(parameters) {
-            *border = own + dot(modal, rate) / self.scales.modal;
+            *border = own + dot(modal, rate) / self.system.scales.modal;
         }
     }
 }

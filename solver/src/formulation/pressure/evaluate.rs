@@ -15,7 +15,7 @@ impl PressureForm<'_> {
         let point = self.current.parameters();
         if !y.iter().all(|v| v.is_finite())
             || point.omega <= 0.0
-            || self.receptance.update(point, self.tracked).is_err()
+            || self.receptance.update(point, self.system.tracked).is_err()
         {
             return f64::NAN;
         }
@@ -47,7 +47,7 @@ impl PressureForm<'_> {
 
     fn evaluate_element(&mut self, e: usize) {
         let slot = &self.slots[e];
-        let rate = Rate { omega: self.current.omega, harmonic: self.model.forcing().harmonic as f64 };
+        let rate = Rate { omega: self.current.omega, harmonic: self.system.model.forcing().harmonic as f64 };
         let out = &mut self.forces[e];
         let arguments = &self.current.arguments[self.layout.element(&slot.channels)];
         with_law!(&slot.law, law => self.aft.evaluate(law, arguments, rate, out));
@@ -63,7 +63,7 @@ impl PressureForm<'_> {
     pub(super) fn modal_load(&self, k: usize, out: &mut [Complex64]) {
         out.fill(Complex64::default());
         let modal = self.receptance.modal();
-        if k == modal.harmonic() && !self.unknown.is_autonomous() {
+        if k == modal.harmonic() && !self.system.unknown.is_autonomous() {
             let forcing = self.current.forcing;
             out.iter_mut().zip(modal.forcing()).for_each(|(o, s)| *o = Complex64::new(forcing * s, 0.0));
         }
@@ -77,12 +77,12 @@ impl PressureForm<'_> {
 
     /// Modal amplitudes that are not kept, from the forces.
     fn complete_modal(&mut self) {
-        let n = self.model.size();
+        let n = self.system.model.size();
         let mut work = std::mem::take(&mut self.work);
         work.resize(3 * n, Complex64::default());
         let (load, rest) = work.split_at_mut(n);
         let (y, old) = rest.split_at_mut(n);
-        for k in 0..=self.harmonics {
+        for k in 0..=self.system.harmonics {
             self.modal_load(k, load);
             gather(&self.current.modal, self.layout.nc, k, old);
             for mode in self.receptance.kept_at(k) {
@@ -137,7 +137,7 @@ impl PressureForm<'_> {
             target.iter_mut().zip(argument).for_each(|(t, a)| *t = a / channel.scale);
         }
         for (t, q) in rest.iter_mut().zip(&self.current.modal) {
-            *t = q / self.scales.modal;
+            *t = q / self.system.scales.modal;
         }
     }
 
@@ -151,7 +151,8 @@ impl PressureForm<'_> {
         self.argument_residuals(&mut residual);
         self.kept_residuals(&mut residual);
         if let Some(phase) = &self.phase {
-            residual.push(crate::linalg::dot(&phase[self.layout.modal()], &self.current.modal) / self.scales.modal);
+            residual
+                .push(crate::linalg::dot(&phase[self.layout.modal()], &self.current.modal) / self.system.scales.modal);
         }
         self.residual = residual;
     }
@@ -191,7 +192,7 @@ impl PressureForm<'_> {
 
     /// Scale of the equation of a kept amplitude: modal amplitude times the square of its eigenfrequency.
     pub(super) fn kept_scale(&self, kept: &Kept) -> f64 {
-        let omega = self.model.modes().frequencies[kept.mode];
-        self.scales.modal * omega.max(self.scales.frequency).powi(2)
+        let omega = self.system.model.modes().frequencies[kept.mode];
+        self.system.scales.modal * omega.max(self.system.scales.frequency).powi(2)
     }
 }

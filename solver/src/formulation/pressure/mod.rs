@@ -24,7 +24,7 @@ use crate::formulation::receptance::Receptance;
 use crate::formulation::scales::Scales;
 use crate::formulation::state::{Parameters, State};
 use crate::formulation::unknown::Unknown;
-use crate::formulation::{Formulation, FormulationError};
+use crate::formulation::{Formulation, FormulationError, System};
 use crate::linalg::{LinalgError, Lu};
 use crate::settings::HarmonicSettings;
 use crate::structure::Model;
@@ -59,11 +59,7 @@ struct Channel {
 
 /// The system in pressure form, bound to a model, a truncation and a kind of unknown parameters.
 pub struct PressureForm<'m> {
-    model: &'m Model,
-    unknown: Unknown,
-    tracked: usize,
-    scales: Scales,
-    harmonics: usize,
+    system: System<'m>,
     layout: Layout,
     slots: Vec<Slot>,
     channels: Vec<Channel>,
@@ -102,8 +98,8 @@ impl<'m> PressureForm<'m> {
         unknown: Unknown,
         scales: Scales,
     ) -> Self {
-        let harmonics = truncation.count;
-        let modal = Modal::new(model);
+        let system = System::new(model, truncation, tracked, unknown, scales);
+        let (harmonics, modal) = (system.harmonics, system.modal.clone());
         let layout = Layout {
             nc: crate::formulation::harmonics::width(harmonics),
             channels: modal.channels(),
@@ -132,11 +128,7 @@ impl<'m> PressureForm<'m> {
             receptance_re: Vec::new(),
             receptance_im: Vec::new(),
             receptance_work: Vec::new(),
-            model,
-            unknown,
-            tracked,
-            scales,
-            harmonics,
+            system,
             layout,
             slots,
             channels,
@@ -152,9 +144,9 @@ impl<'m> PressureForm<'m> {
             target.iter_mut().zip(source).for_each(|(t, s)| *t = s * channel.scale);
         }
         let modal = &y[self.layout.modal()];
-        self.current.modal.iter_mut().zip(modal).for_each(|(t, s)| *t = s * self.scales.modal);
+        self.current.modal.iter_mut().zip(modal).for_each(|(t, s)| *t = s * self.system.scales.modal);
         let mut values = self.current.parameters();
-        self.unknown.decode(&y[self.layout.parameters()], &self.scales, &mut values);
+        self.system.unknown.decode(&y[self.layout.parameters()], &self.system.scales, &mut values);
         let Parameters { omega, decay, forcing } = values;
         (self.current.omega, self.current.decay, self.current.forcing) = (omega, decay, forcing);
     }
@@ -212,24 +204,8 @@ impl<'m> Formulation<'m> for PressureForm<'m> {
         Ok(Self::new(model, truncation, tracked, unknown, scales))
     }
 
-    fn model(&self) -> &'m Model {
-        self.model
-    }
-
-    fn modal(&self) -> &Modal {
-        self.receptance.modal()
-    }
-
-    fn harmonics(&self) -> usize {
-        self.harmonics
-    }
-
-    fn unknown(&self) -> Unknown {
-        self.unknown
-    }
-
-    fn scales(&self) -> &Scales {
-        &self.scales
+    fn system(&self) -> &System<'m> {
+        &self.system
     }
 
     fn aft(&mut self) -> &mut Aft {
@@ -241,8 +217,8 @@ impl<'m> Formulation<'m> for PressureForm<'m> {
         for (series, channel) in state.arguments.chunks(self.layout.nc).zip(&self.channels) {
             y.extend(series.iter().map(|a| a / channel.scale));
         }
-        y.extend(state.modal.iter().map(|q| q / self.scales.modal));
-        y.extend(self.unknown.encode(state, &self.scales));
+        y.extend(state.modal.iter().map(|q| q / self.system.scales.modal));
+        y.extend(self.system.unknown.encode(state, &self.system.scales));
         y
     }
 

@@ -25,13 +25,13 @@ impl PressureForm<'_> {
         }
         self.expand_modal(solution, &force, modal);
         for (parameter, rate) in parameters.iter().zip(&self.modal_rates) {
-            axpy(parameter / self.scales.modal, rate, modal);
+            axpy(parameter / self.system.scales.modal, rate, modal);
         }
         let mut series = vec![0.0; nc];
         for u in self.slots.iter().filter(|slot| !slot.active).flat_map(|slot| slot.channels.clone()) {
             let channel = self.channels[u];
             self.receptance.modal().displacement(u, modal, &mut series);
-            let factor = channel.gain * self.scales.modal / channel.scale;
+            let factor = channel.gain * self.system.scales.modal / channel.scale;
             for (a, x) in arguments[self.layout.channel(u)].iter_mut().zip(&series) {
                 *a = factor * x;
             }
@@ -44,7 +44,7 @@ impl PressureForm<'_> {
         let mut work = vec![Complex64::default(); 2 * n];
         let (load, response) = work.split_at_mut(n);
         let amplitude = |at: &KeptAt| Complex64::new(solution[at.at.a], at.at.b.map_or(0.0, |b| -solution[b]));
-        for k in 0..=self.harmonics {
+        for k in 0..=self.system.harmonics {
             load.fill(Complex64::default());
             for u in self.unknowns.channels() {
                 let f = complex(&force[self.layout.channel(u)], k);
@@ -53,11 +53,11 @@ impl PressureForm<'_> {
             for at in self.unknowns.kept_at(k) {
                 if let Some(coupling) = self.receptance.coupling(k, at.kept.mode) {
                     let q = amplitude(at);
-                    load.iter_mut().zip(&coupling).for_each(|(l, c)| *l -= c * q * self.scales.modal);
+                    load.iter_mut().zip(&coupling).for_each(|(l, c)| *l -= c * q * self.system.scales.modal);
                 }
             }
             self.receptance.inverse_times(k, load, response);
-            response.iter_mut().for_each(|r| *r /= self.scales.modal);
+            response.iter_mut().for_each(|r| *r /= self.system.scales.modal);
             for at in self.unknowns.kept_at(k) {
                 response[at.kept.mode] = amplitude(at);
             }
