@@ -47,11 +47,13 @@ impl Sweep<'_> {
         let known: Vec<(BranchId, &Branch)> =
             granted.known.iter().map(|known| (known.branch, &self.branches[&known.task])).collect();
         let observer = &mut |_: &BranchPoint| ControlFlow::Continue(());
-        let (branch, outcome) = match carry_out(&mut forced, &granted.work, &seeds, &known, observer).unwrap() {
-            Finding::Branch(branch) => (Some(branch), None),
-            Finding::Nothing(outcome) => (None, Some(outcome)),
+        let finding = carry_out(&mut forced, &granted.work, &seeds, &known, observer).unwrap();
+        let (submitted, mut changes) = self.ledger.submit(&lease, finding.brought());
+        let Submitted::Accepted(done) = submitted else { panic!("accepted") };
+        let branch = match finding {
+            Finding::Branch(branch) => Some(branch),
+            Finding::Nothing(_) => None,
         };
-        let (Submitted::Accepted(done), mut changes) = self.ledger.submit(&lease, outcome) else { panic!("accepted") };
         let name = match done.outcome {
             SeedOutcome::Found(id) if branch.is_some() => Some(id),
             _ => None,

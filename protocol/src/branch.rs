@@ -3,12 +3,15 @@
 use crate::array::ArrayError;
 use crate::curve::{Points, Size};
 use serde::{Deserialize, Serialize};
-use solver::response::branch::{Branch, Outcome, SpecialPoint};
-use solver::response::task::{Finding, SeedOutcome};
+use solver::response::branch::{Branch, BranchKind, Outcome, SpecialPoint};
+use solver::response::task::{Brought, Finding, SeedOutcome};
 
 /// A forced-response branch.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct BranchMessage {
+    /// What kind of branch it is; not in results of the first programs.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub kind: Option<BranchKind>,
     /// Forcing amplitude A.
     pub amplitude: f64,
     /// How it ends.
@@ -24,6 +27,7 @@ pub struct BranchMessage {
 impl From<&Branch> for BranchMessage {
     fn from(branch: &Branch) -> Self {
         Self {
+            kind: Some(branch.kind),
             amplitude: branch.forcing,
             outcome: branch.outcome,
             special: branch.special.clone(),
@@ -34,6 +38,11 @@ impl From<&Branch> for BranchMessage {
 }
 
 impl BranchMessage {
+    /// What kind of branch it is, as far as its ends tell where it does not say so.
+    pub fn kind(&self) -> BranchKind {
+        self.kind.unwrap_or_else(|| BranchKind::of_detached(&self.outcome))
+    }
+
     /// The branch, for a model of this size.
     pub fn branch(&self, size: &Size) -> Result<Branch, ArrayError> {
         let points = self.points.points(size)?;
@@ -43,6 +52,7 @@ impl BranchMessage {
             return Err(ArrayError::Special { index: special, points: points.len() });
         }
         Ok(Branch {
+            kind: self.kind(),
             forcing: self.amplitude,
             points,
             special: self.special.clone(),
@@ -61,6 +71,16 @@ pub enum FindingMessage {
     Branch(BranchMessage),
     /// No new branch, and why.
     Nothing(SeedOutcome),
+}
+
+impl FindingMessage {
+    /// The same without the branch itself.
+    pub fn brought(&self) -> Brought {
+        match self {
+            Self::Branch(branch) => Brought::Branch(branch.kind()),
+            Self::Nothing(outcome) => Brought::Nothing(*outcome),
+        }
+    }
 }
 
 impl From<&Finding> for FindingMessage {

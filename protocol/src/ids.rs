@@ -80,7 +80,7 @@ id!(
 );
 
 impl TaskId {
-    /// Task number `index` (from 0, the main branch) of the level whose amplitude was typed as `amplitude`.
+    /// Task number `index` (from 0: the main branch from below) of the level whose amplitude was typed as `amplitude`.
     pub fn of_level(amplitude: &str, index: usize) -> Result<Self, NameError> {
         Self::new(&format!("{}-{index}", amplitude.replace('+', "")))
     }

@@ -32,8 +32,8 @@ mod size;
 pub mod to_everyone;
 pub mod to_worker;
 
-/// Version of the messages, the `v1` of keys and encodings. Workers of another version are refused.
-pub const VERSION: u32 = 1;
+/// Version of the messages, the `v2` of keys and encodings. Workers of another version are refused.
+pub const VERSION: u32 = 2;
 
 /// Version of the program, for the record of who computed what.
 pub const PROGRAM: &str = env!("CARGO_PKG_VERSION");

@@ -13,7 +13,8 @@ use solver::files;
 use solver::response::backbone::Backbone;
 use solver::response::branch::{Branch, BranchPoint};
 use solver::response::forced::{Forced, Reach};
-use solver::response::task::{Account, BranchId, Finding, SeedOutcome, Task, carry_out, plan};
+use solver::response::account::Account;
+use solver::response::task::{BranchId, Finding, SeedOutcome, Task, carry_out, plan};
 use solver::settings::Settings;
 use solver::structure::{Model, ModelData};
 use std::collections::HashMap;
@@ -213,12 +214,12 @@ impl<'s> Sweep<'s> {
 
     /// Takes down what became of a task: what is to be stored.
     pub fn accept(&mut self, granted: &Granted, finding: Finding) -> Vec<Change> {
-        let (branch, outcome) = match finding {
-            Finding::Branch(branch) => (Some(branch), None),
-            Finding::Nothing(outcome) => (None, Some(outcome)),
-        };
         let turn = &mut self.levels[granted.level];
-        let outcome = turn.account.record(&granted.work, outcome);
+        let outcome = turn.account.record(&granted.work, finding.brought());
+        let branch = match finding {
+            Finding::Branch(branch) => Some(branch),
+            Finding::Nothing(_) => None,
+        };
         turn.next += 1;
         let name = match outcome {
             SeedOutcome::Found(id) if branch.is_some() => Some(id),

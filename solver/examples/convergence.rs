@@ -41,8 +41,8 @@ fn row(model: &Model, harmonics: HarmonicSettings) -> Result<String, Box<dyn Err
     let backbone = Backbone::compute(model, &settings)?;
     let level = Level::compute(model, &settings, &backbone, 60.0)?;
     let seconds = start.elapsed().as_secs_f64();
-    let peak = level.main.peak();
-    let isola = level.isolas.first();
+    let peak = level.main().peak();
+    let isola = level.isolas().next();
     let range = isola.map_or("none".into(), |branch| {
         let (low, high) = branch.frequency_range();
         let how = if branch.is_closed() { String::new() } else { format!(" ({})", branch.outcome) };

@@ -27,7 +27,7 @@ pub fn main() -> Result<(), Box<dyn Error>> {
         println!("{name}: {low:.4} to {high:.4} rad/s, {}", branch.outcome);
         println!("  at most {:.4} m, at {:.4} rad/s", peak.amplitude(), peak.omega());
     }
-    let isola = level.isolas.iter().find(|branch| branch.is_closed()).ok_or("no isola")?;
+    let isola = level.isolas().find(|branch| branch.is_closed()).ok_or("no isola")?;
     for [x, v] in isola.peak().state.over_period(&model, 0, 8) {
         println!("  x1 = {x:7.4} m, {v:7.4} m/s");
     }

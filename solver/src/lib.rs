@@ -23,9 +23,9 @@
 //! settings.frequency.min = Some(0.5);
 //! let backbone = Backbone::compute(&model, &settings)?;
 //! let level = Level::compute(&model, &settings, &backbone, 0.3)?;
-//! let peak = level.main.peak();
+//! let peak = level.main().peak();
 //! println!("{:.3} m at {:.3} rad/s", peak.amplitude(), peak.omega());
-//! assert!(level.isolas.is_empty() && peak.amplitude() > 1.5);
+//! assert!(level.isolas().next().is_none() && peak.amplitude() > 1.5);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!

@@ -3,7 +3,7 @@
 use solver::curve::continuation::{Corrector, Predictor};
 use solver::files;
 use solver::response::backbone::Backbone;
-use solver::response::branch::{Branch, BranchPoint, Outcome, Stop};
+use solver::response::branch::{Branch, BranchPoint, Outcome, Side, Stop};
 use solver::response::forced::{Forced, Reach};
 use solver::response::level::{Level, LevelError, SeedOutcome};
 use solver::settings::Settings;
@@ -19,8 +19,8 @@ fn isola(settings: &Settings) -> Branch {
     let model = load("impact_subharmonic");
     let backbone = Backbone::compute(&model, settings).unwrap();
     let level = Level::compute(&model, settings, &backbone, 0.5).unwrap();
-    assert_eq!(level.isolas.len(), 1);
-    level.isolas.into_iter().next().unwrap()
+    assert_eq!(level.isolas().count(), 1);
+    level.isolas().next().unwrap().clone()
 }
 
 #[test]
@@ -54,7 +54,7 @@ fn a_walk_is_cancelled_between_points() {
         if seen == 7 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
     let branch = Forced::new(&model, &settings, Reach::new(&settings, &backbone).unwrap(), 0.1)
-        .main_branch(&mut observer)
+        .main_branch(Side::Below, &mut observer)
         .unwrap();
     assert_eq!(seen, 7);
     assert_eq!(branch.outcome, Outcome::Open(Stop::Start, Stop::Cancelled));
@@ -71,7 +71,7 @@ fn branches_end_exactly_at_the_frequency_bounds() {
     let go_on = &mut |_: &_| ControlFlow::Continue(());
     let backbone = Backbone::compute(&model, &settings).unwrap();
     let branch =
-        Forced::new(&model, &settings, Reach::new(&settings, &backbone).unwrap(), 0.05).main_branch(go_on).unwrap();
+        Forced::new(&model, &settings, Reach::new(&settings, &backbone).unwrap(), 0.05).main_branch(Side::Below, go_on).unwrap();
     let last = branch.points.last().unwrap();
     assert!((last.omega() - 1.3).abs() < 1e-12 * 1.3, "ends at {}", last.omega());
     assert!((branch.points[0].omega() - 0.8).abs() < 1e-12);
@@ -102,7 +102,7 @@ fn what_lies_out_of_bounds_is_said_to() {
     settings.frequency.min = Some(0.5);
     settings.frequency.max = Some(0.9);
     let level = Level::compute(&model, &settings, &backbone, 0.5).unwrap();
-    assert!(level.isolas.is_empty(), "{:?}", level.isolas.iter().map(|b| b.outcome).collect::<Vec<_>>());
+    assert!(level.isolas().next().is_none(), "{:?}", level.isolas().map(|b| b.outcome).collect::<Vec<_>>());
     let outcomes = level.windows.iter().flat_map(|w| &w.seeds).map(|seed| seed.outcome);
     assert!(outcomes.clone().any(|outcome| outcome == SeedOutcome::OutOfBounds), "{:?}", outcomes.collect::<Vec<_>>());
 }

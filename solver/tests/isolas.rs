@@ -57,16 +57,16 @@ impl Study {
     fn isola(&self, amplitude: f64) -> Branch {
         let mut level = self.level(amplitude);
         let accounts: Vec<_> = level.windows.iter().map(|w| w.seeds.clone()).collect();
-        assert_eq!(level.isolas.len(), 1, "A = {amplitude}: {accounts:?}");
+        assert_eq!(level.isolas().count(), 1, "A = {amplitude}: {accounts:?}");
         assert!(
-            level.windows.iter().any(|w| w.branches().contains(&BranchId::Isola(0))),
+            level.windows.iter().any(|w| w.branches().contains(&BranchId::isola(0))),
             "A = {amplitude}: {accounts:?}"
         );
-        let isola = level.isolas.remove(0);
+        let isola = level.isolas().next().unwrap().clone();
         assert!(isola.is_closed(), "A = {amplitude}: {:?}", isola.outcome);
         let mut forced =
             Forced::new(&self.model, &self.settings, Reach::new(&self.settings, &self.backbone).unwrap(), amplitude);
-        assert!(!forced.lies_on(&isola.peak().state, &level.main));
+        assert!(!forced.lies_on(&isola.peak().state, level.main()));
         isola
     }
 
@@ -92,17 +92,17 @@ impl Study {
     /// merged: the main branch goes where it was).
     fn merge(&self, mut low: f64, mut high: f64, tolerance: f64) -> f64 {
         let reach = self.isola(low).peak().amplitude();
-        assert!(self.level(low).main.peak().amplitude() < 0.9 * reach);
+        assert!(self.level(low).main().peak().amplitude() < 0.9 * reach);
         let merged = self.level(high);
-        assert!(merged.isolas.is_empty() && merged.main.peak().amplitude() > 0.95 * reach, "A = {high}");
+        assert!(merged.isolas().next().is_none() && merged.main().peak().amplitude() > 0.95 * reach, "A = {high}");
         while high - low > tolerance * low {
             let middle = 0.5 * (low + high);
             let level = self.level(middle);
-            if level.isolas.is_empty() {
-                assert!(level.main.peak().amplitude() > 0.95 * reach, "A = {middle}: neither an isola nor merged");
+            if level.isolas().next().is_none() {
+                assert!(level.main().peak().amplitude() > 0.95 * reach, "A = {middle}: neither an isola nor merged");
                 high = middle;
             } else {
-                assert!(level.main.peak().amplitude() < 0.95 * reach, "A = {middle}: the main branch twice");
+                assert!(level.main().peak().amplitude() < 0.95 * reach, "A = {middle}: the main branch twice");
                 low = middle;
             }
         }
@@ -202,7 +202,8 @@ fn absorber() -> Vec<Study> {
     (settings.backbone.max_frequency, settings.backbone.max_amplitude) = (Some(12.0), Some(6.0));
     settings.branch.max_amplitude = Some(20.0);
     let study = Study::new("nltva", settings);
-    let main = study.level(0.2).main;
+    let level = study.level(0.2);
+    let main = level.main();
     let resonances =
         Forced::new(&study.model, &settings, Reach::new(&settings, &study.backbone).unwrap(), 0.2).resonances(&main);
     let through = resonances.iter().map(|near| Backbone::through(&study.model, &settings, near, &mut quiet).unwrap());
@@ -377,10 +378,10 @@ fn a_cantilever_before_a_stop_has_an_isola_of_ten_harmonics() {
     println!("cantilever: {low:.4} to {high:.4} rad/s, peak {:.4e} m", isola.peak().amplitude());
     assert!((low - 68.5895).abs() < 1e-3 && (high - 74.6535).abs() < 1e-3);
     // It goes on where the main branch falls back to the linear range.
-    let touching = level.main.points.iter().filter(|p| p.contact()[0] > 0.0);
+    let touching = level.main().points.iter().filter(|p| p.contact()[0] > 0.0);
     let end = touching.map(BranchPoint::omega).fold(0.0, f64::max);
     println!("cantilever: contact on the main branch up to {end:.4} rad/s");
-    assert!((end - 68.998).abs() < 1e-2 && level.main.frequency_range().1 > high);
+    assert!((end - 68.998).abs() < 1e-2 && level.main().frequency_range().1 > high);
     let birth = all(&study.backbone, EventKind::Birth).into_iter().find(|e| e.omega > low && e.omega < high).unwrap();
     let computed = study.birth(birth.threshold, &[1.01, 1.02, 1.03, 1.04]);
     report("cantilever: birth", birth.threshold, computed);

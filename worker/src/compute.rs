@@ -172,6 +172,7 @@ mod tests {
     use protocol::ids::{Attempt, TaskId, WorkerId};
     use solver::files;
     use solver::formulation::state::State;
+    use solver::response::branch::Side;
     use solver::response::seeds::{Phase, Way};
     use solver::response::task::SeedPlace;
     use solver::response::windows::Window;
@@ -188,7 +189,7 @@ mod tests {
             lease: Lease { task, attempt: Attempt(1), worker, slot: 0 },
             amplitude: 0.01,
             reach: Reach { frequency: (0.9, 1.1), amplitude: 10.0 },
-            work: Task::Main,
+            work: Task::Main(Side::Below),
             seeds: Vec::new(),
             known: Vec::new(),
         }

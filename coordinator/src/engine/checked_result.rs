@@ -6,7 +6,7 @@ use protocol::curve::Size;
 use protocol::digest::HashedBranch;
 use protocol::from_worker::{Lease, SubmitRequest};
 use results::store::Extent;
-use solver::response::task::SeedOutcome;
+use solver::response::task::Brought;
 
 /// A result that fits the model, its branch encoded and hashed. Making one takes as long as its branch is large: done
 /// beside the engine.
@@ -22,8 +22,8 @@ pub struct CheckedResult {
     pub branch: HashedBranch,
     /// The new branch in numbers.
     pub extent: Option<Extent>,
-    /// What became of the task, if it found no new branch.
-    pub outcome: Option<SeedOutcome>,
+    /// What the task brought.
+    pub brought: Brought,
 }
 
 impl CheckedResult {
@@ -33,14 +33,15 @@ impl CheckedResult {
     /// If the branch does not fit the model.
     pub fn new(request: SubmitRequest, size: &Size) -> Result<Self, ArrayError> {
         let SubmitRequest { lease, program, seconds, finding } = request;
-        let (branch, outcome) = match finding {
-            FindingMessage::Branch(branch) => (Some(branch), None),
-            FindingMessage::Nothing(outcome) => (None, Some(outcome)),
+        let brought = finding.brought();
+        let branch = match finding {
+            FindingMessage::Branch(branch) => Some(branch),
+            FindingMessage::Nothing(_) => None,
         };
         if let Some(branch) = &branch {
             branch.branch(size)?;
         }
         let extent = branch.as_ref().map(Extent::of);
-        Ok(Self { lease, program, seconds, branch: HashedBranch::new(branch), extent, outcome })
+        Ok(Self { lease, program, seconds, branch: HashedBranch::new(branch), extent, brought })
     }
 }

@@ -62,7 +62,7 @@ impl Sweep {
     pub fn submit(&mut self, result: CheckedResult, run: &RunId) -> Decision {
         let rejected = |why: String| Decision::new(Answer::Submit(SubmitReply::Rejected { why }), Vec::new());
         let task = &result.lease.task;
-        let (submitted, changes) = self.ledger.submit(&result.lease, result.outcome);
+        let (submitted, changes) = self.ledger.submit(&result.lease, result.brought);
         match submitted {
             Submitted::Accepted(accepted) => self.accept(result, accepted, changes),
             Submitted::Duplicate => Decision::new(Answer::Submit(self.compare(&result)), changes),

@@ -14,7 +14,8 @@ use results::fixture::Study;
 use results::journal::{AttemptEnd, Change, SweepPlan, TaskState};
 use results::store::Extent;
 use solver::curve::problem::Failure;
-use solver::response::task::{BranchId, SeedOutcome};
+use solver::response::branch::BranchKind;
+use solver::response::task::{BranchId, Brought, SeedOutcome};
 use std::sync::mpsc::channel;
 use std::sync::{Arc, LazyLock};
 use std::time::Duration;
@@ -64,12 +65,12 @@ fn grant(engine: &mut Engine, name: &str, now: Duration) -> (Granted, Lease) {
 
 /// A branch in numbers without its points, or nothing.
 fn result(lease: &Lease, found: Result<[f64; 4], SeedOutcome>) -> Event {
-    let (extent, outcome) = match found {
-        Ok(extent) => (Some(Extent::from(extent)), None),
-        Err(outcome) => (None, Some(outcome)),
+    let (extent, brought) = match found {
+        Ok(extent) => (Some(Extent::from(extent)), Brought::Branch(BranchKind::Main)),
+        Err(outcome) => (None, Brought::Nothing(outcome)),
     };
     let (lease, branch) = (lease.clone(), HashedBranch::new(None));
-    Event::Submit(Box::new(CheckedResult { lease, program: "0".into(), seconds: 1.0, branch, extent, outcome }))
+    Event::Submit(Box::new(CheckedResult { lease, program: "0".into(), seconds: 1.0, branch, extent, brought }))
 }
 
 fn submitted(reply: SubmitReply) -> Option<Answer> {
@@ -175,11 +176,11 @@ fn a_first_result_is_stored_and_announced_with_its_digest() {
     let [Change::Result(accepted), Change::Done { outcome, sequence, .. }] = &decision.changes[..] else {
         panic!("{:?}", decision.changes)
     };
-    assert_eq!((*outcome, *sequence), (SeedOutcome::Found(BranchId::Main), 1));
-    assert_eq!((&accepted.result.task, accepted.result.name), (&granted.task, Some(BranchId::Main)));
+    assert_eq!((*outcome, *sequence), (SeedOutcome::Found(BranchId::MAIN), 1));
+    assert_eq!((&accepted.result.task, accepted.result.name), (&granted.task, Some(BranchId::MAIN)));
     assert_eq!(accepted.digest, Digest::of(&accepted.result));
     let [News::Done(done)] = &decision.news[..] else { panic!("{:?}", decision.news) };
-    assert_eq!((done.sequence, &done.task, done.branch), (1, &granted.task, Some(BranchId::Main)));
+    assert_eq!((done.sequence, &done.task, done.branch), (1, &granted.task, Some(BranchId::MAIN)));
     assert_eq!((done.size, &done.sha256), (accepted.digest.size, &accepted.digest.sha256));
 }
 
@@ -190,7 +191,7 @@ fn a_second_result_is_compared_with_the_first_also_after_a_restart() {
     engine.handle(result(&lease, Ok(EXTENT)), at(1));
     let done = results::journal::StoredTask {
         id: granted.task.clone(),
-        state: TaskState::Done(SeedOutcome::Found(BranchId::Main)),
+        state: TaskState::Done(SeedOutcome::Found(BranchId::MAIN)),
         is_new_branch: true,
         attempts: 1,
         reasons: Vec::new(),

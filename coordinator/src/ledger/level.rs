@@ -7,7 +7,8 @@ use protocol::ids::{Attempt, TaskId};
 use protocol::to_everyone::Amplitude;
 use protocol::to_worker::Known;
 use results::journal::{Change, LevelPlan, TaskState};
-use solver::response::task::{Account, SeedOutcome, Task};
+use solver::response::account::Account;
+use solver::response::task::{Brought, SeedOutcome, Task};
 use std::time::Duration;
 
 #[derive(Debug)]
@@ -59,11 +60,11 @@ impl LevelTasks {
         }
     }
 
-    /// Takes down what became of a task (`None`: it found a new branch) and names a new branch.
-    pub fn finish(&mut self, e: usize, outcome: Option<SeedOutcome>) -> SeedOutcome {
-        let is_new = outcome.is_none();
+    /// Takes down what a task brought and names a new branch.
+    pub fn finish(&mut self, e: usize, brought: Brought) -> SeedOutcome {
+        let is_new = matches!(brought, Brought::Branch(_));
         let entry = &mut self.entries[e];
-        let outcome = self.account.record(&entry.task, outcome);
+        let outcome = self.account.record(&entry.task, brought);
         entry.state = TaskState::Done(outcome);
         if let (true, SeedOutcome::Found(branch)) = (is_new, outcome) {
             self.branches.push(Known { branch, task: entry.id.clone() });
@@ -76,8 +77,8 @@ impl LevelTasks {
         self.entries[e].is_held(lease) || self.entries[e + 1..].iter().all(|later| later.attempts == 0)
     }
 
-    /// Moves on to the next task that is needed. Without its main branch a level waits: seeds would find that one, and
-    /// nobody could tell it from an isola.
+    /// Moves on to the next task that is needed. Where a main branch was given up and none is known a level waits: seeds
+    /// would find that one, and nobody could tell it from an isola.
     pub fn settle(&mut self) -> Vec<Change> {
         let mut changes = Vec::new();
         // What is under way is waited for, whatever came back before it.
@@ -85,7 +86,9 @@ impl LevelTasks {
         if self.next.is_some() {
             return changes;
         }
-        if self.entries.first().is_some_and(|main| main.state == TaskState::Dead) {
+        let mut mains = self.entries.iter().filter(|entry| matches!(entry.task, Task::Main(_)));
+        let is_waited_for = mains.clone().all(TaskEntry::is_settled) && mains.any(|main| main.state == TaskState::Dead);
+        if is_waited_for && !self.account.has_main() {
             return changes;
         }
         for (e, entry) in self.entries.iter_mut().enumerate() {

@@ -4,7 +4,7 @@ use super::rules::Rules;
 use super::state::Ledger;
 use protocol::to_worker::Known;
 use results::journal::{Change, LevelPlan, StoredTask, TaskState};
-use solver::response::task::{BranchId, SeedOutcome};
+use solver::response::task::{Brought, SeedOutcome};
 use std::collections::HashMap;
 use std::time::Duration;
 
@@ -26,13 +26,10 @@ impl Ledger {
             match task.state {
                 TaskState::Done(outcome) => {
                     ledger.sequence += 1;
-                    level.account.record(&entry.task, Some(outcome));
+                    level.account.record(&entry.task, Brought::Nothing(outcome));
                     entry.state = TaskState::Done(outcome);
                     if let (true, SeedOutcome::Found(branch)) = (task.is_new_branch, outcome) {
                         level.branches.push(Known { branch, task: task.id });
-                        if let BranchId::Isola(number) = branch {
-                            level.account.isolas = level.account.isolas.max(number + 1);
-                        }
                     }
                 }
                 state => {

@@ -9,7 +9,7 @@ use protocol::from_worker::{Lease, Progress};
 use protocol::ids::{TaskId, WorkerId};
 use protocol::to_worker::RenewReply;
 use results::journal::{AttemptEnd, Change, Holder, LevelPlan, TaskState};
-use solver::response::task::SeedOutcome;
+use solver::response::task::Brought;
 use std::collections::{BTreeMap, HashMap};
 use std::time::Duration;
 
@@ -118,9 +118,8 @@ impl Ledger {
         }
     }
 
-    /// A result: what became of the task, `None` if it found a new branch. The first result of a task counts, whoever it
-    /// comes from.
-    pub fn submit(&mut self, lease: &Lease, outcome: Option<SeedOutcome>) -> (Submitted, Vec<Change>) {
+    /// A result: what the task brought. The first result of a task counts, whoever it comes from.
+    pub fn submit(&mut self, lease: &Lease, brought: Brought) -> (Submitted, Vec<Change>) {
         let Some(&(l, e)) = self.index.get(&lease.task) else { return (Submitted::Unknown, Vec::new()) };
         let level = &mut self.levels[l];
         if matches!(level.entries[e].state, TaskState::Done(_) | TaskState::Skipped) {
@@ -130,7 +129,7 @@ impl Ledger {
             return (Submitted::Late, Vec::new());
         }
         let mut changes = level.entries[e].supersede(lease);
-        let outcome = level.finish(e, outcome);
+        let outcome = level.finish(e, brought);
         self.sequence += 1;
         let (task, attempt) = (lease.task.clone(), lease.attempt);
         changes.push(Change::Done { task, attempt, outcome, sequence: self.sequence });

@@ -7,8 +7,10 @@ use protocol::ids::{Attempt, TaskId, WorkerId};
 use protocol::to_everyone::Amplitude;
 use protocol::to_worker::{Known, RenewReply};
 use results::journal::{AttemptEnd, Change, Holder, LevelPlan, StoredTask, TaskState};
+use solver::response::branch::{BranchKind, Side};
+use solver::response::forcing::Unreached;
 use solver::response::seeds::{LandingFailure, Phase, Way};
-use solver::response::task::{BranchId, SeedOutcome, SeedPlace, Task};
+use solver::response::task::{BranchId, Brought, SeedOutcome, SeedPlace, Task};
 use solver::response::windows::Window;
 use std::time::Duration;
 
@@ -18,7 +20,7 @@ fn window(number: usize) -> Window {
 
 /// A level of `windows` windows of one well each.
 fn plan(amplitude: f64, windows: usize) -> LevelPlan {
-    let mut tasks = vec![Task::Main];
+    let mut tasks = vec![Task::Main(Side::Below), Task::Main(Side::Above)];
     for window_number in 0..windows {
         for way in [Way::FixedFrequency, Way::SteppedForcing] {
             for phase in [Phase::First, Phase::Second] {
@@ -32,22 +34,21 @@ fn plan(amplitude: f64, windows: usize) -> LevelPlan {
 }
 
 /// What a worker would find: a function of the task and of what is known, as tracing is. Some windows have an isola at
-/// either phase, some the main branch, some nothing at fixed frequency.
-fn find(work: &Task, known: &[Known], amplitude: f64) -> Option<SeedOutcome> {
-    let Task::Seed(place) = work else { return None };
-    let nothing = Some(SeedOutcome::NotLanded(LandingFailure::Far(0.5)));
-    let kind = (place.window + amplitude as usize) % 4;
-    let isola = |number: usize| {
-        let id = BranchId::Isola(number);
-        known.iter().any(|k| k.branch == id).then_some(SeedOutcome::Found(id))
+/// either phase, some the main branch, some nothing at fixed frequency, and then a branch that is cut.
+fn find(work: &Task, known: &[Known], amplitude: f64) -> Brought {
+    let main = Brought::Nothing(SeedOutcome::Found(BranchId::MAIN));
+    let place = match work {
+        Task::Main(_) if known.is_empty() => return Brought::Branch(BranchKind::Main),
+        Task::Main(_) => return main,
+        Task::Seed(place) => place,
     };
-    let isolas = known.len().saturating_sub(1);
-    match (kind, place.way, place.phase) {
-        (0, _, _) => Some(SeedOutcome::Found(BranchId::Main)),
-        (1, Way::FixedFrequency, Phase::First) => None,
-        (1, Way::FixedFrequency, Phase::Second) => isola(isolas - 1),
-        (2, Way::SteppedForcing, Phase::Second) => None,
-        _ => nothing,
+    let last = known.iter().rev().find(|known| known.branch.kind == BranchKind::Isola);
+    match ((place.window + amplitude as usize) % 4, place.way, place.phase) {
+        (0, _, _) => main,
+        (1, Way::FixedFrequency, Phase::First) => Brought::Branch(BranchKind::Isola),
+        (1, Way::FixedFrequency, Phase::Second) => Brought::Nothing(SeedOutcome::Found(last.unwrap().branch)),
+        (2, Way::SteppedForcing, Phase::Second) => Brought::Branch(BranchKind::Cut),
+        _ => Brought::Nothing(SeedOutcome::NotLanded(LandingFailure::Far(0.5))),
     }
 }
 
@@ -72,8 +73,8 @@ fn quiet(levels: usize) -> Book {
     let worker = WorkerId::new("w").unwrap();
     while let (Leased::Grant(granted), _) = ledger.lease(&worker, 0, Duration::ZERO) {
         let lease = Lease { task: granted.task.clone(), attempt: granted.attempt, worker: worker.clone(), slot: 0 };
-        let outcome = find(&granted.work, &granted.known, granted.amplitude.value);
-        assert!(matches!(ledger.submit(&lease, outcome).0, Submitted::Accepted(_)));
+        let brought = find(&granted.work, &granted.known, granted.amplitude.value);
+        assert!(matches!(ledger.submit(&lease, brought).0, Submitted::Accepted(_)));
     }
     assert!(ledger.is_finished());
     book(&ledger)
@@ -179,14 +180,14 @@ impl Driver {
 
     /// The worker keeps the lease, as if the answer had been lost: it will submit again.
     fn submit(&mut self, lease: &Lease, granted: &Granted) {
-        let outcome = find(&granted.work, &granted.known, granted.amplitude.value);
-        let (submitted, changes) = self.ledger.submit(lease, outcome);
+        let brought = find(&granted.work, &granted.known, granted.amplitude.value);
+        let (submitted, changes) = self.ledger.submit(lease, brought);
         self.changes.extend(changes);
         match submitted {
             Submitted::Accepted(_) => {
                 assert!(!self.accepted.contains(&lease.task), "{} was accepted twice", lease.task);
                 self.accepted.push(lease.task.clone());
-                if outcome.is_none() {
+                if matches!(brought, Brought::Branch(_)) {
                     self.new_branches.push(lease.task.clone());
                 }
             }
@@ -270,6 +271,12 @@ proptest! {
     }
 }
 
+/// What tasks bring.
+const MAIN: Brought = Brought::Branch(BranchKind::Main);
+const ISOLA: Brought = Brought::Branch(BranchKind::Isola);
+const ON_MAIN: Brought = Brought::Nothing(SeedOutcome::Found(BranchId::MAIN));
+const UNREACHED: Brought = Brought::Nothing(SeedOutcome::NotTraced(Unreached::OutOfReach));
+
 fn leased(ledger: &mut Ledger, worker: &str, now: Duration) -> Lease {
     let worker = WorkerId::new(worker).unwrap();
     let (Leased::Grant(granted), _) = ledger.lease(&worker, 0, now) else { panic!("no task") };
@@ -321,41 +328,64 @@ fn a_poison_seed_dies_with_its_reasons_and_blocks_nobody() {
     let mut ledger = Ledger::new(Rules::default(), plans(1));
     let mut now = Duration::ZERO;
     let main = leased(&mut ledger, "a", now);
-    assert!(matches!(ledger.submit(&main, None).0, Submitted::Accepted(_)));
-    let late = poison(&mut ledger, "1-1", &mut now);
-    assert_eq!(ledger.dead(), [(TaskId::new("1-1").unwrap(), vec!["a: boom".to_string(); 3])]);
+    assert!(matches!(ledger.submit(&main, MAIN).0, Submitted::Accepted(_)));
+    let above = leased(&mut ledger, "a", now);
+    assert!(matches!(ledger.submit(&above, ON_MAIN).0, Submitted::Accepted(_)));
+    let late = poison(&mut ledger, "1-2", &mut now);
+    assert_eq!(ledger.dead(), [(TaskId::new("1-2").unwrap(), vec!["a: boom".to_string(); 3])]);
     let next = leased(&mut ledger, "a", now);
-    assert_eq!(next.task.as_str(), "1-2");
+    assert_eq!(next.task.as_str(), "1-3");
     // A result of the dead task may be a branch that the next one is about to find.
-    assert_eq!(ledger.submit(&late, None).0, Submitted::Late);
+    assert_eq!(ledger.submit(&late, ISOLA).0, Submitted::Late);
     assert!(!ledger.retry_dead().is_empty());
     // What is under way comes first; then the one revived, with what is known by then.
     assert_eq!(leased(&mut ledger, "a", now), next);
-    assert!(matches!(ledger.submit(&next, None).0, Submitted::Accepted(_)));
+    assert!(matches!(ledger.submit(&next, ISOLA).0, Submitted::Accepted(_)));
     let revived = leased(&mut ledger, "a", now);
-    assert_eq!(revived.task.as_str(), "1-1");
-    assert_eq!(ledger.submit(&late, None).0, Submitted::Late);
-    assert!(matches!(ledger.submit(&revived, Some(SeedOutcome::Found(BranchId::Isola(0)))).0, Submitted::Accepted(_)));
+    assert_eq!(revived.task.as_str(), "1-2");
+    assert_eq!(ledger.submit(&late, ISOLA).0, Submitted::Late);
+    let on_isola = Brought::Nothing(SeedOutcome::Found(BranchId::isola(0)));
+    assert!(matches!(ledger.submit(&revived, on_isola).0, Submitted::Accepted(_)));
 }
 
 #[test]
 fn a_level_waits_for_its_main_branch() {
     let mut ledger = Ledger::new(Rules::default(), plans(1));
     let mut now = Duration::ZERO;
-    let late = poison(&mut ledger, "1-0", &mut now);
+    poison(&mut ledger, "1-0", &mut now);
+    let late = poison(&mut ledger, "1-1", &mut now);
     assert!(ledger.is_finished(), "nothing of the level can be handed out");
     assert!(matches!(ledger.lease(&late.worker, 0, now).0, Leased::Drained));
     // Nobody went on without it.
-    assert!(matches!(ledger.submit(&late, None).0, Submitted::Accepted(_)));
-    assert_eq!(leased(&mut ledger, "a", now).task.as_str(), "1-1");
+    assert!(matches!(ledger.submit(&late, MAIN).0, Submitted::Accepted(_)));
+    assert_eq!(leased(&mut ledger, "a", now).task.as_str(), "1-2");
+}
+
+#[test]
+fn a_main_branch_from_above_is_one_to_compare_with() {
+    for is_dead in [false, true] {
+        let mut ledger = Ledger::new(Rules::default(), plans(1));
+        let mut now = Duration::ZERO;
+        if is_dead {
+            poison(&mut ledger, "1-0", &mut now);
+        } else {
+            let below = leased(&mut ledger, "a", now);
+            assert!(matches!(ledger.submit(&below, UNREACHED).0, Submitted::Accepted(_)));
+        }
+        let above = leased(&mut ledger, "a", now);
+        let Submitted::Accepted(accepted) = ledger.submit(&above, MAIN).0 else { panic!("not accepted") };
+        assert_eq!(accepted.outcome, SeedOutcome::Found(BranchId::MAIN));
+        assert_eq!(leased(&mut ledger, "a", now).task.as_str(), "1-2");
+    }
 }
 
 #[test]
 fn without_a_main_branch_there_is_nothing_to_compare_with() {
     let mut ledger = Ledger::new(Rules::default(), plans(1));
-    let main = leased(&mut ledger, "a", Duration::ZERO);
-    let failed = Some(SeedOutcome::NotTraced(solver::curve::problem::Failure::Diverged.into()));
-    assert!(matches!(ledger.submit(&main, failed).0, Submitted::Accepted(_)));
+    for _ in [Side::Below, Side::Above] {
+        let main = leased(&mut ledger, "a", Duration::ZERO);
+        assert!(matches!(ledger.submit(&main, UNREACHED).0, Submitted::Accepted(_)));
+    }
     assert!(ledger.is_finished() && ledger.counts().skipped == 12);
 }
 

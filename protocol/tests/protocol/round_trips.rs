@@ -55,7 +55,7 @@ static DAMPER: LazyLock<Damper> = LazyLock::new(|| {
     let mut observer = |_: &_| ControlFlow::Continue(());
     let backbone = Backbone::compute_with(&model, &settings, &mut observer).unwrap();
     let level = Level::compute_with(&model, &settings, &backbone, AMPLITUDE, &mut observer).unwrap();
-    assert_eq!(level.isolas.len(), 1);
+    assert_eq!(level.isolas().count(), 1);
     let size = Size::of(&model);
     Damper { model, size, backbone, level }
 });
@@ -143,7 +143,7 @@ fn seeds() {
 #[test]
 fn a_model_of_another_size_is_refused() {
     let damper = &*DAMPER;
-    let message = BranchMessage::from(&damper.level.main);
+    let message = BranchMessage::from(damper.level.main());
     let right = damper.size;
     for wrong in [
         Size { channels: right.channels + 1, ..right },

@@ -1,5 +1,6 @@
 //! One small sample of every message; numbers are such that no two places can be confused.
 
+use protocol::VERSION;
 use protocol::array::Array;
 use protocol::backbone::BackboneMessage;
 use protocol::branch::{BranchMessage, FindingMessage};
@@ -17,7 +18,7 @@ use protocol::to_everyone::{
 use protocol::to_worker::{Acknowledgement, Grant, Known, LeaseReply, RenewReply, SubmitReply};
 use solver::curve::continuation::Rejection;
 use solver::curve::problem::Failure;
-use solver::response::branch::{Outcome, SpecialKind, SpecialPoint, Stop};
+use solver::response::branch::{BranchKind, Outcome, Side, SpecialKind, SpecialPoint, Stop};
 use solver::response::forced::Reach;
 use solver::response::forcing::Unreached;
 use solver::response::seeds::{LandingFailure, Phase, Way};
@@ -148,6 +149,7 @@ pub fn branch() -> BranchMessage {
     let failure = Failure::NotConverged { iterations: 10, residual: 0.00151 };
     let stalled = Stop::Stalled(Rejection::Newton(failure));
     BranchMessage {
+        kind: Some(BranchKind::Isola),
         amplitude: 2.5,
         outcome: Outcome::Open(Stop::FrequencyBound, stalled),
         special: vec![
@@ -163,7 +165,7 @@ pub fn branch() -> BranchMessage {
 /// The manifest of a run under way.
 pub fn manifest() -> Manifest {
     Manifest {
-        protocol: 1,
+        protocol: VERSION,
         program: program(),
         run: run(),
         name: "nonlinear damper".into(),
@@ -259,8 +261,8 @@ pub fn done() -> Done {
         sequence: 4,
         task: task(),
         amplitude: amplitude(),
-        outcome: SeedOutcome::Found(BranchId::Isola(0)),
-        branch: Some(BranchId::Isola(0)),
+        outcome: SeedOutcome::Found(BranchId::isola(0)),
+        branch: Some(BranchId::isola(0)),
         size: protocol::codec::encode(&result()).len() as u64,
         sha256: protocol::codec::sha256(&protocol::codec::encode(&result())),
     }
@@ -285,8 +287,8 @@ pub fn result() -> StoredResult {
         attempt: Attempt(2),
         amplitude: amplitude(),
         work: work(),
-        outcome: SeedOutcome::Found(BranchId::Isola(0)),
-        name: Some(BranchId::Isola(0)),
+        outcome: SeedOutcome::Found(BranchId::isola(0)),
+        name: Some(BranchId::isola(0)),
         branch: Some(branch()),
         worker: worker(),
         program: program(),
@@ -299,7 +301,7 @@ pub fn result_nothing() -> StoredResult {
         task: TaskId::of_level("2.5", 4).unwrap(),
         attempt: Attempt(1),
         amplitude: amplitude(),
-        work: Task::Main,
+        work: Task::Main(Side::Below),
         outcome: not_landed(),
         name: None,
         branch: None,
@@ -333,7 +335,7 @@ pub fn status() -> Status {
 }
 
 fn lease_request() -> LeaseRequest {
-    LeaseRequest { protocol: 1, program: program(), worker: worker(), slot: 1 }
+    LeaseRequest { protocol: VERSION, program: program(), worker: worker(), slot: 1 }
 }
 
 fn submit_request(finding: FindingMessage) -> SubmitRequest {
@@ -350,8 +352,8 @@ fn grant() -> Grant {
         work: work(),
         seeds: seeds(),
         known: vec![
-            Known { branch: BranchId::Main, task: TaskId::of_level("2.5", 0).unwrap() },
-            Known { branch: BranchId::Isola(0), task: TaskId::of_level("2.5", 1).unwrap() },
+            Known { branch: BranchId::MAIN, task: TaskId::of_level("2.5", 0).unwrap() },
+            Known { branch: BranchId::isola(0), task: TaskId::of_level("2.5", 1).unwrap() },
         ],
     }
 }
@@ -379,7 +381,9 @@ pub fn outcomes() -> (Vec<Outcome>, Vec<SeedOutcome>) {
     let unreached = failures.map(Unreached::from).into_iter().chain([Unreached::OutOfReach]);
     let landing = unreached.clone().map(LandingFailure::NotConverged).chain([LandingFailure::Far(1.376)]);
     let mut seeds = vec![SeedOutcome::OutOfBounds];
-    seeds.extend([BranchId::Main, BranchId::Isola(0), BranchId::Isola(11)].map(SeedOutcome::Found));
+    let others = BranchKind::ALL.map(|kind| BranchId::new(kind, 1));
+    let names = [BranchId::MAIN, BranchId::isola(0), BranchId::isola(11)].into_iter().chain(others);
+    seeds.extend(names.map(SeedOutcome::Found));
     seeds.extend(landing.map(SeedOutcome::NotLanded));
     seeds.extend(unreached.map(SeedOutcome::NotTraced));
     (open.chain([Outcome::Closed]).collect(), seeds)

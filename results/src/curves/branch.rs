@@ -7,14 +7,13 @@ use protocol::to_everyone::StoredResult;
 use serde::Serialize;
 use solver::response::branch::{Outcome, SpecialPoint};
 use solver::response::columns::{self, Axis};
-use solver::response::task::BranchId;
 
 /// A branch: p points in the order of the arc, in rad/s and m. Its JSON is without the columns.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Curve {
     /// Its level, by index.
     pub level: usize,
-    /// `main` or `isola`.
+    /// `main`, `isola`, `open`, `cut` or `unfinished`.
     pub kind: &'static str,
     /// Number from 1 within level and kind.
     pub number: usize,
@@ -62,18 +61,14 @@ impl Curve {
         let (Some(branch), Some(id)) = (&result.branch, result.name) else { return Ok(None) };
         let points = &branch.points;
         let size = points.len();
-        let (kind, number) = match id {
-            BranchId::Main => ("main", 1),
-            BranchId::Isola(index) => ("isola", index + 1),
-        };
         let amplitude = table("amplitude", points.columns.required("amplitude")?, size)?;
         let omega = points.motions.omega.values("omega", &[size])?;
         let first = amplitude.first().map_or(&[][..], Vec::as_slice);
         let peak = largest(first);
         Ok(Some(Self {
             level,
-            kind,
-            number,
+            kind: id.kind.name(),
+            number: id.number + 1,
             name: id.to_string(),
             closed: branch.outcome == Outcome::Closed,
             status: branch.outcome.to_string(),

@@ -15,7 +15,6 @@ use protocol::model::ModelMessage;
 use protocol::to_everyone::StoredResult;
 use solver::response::branch::{Outcome, SpecialKind};
 use solver::response::columns::{self, Axis, Column};
-use solver::response::task::BranchId;
 use solver::structure::laws::Law;
 
 /// What the contents of all files are read with.
@@ -114,19 +113,15 @@ impl<'r> Contents<'r> {
     pub fn branch(&self, name: &str, result: StoredResult, omissions: &mut Omissions) -> Option<Record> {
         let mut record = Record::default();
         let mut group = record.group("");
-        let (kind, number) = match result.name {
-            Some(BranchId::Isola(i)) => ("isola", i + 1),
-            _ => ("main", 1),
-        };
-        let branch = result.branch?;
+        let (id, branch) = (result.name?, result.branch?);
         if let Err(error) = check(&branch.points) {
             omissions.left_out(format_args!("Branch {name} is"), error);
             return None;
         }
         group.add("level", result.amplitude.text);
         group.add("level_value", result.amplitude.value);
-        group.add("kind", kind);
-        group.add("number", number);
+        group.add("kind", id.kind.name());
+        group.add("number", id.number + 1);
         group.add("status", branch.outcome.to_string());
         group.add("closed", branch.outcome == Outcome::Closed);
         group.add("rejections", branch.rejections);

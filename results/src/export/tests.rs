@@ -67,7 +67,7 @@ fn a_finished_run() {
         with_later("omega,amplitude,rms,contact,residual,high_harmonics", of_points(), |c| c.branch_csv)
     );
 
-    let isola = results.iter().find(|result| result.name == Some(BranchId::Isola(0))).unwrap();
+    let isola = results.iter().find(|result| result.name == Some(BranchId::isola(0))).unwrap();
     let isola = isola.branch.as_ref().unwrap();
     let omega = isola.points.motions.omega.values("omega", &[rows.len()]).unwrap();
     let read: Vec<f64> = rows.iter().map(|row| row["omega"].parse().unwrap()).collect();

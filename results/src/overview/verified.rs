@@ -1,21 +1,17 @@
 //! Results that are what was stored.
 
 use super::omissions::detail;
-use crate::store::{BranchRow, Extent, Reader};
+use crate::store::{BranchRow, Extent, Reader, branch_id};
 use protocol::ids::TaskId;
 use protocol::to_everyone::StoredResult;
-use solver::response::task::BranchId;
 
 /// The result that a branch is from, checksum verified: what was accepted, to the bit. Otherwise says why not.
 pub(crate) fn verified_result(reader: &Reader, branch: &BranchRow) -> std::result::Result<StoredResult, String> {
     let task = TaskId::new(&branch.task).map_err(|error| error.to_string())?;
     let result = reader.result(&task).map_err(|error| detail(&error))?;
     let result = result.ok_or_else(|| format!("the result of task {task} is gone"))?;
-    let name = match branch.kind.as_str() {
-        "main" => BranchId::Main,
-        _ => BranchId::Isola(branch.number.saturating_sub(1)),
-    };
-    let Some(message) = result.branch.as_ref().filter(|_| result.name == Some(name)) else {
+    let name = branch_id(&branch.kind, branch.number);
+    let Some(message) = result.branch.as_ref().filter(|_| name.is_some() && result.name == name) else {
         return Err(format!("the result of task {task} is another one"));
     };
     let row = Extent::from([branch.omega.0, branch.omega.1, branch.amplitude_max, branch.omega_at_max]);

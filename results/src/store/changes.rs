@@ -111,16 +111,12 @@ impl Changes<'_> {
     }
 
     fn branch(&self, task: &TaskId, branch: &BranchMessage, name: BranchId) -> Result<()> {
-        let (kind, number) = match name {
-            BranchId::Main => ("main", 1),
-            BranchId::Isola(i) => ("isola", i + 1),
-        };
         let points = Scalars::new(&branch.points).at(self.file)?;
         let (summary, contact) = (Extent::of_scalars(&points), contact_range(&points));
         let row = params![
             task.as_str(),
-            kind,
-            number,
+            name.kind.name(),
+            name.number + 1,
             branch.outcome.to_string(),
             branch.outcome == Outcome::Closed,
             points.omega.len(),
@@ -148,6 +144,7 @@ impl Changes<'_> {
 
 fn without_numbers(result: &StoredResult) -> StoredResult {
     let without_arrays = |branch: &BranchMessage| BranchMessage {
+        kind: branch.kind,
         amplitude: branch.amplitude,
         outcome: branch.outcome,
         special: branch.special.clone(),

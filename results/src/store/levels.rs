@@ -4,11 +4,12 @@ use super::number::number;
 use super::{Reader, Result};
 use rusqlite::Row;
 use serde::Serialize;
+use solver::response::branch::BranchKind;
 
 /// A branch of a level in numbers.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct BranchRow {
-    /// `main` or `isola`.
+    /// `main`, `isola`, `open`, `cut` or `unfinished`.
     pub kind: String,
     /// Number from 1 within its kind, as in names of files.
     pub number: usize,
@@ -75,19 +76,22 @@ impl Reader {
         Ok(self.one(sql, [level], |row| Ok((row.get(0)?, row.get(1)?)))?.unwrap_or_default())
     }
 
-    /// Branches of a level: main, then isolas.
+    /// Branches of a level, kind by kind: main branches first.
     pub(crate) fn branches(&self, level: i64) -> Result<Vec<BranchRow>> {
         let sql = "SELECT kind, number, status, closed, points, omega_min, omega_max, amplitude_max, omega_at_max, \
                    contact_omega_min, contact_omega_max, id, task \
-                   FROM branches WHERE level = ?1 ORDER BY kind DESC, number";
-        self.all(sql, [level], branch)
+                   FROM branches WHERE level = ?1 ORDER BY number";
+        let mut list = self.all(sql, [level], branch)?;
+        list.sort_by_key(|row| BranchKind::named(&row.kind));
+        Ok(list)
     }
 
     /// Why a level has no main branch, if it was tried.
     pub(crate) fn main_failure(&self, level: i64) -> Result<Option<String>> {
         let sql = "SELECT state, outcome, (SELECT reason FROM attempts WHERE task = id AND reason IS NOT NULL \
                    ORDER BY attempt DESC LIMIT 1) FROM tasks \
-                   WHERE level = ?1 AND kind = 'main' AND (state = 'dead' OR state = 'done' AND NOT found)";
+                   WHERE level = ?1 AND kind = 'main' AND (state = 'dead' OR state = 'done' AND NOT found) \
+                   AND NOT EXISTS (SELECT 1 FROM branches WHERE level = ?1 AND kind = 'main') ORDER BY position LIMIT 1";
         self.one(sql, [level], |row| {
             let (state, outcome, reason): (String, Option<String>, Option<String>) =
                 (row.get(0)?, row.get(1)?, row.get(2)?);

@@ -7,6 +7,7 @@
 #[cfg(any(feature = "figures", feature = "page"))]
 mod account;
 mod arrays;
+mod branch_id;
 mod changes;
 mod database;
 mod displacement;
@@ -31,6 +32,7 @@ pub use reader::Reader;
 pub use account::{TaskRow, WorkerCost};
 pub use levels::{BranchRow, WindowOutcome, WindowRow};
 
+pub(crate) use branch_id::branch_id;
 pub(crate) use displacement::Displacements;
 pub(crate) use scalars::{Scalar, Scalars, scalars};
 

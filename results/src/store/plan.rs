@@ -118,7 +118,7 @@ fn insert_task(db: &Connection, file: &Path, level: i64, position: usize, id: &T
     let sql = "INSERT INTO tasks (id, level, position, kind, window, phase, way, work) \
                VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)";
     let (kind, place) = match task {
-        Task::Main => ("main", None),
+        Task::Main(_) => ("main", None),
         Task::Seed(place) => ("seed", Some(place)),
     };
     let row = params![

@@ -2,6 +2,7 @@
 
 use super::arrays::{array_at, fill, of_points_mut};
 use super::error::At;
+use super::branch_id::branch_id;
 use super::extent::Extent;
 use super::header::{corrupt, get, read_header, read_model, read_stage, unpack};
 use super::number::number;
@@ -18,7 +19,6 @@ use protocol::model::ModelMessage;
 use protocol::to_everyone::{Amplitude, Counts, Done, Stage, StoredResult};
 use rusqlite::{Connection, OptionalExtension, Params, Row, Transaction};
 use solver::response::forced::Reach;
-use solver::response::task::BranchId;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -328,16 +328,15 @@ impl DoneRow {
     }
 
     fn done(self, file: &Path) -> Result<Done> {
-        let name = |(kind, number): (String, usize)| match kind.as_str() {
-            "main" => BranchId::Main,
-            _ => BranchId::Isola(number.saturating_sub(1)),
+        let name = |(kind, number): (String, usize)| {
+            branch_id(&kind, number).ok_or_else(|| corrupt(file, format!("branch `{kind} {number}`")))
         };
         Ok(Done {
             sequence: self.sequence,
             task: TaskId::new(&self.task).map_err(|error| corrupt(file, error))?,
             amplitude: self.amplitude,
             outcome: unpack(file, &self.record)?,
-            branch: self.branch.map(name),
+            branch: self.branch.map(name).transpose()?,
             size: self.size,
             sha256: self.sha256,
         })

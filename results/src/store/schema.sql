@@ -83,7 +83,7 @@ CREATE TABLE tasks (
     level INTEGER NOT NULL REFERENCES levels (level),
     -- Turn within the level, from 0.
     position INTEGER NOT NULL,
-    -- 'main' (from the lower frequency bound) or 'seed' (from a seed of a window).
+    -- 'main' (from a frequency bound) or 'seed' (from a seed of a window).
     kind TEXT NOT NULL,
     -- Window the seed is from; NULL for 'main', as the next two.
     window INTEGER,
@@ -163,7 +163,8 @@ CREATE TABLE branches (
     level INTEGER NOT NULL REFERENCES levels (level),
     -- Forcing amplitude as typed.
     amplitude TEXT NOT NULL,
-    -- 'main' or 'isola'.
+    -- 'main', 'isola' (closed), 'open' (detached, from frequency bound to frequency bound), 'cut' (at a bound that was
+    -- given) or 'unfinished'.
     kind TEXT NOT NULL,
     -- Number within level and kind, from 1.
     number INTEGER NOT NULL,

@@ -66,6 +66,69 @@ impl BranchPoint {
     }
 }
 
+/// What kind of branch it is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum BranchKind {
+    /// Ordinary continuation reaches it: from the linear range below or above.
+    Main,
+    /// A closed curve.
+    Isola,
+    /// Detached, and leaves through the widest frequency bounds at both ends: a permanently pressed response, say.
+    Open,
+    /// Leaves through bounds that were given: whether it is detached is not known.
+    Cut,
+    /// Stalled, turned back along itself, used up its points or was cancelled: it goes on where it ends.
+    Unfinished,
+}
+
+impl BranchKind {
+    /// All kinds, in the order in which they are listed.
+    pub const ALL: [Self; 5] = [Self::Main, Self::Isola, Self::Open, Self::Cut, Self::Unfinished];
+
+    /// The kind of a branch that was not reached from the linear range.
+    pub fn of_detached(outcome: &Outcome) -> Self {
+        match outcome {
+            Outcome::Closed => Self::Isola,
+            Outcome::Open(Stop::FrequencyBound, Stop::FrequencyBound) => Self::Open,
+            Outcome::Open(first, last) if [first, last].contains(&&Stop::AmplitudeBound) => Self::Cut,
+            Outcome::Open(..) => Self::Unfinished,
+        }
+    }
+
+    /// Its name in files and messages.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Main => "main",
+            Self::Isola => "isola",
+            Self::Open => "open",
+            Self::Cut => "cut",
+            Self::Unfinished => "unfinished",
+        }
+    }
+
+    /// The kind of this name.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|kind| kind.name() == name)
+    }
+}
+
+impl std::fmt::Display for BranchKind {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// At which end of the frequency range a main branch is entered.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Side {
+    /// At the lower bound, upwards.
+    Below,
+    /// At the upper bound, downwards.
+    Above,
+}
+
 /// What a special point is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -90,6 +153,8 @@ pub struct SpecialPoint {
 /// A forced-response branch at one forcing amplitude.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Branch {
+    /// What kind of branch it is.
+    pub kind: BranchKind,
     /// Forcing amplitude A.
     pub forcing: f64,
     /// Points in the order of the arc; a closed branch does not repeat its first point.

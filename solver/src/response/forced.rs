@@ -13,7 +13,7 @@ use crate::formulation::state::State;
 use crate::formulation::unknown::Unknown;
 use crate::formulation::{Formulation, FormulationError};
 use crate::response::backbone::Backbone;
-use crate::response::branch::{Branch, BranchPoint, Observer, Outcome, Stop};
+use crate::response::branch::{Branch, BranchKind, BranchPoint, Observer, Outcome, Side, Stop};
 use crate::response::forcing::{Unreached, from_rest};
 use crate::response::special::with_special_points;
 use crate::settings::{Settings, SettingsError};
@@ -111,25 +111,39 @@ impl<'m, F: Formulation<'m>> Forced<'m, F> {
         &self.settings
     }
 
-    /// The main branch: from the lower frequency bound upwards. It starts at the linear response if that is one, and
-    /// otherwise where continuation in the forcing amplitude leads from the linear range.
+    /// Where a main branch is entered: the response at a frequency bound. It is the linear response if that is one, and
+    /// otherwise what continuation in the forcing amplitude leads to from the linear range.
+    ///
+    /// # Errors
+    /// If there is none.
+    pub fn main_start(&mut self, side: Side) -> Result<State, Unreached> {
+        let omega = match side {
+            Side::Below => self.bounds.frequency.0,
+            Side::Above => self.bounds.frequency.1,
+        };
+        let linear = forced_response(&self.problem, self.forcing, omega).map_err(|_| Failure::Singular)?;
+        match self.converge(&linear) {
+            Ok(state) if self.distance(&state, &linear) < 1e-3 => Ok(state),
+            _ => from_rest::<F>(self.model, &self.settings, self.forcing, omega),
+        }
+    }
+
+    /// The main branch: from the frequency bound of a side towards the other one, from [`Forced::main_start`] on.
     ///
     /// # Errors
     /// If there is no first point.
-    pub fn main_branch(&mut self, observer: &mut Observer<'_>) -> Result<Branch, Unreached> {
-        let omega = self.bounds.frequency.0;
-        let linear = forced_response(&self.problem, self.forcing, omega).map_err(|_| Failure::Singular)?;
-        let start = match self.converge(&linear) {
-            Ok(state) if self.distance(&state, &linear) < 1e-3 => state,
-            _ => from_rest::<F>(self.model, &self.settings, self.forcing, omega)?,
-        };
+    pub fn main_branch(&mut self, side: Side, observer: &mut Observer<'_>) -> Result<Branch, Unreached> {
+        let start = self.main_start(side)?;
         let y = self.problem.encode(&start);
-        let upwards = self.problem.parameter_row();
-        let mut continuation = Continuation::start(&mut self.problem, y, &upwards, self.settings.continuation)?;
+        let mut inwards = self.problem.parameter_row();
+        if side == Side::Above {
+            inwards.iter_mut().for_each(|entry| *entry = -*entry);
+        }
+        let mut continuation = Continuation::start(&mut self.problem, y, &inwards, self.settings.continuation)?;
         let (visited, stop) = walk(&mut continuation, &Bounds { closure: None, ..self.bounds }, observer);
         let rejections = continuation.rejections();
         let walked = Walked { visited, start: 0, outcome: Outcome::Open(Stop::Start, stop), rejections };
-        Ok(self.finish(walked))
+        Ok(self.finish(walked, BranchKind::Main))
     }
 
     /// The branch through a converged state: forwards, and if it does not close, backwards as well.
@@ -141,7 +155,8 @@ impl<'m, F: Formulation<'m>> Forced<'m, F> {
         let upwards = self.problem.parameter_row();
         let settings = self.settings.continuation;
         let walked = walk_both(&mut self.problem, y, &upwards, &settings, &self.bounds, observer)?;
-        Ok(self.finish(walked))
+        let kind = BranchKind::of_detached(&walked.outcome);
+        Ok(self.finish(walked, kind))
     }
 
     /// Forced responses of a branch close to quadrature with the forcing, Re(X_m·s) = 0: the resonances.
@@ -226,9 +241,9 @@ impl<'m, F: Formulation<'m>> Forced<'m, F> {
     }
 
     /// Locates folds and peak, and drops what only the continuation needs.
-    fn finish(&mut self, walked: Walked<BranchPoint>) -> Branch {
+    fn finish(&mut self, walked: Walked<BranchPoint>, kind: BranchKind) -> Branch {
         let (outcome, rejections) = (walked.outcome, walked.rejections);
         let (points, special) = with_special_points(&mut self.problem, self.settings.continuation, walked);
-        Branch { forcing: self.forcing, points, special, outcome, rejections }
+        Branch { kind, forcing: self.forcing, points, special, outcome, rejections }
     }
 }

@@ -1,11 +1,13 @@
-//! One forcing level: main branch, isolas, and the account of every window.
+//! One forcing level: its branches, and the account of every window.
 
 use crate::response::backbone::Backbone;
 use crate::response::branch::{Branch, BranchPoint, Observer};
 use crate::response::forced::{Forced, Reach};
 use crate::response::forcing::Unreached;
-pub use crate::response::task::{Account, BranchId, SeedAccount, SeedOutcome, WindowAccount};
-use crate::response::task::{Finding, Task, carry_out, plan};
+pub use crate::response::account::{Account, SeedAccount, WindowAccount};
+pub use crate::response::name::BranchId;
+pub use crate::response::task::SeedOutcome;
+use crate::response::task::{Brought, Finding, Task, carry_out, plan};
 use crate::settings::{Settings, SettingsError};
 use crate::structure::Model;
 use serde::{Deserialize, Serialize};
@@ -43,11 +45,9 @@ pub enum LevelError {
 pub struct Level {
     /// Forcing amplitude A.
     pub forcing: f64,
-    /// Main branch.
-    pub main: Branch,
-    /// Branches apart from the main one, in the order of the windows that led to them: closed, or open with the reasons
-    /// (a bound that cuts them off, say).
-    pub isolas: Vec<Branch>,
+    /// Branches with their names, in the order in which they were found: the main branch first, then those that windows
+    /// led to.
+    pub branches: Vec<(BranchId, Branch)>,
     /// Every window with its outcome.
     pub windows: Vec<WindowAccount>,
 }
@@ -56,8 +56,8 @@ impl Level {
     /// Computes a whole level from the backbone.
     ///
     /// # Errors
-    /// If a setting or the amplitude is out of range, or the main branch cannot be started; everything else is part of the
-    /// result.
+    /// If a setting or the amplitude is out of range, or no main branch can be started from either side; everything else is
+    /// part of the result.
     pub fn compute(model: &Model, settings: &Settings, backbone: &Backbone, forcing: f64) -> Result<Self, LevelError> {
         Self::compute_with(model, settings, backbone, forcing, &mut |_| ControlFlow::Continue(()))
     }
@@ -80,37 +80,53 @@ impl Level {
         let mut forced = Forced::new(model, settings, Reach::new(settings, backbone)?, forcing);
         let (windows, tasks) = plan(backbone, forcing);
         let mut account = Account::new(windows);
-        let mut found: Vec<(BranchId, Branch)> = Vec::new();
+        let mut branches: Vec<(BranchId, Branch)> = Vec::new();
+        let mut failed = None;
         for task in tasks {
             if !account.needs(&task) {
                 continue;
             }
             let seeds = task.seeds(forced.modal(), backbone, forcing);
-            let known: Vec<(BranchId, &Branch)> = found.iter().map(|(id, branch)| (*id, branch)).collect();
-            match carry_out(&mut forced, &task, &seeds, &known, observer).ok_or(LevelError::Cancelled)? {
-                Finding::Branch(branch) => {
-                    if let SeedOutcome::Found(id) = account.record(&task, None) {
-                        found.push((id, branch));
-                    }
-                }
-                Finding::Nothing(SeedOutcome::NotTraced(failure)) if task == Task::Main => {
-                    let (omega, _) = forced.reach().frequency;
-                    return Err(LevelError::Start { forcing, omega, failure });
-                }
-                Finding::Nothing(outcome) => {
-                    account.record(&task, Some(outcome));
-                }
+            let known: Vec<(BranchId, &Branch)> = branches.iter().map(|(id, branch)| (*id, branch)).collect();
+            let finding = carry_out(&mut forced, &task, &seeds, &known, observer).ok_or(LevelError::Cancelled)?;
+            if let (Task::Main(_), Brought::Nothing(SeedOutcome::NotTraced(failure))) = (task, finding.brought()) {
+                failed.get_or_insert(failure);
+            }
+            if let (SeedOutcome::Found(id), Finding::Branch(branch)) = (account.record(&task, finding.brought()), finding)
+            {
+                branches.push((id, branch));
             }
         }
-        let mut branches = found.into_iter().map(|(_, branch)| branch);
-        let main = branches.next().expect("the first task is the main branch, and failing ends the level");
-        Ok(Self { forcing, main, isolas: branches.collect(), windows: account.windows })
+        match failed {
+            Some(failure) if !account.has_main() => {
+                let (omega, _) = forced.reach().frequency;
+                Err(LevelError::Start { forcing, omega, failure })
+            }
+            _ => Ok(Self { forcing, branches, windows: account.windows }),
+        }
     }
 
     /// All branches with their names.
     pub fn branches(&self) -> impl Iterator<Item = (BranchId, &Branch)> {
-        let isolas = self.isolas.iter().enumerate().map(|(i, branch)| (BranchId::Isola(i), branch));
-        std::iter::once((BranchId::Main, &self.main)).chain(isolas)
+        self.branches.iter().map(|(id, branch)| (*id, branch))
+    }
+
+    /// The branch of this name.
+    pub fn branch(&self, name: BranchId) -> Option<&Branch> {
+        self.branches().find(|(id, _)| *id == name).map(|(_, branch)| branch)
+    }
+
+    /// The first main branch.
+    ///
+    /// # Panics
+    /// If the level is not a computed one, and has none.
+    pub fn main(&self) -> &Branch {
+        self.branch(BranchId::MAIN).expect("a level has a main branch")
+    }
+
+    /// Branches that are not main branches.
+    pub fn isolas(&self) -> impl Iterator<Item = &Branch> {
+        self.branches().filter(|(id, _)| !id.is_main()).map(|(_, branch)| branch)
     }
 
     /// Point of largest amplitude over all branches.

@@ -1,5 +1,6 @@
 //! What a structure does: its backbones, the energy balance along them, its forced responses and how they are found.
 
+pub mod account;
 pub mod backbone;
 pub mod branch;
 mod column;
@@ -8,6 +9,7 @@ pub mod forced;
 pub mod forcing;
 pub mod level;
 pub mod melnikov;
+pub mod name;
 pub mod seeds;
 mod special;
 pub mod task;

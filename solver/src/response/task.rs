@@ -4,31 +4,15 @@ use crate::formulation::Formulation;
 use crate::formulation::modal::Modal;
 use crate::formulation::state::State;
 use crate::response::backbone::Backbone;
-use crate::response::branch::{Branch, Observer};
+use crate::response::branch::{Branch, BranchKind, Observer, Outcome, Side, Stop};
 use crate::response::forced::Forced;
 use crate::response::forcing::Unreached;
+pub use crate::response::name::BranchId;
 use crate::response::seeds::{LandingFailure, Phase, Seed, Way, candidates, land};
 use crate::response::windows::{Window, windows};
+use serde::de::{Deserializer, Error, IgnoredAny, MapAccess, Visitor};
+use serde::ser::Serializer;
 use serde::{Deserialize, Serialize};
-
-/// Names a branch of a level.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum BranchId {
-    /// The main branch.
-    Main,
-    /// Isola number i, from 0.
-    Isola(usize),
-}
-
-impl std::fmt::Display for BranchId {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            BranchId::Main => write!(f, "main"),
-            BranchId::Isola(index) => write!(f, "isola {}", index + 1),
-        }
-    }
-}
 
 /// Where a task starts from: a well of a window, with phase and way of landing.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -43,12 +27,12 @@ pub struct SeedPlace {
     pub way: Way,
 }
 
-/// One piece of work: continues one branch at one forcing amplitude.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+/// One piece of work: continues one branch at one forcing amplitude. Messages say `"main"` for the main branch from below,
+/// `{"main": "above"}` for the one from above, and `{"seed": …}`.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Task {
-    /// The main branch, from the lower frequency bound.
-    Main,
+    /// The main branch, from one of the frequency bounds.
+    Main(Side),
     /// The branch that a seed of a window leads to, unless it is known.
     Seed(SeedPlace),
 }
@@ -57,9 +41,58 @@ impl Task {
     /// Seeds to start from, the most promising first; none for the main branch.
     pub fn seeds(&self, modal: &Modal, backbone: &Backbone, forcing: f64) -> Vec<Seed> {
         match self {
-            Task::Main => Vec::new(),
+            Task::Main(_) => Vec::new(),
             Task::Seed(SeedPlace { well, phase, way, .. }) => candidates(modal, backbone, well, *phase, *way, forcing),
         }
+    }
+}
+
+impl Serialize for Task {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Task::Main(Side::Below) => serializer.serialize_unit_variant("Task", 0, "main"),
+            Task::Main(side) => serializer.serialize_newtype_variant("Task", 0, "main", side),
+            Task::Seed(place) => serializer.serialize_newtype_variant("Task", 1, "seed", place),
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for Task {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(TaskVisitor)
+    }
+}
+
+struct TaskVisitor;
+
+#[derive(Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum TaskKind {
+    Main,
+    Seed,
+}
+
+impl<'de> Visitor<'de> for TaskVisitor {
+    type Value = Task;
+
+    fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("\"main\", or a map of `main` or `seed`")
+    }
+
+    fn visit_str<E: Error>(self, text: &str) -> Result<Task, E> {
+        if text == "main" { Ok(Task::Main(Side::Below)) } else { Err(E::unknown_variant(text, &["main"])) }
+    }
+
+    fn visit_map<M: MapAccess<'de>>(self, mut map: M) -> Result<Task, M::Error> {
+        let task = match map.next_key()? {
+            Some(TaskKind::Main) => Task::Main(map.next_value()?),
+            Some(TaskKind::Seed) => Task::Seed(map.next_value()?),
+            None => return Err(M::Error::invalid_length(0, &self)),
+        };
+        if map.next_key::<IgnoredAny>()?.is_some() {
+            return Err(M::Error::invalid_length(2, &self));
+        }
+        Ok(task)
     }
 }
 
@@ -98,6 +131,25 @@ pub enum Finding {
     Nothing(SeedOutcome),
 }
 
+impl Finding {
+    /// The same without the branch itself.
+    pub fn brought(&self) -> Brought {
+        match self {
+            Finding::Branch(branch) => Brought::Branch(branch.kind),
+            Finding::Nothing(outcome) => Brought::Nothing(*outcome),
+        }
+    }
+}
+
+/// What a task brought, without the branch itself.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Brought {
+    /// A branch of this kind that was not known.
+    Branch(BranchKind),
+    /// No new branch, and why.
+    Nothing(SeedOutcome),
+}
+
 /// Carries out a task: `seeds` are those of [`Task::seeds`], `known` the branches found at this level before it. `None`
 /// if `observer` breaks.
 pub fn carry_out<'m, F: Formulation<'m>>(
@@ -108,14 +160,40 @@ pub fn carry_out<'m, F: Formulation<'m>>(
     observer: &mut Observer<'_>,
 ) -> Option<Finding> {
     let finding = match task {
-        Task::Main => match forced.main_branch(observer) {
-            Ok(branch) => Finding::Branch(branch),
-            Err(failure) => Finding::Nothing(SeedOutcome::NotTraced(failure)),
-        },
+        Task::Main(side) => enter(forced, *side, known, observer)
+            .unwrap_or_else(|failure| Finding::Nothing(SeedOutcome::NotTraced(failure))),
         Task::Seed(SeedPlace { way, .. }) => follow(forced, seeds, *way, known, observer),
     };
     let cancelled = matches!(&finding, Finding::Branch(branch) if branch.is_cancelled());
     (!cancelled).then_some(finding)
+}
+
+/// Traces the main branch from a side, unless it is known.
+fn enter<'m, F: Formulation<'m>>(
+    forced: &mut Forced<'m, F>,
+    side: Side,
+    known: &[(BranchId, &Branch)],
+    observer: &mut Observer<'_>,
+) -> Result<Finding, Unreached> {
+    // From bound to bound it is the same one from either side.
+    if let Some((id, _)) = known.iter().find(|(id, branch)| id.is_main() && spans(forced, branch)) {
+        return Ok(Finding::Nothing(SeedOutcome::Found(*id)));
+    }
+    if !known.is_empty() {
+        let start = forced.main_start(side)?;
+        if let Some(id) = identify(forced, &start, known) {
+            return Ok(Finding::Nothing(SeedOutcome::Found(id)));
+        }
+    }
+    Ok(Finding::Branch(forced.main_branch(side, observer)?))
+}
+
+/// Whether a main branch came to the frequency bound that is not the one where it began.
+fn spans<'m, F: Formulation<'m>>(forced: &Forced<'m, F>, branch: &Branch) -> bool {
+    let (low, high) = forced.reach().frequency;
+    let ends = [branch.points.first(), branch.points.last()].map(|end| end.map_or(low, |point| point.omega()));
+    let is_at_bound = matches!(branch.outcome, Outcome::Open(_, Stop::FrequencyBound));
+    is_at_bound && (ends[1] - ends[0]).abs() > 0.5 * (high - low)
 }
 
 /// Traces the branch that seeds lead to, unless it is known.
@@ -162,11 +240,11 @@ fn identify<'m, F: Formulation<'m>>(
     known.iter().find(|(_, branch)| forced.lies_on(state, branch)).map(|(id, _)| *id)
 }
 
-/// The tasks of a level, in the order in which they are carried out: the main branch; then, window by window, both
-/// phases of every well at fixed frequency, and the same by steps in the forcing.
+/// The tasks of a level, in the order in which they are carried out: the main branch from below and from above; then,
+/// window by window, both phases of every well at fixed frequency, and the same by steps in the forcing.
 pub fn plan(backbone: &Backbone, forcing: f64) -> (Vec<Window>, Vec<Task>) {
     let windows = windows(backbone, forcing);
-    let mut tasks = vec![Task::Main];
+    let mut tasks = vec![Task::Main(Side::Below), Task::Main(Side::Above)];
     for (number, window) in windows.iter().enumerate() {
         let wells = window.wells(backbone);
         for way in [Way::FixedFrequency, Way::SteppedForcing] {
@@ -180,93 +258,27 @@ pub fn plan(backbone: &Backbone, forcing: f64) -> (Vec<Window>, Vec<Task>) {
     (windows, tasks)
 }
 
-/// A seed of a window and what became of it.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct SeedAccount {
-    /// Backbone index of the minimum of A* it stands for.
-    pub minimum: usize,
-    /// Which of the two phases.
-    pub phase: Phase,
-    /// How it was landed.
-    pub way: Way,
-    /// What became of it.
-    pub outcome: SeedOutcome,
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-/// The account of a window.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct WindowAccount {
-    /// The window.
-    pub window: Window,
-    /// The seeds tried: both phases for every minimum of A* in the window; if none of them leads to a branch, the same by
-    /// steps in the forcing.
-    pub seeds: Vec<SeedAccount>,
-}
+    fn seed() -> SeedPlace {
+        let well = Window { first: 3, last: 9, best: 5, threshold: 0.5, omega: (1.0, 2.0) };
+        SeedPlace { window: 0, well, phase: Phase::Second, way: Way::FixedFrequency }
+    }
 
-impl WindowAccount {
-    /// The branches found from the window, without repetition; empty: predicted, not found.
-    pub fn branches(&self) -> Vec<BranchId> {
-        let mut list: Vec<BranchId> = Vec::new();
-        for seed in &self.seeds {
-            if let SeedOutcome::Found(id) = seed.outcome
-                && !list.contains(&id)
-            {
-                list.push(id);
-            }
+    #[test]
+    fn tasks_of_before_read_and_are_written_as_before() {
+        for (task, form) in [
+            (Task::Main(Side::Below), r#""main""#.to_string()),
+            (Task::Main(Side::Above), r#"{"main":"above"}"#.to_string()),
+            (Task::Seed(seed()), format!(r#"{{"seed":{}}}"#, serde_json::to_string(&seed()).unwrap())),
+        ] {
+            assert_eq!(serde_json::to_string(&task).unwrap(), form);
+            assert_eq!(serde_json::from_str::<Task>(&form).unwrap(), task);
         }
-        list
-    }
-}
-
-/// What is known of a level while its tasks are carried out, without the branches themselves.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Account {
-    /// What became of the main branch; `None` as long as it was not tried.
-    pub main: Option<SeedOutcome>,
-    /// Every window with its seeds.
-    pub windows: Vec<WindowAccount>,
-    /// Number of isolas.
-    pub isolas: usize,
-}
-
-impl Account {
-    /// Nothing tried yet.
-    pub fn new(windows: Vec<Window>) -> Self {
-        let windows = windows.into_iter().map(|window| WindowAccount { window, seeds: Vec::new() }).collect();
-        Self { main: None, windows, isolas: 0 }
-    }
-
-    /// Whether a task is still of use: stepping in the forcing is not where fixed frequencies have led to a branch, and no
-    /// seed is without a main branch to tell isolas from.
-    pub fn needs(&self, task: &Task) -> bool {
-        let has_main = !matches!(self.main, Some(outcome) if outcome != SeedOutcome::Found(BranchId::Main));
-        if matches!(task, Task::Seed(_)) && !has_main {
-            return false;
-        }
-        let Task::Seed(SeedPlace { window, way: Way::SteppedForcing, .. }) = task else { return true };
-        let found =
-            |seed: &SeedAccount| seed.way == Way::FixedFrequency && matches!(seed.outcome, SeedOutcome::Found(_));
-        !self.windows[*window].seeds.iter().any(found)
-    }
-
-    /// Takes down what became of a task (`None`: it found a new branch); returns this with the branch named.
-    pub fn record(&mut self, task: &Task, outcome: Option<SeedOutcome>) -> SeedOutcome {
-        let name = |isolas: &mut usize| {
-            *isolas += 1;
-            BranchId::Isola(*isolas - 1)
-        };
-        match task {
-            Task::Main => {
-                let outcome = outcome.unwrap_or(SeedOutcome::Found(BranchId::Main));
-                self.main = Some(outcome);
-                outcome
-            }
-            Task::Seed(SeedPlace { window, well, phase, way }) => {
-                let outcome = outcome.unwrap_or_else(|| SeedOutcome::Found(name(&mut self.isolas)));
-                let seed = SeedAccount { minimum: well.best, phase: *phase, way: *way, outcome };
-                self.windows[*window].seeds.push(seed);
-                outcome
-            }
+        for form in [r#""seed""#, "{}", r#"{"main":"above","seed":1}"#, r#"{"main":"left"}"#, r#"{"march":1}"#] {
+            assert!(serde_json::from_str::<Task>(form).is_err(), "{form}");
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::common::*;
 use solver::formulation::harmonics::evaluate;
-use solver::response::branch::{BranchPoint, SpecialKind};
+use solver::response::branch::{BranchPoint, Side, SpecialKind};
 use solver::response::forced::{Forced, Reach};
 use std::f64::consts::TAU;
 
@@ -23,7 +23,7 @@ fn one_harmonic_of_a_duffing_oscillator() {
     }
     for amplitude in [0.02, 0.1] {
         let branch = Forced::new(&model, &settings, Reach::new(&settings, &backbone).unwrap(), amplitude)
-            .main_branch(&mut quiet)
+            .main_branch(Side::Below, &mut quiet)
             .unwrap();
         for point in &branch.points {
             let (w, a) = (point.omega(), point.amplitude());
@@ -67,7 +67,7 @@ fn a_duffing_response_with_many_harmonics_is_a_periodic_orbit() {
     let backbone = backbone(&model, &settings);
     let (amplitude, omega) = (0.1, 1.8);
     let mut forced = Forced::new(&model, &settings, Reach::new(&settings, &backbone).unwrap(), amplitude);
-    let branch = forced.main_branch(&mut quiet).unwrap();
+    let branch = forced.main_branch(Side::Below, &mut quiet).unwrap();
     let states = states_at(&mut forced, &branch, omega);
     assert_eq!(states.len(), 3, "upper, unstable, lower");
     let acceleration = |t: f64, x: f64, v: f64| amplitude * (omega * t).cos() - C * v - x - x.powi(3);

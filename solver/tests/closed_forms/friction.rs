@@ -2,6 +2,7 @@
 
 use crate::common::*;
 use solver::formulation::harmonics::complex;
+use solver::response::branch::Side;
 use solver::response::forced::{Forced, Reach};
 use solver::structure::laws::{Jenkins, LawKind, TanhFriction};
 use std::f64::consts::{PI, TAU};
@@ -15,7 +16,7 @@ fn an_elastic_friction_element_is_a_linear_spring() {
     (settings.frequency.min, settings.frequency.max) = (Some(1.0), Some(2.5));
     let backbone = backbone(&model, &settings);
     let branch =
-        Forced::new(&model, &settings, Reach::new(&settings, &backbone).unwrap(), 0.1).main_branch(&mut quiet).unwrap();
+        Forced::new(&model, &settings, Reach::new(&settings, &backbone).unwrap(), 0.1).main_branch(Side::Below, &mut quiet).unwrap();
     let (low, high) = branch.frequency_range();
     assert!(low < 1.01 && high > 2.49, "{low} {high} {:?}", branch.outcome);
     for point in &branch.points {

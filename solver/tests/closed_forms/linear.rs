@@ -8,6 +8,7 @@ use solver::formulation::scales::Scales;
 use solver::formulation::state::State;
 use solver::formulation::unknown::Unknown;
 use solver::linalg::Matrix;
+use solver::response::branch::Side;
 use solver::response::forced::{Forced, Reach};
 use solver::structure::Model;
 
@@ -120,7 +121,7 @@ fn a_main_branch_that_never_touches_is_that_of_a_dense_solve() {
         (settings.frequency.min, settings.frequency.max) = (Some(0.5 * frequencies[0]), Some(1.2 * frequencies[4]));
         let backbone = backbone(&model, &settings);
         let mut forced = Forced::new(&model, &settings, Reach::new(&settings, &backbone).unwrap(), 2.5);
-        let branch = forced.main_branch(&mut quiet).unwrap();
+        let branch = forced.main_branch(Side::Below, &mut quiet).unwrap();
         let (low, high) = branch.frequency_range();
         assert!(low < 0.51 * frequencies[0] && high > 1.19 * frequencies[4], "{low} {high} {:?}", branch.outcome);
         let errors: Vec<(f64, f64)> = branch.points.iter().map(|p| linear_error(&model, &c, &p.state)).collect();

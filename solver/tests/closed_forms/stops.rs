@@ -6,6 +6,7 @@ use solver::formulation::Formulation;
 use solver::formulation::harmonics::width;
 use solver::formulation::state::State;
 use solver::response::backbone::Backbone;
+use solver::response::branch::Side;
 use solver::response::forced::{Forced, Reach};
 use std::f64::consts::PI;
 
@@ -64,7 +65,7 @@ fn contact_between_two_bodies_is_that_of_one_body_before_a_stop() {
     let mut settings = with_harmonics(20);
     let reference = backbone(&one, &settings);
     let branch = Forced::new(&one, &settings, Reach::new(&settings, &reference).unwrap(), 0.005)
-        .main_branch(&mut quiet)
+        .main_branch(Side::Below, &mut quiet)
         .unwrap();
     settings.backbone.mode = 2;
     let mut forced = Forced::new(&two, &settings, Reach::new(&settings, &reference).unwrap(), 0.005);

@@ -8,7 +8,6 @@ use solver::formulation::harmonics::evaluate;
 use solver::formulation::state::State;
 use solver::response::branch::Branch;
 use solver::response::forced::{Forced, Reach};
-use solver::response::level::BranchId;
 use solver::settings::Settings;
 use solver::stability::marching::{Marching, MarchingSettings};
 use std::f64::consts::TAU;
@@ -94,8 +93,9 @@ const BACKWARD_MIDDLE: [f64; 3] = [2466.0, 2474.0, 2482.0];
 /// The upper and the lower solution of an isola at frequencies in its middle half.
 fn isola_solutions(scenario: &Scenario, amplitude: u32, middle: [f64; 3]) -> Vec<[State; 2]> {
     let level = scenario.level(amplitude);
-    let BranchId::Isola(i) = found_from_window(level, middle[1]) else { panic!("no isola round {} rad/s", middle[1]) };
-    let isola = &level.isolas[i];
+    let id = found_from_window(level, middle[1]);
+    assert!(!id.is_main(), "no isola round {} rad/s", middle[1]);
+    let isola = level.branch(id).unwrap();
     let (low, high) = isola.frequency_range();
     let pairs = middle.into_iter().map(|omega| {
         assert!((omega - 0.5 * (low + high)).abs() < 0.25 * (high - low), "{omega} of {low} to {high} rad/s");
@@ -130,7 +130,7 @@ fn with_friction_too_the_upper_part_holds_and_the_lower_is_left() {
 #[test]
 fn of_three_main_responses_the_middle_one_is_left() {
     for omega in [2400.0, 2450.0, 2500.0, 2525.0] {
-        let states = solutions(&FRICTIONLESS, &FRICTIONLESS.level(60).main, omega);
+        let states = solutions(&FRICTIONLESS, FRICTIONLESS.level(60).main(), omega);
         assert_eq!(states.len(), 3, "between its folds the main branch has three solutions at {omega} rad/s");
         assert_holds(&FRICTIONLESS, &states[0]);
         assert_leaves(&FRICTIONLESS, &states[1]);

@@ -6,7 +6,6 @@
 use crate::common::{BACKWARD, FRICTIONLESS, Scenario, TUNED, found_from_window, quiet};
 use solver::response::branch::{Branch, SpecialKind};
 use solver::response::forced::{Forced, Reach};
-use solver::response::level::BranchId;
 use solver::settings::{Quadrature, Settings};
 
 /// An isola, by the window it is found from.
@@ -28,10 +27,9 @@ impl Isola {
     /// Traces it with other settings, from a point of it after the share `start` of its points.
     fn traced(&self, settings: &Settings, start: f64) -> Branch {
         let level = self.scenario.level(self.amplitude);
-        let BranchId::Isola(i) = found_from_window(level, self.omega) else {
-            panic!("{}: no isola round {} rad/s", self.scenario.name, self.omega)
-        };
-        let points = &level.isolas[i].points;
+        let id = found_from_window(level, self.omega);
+        assert!(!id.is_main(), "{}: no isola round {} rad/s", self.scenario.name, self.omega);
+        let points = &level.branch(id).unwrap().points;
         let state = &points[(start * points.len() as f64) as usize].state;
         let (model, backbone) = (self.scenario.model(), self.scenario.backbone());
         let mut forced = Forced::new(model, settings, Reach::new(settings, backbone).unwrap(), self.amplitude.into());

@@ -8,9 +8,10 @@ use protocol::from_worker::SubmitRequest;
 use protocol::ids::TaskId;
 use protocol::to_everyone::{Amplitude, StoredResult};
 use protocol::to_worker::{Known, SubmitReply};
-use solver::response::branch::Branch;
+use solver::response::account::Account;
+use solver::response::branch::{Branch, Side};
 use solver::response::level::Level;
-use solver::response::task::{Account, BranchId, SeedOutcome, Task, plan};
+use solver::response::task::{BranchId, SeedOutcome, Task, plan};
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex};
 use worker::Ending;
@@ -47,11 +48,11 @@ impl Desk {
         let (index, work) = self.tasks.pop_front().unwrap();
         let task = TaskId::of_level("0.008", index).unwrap();
         assert_eq!(request.lease.task, task);
-        let (outcome, branch) = match &request.finding {
-            FindingMessage::Branch(branch) => (None, Some(branch.clone())),
-            FindingMessage::Nothing(outcome) => (Some(*outcome), None),
+        let outcome = self.account.record(&work, request.finding.brought());
+        let branch = match &request.finding {
+            FindingMessage::Branch(branch) => Some(branch.clone()),
+            FindingMessage::Nothing(_) => None,
         };
-        let outcome = self.account.record(&work, outcome);
         let name = match (outcome, &branch) {
             (SeedOutcome::Found(id), Some(branch)) => {
                 let branch = branch.branch(&Size::of(&self.study.model)).unwrap();
@@ -104,7 +105,7 @@ async fn by_worker(accept: SubmitReply) -> (Vec<(BranchId, Branch)>, Account) {
 fn assert_is_the_level((found, account): (Vec<(BranchId, Branch)>, Account)) {
     let study = Study::new(3);
     let level = Level::compute(&study.model, &study.settings, &study.backbone, 0.008).unwrap();
-    assert_eq!(level.isolas.len(), 1);
+    assert_eq!(level.isolas().count(), 1);
     assert_eq!(account.windows, level.windows);
     let expected: Vec<(BranchId, Branch)> = level.branches().map(|(id, branch)| (id, branch.clone())).collect();
     assert_eq!(found, expected);
@@ -126,7 +127,7 @@ async fn known_branches_come_from_the_store() {
 async fn many_small_tasks() {
     let study = Study::new(1);
     let small = |index: usize| {
-        let mut grant = study.grant(index, Task::Main, Vec::new());
+        let mut grant = study.grant(index, Task::Main(Side::Below), Vec::new());
         grant.reach.frequency.1 = grant.reach.frequency.0 * (1.0 + 1e-12);
         grant
     };

@@ -9,6 +9,7 @@ use protocol::to_worker::{Grant, Known};
 use solver::files;
 use solver::formulation::modal::Modal;
 use solver::response::backbone::Backbone;
+use solver::response::branch::Side;
 use solver::response::forced::Reach;
 use solver::response::task::Task;
 use solver::settings::Settings;
@@ -92,7 +93,7 @@ impl Study {
 
     /// The main branch.
     pub fn main(&self) -> Grant {
-        self.grant(0, Task::Main, Vec::new())
+        self.grant(0, Task::Main(Side::Below), Vec::new())
     }
 
     /// The main branch, with a lease that needs no sign of life within a test.

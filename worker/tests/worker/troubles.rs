@@ -6,6 +6,7 @@ use protocol::curve::Seeds;
 use protocol::ids::TaskId;
 use protocol::to_everyone::StoredResult;
 use protocol::to_worker::{Grant, Known, SubmitReply};
+use solver::response::branch::Side;
 use solver::response::task::{BranchId, SeedOutcome, Task, plan};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -119,7 +120,7 @@ async fn seeds_of_another_model() {
 #[tokio::test(flavor = "multi_thread")]
 async fn a_known_branch_that_is_not_stored() {
     let study = Study::new(1);
-    let known = Known { branch: BranchId::Main, task: TaskId::new("0.008-0").unwrap() };
+    let known = Known { branch: BranchId::MAIN, task: TaskId::new("0.008-0").unwrap() };
     let reasons = reasons(&study, study.grant(1, first_seed(&study), vec![known])).await;
     assert_one(&reasons, &["does not hand out", "0.008-0"]);
 }
@@ -132,16 +133,16 @@ async fn a_known_branch_of_another_truncation() {
     let main = fake.seen.submitted().remove(0);
     let protocol::branch::FindingMessage::Branch(branch) = main.finding else { panic!("no branch") };
 
-    let known = Known { branch: BranchId::Main, task: main.lease.task.clone() };
+    let known = Known { branch: BranchId::MAIN, task: main.lease.task.clone() };
     let grants = vec![study.grant(1, first_seed(&study), vec![known]), study.main()];
     let fake = Fake::start(&study, hand_out(grants)).await;
     let stored = StoredResult {
         task: main.lease.task.clone(),
         attempt: main.lease.attempt,
         amplitude: study.manifest().amplitudes[0].clone(),
-        work: Task::Main,
-        outcome: SeedOutcome::Found(BranchId::Main),
-        name: Some(BranchId::Main),
+        work: Task::Main(Side::Below),
+        outcome: SeedOutcome::Found(BranchId::MAIN),
+        name: Some(BranchId::MAIN),
         branch: Some(branch),
         worker: main.lease.worker.clone(),
         program: main.program,

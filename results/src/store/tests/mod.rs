@@ -49,7 +49,7 @@ fn results_come_back_bit_for_bit() {
     let (store, results) = study.finished(dir.path());
     let (done, extents) = (store.done().unwrap(), store.extents().unwrap());
     assert_eq!(done.len(), results.len());
-    assert!(results.iter().any(|result| result.name == Some(BranchId::Isola(0))));
+    assert!(results.iter().any(|result| result.name == Some(BranchId::isola(0))));
     assert!(results.iter().any(|result| result.branch.is_none()));
     for ((done, result), sequence) in done.iter().zip(&results).zip(1..) {
         let bytes = encode(&store.result(&result.task).unwrap().unwrap());

@@ -17,7 +17,7 @@ fn a_full_disk_loses_nothing_that_was_stored() {
     };
     let pages = limit(&mut store, 1);
     let mut result = sweep.results[0].clone();
-    (result.task, result.name) = (granted.task.clone(), Some(BranchId::Isola(0)));
+    (result.task, result.name) = (granted.task.clone(), Some(BranchId::isola(0)));
     let (task, attempt, outcome) = (granted.task, granted.attempt, result.outcome);
     let digest = Digest { size: 1, sha256: "0".into() };
     let stored = AcceptedResult { result: Box::new(result), sequence: 2, digest };

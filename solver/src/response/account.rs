@@ -1,0 +1,142 @@
+//! The account of a level: what became of every seed of every window, and how many branches of each kind there are.
+
+use crate::response::branch::BranchKind;
+use crate::response::name::BranchId;
+use crate::response::seeds::{Phase, Way};
+use crate::response::task::{Brought, SeedOutcome, SeedPlace, Task};
+use crate::response::windows::Window;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// A seed of a window and what became of it.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct SeedAccount {
+    /// Backbone index of the minimum of A* it stands for.
+    pub minimum: usize,
+    /// Which of the two phases.
+    pub phase: Phase,
+    /// How it was landed.
+    pub way: Way,
+    /// What became of it.
+    pub outcome: SeedOutcome,
+}
+
+/// The account of a window.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct WindowAccount {
+    /// The window.
+    pub window: Window,
+    /// The seeds tried: both phases for every minimum of A* in the window; if none of them leads to a branch, the same by
+    /// steps in the forcing.
+    pub seeds: Vec<SeedAccount>,
+}
+
+impl WindowAccount {
+    /// The branches found from the window, without repetition; empty: predicted, not found.
+    pub fn branches(&self) -> Vec<BranchId> {
+        let mut list: Vec<BranchId> = Vec::new();
+        for seed in &self.seeds {
+            if let SeedOutcome::Found(id) = seed.outcome
+                && !list.contains(&id)
+            {
+                list.push(id);
+            }
+        }
+        list
+    }
+}
+
+/// What is known of a level while its tasks are carried out, without the branches themselves.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Account {
+    /// What became of the walks from the linear range, as far as they were tried.
+    pub mains: Vec<SeedOutcome>,
+    /// Every window with its seeds.
+    pub windows: Vec<WindowAccount>,
+    /// Number of branches of each kind.
+    pub counts: BTreeMap<BranchKind, usize>,
+}
+
+impl Account {
+    /// Nothing tried yet.
+    pub fn new(windows: Vec<Window>) -> Self {
+        let windows = windows.into_iter().map(|window| WindowAccount { window, seeds: Vec::new() }).collect();
+        Self { mains: Vec::new(), windows, counts: BTreeMap::new() }
+    }
+
+    /// Whether there is a main branch.
+    pub fn has_main(&self) -> bool {
+        self.counts.contains_key(&BranchKind::Main)
+    }
+
+    /// Whether a task is still of use: stepping in the forcing is not where fixed frequencies have led to a branch, and no
+    /// seed is without a main branch to tell isolas from.
+    pub fn needs(&self, task: &Task) -> bool {
+        let Task::Seed(SeedPlace { window, way, .. }) = task else { return true };
+        if !self.has_main() && !self.mains.is_empty() {
+            return false;
+        }
+        let found =
+            |seed: &SeedAccount| seed.way == Way::FixedFrequency && matches!(seed.outcome, SeedOutcome::Found(_));
+        *way == Way::FixedFrequency || !self.windows[*window].seeds.iter().any(found)
+    }
+
+    /// Takes down what a task brought; returns what became of it, with a new branch named.
+    pub fn record(&mut self, task: &Task, brought: Brought) -> SeedOutcome {
+        let outcome = match brought {
+            Brought::Branch(kind) => SeedOutcome::Found(BranchId::new(kind, self.count(kind))),
+            Brought::Nothing(outcome) => outcome,
+        };
+        // A name that was given before counts as well: the account may be of a run that goes on.
+        if let SeedOutcome::Found(BranchId { kind, number }) = outcome {
+            let count = self.counts.entry(kind).or_default();
+            *count = (*count).max(number + 1);
+        }
+        match task {
+            Task::Main(_) => self.mains.push(outcome),
+            Task::Seed(SeedPlace { window, well, phase, way }) => {
+                self.windows[*window].seeds.push(SeedAccount {
+                    minimum: well.best,
+                    phase: *phase,
+                    way: *way,
+                    outcome,
+                });
+            }
+        }
+        outcome
+    }
+
+    /// Number of branches of a kind.
+    pub fn count(&self, kind: BranchKind) -> usize {
+        self.counts.get(&kind).copied().unwrap_or_default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::response::branch::Side;
+
+    #[test]
+    fn numbers_count_by_kind_and_seeds_need_a_main_branch() {
+        let well = Window { first: 3, last: 9, best: 5, threshold: 0.5, omega: (1.0, 2.0) };
+        let place = SeedPlace { window: 0, well, phase: Phase::Second, way: Way::FixedFrequency };
+        let mut account = Account::new(vec![place.well]);
+        let (below, above) = (Task::Main(Side::Below), Task::Main(Side::Above));
+        let failed = Brought::Nothing(SeedOutcome::OutOfBounds);
+        account.record(&below, failed);
+        assert!(!account.needs(&Task::Seed(place)) && account.needs(&above));
+        let found = |kind, number| SeedOutcome::Found(BranchId::new(kind, number));
+        assert_eq!(account.record(&above, Brought::Branch(BranchKind::Main)), found(BranchKind::Main, 0));
+        let work = Task::Seed(place);
+        assert!(account.needs(&work));
+        for (kind, number) in
+            [(BranchKind::Isola, 0), (BranchKind::Cut, 0), (BranchKind::Isola, 1), (BranchKind::Main, 1)]
+        {
+            assert_eq!(account.record(&work, Brought::Branch(kind)), found(kind, number));
+        }
+        // Of a run that goes on.
+        account.record(&work, Brought::Nothing(found(BranchKind::Open, 2)));
+        assert_eq!(account.record(&work, Brought::Branch(BranchKind::Open)), found(BranchKind::Open, 3));
+    }
+}
