@@ -13,7 +13,7 @@ use crate::formulation::state::State;
 use crate::formulation::unknown::Unknown;
 use crate::formulation::{Formulation, FormulationError};
 use crate::response::backbone::Backbone;
-use crate::response::branch::{Branch, BranchKind, BranchPoint, Observer, Outcome, Side, Stop};
+use crate::response::branch::{Branch, BranchKind, BranchPoint, Certificate, Observer, Outcome, Side, Stop};
 use crate::response::forcing::{Unreached, from_rest};
 use crate::response::special::with_special_points;
 use crate::settings::{Settings, SettingsError};
@@ -244,6 +244,7 @@ impl<'m, F: Formulation<'m>> Forced<'m, F> {
     fn finish(&mut self, walked: Walked<BranchPoint>, kind: BranchKind) -> Branch {
         let (outcome, rejections) = (walked.outcome, walked.rejections);
         let (points, special) = with_special_points(&mut self.problem, self.settings.continuation, walked);
-        Branch { kind, forcing: self.forcing, points, special, outcome, rejections }
+        let certificate = Certificate::default();
+        Branch { kind, forcing: self.forcing, points, special, outcome, rejections, certificate }
     }
 }
