@@ -88,5 +88,25 @@ entry() {
 }
 pass_or_fail "start.sh: sweep or resume" entry
 
+# Restarted at 1 only: by systemd, and in containers, where another code than 0 is a restart.
+restarts() {
+    local unit codes bin=$work/restarts code expected found
+    for unit in systemd/*.service; do
+        codes=$(sed -n 's/^RestartPreventExitStatus=//p' "$unit")
+        [[ $unit == *worker* && $codes == "2 3" || $unit == *coordinator* && $codes == "2 3 4" ]] || return 1
+    done
+    mkdir -p "$bin"
+    for code in 0 1 2 3 4 130; do
+        case $code in 1 | 130) expected=$code ;; *) expected=0 ;; esac
+        printf '#!/bin/sh\nexit %s\n' "$code" >"$bin/isola"
+        chmod +x "$bin/isola"
+        # The script takes itself for the first process of a container.
+        sed 's/\[ \$\$ -eq 1 \]/true/' start.sh >"$bin/start.sh"
+        (PATH=$bin:$PATH sh "$bin/start.sh" "$bin/run" STUDY) && found=0 || found=$?
+        [ "$found" -eq "$expected" ] || { echo "exit code $code becomes $found" && return 1; }
+    done
+}
+pass_or_fail "restarts: at exit code 1 only" restarts
+
 echo "$passed passed, $failed failed, $skipped skipped"
 [ "$failed" -eq 0 ]

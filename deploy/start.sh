@@ -28,8 +28,9 @@ else
 fi
 [ $$ -eq 1 ] || exec isola "$@"
 
-# First process of a container. Docker can restart at every exit code but 0 only; 3 says that the run ended, by `isola cancel`
-# or with tasks given up, and starting it again would undo the one and not help the other.
+# First process of a container. Docker can restart at every exit code but 0 only. 3 says that the run ended, by `isola cancel`
+# or with tasks given up, and starting it again would undo the one and not help the other; 4 that it is complete, with doubts
+# that come again, as wrong usage (2) does.
 isola "$@" &
 isola=$!
 trap 'kill -TERM "$isola"' TERM INT
@@ -40,5 +41,7 @@ while kill -0 "$isola" 2>/dev/null; do
     code=0
     wait "$isola" || code=$?
 done
-[ "$code" -ne 3 ] || code=0
+case $code in
+2 | 3 | 4) code=0 ;;
+esac
 exit "$code"

@@ -18,7 +18,7 @@ function redraw(folder, picture)
       points = [points 1];
     end
     style = '-';
-    if strcmp(branch.kind, 'isola')
+    if ~strcmp(branch.kind, 'main')
       style = '--';
     end
     color = colors(strcmp(run.levels.amplitude, branch.level), :);

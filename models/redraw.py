@@ -28,7 +28,7 @@ for name, level, kind in zip(run["branches.file"], run["branches.amplitude"], ru
     if branch["closed"]:
         points = numpy.append(points, 0)
     color = plot.cm.viridis(levels.index(level) / max(len(levels) - 1, 1))
-    style = dict(color=color, linestyle="--" if kind == "isola" else "-", label=f"A = {level}, {kind}")
+    style = dict(color=color, linestyle="--" if kind != "main" else "-", label=f"A = {level}, {kind}")
     axes.plot(branch["omega"][points], 1e3 * branch["amplitude"][points, 0], **style)
 if "backbone.omega" in run:
     axes.plot(run["backbone.omega"], 1e3 * run["backbone.amplitude"][:, 0], "k:", label="backbone")

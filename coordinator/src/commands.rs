@@ -77,6 +77,7 @@ fn show(text: impl Display) -> Result<ExitCode, Error> {
 fn code(ending: Ending) -> ExitCode {
     match ending {
         Ending::Complete => ExitCode::SUCCESS,
+        Ending::Doubtful => ExitCode::from(exit::DOUBTFUL),
         Ending::Incomplete => ExitCode::from(exit::INCOMPLETE),
         Ending::Interrupted => ExitCode::from(exit::INTERRUPTED),
     }

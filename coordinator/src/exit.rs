@@ -6,5 +6,7 @@ pub const ERROR: u8 = 1;
 pub const USAGE: u8 = 2;
 /// Ended with tasks missing, or without something stored that is damaged.
 pub const INCOMPLETE: u8 = 3;
+/// Every task is done, but what was asked for is not known for certain: see `results::overview::doubts`.
+pub const DOUBTFUL: u8 = 4;
 /// Somebody wanted the process to end.
 pub const INTERRUPTED: u8 = 130;

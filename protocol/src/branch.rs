@@ -3,7 +3,7 @@
 use crate::array::ArrayError;
 use crate::curve::{Points, Size};
 use serde::{Deserialize, Serialize};
-use solver::response::branch::{Branch, BranchKind, Outcome, SpecialPoint};
+use solver::response::branch::{Branch, BranchKind, Certificate, Outcome, SpecialPoint, Standing};
 use solver::response::task::{Brought, Finding, SeedOutcome};
 
 /// A forced-response branch.
@@ -20,6 +20,12 @@ pub struct BranchMessage {
     pub special: Vec<SpecialPoint>,
     /// Steps that were refused and repeated shorter.
     pub rejections: usize,
+    /// Whether the largest amplitude is that of a maximum; not in results of the first programs, as the next.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub peak_standing: Option<Standing>,
+    /// What is known of the harmonics that were left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub certificate: Option<Certificate>,
     /// Points in the order of the arc; a closed branch does not repeat its first one.
     pub points: Points,
 }
@@ -32,6 +38,8 @@ impl From<&Branch> for BranchMessage {
             outcome: branch.outcome,
             special: branch.special.clone(),
             rejections: branch.rejections,
+            peak_standing: Some(branch.peak_standing()),
+            certificate: Some(branch.certificate),
             points: Points::new(branch.points.iter()),
         }
     }
@@ -40,7 +48,7 @@ impl From<&Branch> for BranchMessage {
 impl BranchMessage {
     /// What kind of branch it is, as far as its ends tell where it does not say so.
     pub fn kind(&self) -> BranchKind {
-        self.kind.unwrap_or_else(|| BranchKind::of_detached(&self.outcome))
+        self.kind.unwrap_or_else(|| BranchKind::of_detached(&self.outcome, false))
     }
 
     /// The branch, for a model of this size.
@@ -58,6 +66,7 @@ impl BranchMessage {
             special: self.special.clone(),
             outcome: self.outcome,
             rejections: self.rejections,
+            certificate: self.certificate.unwrap_or_default(),
         })
     }
 }

@@ -1,4 +1,4 @@
-//! Key expressions: `<namespace>/v1/<run>/…`.
+//! Key expressions: `<namespace>/v2/<run>/…`.
 
 use crate::VERSION;
 use crate::ids::{NameError, RunId, TaskId, WorkerId};

@@ -104,10 +104,10 @@ def test_choosing_a_run(coordinator):
 
         def answer(query):
             with query:
-                encoding = "application/msgpack;manifest.v1"
-                query.reply("isola/v1/damper-2/run", msgpack.packb(other), encoding=encoding)
+                encoding = "application/msgpack;manifest.v2"
+                query.reply("isola/v2/damper-2/run", msgpack.packb(other), encoding=encoding)
 
-        coordinator.session.declare_queryable("isola/v1/damper-2/run", answer, complete=True)
+        coordinator.session.declare_queryable("isola/v2/damper-2/run", answer, complete=True)
         assert [run.run for run in bus.runs()] == ["damper-1", "damper-2"]
         with pytest.raises(
             isola_hbm.NoSuchRun, match=r"several runs.*`damper-1` .*; `damper-2` \(second, sweep\)"
@@ -121,8 +121,8 @@ def test_choosing_a_run(coordinator):
 
 
 def test_another_version_is_told():
-    told = pytest.raises(isola_hbm.OtherVersion, match=r"`damper-1` \(v2, Isola 0.1.0\)")
-    with Coordinator(version=2) as fake, isola_hbm.connect(fake.endpoint) as bus, told:
+    told = pytest.raises(isola_hbm.OtherVersion, match=r"`damper-1` \(v3, Isola 0.1.0\)")
+    with Coordinator(version=3) as fake, isola_hbm.connect(fake.endpoint) as bus, told:
         bus.runs()
 
 

@@ -9,7 +9,18 @@ import numpy as np
 import pytest
 from fake import FROZEN, frozen, sample
 
-from isola_hbm import Backbone, Corrupt, Done, LevelWindows, Manifest, Model, OtherVersion, Result, Status
+from isola_hbm import (
+    Backbone,
+    Certificate,
+    Corrupt,
+    Done,
+    LevelWindows,
+    Manifest,
+    Model,
+    OtherVersion,
+    Result,
+    Status,
+)
 from isola_hbm.live import words
 from isola_hbm.live.wire import array, decode, encoding, harmonics, sha256, variant
 
@@ -25,7 +36,7 @@ def test_every_sample_is_messagepack_with_a_view_that_names_its_encoding():
         name = file.name.removesuffix(".snap.msgpack")
         view = (FROZEN / f"{name}.view.snap").read_text()
         found = next(line for line in view.splitlines() if line.startswith("application/msgpack;"))
-        message = found.removeprefix("application/msgpack;").removesuffix(".v1")
+        message = found.removeprefix("application/msgpack;").removesuffix(".v2")
         assert name.startswith(message)
         assert found == encoding(message)
         decode(file.read_bytes(), found, message)
@@ -33,7 +44,7 @@ def test_every_sample_is_messagepack_with_a_view_that_names_its_encoding():
 
 def test_manifest():
     manifest = Manifest.read(sample("manifest"))
-    assert (manifest.protocol, manifest.run, manifest.name) == (1, "damper-1", "nonlinear damper")
+    assert (manifest.protocol, manifest.run, manifest.name) == (2, "damper-1", "nonlinear damper")
     assert manifest.reach is not None
     assert manifest.reach.frequency == (0.75, 1.5)
     assert [(a.text, a.value) for a in manifest.amplitudes] == [("1e-3", 0.001), ("2.5", 2.5)]
@@ -122,6 +133,20 @@ def test_announcement_and_result():
     assert branch.arguments[1, 8, 1] == 10 + 0.25 * 70 + 1j * (10 + 0.25 * 71)
     assert branch.peak == 1
     assert "isola 1 at A = 2.5, 2 points" in repr(branch)
+    assert branch.peak_standing == "at_least"
+    assert branch.certificate == Certificate(
+        penetration=0.125, pressure_beyond=None, amplitude_2h=0.375, shift_2h=1e-3
+    )
+
+
+def test_a_branch_of_the_first_programs():
+    message = msgpack.unpackb(frozen("result"))
+    for later in ("kind", "peak_standing", "certificate"):
+        del message["branch"][later]
+    branch = Result.read(message, model()).branch
+    assert branch is not None
+    assert (branch.kind, branch.peak_standing) == ("isola", None)
+    assert branch.certificate == Certificate(None, None, None, None)
 
 
 def test_nothing_found():
@@ -179,7 +204,7 @@ def test_a_field_of_tomorrow_is_ignored():
 
 
 def test_another_version_or_name_is_refused_in_words():
-    for found in ("application/msgpack;done.v2", "application/msgpack;status.v1", "zenoh/bytes"):
+    for found in ("application/msgpack;done.v3", "application/msgpack;status.v2", "zenoh/bytes"):
         with pytest.raises(OtherVersion, match="another version of Isola, or is not Isola"):
             decode(frozen("done"), found, "done")
     for cut in (0, 1, 10):

@@ -19,12 +19,12 @@ pub fn table(reader: &Reader) -> Result<String> {
     let levels = &overview.levels;
     let mut table = Table::new();
     table.load_preset(UTF8_FULL_CONDENSED);
-    table.set_header(["A", "main peak", "isolas (range, peak)", "windows", "not found"]);
+    table.set_header(["A", "main peak", "isolas and others (range, peak)", "windows", "not found"]);
     for level in levels.iter().take(LEVELS) {
         table.add_row([
             level.amplitude.clone(),
             main(level),
-            lines(level.isolas().map(isola)),
+            lines(level.others().map(other)),
             level.windows.len().to_string(),
             not_found(level),
         ]);
@@ -56,21 +56,22 @@ fn lines(lines: impl Iterator<Item = String>) -> String {
 }
 
 fn peak(row: &BranchRow) -> String {
-    format!("{:.4e} m at {} rad/s", row.amplitude_max, fixed_digits(row.omega_at_max, 6))
+    format!("{}{:.4e} m at {} rad/s", row.at_least(), row.amplitude_max, fixed_digits(row.omega_at_max, 6))
 }
 
 fn main(level: &Level) -> String {
     match (level.main(), &level.main_failure) {
-        (Some(row), _) => peak(row),
+        (Some(_), _) => lines(level.mains().map(peak)),
         (None, Some(failure)) => failure.clone(),
         (None, None) => "to come".to_string(),
     }
 }
 
-fn isola(row: &BranchRow) -> String {
+fn other(row: &BranchRow) -> String {
     let (low, high) = row.omega;
-    let open = if row.closed { String::new() } else { format!(" ({})", row.status) };
-    format!("{} to {} rad/s, {}{open}", fixed_digits(low, 6), fixed_digits(high, 6), peak(row))
+    let kind = if row.closed { String::new() } else { format!("{}: ", row.kind) };
+    let end = if row.closed { String::new() } else { format!(" ({})", row.status) };
+    format!("{kind}{} to {} rad/s, {}{end}", fixed_digits(low, 6), fixed_digits(high, 6), peak(row))
 }
 
 fn not_found(level: &Level) -> String {

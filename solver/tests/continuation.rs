@@ -70,8 +70,9 @@ fn branches_end_exactly_at_the_frequency_bounds() {
     settings.frequency.max = Some(1.3);
     let go_on = &mut |_: &_| ControlFlow::Continue(());
     let backbone = Backbone::compute(&model, &settings).unwrap();
-    let branch =
-        Forced::new(&model, &settings, Reach::new(&settings, &backbone).unwrap(), 0.05).main_branch(Side::Below, go_on).unwrap();
+    let branch = Forced::new(&model, &settings, Reach::new(&settings, &backbone).unwrap(), 0.05)
+        .main_branch(Side::Below, go_on)
+        .unwrap();
     let last = branch.points.last().unwrap();
     assert!((last.omega() - 1.3).abs() < 1e-12 * 1.3, "ends at {}", last.omega());
     assert!((branch.points[0].omega() - 0.8).abs() < 1e-12);

@@ -55,7 +55,7 @@ impl Study {
 
     /// The only isola of a level, closed and apart from the main branch.
     fn isola(&self, amplitude: f64) -> Branch {
-        let mut level = self.level(amplitude);
+        let level = self.level(amplitude);
         let accounts: Vec<_> = level.windows.iter().map(|w| w.seeds.clone()).collect();
         assert_eq!(level.isolas().count(), 1, "A = {amplitude}: {accounts:?}");
         assert!(

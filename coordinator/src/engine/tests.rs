@@ -249,14 +249,19 @@ fn poison(engine: &mut Engine, from: u64) -> Lease {
 #[test]
 fn dead_tasks_are_tried_again_and_the_run_goes_on() {
     let mut engine = sweeping();
+    // Main branches from below and from above.
     let lease = poison(&mut engine, 0);
+    poison(&mut engine, 50);
     assert_eq!(ask(&mut engine, "a", at(90)).answer, Some(Answer::Drained));
     let again = Event::Fail(FailRequest { lease, reason: "boom".into() });
     assert_eq!(engine.handle(again, at(90)).answer, Some(Answer::Acknowledge(Acknowledgement::Lost)));
     assert!(order(&mut engine, ControlRequest::Cancel).1.contains("has finished already"));
     let (decision, message) = order(&mut engine, ControlRequest::RetryDead);
-    assert!(message.starts_with("1 dead tasks"), "{message}");
-    assert!(matches!(&decision.changes[..], [Change::Revived { .. }, Change::Stage(Stage::Sweep)]));
+    assert!(message.starts_with("2 dead tasks"), "{message}");
+    assert!(matches!(
+        &decision.changes[..],
+        [Change::Revived { .. }, Change::Revived { .. }, Change::Stage(Stage::Sweep)]
+    ));
     assert_eq!(told(&decision), [Stage::Sweep]);
     assert_eq!(grant(&mut engine, "a", at(91)).1.attempt, Attempt(4));
     assert!(order(&mut engine, ControlRequest::RetryDead).1.starts_with("0 dead tasks"));
@@ -265,9 +270,12 @@ fn dead_tasks_are_tried_again_and_the_run_goes_on() {
 #[test]
 fn the_last_result_finishes_the_run() {
     let mut engine = sweeping();
-    let (_, main) = grant(&mut engine, "a", at(0));
+    let failed = || Err(SeedOutcome::NotTraced(Failure::Diverged.into()));
+    let (_, below) = grant(&mut engine, "a", at(0));
+    assert_eq!(stages(&engine.handle(result(&below, failed()), at(0))), []);
+    let (_, above) = grant(&mut engine, "a", at(0));
     // Without a main branch there is nothing that seeds could be compared with.
-    let decision = engine.handle(result(&main, Err(SeedOutcome::NotTraced(Failure::Diverged.into()))), at(1));
+    let decision = engine.handle(result(&above, failed()), at(1));
     assert_eq!(decision.answer, submitted(SubmitReply::Accepted));
     assert!(matches!(&decision.changes[..], [Change::Result(_), Change::Done { .. }, Change::Skipped { .. }, ..]));
     assert_eq!((stages(&decision), told(&decision)), (vec![Stage::Finished], vec![Stage::Finished]));

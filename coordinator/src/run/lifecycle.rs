@@ -12,6 +12,7 @@ use crate::error::Error;
 use crate::ledger::Rules;
 use protocol::keys::Keys;
 use protocol::to_everyone::Stage;
+use results::overview::doubts;
 use results::store::{Reader, RunHeader, Store};
 use results::{export, summary_table};
 use solver::structure::Model;
@@ -33,6 +34,8 @@ const WORKER_PATIENCE: Duration = Duration::from_secs(5);
 pub enum Ending {
     /// Every task is done.
     Complete,
+    /// Every task is done, but a curve that everything else hangs on stopped before its end.
+    Doubtful,
     /// Tasks were given up, or the run was cancelled.
     Incomplete,
     /// Somebody wanted this process to end.
@@ -129,7 +132,7 @@ impl Run {
             if is_interrupted {
                 return self.close(Ending::Interrupted, workers).await;
             }
-            self.finish(workers).await?;
+            let has_doubts = self.finish(workers).await?;
             // Somebody may have put dead tasks back meanwhile.
             if self.services.stage() == Stage::Sweep {
                 continue;
@@ -143,7 +146,7 @@ impl Run {
                     continue;
                 }
             }
-            let ending = self.ending();
+            let ending = self.ending(has_doubts);
             return self.close(ending, None).await;
         }
     }
@@ -207,20 +210,26 @@ impl Run {
         }
     }
 
-    /// Waits for workers to notice that the sweep has ended; writes files and the closing table.
-    async fn finish(&self, workers: Option<LocalWorkers>) -> Result<(), Error> {
+    /// Waits for workers to notice that the sweep has ended; writes files and the closing table. Tells whether there are
+    /// doubts about what was found.
+    async fn finish(&self, workers: Option<LocalWorkers>) -> Result<bool, Error> {
         if let Some(mut workers) = workers {
             // Their next request for work tells them.
             spawn_blocking(move || workers.wait(WORKER_PATIENCE)).await.map_err(abnormal)?;
         }
         self.dismiss_workers().await;
         let reader = Reader::open(&self.directory)?;
+        let doubts = doubts(&reader)?;
+        if let Some(doubts) = &doubts {
+            terminal::note(doubts);
+        }
         for sentence in export::csv(&reader, &self.directory)?.damaged {
             terminal::note(sentence);
         }
         let (table, directory) = (summary_table::table(&reader)?, self.directory.display());
         let closing = format!("{table}\nresults: {directory}; a page that shows them: isola report {directory}\n");
-        terminal::print(closing).map_err(Error::io("standard output"))
+        terminal::print(closing).map_err(Error::io("standard output"))?;
+        Ok(doubts.is_some())
     }
 
     /// Gives workers elsewhere the time to hear that there is no more work.
@@ -248,9 +257,13 @@ impl Run {
         self.services.status().map_or(0, |status| status.tasks.dead)
     }
 
-    fn ending(&self) -> Ending {
+    fn ending(&self, has_doubts: bool) -> Ending {
         let is_complete = self.services.stage() == Stage::Finished && self.dead() == 0;
-        if is_complete { Ending::Complete } else { Ending::Incomplete }
+        match (is_complete, has_doubts) {
+            (false, _) => Ending::Incomplete,
+            (true, true) => Ending::Doubtful,
+            (true, false) => Ending::Complete,
+        }
     }
 
     async fn close(mut self, ending: Ending, workers: Option<LocalWorkers>) -> Result<Ending, Error> {
@@ -270,7 +283,7 @@ impl Run {
             terminal::note(format_args!(
                 "{dead} tasks were given up: isola retry-dead {directory}, then isola resume {directory}"
             ));
-        } else if ending != Ending::Complete {
+        } else if matches!(ending, Ending::Incomplete | Ending::Interrupted) {
             terminal::note(format_args!("to go on: isola resume {directory}"));
         }
         // Closing may hang (eclipse-zenoh/zenoh 2675); nothing depends on it.

@@ -95,7 +95,7 @@ impl Visit for Refuse {
         let right = encoding::<M>();
         assert_eq!(right, format!("application/msgpack;{}.v{VERSION}", M::NAME));
         let next = format!("application/msgpack;{}.v{}", M::NAME, VERSION + 1);
-        for wrong in [next.as_str(), "application/msgpack;other.v1", "application/msgpack", "zenoh/bytes", ""] {
+        for wrong in [next.as_str(), "application/msgpack;other.v2", "application/msgpack", "zenoh/bytes", ""] {
             let error = decode::<M>(&bytes, wrong).unwrap_err();
             let CodecError::Encoding { found, expected } = &error else { panic!("{file}: {error:?}") };
             assert_eq!((found.as_str(), expected), (wrong, &right));

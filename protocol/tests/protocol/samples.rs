@@ -18,7 +18,8 @@ use protocol::to_everyone::{
 use protocol::to_worker::{Acknowledgement, Grant, Known, LeaseReply, RenewReply, SubmitReply};
 use solver::curve::continuation::Rejection;
 use solver::curve::problem::Failure;
-use solver::response::branch::{BranchKind, Outcome, Side, SpecialKind, SpecialPoint, Stop};
+use solver::response::branch::{BranchKind, Certificate, Outcome, Side, SpecialKind, SpecialPoint, Standing, Stop};
+use solver::response::certificate::Doubled;
 use solver::response::forced::Reach;
 use solver::response::forcing::Unreached;
 use solver::response::seeds::{LandingFailure, Phase, Way};
@@ -158,6 +159,12 @@ pub fn branch() -> BranchMessage {
             SpecialPoint { kind: SpecialKind::Fold, index: 1 },
         ],
         rejections: 4,
+        peak_standing: Some(Standing::AtLeast),
+        certificate: Some(Certificate {
+            penetration: Some(0.125),
+            pressure_beyond: None,
+            doubled: Some(Doubled { amplitude: 0.375, shift: 1e-3 }),
+        }),
         points: points(2),
     }
 }

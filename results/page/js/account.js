@@ -63,7 +63,7 @@ function branchTable({ branches, levels }) {
     levels[branch.level].value,
     branch.name,
     branch.size,
-    rounded(largest[k] * unit.factor, 5),
+    branch.peak_standing === "at_least" ? new AtLeast(rounded(largest[k] * unit.factor, 5)) : rounded(largest[k] * unit.factor, 5),
     rounded(branch.omega_at_peak, 6),
     branch.status,
     rounded(branch.seconds, 3),
@@ -75,7 +75,7 @@ function branchTable({ branches, levels }) {
   const sort = (column) => {
     sorted = { column, down: sorted.column === column ? !sorted.down : false };
     const order = (a, b) =>
-      typeof a[column] === "number" ? a[column] - b[column] : byName.compare(a[column], b[column]);
+      isNumber(a[column]) ? a[column] - b[column] : byName.compare(a[column], b[column]);
     rows = rows.toSorted((a, b) => (sorted.down ? -order(a, b) : order(a, b)));
     holder.replaceChildren(table("Branches (press a head to sort)", heads, rows));
     armHeads();

@@ -98,19 +98,40 @@ function oncePerEvent(work) {
   };
 }
 
+/** A number that is known from below: "≥ 1.25", sorted as the number. */
+class AtLeast {
+  /** @param {number} value */
+  constructor(value) {
+    this.value = value;
+  }
+
+  valueOf() {
+    return this.value;
+  }
+
+  toString() {
+    return `≥ ${formatNumber(this.value, 6)}`;
+  }
+}
+
+const isNumber = (content) => typeof content === "number" || content instanceof AtLeast;
+
 /** Cells with more characters may break their lines. */
 const LONG_CELL = 48;
 
 /**
  * @param {string[]} heads
- * @param {(string|number|Node)[][]} rows numbers are aligned right
+ * @param {(string|number|AtLeast|Node)[][]} rows numbers are aligned right
  */
 function table(caption, heads, rows) {
   const numeric = heads.map(
-    (_, k) => rows.length > 0 && rows.every((row) => typeof row[k] === "number" || row[k] === NOT_KNOWN),
+    (_, k) => rows.length > 0 && rows.every((row) => isNumber(row[k]) || row[k] === NOT_KNOWN),
   );
   const kindOf = (content, k) => (numeric[k] ? "number" : String(content).length > LONG_CELL ? "long" : null);
-  const shown = (content) => (typeof content === "number" ? formatNumber(content, 6) : content);
+  const shown = (content) => {
+    if (content instanceof AtLeast) return String(content);
+    return typeof content === "number" ? formatNumber(content, 6) : content;
+  };
   const cell = (content, k) => element("td", { class: kindOf(content, k) }, shown(content));
   return element(
     "table",

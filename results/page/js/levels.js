@@ -72,9 +72,16 @@ function levelCheck(level, colour, index) {
   );
 }
 
-/** Says "2 isolas" after every level that has some. @param {{level: number, kind: string}[]} branches */
+/** Says "2 isolas, 1 cut" after every level that has some. @param {{level: number, kind: string}[]} branches */
 function noteIsolas(picker, branches) {
-  const counts = new Map();
-  for (const { level, kind } of branches) if (kind === "isola") counts.set(level, (counts.get(level) ?? 0) + 1);
-  for (const [level, count] of counts) picker.setNote(level, countOf(count, "isola"));
+  const levels = new Map();
+  for (const { level, kind } of branches) {
+    if (kind === "main") continue;
+    const counts = levels.get(level) ?? new Map();
+    levels.set(level, counts.set(kind, (counts.get(kind) ?? 0) + 1));
+  }
+  for (const [level, counts] of levels) {
+    const parts = [...counts].map(([kind, count]) => (kind === "isola" ? countOf(count, kind) : `${count} ${kind}`));
+    picker.setNote(level, parts.join(", "));
+  }
 }

@@ -40,10 +40,10 @@ function plainFigure(place, description, { looked, ...context }) {
   return figure;
 }
 
-/** What is selected when nothing was picked: the largest amplitude of all isolas, or of all branches. */
+/** What is selected when nothing was picked: the largest amplitude beside the main branches, or of all branches. */
 function defaultSelection(branches) {
-  const isolas = branches.filter(({ kind }) => kind === "isola");
-  const [highest] = (isolas.length > 0 ? isolas : branches).toSorted(
+  const others = branches.filter(({ kind }) => kind !== "main");
+  const [highest] = (others.length > 0 ? others : branches).toSorted(
     (a, b) => b.amplitude_at_peak - a.amplitude_at_peak,
   );
   return highest ? { branch: branches.indexOf(highest), index: highest.peak } : null;

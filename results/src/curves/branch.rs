@@ -5,7 +5,7 @@ use protocol::array::{Array, ArrayError};
 use protocol::columns::Columns;
 use protocol::to_everyone::StoredResult;
 use serde::Serialize;
-use solver::response::branch::{Outcome, SpecialPoint};
+use solver::response::branch::{Outcome, SpecialPoint, Standing};
 use solver::response::columns::{self, Axis};
 
 /// A branch: p points in the order of the arc, in rad/s and m. Its JSON is without the columns.
@@ -31,6 +31,8 @@ pub struct Curve {
     pub seconds: f64,
     /// Steps that were refused and repeated shorter.
     pub rejections: usize,
+    /// Whether the largest amplitude is that of a maximum; not known of runs of the first programs.
+    pub peak_standing: Option<Standing>,
     /// Number of points p.
     pub size: usize,
     /// Frequency.
@@ -76,6 +78,7 @@ impl Curve {
             worker: result.worker.to_string(),
             seconds: result.seconds,
             rejections: branch.rejections,
+            peak_standing: branch.peak_standing,
             size,
             peak,
             omega_at_peak: omega.get(peak).copied().unwrap_or(f64::NAN),

@@ -131,6 +131,11 @@ impl<'r> Contents<'r> {
         group.add("worker", result.worker.as_str());
         group.add("program", result.program);
         group.add("seconds", result.seconds);
+        group.add("peak_standing", run::standing(branch.peak_standing));
+        let certificate = branch.certificate.unwrap_or_default();
+        for (name, of) in run::CERTIFICATE {
+            group.add(name, of(&certificate).unwrap_or(f64::NAN));
+        }
         let what = format!("The displacements of branch {name} are");
         self.points(&mut group, branch.points, (&what, result.task.as_str()), omissions);
         if let Some(names) = &self.names {

@@ -10,7 +10,7 @@ use crate::overview::{BranchRow, Level, Overview, unfinished};
 use crate::store::Reader;
 use std::path::Path;
 
-const SUMMARY: [&str; 11] = [
+const SUMMARY: [&str; 18] = [
     "amplitude",
     "branch",
     "kind",
@@ -22,6 +22,13 @@ const SUMMARY: [&str; 11] = [
     "omega_at_max",
     "contact_omega_min",
     "contact_omega_max",
+    "peak_standing",
+    "family",
+    "penetration",
+    "pressure_beyond",
+    "amplitude_2h",
+    "shift_2h",
+    "stable",
 ];
 const WINDOWS: [&str; 9] =
     ["amplitude", "window", "omega_min", "omega_max", "omega_best", "threshold", "outcome", "branch", "reason"];
@@ -74,7 +81,8 @@ fn write_summary(dir: &Path, levels: &[Level]) -> Result<(), ExportError> {
     table.finish()
 }
 
-fn summary_row(level: &Level, branch: &BranchRow) -> [String; 11] {
+fn summary_row(level: &Level, branch: &BranchRow) -> [String; 18] {
+    let certificate = &branch.certificate;
     [
         level.amplitude.clone(),
         branch.number.to_string(),
@@ -87,6 +95,14 @@ fn summary_row(level: &Level, branch: &BranchRow) -> [String; 11] {
         text(branch.omega_at_max),
         optional(branch.contact_omega.map(|(low, _)| low)),
         optional(branch.contact_omega.map(|(_, high)| high)),
+        branch.peak_standing.map_or_else(String::new, |standing| standing.name().into()),
+        branch.family.map_or_else(String::new, |family| family.to_string()),
+        optional(certificate.penetration),
+        optional(certificate.pressure_beyond),
+        optional(certificate.doubled.map(|doubled| doubled.amplitude)),
+        optional(certificate.doubled.map(|doubled| doubled.shift)),
+        // Which share is stable nobody has looked at.
+        String::new(),
     ]
 }
 

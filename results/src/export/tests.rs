@@ -54,11 +54,16 @@ fn a_finished_run() {
     assert_eq!(
         columns,
         "amplitude,branch,kind,status,points,omega_min,omega_max,amplitude_max,omega_at_max,contact_omega_min,\
-         contact_omega_max"
+         contact_omega_max,peak_standing,family,penetration,pressure_beyond,amplitude_2h,shift_2h,stable"
     );
     let keys: Vec<[&str; 3]> = rows.iter().map(|r| ["amplitude", "kind", "branch"].map(|c| r[c].as_str())).collect();
     assert_eq!(keys, [["3e-3", "main", "1"], ["0.006", "main", "1"], ["0.006", "isola", "1"]]);
     assert_eq!(rows[2]["status"], "closed");
+    assert_eq!(rows.iter().map(|row| &*row["family"]).collect::<Vec<_>>(), ["", "", "1"]);
+    assert_eq!(rows[2]["peak_standing"], "at");
+    assert!(
+        ["penetration", "pressure_beyond", "amplitude_2h", "shift_2h", "stable"].iter().all(|c| rows[2][*c].is_empty())
+    );
     assert_eq!(rows[2]["contact_omega_min"], "");
 
     let (columns, rows) = table(&out.join("branches/0.006-isola-1.csv"));

@@ -139,7 +139,7 @@ fn sentence(backbone: &BackboneCurve, number: usize, run: &Run, level: Option<(u
     let (low, high) = super::axis::bounds(omega);
     let window = level.and_then(|(_, level)| window_of(level, run));
     let is_main = |window: &WindowRow| match &window.outcome {
-        WindowOutcome::Found(branches) => branches.split("; ").any(|branch| branch == "main"),
+        WindowOutcome::Found(branches) => branches.split("; ").any(|branch| branch.starts_with("main")),
         _ => false,
     };
     let which = match (run.first == 0.0, window.is_some_and(is_main)) {

@@ -25,7 +25,7 @@ pub fn figure(
 ) -> Result<Figure, String> {
     let backbone = subject.backbone()?;
     let columns = columns.ok_or("the run has no backbone yet")?;
-    let ends = subject.levels.iter().flat_map(|level| level.isolas().flat_map(|isola| [isola.omega.0, isola.omega.1]));
+    let ends = subject.levels.iter().flat_map(|level| level.others().flat_map(|isola| [isola.omega.0, isola.omega.1]));
     let x = Axis::around("", Unit::none(), backbone.omega.values.iter().copied().chain(ends));
     let y = Axis::logarithmic("forcing amplitude A, threshold A*", Unit::none(), thresholds(subject, backbone));
 
@@ -36,7 +36,7 @@ pub fn figure(
     let thin = (TOGETHER.0 / levels).max(0.5 * FINE);
     let mains = subject.levels.iter().filter_map(|level| Some((level.value, level.main()?.omega)));
     drawing.bars("main branches", Style::line(Color::Shade, FINE.min(TOGETHER.1 / levels)), mains);
-    let isolas = subject.levels.iter().flat_map(|level| level.isolas().map(|isola| (level.value, isola.omega)));
+    let isolas = subject.levels.iter().flat_map(|level| level.others().map(|isola| (level.value, isola.omega)));
     drawing.bars("isolas", Style::line(Color::Category(1), (1.3 * BOLD).min(thin)), isolas);
     let missed = windows(subject, |outcome| matches!(outcome, WindowOutcome::NotFound(_)));
     let alert = Style::line(Color::Alert, MEDIUM.min(thin)).with_dash(1);

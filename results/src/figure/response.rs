@@ -7,7 +7,7 @@ use super::smooth::smooth;
 use super::style::{BOLD, Color, FINE, MARK, Shape, Style, THIN};
 use super::subject::{BackboneColumns, Subject, level_colors};
 use crate::curves::{Curve, Monitor};
-use solver::response::branch::SpecialKind;
+use solver::response::branch::{BranchKind, SpecialKind};
 use solver::response::columns;
 
 /// Peaks and folds are marked while there are so few branches.
@@ -141,15 +141,18 @@ impl<'r> Outline<'r> {
 
     fn legend(&self, has_backbone: bool) -> Vec<Entry> {
         let color = self.colors.last().copied().unwrap_or_default();
-        let has = |kind| self.branches.iter().any(|branch| (branch.kind == "main") == (kind == "main"));
+        let has = |kind: BranchKind| self.branches.iter().any(|branch| branch.kind == kind.name());
         let marked = |wanted| {
             self.has_marks
                 && self.branches.iter().any(|branch| branch.special.iter().any(|special| special.kind == wanted))
         };
         let line = Kind::Line;
         let entries = [
-            (has("main"), "main branch", line, Style::line(color, THIN)),
-            (has("isola"), "isola", line, Style::line(color, BOLD)),
+            (has(BranchKind::Main), "main branch", line, Style::line(color, THIN)),
+            (has(BranchKind::Isola), "isola", line, Style::line(color, BOLD)),
+            (has(BranchKind::Open), "open branch", line, Style::line(color, BOLD)),
+            (has(BranchKind::Cut), "cut off by a bound", line, Style::line(color, BOLD)),
+            (has(BranchKind::Unfinished), "unfinished", line, Style::line(color, BOLD)),
             (has_backbone, "backbone", line, Style::line(Color::Soft, FINE).with_dash(1)),
             (marked(SpecialKind::Peak), "peak", line, mark(SpecialKind::Peak, color)),
             (marked(SpecialKind::Fold), "fold", line, mark(SpecialKind::Fold, color)),

@@ -73,7 +73,7 @@ impl<'r> Subject<'r> {
 
     /// The level to look at first: the lowest with an isola, else the middle one.
     pub fn first_level(&self) -> Option<usize> {
-        let with_isola = self.levels.iter().position(|level| level.isolas().next().is_some());
+        let with_isola = self.levels.iter().position(|level| level.others().next().is_some());
         let level = with_isola.unwrap_or(self.levels.len() / 2);
         (level < self.levels.len()).then_some(level)
     }

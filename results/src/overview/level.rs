@@ -11,7 +11,7 @@ pub struct Level {
     pub amplitude: String,
     /// Forcing amplitude A.
     pub value: f64,
-    /// Main branch, isolas.
+    /// Branches, kind by kind, main ones first.
     pub branches: Vec<BranchRow>,
     /// Windows, in the order of the backbone.
     pub windows: Vec<WindowRow>,
@@ -47,17 +47,27 @@ impl Level {
         format!("{}-{}-{}", self.amplitude, branch.kind, branch.number)
     }
 
-    /// Main branch.
+    /// Main branches: one, unless what comes from below and from above does not meet.
+    pub fn mains(&self) -> impl Iterator<Item = &BranchRow> + Clone {
+        self.branches.iter().filter(|branch| branch.is_main())
+    }
+
+    /// The main branch with the point of largest amplitude.
     pub fn main(&self) -> Option<&BranchRow> {
-        self.branches.iter().find(|branch| branch.kind == "main")
+        highest(self.mains()).or_else(|| self.mains().next())
     }
 
-    /// Isolas.
+    /// Branches that are not main ones.
+    pub fn others(&self) -> impl Iterator<Item = &BranchRow> + Clone {
+        self.branches.iter().filter(|branch| !branch.is_main())
+    }
+
+    /// Branches that are known to be apart from the main ones.
     pub fn isolas(&self) -> impl Iterator<Item = &BranchRow> + Clone {
-        self.branches.iter().filter(|branch| branch.kind != "main")
+        self.branches.iter().filter(|branch| branch.is_detached())
     }
 
-    /// The isola with the point of largest amplitude.
+    /// The one of them with the point of largest amplitude.
     pub fn highest_isola(&self) -> Option<&BranchRow> {
         highest(self.isolas())
     }

@@ -1,11 +1,14 @@
 //! What a run has found so far, level by level, as the store has it: branches, windows and what became of them; and what
 //! is missing.
 
+mod doubts;
+mod family;
 mod level;
 mod omissions;
 mod unfinished;
 mod verified;
 
+pub use doubts::doubts;
 pub use level::{Level, highest};
 pub use omissions::Omissions;
 pub use unfinished::unfinished;
@@ -52,11 +55,12 @@ impl Overview {
         let header = omissions.read("Names and settings of the run are", header);
         let model = omissions.read("The model is", model);
         let levels = omissions.read("Levels and branches are", levels).unwrap_or_default();
-        let levels = levels.into_iter().map(|row| Level::read(reader, row, omissions)).collect();
+        let mut levels: Vec<Level> = levels.into_iter().map(|row| Level::read(reader, row, omissions)).collect();
+        family::join(&mut levels);
         Ok(Self { header, model, levels })
     }
 
-    /// Branches with their levels: level by level, main before isolas.
+    /// Branches with their levels: level by level, main branches first.
     pub fn branches(&self) -> impl Iterator<Item = (&Level, &BranchRow)> {
         self.levels.iter().flat_map(|level| level.branches.iter().map(move |branch| (level, branch)))
     }

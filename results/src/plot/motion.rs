@@ -62,10 +62,10 @@ fn named<'s>(report: &'s Report, text: &str) -> Result<(&'s BranchRow, &'s str, 
         _ => return Err(usage()),
     };
     let summary = &report.overview.levels[level(&report.overview.levels, "--at", amplitude)?];
-    let names: Vec<String> = summary.branches.iter().map(name).collect();
+    let names: Vec<String> = summary.branches.iter().map(BranchRow::name).collect();
     let known = if names.is_empty() { "nothing yet".into() } else { names.join(", ") };
     let unknown = || Error::Usage(format!("--at {text}: A = {} has no such branch, but {known}", summary.amplitude));
-    let row = summary.branches.iter().find(|row| name(row) == branch).ok_or_else(unknown)?;
+    let row = summary.branches.iter().find(|row| row.name() == branch).ok_or_else(unknown)?;
     let index = match index {
         "peak" => Index::Peak,
         digits => Index::Point(digits.parse().map_err(|_| usage())?),
@@ -79,15 +79,11 @@ fn highest(report: &Report) -> Result<(&BranchRow, &str, Index), Error> {
         report.overview.levels.iter().flat_map(|level| level.branches.iter().map(|row| (row, level.amplitude.as_str())))
     };
     let by_amplitude = |a: &(&BranchRow, &str), b: &(&BranchRow, &str)| a.0.amplitude_max.total_cmp(&b.0.amplitude_max);
-    let isola = all().filter(|(row, _)| row.kind != "main").max_by(by_amplitude);
+    let isola = all().filter(|(row, _)| !row.is_main()).max_by(by_amplitude);
     let (row, amplitude) = isola
         .or_else(|| all().max_by(by_amplitude))
         .ok_or_else(|| Error::Other("nothing to draw: no branch has been computed yet".into()))?;
     Ok((row, amplitude, Index::Peak))
-}
-
-fn name(row: &BranchRow) -> String {
-    if row.kind == "main" { "main".into() } else { format!("{} {}", row.kind, row.number) }
 }
 
 fn stored(reader: &Reader, row: &BranchRow) -> Result<(StoredResult, Curve), Error> {

@@ -5,6 +5,7 @@ use crate::curves::BackboneCurve;
 use crate::overview::{BranchRow, Level, highest};
 use crate::words::{count, digits, frequency, length, range};
 use serde::Serialize;
+use solver::response::branch::BranchKind;
 use solver::response::windows::{Event, EventKind};
 
 /// One of the sentences.
@@ -68,7 +69,7 @@ impl<'r> Evidence<'r> {
     fn danger(&self) -> String {
         let Some((level, largest)) = self.largest() else { return "No branch has been computed yet.".into() };
         let casing = self.gap.map(|gap| format!(" ({} to the casing)", length(gap))).unwrap_or_default();
-        let size = |row: &BranchRow| format!("{} at {}", length(row.amplitude_max), self.monitor);
+        let size = |row: &BranchRow| format!("{}{} at {}", row.at_least(), length(row.amplitude_max), self.monitor);
         let place = format!("at {} and A = {}", frequency(largest.omega_at_max), level.amplitude);
         let overall = format!("the largest response of all, {}{casing}, is on the main branch, {place}", size(largest));
         let Some(highest) = highest(self.with_isolas().flat_map(Level::isolas)) else {
@@ -79,7 +80,7 @@ impl<'r> Evidence<'r> {
             "Between {}: there an impact or a gust can throw the structure onto an isolated branch (isola)",
             in_words(&ranges)
         );
-        if largest.kind == "main" {
+        if largest.is_main() {
             format!("{there} with up to {}; {overall}.", size(highest))
         } else {
             format!("{there} with up to {}{casing}, the largest response of all, {place}.", size(largest))
@@ -110,8 +111,9 @@ impl<'r> Evidence<'r> {
         let end = above.filter(|level| level.is_settled()).and_then(|level| Some((level, level.main()?)));
         let end = end.map(|(level, main)| {
             format!(
-                " At A = {} none is left: the main branch itself goes up to {} at {} there.",
+                " At A = {} none is left: the main branch itself goes up to {}{} at {} there.",
                 level.amplitude,
+                main.at_least(),
                 length(main.amplitude_max),
                 frequency(main.omega_at_max)
             )
@@ -162,8 +164,8 @@ impl<'r> Evidence<'r> {
         };
         let Gain { level, isola, main } = &gain;
         let (stops, goes) = (
-            format!("{} at {}", length(main.amplitude_max), frequency(main.omega_at_max)),
-            format!("{} at {}", length(isola.amplitude_max), frequency(isola.omega_at_max)),
+            format!("{}{} at {}", main.at_least(), length(main.amplitude_max), frequency(main.omega_at_max)),
+            format!("{}{} at {}", isola.at_least(), length(isola.amplitude_max), frequency(isola.omega_at_max)),
         );
         let amplitude = &level.amplitude;
         match gain.ratio() {
@@ -188,7 +190,18 @@ impl<'r> Evidence<'r> {
         let pending: usize = self.levels.iter().map(|level| level.pending).sum();
         let dead: usize = self.levels.iter().map(|level| level.dead).sum();
         let not_found: usize = self.levels.iter().map(|level| level.not_found().count()).sum();
+        let of_kind =
+            |kind: BranchKind| self.levels.iter().flat_map(Level::others).filter(move |b| b.kind == kind.name());
         let mut parts = Vec::new();
+        for (kind, what) in [(BranchKind::Cut, "cut off by a bound"), (BranchKind::Unfinished, "unfinished")] {
+            let branches = of_kind(kind).count();
+            if branches > 0 {
+                parts.push(format!(
+                    "{} {what}, perhaps part of the main branch",
+                    if branches == 1 { "1 branch".into() } else { format!("{branches} branches") }
+                ));
+            }
+        }
         if pending > 0 {
             parts.push(format!("{} still to come", count(pending, "task")));
         }
@@ -242,15 +255,12 @@ mod tests {
         BranchRow {
             kind: kind.into(),
             number,
-            status: String::new(),
-            closed: kind != "main",
+            closed: kind == "isola",
             points: 3,
             omega,
             amplitude_max: amplitude,
             omega_at_max: omega.1,
-            contact_omega: None,
-            id: 0,
-            task: String::new(),
+            ..BranchRow::default()
         }
     }
 

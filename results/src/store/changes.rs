@@ -15,7 +15,7 @@ use protocol::codec::encode;
 use protocol::ids::{Attempt, TaskId};
 use protocol::to_everyone::StoredResult;
 use rusqlite::{Connection, Params, params};
-use solver::response::branch::Outcome;
+use solver::response::branch::{Outcome, Standing};
 use solver::response::task::{BranchId, SeedOutcome};
 use std::path::Path;
 
@@ -112,6 +112,7 @@ impl Changes<'_> {
 
     fn branch(&self, task: &TaskId, branch: &BranchMessage, name: BranchId) -> Result<()> {
         let points = Scalars::new(&branch.points).at(self.file)?;
+        let certificate = branch.certificate.unwrap_or_default();
         let (summary, contact) = (Extent::of_scalars(&points), contact_range(&points));
         let row = params![
             task.as_str(),
@@ -128,10 +129,17 @@ impl Changes<'_> {
             summary.omega_at_max,
             contact.map(|(low, _)| low),
             contact.map(|(_, high)| high),
+            branch.peak_standing.map(Standing::name),
+            certificate.penetration,
+            certificate.pressure_beyond,
+            certificate.doubled.map(|doubled| doubled.amplitude),
+            certificate.doubled.map(|doubled| doubled.shift),
         ];
         let sql = "INSERT INTO branches (task, level, amplitude, kind, number, status, closed, points, rejections, \
-                   special, omega_min, omega_max, amplitude_max, omega_at_max, contact_omega_min, contact_omega_max) \
-                   SELECT ?1, level, amplitude, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14 \
+                   special, omega_min, omega_max, amplitude_max, omega_at_max, contact_omega_min, contact_omega_max, \
+                   peak_standing, penetration, pressure_beyond, amplitude_2h, shift_2h) \
+                   SELECT ?1, level, amplitude, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17, \
+                   ?18, ?19 \
                    FROM tasks JOIN levels USING (level) WHERE tasks.id = ?1";
         self.execute(sql, row)?;
         let id = Some(self.db.last_insert_rowid());
@@ -149,6 +157,8 @@ fn without_numbers(result: &StoredResult) -> StoredResult {
         outcome: branch.outcome,
         special: branch.special.clone(),
         rejections: branch.rejections,
+        peak_standing: branch.peak_standing,
+        certificate: branch.certificate,
         points: empty_points(&branch.points),
     };
     StoredResult {

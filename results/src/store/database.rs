@@ -9,8 +9,10 @@ use std::time::Duration;
 
 /// Marks files of this program: "ISOL".
 pub(super) const APPLICATION: i64 = 0x4953_4F4C;
-/// Version of the schema.
-pub(super) const VERSION: i64 = 1;
+/// Version of the schema. Earlier ones are read; runs of theirs do not go on.
+pub(super) const VERSION: i64 = 2;
+/// The first one: `branches` ends with the range of contact, branches that are not main ones are all called isolas.
+const FIRST: i64 = 1;
 /// How long a connection waits for another one.
 const PATIENCE: Duration = Duration::from_secs(10);
 /// Large enough for arrays, small enough for records.
@@ -31,7 +33,10 @@ pub(super) fn create(file: &Path) -> Result<Connection, StoreError> {
 pub(super) fn open_to_write(dir: &Path) -> Result<Connection, StoreError> {
     let file = existing(dir)?;
     let connection = connect(&file, OpenFlags::SQLITE_OPEN_READ_WRITE | OpenFlags::SQLITE_OPEN_NO_MUTEX)?;
-    identify(&connection, &file)?;
+    let found = identify(&connection, &file)?;
+    if found < VERSION {
+        return Err(StoreError::Older { file, found, known: VERSION });
+    }
     let mode: String = connection.pragma_update_and_check(None, "journal_mode", "WAL", |row| row.get(0)).at(&file)?;
     if mode != "wal" {
         let source = std::io::Error::other("this file system has no shared memory, use a local disk");
@@ -50,7 +55,7 @@ pub(super) fn open_to_read(dir: &Path) -> Result<Connection, StoreError> {
     let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX;
     let connection = connect(&file, flags)?;
     match identify(&connection, &file) {
-        Ok(()) => Ok(connection),
+        Ok(_) => Ok(connection),
         Err(StoreError::Sqlite { source, .. }) if needs_shared_memory(&source) => {
             if has_log(&file) {
                 Err(interrupted(file))
@@ -116,16 +121,21 @@ fn connect(file: &Path, flags: OpenFlags) -> Result<Connection, StoreError> {
     Ok(connection)
 }
 
-/// Whether this is a run, in a format that is known.
-fn identify(connection: &Connection, file: &Path) -> Result<(), StoreError> {
-    let pragma = |name| connection.pragma_query_value(None, name, |row| row.get::<_, i64>(0)).at(file);
-    if pragma("application_id")? != APPLICATION {
+/// Version of the schema.
+pub(super) fn version(connection: &Connection, file: &Path) -> Result<i64, StoreError> {
+    connection.pragma_query_value(None, "user_version", |row| row.get(0)).at(file)
+}
+
+/// Whether this is a run, in a format that is known: in which version.
+fn identify(connection: &Connection, file: &Path) -> Result<i64, StoreError> {
+    let application = connection.pragma_query_value(None, "application_id", |row| row.get::<_, i64>(0)).at(file)?;
+    if application != APPLICATION {
         let found = "an SQLite file of another program".to_string();
         return Err(StoreError::Foreign { file: file.into(), found });
     }
-    match pragma("user_version")? {
-        VERSION => Ok(()),
-        found if found < VERSION => {
+    match version(connection, file)? {
+        found @ FIRST..=VERSION => Ok(found),
+        found if found < FIRST => {
             Err(StoreError::Foreign { file: file.into(), found: format!("version {found} of its format never was") })
         }
         found => Err(StoreError::Newer { file: file.into(), found, known: VERSION }),

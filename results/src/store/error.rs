@@ -53,6 +53,20 @@ pub enum StoreError {
         /// Latest version this program knows.
         known: i64,
     },
+    /// From a program that knew less.
+    #[error(
+        "{}: written in version {found} of the format, this program goes on with runs of version {known} only, whose branches \
+         it finds and names in another way; `report`, `plot` and `export` read it, `isola sweep` computes the study again",
+        .file.display()
+    )]
+    Older {
+        /// The file.
+        file: PathBuf,
+        /// Version of its format.
+        found: i64,
+        /// The version this program goes on with.
+        known: i64,
+    },
     /// Damaged.
     #[error(
         "{}: the file is damaged ({detail}); restore a copy, or start the study again in another folder",

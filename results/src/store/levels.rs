@@ -1,13 +1,20 @@
 //! Levels as the store has them: branches, windows, failures.
 
+use super::branch_id::branch_id;
 use super::number::number;
 use super::{Reader, Result};
+use protocol::codec::decode_stored;
+use protocol::to_everyone::StoredResult;
 use rusqlite::Row;
 use serde::Serialize;
-use solver::response::branch::BranchKind;
+use solver::response::branch::{BranchKind, Certificate, Outcome, Standing};
+use solver::response::certificate::Doubled;
+
+/// Columns of branches that files of the first version are without.
+const LATER: [&str; 5] = ["peak_standing", "penetration", "pressure_beyond", "amplitude_2h", "shift_2h"];
 
 /// A branch of a level in numbers.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct BranchRow {
     /// `main`, `isola`, `open`, `cut` or `unfinished`.
     pub kind: String,
@@ -27,10 +34,39 @@ pub struct BranchRow {
     pub omega_at_max: f64,
     /// Lowest and highest frequency at which any node touches, rad/s.
     pub contact_omega: Option<(f64, f64)>,
+    /// Whether the largest amplitude is that of a maximum; not known of runs of the first programs.
+    pub peak_standing: Option<Standing>,
+    /// What is known of the harmonics that were left out.
+    pub certificate: Certificate,
+    /// Number, from 1, of what it is one forcing level of; none for main branches.
+    pub family: Option<usize>,
     #[serde(skip)]
     pub(crate) id: i64,
     #[serde(skip)]
     pub(crate) task: String,
+}
+
+impl BranchRow {
+    /// `main`, `isola 1`, …
+    pub fn name(&self) -> String {
+        let id = branch_id(&self.kind, self.number);
+        id.map_or_else(|| format!("{} {}", self.kind, self.number), |id| id.to_string())
+    }
+
+    /// Whether ordinary continuation reaches it.
+    pub fn is_main(&self) -> bool {
+        self.kind == BranchKind::Main.name()
+    }
+
+    /// Whether it is known to be apart from the main branch.
+    pub fn is_detached(&self) -> bool {
+        [BranchKind::Isola, BranchKind::Open].iter().any(|kind| self.kind == kind.name())
+    }
+
+    /// `≥ ` if the response may be larger than the largest amplitude that is known.
+    pub fn at_least(&self) -> &'static str {
+        if self.peak_standing == Some(Standing::AtLeast) { "≥ " } else { "" }
+    }
 }
 
 /// A window and what became of it.
@@ -78,12 +114,26 @@ impl Reader {
 
     /// Branches of a level, kind by kind: main branches first.
     pub(crate) fn branches(&self, level: i64) -> Result<Vec<BranchRow>> {
-        let sql = "SELECT kind, number, status, closed, points, omega_min, omega_max, amplitude_max, omega_at_max, \
-                   contact_omega_min, contact_omega_max, id, task \
-                   FROM branches WHERE level = ?1 ORDER BY number";
-        let mut list = self.all(sql, [level], branch)?;
+        let later = if self.version()? < 2 { LATER.map(|_| "NULL") } else { LATER }.join(", ");
+        let sql = format!(
+            "SELECT kind, number, status, closed, points, omega_min, omega_max, amplitude_max, omega_at_max, \
+             contact_omega_min, contact_omega_max, id, task, {later} FROM branches WHERE level = ?1 ORDER BY number"
+        );
+        let mut list = self.all(&sql, [level], branch)?;
         list.sort_by_key(|row| BranchKind::named(&row.kind));
         Ok(list)
+    }
+
+    /// How main branches end, by amplitudes as typed, the smallest first.
+    pub(crate) fn main_outcomes(&self) -> Result<Vec<(String, Outcome)>> {
+        let sql = "SELECT levels.amplitude, record FROM branches JOIN levels USING (level) JOIN results USING (task) \
+                   WHERE kind = 'main' ORDER BY value, number";
+        let rows = self.all(sql, [], |row| Ok((row.get::<_, String>(0)?, row.get::<_, Vec<u8>>(1)?)))?;
+        let outcome = |(amplitude, record): (String, Vec<u8>)| {
+            let result: StoredResult = decode_stored(&record).map_err(|error| self.corrupt(error))?;
+            Ok(result.branch.map(|branch| (amplitude, branch.outcome)))
+        };
+        rows.into_iter().filter_map(|row| outcome(row).transpose()).collect()
     }
 
     /// Why a level has no main branch, if it was tried.
@@ -136,6 +186,8 @@ impl Reader {
 
 fn branch(row: &Row<'_>) -> rusqlite::Result<BranchRow> {
     let touching: (Option<f64>, Option<f64>) = (row.get(9)?, row.get(10)?);
+    let standing: Option<String> = row.get(13)?;
+    let doubled: (Option<f64>, Option<f64>) = (row.get(16)?, row.get(17)?);
     Ok(BranchRow {
         kind: row.get(0)?,
         number: row.get(1)?,
@@ -148,6 +200,13 @@ fn branch(row: &Row<'_>) -> rusqlite::Result<BranchRow> {
         contact_omega: touching.0.zip(touching.1),
         id: row.get(11)?,
         task: row.get(12)?,
+        peak_standing: standing.and_then(|name| Standing::named(&name)),
+        certificate: Certificate {
+            penetration: row.get(14)?,
+            pressure_beyond: row.get(15)?,
+            doubled: doubled.0.zip(doubled.1).map(|(amplitude, shift)| Doubled { amplitude, shift }),
+        },
+        family: None,
     })
 }
 

@@ -1,8 +1,8 @@
 //! Reading a run, finished or in progress.
 
 use super::arrays::{array_at, fill, of_points_mut};
-use super::error::At;
 use super::branch_id::branch_id;
+use super::error::At;
 use super::extent::Extent;
 use super::header::{corrupt, get, read_header, read_model, read_stage, unpack};
 use super::number::number;
@@ -223,6 +223,11 @@ impl Reader {
     /// What is stored makes no sense.
     pub(crate) fn corrupt(&self, detail: impl std::fmt::Display) -> StoreError {
         corrupt(&self.file, detail)
+    }
+
+    /// Version of the schema.
+    pub(super) fn version(&self) -> Result<i64> {
+        database::version(&self.db, &self.file)
     }
 
     /// An array that is stored as such.

@@ -187,6 +187,15 @@ CREATE TABLE branches (
     -- Lowest and highest frequency at which any contact element touches; NULL if none does.
     contact_omega_min REAL,
     contact_omega_max REAL,
+    -- 'at' (a maximum) or 'at_least' (the largest amplitude is only as far as the branch is known).
+    peak_standing TEXT,
+    -- Largest penetration of a contact over its gap; NULL if it was not computed, as in the next columns.
+    penetration REAL,
+    -- Largest share (rms) of the contact pressure beyond H.
+    pressure_beyond REAL,
+    -- The peak converged again with 2 H harmonics: its amplitude, and the relative shift of its frequency.
+    amplitude_2h REAL,
+    shift_2h REAL,
     UNIQUE (level, kind, number)
 );
 

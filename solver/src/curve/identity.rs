@@ -158,7 +158,6 @@ fn hermite([a, b]: [&[f64]; 2], [from, to]: &[Vec<f64>; 2], length: f64, s: f64)
     ends.zip(slopes).map(|(end, slope)| end + slope).collect()
 }
 
-
 fn difference(a: &[f64], b: &[f64]) -> Vec<f64> {
     a.iter().zip(b).map(|(a, b)| a - b).collect()
 }

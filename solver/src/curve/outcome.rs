@@ -53,9 +53,8 @@ pub enum Outcome {
 impl Outcome {
     /// Whether the curve goes on where it ends: it stalled, turned back along itself, used up its points or was cancelled.
     pub fn is_unfinished(&self) -> bool {
-        let is_unfinished = |stop: &Stop| {
-            matches!(stop, Stop::Stalled(_) | Stop::Reversed | Stop::PointBudget | Stop::Cancelled)
-        };
+        let is_unfinished =
+            |stop: &Stop| matches!(stop, Stop::Stalled(_) | Stop::Reversed | Stop::PointBudget | Stop::Cancelled);
         matches!(self, Outcome::Open(first, last) if is_unfinished(first) || is_unfinished(last))
     }
 }

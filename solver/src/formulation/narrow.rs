@@ -30,10 +30,8 @@ fn oscillation(metric: &[f64], nc: usize, y: &[f64]) -> f64 {
 }
 
 fn difference(metric: &[f64], nc: usize, a: &[f64], b: Option<&[f64]>) -> f64 {
-    let square: f64 = (0..metric.len())
-        .filter(|i| i % nc != 0)
-        .map(|i| metric[i] * (a[i] - b.map_or(0.0, |b| b[i])).powi(2))
-        .sum();
+    let square: f64 =
+        (0..metric.len()).filter(|i| i % nc != 0).map(|i| metric[i] * (a[i] - b.map_or(0.0, |b| b[i])).powi(2)).sum();
     square.sqrt()
 }
 

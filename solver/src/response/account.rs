@@ -95,12 +95,7 @@ impl Account {
         match task {
             Task::Main(_) => self.mains.push(outcome),
             Task::Seed(SeedPlace { window, well, phase, way }) => {
-                self.windows[*window].seeds.push(SeedAccount {
-                    minimum: well.best,
-                    phase: *phase,
-                    way: *way,
-                    outcome,
-                });
+                self.windows[*window].seeds.push(SeedAccount { minimum: well.best, phase: *phase, way: *way, outcome });
             }
         }
         outcome

@@ -5,6 +5,7 @@ pub use crate::curve::outcome::{Outcome, Stop};
 use crate::curve::walk::{self, Evaluated};
 use crate::formulation::Formulation;
 use crate::formulation::state::State;
+pub use crate::response::certificate::{Certificate, Standing};
 use crate::response::columns::{self, Row};
 use serde::{Deserialize, Serialize};
 
@@ -168,6 +169,8 @@ pub struct Branch {
     pub outcome: Outcome,
     /// Steps that were refused and repeated shorter.
     pub rejections: usize,
+    /// What is known of the harmonics that were left out.
+    pub certificate: Certificate,
 }
 
 impl Branch {
@@ -196,7 +199,17 @@ impl Branch {
 
     /// Point of largest amplitude of the first monitored dof.
     pub fn peak(&self) -> &BranchPoint {
-        let best = self.points.iter().max_by(|a, b| a.amplitude().total_cmp(&b.amplitude()));
+        &self.points[self.peak_index()]
+    }
+
+    /// Whether its amplitude is that of a maximum, or only as far as the branch is known.
+    pub fn peak_standing(&self) -> Standing {
+        Standing::of_peak(&self.outcome, self.peak_index(), self.points.len())
+    }
+
+    fn peak_index(&self) -> usize {
+        let amplitude = |i: usize| self.points[i].amplitude();
+        let best = (0..self.points.len()).max_by(|&a, &b| amplitude(a).total_cmp(&amplitude(b)));
         best.expect("a branch has at least its start")
     }
 

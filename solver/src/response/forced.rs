@@ -14,7 +14,7 @@ use crate::formulation::state::State;
 use crate::formulation::unknown::Unknown;
 use crate::formulation::{Formulation, FormulationError};
 use crate::response::backbone::Backbone;
-use crate::response::branch::{Branch, BranchKind, BranchPoint, Observer, Outcome, Side, Stop, Visited};
+use crate::response::branch::{Branch, BranchKind, BranchPoint, Certificate, Observer, Outcome, Side, Stop, Visited};
 use crate::response::forcing::{Unreached, from_rest};
 use crate::response::special::with_special_points;
 use crate::settings::{Settings, SettingsError};
@@ -47,8 +47,7 @@ impl Reach {
             None => high.max(FAR * low),
         };
         let natural = (0.9 * low, 1.1 * end);
-        let (low, high) =
-            (settings.frequency.min.unwrap_or(natural.0), settings.frequency.max.unwrap_or(natural.1));
+        let (low, high) = (settings.frequency.min.unwrap_or(natural.0), settings.frequency.max.unwrap_or(natural.1));
         if low >= high {
             let remedy = format!("the lower frequency bound is {low}: use a higher one");
             return Err(SettingsError { key: "frequency.max", value: high.to_string(), remedy });
@@ -250,8 +249,7 @@ impl<'m, F: Formulation<'m>> Forced<'m, F> {
     /// Whether a state lies within the bounds that the settings give, and within the widest ones.
     pub fn contains(&mut self, state: &State) -> bool {
         let (low, high) = self.widest();
-        let (low, high) =
-            (self.settings.frequency.min.unwrap_or(low), self.settings.frequency.max.unwrap_or(high));
+        let (low, high) = (self.settings.frequency.min.unwrap_or(low), self.settings.frequency.max.unwrap_or(high));
         let monitored = self.model.modes().shapes.row(self.model.monitors()[0]);
         let amplitude = self.problem.aft().max_abs(&state.combine(monitored.iter().copied()));
         (low..=high).contains(&state.omega) && amplitude <= self.bounds((low, high), true).amplitude
@@ -293,16 +291,18 @@ impl<'m, F: Formulation<'m>> Forced<'m, F> {
         let points: Vec<Vec<f64>> = branch.points.iter().map(|point| self.problem.encode(&point.state)).collect();
         let last = if branch.is_closed() { points.first() } else { None };
         let successors = points.iter().skip(1).chain(last);
-        points.iter().zip(successors).any(|(a, b)| {
-            targets.iter().any(|target| self.identity.passes(&mut self.problem, &newton, [a, b], target))
-        })
+        points
+            .iter()
+            .zip(successors)
+            .any(|(a, b)| targets.iter().any(|target| self.identity.passes(&mut self.problem, &newton, [a, b], target)))
     }
 
     /// Locates folds and peak, and drops what only the continuation needs.
     fn finish(&mut self, walked: Walked<BranchPoint>, kind: BranchKind) -> Branch {
         let (outcome, rejections) = (walked.outcome, walked.rejections);
         let (points, special) = with_special_points(&mut self.problem, self.settings.continuation, walked);
-        Branch { kind, forcing: self.forcing, points, special, outcome, rejections }
+        let certificate = Certificate::default();
+        Branch { kind, forcing: self.forcing, points, special, outcome, rejections, certificate }
     }
 }
 

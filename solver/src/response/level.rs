@@ -1,10 +1,10 @@
 //! One forcing level: its branches, and the account of every window.
 
+pub use crate::response::account::{Account, SeedAccount, WindowAccount};
 use crate::response::backbone::Backbone;
 use crate::response::branch::{Branch, BranchPoint, Observer};
 use crate::response::forced::{Forced, Reach};
 use crate::response::forcing::Unreached;
-pub use crate::response::account::{Account, SeedAccount, WindowAccount};
 pub use crate::response::name::BranchId;
 pub use crate::response::task::SeedOutcome;
 use crate::response::task::{Brought, Finding, Task, carry_out, plan};
@@ -92,7 +92,8 @@ impl Level {
             if let (Task::Main(_), Brought::Nothing(SeedOutcome::NotTraced(failure))) = (task, finding.brought()) {
                 failed.get_or_insert(failure);
             }
-            if let (SeedOutcome::Found(id), Finding::Branch(branch)) = (account.record(&task, finding.brought()), finding)
+            if let (SeedOutcome::Found(id), Finding::Branch(branch)) =
+                (account.record(&task, finding.brought()), finding)
             {
                 branches.push((id, branch));
             }

@@ -3,6 +3,7 @@
 pub mod account;
 pub mod backbone;
 pub mod branch;
+pub mod certificate;
 mod column;
 pub mod columns;
 pub mod forced;

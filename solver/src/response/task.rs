@@ -251,7 +251,9 @@ fn named<'m, F: Formulation<'m>>(forced: &mut Forced<'m, F>, branch: Branch, kno
     let kind = match piece {
         Some((id, _)) if id.is_main() => BranchKind::Main,
         Some(_) => branch.kind,
-        None if branch.kind == BranchKind::Open && known.iter().any(|(_, other)| other.outcome.is_unfinished()) => BranchKind::Cut,
+        None if branch.kind == BranchKind::Open && known.iter().any(|(_, other)| other.outcome.is_unfinished()) => {
+            BranchKind::Cut
+        }
         None => branch.kind,
     };
     Branch { kind, ..branch }

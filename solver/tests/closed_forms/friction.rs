@@ -15,8 +15,9 @@ fn an_elastic_friction_element_is_a_linear_spring() {
     settings.continuation.newton.tolerance = 1e-13;
     (settings.frequency.min, settings.frequency.max) = (Some(1.0), Some(2.5));
     let backbone = backbone(&model, &settings);
-    let branch =
-        Forced::new(&model, &settings, Reach::new(&settings, &backbone).unwrap(), 0.1).main_branch(Side::Below, &mut quiet).unwrap();
+    let branch = Forced::new(&model, &settings, Reach::new(&settings, &backbone).unwrap(), 0.1)
+        .main_branch(Side::Below, &mut quiet)
+        .unwrap();
     let (low, high) = branch.frequency_range();
     assert!(low < 1.01 && high > 2.49, "{low} {high} {:?}", branch.outcome);
     for point in &branch.points {

@@ -15,7 +15,8 @@ use worker::shutdown::Shutdown;
 
 /// The first seed of the level.
 fn first_seed(study: &Study) -> Task {
-    plan(&study.backbone, 0.008).1[1]
+    let (_, tasks) = plan(&study.backbone, 0.008);
+    tasks.into_iter().find(|task| matches!(task, Task::Seed(_))).unwrap()
 }
 
 /// Reasons of the failures when a worker is given this.

@@ -435,6 +435,32 @@ class SpecialPoint:
     index: int
 
 
+@dataclass(frozen=True)
+class Certificate:
+    """What is known of the harmonics beyond H that a branch leaves out; None where it was not computed."""
+
+    #: Largest penetration of a contact over its gap.
+    penetration: float | None
+    #: Largest share (rms) of the contact pressure beyond H.
+    pressure_beyond: float | None
+    #: Largest amplitude of the first monitored dof with the peak converged again at 2 H, m.
+    amplitude_2h: float | None
+    #: Relative shift of the peak's frequency then.
+    shift_2h: float | None
+
+    @classmethod
+    def read(cls, message: dict[str, Any] | None) -> Certificate:
+        """From the message; runs of the first programs have none."""
+        message = message or {}
+        doubled = message.get("doubled") or {}
+        return cls(
+            penetration=message.get("penetration"),
+            pressure_beyond=message.get("pressure_beyond"),
+            amplitude_2h=doubled.get("amplitude"),
+            shift_2h=doubled.get("shift"),
+        )
+
+
 @dataclass(frozen=True, eq=False)
 class Branch(Curve):
     """A forced-response branch at one forcing amplitude; a closed one does not repeat its first point."""
@@ -445,9 +471,10 @@ class Branch(Curve):
     amplitude: float
     #: A as typed.
     amplitude_text: str
-    #: ``main`` or ``isola``.
+    #: ``main`` (ordinary continuation reaches it), ``isola`` (closed), ``open`` (detached, from frequency bound to
+    #: frequency bound), ``cut`` (leaves through a bound that was given) or ``unfinished``.
     kind: str
-    #: Number of the isola within its level, from 1; 0 for the main branch.
+    #: Number within its level and kind, from 1; 0 for the first main branch.
     number: int
     #: Whether it is a closed curve.
     closed: bool
@@ -457,11 +484,16 @@ class Branch(Curve):
     special: tuple[SpecialPoint, ...]
     #: Steps refused and repeated shorter.
     rejections: int
+    #: ``at``: the largest amplitude is that of a maximum; ``at_least``: it is only as far as the branch is known. None
+    #: in runs of the first programs.
+    peak_standing: str | None
+    #: What is known of the harmonics left out.
+    certificate: Certificate
 
     @property
     def name(self) -> str:
         """``main``, ``isola 1``, …"""
-        return self.kind if self.kind == "main" else f"{self.kind} {self.number}"
+        return f"{self.kind} {self.number}" if self.number else self.kind
 
     @property
     def peak(self) -> int:
@@ -511,7 +543,7 @@ class Result:
     #: Which attempt was accepted, from 1.
     attempt: int
     amplitude: Amplitude
-    #: What was to be done: ``"main"`` or ``{"seed": {…}}``.
+    #: What was to be done: ``"main"``, ``{"main": "above"}`` or ``{"seed": {…}}``.
     work: Any
     #: What became of it, in words.
     outcome: str
@@ -542,6 +574,8 @@ class Result:
                 outcome=words.outcome(part["outcome"]),
                 special=tuple(_plain(SpecialPoint, s) for s in part["special"]),
                 rejections=part["rejections"],
+                peak_standing=part.get("peak_standing"),
+                certificate=Certificate.read(part.get("certificate")),
             )
         outcome = words.seed_outcome(message["outcome"])
         return _plain(cls, message, amplitude=amplitude, outcome=outcome, branch=branch)

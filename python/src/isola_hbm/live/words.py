@@ -58,9 +58,9 @@ def outcome(value: Any) -> str:
 
 
 def branch_name(value: Any) -> str:
-    """``main``, ``isola 1``, ``isola 2``, …"""
+    """``main``, ``main 2``, ``isola 1``, ``isola 2``, ``cut 1``, …"""
     name, content = variant(value)
-    return f"{name} {content + 1}" if name == "isola" else name
+    return name if content is None else f"{name} {content + 1}"
 
 
 def seed_outcome(value: Any) -> str:

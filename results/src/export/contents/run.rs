@@ -6,6 +6,7 @@ use crate::overview::{BranchRow, Level, Overview, WindowRow};
 use crate::store::Reader;
 use protocol::array::Array;
 use protocol::model::{ElementMessage, ModelMessage};
+use solver::response::branch::{Certificate, Standing};
 
 /// What does not change, and the stage.
 pub(super) fn header(group: &mut Group<'_>, reader: &Reader, overview: &Overview, omissions: &mut Omissions) {
@@ -105,6 +106,24 @@ pub(super) fn branches(group: &mut Group<'_>, overview: &Overview) {
     column(group, "contact_omega_min", &rows, |(_, branch)| contact(branch).0);
     column(group, "contact_omega_max", &rows, |(_, branch)| contact(branch).1);
     column(group, "task", &rows, |(_, branch)| branch.task.clone());
+    column(group, "peak_standing", &rows, |(_, branch)| standing(branch.peak_standing));
+    column(group, "family", &rows, |(_, branch)| branch.family.unwrap_or_default());
+    for (name, of) in CERTIFICATE {
+        column(group, name, &rows, |(_, branch)| of(&branch.certificate).unwrap_or(f64::NAN));
+    }
+}
+
+/// Numbers of a certificate by their names.
+pub(super) const CERTIFICATE: [(&str, fn(&Certificate) -> Option<f64>); 4] = [
+    ("penetration", |certificate| certificate.penetration),
+    ("pressure_beyond", |certificate| certificate.pressure_beyond),
+    ("amplitude_2h", |certificate| certificate.doubled.map(|doubled| doubled.amplitude)),
+    ("shift_2h", |certificate| certificate.doubled.map(|doubled| doubled.shift)),
+];
+
+/// The standing of a peak, empty if it is not known.
+pub(super) fn standing(standing: Option<Standing>) -> String {
+    standing.map_or_else(String::new, |standing| standing.name().into())
 }
 
 /// A column of a table.

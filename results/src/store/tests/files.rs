@@ -2,7 +2,9 @@
 
 use super::super::database::open_immutable;
 use super::*;
+use crate::overview::{Omissions, Overview};
 use rusqlite::Connection;
+use solver::response::branch::Certificate;
 use std::io::{Seek, SeekFrom, Write};
 
 fn header() -> RunHeader {
@@ -33,7 +35,35 @@ fn what_is_no_run_is_refused() {
 
     drop(Store::create(dir.path(), &header()).unwrap());
     Connection::open(&file).unwrap().execute_batch("PRAGMA user_version = 99").unwrap();
-    assert_refused(dir.path(), "version 99 of the format, this program knows version 1; use a newer `isola`");
+    assert_refused(dir.path(), "version 99 of the format, this program knows version 2; use a newer `isola`");
+}
+
+#[test]
+fn a_run_of_the_first_programs_is_read_but_does_not_go_on() {
+    let (study, dir) = (Study::damper(), tempdir().unwrap());
+    drop(study.finished(dir.path()));
+    let db = Connection::open(dir.path().join(FILE)).unwrap();
+    for column in ["peak_standing", "penetration", "pressure_beyond", "amplitude_2h", "shift_2h"] {
+        db.execute(&format!("ALTER TABLE branches DROP COLUMN {column}"), []).unwrap();
+    }
+    db.execute_batch("PRAGMA user_version = 1").unwrap();
+    drop(db);
+    let error = Store::open(dir.path()).unwrap_err();
+    assert!(matches!(error, StoreError::Older { found: 1, known: 2, .. }), "{error}");
+    assert!(error.to_string().contains("`isola sweep` computes the study again"), "{error}");
+
+    let reader = Reader::open(dir.path()).unwrap();
+    let mut omissions = Omissions::default();
+    let overview = Overview::read(&reader, &mut omissions).unwrap();
+    let rows: Vec<&BranchRow> = overview.branches().map(|(_, row)| row).collect();
+    assert_eq!(rows.iter().map(|row| row.name()).collect::<Vec<_>>(), ["main", "main", "isola 1"]);
+    for row in rows {
+        assert_eq!((row.peak_standing, row.certificate), (None, Certificate::default()));
+        assert_eq!(row.family, (!row.is_main()).then_some(1));
+    }
+    let exported = dir.path().join("exported");
+    assert!(crate::export::csv(&reader, &exported).unwrap().damaged.is_empty());
+    assert!(omissions.damaged.is_empty() && exported.join("summary.csv").exists());
 }
 
 #[test]

@@ -1,0 +1,95 @@
+//! What the numbers of a branch are worth: whether its peak is one, and what the harmonics that were left out would change.
+
+use crate::curve::outcome::{Outcome, Stop};
+use serde::{Deserialize, Serialize};
+
+/// Whether the largest amplitude of a branch is that of a maximum.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Standing {
+    /// It is a maximum of a curve that is known from end to end.
+    At,
+    /// It is only as far as the curve is known: the response may be larger.
+    AtLeast,
+}
+
+impl Standing {
+    /// Of the peak at point `peak` of so many points of a curve that ends so.
+    pub fn of_peak(outcome: &Outcome, peak: usize, points: usize) -> Self {
+        let Outcome::Open(first, last) = outcome else { return Self::At };
+        let is_end = peak == 0 || peak + 1 >= points;
+        if is_end || [first, last].into_iter().any(goes_on_higher) { Self::AtLeast } else { Self::At }
+    }
+
+    /// Its name in files and messages.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::At => "at",
+            Self::AtLeast => "at_least",
+        }
+    }
+
+    /// The standing of this name.
+    pub fn named(name: &str) -> Option<Self> {
+        [Self::At, Self::AtLeast].into_iter().find(|standing| standing.name() == name)
+    }
+}
+
+/// Whether a curve may go on to larger amplitudes where it ends so: it was not done, or is at the amplitude bound.
+fn goes_on_higher(stop: &Stop) -> bool {
+    match stop {
+        Stop::AmplitudeBound => true,
+        Stop::Start | Stop::Closed | Stop::FrequencyBound => false,
+        Stop::PointBudget | Stop::Stalled(_) | Stop::Reversed | Stop::Cancelled => true,
+    }
+}
+
+/// What is known of the harmonics beyond H of a branch; `None` where it was not computed, or means nothing.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct Certificate {
+    /// Largest penetration of a contact over its gap.
+    pub penetration: Option<f64>,
+    /// Largest share (rms) of the contact pressure beyond H.
+    pub pressure_beyond: Option<f64>,
+    /// The peak, converged again with 2 H harmonics.
+    pub doubled: Option<Doubled>,
+}
+
+/// A peak converged again with twice the harmonics.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Doubled {
+    /// Largest amplitude of the first monitored dof there, m.
+    pub amplitude: f64,
+    /// Relative shift of the peak's frequency.
+    pub shift: f64,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_peak_stands_where_the_curve_is_known_round_it() {
+        let bound = Stop::FrequencyBound;
+        for (outcome, peak, standing) in [
+            (Outcome::Closed, 0, Standing::At),
+            (Outcome::Open(Stop::Start, bound), 4, Standing::At),
+            (Outcome::Open(bound, bound), 4, Standing::At),
+            (Outcome::Open(bound, bound), 0, Standing::AtLeast),
+            (Outcome::Open(Stop::Start, bound), 8, Standing::AtLeast),
+            (Outcome::Open(Stop::Start, Stop::AmplitudeBound), 4, Standing::AtLeast),
+            (Outcome::Open(Stop::Reversed, bound), 4, Standing::AtLeast),
+            (Outcome::Open(Stop::Start, Stop::PointBudget), 4, Standing::AtLeast),
+        ] {
+            assert_eq!(Standing::of_peak(&outcome, peak, 9), standing, "{outcome}, {peak}");
+        }
+    }
+
+    #[test]
+    fn names_are_those_of_messages() {
+        for standing in [Standing::At, Standing::AtLeast] {
+            assert_eq!(serde_json::to_string(&standing).unwrap(), format!("\"{}\"", standing.name()));
+            assert_eq!(Standing::named(standing.name()), Some(standing));
+        }
+    }
+}
