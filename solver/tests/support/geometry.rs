@@ -1,0 +1,172 @@
+//! Branches as curves in frequency and harmonics of all displacements.
+
+use super::study::Listed;
+use solver::{Branch, Model};
+
+/// A point of a curve: frequency, and harmonics of all displacements.
+pub struct Place {
+    pub omega: f64,
+    pub motion: Vec<f64>,
+}
+
+fn norm(z: impl Iterator<Item = f64>) -> f64 {
+    z.map(|z| z * z).sum::<f64>().sqrt()
+}
+
+impl Place {
+    /// Size of the motion, m.
+    pub fn size(&self) -> f64 {
+        norm(self.motion.iter().copied())
+    }
+
+    /// Relative distance: the larger one of that in frequency and that in the motion, of `self`'s.
+    pub fn distance(&self, other: &Place) -> f64 {
+        let motion = norm(self.motion.iter().zip(&other.motion).map(|(a, b)| a - b)) / self.size();
+        motion.max((self.omega - other.omega).abs() / self.omega)
+    }
+
+    /// Σ weight · place.
+    fn combined(terms: &[(f64, &Place)]) -> Place {
+        let motion =
+            (0..terms[0].1.motion.len()).map(|i| terms.iter().map(|(w, p)| w * p.motion[i]).sum()).collect();
+        Place { omega: terms.iter().map(|(w, p)| w * p.omega).sum(), motion }
+    }
+}
+
+/// A branch as a curve.
+pub struct Curve {
+    pub places: Vec<Place>,
+    pub is_closed: bool,
+}
+
+impl Curve {
+    pub fn of(model: &Model, branch: &Branch) -> Self {
+        let place = |point: &solver::BranchPoint| Place {
+            omega: point.omega(),
+            motion: (0..model.size()).flat_map(|dof| point.state.displacement(model, dof)).collect(),
+        };
+        Self { places: branch.points.iter().map(place).collect(), is_closed: branch.is_closed() }
+    }
+
+    /// Relative distance of a place from the curve: from its chords, and where the place is next to one from the cubic
+    /// through the two points before and the two after it. `slack` is what the cubic itself may be wrong by there.
+    pub fn distance(&self, place: &Place) -> (f64, f64) {
+        let chord = |i: usize| {
+            let (a, b) = (&self.places[i], &self.places[i + 1]);
+            let (size, omega) = (place.size(), place.omega);
+            let scaled = |from: &Place, to: &Place| -> Vec<f64> {
+                let motion = to.motion.iter().zip(&from.motion).map(|(t, f)| (t - f) / size);
+                motion.chain([(to.omega - from.omega) / omega]).collect()
+            };
+            let (along, across) = (scaled(a, b), scaled(a, place));
+            let square: f64 = along.iter().map(|z| z * z).sum();
+            let product: f64 = along.iter().zip(&across).map(|(a, b)| a * b).sum();
+            let share = if square > 0.0 { (product / square).clamp(0.0, 1.0) } else { 0.0 };
+            let apart = place.distance(&Place::combined(&[(1.0 - share, a), (share, b)]));
+            (apart, share)
+        };
+        let last = self.places.len().saturating_sub(1);
+        let Some((i, (rough, share))) =
+            (0..last).map(|i| (i, chord(i))).min_by(|a, b| a.1.0.total_cmp(&b.1.0))
+        else {
+            return (f64::INFINITY, 0.0);
+        };
+        if i == 0 || i + 2 > last {
+            return (rough, 0.0);
+        }
+        let four = [i - 1, i, i + 1, i + 2].map(|j| &self.places[j]);
+        let mut at = [0.0; 4];
+        for j in 1..4 {
+            at[j] = at[j - 1] + four[j].distance(four[j - 1]).max(f64::MIN_POSITIVE);
+        }
+        let cubic = |t: f64| {
+            let weight = |j: usize| {
+                (0..4).filter(|&k| k != j).map(|k| (t - at[k]) / (at[j] - at[k])).product::<f64>()
+            };
+            Place::combined(&[0, 1, 2, 3].map(|j| (weight(j), four[j])))
+        };
+        let near = |t: f64| place.distance(&cubic(t));
+        let (mut low, mut high) = (at[1], at[2]);
+        for _ in 0..40 {
+            let (a, b) = (low + (high - low) / 3.0, high - (high - low) / 3.0);
+            if near(a) < near(b) { high = b } else { low = a }
+        }
+        let chord_at = Place::combined(&[(1.0 - share, four[1]), (share, four[2])]);
+        let bulge = cubic(at[1] + share * (at[2] - at[1])).distance(&chord_at);
+        (near(0.5 * (low + high)).min(rough), 0.02 * bulge)
+    }
+
+    /// Whether a stretch of `other` runs along this curve: a few successive points of it lie on it.
+    pub fn shares_a_stretch_of(&self, other: &Curve) -> bool {
+        const SAME: f64 = 1e-5;
+        let mut successive = 0;
+        other.places.iter().any(|place| {
+            let (distance, slack) = self.distance(place);
+            successive = if distance < SAME + slack { successive + 1 } else { 0 };
+            successive == 3 || distance < 0.1 * SAME
+        })
+    }
+
+    /// Largest angle between two successive motions, rad.
+    pub fn largest_turn(&self) -> (f64, f64) {
+        let angle = |pair: &[Place]| {
+            let product: f64 = pair[0].motion.iter().zip(&pair[1].motion).map(|(a, b)| a * b).sum();
+            ((product / (pair[0].size() * pair[1].size())).clamp(-1.0, 1.0).acos(), pair[0].omega)
+        };
+        self.places.windows(2).map(angle).max_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((0.0, 0.0))
+    }
+
+    /// Why a curve that is said to be closed is not, if it is not: its last point is no farther from its first than
+    /// neighbours there are from each other, and the way on from the last to the first goes on as it does before and after.
+    pub fn why_open(&self) -> Option<String> {
+        let count = self.places.len();
+        if !self.is_closed {
+            return Some("it is not said to be closed".into());
+        }
+        if count < 8 {
+            return Some(format!("{count} points"));
+        }
+        let at = |i: usize| &self.places[i % count];
+        let step = |i: usize| at(i).distance(at(i + 1));
+        let gap = step(count - 1);
+        let neighbours = (0..3).chain(count - 4..count - 1).map(step).fold(0.0, f64::max);
+        if gap > 2.0 * neighbours {
+            return Some(format!("the last point is {gap:.1e} from the first, neighbours {neighbours:.1e}"));
+        }
+        let cosine = |i: usize| {
+            let along = |i: usize| -> Vec<f64> {
+                let motion = at(i + 1).motion.iter().zip(&at(i).motion).map(|(b, a)| (b - a) / at(i).size());
+                motion.chain([(at(i + 1).omega - at(i).omega) / at(i).omega]).collect()
+            };
+            let (a, b) = (along(i), along(i + 1));
+            let product: f64 = a.iter().zip(&b).map(|(a, b)| a * b).sum();
+            product / (norm(a.into_iter()) * norm(b.into_iter()))
+        };
+        // A short last step says nothing of the direction.
+        let corner = if gap < 0.01 * neighbours { 1.0 } else { cosine(count - 2).min(cosine(count - 1)) };
+        (corner < 0.5).then(|| format!("it turns by {:.0}° where it closes", corner.acos().to_degrees()))
+    }
+}
+
+/// What is wrong with the branches of a level as curves; nothing, if nothing is.
+pub fn complaints(model: &Model, level: &[Listed]) -> Vec<String> {
+    let curves: Vec<Curve> = level.iter().map(|listed| Curve::of(model, &listed.branch)).collect();
+    let mut complaints = Vec::new();
+    for (i, (listed, curve)) in level.iter().zip(&curves).enumerate() {
+        if listed.kind == super::study::Kind::Isola
+            && let Some(why) = curve.why_open()
+        {
+            complaints.push(format!("{} is an isola, but {why}", listed.name));
+        }
+        let (turn, omega) = curve.largest_turn();
+        if turn > std::f64::consts::FRAC_PI_2 {
+            complaints.push(format!("{} turns by {:.0}° in a step at {omega:.8} rad/s", listed.name, turn.to_degrees()));
+        }
+        for (other, along) in level.iter().zip(&curves).skip(i + 1) {
+            if curve.shares_a_stretch_of(along) || along.shares_a_stretch_of(curve) {
+                complaints.push(format!("{} and {} share a stretch", listed.name, other.name));
+            }
+        }
+    }
+    complaints
+}

@@ -1,0 +1,111 @@
+//! A model with its settings and backbone, and what a level of it lists. How a level stores its branches is known here only.
+
+use solver::files;
+use solver::response::level::{BranchId, LevelError};
+use solver::{Backbone, Branch, Level, Model, Settings};
+use std::path::Path;
+
+/// A shipped model, with some settings replaced.
+pub fn shipped(name: &str, overrides: &[(&str, &str)]) -> Model {
+    read("../models", name, overrides)
+}
+
+/// A model of these tests.
+pub fn own(name: &str) -> Model {
+    read("tests/models", name, &[])
+}
+
+fn read(folder: &str, name: &str, overrides: &[(&str, &str)]) -> Model {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder).join(name);
+    files::load_with(&folder, overrides).unwrap_or_else(|error| panic!("{error}"))
+}
+
+pub fn with_harmonics(count: usize) -> Settings {
+    let mut settings = Settings::default();
+    settings.harmonics.count = count;
+    settings
+}
+
+/// What a branch is said to be.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Kind {
+    Main,
+    Isola,
+    Open,
+    Cut,
+    Unfinished,
+}
+
+/// A branch under its name.
+pub struct Listed {
+    pub kind: Kind,
+    pub name: String,
+    pub branch: Branch,
+}
+
+impl std::fmt::Debug for Listed {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let (branch, (low, high)) = (&self.branch, self.branch.frequency_range());
+        let (peak, count) = (branch.peak(), branch.points.len());
+        let (height, at) = (peak.amplitude(), peak.omega());
+        write!(
+            f,
+            "{}: {low:.6} to {high:.6} rad/s, {count} points, peak {height:.6} at {at:.6}, {}",
+            self.name, branch.outcome
+        )
+    }
+}
+
+fn kind(id: BranchId) -> Kind {
+    match id {
+        BranchId::Main => Kind::Main,
+        BranchId::Isola(_) => Kind::Isola,
+    }
+}
+
+/// A model with what is needed to compute its levels.
+pub struct Study {
+    pub model: Model,
+    pub settings: Settings,
+    pub backbone: Backbone,
+}
+
+impl Study {
+    pub fn new(model: Model, settings: Settings) -> Self {
+        let backbone = Backbone::compute(&model, &settings).unwrap_or_else(|error| panic!("{error}"));
+        Self { model, settings, backbone }
+    }
+
+    /// The branches at a forcing amplitude.
+    pub fn try_level(&self, forcing: f64) -> Result<Vec<Listed>, LevelError> {
+        let level = Level::compute(&self.model, &self.settings, &self.backbone, forcing)?;
+        let list = |(id, branch): (BranchId, &Branch)| Listed {
+            kind: kind(id),
+            name: id.to_string(),
+            branch: branch.clone(),
+        };
+        Ok(level.branches().map(list).collect())
+    }
+
+    /// The branches at a forcing amplitude.
+    pub fn level(&self, forcing: f64) -> Vec<Listed> {
+        self.try_level(forcing).unwrap_or_else(|error| panic!("A = {forcing}: {error}"))
+    }
+}
+
+/// The branches of one kind.
+pub fn of_kind(level: &[Listed], kind: Kind) -> Vec<&Listed> {
+    level.iter().filter(|listed| listed.kind == kind).collect()
+}
+
+/// Frequency and amplitude (of the first monitored dof) of the largest point of the main branch, in however many pieces.
+pub fn main_peak(level: &[Listed]) -> (f64, f64) {
+    let peaks = of_kind(level, Kind::Main).into_iter().map(|listed| listed.branch.peak());
+    let peak = peaks.max_by(|a, b| a.amplitude().total_cmp(&b.amplitude())).expect("there is a main branch");
+    (peak.omega(), peak.amplitude())
+}
+
+/// Nothing but main branches, all the way.
+pub fn assert_main_only(level: &[Listed], what: &str) {
+    assert!(!level.is_empty() && level.iter().all(|listed| listed.kind == Kind::Main), "{what}: {level:#?}");
+}
