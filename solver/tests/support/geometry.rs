@@ -27,8 +27,7 @@ impl Place {
 
     /// Σ weight · place.
     fn combined(terms: &[(f64, &Place)]) -> Place {
-        let motion =
-            (0..terms[0].1.motion.len()).map(|i| terms.iter().map(|(w, p)| w * p.motion[i]).sum()).collect();
+        let motion = (0..terms[0].1.motion.len()).map(|i| terms.iter().map(|(w, p)| w * p.motion[i]).sum()).collect();
         Place { omega: terms.iter().map(|(w, p)| w * p.omega).sum(), motion }
     }
 }
@@ -36,6 +35,7 @@ impl Place {
 /// A branch as a curve.
 pub struct Curve {
     pub places: Vec<Place>,
+    pub dofs: usize,
     pub is_closed: bool,
 }
 
@@ -45,11 +45,11 @@ impl Curve {
             omega: point.omega(),
             motion: (0..model.size()).flat_map(|dof| point.state.displacement(model, dof)).collect(),
         };
-        Self { places: branch.points.iter().map(place).collect(), is_closed: branch.is_closed() }
+        Self { places: branch.points.iter().map(place).collect(), dofs: model.size(), is_closed: branch.is_closed() }
     }
 
-    /// Relative distance of a place from the curve: from its chords, and where the place is next to one from the cubic
-    /// through the two points before and the two after it. `slack` is what the cubic itself may be wrong by there.
+    /// Relative distance of a place from the curve, that is from the cubic through the two points before and the two after
+    /// it, or from the chord if that is nearer; and how far cubic and chord are apart there.
     pub fn distance(&self, place: &Place) -> (f64, f64) {
         let chord = |i: usize| {
             let (a, b) = (&self.places[i], &self.places[i + 1]);
@@ -66,9 +66,7 @@ impl Curve {
             (apart, share)
         };
         let last = self.places.len().saturating_sub(1);
-        let Some((i, (rough, share))) =
-            (0..last).map(|i| (i, chord(i))).min_by(|a, b| a.1.0.total_cmp(&b.1.0))
-        else {
+        let Some((i, (rough, share))) = (0..last).map(|i| (i, chord(i))).min_by(|a, b| a.1.0.total_cmp(&b.1.0)) else {
             return (f64::INFINITY, 0.0);
         };
         if i == 0 || i + 2 > last {
@@ -80,9 +78,7 @@ impl Curve {
             at[j] = at[j - 1] + four[j].distance(four[j - 1]).max(f64::MIN_POSITIVE);
         }
         let cubic = |t: f64| {
-            let weight = |j: usize| {
-                (0..4).filter(|&k| k != j).map(|k| (t - at[k]) / (at[j] - at[k])).product::<f64>()
-            };
+            let weight = |j: usize| (0..4).filter(|&k| k != j).map(|k| (t - at[k]) / (at[j] - at[k])).product::<f64>();
             Place::combined(&[0, 1, 2, 3].map(|j| (weight(j), four[j])))
         };
         let near = |t: f64| place.distance(&cubic(t));
@@ -93,7 +89,7 @@ impl Curve {
         }
         let chord_at = Place::combined(&[(1.0 - share, four[1]), (share, four[2])]);
         let bulge = cubic(at[1] + share * (at[2] - at[1])).distance(&chord_at);
-        (near(0.5 * (low + high)).min(rough), 0.02 * bulge)
+        (near(0.5 * (low + high)).min(rough), bulge)
     }
 
     /// Whether a stretch of `other` runs along this curve: a few successive points of it lie on it.
@@ -101,8 +97,8 @@ impl Curve {
         const SAME: f64 = 1e-5;
         let mut successive = 0;
         other.places.iter().any(|place| {
-            let (distance, slack) = self.distance(place);
-            successive = if distance < SAME + slack { successive + 1 } else { 0 };
+            let (distance, bulge) = self.distance(place);
+            successive = if distance < SAME + 0.02 * bulge { successive + 1 } else { 0 };
             successive == 3 || distance < 0.1 * SAME
         })
     }
@@ -129,9 +125,20 @@ impl Curve {
         let at = |i: usize| &self.places[i % count];
         let step = |i: usize| at(i).distance(at(i + 1));
         let gap = step(count - 1);
-        let neighbours = (0..3).chain(count - 4..count - 1).map(step).fold(0.0, f64::max);
-        if gap > 2.0 * neighbours {
-            return Some(format!("the last point is {gap:.1e} from the first, neighbours {neighbours:.1e}"));
+        let neighbours = || (0..3).chain(count - 4..count - 1);
+        let largest = neighbours().map(step).fold(0.0, f64::max);
+        if gap > 2.0 * largest {
+            return Some(format!("the last point is {gap:.1e} from the first, neighbours {largest:.1e}"));
+        }
+        // The same for every dof: a sheet may be near another in all but a small part of the motion.
+        let width = at(0).motion.len() / self.dofs;
+        for dof in 0..self.dofs {
+            let part = |i: usize| at(i).motion[dof * width..(dof + 1) * width].iter();
+            let step = |i: usize| norm(part(i).zip(part(i + 1)).map(|(a, b)| a - b));
+            let (gap, largest) = (step(count - 1), neighbours().map(step).fold(0.0, f64::max));
+            if gap > 3.0 * largest + 1e-6 * norm(part(0).copied()) {
+                return Some(format!("dof {dof} is {gap:.1e} m from where it began, neighbours {largest:.1e} m"));
+            }
         }
         let cosine = |i: usize| {
             let along = |i: usize| -> Vec<f64> {
@@ -143,7 +150,7 @@ impl Curve {
             product / (norm(a.into_iter()) * norm(b.into_iter()))
         };
         // A short last step says nothing of the direction.
-        let corner = if gap < 0.01 * neighbours { 1.0 } else { cosine(count - 2).min(cosine(count - 1)) };
+        let corner = if gap < 0.01 * largest { 1.0 } else { cosine(count - 2).min(cosine(count - 1)) };
         (corner < 0.5).then(|| format!("it turns by {:.0}° where it closes", corner.acos().to_degrees()))
     }
 }
@@ -160,7 +167,11 @@ pub fn complaints(model: &Model, level: &[Listed]) -> Vec<String> {
         }
         let (turn, omega) = curve.largest_turn();
         if turn > std::f64::consts::FRAC_PI_2 {
-            complaints.push(format!("{} turns by {:.0}° in a step at {omega:.8} rad/s", listed.name, turn.to_degrees()));
+            complaints.push(format!(
+                "{} turns by {:.0}° in a step at {omega:.8} rad/s",
+                listed.name,
+                turn.to_degrees()
+            ));
         }
         for (other, along) in level.iter().zip(&curves).skip(i + 1) {
             if curve.shares_a_stretch_of(along) || along.shares_a_stretch_of(curve) {

@@ -41,10 +41,18 @@ impl<'m> March<'m> {
     }
 
     /// One period from (x, v) in `steps` steps, telling `visit` of every new displacement.
-    fn period(&self, state: &mut (Vec<f64>, Vec<f64>), forcing: f64, omega: f64, steps: usize, visit: &mut dyn FnMut(&[f64])) {
+    fn period(
+        &self,
+        state: &mut (Vec<f64>, Vec<f64>),
+        forcing: f64,
+        omega: f64,
+        steps: usize,
+        visit: &mut dyn FnMut(&[f64]),
+    ) {
         let h = TAU / omega / steps as f64;
         let harmonic = self.model.forcing().harmonic as f64;
-        let moved = |z: &[f64], by: f64, rate: &[f64]| z.iter().zip(rate).map(|(z, r)| z + by * r).collect::<Vec<f64>>();
+        let moved =
+            |z: &[f64], by: f64, rate: &[f64]| z.iter().zip(rate).map(|(z, r)| z + by * r).collect::<Vec<f64>>();
         for step in 0..steps {
             let force = |share: f64| forcing * (harmonic * omega * h * (step as f64 + share)).cos();
             let (x, v) = (&state.0, &state.1);
@@ -68,7 +76,7 @@ impl<'m> March<'m> {
     pub fn from_rest(&self, forcing: f64, omega: f64, harmonics: usize, periods: usize) -> Option<Settled> {
         let n = self.model.size();
         let fastest = self.model.modes().frequencies[n - 1].max(self.stiffest());
-        let steps = ((TAU / omega) * fastest / 0.1).ceil().max(100.0) as usize;
+        let steps = ((TAU / omega) * fastest / 0.2).ceil().max(100.0) as usize;
         let mut state = (vec![0.0; n], vec![0.0; n]);
         let mut before = state.clone();
         let mut calm = 0;
@@ -80,7 +88,7 @@ impl<'m> March<'m> {
             if !size(&state).is_finite() {
                 return None;
             }
-            calm = if change < 1e-8 * size(&state) { calm + 1 } else { 0 };
+            calm = if change < 1e-6 * size(&state) { calm + 1 } else { 0 };
             if calm == 3 {
                 return Some(self.measure(&mut state, forcing, omega, harmonics, steps));
             }
@@ -124,8 +132,7 @@ impl<'m> March<'m> {
         let series: Vec<Vec<f64>> = (0..n).map(series).collect();
         let amplitude = (0..n).map(|dof| signal(dof).fold(0.0f64, |m, x| m.max(x.abs()))).collect();
         let total: f64 = (0..n).map(|dof| project_square(signal(dof), steps)).sum();
-        let kept: f64 =
-            series.iter().map(|s| s[0] * s[0] + 0.5 * s[1..].iter().map(|c| c * c).sum::<f64>()).sum();
+        let kept: f64 = series.iter().map(|s| s[0] * s[0] + 0.5 * s[1..].iter().map(|c| c * c).sum::<f64>()).sum();
         Settled { series, amplitude, beyond: ((total - kept).max(0.0) / total).sqrt() }
     }
 }

@@ -1,0 +1,192 @@
+//! Random chains of masses: whatever is listed is what it is called. `ISOLA_CHAINS` is the number of chains (a few by
+//! default), `ISOLA_CHAINS_FROM` the number of the first; a chain and its forcing depend on its number alone.
+
+mod support;
+
+use solver::laws::{PenaltySpring, PolynomialDamper, PolynomialSpring, Term};
+use solver::{Backbone, Matrix, Model};
+use std::f64::consts::TAU;
+use support::balance::Balance;
+use support::geometry::{Curve, Place, complaints};
+use support::march::March;
+use support::study::{Kind, Listed, Study, why_unfinished, with_harmonics};
+
+const HARMONICS: usize = 5;
+
+/// SplitMix64: numbers that depend on a seed only.
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    /// Evenly between two numbers.
+    fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * (self.next() >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    /// Between two numbers, evenly in the logarithm.
+    fn decades(&mut self, low: f64, high: f64) -> f64 {
+        self.between(low.ln(), high.ln()).exp()
+    }
+
+    fn below(&mut self, count: usize) -> usize {
+        (self.next() % count as u64) as usize
+    }
+}
+
+/// A chain with a forcing amplitude and what of it is worth saying.
+struct Case {
+    model: Model,
+    forcing: f64,
+    ratio: f64,
+    description: String,
+}
+
+/// A chain of one to four masses, each on a spring to its neighbour and perhaps to the ground, with one or two laws.
+fn case(number: u64) -> Case {
+    let mut random = Random(number);
+    let n = 1 + random.below(4);
+    let masses: Vec<f64> = (0..n).map(|_| random.between(0.5, 2.0)).collect();
+    let links: Vec<f64> = (0..n).map(|_| random.between(0.3, 3.0)).collect();
+    let grounds: Vec<f64> = (0..n).map(|_| if random.below(2) == 0 { 0.0 } else { random.between(0.1, 2.0) }).collect();
+    let stiffness = Matrix::from_fn(n, n, |i, j| {
+        let own = links[i] + grounds[i] + if i + 1 < n { links[i + 1] } else { 0.0 };
+        match i.abs_diff(j) {
+            0 => own,
+            1 => -links[i.max(j)],
+            _ => 0.0,
+        }
+    });
+    let ratio = random.decades(1e-5, 0.1);
+    // A force of 1 N bends the chain by about its nonlinear length, 1 m.
+    let forcing = random.decades(1e-5, 10.0);
+    let driven = random.below(n);
+    let mut model = Model::builder(format!("chain {number}"))
+        .mass(Matrix::diagonal(&masses))
+        .stiffness(stiffness)
+        .damping_ratio(ratio)
+        .force(driven, 1.0)
+        .monitor(driven);
+    let mut description = format!("{n} masses, ratio {ratio:.2e}, A = {forcing:.3e}");
+    for element in 0..1 + random.below(2) {
+        let at = random.below(n);
+        let channel = if at > 0 && random.below(2) == 0 { vec![(at, 1.0), (at - 1, -1.0)] } else { vec![(at, 1.0)] };
+        let name = format!("law {element}");
+        let kind = random.below(3);
+        description += &format!(", {} on {at}", ["cubic spring", "stop", "damper"][kind]);
+        model = match kind {
+            0 => {
+                let terms = vec![Term { power: 3, coefficient: random.decades(0.1, 2.0) }];
+                model.element(name, PolynomialSpring { terms }, [channel])
+            }
+            1 => {
+                let law = PenaltySpring { stiffness: random.decades(0.5, 20.0), gap: random.between(0.1, 1.0) };
+                model.element(name, law, [channel])
+            }
+            _ => {
+                // Weaker at moderate velocities, but never a source of energy: 3z² < 4·2·(2ξ)c₅ with z = c₃.
+                let fifth = random.decades(1e-3, 1e-1);
+                let third = -random.between(0.0, 0.9) * (8.0 / 3.0 * ratio * masses[at].min(1.0) * fifth).sqrt();
+                let terms = vec![Term { power: 3, coefficient: third }, Term { power: 5, coefficient: fifth }];
+                model.element(name, PolynomialDamper { terms }, [channel])
+            }
+        };
+    }
+    Case { model: model.build().expect("chains are models"), forcing, ratio, description }
+}
+
+/// What is wrong with the responses of a chain.
+fn failures(number: u64) -> Vec<String> {
+    let Case { model, forcing, ratio, description } = case(number);
+    let mut settings = with_harmonics(HARMONICS);
+    settings.branch.max_points = 4000;
+    let mut said = Vec::new();
+    if let Err(error) = Backbone::compute(&model, &settings) {
+        return vec![format!("{description}: {error}")];
+    }
+    let study = Study::new(model, settings);
+    let level = match study.try_level(forcing) {
+        Ok(level) => level,
+        Err(error) => return vec![format!("{description}: {error}")],
+    };
+    let balance = Balance::new(&study.model);
+    for listed in &level {
+        let worst = listed.branch.points.iter().map(|point| (balance.residual(&point.state), point.omega()));
+        let worst = worst.max_by(|a, b| a.0.relative().total_cmp(&b.0.relative()));
+        if let Some((residual, omega)) = worst.filter(|(residual, _)| residual.relative() > 1e-7) {
+            said.push(format!("{} at {omega:.9} rad/s leaves {:.1e} of the balance", listed.name, residual.relative()));
+        }
+        for point in &listed.branch.points {
+            if listed.kind != Kind::Main && balance.is_free(&point.state) {
+                said.push(format!("{} at {:.6} rad/s is the linear response", listed.name, point.omega()));
+                break;
+            }
+        }
+    }
+    said.extend(complaints(&study.model, &level));
+    said.extend(unlisted_motions(&study, &level, ratio, forcing, &mut Random(!number)));
+    if said.is_empty() { said } else { vec![format!("{description}: {}; {level:#?}", said.join("; "))] }
+}
+
+/// Motions on which the chain settles from rest, with the period of the forcing, and which no branch has.
+fn unlisted_motions(study: &Study, level: &[Listed], ratio: f64, forcing: f64, random: &mut Random) -> Vec<String> {
+    // Something may be missing, and the level says so.
+    let is_incomplete = |listed: &Listed| listed.kind == Kind::Unfinished || why_unfinished(&listed.branch).is_some();
+    if level.iter().any(is_incomplete) {
+        return Vec::new();
+    }
+    let (low, high) = level
+        .iter()
+        .filter(|listed| listed.kind == Kind::Main)
+        .map(|listed| listed.branch.frequency_range())
+        .fold((f64::INFINITY, 0.0f64), |(low, high), range| (low.min(range.0), high.max(range.1)));
+    let march = March::new(&study.model);
+    let curves: Vec<Curve> = level.iter().map(|listed| Curve::of(&study.model, &listed.branch)).collect();
+    let mut said = Vec::new();
+    for _ in 0..3 {
+        let omega = random.between(low, high);
+        // What is left of the start falls to 1e-6 in 14/(ξω₁) seconds.
+        let periods = (15.0 / (ratio * study.model.modes().frequencies[0]) * omega / TAU).ceil();
+        if periods > 300.0 {
+            continue;
+        }
+        let Some(settled) = march.from_rest(forcing, omega, HARMONICS, periods as usize + 20) else { continue };
+        if settled.beyond > 1e-3 {
+            continue;
+        }
+        let place = Place { omega, motion: settled.series.into_iter().flatten().collect() };
+        let nearest =
+            curves.iter().map(|curve| curve.distance(&place)).map(|(distance, bulge)| distance - 0.25 * bulge);
+        let nearest = nearest.fold(f64::INFINITY, f64::min);
+        // Truncation, and points as far apart as they are.
+        if nearest > 2e-3 + 3.0 * settled.beyond {
+            said.push(format!(
+                "from rest it settles at {omega:.6} rad/s on {:.6}, which no branch has (nearest {nearest:.1e})",
+                settled.amplitude[study.model.monitors()[0]]
+            ));
+        }
+    }
+    said
+}
+
+#[test]
+fn what_is_listed_is_what_it_is_called() {
+    let read =
+        |name: &str, default: u64| std::env::var(name).ok().and_then(|text| text.parse().ok()).unwrap_or(default);
+    let (first, count) = (read("ISOLA_CHAINS_FROM", 0), read("ISOLA_CHAINS", 24));
+    let mut wrong = Vec::new();
+    for number in first..first + count {
+        let begun = std::time::Instant::now();
+        let failures = failures(number);
+        let seconds = begun.elapsed().as_secs_f64();
+        println!("chain {number}: {seconds:.2} s, {}", if failures.is_empty() { "as it should be" } else { "wrong" });
+        wrong.extend(failures.into_iter().map(|failure| format!("chain {number}: {failure}")));
+    }
+    assert!(wrong.is_empty(), "{} of {count} chains:\n{}", wrong.len(), wrong.join("\n"));
+}
