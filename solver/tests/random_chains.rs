@@ -3,6 +3,7 @@
 
 mod support;
 
+use solver::curve::outcome::Stop;
 use solver::laws::{PenaltySpring, PolynomialDamper, PolynomialSpring, Term};
 use solver::{Backbone, Matrix, Model};
 use std::f64::consts::TAU;
@@ -101,45 +102,72 @@ fn case(number: u64) -> Case {
     Case { model: model.build().expect("chains are models"), forcing, ratio, description }
 }
 
-/// What is wrong with the responses of a chain.
-fn failures(number: u64) -> Vec<String> {
+/// What is known of the responses of a chain.
+#[derive(Default)]
+struct Checked {
+    /// What is wrong.
+    wrong: Vec<String>,
+    /// Motions from rest that were compared.
+    settled: usize,
+}
+
+impl Checked {
+    fn failed(why: String) -> Self {
+        Self { wrong: vec![why], settled: 0 }
+    }
+}
+
+fn check(number: u64) -> Checked {
     let Case { model, forcing, ratio, description } = case(number);
     let mut settings = with_harmonics(HARMONICS);
     settings.branch.max_points = 4000;
-    let mut said = Vec::new();
+    let mut checked = Checked::default();
     if let Err(error) = Backbone::compute(&model, &settings) {
-        return vec![format!("{description}: {error}")];
+        return Checked::failed(format!("{description}: {error}"));
     }
     let study = Study::new(model, settings);
     let level = match study.try_level(forcing) {
         Ok(level) => level,
-        Err(error) => return vec![format!("{description}: {error}")],
+        Err(error) => return Checked::failed(format!("{description}: {error}")),
     };
     let balance = Balance::new(&study.model);
     for listed in &level {
         let worst = listed.branch.points.iter().map(|point| (balance.residual(&point.state), point.omega()));
         let worst = worst.max_by(|a, b| a.0.relative().total_cmp(&b.0.relative()));
         if let Some((residual, omega)) = worst.filter(|(residual, _)| residual.relative() > 1e-7) {
-            said.push(format!("{} at {omega:.9} rad/s leaves {:.1e} of the balance", listed.name, residual.relative()));
+            let relative = residual.relative();
+            checked.wrong.push(format!("{} at {omega:.9} rad/s leaves {relative:.1e} of the balance", listed.name));
         }
-        for point in &listed.branch.points {
-            if listed.kind != Kind::Main && balance.is_free(&point.state) {
-                said.push(format!("{} at {:.6} rad/s is the linear response", listed.name, point.omega()));
-                break;
-            }
+        let free = listed.branch.points.iter().find(|point| balance.is_free(&point.state));
+        if let Some(point) = free.filter(|_| listed.kind != Kind::Main) {
+            checked.wrong.push(format!("{} at {:.6} rad/s is the linear response", listed.name, point.omega()));
+        }
+        // No bounds are given, and those that are chosen must not cut off what is there.
+        if listed.kind == Kind::Cut || why_unfinished(&listed.branch) == Some(Stop::AmplitudeBound) {
+            checked.wrong.push(format!("{} is cut off", listed.name));
         }
     }
-    said.extend(complaints(&study.model, &level));
-    said.extend(unlisted_motions(&study, &level, ratio, forcing, &mut Random(!number)));
-    if said.is_empty() { said } else { vec![format!("{description}: {}; {level:#?}", said.join("; "))] }
+    checked.wrong.extend(complaints(&study.model, &level));
+    unlisted_motions(&study, &level, ratio, forcing, &mut Random(!number), &mut checked);
+    if !checked.wrong.is_empty() {
+        checked.wrong = vec![format!("{description}: {}; {level:#?}", checked.wrong.join("; "))];
+    }
+    checked
 }
 
 /// Motions on which the chain settles from rest, with the period of the forcing, and which no branch has.
-fn unlisted_motions(study: &Study, level: &[Listed], ratio: f64, forcing: f64, random: &mut Random) -> Vec<String> {
+fn unlisted_motions(
+    study: &Study,
+    level: &[Listed],
+    ratio: f64,
+    forcing: f64,
+    random: &mut Random,
+    checked: &mut Checked,
+) {
     // Something may be missing, and the level says so.
     let is_incomplete = |listed: &Listed| listed.kind == Kind::Unfinished || why_unfinished(&listed.branch).is_some();
     if level.iter().any(is_incomplete) {
-        return Vec::new();
+        return;
     }
     let (low, high) = level
         .iter()
@@ -148,7 +176,6 @@ fn unlisted_motions(study: &Study, level: &[Listed], ratio: f64, forcing: f64, r
         .fold((f64::INFINITY, 0.0f64), |(low, high), range| (low.min(range.0), high.max(range.1)));
     let march = March::new(&study.model);
     let curves: Vec<Curve> = level.iter().map(|listed| Curve::of(&study.model, &listed.branch)).collect();
-    let mut said = Vec::new();
     for _ in 0..3 {
         let omega = random.between(low, high);
         // What is left of the start falls to 1e-6 in 14/(ξω₁) seconds.
@@ -160,19 +187,19 @@ fn unlisted_motions(study: &Study, level: &[Listed], ratio: f64, forcing: f64, r
         if settled.beyond > 1e-3 {
             continue;
         }
+        checked.settled += 1;
         let place = Place { omega, motion: settled.series.into_iter().flatten().collect() };
         let nearest =
             curves.iter().map(|curve| curve.distance(&place)).map(|(distance, bulge)| distance - 0.25 * bulge);
         let nearest = nearest.fold(f64::INFINITY, f64::min);
         // Truncation, and points as far apart as they are.
         if nearest > 2e-3 + 3.0 * settled.beyond {
-            said.push(format!(
+            checked.wrong.push(format!(
                 "from rest it settles at {omega:.6} rad/s on {:.6}, which no branch has (nearest {nearest:.1e})",
                 settled.amplitude[study.model.monitors()[0]]
             ));
         }
     }
-    said
 }
 
 #[test]
@@ -180,13 +207,16 @@ fn what_is_listed_is_what_it_is_called() {
     let read =
         |name: &str, default: u64| std::env::var(name).ok().and_then(|text| text.parse().ok()).unwrap_or(default);
     let (first, count) = (read("ISOLA_CHAINS_FROM", 0), read("ISOLA_CHAINS", 24));
-    let mut wrong = Vec::new();
+    let (mut wrong, mut settled) = (Vec::new(), 0);
     for number in first..first + count {
         let begun = std::time::Instant::now();
-        let failures = failures(number);
-        let seconds = begun.elapsed().as_secs_f64();
-        println!("chain {number}: {seconds:.2} s, {}", if failures.is_empty() { "as it should be" } else { "wrong" });
-        wrong.extend(failures.into_iter().map(|failure| format!("chain {number}: {failure}")));
+        let checked = check(number);
+        let (seconds, verdict) =
+            (begun.elapsed().as_secs_f64(), if checked.wrong.is_empty() { "right" } else { "wrong" });
+        println!("chain {number}: {seconds:.2} s, {} motions from rest, {verdict}", checked.settled);
+        settled += checked.settled;
+        wrong.extend(checked.wrong.into_iter().map(|failure| format!("chain {number}: {failure}")));
     }
     assert!(wrong.is_empty(), "{} of {count} chains:\n{}", wrong.len(), wrong.join("\n"));
+    assert!(settled as u64 >= count / 4, "{settled} motions of {count} chains were compared");
 }

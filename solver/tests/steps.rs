@@ -88,6 +88,7 @@ fn check(name: &str, settings: Settings, forcings: &[f64]) {
     let mut differences = Vec::new();
     for &forcing in forcings {
         let expected = base.level(forcing);
+        println!("{name}, A = {forcing}: {expected:#?}");
         for (what, other) in &others {
             if let Some(difference) = difference(&expected, &other.level(forcing)) {
                 differences.push(format!("A = {forcing}, {what}: {difference}"));
@@ -119,7 +120,9 @@ fn impact_subharmonic() {
 
 #[test]
 fn two_masses_stop() {
-    check("two_masses_stop", with_harmonics(10), &[0.002, 0.02]);
+    let mut settings = with_harmonics(10);
+    settings.backbone.mode = 2;
+    check("two_masses_stop", settings, &[0.002, 0.005, 0.02]);
 }
 
 #[test]
@@ -129,5 +132,8 @@ fn cantilever_stop() {
 
 #[test]
 fn friction_mass() {
-    check("friction_mass", with_harmonics(5), &[0.05, 0.2]);
+    // The instants at which the slider sticks fall between samples: with 512 the peak is known to 2e-6 only.
+    let mut settings = with_harmonics(3);
+    settings.harmonics.samples = 4096;
+    check("friction_mass", settings, &[0.05, 0.2]);
 }
