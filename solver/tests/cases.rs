@@ -69,7 +69,8 @@ fn three_masses_with_friction_cubic_springs_and_a_stop() {
     let (omega, peak) = main_peak(&level);
     assert_close(peak, 0.287, 5e-4, "peak of q1");
     assert_close(omega, 1.632, 2e-3, "frequency of the peak of q1");
-    // Of the vibration: where the sliders rest decides on the means.
+    // Of the vibration. Sliders rest where their history has left them, which a periodic motion does not tell: means, and a
+    // little of the rest, depend on what is taken for the beginning.
     for (dof, expected) in [0.16726, 0.20625, 0.69868].into_iter().enumerate() {
         let rms = |point: &BranchPoint| {
             let series = point.state.displacement(&study.model, dof);
@@ -77,8 +78,7 @@ fn three_masses_with_friction_cubic_springs_and_a_stop() {
         };
         let points = of_kind(&level, Kind::Main).into_iter().flat_map(|listed| &listed.branch.points);
         let largest = points.map(rms).fold(0.0, f64::max);
-        // As far as points are dense.
-        assert_close(largest, expected, 2e-3 * expected, &format!("largest rms of q{}", dof + 1));
+        assert_close(largest, expected, 1e-2 * expected, &format!("largest rms of q{}", dof + 1));
     }
 }
 
