@@ -156,17 +156,17 @@ impl<'m> Balance<'m> {
             term = term.max(force.abs());
         };
         for i in 0..n {
-            for j in 0..n {
+            for (j, x) in x.iter().enumerate() {
                 let at = (i, j);
                 let (m, c, k) = (self.matrices.mass[at], self.matrices.damping[at], self.matrices.stiffness[at]);
-                add(&mut left, i, 0, k * x[j][0]);
+                add(&mut left, i, 0, k * x[0]);
                 for harmonic in 1..=state.harmonics {
                     let rate = harmonic as f64 * state.omega;
                     let (cosine, sine) = (2 * harmonic - 1, 2 * harmonic);
                     for (place, other, sign) in [(cosine, sine, 1.0), (sine, cosine, -1.0)] {
-                        add(&mut left, i, place, k * x[j][place]);
-                        add(&mut left, i, place, -rate * rate * m * x[j][place]);
-                        add(&mut left, i, place, sign * rate * c * x[j][other]);
+                        add(&mut left, i, place, k * x[place]);
+                        add(&mut left, i, place, -rate * rate * m * x[place]);
+                        add(&mut left, i, place, sign * rate * c * x[other]);
                     }
                 }
             }

@@ -73,7 +73,7 @@ impl<'m> March<'m> {
     }
 
     /// The motion of period 2π/ω on which the model settles from rest, within `periods` periods; `None` if it does not.
-    pub fn from_rest(&self, forcing: f64, omega: f64, harmonics: usize, periods: usize) -> Option<Settled> {
+    pub fn settle(&self, forcing: f64, omega: f64, harmonics: usize, periods: usize) -> Option<Settled> {
         let n = self.model.size();
         let fastest = self.model.modes().frequencies[n - 1].max(self.stiffest());
         let steps = ((TAU / omega) * fastest / 0.2).ceil().max(100.0) as usize;
