@@ -10,7 +10,7 @@ use std::f64::consts::TAU;
 use support::balance::Balance;
 use support::geometry::{Curve, Place, complaints};
 use support::march::March;
-use support::study::{Kind, Listed, Study, why_unfinished, with_harmonics};
+use support::study::{Kind, Listed, Study, of_kind, why_unfinished, with_harmonics};
 
 const HARMONICS: usize = 5;
 
@@ -142,10 +142,15 @@ fn check(number: u64) -> Checked {
         if let Some(point) = free.filter(|_| listed.kind != Kind::Main) {
             checked.wrong.push(format!("{} at {:.6} rad/s is the linear response", listed.name, point.omega()));
         }
-        // No bounds are given, and those that are chosen must not cut off what is there.
+        // No bounds are given, and those that are chosen must not cut off what is there: the main branch leads from below to
+        // above in one piece, unless it says that it is unfinished.
         if listed.kind == Kind::Cut || why_unfinished(&listed.branch) == Some(Stop::AmplitudeBound) {
             checked.wrong.push(format!("{} is cut off", listed.name));
         }
+    }
+    let mains = of_kind(&level, Kind::Main);
+    if mains.len() != 1 && mains.iter().all(|listed| why_unfinished(&listed.branch).is_none()) {
+        checked.wrong.push(format!("{} main branches", mains.len()));
     }
     checked.wrong.extend(complaints(&study.model, &level));
     unlisted_motions(&study, &level, ratio, forcing, &mut Random(!number), &mut checked);
