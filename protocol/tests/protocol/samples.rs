@@ -374,7 +374,8 @@ pub fn outcomes() -> (Vec<Outcome>, Vec<SeedOutcome>) {
         Failure::Singular,
     ];
     let rejections = failures.map(Rejection::Newton).into_iter();
-    let stalled = rejections.chain([Rejection::Angle(0.876), Rejection::Orientation]).map(Stop::Stalled);
+    let stalled =
+        rejections.chain([Rejection::Angle(0.876), Rejection::Orientation, Rejection::Distance]).map(Stop::Stalled);
     let others = [
         Stop::Start,
         Stop::Closed,
@@ -382,6 +383,7 @@ pub fn outcomes() -> (Vec<Outcome>, Vec<SeedOutcome>) {
         Stop::AmplitudeBound,
         Stop::PointBudget,
         Stop::Reversed,
+        Stop::Joined,
         Stop::Cancelled,
     ];
     let open = others.into_iter().chain(stalled).map(|stop| Outcome::Open(Stop::Start, stop));

@@ -68,6 +68,9 @@ impl Default for ContinuationSettings {
     }
 }
 
+/// Cosine between a step and the tangent at its end below which the tangent is computed anew.
+const STALE: f64 = 0.97;
+
 /// A converged point of the curve.
 #[derive(Debug, Clone)]
 pub struct CurvePoint {
@@ -116,6 +119,8 @@ pub struct Continuation<'p, P: Problem> {
     step: f64,
     /// Longest step that the problem allows from the current point.
     longest: f64,
+    /// Whether it limits steps at all.
+    is_narrow: bool,
     rejections: usize,
     /// Whether the tangent of the current point is that of its own Jacobian.
     refreshed: bool,
@@ -139,7 +144,8 @@ impl<'p, P: Problem> Continuation<'p, P> {
         let mut newton = Newton::default();
         let row = weighted(problem.metric(), &unit(problem.metric(), direction.to_vec()));
         let current = land(problem, &mut newton, y, &row, &settings)?;
-        let longest = problem.longest_step(&current.y, &current.tangent).min(settings.max_step);
+        let allowed = problem.longest_step(&current.y, &current.tangent);
+        let (longest, is_narrow) = (allowed.min(settings.max_step), allowed.is_finite());
         let step = settings.initial_step.min(longest);
         Ok(Self {
             problem,
@@ -149,6 +155,7 @@ impl<'p, P: Problem> Continuation<'p, P> {
             previous: None,
             step,
             longest,
+            is_narrow,
             rejections: 0,
             refreshed: false,
             stalled: None,
@@ -270,6 +277,14 @@ impl<'p, P: Problem> Continuation<'p, P> {
         norm(self.problem.metric(), &miss) < 1e-3 * distance
     }
 
+    /// Whether the tangent has little to do with the step that led here, on a curve that may turn within a narrow range.
+    fn has_stale_tangent(&self) -> bool {
+        let Some(previous) = self.previous.as_ref().filter(|_| self.is_narrow) else { return false };
+        let metric = self.problem.metric();
+        let moved: Vec<f64> = self.current.y.iter().zip(previous).map(|(a, b)| a - b).collect();
+        inner(metric, &moved, &self.current.tangent) < STALE * norm(metric, &moved)
+    }
+
     /// The tangent comes from the last matrix factorised, which belongs to a point nearby: where the curve turns sharply
     /// that is not good enough, however short the step.
     fn refresh_tangent(&mut self) {
@@ -309,8 +324,11 @@ impl<P: Problem> Iterator for Continuation<'_, P> {
                 Ok(point) => {
                     self.adapt(&point);
                     self.refreshed = false;
-                    self.previous = Some(std::mem::replace(&mut self.current, point.clone()).y);
-                    return Some(point);
+                    self.previous = Some(std::mem::replace(&mut self.current, point).y);
+                    if self.has_stale_tangent() {
+                        self.refresh_tangent();
+                    }
+                    return Some(self.current.clone());
                 }
                 Err(rejection) => {
                     self.rejections += 1;

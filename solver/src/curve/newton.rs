@@ -65,12 +65,19 @@ impl Default for NewtonSettings {
     }
 }
 
-/// Largest error of a converged motion, relative, as estimated from the last step and what it left of the residual. Near a
-/// lightly damped resonance a small residual alone does not make a small error.
-const ACCURACY: f64 = 1e-8;
+/// Largest error of a converged motion, relative, as estimated from the last step. Near a lightly damped resonance a small
+/// residual alone does not make a small error.
+const ACCURACY: f64 = 1e-7;
+
+/// What a step leaves of the error at least, as far as can be told: after a new factorisation, and after one that was used
+/// again, where what falls slowly may be hidden behind what falls fast.
+const LEFT: [f64; 2] = [1e-3, 0.5];
 
 /// A residual that an iteration leaves larger than this share of what it was has stopped falling.
 const STAGNATION: f64 = 0.3;
+
+/// Over so many damped steps the residual has to fall to half, or the iteration is given up.
+const PATIENCE: usize = 8;
 
 /// Most steps expected with one factorisation before a new one is worth its cost.
 const SIMPLIFIED_STEPS: f64 = 3.0;
@@ -115,7 +122,8 @@ impl Newton {
         let mut residual = problem.linearise(y);
         let mut mismatch = constraint.linearise(problem.metric(), y, &mut self.row);
         let (mut iterations, mut factorisations) = (0, 0);
-        let (mut reuse, mut contraction) = (false, 1.0);
+        let (mut reuse, mut is_simplified, mut contraction) = (false, false, 1.0);
+        let mut milestone = residual;
         loop {
             if !residual.is_finite() || !mismatch.is_finite() {
                 return Err(Failure::Diverged);
@@ -123,16 +131,23 @@ impl Newton {
             // At least one step: the direction of the curve comes from its factorisation.
             if iterations > 0 && mismatch.abs() < 1e-9 {
                 let metric = problem.motion_metric();
-                let is_accurate = || contraction * norm(metric, &self.step) <= ACCURACY * norm(metric, y);
+                let left = f64::max(contraction, LEFT[usize::from(is_simplified)]);
+                let is_accurate = || left * norm(metric, &self.step) <= ACCURACY * norm(metric, y);
                 let cannot_improve = || contraction > STAGNATION && residual <= problem.rounding();
                 if (residual < settings.tolerance && is_accurate()) || cannot_improve() {
                     return Ok(Convergence { iterations, factorisations, residual });
                 }
             }
-            if iterations == settings.max_iterations {
+            let mut is_stuck = false;
+            if settings.damped && iterations > 0 && iterations % PATIENCE == 0 {
+                is_stuck = residual > 0.5 * milestone;
+                milestone = residual;
+            }
+            if is_stuck || iterations == settings.max_iterations {
                 return Err(Failure::NotConverged { iterations, residual });
             }
-            if !(reuse && problem.is_factorisation_current()) {
+            is_simplified = reuse && problem.is_factorisation_current();
+            if !is_simplified {
                 problem.factor(&self.row).map_err(|_| Failure::Singular)?;
                 factorisations += 1;
             }

@@ -21,6 +21,8 @@ pub enum Stop {
     Stalled(Rejection),
     /// It turned back and walked along itself.
     Reversed,
+    /// It came to a branch that was known: what follows is part of that.
+    Joined,
     /// Whoever drives it asked to stop.
     Cancelled,
 }
@@ -35,6 +37,7 @@ impl std::fmt::Display for Stop {
             Stop::PointBudget => write!(f, "point budget used up"),
             Stop::Stalled(rejection) => write!(f, "stalled at the smallest step: {rejection}"),
             Stop::Reversed => write!(f, "turned back along itself"),
+            Stop::Joined => write!(f, "known branch"),
             Stop::Cancelled => write!(f, "cancelled"),
         }
     }

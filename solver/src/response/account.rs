@@ -72,12 +72,14 @@ impl Account {
     /// Whether a task is still of use: stepping in the forcing is not where fixed frequencies have led to a branch, and no
     /// seed is without a main branch to tell isolas from.
     pub fn needs(&self, task: &Task) -> bool {
-        let Task::Seed(SeedPlace { window, way, .. }) = task else { return true };
+        let Task::Seed(SeedPlace { window, well, phase, way }) = task else { return true };
         if !self.has_main() && !self.mains.is_empty() {
             return false;
         }
-        let found =
-            |seed: &SeedAccount| seed.way == Way::FixedFrequency && matches!(seed.outcome, SeedOutcome::Found(_));
+        let found = |seed: &SeedAccount| {
+            let is_the_same = seed.minimum == well.best && seed.phase == *phase && seed.way == Way::FixedFrequency;
+            is_the_same && matches!(seed.outcome, SeedOutcome::Found(_))
+        };
         *way == Way::FixedFrequency || !self.windows[*window].seeds.iter().any(found)
     }
 

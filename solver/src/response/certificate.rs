@@ -39,7 +39,7 @@ impl Standing {
 fn goes_on_higher(stop: &Stop) -> bool {
     match stop {
         Stop::AmplitudeBound => true,
-        Stop::Start | Stop::Closed | Stop::FrequencyBound => false,
+        Stop::Start | Stop::Closed | Stop::FrequencyBound | Stop::Joined => false,
         Stop::PointBudget | Stop::Stalled(_) | Stop::Reversed | Stop::Cancelled => true,
     }
 }
@@ -49,7 +49,7 @@ fn goes_on_higher(stop: &Stop) -> bool {
 pub struct Certificate {
     /// Largest penetration of a contact over its gap.
     pub penetration: Option<f64>,
-    /// Largest share (rms) of the contact pressure beyond H.
+    /// Share (rms, over the whole branch) of the contact pressure beyond H.
     pub pressure_beyond: Option<f64>,
     /// The peak, converged again with 2 H harmonics.
     pub doubled: Option<Doubled>,

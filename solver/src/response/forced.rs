@@ -17,6 +17,7 @@ use crate::response::backbone::Backbone;
 use crate::response::branch::{Branch, BranchKind, BranchPoint, Certificate, Observer, Outcome, Side, Stop, Visited};
 use crate::response::forcing::{Unreached, from_rest};
 use crate::response::special::with_special_points;
+use crate::response::truncation::certificate;
 use crate::settings::{Settings, SettingsError};
 use crate::structure::Model;
 use serde::{Deserialize, Serialize};
@@ -66,8 +67,12 @@ impl Reach {
 /// Where a backbone ends early, main branches are walked up to this multiple of its lowest frequency.
 const FAR: f64 = 4.0;
 
-/// Beyond the frequencies swept, branches are followed down to half the lowest and up to twice the highest.
-const WIDEST: (f64, f64) = (0.5, 2.0);
+/// Beyond the frequencies swept, branches are followed down to a tenth of the lowest and up to ten times the highest.
+const WIDEST: (f64, f64) = (0.1, 10.0);
+
+/// Where the response is not linear at the ends of the frequencies swept, main branches start at half the lowest or twice the
+/// highest.
+const OUTSIDE: (f64, f64) = (0.5, 2.0);
 
 /// No branch is followed beyond this multiple of the largest amplitude that backbone, scales and linear resonance suggest.
 const RUNAWAY: f64 = 1e4;
@@ -145,6 +150,15 @@ impl<'m, F: Formulation<'m>> Forced<'m, F> {
         (WIDEST.0 * low, WIDEST.1 * high)
     }
 
+    /// Ends of the frequency range at which a main branch may start from a side, the nearest first.
+    fn entries(&self, side: Side) -> [f64; 2] {
+        let (low, high) = self.reach.swept();
+        match side {
+            Side::Below => [low, OUTSIDE.0 * low],
+            Side::Above => [high, OUTSIDE.1 * high],
+        }
+    }
+
     fn bounds(&self, frequency: (f64, f64), closes: bool) -> Bounds {
         let scales = self.problem.scales();
         let linear = scales.length * self.forcing / scales.forcing;
@@ -168,7 +182,7 @@ impl<'m, F: Formulation<'m>> Forced<'m, F> {
         }
         let bounds = self.bounds(self.widest(), false);
         let (swept, study) = (self.reach.swept(), self.reach.frequency);
-        let newton = self.landing();
+        let (newton, given) = (self.landing(), self.settings.frequency);
         let mut continuation = Continuation::start(&mut self.problem, y, &direction, self.settings.continuation)?;
         let mut ending = |problem: &mut F, last: &Visited| {
             let (omega, towards) = (last.point.omega(), last.curve.tangent[problem.len() - problem.parameters()]);
@@ -176,7 +190,14 @@ impl<'m, F: Formulation<'m>> Forced<'m, F> {
             (leaves && is_ordinary(problem, &newton, &last.point.state)).then_some(Stop::FrequencyBound)
         };
         let (visited, stop) = walk(&mut continuation, &bounds, observer, &mut ending);
-        let visited = trimmed(&mut continuation, visited, study);
+        // Beyond bounds that nobody gave, what is not the ordinary response belongs to the branch.
+        let is_given =
+            |omega: f64| (given.min.is_some() && omega < study.0) || (given.max.is_some() && omega > study.1);
+        let ends_ordinarily = |problem: &mut F, end: &State| is_ordinary(problem, &newton, end);
+        let end = visited.last().map(|last| last.point.state.clone());
+        let may_end = stop == Stop::FrequencyBound
+            && end.is_some_and(|end| is_given(end.omega) || ends_ordinarily(continuation.problem(), &end));
+        let visited = trimmed(&mut continuation, visited, study, may_end);
         let rejections = continuation.rejections();
         let walked = Walked { visited, start: 0, outcome: Outcome::Open(Stop::Start, stop), rejections };
         Ok(self.finish(walked, BranchKind::Main))
@@ -184,17 +205,16 @@ impl<'m, F: Formulation<'m>> Forced<'m, F> {
 
     /// First state of a main branch.
     fn main_start(&mut self, side: Side) -> Result<State, Unreached> {
-        let end = |(low, high): (f64, f64)| if side == Side::Below { low } else { high };
-        let mut last = 0.0;
-        for omega in [end(self.reach.swept()), end(self.widest())] {
+        let [near, far] = self.entries(side);
+        for omega in [near, far] {
             let linear = forced_response(&self.problem, self.forcing, omega).map_err(|_| Failure::Singular)?;
             match self.converge(&linear) {
                 Ok(state) if self.distance(&state, &linear) < LINEAR => return Ok(state),
-                _ => last = omega,
+                _ => {}
             }
         }
-        let started = from_rest::<F>(self.model, &self.settings, self.forcing, last);
-        started.or_else(|_| from_rest::<F>(self.model, &self.settings, self.forcing, end(self.reach.swept())))
+        let started = from_rest::<F>(self.model, &self.settings, self.forcing, far);
+        started.or_else(|_| from_rest::<F>(self.model, &self.settings, self.forcing, near))
     }
 
     /// Whether a response is what grows out of the linear one: linear, or not far from it and what Newton's method finds from
@@ -234,6 +254,11 @@ impl<'m, F: Formulation<'m>> Forced<'m, F> {
             (Stop::AmplitudeBound, _) => self.settings.branch.max_amplitude.is_some(),
             _ => false,
         })
+    }
+
+    /// Computes what the certificate of a branch says: how much its truncation to H harmonics leaves open.
+    pub fn certify(&self, branch: &mut Branch, observer: &mut Observer<'_>) {
+        branch.certificate = certificate::<F>(self.model, &self.settings, branch, observer);
     }
 
     /// Forced responses of a branch close to quadrature with the forcing, Re(X_m·s) = 0: the resonances.
@@ -338,18 +363,20 @@ fn is_ordinary<'m, F: Formulation<'m>>(problem: &mut F, settings: &NewtonSetting
 }
 
 /// What is left of a walk if it begins where it first enters a range of frequencies and ends where it last leaves it, with
-/// points at the bounds themselves. A walk that is never inside, or does not leave, keeps its end.
+/// points at the bounds themselves. A walk that is never inside, or does not leave, keeps its end; one that may not end there
+/// keeps it as well.
 fn trimmed<'m, F: Formulation<'m>>(
     continuation: &mut Continuation<'_, F>,
     mut visited: Vec<Visited>,
     (low, high): (f64, f64),
+    may_end: bool,
 ) -> Vec<Visited> {
     let slack = 1e-9 * high;
     let inside = |v: &Visited| (low - slack..=high + slack).contains(&v.point.omega());
     let (Some(first), Some(last)) = (visited.iter().position(inside), visited.iter().rposition(inside)) else {
         return visited;
     };
-    if last + 1 < visited.len() {
+    if may_end && last + 1 < visited.len() {
         visited.truncate(last + 2);
         end_at_bound(continuation, &mut visited, (low, high));
     }

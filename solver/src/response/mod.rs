@@ -14,4 +14,5 @@ pub mod name;
 pub mod seeds;
 mod special;
 pub mod task;
+mod truncation;
 pub mod windows;

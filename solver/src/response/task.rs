@@ -5,7 +5,7 @@ use crate::formulation::Formulation;
 use crate::formulation::modal::Modal;
 use crate::formulation::state::State;
 use crate::response::backbone::Backbone;
-use crate::response::branch::{Branch, BranchKind, Observer, Outcome, Side, Stop};
+use crate::response::branch::{Branch, BranchKind, Observer, Outcome, Side, SpecialPoint, Stop};
 use crate::response::forced::Forced;
 use crate::response::forcing::Unreached;
 pub use crate::response::name::BranchId;
@@ -165,8 +165,17 @@ pub fn carry_out<'m, F: Formulation<'m>>(
             .unwrap_or_else(|failure| Finding::Nothing(SeedOutcome::NotTraced(failure))),
         Task::Seed(SeedPlace { way, .. }) => follow(forced, seeds, *way, known, observer),
     };
-    let cancelled = matches!(&finding, Finding::Branch(branch) if branch.is_cancelled());
-    (!cancelled).then_some(finding)
+    let Finding::Branch(mut branch) = finding else { return Some(finding) };
+    if branch.is_cancelled() {
+        return None;
+    }
+    let mut is_cancelled = false;
+    forced.certify(&mut branch, &mut |point| {
+        let flow = observer(point);
+        is_cancelled |= flow.is_break();
+        flow
+    });
+    (!is_cancelled).then_some(Finding::Branch(branch))
 }
 
 /// Traces the main branch from a side, unless it is known.
@@ -182,12 +191,60 @@ fn enter<'m, F: Formulation<'m>>(
         }
     }
     let branch = forced.main_branch(side, observer)?;
-    let ends = [branch.points.first(), branch.points.last()];
-    let met = ends.into_iter().flatten().find_map(|end| identify(forced, &end.state, known));
-    match met {
-        Some(id) if !branch.is_cancelled() => Ok(Finding::Nothing(SeedOutcome::Found(id))),
-        _ => Ok(Finding::Branch(branch)),
+    Ok(match unknown_part(forced, branch, known) {
+        Ok(branch) => Finding::Branch(branch),
+        Err(id) => Finding::Nothing(SeedOutcome::Found(id)),
+    })
+}
+
+/// What of an open branch is not part of a known one, from where it leaves that to where it comes to it.
+///
+/// # Errors
+/// The known branch, if both ends lie on it.
+fn unknown_part<'m, F: Formulation<'m>>(
+    forced: &mut Forced<'m, F>,
+    mut branch: Branch,
+    known: &[(BranchId, &Branch)],
+) -> Result<Branch, BranchId> {
+    let Outcome::Open(mut first, mut last) = branch.outcome else { return Ok(branch) };
+    if branch.is_cancelled() || branch.points.is_empty() {
+        return Ok(branch);
     }
+    let mut at = |index: usize| identify(forced, &branch.points[index].state, known);
+    let count = branch.points.len();
+    let (begin, end) = match (at(0), at(count - 1)) {
+        (Some(id), Some(_)) => return Err(id),
+        (None, None) => return Ok(branch),
+        (Some(_), None) => (boundary(count, |index| at(index).is_some()), count),
+        (None, Some(_)) => (0, boundary(count, |index| at(index).is_none())),
+    };
+    if begin > 0 {
+        first = Stop::Joined;
+    }
+    if end < count {
+        last = Stop::Joined;
+    }
+    branch.outcome = Outcome::Open(first, last);
+    branch.points.truncate(end + usize::from(end < count));
+    branch.points.drain(..begin.saturating_sub(1));
+    let shift = begin.saturating_sub(1);
+    let special = branch.special.iter().filter(|s| (begin..end).contains(&s.index));
+    branch.special = special.map(|s| SpecialPoint { index: s.index - shift, ..*s }).collect();
+    Ok(branch)
+}
+
+/// First of `count` indices for which a condition does not hold that holds up to there, for the first one at least.
+fn boundary(count: usize, mut holds: impl FnMut(usize) -> bool) -> usize {
+    let (mut low, mut high) = (0, count);
+    while high - low > 1 {
+        let middle = low + (high - low) / 2;
+        if holds(middle) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    high
 }
 
 /// Whether a main branch ends at the other side of the range with the response that one from there would begin with.
@@ -226,7 +283,13 @@ fn follow<'m, F: Formulation<'m>>(
             Some(_) => SeedOutcome::NotLanded(LandingFailure::Far(landing.distance)),
             None if !forced.contains(&landing.state) => SeedOutcome::OutOfBounds,
             None => match forced.branch_through(&landing.state, observer) {
-                Ok(branch) => return Finding::Branch(named(forced, branch, known)),
+                Ok(branch) => {
+                    let branch = named(forced, branch, known);
+                    return match unknown_part(forced, branch, known) {
+                        Ok(branch) => Finding::Branch(branch),
+                        Err(id) => Finding::Nothing(SeedOutcome::Found(id)),
+                    };
+                }
                 Err(failure) => SeedOutcome::NotTraced(failure.into()),
             },
         };

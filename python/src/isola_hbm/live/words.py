@@ -13,6 +13,7 @@ _STOPS = {
     "amplitude_bound": "amplitude bound",
     "point_budget": "point budget used up",
     "reversed": "turned back along itself",
+    "joined": "known branch",
     "cancelled": "cancelled",
 }
 _FAILURES = {

@@ -1,0 +1,223 @@
+//! What the harmonics that were left out would change: penetration, pressure beyond H, and the peak with twice the harmonics.
+
+use crate::curve::continuation::{Continuation, CurvePoint};
+use crate::curve::extrema::locate_maximum;
+use crate::curve::walk::{Evaluated, Visited};
+use crate::formulation::Formulation;
+use crate::formulation::harmonics::{Transform, width};
+use crate::formulation::modal::Modal;
+use crate::formulation::scales::Scales;
+use crate::formulation::state::State;
+use crate::formulation::unknown::Unknown;
+use crate::response::branch::{Branch, BranchPoint, Observer};
+use crate::response::certificate::{Certificate, Doubled};
+use crate::settings::{HarmonicSettings, Settings};
+use crate::structure::Model;
+use crate::structure::laws::Law;
+
+/// Steps towards a peak that has moved, before giving up.
+const STEPS: usize = 80;
+
+/// Points beside a peak from which it is climbed.
+const BESIDE: usize = 2;
+
+/// The certificate of a branch. The observer is told of every step; breaking leaves out what is missing.
+pub(super) fn certificate<'m, F: Formulation<'m>>(
+    model: &'m Model,
+    settings: &Settings,
+    branch: &Branch,
+    observer: &mut Observer<'_>,
+) -> Certificate {
+    let (penetration, pressure_beyond) = of_contacts(model, settings.harmonics, branch);
+    Certificate { penetration, pressure_beyond, doubled: doubled::<F>(model, settings, branch, observer) }
+}
+
+/// Largest penetration of a rigid contact over its gap, and share of the pressure (rms, over all contacts and points) beyond H;
+/// nothing without such contacts, or where none is ever pressed.
+fn of_contacts(model: &Model, truncation: HarmonicSettings, branch: &Branch) -> (Option<f64>, Option<f64>) {
+    let modal = Modal::new(model);
+    let contacts: Vec<(usize, f64)> =
+        model.numbered().filter_map(|(channel, element)| Some((channel, element.law.rigid()?.gap))).collect();
+    if contacts.is_empty() {
+        return (None, None);
+    }
+    let mut pressure = Pressure::new(truncation);
+    let mut penetration: Option<f64> = None;
+    let (mut all, mut left_out) = (0.0, 0.0);
+    for state in branch.points.iter().map(|point| &point.state) {
+        for &(channel, gap) in &contacts {
+            let nc = width(state.harmonics);
+            let Some([whole, rest]) = pressure.energies(&state.arguments[channel * nc..(channel + 1) * nc]) else {
+                continue;
+            };
+            (all, left_out) = (all + whole, left_out + rest);
+            if gap > 0.0 {
+                let series = state.combine(modal.shape(channel).iter().copied());
+                let depth = pressure.largest(&series) / gap - 1.0;
+                penetration = Some(penetration.unwrap_or(0.0).max(depth));
+            }
+        }
+    }
+    (penetration, (all > 0.0).then(|| (left_out / all).max(0.0).sqrt()))
+}
+
+/// Contact pressures over a period.
+struct Pressure {
+    transform: Transform,
+    samples: Vec<f64>,
+    unused: Vec<f64>,
+}
+
+impl Pressure {
+    fn new(truncation: HarmonicSettings) -> Self {
+        let samples = vec![0.0; truncation.samples];
+        Self { transform: Transform::new(truncation.count, truncation.samples), unused: samples.clone(), samples }
+    }
+
+    /// Mean square of λ = max(0, p), and of its part beyond H; nothing if it is not pressed.
+    fn energies(&mut self, predicted: &[f64]) -> Option<[f64; 2]> {
+        self.transform.synthesise(predicted, None, &mut self.samples, &mut self.unused);
+        self.samples.iter_mut().for_each(|p| *p = p.max(0.0));
+        let whole = self.samples.iter().map(|p| p * p).sum::<f64>() / self.samples.len() as f64;
+        if whole == 0.0 {
+            return None;
+        }
+        let mut coefficients = [(); 2].map(|()| vec![Default::default(); self.transform.harmonics() + 1]);
+        let [ours, others] = &mut coefficients;
+        self.unused.fill(0.0);
+        self.transform.analyse(&self.samples, &self.unused, ours, others);
+        let kept: f64 =
+            ours.iter().enumerate().map(|(k, c)| if k == 0 { c.norm_sqr() } else { 2.0 * c.norm_sqr() }).sum();
+        Some([whole, whole - kept])
+    }
+
+    /// Largest value over the samples of a period.
+    fn largest(&mut self, series: &[f64]) -> f64 {
+        self.transform.synthesise(series, None, &mut self.samples, &mut self.unused);
+        self.samples.iter().copied().fold(f64::NEG_INFINITY, f64::max)
+    }
+}
+
+/// The peak converged again with 2 H harmonics, if it is a maximum of the branch and its like is found there.
+fn doubled<'m, F: Formulation<'m>>(
+    model: &'m Model,
+    settings: &Settings,
+    branch: &Branch,
+    observer: &mut Observer<'_>,
+) -> Option<Doubled> {
+    let (points, n) = (&branch.points, branch.points.len());
+    let peak = (0..n).max_by(|&a, &b| points[a].amplitude().total_cmp(&points[b].amplitude()))?;
+    if n < 3 || (!branch.is_closed() && (peak == 0 || peak + 1 == n)) {
+        return None;
+    }
+    let truncation = HarmonicSettings {
+        count: 2 * settings.harmonics.count,
+        samples: settings.harmonics.samples.max(8 * settings.harmonics.count),
+        ..settings.harmonics
+    };
+    let unknown = Unknown::Frequency { forcing: branch.forcing };
+    let scales = Scales::new(model, settings.tracked());
+    let mut problem = F::build(model, truncation, settings.tracked(), unknown, scales).ok()?;
+    // From a little before the peak, so that it lies ahead if it has not moved.
+    let (before, after) = if branch.is_closed() {
+        ((peak + n - BESIDE % n) % n, (peak + BESIDE) % n)
+    } else {
+        (peak.saturating_sub(BESIDE), (peak + BESIDE).min(n - 1))
+    };
+    let [before, after] = [before, after].map(|i| problem.encode(&with_harmonics(&points[i].state, truncation.count)));
+    let found = climb(&mut problem, settings, [before, after], observer)?;
+    let omega = points[peak].omega();
+    Some(Doubled { amplitude: found.amplitude(), shift: found.omega() / omega - 1.0 })
+}
+
+/// The maximum of the amplitude on the curve near two states, uphill from either towards the other.
+fn climb<'m, F: Formulation<'m>>(
+    problem: &mut F,
+    settings: &Settings,
+    [before, after]: [Vec<f64>; 2],
+    observer: &mut Observer<'_>,
+) -> Option<BranchPoint> {
+    for (from, to) in [(&before, &after), (&after, &before)] {
+        let direction: Vec<f64> = to.iter().zip(from).map(|(to, from)| to - from).collect();
+        let mut continuation = Continuation::start(problem, from.clone(), &direction, settings.continuation).ok()?;
+        let first = continuation.current().clone();
+        let mut visited = vec![evaluated(&mut continuation, first)];
+        for _ in 0..STEPS {
+            let Some(curve) = continuation.next() else { break };
+            let next = evaluated(&mut continuation, curve);
+            if observer(&next.point).is_break() {
+                return None;
+            }
+            visited.push(next);
+            let [.., before, last] = visited.as_slice() else { break };
+            if last.point.amplitude() < before.point.amplitude() {
+                break;
+            }
+        }
+        // Downhill at once: uphill is the other way.
+        let n = visited.len();
+        if n < 3 {
+            continue;
+        }
+        let top = n - 2;
+        let values = [top - 1, top, n - 1].map(|i| visited[i].point.amplitude());
+        if values[1] < values[2] {
+            continue;
+        }
+        let arcs = (visited[top].curve.step, visited[n - 1].curve.step);
+        let measure = |_: &mut F, v: &Visited<BranchPoint>| v.point.amplitude();
+        let maximum = locate_maximum(&mut continuation, &visited, top, arcs, values, &measure);
+        return Some(maximum.located.map_or_else(|| visited[top].point.clone(), |(_, located)| located.point));
+    }
+    None
+}
+
+fn evaluated<'m, F: Formulation<'m>>(
+    continuation: &mut Continuation<'_, F>,
+    curve: CurvePoint,
+) -> Visited<BranchPoint> {
+    let point = BranchPoint::evaluate(continuation.problem(), &curve);
+    Visited { curve, point }
+}
+
+/// The same motion as a longer series.
+fn with_harmonics(state: &State, harmonics: usize) -> State {
+    let (from, to) = (width(state.harmonics), width(harmonics));
+    let longer = |series: &[f64]| {
+        series.chunks(from).flat_map(|s| s.iter().copied().chain(std::iter::repeat_n(0.0, to - from))).collect()
+    };
+    State { harmonics, arguments: longer(&state.arguments), modal: longer(&state.modal), ..*state }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::formulation::harmonics::complex;
+
+    #[test]
+    fn pressure_beyond_the_truncation() {
+        // max(0, cos τ): mean square 1/4; mean 1/π, first harmonic 1/2, second 2/(3π).
+        let mut pressure = Pressure::new(HarmonicSettings { count: 2, samples: 4096, ..HarmonicSettings::default() });
+        let [whole, beyond] = pressure.energies(&[0.0, 1.0, 0.0, 0.0, 0.0]).unwrap();
+        let pi = std::f64::consts::PI;
+        let expected = 0.25 - 1.0 / (pi * pi) - 0.125 - 2.0 / (9.0 * pi * pi);
+        assert!((whole - 0.25).abs() < 1e-6 && (beyond - expected).abs() < 1e-6, "{whole}, {beyond}");
+        assert!(pressure.energies(&[-2.0, 1.0, 0.0, 0.0, 0.0]).is_none());
+        assert!((pressure.largest(&[0.5, 0.0, 2.0, 0.0, 0.0]) - 2.5).abs() < 1e-4);
+    }
+
+    #[test]
+    fn longer_series_are_the_same_motion() {
+        let state = State {
+            harmonics: 1,
+            omega: 2.0,
+            decay: 0.0,
+            forcing: 1.0,
+            arguments: vec![1.0, 2.0, 3.0],
+            modal: vec![4.0, 5.0, 6.0, 7.0, 8.0, 9.0],
+        };
+        let longer = with_harmonics(&state, 2);
+        assert_eq!(longer.modal, [4.0, 5.0, 6.0, 0.0, 0.0, 7.0, 8.0, 9.0, 0.0, 0.0]);
+        assert_eq!(complex(longer.mode(1), 1), complex(state.mode(1), 1));
+    }
+}
