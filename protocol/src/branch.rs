@@ -48,7 +48,7 @@ impl From<&Branch> for BranchMessage {
 impl BranchMessage {
     /// What kind of branch it is, as far as its ends tell where it does not say so.
     pub fn kind(&self) -> BranchKind {
-        self.kind.unwrap_or_else(|| BranchKind::of_detached(&self.outcome))
+        self.kind.unwrap_or_else(|| BranchKind::of_detached(&self.outcome, false))
     }
 
     /// The branch, for a model of this size.

@@ -36,7 +36,8 @@ pub enum Corrector {
 pub struct ContinuationSettings {
     /// First step. Default 0.02.
     pub initial_step: f64,
-    /// Smallest step: a branch that needs a smaller one has stalled. Default 1e-7.
+    /// Smallest step: a branch that needs a smaller one has stalled. Default 1e-7. Where the problem itself allows no more
+    /// than a shorter step than `max_step`, it is smaller by as much.
     pub min_step: f64,
     /// Largest step. Default 0.1.
     pub max_step: f64,
@@ -96,9 +97,13 @@ pub enum Rejection {
     /// The point lies too far off the tangent.
     #[error("the point lies off the tangent (cosine {0:.2})")]
     Angle(f64),
-    /// The determinant changed its sign: the corrector may have hopped to another part of the curve.
+    /// The determinant changed its sign, and the way back does not lead here: the corrector has hopped to another part of
+    /// the curve.
     #[error("the curve changes its orientation")]
     Orientation,
+    /// The point differs too much from the last one to be its neighbour: the corrector has hopped across a resonance.
+    #[error("the response changes too much within a step")]
+    Distance,
 }
 
 /// Continuation of one curve in one direction.
@@ -109,6 +114,8 @@ pub struct Continuation<'p, P: Problem> {
     current: CurvePoint,
     previous: Option<Vec<f64>>,
     step: f64,
+    /// Longest step that the problem allows from the current point.
+    longest: f64,
     rejections: usize,
     /// Whether the tangent of the current point is that of its own Jacobian.
     refreshed: bool,
@@ -132,7 +139,8 @@ impl<'p, P: Problem> Continuation<'p, P> {
         let mut newton = Newton::default();
         let row = weighted(problem.metric(), &unit(problem.metric(), direction.to_vec()));
         let current = land(problem, &mut newton, y, &row, &settings)?;
-        let step = settings.initial_step;
+        let longest = problem.longest_step(&current.y, &current.tangent).min(settings.max_step);
+        let step = settings.initial_step.min(longest);
         Ok(Self {
             problem,
             settings,
@@ -140,6 +148,7 @@ impl<'p, P: Problem> Continuation<'p, P> {
             current,
             previous: None,
             step,
+            longest,
             rejections: 0,
             refreshed: false,
             stalled: None,
@@ -151,6 +160,11 @@ impl<'p, P: Problem> Continuation<'p, P> {
     /// The point reached.
     pub fn current(&self) -> &CurvePoint {
         &self.current
+    }
+
+    /// Its settings.
+    pub fn settings(&self) -> &ContinuationSettings {
+        &self.settings
     }
 
     /// The problem, for whoever evaluates the points.
@@ -231,10 +245,29 @@ impl<'p, P: Problem> Continuation<'p, P> {
         if cosine < self.settings.min_cosine {
             return Err(Rejection::Angle(cosine));
         }
-        if point.orientation != from.orientation && self.step > 64.0 * self.settings.min_step {
+        if !self.problem.are_neighbours(&from.y, &point.y) {
+            return Err(Rejection::Distance);
+        }
+        // Where two curves nearly meet, the way across leads back too, as long as the step is longer than the gap.
+        let is_crossing = |this: &mut Self| this.step <= 64.0 * this.shortest() && this.leads_back(&point, &from);
+        if point.orientation != from.orientation && !is_crossing(self) {
             return Err(Rejection::Orientation);
         }
         Ok(point)
+    }
+
+    /// Whether the way back from a point along its own tangent leads to the one it was reached from, as it does where
+    /// curves cross. After a hop to another part of the curve it leads past it.
+    fn leads_back(&mut self, point: &CurvePoint, from: &CurvePoint) -> bool {
+        let metric = self.problem.metric();
+        let row = weighted(metric, &point.tangent);
+        let back: Vec<f64> = point.y.iter().zip(&from.y).map(|(p, f)| p - f).collect();
+        let distance = norm(metric, &back);
+        let arc = inner(metric, &back, &point.tangent);
+        let y = point.y.iter().zip(&point.tangent).map(|(y, t)| y - arc * t).collect();
+        let Ok(landed) = land(self.problem, &mut self.newton, y, &row, &self.settings) else { return false };
+        let miss: Vec<f64> = landed.y.iter().zip(&from.y).map(|(a, b)| a - b).collect();
+        norm(self.problem.metric(), &miss) < 1e-3 * distance
     }
 
     /// The tangent comes from the last matrix factorised, which belongs to a point nearby: where the curve turns sharply
@@ -257,7 +290,13 @@ impl<'p, P: Problem> Continuation<'p, P> {
         let by_effort = 2.0f64.powf(-0.5 * excess);
         let by_turn = if turn > 1e-12 { 0.3 / turn } else { f64::INFINITY };
         let factor = by_effort.min(by_turn).clamp(0.5, 2.0);
-        self.step = (self.step * factor).min(self.settings.max_step);
+        self.longest = self.problem.longest_step(&point.y, &point.tangent).min(self.settings.max_step);
+        self.step = (self.step * factor).min(self.longest);
+    }
+
+    /// Below this length a step is given up.
+    fn shortest(&self) -> f64 {
+        self.settings.min_step * (self.longest / self.settings.max_step)
     }
 }
 
@@ -277,7 +316,7 @@ impl<P: Problem> Iterator for Continuation<'_, P> {
                     self.rejections += 1;
                     self.refresh_tangent();
                     self.step *= 0.5;
-                    if self.step < self.settings.min_step {
+                    if self.step < self.shortest() {
                         self.stalled = Some(rejection);
                         return None;
                     }

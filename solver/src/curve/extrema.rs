@@ -59,10 +59,11 @@ pub fn locate_maximum<P: Problem, T: Evaluated<P>>(
     let centre = &visited[anchor];
     let (mut lower, mut best, mut upper) = ((-arcs.0, values[0]), (0.0, values[1]), (arcs.1, values[2]));
     let mut located = None;
+    let whole = upper.0 - lower.0;
     for _ in 0..40 {
         let width = upper.0 - lower.0;
         let gain = parabola_gain(lower, best, upper);
-        if width < 1e-6 || gain.is_some_and(|gain| gain < 1e-10 * best.1.abs()) {
+        if width < 1e-6 * whole.min(1.0) || gain.is_some_and(|gain| gain < 1e-10 * best.1.abs()) {
             break;
         }
         let farther = if upper.0 - best.0 > best.0 - lower.0 { upper.0 } else { lower.0 };
@@ -72,6 +73,9 @@ pub fn locate_maximum<P: Problem, T: Evaluated<P>>(
             s = best.0 + (1e-2 * width).copysign(farther - best.0);
         }
         let Ok(curve) = continuation.probe(&centre.curve, s) else { break };
+        if !continuation.problem().are_neighbours(&centre.curve.y, &curve.y) {
+            break;
+        }
         let point = T::evaluate(continuation.problem(), &curve);
         let trial_point = Visited { curve, point };
         let trial = (s, measure(continuation.problem(), &trial_point));

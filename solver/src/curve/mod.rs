@@ -2,6 +2,7 @@
 
 pub mod continuation;
 pub mod extrema;
+pub mod identity;
 pub mod newton;
 pub mod outcome;
 pub mod problem;

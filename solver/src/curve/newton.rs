@@ -3,7 +3,7 @@
 //! A factorisation costs far more than a residual. It is used again (simplified Newton method) as long as the residual
 //! falls so fast that a few more such steps are enough.
 
-use crate::curve::problem::{Failure, Problem};
+use crate::curve::problem::{Failure, Problem, norm};
 use serde::{Deserialize, Serialize};
 
 /// The scalar equation that closes a [`Problem`].
@@ -50,7 +50,8 @@ impl Constraint<'_> {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct NewtonSettings {
-    /// Largest scaled residual of a converged point. Default 1e-12.
+    /// Largest scaled residual of a converged point. Default 1e-12. Where rounding alone leaves more, what cannot be
+    /// improved any more is converged.
     pub tolerance: f64,
     /// Iterations before giving up. Default 10.
     pub max_iterations: usize,
@@ -63,6 +64,13 @@ impl Default for NewtonSettings {
         Self { tolerance: 1e-12, max_iterations: 10, damped: false }
     }
 }
+
+/// Largest error of a converged motion, relative, as estimated from the last step and what it left of the residual. Near a
+/// lightly damped resonance a small residual alone does not make a small error.
+const ACCURACY: f64 = 1e-8;
+
+/// A residual that an iteration leaves larger than this share of what it was has stopped falling.
+const STAGNATION: f64 = 0.3;
 
 /// Most steps expected with one factorisation before a new one is worth its cost.
 const SIMPLIFIED_STEPS: f64 = 3.0;
@@ -107,15 +115,19 @@ impl Newton {
         let mut residual = problem.linearise(y);
         let mut mismatch = constraint.linearise(problem.metric(), y, &mut self.row);
         let (mut iterations, mut factorisations) = (0, 0);
-        let mut reuse = false;
+        let (mut reuse, mut contraction) = (false, 1.0);
         loop {
             if !residual.is_finite() || !mismatch.is_finite() {
                 return Err(Failure::Diverged);
             }
-            let converged = residual < settings.tolerance && mismatch.abs() < 1e-9;
             // At least one step: the direction of the curve comes from its factorisation.
-            if converged && iterations > 0 {
-                return Ok(Convergence { iterations, factorisations, residual });
+            if iterations > 0 && mismatch.abs() < 1e-9 {
+                let metric = problem.motion_metric();
+                let is_accurate = || contraction * norm(metric, &self.step) <= ACCURACY * norm(metric, y);
+                let cannot_improve = || contraction > STAGNATION && residual <= problem.rounding();
+                if (residual < settings.tolerance && is_accurate()) || cannot_improve() {
+                    return Ok(Convergence { iterations, factorisations, residual });
+                }
             }
             if iterations == settings.max_iterations {
                 return Err(Failure::NotConverged { iterations, residual });
@@ -134,7 +146,7 @@ impl Newton {
                 mismatch = constraint.linearise(problem.metric(), y, &mut self.row);
             }
             iterations += 1;
-            let contraction = residual / before;
+            contraction = if before > 0.0 { residual / before } else { 0.0 };
             let steps_left = (settings.tolerance / residual).ln() / contraction.ln();
             reuse = contraction < 1.0 && steps_left <= SIMPLIFIED_STEPS;
         }

@@ -50,6 +50,15 @@ pub enum Outcome {
     Open(Stop, Stop),
 }
 
+impl Outcome {
+    /// Whether the curve goes on where it ends: it stalled, turned back along itself, used up its points or was cancelled.
+    pub fn is_unfinished(&self) -> bool {
+        let is_unfinished =
+            |stop: &Stop| matches!(stop, Stop::Stalled(_) | Stop::Reversed | Stop::PointBudget | Stop::Cancelled);
+        matches!(self, Outcome::Open(first, last) if is_unfinished(first) || is_unfinished(last))
+    }
+}
+
 impl std::fmt::Display for Outcome {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {

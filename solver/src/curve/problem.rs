@@ -29,6 +29,9 @@ pub trait Problem {
     /// If the matrix is singular.
     fn factor(&mut self, row: &[f64]) -> Result<(), LinalgError>;
 
+    /// Rounding error to expect of the residual at the state last linearised: whatever is smaller is as good as zero.
+    fn rounding(&self) -> f64;
+
     /// Whether the factorisation at hand still fits the state last linearised: the same unknowns. Its steps then are those
     /// of a simplified Newton method.
     fn is_factorisation_current(&self) -> bool;
@@ -45,6 +48,28 @@ pub trait Problem {
     /// the transposed system: what folds, sensitivities and error estimates are made of. `form` has weights on motions that the
     /// metric measures, and on parameters. Only while [`Problem::is_factorisation_current`].
     fn solve_transposed(&mut self, form: &[f64]) -> Vec<f64>;
+
+    /// Longest step (arc length) along the unit tangent of a point that cannot pass over something narrow, a lightly damped
+    /// resonance say. Infinite if nothing is known of such.
+    fn longest_step(&mut self, _y: &[f64], _tangent: &[f64]) -> f64 {
+        f64::INFINITY
+    }
+
+    /// Whether one state may follow another on a curve: solutions that differ too much to be neighbours may not, even if
+    /// both are small and close in arc length.
+    fn are_neighbours(&self, _from: &[f64], _to: &[f64]) -> bool {
+        true
+    }
+
+    /// Number of states that are the same solution: itself and what symmetries of the problem make of it.
+    fn images(&self) -> usize {
+        1
+    }
+
+    /// Image `index` of a state or direction, from 0 (itself) on.
+    fn image(&self, y: &[f64], _index: usize) -> Vec<f64> {
+        y.to_vec()
+    }
 
     /// The part of the metric that measures motions, without the parameters.
     fn motion_metric(&self) -> &[f64] {

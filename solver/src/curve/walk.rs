@@ -1,6 +1,7 @@
 //! Walking a curve to its end: bounds, closure, reversal.
 
 use crate::curve::continuation::{Continuation, ContinuationSettings, CurvePoint, Rejection};
+use crate::curve::identity::{Identity, is_beside};
 use crate::curve::outcome::{Outcome, Stop};
 use crate::curve::problem::{Failure, Problem, inner, norm};
 use std::ops::ControlFlow;
@@ -20,6 +21,9 @@ pub trait Evaluated<P>: Clone {
 /// Told of every point a walk steps to (not of its first point); breaking cancels the walk.
 pub type Observer<'o, T> = dyn FnMut(&T) -> ControlFlow<()> + 'o;
 
+/// Asked of every point a walk steps to: whether it ends there, for a reason of its own.
+pub type Ending<'e, P, T> = dyn FnMut(&mut P, &Visited<T>) -> Option<Stop> + 'e;
+
 /// Where a walk ends.
 #[derive(Debug, Clone, Copy)]
 pub struct Bounds {
@@ -29,8 +33,8 @@ pub struct Bounds {
     pub amplitude: f64,
     /// Largest number of points.
     pub points: usize,
-    /// Relative distance at which the curve has closed; `None`: closing is not looked for.
-    pub closure: Option<f64>,
+    /// Whether the curve may come back to its first point.
+    pub closes: bool,
 }
 
 /// A point of a walk: as the continuation needs it and as people do.
@@ -47,6 +51,7 @@ pub fn walk<P: Problem, T: Evaluated<P>>(
     continuation: &mut Continuation<'_, P>,
     bounds: &Bounds,
     observer: &mut Observer<'_, T>,
+    ending: &mut Ending<'_, P, T>,
 ) -> (Vec<Visited<T>>, Stop) {
     let first = continuation.current().clone();
     let point = T::evaluate(continuation.problem(), &first);
@@ -67,6 +72,7 @@ pub fn walk<P: Problem, T: Evaluated<P>>(
     if let Some(stop) = start {
         return (visited, stop);
     }
+    let mut identity = Identity::default();
     loop {
         if visited.len() >= bounds.points {
             return (visited, Stop::PointBudget);
@@ -79,17 +85,21 @@ pub fn walk<P: Problem, T: Evaluated<P>>(
         let cancelled = observer(&point).is_break();
         let (outside, too_large) = (outside(&point), too_large(&point));
         visited.push(Visited { curve, point });
-        let problem = continuation.problem();
-        let (metric, motion) = (problem.metric(), problem.motion_metric());
         if cancelled {
             return (visited, Stop::Cancelled);
         }
-        if bounds.closure.is_some_and(|tolerance| has_closed(metric, motion, &visited, tolerance)) {
+        if bounds.closes && has_closed(&mut identity, continuation, &visited) {
             visited.pop();
             return (visited, Stop::Closed);
         }
-        if has_reversed::<P, T>(metric, motion, &visited) {
-            return (visited, Stop::Reversed);
+        match revisit(&mut identity, continuation, &visited) {
+            Some(Revisit::Backwards) => return (visited, Stop::Reversed),
+            Some(Revisit::Forwards(earlier)) if bounds.closes => {
+                visited.pop();
+                visited.drain(..=earlier);
+                return (visited, Stop::Closed);
+            }
+            _ => {}
         }
         if outside {
             end_at_bound(continuation, &mut visited, bounds.frequency);
@@ -97,6 +107,9 @@ pub fn walk<P: Problem, T: Evaluated<P>>(
         }
         if too_large {
             return (visited, Stop::AmplitudeBound);
+        }
+        if let Some(stop) = visited.last().and_then(|last| ending(continuation.problem(), last)) {
+            return (visited, stop);
         }
     }
 }
@@ -126,7 +139,7 @@ pub fn walk_both<P: Problem, T: Evaluated<P>>(
     observer: &mut Observer<'_, T>,
 ) -> Result<Walked<T>, Failure> {
     let mut continuation = Continuation::start(problem, y, direction, *settings)?;
-    let (visited, stop) = walk(&mut continuation, bounds, observer);
+    let (visited, stop) = walk(&mut continuation, bounds, observer, &mut |_, _| None);
     let mut rejections = continuation.rejections();
     if stop == Stop::Closed || stop == Stop::Cancelled {
         let outcome = if stop == Stop::Closed { Outcome::Closed } else { Outcome::Open(stop, stop) };
@@ -141,7 +154,7 @@ pub fn walk_both<P: Problem, T: Evaluated<P>>(
             return Ok(Walked { visited, start: 0, outcome, rejections });
         }
     };
-    let (backwards, other_stop) = walk(&mut continuation, bounds, observer);
+    let (backwards, other_stop) = walk(&mut continuation, bounds, observer, &mut |_, _| None);
     rejections += continuation.rejections();
     if other_stop == Stop::Closed {
         return Ok(Walked { visited: backwards, start: 0, outcome: Outcome::Closed, rejections });
@@ -166,60 +179,111 @@ fn join<T>(backwards: Vec<Visited<T>>, mut forwards: Vec<Visited<T>>) -> Vec<Vis
 
 /// Replaces a last point beyond a frequency bound by the point at the bound, so that a branch's range does not depend on
 /// its steps.
-fn end_at_bound<P: Problem, T: Evaluated<P>>(
+pub fn end_at_bound<P: Problem, T: Evaluated<P>>(
     continuation: &mut Continuation<'_, P>,
     visited: &mut [Visited<T>],
-    (low, high): (f64, f64),
+    bounds: (f64, f64),
 ) {
     let [.., before, last] = visited else { return };
-    let (from, to) = (before.point.omega(), last.point.omega());
+    if let Some((mut at_bound, share)) = point_at_bound(continuation, before, last, bounds) {
+        at_bound.curve.step = share * last.curve.step;
+        *last = at_bound;
+    }
+}
+
+/// Replaces a first point beyond a frequency bound by the point at the bound.
+pub fn begin_at_bound<P: Problem, T: Evaluated<P>>(
+    continuation: &mut Continuation<'_, P>,
+    visited: &mut [Visited<T>],
+    bounds: (f64, f64),
+) {
+    let [first, next, ..] = visited else { return };
+    if let Some((at_bound, share)) = point_at_bound(continuation, next, first, bounds) {
+        next.curve.step *= share;
+        *first = at_bound;
+    }
+    first.curve.step = 0.0;
+}
+
+/// The point at the frequency bound that lies between an inner point and its neighbour beyond it, and its share of the way.
+fn point_at_bound<P: Problem, T: Evaluated<P>>(
+    continuation: &mut Continuation<'_, P>,
+    inner_point: &Visited<T>,
+    beyond: &Visited<T>,
+    (low, high): (f64, f64),
+) -> Option<(Visited<T>, f64)> {
+    let (from, to) = (inner_point.point.omega(), beyond.point.omega());
     let bound = if to > high { high } else { low };
     if (from - bound) * (to - bound) >= 0.0 {
-        return;
+        return None;
     }
     let share = (bound - from) / (to - from);
-    let y = interpolate(&before.curve.y, &last.curve.y, share);
+    let y = interpolate(&inner_point.curve.y, &beyond.curve.y, share);
     let frequency = continuation.problem().parameter_row();
-    if let Ok(mut curve) = continuation.correct_on(y, &frequency) {
-        curve.step = share * last.curve.step;
-        let point = T::evaluate(continuation.problem(), &curve);
-        *last = Visited { curve, point };
+    let mut curve = continuation.correct_on(y, &frequency).ok()?;
+    let problem = continuation.problem();
+    if !problem.are_neighbours(&inner_point.curve.y, &curve.y) {
+        return None;
     }
+    if inner(problem.metric(), &curve.tangent, &beyond.curve.tangent) < 0.0 {
+        curve.tangent.iter_mut().for_each(|t| *t = -*t);
+    }
+    let point = T::evaluate(problem, &curve);
+    Some((Visited { curve, point }, share))
 }
 
-/// Whether the last step crosses the plane through the first point normal to its tangent, in the same direction and
-/// close to it. The paper [9, 10] cuts with ω = ω_first instead, which fails when the first point is a fold.
-fn has_closed<T>(metric: &[f64], motion: &[f64], visited: &[Visited<T>], tolerance: f64) -> bool {
-    let [.., before, last] = visited else { return false };
-    if visited.len() < 5 {
-        return false;
-    }
-    let first = &visited[0].curve;
-    let height = |y: &[f64]| -> f64 {
-        metric.iter().zip(y.iter().zip(&first.y)).zip(&first.tangent).map(|((w, (y, f)), t)| w * (y - f) * t).sum()
-    };
-    let (from, to) = (height(&before.curve.y), height(&last.curve.y));
-    if !(from < 0.0 && to >= 0.0) || inner(metric, &first.tangent, &last.curve.tangent) < 0.0 {
-        return false;
-    }
-    let share = -from / (to - from);
-    relative_distance(motion, &interpolate(&before.curve.y, &last.curve.y, share), &first.y) <= tolerance
+/// Whether the last step passes the first point, in the direction in which the walk left it. The paper [9, 10] compares an
+/// interpolated point at the first one's frequency, which takes a near sheet for the same and fails at folds.
+fn has_closed<P: Problem, T>(
+    identity: &mut Identity,
+    continuation: &mut Continuation<'_, P>,
+    visited: &[Visited<T>],
+) -> bool {
+    let [first, _, .., before, last] = visited else { return false };
+    let newton = continuation.settings().newton;
+    let problem = continuation.problem();
+    (0..problem.images()).any(|index| {
+        let (y, tangent) = (problem.image(&first.curve.y, index), problem.image(&first.curve.tangent, index));
+        inner(problem.metric(), &tangent, &last.curve.tangent) > 0.0
+            && identity.passes(problem, &newton, [&before.curve.y, &last.curve.y], &y)
+    })
 }
 
-/// Whether the last point lies on an earlier part of the curve, walked the other way.
-fn has_reversed<P, T: Evaluated<P>>(metric: &[f64], motion: &[f64], visited: &[Visited<T>]) -> bool {
-    let Some((last, earlier)) = visited.split_last() else { return false };
+/// How a walk comes upon its own points.
+enum Revisit {
+    /// Walking the other way.
+    Backwards,
+    /// Walking the same way, after the point of this index: it has gone round without passing its first point, which can
+    /// only be if that did not lie on the loop.
+    Forwards(usize),
+}
+
+/// Whether the last point lies on an earlier part of the curve.
+fn revisit<P: Problem, T: Evaluated<P>>(
+    identity: &mut Identity,
+    continuation: &mut Continuation<'_, P>,
+    visited: &[Visited<T>],
+) -> Option<Revisit> {
+    let (last, earlier) = visited.split_last()?;
+    let newton = continuation.settings().newton;
+    let problem = continuation.problem();
     let omega = last.point.omega();
     let keep_clear = earlier.len().saturating_sub(3);
-    earlier[..keep_clear].windows(2).any(|pair| {
+    for (index, pair) in earlier[..keep_clear].windows(2).enumerate() {
         let (a, b) = (pair[0].point.omega(), pair[1].point.omega());
-        if (a - omega) * (b - omega) > 0.0 || a == b {
-            return false;
+        if (a - omega) * (b - omega) > 0.0 {
+            continue;
         }
-        let between = interpolate(&pair[0].curve.y, &pair[1].curve.y, (omega - a) / (b - a));
-        relative_distance(motion, &between, &last.curve.y) < 1e-4
-            && inner(metric, &pair[0].curve.tangent, &last.curve.tangent) < -0.9
-    })
+        let [a, b] = [&pair[0].curve, &pair[1].curve];
+        let cosine = inner(problem.metric(), &a.tangent, &last.curve.tangent);
+        if cosine.abs() > 0.9
+            && is_beside(problem.metric(), &a.y, &b.y, &last.curve.y)
+            && identity.passes(problem, &newton, [&a.y, &b.y], &last.curve.y)
+        {
+            return Some(if cosine < 0.0 { Revisit::Backwards } else { Revisit::Forwards(index) });
+        }
+    }
+    None
 }
 
 /// (1 − share) a + share b.

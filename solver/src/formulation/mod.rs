@@ -6,6 +6,7 @@ pub mod displacement;
 pub mod harmonics;
 pub mod linear;
 pub mod modal;
+mod narrow;
 pub mod pressure;
 pub mod receptance;
 pub mod scales;
@@ -67,6 +68,21 @@ impl<'m> System<'m> {
     fn new(model: &'m Model, truncation: HarmonicSettings, tracked: usize, unknown: Unknown, scales: Scales) -> Self {
         let modal = Arc::new(Modal::new(model));
         Self { model, modal, harmonics: truncation.count, tracked, unknown, scales }
+    }
+
+    /// Number of time shifts that leave the forcing as it is: 2πj/m of its period of the response.
+    fn images(&self) -> usize {
+        if self.unknown.is_autonomous() { 1 } else { self.modal.harmonic() }
+    }
+
+    /// A state or direction whose first `motion` entries are series, shifted in time by 2πj/m.
+    fn image(&self, y: &[f64], motion: usize, index: usize) -> Vec<f64> {
+        let phase = std::f64::consts::TAU * index as f64 / self.modal.harmonic() as f64;
+        let mut shifted = y.to_vec();
+        for series in shifted[..motion].chunks_mut(harmonics::width(self.harmonics)) {
+            harmonics::shift_phase(series, phase);
+        }
+        shifted
     }
 }
 

@@ -119,7 +119,7 @@ fn bounds(settings: &Settings, scales: &Scales) -> Bounds {
         frequency: (limits.min_frequency.unwrap_or(0.25 * omega), limits.max_frequency.unwrap_or(4.0 * omega)),
         amplitude: limits.max_amplitude.unwrap_or(8.0 * scales.length),
         points: limits.max_points,
-        closure: None,
+        closes: false,
     }
 }
 
@@ -179,7 +179,7 @@ impl Backbone {
         }
         let mut continuation =
             Continuation::start(&mut problem, y, &direction, settings.continuation).map_err(not_started)?;
-        let (visited, stop) = walk(&mut continuation, &bounds, observer);
+        let (visited, stop) = walk(&mut continuation, &bounds, observer, &mut |_, _| None);
         Ok(Self::assemble(&mut continuation, settings, visited, Outcome::Open(Stop::Start, stop)))
     }
 
@@ -198,7 +198,7 @@ impl Backbone {
         let mut problem: PressureForm<'_> = system(model, settings, BackboneEquation::PhaseResonance)?;
         let y = problem.encode(near);
         let direction = problem.growth(&y);
-        let bounds = Bounds { closure: Some(settings.branch.closure), ..bounds(settings, problem.scales()) };
+        let bounds = Bounds { closes: true, ..bounds(settings, problem.scales()) };
         let walked = walk_both(&mut problem, y, &direction, &settings.continuation, &bounds, observer)
             .map_err(|failure| BackboneError::Resonance { omega: near.omega, failure })?;
         let first = walked.visited[walked.start].curve.clone();

@@ -87,12 +87,14 @@ impl BranchKind {
     /// All kinds, in the order in which they are listed.
     pub const ALL: [Self; 5] = [Self::Main, Self::Isola, Self::Open, Self::Cut, Self::Unfinished];
 
-    /// The kind of a branch that was not reached from the linear range.
-    pub fn of_detached(outcome: &Outcome) -> Self {
+    /// The kind of a branch that was not reached from the linear range; `is_cut` tells whether it ends at a bound that was given.
+    pub fn of_detached(outcome: &Outcome, is_cut: bool) -> Self {
+        let is_bound = |stop: &Stop| matches!(stop, Stop::FrequencyBound | Stop::AmplitudeBound);
         match outcome {
             Outcome::Closed => Self::Isola,
+            Outcome::Open(first, last) if !(is_bound(first) && is_bound(last)) => Self::Unfinished,
+            Outcome::Open(..) if is_cut => Self::Cut,
             Outcome::Open(Stop::FrequencyBound, Stop::FrequencyBound) => Self::Open,
-            Outcome::Open(first, last) if [first, last].contains(&&Stop::AmplitudeBound) => Self::Cut,
             Outcome::Open(..) => Self::Unfinished,
         }
     }

@@ -46,7 +46,14 @@ pub(super) fn from_rest<'m, F: Formulation<'m>>(
 ) -> Result<State, Unreached> {
     let mut problem: F = system(model, settings, forcing, omega);
     let linear = forced_response(&problem, forcing, omega).map_err(|_| Failure::Singular)?;
-    let start = below_first_touch(&problem, linear);
+    let mut start = below_first_touch(&problem, linear);
+    if start.forcing > forcing {
+        // What is asked for is smaller still.
+        let share = forcing / start.forcing;
+        start.modal.iter_mut().for_each(|q| *q *= share);
+        start.forcing = forcing;
+        start.arguments = problem.modal().open_arguments(&start.modal);
+    }
     let upwards = problem.parameter_row();
     follow_to(&mut problem, settings, &start, &upwards, forcing)
 }

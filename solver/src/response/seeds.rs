@@ -1,6 +1,5 @@
 //! Seeds: backbone motions shifted in time so that the forcing feeds in what is dissipated; landing on forced responses.
 
-use crate::curve::problem::Failure;
 use crate::formulation::Formulation;
 use crate::formulation::modal::Modal;
 use crate::formulation::state::State;
@@ -132,31 +131,15 @@ pub fn candidates(
     }
 }
 
-/// Lands on a forced response from several seeds in turn, until one leads where it should; otherwise the nearest landing
-/// counts.
+/// Lands on a forced response from a seed.
 ///
 /// # Errors
-/// If no seed converges.
-pub fn land<'m, F: Formulation<'m>>(
-    forced: &mut Forced<'m, F>,
-    seeds: &[Seed],
-    way: Way,
-) -> Result<Landing, Unreached> {
-    let mut nearest: Result<Landing, Unreached> = Err(Failure::Diverged.into());
-    for seed in seeds {
-        let landed = match way {
-            Way::FixedFrequency => land_at_frequency(forced, seed),
-            Way::SteppedForcing => land_by_forcing(forced, seed),
-        };
-        match (landed, &nearest) {
-            (Ok(landing), _) if landing.is_near() => return Ok(landing),
-            (Ok(landing), Ok(best)) if best.distance <= landing.distance => {}
-            (Ok(landing), _) => nearest = Ok(landing),
-            (Err(failure), Err(_)) => nearest = Err(failure),
-            (Err(_), Ok(_)) => {}
-        }
+/// If it does not converge.
+pub fn land<'m, F: Formulation<'m>>(forced: &mut Forced<'m, F>, seed: &Seed, way: Way) -> Result<Landing, Unreached> {
+    match way {
+        Way::FixedFrequency => land_at_frequency(forced, seed),
+        Way::SteppedForcing => land_by_forcing(forced, seed),
     }
-    nearest
 }
 
 fn land_at_frequency<'m, F: Formulation<'m>>(forced: &mut Forced<'m, F>, seed: &Seed) -> Result<Landing, Unreached> {

@@ -26,11 +26,11 @@ where
             maxima.push(refine(&mut continuation, &visited, anchor, closed, &measure));
             kinds.resize(maxima.len(), SpecialKind::Fold);
         }
-        let amplitude = |v: &Visited| v.point.amplitude();
-        let peak = (0..visited.len()).max_by(|&a, &b| amplitude(&visited[a]).total_cmp(&amplitude(&visited[b])));
         let measure = move |_: &mut P, v: &Visited| v.point.amplitude();
-        maxima.push(refine(&mut continuation, &visited, peak.unwrap_or(0), closed, &measure));
-        kinds.resize(maxima.len(), SpecialKind::Peak);
+        for anchor in highest_steps(&visited, closed) {
+            maxima.push(refine(&mut continuation, &visited, anchor, closed, &measure));
+            kinds.resize(maxima.len(), SpecialKind::Peak);
+        }
     }
     let (visited, indices) = insert_maxima(visited, maxima);
     let mut special: Vec<SpecialPoint> =
@@ -43,6 +43,21 @@ where
     }
     special.sort_by_key(|s| s.index);
     (visited.into_iter().map(|v| v.point).collect(), special)
+}
+
+/// A local maximum among the points this close to the highest may be the peak once both are located.
+const RIVAL: f64 = 0.95;
+
+/// Points that are local maxima of the amplitude, and high enough to lie next to the peak.
+fn highest_steps(visited: &[Visited], closed: bool) -> Vec<usize> {
+    let (n, amplitude) = (visited.len(), |i: usize| visited[i].point.amplitude());
+    let highest = (0..n).map(amplitude).fold(0.0, f64::max);
+    let is_maximum = |&i: &usize| {
+        let before = if i > 0 || closed { amplitude((i + n - 1) % n) } else { f64::NEG_INFINITY };
+        let after = if i + 1 < n || closed { amplitude((i + 1) % n) } else { f64::NEG_INFINITY };
+        amplitude(i) >= RIVAL * highest && amplitude(i) >= before && amplitude(i) > after
+    };
+    (0..n).filter(is_maximum).collect()
 }
 
 /// Turning points in frequency, (index, +1 for a maximum or −1 for a minimum); those that the sampled contact makes by

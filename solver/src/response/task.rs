@@ -1,5 +1,6 @@
 //! The work of a forcing level in pieces: each task continues one branch, and knows the branches found before it.
 
+use crate::curve::problem::Failure;
 use crate::formulation::Formulation;
 use crate::formulation::modal::Modal;
 use crate::formulation::state::State;
@@ -175,25 +176,29 @@ fn enter<'m, F: Formulation<'m>>(
     known: &[(BranchId, &Branch)],
     observer: &mut Observer<'_>,
 ) -> Result<Finding, Unreached> {
-    // From bound to bound it is the same one from either side.
-    if let Some((id, _)) = known.iter().find(|(id, branch)| id.is_main() && spans(forced, branch)) {
-        return Ok(Finding::Nothing(SeedOutcome::Found(*id)));
-    }
-    if !known.is_empty() {
-        let start = forced.main_start(side)?;
-        if let Some(id) = identify(forced, &start, known) {
-            return Ok(Finding::Nothing(SeedOutcome::Found(id)));
+    for (id, branch) in known.iter().filter(|(id, _)| id.is_main()) {
+        if ends_ordinarily(forced, branch, side) {
+            return Ok(Finding::Nothing(SeedOutcome::Found(*id)));
         }
     }
-    Ok(Finding::Branch(forced.main_branch(side, observer)?))
+    let branch = forced.main_branch(side, observer)?;
+    let ends = [branch.points.first(), branch.points.last()];
+    let met = ends.into_iter().flatten().find_map(|end| identify(forced, &end.state, known));
+    match met {
+        Some(id) if !branch.is_cancelled() => Ok(Finding::Nothing(SeedOutcome::Found(id))),
+        _ => Ok(Finding::Branch(branch)),
+    }
 }
 
-/// Whether a main branch came to the frequency bound that is not the one where it began.
-fn spans<'m, F: Formulation<'m>>(forced: &Forced<'m, F>, branch: &Branch) -> bool {
+/// Whether a main branch ends at the other side of the range with the response that one from there would begin with.
+fn ends_ordinarily<'m, F: Formulation<'m>>(forced: &mut Forced<'m, F>, branch: &Branch, side: Side) -> bool {
     let (low, high) = forced.reach().frequency;
-    let ends = [branch.points.first(), branch.points.last()].map(|end| end.map_or(low, |point| point.omega()));
-    let is_at_bound = matches!(branch.outcome, Outcome::Open(_, Stop::FrequencyBound));
-    is_at_bound && (ends[1] - ends[0]).abs() > 0.5 * (high - low)
+    let Some(last) = branch.points.last() else { return false };
+    let is_there = match side {
+        Side::Below => last.omega() < low * (1.0 + 1e-6),
+        Side::Above => last.omega() > high * (1.0 - 1e-6),
+    };
+    is_there && matches!(branch.outcome, Outcome::Open(_, Stop::FrequencyBound)) && forced.is_ordinary(&last.state)
 }
 
 /// Traces the branch that seeds lead to, unless it is known.
@@ -204,31 +209,54 @@ fn follow<'m, F: Formulation<'m>>(
     known: &[(BranchId, &Branch)],
     observer: &mut Observer<'_>,
 ) -> Finding {
-    let landing = match land(forced, seeds, way) {
-        Ok(landing) => landing,
-        Err(failure) => return Finding::Nothing(SeedOutcome::NotLanded(LandingFailure::NotConverged(failure))),
-    };
-    let state = &landing.state;
-    match identify(forced, state, known) {
-        Some(id) if landing.is_near() => return Finding::Nothing(SeedOutcome::Found(id)),
-        Some(_) => return Finding::Nothing(SeedOutcome::NotLanded(LandingFailure::Far(landing.distance))),
-        None => {}
-    }
-    if !forced.contains(state) {
-        return Finding::Nothing(SeedOutcome::OutOfBounds);
-    }
-    let branch = match forced.branch_through(state, observer) {
-        Ok(branch) => branch,
-        Err(failure) => return Finding::Nothing(SeedOutcome::NotTraced(failure.into())),
-    };
-    // A known branch that ended too early is met from its other side.
-    if !branch.is_closed() && !branch.is_cancelled() {
-        let ends = [branch.points.first(), branch.points.last()];
-        if let Some(id) = ends.into_iter().flatten().find_map(|end| identify(forced, &end.state, known)) {
-            return Finding::Nothing(SeedOutcome::Found(id));
+    let mut nothing = SeedOutcome::NotLanded(LandingFailure::NotConverged(Failure::Diverged.into()));
+    let mut nearest = f64::INFINITY;
+    for seed in seeds {
+        let landing = match land(forced, seed, way) {
+            Ok(landing) => landing,
+            Err(failure) if nearest == f64::INFINITY => {
+                nothing = SeedOutcome::NotLanded(LandingFailure::NotConverged(failure));
+                continue;
+            }
+            Err(_) => continue,
+        };
+        // What is not known yet is what seeds are for, wherever it lies.
+        let outcome = match identify(forced, &landing.state, known) {
+            Some(id) if landing.is_near() => SeedOutcome::Found(id),
+            Some(_) => SeedOutcome::NotLanded(LandingFailure::Far(landing.distance)),
+            None if !forced.contains(&landing.state) => SeedOutcome::OutOfBounds,
+            None => match forced.branch_through(&landing.state, observer) {
+                Ok(branch) => return Finding::Branch(named(forced, branch, known)),
+                Err(failure) => SeedOutcome::NotTraced(failure.into()),
+            },
+        };
+        if landing.distance < nearest {
+            (nothing, nearest) = (outcome, landing.distance);
         }
     }
-    Finding::Branch(branch)
+    Finding::Nothing(nothing)
+}
+
+/// A new branch, of the kind that it has in view of those known: a piece of a known curve is what that is, and as long as a
+/// main branch goes on where it ends, nobody knows whether an open curve is detached from it.
+fn named<'m, F: Formulation<'m>>(forced: &mut Forced<'m, F>, branch: Branch, known: &[(BranchId, &Branch)]) -> Branch {
+    if branch.is_cancelled() || branch.is_closed() {
+        return branch;
+    }
+    let ends = |branch: &Branch| [branch.points.first(), branch.points.last()].map(|end| end.map(|p| p.state.clone()));
+    let piece = known.iter().find(|(_, other)| {
+        let is_met = ends(&branch).iter().flatten().any(|end| forced.lies_on(end, other));
+        is_met || (!other.is_closed() && ends(other).iter().flatten().any(|end| forced.lies_on(end, &branch)))
+    });
+    let kind = match piece {
+        Some((id, _)) if id.is_main() => BranchKind::Main,
+        Some(_) => branch.kind,
+        None if branch.kind == BranchKind::Open && known.iter().any(|(_, other)| other.outcome.is_unfinished()) => {
+            BranchKind::Cut
+        }
+        None => branch.kind,
+    };
+    Branch { kind, ..branch }
 }
 
 /// The branch that a converged state lies on, if it is known.

@@ -21,6 +21,7 @@ mod tests;
 use crate::curve::problem::Problem;
 use crate::formulation::aft::{Aft, ElementForce};
 use crate::formulation::harmonics::{complex, set_complex, width};
+use crate::formulation::narrow;
 use crate::formulation::scales::Scales;
 use crate::formulation::state::{Parameters, State};
 use crate::formulation::unknown::Unknown;
@@ -231,6 +232,32 @@ impl Problem for DisplacementForm<'_> {
 
     fn orientation(&self) -> f64 {
         self.lu.determinant_sign()
+    }
+
+    fn rounding(&self) -> f64 {
+        let size = |values: &[f64]| values.iter().fold(0.0f64, |m, v| m.max(v.abs()));
+        let stiffness = self.condensed.iter().flat_map(|condensed| &condensed.stiffness).map(|d| d.norm());
+        let elastic = stiffness.fold(0.0, f64::max) * size(&self.displacement);
+        let forces = self.forces.iter().map(|element| size(&element.force)).fold(0.0, f64::max);
+        64.0 * f64::EPSILON * elastic.max(forces) / self.force_scale
+    }
+
+    fn longest_step(&mut self, y: &[f64], tangent: &[f64]) -> f64 {
+        let Ok(state) = self.decode(y) else { return f64::INFINITY };
+        let metric = &self.metric[..self.displacement.len()];
+        narrow::longest_step(&self.system, metric, [y, tangent], &state.modal, state.parameters())
+    }
+
+    fn are_neighbours(&self, from: &[f64], to: &[f64]) -> bool {
+        narrow::are_neighbours(&self.system, self.motion_metric(), from, to)
+    }
+
+    fn images(&self) -> usize {
+        self.system.images()
+    }
+
+    fn image(&self, y: &[f64], index: usize) -> Vec<f64> {
+        self.system.image(y, self.displacement.len(), index)
     }
 
     fn solve(&mut self, mismatch: f64, step: &mut [f64], tangent: &mut [f64]) {

@@ -157,6 +157,25 @@ impl PressureForm<'_> {
         self.residual = residual;
     }
 
+    /// Rounding error of the residual, from the largest terms that it is the sum of: amplitudes within 2 % of a pole are
+    /// kept, so that the others are at most 50 times less exact than their forces.
+    pub(super) fn rounding_error(&self) -> f64 {
+        let size = |values: &[f64]| values.iter().fold(0.0f64, |m, v| m.max(v.abs()));
+        let layout = &self.layout;
+        let mut largest = size(&self.current.modal) / self.system.scales.modal;
+        for block in &self.unknowns.blocks {
+            for ((_, u, _), force) in block.arguments().zip(self.forces[block.element].force.chunks(layout.nc)) {
+                let channel = self.channels[u];
+                let argument = size(&self.current.arguments[layout.channel(u)]);
+                let shape = self.receptance.modal().shape(u);
+                let displacement = size(shape) * size(&self.current.modal);
+                let terms = [argument, channel.feedback * size(force), channel.gain * displacement, channel.offset];
+                largest = largest.max(size(&terms) / channel.scale);
+            }
+        }
+        64.0 * f64::EPSILON * largest
+    }
+
     fn argument_residuals(&self, residual: &mut Vec<f64>) {
         let layout = self.layout;
         for block in &self.unknowns.blocks {

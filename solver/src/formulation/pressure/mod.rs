@@ -20,6 +20,7 @@ pub(crate) mod tests;
 use crate::curve::problem::Problem;
 use crate::formulation::aft::{Aft, ElementForce};
 use crate::formulation::modal::Modal;
+use crate::formulation::narrow;
 use crate::formulation::receptance::Receptance;
 use crate::formulation::scales::Scales;
 use crate::formulation::state::{Parameters, State};
@@ -273,6 +274,28 @@ impl Problem for PressureForm<'_> {
 
     fn orientation(&self) -> f64 {
         self.lu.determinant_sign()
+    }
+
+    fn rounding(&self) -> f64 {
+        self.rounding_error()
+    }
+
+    fn longest_step(&mut self, y: &[f64], tangent: &[f64]) -> f64 {
+        self.load(y);
+        let (metric, at) = (&self.metric[..self.layout.modal().end], self.current.parameters());
+        narrow::longest_step(&self.system, metric, [y, tangent], &self.current.modal, at)
+    }
+
+    fn are_neighbours(&self, from: &[f64], to: &[f64]) -> bool {
+        narrow::are_neighbours(&self.system, self.motion_metric(), from, to)
+    }
+
+    fn images(&self) -> usize {
+        self.system.images()
+    }
+
+    fn image(&self, y: &[f64], index: usize) -> Vec<f64> {
+        self.system.image(y, self.layout.modal().end, index)
     }
 
     fn solve(&mut self, mismatch: f64, step: &mut [f64], tangent: &mut [f64]) {

@@ -1,0 +1,88 @@
+//! What is narrow on a frequency response: how far a step may go without passing over a lightly damped resonance.
+//!
+//! Arc length does not see it: on both flanks of a resonance the response is small, tangents are alike, and only the phase is
+//! turned by π. So the change of the motion relative to its own size limits the steps, and near the linear resonances of
+//! modes that the forces excite, the frequency by their distance and half-width.
+
+use crate::formulation::System;
+use crate::formulation::harmonics::{complex, width};
+use crate::formulation::state::Parameters;
+use crate::formulation::unknown::Unknown;
+use crate::linalg::dot;
+use rustfft::num_complex::Complex64;
+
+/// Largest relative change of the motion that a step is planned for.
+const PLANNED: f64 = 0.25;
+
+/// Largest relative change of the motion between neighbouring points.
+const ALLOWED: f64 = 0.5;
+
+/// Largest share of the distance to a resonance (in frequency) that a step may go.
+const APPROACH: f64 = 0.5;
+
+/// Resonances that could not exceed this share of the motion are not looked at: those of the forcing's own harmonic, and
+/// those of other harmonics, which only nonlinear forces excite.
+const NEGLIGIBLE: [f64; 2] = [1e-3, 5e-2];
+
+/// Size of the oscillation in a state: its series (nc numbers each) without their means.
+fn oscillation(metric: &[f64], nc: usize, y: &[f64]) -> f64 {
+    difference(metric, nc, y, None)
+}
+
+fn difference(metric: &[f64], nc: usize, a: &[f64], b: Option<&[f64]>) -> f64 {
+    let square: f64 =
+        (0..metric.len()).filter(|i| i % nc != 0).map(|i| metric[i] * (a[i] - b.map_or(0.0, |b| b[i])).powi(2)).sum();
+    square.sqrt()
+}
+
+/// Whether two states of a frequency response may be neighbours; `metric` measures their motions.
+pub(super) fn are_neighbours(system: &System<'_>, metric: &[f64], from: &[f64], to: &[f64]) -> bool {
+    if !matches!(system.unknown, Unknown::Frequency { .. }) {
+        return true;
+    }
+    let nc = width(system.harmonics);
+    let size = oscillation(metric, nc, from).max(oscillation(metric, nc, to));
+    difference(metric, nc, from, Some(to)) <= ALLOWED * size
+}
+
+/// Longest step from a state of a frequency response along its unit tangent; `modal` has its modal amplitudes (modes × nc).
+pub(super) fn longest_step(
+    system: &System<'_>,
+    metric: &[f64],
+    [y, tangent]: [&[f64]; 2],
+    modal: &[f64],
+    at: Parameters,
+) -> f64 {
+    if !matches!(system.unknown, Unknown::Frequency { .. }) {
+        return f64::INFINITY;
+    }
+    let nc = width(system.harmonics);
+    let by_motion = PLANNED * oscillation(metric, nc, y) / oscillation(metric, nc, tangent);
+    let rate = tangent[metric.len()].abs() * system.scales.frequency;
+    let by_resonance = distance_allowed(system, modal, at.omega) / rate;
+    // A quotient of zeros limits nothing.
+    [by_motion, by_resonance].into_iter().filter(|step| *step > 0.0).fold(f64::INFINITY, f64::min)
+}
+
+/// How far the frequency may change, rad/s.
+fn distance_allowed(system: &System<'_>, modal: &[f64], omega: f64) -> f64 {
+    let (model, nc) = (system.model, width(system.harmonics));
+    let size = dot(modal, modal).sqrt();
+    let mut allowed = f64::INFINITY;
+    for (j, series) in modal.chunks(nc).enumerate() {
+        let (omega_j, damping) = (model.modes().frequencies[j], model.damping().diagonal(j).abs());
+        for k in 1..=system.harmonics {
+            let frequency = k as f64 * omega;
+            let stiffness = Complex64::new(omega_j * omega_j - frequency * frequency, damping * frequency);
+            // Amplitude that the forces acting on the mode now would have at its resonance.
+            let resonant = stiffness.norm() * complex(series, k).norm() / (damping * omega_j).max(f64::MIN_POSITIVE);
+            let negligible = NEGLIGIBLE[usize::from(k != system.modal.harmonic())];
+            if resonant > negligible * size {
+                let distance = APPROACH * (omega_j / k as f64 - omega).abs();
+                let half_width = 0.5 * damping / k as f64;
+                allowed = allowed.min(distance.max(half_width).max(1e-9 * omega));
+            }
+        }
+    }
+    allowed
+}
