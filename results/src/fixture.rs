@@ -112,7 +112,7 @@ impl Study {
         let cut = |finding| match finding {
             Finding::Branch(branch) if branch.kind != BranchKind::Main => {
                 let outcome = Outcome::Open(Stop::FrequencyBound, Stop::AmplitudeBound);
-                Finding::Branch(Branch { kind: BranchKind::of_detached(&outcome), outcome, ..branch })
+                Finding::Branch(Branch { kind: BranchKind::of_detached(&outcome, true), outcome, ..branch })
             }
             other => other,
         };
