@@ -12,7 +12,7 @@ use protocol::to_everyone::{Amplitude, Stage, StoredResult};
 use solver::files;
 use solver::response::account::Account;
 use solver::response::backbone::Backbone;
-use solver::response::branch::{Branch, BranchPoint};
+use solver::response::branch::{Branch, BranchKind, BranchPoint, Outcome, Stop};
 use solver::response::forced::{Forced, Reach};
 use solver::response::task::{BranchId, Finding, SeedOutcome, Task, carry_out, plan};
 use solver::settings::Settings;
@@ -106,6 +106,20 @@ impl Study {
         while sweep.step(&mut store) {}
         (store, sweep.results)
     }
+
+    /// A finished run in `dir` whose branches beside the main ones leave through the amplitude bound.
+    pub fn finished_with_cuts(&self, dir: &Path) -> (Store, Vec<StoredResult>) {
+        let cut = |finding| match finding {
+            Finding::Branch(branch) if branch.kind != BranchKind::Main => {
+                let outcome = Outcome::Open(Stop::FrequencyBound, Stop::AmplitudeBound);
+                Finding::Branch(Branch { kind: BranchKind::of_detached(&outcome, true), outcome, ..branch })
+            }
+            other => other,
+        };
+        let (mut store, mut sweep) = self.begin(dir);
+        while sweep.step_with(&mut store, cut) {}
+        (store, sweep.results)
+    }
 }
 
 /// The one worker.
@@ -196,8 +210,13 @@ impl<'s> Sweep<'s> {
 
     /// Carries out a task; false if there is none left.
     pub fn step(&mut self, store: &mut Store) -> bool {
+        self.step_with(store, |finding| finding)
+    }
+
+    /// The same, with something else found.
+    fn step_with(&mut self, store: &mut Store, change: impl Fn(Finding) -> Finding) -> bool {
         let Some(granted) = self.lease(store, 0) else { return false };
-        let finding = self.compute(&granted);
+        let finding = change(self.compute(&granted));
         let changes = self.accept(&granted, finding);
         store.commit(&changes).unwrap();
         true

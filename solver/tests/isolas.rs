@@ -205,7 +205,7 @@ fn absorber() -> Vec<Study> {
     let level = study.level(0.2);
     let main = level.main();
     let resonances =
-        Forced::new(&study.model, &settings, Reach::new(&settings, &study.backbone).unwrap(), 0.2).resonances(&main);
+        Forced::new(&study.model, &settings, Reach::new(&settings, &study.backbone).unwrap(), 0.2).resonances(main);
     let through = resonances.iter().map(|near| Backbone::through(&study.model, &settings, near, &mut quiet).unwrap());
     through.map(|backbone| Study { model: study.model.clone(), settings, backbone }).collect()
 }

@@ -188,7 +188,7 @@ mod tests {
         Job {
             lease: Lease { task, attempt: Attempt(1), worker, slot: 0 },
             amplitude: 0.01,
-            reach: Reach { frequency: (0.9, 1.1), amplitude: 10.0 },
+            reach: Reach { frequency: (0.9, 1.1), amplitude: 10.0, natural: None },
             work: Task::Main(Side::Below),
             seeds: Vec::new(),
             known: Vec::new(),

@@ -101,7 +101,7 @@ fn progress() -> Progress {
 }
 
 fn reach() -> Reach {
-    Reach { frequency: (0.75, 1.5), amplitude: 8.0 }
+    Reach { frequency: (0.75, 1.5), amplitude: 8.0, natural: None }
 }
 
 /// Array whose numbers count up by a quarter.

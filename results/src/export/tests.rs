@@ -2,6 +2,7 @@
 
 mod damage;
 mod documents;
+mod kinds;
 mod records;
 
 use super::table::text;

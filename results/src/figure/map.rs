@@ -34,10 +34,16 @@ pub fn figure(
     drawing.name("threshold A* of the backbone", curve.clone());
     let levels = subject.levels.len().max(1) as f64;
     let thin = (TOGETHER.0 / levels).max(0.5 * FINE);
-    let mains = subject.levels.iter().filter_map(|level| Some((level.value, level.main()?.omega)));
+    let mains = subject.levels.iter().flat_map(|level| level.mains().map(|main| (level.value, main.omega)));
     drawing.bars("main branches", Style::line(Color::Shade, FINE.min(TOGETHER.1 / levels)), mains);
-    let isolas = subject.levels.iter().flat_map(|level| level.others().map(|isola| (level.value, isola.omega)));
-    drawing.bars("isolas", Style::line(Color::Category(1), (1.3 * BOLD).min(thin)), isolas);
+    let others = || subject.levels.iter().flat_map(|level| level.others().map(move |other| (level.value, other)));
+    let are_isolas = others().all(|(_, other)| other.closed);
+    let isolas = others().map(|(value, other)| (value, other.omega));
+    drawing.bars(
+        if are_isolas { "isolas" } else { "isolas and others" },
+        Style::line(Color::Category(1), (1.3 * BOLD).min(thin)),
+        isolas,
+    );
     let missed = windows(subject, |outcome| matches!(outcome, WindowOutcome::NotFound(_)));
     let alert = Style::line(Color::Alert, MEDIUM.min(thin)).with_dash(1);
     drawing.bars("windows not found", alert, missed.clone().map(|(value, window)| (value, window.omega)));

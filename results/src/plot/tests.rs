@@ -64,6 +64,18 @@ fn response_has_branches_backbone_and_labels() {
 }
 
 #[test]
+fn what_is_cut_is_no_isola() {
+    let dir = tempdir().unwrap();
+    let run = dir.path().join("run");
+    Study::damper().finished_with_cuts(&run);
+    let drawn = sheet(&run, &["--figure", "response"]).unwrap();
+    assert_eq!(legend(&drawn)[..2], ["main branch", "cut off by a bound"]);
+    assert_eq!(labels(&drawn, 0)[0], "cut 1, A = 0.006");
+    assert_eq!(legend(&sheet(&run, &["--figure", "map"]).unwrap())[2], "isolas and others");
+    assert!(sheet(&run, &["--figure", "motion", "--at", "0.006/cut 1/3"]).is_ok());
+}
+
+#[test]
 fn figures_of_the_backbone_show_windows() {
     let dir = damper();
     let run = dir.path().join("run");

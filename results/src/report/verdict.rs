@@ -70,8 +70,9 @@ impl<'r> Evidence<'r> {
         let Some((level, largest)) = self.largest() else { return "No branch has been computed yet.".into() };
         let casing = self.gap.map(|gap| format!(" ({} to the casing)", length(gap))).unwrap_or_default();
         let size = |row: &BranchRow| format!("{}{} at {}", row.at_least(), length(row.amplitude_max), self.monitor);
+        let on = |row: &BranchRow| if row.is_main() { "the main branch".to_string() } else { row.name() };
         let place = format!("at {} and A = {}", frequency(largest.omega_at_max), level.amplitude);
-        let overall = format!("the largest response of all, {}{casing}, is on the main branch, {place}", size(largest));
+        let overall = format!("the largest response of all, {}{casing}, is on {}, {place}", size(largest), on(largest));
         let Some(highest) = highest(self.with_isolas().flat_map(Level::isolas)) else {
             return format!("No isola was found{}; {overall}.", self.reservation());
         };
@@ -80,7 +81,7 @@ impl<'r> Evidence<'r> {
             "Between {}: there an impact or a gust can throw the structure onto an isolated branch (isola)",
             in_words(&ranges)
         );
-        if largest.is_main() {
+        if !largest.is_detached() {
             format!("{there} with up to {}; {overall}.", size(highest))
         } else {
             format!("{there} with up to {}{casing}, the largest response of all, {place}.", size(largest))
@@ -250,6 +251,7 @@ fn in_words(ranges: &[(f64, f64)]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use solver::response::branch::Standing;
 
     fn branch(kind: &str, number: usize, omega: (f64, f64), amplitude: f64) -> BranchRow {
         BranchRow {
@@ -323,6 +325,21 @@ mod tests {
         assert!(texts(&levels)[2].starts_with("Not so far: nothing was found beside the main branch (3 tasks"));
         levels[1].pending = 0;
         assert_eq!(texts(&levels)[2], "No: nothing was found beside the main branch.");
+    }
+
+    #[test]
+    fn what_is_only_known_in_part() {
+        let at_least = |branch: BranchRow| BranchRow { peak_standing: Some(Standing::AtLeast), ..branch };
+        let cut = branch("cut", 1, (120.0, 130.0), 2e-3);
+        let [danger, onset, missed] = texts(&[level(1.0, vec![at_least(main(1e-3)), at_least(cut)])]);
+        let reservation = "(1 branch cut off by a bound, perhaps part of the main branch)";
+        assert!(
+            danger.starts_with(&format!("No isola was found {reservation}; the largest response of all, ≥ 2 mm at")),
+            "{danger}"
+        );
+        assert!(!danger.contains("on the main branch,"), "{danger}");
+        assert!(onset.contains(reservation) && onset.starts_with("There is no isola"), "{onset}");
+        assert_eq!(missed, format!("Not so far: nothing was found beside the main branch {reservation}."));
     }
 
     #[test]

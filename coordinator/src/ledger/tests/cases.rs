@@ -1,0 +1,148 @@
+//! What single events do.
+
+use super::*;
+
+/// What tasks bring.
+const MAIN: Brought = Brought::Branch(BranchKind::Main);
+const ISOLA: Brought = Brought::Branch(BranchKind::Isola);
+const ON_MAIN: Brought = Brought::Nothing(SeedOutcome::Found(BranchId::MAIN));
+const UNREACHED: Brought = Brought::Nothing(SeedOutcome::NotTraced(Unreached::OutOfReach));
+
+fn leased(ledger: &mut Ledger, worker: &str, now: Duration) -> Lease {
+    let worker = WorkerId::new(worker).unwrap();
+    let (Leased::Grant(granted), _) = ledger.lease(&worker, 0, now) else { panic!("no task") };
+    Lease { task: granted.task, attempt: granted.attempt, worker, slot: 0 }
+}
+
+#[test]
+fn a_lease_is_idempotent() {
+    let mut ledger = Ledger::new(Rules::default(), plans(2));
+    let first = leased(&mut ledger, "a", Duration::ZERO);
+    assert_eq!(leased(&mut ledger, "a", Duration::from_secs(1)), first);
+    assert_ne!(leased(&mut ledger, "b", Duration::from_secs(1)).task, first.task);
+}
+
+#[test]
+fn a_worker_that_vanishes_has_a_grace_that_a_sign_of_life_ends() {
+    let rules = Rules::default();
+    let mut ledger = Ledger::new(rules, plans(1));
+    let lease = leased(&mut ledger, "a", Duration::ZERO);
+    ledger.worker_gone(&lease.worker, Duration::from_secs(1));
+    assert!(ledger.tick(rules.grace).is_empty());
+    assert_eq!(ledger.renew(&lease, None, rules.grace), RenewReply::Ok);
+    assert!(ledger.tick(rules.grace + Duration::from_secs(2)).is_empty());
+    ledger.worker_gone(&lease.worker, Duration::from_secs(8));
+    let ended = ledger.tick(Duration::from_secs(8) + rules.grace);
+    assert!(matches!(&ended[..], [Change::Ended { end: AttemptEnd::Expired, .. }]));
+    assert_eq!(ledger.renew(&lease, None, Duration::from_secs(20)), RenewReply::Lost);
+}
+
+/// Fails a task until it is given up; returns its last lease.
+fn poison(ledger: &mut Ledger, task: &str, now: &mut Duration) -> Lease {
+    let rules = Rules::default();
+    for attempt in 1..=rules.max_failures {
+        let lease = leased(ledger, "a", *now);
+        assert_eq!((lease.task.as_str(), lease.attempt), (task, Attempt(attempt)));
+        assert!(ledger.fail(&lease, "boom", *now).0);
+        if attempt == rules.max_failures {
+            return lease;
+        }
+        // Its level waits for the pause to pass.
+        assert!(matches!(ledger.lease(&lease.worker, 0, *now).0, Leased::Wait(_)));
+        *now += rules.backoff * 2u32.pow(attempt);
+    }
+    unreachable!("there is a last attempt")
+}
+
+#[test]
+fn a_poison_seed_dies_with_its_reasons_and_blocks_nobody() {
+    let mut ledger = Ledger::new(Rules::default(), plans(1));
+    let mut now = Duration::ZERO;
+    let main = leased(&mut ledger, "a", now);
+    assert!(matches!(ledger.submit(&main, MAIN).0, Submitted::Accepted(_)));
+    let above = leased(&mut ledger, "a", now);
+    assert!(matches!(ledger.submit(&above, ON_MAIN).0, Submitted::Accepted(_)));
+    let late = poison(&mut ledger, "1-2", &mut now);
+    assert_eq!(ledger.dead(), [(TaskId::new("1-2").unwrap(), vec!["a: boom".to_string(); 3])]);
+    let next = leased(&mut ledger, "a", now);
+    assert_eq!(next.task.as_str(), "1-3");
+    // A result of the dead task may be a branch that the next one is about to find.
+    assert_eq!(ledger.submit(&late, ISOLA).0, Submitted::Late);
+    assert!(!ledger.retry_dead().is_empty());
+    // What is under way comes first; then the one revived, with what is known by then.
+    assert_eq!(leased(&mut ledger, "a", now), next);
+    assert!(matches!(ledger.submit(&next, ISOLA).0, Submitted::Accepted(_)));
+    let revived = leased(&mut ledger, "a", now);
+    assert_eq!(revived.task.as_str(), "1-2");
+    assert_eq!(ledger.submit(&late, ISOLA).0, Submitted::Late);
+    let on_isola = Brought::Nothing(SeedOutcome::Found(BranchId::isola(0)));
+    assert!(matches!(ledger.submit(&revived, on_isola).0, Submitted::Accepted(_)));
+}
+
+#[test]
+fn a_level_waits_for_its_main_branch() {
+    let mut ledger = Ledger::new(Rules::default(), plans(1));
+    let mut now = Duration::ZERO;
+    poison(&mut ledger, "1-0", &mut now);
+    let late = poison(&mut ledger, "1-1", &mut now);
+    assert!(ledger.is_finished(), "nothing of the level can be handed out");
+    assert!(matches!(ledger.lease(&late.worker, 0, now).0, Leased::Drained));
+    // Nobody went on without it.
+    assert!(matches!(ledger.submit(&late, MAIN).0, Submitted::Accepted(_)));
+    assert_eq!(leased(&mut ledger, "a", now).task.as_str(), "1-2");
+}
+
+#[test]
+fn a_main_branch_from_above_is_one_to_compare_with() {
+    for is_dead in [false, true] {
+        let mut ledger = Ledger::new(Rules::default(), plans(1));
+        let mut now = Duration::ZERO;
+        if is_dead {
+            poison(&mut ledger, "1-0", &mut now);
+        } else {
+            let below = leased(&mut ledger, "a", now);
+            assert!(matches!(ledger.submit(&below, UNREACHED).0, Submitted::Accepted(_)));
+        }
+        let above = leased(&mut ledger, "a", now);
+        let Submitted::Accepted(accepted) = ledger.submit(&above, MAIN).0 else { panic!("not accepted") };
+        assert_eq!(accepted.outcome, SeedOutcome::Found(BranchId::MAIN));
+        assert_eq!(leased(&mut ledger, "a", now).task.as_str(), "1-2");
+    }
+}
+
+#[test]
+fn without_a_main_branch_there_is_nothing_to_compare_with() {
+    let mut ledger = Ledger::new(Rules::default(), plans(1));
+    for _ in [Side::Below, Side::Above] {
+        let main = leased(&mut ledger, "a", Duration::ZERO);
+        assert!(matches!(ledger.submit(&main, UNREACHED).0, Submitted::Accepted(_)));
+    }
+    assert!(ledger.is_finished() && ledger.counts().skipped == 12);
+}
+
+#[test]
+fn a_crash_of_the_coordinator_is_no_failure_of_a_task() {
+    let rules = Rules::default();
+    let holder = Holder { worker: name(0), slot: 0 };
+    let under_way = StoredTask {
+        id: TaskId::new("1-0").unwrap(),
+        state: TaskState::Leased { holder, deadline: Duration::ZERO },
+        is_new_branch: false,
+        attempts: 1,
+        reasons: Vec::new(),
+    };
+    let (mut ledger, _) = Ledger::restore(rules, plans(1), vec![under_way], Duration::ZERO);
+    let ended = ledger.tick(Duration::from_secs(60));
+    assert!(matches!(&ended[..], [Change::Ended { end: AttemptEnd::Released, .. }]));
+    assert_eq!(leased(&mut ledger, "b", Duration::from_secs(60)).attempt, Attempt(2));
+}
+
+#[test]
+fn cancelling_is_heard_in_the_answer_to_a_sign_of_life() {
+    let mut ledger = Ledger::new(Rules::default(), plans(1));
+    let lease = leased(&mut ledger, "a", Duration::ZERO);
+    ledger.cancel();
+    assert_eq!(ledger.renew(&lease, None, Duration::ZERO), RenewReply::Cancel);
+    assert!(matches!(ledger.lease(&lease.worker, 0, Duration::ZERO).0, Leased::Stop));
+    assert!(ledger.release(&lease, Duration::ZERO).0 && ledger.counts().running == 0);
+}

@@ -1,0 +1,37 @@
+//! A branch that leaves through a bound, from the store to files and tables.
+
+use super::{names, table};
+use crate::export::csv;
+use crate::fixture::Study;
+use crate::overview::doubts;
+use crate::summary_table;
+use solver::response::branch::{BranchKind, Standing};
+use solver::response::task::BranchId;
+use tempfile::tempdir;
+
+#[test]
+fn a_cut_branch_is_called_so_everywhere() {
+    let (study, dir) = (Study::damper(), tempdir().unwrap());
+    let (store, results) = study.finished_with_cuts(&dir.path().join("run"));
+    let cut = results.iter().find(|result| result.name == Some(BranchId::new(BranchKind::Cut, 0))).unwrap();
+    let read = store.result(&cut.task).unwrap().unwrap();
+    assert_eq!(&read, cut);
+    assert_eq!(read.branch.unwrap().peak_standing, Some(Standing::AtLeast));
+    assert!(store.done().unwrap().iter().any(|done| done.branch == cut.name && done.task == cut.task));
+
+    csv(&store, dir.path()).unwrap();
+    assert_eq!(names(&dir.path().join("branches")), ["0.006-cut-1.csv", "0.006-main-1.csv", "3e-3-main-1.csv"]);
+    let (_, rows) = table(&dir.path().join("summary.csv"));
+    let [_, _, row] = &rows[..] else { panic!("{rows:?}") };
+    let cells = ["kind", "branch", "status", "peak_standing", "family"].map(|column| row[column].as_str());
+    assert_eq!(cells, ["cut", "1", "open: frequency bound to amplitude bound", "at_least", "1"]);
+    let (_, windows) = table(&dir.path().join("windows.csv"));
+    assert!(windows.iter().any(|window| window["branch"] == "cut 1"), "{windows:?}");
+
+    let table = summary_table::table(&store).unwrap();
+    let line = table.lines().find(|line| line.contains("cut: ")).unwrap_or_else(|| panic!("{table}"));
+    assert!(line.contains(" rad/s, ≥ ") && line.contains("(open: frequency bound to amplitude bound)"), "{table}");
+    assert_eq!(table.matches('≥').count(), 1, "{table}");
+    // A cut branch is no reason to doubt what hangs on main branches.
+    assert_eq!(doubts(&store).unwrap(), None);
+}
