@@ -1,6 +1,6 @@
 //! What a run has lost: why what was found may not be all that its search would have found.
 
-use super::verdict::Evidence;
+use super::evidence::Evidence;
 use crate::overview::Level;
 use crate::words::count;
 use protocol::to_everyone::Stage;

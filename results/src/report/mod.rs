@@ -1,6 +1,7 @@
 //! A run as page and figures show it, read from the store at any stage: one [`Report`].
 
 mod account;
+mod evidence;
 mod losses;
 mod read;
 mod search;

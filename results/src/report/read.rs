@@ -1,9 +1,9 @@
 //! Reads a report from the store. What cannot be read becomes a sentence in its place.
 
 use super::account::CostAccount;
-use super::search::Structure;
+use super::evidence::{Evidence, Structure};
 use super::verdict::Sentence;
-use super::verdict::{Evidence, verdict};
+use super::verdict::verdict;
 use crate::clock::now;
 use crate::curves::{BackboneCurve, Curve, Monitor, Motions, ResonanceComparison, monitors};
 use crate::figure::{Figures, Subject};

@@ -1,51 +1,7 @@
 //! What was looked for, what was not, and what the structure does of itself.
 
-use super::verdict::Evidence;
+use super::evidence::{Evidence, Structure};
 use crate::words::count;
-use solver::structure::Model;
-
-/// What the sentences need of the model.
-#[derive(Debug, Clone, Default)]
-pub struct Structure {
-    /// The dof whose amplitudes are given.
-    pub monitor: String,
-    /// Its clearance to the casing, m.
-    pub gap: Option<f64>,
-    /// Number of modes.
-    pub modes: usize,
-    /// Harmonic m of the response that the forcing acts on.
-    pub harmonic: usize,
-    /// Number of stops (rigid contacts).
-    pub stops: usize,
-    /// Modes (from 1) that deform the structure and that no damping, or a negative one, acts on.
-    pub undamped: Vec<usize>,
-    /// Modes (from 1) of negative damping.
-    pub excited: Vec<usize>,
-}
-
-/// Eigenfrequencies below this share of the highest one are those of rigid-body modes, which are not damped.
-const RIGID: f64 = 1e-6;
-
-impl Structure {
-    /// Of a model, amplitudes being those of this dof.
-    pub fn new(model: &Model, monitor: &str, gap: Option<f64>) -> Self {
-        let frequencies = &model.modes().frequencies;
-        let rigid = RIGID * frequencies.last().copied().unwrap_or_default();
-        let damped = |is_wanted: fn(f64) -> bool| {
-            let modes = (0..model.size()).filter(|&j| frequencies[j] > rigid);
-            modes.filter(|&j| is_wanted(model.damping().diagonal(j))).map(|j| j + 1).collect()
-        };
-        Self {
-            monitor: monitor.into(),
-            gap,
-            modes: model.size(),
-            harmonic: model.forcing().harmonic,
-            stops: model.contacts().count(),
-            undamped: damped(|rate| rate == 0.0),
-            excited: damped(|rate| rate < 0.0),
-        }
-    }
-}
 
 impl Evidence<'_> {
     /// What vibrates without being forced, or without being damped.

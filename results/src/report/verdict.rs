@@ -4,14 +4,12 @@
 #[cfg(test)]
 mod tests;
 
+use super::evidence::Evidence;
 use super::losses::{Loss, losses, named};
-use super::search::Structure;
-use crate::curves::BackboneCurve;
 use crate::overview::{BranchRow, Level, highest};
 use crate::words::{count, digits, frequency, length, range};
-use protocol::to_everyone::Stage;
 use serde::Serialize;
-use solver::response::branch::{BranchKind, Outcome};
+use solver::response::branch::BranchKind;
 use solver::response::windows::{Event, EventKind};
 
 /// One of the answers.
@@ -21,20 +19,6 @@ pub struct Sentence {
     pub title: &'static str,
     /// The answer.
     pub text: String,
-}
-
-/// What the answers are about.
-pub struct Evidence<'r> {
-    /// Levels by forcing amplitude.
-    pub levels: &'r [Level],
-    /// The backbone, if it is known.
-    pub backbone: Option<&'r BackboneCurve>,
-    /// How main branches end, with their forcing amplitudes as typed.
-    pub mains: &'r [(String, Outcome)],
-    /// How far the run has come, if that can be read.
-    pub stage: Option<Stage>,
-    /// The model.
-    pub structure: Structure,
 }
 
 /// The three answers.

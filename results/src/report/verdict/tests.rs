@@ -1,8 +1,11 @@
 //! Sentence by sentence: nothing that is said is more than what is known.
 
 use super::*;
+use crate::curves::BackboneCurve;
 use crate::overview::Seeds;
-use solver::response::branch::{Standing, Stop};
+use crate::report::evidence::Structure;
+use protocol::to_everyone::Stage;
+use solver::response::branch::{Outcome, Standing, Stop};
 use std::sync::LazyLock;
 
 fn branch(kind: &str, number: usize, omega: (f64, f64), amplitude: f64) -> BranchRow {
