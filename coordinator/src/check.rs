@@ -1,5 +1,7 @@
 //! What `isola check` says of a study before anything is computed.
 
+mod early;
+
 use crate::study::Study;
 use protocol::to_everyone::Amplitude;
 use results::words::{count, number};
@@ -28,12 +30,17 @@ pub fn report(study: &Study) -> String {
     lines.extend(modes);
     lines.push(("forcing", forcing(model)));
     lines.push(("contact", contact(model)));
+    let touch = early::first_touch(study);
+    lines.extend(touch.as_ref().map(|touch| ("touches", touch.to_string())));
+    let ratios = early::epsilon_ratios(model).map(|(low, high)| span([low, high].into_iter()));
+    lines.extend(ratios.map(|ratio| ("epsilon", format!("{ratio} times the stiffness of the structure there"))));
     let monitors: Vec<&str> = model.monitors().iter().map(|&dof| model.dofs()[dof].as_str()).collect();
     lines.push(("monitored", monitors.join(", ")));
     lines.push(("amplitudes", amplitudes(&study.amplitudes)));
     lines.push(("harmonics", harmonics(study)));
     lines.push(("unknowns", unknowns(study)));
     lines.push(("frequency", frequency(study)));
+    lines.extend(early::warnings(study, touch.as_ref()).into_iter().map(|warning| ("warning", warning)));
     lines.into_iter().map(|(what, text)| format!("{what:<12}{text}\n")).collect()
 }
 

@@ -7,6 +7,7 @@ use protocol::keys::namespace;
 use results::export::Format;
 #[cfg(feature = "figures")]
 use results::plot::{Along, FigureName};
+use results::summary_table::Units;
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
@@ -124,6 +125,9 @@ pub struct ServeArgs {
     /// A task without a sign of life for so many seconds is handed out again.
     #[arg(long, value_name = "SECONDS", default_value_t = 15.0, value_parser = lease)]
     pub lease: f64,
+    /// Units of the closing table: one of m, mm, um and one of rad/s, Hz, as in mm,Hz [default: m,rad/s].
+    #[arg(long, value_name = "UNITS", value_parser = str::parse::<Units>)]
+    pub units: Option<Units>,
     /// Stay on the bus after the end, for viewers, until Ctrl-C.
     #[arg(long)]
     pub stay: bool,

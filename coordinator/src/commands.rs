@@ -89,6 +89,9 @@ fn load(args: &StudyArgs) -> Result<Study, Error> {
 
 async fn sweep(args: SweepArgs) -> Result<Ending, Error> {
     let study = load(&args.study)?;
+    for key in &study.without_effect {
+        terminal::note(format_args!("{key} has no effect any more: branches close by convergence"));
+    }
     let directory = args.out.unwrap_or_else(|| default_directory(&study.name));
     // What is in use is said before a folder is made.
     let connection = open(&args.serve).await?;

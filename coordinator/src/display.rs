@@ -3,6 +3,7 @@
 use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use protocol::from_worker::Progress;
 use protocol::to_everyone::{Stage, Status};
+use results::summary_table::{Layout, Units};
 use results::words::{duration, fixed_digits};
 use std::io::IsTerminal;
 use std::time::{Duration, Instant};
@@ -134,6 +135,13 @@ fn progress(progress: &Progress) -> String {
 
 fn eta(status: &Status) -> String {
     status.eta.map_or(String::new(), |eta| format!(", {} to go", duration(eta)))
+}
+
+/// How tables are written for whoever reads standard output.
+pub fn layout(units: Option<Units>) -> Layout {
+    let size = console::Term::stdout().size_checked();
+    let width = size.map_or(Layout::default().width, |(_, columns)| columns);
+    Layout { width, units: units.unwrap_or_default() }
 }
 
 /// A status in one line.

@@ -1,7 +1,7 @@
 //! A run that another process conducts, found by its folder or on the bus: how it is doing, and orders to it.
 
 use crate::cli::RemoteArgs;
-use crate::display::summary;
+use crate::display::{layout, summary};
 use crate::error::Error;
 use crate::run::directory::read_address;
 use protocol::control::{ControlReply, ControlRequest};
@@ -108,7 +108,8 @@ pub fn stored_status(directory: &Path) -> Result<String, Error> {
         stage if stage.is_over() => stage.name().to_string(),
         _ => format!("interrupted; to go on: isola resume {}", directory.display()),
     };
-    Ok(format!("run {} ({}), {stage}\n{}\n", header.run, header.name, results::summary_table::table(&reader)?))
+    let table = results::summary_table::table(&reader, layout(None))?;
+    Ok(format!("run {} ({}), {stage}\n{table}\n", header.run, header.name))
 }
 
 /// Stops a run; says what became of it.

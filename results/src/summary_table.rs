@@ -1,84 +1,149 @@
-//! The closing table of a run: what was found at every forcing level.
+//! The closing table of a run: what was found at every forcing level, no line longer than its reader's terminal.
 
-use crate::overview::{Level, Omissions, Overview, Rise};
+mod footnotes;
+mod units;
+
+pub use units::{FrequencyUnit, LengthUnit, Units};
+
+use crate::overview::{Level, Omissions, Overview, Rise, is_untouched};
 use crate::store::{BranchRow, Reader, Result};
-use crate::words::fixed_digits;
-use comfy_table::{CellAlignment, Table, presets::UTF8_FULL_CONDENSED};
+use comfy_table::{CellAlignment, ContentArrangement, Table, presets::UTF8_FULL_CONDENSED};
+use footnotes::{Footnotes, wrapped};
+use solver::response::branch::Outcome;
 
 /// Levels shown at most; all of them are in summary.csv.
 const LEVELS: usize = 60;
+
+/// How a table is written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Layout {
+    /// Largest number of characters of a line.
+    pub width: u16,
+    /// Units of amplitudes and frequencies.
+    pub units: Units,
+}
+
+impl Default for Layout {
+    /// That of files, as wide as terminals once were, in m and rad/s.
+    fn default() -> Self {
+        Self { width: 80, units: Units::default() }
+    }
+}
 
 /// The closing table of a run, also one in progress.
 ///
 /// # Errors
 /// If the store cannot be read.
-pub fn table(reader: &Reader) -> Result<String> {
+pub fn table(reader: &Reader, layout: Layout) -> Result<String> {
     let _snapshot = reader.snapshot()?;
     let mut omissions = Omissions::default();
     let overview = Overview::read(reader, &mut omissions)?;
+    let mains = omissions.read("How main branches end is", reader.main_outcomes()).unwrap_or_default();
+    let mut rows = Rows { units: layout.units, mains: &mains, notes: Footnotes::default() };
     let levels = &overview.levels;
     let mut table = Table::new();
     table.load_preset(UTF8_FULL_CONDENSED);
-    table.set_header(["A", "main peak", "isolas and others (range, peak)", "windows", "not found"]);
+    table.set_content_arrangement(ContentArrangement::Dynamic).set_width(layout.width);
+    table.set_header(["A", "main peak", "isolas and others: range, peak", "windows"]);
     for level in levels.iter().take(LEVELS) {
-        table.add_row([
-            level.amplitude.clone(),
-            main(level),
-            lines(level.others().map(other)),
-            level.windows.len().to_string(),
-            not_found(level),
-        ]);
+        table.add_row(rows.of(level));
     }
-    for column in [0, 3] {
-        if let Some(column) = table.column_mut(column) {
-            column.set_cell_alignment(CellAlignment::Right);
-        }
+    if let Some(column) = table.column_mut(0) {
+        column.set_cell_alignment(CellAlignment::Right);
     }
-    let mut text = table.to_string();
+    let mut text =
+        format!("Largest amplitudes in {}, frequencies in {}:\n", layout.units.length, layout.units.frequency);
+    text += &table.to_string();
+    let mut say = |sentence: &str| text += &format!("\n{}", wrapped(sentence, layout.width, ""));
     if levels.len() > LEVELS {
-        text += &format!("\n... and {} more levels: see summary.csv", levels.len() - LEVELS);
+        say(&format!("... and {} more levels: see summary.csv", levels.len() - LEVELS));
     }
-    if let Some(Rise { amplitudes: (from, to), omega: (low, high) }) = overview.rise() {
-        let change = high - low;
-        text += &format!(
-            "\nThe frequency of the largest response rises most, by {change} rad/s to {high} rad/s, between A = {from} and A = {to}.",
-            change = fixed_digits(change, 6),
-            high = fixed_digits(high, 6)
-        );
-    } else if levels.len() > 1 {
-        text += "\nThe frequency of the largest response never rises from one level to the next.";
+    rows.notes.lines(layout.width).iter().for_each(|line| say(line));
+    let contacts = overview.model.as_ref().and_then(|message| message.model().ok());
+    if contacts.is_some_and(|model| model.contacts().count() > 0) && is_untouched(levels) {
+        say("Nothing touched its stop at any level.");
+    }
+    if let Some(sentence) = rise(&overview, layout.units) {
+        say(&sentence);
     }
     Ok(text)
 }
 
-fn lines(lines: impl Iterator<Item = String>) -> String {
-    lines.collect::<Vec<_>>().join("\n")
-}
-
-fn peak(row: &BranchRow) -> String {
-    format!("{}{:.4e} m at {} rad/s", row.at_least(), row.amplitude_max, fixed_digits(row.omega_at_max, 6))
-}
-
-fn main(level: &Level) -> String {
-    match (level.main(), &level.main_failure) {
-        (Some(_), _) => lines(level.mains().map(peak)),
-        (None, Some(failure)) => failure.clone(),
-        (None, None) => "to come".to_string(),
+/// How the frequency of the largest response goes, as far as levels of which all is known tell.
+fn rise(overview: &Overview, units: Units) -> Option<String> {
+    let unit = units.frequency;
+    if let Some(Rise { amplitudes: (from, to), omega: (low, high) }) = overview.rise() {
+        return Some(format!(
+            "The frequency of the largest computed response rises most, by {} {unit} to {} {unit}, between A = {from} and \
+             A = {to}.",
+            unit.digits(high - low),
+            unit.digits(high)
+        ));
     }
+    let levels = &overview.levels;
+    (levels.len() > 1 && levels.iter().all(Level::is_known))
+        .then(|| "The frequency of the largest computed response never rises from one level to the next.".into())
 }
 
-fn other(row: &BranchRow) -> String {
-    let (low, high) = row.omega;
-    let kind = if row.closed { String::new() } else { format!("{}: ", row.kind) };
-    let end = if row.closed { String::new() } else { format!(" ({})", row.status) };
-    format!("{kind}{} to {} rad/s, {}{end}", fixed_digits(low, 6), fixed_digits(high, 6), peak(row))
+/// Makes the rows.
+struct Rows<'r> {
+    units: Units,
+    /// How main branches end, with their amplitudes as typed.
+    mains: &'r [(String, Outcome)],
+    notes: Footnotes,
 }
 
-fn not_found(level: &Level) -> String {
-    let pending = (level.pending > 0).then(|| format!("{} tasks to come", level.pending));
-    let dead = (level.dead > 0).then(|| format!("{} tasks given up", level.dead));
-    let not_found = level
-        .not_found()
-        .map(|(window, reason)| format!("{:.2} to {:.2} rad/s: {reason}", window.omega.0, window.omega.1));
-    lines(not_found.chain(pending).chain(dead))
+impl Rows<'_> {
+    fn of(&mut self, level: &Level) -> [String; 4] {
+        let others = level.others().map(|row| self.other(row)).collect::<Vec<_>>();
+        [level.amplitude.clone(), self.main(level), others.join("\n"), self.windows(level)]
+    }
+
+    fn peak(&self, row: &BranchRow) -> String {
+        let Units { length, frequency } = self.units;
+        format!("{}{} at {}", row.at_least(), length.digits(row.amplitude_max), frequency.digits(row.omega_at_max))
+    }
+
+    fn main(&mut self, level: &Level) -> String {
+        if level.main().is_none() {
+            return match &level.main_failure {
+                Some(failure) => format!("none{}", self.notes.mark(format!("no main branch: {failure}"))),
+                None => "to come".into(),
+            };
+        }
+        let ends: Vec<Outcome> =
+            self.mains.iter().filter(|(amplitude, _)| *amplitude == level.amplitude).map(|(_, end)| *end).collect();
+        let peaks = level.mains().enumerate().map(|(i, row)| {
+            let end = ends.get(i).filter(|end| end.is_unfinished());
+            let mark = end.map(|end| self.notes.mark(format!("known only in part: {end}"))).unwrap_or_default();
+            format!("{}{mark}", self.peak(row))
+        });
+        peaks.collect::<Vec<_>>().join("\n")
+    }
+
+    fn other(&mut self, row: &BranchRow) -> String {
+        let unit = self.units.frequency;
+        let range = format!("{}–{}", unit.digits(row.omega.0), unit.digits(row.omega.1));
+        let peak = self.peak(row);
+        if row.is_isola() {
+            return format!("{range}, {peak}");
+        }
+        let mark = self.notes.mark(row.status.clone());
+        format!("{}: {range}, {peak}{mark}", row.kind)
+    }
+
+    /// How many windows, and what is missing of them.
+    fn windows(&mut self, level: &Level) -> String {
+        let mut lines = vec![level.windows.len().to_string()];
+        let unit = self.units.frequency;
+        lines.extend(level.not_found().map(|(window, reason)| {
+            let (low, high) = (unit.digits(window.omega.0), unit.digits(window.omega.1));
+            let where_ = format!("A = {}, window {low}–{high}: not found: {reason}", level.amplitude);
+            format!("lost{}", self.notes.mark(where_))
+        }));
+        lines.extend((level.pending > 0).then(|| format!("{} to come", level.pending)));
+        let given_up = || format!("A = {}: tasks given up: isola retry-dead tries them again", level.amplitude);
+        lines.extend((level.dead > 0).then(|| format!("{} dead{}", level.dead, self.notes.mark(given_up()))));
+        lines.join("\n")
+    }
 }

@@ -6,7 +6,7 @@ use super::local_workers::{Launch, LocalWorkers};
 use super::preparation::{self, Prepared};
 use super::services::{Services, Start};
 use crate::cli::ServeArgs;
-use crate::display::Display;
+use crate::display::{Display, layout};
 use crate::engine::Event;
 use crate::error::Error;
 use crate::ledger::Rules;
@@ -226,8 +226,9 @@ impl Run {
         for sentence in export::csv(&reader, &self.directory)?.damaged {
             terminal::note(sentence);
         }
-        let (table, directory) = (summary_table::table(&reader)?, self.directory.display());
-        let closing = format!("{table}\nresults: {directory}; a page that shows them: isola report {directory}\n");
+        let table = summary_table::table(&reader, layout(self.options.units))?;
+        let directory = self.directory.display();
+        let closing = format!("{table}\nresults: {directory}\na page that shows them: isola report {directory}\n");
         terminal::print(closing).map_err(Error::io("standard output"))?;
         Ok(doubts.is_some())
     }

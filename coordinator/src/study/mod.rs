@@ -53,6 +53,9 @@ const OFTEN: [&str; 10] = [
     "contact.epsilon",
 ];
 
+/// Keys that are accepted and do nothing any more.
+const WITHOUT_EFFECT: [&str; 1] = ["branch.closure"];
+
 /// A study, read and checked.
 #[derive(Debug, Clone)]
 pub struct Study {
@@ -68,6 +71,8 @@ pub struct Study {
     pub settings: Settings,
     /// Forcing amplitudes, in the order given.
     pub amplitudes: Vec<Amplitude>,
+    /// Keys given that have no effect any more.
+    pub without_effect: Vec<&'static str>,
     /// The study as TOML: settings of model, study and command line merged, every numerical setting that has a value
     /// spelled out. Loads as a study in the same folder.
     pub resolved: String,
@@ -114,7 +119,8 @@ impl Study {
         }
         let resolved = resolved(&name, &written, &amplitudes, &settings, merged)
             .map_err(|source| StudyError::Unwritable { file: file.clone(), source })?;
-        Ok(Self { name, file, model_dir, model, settings, amplitudes, resolved })
+        let without_effect = WITHOUT_EFFECT.into_iter().filter(|key| is_there(numerics.table(), key)).collect();
+        Ok(Self { name, file, model_dir, model, settings, amplitudes, without_effect, resolved })
     }
 }
 
@@ -145,6 +151,16 @@ fn typed_amplitudes<'a>(
 /// First part of a dotted key.
 fn first(key: &str) -> &str {
     key.split('.').next().unwrap_or(key).trim().trim_matches(['"', '\''])
+}
+
+/// Whether a table has a value of this dotted key.
+fn is_there(table: &Table, key: &str) -> bool {
+    let (section, rest) = key.split_once('.').unwrap_or((key, ""));
+    match (table.get(section), rest) {
+        (value, "") => value.is_some(),
+        (Some(Value::Table(table)), rest) => is_there(table, rest),
+        _ => false,
+    }
 }
 
 fn is_scenario(key: &str) -> bool {

@@ -5,7 +5,7 @@ use solver::curve::extrema::turning_points;
 use solver::formulation::harmonics::complex;
 use solver::response::backbone::{Backbone, BackbonePoint};
 use solver::response::columns;
-use solver::response::windows::{Event, events};
+use solver::response::windows::{Event, EventKind, events};
 use solver::structure::Model;
 
 /// Modes drawn at most.
@@ -28,6 +28,8 @@ pub struct BackboneCurve {
     pub mode: usize,
     /// How it ends, in words.
     pub status: String,
+    /// Whether it goes on where it ends.
+    pub is_unfinished: bool,
     /// Frequency.
     pub omega: Column,
     /// Decay rate.
@@ -103,6 +105,7 @@ impl BackboneCurve {
         Self {
             mode: backbone.mode,
             status: backbone.outcome.to_string(),
+            is_unfinished: backbone.outcome.is_unfinished(),
             omega: Column::exact(column(&|p| p.point.omega())),
             decay: short(&|p| p.point.state.decay),
             amplitude: (0..model.monitors().len()).map(|m| short(&|p| p.point.amplitudes()[m])).collect(),
@@ -128,6 +131,47 @@ impl BackboneCurve {
         let balance = |i: usize| self.r_lin.values[i] + self.r_nl.values[i];
         let neighbours = index.saturating_sub(1)..=(index + 1).min(self.r_lin.values.len() - 1);
         neighbours.clone().any(|i| balance(i) < 0.0) && neighbours.clone().any(|i| balance(i) >= 0.0)
+    }
+}
+
+/// Thresholds below this are round-off, whatever the levels are.
+const NOTHING: f64 = 1e-9;
+/// Events whose thresholds lie further from the levels than this factor are not theirs.
+const FAR: f64 = 1e3;
+/// A balance of energies this much smaller than the dissipation is round-off.
+const ROUND_OFF: f64 = 1e-6;
+
+impl BackboneCurve {
+    /// Whether the nonlinear forces feed in more than a positive damping takes already at the smallest amplitudes.
+    pub fn feeds_itself_from_rest(&self) -> bool {
+        let (linear, nonlinear) = (self.r_lin.values.first(), self.r_nl.values.first());
+        linear.zip(nonlinear).is_some_and(|(&linear, &nonlinear)| linear > 0.0 && linear + nonlinear < 0.0)
+    }
+
+    /// Keeps the births and merges that mean something for levels from the lowest to the highest of these amplitudes.
+    ///
+    /// Where nothing is dissipated, A* is the quotient of two roundings, and has extrema at 1e-18 or 1e14. A birth far
+    /// below the levels is real if what is fed in and what the damping takes cancel there: A* goes to zero then, and what
+    /// a point near it has is chance.
+    pub fn keep_events_near(&mut self, amplitudes: impl Iterator<Item = f64>) {
+        let (low, high) =
+            amplitudes.fold((f64::INFINITY, 0.0_f64), |(low, high), value| (low.min(value), high.max(value)));
+        let range = NOTHING.max(low / FAR)..=high * FAR;
+        let events = std::mem::take(&mut self.events);
+        let is_kept = |event: &Event| range.contains(&event.threshold) || self.cancels(event);
+        self.events = events.into_iter().filter(is_kept).collect();
+    }
+
+    /// Whether a threshold is so small since energies that are more than round-off cancel.
+    fn cancels(&self, event: &Event) -> bool {
+        let linear = self.r_lin.values[event.index];
+        let before = event.index.saturating_sub(1);
+        let beside = [before, (event.index + 1).min(self.r_lin.values.len() - 1)];
+        let is_real = |i: usize| (self.r_lin.values[i] + self.r_nl.values[i]).abs() > ROUND_OFF * linear;
+        event.kind == EventKind::Birth
+            && linear > 0.0
+            && self.feeds_itself(event.index)
+            && beside.into_iter().all(is_real)
     }
 }
 

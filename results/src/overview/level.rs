@@ -21,6 +21,18 @@ pub struct Level {
     pub pending: usize,
     /// Tasks given up.
     pub dead: usize,
+    /// Seeds of windows.
+    #[serde(skip)]
+    pub seeds: Seeds,
+}
+
+/// Seeds of the windows of a level.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Seeds {
+    /// Those that were tried.
+    pub tried: usize,
+    /// Those of them that led to no branch.
+    pub failed: usize,
 }
 
 impl Level {
@@ -31,6 +43,8 @@ impl Level {
         let failure =
             omissions.read(format_args!("The failure of the main branch at A = {name} is"), reader.main_failure(level));
         let (pending, dead) = counts.unwrap_or_default();
+        let seeds = omissions.read(format_args!("The number of seeds at A = {name} is"), reader.tried_seeds(level));
+        let (tried, failed) = seeds.unwrap_or_default();
         Self {
             amplitude: name,
             value,
@@ -39,6 +53,7 @@ impl Level {
             main_failure: failure.flatten(),
             pending,
             dead,
+            seeds: Seeds { tried, failed },
         }
     }
 
@@ -62,9 +77,9 @@ impl Level {
         self.branches.iter().filter(|branch| !branch.is_main())
     }
 
-    /// Branches that are known to be apart from the main ones.
+    /// Closed branches apart from the main ones.
     pub fn isolas(&self) -> impl Iterator<Item = &BranchRow> + Clone {
-        self.branches.iter().filter(|branch| branch.is_detached())
+        self.branches.iter().filter(|branch| branch.is_isola())
     }
 
     /// The one of them with the point of largest amplitude.
@@ -82,9 +97,19 @@ impl Level {
         self.branches.is_empty()
     }
 
+    /// Whether nothing is left to be done, nothing was given up, and there is a main branch.
+    pub fn is_complete(&self) -> bool {
+        self.pending == 0 && self.dead == 0 && self.main().is_some()
+    }
+
+    /// Whether it is complete and every largest amplitude is that of a maximum.
+    pub fn is_known(&self) -> bool {
+        self.is_complete() && self.branches.iter().all(|branch| branch.at_least().is_empty())
+    }
+
     /// Whether every window ended on a branch and nothing is left to be done.
     pub fn is_settled(&self) -> bool {
-        self.pending == 0 && self.dead == 0 && self.main().is_some() && self.not_found().next().is_none()
+        self.is_complete() && self.not_found().next().is_none()
     }
 
     /// Windows that led to no branch, with the reasons.
@@ -94,6 +119,12 @@ impl Level {
             _ => None,
         })
     }
+}
+
+/// Whether every level is complete and no branch of any touches a stop.
+pub fn is_untouched(levels: &[Level]) -> bool {
+    let touches = |level: &Level| level.branches.iter().any(|branch| branch.contact_omega.is_some());
+    !levels.is_empty() && levels.iter().all(|level| level.is_complete() && !touches(level))
 }
 
 /// The branch with the point of largest amplitude; one whose amplitude cannot be read counts for nothing.

@@ -9,7 +9,7 @@ mod unfinished;
 mod verified;
 
 pub use doubts::doubts;
-pub use level::{Level, highest};
+pub use level::{Level, Seeds, highest, is_untouched};
 pub use omissions::Omissions;
 pub use unfinished::unfinished;
 
@@ -85,9 +85,10 @@ impl Overview {
         Ok(())
     }
 
-    /// The largest rise in frequency of the peak between neighbouring levels; `None` if it never rises.
+    /// The largest rise in frequency of the peak between neighbouring levels of which all is known; `None` if it never
+    /// rises.
     pub fn rise(&self) -> Option<Rise> {
-        let rises = self.levels.windows(2).filter_map(|pair| {
+        let rises = self.levels.windows(2).filter(|pair| pair.iter().all(Level::is_known)).filter_map(|pair| {
             let omega = (pair[0].peak()?.omega_at_max, pair[1].peak()?.omega_at_max);
             let amplitudes = (pair[0].amplitude.clone(), pair[1].amplitude.clone());
             (omega.1 > omega.0).then_some(Rise { amplitudes, omega })

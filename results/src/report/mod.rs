@@ -1,7 +1,10 @@
 //! A run as page and figures show it, read from the store at any stage: one [`Report`].
 
 mod account;
+mod evidence;
+mod losses;
 mod read;
+mod search;
 #[cfg(test)]
 mod tests;
 mod verdict;

@@ -1,8 +1,9 @@
 //! Reads a report from the store. What cannot be read becomes a sentence in its place.
 
 use super::account::CostAccount;
+use super::evidence::{Evidence, Structure};
 use super::verdict::Sentence;
-use super::verdict::{Evidence, verdict};
+use super::verdict::verdict;
 use crate::clock::now;
 use crate::curves::{BackboneCurve, Curve, Monitor, Motions, ResonanceComparison, monitors};
 use crate::figure::{Figures, Subject};
@@ -108,8 +109,11 @@ impl Report {
 
         let backbone = omissions.read("The backbone is", read_backbone(reader, &Size::of(&model)));
         omissions.missing.extend(unfinished(&overview.levels, backbone.as_ref().is_none_or(Option::is_some)));
-        let backbone = backbone.flatten().map(|backbone| BackboneCurve::new(&backbone, &model));
+        let mut backbone = backbone.flatten().map(|backbone| BackboneCurve::new(&backbone, &model));
         fit_windows(&mut overview, backbone.as_ref(), &mut omissions);
+        if let Some(backbone) = &mut backbone {
+            backbone.keep_events_near(overview.levels.iter().map(|level| level.value));
+        }
         let reach = omissions.read("The frequency range of the sweep is", reader.reach()).flatten();
         let drawn = drawn(&overview, selection, &mut omissions);
         let motions = Motions::new(&model, header.settings.harmonics.count);
@@ -117,11 +121,14 @@ impl Report {
         let account = CostAccount::read(reader, &header.study, &overview.levels, &mut omissions);
 
         let monitors = monitors(&model);
+        let mut mains = omissions.read("How main branches end is", reader.main_outcomes()).unwrap_or_default();
+        mains.retain(|(amplitude, _)| overview.levels.iter().any(|level| level.amplitude == *amplitude));
         let evidence = Evidence {
             levels: &overview.levels,
             backbone: backbone.as_ref(),
-            monitor: &monitors[0].name,
-            gap: monitors[0].gap,
+            mains: &mains,
+            stage,
+            structure: Structure::new(&model, &monitors[0].name, monitors[0].gap),
         };
         let mut report = Self {
             verdict: verdict(&evidence),

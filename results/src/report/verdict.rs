@@ -1,14 +1,18 @@
-//! Three sentences that the store supports: where it is dangerous, from which forcing on, and what ordinary continuation
-//! would have missed.
+//! Three answers that the store supports: where it is dangerous, from which forcing on, and what ordinary continuation
+//! would have missed. Each says first what is lost, then what was found, then what was and what was not looked for.
 
-use crate::curves::BackboneCurve;
+#[cfg(test)]
+mod tests;
+
+use super::evidence::Evidence;
+use super::losses::{Loss, losses, named};
 use crate::overview::{BranchRow, Level, highest};
 use crate::words::{count, digits, frequency, length, range};
 use serde::Serialize;
 use solver::response::branch::BranchKind;
 use solver::response::windows::{Event, EventKind};
 
-/// One of the sentences.
+/// One of the answers.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Sentence {
     /// The question it answers.
@@ -17,24 +21,15 @@ pub struct Sentence {
     pub text: String,
 }
 
-/// What the sentences are about.
-pub struct Evidence<'r> {
-    /// Levels by forcing amplitude.
-    pub levels: &'r [Level],
-    /// The backbone, if it is known.
-    pub backbone: Option<&'r BackboneCurve>,
-    /// The dof whose amplitudes are given.
-    pub monitor: &'r str,
-    /// Its clearance to the casing, m.
-    pub gap: Option<f64>,
-}
-
-/// The three sentences.
+/// The three answers.
 pub fn verdict(evidence: &Evidence<'_>) -> [Sentence; 3] {
+    let losses = losses(evidence);
+    let brief: Vec<&str> = losses.iter().map(|loss| loss.brief.as_str()).collect();
+    let caveat = if brief.is_empty() { String::new() } else { format!("Known only in part ({}). ", brief.join("; ")) };
     [
-        Sentence { title: "Where is it dangerous?", text: evidence.danger() },
-        Sentence { title: "From which forcing on?", text: evidence.onset() },
-        Sentence { title: "Would ordinary continuation have missed it?", text: evidence.missed() },
+        Sentence { title: "Where is it dangerous?", text: evidence.danger(&losses) },
+        Sentence { title: "From which forcing on?", text: caveat.clone() + &evidence.onset() },
+        Sentence { title: "Would ordinary continuation have missed it?", text: caveat + &evidence.missed() },
     ]
 }
 
@@ -51,6 +46,12 @@ impl Gain<'_> {
     }
 }
 
+/// `2 mm`, or `at least 2 mm`.
+fn size(row: &BranchRow) -> String {
+    let at_least = if row.at_least().is_empty() { "" } else { "at least " };
+    format!("{at_least}{}", length(row.amplitude_max))
+}
+
 impl<'r> Evidence<'r> {
     fn with_isolas(&self) -> impl DoubleEndedIterator<Item = &'r Level> + Clone {
         self.levels.iter().filter(|level| level.highest_isola().is_some())
@@ -60,73 +61,113 @@ impl<'r> Evidence<'r> {
         self.levels.iter().all(|level| level.peak().is_none())
     }
 
+    /// Whether the main branches of a level are known to their ends.
+    fn has_whole_main(&self, level: &Level) -> bool {
+        let ends = || self.mains.iter().filter(|(amplitude, _)| *amplitude == level.amplitude);
+        level.is_complete()
+            && level.mains().all(|main| main.at_least().is_empty())
+            && !ends().any(|(_, outcome)| outcome.is_unfinished())
+    }
+
     /// The highest point over all branches of all levels.
     fn largest(&self) -> Option<(&'r Level, &'r BranchRow)> {
         let peaks = self.levels.iter().filter_map(|level| Some((level, level.peak()?)));
         peaks.max_by(|a, b| a.1.amplitude_max.total_cmp(&b.1.amplitude_max))
     }
 
-    fn danger(&self) -> String {
-        let Some((level, largest)) = self.largest() else { return "No branch has been computed yet.".into() };
-        let casing = self.gap.map(|gap| format!(" ({} to the casing)", length(gap))).unwrap_or_default();
-        let size = |row: &BranchRow| format!("{}{} at {}", row.at_least(), length(row.amplitude_max), self.monitor);
-        let on = |row: &BranchRow| if row.is_main() { "the main branch".to_string() } else { row.name() };
-        let place = format!("at {} and A = {}", frequency(largest.omega_at_max), level.amplitude);
-        let overall = format!("the largest response of all, {}{casing}, is on {}, {place}", size(largest), on(largest));
-        let Some(highest) = highest(self.with_isolas().flat_map(Level::isolas)) else {
-            return format!("No isola was found{}; {overall}.", self.reservation());
+    fn danger(&self, losses: &[Loss]) -> String {
+        let mut parts: Vec<String> = losses.iter().map(|loss| loss.sentence.clone()).collect();
+        parts.extend(self.self_excitation());
+        let Some((level, largest)) = self.largest() else {
+            parts.push("No branch has been computed yet.".into());
+            return parts.join(" ");
         };
-        let ranges = joined(self.with_isolas().flat_map(Level::isolas).map(|isola| isola.omega));
-        let there = format!(
-            "Between {}: there an impact or a gust can throw the structure onto an isolated branch (isola)",
-            in_words(&ranges)
-        );
-        if !largest.is_detached() {
-            format!("{there} with up to {}; {overall}.", size(highest))
-        } else {
-            format!("{there} with up to {}{casing}, the largest response of all, {place}.", size(largest))
+        let casing = self.structure.gap.map(|gap| format!(" ({} to the casing)", length(gap))).unwrap_or_default();
+        let at = |row: &BranchRow| format!("{} at {}", size(row), self.structure.monitor);
+        let on = if largest.is_main() { "the main branch".to_string() } else { largest.name() };
+        let place = format!("at {} and A = {}", frequency(largest.omega_at_max), level.amplitude);
+        match highest(self.with_isolas().flat_map(Level::isolas)) {
+            Some(highest) => {
+                let ranges = joined(self.with_isolas().flat_map(Level::isolas).map(|isola| isola.omega));
+                parts.push(format!(
+                    "Between {}: there an isola, a closed branch apart from the main one, is another periodic response at \
+                     the same forcing, with up to {}; whether it is stable and what leads there was not verified.",
+                    in_words(&ranges),
+                    at(highest)
+                ));
+            }
+            None => parts.push(format!("No isola was found from {}; {}.", self.searched(), self.not_searched())),
         }
+        parts.extend(self.untouched().map(String::from));
+        parts.extend(self.others());
+        parts.push(format!("The largest computed response, {}{casing}, is on {on}, {place}.", at(largest)));
+        parts.join(" ")
+    }
+
+    /// Branches that are neither main ones nor isolas, for what they are.
+    fn others(&self) -> Vec<String> {
+        let kinds = [
+            (BranchKind::Open, "leave through the widest bounds at both ends: detached, but not closed"),
+            (BranchKind::Cut, "leave through bounds that were given: whether they are detached is not known"),
+            (BranchKind::Unfinished, "are unfinished: whether they are detached is not known"),
+        ];
+        let sentence = |(kind, many): (BranchKind, &str)| {
+            let number = |level: &Level| level.others().filter(|row| row.kind == kind.name()).count();
+            let levels: Vec<&Level> = self.levels.iter().filter(|level| number(level) > 0).collect();
+            let branches: usize = levels.iter().map(|level| number(level)).sum();
+            let one = many.replace("leave", "leaves").replace("they are", "it is").replacen("are ", "is ", 1);
+            let (list, at) = (if branches == 1 { "branch" } else { "branches" }, named(&levels));
+            let what = if branches == 1 { one.as_str() } else { many };
+            (branches > 0).then(|| format!("{branches} {list}, at {at}, {what}."))
+        };
+        kinds.into_iter().filter_map(sentence).collect()
     }
 
     fn onset(&self) -> String {
         if self.is_empty() {
             return format!("Nothing is known yet: {} to come.", count(self.levels.len(), "forcing level"));
         }
-        let all = match self.levels {
-            [only] => format!("the one level, A = {}", only.amplitude),
-            [first, .., last] => {
-                format!("the {} levels, A = {} to {}", self.levels.len(), first.amplitude, last.amplitude)
-            }
-            [] => "no level".into(),
-        };
-        let found: Vec<String> = runs(self.levels)
-            .iter()
-            .map(|(first, last)| if first == last { first.clone() } else { format!("{first} to {last}") })
-            .collect();
-        let (reservation, prediction) = (self.reservation(), self.prediction());
-        if found.is_empty() {
-            return format!("There is no isola among {all}{reservation}{prediction}.");
+        let prediction = self.prediction();
+        let (searched, not_searched) = (self.searched(), self.not_searched());
+        let runs = runs(self.levels);
+        let partly: Vec<&Level> = self.with_isolas().filter(|level| !level.is_complete()).collect();
+        if runs.is_empty() && partly.is_empty() {
+            return format!("None was found from {searched}{prediction}; {not_searched}.");
+        }
+        let mut found: Vec<String> = Vec::new();
+        if !runs.is_empty() {
+            let runs = runs.iter().map(
+                |(first, last)| {
+                    if first == last { first.clone() } else { format!("{first} to {last}") }
+                },
+            );
+            found.push(format!("at A = {}", runs.collect::<Vec<_>>().join(", ")));
+        }
+        if !partly.is_empty() {
+            found.push(format!("at {}, of which not all is known", named(&partly)));
         }
         let highest = self.with_isolas().next_back().map_or(f64::INFINITY, |level| level.value);
         let above = self.levels.iter().find(|level| level.value > highest);
-        let end = above.filter(|level| level.is_settled()).and_then(|level| Some((level, level.main()?)));
-        let end = end.map(|(level, main)| {
+        let end = above.filter(|level| level.is_settled() && self.has_whole_main(level) && level.others().count() == 0);
+        let end = end.and_then(|level| Some((level, level.main()?))).map(|(level, main)| {
+            let (amplitude, omega) = (&level.amplitude, frequency(main.omega_at_max));
             format!(
-                " At A = {} none is left: the main branch itself goes up to {}{} at {} there.",
-                level.amplitude,
-                main.at_least(),
-                length(main.amplitude_max),
-                frequency(main.omega_at_max)
+                " At A = {amplitude} none was found any more: the main branch goes up to {} at {omega}.",
+                size(main)
             )
         });
-        let list = found.join(", ");
-        format!("Isolas were found at A = {list}, of {all}{reservation}{prediction}.{}", end.unwrap_or_default())
+        format!(
+            "Isolas were found {}{prediction}.{} Looked for: {searched}; {not_searched}.",
+            found.join(", and "),
+            end.unwrap_or_default()
+        )
     }
 
     /// From where on the energy balance alone says that there is more than the main response. A window that is born and
     /// merges between two levels is no news.
     fn prediction(&self) -> String {
         let Some(backbone) = self.backbone else { return String::new() };
+        let mode = self.mode();
         let (threshold, omega) = (&backbone.threshold.values, &backbone.omega.values);
         let births = backbone.events.iter().filter(|event| event.kind == EventKind::Birth);
         let is_separate = |birth: &&Event| {
@@ -134,39 +175,54 @@ impl<'r> Evidence<'r> {
             self.levels.iter().any(|level| (birth.threshold..barrier).contains(&level.value))
         };
         let Some(birth) = births.filter(is_separate).min_by(|a, b| a.threshold.total_cmp(&b.threshold)) else {
-            return "; the energy balance predicts no separate response at any of them".into();
+            return if self.with_isolas().next().is_some() {
+                format!("; the energy balance of {mode} does not predict them")
+            } else {
+                format!("; the energy balance of {mode} predicts no separate response at the levels of the run")
+            };
         };
         let near = frequency(omega[birth.index]);
         if backbone.feeds_itself(birth.index) {
             return format!(
-                "; the energy balance predicts separate responses at any forcing, near {near}, where the nonlinear forces \
-                 feed in as much energy as the damping takes"
+                "; the energy balance of {mode} predicts separate responses at any forcing, near {near}, where the \
+                 nonlinear forces feed in as much energy as the damping takes"
             );
         }
         let threshold = digits(birth.threshold, 3);
-        format!("; the energy balance predicts separate responses from A = {threshold} on, near {near}")
+        format!("; the energy balance of {mode} predicts separate responses from A = {threshold} on, near {near}")
     }
 
     fn missed(&self) -> String {
         if self.is_empty() {
             return "Nothing is known yet.".into();
         }
+        if self.with_isolas().next().is_none() {
+            let others: String = self.others().iter().map(|sentence| format!(" {sentence}")).collect();
+            return format!("No isola was found from {}; {}.{others}", self.searched(), self.not_searched());
+        }
         let gains = self.with_isolas().filter_map(|level| {
             let main = level.main().filter(|main| main.amplitude_max > 0.0)?;
             Some(Gain { level, isola: level.highest_isola()?, main })
         });
-        let Some(gain) = gains.max_by(|a, b| a.ratio().total_cmp(&b.ratio())) else {
-            if self.with_isolas().next().is_some() {
-                return "Ordinary continuation has no main branch to compare the isolas with: see the account.".into();
-            }
-            let reservation = self.reservation();
-            let no = if reservation.is_empty() { "No" } else { "Not so far" };
-            return format!("{no}: nothing was found beside the main branch{reservation}.");
+        let of_whole = gains.clone().filter(|gain| self.has_whole_main(gain.level));
+        let largest = |a: &Gain<'_>, b: &Gain<'_>| a.ratio().total_cmp(&b.ratio());
+        let Some(gain) = of_whole.max_by(largest) else {
+            return match gains.max_by(largest) {
+                None => "Ordinary continuation has no main branch to compare the isolas with: see the account.".into(),
+                Some(Gain { level, isola, main }) => format!(
+                    "The isolas, yes; by how much is not known: at A = {} the main branch goes up to at least {}, an isola \
+                     up to {} at {}.",
+                    level.amplitude,
+                    length(main.amplitude_max),
+                    size(isola),
+                    frequency(isola.omega_at_max)
+                ),
+            };
         };
         let Gain { level, isola, main } = &gain;
         let (stops, goes) = (
-            format!("{}{} at {}", main.at_least(), length(main.amplitude_max), frequency(main.omega_at_max)),
-            format!("{}{} at {}", isola.at_least(), length(isola.amplitude_max), frequency(isola.omega_at_max)),
+            format!("{} at {}", size(main), frequency(main.omega_at_max)),
+            format!("{} at {}", size(isola), frequency(isola.omega_at_max)),
         );
         let amplitude = &level.amplitude;
         match gain.ratio() {
@@ -185,42 +241,14 @@ impl<'r> Evidence<'r> {
             ),
         }
     }
-
-    /// What may be missing from a sentence.
-    fn reservation(&self) -> String {
-        let pending: usize = self.levels.iter().map(|level| level.pending).sum();
-        let dead: usize = self.levels.iter().map(|level| level.dead).sum();
-        let not_found: usize = self.levels.iter().map(|level| level.not_found().count()).sum();
-        let of_kind =
-            |kind: BranchKind| self.levels.iter().flat_map(Level::others).filter(move |b| b.kind == kind.name());
-        let mut parts = Vec::new();
-        for (kind, what) in [(BranchKind::Cut, "cut off by a bound"), (BranchKind::Unfinished, "unfinished")] {
-            let branches = of_kind(kind).count();
-            if branches > 0 {
-                parts.push(format!(
-                    "{} {what}, perhaps part of the main branch",
-                    if branches == 1 { "1 branch".into() } else { format!("{branches} branches") }
-                ));
-            }
-        }
-        if pending > 0 {
-            parts.push(format!("{} still to come", count(pending, "task")));
-        }
-        if dead > 0 {
-            parts.push(format!("{} given up", count(dead, "task")));
-        }
-        if not_found > 0 {
-            parts.push(format!("{} predicted but not found", count(not_found, "response")));
-        }
-        if parts.is_empty() { String::new() } else { format!(" ({})", parts.join(", ")) }
-    }
 }
 
-/// Levels with isolas as runs of neighbours: first and last, as typed.
+/// Complete levels with isolas as runs of neighbours: first and last, as typed. A level of which not all is known ends a
+/// run.
 fn runs(levels: &[Level]) -> Vec<(String, String)> {
-    let runs = levels.chunk_by(|a, b| a.highest_isola().is_some() == b.highest_isola().is_some());
-    let with_isolas = runs.filter(|run| run[0].highest_isola().is_some());
-    with_isolas.map(|run| (run[0].amplitude.clone(), run[run.len() - 1].amplitude.clone())).collect()
+    let state = |level: &Level| (level.is_complete(), level.highest_isola().is_some());
+    let runs = levels.chunk_by(|a, b| state(a) == state(b)).filter(|run| state(&run[0]) == (true, true));
+    runs.map(|run| (run[0].amplitude.clone(), run[run.len() - 1].amplitude.clone())).collect()
 }
 
 /// Ranges in order, those that overlap as one.
@@ -246,109 +274,4 @@ fn in_words(ranges: &[(f64, f64)]) -> String {
         list.push(format!("in {} more ranges", ranges.len() - NAMED));
     }
     list.join(", or between ")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use solver::response::branch::Standing;
-
-    fn branch(kind: &str, number: usize, omega: (f64, f64), amplitude: f64) -> BranchRow {
-        BranchRow {
-            kind: kind.into(),
-            number,
-            closed: kind == "isola",
-            points: 3,
-            omega,
-            amplitude_max: amplitude,
-            omega_at_max: omega.1,
-            ..BranchRow::default()
-        }
-    }
-
-    fn level(value: f64, branches: Vec<BranchRow>) -> Level {
-        let (windows, main_failure) = (Vec::new(), None);
-        Level { amplitude: value.to_string(), value, branches, windows, main_failure, pending: 0, dead: 0 }
-    }
-
-    fn texts(levels: &[Level]) -> [String; 3] {
-        let evidence = Evidence { levels, backbone: None, monitor: "tip", gap: Some(4e-4) };
-        verdict(&evidence).map(|sentence| sentence.text)
-    }
-
-    fn main(amplitude: f64) -> BranchRow {
-        branch("main", 1, (90.0, 100.0), amplitude)
-    }
-
-    #[test]
-    fn isolas_apart() {
-        let isolas = [branch("isola", 1, (120.0, 130.0), 2e-3), branch("isola", 2, (150.0, 160.0), 1.5e-3)];
-        let levels = [
-            level(1.0, vec![main(1e-3)]),
-            level(2.0, vec![main(1e-3), isolas[0].clone(), isolas[1].clone()]),
-            level(3.0, vec![main(1e-3), branch("isola", 1, (125.0, 140.0), 1e-3)]),
-            level(4.0, vec![main(2.5e-3)]),
-            level(5.0, vec![main(1e-3), branch("isola", 1, (155.0, 165.0), 1.2e-3)]),
-        ];
-        let [danger, onset, missed] = texts(&levels);
-        assert_eq!(
-            danger,
-            "Between 120 and 140 rad/s (19.1 and 22.28 Hz), or between 150 and 165 rad/s (23.87 and 26.26 Hz): there an \
-             impact or a gust can throw the structure onto an isolated branch (isola) with up to 2 mm at tip; the largest \
-             response of all, 2.5 mm at tip (0.4 mm to the casing), is on the main branch, at 100 rad/s (15.92 Hz) and \
-             A = 4."
-        );
-        assert_eq!(onset, "Isolas were found at A = 2 to 3, 5, of the 5 levels, A = 1 to 5.");
-        assert!(missed.starts_with("Yes. At A = 2 it stops at 1 mm at 100 rad/s"), "{missed}");
-        assert!(missed.ends_with("up to 2 mm at 130 rad/s (20.69 Hz), 2 times as much."), "{missed}");
-    }
-
-    #[test]
-    fn what_merged_and_what_is_not_known_yet() {
-        let isola = branch("isola", 1, (120.0, 130.0), 0.9e-3);
-        let mut levels = [level(1.0, vec![main(1e-3), isola]), level(2.0, vec![main(3e-3)])];
-        let [_, onset, missed] = texts(&levels);
-        assert!(
-            onset.ends_with(
-                "At A = 2 none is left: the main branch itself goes up to 3 mm at 100 rad/s (15.92 Hz) there."
-            )
-        );
-        assert!(missed.starts_with("Yes, though the main branch goes higher: at A = 1 up to 1 mm"), "{missed}");
-        assert!(missed.ends_with("10 % less."), "{missed}");
-        // As long as seeds of the level are left, nobody knows.
-        levels[1].pending = 3;
-        assert_eq!(
-            texts(&levels)[1],
-            "Isolas were found at A = 1, of the 2 levels, A = 1 to 2 (3 tasks still to come)."
-        );
-        levels[0].branches.truncate(1);
-        assert!(texts(&levels)[2].starts_with("Not so far: nothing was found beside the main branch (3 tasks"));
-        levels[1].pending = 0;
-        assert_eq!(texts(&levels)[2], "No: nothing was found beside the main branch.");
-    }
-
-    #[test]
-    fn what_is_only_known_in_part() {
-        let at_least = |branch: BranchRow| BranchRow { peak_standing: Some(Standing::AtLeast), ..branch };
-        let cut = branch("cut", 1, (120.0, 130.0), 2e-3);
-        let [danger, onset, missed] = texts(&[level(1.0, vec![at_least(main(1e-3)), at_least(cut)])]);
-        let reservation = "(1 branch cut off by a bound, perhaps part of the main branch)";
-        assert!(
-            danger.starts_with(&format!("No isola was found {reservation}; the largest response of all, ≥ 2 mm at")),
-            "{danger}"
-        );
-        assert!(!danger.contains("on the main branch,"), "{danger}");
-        assert!(onset.contains(reservation) && onset.starts_with("There is no isola"), "{onset}");
-        assert_eq!(missed, format!("Not so far: nothing was found beside the main branch {reservation}."));
-    }
-
-    #[test]
-    fn numbers_that_cannot_be_read() {
-        let unreadable = branch("isola", 1, (120.0, 130.0), f64::NAN);
-        let levels = [level(1.0, vec![main(1e-3), unreadable])];
-        assert!(texts(&levels).iter().all(|text| !text.contains("NaN")), "{:?}", texts(&levels));
-        let isola = branch("isola", 1, (120.0, 130.0), 1e-3);
-        assert!(texts(&[level(1.0, vec![isola])])[2].starts_with("Ordinary continuation has no main branch"));
-        assert_eq!(texts(&[level(1.0, Vec::new())])[1], "Nothing is known yet: 1 forcing level to come.");
-    }
 }

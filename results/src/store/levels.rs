@@ -58,9 +58,9 @@ impl BranchRow {
         self.kind == BranchKind::Main.name()
     }
 
-    /// Whether it is known to be apart from the main branch.
-    pub fn is_detached(&self) -> bool {
-        [BranchKind::Isola, BranchKind::Open].iter().any(|kind| self.kind == kind.name())
+    /// Whether it is a closed curve apart from the main branch.
+    pub fn is_isola(&self) -> bool {
+        self.closed && self.kind == BranchKind::Isola.name()
     }
 
     /// `≥ ` if the response may be larger than the largest amplitude that is known.
@@ -109,6 +109,13 @@ impl Reader {
     pub(crate) fn open_tasks(&self, level: i64) -> Result<(usize, usize)> {
         let sql = "SELECT count(*) FILTER (WHERE state IN ('waiting', 'leased')), \
                    count(*) FILTER (WHERE state = 'dead') FROM tasks WHERE level = ?1";
+        Ok(self.one(sql, [level], |row| Ok((row.get(0)?, row.get(1)?)))?.unwrap_or_default())
+    }
+
+    /// Seeds of a level that were tried, and those of them that led to no branch.
+    pub(crate) fn tried_seeds(&self, level: i64) -> Result<(usize, usize)> {
+        let sql = "SELECT count(*), count(*) FILTER (WHERE branch IS NULL) FROM tasks \
+                   WHERE level = ?1 AND kind = 'seed' AND state = 'done'";
         Ok(self.one(sql, [level], |row| Ok((row.get(0)?, row.get(1)?)))?.unwrap_or_default())
     }
 

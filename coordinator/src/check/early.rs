@@ -1,0 +1,141 @@
+//! What goes wrong before anything is computed: units that slipped, matrices exchanged, levels at which nothing touches.
+
+use crate::study::Study;
+use results::words::{count, number};
+use solver::formulation::Formulation;
+use solver::formulation::harmonics::complex;
+use solver::formulation::linear::forced_response;
+use solver::formulation::pressure::PressureForm;
+use solver::formulation::scales::Scales;
+use solver::formulation::unknown::Unknown;
+use solver::structure::{ContactElement, Model};
+
+/// Eigenfrequencies that no structure has, rad/s: all of them below or above.
+const ABSURD: (f64, f64) = (1e-3, 1e9);
+/// Structures are rarely slower than this, rad/s; if all modes are, and none would be with K and M exchanged, they are.
+const SLOW: f64 = 0.1;
+/// Between these shares of the condensed stiffness the prediction of contact forces works well.
+const EPSILON: (f64, f64) = (0.1, 1e3);
+/// Eigenfrequencies below this share of the highest one are those of rigid-body modes.
+const RIGID: f64 = 1e-6;
+
+/// Where the linear structure touches first.
+pub(super) struct FirstTouch<'m> {
+    /// Forcing amplitude A.
+    forcing: f64,
+    /// The contact.
+    name: &'m str,
+    /// Mode (from 0) in whose resonance this is.
+    mode: usize,
+}
+
+impl std::fmt::Display for FirstTouch<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { forcing, name, mode } = self;
+        write!(f, "from A = {} on, {name} first, at the linear resonance of mode {}", number(*forcing), mode + 1)
+    }
+}
+
+/// Where contacts touch first, the forcing growing at the resonance of the mode that is followed. `None` without contacts,
+/// or where linear response has no bound.
+pub(super) fn first_touch(study: &Study) -> Option<FirstTouch<'_>> {
+    let (model, settings, mode) = (&study.model, &study.settings, study.settings.tracked());
+    let m = model.forcing().harmonic;
+    let (unknown, scales) = (Unknown::Frequency { forcing: 1.0 }, Scales::new(model, mode));
+    let problem = PressureForm::build(model, settings.harmonics, mode, unknown, scales).ok()?;
+    let response = forced_response(&problem, 1.0, model.modes().frequencies[mode] / m as f64).ok()?;
+    let touch = |contact: ContactElement<'_>| {
+        let displacement = complex(&response.combine(shape(model, &contact)), m).norm();
+        contact.law.gap.max(0.0) / displacement
+    };
+    let contacts = model.contacts().map(|contact| (touch(contact), contact));
+    let first = contacts.filter(|(forcing, _)| forcing.is_finite()).min_by(|a, b| a.0.total_cmp(&b.0));
+    first.map(|(forcing, contact)| FirstTouch { forcing, name: &contact.element.name, mode })
+}
+
+/// Displacement of a contact along its normal in every mode.
+fn shape(model: &Model, contact: &ContactElement<'_>) -> Vec<f64> {
+    let along = |j| contact.element.channels[0].iter().map(move |&(dof, b)| b * model.modes().shapes[(dof, j)]);
+    (0..model.size()).map(|j| along(j).sum()).collect()
+}
+
+/// Smallest and largest ratio of ε to the static stiffness of the structure at the contacts; `None` if the structure is
+/// free to move there.
+pub(super) fn epsilon_ratios(model: &Model) -> Option<(f64, f64)> {
+    let frequencies = &model.modes().frequencies;
+    let rigid = RIGID * frequencies.last()?;
+    let ratio = |contact: ContactElement<'_>| {
+        let shape = shape(model, &contact);
+        let is_free = shape.iter().zip(frequencies).any(|(b, omega)| *b != 0.0 && *omega <= rigid);
+        let compliance: f64 = shape.iter().zip(frequencies).map(|(b, omega)| (b / omega).powi(2)).sum();
+        (!is_free).then_some(contact.law.epsilon * compliance)
+    };
+    let ratios: Vec<f64> = model.contacts().filter_map(ratio).filter(|ratio| ratio.is_finite()).collect();
+    let low = ratios.iter().copied().reduce(f64::min)?;
+    Some((low, ratios.iter().copied().reduce(f64::max)?))
+}
+
+/// Sentences about what is probably not meant.
+pub(super) fn warnings(study: &Study, touch: Option<&FirstTouch<'_>>) -> Vec<String> {
+    let mut list = Vec::new();
+    list.extend(units(&study.model));
+    list.extend(negative_damping(&study.model));
+    list.extend(touch.and_then(|touch| nothing_touches(study, touch)));
+    list.extend(epsilon_ratios(&study.model).and_then(epsilon));
+    list.extend(study.without_effect.iter().map(|key| {
+        format!("{key} has no effect any more: branches close by convergence onto their first points; leave it out")
+    }));
+    list
+}
+
+fn units(model: &Model) -> Option<String> {
+    let frequencies = &model.modes().frequencies;
+    let highest = *frequencies.last()?;
+    let lowest = *frequencies.iter().find(|omega| **omega > RIGID * highest)?;
+    let (low, high) = (number(lowest), number(highest));
+    if highest < SLOW {
+        let exchanged = format!("{} to {} rad/s", number(1.0 / highest), number(1.0 / lowest));
+        let absurd = if highest < ABSURD.0 { "no structure has" } else { "hardly a structure has" };
+        return Some(format!(
+            "{absurd} only modes from {low} to {high} rad/s: are K and M exchanged? The other way round they lie at \
+             {exchanged}"
+        ));
+    }
+    (lowest > ABSURD.1).then(|| {
+        format!("no structure has only modes from {low} to {high} rad/s: are K and M exchanged, or their units others than N/m and kg?")
+    })
+}
+
+fn negative_damping(model: &Model) -> Option<String> {
+    let modes = (0..model.size()).filter(|&j| model.damping().diagonal(j) < 0.0);
+    let list: Vec<String> = modes.map(|j| (j + 1).to_string()).collect();
+    let modes = if list.len() == 1 { "mode" } else { "modes" };
+    (!list.is_empty()).then(|| {
+        format!("{modes} {}: negative damping, so that the structure can vibrate by itself from rest", list.join(", "))
+    })
+}
+
+fn nothing_touches(study: &Study, touch: &FirstTouch<'_>) -> Option<String> {
+    let highest = study.amplitudes.iter().map(|amplitude| amplitude.value).reduce(f64::max)?;
+    (highest < touch.forcing).then(|| {
+        format!(
+            "nothing will touch at the resonance of mode {}: {} up to A = {}, the first touch at A = {}",
+            touch.mode + 1,
+            count(study.amplitudes.len(), "level"),
+            number(highest),
+            number(touch.forcing)
+        )
+    })
+}
+
+fn epsilon((low, high): (f64, f64)) -> Option<String> {
+    let (ratio, what) = match (low, high) {
+        (low, _) if low < EPSILON.0 => (low, "soft"),
+        (_, high) if high > EPSILON.1 => (high, "stiff"),
+        _ => return None,
+    };
+    Some(format!(
+        "contact.epsilon is {what}: {} times the stiffness of the structure at the contact; 0.1 to 1000 times works well",
+        number(ratio)
+    ))
+}

@@ -1,0 +1,91 @@
+//! What `isola check` says early: units that slipped, levels at which nothing touches, keys without effect.
+
+use coordinator::check::report;
+use coordinator::study::Study;
+use std::fs;
+use std::path::Path;
+
+/// A mass before a stop: ω = 100 rad/s, ζ = 1e-2, 1 mm of clearance, so that A = 2 ζ k c = 0.2 touches.
+const MODEL: &str = r#"
+name = "mass before a stop"
+dofs = ["x"]
+[matrices]
+mass = [[1]]
+stiffness = [[1e4]]
+[damping]
+ratios = [{ modes = "1", ratio = 1e-2 }]
+[forcing]
+shape = { dofs = { x = 1 } }
+[contact]
+gap = 1e-3
+epsilon = 2e4
+[[contact.nodes]]
+name = "stop"
+normal = "x"
+"#;
+
+/// Warnings of a study of the mass with this changed, and everything that is said.
+fn checked(model: &str, amplitudes: &str, set: &[(&str, &str)]) -> (Vec<String>, String) {
+    let dir = tempfile::tempdir().unwrap();
+    fs::write(dir.path().join("model.toml"), model).unwrap();
+    fs::write(dir.path().join("study.toml"), format!("amplitudes = \"{amplitudes}\"\n")).unwrap();
+    let set: Vec<(String, String)> = set.iter().map(|(key, value)| (key.to_string(), value.to_string())).collect();
+    said(&Study::load(dir.path(), &set, None).unwrap_or_else(|error| panic!("{error}")))
+}
+
+fn said(study: &Study) -> (Vec<String>, String) {
+    let text = report(study);
+    let warnings = text.lines().filter_map(|line| line.strip_prefix("warning     "));
+    (warnings.map(String::from).collect(), text)
+}
+
+#[test]
+fn where_the_linear_structure_touches() {
+    let (warnings, text) = checked(MODEL, "0.1,0.3", &[]);
+    assert!(warnings.is_empty(), "{text}");
+    assert!(text.contains("touches     from A = 0.2 on, stop first, at the linear resonance of mode 1\n"), "{text}");
+    assert!(text.contains("epsilon     2 times the stiffness of the structure there\n"), "{text}");
+    let (warnings, _) = checked(MODEL, "0.1,0.15", &[]);
+    let nothing = "nothing will touch at the resonance of mode 1: 2 levels up to A = 0.15, the first touch at A = 0.2";
+    assert_eq!(warnings, [nothing]);
+}
+
+#[test]
+fn matrices_exchanged() {
+    let exchanged = MODEL.replace("[[1]]", "[[1e4]]").replace("stiffness = [[1e4]]", "stiffness = [[1]]");
+    let (warnings, text) = checked(&exchanged, "0.3", &[("contact.epsilon", "2")]);
+    assert_eq!(warnings.len(), 1, "{text}");
+    assert!(warnings[0].contains("are K and M exchanged? The other way round they lie at 100 to 100 rad/s"), "{text}");
+    let tiny = MODEL.replace("mass = [[1]]", "mass = [[1e-16]]");
+    let (warnings, text) = checked(&tiny, "0.3", &[]);
+    assert!(warnings[0].contains("only modes from 1e10 to 1e10 rad/s"), "{text}");
+}
+
+#[test]
+fn damping_epsilon_and_keys_without_effect() {
+    let damping = "[damping]\nratios = [{ modes = \"1\", ratio = 1e-2 }]";
+    let negative = MODEL.replace(damping, "damping = [[-2]]");
+    let (warnings, text) = checked(&negative, "0.3", &[]);
+    assert!(warnings[0].starts_with("mode 1: negative damping"), "{text}");
+    for (epsilon, what) in [("100", "soft: 0.01 times"), ("2e7", "stiff: 2000 times")] {
+        let (warnings, text) = checked(MODEL, "0.3", &[("contact.epsilon", epsilon)]);
+        assert!(warnings.len() == 1 && warnings[0].starts_with(&format!("contact.epsilon is {what}")), "{text}");
+    }
+    let (warnings, text) = checked(MODEL, "0.3", &[("branch.closure", "1e-3")]);
+    assert!(warnings.len() == 1 && warnings[0].starts_with("branch.closure has no effect any more"), "{text}");
+    assert!(checked(MODEL, "0.3", &[("branch.max_points", "100")]).0.is_empty());
+}
+
+#[test]
+fn shipped_studies_are_meant_as_they_are() {
+    let models = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models");
+    let mut studies = 0;
+    for folder in fs::read_dir(models).unwrap().map(|entry| entry.unwrap().path()) {
+        if folder.join("study.toml").exists() {
+            let (warnings, text) = said(&Study::load(&folder, &[], None).unwrap());
+            assert!(warnings.is_empty(), "{text}");
+            studies += 1;
+        }
+    }
+    assert!(studies > 0);
+}

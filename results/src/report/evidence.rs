@@ -1,0 +1,64 @@
+//! What the answers of a report are drawn from.
+
+use crate::curves::BackboneCurve;
+use crate::overview::Level;
+use protocol::to_everyone::Stage;
+use solver::response::branch::Outcome;
+use solver::structure::Model;
+
+/// What the answers are about.
+pub struct Evidence<'r> {
+    /// Levels by forcing amplitude.
+    pub levels: &'r [Level],
+    /// The backbone, if it is known.
+    pub backbone: Option<&'r BackboneCurve>,
+    /// How main branches end, with their forcing amplitudes as typed.
+    pub mains: &'r [(String, Outcome)],
+    /// How far the run has come, if that can be read.
+    pub stage: Option<Stage>,
+    /// The model.
+    pub structure: Structure,
+}
+
+/// What the sentences need of the model.
+#[derive(Debug, Clone, Default)]
+pub struct Structure {
+    /// The dof whose amplitudes are given.
+    pub monitor: String,
+    /// Its clearance to the casing, m.
+    pub gap: Option<f64>,
+    /// Number of modes.
+    pub modes: usize,
+    /// Harmonic m of the response that the forcing acts on.
+    pub harmonic: usize,
+    /// Number of stops (rigid contacts).
+    pub stops: usize,
+    /// Modes (from 1) that deform the structure and that no damping, or a negative one, acts on.
+    pub undamped: Vec<usize>,
+    /// Modes (from 1) of negative damping.
+    pub excited: Vec<usize>,
+}
+
+/// Eigenfrequencies below this share of the highest one are those of rigid-body modes, which are not damped.
+const RIGID: f64 = 1e-6;
+
+impl Structure {
+    /// Of a model, amplitudes being those of this dof.
+    pub fn new(model: &Model, monitor: &str, gap: Option<f64>) -> Self {
+        let frequencies = &model.modes().frequencies;
+        let rigid = RIGID * frequencies.last().copied().unwrap_or_default();
+        let damped = |is_wanted: fn(f64) -> bool| {
+            let modes = (0..model.size()).filter(|&j| frequencies[j] > rigid);
+            modes.filter(|&j| is_wanted(model.damping().diagonal(j))).map(|j| j + 1).collect()
+        };
+        Self {
+            monitor: monitor.into(),
+            gap,
+            modes: model.size(),
+            harmonic: model.forcing().harmonic,
+            stops: model.contacts().count(),
+            undamped: damped(|rate| rate == 0.0),
+            excited: damped(|rate| rate < 0.0),
+        }
+    }
+}

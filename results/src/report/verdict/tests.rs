@@ -1,0 +1,269 @@
+//! Sentence by sentence: nothing that is said is more than what is known.
+
+use super::*;
+use crate::curves::BackboneCurve;
+use crate::overview::Seeds;
+use crate::report::evidence::Structure;
+use protocol::to_everyone::Stage;
+use solver::response::branch::{Outcome, Standing, Stop};
+use std::sync::LazyLock;
+
+fn branch(kind: &str, number: usize, omega: (f64, f64), amplitude: f64) -> BranchRow {
+    BranchRow {
+        kind: kind.into(),
+        number,
+        closed: kind == "isola",
+        points: 3,
+        omega,
+        amplitude_max: amplitude,
+        omega_at_max: omega.1,
+        contact_omega: Some(omega),
+        ..BranchRow::default()
+    }
+}
+
+fn level(value: f64, branches: Vec<BranchRow>) -> Level {
+    let seeds = Seeds { tried: 2, failed: 0 };
+    Level { amplitude: value.to_string(), value, branches, seeds, ..Level::default() }
+}
+
+fn main(amplitude: f64) -> BranchRow {
+    branch("main", 1, (90.0, 100.0), amplitude)
+}
+
+fn isola(amplitude: f64) -> BranchRow {
+    branch("isola", 1, (120.0, 130.0), amplitude)
+}
+
+fn at_least(branch: BranchRow) -> BranchRow {
+    BranchRow { peak_standing: Some(Standing::AtLeast), ..branch }
+}
+
+static BACKBONE: LazyLock<BackboneCurve> = LazyLock::new(|| {
+    let study = crate::fixture::Study::damper();
+    BackboneCurve { events: Vec::new(), ..BackboneCurve::new(&study.backbone, &study.model) }
+});
+
+fn structure() -> Structure {
+    Structure { monitor: "tip".into(), gap: Some(4e-4), modes: 3, harmonic: 1, stops: 1, ..Structure::default() }
+}
+
+/// What is said of these levels, changed on the way.
+fn told<'r>(levels: &'r [Level], change: impl FnOnce(&mut Evidence<'r>)) -> [String; 3] {
+    let mut evidence = Evidence {
+        levels,
+        backbone: Some(&BACKBONE),
+        mains: &[],
+        stage: Some(Stage::Finished),
+        structure: structure(),
+    };
+    change(&mut evidence);
+    verdict(&evidence).map(|sentence| sentence.text)
+}
+
+fn texts(levels: &[Level]) -> [String; 3] {
+    told(levels, |_| {})
+}
+
+const NOT_SEARCHED: &str = "isolas of other modes, of sub- and super-harmonics and those that no energy balance of mode 1 \
+                            leads to were not looked for.";
+
+#[test]
+fn isolas_apart() {
+    let levels = [
+        level(1.0, vec![main(1e-3)]),
+        level(2.0, vec![main(1e-3), isola(2e-3), branch("isola", 2, (150.0, 160.0), 1.5e-3)]),
+        level(3.0, vec![main(1e-3), branch("isola", 1, (125.0, 140.0), 1e-3)]),
+        level(4.0, vec![main(2.5e-3)]),
+        level(5.0, vec![main(1e-3), branch("isola", 1, (155.0, 165.0), 1.2e-3)]),
+    ];
+    let [danger, onset, missed] = texts(&levels);
+    assert_eq!(
+        danger,
+        "Between 120 and 140 rad/s (19.1 and 22.28 Hz), or between 150 and 165 rad/s (23.87 and 26.26 Hz): there an \
+         isola, a closed branch apart from the main one, is another periodic response at the same forcing, with up to \
+         2 mm at tip; whether it is stable and what leads there was not verified. The largest computed response, 2.5 mm \
+         at tip (0.4 mm to the casing), is on the main branch, at 100 rad/s (15.92 Hz) and A = 4."
+    );
+    // Found and not predicted is said as one thing.
+    assert_eq!(
+        onset,
+        format!(
+            "Isolas were found at A = 2 to 3, 5; the energy balance of mode 1 does not predict them. Looked for: the \
+             windows of mode 1 at 5 levels (10 seeds tried); {NOT_SEARCHED}"
+        )
+    );
+    assert!(missed.starts_with("Yes. At A = 2 it stops at 1 mm at 100 rad/s"), "{missed}");
+    assert!(missed.ends_with("up to 2 mm at 130 rad/s (20.69 Hz), 2 times as much."), "{missed}");
+}
+
+#[test]
+fn none_was_found_where_it_was_looked_for() {
+    let mut levels = [level(1.0, vec![main(1e-3)]), level(2.0, vec![main(3e-3)])];
+    levels[1].seeds.failed = 1;
+    let [danger, onset, missed] = texts(&levels);
+    let searched = "the windows of mode 1 at 2 levels (4 seeds tried, 1 led nowhere)";
+    assert_eq!(missed, format!("No isola was found from {searched}; {NOT_SEARCHED}"));
+    assert!(danger.starts_with(&missed), "{danger}");
+    let balance = "the energy balance of mode 1 predicts no separate response at the levels of the run";
+    assert_eq!(onset, format!("None was found from {searched}; {balance}; {NOT_SEARCHED}"));
+    // One mode has no others; a forcing on the third harmonic is a search for one subharmonic.
+    let [_, _, missed] = told(&levels, |evidence| {
+        (evidence.structure.modes, evidence.structure.harmonic) = (1, 3);
+    });
+    assert!(missed.contains("the forcing acting on harmonic 3)"), "{missed}");
+    assert!(missed.contains("; isolas of other sub- and super-harmonics and those"), "{missed}");
+}
+
+#[test]
+fn where_the_last_one_ends() {
+    let mut levels = [level(1.0, vec![main(1e-3), isola(0.9e-3)]), level(2.0, vec![main(3e-3)])];
+    let [_, onset, missed] = texts(&levels);
+    let end = "At A = 2 none was found any more: the main branch goes up to 3 mm at 100 rad/s (15.92 Hz).";
+    assert!(onset.contains(end), "{onset}");
+    assert!(missed.starts_with("Yes, though the main branch goes higher: at A = 1 up to 1 mm"), "{missed}");
+    assert!(missed.ends_with("10 % less."), "{missed}");
+    // Where tasks are left, where the main branch stalled, where a branch is not known for what it is: nobody knows.
+    let stalled = [("2".to_string(), Outcome::Open(Stop::FrequencyBound, Stop::Reversed))];
+    let [danger, onset, _] = told(&levels, |evidence| evidence.mains = &stalled);
+    assert!(!onset.contains("any more"), "{onset}");
+    assert!(
+        danger.starts_with(
+            "The main branch at A = 2 is known only in part (open: frequency bound to turned back along itself): larger \
+             responses may lie beyond. Between 120"
+        ),
+        "{danger}"
+    );
+    levels[1].branches.push(branch("cut", 1, (150.0, 160.0), 1e-3));
+    assert!(!texts(&levels)[1].contains("any more"));
+    levels[1].branches.pop();
+    levels[1].pending = 3;
+    assert!(!texts(&levels)[1].contains("any more"));
+}
+
+#[test]
+fn a_cancelled_run_says_so_first() {
+    let mut levels = [
+        level(1.0, vec![main(1e-3), isola(2e-3)]),
+        level(2.0, vec![main(1e-3), isola(2e-3)]),
+        level(3.0, vec![main(1e-3), isola(3e-3)]),
+        level(4.0, Vec::new()),
+    ];
+    (levels[2].pending, levels[3].pending) = (2, 3);
+    let all = told(&levels, |evidence| evidence.stage = Some(Stage::Cancelled));
+    let [danger, onset, missed] = &all;
+    assert!(danger.starts_with("The run was cancelled. 5 tasks still to come, at A = 3, 4. Between"), "{danger}");
+    let caveat = "Known only in part (cancelled; 2 levels unfinished). ";
+    assert!(
+        onset.starts_with(&format!("{caveat}Isolas were found at A = 1 to 2, and at A = 3, of which not all is known")),
+        "{onset}"
+    );
+    assert!(onset.contains("the windows of mode 1 at 2 complete levels"), "{onset}");
+    assert!(missed.starts_with(&format!("{caveat}Yes. At A = ")), "{missed}");
+    assert!(!missed.contains("A = 3"), "{missed}");
+    // One that goes on is not finished, whatever it has.
+    let [danger, ..] = told(&levels[..2], |evidence| evidence.stage = Some(Stage::Sweep));
+    assert!(danger.starts_with("The run is not finished. Between"), "{danger}");
+}
+
+#[test]
+fn losses_come_first() {
+    let mut levels = [level(1.0, vec![main(1e-3)]), level(2.0, Vec::new())];
+    (levels[0].dead, levels[1].main_failure) = (1, Some("it did not converge".into()));
+    let short =
+        BackboneCurve { is_unfinished: true, status: "open: linear range to stalled".into(), ..BACKBONE.clone() };
+    let [danger, onset, _] = told(&levels, |evidence| evidence.backbone = Some(&short));
+    assert!(
+        danger.starts_with(
+            "1 task given up, at A = 1. There is no main branch at A = 2: it did not converge. The backbone of mode 1 \
+             stopped early (open: linear range to stalled): nothing was looked for beyond. No isola was found from the \
+             windows of mode 1 at 0 complete levels"
+        ),
+        "{danger}"
+    );
+    let caveat =
+        "Known only in part (1 task given up; no main branch at A = 2; backbone stopped early). None was found";
+    assert!(onset.starts_with(caveat), "{onset}");
+}
+
+#[test]
+fn kinds_are_named_for_what_they_are() {
+    let cut = at_least(branch("cut", 1, (120.0, 130.0), 2e-3));
+    let open = branch("open", 1, (120.0, 130.0), 1.5e-3);
+    let levels = [level(1.0, vec![at_least(main(1e-3)), cut.clone(), open]), level(2.0, vec![main(1e-3), cut])];
+    let [danger, onset, missed] = texts(&levels);
+    let kinds = "1 branch, at A = 1, leaves through the widest bounds at both ends: detached, but not closed. 2 branches, \
+                 at A = 1, 2, leave through bounds that were given: whether they are detached is not known.";
+    assert!(danger.starts_with("No isola was found from") && danger.contains(kinds), "{danger}");
+    assert!(danger.contains(". The largest computed response, at least 2 mm at tip (0.4 mm to"), "{danger}");
+    assert!(onset.starts_with("None was found from"), "{onset}");
+    assert!(missed.ends_with(kinds), "{missed}");
+    let unfinished = branch("unfinished", 1, (120.0, 130.0), 2e-3);
+    let [danger, ..] = texts(&[level(1.0, vec![main(1e-3), unfinished])]);
+    assert!(danger.contains(" 1 branch, at A = 1, is unfinished: whether it is detached is not known."), "{danger}");
+    let cut = branch("cut", 1, (120.0, 130.0), 2e-3);
+    let [danger, ..] = texts(&[level(1.0, vec![main(1e-3), cut])]);
+    let one = " 1 branch, at A = 1, leaves through bounds that were given: whether it is detached is not known.";
+    assert!(danger.contains(one), "{danger}");
+}
+
+#[test]
+fn a_main_branch_known_in_part_is_no_measure() {
+    let [_, _, missed] = texts(&[level(1.0, vec![at_least(main(1e-3)), isola(2e-3)])]);
+    assert_eq!(
+        missed,
+        "The isolas, yes; by how much is not known: at A = 1 the main branch goes up to at least 1 mm, an isola up to 2 mm \
+         at 130 rad/s (20.69 Hz)."
+    );
+}
+
+#[test]
+fn what_the_structure_does_of_itself() {
+    let levels = [level(1.0, vec![BranchRow { contact_omega: None, ..main(1e-3) }])];
+    let [danger, ..] = texts(&levels);
+    assert!(danger.contains(" Nothing touched its stop at any level. The largest"), "{danger}");
+    let [danger, ..] = told(&levels, |evidence| evidence.structure.stops = 0);
+    assert!(!danger.contains("touched"), "{danger}");
+    let [danger, ..] = told(&levels, |evidence| evidence.structure.excited = vec![2]);
+    assert!(danger.starts_with("Mode 2 has negative damping: the structure can vibrate by itself"), "{danger}");
+    let [danger, ..] = told(&levels, |evidence| evidence.structure.undamped = vec![1, 3]);
+    assert!(danger.starts_with("Modes 1, 3 are not damped: nothing limits the linear resonance. No isola"), "{danger}");
+    let mut fed = BACKBONE.clone();
+    fed.r_nl.values[0] = -2.0 * fed.r_lin.values[0];
+    let [danger, ..] = told(&levels, |evidence| evidence.backbone = Some(&fed));
+    assert!(danger.starts_with("At small amplitudes the nonlinear forces feed more energy into mode 1"), "{danger}");
+}
+
+#[test]
+fn numbers_that_cannot_be_read() {
+    let levels = [level(1.0, vec![main(1e-3), isola(f64::NAN)])];
+    assert!(texts(&levels).iter().all(|text| !text.contains("NaN")), "{:?}", texts(&levels));
+    assert!(texts(&[level(1.0, vec![isola(1e-3)])])[2].starts_with("Ordinary continuation has no main branch"));
+    assert_eq!(texts(&[level(1.0, Vec::new())])[1], "Nothing is known yet: 1 forcing level to come.");
+}
+
+#[test]
+fn births_that_round_off_made() {
+    let study = crate::fixture::Study::damper();
+    let of = |threshold: f64| {
+        let mut curve = BackboneCurve::new(&study.backbone, &study.model);
+        let event = *curve.events.iter().find(|event| event.kind == EventKind::Birth).unwrap();
+        curve.events = vec![Event { threshold, ..event }];
+        curve
+    };
+    let is_kept = |threshold: f64| {
+        let mut curve = of(threshold);
+        curve.keep_events_near([0.003, 0.006].into_iter());
+        !curve.events.is_empty()
+    };
+    assert!(is_kept(0.0048) && is_kept(1e-5) && is_kept(5.0));
+    assert!(!is_kept(1e-18) && !is_kept(1e-6) && !is_kept(1e14) && !is_kept(f64::NAN));
+    // Where the nonlinear forces feed in what the damping takes, A* does go to zero.
+    let mut curve = of(1e-7);
+    let index = curve.events[0].index;
+    curve.r_nl.values[index] = -1.1 * curve.r_lin.values[index];
+    curve.r_nl.values[index + 1] = -0.5 * curve.r_lin.values[index + 1];
+    curve.r_nl.values[index - 1] = -1.2 * curve.r_lin.values[index];
+    curve.keep_events_near([0.003, 0.006].into_iter());
+    assert_eq!(curve.events.len(), 1);
+}

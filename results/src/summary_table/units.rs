@@ -1,0 +1,114 @@
+//! Units in which people want their tables.
+
+use crate::words::fixed_digits;
+use std::f64::consts::TAU;
+use std::fmt::{Display, Formatter};
+use std::str::FromStr;
+
+/// Units of a table.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Units {
+    /// Of amplitudes.
+    pub length: LengthUnit,
+    /// Of frequencies.
+    pub frequency: FrequencyUnit,
+}
+
+/// Unit of amplitudes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum LengthUnit {
+    /// Metres.
+    #[default]
+    Metre,
+    /// Millimetres.
+    Millimetre,
+    /// Micrometres.
+    Micrometre,
+}
+
+/// Unit of frequencies.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum FrequencyUnit {
+    /// Radians a second.
+    #[default]
+    RadianPerSecond,
+    /// Periods a second.
+    Hertz,
+}
+
+impl LengthUnit {
+    /// A length in metres, in this unit, with five digits.
+    pub fn digits(self, metres: f64) -> String {
+        let value = match self {
+            Self::Metre => return format!("{metres:.4e}"),
+            Self::Millimetre => 1e3 * metres,
+            Self::Micrometre => 1e6 * metres,
+        };
+        // Beyond that there are more zeros than digits.
+        if (1e-4..1e6).contains(&value.abs()) { fixed_digits(value, 5) } else { format!("{value:.4e}") }
+    }
+}
+
+impl FrequencyUnit {
+    /// A frequency in rad/s, in this unit, with six digits.
+    pub fn digits(self, omega: f64) -> String {
+        fixed_digits(if self == Self::Hertz { omega / TAU } else { omega }, 6)
+    }
+}
+
+impl Display for LengthUnit {
+    fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Metre => "m",
+            Self::Millimetre => "mm",
+            Self::Micrometre => "µm",
+        })
+    }
+}
+
+impl Display for FrequencyUnit {
+    fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
+        f.write_str(if *self == Self::Hertz { "Hz" } else { "rad/s" })
+    }
+}
+
+impl FromStr for Units {
+    type Err = String;
+
+    /// `mm,Hz`: one unit of each quantity, or one of them only.
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (mut length, mut frequency) = (None, None);
+        for name in text.split(',') {
+            let is_again = match name.trim() {
+                "m" => length.replace(LengthUnit::Metre).is_some(),
+                "mm" => length.replace(LengthUnit::Millimetre).is_some(),
+                "um" | "µm" => length.replace(LengthUnit::Micrometre).is_some(),
+                "rad/s" => frequency.replace(FrequencyUnit::RadianPerSecond).is_some(),
+                "Hz" => frequency.replace(FrequencyUnit::Hertz).is_some(),
+                other => return Err(format!("`{other}` is none of m, mm, um, rad/s and Hz")),
+            };
+            if is_again {
+                return Err("give one unit of length and one of frequency, like mm,Hz".into());
+            }
+        }
+        Ok(Self { length: length.unwrap_or_default(), frequency: frequency.unwrap_or_default() })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn units_are_read_and_written() {
+        let units: Units = "mm,Hz".parse().unwrap();
+        assert_eq!(
+            (units.length.digits(9.4809e-4), units.frequency.digits(2495.39)),
+            ("0.94809".into(), "397.154".into())
+        );
+        assert_eq!("Hz".parse::<Units>().unwrap().length.digits(9.4809e-4), "9.4809e-4");
+        assert_eq!("um, rad/s".parse::<Units>().unwrap().length.digits(1e-12), "1.0000e-6");
+        assert!("inch".parse::<Units>().unwrap_err().contains("inch"));
+        assert!("mm,um".parse::<Units>().unwrap_err().contains("one unit"));
+    }
+}
