@@ -54,11 +54,11 @@ pub fn table(reader: &Reader, layout: Layout) -> Result<String> {
     let mut text =
         format!("Largest amplitudes in {}, frequencies in {}:\n", layout.units.length, layout.units.frequency);
     text += &table.to_string();
+    text += &rows.notes.lines(layout.width).iter().map(|lines| format!("\n{lines}")).collect::<String>();
     let mut say = |sentence: &str| text += &format!("\n{}", wrapped(sentence, layout.width, ""));
     if levels.len() > LEVELS {
         say(&format!("... and {} more levels: see summary.csv", levels.len() - LEVELS));
     }
-    rows.notes.lines(layout.width).iter().for_each(|line| say(line));
     let contacts = overview.model.as_ref().and_then(|message| message.model().ok());
     if contacts.is_some_and(|model| model.contacts().count() > 0) && is_untouched(levels) {
         say("Nothing touched its stop at any level.");

@@ -12,7 +12,7 @@ use zenoh::{Session, Wait};
 pub async fn announce(session: Session, keys: Keys, mut news: UnboundedReceiver<News>) {
     while let Some(news) = news.recv().await {
         match news {
-            News::Manifest(manifest) => put(&session, &keys.run(), &manifest),
+            News::Manifest(manifest) => put(&session, &keys.run(), &*manifest),
             News::Done(done) => put(&session, &keys.done(&done.task), &done),
             News::Status(status) => put(&session, &keys.status(), &status),
             News::Hint => {

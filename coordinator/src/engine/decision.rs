@@ -43,7 +43,7 @@ pub enum Answer {
 #[derive(Debug, PartialEq)]
 pub enum News {
     /// The run has changed.
-    Manifest(Manifest),
+    Manifest(Box<Manifest>),
     /// A result was stored.
     Done(Done),
     /// How the run is doing.

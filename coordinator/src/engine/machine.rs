@@ -155,7 +155,7 @@ impl Engine {
     fn enter(&mut self, stage: Stage, now: Duration, decision: &mut Decision) {
         self.manifest.stage = stage;
         decision.changes.push(Change::Stage(stage));
-        decision.news.push(News::Manifest(self.manifest.clone()));
+        decision.news.push(News::Manifest(Box::new(self.manifest.clone())));
         decision.news.push(News::Status(self.status(now)));
     }
 

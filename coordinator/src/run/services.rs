@@ -153,7 +153,7 @@ fn begin(prepared: Prepared, state: &watch::Sender<RunState>, engine: &Sender<Re
 /// What is told is so from now on.
 fn update(state: &watch::Sender<RunState>, news: &News) {
     match news {
-        News::Manifest(manifest) => state.send_modify(|state| state.manifest = manifest.clone()),
+        News::Manifest(manifest) => state.send_modify(|state| state.manifest = manifest.as_ref().clone()),
         News::Status(status) => state.send_modify(|state| state.status = Some(status.clone())),
         News::Done(_) | News::Hint => {}
     }

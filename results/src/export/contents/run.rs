@@ -113,8 +113,11 @@ pub(super) fn branches(group: &mut Group<'_>, overview: &Overview) {
     }
 }
 
+/// A number of a certificate, if it is known.
+type Figure = fn(&Certificate) -> Option<f64>;
+
 /// Numbers of a certificate by their names.
-pub(super) const CERTIFICATE: [(&str, fn(&Certificate) -> Option<f64>); 4] = [
+pub(super) const CERTIFICATE: [(&str, Figure); 4] = [
     ("penetration", |certificate| certificate.penetration),
     ("pressure_beyond", |certificate| certificate.pressure_beyond),
     ("amplitude_2h", |certificate| certificate.doubled.map(|doubled| doubled.amplitude)),

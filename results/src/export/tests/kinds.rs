@@ -30,12 +30,12 @@ fn a_cut_branch_is_called_so_everywhere() {
     assert!(windows.iter().any(|window| window["branch"].starts_with("cut 1")), "{windows:?}");
 
     let layout = Layout { units: "mm,Hz".parse().unwrap(), ..Layout::default() };
-    for layout in [Layout::default(), layout, Layout { width: 44, ..layout }, Layout { width: 160, ..layout }] {
+    for layout in [Layout::default(), layout, Layout { width: 60, ..layout }, Layout { width: 160, ..layout }] {
         let table = summary_table::table(&store, layout).unwrap();
         let widest = table.lines().map(|line| line.chars().count()).max().unwrap();
         assert!(widest <= usize::from(layout.width), "{table}");
         assert!(table.contains("cut: ") && table.matches('≥').count() == cuts.len(), "{table}");
-        assert!(table.contains("\n¹ open: frequency bound to amplitude"), "{table}");
+        assert!(table.contains("\n¹ open: frequency bound to amplitude bound"), "{table}");
         assert!(table.contains(if layout.units == Units::default() { "in m, " } else { "in mm, " }), "{table}");
         // The frequency of a largest response that is not known does not rise.
         assert!(!table.contains("rises"), "{table}");
