@@ -249,16 +249,18 @@ impl<'p, P: Problem> Continuation<'p, P> {
         let metric = self.problem.metric();
         let moved: Vec<f64> = point.y.iter().zip(&from.y).map(|(a, b)| a - b).collect();
         let cosine = inner(metric, &moved, &from.tangent) / norm(metric, &moved);
-        if cosine < self.settings.min_cosine {
-            return Err(Rejection::Angle(cosine));
-        }
+        let is_off = cosine < self.settings.min_cosine;
+        let turns = point.orientation != from.orientation;
         if !self.problem.are_neighbours(&from.y, &point.y) {
             return Err(Rejection::Distance);
         }
-        // Where two curves nearly meet, the way across leads back too, as long as the step is longer than the gap.
-        let is_crossing = |this: &mut Self| this.step <= 64.0 * this.shortest() && this.leads_back(&point, &from);
-        if point.orientation != from.orientation && !is_crossing(self) {
-            return Err(Rejection::Orientation);
+        // Corners (a law that changes its slope) and crossings stay what they are however short the step. So does the way back:
+        // where two curves nearly meet, it leads across as well, but only as long as the step is longer than the gap.
+        if is_off || turns {
+            let is_shortest = self.step <= 64.0 * self.shortest();
+            if !(is_shortest && cosine > 0.0 && self.leads_back(&point, &from)) {
+                return Err(if is_off { Rejection::Angle(cosine) } else { Rejection::Orientation });
+            }
         }
         Ok(point)
     }
