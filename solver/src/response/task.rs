@@ -5,7 +5,7 @@ use crate::formulation::Formulation;
 use crate::formulation::modal::Modal;
 use crate::formulation::state::State;
 use crate::response::backbone::Backbone;
-use crate::response::branch::{Branch, BranchKind, Observer, Outcome, Side, SpecialPoint, Stop};
+use crate::response::branch::{Branch, BranchKind, BranchPoint, Observer, Outcome, Side, SpecialPoint, Stop};
 use crate::response::forced::Forced;
 use crate::response::forcing::Unreached;
 pub use crate::response::name::BranchId;
@@ -191,7 +191,13 @@ fn enter<'m, F: Formulation<'m>>(
         }
     }
     let branch = forced.main_branch(side, observer)?;
+    let (low, high) = forced.reach().frequency;
+    let is_inside = |point: &BranchPoint| point.omega() > low * (1.0 + 1e-6) && point.omega() < high * (1.0 - 1e-6);
     Ok(match unknown_part(forced, branch, known) {
+        // Beyond the range the one that is known goes on as well.
+        Ok(branch) if !known.is_empty() && !branch.is_cancelled() && !branch.points.iter().any(is_inside) => {
+            Finding::Nothing(SeedOutcome::Found(known[0].0))
+        }
         Ok(branch) => Finding::Branch(branch),
         Err(id) => Finding::Nothing(SeedOutcome::Found(id)),
     })
