@@ -47,7 +47,8 @@ impl Default for HarmonicSettings {
     }
 }
 
-/// Frequencies between which branches are followed, rad/s of the response.
+/// Frequencies between which responses are wanted, rad/s of the response. Main branches are followed beyond them until the
+/// response is the ordinary one there; other branches end at bounds that are given, and are followed beyond those that are not.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct FrequencySettings {
@@ -122,9 +123,9 @@ impl Default for BackboneSettings {
 pub struct BranchSettings {
     /// Largest number of points in each direction. Default 6000.
     pub max_points: usize,
-    /// Relative distance at which a branch has come back to its first point (paper [9, 10]). Default 1e-2.
+    /// Accepted, and without effect: a branch has closed when it converges onto its first point.
     pub closure: f64,
-    /// Largest amplitude of the first monitored dof, in m. Default: three times the backbone's largest.
+    /// Largest amplitude of the first monitored dof, in m. Default: none.
     pub max_amplitude: Option<f64>,
 }
 
