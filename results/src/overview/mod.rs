@@ -5,12 +5,14 @@ mod doubts;
 mod family;
 mod level;
 mod omissions;
+mod truncation;
 mod unfinished;
 mod verified;
 
 pub use doubts::doubts;
 pub use level::{Level, Seeds, highest, is_untouched};
 pub use omissions::Omissions;
+pub use truncation::truncation;
 pub use unfinished::unfinished;
 
 pub use crate::store::{BranchRow, WindowOutcome, WindowRow};

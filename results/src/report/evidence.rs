@@ -18,6 +18,8 @@ pub struct Evidence<'r> {
     pub stage: Option<Stage>,
     /// The model.
     pub structure: Structure,
+    /// Number of harmonics H.
+    pub harmonics: usize,
 }
 
 /// What the sentences need of the model.

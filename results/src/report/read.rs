@@ -129,6 +129,7 @@ impl Report {
             mains: &mains,
             stage,
             structure: Structure::new(&model, &monitors[0].name, monitors[0].gap),
+            harmonics: header.settings.harmonics.count,
         };
         let mut report = Self {
             verdict: verdict(&evidence),

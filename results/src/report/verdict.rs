@@ -6,7 +6,7 @@ mod tests;
 
 use super::evidence::Evidence;
 use super::losses::{Loss, losses, named};
-use crate::overview::{BranchRow, Level, highest};
+use crate::overview::{BranchRow, Level, highest, truncation};
 use crate::words::{count, digits, frequency, length, range};
 use serde::Serialize;
 use solver::response::branch::BranchKind;
@@ -101,6 +101,7 @@ impl<'r> Evidence<'r> {
         parts.extend(self.untouched().map(String::from));
         parts.extend(self.others());
         parts.push(format!("The largest computed response, {}{casing}, is on {on}, {place}.", at(largest)));
+        parts.extend(truncation(self.levels, self.harmonics));
         parts.join(" ")
     }
 

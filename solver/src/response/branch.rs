@@ -179,6 +179,11 @@ impl Branch {
         self.outcome == Outcome::Closed
     }
 
+    /// Whether it ends at a branch that was known before it.
+    pub fn is_joined(&self) -> bool {
+        matches!(self.outcome, Outcome::Open(first, last) if [first, last].contains(&Stop::Joined))
+    }
+
     /// Whether whoever observed it asked to stop.
     pub fn is_cancelled(&self) -> bool {
         matches!(self.outcome, Outcome::Open(first, last) if [first, last].contains(&Stop::Cancelled))

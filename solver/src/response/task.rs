@@ -194,13 +194,18 @@ fn enter<'m, F: Formulation<'m>>(
     let (low, high) = forced.reach().frequency;
     let is_inside = |point: &BranchPoint| point.omega() > low * (1.0 + 1e-6) && point.omega() < high * (1.0 - 1e-6);
     Ok(match unknown_part(forced, branch, known) {
-        // Beyond the range the one that is known goes on as well.
-        Ok(branch) if !known.is_empty() && !branch.is_cancelled() && !branch.points.iter().any(is_inside) => {
+        // Beyond the range the one that is known goes on as well; where they meet does not count.
+        Ok(branch) if branch.is_joined() && !inner(&branch.points).iter().any(is_inside) => {
             Finding::Nothing(SeedOutcome::Found(known[0].0))
         }
         Ok(branch) => Finding::Branch(branch),
         Err(id) => Finding::Nothing(SeedOutcome::Found(id)),
     })
+}
+
+/// Points between the ends.
+fn inner(points: &[BranchPoint]) -> &[BranchPoint] {
+    points.get(1..points.len().saturating_sub(1)).unwrap_or_default()
 }
 
 /// What of an open branch is not part of a known one, from where it leaves that to where it comes to it.

@@ -41,7 +41,10 @@ def stop(value: Any) -> str:
     if name != "stalled":
         return _STOPS.get(name, name)
     name, content = variant(content)
-    reasons = {"orientation": "the curve changes its orientation"}
+    reasons = {
+        "orientation": "the curve changes its orientation",
+        "distance": "the response changes too much within a step",
+    }
     if name == "newton":
         reasons[name] = failure(content)
     elif name == "angle":

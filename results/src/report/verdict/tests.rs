@@ -56,6 +56,7 @@ fn told<'r>(levels: &'r [Level], change: impl FnOnce(&mut Evidence<'r>)) -> [Str
         mains: &[],
         stage: Some(Stage::Finished),
         structure: structure(),
+        harmonics: 10,
     };
     change(&mut evidence);
     verdict(&evidence).map(|sentence| sentence.text)
