@@ -4,8 +4,10 @@ mod early;
 
 use crate::study::Study;
 use protocol::to_everyone::Amplitude;
+use results::overview::modes;
 use results::words::{count, number};
 use solver::formulation::harmonics::width;
+use solver::response::modes::ModesFollowed;
 use solver::settings::Quadrature;
 use solver::structure::Model;
 use solver::structure::laws::{Law, RigidContact};
@@ -26,8 +28,10 @@ pub fn report(study: &Study) -> String {
         ("model", format!("{} ({})", model.name(), study.model_dir.display())),
         ("size", size(model)),
     ];
-    let modes = (0..model.size().min(MODES)).map(|j| (if j == 0 { "modes" } else { "" }, mode(study, j)));
+    let choice = ModesFollowed::choose(model, &study.settings);
+    let modes = (0..model.size().min(MODES)).map(|j| (if j == 0 { "modes" } else { "" }, mode(study, &choice, j)));
     lines.extend(modes);
+    lines.extend(modes::sentence(&choice).map(|_| ("followed", followed(&choice))));
     lines.push(("forcing", forcing(model)));
     lines.push(("contact", contact(model)));
     let touch = early::first_touch(study);
@@ -55,10 +59,17 @@ fn size(model: &Model) -> String {
     format!("{}, {}, {laws}", count(model.size(), "dof"), count(contacts, "contact element"))
 }
 
-fn mode(study: &Study, j: usize) -> String {
+/// The modes followed, and why others are not.
+fn followed(choice: &ModesFollowed) -> String {
+    let rest = modes::left_out(choice);
+    let rest = if rest.is_empty() { String::new() } else { format!("; not {}", rest.join(", ")) };
+    format!("{}{rest}", modes::followed(choice))
+}
+
+fn mode(study: &Study, choice: &ModesFollowed, j: usize) -> String {
     let model = &study.model;
     let omega = model.modes().frequencies[j];
-    let followed = if j == study.settings.tracked() { "  followed" } else { "" };
+    let followed = if choice.followed.contains(&j) { "  followed" } else { "" };
     if omega <= RIGID * model.modes().frequencies[model.size() - 1] {
         return format!("{:>2}  rigid body{followed}", j + 1);
     }

@@ -105,6 +105,17 @@ pub struct StudyArgs {
     /// Forcing amplitudes: 20,60 or start:stop:step with both ends.
     #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
     pub amplitudes: Option<String>,
+    /// How hard isolas are looked for beyond the energy balance (search.effort): none, standard or thorough.
+    #[arg(long, value_name = "EFFORT")]
+    pub search: Option<String>,
+}
+
+impl StudyArgs {
+    /// All keys that are changed.
+    pub fn changes(&self) -> Vec<(String, String)> {
+        let search = self.search.iter().map(|effort| ("search.effort".to_string(), effort.clone()));
+        self.set.iter().cloned().chain(search).collect()
+    }
 }
 
 /// Where a run is served and who works for it.
@@ -335,6 +346,6 @@ mod tests {
     fn figures_are_listed_where_an_unknown_one_is_asked_for() {
         let line = ["isola", "plot", "run", "-o", "a.svg", "--figure", "pie"];
         let error = Cli::try_parse_from(line).unwrap_err().to_string();
-        assert!(error.contains("response, balance, backbone, map, resonance, modes, motion"), "{error}");
+        assert!(error.contains("response, balance, backbone, map, folds, resonance, modes, motion"), "{error}");
     }
 }

@@ -84,7 +84,7 @@ fn code(ending: Ending) -> ExitCode {
 }
 
 fn load(args: &StudyArgs) -> Result<Study, Error> {
-    Ok(Study::load(&args.study, &args.set, args.amplitudes.as_deref())?)
+    Ok(Study::load(&args.study, &args.changes(), args.amplitudes.as_deref())?)
 }
 
 async fn sweep(args: SweepArgs) -> Result<Ending, Error> {
@@ -104,7 +104,7 @@ async fn sweep(args: SweepArgs) -> Result<Ending, Error> {
 fn header(study: &Study, args: &StudyArgs, serve: &ServeArgs) -> Result<RunHeader, Error> {
     let id = uuid::Uuid::new_v4().simple().to_string();
     let model = ModelMessage::from(&study.model);
-    let mut overrides = args.set.clone();
+    let mut overrides = args.changes();
     overrides.extend(args.amplitudes.iter().map(|list| ("amplitudes".to_string(), list.clone())));
     Ok(RunHeader {
         run: RunId::new(&id[..12]).map_err(|error| Error::Other(error.to_string()))?,

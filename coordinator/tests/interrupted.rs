@@ -2,14 +2,19 @@
 
 use coordinator::ledger::{Granted, Leased, Ledger, Rules, Submitted};
 use protocol::branch::BranchMessage;
+use protocol::critical::CriticalMessage;
 use protocol::from_worker::Lease;
+use protocol::ids::TaskId;
 use protocol::to_everyone::StoredResult;
 use results::fixture::{Study, accepted, worker};
-use results::journal::Change;
-use results::store::Store;
+use results::journal::{Change, TaskState};
+use results::report::{Report, Selection};
+use results::store::{CurveRow, Store};
 use solver::response::branch::{Branch, BranchPoint};
+use solver::response::critical::CriticalCurve;
 use solver::response::forced::Forced;
-use solver::response::task::{BranchId, Finding, SeedOutcome, carry_out};
+use solver::response::task::{BranchId, Brought, Finding, SeedOutcome};
+use solver::response::trace::{Given, carry_out};
 use std::collections::HashMap;
 use std::ops::ControlFlow;
 use std::time::Duration;
@@ -19,7 +24,8 @@ use tempfile::tempdir;
 struct Sweep<'s> {
     study: &'s Study,
     ledger: Ledger,
-    branches: HashMap<protocol::ids::TaskId, Branch>,
+    branches: HashMap<TaskId, Branch>,
+    curves: HashMap<TaskId, CriticalCurve>,
 }
 
 impl Sweep<'_> {
@@ -46,13 +52,17 @@ impl Sweep<'_> {
         let seeds = granted.work.seeds(forced.modal(), &study.backbone, granted.amplitude.value);
         let known: Vec<(BranchId, &Branch)> =
             granted.known.iter().map(|known| (known.branch, &self.branches[&known.task])).collect();
+        let curves: Vec<(usize, &CriticalCurve)> =
+            granted.curves.iter().map(|known| (known.number, &self.curves[&known.task])).collect();
+        let given = Given { seeds: &seeds, known: &known, curves: &curves };
         let observer = &mut |_: &BranchPoint| ControlFlow::Continue(());
-        let finding = carry_out(&mut forced, &granted.work, &seeds, &known, observer).unwrap();
-        let (submitted, mut changes) = self.ledger.submit(&lease, finding.brought());
+        let finding = carry_out(&mut forced, &granted.work, &given, observer).unwrap();
+        let (submitted, mut changes) = self.ledger.submit(&lease, &finding.brought());
         let Submitted::Accepted(done) = submitted else { panic!("accepted") };
-        let branch = match finding {
-            Finding::Branch(branch) => Some(branch),
-            Finding::Nothing(_) => None,
+        let (branch, curve) = match finding {
+            Finding::Branch(branch) => (Some(branch), None),
+            Finding::Curve(curve) => (None, Some(curve)),
+            Finding::Nothing(_) => (None, None),
         };
         let name = match done.outcome {
             SeedOutcome::Found(id) if branch.is_some() => Some(id),
@@ -66,13 +76,15 @@ impl Sweep<'_> {
             outcome: done.outcome,
             name,
             branch: branch.as_ref().map(BranchMessage::from),
+            curve: curve.as_ref().map(CriticalMessage::from),
             worker: worker(),
             program: "0.1.0".into(),
             seconds: 0.25,
         };
         changes.push(Change::Result(accepted(result, done.sequence)));
         store.commit(&changes).unwrap();
-        self.branches.extend(branch.map(|branch| (granted.task, branch)));
+        self.branches.extend(branch.map(|branch| (granted.task.clone(), branch)));
+        self.curves.extend(curve.map(|curve| (granted.task, curve)));
         true
     }
 }
@@ -84,7 +96,7 @@ fn an_interrupted_run_goes_on() {
     let dir = dir.path().join("parts");
     let (mut store, _) = study.begin(&dir);
     let ledger = Ledger::new(Rules::default(), study.plans.clone());
-    let mut sweep = Sweep { study: &study, ledger, branches: HashMap::new() };
+    let mut sweep = Sweep { study: &study, ledger, branches: HashMap::new(), curves: HashMap::new() };
     let hour = |count: u64| Duration::from_secs(3600 * count);
     for count in 0..3 {
         sweep.fail(&mut store, "out of memory", hour(count));
@@ -98,7 +110,7 @@ fn an_interrupted_run_goes_on() {
 
     let mut store = Store::open(&dir).unwrap();
     let tasks = store.tasks().unwrap();
-    let (mut ledger, _) = Ledger::restore(Rules::default(), store.plans().unwrap(), tasks, hour(7));
+    let (mut ledger, _) = Ledger::restore(Rules::default(), store.plans().unwrap(), &[], tasks, hour(7));
     assert_eq!(ledger.counts(), sweep.ledger.counts());
     assert_eq!(store.counts().unwrap(), ledger.counts());
     assert_eq!(ledger.dead(), sweep.ledger.dead());
@@ -116,11 +128,74 @@ fn an_interrupted_run_goes_on() {
     }
     drop(store);
     let mut store = Store::open(&dir).unwrap();
-    (sweep.ledger, _) = Ledger::restore(Rules::default(), store.plans().unwrap(), store.tasks().unwrap(), hour(9));
+    (sweep.ledger, _) = Ledger::restore(Rules::default(), store.plans().unwrap(), &[], store.tasks().unwrap(), hour(9));
     while sweep.step(&mut store) {}
     for result in expected {
         let stored = store.result(&result.task).unwrap().unwrap();
         assert_eq!((stored.outcome, stored.name, stored.branch), (result.outcome, result.name, result.branch));
     }
     assert_eq!(sweep.ledger.counts(), store.counts().unwrap());
+}
+
+/// All that a store has of a search: tasks in the order of their announcements, and the curves.
+fn searched(store: &Store) -> (Vec<(TaskId, TaskState)>, Vec<CurveRow>) {
+    let tasks = store.tasks().unwrap().into_iter().map(|task| (task.id, task.state));
+    (tasks.collect(), store.curves().unwrap())
+}
+
+#[test]
+fn an_interrupted_search_goes_on() {
+    let (mut study, dir) = (Study::damper(), tempdir().unwrap());
+    // Wide enough for the fold curve of the isola to close.
+    study.reach.forcing = Some((1e-3, 0.1));
+    let rules = Rules { most_folds: 12, ..Rules::default() };
+    let whole = {
+        let (mut store, _) = study.begin(&dir.path().join("whole"));
+        let ledger = Ledger::new(rules, study.plans.clone());
+        let mut sweep = Sweep { study: &study, ledger, branches: HashMap::new(), curves: HashMap::new() };
+        while sweep.step(&mut store) {}
+        searched(&store)
+    };
+    let curves = &whole.1;
+    assert!(!curves.is_empty() && curves.iter().all(|curve| curve.points.len() > 10));
+    assert!(curves.iter().flat_map(|curve| &curve.points).any(|point| point.event.as_deref() == Some("birth")));
+    let is_crossing = |id: &TaskId| {
+        !id.as_str().starts_with("fold")
+            && study
+                .plans
+                .iter()
+                .all(|plan| (0..plan.tasks.len()).all(|i| TaskId::of_level(&plan.amplitude.text, i).unwrap() != *id))
+    };
+    assert!(whole.0.iter().any(|(id, _)| is_crossing(id)));
+
+    let parts = dir.path().join("parts");
+    let (store, _) = study.begin(&parts);
+    drop(store);
+    let (mut branches, mut curves) = (HashMap::new(), HashMap::new());
+    for _ in 0..whole.0.len() + 1 {
+        let mut store = Store::open(&parts).unwrap();
+        let (levels, folds, tasks) = (store.plans().unwrap(), store.folds().unwrap(), store.tasks().unwrap());
+        let (ledger, changes) = Ledger::restore(rules, levels, &folds, tasks, Duration::ZERO);
+        assert!(changes.is_empty(), "what is stored together is restored together: {changes:?}");
+        let mut sweep = Sweep { study: &study, ledger, branches, curves };
+        let goes_on = sweep.step(&mut store);
+        (branches, curves) = (sweep.branches, sweep.curves);
+        if !goes_on {
+            break;
+        }
+    }
+    let store = Store::open(&parts).unwrap();
+    assert_eq!(searched(&store), whole);
+    assert!(curves.values().any(CriticalCurve::is_closed));
+    for task in store.tasks().unwrap() {
+        if let Some(curve) = curves.get(&task.id) {
+            assert_eq!(task.brought, Some(Brought::Curve(curve.forcing().collect())), "{}", task.id);
+        }
+    }
+
+    let report = Report::read(&store, &Selection::Fitting).unwrap();
+    assert!(report.figures.drawn.contains_key("folds"), "{:?}", report.figures.nothing);
+    let onset = &report.verdict[1].text;
+    assert!(onset.contains("Computed along fold curves: an isola is born at A = 0.0048"), "{onset}");
+    assert!(onset.contains("branches merge at A = 0.011"), "{onset}");
 }

@@ -6,7 +6,7 @@ use proptest::prelude::*;
 use protocol::to_everyone::Amplitude;
 use results::resolved_study::differences;
 use solver::files;
-use solver::settings::Settings;
+use solver::settings::{ModeChoice, ModeList, Settings};
 use solver::structure::Damping;
 use solver::structure::laws::LawKind;
 use std::fs;
@@ -216,6 +216,12 @@ fn bad_input() {
         (File, "[frequency]\nmin = 3\nmax = 2", &[], &["`frequency.max` = 2", "above the lower bound 3"]),
         (File, "[frequency]\nmin = nan", &[], &["`frequency.min` = NaN", "finite number above zero"]),
         (File, "[backbone]\nmode = 3", &[], &["`backbone.mode` = 3", "modes 1 to 2"]),
+        (File, "[backbone]\nmodes = [1, 5]", &[], &["`backbone.modes` = [1, 5]", "modes 1 to 2"]),
+        (File, "[backbone]\nmodes = [2, 2]", &[], &["`backbone.modes` = [2, 2]", "comes twice"]),
+        (File, "[backbone]\nmodes = []", &[], &["`backbone.modes` = []", "at least one mode"]),
+        (File, "[backbone]\nmodes = \"all\"", &[], &["`backbone.modes`", "\"auto\" or a list of mode numbers"]),
+        (File, "[backbone]\nmode = 1\nmodes = [1]", &[], &["`backbone`", "backbone.modes", "only one of them"]),
+        (CommandLine, "", &[("backbone.modes", "2,7")], &["--set backbone.modes=2,7: ", "modes 1 to 2"]),
         (File, "[contact]\nfriction = -1", &[], &["`contact.friction` = -1", "zero or positive"]),
         (File, "[contact]\ngap = nan", &[], &["`contact.gap` = NaN", "finite, zero or positive", "in m"]),
         (File, "[contact]\nsense = 2", &[], &["`contact.sense` = 2", "1 or -1"]),
@@ -334,10 +340,12 @@ fn every_study_of_the_repository_loads() {
     names.sort();
     let expected = [
         "duffing/study.toml: 10",
+        "nltva/study.toml: 7",
         "nonlinear_damper/study.toml: 9",
         "rotor67/frictionless.toml: 7",
         "rotor67/paper.toml: 7",
         "rotor67/study.toml: 7",
+        "rotor67_thickness/study.toml: 7",
     ];
     assert_eq!(names, expected);
 }
@@ -393,4 +401,25 @@ proptest! {
         let _ = Study::load(dir.path(), &pairs(&[(&key, &text), ("contact.gap", &text)]), Some(&text));
         let _ = Study::load(dir.path(), &pairs(&[("harmonics.count", &text), ("amplitudes", &text)]), None);
     }
+}
+
+#[test]
+fn modes_are_a_word_a_list_or_one() {
+    let modes = |extra: &str, set: &[(&str, &str)]| {
+        let dir = folder(&format!("amplitudes = 20\n{extra}"));
+        let study = Study::load(dir.path(), &pairs(set), None).unwrap();
+        // What was resolved says the same.
+        fs::write(dir.path().join("study.toml"), &study.resolved).unwrap();
+        let again = Study::load(dir.path(), &[], None).unwrap();
+        assert_eq!(again.settings, study.settings);
+        study.settings.backbone.modes
+    };
+    let these = |numbers: &[usize]| ModeChoice::These(ModeList::new(numbers).unwrap());
+    assert_eq!(modes("", &[]), ModeChoice::Auto);
+    assert_eq!(modes("[backbone]\nmode = 2", &[]), these(&[2]));
+    assert_eq!(modes("[backbone]\nmodes = [2, 1]", &[]), these(&[2, 1]));
+    // What is typed replaces what stands in the file, under either name.
+    assert_eq!(modes("[backbone]\nmode = 2", &[("backbone.modes", "1,2")]), these(&[1, 2]));
+    assert_eq!(modes("[backbone]\nmodes = [2, 1]", &[("backbone.mode", "1")]), these(&[1]));
+    assert_eq!(modes("[backbone]\nmodes = [2]", &[("backbone.modes", "auto")]), ModeChoice::Auto);
 }

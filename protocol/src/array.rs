@@ -52,6 +52,12 @@ pub enum ArrayError {
         /// Which array.
         name: &'static str,
     },
+    /// A point of a curve over the forcing amplitude that is at none.
+    #[error("the forcing amplitude of point {index} is not a finite number above zero")]
+    Forcing {
+        /// Which point.
+        index: usize,
+    },
     /// A special point of a branch that is none of its points.
     #[error("special point {index} of {points} points")]
     Special {

@@ -1,9 +1,10 @@
 //! A branch as a message.
 
 use crate::array::ArrayError;
+use crate::critical::CriticalMessage;
 use crate::curve::{Points, Size};
 use serde::{Deserialize, Serialize};
-use solver::response::branch::{Branch, BranchKind, Certificate, Outcome, SpecialPoint, Standing};
+use solver::response::branch::{Branch, BranchKind, Certificate, Outcome, SpecialKind, SpecialPoint, Standing};
 use solver::response::task::{Brought, Finding, SeedOutcome};
 
 /// A forced-response branch.
@@ -51,6 +52,11 @@ impl BranchMessage {
         self.kind.unwrap_or_else(|| BranchKind::of_detached(&self.outcome, false))
     }
 
+    /// Number of its folds.
+    pub fn folds(&self) -> usize {
+        self.special.iter().filter(|special| special.kind == SpecialKind::Fold).count()
+    }
+
     /// The branch, for a model of this size.
     pub fn branch(&self, size: &Size) -> Result<Branch, ArrayError> {
         let points = self.points.points(size)?;
@@ -74,10 +80,11 @@ impl BranchMessage {
 /// The result of a task.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-#[expect(clippy::large_enum_variant, reason = "one of them exists at a time")]
 pub enum FindingMessage {
     /// A branch that was not known.
     Branch(BranchMessage),
+    /// A fold curve that was not known.
+    Curve(CriticalMessage),
     /// No new branch, and why.
     Nothing(SeedOutcome),
 }
@@ -86,7 +93,8 @@ impl FindingMessage {
     /// The same without the branch itself.
     pub fn brought(&self) -> Brought {
         match self {
-            Self::Branch(branch) => Brought::Branch(branch.kind()),
+            Self::Branch(branch) => Brought::Branch { kind: branch.kind(), folds: branch.folds() },
+            Self::Curve(curve) => Brought::Curve(curve.forcing().into()),
             Self::Nothing(outcome) => Brought::Nothing(*outcome),
         }
     }
@@ -96,6 +104,7 @@ impl From<&Finding> for FindingMessage {
     fn from(finding: &Finding) -> Self {
         match finding {
             Finding::Branch(branch) => Self::Branch(branch.into()),
+            Finding::Curve(curve) => Self::Curve(curve.into()),
             Finding::Nothing(outcome) => Self::Nothing(*outcome),
         }
     }

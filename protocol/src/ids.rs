@@ -85,6 +85,11 @@ impl TaskId {
         Self::new(&format!("{}-{index}", amplitude.replace('+', "")))
     }
 
+    /// Task number `index`, from 0, among those that follow folds over the levels.
+    pub fn of_fold(index: usize) -> Self {
+        Self(format!("fold-{index}"))
+    }
+
     /// Whether this is a task of the level whose amplitude was typed as `amplitude`.
     pub fn is_of_level(&self, amplitude: &str) -> bool {
         self.0.rsplit_once('-').is_some_and(|(level, _)| level == amplitude.replace('+', ""))

@@ -1,4 +1,4 @@
-//! Key expressions: `<namespace>/v2/<run>/…`.
+//! Key expressions: `<namespace>/v3/<run>/…`.
 
 use crate::VERSION;
 use crate::ids::{NameError, RunId, TaskId, WorkerId};
@@ -48,9 +48,19 @@ impl Keys {
         self.at("model")
     }
 
-    /// Backbone: queryable.
+    /// Backbone of the primary mode: queryable.
     pub fn backbone(&self) -> String {
         self.at("backbone")
+    }
+
+    /// Backbone of a mode, by its number from 1: queryable.
+    pub fn backbone_of(&self, number: usize) -> String {
+        self.at(&format!("backbone/{number}"))
+    }
+
+    /// Backbones of all modes.
+    pub fn backbones(&self) -> String {
+        self.at("backbone/*")
     }
 
     /// Windows of every level: queryable.

@@ -20,6 +20,7 @@ pub mod branch;
 pub mod codec;
 pub mod columns;
 pub mod control;
+pub mod critical;
 pub mod curve;
 pub mod digest;
 pub mod follow;
@@ -32,8 +33,8 @@ mod size;
 pub mod to_everyone;
 pub mod to_worker;
 
-/// Version of the messages, the `v2` of keys and encodings. Workers of another version are refused.
-pub const VERSION: u32 = 2;
+/// Version of the messages, the `v3` of keys and encodings. Workers of another version are refused.
+pub const VERSION: u32 = 3;
 
 /// Version of the program, for the record of who computed what.
 pub const PROGRAM: &str = env!("CARGO_PKG_VERSION");

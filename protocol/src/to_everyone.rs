@@ -2,11 +2,13 @@
 
 use crate::branch::BranchMessage;
 use crate::codec::messages;
+use crate::critical::CriticalMessage;
 use crate::curve::Seeds;
 use crate::from_worker::Progress;
 use crate::ids::{Attempt, RunId, TaskId, WorkerId};
 use serde::{Deserialize, Serialize};
 use solver::response::forced::Reach;
+use solver::response::modes::ModesFollowed;
 use solver::response::task::{BranchId, SeedOutcome, Task};
 use solver::response::windows::Window;
 use solver::settings::Settings;
@@ -37,6 +39,9 @@ pub struct Manifest {
     pub settings: Settings,
     /// Within which frequencies and amplitudes branches are followed; known when the backbone is.
     pub reach: Option<Reach>,
+    /// Which modes have a backbone, the primary one first, and why others have none; known when the backbones are.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub modes: Option<ModesFollowed>,
     /// Forcing levels.
     pub amplitudes: Vec<Amplitude>,
     /// Names of the monitored dofs; the first one is plotted.
@@ -85,7 +90,7 @@ impl Stage {
 pub struct LevelWindows {
     /// Forcing amplitude.
     pub amplitude: Amplitude,
-    /// Windows, in the order of the backbone.
+    /// Windows, backbone by backbone and in the order of each.
     pub windows: Vec<Window>,
 }
 
@@ -133,6 +138,9 @@ pub struct Done {
 pub struct StoredResult {
     /// The new branch.
     pub branch: Option<BranchMessage>,
+    /// The new fold curve.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub curve: Option<CriticalMessage>,
     /// Task.
     pub task: TaskId,
     /// Attempt that was accepted.

@@ -45,8 +45,11 @@ pub struct Grant {
     pub work: Task,
     /// Seeds to start from, as published on `seed/<task>`.
     pub seeds: Seeds,
-    /// Branches of this level found before: the stored results to fetch from `result/<task>`.
+    /// Branches of this level found before: the stored results to fetch from `result/<task>`. Of a fold: the branch that it
+    /// is of.
     pub known: Vec<Known>,
+    /// Curves found before, in stored results as well: those that a fold may lie on, or the one that crosses the level.
+    pub curves: Vec<KnownCurve>,
 }
 
 /// A branch found before.
@@ -54,6 +57,15 @@ pub struct Grant {
 pub struct Known {
     /// Its name in the level.
     pub branch: BranchId,
+    /// The task that found it.
+    pub task: TaskId,
+}
+
+/// A fold curve found before.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct KnownCurve {
+    /// Its number, from 0.
+    pub number: usize,
     /// The task that found it.
     pub task: TaskId,
 }

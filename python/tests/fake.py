@@ -46,7 +46,7 @@ class Coordinator:
     """One run, on a router of its own that can be stopped and started again."""
 
     def __init__(
-        self, *, run: str = "damper-1", version: int = 2, settings: dict[str, Any] | None = None
+        self, *, run: str = "damper-1", version: int = 3, settings: dict[str, Any] | None = None
     ) -> None:
         self.endpoint = f"tcp/127.0.0.1:{free_port()}"
         self.settings = settings or {}
@@ -92,7 +92,7 @@ class Coordinator:
         }.items():
             config.insert_json5(key, json.dumps(value))
         self.session = zenoh.open(config)
-        for key in ("run", "model", "backbone", "windows", "status", "done/*", "result/*"):
+        for key in ("run", "model", "backbone", "backbone/*", "windows", "status", "done/*", "result/*"):
             self.session.declare_queryable(f"{self.base}/{key}", self.answer, complete=True)
         self.wake.clear()
         self.beat = threading.Thread(target=self.report, args=(self.session,), daemon=True)
@@ -147,11 +147,15 @@ class Coordinator:
                 reply("model", "model", self.model)
             elif rest == "status":
                 reply("status", "status", self.status())
-            elif rest in ("backbone", "windows"):
+            elif rest == "windows" or rest.split("/")[0] == "backbone":
                 if self.backbone is None:
                     refuse("the backbone is still being computed")
+                elif rest == "windows":
+                    reply(rest, rest, frozen("windows"))
+                elif rest in ("backbone", "backbone/1"):
+                    reply(rest, "backbone", self.backbone)
                 else:
-                    reply(rest, rest, self.backbone if rest == "backbone" else frozen("windows"))
+                    refuse("no backbone of this mode was followed")
             elif rest.startswith("done/"):
                 for task, (done, _) in list(self.store.items()):
                     if rest in ("done/*", f"done/{task}"):

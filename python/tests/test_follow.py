@@ -73,7 +73,9 @@ def test_a_run_and_its_parts(coordinator, bus):
     run = bus.run()
     assert run.model().dofs == ("root", "tip")
     assert run.model() is run.model()
-    assert len(run.backbone()) == 3
+    assert len(run.backbone()) == len(run.backbone(mode=0)) == 3
+    with pytest.raises(isola_hbm.Refused, match="no backbone of this mode"):
+        run.backbone(mode=2)
     assert run.windows()[1].windows[0].best == 70
     assert run.status().sequence == 0
     assert run.done() == []
@@ -104,10 +106,10 @@ def test_choosing_a_run(coordinator):
 
         def answer(query):
             with query:
-                encoding = "application/msgpack;manifest.v2"
-                query.reply("isola/v2/damper-2/run", msgpack.packb(other), encoding=encoding)
+                encoding = "application/msgpack;manifest.v3"
+                query.reply("isola/v3/damper-2/run", msgpack.packb(other), encoding=encoding)
 
-        coordinator.session.declare_queryable("isola/v2/damper-2/run", answer, complete=True)
+        coordinator.session.declare_queryable("isola/v3/damper-2/run", answer, complete=True)
         assert [run.run for run in bus.runs()] == ["damper-1", "damper-2"]
         with pytest.raises(
             isola_hbm.NoSuchRun, match=r"several runs.*`damper-1` .*; `damper-2` \(second, sweep\)"
@@ -121,8 +123,8 @@ def test_choosing_a_run(coordinator):
 
 
 def test_another_version_is_told():
-    told = pytest.raises(isola_hbm.OtherVersion, match=r"`damper-1` \(v3, Isola 0.1.0\)")
-    with Coordinator(version=3) as fake, isola_hbm.connect(fake.endpoint) as bus, told:
+    told = pytest.raises(isola_hbm.OtherVersion, match=r"`damper-1` \(v4, Isola 0.1.0\)")
+    with Coordinator(version=4) as fake, isola_hbm.connect(fake.endpoint) as bus, told:
         bus.runs()
 
 

@@ -36,7 +36,7 @@ def test_every_sample_is_messagepack_with_a_view_that_names_its_encoding():
         name = file.name.removesuffix(".snap.msgpack")
         view = (FROZEN / f"{name}.view.snap").read_text()
         found = next(line for line in view.splitlines() if line.startswith("application/msgpack;"))
-        message = found.removeprefix("application/msgpack;").removesuffix(".v2")
+        message = found.removeprefix("application/msgpack;").removesuffix(".v3")
         assert name.startswith(message)
         assert found == encoding(message)
         decode(file.read_bytes(), found, message)
@@ -44,7 +44,7 @@ def test_every_sample_is_messagepack_with_a_view_that_names_its_encoding():
 
 def test_manifest():
     manifest = Manifest.read(sample("manifest"))
-    assert (manifest.protocol, manifest.run, manifest.name) == (2, "damper-1", "nonlinear damper")
+    assert (manifest.protocol, manifest.run, manifest.name) == (3, "damper-1", "nonlinear damper")
     assert manifest.reach is not None
     assert manifest.reach.frequency == (0.75, 1.5)
     assert [(a.text, a.value) for a in manifest.amplitudes] == [("1e-3", 0.001), ("2.5", 2.5)]
@@ -53,6 +53,14 @@ def test_manifest():
     assert manifest.settings["harmonics"] == {"count": 10, "samples": 512, "quadrature": "arcs"}
     assert manifest.model_sha256 == sha256(frozen("model"))
     assert Manifest.read({**sample("manifest"), "reach": None}).reach is None
+    assert manifest.modes is not None
+    assert manifest.modes.followed == (0, 1)
+    assert manifest.modes.left_out == (
+        (2, "the forcing does no work on it"),
+        (3, "its backbone does not start: singular"),
+    )
+    early = {key: value for key, value in sample("manifest").items() if key != "modes"}
+    assert Manifest.read({**early, "reach": None}).modes is None
 
 
 def test_model():
@@ -95,6 +103,7 @@ def test_windows():
     assert [len(level.windows) for level in levels] == [0, 1]
     window = levels[1].windows[0]
     assert (window.first, window.best, window.last, window.threshold) == (40, 70, 300, 1.75)
+    assert window.mode == 1
     assert window.omega == (0.875, 1.125)
 
 
@@ -204,7 +213,7 @@ def test_a_field_of_tomorrow_is_ignored():
 
 
 def test_another_version_or_name_is_refused_in_words():
-    for found in ("application/msgpack;done.v3", "application/msgpack;status.v2", "zenoh/bytes"):
+    for found in ("application/msgpack;done.v4", "application/msgpack;status.v3", "zenoh/bytes"):
         with pytest.raises(OtherVersion, match="another version of Isola, or is not Isola"):
             decode(frozen("done"), found, "done")
     for cut in (0, 1, 10):
@@ -288,3 +297,13 @@ def test_every_field_and_variant_is_documented():
 
     for file in FROZEN.glob("*.snap.msgpack"):
         check(msgpack.unpackb(file.read_bytes()), file.name)
+
+
+def test_result_with_a_fold_curve():
+    result = Result.read(sample("result_curve"), model())
+    assert result.branch is None and result.outcome == "fold curve 1"
+    curve = result.curve
+    assert curve is not None and len(curve) == 3 and not curve.closed
+    assert curve.outcome == "open: forcing bound to point budget used up"
+    assert [(event.kind, event.index) for event in curve.events] == [("birth", 1)]
+    assert Result.read(sample("result"), model()).curve is None

@@ -14,8 +14,10 @@ use solver::response::account::Account;
 use solver::response::backbone::Backbone;
 use solver::response::branch::{Branch, BranchKind, BranchPoint, Outcome, Stop};
 use solver::response::forced::{Forced, Reach};
-use solver::response::task::{BranchId, Finding, SeedOutcome, Task, carry_out, plan};
-use solver::settings::Settings;
+use solver::response::modes::{Backbones, LeftOut};
+use solver::response::task::{BranchId, Finding, SeedOutcome, Task, plan};
+use solver::response::trace::{Given, carry_out};
+use solver::settings::{ModeChoice, ModeList, Settings};
 use solver::structure::{Model, ModelData};
 use std::collections::HashMap;
 use std::ops::ControlFlow;
@@ -28,8 +30,10 @@ pub struct Study {
     pub model: Model,
     /// Numerics.
     pub settings: Settings,
-    /// Backbone.
+    /// Backbone of the primary mode.
     pub backbone: Backbone,
+    /// Backbones of further modes.
+    pub further: Vec<Backbone>,
     /// Bounds of branches.
     pub reach: Reach,
     /// Work of every level.
@@ -44,6 +48,11 @@ fn quiet(_: &BranchPoint) -> ControlFlow<()> {
 impl Study {
     /// Of a model of the repository, all dofs monitored, along its highest mode.
     pub fn new(model: &str, harmonics: usize, amplitudes: &[&str]) -> Self {
+        Self::of_modes(model, harmonics, amplitudes, 1)
+    }
+
+    /// The same along so many of its highest modes, the highest one first.
+    pub fn of_modes(model: &str, harmonics: usize, amplitudes: &[&str], count: usize) -> Self {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models").join(model);
         let model = files::load(&folder).unwrap();
         let monitors = (0..model.size()).collect();
@@ -51,17 +60,20 @@ impl Study {
         let mut settings = Settings::default();
         settings.harmonics.count = harmonics;
         settings.harmonics.samples = 64;
-        settings.backbone.mode = model.size();
-        let backbone = Backbone::compute(&model, &settings).unwrap();
-        let reach = Reach::new(&settings, &backbone).unwrap();
+        let modes: Vec<usize> = (1..=model.size()).rev().take(count).collect();
+        settings.backbone.modes = ModeChoice::These(ModeList::new(&modes).unwrap());
+        let mut backbones = Backbones::compute(&model, &settings).unwrap().list;
+        let reach = Reach::over(&settings, &backbones[0], &backbones[1..], 0.0).unwrap();
         let amplitude = |text: &&str| Amplitude { text: text.to_string(), value: text.parse().unwrap() };
         let amplitudes: Vec<Amplitude> = amplitudes.iter().map(amplitude).collect();
         let level = |amplitude: &Amplitude| {
-            let (windows, tasks) = plan(&backbone, amplitude.value);
+            let (windows, tasks) = plan(&backbones, amplitude.value);
             LevelPlan { amplitude: amplitude.clone(), windows, tasks }
         };
-        let plans = amplitudes.iter().map(level).collect();
-        Self { model, settings, backbone, reach, plans, amplitudes }
+        let plans: Vec<LevelPlan> = amplitudes.iter().map(level).collect();
+        let further = backbones.split_off(1);
+        let backbone = backbones.remove(0);
+        Self { model, settings, backbone, further, reach, plans, amplitudes }
     }
 
     /// The damper with an isola at the second of two levels.
@@ -88,9 +100,23 @@ impl Study {
         }
     }
 
+    /// All backbones.
+    pub fn backbones(&self) -> Vec<Backbone> {
+        std::iter::once(&self.backbone).chain(&self.further).cloned().collect()
+    }
+
     /// What its sweep consists of.
     pub fn plan(&self) -> SweepPlan {
-        SweepPlan { backbone: BackboneMessage::from(&self.backbone), reach: self.reach, levels: self.plans.clone() }
+        let is_followed = |mode: &usize| self.backbones().iter().any(|backbone| backbone.mode == *mode);
+        let others = (0..self.model.size()).filter(|mode| !is_followed(mode));
+        SweepPlan {
+            backbone: BackboneMessage::from(&self.backbone),
+            further: self.further.iter().map(BackboneMessage::from).collect(),
+            left_out: others.map(|mode| (mode, LeftOut::NotListed)).collect(),
+            reach: self.reach,
+            levels: self.plans.clone(),
+            folds: Vec::new(),
+        }
     }
 
     /// A run in `dir` whose tasks are ready to be handed out.
@@ -225,19 +251,21 @@ impl<'s> Sweep<'s> {
     fn compute(&self, granted: &Granted) -> Finding {
         let (study, amplitude) = (self.study, self.study.plans[granted.level].amplitude.value);
         let mut forced = Forced::new(&study.model, &study.settings, study.reach, amplitude);
-        let seeds = granted.work.seeds(forced.modal(), &study.backbone, amplitude);
+        let seeds = granted.work.seeds(forced.modal(), &study.backbones(), amplitude);
         let known = self.levels[granted.level].known.iter();
         let known: Vec<(BranchId, &Branch)> = known.map(|(id, task)| (*id, &self.branches[task])).collect();
-        carry_out(&mut forced, &granted.work, &seeds, &known, &mut quiet).unwrap()
+        let given = Given { seeds: &seeds, known: &known, curves: &[] };
+        carry_out(&mut forced, &granted.work, &given, &mut quiet).unwrap()
     }
 
     /// Takes down what became of a task: what is to be stored.
     pub fn accept(&mut self, granted: &Granted, finding: Finding) -> Vec<Change> {
         let turn = &mut self.levels[granted.level];
-        let outcome = turn.account.record(&granted.work, finding.brought());
+        let outcome = turn.account.outcome(&finding.brought()).unwrap();
+        turn.account.record(&granted.work, outcome);
         let branch = match finding {
             Finding::Branch(branch) => Some(branch),
-            Finding::Nothing(_) => None,
+            Finding::Curve(_) | Finding::Nothing(_) => None,
         };
         turn.next += 1;
         let name = match outcome {
@@ -253,6 +281,7 @@ impl<'s> Sweep<'s> {
             outcome,
             name,
             branch: branch.as_ref().map(BranchMessage::from),
+            curve: None,
             worker: worker(),
             program: "0.1.0".into(),
             seconds: 0.25,

@@ -5,20 +5,46 @@ use protocol::digest::Digest;
 use protocol::ids::{Attempt, TaskId, WorkerId};
 use protocol::to_everyone::{Amplitude, Stage, StoredResult};
 use solver::response::forced::Reach;
-use solver::response::task::{SeedOutcome, Task};
+use solver::response::modes::{LeftOut, ModesFollowed};
+use solver::response::task::{Brought, SeedOutcome, Task};
 use solver::response::windows::Window;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// What a sweep consists of: known when the backbone is.
+/// What a sweep consists of: known when the backbones are.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SweepPlan {
-    /// Backbone.
+    /// Backbone of the primary mode.
     pub backbone: BackboneMessage,
+    /// Backbones of further modes.
+    pub further: Vec<BackboneMessage>,
+    /// Modes without a backbone, from 0, and why.
+    pub left_out: Vec<(usize, LeftOut)>,
     /// Within which frequencies and amplitudes branches are followed.
     pub reach: Reach,
     /// The work of every level.
     pub levels: Vec<LevelPlan>,
+    /// Tasks that were added to follow folds over the levels; none when a sweep begins.
+    pub folds: Vec<AddedTask>,
+}
+
+/// A task that follows from what others found.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AddedTask {
+    /// Task.
+    pub id: TaskId,
+    /// The level that it is of, or that its curve starts from: its forcing amplitude as typed.
+    pub amplitude: String,
+    /// What is to be done.
+    pub task: Task,
+}
+
+impl SweepPlan {
+    /// Which modes have a backbone, and which not.
+    pub fn modes(&self) -> ModesFollowed {
+        let followed = std::iter::once(&self.backbone).chain(&self.further).map(|backbone| backbone.mode);
+        ModesFollowed { followed: followed.collect(), left_out: self.left_out.clone() }
+    }
 }
 
 /// The work of one forcing level.
@@ -68,8 +94,8 @@ pub struct StoredTask {
     pub id: TaskId,
     /// State; the deadline of a lease does not count.
     pub state: TaskState,
-    /// Whether its result is a new branch.
-    pub is_new_branch: bool,
+    /// What its result brought, if that is a new branch or a new curve.
+    pub brought: Option<Brought>,
     /// Attempts so far.
     pub attempts: u32,
     /// Why attempts failed, since it was last taken from the dead list.
@@ -83,6 +109,8 @@ pub enum Change {
     Stage(Stage),
     /// There is a backbone, and what follows from it.
     Planned(Arc<SweepPlan>),
+    /// What was found asks for more.
+    Added(Vec<AddedTask>),
     /// Handed out.
     Granted {
         /// Task.

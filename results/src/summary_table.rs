@@ -5,7 +5,7 @@ mod units;
 
 pub use units::{FrequencyUnit, LengthUnit, Units};
 
-use crate::overview::{Level, Omissions, Overview, Rise, is_untouched, truncation};
+use crate::overview::{Level, Omissions, Overview, Rise, is_untouched, modes, truncation};
 use crate::store::{BranchRow, Reader, Result};
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets::UTF8_FULL_CONDENSED};
 use footnotes::{Footnotes, wrapped};
@@ -62,6 +62,10 @@ pub fn table(reader: &Reader, layout: Layout) -> Result<String> {
     let contacts = overview.model.as_ref().and_then(|message| message.model().ok());
     if contacts.is_some_and(|model| model.contacts().count() > 0) && is_untouched(levels) {
         say("Nothing touched its stop at any level.");
+    }
+    let choice = omissions.read("Which modes were followed is", reader.modes()).flatten();
+    if let Some(sentence) = choice.as_ref().and_then(modes::sentence) {
+        say(&sentence);
     }
     let harmonics = overview.header.as_ref().map(|header| header.settings.harmonics.count);
     if let Some(sentence) = harmonics.and_then(|count| truncation(levels, count)) {

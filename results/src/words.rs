@@ -29,6 +29,21 @@ pub fn range((low, high): (f64, f64)) -> String {
     format!("{} and {} rad/s ({} and {} Hz)", digits(low, 5), digits(high, 5), hertz(low), hertz(high))
 }
 
+/// Modes, from 0, by their numbers from 1: `mode 1`, `modes 1 and 3`, `modes 1, 3 and 5 to 9`.
+pub fn modes(list: &[usize]) -> String {
+    let mut parts: Vec<String> = Vec::new();
+    for run in list.chunk_by(|a, b| a + 1 == *b) {
+        match run {
+            [first, _, .., last] => parts.push(format!("{} to {}", first + 1, last + 1)),
+            few => parts.extend(few.iter().map(|mode| (mode + 1).to_string())),
+        }
+    }
+    let last = parts.pop().unwrap_or_default();
+    let before = parts.join(", ");
+    let numbers = if before.is_empty() { last } else { format!("{before} and {last}") };
+    format!("{} {numbers}", if list.len() == 1 { "mode" } else { "modes" })
+}
+
 /// A number with so many digits at most, without exponent unless it is very small.
 pub fn digits(value: f64, count: i32) -> String {
     if value == 0.0 || !value.is_finite() {

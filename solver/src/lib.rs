@@ -50,7 +50,7 @@
 //! * [`files`]: models read from folders
 //! * [`formulation`]: its harmonic balance, in two formulations behind one trait
 //! * [`curve`]: curves of solutions of any system: Newton, continuation, ends, extrema
-//! * [`response`]: backbone, energy balance, windows, seeds, branches, levels
+//! * [`response`]: backbone, energy balance, windows, seeds, branches, levels, fold and peak curves
 //! * [`stability`]: marching in time, without harmonics: an independent check
 //!
 //! Laws are a closed set: they travel in messages and files, so a new one is added to the library (one file, its `mod`
@@ -69,10 +69,12 @@ pub use formulation::state::State;
 pub use linalg::Matrix;
 pub use response::backbone::{Backbone, BackboneError, BackbonePoint};
 pub use response::branch::{Branch, BranchPoint, Outcome, SpecialKind, SpecialPoint};
+pub use response::folds::{Critical, CriticalCurve, CriticalEvent, CriticalKind, Extent, Quantity};
 pub use response::forced::{Forced, Reach};
 pub use response::level::{BranchId, Level, LevelError};
+pub use response::modes::{Backbones, LeftOut, ModesFollowed};
 pub use response::windows::{Window, events, windows};
-pub use settings::Settings;
+pub use settings::{ModeChoice, ModeList, Settings};
 pub use stability::marching::{Marching, MarchingSettings};
 pub use structure::{Model, ModelBuilder, ModelError, laws};
 

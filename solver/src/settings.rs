@@ -1,5 +1,9 @@
 //! Numerical settings: every one has a default, a range and a message.
 
+mod modes;
+
+pub use modes::{ModeChoice, ModeList};
+
 use crate::curve::continuation::ContinuationSettings;
 use crate::structure::Model;
 use serde::{Deserialize, Serialize};
@@ -69,12 +73,12 @@ pub enum Criterion {
     Sufficient,
 }
 
-/// The backbone: damped nonlinear normal mode.
+/// The backbones: damped nonlinear normal modes.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+#[serde(try_from = "BackboneKeys")]
 pub struct BackboneSettings {
-    /// Mode followed, from 1. Default 1.
-    pub mode: usize,
+    /// Modes followed, from 1, the primary one first. Default `"auto"`. A file may say `mode = 1` for `modes = [1]`.
+    pub modes: ModeChoice,
     /// Largest amplitude of the first monitored dof, in m. Default: 8 reference lengths (gaps).
     pub max_amplitude: Option<f64>,
     /// Lowest frequency, rad/s. Default: a quarter of the mode's eigenfrequency.
@@ -87,6 +91,46 @@ pub struct BackboneSettings {
     pub criterion: Criterion,
     /// Equation of the backbone. Default damped_mode.
     pub equation: BackboneEquation,
+}
+
+/// Keys of the backbone as they are written: `mode` is another name for one of `modes`.
+#[derive(Deserialize)]
+#[serde(default, deny_unknown_fields)]
+struct BackboneKeys {
+    modes: Option<ModeChoice>,
+    mode: Option<usize>,
+    max_amplitude: Option<f64>,
+    min_frequency: Option<f64>,
+    max_frequency: Option<f64>,
+    max_points: usize,
+    criterion: Criterion,
+    equation: BackboneEquation,
+}
+
+impl Default for BackboneKeys {
+    fn default() -> Self {
+        let BackboneSettings { modes: _, max_amplitude, min_frequency, max_frequency, max_points, criterion, equation } =
+            BackboneSettings::default();
+        let (modes, mode) = (None, None);
+        Self { modes, mode, max_amplitude, min_frequency, max_frequency, max_points, criterion, equation }
+    }
+}
+
+impl TryFrom<BackboneKeys> for BackboneSettings {
+    type Error = &'static str;
+
+    fn try_from(keys: BackboneKeys) -> Result<Self, Self::Error> {
+        let BackboneKeys { modes, mode, max_amplitude, min_frequency, max_frequency, max_points, criterion, equation } =
+            keys;
+        let modes = match (modes, mode) {
+            (Some(_), Some(_)) => {
+                return Err("backbone.mode is another name for one of backbone.modes: give only one of them");
+            }
+            (None, Some(mode)) => ModeChoice::one(mode),
+            (modes, None) => modes.unwrap_or_default(),
+        };
+        Ok(Self { modes, max_amplitude, min_frequency, max_frequency, max_points, criterion, equation })
+    }
 }
 
 /// What the backbone is.
@@ -106,7 +150,7 @@ pub enum BackboneEquation {
 impl Default for BackboneSettings {
     fn default() -> Self {
         Self {
-            mode: 1,
+            modes: ModeChoice::Auto,
             max_amplitude: None,
             min_frequency: None,
             max_frequency: None,
@@ -135,8 +179,40 @@ impl Default for BranchSettings {
     }
 }
 
+/// How hard isolas are looked for beyond the windows of the energy balance.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct SearchSettings {
+    /// How hard. Default standard.
+    pub effort: Effort,
+}
+
+/// How hard isolas are looked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Effort {
+    /// In the windows only.
+    None,
+    /// Folds of the branches found are followed over the forcing amplitude, 200 at most.
+    #[default]
+    Standard,
+    /// The same, for 5000 folds at most.
+    Thorough,
+}
+
+impl Effort {
+    /// Most folds that are followed or found to lie on curves that are known.
+    pub const fn folds(self) -> usize {
+        match self {
+            Self::None => 0,
+            Self::Standard => 200,
+            Self::Thorough => 5000,
+        }
+    }
+}
+
 /// Eigenfrequencies below this share of the highest one are those of rigid-body modes.
-const RIGID: f64 = 1e-6;
+pub(crate) const RIGID: f64 = 1e-6;
 
 /// All numerical settings of a study.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
@@ -152,6 +228,8 @@ pub struct Settings {
     pub backbone: BackboneSettings,
     /// Forced-response branches.
     pub branch: BranchSettings,
+    /// Search for isolas that no window leads to.
+    pub search: SearchSettings,
 }
 
 impl Settings {
@@ -160,7 +238,6 @@ impl Settings {
     /// # Errors
     /// The first setting out of its range, with the key and what would be right.
     pub fn validate(&self, model: &Model) -> Result<(), SettingsError> {
-        let modes = model.size();
         let refuse = |key, value: String, remedy: String| Err(SettingsError { key, value, remedy });
         let HarmonicSettings { count, samples, .. } = self.harmonics;
         if !(1..=400).contains(&count) {
@@ -176,15 +253,7 @@ impl Settings {
             let remedy = format!("the forcing acts on harmonic {m}: use at least {m} harmonics");
             return refuse("harmonics.count", count.to_string(), remedy);
         }
-        let mode = self.backbone.mode;
-        if !(1..=modes).contains(&mode) {
-            return refuse("backbone.mode", mode.to_string(), format!("the model has modes 1 to {modes}"));
-        }
-        let frequencies = &model.modes().frequencies;
-        if frequencies[mode - 1] <= RIGID * frequencies[modes - 1] {
-            let remedy = "a rigid-body mode has no backbone; choose a mode that deforms the structure".into();
-            return refuse("backbone.mode", mode.to_string(), remedy);
-        }
+        self.validate_modes(model)?;
         let positive = [
             ("frequency.min", self.frequency.min),
             ("frequency.max", self.frequency.max),
@@ -235,8 +304,47 @@ impl Settings {
         Ok(())
     }
 
-    /// Index of the mode followed, from 0.
+    /// Whether every mode followed is there, deforms the structure and stands in the list once.
+    fn validate_modes(&self, model: &Model) -> Result<(), SettingsError> {
+        let choice = self.backbone.modes;
+        let refuse = |remedy: String| {
+            let (key, value) = ("backbone.modes", choice.to_string());
+            Err(SettingsError { key, value, remedy })
+        };
+        let primary = [choice.primary()];
+        let numbers = match &choice {
+            ModeChoice::Auto => &primary[..],
+            ModeChoice::These(list) => list.numbers(),
+        };
+        if numbers.is_empty() {
+            return refuse("give at least one mode, or \"auto\"".into());
+        }
+        let (modes, frequencies) = (model.size(), &model.modes().frequencies);
+        for (i, &number) in numbers.iter().enumerate() {
+            if !(1..=modes).contains(&number) {
+                return refuse(format!("the model has modes 1 to {modes}"));
+            }
+            if frequencies[number - 1] <= RIGID * frequencies[modes - 1] {
+                return refuse(format!(
+                    "mode {number} is a rigid-body mode, which has no backbone; choose modes that deform the structure"
+                ));
+            }
+            if numbers[..i].contains(&number) {
+                return refuse(format!("mode {number} comes twice; give every mode once"));
+            }
+        }
+        Ok(())
+    }
+
+    /// Index of the primary mode, from 0.
     pub fn tracked(&self) -> usize {
-        self.backbone.mode - 1
+        self.backbone.modes.primary().saturating_sub(1)
+    }
+
+    /// The same settings for the backbone of another mode, from 0, alone.
+    #[must_use]
+    pub fn tracking(&self, mode: usize) -> Self {
+        let backbone = BackboneSettings { modes: ModeChoice::one(mode + 1), ..self.backbone };
+        Self { backbone, ..*self }
     }
 }

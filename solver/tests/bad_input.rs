@@ -5,7 +5,7 @@ use solver::files;
 use solver::linalg::Matrix;
 use solver::response::backbone::Backbone;
 use solver::response::level::Level;
-use solver::settings::{FrequencySettings, Settings};
+use solver::settings::{FrequencySettings, ModeChoice, ModeList, Settings};
 use solver::structure::laws::Contact;
 use solver::structure::{Model, ModelBuilder};
 use std::fs;
@@ -320,11 +320,15 @@ fn change(set: impl FnOnce(&mut Settings)) -> Settings {
 #[test]
 fn numerical_settings() {
     let model = parts().build().unwrap();
-    let cases: [(Settings, &[&str]); 8] = [
+    let these = |numbers: &[usize]| ModeChoice::These(ModeList::new(numbers).unwrap());
+    let cases: [(Settings, &[&str]); 11] = [
         (change(|s| s.harmonics.samples = 32), &["harmonics.samples", "32", "10 harmonics", "at least 40"]),
         (change(|s| s.harmonics.count = 0), &["harmonics.count", "0", "1 to 400"]),
-        (change(|s| s.backbone.mode = 3), &["backbone.mode", "3", "modes 1 to 2"]),
-        (change(|s| s.backbone.mode = 0), &["backbone.mode", "0", "modes 1 to 2"]),
+        (change(|s| s.backbone.modes = ModeChoice::one(3)), &["backbone.modes", "3", "modes 1 to 2"]),
+        (change(|s| s.backbone.modes = ModeChoice::one(0)), &["backbone.modes", "0", "modes 1 to 2"]),
+        (change(|s| s.backbone.modes = these(&[1, 5])), &["backbone.modes", "[1, 5]", "modes 1 to 2"]),
+        (change(|s| s.backbone.modes = these(&[2, 2])), &["backbone.modes", "[2, 2]", "mode 2 comes twice"]),
+        (change(|s| s.backbone.modes = these(&[])), &["backbone.modes", "[]", "at least one mode"]),
         (change(|s| s.frequency.min = Some(-1.0)), &["frequency.min", "-1", "above zero"]),
         (change(|s| s.frequency = FrequencySettings { min: Some(2.0), max: Some(1.0) }), &["frequency.max", "1", "2"]),
         (change(|s| s.continuation.max_step = f64::NAN), &["continuation.max_step", "NaN", "finite"]),
@@ -354,7 +358,7 @@ fn settings_that_do_not_fit_the_model() {
 
     let model = parts().stiffness(Matrix::diagonal(&[0.0, 1.0])).build().unwrap();
     let refused = Backbone::compute(&model, &Settings::default()).unwrap_err();
-    says(&refused.to_string(), &["backbone.mode", "1", "rigid-body"]);
+    says(&refused.to_string(), &["backbone.modes", "mode 1", "rigid-body"]);
 }
 
 #[test]

@@ -52,7 +52,7 @@ fn stops() {
     check(shipped("impact_subharmonic", &[]), with_harmonics(20), 1.0, 1e-7);
     check(shipped("cantilever_stop", &[]), with_harmonics(10), 0.2, 1e-8);
     let mut settings = with_harmonics(10);
-    settings.backbone.mode = 2;
+    settings.backbone.modes = solver::ModeChoice::one(2);
     check(shipped("two_masses_stop", &[]), settings, 0.005, 1e-8);
 }
 

@@ -3,7 +3,7 @@
 mod support;
 
 use solver::laws::Law;
-use solver::{BranchPoint, Model, Settings};
+use solver::{BranchPoint, ModeChoice, Model, Settings};
 use support::balance::{Balance, Matrices};
 use support::geometry::complaints;
 use support::linear::response;
@@ -39,7 +39,7 @@ fn assert_close(value: f64, expected: f64, tolerance: f64, what: &str) {
 #[test]
 fn a_sheet_near_another_is_not_a_curve_that_closes() {
     let mut settings = within(with_harmonics(3), 0.9, 1.1);
-    (settings.backbone.mode, settings.backbone.max_amplitude) = (2, Some(3.0));
+    (settings.backbone.modes, settings.backbone.max_amplitude) = (ModeChoice::one(2), Some(3.0));
     let study = Study::new(own("coupled_masses"), settings);
     let level = study.level(0.04);
     assert_sound(&study.model, &level, 1e-7, "coupled masses");
@@ -170,6 +170,25 @@ fn a_stop_that_the_mode_followed_never_meets() {
             let (low, high) = listed.branch.frequency_range();
             assert_close(low, known.0, 1e-4, &what);
             assert_close(high, known.1, 1e-4, &what);
+        }
+    }
+}
+
+#[test]
+fn isolas_of_a_further_mode_are_found() {
+    let study = Study::of_modes(own("second_mode_stop"), within(with_harmonics(20), 1.2, 3.2));
+    assert_eq!(study.backbones.iter().map(|backbone| backbone.mode).collect::<Vec<usize>>(), [0, 1, 2]);
+    for (forcing, known) in [(0.5, None), (0.8, Some((2.38707, 2.61550))), (1.0, Some((2.25195, 2.82043)))] {
+        let what = format!("A = {forcing}");
+        let level = study.level(forcing);
+        assert_sound(&study.model, &level, 1e-7, &what);
+        let others = || level.iter().filter(|listed| listed.kind != Kind::Main);
+        assert!(others().all(|listed| listed.kind == Kind::Isola), "{what}: {level:#?}");
+        assert_eq!(others().count(), known.iter().count(), "{what}: {level:#?}");
+        for (listed, known) in others().zip(known) {
+            let (low, high) = listed.branch.frequency_range();
+            assert_close(low, known.0, 1e-5, &what);
+            assert_close(high, known.1, 1e-5, &what);
         }
     }
 }

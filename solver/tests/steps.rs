@@ -86,7 +86,7 @@ fn check(name: &str, settings: Settings, forcings: &[f64]) {
         largest.continuation.max_step *= factor;
         others.push((format!("largest step times {factor}"), study(largest)));
     }
-    let reach = Reach::new(&settings, &base.backbone).unwrap();
+    let reach = Reach::new(&settings, &base.backbones[0]).unwrap();
     let mut wider = settings;
     (wider.frequency.min, wider.frequency.max) = (Some(0.95 * reach.frequency.0), Some(1.05 * reach.frequency.1));
     others.push(("bounds 5 % wider".into(), study(wider)));
@@ -126,7 +126,7 @@ fn impact_subharmonic() {
 #[test]
 fn two_masses_stop() {
     let mut settings = with_harmonics(10);
-    settings.backbone.mode = 2;
+    settings.backbone.modes = solver::ModeChoice::one(2);
     check("two_masses_stop", settings, &[0.002, 0.005, 0.02]);
 }
 

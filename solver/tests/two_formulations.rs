@@ -294,7 +294,7 @@ fn both_forms_trace_the_backbone_of_duffing() {
 #[test]
 fn contact_between_two_bodies() {
     let settings = Settings {
-        backbone: solver::settings::BackboneSettings { mode: 2, ..Default::default() },
+        backbone: solver::settings::BackboneSettings { modes: solver::ModeChoice::one(2), ..Default::default() },
         ..settings(20, 256)
     };
     let model = load("two_masses_stop", &[]);

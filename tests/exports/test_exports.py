@@ -56,7 +56,7 @@ def arrays(store: sqlite3.Connection, owner: str) -> dict[str, np.ndarray]:
 def columns(store: sqlite3.Connection, table: str) -> dict[str, str]:
     """Names of the columns of numbers of a table of points, and of the arrays that they hold."""
     names = [name for _, name, *_ in store.execute(f"PRAGMA table_info({table})")]
-    return {name: RENAMED.get(name, name) for name in names if name not in ("branch", "i")}
+    return {name: RENAMED.get(name, name) for name in names if name not in ("branch", "mode", "i")}
 
 
 def branches(store: sqlite3.Connection) -> list[tuple[int, str, str]]:

@@ -251,7 +251,7 @@ def test_a_run_is_followed_to_its_end(browser, tmp_path):
                 page.get_by_role("button", name="Closer").click()
                 zoomed = view(page)
                 assert "finished" not in page.locator("#status").inner_text(), "the run is too short for this test"
-                page.locator("#status", has_text="finished").wait_for()
+                page.locator("#status", has_text="finished").wait_for(timeout=300_000)
                 page.locator(f"[data-figure][data-branches='{branches_stored(run)}']").wait_for()
                 assert not page.locator(".level input").first.is_checked()
                 assert page.locator(".level input:checked").count() == page.locator(".level").count() - 1

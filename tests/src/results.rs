@@ -43,6 +43,22 @@ pub fn assert_same(one: &[SummaryRow], other: &[SummaryRow]) {
     }
 }
 
+/// Events that were computed: kind and forcing amplitude.
+pub fn events(directory: &Path) -> Vec<(String, f64)> {
+    let rows = records(directory, "events.csv").into_iter().filter(|row| &row[1] == "computed");
+    rows.map(|row| (row[0].to_string(), row[2].parse().expect("it is a number"))).collect()
+}
+
+/// Number of points of fold curves.
+pub fn folds(directory: &Path) -> usize {
+    records(directory, "folds.csv").len()
+}
+
+fn records(directory: &Path, file: &str) -> Vec<csv::StringRecord> {
+    let mut reader = csv::Reader::from_path(directory.join(file)).expect("the run wrote it");
+    reader.records().map(|record| record.expect("it is whole")).collect()
+}
+
 fn store(directory: &Path) -> Connection {
     Connection::open(directory.join("run.sqlite")).expect("there is a store")
 }

@@ -67,7 +67,13 @@ impl StandIn {
         let mut forced =
             solver::response::forced::Forced::new(&self.model, &self.settings, grant.reach, grant.amplitude);
         let observer = &mut |_: &_| std::ops::ControlFlow::Continue(());
-        let finding = solver::response::task::carry_out(&mut forced, &grant.work, &[], &[], observer).unwrap();
+        let finding = solver::response::trace::carry_out(
+            &mut forced,
+            &grant.work,
+            &solver::response::trace::Given::default(),
+            observer,
+        )
+        .unwrap();
         let (lease, program) = (self.held(grant), protocol::PROGRAM.to_string());
         SubmitRequest { lease, program, seconds: 0.1, finding: (&finding).into() }
     }

@@ -1,7 +1,7 @@
 //! What a sweep finds does not depend on how it is carried out.
 
 use crate::{DAMPER, LEVELS};
-use tests::results::{assert_same, summary};
+use tests::results::{SummaryRow, assert_same, events, folds, summary};
 use tests::{System, complaint, isola, repository};
 
 /// 1, 2 and 4 workers: the same branches, ranges and peaks.
@@ -16,6 +16,46 @@ fn the_number_of_workers_does_not_matter() {
     assert!(rows[0].iter().any(|row| row.name.1 == "isola"));
     assert_same(&rows[0], &rows[1]);
     assert_same(&rows[0], &rows[2]);
+}
+
+/// The absorber's isola is on the backbone of no linear mode: folds of main branches lead to it. Ranges and events are those
+/// that two other programs and an independent harmonic balance found.
+#[test]
+fn an_isola_that_only_folds_lead_to() {
+    let study = "models/nltva/study.toml";
+    let found = ["1", "3"].map(|workers| {
+        let mut system = System::sweep_with(study, &["--workers", workers]);
+        system.expect_complete();
+        let directory = system.directory();
+        (summary(&directory), events(&directory), folds(&directory))
+    });
+    let (rows, events, _) = &found[0];
+    let isolas = |amplitude: &str| -> Vec<&Vec<f64>> {
+        let of_level = |row: &&SummaryRow| row.name.0 == amplitude && row.name.1 != "main";
+        rows.iter().filter(of_level).map(|row| &row.numbers).collect()
+    };
+    for (amplitude, low, high) in [("0.15", 1.58329571, 2.30378026), ("0.18", 1.4926721, 2.6374968)] {
+        let [isola] = isolas(amplitude)[..] else { panic!("A = {amplitude}: {rows:?}") };
+        assert!((isola[0] / low - 1.0).abs() < 1e-6 && (isola[1] / high - 1.0).abs() < 1e-6, "{isola:?}");
+    }
+    assert_eq!(isolas("0.13").len(), 1);
+    for amplitude in ["0.11", "0.12", "0.19", "0.20"] {
+        assert!(isolas(amplitude).is_empty(), "A = {amplitude}: {rows:?}");
+    }
+    for (kind, forcing) in [("birth", 0.1246595), ("merge", 0.1856230)] {
+        let of_kind: Vec<f64> = events.iter().filter(|(k, _)| k == kind).map(|(_, forcing)| *forcing).collect();
+        assert!(of_kind.len() == 1 && (of_kind[0] / forcing - 1.0).abs() < 1e-6, "{kind}: {events:?}");
+    }
+    assert_eq!(found[0], found[1], "the number of workers does not matter");
+}
+
+/// Without the search there is what windows lead to.
+#[test]
+fn no_search_no_folds() {
+    let mut system = System::sweep_with("models/nltva/study.toml", &["--amplitudes", "0.15", "--search", "none"]);
+    system.expect_complete();
+    assert_eq!(summary(&system.directory()).len(), 1);
+    assert!(events(&system.directory()).is_empty() && folds(&system.directory()) == 0);
 }
 
 /// The distributed sweep finds what the solver finds in one piece.

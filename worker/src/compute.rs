@@ -4,9 +4,11 @@ use protocol::branch::FindingMessage;
 use protocol::codec::encode;
 use protocol::from_worker::{Lease, Progress, SubmitRequest};
 use solver::response::branch::{Branch, BranchPoint};
+use solver::response::critical::CriticalCurve;
 use solver::response::forced::{Forced, Reach};
 use solver::response::seeds::Seed;
-use solver::response::task::{BranchId, Finding, Task, carry_out};
+use solver::response::task::{BranchId, Finding, Task};
+use solver::response::trace::{Given, carry_out};
 use solver::settings::Settings;
 use solver::structure::Model;
 use std::any::Any;
@@ -31,6 +33,8 @@ pub struct Job {
     pub seeds: Vec<Seed>,
     /// Branches of the level found before.
     pub known: Vec<(BranchId, Arc<Branch>)>,
+    /// Fold curves found before.
+    pub curves: Vec<(usize, Arc<CriticalCurve>)>,
 }
 
 /// What comes of a job.
@@ -47,8 +51,8 @@ pub enum Computed {
 pub struct Finished {
     /// The message of the result, encoded.
     pub payload: Vec<u8>,
-    /// The branch, if it is a new one.
-    pub branch: Option<Branch>,
+    /// What is new.
+    pub finding: Finding,
     /// In words.
     pub summary: String,
 }
@@ -144,7 +148,9 @@ fn compute(model: &Model, settings: &Settings, job: &Job, watch: &Watch) -> Comp
     let mut forced = Forced::new(model, settings, job.reach, job.amplitude);
     let known: Vec<(BranchId, &Branch)> = job.known.iter().map(|(id, branch)| (*id, &**branch)).collect();
     let mut observer = |point: &BranchPoint| watch.visit(point);
-    let Some(finding) = carry_out(&mut forced, &job.work, &job.seeds, &known, &mut observer) else {
+    let curves: Vec<(usize, &CriticalCurve)> = job.curves.iter().map(|(number, curve)| (*number, &**curve)).collect();
+    let given = Given { seeds: &job.seeds, known: &known, curves: &curves };
+    let Some(finding) = carry_out(&mut forced, &job.work, &given, &mut observer) else {
         return Computed::Stopped;
     };
     let request = SubmitRequest {
@@ -154,11 +160,12 @@ fn compute(model: &Model, settings: &Settings, job: &Job, watch: &Watch) -> Comp
         finding: FindingMessage::from(&finding),
     };
     let payload = encode(&request);
-    let (summary, branch) = match finding {
-        Finding::Branch(branch) => (format!("{} points, {}", branch.points.len(), branch.outcome), Some(branch)),
-        Finding::Nothing(outcome) => (format!("nothing new: {outcome}"), None),
+    let summary = match &finding {
+        Finding::Branch(branch) => format!("{} points, {}", branch.points.len(), branch.outcome),
+        Finding::Curve(curve) => format!("fold curve of {} points, {}", curve.points.len(), curve.outcome),
+        Finding::Nothing(outcome) => format!("nothing new: {outcome}"),
     };
-    Computed::Finished(Finished { payload, branch, summary })
+    Computed::Finished(Finished { payload, finding, summary })
 }
 
 fn message(panic: &(dyn Any + Send)) -> &str {
@@ -188,17 +195,18 @@ mod tests {
         Job {
             lease: Lease { task, attempt: Attempt(1), worker, slot: 0 },
             amplitude: 0.01,
-            reach: Reach { frequency: (0.9, 1.1), amplitude: 10.0, natural: None },
+            reach: Reach { frequency: (0.9, 1.1), amplitude: 10.0, natural: None, forcing: None },
             work: Task::Main(Side::Below),
             seeds: Vec::new(),
             known: Vec::new(),
+            curves: Vec::new(),
         }
     }
 
     /// A seed without a motion, which whoever prepares jobs refuses.
     fn impossible() -> Job {
         let state = State { harmonics: 0, omega: 1.0, decay: 0.0, forcing: 1.0, arguments: vec![], modal: vec![] };
-        let well = Window { first: 0, last: 0, best: 0, threshold: 0.0, omega: (1.0, 1.0) };
+        let well = Window { mode: 0, first: 0, last: 0, best: 0, threshold: 0.0, omega: (1.0, 1.0) };
         let place = SeedPlace { window: 0, well, phase: Phase::First, way: Way::FixedFrequency };
         Job { work: Task::Seed(place), seeds: vec![Seed { state, place: 0.0, phase: Phase::First }], ..main() }
     }
@@ -211,7 +219,7 @@ mod tests {
             _ => panic!("carried out"),
         }
         let Computed::Finished(finished) = computer.compute(main(), Arc::default()).await else { panic!("failed") };
-        assert!(finished.branch.is_some_and(|branch| branch.points.len() > 10));
+        assert!(matches!(finished.finding, Finding::Branch(branch) if branch.points.len() > 10));
     }
 
     #[tokio::test]
@@ -229,7 +237,7 @@ mod tests {
         for amplitude in [0.01, 0.05, 0.01] {
             let job = Job { amplitude, ..main() };
             let Computed::Finished(finished) = computer.compute(job, Arc::default()).await else { panic!("failed") };
-            branches.push(finished.branch.unwrap());
+            branches.push(finished.finding);
         }
         assert_eq!(branches[0], branches[2]);
         assert_ne!(branches[0], branches[1]);

@@ -12,7 +12,7 @@
 //! | [`shared`], [`slot`] | what the computing threads share; one of them: lease, trace, submit |
 //! | [`bus`], [`patience`] | requests to the coordinator; how long and how often they are repeated |
 //! | [`renewal`] | signs of life of a task under way |
-//! | [`known_branches`], [`compute`] | branches found before; the thread that computes |
+//! | [`known_curves`], [`compute`] | branches and fold curves found before; the thread that computes |
 //!
 //! # Exit codes
 //!
@@ -32,7 +32,7 @@ pub mod compute;
 pub mod error;
 pub mod identity;
 pub mod join;
-pub mod known_branches;
+pub mod known_curves;
 pub mod options;
 pub mod patience;
 pub mod program;

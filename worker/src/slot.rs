@@ -2,7 +2,7 @@
 
 use crate::compute::{Computed, Computer, Finished, Job, Watch};
 use crate::error::WorkerError;
-use crate::known_branches::KnownBranches;
+use crate::known_curves::{Found, KnownCurves};
 use crate::patience::{OutOfPatience, Patience};
 use crate::renewal::{Interruption, keep};
 use crate::shared::Shared;
@@ -11,8 +11,7 @@ use protocol::from_worker::Lease;
 use protocol::session::RequestError;
 use protocol::to_everyone::Stage;
 use protocol::to_worker::{Grant, LeaseReply, SubmitReply};
-use solver::response::branch::Branch;
-use solver::response::task::Task;
+use solver::response::task::{Finding, Task};
 use std::pin::{Pin, pin};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -29,7 +28,7 @@ pub struct Slot {
     shared: Arc<Shared>,
     number: u32,
     computer: Computer,
-    known: KnownBranches,
+    known: KnownCurves,
 }
 
 impl Slot {
@@ -37,7 +36,7 @@ impl Slot {
     pub fn start(shared: Arc<Shared>, number: u32) -> Result<Self, WorkerError> {
         let computer = Computer::start(number, shared.model.clone(), shared.settings)
             .map_err(|source| WorkerError::System { what: "start a computing thread", source })?;
-        let known = KnownBranches::new(shared.size, shared.settings.harmonics.count, shared.max_result_bytes);
+        let known = KnownCurves::new(shared.size, shared.settings.harmonics.count, shared.max_result_bytes);
         Ok(Self { shared, number, computer, known })
     }
 
@@ -152,9 +151,9 @@ impl Slot {
         if seeds.is_empty() && matches!(grant.work, Task::Seed(_)) {
             return Err("unusable seeds: there is none".into());
         }
-        let known = self.known.get(&shared.bus, lease, &grant.known).await?;
+        let Found { branches: known, curves } = self.known.get(&shared.bus, lease, &grant.known, &grant.curves).await?;
         let Grant { amplitude, reach, work, .. } = grant;
-        Ok(Job { lease: lease.clone(), amplitude, reach, work, seeds, known })
+        Ok(Job { lease: lease.clone(), amplitude, reach, work, seeds, known, curves })
     }
 
     async fn deliver(&mut self, lease: &Lease, computed: Computed) -> Result<(), WorkerError> {
@@ -162,9 +161,9 @@ impl Slot {
         let (reason, patience) = match computed {
             Computed::Stopped => return Ok(()),
             Computed::Failed(reason) => (reason, patience),
-            Computed::Finished(Finished { payload, branch, summary }) => {
+            Computed::Finished(Finished { payload, finding, summary }) => {
                 let size = payload.len();
-                match self.submit(lease, payload, branch, &summary).await {
+                match self.submit(lease, payload, finding, &summary).await {
                     Ok(Ok(())) => return Ok(()),
                     Ok(Err(reason)) => (reason, patience),
                     // Nobody is there, or only this result does not get through: one more request tells.
@@ -184,7 +183,7 @@ impl Slot {
         &mut self,
         lease: &Lease,
         payload: Vec<u8>,
-        branch: Option<Branch>,
+        finding: Finding,
         summary: &str,
     ) -> Result<Result<(), String>, OutOfPatience> {
         let (size, most) = (payload.len(), self.shared.max_result_bytes);
@@ -195,9 +194,7 @@ impl Slot {
             SubmitReply::Rejected { why } => return Ok(Err(format!("the result was rejected: {why}"))),
             SubmitReply::Accepted => {
                 tracing::info!(task = %lease.task, "{summary}");
-                if let Some(branch) = branch {
-                    self.known.add(lease.task.clone(), branch);
-                }
+                self.known.add(lease.task.clone(), finding);
             }
             SubmitReply::Duplicate { agrees: true } => {
                 tracing::info!(task = %lease.task, "{summary}; another worker was faster");

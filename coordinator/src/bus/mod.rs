@@ -82,6 +82,7 @@ async fn declare_queries(
         (keys.run(), &small),
         (keys.model(), &small),
         (keys.backbone(), &small),
+        (keys.backbones(), &small),
         (keys.windows(), &small),
         (keys.status(), &small),
         (keys.seeds(), &small),

@@ -47,7 +47,7 @@ impl Queries {
                 Some(status) => answer(query, &keys.status(), &status),
                 None => refuse(query, "the run is just starting"),
             }
-        } else if asks(&keys.backbone()) || asks(&keys.windows()) || asks(&keys.seeds()) {
+        } else if [keys.backbone(), keys.backbones(), keys.windows(), keys.seeds()].iter().any(|key| asks(key)) {
             let sweep = self.state.borrow().sweep.clone();
             match sweep {
                 Some(sweep) => self.answer_of_sweep(query, &sweep),
@@ -62,8 +62,12 @@ impl Queries {
     fn answer_of_sweep(&self, query: &Query, sweep: &PublishedSweep) {
         let keys = &self.keys;
         let asked = query.key_expr().as_str();
-        if asked == keys.backbone() {
-            answer_encoded(query, asked, sweep.backbone_bytes.clone(), &encoding::<BackboneMessage>());
+        let of_mode = |(mode, _): &&(usize, Vec<u8>)| asked == keys.backbone_of(mode + 1);
+        let primary = sweep.backbone_bytes.first().filter(|_| asked == keys.backbone());
+        if let Some((_, bytes)) = primary.or_else(|| sweep.backbone_bytes.iter().find(of_mode)) {
+            answer_encoded(query, asked, bytes.clone(), &encoding::<BackboneMessage>());
+        } else if asked.starts_with(&format!("{}/", keys.backbone())) {
+            refuse(query, "no backbone of this mode was followed: the manifest says of which modes there are some");
         } else if asked == keys.windows() {
             answer_encoded(query, asked, sweep.windows_bytes.clone(), &encoding::<WindowsMessage>());
         } else {

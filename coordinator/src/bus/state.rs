@@ -1,5 +1,6 @@
 //! What anyone may ask of a run that goes on, as it is now.
 
+use protocol::backbone::BackboneMessage;
 use protocol::codec::encode;
 use protocol::curve::Seeds;
 use protocol::ids::TaskId;
@@ -22,29 +23,30 @@ pub struct RunState {
 
 /// What is known when a sweep begins.
 pub struct PublishedSweep {
-    /// Backbone, reach and tasks of every level.
+    /// Backbones, reach and tasks of every level.
     pub plan: Arc<SweepPlan>,
-    /// The `backbone` message.
-    pub backbone_bytes: Vec<u8>,
+    /// The `backbone` messages with their modes, from 0, that of the primary one first.
+    pub backbone_bytes: Vec<(usize, Vec<u8>)>,
     /// The `windows` message.
     pub windows_bytes: Vec<u8>,
     modal: Modal,
-    backbone: Backbone,
+    backbones: Vec<Backbone>,
 }
 
 impl PublishedSweep {
     /// From what was computed.
-    pub fn new(modal: Modal, backbone: Backbone, plan: Arc<SweepPlan>) -> Self {
+    pub fn new(modal: Modal, backbones: Vec<Backbone>, plan: Arc<SweepPlan>) -> Self {
         let level =
             |plan: &LevelPlan| LevelWindows { amplitude: plan.amplitude.clone(), windows: plan.windows.clone() };
         let windows = WindowsMessage { levels: plan.levels.iter().map(level).collect() };
-        let (backbone_bytes, windows_bytes) = (encode(&plan.backbone), encode(&windows));
-        Self { plan, backbone_bytes, windows_bytes, modal, backbone }
+        let encoded = |message: &BackboneMessage| (message.mode, encode(message));
+        let backbone_bytes = std::iter::once(&plan.backbone).chain(&plan.further).map(encoded).collect();
+        Self { backbone_bytes, windows_bytes: encode(&windows), plan, modal, backbones }
     }
 
-    /// The seeds of a task: they follow from it, the backbone and the amplitude.
+    /// The seeds of a task: they follow from it, the backbones and the amplitude.
     pub fn seeds(&self, work: &Task, amplitude: f64) -> Seeds {
-        Seeds::new(&work.seeds(&self.modal, &self.backbone, amplitude))
+        Seeds::new(&work.seeds(&self.modal, &self.backbones, amplitude))
     }
 
     /// The `seed` message of a task; `None` if there is no such task.

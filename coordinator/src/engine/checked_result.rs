@@ -2,6 +2,7 @@
 
 use protocol::array::ArrayError;
 use protocol::branch::FindingMessage;
+use protocol::critical::CriticalMessage;
 use protocol::curve::Size;
 use protocol::digest::HashedBranch;
 use protocol::from_worker::{Lease, SubmitRequest};
@@ -20,6 +21,8 @@ pub struct CheckedResult {
     pub seconds: f64,
     /// The new branch, if it found one.
     pub branch: HashedBranch,
+    /// The new fold curve, if it found one.
+    pub curve: Option<CriticalMessage>,
     /// The new branch in numbers.
     pub extent: Option<Extent>,
     /// What the task brought.
@@ -30,18 +33,22 @@ impl CheckedResult {
     /// Checks, encodes and hashes what was submitted for a model of this size.
     ///
     /// # Errors
-    /// If the branch does not fit the model.
+    /// If the branch or the curve does not fit the model.
     pub fn new(request: SubmitRequest, size: &Size) -> Result<Self, ArrayError> {
         let SubmitRequest { lease, program, seconds, finding } = request;
         let brought = finding.brought();
-        let branch = match finding {
-            FindingMessage::Branch(branch) => Some(branch),
-            FindingMessage::Nothing(_) => None,
+        let (branch, curve) = match finding {
+            FindingMessage::Branch(branch) => (Some(branch), None),
+            FindingMessage::Curve(curve) => (None, Some(curve)),
+            FindingMessage::Nothing(_) => (None, None),
         };
         if let Some(branch) = &branch {
             branch.branch(size)?;
         }
+        if let Some(curve) = &curve {
+            curve.curve(size)?;
+        }
         let extent = branch.as_ref().map(Extent::of);
-        Ok(Self { lease, program, seconds, branch: HashedBranch::new(branch), extent, brought })
+        Ok(Self { lease, program, seconds, branch: HashedBranch::new(branch), curve, extent, brought })
     }
 }

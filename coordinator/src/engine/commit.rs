@@ -53,6 +53,7 @@ fn log(change: &Change) {
             info!(%task, %worker, seconds, size = digest.size, "{}", result.outcome);
         }
         Change::Stage(stage) => info!("{}", stage.name()),
+        Change::Added(tasks) => info!(count = tasks.len(), "tasks added"),
         Change::Planned(_) | Change::Done { .. } | Change::Skipped { .. } | Change::Revived { .. } => {}
     }
 }

@@ -103,6 +103,7 @@ impl Engine {
             return decision;
         }
         self.manifest.reach = Some(beginning.plan.reach);
+        self.manifest.modes = Some(beginning.plan.modes());
         let (sweep, changes) = Sweep::begin(self.rules, beginning, now);
         self.sweep = Some(sweep);
         decision.changes = changes;
@@ -162,7 +163,7 @@ impl Engine {
     fn status(&self, now: Duration) -> Status {
         let ledger = self.sweep.as_ref().map(|sweep| &sweep.ledger);
         let tasks = ledger.map(Ledger::counts).unwrap_or_default();
-        let (levels, levels_done) = ledger.map_or((self.manifest.amplitudes.len(), 0), Ledger::levels);
+        let (levels, levels_done) = ledger.map_or((self.manifest.amplitudes.len(), 0), Ledger::progress_of_levels);
         let settled = tasks.done + tasks.skipped + tasks.dead;
         let eta = self.first_grant.and_then(|(since, before)| {
             let rate = (settled - before.min(settled)) as f64 / now.saturating_sub(since).as_secs_f64();

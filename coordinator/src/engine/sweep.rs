@@ -36,7 +36,7 @@ impl Sweep {
             changes.push(Change::Planned(plan.clone()));
         }
         let stored = stored.unwrap_or_default();
-        let (ledger, settled) = Ledger::restore(rules, plan.levels.clone(), stored.tasks, now);
+        let (ledger, settled) = Ledger::restore(rules, plan.levels.clone(), &plan.folds, stored.tasks, now);
         changes.extend(settled);
         (Self { ledger, extents: stored.extents }, changes)
     }
@@ -62,18 +62,20 @@ impl Sweep {
     pub fn submit(&mut self, result: CheckedResult, run: &RunId) -> Decision {
         let rejected = |why: String| Decision::new(Answer::Submit(SubmitReply::Rejected { why }), Vec::new());
         let task = &result.lease.task;
-        let (submitted, changes) = self.ledger.submit(&result.lease, result.brought);
+        let (submitted, changes) = self.ledger.submit(&result.lease, &result.brought);
         match submitted {
             Submitted::Accepted(accepted) => self.accept(result, accepted, changes),
             Submitted::Duplicate => Decision::new(Answer::Submit(self.compare(&result)), changes),
             Submitted::Late => rejected(format!("task {task} was given up, and its level went on without it")),
+            Submitted::Foreign => rejected(format!("that is not what task {task} is for")),
             Submitted::Unknown => rejected(format!("run {run} has no task {task}")),
         }
     }
 
     /// The first result of a task.
     fn accept(&mut self, result: CheckedResult, accepted: Accepted, follow_up: Vec<Change>) -> Decision {
-        let CheckedResult { lease: Lease { task, attempt, worker, .. }, program, seconds, branch, extent, .. } = result;
+        let CheckedResult { lease, program, seconds, branch, curve, extent, .. } = result;
+        let Lease { task, attempt, worker, .. } = lease;
         let Accepted { outcome, sequence, amplitude, work } = accepted;
         let name = match outcome {
             SeedOutcome::Found(id) if extent.is_some() => Some(id),
@@ -82,6 +84,7 @@ impl Sweep {
         self.extents.extend(extent.map(|extent| (task.clone(), extent)));
         let (result, digest) = branch.complete(StoredResult {
             branch: None,
+            curve,
             task,
             attempt,
             amplitude,

@@ -66,11 +66,11 @@ fn grant(engine: &mut Engine, name: &str, now: Duration) -> (Granted, Lease) {
 /// A branch in numbers without its points, or nothing.
 fn result(lease: &Lease, found: Result<[f64; 4], SeedOutcome>) -> Event {
     let (extent, brought) = match found {
-        Ok(extent) => (Some(Extent::from(extent)), Brought::Branch(BranchKind::Main)),
+        Ok(extent) => (Some(Extent::from(extent)), Brought::branch(BranchKind::Main)),
         Err(outcome) => (None, Brought::Nothing(outcome)),
     };
-    let (lease, branch) = (lease.clone(), HashedBranch::new(None));
-    Event::Submit(Box::new(CheckedResult { lease, program: "0".into(), seconds: 1.0, branch, extent, brought }))
+    let (lease, branch, curve) = (lease.clone(), HashedBranch::new(None), None);
+    Event::Submit(Box::new(CheckedResult { lease, program: "0".into(), seconds: 1.0, branch, curve, extent, brought }))
 }
 
 fn submitted(reply: SubmitReply) -> Option<Answer> {
@@ -192,7 +192,7 @@ fn a_second_result_is_compared_with_the_first_also_after_a_restart() {
     let done = results::journal::StoredTask {
         id: granted.task.clone(),
         state: TaskState::Done(SeedOutcome::Found(BranchId::MAIN)),
-        is_new_branch: true,
+        brought: Some(Brought::branch(BranchKind::Main)),
         attempts: 1,
         reasons: Vec::new(),
     };

@@ -2,7 +2,7 @@
 
 use protocol::ids::{Attempt, TaskId};
 use protocol::to_everyone::Amplitude;
-use protocol::to_worker::Known;
+use protocol::to_worker::{Known, KnownCurve};
 use solver::response::task::{SeedOutcome, Task};
 use std::time::Duration;
 
@@ -30,8 +30,10 @@ pub struct Granted {
     pub amplitude: Amplitude,
     /// What is to be done.
     pub work: Task,
-    /// Branches of the level found before.
+    /// Branches of the level found before; of a fold, the branch that it is of.
     pub known: Vec<Known>,
+    /// Curves found before: those that a fold may lie on, or the one that crosses the level.
+    pub curves: Vec<KnownCurve>,
 }
 
 /// Answer to a result.
@@ -43,6 +45,8 @@ pub enum Submitted {
     Duplicate,
     /// The task was given up and its level went on: its branch may have been found by another one.
     Late,
+    /// Not what such a task brings.
+    Foreign,
     /// No such task in this run.
     Unknown,
 }

@@ -1,13 +1,15 @@
 //! Who computes what: the state machine of a run, without clock, network or disk.
 //!
 //! Every event returns its answer and the [changes](results::journal::Change) that have to be on disk before the answer is given. Tasks of a level
-//! are handed out one after the other in their order, levels in parallel, so that what is found does not depend on how many
+//! are handed out one after the other in their order, and so are those that follow curves over all levels; levels and curves
+//! go on in parallel. New tasks follow from what was found, not from when, so that what is found does not depend on how many
 //! workers there are. Times are durations since an origin of the caller's choice.
 
 mod answers;
-mod level;
+mod chain;
 mod restore;
 mod rules;
+mod search;
 mod state;
 mod status;
 mod task;

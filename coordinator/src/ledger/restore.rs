@@ -2,9 +2,9 @@
 
 use super::rules::Rules;
 use super::state::Ledger;
-use protocol::to_worker::Known;
-use results::journal::{Change, LevelPlan, StoredTask, TaskState};
-use solver::response::task::{Brought, SeedOutcome};
+use super::task::TaskEntry;
+use results::journal::{AddedTask, Change, LevelPlan, StoredTask, TaskState};
+use solver::response::task::{CrossingPlace, FoldPlace, Task};
 use std::collections::HashMap;
 use std::time::Duration;
 
@@ -15,30 +15,33 @@ impl Ledger {
     /// The ledger of a run that was interrupted: what was stored stays, in the order of the announcements. Tasks that were
     /// under way may still be: their workers have the time from `now` to connect again and to give a sign of life.
     /// The changes are what follows from the rest.
-    pub fn restore(rules: Rules, plans: Vec<LevelPlan>, stored: Vec<StoredTask>, now: Duration) -> (Self, Vec<Change>) {
-        let mut ledger = Self::new(rules, plans);
+    pub fn restore(
+        rules: Rules,
+        levels: Vec<LevelPlan>,
+        folds: &[AddedTask],
+        stored: Vec<StoredTask>,
+        now: Duration,
+    ) -> (Self, Vec<Change>) {
+        let mut ledger = Self::new(rules, levels);
+        ledger.restore_folds(folds);
         let mut rest = HashMap::new();
         for task in stored {
-            let Some(&(l, e)) = ledger.index.get(&task.id) else { continue };
-            let level = &mut ledger.levels[l];
-            let entry = &mut level.entries[e];
+            let Some(&(c, e)) = ledger.index.get(&task.id) else { continue };
+            let chain = &mut ledger.chains[c];
+            let entry = &mut chain.entries[e];
             (entry.attempts, entry.reasons) = (task.attempts, task.reasons);
             match task.state {
                 TaskState::Done(outcome) => {
                     ledger.sequence += 1;
-                    level.account.record(&entry.task, Brought::Nothing(outcome));
-                    entry.state = TaskState::Done(outcome);
-                    if let (true, SeedOutcome::Found(branch)) = (task.is_new_branch, outcome) {
-                        level.branches.push(Known { branch, task: task.id });
-                    }
+                    chain.finish(e, outcome, task.brought.as_ref());
                 }
                 state => {
-                    rest.insert((l, e), state);
+                    rest.insert((c, e), state);
                 }
             }
         }
-        for ((l, e), state) in rest {
-            let entry = &mut ledger.levels[l].entries[e];
+        for ((c, e), state) in rest {
+            let entry = &mut ledger.chains[c].entries[e];
             entry.orphaned = matches!(state, TaskState::Leased { .. });
             entry.state = match state {
                 TaskState::Leased { holder, .. } => {
@@ -48,7 +51,26 @@ impl Ledger {
                 state => state,
             };
         }
-        let changes = ledger.levels.iter_mut().flat_map(|level| level.settle()).collect();
+        let mut changes: Vec<Change> = ledger.chains.iter_mut().flat_map(|chain| chain.settle()).collect();
+        changes.extend(ledger.extend());
         (ledger, changes)
+    }
+
+    /// The tasks that were added, and how far what was found has been looked at.
+    fn restore_folds(&mut self, folds: &[AddedTask]) {
+        let c = self.curves();
+        for AddedTask { id, amplitude, task } in folds {
+            let Some(l) = self.levels().position(|(_, level)| level.amplitude.text == *amplitude) else { continue };
+            if let Task::Fold(FoldPlace { branch, .. }) = task {
+                self.unfolded.insert((l, *branch));
+            }
+            self.index.insert(id.clone(), (c, self.chains[c].entries.len()));
+            self.chains[c].append(TaskEntry::new(id.clone(), l, *task));
+        }
+        let crossed = self.entries().filter_map(|entry| match entry.task {
+            Task::Crossing(CrossingPlace { curve, .. }) => Some(curve + 1),
+            _ => None,
+        });
+        self.crossed = crossed.max().unwrap_or(0);
     }
 }

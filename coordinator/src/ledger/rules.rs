@@ -13,6 +13,8 @@ pub struct Rules {
     pub max_failures: u32,
     /// Pause after a task's first failure; doubled after each further one.
     pub backoff: Duration,
+    /// Most folds from which curves are followed; none: no such search.
+    pub most_folds: usize,
 }
 
 impl Default for Rules {
@@ -22,6 +24,7 @@ impl Default for Rules {
             grace: Duration::from_secs(5),
             max_failures: 3,
             backoff: Duration::from_secs(1),
+            most_folds: 0,
         }
     }
 }

@@ -1,27 +1,32 @@
 //! What every event changes.
 
-use super::answers::{Accepted, Leased, Submitted};
-use super::level::LevelTasks;
+use super::answers::{Accepted, Granted, Leased, Submitted};
+use super::chain::{Chain, LevelRecord};
 use super::rules::Rules;
 use super::task::TaskEntry;
 use super::worker::Worker;
 use protocol::from_worker::{Lease, Progress};
-use protocol::ids::{TaskId, WorkerId};
-use protocol::to_worker::RenewReply;
+use protocol::ids::{Attempt, TaskId, WorkerId};
+use protocol::to_worker::{Known, KnownCurve, RenewReply};
 use results::journal::{AttemptEnd, Change, Holder, LevelPlan, TaskState};
-use solver::response::task::Brought;
-use std::collections::{BTreeMap, HashMap};
+use solver::response::task::{BranchId, Brought, CrossingPlace, FoldPlace, Task};
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::time::Duration;
 
 /// The ledger of a run.
 #[derive(Debug)]
 pub struct Ledger {
     pub(super) rules: Rules,
-    pub(super) levels: Vec<LevelTasks>,
-    /// Levels in the order in which they are begun: the largest forcing, which takes longest, first.
+    /// The levels in the order of the study, and last the curves over all of them.
+    pub(super) chains: Vec<Chain>,
+    /// Chains in the order in which they are begun: the largest forcing, which takes longest, first.
     pub(super) order: Vec<usize>,
     pub(super) index: HashMap<TaskId, (usize, usize)>,
     pub(super) workers: BTreeMap<WorkerId, Worker>,
+    /// Branches, with their levels, whose folds were looked at.
+    pub(super) unfolded: HashSet<(usize, BranchId)>,
+    /// Number of curves whose crossings were looked at.
+    pub(super) crossed: usize,
     /// Number of announcements so far.
     pub(super) sequence: u64,
     cancelled: bool,
@@ -30,14 +35,57 @@ pub struct Ledger {
 impl Ledger {
     /// The ledger of a run that begins. Task ids follow from amplitudes and places: see [`TaskId::of_level`].
     pub fn new(rules: Rules, plans: Vec<LevelPlan>) -> Self {
-        let levels: Vec<LevelTasks> = plans.into_iter().map(LevelTasks::new).collect();
-        let mut order: Vec<usize> = (0..levels.len()).collect();
-        order.sort_by(|&a, &b| levels[b].amplitude.value.total_cmp(&levels[a].amplitude.value));
-        let place = |(l, level): (usize, &LevelTasks)| -> Vec<(TaskId, (usize, usize))> {
-            level.entries.iter().enumerate().map(|(e, entry)| (entry.id.clone(), (l, e))).collect()
+        let mut chains: Vec<Chain> = plans.into_iter().enumerate().map(|(l, plan)| Chain::of_level(plan, l)).collect();
+        let value = |&l: &usize| chains[l].level().map_or(0.0, |level| level.amplitude.value);
+        let mut order: Vec<usize> = (0..chains.len()).collect();
+        order.sort_by(|a, b| value(b).total_cmp(&value(a)));
+        order.push(chains.len());
+        chains.push(Chain::of_curves());
+        let place = |(c, chain): (usize, &Chain)| -> Vec<(TaskId, (usize, usize))> {
+            chain.entries.iter().enumerate().map(|(e, entry)| (entry.id.clone(), (c, e))).collect()
         };
-        let index = levels.iter().enumerate().flat_map(place).collect();
-        Self { rules, levels, order, index, workers: BTreeMap::new(), sequence: 0, cancelled: false }
+        let index = chains.iter().enumerate().flat_map(place).collect();
+        let (workers, unfolded) = Default::default();
+        Self { rules, chains, order, index, workers, unfolded, crossed: 0, sequence: 0, cancelled: false }
+    }
+
+    /// The levels, in the order of the study.
+    pub(super) fn levels(&self) -> impl Iterator<Item = (&Chain, &LevelRecord)> {
+        self.chains.iter().filter_map(|chain| Some((chain, chain.level()?)))
+    }
+
+    /// Place of the chain of curves.
+    pub(super) fn curves(&self) -> usize {
+        self.chains.len() - 1
+    }
+
+    fn granted(&self, c: usize, e: usize) -> Granted {
+        let entry = &self.chains[c].entries[e];
+        let level = self.chains[entry.level].level().expect("tasks are of levels");
+        let branches = level.branches.iter().map(|branch| &branch.known);
+        let curves = self.chains[self.curves()].curves().iter();
+        let (known, curves): (Vec<Known>, Vec<KnownCurve>) = match entry.task {
+            Task::Main(_) | Task::Seed(_) => (branches.cloned().collect(), Vec::new()),
+            Task::Fold(FoldPlace { branch, .. }) => {
+                let near = curves.filter(|curve| curve.reaches(level.amplitude.value));
+                (
+                    branches.filter(|known| known.branch == branch).cloned().collect(),
+                    near.map(|c| c.known.clone()).collect(),
+                )
+            }
+            Task::Crossing(CrossingPlace { curve, .. }) => {
+                let own = curves.filter(|known| known.known.number == curve);
+                (branches.cloned().collect(), own.map(|c| c.known.clone()).collect())
+            }
+        };
+        Granted {
+            task: entry.id.clone(),
+            attempt: Attempt(entry.attempts),
+            amplitude: level.amplitude.clone(),
+            work: entry.task,
+            known,
+            curves,
+        }
     }
 
     /// Hands out a task to a computing thread; one that holds a task gets the same again.
@@ -48,61 +96,61 @@ impl Ledger {
         }
         let holder = Holder { worker: worker.clone(), slot };
         let mut changes = self.tick(now);
-        if let Some((l, e)) = self.held_by(&holder) {
+        if let Some((c, e)) = self.held_by(&holder) {
             let deadline = now + self.rules.lease;
-            self.levels[l].entries[e].renew(deadline);
-            return (Leased::Grant(self.levels[l].granted(e)), changes);
+            self.chains[c].entries[e].renew(deadline);
+            return (Leased::Grant(self.granted(c, e)), changes);
         }
-        let Some(l) = self.choose(&holder, now) else {
+        let Some(c) = self.choose(&holder, now) else {
             let leased = if self.is_finished() { Leased::Drained } else { Leased::Wait(self.pause(now)) };
             return (leased, changes);
         };
-        let e = self.levels[l].next.expect("a level is chosen for the task that it offers");
-        let entry = &mut self.levels[l].entries[e];
+        let e = self.chains[c].next.expect("a chain is chosen for the task that it offers");
+        let entry = &mut self.chains[c].entries[e];
         changes.push(entry.grant(&holder, now + self.rules.lease));
-        self.workers.entry(worker.clone()).or_default().levels.insert(slot, l);
-        (Leased::Grant(self.levels[l].granted(e)), changes)
+        self.workers.entry(worker.clone()).or_default().chains.insert(slot, c);
+        (Leased::Grant(self.granted(c, e)), changes)
     }
 
-    /// The level to take a task from: the one this thread worked on last, or one that was begun, or the next one.
+    /// The chain to take a task from: the one this thread worked on last, or one that was begun, or the next one.
     fn choose(&self, holder: &Holder, now: Duration) -> Option<usize> {
-        let last = self.workers.get(&holder.worker).and_then(|worker| worker.levels.get(&holder.slot)).copied();
-        if let Some(l) = last
-            && self.levels[l].offers(now)
+        let last = self.workers.get(&holder.worker).and_then(|worker| worker.chains.get(&holder.slot)).copied();
+        if let Some(c) = last
+            && self.chains[c].offers(now)
         {
-            return Some(l);
+            return Some(c);
         }
-        let open = || self.order.iter().copied().filter(|&l| self.levels[l].offers(now));
-        open().find(|&l| self.levels[l].is_begun()).or_else(|| open().next())
+        let open = || self.order.iter().copied().filter(|&c| self.chains[c].offers(now));
+        open().find(|&c| self.chains[c].is_begun()).or_else(|| open().next())
     }
 
     /// How long nothing new can be expected, short enough to hear of a task that ends.
     fn pause(&self, now: Duration) -> Duration {
-        let backoff = self.levels.iter().filter_map(|level| level.next.map(|e| level.entries[e].not_before));
+        let backoff = self.chains.iter().filter_map(|chain| chain.next.map(|e| chain.entries[e].not_before));
         let next = backoff.filter(|&time| time > now).min().map_or(Duration::from_millis(100), |time| time - now);
         next.clamp(Duration::from_millis(20), Duration::from_millis(100))
     }
 
     fn held_by(&self, holder: &Holder) -> Option<(usize, usize)> {
-        let held = |level: &LevelTasks| level.next.filter(|&e| level.entries[e].holder() == Some(holder));
-        self.levels.iter().enumerate().find_map(|(l, level)| held(level).map(|e| (l, e)))
+        let held = |chain: &Chain| chain.next.filter(|&e| chain.entries[e].holder() == Some(holder));
+        self.chains.iter().enumerate().find_map(|(c, chain)| held(chain).map(|e| (c, e)))
     }
 
     /// The entry that a lease is for, if it is still valid.
     fn valid(&self, lease: &Lease) -> Option<(usize, usize)> {
-        let &(l, e) = self.index.get(&lease.task)?;
-        self.levels[l].entries[e].is_held(lease).then_some((l, e))
+        let &(c, e) = self.index.get(&lease.task)?;
+        self.chains[c].entries[e].is_held(lease).then_some((c, e))
     }
 
     /// A sign of life.
     pub fn renew(&mut self, lease: &Lease, progress: Option<Progress>, now: Duration) -> RenewReply {
         let worker = self.workers.entry(lease.worker.clone()).or_default();
         worker.gone = false;
-        let Some((l, e)) = self.valid(lease) else { return RenewReply::Lost };
+        let Some((c, e)) = self.valid(lease) else { return RenewReply::Lost };
         if self.cancelled {
             return RenewReply::Cancel;
         }
-        self.levels[l].entries[e].renew(now + self.rules.lease);
+        self.chains[c].entries[e].renew(now + self.rules.lease);
         if let Some(progress) = progress {
             self.note(&lease.task, progress);
         }
@@ -111,33 +159,37 @@ impl Ledger {
 
     /// Where the branch of a task under way is: for people, no sign of life.
     pub fn note(&mut self, task: &TaskId, progress: Progress) {
-        let Some(&(l, e)) = self.index.get(task) else { return };
-        let holder = self.levels[l].entries[e].holder();
+        let Some(&(c, e)) = self.index.get(task) else { return };
+        let holder = self.chains[c].entries[e].holder();
         if let Some(worker) = holder.and_then(|holder| self.workers.get_mut(&holder.worker)) {
             worker.progress.insert(task.clone(), progress);
         }
     }
 
     /// A result: what the task brought. The first result of a task counts, whoever it comes from.
-    pub fn submit(&mut self, lease: &Lease, brought: Brought) -> (Submitted, Vec<Change>) {
-        let Some(&(l, e)) = self.index.get(&lease.task) else { return (Submitted::Unknown, Vec::new()) };
-        let level = &mut self.levels[l];
-        if matches!(level.entries[e].state, TaskState::Done(_) | TaskState::Skipped) {
+    pub fn submit(&mut self, lease: &Lease, brought: &Brought) -> (Submitted, Vec<Change>) {
+        let Some(&(c, e)) = self.index.get(&lease.task) else { return (Submitted::Unknown, Vec::new()) };
+        let chain = &mut self.chains[c];
+        if matches!(chain.entries[e].state, TaskState::Done(_) | TaskState::Skipped) {
             return (Submitted::Duplicate, Vec::new());
         }
-        if !level.takes(e, lease) {
+        if !chain.takes(e, lease) {
             return (Submitted::Late, Vec::new());
         }
-        let mut changes = level.entries[e].supersede(lease);
-        let outcome = level.finish(e, brought);
+        let Some(outcome) = chain.outcome(e, brought) else { return (Submitted::Foreign, Vec::new()) };
+        let mut changes = chain.entries[e].supersede(lease);
+        chain.finish(e, outcome, Some(brought));
         self.sequence += 1;
         let (task, attempt) = (lease.task.clone(), lease.attempt);
         changes.push(Change::Done { task, attempt, outcome, sequence: self.sequence });
-        changes.extend(level.settle());
+        changes.extend(chain.settle());
+        let entry = &chain.entries[e];
+        let (work, level) = (entry.task, entry.level);
         let worker = self.workers.entry(lease.worker.clone()).or_default();
         worker.done += 1;
         worker.progress.remove(&lease.task);
-        let (amplitude, work) = (level.amplitude.clone(), level.entries[e].task);
+        changes.extend(self.extend());
+        let amplitude = self.chains[level].level().expect("tasks are of levels").amplitude.clone();
         (Submitted::Accepted(Accepted { outcome, sequence: self.sequence, amplitude, work }), changes)
     }
 
@@ -152,18 +204,19 @@ impl Ledger {
     }
 
     fn end(&mut self, lease: &Lease, end: AttemptEnd, now: Duration) -> (bool, Vec<Change>) {
-        let Some((l, e)) = self.valid(lease) else { return (false, Vec::new()) };
-        let changes = self.end_at(l, e, end, now);
+        let Some((c, e)) = self.valid(lease) else { return (false, Vec::new()) };
+        let changes = self.end_at(c, e, end, now);
         (true, changes)
     }
 
-    fn end_at(&mut self, l: usize, e: usize, end: AttemptEnd, now: Duration) -> Vec<Change> {
-        let entry = &mut self.levels[l].entries[e];
+    fn end_at(&mut self, c: usize, e: usize, end: AttemptEnd, now: Duration) -> Vec<Change> {
+        let entry = &mut self.chains[c].entries[e];
         if let Some(worker) = entry.holder().and_then(|holder| self.workers.get_mut(&holder.worker)) {
             worker.progress.remove(&entry.id);
         }
         let mut changes = entry.end(end, &self.rules, now);
-        changes.extend(self.levels[l].settle());
+        changes.extend(self.chains[c].settle());
+        changes.extend(self.extend());
         changes
     }
 
@@ -171,20 +224,20 @@ impl Ledger {
     pub fn worker_gone(&mut self, worker: &WorkerId, now: Duration) {
         let Some(known) = self.workers.get_mut(worker) else { return };
         known.gone = true;
-        for level in &mut self.levels {
-            if let Some(e) = level.next {
-                level.entries[e].shorten(worker, now + self.rules.grace);
+        for chain in &mut self.chains {
+            if let Some(e) = chain.next {
+                chain.entries[e].shorten(worker, now + self.rules.grace);
             }
         }
     }
 
     /// Leases that ran out.
     pub fn tick(&mut self, now: Duration) -> Vec<Change> {
-        let expired = |level: &LevelTasks| level.next.filter(|&e| level.entries[e].is_expired(now));
+        let expired = |chain: &Chain| chain.next.filter(|&e| chain.entries[e].is_expired(now));
         let places: Vec<(usize, usize)> =
-            self.levels.iter().enumerate().filter_map(|(l, level)| expired(level).map(|e| (l, e))).collect();
+            self.chains.iter().enumerate().filter_map(|(c, chain)| expired(chain).map(|e| (c, e))).collect();
         let end = |orphaned| if orphaned { AttemptEnd::Released } else { AttemptEnd::Expired };
-        places.into_iter().flat_map(|(l, e)| self.end_at(l, e, end(self.levels[l].entries[e].orphaned), now)).collect()
+        places.into_iter().flat_map(|(c, e)| self.end_at(c, e, end(self.chains[c].entries[e].orphaned), now)).collect()
     }
 
     /// Hands out nothing any more.
@@ -194,16 +247,16 @@ impl Ledger {
 
     /// Puts the tasks of the dead list back.
     pub fn retry_dead(&mut self) -> Vec<Change> {
-        self.levels.iter_mut().flat_map(LevelTasks::revive).collect()
+        self.chains.iter_mut().flat_map(Chain::revive).collect()
     }
 
     /// Whether no task is left to hand out or to wait for.
     pub fn is_finished(&self) -> bool {
-        self.levels.iter().all(|level| level.next.is_none())
+        self.chains.iter().all(|chain| chain.next.is_none())
     }
 
     pub(super) fn entries(&self) -> impl Iterator<Item = &TaskEntry> {
-        self.levels.iter().flat_map(|level| &level.entries)
+        self.chains.iter().flat_map(|chain| &chain.entries)
     }
 
     /// Dead tasks with the reasons of their failures.

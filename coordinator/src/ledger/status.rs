@@ -1,6 +1,6 @@
 //! The ledger in numbers, for people.
 
-use super::level::LevelTasks;
+use super::chain::{Chain, LevelRecord};
 use super::state::Ledger;
 use super::worker::Worker;
 use protocol::from_worker::Progress;
@@ -21,7 +21,7 @@ impl Ledger {
                 TaskState::Dead => counts.dead += 1,
             }
         }
-        counts.branches = self.levels.iter().map(|level| level.branches.len()).sum();
+        counts.branches = self.levels().map(|(_, level)| level.branches.len()).sum();
         counts
     }
 
@@ -36,22 +36,23 @@ impl Ledger {
     }
 
     /// Number of levels, and of those whose tasks are all settled.
-    pub fn levels(&self) -> (usize, usize) {
-        (self.levels.len(), self.levels.iter().filter(|level| level.next.is_none()).count())
+    pub fn progress_of_levels(&self) -> (usize, usize) {
+        (self.levels().count(), self.levels().filter(|(chain, _)| chain.next.is_none()).count())
     }
 
     /// Levels under way.
     pub fn active(&self) -> Vec<LevelStatus> {
-        let active = self.order.iter().map(|&l| &self.levels[l]);
-        active.filter(|level| level.next.is_some() && level.is_begun()).map(|level| self.level_status(level)).collect()
+        let active = self.order.iter().filter_map(|&c| Some((&self.chains[c], self.chains[c].level()?)));
+        let active = active.filter(|(chain, _)| chain.next.is_some() && chain.is_begun());
+        active.map(|(chain, level)| self.level_status(chain, level)).collect()
     }
 
-    fn level_status(&self, level: &LevelTasks) -> LevelStatus {
-        let under_way = level.next.map(|e| &level.entries[e]);
+    fn level_status(&self, chain: &Chain, level: &LevelRecord) -> LevelStatus {
+        let under_way = chain.next.map(|e| &chain.entries[e]);
         LevelStatus {
             amplitude: level.amplitude.text.clone(),
-            done: level.entries.iter().filter(|entry| entry.is_settled()).count(),
-            total: level.entries.len(),
+            done: chain.entries.iter().filter(|entry| entry.is_settled()).count(),
+            total: chain.entries.len(),
             branches: level.branches.len(),
             progress: under_way.and_then(|entry| self.progress(&entry.holder()?.worker, &entry.id)),
         }

@@ -10,6 +10,8 @@ use std::time::Duration;
 #[derive(Debug)]
 pub(super) struct TaskEntry {
     pub id: TaskId,
+    /// The level that it is of, or that its curve starts from.
+    pub level: usize,
     pub task: Task,
     pub state: TaskState,
     /// Attempts so far.
@@ -23,6 +25,19 @@ pub(super) struct TaskEntry {
 }
 
 impl TaskEntry {
+    pub fn new(id: TaskId, level: usize, task: Task) -> Self {
+        Self {
+            id,
+            level,
+            task,
+            state: TaskState::Waiting,
+            attempts: 0,
+            reasons: Vec::new(),
+            not_before: Duration::ZERO,
+            orphaned: false,
+        }
+    }
+
     pub fn holder(&self) -> Option<&Holder> {
         match &self.state {
             TaskState::Leased { holder, .. } => Some(holder),

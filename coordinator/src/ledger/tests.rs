@@ -2,22 +2,32 @@
 
 mod cases;
 
+use super::chain::{Chain, LevelRecord};
+use super::task::TaskEntry;
 use super::*;
 use proptest::prelude::*;
 use protocol::from_worker::Lease;
 use protocol::ids::{Attempt, TaskId, WorkerId};
 use protocol::to_everyone::Amplitude;
-use protocol::to_worker::{Known, RenewReply};
-use results::journal::{AttemptEnd, Change, Holder, LevelPlan, StoredTask, TaskState};
+use protocol::to_worker::RenewReply;
+use results::journal::{AddedTask, AttemptEnd, Change, Holder, LevelPlan, StoredTask, TaskState};
 use solver::response::branch::{BranchKind, Side};
 use solver::response::forcing::Unreached;
 use solver::response::seeds::{LandingFailure, Phase, Way};
-use solver::response::task::{BranchId, Brought, SeedOutcome, SeedPlace, Task};
+use solver::response::task::{BranchId, Brought, CrossingPlace, FoldPlace, SeedOutcome, SeedPlace, Task, Unfollowed};
 use solver::response::windows::Window;
+use std::collections::HashMap;
 use std::time::Duration;
 
 fn window(number: usize) -> Window {
-    Window { first: 10 * number, last: 10 * number + 5, best: 10 * number + 2, threshold: 1.0, omega: (1.0, 2.0) }
+    Window {
+        mode: 0,
+        first: 10 * number,
+        last: 10 * number + 5,
+        best: 10 * number + 2,
+        threshold: 1.0,
+        omega: (1.0, 2.0),
+    }
 }
 
 /// A level of `windows` windows of one well each.
@@ -36,20 +46,40 @@ fn plan(amplitude: f64, windows: usize) -> LevelPlan {
 }
 
 /// What a worker would find: a function of the task and of what is known, as tracing is. Some windows have an isola at
-/// either phase, some the main branch, some nothing at fixed frequency, and then a branch that is cut.
-fn find(work: &Task, known: &[Known], amplitude: f64) -> Brought {
+/// either phase, some the main branch, some nothing at fixed frequency, and then a branch that is cut. Folds lie on one of
+/// three curves, of which the second crosses no level; crossings lead to known branches and sometimes to an isola.
+fn find(granted: &Granted) -> Brought {
+    let Granted { work, known, curves, amplitude, .. } = granted;
+    let amplitude = amplitude.value;
     let main = Brought::Nothing(SeedOutcome::Found(BranchId::MAIN));
     let place = match work {
-        Task::Main(_) if known.is_empty() => return Brought::Branch(BranchKind::Main),
+        Task::Main(_) if known.is_empty() => return Brought::Branch { kind: BranchKind::Main, folds: 2 },
         Task::Main(_) => return main,
+        Task::Fold(FoldPlace { branch, fold }) => {
+            assert_eq!(known.len(), 1, "the branch that the fold is of");
+            let forcing = |far: bool| if far { [10.0, 20.0].into() } else { [0.5, 5.5].into() };
+            let number = curves.len();
+            return match (branch.kind, fold) {
+                (BranchKind::Main, 0) if number == 0 => Brought::Curve(forcing(false)),
+                (BranchKind::Main, 0) => Brought::Nothing(SeedOutcome::OnCurve(0)),
+                (BranchKind::Main, _) if amplitude < 2.0 => Brought::Curve(forcing(true)),
+                (BranchKind::Isola, 1) if number == 1 => Brought::Curve(forcing(false)),
+                _ => Brought::Nothing(SeedOutcome::NotFollowed(Unfollowed::Elsewhere)),
+            };
+        }
+        Task::Crossing(CrossingPlace { curve, .. }) => {
+            assert_eq!(curves.len(), 1, "the curve that crosses");
+            let is_new = (curve + amplitude as usize) % 2 == 0;
+            return if is_new { Brought::Branch { kind: BranchKind::Isola, folds: 2 } } else { main };
+        }
         Task::Seed(place) => place,
     };
     let last = known.iter().rev().find(|known| known.branch.kind == BranchKind::Isola);
     match ((place.window + amplitude as usize) % 4, place.way, place.phase) {
         (0, _, _) => main,
-        (1, Way::FixedFrequency, Phase::First) => Brought::Branch(BranchKind::Isola),
+        (1, Way::FixedFrequency, Phase::First) => Brought::Branch { kind: BranchKind::Isola, folds: 1 },
         (1, Way::FixedFrequency, Phase::Second) => Brought::Nothing(SeedOutcome::Found(last.unwrap().branch)),
-        (2, Way::SteppedForcing, Phase::Second) => Brought::Branch(BranchKind::Cut),
+        (2, Way::SteppedForcing, Phase::Second) => Brought::branch(BranchKind::Cut),
         _ => Brought::Nothing(SeedOutcome::NotLanded(LandingFailure::Far(0.5))),
     }
 }
@@ -66,7 +96,7 @@ fn plans(levels: usize) -> Vec<LevelPlan> {
 }
 
 fn rules() -> Rules {
-    Rules { max_failures: 1000, ..Rules::default() }
+    Rules { max_failures: 1000, most_folds: 20, ..Rules::default() }
 }
 
 /// One worker, no trouble.
@@ -75,8 +105,7 @@ fn quiet(levels: usize) -> Book {
     let worker = WorkerId::new("w").unwrap();
     while let (Leased::Grant(granted), _) = ledger.lease(&worker, 0, Duration::ZERO) {
         let lease = Lease { task: granted.task.clone(), attempt: granted.attempt, worker: worker.clone(), slot: 0 };
-        let brought = find(&granted.work, &granted.known, granted.amplitude.value);
-        assert!(matches!(ledger.submit(&lease, brought).0, Submitted::Accepted(_)));
+        assert!(matches!(ledger.submit(&lease, &find(&granted)).0, Submitted::Accepted(_)));
     }
     assert!(ledger.is_finished());
     book(&ledger)
@@ -112,20 +141,20 @@ fn event() -> impl Strategy<Value = Event> {
 /// Drives a ledger, keeping what a store would hold.
 struct Driver {
     ledger: Ledger,
-    levels: usize,
     now: Duration,
     /// Leases that workers believe to hold, with what they will find.
     held: Vec<(Lease, Granted)>,
     accepted: Vec<TaskId>,
-    new_branches: Vec<TaskId>,
+    /// New branches and curves.
+    new: HashMap<TaskId, Brought>,
     changes: Vec<Change>,
 }
 
 impl Driver {
     fn new(levels: usize) -> Self {
         let ledger = Ledger::new(rules(), plans(levels));
-        let (held, accepted, new_branches, changes) = Default::default();
-        Self { ledger, levels, now: Duration::ZERO, held, accepted, new_branches, changes }
+        let (held, accepted, new, changes) = Default::default();
+        Self { ledger, now: Duration::ZERO, held, accepted, new, changes }
     }
 
     fn apply(&mut self, event: &Event) {
@@ -182,19 +211,20 @@ impl Driver {
 
     /// The worker keeps the lease, as if the answer had been lost: it will submit again.
     fn submit(&mut self, lease: &Lease, granted: &Granted) {
-        let brought = find(&granted.work, &granted.known, granted.amplitude.value);
-        let (submitted, changes) = self.ledger.submit(lease, brought);
+        let brought = find(granted);
+        let (submitted, changes) = self.ledger.submit(lease, &brought);
         self.changes.extend(changes);
         match submitted {
             Submitted::Accepted(_) => {
                 assert!(!self.accepted.contains(&lease.task), "{} was accepted twice", lease.task);
                 self.accepted.push(lease.task.clone());
-                if matches!(brought, Brought::Branch(_)) {
-                    self.new_branches.push(lease.task.clone());
+                if !matches!(brought, Brought::Nothing(_)) {
+                    self.new.insert(lease.task.clone(), brought);
                 }
             }
             Submitted::Duplicate => assert!(self.accepted.contains(&lease.task)),
             Submitted::Late => panic!("nothing is given up here"),
+            Submitted::Foreign => panic!("{} is for something else", lease.task),
             Submitted::Unknown => panic!("{} is a task of the run", lease.task),
         }
     }
@@ -207,7 +237,7 @@ impl Driver {
             .map(|entry| StoredTask {
                 id: entry.id.clone(),
                 state: entry.state.clone(),
-                is_new_branch: self.new_branches.contains(&entry.id),
+                brought: self.new.get(&entry.id).cloned(),
                 attempts: entry.attempts,
                 reasons: entry.reasons.clone(),
             })
@@ -215,7 +245,8 @@ impl Driver {
         let order = |id: &TaskId| self.accepted.iter().position(|accepted| accepted == id).unwrap_or(usize::MAX);
         tasks.sort_by_key(|task| order(&task.id));
         let before = (book(&self.ledger), self.ledger.sequence());
-        let (ledger, changes) = Ledger::restore(rules(), plans(self.levels), tasks, self.now);
+        let (levels, folds) = self.planned();
+        let (ledger, changes) = Ledger::restore(rules(), levels, &folds, tasks, self.now);
         assert!(changes.is_empty(), "what is stored together is restored together");
         self.ledger = ledger;
         let settled = |book: &Book| -> Book {
@@ -224,6 +255,23 @@ impl Driver {
         };
         assert_eq!(settled(&before.0), settled(&book(&self.ledger)));
         assert_eq!(before.1, self.ledger.sequence());
+    }
+
+    /// The tasks that a store would have.
+    fn planned(&self) -> (Vec<LevelPlan>, Vec<AddedTask>) {
+        let level = |(chain, level): (&Chain, &LevelRecord)| LevelPlan {
+            amplitude: level.amplitude.clone(),
+            windows: level.account.windows.iter().map(|window| window.window).collect(),
+            tasks: chain.entries.iter().map(|entry| entry.task).collect(),
+        };
+        let levels: Vec<LevelPlan> = self.ledger.levels().map(level).collect();
+        let fold = |entry: &TaskEntry| AddedTask {
+            id: entry.id.clone(),
+            amplitude: levels[entry.level].amplitude.text.clone(),
+            task: entry.task,
+        };
+        let folds = self.ledger.chains[self.ledger.curves()].entries.iter().map(fold).collect();
+        (levels, folds)
     }
 
     /// Lets the run come to its end without further trouble.
@@ -261,13 +309,13 @@ proptest! {
     }
 
     #[test]
-    fn one_task_of_a_level_at_a_time(events in prop::collection::vec(event(), 0..200)) {
+    fn one_task_of_a_chain_at_a_time(events in prop::collection::vec(event(), 0..200)) {
         let mut driver = Driver::new(2);
         for event in &events {
             driver.apply(event);
-            for level in &driver.ledger.levels {
-                let held = level.entries.iter().filter(|entry| entry.holder().is_some()).count();
-                prop_assert!(held <= 1, "{held} tasks of level {} at a time", level.amplitude.text);
+            for (c, chain) in driver.ledger.chains.iter().enumerate() {
+                let held = chain.entries.iter().filter(|entry| entry.holder().is_some()).count();
+                prop_assert!(held <= 1, "{held} tasks of chain {c} at a time");
             }
         }
     }

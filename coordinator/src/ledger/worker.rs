@@ -11,8 +11,8 @@ pub(super) struct Worker {
     pub gone: bool,
     /// Results accepted from it.
     pub done: usize,
-    /// The level that each computing thread worked on last.
-    pub levels: HashMap<u32, usize>,
+    /// The chain that each computing thread worked on last.
+    pub chains: HashMap<u32, usize>,
     /// Where the branches of its tasks are.
     pub progress: HashMap<TaskId, Progress>,
 }

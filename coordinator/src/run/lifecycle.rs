@@ -12,7 +12,7 @@ use crate::error::Error;
 use crate::ledger::Rules;
 use protocol::keys::Keys;
 use protocol::to_everyone::Stage;
-use results::overview::doubts;
+use results::overview::{doubts, most_folds};
 use results::store::{Reader, RunHeader, Store};
 use results::{export, summary_table};
 use solver::structure::Model;
@@ -95,7 +95,11 @@ pub async fn carry_out(
         connection: &connection,
         store,
         model: &model,
-        rules: Rules { lease: Duration::from_secs_f64(options.lease), ..Rules::default() },
+        rules: Rules {
+            lease: Duration::from_secs_f64(options.lease),
+            most_folds: most_folds(&model, &header.settings),
+            ..Rules::default()
+        },
         prepared,
     };
     let services = Services::start(start).await?;

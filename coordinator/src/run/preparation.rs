@@ -13,6 +13,7 @@ use solver::formulation::modal::Modal;
 use solver::response::backbone::Backbone;
 use solver::response::branch::BranchPoint;
 use solver::response::forced::Reach;
+use solver::response::modes::Backbones;
 use solver::response::task::plan;
 use solver::structure::Model;
 use std::ops::ControlFlow;
@@ -45,6 +46,7 @@ pub fn manifest(header: &RunHeader, stage: Stage, lease: Duration) -> Manifest {
         model_sha256: header.model_sha256.clone(),
         settings: header.settings,
         reach: None,
+        modes: None,
         amplitudes: header.amplitudes.clone(),
         monitors: header.model.monitors.iter().map(dof).collect(),
         stage,
@@ -67,19 +69,24 @@ pub fn model(store: &Store) -> Result<Model, Error> {
 /// If the store cannot be read or contradicts itself.
 pub fn stored(store: &Store, model: &Model) -> Result<Option<Prepared>, Error> {
     let (Some(message), Some(reach)) = (store.backbone()?, store.reach()?) else { return Ok(None) };
-    let backbone =
-        message.backbone(&Size::of(model)).map_err(|error| Error::Other(format!("the stored backbone: {error}")))?;
-    let plan = Arc::new(SweepPlan { backbone: message, reach, levels: store.plans()? });
+    let further = store.further_backbones()?;
+    let left_out = store.modes_left_out()?.unwrap_or_default();
+    let size = Size::of(model);
+    let backbones = std::iter::once(&message).chain(&further).map(|message| message.backbone(&size));
+    let backbones: Vec<Backbone> =
+        backbones.collect::<Result<_, _>>().map_err(|error| Error::Other(format!("a stored backbone: {error}")))?;
+    let (levels, folds) = (store.plans()?, store.folds()?);
+    let plan = Arc::new(SweepPlan { backbone: message, further, left_out, reach, levels, folds });
     let stored = Some(Stored { tasks: store.tasks()?, extents: store.extents()? });
-    let sweep = Arc::new(PublishedSweep::new(Modal::new(model), backbone, plan.clone()));
+    let sweep = Arc::new(PublishedSweep::new(Modal::new(model), backbones, plan.clone()));
     Ok(Some(Prepared { sweep, beginning: Beginning { plan, stored } }))
 }
 
-/// Computes the backbone, and from it the tasks of every level; `None` if `stop` was set meanwhile. Tells the engine where
-/// the backbone is.
+/// Computes the backbones, and from them the tasks of every level; `None` if `stop` was set meanwhile. Tells the engine where
+/// that of the primary mode is.
 ///
 /// # Errors
-/// If the backbone does not start, or the bounds of branches contradict it.
+/// If the backbone of the primary mode does not start, or the bounds of branches contradict it.
 pub fn compute(
     header: &RunHeader,
     model: &Model,
@@ -99,17 +106,22 @@ pub fn compute(
         }
         if stop.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
-    let backbone = Backbone::compute_with(model, settings, &mut observer)?;
+    let Backbones { list: backbones, left_out } = Backbones::compute_with(model, settings, &mut observer, stop)?;
     if stop.load(Ordering::Relaxed) {
         return Ok(None);
     }
-    let reach = Reach::new(settings, &backbone)?;
+    let values = || header.amplitudes.iter().map(|amplitude| amplitude.value);
+    let highest = values().fold(0.0, f64::max);
+    let reach = Reach::over(settings, &backbones[0], &backbones[1..], highest)?.with_folds_of(values());
     let level = |amplitude: &Amplitude| {
-        let (windows, tasks) = plan(&backbone, amplitude.value);
+        let (windows, tasks) = plan(&backbones, amplitude.value);
         LevelPlan { amplitude: amplitude.clone(), windows, tasks }
     };
     let levels = header.amplitudes.iter().map(level).collect();
-    let plan = Arc::new(SweepPlan { backbone: BackboneMessage::from(&backbone), reach, levels });
-    let sweep = Arc::new(PublishedSweep::new(Modal::new(model), backbone, plan.clone()));
+    let mut messages = backbones.iter().map(BackboneMessage::from);
+    let backbone = messages.next().expect("that of the primary mode is there");
+    let (further, folds) = (messages.collect(), Vec::new());
+    let plan = Arc::new(SweepPlan { backbone, further, left_out, reach, levels, folds });
+    let sweep = Arc::new(PublishedSweep::new(Modal::new(model), backbones, plan.clone()));
     Ok(Some(Prepared { sweep, beginning: Beginning { plan, stored: None } }))
 }

@@ -7,7 +7,7 @@
 //! | `name` | the model's | shown to people |
 //! | `model` | `"."` | folder of the model, relative to the folder of the study |
 //! | `amplitudes` | required | forcing amplitudes A: `[20, 60]`, `"20, 60"` or `"start:stop:step"` with both ends |
-//! | `harmonics`, `frequency`, `continuation`, `backbone`, `branch` | [`Settings::default`] | numerics, see [`Settings`] |
+//! | `harmonics`, `frequency`, `continuation`, `backbone`, `branch`, `search` | [`Settings::default`] | numerics, see [`Settings`] |
 //! | the keys of [`config`] but `name` | those of `model.toml` | scenario: put over those of the model |
 //!
 //! Sections are merged key by key; a list or an inline table is replaced as a whole. One way to give the damping replaces
@@ -37,7 +37,7 @@ use toml::{Table, Value};
 const OWN: [&str; 3] = ["name", "model", "amplitudes"];
 
 /// Sections of [`Settings`].
-const NUMERICS: [&str; 5] = ["harmonics", "frequency", "continuation", "backbone", "branch"];
+const NUMERICS: [&str; 6] = ["harmonics", "frequency", "continuation", "backbone", "branch", "search"];
 
 /// Keys that are often varied: proposed to whoever leaves the section out.
 const OFTEN: [&str; 10] = [
@@ -45,7 +45,7 @@ const OFTEN: [&str; 10] = [
     "harmonics.samples",
     "frequency.min",
     "frequency.max",
-    "backbone.mode",
+    "backbone.modes",
     "backbone.max_amplitude",
     "contact.friction",
     "contact.sense",
@@ -185,6 +185,7 @@ fn load_settings(numerics: &Layers, model: &Model) -> Result<Settings, ModelErro
     numerics.check_sections(&NUMERICS)?;
     let settings: Settings = numerics.parsed()?;
     settings.validate(model).map_err(|SettingsError { key, value, remedy }| {
+        let key = if key == "backbone.modes" && numerics.given("backbone.mode") { "backbone.mode" } else { key };
         let set_by = (!numerics.given(key)).then(|| "default".into());
         let place = numerics.place(key);
         ModelError::value(Place { set_by: set_by.or(place.set_by), ..place }, value, remedy)

@@ -7,6 +7,7 @@ use protocol::branch::{BranchMessage, FindingMessage};
 use protocol::codec::Message;
 use protocol::columns::Columns;
 use protocol::control::{ControlReply, ControlRequest};
+use protocol::critical::CriticalMessage;
 use protocol::curve::{Motions, Points, Seeds, Size};
 use protocol::from_worker::{FailRequest, Lease, LeaseRequest, Progress, ReleaseRequest, RenewRequest, SubmitRequest};
 use protocol::ids::{Attempt, RunId, TaskId, WorkerId};
@@ -15,15 +16,17 @@ use protocol::to_everyone::{
     Amplitude, Counts, Done, LevelStatus, LevelWindows, Manifest, SeedMessage, Stage, Status, StoredResult,
     WindowsMessage, WorkerStatus,
 };
-use protocol::to_worker::{Acknowledgement, Grant, Known, LeaseReply, RenewReply, SubmitReply};
+use protocol::to_worker::{Acknowledgement, Grant, Known, KnownCurve, LeaseReply, RenewReply, SubmitReply};
 use solver::curve::continuation::Rejection;
 use solver::curve::problem::Failure;
 use solver::response::branch::{BranchKind, Certificate, Outcome, Side, SpecialKind, SpecialPoint, Standing, Stop};
 use solver::response::certificate::Doubled;
+use solver::response::critical::{CriticalEvent, CriticalKind, Quantity};
 use solver::response::forced::Reach;
 use solver::response::forcing::Unreached;
+use solver::response::modes::{LeftOut, ModesFollowed};
 use solver::response::seeds::{LandingFailure, Phase, Way};
-use solver::response::task::{BranchId, SeedOutcome, SeedPlace, Task};
+use solver::response::task::{BranchId, FoldPlace, SeedOutcome, SeedPlace, Task, Unfollowed};
 use solver::response::windows::Window;
 use solver::settings::Settings;
 use solver::structure::laws::{Contact, Friction, Jenkins, LawKind, PenaltySpring, PolynomialDamper, PolynomialSpring};
@@ -47,6 +50,7 @@ pub fn all(visitor: &mut impl Visit) {
     visitor.visit("done_nothing", &done_nothing());
     visitor.visit("result", &result());
     visitor.visit("result_nothing", &result_nothing());
+    visitor.visit("result_curve", &result_curve());
     visitor.visit("status", &status());
     visitor.visit("progress", &progress());
     visitor.visit("lease_request", &lease_request());
@@ -101,7 +105,12 @@ fn progress() -> Progress {
 }
 
 fn reach() -> Reach {
-    Reach { frequency: (0.75, 1.5), amplitude: 8.0, natural: None }
+    Reach { frequency: (0.75, 1.5), amplitude: 8.0, natural: None, forcing: None }
+}
+
+fn modes() -> ModesFollowed {
+    let left_out = vec![(2, LeftOut::NoWork), (3, LeftOut::NotStarted("singular".into()))];
+    ModesFollowed { followed: vec![0, 1], left_out }
 }
 
 /// Array whose numbers count up by a quarter.
@@ -179,6 +188,7 @@ pub fn manifest() -> Manifest {
         model_sha256: protocol::codec::sha256(&protocol::codec::encode(&model())),
         settings: Settings::default(),
         reach: Some(reach()),
+        modes: Some(modes()),
         amplitudes: vec![Amplitude { text: "1e-3".into(), value: 1e-3 }, amplitude()],
         monitors: vec!["tip".into()],
         stage: Stage::Sweep,
@@ -242,7 +252,7 @@ pub fn backbone() -> BackboneMessage {
 }
 
 fn window() -> Window {
-    Window { first: 40, last: 300, best: 70, threshold: 1.75, omega: (0.875, 1.125) }
+    Window { mode: 1, first: 40, last: 300, best: 70, threshold: 1.75, omega: (0.875, 1.125) }
 }
 
 fn windows() -> WindowsMessage {
@@ -290,6 +300,7 @@ fn done_nothing() -> Done {
 /// The result of [`done`].
 pub fn result() -> StoredResult {
     StoredResult {
+        curve: None,
         task: task(),
         attempt: Attempt(2),
         amplitude: amplitude(),
@@ -305,6 +316,7 @@ pub fn result() -> StoredResult {
 
 pub fn result_nothing() -> StoredResult {
     StoredResult {
+        curve: None,
         task: TaskId::of_level("2.5", 4).unwrap(),
         attempt: Attempt(1),
         amplitude: amplitude(),
@@ -315,6 +327,29 @@ pub fn result_nothing() -> StoredResult {
         worker: worker(),
         program: program(),
         seconds: 0.25,
+    }
+}
+
+pub fn result_curve() -> StoredResult {
+    StoredResult {
+        curve: Some(CriticalMessage {
+            quantity: Quantity::Frequency,
+            outcome: Outcome::Open(Stop::ForcingBound, Stop::PointBudget),
+            grazing: [None, Some(1)],
+            rejections: 2,
+            events: vec![CriticalEvent { kind: CriticalKind::Birth, index: 1 }],
+            points: points(3),
+        }),
+        task: TaskId::of_fold(3),
+        attempt: Attempt(1),
+        amplitude: amplitude(),
+        work: Task::Fold(FoldPlace { branch: BranchId::isola(0), fold: 1 }),
+        outcome: SeedOutcome::OnCurve(0),
+        name: None,
+        branch: None,
+        worker: worker(),
+        program: program(),
+        seconds: 0.5,
     }
 }
 
@@ -351,6 +386,7 @@ fn submit_request(finding: FindingMessage) -> SubmitRequest {
 
 fn grant() -> Grant {
     Grant {
+        curves: vec![KnownCurve { number: 0, task: TaskId::of_fold(3) }],
         task: task(),
         attempt: Attempt(2),
         ttl_ms: 30_000,
@@ -381,6 +417,7 @@ pub fn outcomes() -> (Vec<Outcome>, Vec<SeedOutcome>) {
         Stop::Closed,
         Stop::FrequencyBound,
         Stop::AmplitudeBound,
+        Stop::ForcingBound,
         Stop::PointBudget,
         Stop::Reversed,
         Stop::Joined,
@@ -395,5 +432,8 @@ pub fn outcomes() -> (Vec<Outcome>, Vec<SeedOutcome>) {
     seeds.extend(names.map(SeedOutcome::Found));
     seeds.extend(landing.map(SeedOutcome::NotLanded));
     seeds.extend(unreached.map(SeedOutcome::NotTraced));
+    seeds.push(SeedOutcome::OnCurve(1));
+    let unfollowed = failures.map(Unfollowed::from).into_iter().chain([Unfollowed::Unsupported, Unfollowed::Elsewhere]);
+    seeds.extend(unfollowed.map(SeedOutcome::NotFollowed));
     (open.chain([Outcome::Closed]).collect(), seeds)
 }

@@ -30,22 +30,22 @@ function windowTable({ levels }) {
     ].filter(Boolean);
     const failed = level.main_failure || level.dead > 0;
     const word = element(failed ? "span.bad" : "span", {}, failed ? "incomplete" : "goes on");
-    const remark = remarks.length > 0 ? [[level.value, NOT_KNOWN, NOT_KNOWN, NOT_KNOWN, word, remarks.join("; ")]] : [];
+    const remark = remarks.length > 0 ? [[level.value, NOT_KNOWN, NOT_KNOWN, NOT_KNOWN, NOT_KNOWN, word, remarks.join("; ")]] : [];
     return [...remark, ...level.windows.map((window) => windowRow(level, window))];
   });
   return tableOf(
     "Windows of every level",
-    ["A", "window", "frequencies, rad/s", "threshold A*", "outcome", "branches, or why not"],
+    ["A", "window", "mode", "frequencies, rad/s", "threshold A*", "outcome", "branches, or why not"],
     rows,
     "No window is predicted, or the backbone is not there yet.",
   );
 }
 
 /** What became of a window comes with the branches that it led to, or with the reason why there are none. */
-function windowRow(level, { number, omega, threshold, outcome }) {
+function windowRow(level, { number, mode, omega, threshold, outcome }) {
   const [[name, text]] = Object.entries(outcome);
   const word = element(name === "not_found" ? "span.bad" : "span", {}, name.replaceAll("_", " "));
-  return [level.value, number, formatRange(omega), rounded(threshold, 5), word, text || NOT_KNOWN];
+  return [level.value, number, mode, formatRange(omega), rounded(threshold, 5), word, text || NOT_KNOWN];
 }
 
 const rounded = (value, digits) => Number((value ?? NaN).toPrecision(digits));

@@ -5,7 +5,7 @@ mod run;
 use super::value::{Group, Record, Value};
 use crate::overview::Overview;
 use crate::overview::{Omissions, detail, unfinished};
-use crate::store::{Displacements, Reader};
+use crate::store::{Displacements, Reader, further_owner};
 use protocol::array::{Array, ArrayError};
 use protocol::backbone::BackboneMessage;
 use protocol::branch::BranchMessage;
@@ -79,9 +79,16 @@ impl<'r> Contents<'r> {
         }
         run::levels(&mut rest.group("levels"), self.overview);
         if let Some(backbone) = backbone.flatten() {
-            self.backbone(&mut rest.group("backbone"), backbone, omissions);
+            self.backbone(&mut rest.group("backbone"), backbone, "backbone", omissions);
+        }
+        for backbone in omissions.take("Further backbones are", further(self.reader)).unwrap_or_default() {
+            let (name, owner) = (format!("backbone_{}", backbone.mode + 1), further_owner(backbone.mode));
+            self.backbone(&mut rest.group(&name), backbone, &owner, omissions);
         }
         run::windows(&mut rest.group("windows"), self.overview);
+        if let Some(modes) = omissions.read("Which modes were followed is", self.reader.modes()).flatten() {
+            run::modes(&mut rest.group("modes"), &modes);
+        }
         run::branches(&mut rest.group("branches"), self.overview);
         // Now everything that is missing is known.
         record.group("run").add("missing", omissions.sentences().cloned().collect::<Vec<String>>());
@@ -96,7 +103,8 @@ impl<'r> Contents<'r> {
         }
     }
 
-    fn backbone(&self, group: &mut Group<'_>, backbone: BackboneMessage, omissions: &mut Omissions) {
+    /// A backbone, whose arrays are stored with `owner`.
+    fn backbone(&self, group: &mut Group<'_>, backbone: BackboneMessage, owner: &str, omissions: &mut Omissions) {
         group.add("mode", backbone.mode);
         group.add("status", backbone.outcome.to_string());
         group.add("rejections", backbone.rejections);
@@ -105,7 +113,11 @@ impl<'r> Contents<'r> {
             group.add("omega_high", reach.frequency.1);
             group.add("amplitude_bound", reach.amplitude);
         }
-        self.points(group, backbone.points, ("The displacements of the backbone are", "backbone"), omissions);
+        let what = match owner {
+            "backbone" => "The displacements of the backbone are".to_string(),
+            _ => format!("The displacements of the backbone of mode {} are", backbone.mode + 1),
+        };
+        self.points(group, backbone.points, (&what, owner), omissions);
         add_columns(group, &backbone.columns, columns::of_backbone_in_files());
     }
 
@@ -181,13 +193,25 @@ pub(super) fn monitors(model: &ModelMessage) -> Vec<String> {
 /// If it cannot be read or its arrays do not fit together.
 pub(super) fn backbone(reader: &Reader) -> Result<Option<BackboneMessage>, String> {
     let stored = reader.backbone().map_err(|error| detail(&error))?;
-    let Some(backbone) = stored else { return Ok(None) };
+    stored.map(fitting).transpose()
+}
+
+/// The backbones of further modes.
+///
+/// # Errors
+/// If they cannot be read or the arrays of one do not fit together.
+pub(super) fn further(reader: &Reader) -> Result<Vec<BackboneMessage>, String> {
+    reader.further_backbones().map_err(|error| detail(&error))?.into_iter().map(fitting).collect()
+}
+
+/// A backbone, if its arrays fit together.
+fn fitting(backbone: BackboneMessage) -> Result<BackboneMessage, String> {
     let fit = || {
         check(&backbone.points)?;
         check_columns(&backbone.columns, columns::of_backbone(), backbone.points.len())
     };
     fit().map_err(|error: ArrayError| error.to_string())?;
-    Ok(Some(backbone))
+    Ok(backbone)
 }
 
 /// Whether arrays of points fit together, for whatever number of channels, modes, monitored dofs and contacts.

@@ -9,6 +9,9 @@ use protocol::branch::BranchMessage;
 use solver::response::columns::{self, Axis, Column, Csv};
 use std::path::Path;
 
+/// The column of the mode that a backbone is of.
+const MODE: &str = "mode";
+
 /// Columns: names and cells.
 #[derive(Default)]
 pub(super) struct CsvColumns(Vec<(String, Vec<String>)>);
@@ -37,8 +40,26 @@ impl CsvColumns {
         Ok(csv)
     }
 
-    /// Of the points of the backbone: what the first programs had, every mode by its number, what came later.
-    pub fn of_backbone(backbone: &BackboneMessage) -> Result<Self, ArrayError> {
+    /// Of the points of backbones, one after the other, with the mode that each is of, from 1, at the end.
+    pub fn of_backbones(backbones: &[&BackboneMessage]) -> Result<Self, ArrayError> {
+        let mut all = Self::default();
+        for backbone in backbones {
+            let mut one = Self::of_backbone(backbone)?;
+            one.0.push((MODE.into(), vec![(backbone.mode + 1).to_string(); backbone.points.len()]));
+            if all.0.is_empty() {
+                all = one;
+                continue;
+            }
+            // Of one model and one program: the columns are the same.
+            for (column, (_, cells)) in all.0.iter_mut().zip(one.0) {
+                column.1.extend(cells);
+            }
+        }
+        Ok(all)
+    }
+
+    /// Of the points of a backbone: what the first programs had, every mode by its number, what came later.
+    fn of_backbone(backbone: &BackboneMessage) -> Result<Self, ArrayError> {
         let count = backbone.points.len();
         let Scalars { omega, mut columns } = Scalars::new(&backbone.points)?;
         columns.append(&mut scalars(&backbone.columns, columns::of_backbone_in_files(), count)?);
@@ -60,6 +81,7 @@ impl CsvColumns {
         let with_one = |column: &&Column| column.backbone_csv != Csv::No && column.axis != Axis::Modes;
         let listed = [false, true].map(|is_later| list().filter(with_one).filter(move |c| c.is_later == is_later));
         let names = ["omega", "zeta"].into_iter().chain(listed.into_iter().flatten().map(|column| column.name));
+        let names = names.chain([MODE]);
         Self(names.map(|name| (name.to_string(), Vec::new())).collect())
     }
 

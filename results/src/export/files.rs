@@ -2,12 +2,15 @@
 
 use super::ExportError;
 use super::atomic::branches_folder;
-use super::contents::{backbone, monitors};
+use super::contents::{backbone, further, monitors};
 use super::csv_columns::CsvColumns;
 use super::table::{Table, optional, text};
 use crate::overview::Omissions;
 use crate::overview::{BranchRow, Level, Overview, unfinished};
-use crate::store::Reader;
+use crate::store::{CurveRow, Reader};
+use protocol::backbone::BackboneMessage;
+use protocol::curve::Size;
+use solver::response::windows::{Event, EventKind, events};
 use std::path::Path;
 
 const SUMMARY: [&str; 18] = [
@@ -30,10 +33,13 @@ const SUMMARY: [&str; 18] = [
     "shift_2h",
     "stable",
 ];
-const WINDOWS: [&str; 9] =
-    ["amplitude", "window", "omega_min", "omega_max", "omega_best", "threshold", "outcome", "branch", "reason"];
+const WINDOWS: [&str; 10] =
+    ["amplitude", "window", "omega_min", "omega_max", "omega_best", "threshold", "outcome", "branch", "reason", "mode"];
 
-/// Writes `summary.csv`, `backbone.csv`, `windows.csv` and `branches/*.csv` into folder `dir`, at any stage of a run.
+const FOLDS: [&str; 5] = ["curve", "forcing", "omega", "amplitude", "kind"];
+const EVENTS: [&str; 7] = ["kind", "source", "forcing", "omega", "amplitude", "mode", "curve"];
+
+/// Writes `summary.csv`, `backbone.csv`, `windows.csv`, `folds.csv`, `events.csv` and `branches/*.csv` into folder `dir`, at any stage of a run.
 ///
 /// Frequencies are in rad/s, lengths in m, each number in the shortest form that reads back the same.
 ///
@@ -44,15 +50,20 @@ pub(super) fn write(reader: &Reader, dir: &Path, omissions: &mut Omissions) -> R
     let overview = Overview::read(reader, omissions)?;
     let folder = branches_folder(dir)?;
     let backbone = omissions.take("The backbone is", backbone(reader));
+    let further = omissions.take("Further backbones are", further(reader)).unwrap_or_default();
     omissions.missing.extend(unfinished(&overview.levels, backbone.as_ref().is_none_or(Option::is_some)));
+    let predicted =
+        backbone.iter().flatten().flat_map(|backbone| predicted(&overview, backbone)).collect::<Vec<Event>>();
     if let Some(backbone) = backbone {
-        let columns = omissions.take(
-            "backbone.csv is",
-            backbone.as_ref().map_or_else(|| Ok(CsvColumns::without_backbone()), CsvColumns::of_backbone),
-        );
+        let all: Vec<&BackboneMessage> = backbone.iter().chain(&further).collect();
+        let columns = if all.is_empty() { Ok(CsvColumns::without_backbone()) } else { CsvColumns::of_backbones(&all) };
+        let columns = omissions.take("backbone.csv is", columns);
         columns.map_or(Ok(()), |columns| columns.write(dir, "backbone.csv"))?;
     }
     write_windows(dir, &overview.levels)?;
+    let curves = omissions.read("The list of fold curves is", reader.curves()).unwrap_or_default();
+    write_folds(dir, &curves)?;
+    write_events(dir, &curves, &predicted)?;
     let monitors = overview.model.as_ref().map(monitors);
     overview.each_branch(reader, omissions, |omissions, name, result| {
         let columns = result.branch.as_ref().map(|branch| CsvColumns::of_branch(branch, monitors.as_deref()));
@@ -62,6 +73,47 @@ pub(super) fn write(reader: &Reader, dir: &Path, omissions: &mut Omissions) -> R
     write_summary(dir, &overview.levels)
 }
 
+/// Births and merges that the energy balance predicts.
+fn predicted(overview: &Overview, backbone: &BackboneMessage) -> Vec<Event> {
+    let model = overview.model.as_ref().and_then(|model| model.model().ok());
+    let backbone = model.and_then(|model| backbone.backbone(&Size::of(&model)).ok());
+    backbone.map_or_else(Vec::new, |backbone| events(&backbone))
+}
+
+/// Writes the points of fold curves; `kind` is `fold` or what happens there.
+fn write_folds(dir: &Path, curves: &[CurveRow]) -> Result<(), ExportError> {
+    let mut table = Table::create(dir, "folds.csv", &names(&FOLDS))?;
+    for curve in curves {
+        for point in &curve.points {
+            let [forcing, omega, amplitude] = [point.forcing, point.omega, point.amplitude].map(text);
+            let kind = point.event.as_deref().unwrap_or("fold");
+            table.row([&curve.number.to_string(), &forcing, &omega, &amplitude, kind])?;
+        }
+    }
+    table.finish()
+}
+
+/// Writes births and merges, those that were computed and those that the energy balance predicts.
+fn write_events(dir: &Path, curves: &[CurveRow], predicted: &[Event]) -> Result<(), ExportError> {
+    let mut table = Table::create(dir, "events.csv", &names(&EVENTS))?;
+    for curve in curves {
+        for (kind, point) in curve.events() {
+            let [forcing, omega, amplitude] = [point.forcing, point.omega, point.amplitude].map(text);
+            table.row([kind, "computed", &forcing, &omega, &amplitude, "", &curve.number.to_string()])?;
+        }
+    }
+    for event in predicted {
+        let kind = match event.kind {
+            EventKind::Birth => "birth",
+            EventKind::Merge => "merge",
+        };
+        let [forcing, omega, amplitude] = [event.threshold, event.omega, event.amplitude].map(text);
+        let mode = event.mode.map_or_else(String::new, |mode| (mode + 1).to_string());
+        table.row([kind, "predicted", &forcing, &omega, &amplitude, &mode, ""])?;
+    }
+    table.finish()
+}
+
 fn names(columns: &[&str]) -> Vec<String> {
     columns.iter().map(ToString::to_string).collect()
 }
@@ -69,7 +121,7 @@ fn names(columns: &[&str]) -> Vec<String> {
 fn write_summary(dir: &Path, levels: &[Level]) -> Result<(), ExportError> {
     let mut table = Table::create(dir, "summary.csv", &names(&SUMMARY))?;
     for level in levels {
-        if let Some(status) = &level.main_failure {
+        if let (None, Some(status)) = (level.main(), &level.main_failure) {
             let mut row = vec![level.amplitude.clone(), "1".into(), "main".into(), status.clone()];
             row.resize(SUMMARY.len(), String::new());
             table.row(row)?;
@@ -121,6 +173,7 @@ fn write_windows(dir: &Path, levels: &[Level]) -> Result<(), ExportError> {
                 outcome,
                 branch,
                 reason,
+                &window.mode.to_string(),
             ])?;
         }
     }

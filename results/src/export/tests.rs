@@ -3,6 +3,7 @@
 mod damage;
 mod documents;
 mod kinds;
+mod modes;
 mod records;
 
 use super::table::text;
@@ -48,7 +49,7 @@ fn a_finished_run() {
     let out = dir.path().join("csv");
     csv(&store, &out).unwrap();
     csv(&Reader::open(store.dir()).unwrap(), &out).unwrap();
-    assert_eq!(names(&out), ["backbone.csv", "branches", "summary.csv", "windows.csv"]);
+    assert_eq!(names(&out), ["backbone.csv", "branches", "events.csv", "folds.csv", "summary.csv", "windows.csv"]);
     assert_eq!(names(&out.join("branches")), ["0.006-isola-1.csv", "0.006-main-1.csv", "3e-3-main-1.csv"]);
 
     let (columns, rows) = table(&out.join("summary.csv"));
@@ -83,7 +84,8 @@ fn a_finished_run() {
 
     let (columns, rows) = table(&out.join("backbone.csv"));
     let first = "omega,zeta,amplitude,r_lin,r_nl,work_per_amplitude,threshold,contribution_1";
-    assert_eq!(columns, with_later(first, of_points().chain(of_backbone()), |column| column.backbone_csv));
+    let later = with_later(first, of_points().chain(of_backbone()), |column| column.backbone_csv);
+    assert_eq!(columns, format!("{later},mode"));
     assert_eq!(rows.len(), study.backbone.points.len());
     let threshold: Vec<f64> = rows.iter().map(|row| row["threshold"].parse().unwrap()).collect();
     assert!(threshold.iter().zip(&study.backbone.points).all(|(read, point)| *read == point.threshold()));
@@ -99,7 +101,7 @@ fn windows_at_every_stage() {
         table(&dir.path().join("windows.csv"))
     };
     let (columns, rows) = export(&store);
-    assert_eq!(columns, "amplitude,window,omega_min,omega_max,omega_best,threshold,outcome,branch,reason");
+    assert_eq!(columns, "amplitude,window,omega_min,omega_max,omega_best,threshold,outcome,branch,reason,mode");
     let count = study.plans.iter().map(|plan| plan.windows.len()).sum::<usize>();
     assert_eq!(rows.len(), count);
     assert!(rows.iter().all(|row| row["outcome"] == "pending" && row["reason"].is_empty()));
@@ -119,7 +121,8 @@ fn before_the_backbone() {
     csv(&store, dir.path()).unwrap();
     let (columns, rows) = table(&dir.path().join("backbone.csv"));
     let first = "omega,zeta,amplitude,r_lin,r_nl,work_per_amplitude,threshold";
-    assert_eq!(columns, with_later(first, of_points().chain(of_backbone()), |column| column.backbone_csv));
+    let later = with_later(first, of_points().chain(of_backbone()), |column| column.backbone_csv);
+    assert_eq!(columns, format!("{later},mode"));
     assert!(rows.is_empty());
     let overview = Overview::read(&store, &mut Omissions::default()).unwrap();
     assert!(

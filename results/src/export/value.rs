@@ -104,7 +104,7 @@ pub(super) struct Record(pub Vec<(String, Value)>);
 
 impl Record {
     /// Adds values to a group; the empty one has no name.
-    pub fn group(&mut self, name: &'static str) -> Group<'_> {
+    pub fn group<'r>(&'r mut self, name: &'r str) -> Group<'r> {
         Group { record: self, name }
     }
 }
@@ -112,7 +112,7 @@ impl Record {
 /// A group of a record under way.
 pub(super) struct Group<'r> {
     record: &'r mut Record,
-    name: &'static str,
+    name: &'r str,
 }
 
 impl Group<'_> {

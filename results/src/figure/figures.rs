@@ -3,7 +3,7 @@
 use super::column_store::ColumnStore;
 use super::data::Figure;
 use super::subject::{BackboneColumns, Subject};
-use super::{backbone, balance, map, modes, motion, resonance, response};
+use super::{backbone, balance, folds, map, modes, motion, resonance, response};
 use std::collections::BTreeMap;
 
 /// The figures that a run has something for, with their columns; of the others, why not.
@@ -28,6 +28,7 @@ impl Figures {
             ("balance", balance::figure(subject, &store, columns)),
             ("backbone", backbone::figure(subject, columns)),
             ("map", map::figure(subject, &mut store, columns)),
+            ("folds", folds::figure(subject, &mut store)),
             ("resonance", resonance::figure(subject, &mut store)),
             ("modes", modes::figure(subject, &mut store, columns)),
             ("motion", motion::figure(subject.motions)),

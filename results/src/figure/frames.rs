@@ -55,7 +55,7 @@ impl Frame {
 
     fn new(backbone: &BackboneCurve, amplitude: f64, level: Option<(usize, &Level)>) -> Self {
         let mut runs = runs(&backbone.threshold.values, amplitude);
-        let row = |run: &Run| level.and_then(|(_, level)| window_of(level, run));
+        let row = |run: &Run| level.and_then(|(_, level)| window_of(level, backbone, run));
         for (k, run) in runs.iter_mut().enumerate() {
             run.name = name(row(run), k + 1);
         }
@@ -106,9 +106,10 @@ fn crossing(threshold: &[f64], i: usize, amplitude: f64) -> f64 {
     i as f64 + if share.is_finite() { share.clamp(0.0, 1.0) } else { 0.5 }
 }
 
-/// The window of a level that a run is.
-fn window_of<'l>(level: &'l Level, run: &Run) -> Option<&'l WindowRow> {
-    level.windows.iter().find(|window| (window.points[0]..=window.points[1]).contains(&run.best))
+/// The window of a level that a run of a backbone is.
+fn window_of<'l>(level: &'l Level, backbone: &BackboneCurve, run: &Run) -> Option<&'l WindowRow> {
+    let mut windows = level.windows.iter().filter(|window| window.mode == backbone.mode + 1);
+    windows.find(|window| (window.points[0]..=window.points[1]).contains(&run.best))
 }
 
 fn name(window: Option<&WindowRow>, number: usize) -> String {
@@ -137,7 +138,7 @@ fn paint(runs: &mut [Run]) {
 fn sentence(backbone: &BackboneCurve, number: usize, run: &Run, level: Option<(usize, &Level)>) -> String {
     let omega = along(&backbone.omega.values, run.first, run.last);
     let (low, high) = super::axis::bounds(omega);
-    let window = level.and_then(|(_, level)| window_of(level, run));
+    let window = level.and_then(|(_, level)| window_of(level, backbone, run));
     let is_main = |window: &WindowRow| match &window.outcome {
         WindowOutcome::Found(branches) => branches.split("; ").any(|branch| branch.starts_with("main")),
         _ => false,

@@ -2,10 +2,12 @@
 
 use super::column_store::ColumnStore;
 use super::data::{Axis, Direction, Entry, Figure, Kind, Label, Panel, Series, Side, Size, Span, Unit};
+use super::folds::{EVENTS, of_kind};
 use super::style::{BOLD, Color, FINE, MARK, MEDIUM, Shape, Style};
 use super::subject::{BackboneColumns, Subject};
 use crate::curves::BackboneCurve;
 use crate::overview::{WindowOutcome, WindowRow};
+use crate::store::CurvePoint;
 use crate::words::digits;
 use solver::response::windows::{Event, EventKind};
 
@@ -56,6 +58,8 @@ pub fn figure(
     let shade = Style::line(Color::Shade, MEDIUM.min(thin)).with_dash(2);
     drawing.bars("windows pending", shade, pending.map(|(value, window)| (value, window.omega)));
 
+    drawing.folds(subject, &y);
+
     let threshold = Series {
         name: Some("backbone".into()),
         x: vec![columns.omega.clone()],
@@ -74,14 +78,18 @@ pub fn figure(
     drawing.series.extend([below, threshold]);
     let is_shown = |event: &&Event| (0.0..=1.0).contains(&y.share(event.threshold));
     let events = || backbone.events.iter().filter(is_shown);
-    for (kind, shape, name) in
-        [(EventKind::Birth, Shape::Triangle, "births"), (EventKind::Merge, Shape::InvertedTriangle, "merges")]
-    {
+    for (kind, shape, name) in [
+        (EventKind::Birth, Shape::Triangle, "births, predicted"),
+        (EventKind::Merge, Shape::InvertedTriangle, "merges, predicted"),
+    ] {
         let style = Style::marks(Color::Ink, shape, 1.4 * MARK, kind == EventKind::Merge);
         let of_kind = events().filter(|event| event.kind == kind);
         drawing.points(Some(name), style, of_kind.map(|event| (event.omega, event.threshold)));
     }
-    let labels = events().map(label).collect();
+    let mut labels: Vec<Label> = events().map(label).collect();
+    for (kind, _, _, _, word) in EVENTS {
+        labels.extend(computed(subject, &y, kind).map(|point| computed_label(kind, word, point)));
+    }
     let Drawing { series, legend, .. } = drawing;
     let line = Style::line(Color::Category(2), FINE).with_dash(4);
     let panel = Panel {
@@ -116,6 +124,21 @@ impl Drawing<'_> {
         self.points(Some(name), style, points);
     }
 
+    /// Fold curves, and where isolas are born and branches merge on them.
+    fn folds(&mut self, subject: &Subject<'_>, y: &Axis) {
+        let gap = (f64::NAN, f64::NAN);
+        let shown = |point: &CurvePoint| {
+            if (0.0..=1.0).contains(&y.share(point.forcing)) { (point.omega, point.forcing) } else { gap }
+        };
+        let points = subject.curves.iter().flat_map(|curve| curve.points.iter().map(shown).chain([gap]));
+        self.points(Some("folds, computed"), Style::line(Color::Category(3), MEDIUM), points);
+        for (wanted, shape, is_hollow, name, _) in EVENTS {
+            let style = Style::marks(Color::Category(3), shape, 1.4 * MARK, is_hollow);
+            let of_kind: Vec<(f64, f64)> = computed(subject, y, wanted).map(|p| (p.omega, p.forcing)).collect();
+            self.points(Some(name), style, of_kind.into_iter());
+        }
+    }
+
     fn points(&mut self, name: Option<&str>, style: Style, points: impl Iterator<Item = (f64, f64)>) {
         let (x, y): (Vec<f64>, Vec<f64>) = points.unzip();
         if x.is_empty() {
@@ -127,6 +150,11 @@ impl Drawing<'_> {
         let (x, y) = (vec![self.store.exact(x)], vec![self.store.exact(y)]);
         self.series.push(Series { x, y, style, ..Series::default() });
     }
+}
+
+/// Where this happens along fold curves, as far as the axis of A shows it.
+fn computed<'s>(subject: &Subject<'s>, y: &'s Axis, wanted: &'s str) -> impl Iterator<Item = &'s CurvePoint> {
+    of_kind(subject.curves, wanted).filter(|point| (0.0..=1.0).contains(&y.share(point.forcing)))
 }
 
 /// What the axis of A spans: all levels, and thresholds within a few times as much or as little.
@@ -144,6 +172,17 @@ fn windows<'s>(
 ) -> impl Iterator<Item = (f64, &'s WindowRow)> + Clone {
     let all = subject.levels.iter().flat_map(|level| level.windows.iter().map(|window| (level.value, window)));
     all.filter(move |(_, window)| is_wanted(&window.outcome))
+}
+
+fn computed_label(kind: &str, word: &str, point: &CurvePoint) -> Label {
+    Label {
+        text: format!("{word} at {}", digits(point.forcing, 4)),
+        x: vec![Some(point.omega)],
+        y: vec![Some(point.forcing)],
+        color: Color::Category(3),
+        level: None,
+        side: if kind == "birth" { Side::Below } else { Side::Above },
+    }
 }
 
 /// Births are named below the curve, merges above it.

@@ -6,6 +6,7 @@ mod balance;
 mod column_store;
 mod data;
 mod figures;
+mod folds;
 mod frames;
 mod geometry;
 mod labels;

@@ -6,6 +6,7 @@ use super::data::{Axis, Detail, Format, Unit};
 use super::style::Color;
 use crate::curves::{BackboneCurve, Curve, Monitor, Motions, ResonanceComparison};
 use crate::overview::Level;
+use crate::store::CurveRow;
 use solver::response::columns;
 
 /// Levels that span more than so many decades are coloured by the logarithm of their amplitudes.
@@ -22,6 +23,8 @@ pub struct Subject<'r> {
     pub monitors: &'r [Monitor],
     /// The backbone, once it is known.
     pub backbone: Option<&'r BackboneCurve>,
+    /// Fold curves.
+    pub curves: &'r [CurveRow],
     /// Lowest and highest frequency of the sweep, rad/s.
     pub sweep: Option<(f64, f64)>,
     /// The largest response over the forcing.

@@ -1,12 +1,13 @@
 //! Curves that stopped before their ends, so that what lies beyond is not known.
 
+use super::modes::not_started;
 use crate::store::{Reader, Result};
 use solver::response::branch::{Outcome, Stop};
 
 /// How many curves the sentence names.
 const NAMED: usize = 4;
 
-/// Says which main branches, and whether the backbone, stopped before their ends: branches may hang on what lies beyond.
+/// Says which main branches and backbones stopped before their ends, or did not start: branches may hang on what lies beyond.
 /// `None` if none did.
 ///
 /// # Errors
@@ -15,6 +16,13 @@ pub fn doubts(reader: &Reader) -> Result<Option<String>> {
     let mut curves = Vec::new();
     if let Some(stop) = reader.backbone()?.and_then(|backbone| unfinished(&backbone.outcome)) {
         curves.push(format!("the backbone ({stop})"));
+    }
+    for backbone in reader.further_backbones()? {
+        let stop = unfinished(&backbone.outcome);
+        curves.extend(stop.map(|stop| format!("the backbone of mode {} ({stop})", backbone.mode + 1)));
+    }
+    if let Some(choice) = reader.modes()? {
+        curves.extend(not_started(&choice).map(|(mode, _)| format!("the backbone of mode {} (no start)", mode + 1)));
     }
     for (amplitude, outcome) in reader.main_outcomes()? {
         curves.extend(unfinished(&outcome).map(|stop| format!("the main branch at A = {amplitude} ({stop})")));

@@ -15,7 +15,7 @@ pub struct Level {
     pub branches: Vec<BranchRow>,
     /// Windows, in the order of the backbone.
     pub windows: Vec<WindowRow>,
-    /// Why there is no main branch, if it was tried.
+    /// Why no main branch starts at one side, if one was tried there.
     pub main_failure: Option<String>,
     /// Tasks still to be done.
     pub pending: usize,

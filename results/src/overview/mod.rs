@@ -3,13 +3,16 @@
 
 mod doubts;
 mod family;
+mod folds;
 mod level;
+pub mod modes;
 mod omissions;
 mod truncation;
 mod unfinished;
 mod verified;
 
 pub use doubts::doubts;
+pub use folds::{most_folds, why_no_folds};
 pub use level::{Level, Seeds, highest, is_untouched};
 pub use omissions::Omissions;
 pub use truncation::truncation;

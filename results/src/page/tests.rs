@@ -18,7 +18,8 @@ fn page(study: &Study) -> (Value, crate::store::Store, tempfile::TempDir) {
 #[test]
 fn page_and_file_are_of_one_description() {
     let (page, store, _dir) = page(&Study::damper());
-    for figure in FigureName::ALL.into_iter().filter(|figure| !matches!(figure, FigureName::Modes)) {
+    for figure in FigureName::ALL.into_iter().filter(|figure| !matches!(figure, FigureName::Modes | FigureName::Folds))
+    {
         let request = Request { figure, levels: None, monitor: None, amplitude: None, at: None, along: None };
         let (sheet, _) = compose(&store, &request).unwrap();
         let told = &page["figures"][figure.name()];
@@ -38,6 +39,7 @@ fn page_and_file_are_of_one_description() {
     }
     let why = page["nothing"]["modes"].as_str().unwrap();
     assert_eq!(why, "one mode alone makes the backbone");
+    assert_eq!(page["nothing"]["folds"], "the run has no fold curve");
     assert_eq!(page["palette"]["light"]["ramp"][0], "#e08a2e");
 }
 

@@ -13,6 +13,8 @@ pub enum FigureName {
     Backbone,
     /// Isola map: threshold over frequency with births and merges, and what every level has.
     Map,
+    /// Fold curves: the amplitude at which branches turn back, over the forcing amplitude.
+    Folds,
     /// Frequency and size of the largest response over the forcing amplitude, three ways.
     Resonance,
     /// Contributions of the modes along the backbone.
@@ -52,8 +54,16 @@ pub struct Request {
 
 impl FigureName {
     /// All figures.
-    pub const ALL: [Self; 7] =
-        [Self::Response, Self::Balance, Self::Backbone, Self::Map, Self::Resonance, Self::Modes, Self::Motion];
+    pub const ALL: [Self; 8] = [
+        Self::Response,
+        Self::Balance,
+        Self::Backbone,
+        Self::Map,
+        Self::Folds,
+        Self::Resonance,
+        Self::Modes,
+        Self::Motion,
+    ];
 
     /// What it is called.
     pub fn name(self) -> &'static str {
@@ -62,6 +72,7 @@ impl FigureName {
             Self::Balance => "balance",
             Self::Backbone => "backbone",
             Self::Map => "map",
+            Self::Folds => "folds",
             Self::Resonance => "resonance",
             Self::Modes => "modes",
             Self::Motion => "motion",
@@ -75,6 +86,7 @@ impl FigureName {
             Self::Balance => "Dissipated energy and work of the forcing along the backbone, for one forcing amplitude",
             Self::Backbone => "Amplitude over frequency along the backbone, with the windows of one forcing amplitude",
             Self::Map => "Isola map: threshold over frequency with births and merges, and what every level has",
+            Self::Folds => "Amplitude at which branches turn back, over the forcing amplitude, with births and merges",
             Self::Resonance => "Frequency and size of the largest response over the forcing amplitude, three ways",
             Self::Modes => "Contributions of the modes along the backbone",
             Self::Motion => "One period at a point of a branch: displacements, pressures, spectrum, shape of the tip",

@@ -98,7 +98,10 @@ fn map_and_resonance_show_levels() {
     let dir = damper();
     let run = dir.path().join("run");
     let drawn = sheet(&run, &["--figure", "map"]).unwrap();
-    assert_eq!(legend(&drawn), ["threshold A* of the backbone", "main branches", "isolas", "births", "merges"]);
+    assert_eq!(
+        legend(&drawn),
+        ["threshold A* of the backbone", "main branches", "isolas", "births, predicted", "merges, predicted"]
+    );
     assert_eq!(labels(&drawn, 0).len(), 2);
     let drawn = sheet(&run, &["--figure", "resonance"]).unwrap();
     assert_eq!(drawn.figure.panels.iter().map(|panel| panel.series.len()).collect::<Vec<_>>(), [3, 3]);
@@ -166,7 +169,10 @@ fn figures_at_every_stage() {
     let drawn = sheet(&begun, &["--figure", "balance", "--amplitude", "0.006"]).unwrap();
     assert_eq!(labels(&drawn, 0), ["window 1, pending", "window 2, pending"]);
     let drawn = sheet(&begun, &["--figure", "map"]).unwrap();
-    assert_eq!(legend(&drawn), ["threshold A* of the backbone", "windows pending", "births", "merges"]);
+    assert_eq!(
+        legend(&drawn),
+        ["threshold A* of the backbone", "windows pending", "births, predicted", "merges, predicted"]
+    );
     drop(store);
 }
 

@@ -2,24 +2,45 @@
 
 use crate::curves::BackboneCurve;
 use crate::overview::Level;
+use crate::store::{CurveRow, SearchCounts};
 use protocol::to_everyone::Stage;
 use solver::response::branch::Outcome;
+use solver::response::modes::ModesFollowed;
 use solver::structure::Model;
 
 /// What the answers are about.
 pub struct Evidence<'r> {
     /// Levels by forcing amplitude.
     pub levels: &'r [Level],
-    /// The backbone, if it is known.
+    /// The backbone of the primary mode, if it is known.
     pub backbone: Option<&'r BackboneCurve>,
+    /// The backbones of further modes.
+    pub further: &'r [BackboneCurve],
+    /// Which modes were followed and which not, if that is known.
+    pub modes: Option<&'r ModesFollowed>,
     /// How main branches end, with their forcing amplitudes as typed.
     pub mains: &'r [(String, Outcome)],
+    /// Fold curves.
+    pub curves: &'r [CurveRow],
+    /// What became of the tasks that follow from folds.
+    pub search: SearchCounts,
+    /// Most folds that are followed.
+    pub most_folds: usize,
+    /// Why folds cannot be followed, if so.
+    pub why_no_folds: Option<String>,
     /// How far the run has come, if that can be read.
     pub stage: Option<Stage>,
     /// The model.
     pub structure: Structure,
     /// Number of harmonics H.
     pub harmonics: usize,
+}
+
+impl<'r> Evidence<'r> {
+    /// All backbones that are known, that of the primary mode first.
+    pub fn backbones(&self) -> impl Iterator<Item = &'r BackboneCurve> + use<'r> {
+        self.backbone.into_iter().chain(self.further)
+    }
 }
 
 /// What the sentences need of the model.

@@ -2,6 +2,7 @@
 
 use super::evidence::Evidence;
 use crate::overview::Level;
+use crate::overview::modes::not_started;
 use crate::words::count;
 use protocol::to_everyone::Stage;
 
@@ -42,20 +43,61 @@ pub(super) fn losses(evidence: &Evidence<'_>) -> Vec<Loss> {
         let tasks = count(of.sum, "task");
         list.push(Loss::new(format!("{tasks} given up"), format!("{tasks} given up, at {}.", of.named)));
     }
-    for level in levels.iter().filter(|level| level.main().is_none() && level.main_failure.is_some()) {
-        let reason = level.main_failure.as_deref().unwrap_or_default();
-        let what = format!("no main branch at A = {}", level.amplitude);
-        list.push(Loss::new(what, format!("There is no main branch at A = {}: {reason}.", level.amplitude)));
+    for (level, reason) in levels.iter().filter_map(|level| Some((level, level.main_failure.as_deref()?))) {
+        let at = &level.amplitude;
+        list.push(match level.main() {
+            None => {
+                let sentence = format!("There is no main branch at A = {at}: {reason}.");
+                Loss::new(format!("no main branch at A = {at}"), sentence)
+            }
+            Some(_) => {
+                let sentence = format!("At A = {at} no main branch starts at one of the two sides: {reason}.");
+                Loss::new(format!("one side without a start at A = {at}"), sentence)
+            }
+        });
     }
     for (amplitude, outcome) in evidence.mains.iter().filter(|(_, outcome)| outcome.is_unfinished()) {
         let main = format!("main branch at A = {amplitude}");
         let sentence = format!("The {main} is known only in part ({outcome}): larger responses may lie beyond.");
         list.push(Loss::new(format!("{main} unfinished"), sentence));
     }
-    if let Some(backbone) = evidence.backbone.filter(|backbone| backbone.is_unfinished) {
+    for backbone in evidence.backbones().filter(|backbone| backbone.is_unfinished) {
         let (mode, status) = (backbone.mode + 1, &backbone.status);
         let sentence = format!("The backbone of mode {mode} stopped early ({status}): nothing was looked for beyond.");
-        list.push(Loss::new("backbone stopped early", sentence));
+        let is_primary = evidence.backbone.is_some_and(|primary| primary.mode == backbone.mode);
+        let of = if is_primary { String::new() } else { format!(" of mode {mode}") };
+        list.push(Loss::new(format!("backbone{of} stopped early"), sentence));
+    }
+    for (mode, reason) in evidence.modes.into_iter().flat_map(not_started) {
+        let brief = format!("no backbone of mode {}", mode + 1);
+        list.push(Loss::new(
+            brief,
+            format!("There is no backbone of mode {}, nor are there windows of it: {reason}.", mode + 1),
+        ));
+    }
+    let stopped = evidence.curves.iter().filter(|curve| curve.is_unfinished).count();
+    if stopped > 0 {
+        let curves = count(stopped, "fold curve");
+        let sentence = format!("{curves} stopped early: births, merges and isolas beyond are not known.");
+        list.push(Loss::new(format!("{curves} stopped early"), sentence));
+    }
+    let search = &evidence.search;
+    if search.unfollowed > 0 {
+        let brief = format!("{} not followed", count(search.unfollowed, "fold"));
+        let sentence = format!("{brief} over the forcing: what isolas they lead to is not known.");
+        list.push(Loss::new(brief, sentence));
+    }
+    if search.lost > 0 {
+        let brief = format!("{} of fold curves led nowhere", count(search.lost, "crossing"));
+        let sentence = format!("{brief}: the branches that turn there are missing.");
+        list.push(Loss::new(brief, sentence));
+    }
+    if evidence.most_folds > 0 && search.folds >= evidence.most_folds {
+        let sentence = format!(
+            "The search ended at its limit of {} folds (search.effort): there may be more.",
+            evidence.most_folds
+        );
+        list.push(Loss::new("search ended at its limit", sentence));
     }
     if let Some(of) = Of::levels(levels, |level| level.not_found().count()) {
         let windows = count(of.sum, "predicted response");

@@ -7,13 +7,14 @@ use super::verdict::verdict;
 use crate::clock::now;
 use crate::curves::{BackboneCurve, Curve, Monitor, Motions, ResonanceComparison, monitors};
 use crate::figure::{Figures, Subject};
-use crate::overview::{BranchRow, Omissions, Overview, unfinished, verified_result};
-use crate::store::{Reader, Result, RunHeader};
+use crate::overview::{BranchRow, Omissions, Overview, most_folds, unfinished, verified_result, why_no_folds};
+use crate::store::{CurveRow, Reader, Result, RunHeader};
+use protocol::backbone::BackboneMessage;
 use protocol::curve::Size;
 use protocol::to_everyone::Stage;
 use serde::Serialize;
 use solver::response::backbone::{Backbone, BackbonePoint};
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
 /// Points of branches that a page takes without becoming heavy.
 const POINTS: usize = 250_000;
@@ -35,6 +36,8 @@ pub struct Report {
     pub account: CostAccount,
     /// Monitored dofs; the first one counts.
     pub monitors: Vec<Monitor>,
+    /// Fold curves.
+    pub curves: Vec<CurveRow>,
     /// Lowest and highest frequency of the sweep, rad/s; known when the backbone is.
     pub sweep: Option<(f64, f64)>,
     /// Branches, level by level, main before isolas.
@@ -110,8 +113,12 @@ impl Report {
         let backbone = omissions.read("The backbone is", read_backbone(reader, &Size::of(&model)));
         omissions.missing.extend(unfinished(&overview.levels, backbone.as_ref().is_none_or(Option::is_some)));
         let mut backbone = backbone.flatten().map(|backbone| BackboneCurve::new(&backbone, &model));
-        fit_windows(&mut overview, backbone.as_ref(), &mut omissions);
-        if let Some(backbone) = &mut backbone {
+        let further =
+            omissions.read("Further backbones are", read_further(reader, &Size::of(&model))).unwrap_or_default();
+        let mut further: Vec<BackboneCurve> = further.iter().map(|one| BackboneCurve::new(one, &model)).collect();
+        let modes = omissions.read("Which modes were followed is", reader.modes()).flatten();
+        fit_windows(&mut overview, backbone.as_ref().into_iter().chain(&further), &mut omissions);
+        for backbone in backbone.iter_mut().chain(&mut further) {
             backbone.keep_events_near(overview.levels.iter().map(|level| level.value));
         }
         let reach = omissions.read("The frequency range of the sweep is", reader.reach()).flatten();
@@ -123,10 +130,17 @@ impl Report {
         let monitors = monitors(&model);
         let mut mains = omissions.read("How main branches end is", reader.main_outcomes()).unwrap_or_default();
         mains.retain(|(amplitude, _)| overview.levels.iter().any(|level| level.amplitude == *amplitude));
+        let curves = omissions.read("The list of fold curves is", reader.curves()).unwrap_or_default();
         let evidence = Evidence {
             levels: &overview.levels,
             backbone: backbone.as_ref(),
+            further: &further,
+            modes: modes.as_ref(),
             mains: &mains,
+            curves: &curves,
+            search: omissions.read("What became of folds is", reader.search_counts()).unwrap_or_default(),
+            most_folds: most_folds(&model, &header.settings),
+            why_no_folds: why_no_folds(&model, &header.settings),
             stage,
             structure: Structure::new(&model, &monitors[0].name, monitors[0].gap),
             harmonics: header.settings.harmonics.count,
@@ -140,6 +154,7 @@ impl Report {
             monitors,
             branches,
             backbone,
+            curves,
             motions,
             account,
             overview,
@@ -156,6 +171,7 @@ impl Report {
             branches: &self.branches,
             monitors: &self.monitors,
             backbone: self.backbone.as_ref(),
+            curves: &self.curves,
             sweep: self.sweep,
             resonance: &self.resonance,
             motions: &self.motions,
@@ -164,12 +180,21 @@ impl Report {
     }
 }
 
-/// Leaves out windows that are not windows of the backbone.
-fn fit_windows(overview: &mut Overview, backbone: Option<&BackboneCurve>, omissions: &mut Omissions) {
-    let Some(threshold) = backbone.map(|backbone| &backbone.threshold.values) else { return };
+/// Leaves out windows that are not windows of the backbones.
+fn fit_windows<'b>(
+    overview: &mut Overview,
+    backbones: impl Iterator<Item = &'b BackboneCurve>,
+    omissions: &mut Omissions,
+) {
+    let thresholds: HashMap<usize, &[f64]> =
+        backbones.map(|backbone| (backbone.mode + 1, &backbone.threshold.values[..])).collect();
+    if thresholds.is_empty() {
+        return;
+    }
     for level in &mut overview.levels {
         let count = level.windows.len();
         level.windows.retain(|window| {
+            let threshold = thresholds.get(&window.mode).copied().unwrap_or_default();
             let [first, last, best] = window.points;
             first <= best && best <= last && last < threshold.len() && threshold[best] == window.threshold
         });
@@ -195,14 +220,21 @@ fn facts(header: RunHeader, model: String, stage: Option<Stage>, missing: Vec<St
 }
 
 fn read_backbone(reader: &Reader, size: &Size) -> Result<Option<Backbone>> {
-    let message = reader.backbone()?;
-    let backbone = message.map(|message| message.backbone(size).map_err(|error| reader.corrupt(error))).transpose()?;
+    reader.backbone()?.map(|message| readable(reader, &message, size)).transpose()
+}
+
+fn read_further(reader: &Reader, size: &Size) -> Result<Vec<Backbone>> {
+    reader.further_backbones()?.iter().map(|message| readable(reader, message, size)).collect()
+}
+
+/// A backbone that can be drawn.
+fn readable(reader: &Reader, message: &BackboneMessage, size: &Size) -> Result<Backbone> {
+    let backbone = message.backbone(size).map_err(|error| reader.corrupt(error))?;
     let is_somewhere = |point: &BackbonePoint| point.point.omega().is_finite() && point.arc().is_finite();
-    match backbone {
-        Some(backbone) if !backbone.points.iter().all(is_somewhere) => {
-            Err(reader.corrupt("a frequency or an arc length is not a number"))
-        }
-        readable => Ok(readable),
+    if backbone.points.iter().all(is_somewhere) {
+        Ok(backbone)
+    } else {
+        Err(reader.corrupt("a frequency or an arc length is not a number"))
     }
 }
 

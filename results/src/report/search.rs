@@ -1,7 +1,16 @@
 //! What was looked for, what was not, and what the structure does of itself.
 
 use super::evidence::{Evidence, Structure};
-use crate::words::count;
+use crate::overview::modes;
+use crate::store::CurveRow;
+use crate::words::{self, count, digits};
+
+/// Births or merges that a sentence names.
+const EVENTS: usize = 6;
+
+fn is_same(a: f64, b: f64) -> bool {
+    (a - b).abs() <= 1e-6 * a.abs().max(b.abs())
+}
 
 impl Evidence<'_> {
     /// What vibrates without being forced, or without being damped.
@@ -11,10 +20,10 @@ impl Evidence<'_> {
             let has = if excited.len() == 1 { "has" } else { "have" };
             return Some(format!(
                 "{} {has} negative damping: the structure can vibrate by itself, from rest and without forcing.",
-                modes(excited)
+                capitalised(excited)
             ));
         }
-        if let Some(backbone) = self.backbone.filter(|backbone| backbone.feeds_itself_from_rest()) {
+        if let Some(backbone) = self.backbones().find(|backbone| backbone.feeds_itself_from_rest()) {
             return Some(format!(
                 "At small amplitudes the nonlinear forces feed more energy into mode {} than its damping takes: the \
                  structure can vibrate by itself, from rest and without forcing.",
@@ -23,12 +32,13 @@ impl Evidence<'_> {
         }
         let is = if undamped.len() == 1 { "is" } else { "are" };
         (!undamped.is_empty())
-            .then(|| format!("{} {is} not damped: nothing limits the linear resonance.", modes(undamped)))
+            .then(|| format!("{} {is} not damped: nothing limits the linear resonance.", capitalised(undamped)))
     }
 
-    /// `mode 1`.
+    /// `mode 1`, or `modes 1 and 2`.
     pub(super) fn mode(&self) -> String {
-        self.backbone.map_or_else(|| "a mode".into(), |backbone| format!("mode {}", backbone.mode + 1))
+        let followed: Vec<usize> = self.backbones().map(|backbone| backbone.mode).collect();
+        if followed.is_empty() { "a mode".into() } else { words::modes(&followed) }
     }
 
     /// Where isolas were looked for: `the windows of mode 1 at 7 levels (12 seeds tried, 2 led nowhere)`.
@@ -43,16 +53,65 @@ impl Evidence<'_> {
         let nowhere = if failed > 0 { format!(", {failed} led nowhere") } else { String::new() };
         let complete = if levels == self.levels.len() { "level" } else { "complete level" };
         let (mode, levels) = (self.mode(), count(levels, complete));
-        format!("the windows of {mode} at {levels} ({} tried{nowhere}{harmonic})", count(tried, "seed"))
+        let folds = match self.curves.len() {
+            0 => String::new(),
+            number => format!(" and along {}", count(number, "fold curve")),
+        };
+        format!("the windows of {mode} at {levels} ({} tried{nowhere}{harmonic}){folds}", count(tried, "seed"))
+    }
+
+    /// Where isolas are born and where branches merge, as fold curves say.
+    pub(super) fn computed_events(&self) -> Option<String> {
+        let of = |wanted: &str| -> Vec<String> {
+            let points = self.curves.iter().flat_map(CurveRow::events).filter(|(kind, _)| *kind == wanted);
+            let mut points: Vec<(f64, f64)> = points.map(|(_, point)| (point.forcing, point.omega)).collect();
+            points.sort_by(|a, b| a.0.total_cmp(&b.0));
+            // Where a curve stops at grazing, another one may begin on it again.
+            points.dedup_by(|a, b| is_same(a.0, b.0) && is_same(a.1, b.1));
+            points
+                .into_iter()
+                .map(|(forcing, omega)| format!("{} ({} rad/s)", digits(forcing, 5), digits(omega, 5)))
+                .collect()
+        };
+        let part = |wanted: &str, one: &str, many: &str| {
+            let list = of(wanted);
+            let verb = if list.len() == 1 { one } else { many };
+            let more = list.len().saturating_sub(EVENTS);
+            let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+            let named: Vec<String> = list.iter().take(EVENTS).cloned().collect();
+            (!list.is_empty()).then(|| format!("{verb} at A = {}{more}", named.join(", ")))
+        };
+        let parts: Vec<String> = [
+            part("birth", "an isola is born", "isolas are born"),
+            part("death", "an isola vanishes", "isolas vanish"),
+            part("merge", "two branches merge", "branches merge"),
+        ]
+        .into_iter()
+        .flatten()
+        .collect();
+        (!parts.is_empty()).then(|| format!("Computed along fold curves: {}.", parts.join("; ")))
     }
 
     /// What was not looked for.
     pub(super) fn not_searched(&self) -> String {
-        let modes = if self.structure.modes > 1 { "of other modes, " } else { "" };
+        let modes = match self.modes.map(modes::left_out) {
+            Some(list) => list.into_iter().map(|modes| format!("of {modes}, ")).collect(),
+            None if self.structure.modes > 1 => "of other modes, ".to_string(),
+            None => String::new(),
+        };
         let harmonics =
             if self.structure.harmonic > 1 { "other sub- and super-harmonics" } else { "sub- and super-harmonics" };
         let mode = self.mode();
-        format!("isolas {modes}of {harmonics} and those that no energy balance of {mode} leads to were not looked for")
+        let led = if self.curves.is_empty() {
+            format!("those that no energy balance of {mode} leads to")
+        } else {
+            format!("those that neither an energy balance of {mode} nor a fold curve leads to")
+        };
+        let folds = match &self.why_no_folds {
+            Some(why) => format!("; folds were not followed ({why})"),
+            None => String::new(),
+        };
+        format!("isolas {modes}of {harmonics} and {led} were not looked for{folds}")
     }
 
     /// Says so if there are stops and no branch of any level touches one.
@@ -62,7 +121,7 @@ impl Evidence<'_> {
     }
 }
 
-fn modes(list: &[usize]) -> String {
+fn capitalised(list: &[usize]) -> String {
     let numbers: Vec<String> = list.iter().map(ToString::to_string).collect();
     format!("{} {}", if list.len() == 1 { "Mode" } else { "Modes" }, numbers.join(", "))
 }

@@ -39,7 +39,7 @@ fn a_finished_run() {
         assert!(curve.other("contact").unwrap().values[0].values.iter().all(|share| share.is_nan()));
     }
 
-    assert_eq!(report.figures.nothing.keys().collect::<Vec<_>>(), [&"modes"]);
+    assert_eq!(report.figures.nothing.keys().collect::<Vec<_>>(), [&"folds", &"modes"]);
     let backbone = report.backbone.unwrap();
     assert_eq!(backbone.threshold.values.len(), study.backbone.points.len());
     let kinds: Vec<EventKind> = backbone.events.iter().map(|event| event.kind).collect();

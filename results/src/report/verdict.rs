@@ -6,8 +6,9 @@ mod tests;
 
 use super::evidence::Evidence;
 use super::losses::{Loss, losses, named};
+use crate::curves::BackboneCurve;
 use crate::overview::{BranchRow, Level, highest, truncation};
-use crate::words::{count, digits, frequency, length, range};
+use crate::words::{self, count, digits, frequency, length, range};
 use serde::Serialize;
 use solver::response::branch::BranchKind;
 use solver::response::windows::{Event, EventKind};
@@ -130,10 +131,11 @@ impl<'r> Evidence<'r> {
         }
         let prediction = self.prediction();
         let (searched, not_searched) = (self.searched(), self.not_searched());
+        let computed = self.computed_events().map(|sentence| format!(" {sentence}")).unwrap_or_default();
         let runs = runs(self.levels);
         let partly: Vec<&Level> = self.with_isolas().filter(|level| !level.is_complete()).collect();
         if runs.is_empty() && partly.is_empty() {
-            return format!("None was found from {searched}{prediction}; {not_searched}.");
+            return format!("None was found from {searched}{prediction}; {not_searched}.{computed}");
         }
         let mut found: Vec<String> = Vec::new();
         if !runs.is_empty() {
@@ -158,7 +160,7 @@ impl<'r> Evidence<'r> {
             )
         });
         format!(
-            "Isolas were found {}{prediction}.{} Looked for: {searched}; {not_searched}.",
+            "Isolas were found {}{prediction}.{computed}{} Looked for: {searched}; {not_searched}.",
             found.join(", and "),
             end.unwrap_or_default()
         )
@@ -167,22 +169,26 @@ impl<'r> Evidence<'r> {
     /// From where on the energy balance alone says that there is more than the main response. A window that is born and
     /// merges between two levels is no news.
     fn prediction(&self) -> String {
-        let Some(backbone) = self.backbone else { return String::new() };
+        if self.backbone.is_none() {
+            return String::new();
+        }
         let mode = self.mode();
-        let (threshold, omega) = (&backbone.threshold.values, &backbone.omega.values);
-        let births = backbone.events.iter().filter(|event| event.kind == EventKind::Birth);
-        let is_separate = |birth: &&Event| {
-            let barrier = threshold[..birth.index].iter().copied().fold(0.0, f64::max);
+        let births = self.backbones().flat_map(|backbone| backbone.events.iter().map(move |event| (backbone, event)));
+        let births = births.filter(|(_, event)| event.kind == EventKind::Birth);
+        let is_separate = |(backbone, birth): &(&BackboneCurve, &Event)| {
+            let barrier = backbone.threshold.values[..birth.index].iter().copied().fold(0.0, f64::max);
             self.levels.iter().any(|level| (birth.threshold..barrier).contains(&level.value))
         };
-        let Some(birth) = births.filter(is_separate).min_by(|a, b| a.threshold.total_cmp(&b.threshold)) else {
+        let first = births.filter(is_separate).min_by(|(_, a), (_, b)| a.threshold.total_cmp(&b.threshold));
+        let Some((backbone, birth)) = first else {
             return if self.with_isolas().next().is_some() {
                 format!("; the energy balance of {mode} does not predict them")
             } else {
                 format!("; the energy balance of {mode} predicts no separate response at the levels of the run")
             };
         };
-        let near = frequency(omega[birth.index]);
+        let mode = words::modes(&[backbone.mode]);
+        let near = frequency(backbone.omega.values[birth.index]);
         if backbone.feeds_itself(birth.index) {
             return format!(
                 "; the energy balance of {mode} predicts separate responses at any forcing, near {near}, where the \

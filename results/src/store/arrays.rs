@@ -99,17 +99,17 @@ pub(super) fn insert(db: &Connection, file: &Path, owner: &str, name: &str, arra
     Ok(())
 }
 
-/// Fills in the arrays of `owner` from BLOBs and, what is not among them, from the columns of its table.
+/// Fills in the arrays of `owner` from BLOBs and, what is not among them, from the columns of its table, of curve `of`.
 pub(super) fn fill(
     db: &Connection,
     file: &Path,
     (owner, table): (&str, &PointsTable),
-    branch: Option<i64>,
+    of: i64,
     arrays: ArraysMut<'_>,
 ) -> Result<()> {
     let mut stored = read(db, file, owner)?;
     let names: Vec<&str> = arrays.iter().map(|(name, _)| *name).filter(|name| !stored.contains_key(*name)).collect();
-    let mut columns = table.read(db, file, branch, &names)?;
+    let mut columns = table.read(db, file, of, &names)?;
     for (name, array) in arrays {
         let of_column = |values: Vec<f64>| Array::new([values.len()], values);
         let found = stored.remove(name).or_else(|| columns.remove(name).map(of_column));

@@ -2,11 +2,12 @@
 
 use super::Result;
 use super::arrays::{empty_points, insert, insert_rest, of_points};
+use super::curves::insert_curve;
 use super::displacement::Displacements;
 use super::error::At;
 use super::extent::{Extent, contact_range};
 use super::header::{pack, set_stage};
-use super::plan::insert_plan;
+use super::plan::{insert_added, insert_plan};
 use super::points_table::POINTS;
 use super::scalars::Scalars;
 use crate::journal::{AcceptedResult, AttemptEnd, Change, Holder};
@@ -37,6 +38,7 @@ impl Changes<'_> {
         match change {
             Change::Stage(stage) => set_stage(self.db, self.file, *stage),
             Change::Planned(plan) => insert_plan(self.db, self.file, plan, self.displacements),
+            Change::Added(tasks) => insert_added(self.db, self.file, tasks),
             Change::Granted { task, attempt, holder } => self.granted(task, *attempt, holder),
             Change::Ended { task, attempt, end } => self.ended(task, *attempt, end),
             Change::Done { task, attempt, outcome, .. } => self.done(task, *attempt, outcome),
@@ -80,8 +82,9 @@ impl Changes<'_> {
             SeedOutcome::Found(id) => Some(id.to_string()),
             _ => None,
         };
+        let found = branch.is_some() || matches!(outcome, SeedOutcome::OnCurve(_));
         let sql = "UPDATE tasks SET state = 'done', outcome = ?2, found = ?3, branch = ?4, record = ?5 WHERE id = ?1";
-        self.execute(sql, params![task.as_str(), outcome.to_string(), branch.is_some(), branch, pack(outcome)])?;
+        self.execute(sql, params![task.as_str(), outcome.to_string(), found, branch, pack(outcome)])?;
         let sql = "UPDATE attempts SET ended_at = ?3, \"end\" = 'done', reason = NULL WHERE task = ?1 AND attempt = ?2";
         self.execute(sql, params![task.as_str(), attempt.0, self.now])
     }
@@ -104,9 +107,12 @@ impl Changes<'_> {
         let sql = "INSERT INTO results (sequence, task, attempt, worker, program, seconds, size, sha256, record) \
                    VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9)";
         self.execute(sql, row)?;
-        match named {
-            Some((branch, name)) => self.branch(&result.task, branch, name),
-            None => Ok(()),
+        match (named, &result.curve, result.outcome) {
+            (Some((branch, name)), ..) => self.branch(&result.task, branch, name),
+            (None, Some(curve), SeedOutcome::OnCurve(number)) => {
+                insert_curve(self.db, self.file, &result.task, number, curve)
+            }
+            _ => Ok(()),
         }
     }
 
@@ -142,7 +148,7 @@ impl Changes<'_> {
                    ?18, ?19 \
                    FROM tasks JOIN levels USING (level) WHERE tasks.id = ?1";
         self.execute(sql, row)?;
-        let id = Some(self.db.last_insert_rowid());
+        let id = self.db.last_insert_rowid();
         let held = POINTS.insert(self.db, self.file, id, &[&points.omega], &points.columns)?;
         insert_rest(self.db, self.file, task.as_str(), &of_points(&branch.points), &held)?;
         let displacement = self.displacements.array(&branch.points.motions).at(self.file)?;
@@ -169,6 +175,7 @@ fn without_numbers(result: &StoredResult) -> StoredResult {
         outcome: result.outcome,
         name: result.name,
         branch: result.branch.as_ref().map(without_arrays),
+        curve: None,
         worker: result.worker.clone(),
         program: result.program.clone(),
         seconds: result.seconds,

@@ -74,6 +74,8 @@ impl BranchRow {
 pub struct WindowRow {
     /// Number, from 1.
     pub number: usize,
+    /// Mode of its backbone, from 1.
+    pub mode: usize,
     /// First point of the backbone inside, last, and the one of smallest threshold.
     pub points: [usize; 3],
     /// Lowest and highest frequency, rad/s.
@@ -143,12 +145,12 @@ impl Reader {
         rows.into_iter().filter_map(|row| outcome(row).transpose()).collect()
     }
 
-    /// Why a level has no main branch, if it was tried.
+    /// Why no main branch starts at one side of a level, if one was tried there.
     pub(crate) fn main_failure(&self, level: i64) -> Result<Option<String>> {
         let sql = "SELECT state, outcome, (SELECT reason FROM attempts WHERE task = id AND reason IS NOT NULL \
                    ORDER BY attempt DESC LIMIT 1) FROM tasks \
                    WHERE level = ?1 AND kind = 'main' AND (state = 'dead' OR state = 'done' AND NOT found) \
-                   AND NOT EXISTS (SELECT 1 FROM branches WHERE level = ?1 AND kind = 'main') ORDER BY position LIMIT 1";
+                   ORDER BY position LIMIT 1";
         self.one(sql, [level], |row| {
             let (state, outcome, reason): (String, Option<String>, Option<String>) =
                 (row.get(0)?, row.get(1)?, row.get(2)?);
@@ -156,15 +158,19 @@ impl Reader {
         })
     }
 
-    /// Windows of a level, in the order of the backbone.
+    /// Windows of a level, in the order of the backbones.
     pub(crate) fn windows(&self, level: i64) -> Result<Vec<WindowRow>> {
         let seeds = self.seeds(level)?;
-        let sql = "SELECT window, omega_min, omega_max, omega_best, threshold, first, last, best FROM windows \
-                   WHERE level = ?1 ORDER BY window";
-        self.all(sql, [level], |row| {
+        let mode = self.mode_of_windows()?;
+        let sql = format!(
+            "SELECT window, omega_min, omega_max, omega_best, threshold, first, last, best, {mode} FROM windows \
+             WHERE level = ?1 ORDER BY window"
+        );
+        self.all(&sql, [level], |row| {
             let window: usize = row.get(0)?;
             Ok(WindowRow {
                 number: window,
+                mode: row.get(8)?,
                 points: [row.get(5)?, row.get(6)?, row.get(7)?],
                 omega: (number(row, 1)?, number(row, 2)?),
                 omega_best: number(row, 3)?,
@@ -172,6 +178,11 @@ impl Reader {
                 outcome: outcome(seeds.iter().filter(|seed| seed.window == window)),
             })
         })
+    }
+
+    /// What tells the mode of a window, in SQL: runs of earlier programs followed one mode, that of their settings.
+    fn mode_of_windows(&self) -> Result<String> {
+        if self.version()? >= 3 { Ok("mode".into()) } else { Ok((self.header()?.settings.tracked() + 1).to_string()) }
     }
 
     /// Tasks of a level that start from windows.

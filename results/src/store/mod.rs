@@ -9,6 +9,7 @@ mod account;
 mod arrays;
 mod branch_id;
 mod changes;
+mod curves;
 mod database;
 mod displacement;
 mod error;
@@ -24,6 +25,7 @@ mod scalars;
 #[cfg(test)]
 mod tests;
 
+pub use curves::{CurvePoint, CurveRow, SearchCounts};
 pub use error::StoreError;
 pub use extent::Extent;
 pub use reader::Reader;
@@ -34,6 +36,7 @@ pub use levels::{BranchRow, WindowOutcome, WindowRow};
 
 pub(crate) use branch_id::branch_id;
 pub(crate) use displacement::Displacements;
+pub(crate) use plan::further_owner;
 pub(crate) use scalars::{Scalar, Scalars, scalars};
 
 use crate::clock::now;

@@ -1,47 +1,89 @@
-//! Backbone, windows and tasks: what is known once the backbone is.
+//! Backbones, windows and tasks: what is known once the backbones are.
 
 use super::arrays::{empty_points, fill, insert, insert_rest, of_backbone, of_backbone_mut};
+use super::database::version;
 use super::displacement::Displacements;
 use super::error::At;
-use super::header::{corrupt, get, pack, read_levels, set, unpack};
+use super::header::{corrupt, get, pack, read_levels, read_model, set, unpack};
 use super::points_table::BACKBONE;
 use super::scalars::{Scalars, scalars};
 use super::{Result, StoreError};
-use crate::journal::{LevelPlan, SweepPlan};
+use crate::journal::{AddedTask, LevelPlan, SweepPlan};
 use protocol::backbone::BackboneMessage;
 use protocol::codec::{decode_stored, encode};
 use protocol::ids::TaskId;
 use rusqlite::{Connection, Row, params};
 use solver::response::columns::of_backbone_in_files;
 use solver::response::forced::Reach;
+use solver::response::modes::{LeftOut, ModesFollowed};
 use solver::response::seeds::{Phase, Way};
-use solver::response::task::{SeedPlace, Task};
+use solver::response::task::{CrossingPlace, FoldPlace, SeedPlace, Task};
 use solver::response::windows::Window;
+use std::collections::HashMap;
 use std::path::Path;
 
 const OWNER: &str = "backbone";
+/// The first version of the schema that knows several modes.
+const WITH_MODES: i64 = 3;
 
-/// Stores the backbone with everything that follows from it.
+/// Stores the backbones with everything that follows from them.
 pub(super) fn insert_plan(db: &Connection, file: &Path, plan: &SweepPlan, displacements: &Displacements) -> Result<()> {
-    let SweepPlan { backbone, reach, levels } = plan;
-    insert_backbone(db, file, backbone, reach, displacements)?;
-    let omega = backbone.points.motions.omega.values("omega", &[backbone.points.len()]).at(file)?;
-    insert_levels(db, file, levels, &omega)
+    let SweepPlan { backbone, further, left_out, reach, levels, folds } = plan;
+    let mut omega = HashMap::new();
+    for (place, backbone) in std::iter::once(backbone).chain(further).enumerate() {
+        let owner = owner((place > 0).then_some(backbone.mode));
+        insert_backbone(db, file, &owner, backbone, displacements)?;
+        insert_mode(db, file, backbone.mode, Some(place), &backbone.outcome, encode(&without_numbers(backbone)))?;
+        let values = backbone.points.motions.omega.values("omega", &[backbone.points.len()]).at(file)?;
+        omega.insert(backbone.mode, values);
+    }
+    for (mode, why) in left_out {
+        insert_mode(db, file, *mode, None, why, pack(why))?;
+    }
+    set(db, file, "backbone", encode(&without_numbers(backbone)))?;
+    set(db, file, "backbone_status", backbone.outcome.to_string())?;
+    insert_reach(db, file, reach)?;
+    insert_levels(db, file, levels, &omega)?;
+    insert_added(db, file, folds)
 }
 
-/// Stores the backbone and the reach that follows from it.
+/// Owner of the arrays of a backbone, if it is of a further mode.
+fn owner(further: Option<usize>) -> String {
+    further.map_or_else(|| OWNER.into(), further_owner)
+}
+
+/// Owner of the arrays of the backbone of a further mode, from 0.
+pub(crate) fn further_owner(mode: usize) -> String {
+    format!("{OWNER}/{}", mode + 1)
+}
+
 fn insert_backbone(
     db: &Connection,
     file: &Path,
+    owner: &str,
     backbone: &BackboneMessage,
-    reach: &Reach,
     displacements: &Displacements,
 ) -> Result<()> {
     let held = insert_points(db, file, backbone)?;
-    insert_rest(db, file, OWNER, &of_backbone(backbone), &held)?;
-    insert(db, file, OWNER, "displacement", &displacements.array(&backbone.points.motions).at(file)?)?;
-    set(db, file, "backbone", encode(&without_numbers(backbone)))?;
-    set(db, file, "backbone_status", backbone.outcome.to_string())?;
+    insert_rest(db, file, owner, &of_backbone(backbone), &held)?;
+    insert(db, file, owner, "displacement", &displacements.array(&backbone.points.motions).at(file)?)
+}
+
+fn insert_mode(
+    db: &Connection,
+    file: &Path,
+    mode: usize,
+    place: Option<usize>,
+    outcome: &impl ToString,
+    record: Vec<u8>,
+) -> Result<()> {
+    let sql = "INSERT INTO modes (mode, place, outcome, record) VALUES (?1, ?2, ?3, ?4)";
+    db.prepare_cached(sql).at(file)?.execute(params![mode + 1, place, outcome.to_string(), record]).at(file)?;
+    Ok(())
+}
+
+/// Stores the reach that follows from the backbones.
+fn insert_reach(db: &Connection, file: &Path, reach: &Reach) -> Result<()> {
     set(db, file, "reach", pack(reach))?;
     set(db, file, "omega_low", reach.frequency.0)?;
     set(db, file, "omega_high", reach.frequency.1)?;
@@ -64,15 +106,67 @@ fn insert_points(db: &Connection, file: &Path, backbone: &BackboneMessage) -> Re
     let Scalars { omega, mut columns } = Scalars::new(&backbone.points).at(file)?;
     let zeta = backbone.points.motions.decay.values("decay", &[count]).at(file)?;
     columns.append(&mut scalars(&backbone.columns, of_backbone_in_files(), count).at(file)?);
-    BACKBONE.insert(db, file, None, &[&omega, &zeta], &columns)
+    BACKBONE.insert(db, file, key(backbone.mode), &[&omega, &zeta], &columns)
 }
 
-/// The backbone, once it is known.
+/// Number of a mode, from 1, as tables have it.
+fn key(mode: usize) -> i64 {
+    mode as i64 + 1
+}
+
+/// The backbone of the primary mode, once it is known.
 pub(super) fn read_backbone(db: &Connection, file: &Path) -> Result<Option<BackboneMessage>> {
     let Some(record) = get::<Vec<u8>>(db, file, "backbone")? else { return Ok(None) };
-    let mut backbone: BackboneMessage = decode_stored(&record).map_err(|error| corrupt(file, error))?;
-    fill(db, file, (OWNER, &BACKBONE), None, of_backbone_mut(&mut backbone))?;
-    Ok(Some(backbone))
+    filled(db, file, &record, false).map(Some)
+}
+
+/// A backbone with its numbers.
+fn filled(db: &Connection, file: &Path, record: &[u8], is_further: bool) -> Result<BackboneMessage> {
+    let mut backbone: BackboneMessage = decode_stored(record).map_err(|error| corrupt(file, error))?;
+    let (owner, key) = (owner(is_further.then_some(backbone.mode)), key(backbone.mode));
+    fill(db, file, (&owner, &BACKBONE), key, of_backbone_mut(&mut backbone))?;
+    Ok(backbone)
+}
+
+/// The backbones of further modes, in their order.
+pub(super) fn read_further(db: &Connection, file: &Path) -> Result<Vec<BackboneMessage>> {
+    if version(db, file)? < WITH_MODES {
+        return Ok(Vec::new());
+    }
+    let mut statement = db.prepare_cached("SELECT record FROM modes WHERE place > 0 ORDER BY place").at(file)?;
+    let records = statement.query_map([], |row| row.get::<_, Vec<u8>>(0)).at(file)?;
+    records.map(|record| filled(db, file, &record.at(file)?, true)).collect()
+}
+
+/// Which modes have a backbone, and which not.
+pub(super) fn read_modes(db: &Connection, file: &Path) -> Result<Option<ModesFollowed>> {
+    let Some(record) = get::<Vec<u8>>(db, file, "backbone")? else { return Ok(None) };
+    let Some(left_out) = read_left_out(db, file)? else {
+        let primary = decode_stored::<BackboneMessage>(&record).map_err(|error| corrupt(file, error))?.mode;
+        let others = (0..read_model(db, file)?.dofs.len()).filter(|&mode| mode != primary);
+        let left_out = others.map(|mode| (mode, LeftOut::NotListed)).collect();
+        return Ok(Some(ModesFollowed { followed: vec![primary], left_out }));
+    };
+    let sql = "SELECT mode - 1 FROM modes WHERE place IS NOT NULL ORDER BY place";
+    let mut statement = db.prepare_cached(sql).at(file)?;
+    let followed = statement.query_map([], |row| row.get(0)).at(file)?.collect::<rusqlite::Result<_>>().at(file)?;
+    Ok(Some(ModesFollowed { followed, left_out }))
+}
+
+/// Modes without a backbone, from 0, and why.
+pub(super) fn read_left_out(db: &Connection, file: &Path) -> Result<Option<Vec<(usize, LeftOut)>>> {
+    if version(db, file)? < WITH_MODES || get::<Vec<u8>>(db, file, "backbone")?.is_none() {
+        return Ok(None);
+    }
+    let sql = "SELECT mode, record FROM modes WHERE place IS NULL ORDER BY mode";
+    let mut statement = db.prepare_cached(sql).at(file)?;
+    let rows = statement.query_map([], |row| Ok((row.get::<_, usize>(0)?, row.get::<_, Vec<u8>>(1)?))).at(file)?;
+    let list = rows.map(|row| {
+        let (number, record) = row.at(file)?;
+        let mode = number.checked_sub(1).ok_or_else(|| corrupt(file, "modes are counted from 1"))?;
+        Ok((mode, unpack(file, &record)?))
+    });
+    list.collect::<Result<_>>().map(Some)
 }
 
 /// The reach, once it is known.
@@ -80,19 +174,39 @@ pub(super) fn read_reach(db: &Connection, file: &Path) -> Result<Option<Reach>> 
     get::<Vec<u8>>(db, file, "reach")?.map(|bytes| unpack(file, &bytes)).transpose()
 }
 
-/// Stores windows and tasks of all levels; `omega` are the frequencies of the backbone.
-fn insert_levels(db: &Connection, file: &Path, plans: &[LevelPlan], omega: &[f64]) -> Result<()> {
+/// Stores windows and tasks of all levels; `omega` are the frequencies of the backbones, by mode.
+fn insert_levels(db: &Connection, file: &Path, plans: &[LevelPlan], omega: &HashMap<usize, Vec<f64>>) -> Result<()> {
     for plan in plans {
-        let sql = "SELECT level FROM levels WHERE amplitude = ?1";
         let text = &plan.amplitude.text;
-        let level: i64 = db.prepare_cached(sql).at(file)?.query_row([text], |row| row.get(0)).at(file)?;
+        let level = number_of_level(db, file, text)?;
         for (i, window) in plan.windows.iter().enumerate() {
-            insert_window(db, file, level, i + 1, window, omega)?;
+            let best = omega.get(&window.mode).and_then(|omega| omega.get(window.best)).copied();
+            insert_window(db, file, level, i + 1, window, best.unwrap_or(window.omega.0))?;
         }
         for (i, task) in plan.tasks.iter().enumerate() {
             let id = TaskId::of_level(text, i).expect("amplitudes are numbers");
             insert_task(db, file, level, i, &id, task)?;
         }
+    }
+    Ok(())
+}
+
+/// Number of the level whose amplitude was typed so.
+fn number_of_level(db: &Connection, file: &Path, amplitude: &str) -> Result<i64> {
+    let sql = "SELECT level FROM levels WHERE amplitude = ?1";
+    db.prepare_cached(sql).at(file)?.query_row([amplitude], |row| row.get(0)).at(file)
+}
+
+/// Stores tasks that were added, each after those of its kind.
+pub(super) fn insert_added(db: &Connection, file: &Path, added: &[AddedTask]) -> Result<()> {
+    for AddedTask { id, amplitude, task } in added {
+        let level = number_of_level(db, file, amplitude)?;
+        let sql = match task {
+            Task::Fold(_) => "SELECT count(*) FROM tasks WHERE kind = 'fold' AND ?1",
+            _ => "SELECT count(*) FROM tasks WHERE kind <> 'fold' AND level = ?1",
+        };
+        let position: usize = db.prepare_cached(sql).at(file)?.query_row([level], |row| row.get(0)).at(file)?;
+        insert_task(db, file, level, position, id, task)?;
     }
     Ok(())
 }
@@ -103,23 +217,24 @@ fn insert_window(
     level: i64,
     number: usize,
     window: &Window,
-    omega: &[f64],
+    omega_best: f64,
 ) -> Result<()> {
-    let sql = "INSERT INTO windows (level, window, omega_min, omega_max, omega_best, threshold, first, last, best) \
-               VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9)";
-    let (low, high) = window.omega;
-    let best = omega.get(window.best).copied().unwrap_or(low);
-    let row = params![level, number, low, high, best, window.threshold, window.first, window.last, window.best];
+    let sql = "INSERT INTO windows (level, window, mode, omega_min, omega_max, omega_best, threshold, first, last, best) \
+               VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10)";
+    let Window { mode, first, last, best, threshold, omega: (low, high) } = *window;
+    let row = params![level, number, key(mode), low, high, omega_best, threshold, first, last, best];
     db.prepare_cached(sql).at(file)?.execute(row).at(file)?;
     Ok(())
 }
 
 fn insert_task(db: &Connection, file: &Path, level: i64, position: usize, id: &TaskId, task: &Task) -> Result<()> {
-    let sql = "INSERT INTO tasks (id, level, position, kind, window, phase, way, work) \
-               VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)";
-    let (kind, place) = match task {
-        Task::Main(_) => ("main", None),
-        Task::Seed(place) => ("seed", Some(place)),
+    let sql = "INSERT INTO tasks (id, level, position, kind, window, phase, way, work, origin) \
+               VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9)";
+    let (kind, place, origin) = match task {
+        Task::Main(_) => ("main", None, None),
+        Task::Seed(place) => ("seed", Some(place), None),
+        Task::Fold(FoldPlace { branch, fold }) => ("fold", None, Some(format!("{branch}, fold {}", fold + 1))),
+        Task::Crossing(CrossingPlace { curve, .. }) => ("crossing", None, Some(format!("fold curve {}", curve + 1))),
     };
     let row = params![
         id.as_str(),
@@ -130,6 +245,7 @@ fn insert_task(db: &Connection, file: &Path, level: i64, position: usize, id: &T
         place.map(phase_name),
         place.map(way_name),
         pack(task),
+        origin,
     ];
     db.prepare_cached(sql).at(file)?.execute(row).at(file)?;
     Ok(())
@@ -149,26 +265,48 @@ fn way_name(place: &SeedPlace) -> &'static str {
     }
 }
 
-/// Windows and tasks of every level; empty as long as there is no backbone.
+/// Windows and tasks of every level, of a run of this version; empty as long as there is no backbone.
 pub(super) fn read_plans(db: &Connection, file: &Path) -> Result<Vec<LevelPlan>> {
     if get::<Vec<u8>>(db, file, "backbone")?.is_none() {
         return Ok(Vec::new());
     }
     let level = |amplitude| LevelPlan { amplitude, windows: Vec::new(), tasks: Vec::new() };
     let mut plans: Vec<LevelPlan> = read_levels(db, file)?.into_iter().map(level).collect();
-    let sql = "SELECT level, first, last, best, threshold, omega_min, omega_max FROM windows ORDER BY level, window";
+    let sql = "SELECT level, first, last, best, threshold, omega_min, omega_max, mode - 1 FROM windows \
+               ORDER BY level, window";
     for_each_level(db, file, &mut plans, sql, |plan, row| {
         let omega = (row.get(5).at(file)?, row.get(6).at(file)?);
         let (first, last, best) = (row.get(1).at(file)?, row.get(2).at(file)?, row.get(3).at(file)?);
-        plan.windows.push(Window { first, last, best, threshold: row.get(4).at(file)?, omega });
+        let (mode, threshold) = (row.get(7).at(file)?, row.get(4).at(file)?);
+        plan.windows.push(Window { mode, first, last, best, threshold, omega });
         Ok(())
     })?;
-    for_each_level(db, file, &mut plans, "SELECT level, work FROM tasks ORDER BY level, position", |plan, row| {
-        let work: Vec<u8> = row.get(1).at(file)?;
-        plan.tasks.push(unpack(file, &work)?);
-        Ok(())
-    })?;
+    for_each_level(
+        db,
+        file,
+        &mut plans,
+        "SELECT level, work FROM tasks WHERE kind <> 'fold' ORDER BY level, position",
+        |plan, row| {
+            let work: Vec<u8> = row.get(1).at(file)?;
+            plan.tasks.push(unpack(file, &work)?);
+            Ok(())
+        },
+    )?;
     Ok(plans)
+}
+
+/// The tasks that follow folds, in their order.
+pub(super) fn read_folds(db: &Connection, file: &Path) -> Result<Vec<AddedTask>> {
+    let sql = "SELECT id, amplitude, work FROM tasks JOIN levels USING (level) WHERE kind = 'fold' ORDER BY position";
+    let mut statement = db.prepare_cached(sql).at(file)?;
+    let mut rows = statement.query([]).at(file)?;
+    let mut folds = Vec::new();
+    while let Some(row) = rows.next().at(file)? {
+        let (id, work): (String, Vec<u8>) = (row.get(0).at(file)?, row.get(2).at(file)?);
+        let id = TaskId::new(&id).map_err(|error| corrupt(file, error))?;
+        folds.push(AddedTask { id, amplitude: row.get(1).at(file)?, task: unpack(file, &work)? });
+    }
+    Ok(folds)
 }
 
 /// Hands every row that `sql` selects to its level, named in the first column.

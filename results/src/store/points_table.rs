@@ -13,15 +13,17 @@ use std::path::Path;
 /// A table of points. A file of an earlier program has fewer columns, one of a later program has more.
 pub(super) struct PointsTable {
     name: &'static str,
+    /// The column that tells whose points they are; a table of an earlier program may be without it, all being of one curve.
+    key: &'static str,
     /// Arrays of motions that are columns, and the names of these.
     motions: &'static [(&'static str, &'static str)],
 }
 
 /// Points of branches.
-pub(super) const POINTS: PointsTable = PointsTable { name: "points", motions: &[("omega", "omega")] };
-/// Points of the backbone.
+pub(super) const POINTS: PointsTable = PointsTable { name: "points", key: "branch", motions: &[("omega", "omega")] };
+/// Points of backbones, by the number of the mode.
 pub(super) const BACKBONE: PointsTable =
-    PointsTable { name: "backbone", motions: &[("omega", "omega"), ("decay", "zeta")] };
+    PointsTable { name: "backbone", key: "mode", motions: &[("omega", "omega"), ("decay", "zeta")] };
 
 /// The text of the schema with the columns of the list in their places.
 pub(super) fn schema() -> String {
@@ -74,26 +76,25 @@ impl PointsTable {
         names.collect::<rusqlite::Result<_>>().at(file)
     }
 
-    /// Stores points, of a branch if `branch` tells which, as far as the table has columns for them: the first of
-    /// `motions` is as long as there are points. Returns the arrays that are held entirely.
+    /// Stores the points of curve `of`, as far as the table has columns for them: the first of `motions` is as long as there
+    /// are points. Returns the arrays that are held entirely.
     pub fn insert(
         &self,
         db: &Connection,
         file: &Path,
-        branch: Option<i64>,
+        of: i64,
         motions: &[&[f64]],
         scalars: &[Scalar],
     ) -> Result<Vec<&'static str>> {
         let present = self.names(db, file)?;
         let scalars: Vec<&Scalar> = scalars.iter().filter(|scalar| present.contains(scalar.column.name)).collect();
-        let keys = branch.map(|_| "branch").into_iter().chain(["i"]);
-        let names = keys.chain(self.motions.iter().map(|(_, column)| *column));
+        let names = [self.key, "i"].into_iter().chain(self.motions.iter().map(|(_, column)| *column));
         let names: Vec<String> = names.chain(scalars.iter().map(|scalar| scalar.column.name)).map(quoted).collect();
         let values = vec!["?"; names.len()].join(", ");
         let sql = format!("INSERT INTO {} ({}) VALUES ({values})", self.name, names.join(", "));
         let mut statement = db.prepare_cached(&sql).at(file)?;
         for i in 0..motions[0].len() {
-            let keys = branch.into_iter().chain([i as i64]).map(Value::Integer);
+            let keys = [of, i as i64].into_iter().map(Value::Integer);
             let numbers = motions.iter().map(|values| values[i]).chain(scalars.iter().map(|scalar| scalar.values[i]));
             statement.execute(params_from_iter(keys.chain(numbers.map(Value::Real)))).at(file)?;
         }
@@ -101,14 +102,8 @@ impl PointsTable {
         Ok(self.motions.iter().map(|(array, _)| *array).chain(held.map(|column| column.name)).collect())
     }
 
-    /// Reads the arrays among `arrays` that the table holds, those of a branch if `branch` tells which.
-    pub fn read(
-        &self,
-        db: &Connection,
-        file: &Path,
-        branch: Option<i64>,
-        arrays: &[&str],
-    ) -> Result<HashMap<String, Vec<f64>>> {
+    /// Reads the arrays among `arrays` that the table holds of curve `of`.
+    pub fn read(&self, db: &Connection, file: &Path, of: i64, arrays: &[&str]) -> Result<HashMap<String, Vec<f64>>> {
         let present = self.names(db, file)?;
         let column = |array: &str| {
             let renamed = self.motions.iter().find(|(motion, _)| *motion == array);
@@ -119,11 +114,12 @@ impl PointsTable {
         if arrays.is_empty() {
             return Ok(HashMap::new());
         }
-        let of = branch.map_or("", |_| " WHERE branch = ?1");
-        let sql = format!("SELECT {} FROM {}{of} ORDER BY i", columns.join(", "), self.name);
+        let of = present.contains(self.key).then_some(of);
+        let which = of.map_or(String::new(), |_| format!(" WHERE {} = ?1", self.key));
+        let sql = format!("SELECT {} FROM {}{which} ORDER BY i", columns.join(", "), self.name);
         let mut lists = vec![Vec::new(); arrays.len()];
         let mut statement = db.prepare_cached(&sql).at(file)?;
-        let mut rows = statement.query(params_from_iter(branch)).at(file)?;
+        let mut rows = statement.query(params_from_iter(of)).at(file)?;
         while let Some(row) = rows.next().at(file)? {
             for (c, list) in lists.iter_mut().enumerate() {
                 list.push(number(row, c).at(file)?);

@@ -6,10 +6,10 @@ use super::error::At;
 use super::extent::Extent;
 use super::header::{corrupt, get, read_header, read_model, read_stage, unpack};
 use super::number::number;
-use super::plan::{read_backbone, read_plans, read_reach};
+use super::plan::{read_backbone, read_folds, read_further, read_left_out, read_modes, read_plans, read_reach};
 use super::points_table::POINTS;
 use super::{FILE, Result, RunHeader, StoreError, database};
-use crate::journal::{Holder, LevelPlan, StoredTask, TaskState};
+use crate::journal::{AddedTask, Holder, LevelPlan, StoredTask, TaskState};
 use protocol::array::Array;
 use protocol::backbone::BackboneMessage;
 use protocol::codec::{decode_stored, encode, sha256};
@@ -18,7 +18,10 @@ use protocol::ids::{TaskId, WorkerId};
 use protocol::model::ModelMessage;
 use protocol::to_everyone::{Amplitude, Counts, Done, Stage, StoredResult};
 use rusqlite::{Connection, OptionalExtension, Params, Row, Transaction};
+use solver::response::branch::{BranchKind, SpecialKind, SpecialPoint};
 use solver::response::forced::Reach;
+use solver::response::modes::{LeftOut, ModesFollowed};
+use solver::response::task::Brought;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -105,9 +108,25 @@ impl Reader {
         Ok(counts)
     }
 
-    /// The backbone, once it is known.
+    /// The backbone of the primary mode, once it is known.
     pub fn backbone(&self) -> Result<Option<BackboneMessage>> {
         read_backbone(&self.db, &self.file)
+    }
+
+    /// The backbones of further modes, once they are known; none of runs of earlier programs, which followed one mode.
+    pub fn further_backbones(&self) -> Result<Vec<BackboneMessage>> {
+        read_further(&self.db, &self.file)
+    }
+
+    /// Which modes have a backbone and which not; `None` as long as that is not known. Runs of earlier programs followed the
+    /// mode that they were told to.
+    pub fn modes(&self) -> Result<Option<ModesFollowed>> {
+        read_modes(&self.db, &self.file)
+    }
+
+    /// Modes without a backbone, and why; `None` as long as that is not known, and of runs of earlier programs.
+    pub fn modes_left_out(&self) -> Result<Option<Vec<(usize, LeftOut)>>> {
+        read_left_out(&self.db, &self.file)
     }
 
     /// Within which frequencies and amplitudes branches are followed; known when the backbone is.
@@ -120,26 +139,41 @@ impl Reader {
         read_plans(&self.db, &self.file)
     }
 
+    /// The tasks that follow folds over the levels, in their order.
+    pub fn folds(&self) -> Result<Vec<AddedTask>> {
+        read_folds(&self.db, &self.file)
+    }
+
     /// Tasks with what became of them: those done in the order of their announcements, then the others.
     pub fn tasks(&self) -> Result<Vec<StoredTask>> {
-        let mut failures = self.failures()?;
+        let (mut failures, mut forcings) = (self.failures()?, self.forcings()?);
         let sql = "SELECT tasks.id, state, tasks.attempts, tasks.record, last.worker, last.slot, \
-                   branches.id IS NOT NULL FROM tasks LEFT JOIN results ON results.task = tasks.id \
+                   branches.kind, special FROM tasks LEFT JOIN results ON results.task = tasks.id \
                    LEFT JOIN branches ON branches.task = tasks.id \
                    LEFT JOIN attempts AS last ON last.task = tasks.id AND last.attempt = tasks.attempts \
                    ORDER BY sequence IS NULL, sequence, tasks.level, position";
         let rows = self.all(sql, [], TaskRow::read)?;
         let task = |row: TaskRow| {
             let reasons = failures.remove(&row.id).unwrap_or_default();
+            let curve = forcings.remove(&row.id).map(Brought::Curve);
             Ok(StoredTask {
                 id: self.task_id(&row.id)?,
-                is_new_branch: row.is_new_branch,
+                brought: self.branch_brought(&row)?.or(curve),
                 attempts: row.attempts,
                 reasons,
                 state: self.state(row)?,
             })
         };
         rows.into_iter().map(task).collect()
+    }
+
+    /// The new branch that a task brought.
+    fn branch_brought(&self, row: &TaskRow) -> Result<Option<Brought>> {
+        let Some((kind, special)) = &row.branch else { return Ok(None) };
+        let kind = BranchKind::named(kind).ok_or_else(|| self.corrupt(format!("a branch of kind `{kind}`")))?;
+        let special: Vec<SpecialPoint> = serde_json::from_str(special).map_err(|error| self.corrupt(error))?;
+        let folds = special.iter().filter(|special| special.kind == SpecialKind::Fold).count();
+        Ok(Some(Brought::Branch { kind, folds }))
     }
 
     /// Why attempts that count failed, by task.
@@ -189,7 +223,7 @@ impl Reader {
         let mut result: StoredResult = decode_stored(&record).map_err(|error| corrupt(&self.file, error))?;
         if let (Some(message), Some(id)) = (&mut result.branch, branch) {
             let (db, file) = (&self.db, &self.file);
-            fill(db, file, (task.as_str(), &POINTS), Some(id), of_points_mut(&mut message.points))?;
+            fill(db, file, (task.as_str(), &POINTS), id, of_points_mut(&mut message.points))?;
         }
         let bytes = announced(&result, &expected);
         let bytes = bytes.ok_or_else(|| self.corrupt(format!("the result of task {task} is not what was stored")))?;
@@ -291,7 +325,8 @@ struct TaskRow {
     record: Option<Vec<u8>>,
     worker: Option<String>,
     slot: Option<u32>,
-    is_new_branch: bool,
+    /// Kind and special points.
+    branch: Option<(String, String)>,
 }
 
 impl TaskRow {
@@ -303,7 +338,7 @@ impl TaskRow {
             record: row.get(3)?,
             worker: row.get(4)?,
             slot: row.get(5)?,
-            is_new_branch: row.get(6)?,
+            branch: row.get::<_, Option<String>>(6)?.zip(row.get(7)?),
         })
     }
 }

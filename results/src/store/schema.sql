@@ -10,8 +10,8 @@
 CREATE TABLE meta (
     -- run, name, study_file, overrides (of the command line, JSON), study (TOML, every setting spelled out), model_sha256, program, created (RFC 3339, UTC),
     -- namespace (of the keys on the bus), stage (backbone, sweep, finished, cancelled), settings (msgpack);
-    -- with the backbone: omega_low, omega_high, amplitude_bound (reach of branches), backbone_status, reach and
-    -- backbone (msgpack).
+    -- with the backbones: omega_low, omega_high, amplitude_bound (reach of branches), backbone_status (of the primary mode),
+    -- reach and backbone (msgpack).
     key TEXT NOT NULL PRIMARY KEY,
     value NOT NULL
 ) WITHOUT ROWID;
@@ -43,24 +43,41 @@ CREATE TABLE levels (
     value REAL NOT NULL
 );
 
--- Points of the backbone. Its arrays are in `arrays`, owner 'backbone'.
+-- Modes of the structure: which were followed, and why others were not.
+CREATE TABLE modes (
+    -- Mode, from 1.
+    mode INTEGER NOT NULL PRIMARY KEY,
+    -- Place among the modes followed: 0 for the primary one; NULL: it was not followed.
+    place INTEGER,
+    -- How its backbone ends, or why it was not followed, in words.
+    outcome TEXT NOT NULL,
+    -- The same, msgpack: of a mode followed its backbone without numbers.
+    record BLOB NOT NULL
+);
+
+-- Points of the backbones. Arrays of the primary mode's are in `arrays`, owner 'backbone'; of mode 2, owner 'backbone/2'.
 CREATE TABLE backbone (
+    -- Mode, from 1.
+    mode INTEGER NOT NULL,
     -- Number of the point, from 0.
-    i INTEGER NOT NULL PRIMARY KEY,
+    i INTEGER NOT NULL,
     -- Frequency.
     omega REAL,
     -- Decay rate, 1/s.
     zeta REAL,
     {columns of points},
-    {columns of the backbone}
-);
+    {columns of the backbone},
+    PRIMARY KEY (mode, i)
+) WITHOUT ROWID;
 
--- Windows: where along the backbone a level is predicted to have forced responses.
+-- Windows: where along a backbone a level is predicted to have forced responses.
 CREATE TABLE windows (
     -- Level.
     level INTEGER NOT NULL REFERENCES levels (level),
-    -- Number within the level, from 1, in the order of the backbone.
+    -- Number within the level, from 1: backbone by backbone, in their order.
     window INTEGER NOT NULL,
+    -- Mode of the backbone, from 1.
+    mode INTEGER NOT NULL,
     -- Lowest and highest frequency.
     omega_min REAL NOT NULL,
     omega_max REAL NOT NULL,
@@ -75,17 +92,20 @@ CREATE TABLE windows (
     PRIMARY KEY (level, window)
 ) WITHOUT ROWID;
 
--- Tasks: each continues one branch at most.
+-- Tasks: each continues one branch or one fold curve at most.
 CREATE TABLE tasks (
     -- Name.
     id TEXT NOT NULL PRIMARY KEY,
-    -- Level.
+    -- Level; of a 'fold' the one that its curve starts from.
     level INTEGER NOT NULL REFERENCES levels (level),
-    -- Turn within the level, from 0.
+    -- Turn within the level, from 0; of a 'fold' the turn among all folds.
     position INTEGER NOT NULL,
-    -- 'main' (from a frequency bound) or 'seed' (from a seed of a window).
+    -- 'main' (from a frequency bound), 'seed' (from a seed of a window), 'fold' (follows a fold of a branch over the
+    -- forcing) or 'crossing' (from where a fold curve crosses the level).
     kind TEXT NOT NULL,
-    -- Window the seed is from; NULL for 'main', as the next two.
+    -- What it follows from, of a 'fold' or a 'crossing': 'isola 1, fold 2' or 'fold curve 3'.
+    origin TEXT,
+    -- Window the seed is from; NULL unless 'seed', as the next two.
     window INTEGER,
     -- 'first' or 'second': which of the two phases.
     phase TEXT,
@@ -99,16 +119,16 @@ CREATE TABLE tasks (
     forgiven INTEGER NOT NULL DEFAULT 0,
     -- What became of it, in words; NULL unless done.
     outcome TEXT,
-    -- Whether it lies on a branch; NULL unless done.
+    -- Whether it lies on a branch or, of a 'fold', on a fold curve; NULL unless done.
     found INTEGER,
     -- That branch, 'main' or 'isola 1', …; NULL unless found.
     branch TEXT,
     -- What is to be done, msgpack.
     work BLOB NOT NULL,
     -- What became of it, msgpack.
-    record BLOB,
-    UNIQUE (level, position)
+    record BLOB
 );
+CREATE UNIQUE INDEX turns ON tasks (level, position) WHERE kind <> 'fold';
 
 -- Every time a task was handed out.
 CREATE TABLE attempts (
@@ -211,6 +231,43 @@ CREATE TABLE points (
     PRIMARY KEY (branch, i)
 ) WITHOUT ROWID;
 
+-- Fold curves: the turning points of branches, followed over the forcing amplitude. Their arrays are in the records of their
+-- results.
+CREATE TABLE curves (
+    -- Number, from 1.
+    number INTEGER NOT NULL PRIMARY KEY,
+    -- Task that found it.
+    task TEXT NOT NULL UNIQUE REFERENCES results (task),
+    -- 'fold'.
+    kind TEXT NOT NULL,
+    -- How it begins and ends, in words.
+    status TEXT NOT NULL,
+    -- Whether it is a closed curve, which does not repeat its first point.
+    closed INTEGER NOT NULL,
+    -- Whether it is known only in part: it stalled, or a budget ended it.
+    unfinished INTEGER NOT NULL,
+    -- Steps that were refused and repeated shorter.
+    rejections INTEGER NOT NULL
+);
+
+-- Points of fold curves, in the order of the arc.
+CREATE TABLE curve_points (
+    -- Curve.
+    curve INTEGER NOT NULL REFERENCES curves (number),
+    -- Number of the point, from 0.
+    i INTEGER NOT NULL,
+    -- Forcing amplitude at which a branch turns here.
+    forcing REAL,
+    -- Frequency.
+    omega REAL,
+    -- Amplitude of the first monitored dof.
+    amplitude REAL,
+    -- 'birth' (an isola appears as the forcing grows), 'death' (it vanishes), 'merge' (two branches become one) or 'cusp'
+    -- (two folds of a branch appear or vanish); NULL elsewhere.
+    event TEXT,
+    PRIMARY KEY (curve, i)
+) WITHOUT ROWID;
+
 -- Arrays of the model, of the backbone and of branches. p points, H harmonics; harmonics X_k are complex, axes
 -- (H + 1) x 2, the last one (re, im): x(t) = Re sum X_k exp(i k omega t).
 --   argument       p x channels x (H + 1) x 2: arguments of the laws (contact normals: predicted pressure, N; else m)
@@ -221,7 +278,7 @@ CREATE TABLE points (
 -- Columns of `points` and `backbone` that hold a number of their own are not repeated here, unless they cannot hold it
 -- (NaN, -0).
 CREATE TABLE arrays (
-    -- 'model', 'backbone' or the task of a branch.
+    -- 'model', 'backbone' (of a further mode 'backbone/2', …) or the task of a branch.
     owner TEXT NOT NULL,
     -- Name.
     name TEXT NOT NULL,

@@ -249,7 +249,8 @@ impl<'p, P: Problem> Continuation<'p, P> {
         let metric = self.problem.metric();
         let moved: Vec<f64> = point.y.iter().zip(&from.y).map(|(a, b)| a - b).collect();
         let cosine = inner(metric, &moved, &from.tangent) / norm(metric, &moved);
-        let is_off = cosine < self.settings.min_cosine;
+        // A step that does not move has no angle.
+        let is_off = cosine.is_nan() || cosine < self.settings.min_cosine;
         let turns = point.orientation != from.orientation;
         if !self.problem.are_neighbours(&from.y, &point.y) {
             return Err(Rejection::Distance);

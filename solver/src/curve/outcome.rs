@@ -25,6 +25,8 @@ pub enum Stop {
     Joined,
     /// Whoever drives it asked to stop.
     Cancelled,
+    /// It left the range of forcing amplitudes.
+    ForcingBound,
 }
 
 impl std::fmt::Display for Stop {
@@ -39,6 +41,7 @@ impl std::fmt::Display for Stop {
             Stop::Reversed => write!(f, "turned back along itself"),
             Stop::Joined => write!(f, "known branch"),
             Stop::Cancelled => write!(f, "cancelled"),
+            Stop::ForcingBound => write!(f, "forcing bound"),
         }
     }
 }

@@ -126,7 +126,8 @@ pub struct Walked<T> {
     pub rejections: usize,
 }
 
-/// Walks from a point near the curve the way of `direction` and, if the curve does not close, the other way as well.
+/// Walks from a point near the curve the way of `direction` and, if the curve does not close, the other way as well; `ending`
+/// is asked both ways.
 ///
 /// # Errors
 /// If the first point does not converge. What stops the walk later is part of the result.
@@ -137,9 +138,10 @@ pub fn walk_both<P: Problem, T: Evaluated<P>>(
     settings: &ContinuationSettings,
     bounds: &Bounds,
     observer: &mut Observer<'_, T>,
+    ending: &mut Ending<'_, P, T>,
 ) -> Result<Walked<T>, Failure> {
     let mut continuation = Continuation::start(problem, y, direction, *settings)?;
-    let (visited, stop) = walk(&mut continuation, bounds, observer, &mut |_, _| None);
+    let (visited, stop) = walk(&mut continuation, bounds, observer, ending);
     let mut rejections = continuation.rejections();
     if stop == Stop::Closed || stop == Stop::Cancelled {
         let outcome = if stop == Stop::Closed { Outcome::Closed } else { Outcome::Open(stop, stop) };
@@ -154,10 +156,14 @@ pub fn walk_both<P: Problem, T: Evaluated<P>>(
             return Ok(Walked { visited, start: 0, outcome, rejections });
         }
     };
-    let (backwards, other_stop) = walk(&mut continuation, bounds, observer, &mut |_, _| None);
+    let (backwards, other_stop) = walk(&mut continuation, bounds, observer, ending);
     rejections += continuation.rejections();
     if other_stop == Stop::Closed {
-        return Ok(Walked { visited: backwards, start: 0, outcome: Outcome::Closed, rejections });
+        if !matches!(stop, Stop::FrequencyBound | Stop::AmplitudeBound) {
+            return Ok(Walked { visited: backwards, start: 0, outcome: Outcome::Closed, rejections });
+        }
+        // What leaves through a bound is no loop: the way back was left for one.
+        return Ok(Walked { visited, start: 0, outcome: Outcome::Open(Stop::Reversed, stop), rejections });
     }
     let start = backwards.len() - 1;
     Ok(Walked { visited: join(backwards, visited), start, outcome: Outcome::Open(other_stop, stop), rejections })

@@ -7,9 +7,11 @@ use serde::de::DeserializeOwned;
 use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 
-/// Ways to give the damping: one of them replaces the others that stand in files below.
-const DAMPING: [&[&str]; 3] =
-    [&["damping.ratios", "damping.default_ratio"], &["damping.rayleigh"], &["matrices.damping"]];
+/// Ways to give the same thing: one of them replaces the others that stand in files below.
+const WAYS: [&[&[&str]]; 2] = [
+    &[&["damping.ratios", "damping.default_ratio"], &["damping.rayleigh"], &["matrices.damping"]],
+    &[&["backbone.modes"], &["backbone.mode"]],
+];
 
 /// Who set a key.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -156,10 +158,11 @@ impl Layers {
         self.set.iter().rev().find(|(set, _)| related(set)).map(|(_, source)| source)
     }
 
-    /// Removes what files say about the damping if `key` gives it in another way.
+    /// Removes what files say about something if `key` gives it in another way.
     fn supersede(&mut self, key: &str) {
-        let Some(way) = DAMPING.iter().position(|keys| keys.iter().any(|k| below(key, k))) else { return };
-        for other in DAMPING.iter().enumerate().filter(|(i, _)| *i != way).flat_map(|(_, keys)| *keys) {
+        let gives = |keys: &[&str]| keys.iter().any(|k| below(key, k));
+        let Some(ways) = WAYS.into_iter().find(|ways| ways.iter().any(|keys| gives(keys))) else { return };
+        for other in ways.iter().filter(|keys| !gives(keys)).flat_map(|keys| *keys) {
             if let Some((section, entry)) = other.split_once('.')
                 && matches!(self.source(other), Some(Source::File(_)))
                 && let Some(Value::Table(section)) = self.table.get_mut(section)
@@ -312,6 +315,18 @@ mod tests {
         let taken = layers.split(|key| key == "s");
         assert_eq!(taken.table(), parse("c", "s = {kept = 1, shape = {constant = 2}}").table());
         assert!(taken.given("s.kept") && !layers.given("s") && layers.given("x"));
+    }
+
+    #[test]
+    fn modes_that_are_typed_replace_those_of_a_file() {
+        for (written, typed, expected) in
+            [("mode = 2", "backbone.modes", "modes = [1]"), ("modes = [2, 3]", "backbone.mode", "mode = [1]")]
+        {
+            let mut layers = parse("study.toml", &format!("[backbone]\n{written}\nmax_points = 9"));
+            layers.set("--set", typed, "[1]").unwrap();
+            let expected = format!("[backbone]\nmax_points = 9\n{expected}");
+            assert_eq!(layers.table(), parse("x", &expected).table());
+        }
     }
 
     #[test]

@@ -41,8 +41,20 @@ pub enum FormulationError {
     #[error("the model has no nonlinear element; its response is linear")]
     Linear,
     /// This form knows forced responses at fixed A or ω, and damped modes.
-    #[error("the displacement form has no conservative or phase-resonance backbone; use the pressure form")]
+    #[error(
+        "the displacement form has no conservative or phase-resonance backbone, and no fold or peak curve; use the pressure \
+         form"
+    )]
     Unsupported,
+    /// Fold and peak curves need second derivatives that some laws do not have.
+    #[error(
+        "fold and peak curves need second derivatives, which {} do not have: laws with memory have none, unilateral laws only \
+         by arcs (harmonics.quadrature = arcs)", names.join(", ")
+    )]
+    Rough {
+        /// Names of the elements.
+        names: Vec<String>,
+    },
     /// The eigenvalue problem behind the left inverse did not converge.
     #[error("the directions of the contacts could not be separated")]
     NoConvergence,

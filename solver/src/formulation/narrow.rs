@@ -67,7 +67,8 @@ pub(super) fn longest_step(
 /// How far the frequency may change, rad/s.
 fn distance_allowed(system: &System<'_>, modal: &[f64], omega: f64) -> f64 {
     let (model, nc) = (system.model, width(system.harmonics));
-    let size = dot(modal, modal).sqrt();
+    // Without means, as everywhere here: a preload says nothing of resonances.
+    let size = modal.chunks(nc).map(|series| dot(&series[1..], &series[1..])).sum::<f64>().sqrt();
     let mut allowed = f64::INFINITY;
     for (j, series) in modal.chunks(nc).enumerate() {
         let (omega_j, damping) = (model.modes().frequencies[j], model.damping().diagonal(j).abs());

@@ -3,6 +3,7 @@
 use crate::formulation::scales::Scales;
 use crate::formulation::state::{Parameters, State};
 use rustfft::num_complex::Complex64;
+use serde::{Deserialize, Serialize};
 
 /// Which parameters are unknown beside the harmonics.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -24,6 +25,33 @@ pub enum Unknown {
     },
     /// Forced response in quadrature with the forcing, Re(X_m·s) = 0, ω and A free.
     PhaseResonance,
+    /// Forced response where a quantity has an extremum along the branch at fixed A, ω and A free: the curve of the folds,
+    /// or of the peaks, of all levels.
+    Extremum(Quantity),
+}
+
+/// What has an extremum along a branch of forced responses.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Quantity {
+    /// ω: folds, where ∂R/∂x is singular.
+    Frequency,
+    /// Displacement of the first monitored dof at the instant of a largest |x| (by the envelope theorem its maximum over the
+    /// period has the same gradient): peaks.
+    Amplitude,
+    /// Root mean square of the displacement of the first monitored dof: peaks a little beside those of the amplitude, but
+    /// smooth everywhere, where the largest |x| may move to another instant. At births and merges all extrema coincide.
+    Rms,
+}
+
+impl Quantity {
+    /// Name of its extrema.
+    pub const fn extremum(self) -> &'static str {
+        match self {
+            Self::Frequency => "fold",
+            Self::Amplitude | Self::Rms => "peak",
+        }
+    }
 }
 
 impl Unknown {
@@ -33,7 +61,7 @@ impl Unknown {
             Unknown::Frequency { .. } => &[Parameter::Frequency],
             Unknown::Forcing { .. } => &[Parameter::Forcing],
             Unknown::Mode { .. } => &[Parameter::Frequency, Parameter::Decay],
-            Unknown::PhaseResonance => &[Parameter::Frequency, Parameter::Forcing],
+            Unknown::PhaseResonance | Unknown::Extremum(_) => &[Parameter::Frequency, Parameter::Forcing],
         }
     }
 
@@ -53,7 +81,7 @@ impl Unknown {
         match self {
             Unknown::Frequency { forcing } => Parameters { forcing, ..rest },
             Unknown::Forcing { omega } => Parameters { omega, ..rest },
-            Unknown::Mode { .. } | Unknown::PhaseResonance => rest,
+            Unknown::Mode { .. } | Unknown::PhaseResonance | Unknown::Extremum(_) => rest,
         }
     }
 

@@ -3,7 +3,7 @@
 use crate::response::branch::BranchKind;
 use crate::response::name::BranchId;
 use crate::response::seeds::{Phase, Way};
-use crate::response::task::{Brought, SeedOutcome, SeedPlace, Task};
+use crate::response::task::{Brought, CrossingPlace, SeedOutcome, SeedPlace, Task};
 use crate::response::windows::Window;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -26,8 +26,8 @@ pub struct SeedAccount {
 pub struct WindowAccount {
     /// The window.
     pub window: Window,
-    /// The seeds tried: both phases for every minimum of A* in the window; if none of them leads to a branch, the same by
-    /// steps in the forcing.
+    /// The seeds tried: both phases for every minimum of A* in the window; each that does not lead to a branch again by steps
+    /// in the forcing.
     pub seeds: Vec<SeedAccount>,
 }
 
@@ -53,6 +53,8 @@ pub struct Account {
     pub mains: Vec<SeedOutcome>,
     /// Every window with its seeds.
     pub windows: Vec<WindowAccount>,
+    /// What became of the crossings of fold curves.
+    pub crossings: Vec<(CrossingPlace, SeedOutcome)>,
     /// Number of branches of each kind.
     pub counts: BTreeMap<BranchKind, usize>,
 }
@@ -61,7 +63,7 @@ impl Account {
     /// Nothing tried yet.
     pub fn new(windows: Vec<Window>) -> Self {
         let windows = windows.into_iter().map(|window| WindowAccount { window, seeds: Vec::new() }).collect();
-        Self { mains: Vec::new(), windows, counts: BTreeMap::new() }
+        Self { mains: Vec::new(), windows, crossings: Vec::new(), counts: BTreeMap::new() }
     }
 
     /// Whether there is a main branch.
@@ -72,8 +74,13 @@ impl Account {
     /// Whether a task is still of use: stepping in the forcing is not where fixed frequencies have led to a branch, and no
     /// seed is without a main branch to tell isolas from.
     pub fn needs(&self, task: &Task) -> bool {
-        let Task::Seed(SeedPlace { window, well, phase, way }) = task else { return true };
-        if !self.has_main() && !self.mains.is_empty() {
+        let is_without_main = !self.has_main() && !self.mains.is_empty();
+        let SeedPlace { window, well, phase, way } = match task {
+            Task::Main(_) | Task::Fold(_) => return true,
+            Task::Crossing(_) => return !is_without_main,
+            Task::Seed(place) => place,
+        };
+        if is_without_main {
             return false;
         }
         let found = |seed: &SeedAccount| {
@@ -83,12 +90,17 @@ impl Account {
         *way == Way::FixedFrequency || !self.windows[*window].seeds.iter().any(found)
     }
 
-    /// Takes down what a task brought; returns what became of it, with a new branch named.
-    pub fn record(&mut self, task: &Task, brought: Brought) -> SeedOutcome {
-        let outcome = match brought {
-            Brought::Branch(kind) => SeedOutcome::Found(BranchId::new(kind, self.count(kind))),
-            Brought::Nothing(outcome) => outcome,
-        };
+    /// What becomes of a task of the level that brought this, a new branch with its name; `None` if it is no branch.
+    pub fn outcome(&self, brought: &Brought) -> Option<SeedOutcome> {
+        match brought {
+            Brought::Branch { kind, .. } => Some(SeedOutcome::Found(BranchId::new(*kind, self.count(*kind)))),
+            Brought::Nothing(outcome) => Some(*outcome),
+            Brought::Curve(_) => None,
+        }
+    }
+
+    /// Takes down what became of a task of the level.
+    pub fn record(&mut self, task: &Task, outcome: SeedOutcome) {
         // A name that was given before counts as well: the account may be of a run that goes on.
         if let SeedOutcome::Found(BranchId { kind, number }) = outcome {
             let count = self.counts.entry(kind).or_default();
@@ -99,8 +111,9 @@ impl Account {
             Task::Seed(SeedPlace { window, well, phase, way }) => {
                 self.windows[*window].seeds.push(SeedAccount { minimum: well.best, phase: *phase, way: *way, outcome });
             }
+            Task::Crossing(place) => self.crossings.push((*place, outcome)),
+            Task::Fold(_) => {}
         }
-        outcome
     }
 
     /// Number of branches of a kind.
@@ -116,24 +129,29 @@ mod tests {
 
     #[test]
     fn numbers_count_by_kind_and_seeds_need_a_main_branch() {
-        let well = Window { first: 3, last: 9, best: 5, threshold: 0.5, omega: (1.0, 2.0) };
+        let well = Window { mode: 0, first: 3, last: 9, best: 5, threshold: 0.5, omega: (1.0, 2.0) };
         let place = SeedPlace { window: 0, well, phase: Phase::Second, way: Way::FixedFrequency };
         let mut account = Account::new(vec![place.well]);
         let (below, above) = (Task::Main(Side::Below), Task::Main(Side::Above));
-        let failed = Brought::Nothing(SeedOutcome::OutOfBounds);
-        account.record(&below, failed);
+        account.record(&below, SeedOutcome::OutOfBounds);
         assert!(!account.needs(&Task::Seed(place)) && account.needs(&above));
         let found = |kind, number| SeedOutcome::Found(BranchId::new(kind, number));
-        assert_eq!(account.record(&above, Brought::Branch(BranchKind::Main)), found(BranchKind::Main, 0));
+        let record = |account: &mut Account, task: &Task, kind| {
+            let outcome = account.outcome(&Brought::branch(kind)).unwrap();
+            account.record(task, outcome);
+            outcome
+        };
+        assert_eq!(record(&mut account, &above, BranchKind::Main), found(BranchKind::Main, 0));
         let work = Task::Seed(place);
         assert!(account.needs(&work));
         for (kind, number) in
             [(BranchKind::Isola, 0), (BranchKind::Cut, 0), (BranchKind::Isola, 1), (BranchKind::Main, 1)]
         {
-            assert_eq!(account.record(&work, Brought::Branch(kind)), found(kind, number));
+            assert_eq!(record(&mut account, &work, kind), found(kind, number));
         }
         // Of a run that goes on.
-        account.record(&work, Brought::Nothing(found(BranchKind::Open, 2)));
-        assert_eq!(account.record(&work, Brought::Branch(BranchKind::Open)), found(BranchKind::Open, 3));
+        account.record(&work, found(BranchKind::Open, 2));
+        assert_eq!(record(&mut account, &work, BranchKind::Open), found(BranchKind::Open, 3));
+        assert_eq!(account.outcome(&Brought::Curve([1.0].into())), None);
     }
 }

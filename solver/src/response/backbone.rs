@@ -123,8 +123,16 @@ fn bounds(settings: &Settings, scales: &Scales) -> Bounds {
     }
 }
 
+/// One backbone where several may be.
+impl AsRef<[Backbone]> for Backbone {
+    fn as_ref(&self) -> &[Backbone] {
+        std::slice::from_ref(self)
+    }
+}
+
 impl Backbone {
-    /// Computes the backbone of `settings.backbone.mode`.
+    /// Computes the backbone of the primary mode, the first one of `settings.backbone.modes`; those of all modes:
+    /// [`crate::response::modes::Backbones`].
     ///
     /// # Errors
     /// If a setting is out of range, or the first point does not converge. What stops the curve later is part of the result.
@@ -144,7 +152,7 @@ impl Backbone {
         Self::compute_in::<PressureForm<'_>>(model, settings, observer)
     }
 
-    /// Computes the backbone of `settings.backbone.mode` in any formulation, telling `observer` of every point.
+    /// Computes the backbone of the primary mode in any formulation, telling `observer` of every point.
     ///
     /// # Errors
     /// Those of [`Backbone::compute`], and if the formulation does not have this backbone.
@@ -199,8 +207,9 @@ impl Backbone {
         let y = problem.encode(near);
         let direction = problem.growth(&y);
         let bounds = Bounds { closes: true, ..bounds(settings, problem.scales()) };
-        let walked = walk_both(&mut problem, y, &direction, &settings.continuation, &bounds, observer)
-            .map_err(|failure| BackboneError::Resonance { omega: near.omega, failure })?;
+        let walked =
+            walk_both(&mut problem, y, &direction, &settings.continuation, &bounds, observer, &mut |_, _| None)
+                .map_err(|failure| BackboneError::Resonance { omega: near.omega, failure })?;
         let first = walked.visited[walked.start].curve.clone();
         let mut continuation = Continuation::start(&mut problem, first.y, &first.tangent, settings.continuation)
             .map_err(|failure| BackboneError::Resonance { omega: near.omega, failure })?;

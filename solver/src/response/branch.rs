@@ -8,6 +8,7 @@ use crate::formulation::state::State;
 pub use crate::response::certificate::{Certificate, Standing};
 use crate::response::columns::{self, Row};
 use serde::{Deserialize, Serialize};
+use std::ops::Range;
 
 /// A periodic solution on a branch or on the backbone.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -210,6 +211,17 @@ impl Branch {
     /// Whether its amplitude is that of a maximum, or only as far as the branch is known.
     pub fn peak_standing(&self) -> Standing {
         Standing::of_peak(&self.outcome, self.peak_index(), self.points.len())
+    }
+
+    /// Keeps these points only; the peak is the highest of them.
+    pub(super) fn keep(&mut self, kept: Range<usize>) {
+        self.points.truncate(kept.end);
+        self.points.drain(..kept.start);
+        self.special.retain(|special| special.kind != SpecialKind::Peak && kept.contains(&special.index));
+        self.special.iter_mut().for_each(|special| special.index -= kept.start);
+        let index = self.peak_index();
+        self.special.push(SpecialPoint { kind: SpecialKind::Peak, index });
+        self.special.sort_by_key(|special| special.index);
     }
 
     fn peak_index(&self) -> usize {

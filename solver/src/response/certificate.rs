@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Standing {
-    /// It is a maximum of a curve that is known from end to end.
+    /// It is a maximum of a curve that is known from end to end, within the bounds that were given.
     At,
     /// It is only as far as the curve is known: the response may be larger.
     AtLeast,
@@ -39,7 +39,7 @@ impl Standing {
 fn goes_on_higher(stop: &Stop) -> bool {
     match stop {
         Stop::AmplitudeBound => true,
-        Stop::Start | Stop::Closed | Stop::FrequencyBound | Stop::Joined => false,
+        Stop::Start | Stop::Closed | Stop::FrequencyBound | Stop::ForcingBound | Stop::Joined => false,
         Stop::PointBudget | Stop::Stalled(_) | Stop::Reversed | Stop::Cancelled => true,
     }
 }

@@ -13,59 +13,14 @@ use crate::formulation::scales::Scales;
 use crate::formulation::state::State;
 use crate::formulation::unknown::Unknown;
 use crate::formulation::{Formulation, FormulationError};
-use crate::response::backbone::Backbone;
 use crate::response::branch::{Branch, BranchKind, BranchPoint, Certificate, Observer, Outcome, Side, Stop, Visited};
+use crate::response::folds::{Critical, CriticalError, Extent, Quantity};
 use crate::response::forcing::{Unreached, from_rest};
+pub use crate::response::reach::Reach;
 use crate::response::special::with_special_points;
 use crate::response::truncation::certificate;
-use crate::settings::{Settings, SettingsError};
+use crate::settings::Settings;
 use crate::structure::Model;
-use serde::{Deserialize, Serialize};
-
-/// Within which frequencies and amplitudes branches are followed: settings, completed by the backbone.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Reach {
-    /// Lowest and highest frequency of the study, rad/s.
-    pub frequency: (f64, f64),
-    /// Amplitude of the first monitored dof up to which responses are expected, m; a bound only if the settings give one.
-    pub amplitude: f64,
-    /// Lowest and highest frequency that the backbone suggests, rad/s: 10 % beyond its own.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub natural: Option<(f64, f64)>,
-}
-
-impl Reach {
-    /// As set; where nothing is set, 10 % beyond the backbone's frequencies and three times its largest amplitude.
-    ///
-    /// # Errors
-    /// If a bound that is set lies on the wrong side of one that the backbone gives.
-    pub fn new(settings: &Settings, backbone: &Backbone) -> Result<Self, SettingsError> {
-        let (low, high) = backbone.frequency_range();
-        // Nobody knows where a backbone that ends early would have gone.
-        let end = match settings.backbone.max_frequency {
-            _ if !backbone.outcome.is_unfinished() => high,
-            Some(bound) => bound,
-            None => high.max(FAR * low),
-        };
-        let natural = (0.9 * low, 1.1 * end);
-        let (low, high) = (settings.frequency.min.unwrap_or(natural.0), settings.frequency.max.unwrap_or(natural.1));
-        if low >= high {
-            let remedy = format!("the lower frequency bound is {low}: use a higher one");
-            return Err(SettingsError { key: "frequency.max", value: high.to_string(), remedy });
-        }
-        let amplitude = settings.branch.max_amplitude.unwrap_or(3.0 * backbone.max_amplitude());
-        Ok(Self { frequency: (low, high), amplitude, natural: Some(natural) })
-    }
-
-    /// Frequencies that main branches are walked through even if their response is linear at the study's bounds.
-    fn swept(&self) -> (f64, f64) {
-        let (low, high) = self.natural.unwrap_or(self.frequency);
-        (low.min(self.frequency.0), high.max(self.frequency.1))
-    }
-}
-
-/// Where a backbone ends early, main branches are walked up to this multiple of its lowest frequency.
-const FAR: f64 = 4.0;
 
 /// Beyond the frequencies swept, branches are followed down to a tenth of the lowest and up to ten times the highest.
 const WIDEST: (f64, f64) = (0.1, 10.0);
@@ -231,12 +186,16 @@ impl<'m, F: Formulation<'m>> Forced<'m, F> {
     /// If the state does not converge again.
     pub fn branch_through(&mut self, state: &State, observer: &mut Observer<'_>) -> Result<Branch, Failure> {
         let y = self.problem.encode(state);
-        let upwards = self.problem.parameter_row();
+        let (upwards, growth) = (self.problem.parameter_row(), self.problem.growth(&y));
         let (widest, study) = (self.widest(), self.reach.frequency);
         let low = if self.settings.frequency.min.is_some() { study.0 } else { widest.0 };
         let high = if self.settings.frequency.max.is_some() { study.1 } else { widest.1 };
         let (bounds, settings) = (self.bounds((low, high), true), self.settings.continuation);
-        let walked = walk_both(&mut self.problem, y, &upwards, &settings, &bounds, observer)?;
+        let mut walk = |direction: &[f64]| {
+            walk_both(&mut self.problem, y.clone(), direction, &settings, &bounds, observer, &mut |_, _| None)
+        };
+        // At a fold the branch turns back in frequency.
+        let walked = walk(&upwards).or_else(|_| walk(&growth))?;
         let kind = BranchKind::of_detached(&walked.outcome, self.is_cut(&walked));
         Ok(self.finish(walked, kind))
     }
@@ -259,6 +218,16 @@ impl<'m, F: Formulation<'m>> Forced<'m, F> {
     /// Computes what the certificate of a branch says: how much its truncation to H harmonics leaves open.
     pub fn certify(&self, branch: &mut Branch, observer: &mut Observer<'_>) {
         branch.certificate = certificate::<F>(self.model, &self.settings, branch, observer);
+    }
+
+    /// Follows the folds of branches over the forcing amplitude.
+    ///
+    /// # Errors
+    /// If a law has no second derivatives.
+    pub fn folds(&self) -> Result<Critical<'m>, CriticalError> {
+        let forcing = self.reach.forcing_around(self.forcing);
+        let extent = Extent { forcing, frequency: self.widest(), points: self.settings.branch.max_points };
+        Critical::new(self.model, &self.settings, Quantity::Frequency, extent)
     }
 
     /// Forced responses of a branch close to quadrature with the forcing, Re(X_m·s) = 0: the resonances.
@@ -299,10 +268,10 @@ impl<'m, F: Formulation<'m>> Forced<'m, F> {
         distance(&self.problem, a, b)
     }
 
-    /// Relative distance ‖a − b‖/‖b‖ of two motions whatever their phases: aligned by the first harmonic of the mode
-    /// followed.
-    pub fn motion_distance(&self, a: &State, b: &State) -> f64 {
-        let phase = |state: &State| complex(state.mode(self.settings.tracked()), 1).arg();
+    /// Relative distance ‖a − b‖/‖b‖ of two motions whatever their phases: aligned by the first harmonic of mode `mode`
+    /// (from 0), the one that the motions are of.
+    pub fn motion_distance(&self, a: &State, b: &State, mode: usize) -> f64 {
+        let phase = |state: &State| complex(state.mode(mode), 1).arg();
         let aligned = a.shifted(phase(b) - phase(a));
         relative_distance(self.problem.motion_metric(), &self.problem.encode(&aligned), &self.problem.encode(b))
     }

@@ -7,7 +7,8 @@ use crate::response::forced::{Forced, Reach};
 use crate::response::forcing::Unreached;
 pub use crate::response::name::BranchId;
 pub use crate::response::task::SeedOutcome;
-use crate::response::task::{Brought, Finding, Task, carry_out, plan};
+use crate::response::task::{Finding, Task, plan};
+use crate::response::trace::{Given, carry_out};
 use crate::settings::{Settings, SettingsError};
 use crate::structure::Model;
 use serde::{Deserialize, Serialize};
@@ -23,6 +24,9 @@ pub enum LevelError {
     /// The forcing amplitude is not a positive number.
     #[error("forcing amplitude {0}: use a finite number above zero")]
     Forcing(f64),
+    /// There is no backbone to start from.
+    #[error("no backbone: give that of the primary mode, at least")]
+    NoBackbone,
     /// Whoever observes asked to stop.
     #[error("cancelled")]
     Cancelled,
@@ -53,13 +57,18 @@ pub struct Level {
 }
 
 impl Level {
-    /// Computes a whole level from the backbone.
+    /// Computes a whole level from one backbone or from several, each of a mode of its own, the primary mode's first.
     ///
     /// # Errors
     /// If a setting or the amplitude is out of range, or no main branch can be started from either side; everything else is
     /// part of the result.
-    pub fn compute(model: &Model, settings: &Settings, backbone: &Backbone, forcing: f64) -> Result<Self, LevelError> {
-        Self::compute_with(model, settings, backbone, forcing, &mut |_| ControlFlow::Continue(()))
+    pub fn compute(
+        model: &Model,
+        settings: &Settings,
+        backbones: &(impl AsRef<[Backbone]> + ?Sized),
+        forcing: f64,
+    ) -> Result<Self, LevelError> {
+        Self::compute_with(model, settings, backbones, forcing, &mut |_| ControlFlow::Continue(()))
     }
 
     /// The same, telling `observer` of every point.
@@ -69,7 +78,7 @@ impl Level {
     pub fn compute_with(
         model: &Model,
         settings: &Settings,
-        backbone: &Backbone,
+        backbones: &(impl AsRef<[Backbone]> + ?Sized),
         forcing: f64,
         observer: &mut Observer<'_>,
     ) -> Result<Self, LevelError> {
@@ -77,8 +86,9 @@ impl Level {
         if !(forcing > 0.0 && forcing.is_finite()) {
             return Err(LevelError::Forcing(forcing));
         }
-        let mut forced = Forced::new(model, settings, Reach::new(settings, backbone)?, forcing);
-        let (windows, tasks) = plan(backbone, forcing);
+        let (primary, further) = backbones.as_ref().split_first().ok_or(LevelError::NoBackbone)?;
+        let mut forced = Forced::new(model, settings, Reach::over(settings, primary, further, forcing)?, forcing);
+        let (windows, tasks) = plan(backbones, forcing);
         let mut account = Account::new(windows);
         let mut branches: Vec<(BranchId, Branch)> = Vec::new();
         let mut failed = None;
@@ -86,16 +96,18 @@ impl Level {
             if !account.needs(&task) {
                 continue;
             }
-            let seeds = task.seeds(forced.modal(), backbone, forcing);
+            let seeds = task.seeds(forced.modal(), backbones, forcing);
             let known: Vec<(BranchId, &Branch)> = branches.iter().map(|(id, branch)| (*id, branch)).collect();
-            let finding = carry_out(&mut forced, &task, &seeds, &known, observer).ok_or(LevelError::Cancelled)?;
-            if let (Task::Main(_), Brought::Nothing(SeedOutcome::NotTraced(failure))) = (task, finding.brought()) {
-                failed.get_or_insert(failure);
-            }
-            if let (SeedOutcome::Found(id), Finding::Branch(branch)) =
-                (account.record(&task, finding.brought()), finding)
-            {
-                branches.push((id, branch));
+            let given = Given { seeds: &seeds, known: &known, curves: &[] };
+            let finding = carry_out(&mut forced, &task, &given, observer).ok_or(LevelError::Cancelled)?;
+            let Some(outcome) = account.outcome(&finding.brought()) else { continue };
+            account.record(&task, outcome);
+            match (outcome, finding) {
+                (SeedOutcome::Found(id), Finding::Branch(branch)) => branches.push((id, branch)),
+                (SeedOutcome::NotTraced(failure), _) if matches!(task, Task::Main(_)) => {
+                    failed.get_or_insert(failure);
+                }
+                _ => {}
             }
         }
         match failed {

@@ -131,28 +131,41 @@ pub fn candidates(
     }
 }
 
-/// Lands on a forced response from a seed.
+/// Lands on a forced response from a seed of the backbone of mode `mode` (from 0).
 ///
 /// # Errors
 /// If it does not converge.
-pub fn land<'m, F: Formulation<'m>>(forced: &mut Forced<'m, F>, seed: &Seed, way: Way) -> Result<Landing, Unreached> {
+pub fn land<'m, F: Formulation<'m>>(
+    forced: &mut Forced<'m, F>,
+    seed: &Seed,
+    way: Way,
+    mode: usize,
+) -> Result<Landing, Unreached> {
     match way {
-        Way::FixedFrequency => land_at_frequency(forced, seed),
-        Way::SteppedForcing => land_by_forcing(forced, seed),
+        Way::FixedFrequency => land_at_frequency(forced, seed, mode),
+        Way::SteppedForcing => land_by_forcing(forced, seed, mode),
     }
 }
 
-fn land_at_frequency<'m, F: Formulation<'m>>(forced: &mut Forced<'m, F>, seed: &Seed) -> Result<Landing, Unreached> {
+fn land_at_frequency<'m, F: Formulation<'m>>(
+    forced: &mut Forced<'m, F>,
+    seed: &Seed,
+    mode: usize,
+) -> Result<Landing, Unreached> {
     let state = forced.converge(&seed.state)?;
-    let distance = forced.motion_distance(&state, &seed.state);
+    let distance = forced.motion_distance(&state, &seed.state, mode);
     Ok(Landing { state, distance })
 }
 
-fn land_by_forcing<'m, F: Formulation<'m>>(forced: &mut Forced<'m, F>, seed: &Seed) -> Result<Landing, Unreached> {
+fn land_by_forcing<'m, F: Formulation<'m>>(
+    forced: &mut Forced<'m, F>,
+    seed: &Seed,
+    mode: usize,
+) -> Result<Landing, Unreached> {
     let mut best: Result<Landing, Unreached> = Err(Unreached::OutOfReach);
     for state in through_motion::<F>(forced.model(), forced.settings(), forced.forcing(), &seed.state)? {
         let Ok(landed) = forced.converge(&state) else { continue };
-        let distance = forced.motion_distance(&landed, &seed.state);
+        let distance = forced.motion_distance(&landed, &seed.state, mode);
         if best.as_ref().is_ok_and(|best| best.distance <= distance) {
             continue;
         }

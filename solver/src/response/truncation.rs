@@ -1,7 +1,8 @@
 //! What the harmonics that were left out would change: penetration, pressure beyond H, and the peak with twice the harmonics.
 
-use crate::curve::continuation::{Continuation, CurvePoint};
+use crate::curve::continuation::{Continuation, ContinuationSettings, CurvePoint};
 use crate::curve::extrema::locate_maximum;
+use crate::curve::problem::norm;
 use crate::curve::walk::{Evaluated, Visited};
 use crate::formulation::Formulation;
 use crate::formulation::harmonics::{Transform, width};
@@ -139,7 +140,10 @@ fn climb<'m, F: Formulation<'m>>(
 ) -> Option<BranchPoint> {
     for (from, to) in [(&before, &after), (&after, &before)] {
         let direction: Vec<f64> = to.iter().zip(from).map(|(to, from)| to - from).collect();
-        let mut continuation = Continuation::start(problem, from.clone(), &direction, settings.continuation).ok()?;
+        // The peak lies between the two: no step may pass over it.
+        let initial_step = settings.continuation.initial_step.min(0.25 * norm(problem.metric(), &direction));
+        let steps = ContinuationSettings { initial_step, ..settings.continuation };
+        let Ok(mut continuation) = Continuation::start(problem, from.clone(), &direction, steps) else { continue };
         let first = continuation.current().clone();
         let mut visited = vec![evaluated(&mut continuation, first)];
         for _ in 0..STEPS {

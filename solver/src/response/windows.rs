@@ -7,6 +7,9 @@ use serde::{Deserialize, Serialize};
 /// A maximal arc of the backbone with threshold A* < A.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Window {
+    /// Mode of its backbone, from 0. Mode 0 is not written: results of before, which knew one backbone, keep their bytes.
+    #[serde(default, skip_serializing_if = "is_first")]
+    pub mode: usize,
     /// Index of the first backbone point inside.
     pub first: usize,
     /// Index of the last backbone point inside.
@@ -17,6 +20,10 @@ pub struct Window {
     pub threshold: f64,
     /// Lowest and highest frequency inside, rad/s.
     pub omega: (f64, f64),
+}
+
+fn is_first(mode: &usize) -> bool {
+    *mode == 0
 }
 
 /// Windows at forcing amplitude `forcing`, in the order of the backbone.
@@ -66,7 +73,8 @@ impl Window {
             range.clone().min_by(|&a, &b| backbone.points[a].threshold().total_cmp(&backbone.points[b].threshold()))?;
         let omegas = range.map(|i| backbone.points[i].point.omega());
         let omega = omegas.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), w| (low.min(w), high.max(w)));
-        Some(Window { first, last, best, threshold: backbone.points[best].threshold(), omega })
+        let mode = backbone.mode;
+        Some(Window { mode, first, last, best, threshold: backbone.points[best].threshold(), omega })
     }
 }
 

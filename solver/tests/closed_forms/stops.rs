@@ -35,7 +35,7 @@ fn a_mass_bouncing_on_a_rigid_stop() {
         let model = load(name);
         let curves = [5, 10, 20, 40, 80].map(|count| {
             let mut settings = conservative(count);
-            settings.backbone.mode = mode;
+            settings.backbone.modes = solver::ModeChoice::one(mode);
             backbone(&model, &settings)
         });
         for amplitude in [1.5 * gap, 2.0 * gap, 4.0 * gap] {
@@ -67,7 +67,7 @@ fn contact_between_two_bodies_is_that_of_one_body_before_a_stop() {
     let branch = Forced::new(&one, &settings, Reach::new(&settings, &reference).unwrap(), 0.005)
         .main_branch(Side::Below, &mut quiet)
         .unwrap();
-    settings.backbone.mode = 2;
+    settings.backbone.modes = solver::ModeChoice::one(2);
     let mut forced = Forced::new(&two, &settings, Reach::new(&settings, &reference).unwrap(), 0.005);
     // The forcing shape M φ_2 follows the sign of φ_2 = ±(1, −1)/√2, and so does q.
     let sign = two.modes().shapes[(0, 1)].signum();

@@ -35,7 +35,7 @@ fn solutions(scenario: &Scenario, branch: &Branch, omega: f64) -> Vec<State> {
             let between = State { omega, ..pair[0].interpolate(pair[1], share) };
             let state = forced.converge(&between).unwrap();
             // Chords of a curve walked in steps of up to a tenth of a gap; other solutions are farther away than this.
-            let moved = forced.motion_distance(&state, &between);
+            let moved = forced.motion_distance(&state, &between, 0);
             assert!(moved < 0.1, "the solution at {omega} rad/s is {moved} away from the branch");
             state
         })

@@ -4,7 +4,7 @@ use solver::files;
 pub use solver::response::branch::BranchKind as Kind;
 use solver::response::branch::{Outcome, Stop};
 use solver::response::level::{BranchId, LevelError};
-use solver::{Backbone, Branch, Level, Model, Settings};
+use solver::{Backbone, Backbones, Branch, Level, Model, Settings};
 use std::path::Path;
 
 /// A shipped model, with some settings replaced.
@@ -52,18 +52,25 @@ impl std::fmt::Debug for Listed {
 pub struct Study {
     pub model: Model,
     pub settings: Settings,
-    pub backbone: Backbone,
+    pub backbones: Vec<Backbone>,
 }
 
 impl Study {
+    /// With the backbone of the primary mode alone.
     pub fn new(model: Model, settings: Settings) -> Self {
         let backbone = Backbone::compute(&model, &settings).unwrap_or_else(|error| panic!("{error}"));
-        Self { model, settings, backbone }
+        Self { model, settings, backbones: vec![backbone] }
+    }
+
+    /// With the backbones of all modes that the settings choose.
+    pub fn of_modes(model: Model, settings: Settings) -> Self {
+        let backbones = Backbones::compute(&model, &settings).unwrap_or_else(|error| panic!("{error}"));
+        Self { model, settings, backbones: backbones.list }
     }
 
     /// The branches at a forcing amplitude.
     pub fn try_level(&self, forcing: f64) -> Result<Vec<Listed>, LevelError> {
-        let level = Level::compute(&self.model, &self.settings, &self.backbone, forcing)?;
+        let level = Level::compute(&self.model, &self.settings, &self.backbones, forcing)?;
         let list =
             |(id, branch): (BranchId, &Branch)| Listed { kind: id.kind, name: id.to_string(), branch: branch.clone() };
         Ok(level.branches().map(list).collect())

@@ -94,14 +94,14 @@ async fn another_version_of_the_messages() {
     fake.change(|manifest| manifest.protocol = 7);
     let (code, message) = refusal(&fake.options(&[])).await;
     assert_eq!(code, 3);
-    assert_says(&message, &[&fake.endpoint, "version 7", "version 2", "install the same version"]);
+    assert_says(&message, &[&fake.endpoint, "version 7", "version 3", "install the same version"]);
 }
 
 #[tokio::test(flavor = "multi_thread")]
 async fn another_version_in_the_keys() {
     let (endpoint, run) = (own_endpoint(), RunId::new("one").unwrap());
     let router = listen(&endpoint).await.unwrap();
-    let key = Keys::new("isola", &run).run().replace("/v2/", "/v3/");
+    let key = Keys::new("isola", &run).run().replace("/v3/", "/v4/");
     let reply = key.clone();
     let queryable = router.declare_queryable(key).callback(move |query| {
         use zenoh::Wait;
@@ -110,7 +110,7 @@ async fn another_version_in_the_keys() {
     queryable.background().await.unwrap();
     let (code, message) = refusal(&options(&endpoint, &[])).await;
     assert_eq!(code, 3);
-    assert_says(&message, &["speaks version 3", "version 2"]);
+    assert_says(&message, &["speaks version 4", "version 3"]);
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -125,10 +125,10 @@ async fn another_model() {
 #[tokio::test(flavor = "multi_thread")]
 async fn settings_that_do_not_fit_the_model() {
     let fake = Fake::start(&Study::new(1), hand_out(Vec::new())).await;
-    fake.change(|manifest| manifest.settings.backbone.mode = 5);
+    fake.change(|manifest| manifest.settings.backbone.modes = solver::settings::ModeChoice::one(5));
     let (code, message) = refusal(&fake.options(&[])).await;
     assert_eq!(code, 3);
-    assert_says(&message, &["does not fit the settings", "backbone.mode"]);
+    assert_says(&message, &["does not fit the settings", "backbone.modes"]);
 }
 
 #[tokio::test(flavor = "multi_thread")]

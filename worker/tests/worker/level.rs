@@ -48,10 +48,11 @@ impl Desk {
         let (index, work) = self.tasks.pop_front().unwrap();
         let task = TaskId::of_level("0.008", index).unwrap();
         assert_eq!(request.lease.task, task);
-        let outcome = self.account.record(&work, request.finding.brought());
+        let outcome = self.account.outcome(&request.finding.brought()).unwrap();
+        self.account.record(&work, outcome);
         let branch = match &request.finding {
             FindingMessage::Branch(branch) => Some(branch.clone()),
-            FindingMessage::Nothing(_) => None,
+            FindingMessage::Curve(_) | FindingMessage::Nothing(_) => None,
         };
         let name = match (outcome, &branch) {
             (SeedOutcome::Found(id), Some(branch)) => {
@@ -69,6 +70,7 @@ impl Desk {
             outcome,
             name,
             branch,
+            curve: None,
             worker: request.lease.worker.clone(),
             program: request.program.clone(),
             seconds: request.seconds,

@@ -67,6 +67,7 @@ impl Study {
             model_sha256: sha256(&self.model_message()),
             settings: self.settings,
             reach: Some(self.reach()),
+            modes: None,
             amplitudes: vec![Amplitude { text: "0.008".into(), value: 0.008 }],
             monitors: vec!["x1".into()],
             stage: Stage::Sweep,
@@ -88,6 +89,7 @@ impl Study {
             work,
             seeds: Seeds::new(&seeds),
             known,
+            curves: Vec::new(),
         }
     }
 

@@ -145,6 +145,7 @@ async fn a_known_branch_of_another_truncation() {
         outcome: SeedOutcome::Found(BranchId::MAIN),
         name: Some(BranchId::MAIN),
         branch: Some(branch),
+        curve: None,
         worker: main.lease.worker.clone(),
         program: main.program,
         seconds: main.seconds,

@@ -3,8 +3,8 @@
 use super::*;
 
 /// What tasks bring.
-const MAIN: Brought = Brought::Branch(BranchKind::Main);
-const ISOLA: Brought = Brought::Branch(BranchKind::Isola);
+const MAIN: Brought = Brought::Branch { kind: BranchKind::Main, folds: 0 };
+const ISOLA: Brought = Brought::Branch { kind: BranchKind::Isola, folds: 0 };
 const ON_MAIN: Brought = Brought::Nothing(SeedOutcome::Found(BranchId::MAIN));
 const UNREACHED: Brought = Brought::Nothing(SeedOutcome::NotTraced(Unreached::OutOfReach));
 
@@ -59,24 +59,24 @@ fn a_poison_seed_dies_with_its_reasons_and_blocks_nobody() {
     let mut ledger = Ledger::new(Rules::default(), plans(1));
     let mut now = Duration::ZERO;
     let main = leased(&mut ledger, "a", now);
-    assert!(matches!(ledger.submit(&main, MAIN).0, Submitted::Accepted(_)));
+    assert!(matches!(ledger.submit(&main, &MAIN).0, Submitted::Accepted(_)));
     let above = leased(&mut ledger, "a", now);
-    assert!(matches!(ledger.submit(&above, ON_MAIN).0, Submitted::Accepted(_)));
+    assert!(matches!(ledger.submit(&above, &ON_MAIN).0, Submitted::Accepted(_)));
     let late = poison(&mut ledger, "1-2", &mut now);
     assert_eq!(ledger.dead(), [(TaskId::new("1-2").unwrap(), vec!["a: boom".to_string(); 3])]);
     let next = leased(&mut ledger, "a", now);
     assert_eq!(next.task.as_str(), "1-3");
     // A result of the dead task may be a branch that the next one is about to find.
-    assert_eq!(ledger.submit(&late, ISOLA).0, Submitted::Late);
+    assert_eq!(ledger.submit(&late, &ISOLA).0, Submitted::Late);
     assert!(!ledger.retry_dead().is_empty());
     // What is under way comes first; then the one revived, with what is known by then.
     assert_eq!(leased(&mut ledger, "a", now), next);
-    assert!(matches!(ledger.submit(&next, ISOLA).0, Submitted::Accepted(_)));
+    assert!(matches!(ledger.submit(&next, &ISOLA).0, Submitted::Accepted(_)));
     let revived = leased(&mut ledger, "a", now);
     assert_eq!(revived.task.as_str(), "1-2");
-    assert_eq!(ledger.submit(&late, ISOLA).0, Submitted::Late);
+    assert_eq!(ledger.submit(&late, &ISOLA).0, Submitted::Late);
     let on_isola = Brought::Nothing(SeedOutcome::Found(BranchId::isola(0)));
-    assert!(matches!(ledger.submit(&revived, on_isola).0, Submitted::Accepted(_)));
+    assert!(matches!(ledger.submit(&revived, &on_isola).0, Submitted::Accepted(_)));
 }
 
 #[test]
@@ -88,7 +88,7 @@ fn a_level_waits_for_its_main_branch() {
     assert!(ledger.is_finished(), "nothing of the level can be handed out");
     assert!(matches!(ledger.lease(&late.worker, 0, now).0, Leased::Drained));
     // Nobody went on without it.
-    assert!(matches!(ledger.submit(&late, MAIN).0, Submitted::Accepted(_)));
+    assert!(matches!(ledger.submit(&late, &MAIN).0, Submitted::Accepted(_)));
     assert_eq!(leased(&mut ledger, "a", now).task.as_str(), "1-2");
 }
 
@@ -101,10 +101,10 @@ fn a_main_branch_from_above_is_one_to_compare_with() {
             poison(&mut ledger, "1-0", &mut now);
         } else {
             let below = leased(&mut ledger, "a", now);
-            assert!(matches!(ledger.submit(&below, UNREACHED).0, Submitted::Accepted(_)));
+            assert!(matches!(ledger.submit(&below, &UNREACHED).0, Submitted::Accepted(_)));
         }
         let above = leased(&mut ledger, "a", now);
-        let Submitted::Accepted(accepted) = ledger.submit(&above, MAIN).0 else { panic!("not accepted") };
+        let Submitted::Accepted(accepted) = ledger.submit(&above, &MAIN).0 else { panic!("not accepted") };
         assert_eq!(accepted.outcome, SeedOutcome::Found(BranchId::MAIN));
         assert_eq!(leased(&mut ledger, "a", now).task.as_str(), "1-2");
     }
@@ -115,7 +115,7 @@ fn without_a_main_branch_there_is_nothing_to_compare_with() {
     let mut ledger = Ledger::new(Rules::default(), plans(1));
     for _ in [Side::Below, Side::Above] {
         let main = leased(&mut ledger, "a", Duration::ZERO);
-        assert!(matches!(ledger.submit(&main, UNREACHED).0, Submitted::Accepted(_)));
+        assert!(matches!(ledger.submit(&main, &UNREACHED).0, Submitted::Accepted(_)));
     }
     assert!(ledger.is_finished() && ledger.counts().skipped == 12);
 }
@@ -127,11 +127,11 @@ fn a_crash_of_the_coordinator_is_no_failure_of_a_task() {
     let under_way = StoredTask {
         id: TaskId::new("1-0").unwrap(),
         state: TaskState::Leased { holder, deadline: Duration::ZERO },
-        is_new_branch: false,
+        brought: None,
         attempts: 1,
         reasons: Vec::new(),
     };
-    let (mut ledger, _) = Ledger::restore(rules, plans(1), vec![under_way], Duration::ZERO);
+    let (mut ledger, _) = Ledger::restore(rules, plans(1), &[], vec![under_way], Duration::ZERO);
     let ended = ledger.tick(Duration::from_secs(60));
     assert!(matches!(&ended[..], [Change::Ended { end: AttemptEnd::Released, .. }]));
     assert_eq!(leased(&mut ledger, "b", Duration::from_secs(60)).attempt, Attempt(2));
@@ -145,4 +145,32 @@ fn cancelling_is_heard_in_the_answer_to_a_sign_of_life() {
     assert_eq!(ledger.renew(&lease, None, Duration::ZERO), RenewReply::Cancel);
     assert!(matches!(ledger.lease(&lease.worker, 0, Duration::ZERO).0, Leased::Stop));
     assert!(ledger.release(&lease, Duration::ZERO).0 && ledger.counts().running == 0);
+}
+
+#[test]
+fn folds_are_followed_over_the_levels_and_lead_to_branches_where_they_cross() {
+    let rules = Rules { most_folds: 2, ..Rules::default() };
+    let mut ledger = Ledger::new(rules, vec![plan(1.0, 0), plan(2.0, 0)]);
+    let main = Brought::Branch { kind: BranchKind::Main, folds: 2 };
+    let mut take = |expected: &str, brought: &Brought| {
+        let lease = leased(&mut ledger, "a", Duration::ZERO);
+        assert_eq!(lease.task.as_str(), expected);
+        ledger.submit(&lease, brought).0
+    };
+    for (task, brought) in [("2-0", &main), ("2-1", &ON_MAIN), ("1-0", &main), ("1-1", &ON_MAIN)] {
+        assert!(matches!(take(task, brought), Submitted::Accepted(_)));
+    }
+    assert_eq!(take("fold-0", &main), Submitted::Foreign);
+    let curve = Brought::Curve([0.5, 1.5, 3.0].into());
+    let Submitted::Accepted(accepted) = take("fold-0", &curve) else { panic!("not accepted") };
+    assert_eq!((accepted.outcome, accepted.amplitude.text.as_str()), (SeedOutcome::OnCurve(0), "2"));
+    let known = Brought::Nothing(SeedOutcome::OnCurve(0));
+    assert!(matches!(take("fold-1", &known), Submitted::Accepted(_)));
+    // There are no more folds than allowed; every level that the curve crosses gets a task.
+    assert_eq!(take("2-2", &curve), Submitted::Foreign);
+    assert!(matches!(take("2-2", &ISOLA), Submitted::Accepted(_)));
+    assert!(matches!(take("1-2", &ON_MAIN), Submitted::Accepted(_)));
+    assert!(ledger.is_finished());
+    let (branches, curves) = (ledger.counts().branches, ledger.chains[ledger.curves()].curves().len());
+    assert_eq!((branches, curves), (3, 1));
 }

@@ -60,9 +60,11 @@ class Run:
             self._model = _read("model", answer, Model.read)
         return self._model
 
-    def backbone(self) -> Backbone:
-        """The backbone. :class:`Refused` while it is being computed."""
-        return _read("backbone", self.bus.fetch(self._key("backbone")), Backbone.read, self.model())
+    def backbone(self, mode: int | None = None) -> Backbone:
+        """The backbone of the primary mode, or of one of those in ``manifest.modes.followed``, counted from 0.
+        :class:`Refused` while it is being computed, and if no backbone of this mode is followed."""
+        key = "backbone" if mode is None else f"backbone/{mode + 1}"
+        return _read("backbone", self.bus.fetch(self._key(key)), Backbone.read, self.model())
 
     def windows(self) -> list[LevelWindows]:
         """Windows of every level. :class:`Refused` while the backbone is being computed."""

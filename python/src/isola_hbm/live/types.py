@@ -50,6 +50,22 @@ class Reach:
 
 
 @dataclass(frozen=True)
+class ModesFollowed:
+    """Which modes have a backbone, and which not. Modes count from 0."""
+
+    #: The primary mode first.
+    followed: tuple[int, ...]
+    #: The others, with the reasons in words.
+    left_out: tuple[tuple[int, str], ...]
+
+    @classmethod
+    def read(cls, message: dict[str, Any]) -> ModesFollowed:
+        """From a part of the message."""
+        left_out = ((mode, words.left_out(why)) for mode, why in message["left_out"])
+        return cls(tuple(message["followed"]), tuple(left_out))
+
+
+@dataclass(frozen=True)
 class Manifest:
     """What a run is."""
 
@@ -67,6 +83,8 @@ class Manifest:
     settings: dict[str, Any]
     #: None as long as the backbone is not known.
     reach: Reach | None
+    #: Which modes have a backbone and which not; None as long as that is not known.
+    modes: ModesFollowed | None
     #: Forcing levels.
     amplitudes: tuple[Amplitude, ...]
     #: Names of the monitored dofs; the first one is plotted.
@@ -82,6 +100,7 @@ class Manifest:
             cls,
             message,
             reach=reach and Reach(tuple(reach["frequency"]), reach["amplitude"]),
+            modes=ModesFollowed.read(message["modes"]) if message.get("modes") else None,
             amplitudes=tuple(_plain(Amplitude, a) for a in message["amplitudes"]),
             monitors=tuple(message["monitors"]),
         )
@@ -259,8 +278,10 @@ class Model:
 
 @dataclass(frozen=True)
 class Window:
-    """An arc of the backbone along which forced responses are predicted at a level."""
+    """An arc of a backbone along which forced responses are predicted at a level."""
 
+    #: Mode of the backbone, from 0.
+    mode: int
     #: Indices of its first and last backbone point, and of the one with the smallest threshold.
     first: int
     last: int
@@ -273,7 +294,7 @@ class Window:
 
 @dataclass(frozen=True)
 class LevelWindows:
-    """The windows of a level, in the order of the backbone."""
+    """The windows of a level, backbone by backbone."""
 
     amplitude: Amplitude
     windows: tuple[Window, ...]
@@ -283,7 +304,9 @@ class LevelWindows:
         """From a part of the message."""
         return cls(
             _plain(Amplitude, message["amplitude"]),
-            tuple(_plain(Window, w, omega=tuple(w["omega"])) for w in message["windows"]),
+            tuple(
+                _plain(Window, w, mode=w.get("mode", 0), omega=tuple(w["omega"])) for w in message["windows"]
+            ),
         )
 
 
@@ -504,6 +527,25 @@ class Branch(Curve):
         return f"<Branch {self.name} at A = {self.amplitude_text}, {len(self)} points, {self.outcome}>"
 
 
+@dataclass(frozen=True, eq=False)
+class FoldCurve(Curve):
+    """Folds of branches followed over the forcing amplitude; a closed curve does not repeat its first point."""
+
+    #: Task that found it.
+    task: str
+    #: Whether it is a closed curve.
+    closed: bool
+    #: How it begins and ends, in words.
+    outcome: str
+    #: Where isolas are born (``birth``) or vanish (``death``), branches merge (``merge``), two folds meet (``cusp``).
+    events: tuple[SpecialPoint, ...]
+    #: Steps refused and repeated shorter.
+    rejections: int
+
+    def __repr__(self) -> str:
+        return f"<FoldCurve of {len(self)} points, {self.outcome}>"
+
+
 @dataclass(frozen=True)
 class Done:
     """Announcement of a stored result."""
@@ -543,12 +585,14 @@ class Result:
     #: Which attempt was accepted, from 1.
     attempt: int
     amplitude: Amplitude
-    #: What was to be done: ``"main"``, ``{"main": "above"}`` or ``{"seed": {…}}``.
+    #: What was to be done: ``"main"``, ``{"main": "above"}``, ``{"seed": {…}}``, ``{"fold": {…}}`` or ``{"crossing": {…}}``.
     work: Any
     #: What became of it, in words.
     outcome: str
     #: The new branch, if it found one.
     branch: Branch | None
+    #: The new fold curve, if it found one.
+    curve: FoldCurve | None
     #: Who computed it.
     worker: str
     #: With which version of the program.
@@ -577,5 +621,14 @@ class Result:
                 peak_standing=part.get("peak_standing"),
                 certificate=Certificate.read(part.get("certificate")),
             )
-        outcome = words.seed_outcome(message["outcome"])
-        return _plain(cls, message, amplitude=amplitude, outcome=outcome, branch=branch)
+        outcome, curve = words.seed_outcome(message["outcome"]), None
+        if (part := message.get("curve")) is not None:
+            curve = FoldCurve(
+                **curve_fields(part["points"], model),
+                task=message["task"],
+                closed=part["outcome"] == "closed",
+                outcome=words.outcome(part["outcome"]),
+                events=tuple(_plain(SpecialPoint, event) for event in part["events"]),
+                rejections=part["rejections"],
+            )
+        return _plain(cls, message, amplitude=amplitude, outcome=outcome, branch=branch, curve=curve)

@@ -14,12 +14,24 @@ _STOPS = {
     "point_budget": "point budget used up",
     "reversed": "turned back along itself",
     "joined": "known branch",
+    "forcing_bound": "forcing bound",
     "cancelled": "cancelled",
 }
 _FAILURES = {
     "diverged": "the iteration diverged",
     "out_of_reach": "the forcing amplitude is not reached by continuation in the amplitude",
     "singular": "the Jacobian is singular",
+}
+_UNFOLLOWED = {
+    "unsupported": 'a law has no second derivatives; contact has them with harmonics.quadrature = "arcs"',
+    "elsewhere": "the nearest fold is one of another response",
+}
+_LEFT_OUT = {
+    "not_listed": "not in the list of modes",
+    "rigid_body": "rigid body",
+    "no_work": "the forcing does no work on it",
+    "out_of_range": "its resonance is out of reach of the frequency range",
+    "too_many": "8 modes are followed already",
 }
 _FAR = "every seed that converged ended far from its prediction, on a known branch (relative distance {:.2f} or more)"
 
@@ -61,6 +73,14 @@ def outcome(value: Any) -> str:
     return name
 
 
+def left_out(value: Any) -> str:
+    """Why the backbone of a mode is not followed."""
+    name, content = variant(value)
+    if name == "not_started":
+        return f"its backbone does not start: {content}"
+    return _LEFT_OUT.get(name, name)
+
+
 def branch_name(value: Any) -> str:
     """``main``, ``main 2``, ``isola 1``, ``isola 2``, ``cut 1``, …"""
     name, content = variant(value)
@@ -81,4 +101,9 @@ def seed_outcome(value: Any) -> str:
         return f"landed, but no branch starts there: {failure(content)}"
     if name == "out_of_bounds":
         return "outside the frequency or amplitude bounds"
+    if name == "on_curve":
+        return f"fold curve {content + 1}"
+    if name == "not_followed":
+        reason, _ = variant(content)
+        return f"no fold curve starts there: {_UNFOLLOWED.get(reason) or failure(content)}"
     return name

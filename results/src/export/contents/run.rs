@@ -7,6 +7,7 @@ use crate::store::Reader;
 use protocol::array::Array;
 use protocol::model::{ElementMessage, ModelMessage};
 use solver::response::branch::{Certificate, Standing};
+use solver::response::modes::ModesFollowed;
 
 /// What does not change, and the stage.
 pub(super) fn header(group: &mut Group<'_>, reader: &Reader, overview: &Overview, omissions: &mut Omissions) {
@@ -68,6 +69,13 @@ pub(super) fn levels(group: &mut Group<'_>, overview: &Overview) {
     column(group, "main_failure", levels, |level| level.main_failure.clone().unwrap_or_default());
 }
 
+/// Which modes were followed, from 0, and why others were not.
+pub(super) fn modes(group: &mut Group<'_>, modes: &ModesFollowed) {
+    group.add("followed", modes.followed.clone());
+    column(group, "left_out", &modes.left_out, |(mode, _)| *mode);
+    column(group, "reason", &modes.left_out, |(_, why)| why.to_string());
+}
+
 /// Windows of all levels, as in `windows.csv`.
 pub(super) fn windows<'t>(group: &mut Group<'_>, overview: &'t Overview) {
     let of_level = |level: &'t Level| level.windows.iter().map(move |window| (level, window));
@@ -85,6 +93,7 @@ pub(super) fn windows<'t>(group: &mut Group<'_>, overview: &'t Overview) {
     column(group, "outcome", &rows, |(_, window)| window.outcome.words()[0].to_string());
     column(group, "branch", &rows, |(_, window)| window.outcome.words()[1].to_string());
     column(group, "reason", &rows, |(_, window)| window.outcome.words()[2].to_string());
+    column(group, "mode", &rows, |(_, window)| window.mode.saturating_sub(1));
 }
 
 /// Branches of all levels, as in `summary.csv`.

@@ -4,8 +4,10 @@ use super::*;
 use crate::curves::BackboneCurve;
 use crate::overview::Seeds;
 use crate::report::evidence::Structure;
+use crate::store::SearchCounts;
 use protocol::to_everyone::Stage;
 use solver::response::branch::{Outcome, Standing, Stop};
+use solver::response::modes::{LeftOut, ModesFollowed};
 use std::sync::LazyLock;
 
 fn branch(kind: &str, number: usize, omega: (f64, f64), amplitude: f64) -> BranchRow {
@@ -53,7 +55,13 @@ fn told<'r>(levels: &'r [Level], change: impl FnOnce(&mut Evidence<'r>)) -> [Str
     let mut evidence = Evidence {
         levels,
         backbone: Some(&BACKBONE),
+        further: &[],
+        modes: None,
         mains: &[],
+        curves: &[],
+        search: SearchCounts::default(),
+        most_folds: 200,
+        why_no_folds: None,
         stage: Some(Stage::Finished),
         structure: structure(),
         harmonics: 10,
@@ -267,4 +275,31 @@ fn births_that_round_off_made() {
     curve.r_nl.values[index - 1] = -1.2 * curve.r_lin.values[index];
     curve.keep_events_near([0.003, 0.006].into_iter());
     assert_eq!(curve.events.len(), 1);
+}
+
+#[test]
+fn modes_without_windows_are_named_with_the_reason() {
+    let levels = [level(1.0, vec![main(1e-3)])];
+    let lost = LeftOut::NotStarted("singular".into());
+    let left_out = vec![(1, LeftOut::NoWork), (2, LeftOut::OutOfRange), (3, lost), (4, LeftOut::RigidBody)];
+    let modes = ModesFollowed { followed: vec![0], left_out };
+    let [danger, _, missed] = told(&levels, |evidence| evidence.modes = Some(&modes));
+    let named = "; isolas of mode 2 (the forcing does no work on it), of mode 3 (out of reach of the frequency range), of mode \
+                 4 (its backbone does not start), of sub- and super-harmonics and those that no energy balance of mode 1";
+    assert!(missed.contains(named), "{missed}");
+    assert!(missed.starts_with("Known only in part (no backbone of mode 4). "), "{missed}");
+    let loss = "There is no backbone of mode 4, nor are there windows of it: singular.";
+    assert!(danger.starts_with(loss), "{danger}");
+}
+
+#[test]
+fn the_first_prediction_of_all_modes_is_told() {
+    let study = crate::fixture::Study::damper();
+    let with_events = BackboneCurve::new(&study.backbone, &study.model);
+    let further = [BackboneCurve { mode: 1, ..with_events }];
+    let levels = [level(0.006, vec![main(1e-3)])];
+    let [_, onset, _] = told(&levels, |evidence| evidence.further = &further);
+    let predicted =
+        "the windows of modes 1 and 2 at 1 level (2 seeds tried); the energy balance of mode 2 predicts separate";
+    assert!(onset.contains(predicted), "{onset}");
 }

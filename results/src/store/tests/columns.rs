@@ -14,7 +14,10 @@ fn tables_have_the_columns_of_the_list() {
     let points: Vec<&str> = of_points().map(|column| column.name).collect();
     assert_eq!(names("points"), [&["branch", "i", "omega"], &points[..]].concat());
     let backbone = of_backbone_in_files().filter(|column| column.axis != Axis::Modes).map(|column| column.name);
-    assert_eq!(names("backbone"), [&["i", "omega", "zeta"], &points[..], &backbone.collect::<Vec<_>>()].concat());
+    assert_eq!(
+        names("backbone"),
+        [&["mode", "i", "omega", "zeta"], &points[..], &backbone.collect::<Vec<_>>()].concat()
+    );
     let sql = "SELECT group_concat(sql) FROM sqlite_master";
     let text: String = store.one(sql, [], |row| row.get(0)).unwrap().unwrap();
     for meaning in ["-- Largest |x| over the period, m, of the first monitored dof", "-- Newton iterations.\n"] {

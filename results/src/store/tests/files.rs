@@ -35,7 +35,7 @@ fn what_is_no_run_is_refused() {
 
     drop(Store::create(dir.path(), &header()).unwrap());
     Connection::open(&file).unwrap().execute_batch("PRAGMA user_version = 99").unwrap();
-    assert_refused(dir.path(), "version 99 of the format, this program knows version 2; use a newer `isola`");
+    assert_refused(dir.path(), "version 99 of the format, this program knows version 3; use a newer `isola`");
 }
 
 #[test]
@@ -46,10 +46,14 @@ fn a_run_of_the_first_programs_is_read_but_does_not_go_on() {
     for column in ["peak_standing", "penetration", "pressure_beyond", "amplitude_2h", "shift_2h"] {
         db.execute(&format!("ALTER TABLE branches DROP COLUMN {column}"), []).unwrap();
     }
-    db.execute_batch("PRAGMA user_version = 1").unwrap();
+    // Nor did they know several modes.
+    let one_mode = "ALTER TABLE windows DROP COLUMN mode; DROP TABLE modes; CREATE TABLE one AS SELECT * FROM backbone; \
+                    ALTER TABLE one DROP COLUMN mode; DROP TABLE backbone; ALTER TABLE one RENAME TO backbone; \
+                    PRAGMA user_version = 1";
+    db.execute_batch(one_mode).unwrap();
     drop(db);
     let error = Store::open(dir.path()).unwrap_err();
-    assert!(matches!(error, StoreError::Older { found: 1, known: 2, .. }), "{error}");
+    assert!(matches!(error, StoreError::Older { found: 1, known: 3, .. }), "{error}");
     assert!(error.to_string().contains("`isola sweep` computes the study again"), "{error}");
 
     let reader = Reader::open(dir.path()).unwrap();
@@ -61,6 +65,10 @@ fn a_run_of_the_first_programs_is_read_but_does_not_go_on() {
         assert_eq!((row.peak_standing, row.certificate), (None, Certificate::default()));
         assert_eq!(row.family, (!row.is_main()).then_some(1));
     }
+    assert_eq!(reader.backbone().unwrap(), Some(study.plan().backbone));
+    assert!(reader.further_backbones().unwrap().is_empty());
+    assert_eq!(reader.modes().unwrap().unwrap().followed, [0]);
+    assert!(overview.levels.iter().flat_map(|level| &level.windows).all(|window| window.mode == 1));
     let exported = dir.path().join("exported");
     assert!(crate::export::csv(&reader, &exported).unwrap().damaged.is_empty());
     assert!(omissions.damaged.is_empty() && exported.join("summary.csv").exists());

@@ -89,7 +89,7 @@ fn results_of_the_first_runs_come_back_as_they_were_announced() {
     let (mut store, mut sweep) = study.begin(&dir.path().join("b"));
     let granted = sweep.lease(&mut store, 0).unwrap();
     let result = results.iter().find(|result| result.task == granted.task).unwrap();
-    let StoredResult { task, attempt, amplitude, work, outcome, name, branch, worker, program, seconds } = result;
+    let StoredResult { task, attempt, amplitude, work, outcome, name, branch, worker, program, seconds, .. } = result;
     let (attempt, branch) = (attempt.0, branch.as_ref());
     let (name, seconds) = (*name, *seconds);
     let fields = AsAtFirst { task, attempt, amplitude, work, outcome, name, branch, worker, program, seconds };

@@ -19,8 +19,16 @@ pub(super) struct ArcWork {
     imaginary: Vec<f64>,
 }
 
+/// Points of a rule on an arc of half-length `half` for a law of `arguments` arguments: a linear law's integrand has
+/// harmonics up to 3H (second derivatives 4H, but those of a linear law vanish): half its phase over the arc, and a margin,
+/// are enough. The direction of sliding v/|v| is no polynomial: twice as many.
+pub(super) fn points(harmonics: usize, half: f64, arguments: usize) -> usize {
+    let exact = (1.5 * harmonics as f64 * half).ceil() as usize + 8;
+    if arguments > 1 { 2 * exact } else { exact }
+}
+
 impl ArcWork {
-    fn rule(&mut self, count: usize) -> &GaussLegendre {
+    pub(super) fn rule(&mut self, count: usize) -> &GaussLegendre {
         if self.rules.len() <= count {
             self.rules.resize(count + 1, None);
         }
@@ -75,11 +83,7 @@ impl Aft {
         linalg::vectorised(|| {
             for &(begin, end) in arcs {
                 let (centre, half) = (0.5 * (begin + end), 0.5 * (end - begin));
-                // A linear law's integrand has harmonics up to 3H: half its phase over the arc, and a margin, are enough points.
-                // The direction of sliding v/|v| is no polynomial: twice as many.
-                let exact = (1.5 * harmonics as f64 * half).ceil() as usize + 8;
-                let points = if c > 1 { 2 * exact } else { exact };
-                let rule = work.rule(points).clone();
+                let rule = work.rule(points(harmonics, half, c)).clone();
                 for (node, weight) in rule.nodes.iter().zip(&rule.weights) {
                     work.fill_basis(centre + half * node);
                     let mut now = Instant { speed: rate.omega * rate.harmonic, ..Instant::default() };

@@ -5,6 +5,7 @@
 
 mod gauss;
 mod samples;
+mod second;
 
 use crate::formulation::arcs::{Coverage, positive_arcs};
 use crate::formulation::harmonics::{
@@ -14,6 +15,8 @@ use crate::settings::{HarmonicSettings, Quadrature};
 use crate::structure::laws::{Instant, Law, MAX_ARGUMENTS, Response};
 use gauss::ArcWork;
 use rustfft::num_complex::Complex64;
+pub use second::Along;
+use second::Basis;
 
 /// Harmonics of an element's forces and their derivatives. `c` arguments, nc = 2H + 1.
 #[derive(Debug, Clone, Default)]
@@ -48,6 +51,7 @@ pub struct Aft {
     spectra: [Vec<Complex64>; 2],
     quadrature: Quadrature,
     arcs: ArcWork,
+    basis: Basis,
 }
 
 /// What a sampled signal of the law stands for in the frequency domain.
@@ -75,6 +79,7 @@ impl Aft {
             spectra: std::array::from_fn(|_| vec![Complex64::default(); width(harmonics)]),
             quadrature,
             arcs: ArcWork::default(),
+            basis: Basis::default(),
         }
     }
 

@@ -81,7 +81,7 @@ impl<'m> DisplacementForm<'m> {
     ///
     /// # Errors
     /// If contact pressures cannot be told apart from the forces on the dofs (two contacts at one dof), or for a kind of
-    /// backbone that this form does not have.
+    /// curve that this form does not have.
     pub fn new(
         model: &'m Model,
         truncation: HarmonicSettings,
@@ -89,7 +89,7 @@ impl<'m> DisplacementForm<'m> {
         unknown: Unknown,
         scales: Scales,
     ) -> Result<Self, FormulationError> {
-        if matches!(unknown, Unknown::PhaseResonance | Unknown::Mode { damped: false }) {
+        if matches!(unknown, Unknown::PhaseResonance | Unknown::Extremum(_) | Unknown::Mode { damped: false }) {
             return Err(FormulationError::Unsupported);
         }
         if model.elements().is_empty() {

@@ -9,9 +9,9 @@ use crate::linalg::{axpy, dot};
 use rustfft::num_complex::Complex64;
 
 /// A row-major square matrix being filled.
-struct Target<'a> {
-    data: &'a mut [f64],
-    size: usize,
+pub(super) struct Target<'a> {
+    pub data: &'a mut [f64],
+    pub size: usize,
 }
 
 impl Target<'_> {
@@ -63,16 +63,29 @@ impl PressureForm<'_> {
         debug_assert_eq!(size, self.residual.len() + 1);
         let mut lu = std::mem::take(&mut self.lu);
         let mut target = Target { data: lu.reset(size), size };
-        crate::linalg::vectorised(|| self.assemble_arguments(&mut target));
-        for kept in &self.unknowns.kept {
-            self.assemble_kept(&mut target, kept);
+        if let Some(condition) = self.condition.take() {
+            let gradient = self.condition_gradient(&condition);
+            let (equations, rest) = target.data.split_at_mut((size - 2) * size);
+            equations.copy_from_slice(condition.equations());
+            self.assemble_form(&mut rest[..size], &gradient);
+            self.condition = Some(condition);
+        } else {
+            self.assemble_equations(&mut target);
         }
-        self.assemble_parameters(&mut target);
         if let Some(phase) = &self.phase {
             self.assemble_form(&mut target.data[(size - 2) * size..(size - 1) * size], phase);
         }
         self.assemble_form(&mut target.data[(size - 1) * size..], row);
         self.lu = lu;
+    }
+
+    /// Fills the rows of the harmonic balance.
+    pub(super) fn assemble_equations(&mut self, target: &mut Target<'_>) {
+        crate::linalg::vectorised(|| self.assemble_arguments(target));
+        for kept in &self.unknowns.kept {
+            self.assemble_kept(target, kept);
+        }
+        self.assemble_parameters(target);
     }
 
     /// I − δ ∂f + s R ∂f, scaled.

@@ -8,11 +8,17 @@
 //! * everything else: û − x̂_u(F) = 0
 //! * kept modal amplitudes (poles): D̂ y − φᵀ(E − F) = 0
 //!
+//! Fold and peak curves have one equation more, whose value and gradient come from a second bordered matrix (`condition`).
+//!
 //! Contact nodes with p < 0 at every instant have no force and identity columns; they are eliminated exactly.
 
 mod assemble;
+mod condition;
+#[cfg(test)]
+mod condition_tests;
 mod evaluate;
 mod layout;
+mod second;
 mod solution;
 #[cfg(test)]
 pub(crate) mod tests;
@@ -24,12 +30,14 @@ use crate::formulation::narrow;
 use crate::formulation::receptance::Receptance;
 use crate::formulation::scales::Scales;
 use crate::formulation::state::{Parameters, State};
-use crate::formulation::unknown::Unknown;
+use crate::formulation::unknown::{Parameter, Unknown};
 use crate::formulation::{Formulation, FormulationError, System};
 use crate::linalg::{LinalgError, Lu};
 use crate::settings::HarmonicSettings;
 use crate::structure::Model;
-use crate::structure::laws::{Law, LawKind, MAX_ARGUMENTS};
+use crate::structure::laws::{Law, LawKind, MAX_ARGUMENTS, with_law};
+use condition::Condition;
+pub use condition::Degeneracy;
 use layout::{Layout, Unknowns};
 use rustfft::num_complex::Complex64;
 use std::ops::Range;
@@ -69,6 +77,8 @@ pub struct PressureForm<'m> {
     metric: Vec<f64>,
     /// Phase condition as a linear form on the state, if there is one.
     phase: Option<Vec<f64>>,
+    /// Extremum that a fold or peak curve follows.
+    condition: Option<Condition>,
     /// The state last linearised, in physical units.
     current: State,
     /// Forces per element; jacobian columns are per scaled argument.
@@ -114,6 +124,7 @@ impl<'m> PressureForm<'m> {
         let (arguments, amplitudes) = (vec![0.0; layout.arguments().len()], vec![0.0; layout.modal().len()]);
         Self {
             phase: phase(unknown, &layout, tracked, &modal),
+            condition: Condition::new(unknown, &layout),
             receptance: Receptance::new(model, harmonics, modal, unknown.is_damped()),
             aft: Aft::new(truncation),
             forces: slots.iter().map(|_| ElementForce::default()).collect(),
@@ -134,6 +145,14 @@ impl<'m> PressureForm<'m> {
             slots,
             channels,
             metric,
+        }
+    }
+
+    /// Measures a free forcing amplitude by `reference` instead of its scale: on curves that go through many scales of it.
+    pub fn measure_forcing_by(&mut self, reference: f64) {
+        let parameters = self.system.unknown.parameters();
+        if let Some(index) = parameters.iter().position(|parameter| *parameter == Parameter::Forcing) {
+            self.metric[self.layout.parameters().start + index] = (self.system.scales.forcing / reference).powi(2);
         }
     }
 
@@ -189,7 +208,7 @@ fn phase(unknown: Unknown, layout: &Layout, tracked: usize, modal: &Modal) -> Op
                 phase[layout.mode(j).start + 2 * modal.harmonic() - 1] = projection / size;
             }
         }
-        Unknown::Frequency { .. } | Unknown::Forcing { .. } => return None,
+        Unknown::Frequency { .. } | Unknown::Forcing { .. } | Unknown::Extremum(_) => return None,
     }
     Some(phase)
 }
@@ -202,7 +221,13 @@ impl<'m> Formulation<'m> for PressureForm<'m> {
         unknown: Unknown,
         scales: Scales,
     ) -> Result<Self, FormulationError> {
-        Ok(Self::new(model, truncation, tracked, unknown, scales))
+        let is_rough = |law: &LawKind| !with_law!(law, law => Aft::has_second_derivatives(law, truncation.quadrature));
+        let rough = model.elements().iter().filter(|element| is_rough(&element.law));
+        let names: Vec<String> = rough.map(|element| element.name.clone()).collect();
+        match unknown {
+            Unknown::Extremum(_) if !names.is_empty() => Err(FormulationError::Rough { names }),
+            _ => Ok(Self::new(model, truncation, tracked, unknown, scales)),
+        }
     }
 
     fn system(&self) -> &System<'m> {
@@ -259,12 +284,27 @@ impl Problem for PressureForm<'_> {
     }
 
     fn linearise(&mut self, y: &mut [f64]) -> f64 {
-        self.evaluate(y)
+        let residual = self.evaluate(y);
+        match self.condition.take() {
+            Some(mut condition) if residual.is_finite() => {
+                let value = self.evaluate_condition(&mut condition);
+                self.condition = Some(condition);
+                self.residual.push(value);
+                if value.is_finite() { residual.max(value.abs()) } else { f64::NAN }
+            }
+            condition => {
+                self.condition = condition;
+                residual
+            }
+        }
     }
 
     fn factor(&mut self, row: &[f64]) -> Result<(), LinalgError> {
         self.assemble(row);
         self.factored.clone_from(&self.unknowns);
+        if let Some(condition) = &mut self.condition {
+            condition.renew(&self.metric, &self.layout);
+        }
         self.lu.factor()
     }
 
@@ -273,11 +313,11 @@ impl Problem for PressureForm<'_> {
     }
 
     fn orientation(&self) -> f64 {
-        self.lu.determinant_sign()
+        self.lu.determinant_sign() * self.condition.as_ref().map_or(1.0, Condition::sign)
     }
 
     fn rounding(&self) -> f64 {
-        self.rounding_error()
+        self.condition.as_ref().map_or(0.0, Condition::rounding).max(self.rounding_error())
     }
 
     fn longest_step(&mut self, y: &[f64], tangent: &[f64]) -> f64 {

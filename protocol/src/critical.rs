@@ -1,0 +1,72 @@
+//! A curve of folds or peaks over the forcing amplitude as a message.
+
+use crate::array::ArrayError;
+use crate::curve::{Points, Size};
+use serde::{Deserialize, Serialize};
+use solver::response::branch::{BranchPoint, Outcome};
+use solver::response::critical::{CriticalCurve, CriticalEvent, Quantity};
+
+/// Curve of p points.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct CriticalMessage {
+    /// What has an extremum at its points, along the branch at each point's own forcing amplitude.
+    pub quantity: Quantity,
+    /// How it begins and ends.
+    pub outcome: Outcome,
+    /// For both ends, if it stalled there: the element, by its number in the model, whose contact is about to begin or to end.
+    pub grazing: [Option<usize>; 2],
+    /// Steps refused and repeated shorter.
+    pub rejections: usize,
+    /// Births, merges and cusps, by index of the point.
+    pub events: Vec<CriticalEvent>,
+    /// The points: a forced response each, at its own forcing amplitude.
+    pub points: Points,
+}
+
+impl From<&CriticalCurve> for CriticalMessage {
+    fn from(curve: &CriticalCurve) -> Self {
+        Self {
+            quantity: curve.quantity,
+            outcome: curve.outcome,
+            grazing: curve.grazing,
+            rejections: curve.rejections,
+            events: curve.events.clone(),
+            points: Points::new(curve.points.iter()),
+        }
+    }
+}
+
+impl CriticalMessage {
+    /// Forcing amplitudes of its points, of a closed curve the first one again; none if they are no numbers.
+    pub fn forcing(&self) -> Vec<f64> {
+        let count = self.points.len();
+        let mut forcing = self.points.motions.forcing.values("forcing", &[count]).unwrap_or_default();
+        forcing.extend(forcing.first().copied().filter(|_| self.outcome == Outcome::Closed));
+        forcing
+    }
+
+    /// The curve, for a model of this size.
+    ///
+    /// # Errors
+    /// If an array has another shape, an event is at no point, or a forcing amplitude is none.
+    pub fn curve(&self, size: &Size) -> Result<CriticalCurve, ArrayError> {
+        let points = self.points.points(size)?;
+        let last = self.events.iter().map(|event| event.index).max().unwrap_or(0).max(self.events.len());
+        if last >= points.len() {
+            return Err(ArrayError::Special { index: last, points: points.len() });
+        }
+        // What crosses a level is told by the forcing.
+        let is_none = |point: &BranchPoint| !(point.state.forcing > 0.0 && point.state.forcing.is_finite());
+        if let Some(index) = points.iter().position(is_none) {
+            return Err(ArrayError::Forcing { index });
+        }
+        Ok(CriticalCurve {
+            quantity: self.quantity,
+            points,
+            events: self.events.clone(),
+            outcome: self.outcome,
+            grazing: self.grazing,
+            rejections: self.rejections,
+        })
+    }
+}

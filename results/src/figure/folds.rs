@@ -1,0 +1,89 @@
+//! Fold curves: the amplitude at which branches turn back, over the forcing amplitude, with births and merges as computed.
+
+use super::axis::largest;
+use super::column_store::ColumnStore;
+use super::data::{Axis, Detail, Entry, Figure, Format, Kind, Label, Panel, Series, Side, Size, Unit};
+use super::style::{Color, MARK, MEDIUM, Shape, Style};
+use super::subject::Subject;
+use crate::store::{CurvePoint, CurveRow};
+use crate::words::digits;
+
+/// How what happens along a curve is marked: kind, mark, whether it is hollow, name in the legend, word on the label.
+pub const EVENTS: [(&str, Shape, bool, &str, &str); 3] = [
+    ("birth", Shape::Triangle, false, "births, computed", "born"),
+    ("death", Shape::Cross, false, "ends of isolas, computed", "ends"),
+    ("merge", Shape::InvertedTriangle, true, "merges, computed", "merge"),
+];
+
+/// The figure.
+///
+/// # Errors
+/// If there is no fold curve: in words.
+pub fn figure(subject: &Subject<'_>, store: &mut ColumnStore) -> Result<Figure, String> {
+    if subject.curves.is_empty() {
+        return Err(subject.nothing("the list of fold curves", "the run has no fold curve"));
+    }
+    let points = || subject.curves.iter().flat_map(|curve| &curve.points);
+    let x = Axis::logarithmic("forcing amplitude A", Unit::none(), points().map(|point| point.forcing));
+    let highest = largest(points().map(|point| point.amplitude));
+    let monitor = subject.monitors.first().map_or("", |monitor| &monitor.name);
+    let y = Axis::exact(format!("amplitude of {monitor}"), Unit::of_lengths(highest), (0.0, 1.08 * highest));
+
+    let line = Style::line(Color::Category(3), MEDIUM);
+    let mut legend = vec![Entry { text: "folds, computed".into(), kind: Kind::Line, style: line.clone() }];
+    let mut series: Vec<Series> = subject.curves.iter().map(|curve| of_points(&curve.points, &line, store)).collect();
+    let mut labels = Vec::new();
+    for (wanted, shape, is_hollow, name, word) in EVENTS {
+        let found: Vec<CurvePoint> = of_kind(subject.curves, wanted).cloned().collect();
+        if found.is_empty() {
+            continue;
+        }
+        let style = Style::marks(Color::Category(3), shape, 1.4 * MARK, is_hollow);
+        legend.push(Entry { text: name.into(), kind: Kind::Line, style: style.clone() });
+        labels.extend(found.iter().map(|point| label(word, point)));
+        series.push(of_points(&found, &style, store));
+    }
+    let panel = Panel {
+        about: "Fold curves: amplitude at which branches turn back, over the forcing amplitude.",
+        size: Size::Tall,
+        x: vec![x],
+        y: vec![y],
+        series,
+        labels,
+        has_leaders: true,
+        ..Panel::default()
+    };
+    Ok(Figure { name: "folds", title: None, columns: 1, choice: "", linked_x: false, legend, panels: vec![panel] })
+}
+
+/// Points of all curves at which this happens.
+pub fn of_kind<'c>(curves: &'c [CurveRow], wanted: &'c str) -> impl Iterator<Item = &'c CurvePoint> {
+    curves.iter().flat_map(CurveRow::events).filter(move |(kind, _)| *kind == wanted).map(|(_, point)| point)
+}
+
+fn of_points(points: &[CurvePoint], style: &Style, store: &mut ColumnStore) -> Series {
+    let mut column = |of: fn(&CurvePoint) -> f64| store.exact(points.iter().map(of).collect());
+    let (forcing, omega, amplitude) = (column(|p| p.forcing), column(|p| p.omega), column(|p| p.amplitude));
+    Series {
+        x: vec![forcing.clone()],
+        y: vec![amplitude.clone()],
+        style: style.clone(),
+        details: vec![
+            Detail::new("A", Format::Number, 5, &forcing),
+            Detail::new("frequency", Format::Frequency, 6, &omega),
+            Detail::new("amplitude", Format::Length, 4, &amplitude),
+        ],
+        ..Series::default()
+    }
+}
+
+fn label(word: &str, point: &CurvePoint) -> Label {
+    Label {
+        text: format!("{word} at {}", digits(point.forcing, 4)),
+        x: vec![Some(point.forcing)],
+        y: vec![Some(point.amplitude)],
+        color: Color::Category(3),
+        level: None,
+        side: Side::Right,
+    }
+}

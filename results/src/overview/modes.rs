@@ -1,0 +1,72 @@
+//! Which modes were followed and which not, in words.
+
+use crate::words::modes;
+use solver::response::modes::{LeftOut, ModesFollowed};
+
+/// The modes followed: `mode 1`, `modes 1 and 3`.
+pub fn followed(choice: &ModesFollowed) -> String {
+    modes(&choice.followed)
+}
+
+/// Which modes are meant, and why one or many of them are left out.
+type Reason = (fn(&LeftOut) -> bool, [&'static str; 2]);
+
+/// The modes that could have isolas and were not followed, reason by reason: `modes 2 to 4 (the forcing does no work on them)`.
+pub fn left_out(choice: &ModesFollowed) -> Vec<String> {
+    let reasons: [Reason; 5] = [
+        (|why| *why == LeftOut::NotListed, ["not in the list of modes"; 2]),
+        (|why| *why == LeftOut::NoWork, ["the forcing does no work on it", "the forcing does no work on them"]),
+        (|why| *why == LeftOut::OutOfRange, ["out of reach of the frequency range"; 2]),
+        (|why| *why == LeftOut::TooMany, ["more than are followed unless backbone.modes lists them"; 2]),
+        (|why| matches!(why, LeftOut::NotStarted(_)), ["its backbone does not start", "their backbones do not start"]),
+    ];
+    let group = |(is_meant, [one, many]): Reason| {
+        let list: Vec<usize> = choice.left_out.iter().filter(|(_, why)| is_meant(why)).map(|(mode, _)| *mode).collect();
+        let reason = if list.len() == 1 { one } else { many };
+        (!list.is_empty()).then(|| format!("{} ({reason})", modes(&list)))
+    };
+    reasons.into_iter().filter_map(group).collect()
+}
+
+/// Modes whose backbones do not start, from 0, with the reasons.
+pub fn not_started(choice: &ModesFollowed) -> impl Iterator<Item = (usize, &str)> {
+    choice.left_out.iter().filter_map(|(mode, why)| match why {
+        LeftOut::NotStarted(reason) => Some((*mode, reason.as_str())),
+        _ => None,
+    })
+}
+
+/// What was followed and what not, in a sentence, unless it is the primary mode alone as it should be.
+pub fn sentence(choice: &ModesFollowed) -> Option<String> {
+    if choice.followed.len() < 2 && not_started(choice).next().is_none() {
+        return None;
+    }
+    let rest = left_out(choice);
+    let rest = if rest.is_empty() { String::new() } else { format!("; not {}", rest.join(", ")) };
+    Some(format!("Windows of {} were searched{rest}.", followed(choice)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn modes_are_named_reason_by_reason() {
+        let mut left_out: Vec<(usize, LeftOut)> = (3..39).map(|mode| (mode, LeftOut::NoWork)).collect();
+        let alone = ModesFollowed { followed: vec![0], left_out: left_out.clone() };
+        assert_eq!(sentence(&alone), None);
+        left_out.extend([(1, LeftOut::OutOfRange), (39, LeftOut::RigidBody)]);
+        let choice = ModesFollowed { followed: vec![0, 2], left_out };
+        assert_eq!(
+            sentence(&choice).unwrap(),
+            "Windows of modes 1 and 3 were searched; not modes 4 to 39 (the forcing does no work on them), mode 2 (out of \
+             reach of the frequency range)."
+        );
+        let lost = ModesFollowed { followed: vec![1], left_out: vec![(0, LeftOut::NotStarted("singular".into()))] };
+        assert_eq!(
+            sentence(&lost).unwrap(),
+            "Windows of mode 2 were searched; not mode 1 (its backbone does not start)."
+        );
+        assert_eq!(not_started(&lost).collect::<Vec<_>>(), [(0, "singular")]);
+    }
+}

@@ -1,0 +1,168 @@
+//! Fold curves: written with the results that found them, read as lists of points.
+
+use super::error::At;
+use super::number::number;
+use super::scalars::Scalars;
+use super::{Reader, Result};
+use protocol::critical::CriticalMessage;
+use protocol::ids::TaskId;
+use rusqlite::{Connection, Row, params};
+use serde::Serialize;
+use solver::response::branch::Outcome;
+use solver::response::critical::CriticalKind;
+use std::collections::HashMap;
+use std::path::Path;
+use std::sync::Arc;
+
+/// First version of the schema that has fold curves.
+const SINCE: i64 = 3;
+
+/// A fold curve in numbers.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CurveRow {
+    /// Number, from 1.
+    pub number: usize,
+    /// Where it starts: forcing amplitude as typed, branch and fold.
+    pub origin: String,
+    /// How it begins and ends, in words.
+    pub status: String,
+    /// Whether it is known only in part.
+    pub is_unfinished: bool,
+    /// Points in the order of the arc; a closed curve ends with its first one again.
+    pub points: Vec<CurvePoint>,
+}
+
+impl CurveRow {
+    /// What happens along it, and where.
+    pub fn events(&self) -> impl Iterator<Item = (&str, &CurvePoint)> {
+        self.points.iter().filter_map(|point| Some((point.event.as_deref()?, point)))
+    }
+}
+
+/// A point of a fold curve.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CurvePoint {
+    /// Forcing amplitude.
+    pub forcing: f64,
+    /// Frequency, rad/s.
+    pub omega: f64,
+    /// Amplitude of the first monitored dof, m.
+    pub amplitude: f64,
+    /// `birth`, `merge` or `cusp`.
+    pub event: Option<String>,
+}
+
+/// What became of the tasks that follow from folds.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct SearchCounts {
+    /// Folds that are to be followed, or found to lie on known curves.
+    pub folds: usize,
+    /// Folds from which no curve could be followed.
+    pub unfollowed: usize,
+    /// Crossings of curves with levels.
+    pub crossings: usize,
+    /// Crossings that led to no branch, though they lie within the bounds.
+    pub lost: usize,
+}
+
+/// Stores a fold curve; its number is one more than that of the last.
+pub(super) fn insert_curve(
+    db: &Connection,
+    file: &Path,
+    task: &TaskId,
+    number: usize,
+    curve: &CriticalMessage,
+) -> Result<()> {
+    let sql = "INSERT INTO curves (number, task, kind, status, closed, unfinished, rejections) \
+               VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)";
+    let row = params![
+        number + 1,
+        task.as_str(),
+        curve.quantity.extremum(),
+        curve.outcome.to_string(),
+        curve.outcome == Outcome::Closed,
+        curve.outcome.is_unfinished(),
+        curve.rejections,
+    ];
+    db.prepare_cached(sql).at(file)?.execute(row).at(file)?;
+    let points = Scalars::new(&curve.points).at(file)?;
+    let (forcing, amplitude) = (curve.forcing(), points.get("amplitude"));
+    let sql = "INSERT INTO curve_points (curve, i, forcing, omega, amplitude, event) VALUES (?1, ?2, ?3, ?4, ?5, ?6)";
+    let mut statement = db.prepare_cached(sql).at(file)?;
+    for (i, (forcing, omega)) in forcing.iter().zip(&points.omega).enumerate() {
+        let here = curve.events.iter().filter(|event| event.index == i).map(|event| event.kind);
+        // Of two at one point the one that is more than a cusp.
+        let event = here.max_by_key(|kind| *kind != CriticalKind::Cusp).map(CriticalKind::name);
+        statement.execute(params![number + 1, i, forcing, omega, amplitude.get(i), event]).at(file)?;
+    }
+    Ok(())
+}
+
+impl Reader {
+    /// The fold curves, in the order in which they were found; none of a run of an earlier program.
+    pub fn curves(&self) -> Result<Vec<CurveRow>> {
+        if self.version()? < SINCE {
+            return Ok(Vec::new());
+        }
+        let sql = "SELECT number, levels.amplitude, origin, status, unfinished FROM curves \
+                   JOIN tasks ON tasks.id = curves.task JOIN levels USING (level) ORDER BY number";
+        let mut curves = self.all(sql, [], |row| {
+            let (amplitude, origin): (String, String) = (row.get(1)?, row.get(2)?);
+            Ok(CurveRow {
+                number: row.get(0)?,
+                origin: format!("A = {amplitude}, {origin}"),
+                status: row.get(3)?,
+                is_unfinished: row.get(4)?,
+                points: Vec::new(),
+            })
+        })?;
+        let sql = "SELECT curve, forcing, omega, amplitude, event FROM curve_points ORDER BY curve, i";
+        let point = |row: &Row<'_>| {
+            let (forcing, omega, amplitude) = (number(row, 1)?, number(row, 2)?, number(row, 3)?);
+            Ok((row.get::<_, usize>(0)?, CurvePoint { forcing, omega, amplitude, event: row.get(4)? }))
+        };
+        for (curve, point) in self.all(sql, [], point)? {
+            let row = curves.get_mut(curve.wrapping_sub(1));
+            row.ok_or_else(|| self.corrupt(format!("there is no fold curve {curve}")))?.points.push(point);
+        }
+        for number in self.all("SELECT number FROM curves WHERE closed", [], |row| row.get::<_, usize>(0))? {
+            let Some(curve) = curves.get_mut(number.wrapping_sub(1)) else { continue };
+            let first = curve.points.first().map(|first| CurvePoint { event: None, ..first.clone() });
+            curve.points.extend(first);
+        }
+        Ok(curves)
+    }
+
+    /// What became of the tasks that follow from folds.
+    pub fn search_counts(&self) -> Result<SearchCounts> {
+        let sql = "SELECT kind, state <> 'done' OR found OR coalesce(outcome, '') LIKE 'outside %' FROM tasks \
+                   WHERE kind IN ('fold', 'crossing')";
+        let mut counts = SearchCounts::default();
+        for (kind, is_well) in self.all(sql, [], |row| Ok((row.get::<_, String>(0)?, row.get::<_, bool>(1)?)))? {
+            let (all, lost) = match kind.as_str() {
+                "fold" => (&mut counts.folds, &mut counts.unfollowed),
+                _ => (&mut counts.crossings, &mut counts.lost),
+            };
+            *all += 1;
+            *lost += usize::from(!is_well);
+        }
+        Ok(counts)
+    }
+
+    /// Forcing amplitudes of the points of fold curves, of closed ones the first again, by the tasks that found them.
+    pub(super) fn forcings(&self) -> Result<HashMap<String, Arc<[f64]>>> {
+        if self.version()? < SINCE {
+            return Ok(HashMap::new());
+        }
+        let sql = "SELECT task, forcing FROM curve_points JOIN curves ON curves.number = curve ORDER BY curve, i";
+        let mut forcings: HashMap<String, Vec<f64>> = HashMap::new();
+        for (task, forcing) in self.all(sql, [], |row| Ok((row.get::<_, String>(0)?, number(row, 1)?)))? {
+            forcings.entry(task).or_default().push(forcing);
+        }
+        for task in self.all("SELECT task FROM curves WHERE closed", [], |row| row.get::<_, String>(0))? {
+            let forcing = forcings.entry(task).or_default();
+            forcing.extend(forcing.first().copied());
+        }
+        Ok(forcings.into_iter().map(|(task, forcing)| (task, forcing.into())).collect())
+    }
+}

@@ -1,0 +1,153 @@
+//! What is known of fold and peak curves: their points, the extrema of A along them, how they end, and why there may be none.
+
+use crate::curve::problem::Failure;
+use crate::formulation::FormulationError;
+pub use crate::formulation::unknown::Quantity;
+use crate::response::branch::{BranchPoint, Outcome, Stop};
+use crate::settings::SettingsError;
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+/// Within which forcing amplitudes and frequencies a curve is followed.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Extent {
+    /// Lowest and highest forcing amplitude A.
+    pub forcing: (f64, f64),
+    /// Lowest and highest frequency, rad/s.
+    pub frequency: (f64, f64),
+    /// Largest number of points in each direction.
+    pub points: usize,
+}
+
+/// What an extremum of A along a fold or peak curve is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum CriticalKind {
+    /// An isola is born: below this A it is not there.
+    Birth,
+    /// An isola shrinks to a point: above this A it is not there.
+    Death,
+    /// Two branches, or two parts of one, meet.
+    Merge,
+    /// Two folds (or a maximum and a minimum) of one branch meet and vanish: no branch is born or merges.
+    Cusp,
+    /// Not told: at a corner of the curve (a contact begins or ends), or the corrector failed next to it.
+    Unknown,
+}
+
+impl CriticalKind {
+    /// Its name in files and messages.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Birth => "birth",
+            Self::Death => "death",
+            Self::Merge => "merge",
+            Self::Cusp => "cusp",
+            Self::Unknown => "unknown",
+        }
+    }
+}
+
+/// An extremum of A along a fold or peak curve, located to rounding unless its kind is unknown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct CriticalEvent {
+    /// What it is.
+    pub kind: CriticalKind,
+    /// Index into [`CriticalCurve::points`].
+    pub index: usize,
+}
+
+/// A curve of folds or peaks.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct CriticalCurve {
+    /// What has an extremum at its points, along the branch at each point's own A.
+    pub quantity: Quantity,
+    /// Points in the order of the arc, extrema of A among them; a closed curve does not repeat its first point. Where the
+    /// curve leaves the range of forcing amplitudes, its last point lies at the bound.
+    pub points: Vec<BranchPoint>,
+    /// Extrema of A, in the order of the arc.
+    pub events: Vec<CriticalEvent>,
+    /// How it begins and ends.
+    pub outcome: Outcome,
+    /// For both ends, if the curve stalled there: the element, by its number in the model, whose contact is about to begin or
+    /// to end (grazing). There the first derivatives vary like a square root, and the curve cannot be followed.
+    pub grazing: [Option<usize>; 2],
+    /// Steps refused and repeated shorter.
+    pub rejections: usize,
+}
+
+impl CriticalCurve {
+    /// Its events of one kind.
+    pub fn events(&self, kind: CriticalKind) -> impl Iterator<Item = &BranchPoint> {
+        self.events.iter().filter(move |event| event.kind == kind).map(|event| &self.points[event.index])
+    }
+
+    /// Forcing amplitudes of its points, of a closed curve the first one again.
+    pub fn forcing(&self) -> impl Iterator<Item = f64> {
+        let last = if self.is_closed() { self.points.first() } else { None };
+        self.points.iter().chain(last).map(|point| point.state.forcing)
+    }
+
+    /// Lowest and highest forcing amplitude.
+    pub fn forcing_range(&self) -> (f64, f64) {
+        self.points.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), point| {
+            (low.min(point.state.forcing), high.max(point.state.forcing))
+        })
+    }
+
+    /// Whether whoever observed it asked to stop.
+    pub fn is_cancelled(&self) -> bool {
+        matches!(self.outcome, Outcome::Open(first, last) if first == Stop::Cancelled || last == Stop::Cancelled)
+    }
+
+    /// Whether it is a closed curve.
+    pub fn is_closed(&self) -> bool {
+        self.outcome == Outcome::Closed
+    }
+
+    /// Neighbouring points, of a closed curve the last and the first as well.
+    pub(super) fn pairs(&self) -> impl Iterator<Item = (&BranchPoint, &BranchPoint)> {
+        let last = if self.is_closed() { self.points.first() } else { None };
+        self.points.iter().zip(self.points.iter().skip(1).chain(last))
+    }
+}
+
+/// Why there is no curve at all.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum CriticalError {
+    /// A setting is out of its range.
+    #[error(transparent)]
+    Settings(#[from] SettingsError),
+    /// A law has no second derivatives.
+    #[error(transparent)]
+    Formulation(#[from] FormulationError),
+    /// No point of the curve was found near the start.
+    #[error("no {} near {omega:.6} rad/s at A = {forcing}: {failure}", quantity.extremum())]
+    Start {
+        /// What was looked for.
+        quantity: Quantity,
+        /// Frequency of the start, rad/s.
+        omega: f64,
+        /// Its forcing amplitude.
+        forcing: f64,
+        /// Why.
+        failure: Failure,
+    },
+    /// What was found near the start is a different response.
+    #[error("no {} near {omega:.6} rad/s at A = {forcing}: the nearest is another response", quantity.extremum())]
+    Elsewhere {
+        /// What was looked for.
+        quantity: Quantity,
+        /// Frequency of the start, rad/s.
+        omega: f64,
+        /// Its forcing amplitude.
+        forcing: f64,
+    },
+}
+
+/// Where a curve whose points have these forcing amplitudes (see [`CriticalCurve::forcing`]) crosses `forcing`: the points
+/// before.
+pub fn crossed(amplitudes: &[f64], forcing: f64) -> impl Iterator<Item = usize> {
+    let crosses = move |pair: &[f64]| (pair[0] > forcing) != (pair[1] > forcing);
+    amplitudes.windows(2).enumerate().filter(move |(_, pair)| crosses(pair)).map(|(segment, _)| segment)
+}

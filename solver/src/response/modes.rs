@@ -1,0 +1,257 @@
+//! Which modes are followed, and their backbones: the primary one, and those of further modes that a study can reach.
+
+use crate::response::backbone::{Backbone, BackboneError};
+use crate::response::branch::{BranchPoint, Observer};
+use crate::settings::{ModeChoice, RIGID, Settings};
+use crate::structure::Model;
+use serde::{Deserialize, Serialize};
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+
+/// Modes whose share of the forcing is below this part of the largest one are not forced.
+const NO_WORK: f64 = 1e-6;
+/// Backbones bend: a resonance within this factor of a bound can come into the range.
+const BENDS: f64 = 2.0;
+/// Where no upper bound is given: up to this multiple of the primary mode's eigenfrequency.
+const FAR: f64 = 4.0;
+/// Most modes that are chosen unless a list is given.
+const MOST: usize = 8;
+
+/// Why the backbone of a mode is not followed.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum LeftOut {
+    /// The list of modes does not have it.
+    NotListed,
+    /// It does not deform the structure.
+    RigidBody,
+    /// The forcing does no work on it.
+    NoWork,
+    /// Its resonance is out of reach of the frequency range.
+    OutOfRange,
+    /// Modes enough are followed.
+    TooMany,
+    /// Its backbone does not start, for this reason.
+    NotStarted(String),
+}
+
+impl std::fmt::Display for LeftOut {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::NotListed => f.write_str("not in the list of modes"),
+            Self::RigidBody => f.write_str("rigid body"),
+            Self::NoWork => f.write_str("the forcing does no work on it"),
+            Self::OutOfRange => f.write_str("its resonance is out of reach of the frequency range"),
+            Self::TooMany => write!(f, "{MOST} modes are followed already"),
+            Self::NotStarted(why) => write!(f, "its backbone does not start: {why}"),
+        }
+    }
+}
+
+/// Which modes are followed, from 0, and why others are not.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub struct ModesFollowed {
+    /// The primary mode first, then the others in the order of their list or of their frequencies.
+    pub followed: Vec<usize>,
+    /// All other modes of the structure.
+    pub left_out: Vec<(usize, LeftOut)>,
+}
+
+impl ModesFollowed {
+    /// The choice of valid settings. With `"auto"` it is mode 1 and every other one on which the forcing does work and whose
+    /// resonance, in the motion's own harmonic or in the one that is forced, can reach the range of frequencies.
+    pub fn choose(model: &Model, settings: &Settings) -> Self {
+        let primary = settings.tracked();
+        let mut followed = vec![primary];
+        let mut left_out = Vec::new();
+        if let ModeChoice::These(list) = &settings.backbone.modes {
+            followed.extend(list.numbers().iter().skip(1).map(|number| number - 1));
+            let others = (0..model.size()).filter(|mode| !followed.contains(mode));
+            left_out.extend(others.map(|mode| (mode, LeftOut::NotListed)));
+            return Self { followed, left_out };
+        }
+        let shares = shares(model);
+        let largest = shares.iter().copied().fold(0.0, f64::max);
+        let frequencies = &model.modes().frequencies;
+        let rigid = RIGID * frequencies.last().copied().unwrap_or_default();
+        for mode in (0..model.size()).filter(|&mode| mode != primary) {
+            let why = match () {
+                () if frequencies[mode] <= rigid => LeftOut::RigidBody,
+                () if shares[mode] <= NO_WORK * largest => LeftOut::NoWork,
+                () if !is_in_reach(model, settings, mode) => LeftOut::OutOfRange,
+                () if followed.len() >= MOST => LeftOut::TooMany,
+                () => {
+                    followed.push(mode);
+                    continue;
+                }
+            };
+            left_out.push((mode, why));
+        }
+        Self { followed, left_out }
+    }
+}
+
+/// |φ_jᵀ s| of every mode.
+fn shares(model: &Model) -> Vec<f64> {
+    let projections = model.modes().shapes.transpose().mul_vec(&model.forcing().shape);
+    projections.into_iter().map(f64::abs).collect()
+}
+
+/// Whether a mode's resonance can come into the range of frequencies, and its backbone starts within its own bounds.
+fn is_in_reach(model: &Model, settings: &Settings, mode: usize) -> bool {
+    let frequencies = &model.modes().frequencies;
+    let (omega, m) = (frequencies[mode], model.forcing().harmonic as f64);
+    let low = settings.frequency.min.map_or(0.0, |min| min / BENDS);
+    let high = settings.frequency.max.map_or(FAR * frequencies[settings.tracked()], |max| BENDS * max);
+    let own = &settings.backbone;
+    let starts = own.min_frequency.is_none_or(|min| min <= omega) && own.max_frequency.is_none_or(|max| omega <= max);
+    starts && [omega, omega / m].iter().any(|resonance| (low..=high).contains(resonance))
+}
+
+/// The backbones of all modes followed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Backbones {
+    /// That of the primary mode first; each of a mode of its own.
+    pub list: Vec<Backbone>,
+    /// Modes without a backbone, and why.
+    pub left_out: Vec<(usize, LeftOut)>,
+}
+
+impl AsRef<[Backbone]> for Backbones {
+    fn as_ref(&self) -> &[Backbone] {
+        &self.list
+    }
+}
+
+impl Backbones {
+    /// Computes the backbone of every mode that the settings choose.
+    ///
+    /// # Errors
+    /// If a setting is out of range, or the backbone of the primary mode does not start. One of a further mode that does not
+    /// start is left out.
+    pub fn compute(model: &Model, settings: &Settings) -> Result<Self, BackboneError> {
+        Self::compute_with(model, settings, &mut |_| ControlFlow::Continue(()), &AtomicBool::new(false))
+    }
+
+    /// The same, each in a thread of its own; `observer` is told of every point of the primary one, and `stop` cancels the
+    /// others.
+    ///
+    /// # Errors
+    /// Those of [`Backbones::compute`].
+    pub fn compute_with(
+        model: &Model,
+        settings: &Settings,
+        observer: &mut Observer<'_>,
+        stop: &AtomicBool,
+    ) -> Result<Self, BackboneError> {
+        settings.validate(model)?;
+        let ModesFollowed { followed, mut left_out } = ModesFollowed::choose(model, settings);
+        let further = |mode: usize| {
+            let mut observer = |_: &BranchPoint| match stop.load(Ordering::Relaxed) {
+                true => ControlFlow::Break(()),
+                false => ControlFlow::Continue(()),
+            };
+            Backbone::compute_with(model, &settings.tracking(mode), &mut observer)
+        };
+        thread::scope(|scope| {
+            let threads: Vec<_> = followed[1..].iter().map(|&mode| scope.spawn(move || further(mode))).collect();
+            let primary = Backbone::compute_with(model, settings, observer);
+            if primary.is_err() {
+                stop.store(true, Ordering::Relaxed);
+            }
+            let mut list = vec![primary?];
+            for (&mode, thread) in followed[1..].iter().zip(threads) {
+                match thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)) {
+                    Ok(backbone) => list.push(backbone),
+                    Err(error) => left_out.push((mode, LeftOut::NotStarted(error.to_string()))),
+                }
+            }
+            left_out.sort_by_key(|(mode, _)| *mode);
+            Ok(Self { list, left_out })
+        })
+    }
+
+    /// That of the primary mode.
+    pub fn primary(&self) -> &Backbone {
+        &self.list[0]
+    }
+
+    /// Which modes have one, and which not.
+    pub fn modes(&self) -> ModesFollowed {
+        ModesFollowed { followed: self.list.iter().map(|b| b.mode).collect(), left_out: self.left_out.clone() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::settings::ModeList;
+    use crate::structure::ModelBuilder;
+
+    /// Masses of 1 kg on springs of their own: every dof is a mode.
+    fn masses(omegas: &[f64], forces: &[f64]) -> ModelBuilder {
+        let diagonal = |values: Vec<f64>| crate::linalg::Matrix::diagonal(&values);
+        let squares = omegas.iter().map(|omega| omega * omega).collect();
+        let mass = diagonal(vec![1.0; omegas.len()]);
+        Model::builder("masses").mass(mass).stiffness(diagonal(squares)).force_shape(forces)
+    }
+
+    fn chosen(model: &Model, change: impl FnOnce(&mut Settings)) -> (Vec<usize>, Vec<(usize, LeftOut)>) {
+        let mut settings = Settings::default();
+        change(&mut settings);
+        settings.validate(model).unwrap();
+        let ModesFollowed { followed, left_out } = ModesFollowed::choose(model, &settings);
+        (followed, left_out)
+    }
+
+    #[test]
+    fn modes_in_reach_that_are_forced_are_followed() {
+        let model = masses(&[1.0, 1.5, 3.0, 3.9, 4.1], &[1.0, 1e-7, 1.0, 1e-5, 1.0]).build().unwrap();
+        let unforced = (1, LeftOut::NoWork);
+        let (followed, left_out) = chosen(&model, |_| {});
+        assert_eq!((followed, left_out), (vec![0, 2, 3], vec![unforced.clone(), (4, LeftOut::OutOfRange)]));
+        // Bounds count for what they say, twice as far.
+        let (followed, _) = chosen(&model, |s| s.frequency.max = Some(1.6));
+        assert_eq!(followed, [0, 2]);
+        let (followed, _) = chosen(&model, |s| (s.frequency.min, s.frequency.max) = (Some(7.0), Some(8.0)));
+        assert_eq!(followed, [0, 3, 4]);
+        // The backbone's own bounds: it could not start.
+        assert_eq!(chosen(&model, |s| s.backbone.max_frequency = Some(3.5)).0, [0, 2]);
+        // A list is taken as it is.
+        let list = ModeChoice::These(ModeList::new(&[3, 2]).unwrap());
+        let (followed, left_out) = chosen(&model, |s| s.backbone.modes = list);
+        assert_eq!((followed, left_out.len(), &left_out[0]), (vec![2, 1], 3, &(0, LeftOut::NotListed)));
+    }
+
+    #[test]
+    fn a_forced_harmonic_brings_higher_modes_into_reach() {
+        let model = masses(&[1.0, 6.0, 13.0], &[1.0; 3]).harmonic(3).build().unwrap();
+        assert_eq!(chosen(&model, |_| {}).0, [0, 1]);
+    }
+
+    #[test]
+    fn there_is_an_end_to_modes() {
+        let omegas: Vec<f64> = (0..10).map(|i| 1.0 + 0.1 * f64::from(i)).collect();
+        let model = masses(&omegas, &[1.0; 10]).build().unwrap();
+        let (followed, left_out) = chosen(&model, |_| {});
+        assert_eq!(followed, [0, 1, 2, 3, 4, 5, 6, 7]);
+        assert_eq!(left_out, [(8, LeftOut::TooMany), (9, LeftOut::TooMany)]);
+    }
+
+    #[test]
+    fn a_backbone_that_does_not_start_is_left_out() {
+        let model = masses(&[1.0, 2.0], &[1.0; 2]).build().unwrap();
+        let mut settings = Settings::default();
+        settings.backbone.modes = ModeChoice::These(ModeList::new(&[1, 2]).unwrap());
+        (settings.backbone.max_frequency, settings.backbone.max_points) = (Some(1.5), 5);
+        let backbones = Backbones::compute(&model, &settings).unwrap();
+        let ModesFollowed { followed, left_out } = backbones.modes();
+        assert_eq!(followed, [0]);
+        let (mode, LeftOut::NotStarted(why)) = &left_out[0] else { panic!("{left_out:?}") };
+        assert!(*mode == 1 && why.contains("backbone.max_frequency = 1.5"), "{why}");
+        // That of the primary mode has to start.
+        settings.backbone.modes = ModeChoice::These(ModeList::new(&[2, 1]).unwrap());
+        assert!(Backbones::compute(&model, &settings).is_err());
+    }
+}

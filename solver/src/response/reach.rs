@@ -1,0 +1,85 @@
+//! The room in which branches are looked for.
+
+use crate::response::backbone::Backbone;
+use crate::response::windows::windows;
+use crate::settings::{Settings, SettingsError};
+use serde::{Deserialize, Serialize};
+
+/// Within which frequencies and amplitudes branches are followed: settings, completed by the backbones.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Reach {
+    /// Lowest and highest frequency of the study, rad/s.
+    pub frequency: (f64, f64),
+    /// Amplitude of the first monitored dof up to which responses are expected, m; a bound only if the settings give one.
+    pub amplitude: f64,
+    /// Lowest and highest frequency that the backbones suggest, rad/s: 10 % beyond those of the primary mode's, and beyond
+    /// the windows of further modes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub natural: Option<(f64, f64)>,
+    /// Lowest and highest forcing amplitude to which folds are followed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub forcing: Option<(f64, f64)>,
+}
+
+impl Reach {
+    /// As set; where nothing is set, 10 % beyond the backbone's frequencies and three times its largest amplitude.
+    ///
+    /// # Errors
+    /// If a bound that is set lies on the wrong side of one that the backbone gives.
+    pub fn new(settings: &Settings, backbone: &Backbone) -> Result<Self, SettingsError> {
+        Self::over(settings, backbone, &[], 0.0)
+    }
+
+    /// The same; where nothing is set, also 10 % beyond the windows that backbones of further modes have at a forcing
+    /// amplitude.
+    ///
+    /// # Errors
+    /// Those of [`Reach::new`].
+    pub fn over(
+        settings: &Settings,
+        backbone: &Backbone,
+        further: &[Backbone],
+        forcing: f64,
+    ) -> Result<Self, SettingsError> {
+        let (low, high) = backbone.frequency_range();
+        // Nobody knows where a backbone that ends early would have gone.
+        let end = match settings.backbone.max_frequency {
+            _ if !backbone.outcome.is_unfinished() => high,
+            Some(bound) => bound,
+            None => high.max(FAR * low),
+        };
+        let windows = further.iter().flat_map(|backbone| windows(backbone, forcing));
+        let (low, end) = windows.fold((low, end), |(low, end), w| (low.min(w.omega.0), end.max(w.omega.1)));
+        let natural = (0.9 * low, 1.1 * end);
+        let (low, high) = (settings.frequency.min.unwrap_or(natural.0), settings.frequency.max.unwrap_or(natural.1));
+        if low >= high {
+            let remedy = format!("the lower frequency bound is {low}: use a higher one");
+            return Err(SettingsError { key: "frequency.max", value: high.to_string(), remedy });
+        }
+        let amplitude = settings.branch.max_amplitude.unwrap_or(3.0 * backbone.max_amplitude());
+        Ok(Self { frequency: (low, high), amplitude, natural: Some(natural), forcing: None })
+    }
+
+    /// The same for a study of these forcing amplitudes: folds are followed a factor of two beyond them.
+    pub fn with_folds_of(self, amplitudes: impl Iterator<Item = f64>) -> Self {
+        let (low, high) = amplitudes.fold((f64::INFINITY, 0.0f64), |(low, high), a| (low.min(a), high.max(a)));
+        Self { forcing: Some((low / BEYOND, BEYOND * high)).filter(|_| low.is_finite()), ..self }
+    }
+
+    /// Lowest and highest forcing amplitude to which folds of branches at one are followed.
+    pub(super) fn forcing_around(&self, forcing: f64) -> (f64, f64) {
+        self.forcing.unwrap_or((forcing / BEYOND, BEYOND * forcing))
+    }
+
+    /// Frequencies that main branches are walked through even if their response is linear at the study's bounds.
+    pub(super) fn swept(&self) -> (f64, f64) {
+        let (low, high) = self.natural.unwrap_or(self.frequency);
+        (low.min(self.frequency.0), high.max(self.frequency.1))
+    }
+}
+
+/// Where a backbone ends early, main branches are walked up to this multiple of its lowest frequency.
+const FAR: f64 = 4.0;
+
+/// Folds are followed by this factor beyond the forcing amplitudes of a study.
+const BEYOND: f64 = 2.0;

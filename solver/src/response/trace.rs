@@ -1,0 +1,291 @@
+//! Carrying out a task: landing, tracing, telling what is new from what is known.
+
+use crate::curve::problem::Failure;
+use crate::formulation::Formulation;
+use crate::formulation::state::State;
+use crate::response::branch::{Branch, BranchKind, BranchPoint, Observer, Outcome, Side, SpecialKind, Stop};
+use crate::response::critical::CriticalCurve;
+use crate::response::forced::Forced;
+use crate::response::forcing::Unreached;
+use crate::response::name::BranchId;
+use crate::response::seeds::{LandingFailure, Seed, land};
+use crate::response::task::{CrossingPlace, Finding, FoldPlace, SeedOutcome, SeedPlace, Task, Unfollowed};
+
+/// What a task is given beside its level.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Given<'g> {
+    /// Those of [`Task::seeds`].
+    pub seeds: &'g [Seed],
+    /// The branches found at this level before it; of a fold, the branch that it is of.
+    pub known: &'g [(BranchId, &'g Branch)],
+    /// Fold curves found before: those that a fold may lie on, or the one that crosses the level.
+    pub curves: &'g [(usize, &'g CriticalCurve)],
+}
+
+/// Carries out a task. `None` if `observer` breaks.
+pub fn carry_out<'m, F: Formulation<'m>>(
+    forced: &mut Forced<'m, F>,
+    task: &Task,
+    given: &Given<'_>,
+    observer: &mut Observer<'_>,
+) -> Option<Finding> {
+    let Given { seeds, known, .. } = *given;
+    let finding = match task {
+        Task::Main(side) => enter(forced, *side, known, observer)
+            .unwrap_or_else(|failure| Finding::Nothing(SeedOutcome::NotTraced(failure))),
+        Task::Seed(place) => follow(forced, seeds, place, known, observer),
+        Task::Fold(place) => return unfold(forced, place, given, observer),
+        Task::Crossing(place) => cross(forced, place, given, observer),
+    };
+    let Finding::Branch(mut branch) = finding else { return Some(finding) };
+    if branch.is_cancelled() {
+        return None;
+    }
+    let mut is_cancelled = false;
+    forced.certify(&mut branch, &mut |point| {
+        let flow = observer(point);
+        is_cancelled |= flow.is_break();
+        flow
+    });
+    (!is_cancelled).then_some(Finding::Branch(branch))
+}
+
+/// Traces the main branch from a side, unless it is known.
+fn enter<'m, F: Formulation<'m>>(
+    forced: &mut Forced<'m, F>,
+    side: Side,
+    known: &[(BranchId, &Branch)],
+    observer: &mut Observer<'_>,
+) -> Result<Finding, Unreached> {
+    for (id, branch) in known.iter().filter(|(id, _)| id.is_main()) {
+        if ends_ordinarily(forced, branch, side) {
+            return Ok(Finding::Nothing(SeedOutcome::Found(*id)));
+        }
+    }
+    let branch = forced.main_branch(side, observer)?;
+    let (low, high) = forced.reach().frequency;
+    let is_inside = |point: &BranchPoint| point.omega() > low * (1.0 + 1e-6) && point.omega() < high * (1.0 - 1e-6);
+    Ok(match unknown_part(forced, branch, known) {
+        // Beyond the range the one that is known goes on as well; where they meet does not count.
+        Ok(branch) if branch.is_joined() && !inner(&branch.points).iter().any(is_inside) => {
+            Finding::Nothing(SeedOutcome::Found(known[0].0))
+        }
+        Ok(branch) => Finding::Branch(branch),
+        Err(id) => Finding::Nothing(SeedOutcome::Found(id)),
+    })
+}
+
+/// Points between the ends.
+fn inner(points: &[BranchPoint]) -> &[BranchPoint] {
+    points.get(1..points.len().saturating_sub(1)).unwrap_or_default()
+}
+
+/// Follows a fold over the forcing amplitude, unless it lies on a known curve. `None` if `observer` breaks.
+fn unfold<'m, F: Formulation<'m>>(
+    forced: &mut Forced<'m, F>,
+    place: &FoldPlace,
+    given: &Given<'_>,
+    observer: &mut Observer<'_>,
+) -> Option<Finding> {
+    let nothing = |failure: Unfollowed| Some(Finding::Nothing(SeedOutcome::NotFollowed(failure)));
+    let branch = given.known.iter().find(|(id, _)| *id == place.branch).map(|(_, branch)| branch);
+    let fold = branch.and_then(|branch| branch.special(SpecialKind::Fold).nth(place.fold));
+    let Some(fold) = fold else { return nothing(Unfollowed::Elsewhere) };
+    let mut critical = match forced.folds() {
+        Ok(critical) => critical,
+        Err(error) => return nothing(error.into()),
+    };
+    if let Some((number, _)) = given.curves.iter().find(|(_, curve)| critical.lies_on(&fold.state, curve)) {
+        return Some(Finding::Nothing(SeedOutcome::OnCurve(*number)));
+    }
+    match critical.curve(&fold.state, observer) {
+        Ok(curve) if curve.is_cancelled() => None,
+        Ok(curve) => Some(Finding::Curve(curve)),
+        Err(error) => nothing(error.into()),
+    }
+}
+
+/// Traces the branch that has a fold where a curve of folds crosses the level, unless it is known.
+fn cross<'m, F: Formulation<'m>>(
+    forced: &mut Forced<'m, F>,
+    place: &CrossingPlace,
+    given: &Given<'_>,
+    observer: &mut Observer<'_>,
+) -> Finding {
+    let forcing = forced.forcing();
+    let curve = given.curves.iter().find(|(number, _)| *number == place.curve).map(|(_, curve)| *curve);
+    let crossing = match (curve, forced.folds()) {
+        (Some(curve), Ok(mut critical)) => critical.crossing_at(curve, place.segment, forcing),
+        _ => Err(Failure::Diverged),
+    };
+    match crossing {
+        Ok(state) => branch_from(forced, &State { forcing, ..state }, given.known, observer),
+        Err(failure) => Finding::Nothing(SeedOutcome::NotLanded(LandingFailure::NotConverged(failure.into()))),
+    }
+}
+
+/// The branch through a converged state, unless it is known.
+fn branch_from<'m, F: Formulation<'m>>(
+    forced: &mut Forced<'m, F>,
+    state: &State,
+    known: &[(BranchId, &Branch)],
+    observer: &mut Observer<'_>,
+) -> Finding {
+    if let Some(id) = identify(forced, state, known) {
+        return Finding::Nothing(SeedOutcome::Found(id));
+    }
+    if !forced.contains(state) {
+        return Finding::Nothing(SeedOutcome::OutOfBounds);
+    }
+    let branch = match forced.branch_through(state, observer) {
+        Ok(branch) => named(forced, branch, known),
+        Err(failure) => return Finding::Nothing(SeedOutcome::NotTraced(failure.into())),
+    };
+    match unknown_part(forced, branch, known) {
+        Ok(branch) => Finding::Branch(branch),
+        Err(id) => Finding::Nothing(SeedOutcome::Found(id)),
+    }
+}
+
+/// What of an open branch is not part of known ones: from where it leaves one to where it comes to another, around the point
+/// from which it was followed if that is on none.
+///
+/// # Errors
+/// The known branch, if it lies on known ones from where it was followed to both ends.
+fn unknown_part<'m, F: Formulation<'m>>(
+    forced: &mut Forced<'m, F>,
+    mut branch: Branch,
+    known: &[(BranchId, &Branch)],
+) -> Result<Branch, BranchId> {
+    let Outcome::Open(mut first, mut last) = branch.outcome else { return Ok(branch) };
+    if branch.is_cancelled() || branch.points.is_empty() {
+        return Ok(branch);
+    }
+    let mut at = |index: usize| identify(forced, &branch.points[index].state, known);
+    let count = branch.points.len();
+    let start = branch.special.iter().find(|special| special.kind == SpecialKind::Start).map(|special| special.index);
+    let (begin, end) = match (at(0), at(count - 1)) {
+        (Some(id), Some(_)) => match start {
+            Some(start) if at(start).is_none() => {
+                let begin = boundary(start + 1, |index| at(index).is_some());
+                (begin, start + boundary(count - start, |index| at(start + index).is_none()))
+            }
+            _ => return Err(id),
+        },
+        (None, None) => return Ok(branch),
+        (Some(_), None) => (boundary(count, |index| at(index).is_some()), count),
+        (None, Some(_)) => (0, boundary(count, |index| at(index).is_none())),
+    };
+    if begin > 0 {
+        first = Stop::Joined;
+    }
+    if end < count {
+        last = Stop::Joined;
+    }
+    let kept = begin.saturating_sub(1)..(end + 1).min(count);
+    branch.keep(kept);
+    branch.outcome = Outcome::Open(first, last);
+    Ok(branch)
+}
+
+/// First of `count` indices for which a condition does not hold that holds up to there, for the first one at least.
+fn boundary(count: usize, mut holds: impl FnMut(usize) -> bool) -> usize {
+    let (mut low, mut high) = (0, count);
+    while high - low > 1 {
+        let middle = low + (high - low) / 2;
+        if holds(middle) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    high
+}
+
+/// Whether a main branch ends at the other side of the range with the response that one from there would begin with.
+fn ends_ordinarily<'m, F: Formulation<'m>>(forced: &mut Forced<'m, F>, branch: &Branch, side: Side) -> bool {
+    let (low, high) = forced.reach().frequency;
+    let Some(last) = branch.points.last() else { return false };
+    let is_there = match side {
+        Side::Below => last.omega() < low * (1.0 + 1e-6),
+        Side::Above => last.omega() > high * (1.0 - 1e-6),
+    };
+    is_there && matches!(branch.outcome, Outcome::Open(_, Stop::FrequencyBound)) && forced.is_ordinary(&last.state)
+}
+
+/// Traces the branch that seeds lead to, unless it is known.
+fn follow<'m, F: Formulation<'m>>(
+    forced: &mut Forced<'m, F>,
+    seeds: &[Seed],
+    place: &SeedPlace,
+    known: &[(BranchId, &Branch)],
+    observer: &mut Observer<'_>,
+) -> Finding {
+    let mut nothing = SeedOutcome::NotLanded(LandingFailure::NotConverged(Failure::Diverged.into()));
+    let mut nearest = f64::INFINITY;
+    for seed in seeds {
+        let landing = match land(forced, seed, place.way, place.well.mode) {
+            Ok(landing) => landing,
+            Err(failure) if nearest == f64::INFINITY => {
+                nothing = SeedOutcome::NotLanded(LandingFailure::NotConverged(failure));
+                continue;
+            }
+            Err(_) => continue,
+        };
+        // What is not known yet is what seeds are for, wherever it lies.
+        let outcome = match identify(forced, &landing.state, known) {
+            Some(id) if landing.is_near() => SeedOutcome::Found(id),
+            Some(_) => SeedOutcome::NotLanded(LandingFailure::Far(landing.distance)),
+            None if !forced.contains(&landing.state) => SeedOutcome::OutOfBounds,
+            None => match forced.branch_through(&landing.state, observer) {
+                Ok(branch) => {
+                    // Of a curve that was come upon by a wrong step nothing is known but that it is closed.
+                    if branch.is_closed() && identify(forced, &branch.points[0].state, known).is_some() {
+                        return Finding::Nothing(SeedOutcome::NotLanded(LandingFailure::Far(landing.distance)));
+                    }
+                    let branch = named(forced, branch, known);
+                    return match unknown_part(forced, branch, known) {
+                        Ok(branch) => Finding::Branch(branch),
+                        Err(id) => Finding::Nothing(SeedOutcome::Found(id)),
+                    };
+                }
+                Err(failure) => SeedOutcome::NotTraced(failure.into()),
+            },
+        };
+        if landing.distance < nearest {
+            (nothing, nearest) = (outcome, landing.distance);
+        }
+    }
+    Finding::Nothing(nothing)
+}
+
+/// A new branch, of the kind that it has in view of those known: a piece of a main branch is main, and as long as a known branch
+/// goes on where it ends, nobody knows whether an open curve is detached from it.
+fn named<'m, F: Formulation<'m>>(forced: &mut Forced<'m, F>, branch: Branch, known: &[(BranchId, &Branch)]) -> Branch {
+    if branch.is_cancelled() || branch.is_closed() {
+        return branch;
+    }
+    let ends = |branch: &Branch| [branch.points.first(), branch.points.last()].map(|end| end.map(|p| p.state.clone()));
+    let piece = known.iter().find(|(_, other)| {
+        let is_met = ends(&branch).iter().flatten().any(|end| forced.lies_on(end, other));
+        is_met || (!other.is_closed() && ends(other).iter().flatten().any(|end| forced.lies_on(end, &branch)))
+    });
+    let kind = match piece {
+        Some((id, _)) if id.is_main() => BranchKind::Main,
+        Some(_) => branch.kind,
+        None if branch.kind == BranchKind::Open && known.iter().any(|(_, other)| other.outcome.is_unfinished()) => {
+            BranchKind::Cut
+        }
+        None => branch.kind,
+    };
+    Branch { kind, ..branch }
+}
+
+/// The branch that a converged state lies on, if it is known.
+fn identify<'m, F: Formulation<'m>>(
+    forced: &mut Forced<'m, F>,
+    state: &State,
+    known: &[(BranchId, &Branch)],
+) -> Option<BranchId> {
+    known.iter().find(|(_, branch)| forced.lies_on(state, branch)).map(|(id, _)| *id)
+}
