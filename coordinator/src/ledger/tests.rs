@@ -69,7 +69,7 @@ fn find(granted: &Granted) -> Brought {
         }
         Task::Crossing(CrossingPlace { curve, .. }) => {
             assert_eq!(curves.len(), 1, "the curve that crosses");
-            let is_new = (curve + amplitude as usize) % 2 == 0;
+            let is_new = (curve + amplitude as usize).is_multiple_of(2);
             return if is_new { Brought::Branch { kind: BranchKind::Isola, folds: 2 } } else { main };
         }
         Task::Seed(place) => place,
