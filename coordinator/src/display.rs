@@ -3,8 +3,11 @@
 use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use protocol::from_worker::Progress;
 use protocol::to_everyone::{Stage, Status};
+use results::journal::{LevelPlan, SweepPlan};
 use results::summary_table::{Layout, Units};
-use results::words::{duration, fixed_digits};
+use results::words::{count, duration, fixed_digits};
+use solver::response::seeds::Way;
+use solver::response::task::Task;
 use std::io::IsTerminal;
 use std::time::{Duration, Instant};
 use worker::terminal;
@@ -142,6 +145,28 @@ pub fn layout(units: Option<Units>) -> Layout {
     let size = console::Term::stdout().size_checked();
     let width = size.map_or(Layout::default().width, |(_, columns)| columns);
     Layout { width, units: units.unwrap_or_default() }
+}
+
+/// What a sweep is going to cost, in one line: known when the backbones are.
+pub fn plan(plan: &SweepPlan, most_folds: usize) -> String {
+    let total = |of: fn(&LevelPlan) -> usize| plan.levels.iter().map(of).sum::<usize>();
+    let seeds = |level: &LevelPlan| level.tasks.iter().filter(|task| is_seed(task)).count();
+    let search = match most_folds {
+        0 => "no folds are followed over the forcing".into(),
+        most => format!("then at most {most} folds are followed over the forcing (search.effort)"),
+    };
+    format!(
+        "{}, {}, {} with {}; {search}",
+        count(plan.levels.len(), "level"),
+        count(1 + plan.further.len(), "backbone"),
+        count(total(|level| level.windows.len()), "window"),
+        count(total(seeds), "seed"),
+    )
+}
+
+/// Whether a task is for a seed that is tried in any case.
+fn is_seed(task: &Task) -> bool {
+    matches!(task, Task::Land(place) if place.way == Way::FixedFrequency)
 }
 
 /// A status in one line.

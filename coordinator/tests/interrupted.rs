@@ -5,6 +5,7 @@ use protocol::branch::BranchMessage;
 use protocol::critical::CriticalMessage;
 use protocol::from_worker::Lease;
 use protocol::ids::TaskId;
+use protocol::landings::LandingsMessage;
 use protocol::to_everyone::StoredResult;
 use results::fixture::{Study, accepted, worker};
 use results::journal::{Change, TaskState};
@@ -13,6 +14,7 @@ use results::store::{CurveRow, Store};
 use solver::response::branch::{Branch, BranchPoint};
 use solver::response::critical::CriticalCurve;
 use solver::response::forced::Forced;
+use solver::response::seeds::Landing;
 use solver::response::task::{BranchId, Brought, Finding, SeedOutcome};
 use solver::response::trace::{Given, carry_out};
 use std::collections::HashMap;
@@ -26,6 +28,7 @@ struct Sweep<'s> {
     ledger: Ledger,
     branches: HashMap<TaskId, Branch>,
     curves: HashMap<TaskId, CriticalCurve>,
+    landings: HashMap<TaskId, Vec<Landing>>,
 }
 
 impl Sweep<'_> {
@@ -54,15 +57,17 @@ impl Sweep<'_> {
             granted.known.iter().map(|known| (known.branch, &self.branches[&known.task])).collect();
         let curves: Vec<(usize, &CriticalCurve)> =
             granted.curves.iter().map(|known| (known.number, &self.curves[&known.task])).collect();
-        let given = Given { seeds: &seeds, known: &known, curves: &curves };
+        let landings = granted.landing.as_ref().map_or(&[][..], |task| &self.landings[task]);
+        let given = Given { seeds: &seeds, landings, known: &known, curves: &curves };
         let observer = &mut |_: &BranchPoint| ControlFlow::Continue(());
         let finding = carry_out(&mut forced, &granted.work, &given, observer).unwrap();
         let (submitted, mut changes) = self.ledger.submit(&lease, &finding.brought());
         let Submitted::Accepted(done) = submitted else { panic!("accepted") };
-        let (branch, curve) = match finding {
-            Finding::Branch(branch) => (Some(branch), None),
-            Finding::Curve(curve) => (None, Some(curve)),
-            Finding::Nothing(_) => (None, None),
+        let (branch, curve, landings) = match finding {
+            Finding::Landings(landings) => (None, None, Some(landings)),
+            Finding::Branch(branch) => (Some(branch), None, None),
+            Finding::Curve(curve) => (None, Some(curve), None),
+            Finding::Nothing(_) => (None, None, None),
         };
         let name = match done.outcome {
             SeedOutcome::Found(id) if branch.is_some() => Some(id),
@@ -77,6 +82,7 @@ impl Sweep<'_> {
             name,
             branch: branch.as_ref().map(BranchMessage::from),
             curve: curve.as_ref().map(CriticalMessage::from),
+            landings: landings.as_deref().map(LandingsMessage::from),
             worker: worker(),
             program: "0.1.0".into(),
             seconds: 0.25,
@@ -84,7 +90,8 @@ impl Sweep<'_> {
         changes.push(Change::Result(accepted(result, done.sequence)));
         store.commit(&changes).unwrap();
         self.branches.extend(branch.map(|branch| (granted.task.clone(), branch)));
-        self.curves.extend(curve.map(|curve| (granted.task, curve)));
+        self.curves.extend(curve.map(|curve| (granted.task.clone(), curve)));
+        self.landings.extend(landings.map(|landings| (granted.task, landings)));
         true
     }
 }
@@ -96,7 +103,8 @@ fn an_interrupted_run_goes_on() {
     let dir = dir.path().join("parts");
     let (mut store, _) = study.begin(&dir);
     let ledger = Ledger::new(Rules::default(), study.plans.clone());
-    let mut sweep = Sweep { study: &study, ledger, branches: HashMap::new(), curves: HashMap::new() };
+    let mut sweep =
+        Sweep { study: &study, ledger, branches: HashMap::new(), curves: HashMap::new(), landings: HashMap::new() };
     let hour = |count: u64| Duration::from_secs(3600 * count);
     for count in 0..3 {
         sweep.fail(&mut store, "out of memory", hour(count));
@@ -137,10 +145,12 @@ fn an_interrupted_run_goes_on() {
     assert_eq!(sweep.ledger.counts(), store.counts().unwrap());
 }
 
-/// All that a store has of a search: tasks in the order of their announcements, and the curves.
+/// All that a store has of a search: tasks by name, for landings wait for nothing, and the curves.
 fn searched(store: &Store) -> (Vec<(TaskId, TaskState)>, Vec<CurveRow>) {
     let tasks = store.tasks().unwrap().into_iter().map(|task| (task.id, task.state));
-    (tasks.collect(), store.curves().unwrap())
+    let mut tasks: Vec<(TaskId, TaskState)> = tasks.collect();
+    tasks.sort_by(|a, b| a.0.cmp(&b.0));
+    (tasks, store.curves().unwrap())
 }
 
 #[test]
@@ -152,7 +162,8 @@ fn an_interrupted_search_goes_on() {
     let whole = {
         let (mut store, _) = study.begin(&dir.path().join("whole"));
         let ledger = Ledger::new(rules, study.plans.clone());
-        let mut sweep = Sweep { study: &study, ledger, branches: HashMap::new(), curves: HashMap::new() };
+        let mut sweep =
+            Sweep { study: &study, ledger, branches: HashMap::new(), curves: HashMap::new(), landings: HashMap::new() };
         while sweep.step(&mut store) {}
         searched(&store)
     };
@@ -171,15 +182,15 @@ fn an_interrupted_search_goes_on() {
     let parts = dir.path().join("parts");
     let (store, _) = study.begin(&parts);
     drop(store);
-    let (mut branches, mut curves) = (HashMap::new(), HashMap::new());
+    let (mut branches, mut curves, mut landings) = (HashMap::new(), HashMap::new(), HashMap::new());
     for _ in 0..whole.0.len() + 1 {
         let mut store = Store::open(&parts).unwrap();
         let (levels, folds, tasks) = (store.plans().unwrap(), store.folds().unwrap(), store.tasks().unwrap());
         let (ledger, changes) = Ledger::restore(rules, levels, &folds, tasks, Duration::ZERO);
         assert!(changes.is_empty(), "what is stored together is restored together: {changes:?}");
-        let mut sweep = Sweep { study: &study, ledger, branches, curves };
+        let mut sweep = Sweep { study: &study, ledger, branches, curves, landings };
         let goes_on = sweep.step(&mut store);
-        (branches, curves) = (sweep.branches, sweep.curves);
+        (branches, curves, landings) = (sweep.branches, sweep.curves, sweep.landings);
         if !goes_on {
             break;
         }

@@ -3,6 +3,7 @@
 use crate::array::ArrayError;
 use crate::critical::CriticalMessage;
 use crate::curve::{Points, Size};
+use crate::landings::LandingsMessage;
 use serde::{Deserialize, Serialize};
 use solver::response::branch::{Branch, BranchKind, Certificate, Outcome, SpecialKind, SpecialPoint, Standing};
 use solver::response::task::{Brought, Finding, SeedOutcome};
@@ -81,6 +82,8 @@ impl BranchMessage {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum FindingMessage {
+    /// Forced responses that seeds landed on.
+    Landings(LandingsMessage),
     /// A branch that was not known.
     Branch(BranchMessage),
     /// A fold curve that was not known.
@@ -93,6 +96,7 @@ impl FindingMessage {
     /// The same without the branch itself.
     pub fn brought(&self) -> Brought {
         match self {
+            Self::Landings(landings) => Brought::Landings(landings.motions.len()),
             Self::Branch(branch) => Brought::Branch { kind: branch.kind(), folds: branch.folds() },
             Self::Curve(curve) => Brought::Curve(curve.forcing().into()),
             Self::Nothing(outcome) => Brought::Nothing(*outcome),
@@ -103,6 +107,7 @@ impl FindingMessage {
 impl From<&Finding> for FindingMessage {
     fn from(finding: &Finding) -> Self {
         match finding {
+            Finding::Landings(landings) => Self::Landings(landings[..].into()),
             Finding::Branch(branch) => Self::Branch(branch.into()),
             Finding::Curve(curve) => Self::Curve(curve.into()),
             Finding::Nothing(outcome) => Self::Nothing(*outcome),

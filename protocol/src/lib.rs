@@ -8,7 +8,7 @@
 //! |---|---|
 //! | [`ids`], [`keys`] | names of runs, tasks and workers; key expressions |
 //! | [`codec`], [`mod@array`] | bytes of a message; arrays of numbers |
-//! | [`model`], [`curve`], [`backbone`], [`branch`] | the solver's nouns as arrays, there and back without loss |
+//! | [`model`], [`curve`], [`backbone`], [`branch`], [`critical`], [`landings`] | the solver's nouns as arrays, there and back without loss |
 //! | [`from_worker`], [`to_worker`], [`to_everyone`], [`control`] | messages by direction |
 //! | [`digest`] | size and SHA-256 of a stored result |
 //! | [`session`] | Zenoh sessions that open nothing but what they are told to; requests with a deadline |
@@ -27,6 +27,7 @@ pub mod follow;
 pub mod from_worker;
 pub mod ids;
 pub mod keys;
+pub mod landings;
 pub mod model;
 pub mod session;
 mod size;

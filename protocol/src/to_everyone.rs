@@ -6,6 +6,7 @@ use crate::critical::CriticalMessage;
 use crate::curve::Seeds;
 use crate::from_worker::Progress;
 use crate::ids::{Attempt, RunId, TaskId, WorkerId};
+use crate::landings::LandingsMessage;
 use serde::{Deserialize, Serialize};
 use solver::response::forced::Reach;
 use solver::response::modes::ModesFollowed;
@@ -141,6 +142,9 @@ pub struct StoredResult {
     /// The new fold curve.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub curve: Option<CriticalMessage>,
+    /// What seeds landed on.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub landings: Option<LandingsMessage>,
     /// Task.
     pub task: TaskId,
     /// Attempt that was accepted.

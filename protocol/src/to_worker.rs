@@ -45,6 +45,8 @@ pub struct Grant {
     pub work: Task,
     /// Seeds to start from, as published on `seed/<task>`.
     pub seeds: Seeds,
+    /// Of a seed: the task whose stored result has what it landed on.
+    pub landing: Option<TaskId>,
     /// Branches of this level found before: the stored results to fetch from `result/<task>`. Of a fold: the branch that it
     /// is of.
     pub known: Vec<Known>,

@@ -307,3 +307,8 @@ def test_result_with_a_fold_curve():
     assert curve.outcome == "open: forcing bound to point budget used up"
     assert [(event.kind, event.index) for event in curve.events] == [("birth", 1)]
     assert Result.read(sample("result"), model()).curve is None
+
+
+def test_result_of_a_landing():
+    result = Result.read(sample("result_landings"), model())
+    assert (result.branch, result.curve, result.outcome) == (None, None, "2 forced responses")

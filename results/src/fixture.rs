@@ -7,6 +7,7 @@ use protocol::branch::BranchMessage;
 use protocol::codec::{encode, sha256};
 use protocol::digest::Digest;
 use protocol::ids::{Attempt, RunId, TaskId, WorkerId};
+use protocol::landings::LandingsMessage;
 use protocol::model::ModelMessage;
 use protocol::to_everyone::{Amplitude, Stage, StoredResult};
 use solver::files;
@@ -15,6 +16,7 @@ use solver::response::backbone::Backbone;
 use solver::response::branch::{Branch, BranchKind, BranchPoint, Outcome, Stop};
 use solver::response::forced::{Forced, Reach};
 use solver::response::modes::{Backbones, LeftOut};
+use solver::response::seeds::Landing;
 use solver::response::task::{BranchId, Finding, SeedOutcome, Task, plan};
 use solver::response::trace::{Given, carry_out};
 use solver::settings::{ModeChoice, ModeList, Settings};
@@ -173,6 +175,8 @@ pub struct Sweep<'s> {
     /// Results so far.
     pub results: Vec<StoredResult>,
     levels: Vec<Turn>,
+    /// What seeds landed on, by level; asked for by the task after.
+    landings: HashMap<usize, Vec<Landing>>,
     attempts: HashMap<TaskId, u32>,
 }
 
@@ -187,7 +191,8 @@ impl<'s> Sweep<'s> {
     fn new(study: &'s Study) -> Self {
         let turn = |plan: &LevelPlan| Turn { account: Account::new(plan.windows.clone()), next: 0, known: Vec::new() };
         let levels = study.plans.iter().map(turn).collect();
-        Self { study, branches: HashMap::new(), results: Vec::new(), levels, attempts: HashMap::new() }
+        let (branches, results, landings, attempts) = Default::default();
+        Self { study, branches, results, levels, landings, attempts }
     }
 
     /// Takes the next task that is needed.
@@ -254,7 +259,8 @@ impl<'s> Sweep<'s> {
         let seeds = granted.work.seeds(forced.modal(), &study.backbones(), amplitude);
         let known = self.levels[granted.level].known.iter();
         let known: Vec<(BranchId, &Branch)> = known.map(|(id, task)| (*id, &self.branches[task])).collect();
-        let given = Given { seeds: &seeds, known: &known, curves: &[] };
+        let landings = self.landings.get(&granted.level).map_or(&[][..], |landings| landings);
+        let given = Given { seeds: &seeds, landings, known: &known, curves: &[] };
         carry_out(&mut forced, &granted.work, &given, &mut quiet).unwrap()
     }
 
@@ -263,9 +269,10 @@ impl<'s> Sweep<'s> {
         let turn = &mut self.levels[granted.level];
         let outcome = turn.account.outcome(&finding.brought()).unwrap();
         turn.account.record(&granted.work, outcome);
-        let branch = match finding {
-            Finding::Branch(branch) => Some(branch),
-            Finding::Curve(_) | Finding::Nothing(_) => None,
+        let (branch, landings) = match finding {
+            Finding::Landings(landings) => (None, Some(landings)),
+            Finding::Branch(branch) => (Some(branch), None),
+            Finding::Curve(_) | Finding::Nothing(_) => (None, None),
         };
         turn.next += 1;
         let name = match outcome {
@@ -282,10 +289,12 @@ impl<'s> Sweep<'s> {
             name,
             branch: branch.as_ref().map(BranchMessage::from),
             curve: None,
+            landings: landings.as_deref().map(LandingsMessage::from),
             worker: worker(),
             program: "0.1.0".into(),
             seconds: 0.25,
         };
+        self.landings.extend(landings.map(|landings| (granted.level, landings)));
         if let Some(branch) = branch {
             self.branches.insert(granted.task.clone(), branch);
         }

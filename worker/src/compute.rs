@@ -6,7 +6,7 @@ use protocol::from_worker::{Lease, Progress, SubmitRequest};
 use solver::response::branch::{Branch, BranchPoint};
 use solver::response::critical::CriticalCurve;
 use solver::response::forced::{Forced, Reach};
-use solver::response::seeds::Seed;
+use solver::response::seeds::{Landing, Seed};
 use solver::response::task::{BranchId, Finding, Task};
 use solver::response::trace::{Given, carry_out};
 use solver::settings::Settings;
@@ -31,6 +31,8 @@ pub struct Job {
     pub work: Task,
     /// Where from.
     pub seeds: Vec<Seed>,
+    /// Of a seed: what it landed on.
+    pub landings: Arc<[Landing]>,
     /// Branches of the level found before.
     pub known: Vec<(BranchId, Arc<Branch>)>,
     /// Fold curves found before.
@@ -149,7 +151,7 @@ fn compute(model: &Model, settings: &Settings, job: &Job, watch: &Watch) -> Comp
     let known: Vec<(BranchId, &Branch)> = job.known.iter().map(|(id, branch)| (*id, &**branch)).collect();
     let mut observer = |point: &BranchPoint| watch.visit(point);
     let curves: Vec<(usize, &CriticalCurve)> = job.curves.iter().map(|(number, curve)| (*number, &**curve)).collect();
-    let given = Given { seeds: &job.seeds, known: &known, curves: &curves };
+    let given = Given { seeds: &job.seeds, landings: &job.landings, known: &known, curves: &curves };
     let Some(finding) = carry_out(&mut forced, &job.work, &given, &mut observer) else {
         return Computed::Stopped;
     };
@@ -161,6 +163,7 @@ fn compute(model: &Model, settings: &Settings, job: &Job, watch: &Watch) -> Comp
     };
     let payload = encode(&request);
     let summary = match &finding {
+        Finding::Landings(landings) => format!("landed on {} forced responses", landings.len()),
         Finding::Branch(branch) => format!("{} points, {}", branch.points.len(), branch.outcome),
         Finding::Curve(curve) => format!("fold curve of {} points, {}", curve.points.len(), curve.outcome),
         Finding::Nothing(outcome) => format!("nothing new: {outcome}"),
@@ -198,6 +201,7 @@ mod tests {
             reach: Reach { frequency: (0.9, 1.1), amplitude: 10.0, natural: None, forcing: None },
             work: Task::Main(Side::Below),
             seeds: Vec::new(),
+            landings: [].into(),
             known: Vec::new(),
             curves: Vec::new(),
         }
@@ -208,7 +212,7 @@ mod tests {
         let state = State { harmonics: 0, omega: 1.0, decay: 0.0, forcing: 1.0, arguments: vec![], modal: vec![] };
         let well = Window { mode: 0, first: 0, last: 0, best: 0, threshold: 0.0, omega: (1.0, 1.0) };
         let place = SeedPlace { window: 0, well, phase: Phase::First, way: Way::FixedFrequency };
-        Job { work: Task::Seed(place), seeds: vec![Seed { state, place: 0.0, phase: Phase::First }], ..main() }
+        Job { work: Task::Land(place), seeds: vec![Seed { state, place: 0.0, phase: Phase::First }], ..main() }
     }
 
     #[tokio::test]

@@ -148,12 +148,15 @@ impl Slot {
         if let Some(seed) = seeds.iter().find(|seed| seed.state.harmonics != harmonics) {
             return Err(format!("unusable seeds: {} harmonics in a run of {harmonics}", seed.state.harmonics));
         }
-        if seeds.is_empty() && matches!(grant.work, Task::Seed(_)) {
+        if seeds.is_empty() && matches!(grant.work, Task::Land(_)) {
             return Err("unusable seeds: there is none".into());
         }
-        let Found { branches: known, curves } = self.known.get(&shared.bus, lease, &grant.known, &grant.curves).await?;
+        if grant.landing.is_none() && matches!(grant.work, Task::Seed(_)) {
+            return Err("unusable seed: there is no landing".into());
+        }
+        let Found { landings, branches: known, curves } = self.known.get(&shared.bus, lease, &grant).await?;
         let Grant { amplitude, reach, work, .. } = grant;
-        Ok(Job { lease: lease.clone(), amplitude, reach, work, seeds, known, curves })
+        Ok(Job { lease: lease.clone(), amplitude, reach, work, seeds, landings, known, curves })
     }
 
     async fn deliver(&mut self, lease: &Lease, computed: Computed) -> Result<(), WorkerError> {

@@ -135,11 +135,11 @@ impl Answers {
         };
         // There is no task before there is a sweep.
         let Some(sweep) = sweep else { return };
-        let Granted { task, attempt, amplitude, work, known, curves } = granted;
+        let Granted { task, attempt, amplitude, work, landing, known, curves } = granted;
         let seeds = sweep.seeds(&work, amplitude.value);
         let seed = SeedMessage { task: task.clone(), amplitude: amplitude.clone(), work, seeds: seeds.clone() };
         let (amplitude, reach) = (amplitude.value, sweep.plan.reach);
-        let grant = Grant { task, attempt, ttl_ms, amplitude, reach, work, seeds, known, curves };
+        let grant = Grant { task, attempt, ttl_ms, amplitude, reach, work, seeds, landing, known, curves };
         answer(query, query.key_expr().as_str(), &LeaseReply::Grant(grant));
         put(&self.session, &self.keys.seed(&seed.task), &seed);
     }

@@ -6,6 +6,7 @@ use protocol::critical::CriticalMessage;
 use protocol::curve::Size;
 use protocol::digest::HashedBranch;
 use protocol::from_worker::{Lease, SubmitRequest};
+use protocol::landings::LandingsMessage;
 use results::store::Extent;
 use solver::response::task::Brought;
 
@@ -23,6 +24,8 @@ pub struct CheckedResult {
     pub branch: HashedBranch,
     /// The new fold curve, if it found one.
     pub curve: Option<CriticalMessage>,
+    /// What seeds landed on.
+    pub landings: Option<LandingsMessage>,
     /// The new branch in numbers.
     pub extent: Option<Extent>,
     /// What the task brought.
@@ -33,15 +36,19 @@ impl CheckedResult {
     /// Checks, encodes and hashes what was submitted for a model of this size.
     ///
     /// # Errors
-    /// If the branch or the curve does not fit the model.
+    /// If it does not fit the model.
     pub fn new(request: SubmitRequest, size: &Size) -> Result<Self, ArrayError> {
         let SubmitRequest { lease, program, seconds, finding } = request;
         let brought = finding.brought();
-        let (branch, curve) = match finding {
-            FindingMessage::Branch(branch) => (Some(branch), None),
-            FindingMessage::Curve(curve) => (None, Some(curve)),
-            FindingMessage::Nothing(_) => (None, None),
+        let (branch, curve, landings) = match finding {
+            FindingMessage::Landings(landings) => (None, None, Some(landings)),
+            FindingMessage::Branch(branch) => (Some(branch), None, None),
+            FindingMessage::Curve(curve) => (None, Some(curve), None),
+            FindingMessage::Nothing(_) => (None, None, None),
         };
+        if let Some(landings) = &landings {
+            landings.landings(size)?;
+        }
         if let Some(branch) = &branch {
             branch.branch(size)?;
         }
@@ -49,6 +56,6 @@ impl CheckedResult {
             curve.curve(size)?;
         }
         let extent = branch.as_ref().map(Extent::of);
-        Ok(Self { lease, program, seconds, branch: HashedBranch::new(branch), curve, extent, brought })
+        Ok(Self { lease, program, seconds, branch: HashedBranch::new(branch), curve, landings, extent, brought })
     }
 }

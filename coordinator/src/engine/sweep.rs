@@ -74,7 +74,7 @@ impl Sweep {
 
     /// The first result of a task.
     fn accept(&mut self, result: CheckedResult, accepted: Accepted, follow_up: Vec<Change>) -> Decision {
-        let CheckedResult { lease, program, seconds, branch, curve, extent, .. } = result;
+        let CheckedResult { lease, program, seconds, branch, curve, landings, extent, .. } = result;
         let Lease { task, attempt, worker, .. } = lease;
         let Accepted { outcome, sequence, amplitude, work } = accepted;
         let name = match outcome {
@@ -85,6 +85,7 @@ impl Sweep {
         let (result, digest) = branch.complete(StoredResult {
             branch: None,
             curve,
+            landings,
             task,
             attempt,
             amplitude,

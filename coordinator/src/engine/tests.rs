@@ -63,14 +63,35 @@ fn grant(engine: &mut Engine, name: &str, now: Duration) -> (Granted, Lease) {
     (granted, lease)
 }
 
+/// Hands out the main branch, and lands every seed that can be.
+fn grant_landed(engine: &mut Engine, now: Duration) -> Lease {
+    let (_, main) = grant(engine, "a", now);
+    while let Some(Answer::Grant(granted)) = ask(engine, "b", now).answer {
+        let lease = Lease { task: granted.task, attempt: granted.attempt, worker: worker("b"), slot: 0 };
+        engine.handle(submit(&lease, None, Brought::Landings(1)), now);
+    }
+    main
+}
+
 /// A branch in numbers without its points, or nothing.
 fn result(lease: &Lease, found: Result<[f64; 4], SeedOutcome>) -> Event {
-    let (extent, brought) = match found {
-        Ok(extent) => (Some(Extent::from(extent)), Brought::branch(BranchKind::Main)),
-        Err(outcome) => (None, Brought::Nothing(outcome)),
-    };
-    let (lease, branch, curve) = (lease.clone(), HashedBranch::new(None), None);
-    Event::Submit(Box::new(CheckedResult { lease, program: "0".into(), seconds: 1.0, branch, curve, extent, brought }))
+    match found {
+        Ok(extent) => submit(lease, Some(Extent::from(extent)), Brought::branch(BranchKind::Main)),
+        Err(outcome) => submit(lease, None, Brought::Nothing(outcome)),
+    }
+}
+
+fn submit(lease: &Lease, extent: Option<Extent>, brought: Brought) -> Event {
+    Event::Submit(Box::new(CheckedResult {
+        lease: lease.clone(),
+        program: "0".into(),
+        seconds: 1.0,
+        branch: HashedBranch::new(None),
+        curve: None,
+        landings: None,
+        extent,
+        brought,
+    }))
 }
 
 fn submitted(reply: SubmitReply) -> Option<Answer> {
@@ -223,7 +244,7 @@ fn results_of_no_task_and_of_one_that_was_given_up_are_refused() {
         }
         other => panic!("{other:?}"),
     };
-    let (_, main) = grant(&mut engine, "a", at(0));
+    let main = grant_landed(&mut engine, at(0));
     let nowhere = Lease { task: TaskId::new("7-0").unwrap(), ..main.clone() };
     assert!(refusal(engine.handle(result(&nowhere, Ok(EXTENT)), at(1))).ends_with("has no task 7-0"));
     engine.handle(result(&main, Ok(EXTENT)), at(1));
@@ -249,6 +270,7 @@ fn poison(engine: &mut Engine, from: u64) -> Lease {
 #[test]
 fn dead_tasks_are_tried_again_and_the_run_goes_on() {
     let mut engine = sweeping();
+    grant_landed(&mut engine, at(0));
     // Main branches from below and from above.
     let lease = poison(&mut engine, 0);
     poison(&mut engine, 50);
@@ -271,7 +293,7 @@ fn dead_tasks_are_tried_again_and_the_run_goes_on() {
 fn the_last_result_finishes_the_run() {
     let mut engine = sweeping();
     let failed = || Err(SeedOutcome::NotTraced(Failure::Diverged.into()));
-    let (_, below) = grant(&mut engine, "a", at(0));
+    let below = grant_landed(&mut engine, at(0));
     assert_eq!(stages(&engine.handle(result(&below, failed()), at(0))), []);
     let (_, above) = grant(&mut engine, "a", at(0));
     // Without a main branch there is nothing that seeds could be compared with.

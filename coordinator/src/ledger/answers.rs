@@ -30,6 +30,8 @@ pub struct Granted {
     pub amplitude: Amplitude,
     /// What is to be done.
     pub work: Task,
+    /// Of a seed: the task that landed it.
+    pub landing: Option<TaskId>,
     /// Branches of the level found before; of a fold, the branch that it is of.
     pub known: Vec<Known>,
     /// Curves found before: those that a fold may lie on, or the one that crosses the level.

@@ -1,24 +1,40 @@
-//! Tasks that are carried out one after the other: each may depend on what those before it found.
+//! Tasks in their order. Those that have to know what others found are carried out one after the other; landings go on beside
+//! them, and each is waited for by the seed that it is of.
 
 use super::task::TaskEntry;
 use protocol::from_worker::Lease;
 use protocol::ids::TaskId;
 use protocol::to_everyone::Amplitude;
 use protocol::to_worker::{Known, KnownCurve};
-use results::journal::{Change, LevelPlan, TaskState};
+use results::journal::{Change, Holder, LevelPlan, TaskState};
 use solver::response::account::Account;
 use solver::response::critical::crossed;
-use solver::response::task::{Brought, SeedOutcome, Task};
+use solver::response::seeds::Way;
+use solver::response::task::{Brought, SeedOutcome, SeedPlace, Task};
 use std::sync::Arc;
 use std::time::Duration;
+
+/// What can be done with a task that waits.
+enum Turn {
+    /// It can be handed out.
+    Ready,
+    /// It is the next one, and waits for its landing.
+    Waits,
+    /// Others come first, or it cannot be carried out.
+    Blocked,
+    /// It need not be carried out.
+    Needless,
+}
 
 /// Tasks in their order.
 #[derive(Debug)]
 pub(super) struct Chain {
     pub record: Record,
     pub entries: Vec<TaskEntry>,
-    /// The first task that is not settled: the only one that may be handed out or under way.
-    pub next: Option<usize>,
+    /// Tasks that may be handed out: the one that others wait for first, then landings in their order.
+    pub ready: Vec<usize>,
+    /// Tasks under way.
+    pub held: Vec<usize>,
 }
 
 /// What the tasks of a chain found.
@@ -75,24 +91,21 @@ impl Chain {
         let mut chain = Self {
             record: Record::Level(LevelRecord { amplitude, account, branches: Vec::new() }),
             entries: Vec::new(),
-            next: None,
+            ready: Vec::new(),
+            held: Vec::new(),
         };
         for (index, task) in plan.tasks.into_iter().enumerate() {
             let id = TaskId::of_level(&plan.amplitude.text, index).expect("amplitudes are numbers");
-            chain.append(TaskEntry::new(id, level, task));
+            chain.entries.push(TaskEntry::new(id, level, task));
         }
+        // Nothing is known yet that would make a task superfluous.
+        chain.settle();
         chain
     }
 
     /// The tasks that follow curves over all levels.
     pub fn of_curves() -> Self {
-        Self { record: Record::Curves(Vec::new()), entries: Vec::new(), next: None }
-    }
-
-    /// Adds a task at the end.
-    pub fn append(&mut self, entry: TaskEntry) {
-        self.entries.push(entry);
-        self.next.get_or_insert(self.entries.len() - 1);
+        Self { record: Record::Curves(Vec::new()), entries: Vec::new(), ready: Vec::new(), held: Vec::new() }
     }
 
     /// What a level is known by; `None` for the curves.
@@ -111,16 +124,33 @@ impl Chain {
         }
     }
 
-    /// Whether a task can be handed out.
-    pub fn offers(&self, now: Duration) -> bool {
-        self.next.is_some_and(|e| {
-            let entry = &self.entries[e];
-            entry.state == TaskState::Waiting && entry.not_before <= now
-        })
+    /// The first task that can be handed out; `ordered`: that others wait for.
+    pub fn offer(&self, now: Duration, ordered: bool) -> Option<usize> {
+        let is_offered =
+            |e: usize| self.entries[e].not_before <= now && (!ordered || self.entries[e].task.is_ordered());
+        self.ready.iter().copied().find(|&e| is_offered(e))
     }
 
     pub fn is_begun(&self) -> bool {
-        self.next.is_none_or(|e| e > 0) || self.entries[0].attempts > 0
+        self.entries.first().is_none_or(|first| first.attempts > 0)
+    }
+
+    /// Whether no task is left to hand out or to wait for.
+    pub fn is_finished(&self) -> bool {
+        self.ready.is_empty() && self.held.is_empty()
+    }
+
+    /// Hands out entry `e`.
+    pub fn grant(&mut self, e: usize, holder: &Holder, deadline: Duration) -> Change {
+        self.ready.retain(|&ready| ready != e);
+        self.held.push(e);
+        self.entries[e].grant(holder, deadline)
+    }
+
+    /// The landing that the seed of entry `e` starts from.
+    pub fn landing(&self, e: usize) -> Option<usize> {
+        let Task::Seed(place) = self.entries[e].task else { return None };
+        self.entries[..e].iter().rposition(|entry| entry.task == Task::Land(place))
     }
 
     /// What becomes of entry `e`, which brought this; `None` if such a task does not bring such a thing.
@@ -129,11 +159,14 @@ impl Chain {
             (Record::Level(level), brought) => level.account.outcome(brought),
             (Record::Curves(curves), Brought::Curve(_)) => Some(SeedOutcome::OnCurve(curves.len())),
             (Record::Curves(_), Brought::Nothing(outcome)) => Some(*outcome),
-            (Record::Curves(_), Brought::Branch { .. }) => None,
+            (Record::Curves(_), Brought::Landings(_) | Brought::Branch { .. }) => None,
         }
         .filter(|outcome| match self.entries[e].task {
-            Task::Fold(_) => !matches!(outcome, SeedOutcome::Found(_)),
-            Task::Main(_) | Task::Seed(_) | Task::Crossing(_) => !matches!(outcome, SeedOutcome::OnCurve(_)),
+            Task::Land(_) => matches!(outcome, SeedOutcome::Landed(_) | SeedOutcome::NotLanded(_)),
+            Task::Fold(_) => !matches!(outcome, SeedOutcome::Found(_) | SeedOutcome::Landed(_)),
+            Task::Main(_) | Task::Seed(_) | Task::Crossing(_) => {
+                !matches!(outcome, SeedOutcome::OnCurve(_) | SeedOutcome::Landed(_))
+            }
         })
     }
 
@@ -158,35 +191,63 @@ impl Chain {
 
     /// Whether a result of entry `e` fits what is known: it comes from who holds it, or nobody went on without it.
     pub fn takes(&self, e: usize, lease: &Lease) -> bool {
-        self.entries[e].is_held(lease) || self.entries[e + 1..].iter().all(|later| later.attempts == 0)
+        let mut later = self.entries[e + 1..].iter().filter(|later| later.task.is_ordered());
+        self.entries[e].is_held(lease) || !self.entries[e].task.is_ordered() || later.all(|later| later.attempts == 0)
     }
 
-    /// Moves on to the next task that is needed. Where a main branch was given up and none is known a level waits: seeds
-    /// would find that one, and nobody could tell it from an isola.
+    /// Finds the tasks that can be handed out, and those that are not needed any more. Where a main branch was given up and
+    /// none is known a level waits: seeds would find that one, and nobody could tell it from an isola.
     pub fn settle(&mut self) -> Vec<Change> {
         let mut changes = Vec::new();
+        self.ready.clear();
+        self.held = (0..self.entries.len()).filter(|&e| self.entries[e].holder().is_some()).collect();
         // What is under way is waited for, whatever came back before it.
-        self.next = self.entries.iter().position(|entry| entry.holder().is_some());
-        if self.next.is_some() || self.waits_for_main() {
-            return changes;
-        }
-        for (e, entry) in self.entries.iter_mut().enumerate() {
-            if entry.is_settled() {
+        let mut turn = self.waits_for_main() || self.held.iter().any(|&e| self.entries[e].task.is_ordered());
+        let mut landings = Vec::new();
+        for e in 0..self.entries.len() {
+            if self.entries[e].state != TaskState::Waiting {
                 continue;
             }
-            let is_needed = match &self.record {
-                Record::Level(level) => level.account.needs(&entry.task),
-                Record::Curves(_) => true,
-            };
-            if entry.state == TaskState::Waiting && !is_needed {
-                entry.state = TaskState::Skipped;
-                changes.push(Change::Skipped { task: entry.id.clone() });
-                continue;
+            match self.state_of(e, turn) {
+                Turn::Needless => {
+                    self.entries[e].state = TaskState::Skipped;
+                    changes.push(Change::Skipped { task: self.entries[e].id.clone() });
+                }
+                Turn::Ready if self.entries[e].task.is_ordered() => {
+                    self.ready.push(e);
+                    turn = true;
+                }
+                Turn::Ready => landings.push(e),
+                Turn::Waits => turn = true,
+                Turn::Blocked => {}
             }
-            self.next = Some(e);
-            break;
         }
+        self.ready.append(&mut landings);
         changes
+    }
+
+    /// What can be done with entry `e`, which waits; `taken`: it is the turn of one before it.
+    fn state_of(&self, e: usize, taken: bool) -> Turn {
+        let task = &self.entries[e].task;
+        let is_needed = |task| self.level().is_none_or(|level| level.account.needs(task));
+        match task {
+            Task::Land(place) if place.way == Way::SteppedForcing && !self.is_decided(e, place) => Turn::Blocked,
+            Task::Land(_) if is_needed(task) => Turn::Ready,
+            Task::Land(_) => Turn::Needless,
+            _ if taken => Turn::Blocked,
+            _ if !is_needed(task) => Turn::Needless,
+            _ => match self.landing(e).map(|landing| &self.entries[landing]) {
+                Some(landing) if landing.state == TaskState::Dead => Turn::Blocked,
+                Some(landing) if !landing.is_settled() => Turn::Waits,
+                _ => Turn::Ready,
+            },
+        }
+    }
+
+    /// Whether it is known what became of a seed at fixed frequency, of which entry `e` is the other way.
+    fn is_decided(&self, e: usize, place: &SeedPlace) -> bool {
+        let fixed = Task::Seed(SeedPlace { way: Way::FixedFrequency, ..*place });
+        self.entries[..e].iter().filter(|entry| entry.task == fixed).all(TaskEntry::is_settled)
     }
 
     fn waits_for_main(&self) -> bool {

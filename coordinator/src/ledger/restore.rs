@@ -45,7 +45,9 @@ impl Ledger {
             entry.orphaned = matches!(state, TaskState::Leased { .. });
             entry.state = match state {
                 TaskState::Leased { holder, .. } => {
-                    ledger.workers.entry(holder.worker.clone()).or_default().gone = true;
+                    let worker = ledger.workers.entry(holder.worker.clone()).or_default();
+                    worker.gone = true;
+                    worker.chains.insert(holder.slot, c);
                     TaskState::Leased { holder, deadline: now + rules.grace.max(rules.lease / 3 + RECONNECTION) }
                 }
                 state => state,
@@ -65,7 +67,7 @@ impl Ledger {
                 self.unfolded.insert((l, *branch));
             }
             self.index.insert(id.clone(), (c, self.chains[c].entries.len()));
-            self.chains[c].append(TaskEntry::new(id.clone(), l, *task));
+            self.chains[c].entries.push(TaskEntry::new(id.clone(), l, *task));
         }
         let crossed = self.entries().filter_map(|entry| match entry.task {
             Task::Crossing(CrossingPlace { curve, .. }) => Some(curve + 1),

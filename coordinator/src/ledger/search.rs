@@ -32,7 +32,7 @@ impl Ledger {
             let level = self.chains[entry.level].level().expect("tasks are of levels");
             list.push(AddedTask { id: entry.id.clone(), amplitude: level.amplitude.text.clone(), task: entry.task });
             self.index.insert(entry.id.clone(), (c, self.chains[c].entries.len()));
-            self.chains[c].append(entry);
+            self.chains[c].entries.push(entry);
             chains.push(c);
         }
         chains.dedup();
@@ -47,7 +47,7 @@ impl Ledger {
         let mut added: Vec<(usize, TaskEntry)> = Vec::new();
         for &l in self.order.iter().filter(|&&l| l != c) {
             let (chain, known) = (&self.chains[l], self.chains[c].entries.len());
-            let Some(level) = chain.level().filter(|_| chain.next.is_none()) else { break };
+            let Some(level) = chain.level().filter(|_| chain.is_finished()) else { break };
             for branch in &level.branches {
                 if !self.unfolded.insert((l, branch.known.branch)) {
                     continue;

@@ -65,6 +65,7 @@ impl Ledger {
         let branches = level.branches.iter().map(|branch| &branch.known);
         let curves = self.chains[self.curves()].curves().iter();
         let (known, curves): (Vec<Known>, Vec<KnownCurve>) = match entry.task {
+            Task::Land(_) => Default::default(),
             Task::Main(_) | Task::Seed(_) => (branches.cloned().collect(), Vec::new()),
             Task::Fold(FoldPlace { branch, .. }) => {
                 let near = curves.filter(|curve| curve.reaches(level.amplitude.value));
@@ -83,6 +84,7 @@ impl Ledger {
             attempt: Attempt(entry.attempts),
             amplitude: level.amplitude.clone(),
             work: entry.task,
+            landing: self.chains[c].landing(e).map(|landing| self.chains[c].entries[landing].id.clone()),
             known,
             curves,
         }
@@ -101,39 +103,40 @@ impl Ledger {
             self.chains[c].entries[e].renew(deadline);
             return (Leased::Grant(self.granted(c, e)), changes);
         }
-        let Some(c) = self.choose(&holder, now) else {
+        let Some((c, e)) = self.choose(&holder, now) else {
             let leased = if self.is_finished() { Leased::Drained } else { Leased::Wait(self.pause(now)) };
             return (leased, changes);
         };
-        let e = self.chains[c].next.expect("a chain is chosen for the task that it offers");
-        let entry = &mut self.chains[c].entries[e];
-        changes.push(entry.grant(&holder, now + self.rules.lease));
+        changes.push(self.chains[c].grant(e, &holder, now + self.rules.lease));
         self.workers.entry(worker.clone()).or_default().chains.insert(slot, c);
         (Leased::Grant(self.granted(c, e)), changes)
     }
 
-    /// The chain to take a task from: the one this thread worked on last, or one that was begun, or the next one.
-    fn choose(&self, holder: &Holder, now: Duration) -> Option<usize> {
+    /// The task to hand out: of the chain that this thread worked on last; or one that others wait for, of a chain that was
+    /// begun or of the next one; or a landing.
+    fn choose(&self, holder: &Holder, now: Duration) -> Option<(usize, usize)> {
         let last = self.workers.get(&holder.worker).and_then(|worker| worker.chains.get(&holder.slot)).copied();
-        if let Some(c) = last
-            && self.chains[c].offers(now)
-        {
-            return Some(c);
-        }
-        let open = || self.order.iter().copied().filter(|&c| self.chains[c].offers(now));
-        open().find(|&c| self.chains[c].is_begun()).or_else(|| open().next())
+        let offer = |c: usize, ordered| self.chains[c].offer(now, ordered).map(|e| (c, e));
+        let begun = || self.order.iter().copied().filter(|&c| self.chains[c].is_begun());
+        let all = || self.order.iter().copied();
+        last.and_then(|c| offer(c, false))
+            .or_else(|| begun().find_map(|c| offer(c, true)))
+            .or_else(|| all().find_map(|c| offer(c, true)))
+            .or_else(|| all().find_map(|c| offer(c, false)))
     }
 
     /// How long nothing new can be expected, short enough to hear of a task that ends.
     fn pause(&self, now: Duration) -> Duration {
-        let backoff = self.chains.iter().filter_map(|chain| chain.next.map(|e| chain.entries[e].not_before));
-        let next = backoff.filter(|&time| time > now).min().map_or(Duration::from_millis(100), |time| time - now);
+        let waiting = self.chains.iter().flat_map(|chain| chain.ready.iter().map(|&e| chain.entries[e].not_before));
+        let next = waiting.filter(|&time| time > now).min().map_or(Duration::from_millis(100), |time| time - now);
         next.clamp(Duration::from_millis(20), Duration::from_millis(100))
     }
 
+    /// What a thread holds: of the chain that it got its last task from.
     fn held_by(&self, holder: &Holder) -> Option<(usize, usize)> {
-        let held = |chain: &Chain| chain.next.filter(|&e| chain.entries[e].holder() == Some(holder));
-        self.chains.iter().enumerate().find_map(|(c, chain)| held(chain).map(|e| (c, e)))
+        let c = *self.workers.get(&holder.worker)?.chains.get(&holder.slot)?;
+        let chain = &self.chains[c];
+        chain.held.iter().find(|&&e| chain.entries[e].holder() == Some(holder)).map(|&e| (c, e))
     }
 
     /// The entry that a lease is for, if it is still valid.
@@ -225,7 +228,7 @@ impl Ledger {
         let Some(known) = self.workers.get_mut(worker) else { return };
         known.gone = true;
         for chain in &mut self.chains {
-            if let Some(e) = chain.next {
+            for &e in &chain.held {
                 chain.entries[e].shorten(worker, now + self.rules.grace);
             }
         }
@@ -233,9 +236,8 @@ impl Ledger {
 
     /// Leases that ran out.
     pub fn tick(&mut self, now: Duration) -> Vec<Change> {
-        let expired = |chain: &Chain| chain.next.filter(|&e| chain.entries[e].is_expired(now));
-        let places: Vec<(usize, usize)> =
-            self.chains.iter().enumerate().filter_map(|(c, chain)| expired(chain).map(|e| (c, e))).collect();
+        let held = self.chains.iter().enumerate().flat_map(|(c, chain)| chain.held.iter().map(move |&e| (c, e)));
+        let places: Vec<(usize, usize)> = held.filter(|&(c, e)| self.chains[c].entries[e].is_expired(now)).collect();
         let end = |orphaned| if orphaned { AttemptEnd::Released } else { AttemptEnd::Expired };
         places.into_iter().flat_map(|(c, e)| self.end_at(c, e, end(self.chains[c].entries[e].orphaned), now)).collect()
     }
@@ -252,7 +254,7 @@ impl Ledger {
 
     /// Whether no task is left to hand out or to wait for.
     pub fn is_finished(&self) -> bool {
-        self.chains.iter().all(|chain| chain.next.is_none())
+        self.chains.iter().all(Chain::is_finished)
     }
 
     pub(super) fn entries(&self) -> impl Iterator<Item = &TaskEntry> {

@@ -37,24 +37,24 @@ impl Ledger {
 
     /// Number of levels, and of those whose tasks are all settled.
     pub fn progress_of_levels(&self) -> (usize, usize) {
-        (self.levels().count(), self.levels().filter(|(chain, _)| chain.next.is_none()).count())
+        (self.levels().count(), self.levels().filter(|(chain, _)| chain.is_finished()).count())
     }
 
     /// Levels under way.
     pub fn active(&self) -> Vec<LevelStatus> {
         let active = self.order.iter().filter_map(|&c| Some((&self.chains[c], self.chains[c].level()?)));
-        let active = active.filter(|(chain, _)| chain.next.is_some() && chain.is_begun());
+        let active = active.filter(|(chain, _)| !chain.is_finished() && chain.is_begun());
         active.map(|(chain, level)| self.level_status(chain, level)).collect()
     }
 
     fn level_status(&self, chain: &Chain, level: &LevelRecord) -> LevelStatus {
-        let under_way = chain.next.map(|e| &chain.entries[e]);
+        let ordered = chain.held.iter().map(|&e| &chain.entries[e]).find(|entry| entry.task.is_ordered());
         LevelStatus {
             amplitude: level.amplitude.text.clone(),
             done: chain.entries.iter().filter(|entry| entry.is_settled()).count(),
             total: chain.entries.len(),
             branches: level.branches.len(),
-            progress: under_way.and_then(|entry| self.progress(&entry.holder()?.worker, &entry.id)),
+            progress: ordered.and_then(|entry| self.progress(&entry.holder()?.worker, &entry.id)),
         }
     }
 

@@ -6,7 +6,7 @@ use super::local_workers::{Launch, LocalWorkers};
 use super::preparation::{self, Prepared};
 use super::services::{Services, Start};
 use crate::cli::ServeArgs;
-use crate::display::{Display, layout};
+use crate::display::{self, Display, layout};
 use crate::engine::Event;
 use crate::error::Error;
 use crate::ledger::Rules;
@@ -47,6 +47,8 @@ struct Run {
     directory: PathBuf,
     header: RunHeader,
     options: ServeArgs,
+    /// Most folds that are followed.
+    most_folds: usize,
     connection: Connection,
     interrupts: Interrupts,
     services: Services,
@@ -89,23 +91,21 @@ pub async fn carry_out(
     refuse_second_coordinator(&connection.session, &Keys::new(&header.namespace, &header.run)).await?;
     let prepared = preparation::stored(&store, &model)?;
     let is_prepared = prepared.is_some();
+    let most_folds = most_folds(&model, &header.settings);
     let start = Start {
         directory: directory.to_path_buf(),
         header: &header,
         connection: &connection,
         store,
         model: &model,
-        rules: Rules {
-            lease: Duration::from_secs_f64(options.lease),
-            most_folds: most_folds(&model, &header.settings),
-            ..Rules::default()
-        },
+        rules: Rules { lease: Duration::from_secs_f64(options.lease), most_folds, ..Rules::default() },
         prepared,
     };
     let services = Services::start(start).await?;
     write_address(directory, &connection.endpoint).map_err(Error::io(directory))?;
     let interrupts = Interrupts::new()?;
-    let run = Run { directory: directory.to_path_buf(), header, options, connection, interrupts, services };
+    let folder = directory.to_path_buf();
+    let run = Run { directory: folder, header, options, most_folds, connection, interrupts, services };
     let ending = run.all_steps((!is_prepared).then_some(model)).await;
     remove_address(directory);
     ending
@@ -117,7 +117,11 @@ impl Run {
         let mut display = Display::new();
         if let Some(model) = to_prepare {
             match self.prepare(model, &mut display).await? {
-                Some(prepared) => self.services.begin(prepared),
+                Some(prepared) => {
+                    display.clear();
+                    terminal::note(display::plan(&prepared.beginning.plan, self.most_folds));
+                    self.services.begin(prepared);
+                }
                 None => {
                     display.clear();
                     if self.services.stage() != Stage::Cancelled {

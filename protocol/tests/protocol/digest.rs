@@ -25,6 +25,7 @@ fn a_branch_hashed_beforehand_gives_the_digest_of_the_whole_result() {
 fn as_before(result: StoredResult) -> StoredResult {
     let of_first_mode = |place: SeedPlace| SeedPlace { well: Window { mode: 0, ..place.well }, ..place };
     let work = match result.work {
+        Task::Land(place) => Task::Land(of_first_mode(place)),
         Task::Seed(place) => Task::Seed(of_first_mode(place)),
         main => main,
     };

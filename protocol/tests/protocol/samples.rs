@@ -11,6 +11,7 @@ use protocol::critical::CriticalMessage;
 use protocol::curve::{Motions, Points, Seeds, Size};
 use protocol::from_worker::{FailRequest, Lease, LeaseRequest, Progress, ReleaseRequest, RenewRequest, SubmitRequest};
 use protocol::ids::{Attempt, RunId, TaskId, WorkerId};
+use protocol::landings::LandingsMessage;
 use protocol::model::{ElementMessage, ModelMessage};
 use protocol::to_everyone::{
     Amplitude, Counts, Done, LevelStatus, LevelWindows, Manifest, SeedMessage, Stage, Status, StoredResult,
@@ -51,6 +52,7 @@ pub fn all(visitor: &mut impl Visit) {
     visitor.visit("result", &result());
     visitor.visit("result_nothing", &result_nothing());
     visitor.visit("result_curve", &result_curve());
+    visitor.visit("result_landings", &result_landings());
     visitor.visit("status", &status());
     visitor.visit("progress", &progress());
     visitor.visit("lease_request", &lease_request());
@@ -260,8 +262,16 @@ fn windows() -> WindowsMessage {
     WindowsMessage { levels: vec![none, LevelWindows { amplitude: amplitude(), windows: vec![window()] }] }
 }
 
+fn place() -> SeedPlace {
+    SeedPlace { window: 0, well: window(), phase: Phase::Second, way: Way::SteppedForcing }
+}
+
 fn work() -> Task {
-    Task::Seed(SeedPlace { window: 0, well: window(), phase: Phase::Second, way: Way::SteppedForcing })
+    Task::Seed(place())
+}
+
+fn landing() -> Task {
+    Task::Land(place())
 }
 
 fn seeds() -> Seeds {
@@ -301,6 +311,7 @@ fn done_nothing() -> Done {
 pub fn result() -> StoredResult {
     StoredResult {
         curve: None,
+        landings: None,
         task: task(),
         attempt: Attempt(2),
         amplitude: amplitude(),
@@ -317,6 +328,7 @@ pub fn result() -> StoredResult {
 pub fn result_nothing() -> StoredResult {
     StoredResult {
         curve: None,
+        landings: None,
         task: TaskId::of_level("2.5", 4).unwrap(),
         attempt: Attempt(1),
         amplitude: amplitude(),
@@ -340,6 +352,7 @@ pub fn result_curve() -> StoredResult {
             events: vec![CriticalEvent { kind: CriticalKind::Birth, index: 1 }],
             points: points(3),
         }),
+        landings: None,
         task: TaskId::of_fold(3),
         attempt: Attempt(1),
         amplitude: amplitude(),
@@ -350,6 +363,23 @@ pub fn result_curve() -> StoredResult {
         worker: worker(),
         program: program(),
         seconds: 0.5,
+    }
+}
+
+pub fn result_landings() -> StoredResult {
+    StoredResult {
+        landings: Some(LandingsMessage { motions: motions(2), distance: counting(&[2], 0.125) }),
+        curve: None,
+        task: TaskId::of_level("2.5", 3).unwrap(),
+        attempt: Attempt(1),
+        amplitude: amplitude(),
+        work: landing(),
+        outcome: SeedOutcome::Landed(2),
+        name: None,
+        branch: None,
+        worker: worker(),
+        program: program(),
+        seconds: 0.125,
     }
 }
 
@@ -394,6 +424,7 @@ fn grant() -> Grant {
         reach: reach(),
         work: work(),
         seeds: seeds(),
+        landing: Some(TaskId::of_level("2.5", 3).unwrap()),
         known: vec![
             Known { branch: BranchId::MAIN, task: TaskId::of_level("2.5", 0).unwrap() },
             Known { branch: BranchId::isola(0), task: TaskId::of_level("2.5", 1).unwrap() },
@@ -432,6 +463,7 @@ pub fn outcomes() -> (Vec<Outcome>, Vec<SeedOutcome>) {
     seeds.extend(names.map(SeedOutcome::Found));
     seeds.extend(landing.map(SeedOutcome::NotLanded));
     seeds.extend(unreached.map(SeedOutcome::NotTraced));
+    seeds.extend([1, 7].map(SeedOutcome::Landed));
     seeds.push(SeedOutcome::OnCurve(1));
     let unfollowed = failures.map(Unfollowed::from).into_iter().chain([Unfollowed::Unsupported, Unfollowed::Elsewhere]);
     seeds.extend(unfollowed.map(SeedOutcome::NotFollowed));

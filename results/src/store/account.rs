@@ -27,7 +27,7 @@ pub struct TaskRow {
     pub task: String,
     /// Its level, by index.
     pub level: usize,
-    /// `main` or `seed`.
+    /// `main`, `land`, `seed`, `fold` or `crossing`.
     pub kind: String,
     /// The window the seed is from.
     pub window: Option<usize>,

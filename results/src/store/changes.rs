@@ -82,7 +82,7 @@ impl Changes<'_> {
             SeedOutcome::Found(id) => Some(id.to_string()),
             _ => None,
         };
-        let found = branch.is_some() || matches!(outcome, SeedOutcome::OnCurve(_));
+        let found = branch.is_some() || matches!(outcome, SeedOutcome::OnCurve(_) | SeedOutcome::Landed(_));
         let sql = "UPDATE tasks SET state = 'done', outcome = ?2, found = ?3, branch = ?4, record = ?5 WHERE id = ?1";
         self.execute(sql, params![task.as_str(), outcome.to_string(), found, branch, pack(outcome)])?;
         let sql = "UPDATE attempts SET ended_at = ?3, \"end\" = 'done', reason = NULL WHERE task = ?1 AND attempt = ?2";
@@ -176,6 +176,7 @@ fn without_numbers(result: &StoredResult) -> StoredResult {
         name: result.name,
         branch: result.branch.as_ref().map(without_arrays),
         curve: None,
+        landings: None,
         worker: result.worker.clone(),
         program: result.program.clone(),
         seconds: result.seconds,

@@ -117,7 +117,7 @@ impl Reader {
     /// Seeds of a level that were tried, and those of them that led to no branch.
     pub(crate) fn tried_seeds(&self, level: i64) -> Result<(usize, usize)> {
         let sql = "SELECT count(*), count(*) FILTER (WHERE branch IS NULL) FROM tasks \
-                   WHERE level = ?1 AND kind = 'seed' AND state = 'done'";
+                   WHERE level = ?1 AND state = 'done' AND (kind = 'seed' OR kind = 'land' AND NOT found)";
         Ok(self.one(sql, [level], |row| Ok((row.get(0)?, row.get(1)?)))?.unwrap_or_default())
     }
 
@@ -185,11 +185,12 @@ impl Reader {
         if self.version()? >= 3 { Ok("mode".into()) } else { Ok((self.header()?.settings.tracked() + 1).to_string()) }
     }
 
-    /// Tasks of a level that start from windows.
+    /// What became of the seeds of a level: tasks of landings that failed stand for what would have followed.
     fn seeds(&self, level: i64) -> Result<Vec<SeedRow>> {
         let sql = "SELECT window, state, outcome, branch, (SELECT reason FROM attempts WHERE task = id \
                    AND reason IS NOT NULL ORDER BY attempt DESC LIMIT 1) \
-                   FROM tasks WHERE level = ?1 AND kind = 'seed' ORDER BY position";
+                   FROM tasks WHERE level = ?1 AND (kind = 'seed' \
+                   OR kind = 'land' AND (state = 'dead' OR state = 'done' AND NOT found)) ORDER BY position";
         self.all(sql, [level], |row| {
             Ok(SeedRow {
                 window: row.get(0)?,

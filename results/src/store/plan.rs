@@ -232,6 +232,7 @@ fn insert_task(db: &Connection, file: &Path, level: i64, position: usize, id: &T
                VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9)";
     let (kind, place, origin) = match task {
         Task::Main(_) => ("main", None, None),
+        Task::Land(place) => ("land", Some(place), None),
         Task::Seed(place) => ("seed", Some(place), None),
         Task::Fold(FoldPlace { branch, fold }) => ("fold", None, Some(format!("{branch}, fold {}", fold + 1))),
         Task::Crossing(CrossingPlace { curve, .. }) => ("crossing", None, Some(format!("fold curve {}", curve + 1))),

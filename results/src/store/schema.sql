@@ -92,7 +92,7 @@ CREATE TABLE windows (
     PRIMARY KEY (level, window)
 ) WITHOUT ROWID;
 
--- Tasks: each continues one branch or one fold curve at most.
+-- Tasks: each lands a seed, or continues one branch or one fold curve at most.
 CREATE TABLE tasks (
     -- Name.
     id TEXT NOT NULL PRIMARY KEY,
@@ -100,12 +100,12 @@ CREATE TABLE tasks (
     level INTEGER NOT NULL REFERENCES levels (level),
     -- Turn within the level, from 0; of a 'fold' the turn among all folds.
     position INTEGER NOT NULL,
-    -- 'main' (from a frequency bound), 'seed' (from a seed of a window), 'fold' (follows a fold of a branch over the
-    -- forcing) or 'crossing' (from where a fold curve crosses the level).
+    -- 'main' (from a frequency bound), 'land' (lands a seed of a window), 'seed' (from what a seed landed on), 'fold'
+    -- (follows a fold of a branch over the forcing) or 'crossing' (from where a fold curve crosses the level).
     kind TEXT NOT NULL,
     -- What it follows from, of a 'fold' or a 'crossing': 'isola 1, fold 2' or 'fold curve 3'.
     origin TEXT,
-    -- Window the seed is from; NULL unless 'seed', as the next two.
+    -- Window the seed is from; NULL unless 'land' or 'seed', as the next two.
     window INTEGER,
     -- 'first' or 'second': which of the two phases.
     phase TEXT,
@@ -119,7 +119,7 @@ CREATE TABLE tasks (
     forgiven INTEGER NOT NULL DEFAULT 0,
     -- What became of it, in words; NULL unless done.
     outcome TEXT,
-    -- Whether it lies on a branch or, of a 'fold', on a fold curve; NULL unless done.
+    -- Whether it lies on a branch or, of a 'fold', on a fold curve, or whether it landed; NULL unless done.
     found INTEGER,
     -- That branch, 'main' or 'isola 1', …; NULL unless found.
     branch TEXT,

@@ -71,31 +71,42 @@ impl Account {
         self.counts.contains_key(&BranchKind::Main)
     }
 
-    /// Whether a task is still of use: stepping in the forcing is not where fixed frequencies have led to a branch, and no
-    /// seed is without a main branch to tell isolas from.
+    /// Whether a task is still of use: stepping in the forcing is not where fixed frequencies have led to a branch, a seed
+    /// that did not land leads nowhere, and no seed is without a main branch to tell isolas from. Landing at fixed frequency
+    /// is of use whatever is known.
     pub fn needs(&self, task: &Task) -> bool {
         let is_without_main = !self.has_main() && !self.mains.is_empty();
-        let SeedPlace { window, well, phase, way } = match task {
-            Task::Main(_) | Task::Fold(_) => return true,
-            Task::Crossing(_) => return !is_without_main,
-            Task::Seed(place) => place,
-        };
-        if is_without_main {
-            return false;
+        match task {
+            Task::Main(_) | Task::Fold(_) | Task::Land(SeedPlace { way: Way::FixedFrequency, .. }) => true,
+            Task::Crossing(_) => !is_without_main,
+            Task::Land(place) => !is_without_main && !self.is_found(place),
+            // What did not land has its outcome.
+            Task::Seed(place) => {
+                !is_without_main && !self.is_found(place) && self.outcomes(place, place.way).count() == 0
+            }
         }
-        let found = |seed: &SeedAccount| {
-            let is_the_same = seed.minimum == well.best && seed.phase == *phase && seed.way == Way::FixedFrequency;
-            is_the_same && matches!(seed.outcome, SeedOutcome::Found(_))
-        };
-        *way == Way::FixedFrequency || !self.windows[*window].seeds.iter().any(found)
     }
 
-    /// What becomes of a task of the level that brought this, a new branch with its name; `None` if it is no branch.
+    /// What became of a seed, landed in one of the ways.
+    fn outcomes(&self, place: &SeedPlace, way: Way) -> impl Iterator<Item = SeedOutcome> {
+        let seeds = self.windows[place.window].seeds.iter();
+        let (minimum, phase) = (place.well.best, place.phase);
+        seeds.filter(move |s| s.minimum == minimum && s.phase == phase && s.way == way).map(|seed| seed.outcome)
+    }
+
+    /// Whether a seed has led to a branch at fixed frequency.
+    fn is_found(&self, place: &SeedPlace) -> bool {
+        let mut outcomes = self.outcomes(place, Way::FixedFrequency);
+        outcomes.any(|outcome| matches!(outcome, SeedOutcome::Found(_)))
+    }
+
+    /// What becomes of a task of the level that brought this, a new branch with its name; `None` if no task of a level brings it.
     pub fn outcome(&self, brought: &Brought) -> Option<SeedOutcome> {
         match brought {
             Brought::Branch { kind, .. } => Some(SeedOutcome::Found(BranchId::new(*kind, self.count(*kind)))),
             Brought::Nothing(outcome) => Some(*outcome),
-            Brought::Curve(_) => None,
+            Brought::Landings(0) | Brought::Curve(_) => None,
+            Brought::Landings(count) => Some(SeedOutcome::Landed(*count)),
         }
     }
 
@@ -108,7 +119,9 @@ impl Account {
         }
         match task {
             Task::Main(_) => self.mains.push(outcome),
-            Task::Seed(SeedPlace { window, well, phase, way }) => {
+            // What is done with landings is known when their branches are.
+            Task::Land(_) if matches!(outcome, SeedOutcome::Landed(_)) => {}
+            Task::Land(SeedPlace { window, well, phase, way }) | Task::Seed(SeedPlace { window, well, phase, way }) => {
                 self.windows[*window].seeds.push(SeedAccount { minimum: well.best, phase: *phase, way: *way, outcome });
             }
             Task::Crossing(place) => self.crossings.push((*place, outcome)),

@@ -91,18 +91,19 @@ impl Level {
         let (windows, tasks) = plan(backbones, forcing);
         let mut account = Account::new(windows);
         let mut branches: Vec<(BranchId, Branch)> = Vec::new();
-        let mut failed = None;
+        let (mut failed, mut landings) = (None, Vec::new());
         for task in tasks {
             if !account.needs(&task) {
                 continue;
             }
             let seeds = task.seeds(forced.modal(), backbones, forcing);
             let known: Vec<(BranchId, &Branch)> = branches.iter().map(|(id, branch)| (*id, branch)).collect();
-            let given = Given { seeds: &seeds, known: &known, curves: &[] };
+            let given = Given { seeds: &seeds, landings: &landings, known: &known, curves: &[] };
             let finding = carry_out(&mut forced, &task, &given, observer).ok_or(LevelError::Cancelled)?;
             let Some(outcome) = account.outcome(&finding.brought()) else { continue };
             account.record(&task, outcome);
             match (outcome, finding) {
+                (_, Finding::Landings(landed)) => landings = landed,
                 (SeedOutcome::Found(id), Finding::Branch(branch)) => branches.push((id, branch)),
                 (SeedOutcome::NotTraced(failure), _) if matches!(task, Task::Main(_)) => {
                     failed.get_or_insert(failure);

@@ -1,5 +1,6 @@
 //! Seeds: backbone motions shifted in time so that the forcing feeds in what is dissipated; landing on forced responses.
 
+use crate::curve::problem::Failure;
 use crate::formulation::Formulation;
 use crate::formulation::modal::Modal;
 use crate::formulation::state::State;
@@ -67,7 +68,7 @@ pub fn seed(modal: &Modal, backbone: &Backbone, place: f64, phase: Phase, forcin
 const NEAR: f64 = 0.3;
 
 /// A converged forced response and its distance from the seed that led to it.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Landing {
     /// The response.
     pub state: State,
@@ -129,6 +130,27 @@ pub fn candidates(
             .collect()
         }
     }
+}
+
+/// Lands on forced responses from seeds of the backbone of mode `mode` (from 0), in their order.
+///
+/// # Errors
+/// If none converges: why the last one did not.
+pub fn land_all<'m, F: Formulation<'m>>(
+    forced: &mut Forced<'m, F>,
+    seeds: &[Seed],
+    way: Way,
+    mode: usize,
+) -> Result<Vec<Landing>, Unreached> {
+    let mut failure = Failure::Diverged.into();
+    let mut landings = Vec::with_capacity(seeds.len());
+    for seed in seeds {
+        match land(forced, seed, way, mode) {
+            Ok(landing) => landings.push(landing),
+            Err(reason) => failure = reason,
+        }
+    }
+    if landings.is_empty() { Err(failure) } else { Ok(landings) }
 }
 
 /// Lands on a forced response from a seed of the backbone of mode `mode` (from 0).

@@ -1,4 +1,4 @@
-//! The work of a run in pieces: each task continues one branch of a forcing level, or one curve over all levels.
+//! The work of a run in pieces: each task lands a seed, continues one branch of a forcing level, or one curve over all levels.
 
 use crate::curve::problem::Failure;
 use crate::formulation::modal::Modal;
@@ -7,7 +7,7 @@ use crate::response::branch::{Branch, BranchKind, Side, SpecialKind};
 use crate::response::critical::{CriticalCurve, CriticalError};
 use crate::response::forcing::Unreached;
 pub use crate::response::name::BranchId;
-use crate::response::seeds::{LandingFailure, Phase, Seed, Way, candidates};
+use crate::response::seeds::{Landing, LandingFailure, Phase, Seed, Way, candidates};
 use crate::response::windows::{Window, windows};
 use serde::de::{Deserializer, Error, IgnoredAny, MapAccess, Visitor};
 use serde::ser::Serializer;
@@ -46,14 +46,16 @@ pub struct CrossingPlace {
     pub segment: usize,
 }
 
-/// One piece of work: continues one branch at one forcing amplitude, or one curve over the forcing amplitudes. Messages say
-/// `"main"` for the main branch from below, `{"main": "above"}` for the one from above, `{"seed": …}`, `{"fold": …}` and
-/// `{"crossing": …}`.
+/// One piece of work: continues one branch at one forcing amplitude, or one curve over the forcing amplitudes, or lands where
+/// one may begin. Messages say `"main"` for the main branch from below, `{"main": "above"}` for the one from above,
+/// `{"land": …}`, `{"seed": …}`, `{"fold": …}` and `{"crossing": …}`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Task {
     /// The main branch, from one of the frequency bounds.
     Main(Side),
-    /// The branch that a seed of a window leads to, unless it is known.
+    /// The forced responses that a seed of a window lands on. It does not depend on what else is known.
+    Land(SeedPlace),
+    /// The branch through what a seed of a window landed on, unless it is known.
     Seed(SeedPlace),
     /// The curve that a fold follows over the forcing amplitude, unless it is known.
     Fold(FoldPlace),
@@ -66,12 +68,17 @@ impl Task {
     /// the backbone of the window's mode.
     pub fn seeds(&self, modal: &Modal, backbones: &(impl AsRef<[Backbone]> + ?Sized), forcing: f64) -> Vec<Seed> {
         match self {
-            Task::Main(_) | Task::Fold(_) | Task::Crossing(_) => Vec::new(),
-            Task::Seed(SeedPlace { well, phase, way, .. }) => {
+            Task::Main(_) | Task::Seed(_) | Task::Fold(_) | Task::Crossing(_) => Vec::new(),
+            Task::Land(SeedPlace { well, phase, way, .. }) => {
                 let backbone = backbones.as_ref().iter().find(|backbone| backbone.mode == well.mode);
                 backbone.map_or_else(Vec::new, |backbone| candidates(modal, backbone, well, *phase, *way, forcing))
             }
         }
+    }
+
+    /// Whether it has to know what those before it found: such tasks are carried out one after the other.
+    pub fn is_ordered(&self) -> bool {
+        !matches!(self, Task::Land(_))
     }
 }
 
@@ -80,9 +87,10 @@ impl Serialize for Task {
         match self {
             Task::Main(Side::Below) => serializer.serialize_unit_variant("Task", 0, "main"),
             Task::Main(side) => serializer.serialize_newtype_variant("Task", 0, "main", side),
-            Task::Seed(place) => serializer.serialize_newtype_variant("Task", 1, "seed", place),
-            Task::Fold(place) => serializer.serialize_newtype_variant("Task", 2, "fold", place),
-            Task::Crossing(place) => serializer.serialize_newtype_variant("Task", 3, "crossing", place),
+            Task::Land(place) => serializer.serialize_newtype_variant("Task", 1, "land", place),
+            Task::Seed(place) => serializer.serialize_newtype_variant("Task", 2, "seed", place),
+            Task::Fold(place) => serializer.serialize_newtype_variant("Task", 3, "fold", place),
+            Task::Crossing(place) => serializer.serialize_newtype_variant("Task", 4, "crossing", place),
         }
     }
 }
@@ -99,6 +107,7 @@ struct TaskVisitor;
 #[serde(rename_all = "snake_case")]
 enum TaskKind {
     Main,
+    Land,
     Seed,
     Fold,
     Crossing,
@@ -108,7 +117,7 @@ impl<'de> Visitor<'de> for TaskVisitor {
     type Value = Task;
 
     fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str("\"main\", or a map of `main`, `seed`, `fold` or `crossing`")
+        f.write_str("\"main\", or a map of `main`, `land`, `seed`, `fold` or `crossing`")
     }
 
     fn visit_str<E: Error>(self, text: &str) -> Result<Task, E> {
@@ -118,6 +127,7 @@ impl<'de> Visitor<'de> for TaskVisitor {
     fn visit_map<M: MapAccess<'de>>(self, mut map: M) -> Result<Task, M::Error> {
         let task = match map.next_key()? {
             Some(TaskKind::Main) => Task::Main(map.next_value()?),
+            Some(TaskKind::Land) => Task::Land(map.next_value()?),
             Some(TaskKind::Seed) => Task::Seed(map.next_value()?),
             Some(TaskKind::Fold) => Task::Fold(map.next_value()?),
             Some(TaskKind::Crossing) => Task::Crossing(map.next_value()?),
@@ -138,6 +148,8 @@ pub enum SeedOutcome {
     Found(BranchId),
     /// It did not lead to a forced response.
     NotLanded(LandingFailure),
+    /// It landed on so many forced responses: where the branches through them begin is another task's work.
+    Landed(usize),
     /// It landed, but no branch could be started there.
     NotTraced(Unreached),
     /// It lies outside the bounds within which branches are followed.
@@ -179,6 +191,8 @@ impl std::fmt::Display for SeedOutcome {
         match self {
             SeedOutcome::Found(id) => write!(f, "{id}"),
             SeedOutcome::NotLanded(failure) => write!(f, "{failure}"),
+            SeedOutcome::Landed(1) => write!(f, "1 forced response"),
+            SeedOutcome::Landed(count) => write!(f, "{count} forced responses"),
             SeedOutcome::NotTraced(failure) => write!(f, "landed, but no branch starts there: {failure}"),
             SeedOutcome::OutOfBounds => write!(f, "outside the frequency or amplitude bounds"),
             SeedOutcome::OnCurve(number) => write!(f, "fold curve {}", number + 1),
@@ -191,6 +205,8 @@ impl std::fmt::Display for SeedOutcome {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Finding {
+    /// The forced responses that seeds landed on, in the order of the seeds.
+    Landings(Vec<Landing>),
     /// A branch that was not known.
     Branch(Branch),
     /// A fold curve that was not known.
@@ -203,6 +219,7 @@ impl Finding {
     /// The same without the branch itself.
     pub fn brought(&self) -> Brought {
         match self {
+            Finding::Landings(landings) => Brought::Landings(landings.len()),
             Finding::Branch(branch) => {
                 Brought::Branch { kind: branch.kind, folds: branch.special(SpecialKind::Fold).count() }
             }
@@ -215,6 +232,8 @@ impl Finding {
 /// What a task brought, without the curve itself.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Brought {
+    /// Forced responses, so many.
+    Landings(usize),
     /// A branch that was not known.
     Branch {
         /// Its kind.
@@ -237,7 +256,7 @@ impl Brought {
 
 /// The windows of a level, backbone by backbone, each of a mode of its own, and its tasks in the order in which they are
 /// carried out: the main branch from below and from above; then, window by window, both phases of every well at fixed
-/// frequency, and the same by steps in the forcing.
+/// frequency, and the same by steps in the forcing, each landed first.
 pub fn plan(backbones: &(impl AsRef<[Backbone]> + ?Sized), forcing: f64) -> (Vec<Window>, Vec<Task>) {
     let mut list = Vec::new();
     let mut tasks = vec![Task::Main(Side::Below), Task::Main(Side::Above)];
@@ -248,7 +267,8 @@ pub fn plan(backbones: &(impl AsRef<[Backbone]> + ?Sized), forcing: f64) -> (Vec
             for way in [Way::FixedFrequency, Way::SteppedForcing] {
                 for well in &wells {
                     let place = |phase| SeedPlace { window: number, well: *well, phase, way };
-                    tasks.extend([Phase::First, Phase::Second].map(|phase| Task::Seed(place(phase))));
+                    let places = [Phase::First, Phase::Second].map(place);
+                    tasks.extend(places.into_iter().flat_map(|place| [Task::Land(place), Task::Seed(place)]));
                 }
             }
         }

@@ -8,14 +8,16 @@ use crate::response::critical::CriticalCurve;
 use crate::response::forced::Forced;
 use crate::response::forcing::Unreached;
 use crate::response::name::BranchId;
-use crate::response::seeds::{LandingFailure, Seed, land};
-use crate::response::task::{CrossingPlace, Finding, FoldPlace, SeedOutcome, SeedPlace, Task, Unfollowed};
+use crate::response::seeds::{Landing, LandingFailure, Seed, land_all};
+use crate::response::task::{CrossingPlace, Finding, FoldPlace, SeedOutcome, Task, Unfollowed};
 
 /// What a task is given beside its level.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Given<'g> {
     /// Those of [`Task::seeds`].
     pub seeds: &'g [Seed],
+    /// Of a seed: what it landed on.
+    pub landings: &'g [Landing],
     /// The branches found at this level before it; of a fold, the branch that it is of.
     pub known: &'g [(BranchId, &'g Branch)],
     /// Fold curves found before: those that a fold may lie on, or the one that crosses the level.
@@ -29,11 +31,15 @@ pub fn carry_out<'m, F: Formulation<'m>>(
     given: &Given<'_>,
     observer: &mut Observer<'_>,
 ) -> Option<Finding> {
-    let Given { seeds, known, .. } = *given;
+    let Given { seeds, landings, known, .. } = *given;
     let finding = match task {
         Task::Main(side) => enter(forced, *side, known, observer)
             .unwrap_or_else(|failure| Finding::Nothing(SeedOutcome::NotTraced(failure))),
-        Task::Seed(place) => follow(forced, seeds, place, known, observer),
+        Task::Land(place) => land_all(forced, seeds, place.way, place.well.mode).map_or_else(
+            |failure| Finding::Nothing(SeedOutcome::NotLanded(LandingFailure::NotConverged(failure))),
+            Finding::Landings,
+        ),
+        Task::Seed(_) => follow(forced, landings, known, observer),
         Task::Fold(place) => return unfold(forced, place, given, observer),
         Task::Crossing(place) => cross(forced, place, given, observer),
     };
@@ -213,25 +219,16 @@ fn ends_ordinarily<'m, F: Formulation<'m>>(forced: &mut Forced<'m, F>, branch: &
     is_there && matches!(branch.outcome, Outcome::Open(_, Stop::FrequencyBound)) && forced.is_ordinary(&last.state)
 }
 
-/// Traces the branch that seeds lead to, unless it is known.
+/// Traces the branch through the first landing that lies on no known one.
 fn follow<'m, F: Formulation<'m>>(
     forced: &mut Forced<'m, F>,
-    seeds: &[Seed],
-    place: &SeedPlace,
+    landings: &[Landing],
     known: &[(BranchId, &Branch)],
     observer: &mut Observer<'_>,
 ) -> Finding {
     let mut nothing = SeedOutcome::NotLanded(LandingFailure::NotConverged(Failure::Diverged.into()));
     let mut nearest = f64::INFINITY;
-    for seed in seeds {
-        let landing = match land(forced, seed, place.way, place.well.mode) {
-            Ok(landing) => landing,
-            Err(failure) if nearest == f64::INFINITY => {
-                nothing = SeedOutcome::NotLanded(LandingFailure::NotConverged(failure));
-                continue;
-            }
-            Err(_) => continue,
-        };
+    for landing in landings {
         // What is not known yet is what seeds are for, wherever it lies.
         let outcome = match identify(forced, &landing.state, known) {
             Some(id) if landing.is_near() => SeedOutcome::Found(id),

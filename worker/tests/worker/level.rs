@@ -52,7 +52,11 @@ impl Desk {
         self.account.record(&work, outcome);
         let branch = match &request.finding {
             FindingMessage::Branch(branch) => Some(branch.clone()),
-            FindingMessage::Curve(_) | FindingMessage::Nothing(_) => None,
+            FindingMessage::Landings(_) | FindingMessage::Curve(_) | FindingMessage::Nothing(_) => None,
+        };
+        let landings = match &request.finding {
+            FindingMessage::Landings(landings) => Some(landings.clone()),
+            _ => None,
         };
         let name = match (outcome, &branch) {
             (SeedOutcome::Found(id), Some(branch)) => {
@@ -71,6 +75,7 @@ impl Desk {
             name,
             branch,
             curve: None,
+            landings,
             worker: request.lease.worker.clone(),
             program: request.program.clone(),
             seconds: request.seconds,

@@ -89,6 +89,7 @@ impl Study {
             work,
             seeds: Seeds::new(&seeds),
             known,
+            landing: matches!(work, Task::Seed(_)).then(|| TaskId::of_level("0.008", index - 1).unwrap()),
             curves: Vec::new(),
         }
     }

@@ -13,10 +13,10 @@ use std::time::{Duration, Instant};
 use worker::Ending;
 use worker::shutdown::Shutdown;
 
-/// The first seed of the level.
-fn first_seed(study: &Study) -> Task {
+/// The first landing of the level.
+fn first_landing(study: &Study) -> Task {
     let (_, tasks) = plan(&study.backbone, 0.008);
-    tasks.into_iter().find(|task| matches!(task, Task::Seed(_))).unwrap()
+    tasks.into_iter().find(|task| matches!(task, Task::Land(_))).unwrap()
 }
 
 /// Reasons of the failures when a worker is given this.
@@ -98,22 +98,22 @@ async fn patience_ends() {
 #[tokio::test(flavor = "multi_thread")]
 async fn seeds_of_another_truncation() {
     let (study, other) = (Study::new(3), Study::new(2));
-    let seeds = other.grant(1, first_seed(&other), Vec::new()).seeds;
-    let grant = Grant { seeds, ..study.grant(1, first_seed(&study), Vec::new()) };
+    let seeds = other.grant(1, first_landing(&other), Vec::new()).seeds;
+    let grant = Grant { seeds, ..study.grant(1, first_landing(&study), Vec::new()) };
     assert_one(&reasons(&study, grant).await, &["2 harmonics in a run of 3"]);
 }
 
 #[tokio::test(flavor = "multi_thread")]
 async fn seeds_that_are_missing() {
     let study = Study::new(1);
-    let grant = Grant { seeds: Seeds::new(&[]), ..study.grant(1, first_seed(&study), Vec::new()) };
+    let grant = Grant { seeds: Seeds::new(&[]), ..study.grant(1, first_landing(&study), Vec::new()) };
     assert_one(&reasons(&study, grant).await, &["unusable seeds"]);
 }
 
 #[tokio::test(flavor = "multi_thread")]
 async fn seeds_of_another_model() {
     let study = Study::new(1);
-    let mut grant = study.grant(1, first_seed(&study), Vec::new());
+    let mut grant = study.grant(1, first_landing(&study), Vec::new());
     grant.seeds.motions.modal.shape[1] = 2;
     assert_one(&reasons(&study, grant).await, &["unusable seeds", "`modal`"]);
 }
@@ -122,7 +122,7 @@ async fn seeds_of_another_model() {
 async fn a_known_branch_that_is_not_stored() {
     let study = Study::new(1);
     let known = Known { branch: BranchId::MAIN, task: TaskId::new("0.008-0").unwrap() };
-    let reasons = reasons(&study, study.grant(1, first_seed(&study), vec![known])).await;
+    let reasons = reasons(&study, study.grant(1, first_landing(&study), vec![known])).await;
     assert_one(&reasons, &["does not hand out", "0.008-0"]);
 }
 
@@ -135,7 +135,7 @@ async fn a_known_branch_of_another_truncation() {
     let protocol::branch::FindingMessage::Branch(branch) = main.finding else { panic!("no branch") };
 
     let known = Known { branch: BranchId::MAIN, task: main.lease.task.clone() };
-    let grants = vec![study.grant(1, first_seed(&study), vec![known]), study.main()];
+    let grants = vec![study.grant(1, first_landing(&study), vec![known]), study.main()];
     let fake = Fake::start(&study, hand_out(grants)).await;
     let stored = StoredResult {
         task: main.lease.task.clone(),
@@ -146,6 +146,7 @@ async fn a_known_branch_of_another_truncation() {
         name: Some(BranchId::MAIN),
         branch: Some(branch),
         curve: None,
+        landings: None,
         worker: main.lease.worker.clone(),
         program: main.program,
         seconds: main.seconds,

@@ -14,6 +14,18 @@ fn leased(ledger: &mut Ledger, worker: &str, now: Duration) -> Lease {
     Lease { task: granted.task, attempt: granted.attempt, worker, slot: 0 }
 }
 
+/// The main branch handed out, and every seed landed that can be.
+fn landed(ledger: &mut Ledger) -> Lease {
+    let main = leased(ledger, "a", Duration::ZERO);
+    let worker = WorkerId::new("b").unwrap();
+    while let (Leased::Grant(granted), _) = ledger.lease(&worker, 0, Duration::ZERO) {
+        assert!(!granted.work.is_ordered());
+        let lease = Lease { task: granted.task, attempt: granted.attempt, worker: worker.clone(), slot: 0 };
+        assert!(matches!(ledger.submit(&lease, &Brought::Landings(1)).0, Submitted::Accepted(_)));
+    }
+    main
+}
+
 #[test]
 fn a_lease_is_idempotent() {
     let mut ledger = Ledger::new(Rules::default(), plans(2));
@@ -58,14 +70,14 @@ fn poison(ledger: &mut Ledger, task: &str, now: &mut Duration) -> Lease {
 fn a_poison_seed_dies_with_its_reasons_and_blocks_nobody() {
     let mut ledger = Ledger::new(Rules::default(), plans(1));
     let mut now = Duration::ZERO;
-    let main = leased(&mut ledger, "a", now);
+    let main = landed(&mut ledger);
     assert!(matches!(ledger.submit(&main, &MAIN).0, Submitted::Accepted(_)));
     let above = leased(&mut ledger, "a", now);
     assert!(matches!(ledger.submit(&above, &ON_MAIN).0, Submitted::Accepted(_)));
-    let late = poison(&mut ledger, "1-2", &mut now);
-    assert_eq!(ledger.dead(), [(TaskId::new("1-2").unwrap(), vec!["a: boom".to_string(); 3])]);
+    let late = poison(&mut ledger, "1-3", &mut now);
+    assert_eq!(ledger.dead(), [(TaskId::new("1-3").unwrap(), vec!["a: boom".to_string(); 3])]);
     let next = leased(&mut ledger, "a", now);
-    assert_eq!(next.task.as_str(), "1-3");
+    assert_eq!(next.task.as_str(), "1-5");
     // A result of the dead task may be a branch that the next one is about to find.
     assert_eq!(ledger.submit(&late, &ISOLA).0, Submitted::Late);
     assert!(!ledger.retry_dead().is_empty());
@@ -73,7 +85,7 @@ fn a_poison_seed_dies_with_its_reasons_and_blocks_nobody() {
     assert_eq!(leased(&mut ledger, "a", now), next);
     assert!(matches!(ledger.submit(&next, &ISOLA).0, Submitted::Accepted(_)));
     let revived = leased(&mut ledger, "a", now);
-    assert_eq!(revived.task.as_str(), "1-2");
+    assert_eq!(revived.task.as_str(), "1-3");
     assert_eq!(ledger.submit(&late, &ISOLA).0, Submitted::Late);
     let on_isola = Brought::Nothing(SeedOutcome::Found(BranchId::isola(0)));
     assert!(matches!(ledger.submit(&revived, &on_isola).0, Submitted::Accepted(_)));
@@ -83,13 +95,14 @@ fn a_poison_seed_dies_with_its_reasons_and_blocks_nobody() {
 fn a_level_waits_for_its_main_branch() {
     let mut ledger = Ledger::new(Rules::default(), plans(1));
     let mut now = Duration::ZERO;
+    landed(&mut ledger);
     poison(&mut ledger, "1-0", &mut now);
     let late = poison(&mut ledger, "1-1", &mut now);
     assert!(ledger.is_finished(), "nothing of the level can be handed out");
     assert!(matches!(ledger.lease(&late.worker, 0, now).0, Leased::Drained));
     // Nobody went on without it.
     assert!(matches!(ledger.submit(&late, &MAIN).0, Submitted::Accepted(_)));
-    assert_eq!(leased(&mut ledger, "a", now).task.as_str(), "1-2");
+    assert_eq!(leased(&mut ledger, "a", now).task.as_str(), "1-3");
 }
 
 #[test]
@@ -97,6 +110,7 @@ fn a_main_branch_from_above_is_one_to_compare_with() {
     for is_dead in [false, true] {
         let mut ledger = Ledger::new(Rules::default(), plans(1));
         let mut now = Duration::ZERO;
+        landed(&mut ledger);
         if is_dead {
             poison(&mut ledger, "1-0", &mut now);
         } else {
@@ -106,18 +120,74 @@ fn a_main_branch_from_above_is_one_to_compare_with() {
         let above = leased(&mut ledger, "a", now);
         let Submitted::Accepted(accepted) = ledger.submit(&above, &MAIN).0 else { panic!("not accepted") };
         assert_eq!(accepted.outcome, SeedOutcome::Found(BranchId::MAIN));
-        assert_eq!(leased(&mut ledger, "a", now).task.as_str(), "1-2");
+        assert_eq!(leased(&mut ledger, "a", now).task.as_str(), "1-3");
     }
 }
 
 #[test]
 fn without_a_main_branch_there_is_nothing_to_compare_with() {
     let mut ledger = Ledger::new(Rules::default(), plans(1));
+    landed(&mut ledger);
     for _ in [Side::Below, Side::Above] {
         let main = leased(&mut ledger, "a", Duration::ZERO);
         assert!(matches!(ledger.submit(&main, &UNREACHED).0, Submitted::Accepted(_)));
     }
-    assert!(ledger.is_finished() && ledger.counts().skipped == 12);
+    assert!(ledger.is_finished() && ledger.counts().skipped == 18);
+}
+
+#[test]
+fn what_does_not_land_leads_nowhere_and_stepping_comes_after_what_did_not_lead_to_a_branch() {
+    let mut ledger = Ledger::new(Rules::default(), vec![plan(1.0, 1)]);
+    let mut take = |expected: &str, brought: &Brought| {
+        let lease = leased(&mut ledger, "a", Duration::ZERO);
+        assert_eq!(lease.task.as_str(), expected);
+        assert!(matches!(ledger.submit(&lease, &Brought::Curve([1.0].into())).0, Submitted::Foreign));
+        assert!(matches!(ledger.submit(&lease, brought).0, Submitted::Accepted(_)), "{expected}");
+    };
+    let not_landed = Brought::Nothing(SeedOutcome::NotLanded(LandingFailure::Far(0.5)));
+    for (task, brought) in [
+        ("1-0", &MAIN),
+        ("1-1", &ON_MAIN),
+        ("1-2", &Brought::Landings(3)),
+        ("1-3", &ISOLA),
+        ("1-4", &not_landed),
+        // The first phase led to a branch.
+        ("1-8", &Brought::Landings(1)),
+        ("1-9", &ON_MAIN),
+    ] {
+        take(task, brought);
+    }
+    assert!(ledger.is_finished() && ledger.counts().skipped == 3);
+}
+
+#[test]
+fn a_landing_that_is_given_up_holds_up_its_own_seed_only() {
+    let mut ledger = Ledger::new(Rules::default(), vec![plan(1.0, 1)]);
+    let mut now = Duration::ZERO;
+    let main = leased(&mut ledger, "a", now);
+    poison_beside(&mut ledger, "1-2", &mut now);
+    assert!(matches!(ledger.submit(&main, &MAIN).0, Submitted::Accepted(_)));
+    for (task, brought) in [("1-1", &ON_MAIN), ("1-4", &Brought::Landings(1)), ("1-5", &ISOLA)] {
+        let lease = leased(&mut ledger, "a", now);
+        assert_eq!(lease.task.as_str(), task);
+        assert!(matches!(ledger.submit(&lease, brought).0, Submitted::Accepted(_)));
+    }
+    assert!(ledger.is_finished() && ledger.dead().len() == 1);
+    assert!(!ledger.retry_dead().is_empty() || !ledger.is_finished());
+    assert_eq!(leased(&mut ledger, "a", now).task.as_str(), "1-2");
+}
+
+/// The same as [`poison`], of a landing beside what "a" holds.
+fn poison_beside(ledger: &mut Ledger, task: &str, now: &mut Duration) {
+    let rules = Rules::default();
+    for attempt in 1..=rules.max_failures {
+        let lease = leased(ledger, "b", *now);
+        assert_eq!((lease.task.as_str(), lease.attempt), (task, Attempt(attempt)));
+        assert!(ledger.fail(&lease, "boom", *now).0);
+        *now += rules.backoff * 2u32.pow(attempt);
+        let held = leased(ledger, "a", *now);
+        assert_eq!(held.task.as_str(), "1-0");
+    }
 }
 
 #[test]

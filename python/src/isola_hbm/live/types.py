@@ -585,7 +585,8 @@ class Result:
     #: Which attempt was accepted, from 1.
     attempt: int
     amplitude: Amplitude
-    #: What was to be done: ``"main"``, ``{"main": "above"}``, ``{"seed": {…}}``, ``{"fold": {…}}`` or ``{"crossing": {…}}``.
+    #: What was to be done: ``"main"``, ``{"main": "above"}``, ``{"land": {…}}``, ``{"seed": {…}}``, ``{"fold": {…}}`` or
+    #: ``{"crossing": {…}}``.
     work: Any
     #: What became of it, in words.
     outcome: str

@@ -101,6 +101,8 @@ def seed_outcome(value: Any) -> str:
         return f"landed, but no branch starts there: {failure(content)}"
     if name == "out_of_bounds":
         return "outside the frequency or amplitude bounds"
+    if name == "landed":
+        return "1 forced response" if content == 1 else f"{content} forced responses"
     if name == "on_curve":
         return f"fold curve {content + 1}"
     if name == "not_followed":
