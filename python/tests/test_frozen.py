@@ -56,7 +56,7 @@ def test_manifest():
     assert manifest.modes is not None
     assert manifest.modes.followed == (0, 1)
     assert manifest.modes.left_out == (
-        (2, "the forcing does no work on it"),
+        (2, "8 modes are followed already"),
         (3, "its backbone does not start: singular"),
     )
     early = {key: value for key, value in sample("manifest").items() if key != "modes"}

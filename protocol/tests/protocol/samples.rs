@@ -111,7 +111,7 @@ fn reach() -> Reach {
 }
 
 fn modes() -> ModesFollowed {
-    let left_out = vec![(2, LeftOut::NoWork), (3, LeftOut::NotStarted("singular".into()))];
+    let left_out = vec![(2, LeftOut::TooMany), (3, LeftOut::NotStarted("singular".into()))];
     ModesFollowed { followed: vec![0, 1], left_out }
 }
 

@@ -11,11 +11,10 @@ pub fn followed(choice: &ModesFollowed) -> String {
 /// Which modes are meant, and why one or many of them are left out.
 type Reason = (fn(&LeftOut) -> bool, [&'static str; 2]);
 
-/// The modes that could have isolas and were not followed, reason by reason: `modes 2 to 4 (the forcing does no work on them)`.
+/// The modes that could have isolas and were not followed, reason by reason: `modes 2 to 4 (not in the list of modes)`.
 pub fn left_out(choice: &ModesFollowed) -> Vec<String> {
-    let reasons: [Reason; 5] = [
+    let reasons: [Reason; 4] = [
         (|why| *why == LeftOut::NotListed, ["not in the list of modes"; 2]),
-        (|why| *why == LeftOut::NoWork, ["the forcing does no work on it", "the forcing does no work on them"]),
         (|why| *why == LeftOut::OutOfRange, ["out of reach of the frequency range"; 2]),
         (|why| *why == LeftOut::TooMany, ["more than are followed unless backbone.modes lists them"; 2]),
         (|why| matches!(why, LeftOut::NotStarted(_)), ["its backbone does not start", "their backbones do not start"]),
@@ -52,15 +51,15 @@ mod tests {
 
     #[test]
     fn modes_are_named_reason_by_reason() {
-        let mut left_out: Vec<(usize, LeftOut)> = (3..39).map(|mode| (mode, LeftOut::NoWork)).collect();
+        let mut left_out: Vec<(usize, LeftOut)> = (3..39).map(|mode| (mode, LeftOut::TooMany)).collect();
         let alone = ModesFollowed { followed: vec![0], left_out: left_out.clone() };
         assert_eq!(sentence(&alone), None);
         left_out.extend([(1, LeftOut::OutOfRange), (39, LeftOut::RigidBody)]);
         let choice = ModesFollowed { followed: vec![0, 2], left_out };
         assert_eq!(
             sentence(&choice).unwrap(),
-            "Windows of modes 1 and 3 were searched; not modes 4 to 39 (the forcing does no work on them), mode 2 (out of \
-             reach of the frequency range)."
+            "Windows of modes 1 and 3 were searched; not mode 2 (out of reach of the frequency range), modes 4 to 39 (more \
+             than are followed unless backbone.modes lists them)."
         );
         let lost = ModesFollowed { followed: vec![1], left_out: vec![(0, LeftOut::NotStarted("singular".into()))] };
         assert_eq!(

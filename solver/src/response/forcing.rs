@@ -20,6 +20,9 @@ const LARGEST_STEP: f64 = 0.3;
 /// Points of a walk in A before giving up.
 const BUDGET: usize = 200;
 
+/// Of the amplitude wanted, how far beyond it a walk in A goes before giving up: those that came back went no farther.
+const FARTHEST: f64 = 10.0;
+
 /// Why no forced response was reached.
 #[derive(Debug, Clone, Copy, PartialEq, Error, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -112,6 +115,10 @@ fn follow_to<'m, F: Formulation<'m>>(
             let share = (forcing - before_forcing) / (reached - before_forcing);
             let between = interpolate(&before.y, &point.y, share);
             return Ok(state_at(continuation.problem(), &between)?);
+        }
+        // Beyond rest the way is the one behind it again, with the forcing turned round.
+        if reached < 0.0 || reached > FARTHEST * forcing {
+            break;
         }
         (before, before_forcing) = (point, reached);
     }

@@ -9,7 +9,7 @@ use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 
-/// Modes whose share of the forcing is below this part of the largest one are not forced.
+/// Modes whose share of the forcing is below this part of the largest one are not forced as long as they move alone.
 const NO_WORK: f64 = 1e-6;
 /// Backbones bend: a resonance within this factor of a bound can come into the range.
 const BENDS: f64 = 2.0;
@@ -26,8 +26,6 @@ pub enum LeftOut {
     NotListed,
     /// It does not deform the structure.
     RigidBody,
-    /// The forcing does no work on it.
-    NoWork,
     /// Its resonance is out of reach of the frequency range.
     OutOfRange,
     /// Modes enough are followed.
@@ -41,7 +39,6 @@ impl std::fmt::Display for LeftOut {
         match self {
             Self::NotListed => f.write_str("not in the list of modes"),
             Self::RigidBody => f.write_str("rigid body"),
-            Self::NoWork => f.write_str("the forcing does no work on it"),
             Self::OutOfRange => f.write_str("its resonance is out of reach of the frequency range"),
             Self::TooMany => write!(f, "{MOST} modes are followed already"),
             Self::NotStarted(why) => write!(f, "its backbone does not start: {why}"),
@@ -59,8 +56,9 @@ pub struct ModesFollowed {
 }
 
 impl ModesFollowed {
-    /// The choice of valid settings. With `"auto"` it is mode 1 and every other one on which the forcing does work and whose
-    /// resonance, in the motion's own harmonic or in the one that is forced, can reach the range of frequencies.
+    /// The choice of valid settings. With `"auto"` it is mode 1 and every other one whose resonance, in the motion's own harmonic
+    /// or in the one that is forced, can reach the range of frequencies. The forcing need not work on the linear mode: nonlinear
+    /// motion carries others along. Where there are too many, those on which it does come first.
     pub fn choose(model: &Model, settings: &Settings) -> Self {
         let primary = settings.tracked();
         let mut followed = vec![primary];
@@ -76,17 +74,17 @@ impl ModesFollowed {
         let frequencies = &model.modes().frequencies;
         let rigid = RIGID * frequencies.last().copied().unwrap_or_default();
         for mode in (0..model.size()).filter(|&mode| mode != primary) {
-            let why = match () {
-                () if frequencies[mode] <= rigid => LeftOut::RigidBody,
-                () if shares[mode] <= NO_WORK * largest => LeftOut::NoWork,
-                () if !is_in_reach(model, settings, mode) => LeftOut::OutOfRange,
-                () if followed.len() >= MOST => LeftOut::TooMany,
-                () => {
-                    followed.push(mode);
-                    continue;
-                }
-            };
-            left_out.push((mode, why));
+            match () {
+                () if frequencies[mode] <= rigid => left_out.push((mode, LeftOut::RigidBody)),
+                () if !is_in_reach(model, settings, mode) => left_out.push((mode, LeftOut::OutOfRange)),
+                () => followed.push(mode),
+            }
+        }
+        if followed.len() > MOST {
+            followed[1..].sort_by_key(|&mode| shares[mode] <= NO_WORK * largest);
+            left_out.extend(followed.drain(MOST..).map(|mode| (mode, LeftOut::TooMany)));
+            followed[1..].sort_unstable();
+            left_out.sort_by_key(|(mode, _)| *mode);
         }
         Self { followed, left_out }
     }
@@ -206,18 +204,17 @@ mod tests {
     }
 
     #[test]
-    fn modes_in_reach_that_are_forced_are_followed() {
-        let model = masses(&[1.0, 1.5, 3.0, 3.9, 4.1], &[1.0, 1e-7, 1.0, 1e-5, 1.0]).build().unwrap();
-        let unforced = (1, LeftOut::NoWork);
+    fn modes_in_reach_are_followed_whether_they_are_forced_or_not() {
+        let model = masses(&[1.0, 1.5, 3.0, 3.9, 4.1], &[1.0, 0.0, 1.0, 1e-5, 1.0]).build().unwrap();
         let (followed, left_out) = chosen(&model, |_| {});
-        assert_eq!((followed, left_out), (vec![0, 2, 3], vec![unforced.clone(), (4, LeftOut::OutOfRange)]));
+        assert_eq!((followed, left_out), (vec![0, 1, 2, 3], vec![(4, LeftOut::OutOfRange)]));
         // Bounds count for what they say, twice as far.
         let (followed, _) = chosen(&model, |s| s.frequency.max = Some(1.6));
-        assert_eq!(followed, [0, 2]);
+        assert_eq!(followed, [0, 1, 2]);
         let (followed, _) = chosen(&model, |s| (s.frequency.min, s.frequency.max) = (Some(7.0), Some(8.0)));
         assert_eq!(followed, [0, 3, 4]);
         // The backbone's own bounds: it could not start.
-        assert_eq!(chosen(&model, |s| s.backbone.max_frequency = Some(3.5)).0, [0, 2]);
+        assert_eq!(chosen(&model, |s| s.backbone.max_frequency = Some(3.5)).0, [0, 1, 2]);
         // A list is taken as it is.
         let list = ModeChoice::These(ModeList::new(&[3, 2]).unwrap());
         let (followed, left_out) = chosen(&model, |s| s.backbone.modes = list);
@@ -233,10 +230,15 @@ mod tests {
     #[test]
     fn there_is_an_end_to_modes() {
         let omegas: Vec<f64> = (0..10).map(|i| 1.0 + 0.1 * f64::from(i)).collect();
-        let model = masses(&omegas, &[1.0; 10]).build().unwrap();
-        let (followed, left_out) = chosen(&model, |_| {});
+        let (followed, left_out) = chosen(&masses(&omegas, &[1.0; 10]).build().unwrap(), |_| {});
         assert_eq!(followed, [0, 1, 2, 3, 4, 5, 6, 7]);
         assert_eq!(left_out, [(8, LeftOut::TooMany), (9, LeftOut::TooMany)]);
+        // Those that are forced come first.
+        let mut forces = [1.0; 10];
+        (forces[0], forces[2], forces[9]) = (0.0, 0.0, 1e-9);
+        let (followed, left_out) = chosen(&masses(&omegas, &forces).build().unwrap(), |_| {});
+        assert_eq!(followed, [0, 1, 3, 4, 5, 6, 7, 8]);
+        assert_eq!(left_out, [(2, LeftOut::TooMany), (9, LeftOut::TooMany)]);
     }
 
     #[test]

@@ -29,7 +29,6 @@ _UNFOLLOWED = {
 _LEFT_OUT = {
     "not_listed": "not in the list of modes",
     "rigid_body": "rigid body",
-    "no_work": "the forcing does no work on it",
     "out_of_range": "its resonance is out of reach of the frequency range",
     "too_many": "8 modes are followed already",
 }

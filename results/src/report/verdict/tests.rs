@@ -281,10 +281,10 @@ fn births_that_round_off_made() {
 fn modes_without_windows_are_named_with_the_reason() {
     let levels = [level(1.0, vec![main(1e-3)])];
     let lost = LeftOut::NotStarted("singular".into());
-    let left_out = vec![(1, LeftOut::NoWork), (2, LeftOut::OutOfRange), (3, lost), (4, LeftOut::RigidBody)];
+    let left_out = vec![(1, LeftOut::NotListed), (2, LeftOut::OutOfRange), (3, lost), (4, LeftOut::RigidBody)];
     let modes = ModesFollowed { followed: vec![0], left_out };
     let [danger, _, missed] = told(&levels, |evidence| evidence.modes = Some(&modes));
-    let named = "; isolas of mode 2 (the forcing does no work on it), of mode 3 (out of reach of the frequency range), of mode \
+    let named = "; isolas of mode 2 (not in the list of modes), of mode 3 (out of reach of the frequency range), of mode \
                  4 (its backbone does not start), of sub- and super-harmonics and those that no energy balance of mode 1";
     assert!(missed.contains(named), "{missed}");
     assert!(missed.starts_with("Known only in part (no backbone of mode 4). "), "{missed}");
