@@ -340,6 +340,7 @@ fn every_study_of_the_repository_loads() {
     names.sort();
     let expected = [
         "chain_subharmonic/study.toml: 4",
+        "chain_subharmonic/third_mode.toml: 3",
         "damper_two_isolas/study.toml: 7",
         "duffing/study.toml: 10",
         "nltva/study.toml: 7",
