@@ -4,11 +4,11 @@
 mod support;
 
 use solver::response::branch::{BranchPoint, Side, SpecialKind};
-use solver::{CriticalCurve, CriticalKind, Forced, ModeChoice, Model, Reach, Settings, State};
+use solver::{CriticalCurve, CriticalKind, Forced, ModeChoice, ModeList, Model, Reach, Settings, State};
 use std::ops::ControlFlow;
 use support::balance::Balance;
 use support::geometry::complaints;
-use support::study::{Kind, Study, main_peak, of_kind, shipped, why_unfinished, with_harmonics};
+use support::study::{Kind, Study, main_peak, of_kind, own, shipped, why_unfinished, with_harmonics};
 
 /// An isola that is known, and a point near it.
 struct Known {
@@ -328,4 +328,16 @@ fn the_second_mode_of_a_chain_whose_third_mode_is_driven() {
     settings.backbone.modes = ModeChoice::one(2);
     let model = shipped("chain_subharmonic", &[("forcing.shape", "{ mode = 3 }")]);
     check(model, settings, &[(2.0, 0.738349), (2.5, 0.922936), (3.0, 1.189334)], &isolas);
+}
+
+#[test]
+fn a_mode_that_is_orthogonal_to_the_force() {
+    let isola = |forcing, range, peak, near, series| Known { forcing, range, peak, has_window: true, near, series };
+    let isolas = [
+        isola(0.4, (1.81269888, 1.83027075), 1.285022, 1.8297, vec![first(0.0646, 1.2733), first(-0.2848, -0.938)]),
+        isola(0.6, (1.78524909, 1.86290465), 1.4525039, 1.861, vec![first(-0.0327, 1.4385), first(-0.2919, -0.9779)]),
+    ];
+    let mut settings = with_harmonics(5);
+    settings.backbone.modes = ModeChoice::These(ModeList::new(&[1, 2]).unwrap());
+    check(own("orthogonal_forcing"), settings, &[(0.4, 1.7181283), (0.6, 1.7848925)], &isolas);
 }
