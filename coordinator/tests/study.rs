@@ -339,6 +339,9 @@ fn every_study_of_the_repository_loads() {
     }
     names.sort();
     let expected = [
+        "chain_subharmonic/study.toml: 4",
+        "chain_subharmonic/third_mode.toml: 3",
+        "damper_two_isolas/study.toml: 7",
         "duffing/study.toml: 10",
         "nltva/study.toml: 7",
         "nonlinear_damper/study.toml: 9",
@@ -346,6 +349,8 @@ fn every_study_of_the_repository_loads() {
         "rotor67/paper.toml: 7",
         "rotor67/study.toml: 7",
         "rotor67_thickness/study.toml: 7",
+        "two_blades/study.toml: 5",
+        "two_dampers/study.toml: 6",
     ];
     assert_eq!(names, expected);
 }
