@@ -60,7 +60,8 @@ impl PressureForm<'_> {
             for i in 0..count {
                 let (before, here, after) = (values[(i + count - 1) % count], values[i], values[(i + 1) % count]);
                 let is_maximum = here > before && here >= after;
-                if !is_maximum && !(here < before && here <= after) {
+                let is_minimum = here < before && here <= after;
+                if !(is_maximum || is_minimum) {
                     continue;
                 }
                 let Some(instant) = extremum(series, TAU * i as f64 / count as f64, TAU / count as f64) else {
@@ -115,7 +116,7 @@ fn extremum(series: &[f64], near: f64, reach: f64) -> Option<f64> {
         let [_, slope, curvature] = evaluate(series, tau);
         let step = slope / curvature;
         tau -= step;
-        if !((tau - near).abs() <= 2.0 * reach) {
+        if tau.is_nan() || (tau - near).abs() > 2.0 * reach {
             return None;
         }
         if step.abs() < 1e-14 * TAU {
