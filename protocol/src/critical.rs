@@ -4,7 +4,7 @@ use crate::array::ArrayError;
 use crate::curve::{Points, Size};
 use serde::{Deserialize, Serialize};
 use solver::response::branch::{BranchPoint, Outcome};
-use solver::response::critical::{CriticalCurve, CriticalEvent, Quantity};
+use solver::response::critical::{Corner, CriticalCurve, CriticalEvent, Quantity};
 
 /// Curve of p points.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -19,6 +19,9 @@ pub struct CriticalMessage {
     pub rejections: usize,
     /// Births, merges and cusps, by index of the point.
     pub events: Vec<CriticalEvent>,
+    /// Corners at which a contact begins or ends and beyond which the curve was taken up again, by index of the point.
+    #[serde(default)]
+    pub corners: Vec<Corner>,
     /// The points: a forced response each, at its own forcing amplitude.
     pub points: Points,
 }
@@ -31,6 +34,7 @@ impl From<&CriticalCurve> for CriticalMessage {
             grazing: curve.grazing,
             rejections: curve.rejections,
             events: curve.events.clone(),
+            corners: curve.corners.clone(),
             points: Points::new(curve.points.iter()),
         }
     }
@@ -48,10 +52,11 @@ impl CriticalMessage {
     /// The curve, for a model of this size.
     ///
     /// # Errors
-    /// If an array has another shape, an event is at no point, or a forcing amplitude is none.
+    /// If an array has another shape, an event or a corner is at no point, or a forcing amplitude is none.
     pub fn curve(&self, size: &Size) -> Result<CriticalCurve, ArrayError> {
         let points = self.points.points(size)?;
-        let last = self.events.iter().map(|event| event.index).max().unwrap_or(0).max(self.events.len());
+        let indices = self.events.iter().map(|event| event.index).chain(self.corners.iter().map(|corner| corner.index));
+        let last = indices.max().unwrap_or(0).max(self.events.len()).max(self.corners.len());
         if last >= points.len() {
             return Err(ArrayError::Special { index: last, points: points.len() });
         }
@@ -64,6 +69,7 @@ impl CriticalMessage {
             quantity: self.quantity,
             points,
             events: self.events.clone(),
+            corners: self.corners.clone(),
             outcome: self.outcome,
             grazing: self.grazing,
             rejections: self.rejections,

@@ -3,88 +3,14 @@
 mod support;
 
 use solver::formulation::state::State;
-use solver::response::branch::{BranchPoint, Side, SpecialKind, Stop};
+use solver::response::branch::Stop;
 use solver::response::folds::{Critical, CriticalCurve, CriticalKind, Extent, Quantity};
 use solver::response::windows::{EventKind, events};
 use solver::settings::Quadrature;
-use solver::{Backbone, Branch, Forced, Level, Model, Outcome, Reach, Settings};
-use std::ops::ControlFlow;
+use solver::{Backbone, Level, Outcome, Reach, Settings};
 use std::time::Instant;
+use support::fold_curves::{Study, all, assert_close, fold_miss, folds, quiet, report};
 use support::study::shipped;
-
-fn quiet(_: &BranchPoint) -> ControlFlow<()> {
-    ControlFlow::Continue(())
-}
-
-/// A model with what is needed to trace its branches.
-struct Study {
-    model: Model,
-    settings: Settings,
-    reach: Reach,
-}
-
-impl Study {
-    fn new(model: Model, settings: Settings) -> Self {
-        let backbone = Backbone::compute(&model, &settings).unwrap();
-        let reach = Reach::new(&settings, &backbone).unwrap();
-        Self { model, settings, reach }
-    }
-
-    fn main(&self, forcing: f64) -> Branch {
-        Forced::new(&self.model, &self.settings, self.reach, forcing).main_branch(Side::Below, &mut quiet).unwrap()
-    }
-
-    fn through(&self, state: &State) -> Branch {
-        let mut forced = Forced::new(&self.model, &self.settings, self.reach, state.forcing);
-        forced.branch_through(state, &mut quiet).unwrap()
-    }
-
-    fn folds(&self, extent: Extent) -> Critical<'_> {
-        Critical::new(&self.model, &self.settings, Quantity::Frequency, extent).unwrap()
-    }
-
-    fn peaks(&self, extent: Extent) -> Critical<'_> {
-        Critical::new(&self.model, &self.settings, Quantity::Amplitude, extent).unwrap()
-    }
-}
-
-fn folds(branch: &Branch) -> Vec<State> {
-    branch.special(SpecialKind::Fold).map(|point| point.state.clone()).collect()
-}
-
-fn report(curve: &CriticalCurve, since: Instant) {
-    let seconds = since.elapsed().as_secs_f64();
-    let (low, high) = curve.forcing_range();
-    println!(
-        "{:?}: {} points in {seconds:.3} s, A = {low:.6} to {high:.6}, {}, grazing {:?}, {} refused",
-        curve.quantity,
-        curve.points.len(),
-        curve.outcome,
-        curve.grazing,
-        curve.rejections
-    );
-    for event in &curve.events {
-        let point = &curve.points[event.index];
-        println!(
-            "  {:?} at A = {:.10}, {:.8} rad/s, amplitude {:.6}",
-            event.kind,
-            point.state.forcing,
-            point.omega(),
-            point.amplitude()
-        );
-    }
-}
-
-#[track_caller]
-fn assert_close(value: f64, expected: f64, relative: f64) {
-    assert!((value / expected - 1.0).abs() < relative, "{value} is not {expected} to {relative}");
-}
-
-fn all(curve: &CriticalCurve, kind: CriticalKind) -> Vec<f64> {
-    let mut list: Vec<f64> = curve.events(kind).map(|point| point.state.forcing).collect();
-    list.sort_by(f64::total_cmp);
-    list
-}
 
 #[test]
 fn the_absorber_s_isola_from_the_folds_of_the_main_branch() {
@@ -230,28 +156,49 @@ fn the_isolas_of_a_blade() {
     for (value, expected) in births.iter().zip([28.877, 30.68]).chain(merges.iter().zip([32.75, 70.495])) {
         assert_close(*value, expected, 5e-4);
     }
-    assert!(births.len() == 2 && merges.len() >= 2);
-    // It ends where the contact of another node begins or ends.
-    assert!(matches!(curve.outcome, Outcome::Open(Stop::Stalled(_), _)) && curve.grazing[0].is_some());
-    // The isola at A = 60, from the main branch at 80.
+    assert!(births.len() == 3 && merges.len() >= 2);
+    // Beyond them all, that of the isola far up.
+    assert_close(births[2], 41.687_515_6, 1e-7);
+    // It goes on where the contacts of other nodes begin and end, and what it says beyond is true.
+    assert_eq!(curve.outcome, Outcome::Open(Stop::ForcingBound, Stop::ForcingBound));
+    let corners = curve.corners.iter().map(|corner| (corner.element, curve.points[corner.index].state.forcing));
+    for (element, forcing) in [(1, 70.274_726_6), (2, 241.646_364), (2, 257.030_307)] {
+        assert!(corners.clone().any(|(by, at)| by == element && (at / forcing - 1.0).abs() < 1e-8), "{forcing}");
+    }
+    for level in [70.35, 70.45, 245.0, 255.0, 260.0, 275.0] {
+        let main = study.main(level);
+        for state in critical.crossings(&curve, level) {
+            let state = state.unwrap();
+            let miss = fold_miss(&main, &state).min(fold_miss(&study.through(&state), &state));
+            assert!(miss < 1e-6, "A = {level}: no fold at {} rad/s, but {miss:.1e} beside", state.omega);
+        }
+    }
+    // The isolas at A = 60, from the main branch at 80.
+    let mut isolas = Vec::new();
     for state in critical.crossings(&curve, 60.0) {
         let state = state.unwrap();
         let since = Instant::now();
         let isola = study.through(&state);
-        println!("isola: {} points in {:.3} s", isola.points.len(), since.elapsed().as_secs_f64());
-        assert!(isola.is_closed());
-        let (low, high) = isola.frequency_range();
-        assert!((low / state.omega - 1.0).abs() < 1e-7 || (high / state.omega - 1.0).abs() < 1e-7);
+        println!("{}: {} points in {:.3} s", isola.outcome, isola.points.len(), since.elapsed().as_secs_f64());
+        if isola.is_closed() {
+            let (low, high) = isola.frequency_range();
+            assert!((low / state.omega - 1.0).abs() < 1e-7 || (high / state.omega - 1.0).abs() < 1e-7);
+            isolas.push(isola);
+        }
     }
+    // Two folds of each of the two.
+    assert_eq!(isolas.len(), 4);
+    let isola = isolas.iter().min_by(|a, b| a.frequency_range().0.total_cmp(&b.frequency_range().0)).unwrap();
     // From the isola's peak: the same births and the merge between them, past the contacts that begin on the way.
-    let isola = study.through(critical.crossings(&curve, 60.0)[0].as_ref().unwrap());
     for quantity in [Quantity::Amplitude, Quantity::Rms] {
         let mut peaks = Critical::new(&study.model, &study.settings, quantity, extent).unwrap();
         let since = Instant::now();
         let peak_curve = peaks.curve(&isola.peak().state, &mut quiet).unwrap();
         report(&peak_curve, since);
         assert!(peak_curve.events.len() >= 3);
-        for event in peak_curve.events.iter().filter(|event| event.kind != CriticalKind::Cusp) {
+        // Two maxima of one branch may also meet, at corners too.
+        let is_of_branches = |kind: CriticalKind| !matches!(kind, CriticalKind::Cusp | CriticalKind::Unknown);
+        for event in peak_curve.events.iter().filter(|event| is_of_branches(event.kind)) {
             let forcing = peak_curve.points[event.index].state.forcing;
             let same = all(&curve, event.kind).into_iter().map(|other| (forcing / other - 1.0).abs());
             assert!(same.fold(f64::INFINITY, f64::min) < 1e-9, "{:?} at {forcing}", event.kind);
@@ -294,6 +241,57 @@ fn the_isola_of_a_blade_with_friction() {
 }
 
 #[test]
+fn corners_where_a_contact_begins_or_ends() {
+    let study = Study::new(shipped("cantilever_stop", &[]), Settings::default());
+    let extent = Extent { forcing: (0.025, 2.0), frequency: (5.0, 1000.0), points: 5000 };
+    let mut critical = study.folds(extent);
+    let main = study.main(0.05);
+    let mut curves: Vec<CriticalCurve> = Vec::new();
+    for fold in folds(&main) {
+        if !curves.iter().any(|curve| critical.lies_on(&fold, curve)) {
+            let since = Instant::now();
+            curves.push(critical.curve(&fold, &mut quiet).unwrap());
+            report(curves.last().unwrap(), since);
+        }
+    }
+    assert!(curves.iter().all(|curve| !curve.outcome.is_unfinished()));
+    // Neither the state nor the direction back to it is lost, and the points beside a corner are next to it.
+    for (curve, corner) in curves.iter().flat_map(|curve| curve.corners.iter().map(move |corner| (curve, corner))) {
+        let near = &curve.points[corner.index - 1..=corner.index + 1];
+        assert!(near.windows(2).all(|pair| (pair[0].omega() / pair[1].omega() - 1.0).abs() < 1e-4));
+        assert!(near.iter().all(|point| point.residual() < 1e-10) && corner.element == 0);
+    }
+    // At one of them two folds of the main branch, of which neither step led to the other, meet and vanish.
+    let is_corner = |curve: &CriticalCurve, index: usize| curve.corners.iter().any(|corner| corner.index == index);
+    let meeting = |curve: &CriticalCurve| {
+        let cusp = curve.events.iter().find(|event| event.kind == CriticalKind::Cusp && is_corner(curve, event.index));
+        cusp.map(|event| curve.points[event.index].state.forcing)
+    };
+    let meetings: Vec<f64> = curves.iter().filter_map(meeting).collect();
+    assert_eq!(meetings.len(), 1);
+    assert_close(meetings[0], 0.050_391_06, 1e-7);
+    // Branches that are traced beyond the corners, each at a level of its own, have the folds that the curves say.
+    let beyond =
+        [(0.025_992, [0.0255, 0.0252]), (0.050_391, [0.03, 0.045]), (0.046_135, [0.1, 1.0]), (1.765_695, [1.8, 1.9])];
+    for (corner, levels) in beyond {
+        let is_there = |at: f64| (at / corner - 1.0).abs() < 2e-5;
+        let of = |curve: &&CriticalCurve| {
+            curve.corners.iter().any(|corner| is_there(curve.points[corner.index].state.forcing))
+        };
+        let curve = curves.iter().find(of).unwrap();
+        for level in levels {
+            let main = study.main(level);
+            let states = critical.crossings(curve, level);
+            assert!(!states.is_empty());
+            for state in states.into_iter().map(Result::unwrap) {
+                let miss = fold_miss(&main, &state).min(fold_miss(&study.through(&state), &state));
+                assert!(miss < 1e-6, "A = {level}: no fold at {} rad/s, but {miss:.1e} beside", state.omega);
+            }
+        }
+    }
+}
+
+#[test]
 fn the_subharmonic_of_an_impact_oscillator() {
     for count in [10, 20] {
         let mut settings = Settings::default();
@@ -308,6 +306,8 @@ fn the_subharmonic_of_an_impact_oscillator() {
         let [first, second] = &folds(isola)[..] else { panic!("an isola of two folds") };
         let curve = critical.curve(first, &mut quiet).unwrap();
         report(&curve, since);
+        assert_eq!(curve.outcome, Outcome::Open(Stop::ForcingBound, Stop::ForcingBound));
+        assert!(!curve.corners.is_empty());
         // One curve, up to time shifts by a period of the forcing.
         assert!(critical.lies_on(second, &curve));
         assert_eq!(curve.events.len(), 1);

@@ -22,7 +22,7 @@ use solver::curve::continuation::Rejection;
 use solver::curve::problem::Failure;
 use solver::response::branch::{BranchKind, Certificate, Outcome, Side, SpecialKind, SpecialPoint, Standing, Stop};
 use solver::response::certificate::Doubled;
-use solver::response::critical::{CriticalEvent, CriticalKind, Quantity};
+use solver::response::critical::{Corner, CriticalEvent, CriticalKind, Quantity};
 use solver::response::forced::Reach;
 use solver::response::forcing::Unreached;
 use solver::response::modes::{LeftOut, ModesFollowed};
@@ -350,6 +350,7 @@ pub fn result_curve() -> StoredResult {
             grazing: [None, Some(1)],
             rejections: 2,
             events: vec![CriticalEvent { kind: CriticalKind::Birth, index: 1 }],
+            corners: vec![Corner { index: 2, element: 1 }],
             points: points(3),
         }),
         landings: None,

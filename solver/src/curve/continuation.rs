@@ -179,6 +179,13 @@ impl<'p, P: Problem> Continuation<'p, P> {
         self.problem
     }
 
+    /// Goes on from a point of the curve beyond what no step passes, with a first step of this length.
+    pub fn resume(&mut self, from: CurvePoint, step: f64) {
+        self.longest = self.problem.longest_step(&from.y, &from.tangent).min(self.settings.max_step);
+        (self.current, self.previous, self.step) = (from, None, step.min(self.longest));
+        (self.refreshed, self.stalled) = (false, None);
+    }
+
     /// Steps refused so far.
     pub fn rejections(&self) -> usize {
         self.rejections

@@ -37,6 +37,18 @@ pub struct Bounds {
     pub closes: bool,
 }
 
+impl Bounds {
+    /// The bound that a point of this frequency and amplitude lies beyond.
+    fn passed(&self, omega: f64, amplitude: f64) -> Option<Stop> {
+        let (low, high) = self.frequency;
+        // A walk may start at a bound.
+        if omega < low * (1.0 - 1e-9) || omega > high * (1.0 + 1e-9) {
+            return Some(Stop::FrequencyBound);
+        }
+        (amplitude > self.amplitude).then_some(Stop::AmplitudeBound)
+    }
+}
+
 /// A point of a walk: as the continuation needs it and as people do.
 #[derive(Debug, Clone)]
 pub struct Visited<T> {
@@ -55,61 +67,57 @@ pub fn walk<P: Problem, T: Evaluated<P>>(
 ) -> (Vec<Visited<T>>, Stop) {
     let first = continuation.current().clone();
     let point = T::evaluate(continuation.problem(), &first);
-    let outside = |point: &T| {
-        let (low, high) = bounds.frequency;
-        // A walk may start at a bound.
-        point.omega() < low * (1.0 - 1e-9) || point.omega() > high * (1.0 + 1e-9)
-    };
-    let too_large = |point: &T| point.amplitude() > bounds.amplitude;
-    let start = if outside(&point) {
-        Some(Stop::FrequencyBound)
-    } else if too_large(&point) {
-        Some(Stop::AmplitudeBound)
-    } else {
-        None
-    };
+    let stop = bounds.passed(point.omega(), point.amplitude());
     let mut visited = vec![Visited { curve: first, point }];
-    if let Some(stop) = start {
-        return (visited, stop);
-    }
+    let stop = stop.unwrap_or_else(|| walk_on(continuation, &mut visited, bounds, observer, ending));
+    (visited, stop)
+}
+
+/// Walks on from the last point of `visited`, the continuation's current one.
+pub fn walk_on<P: Problem, T: Evaluated<P>>(
+    continuation: &mut Continuation<'_, P>,
+    visited: &mut Vec<Visited<T>>,
+    bounds: &Bounds,
+    observer: &mut Observer<'_, T>,
+    ending: &mut Ending<'_, P, T>,
+) -> Stop {
     let mut identity = Identity::default();
     loop {
         if visited.len() >= bounds.points {
-            return (visited, Stop::PointBudget);
+            return Stop::PointBudget;
         }
         let Some(curve) = continuation.next() else {
             let rejection = continuation.stalled().expect("a walk only ends by a refused step");
-            return (visited, Stop::Stalled(rejection));
+            return Stop::Stalled(rejection);
         };
         let point = T::evaluate(continuation.problem(), &curve);
         let cancelled = observer(&point).is_break();
-        let (outside, too_large) = (outside(&point), too_large(&point));
+        let passed = bounds.passed(point.omega(), point.amplitude());
         visited.push(Visited { curve, point });
         if cancelled {
-            return (visited, Stop::Cancelled);
+            return Stop::Cancelled;
         }
-        if bounds.closes && has_closed(&mut identity, continuation, &visited) {
+        if bounds.closes && has_closed(&mut identity, continuation, visited) {
             visited.pop();
-            return (visited, Stop::Closed);
+            return Stop::Closed;
         }
-        match revisit(&mut identity, continuation, &visited) {
-            Some(Revisit::Backwards) => return (visited, Stop::Reversed),
+        match revisit(&mut identity, continuation, visited) {
+            Some(Revisit::Backwards) => return Stop::Reversed,
             Some(Revisit::Forwards(earlier)) if bounds.closes => {
                 visited.pop();
                 visited.drain(..=earlier);
-                return (visited, Stop::Closed);
+                return Stop::Closed;
             }
             _ => {}
         }
-        if outside {
-            end_at_bound(continuation, &mut visited, bounds.frequency);
-            return (visited, Stop::FrequencyBound);
+        if passed == Some(Stop::FrequencyBound) {
+            end_at_bound(continuation, visited, bounds.frequency);
         }
-        if too_large {
-            return (visited, Stop::AmplitudeBound);
+        if let Some(stop) = passed {
+            return stop;
         }
         if let Some(stop) = visited.last().and_then(|last| ending(continuation.problem(), last)) {
-            return (visited, stop);
+            return stop;
         }
     }
 }
@@ -140,8 +148,26 @@ pub fn walk_both<P: Problem, T: Evaluated<P>>(
     observer: &mut Observer<'_, T>,
     ending: &mut Ending<'_, P, T>,
 ) -> Result<Walked<T>, Failure> {
+    let mut way = |continuation: &mut Continuation<'_, P>| walk(continuation, bounds, observer, ending);
+    both_ways(problem, y, direction, settings, &mut way)
+}
+
+/// One way of a curve from a continuation's current point (included): its points and where it ends.
+pub type Way<'w, P, T> = dyn FnMut(&mut Continuation<'_, P>) -> (Vec<Visited<T>>, Stop) + 'w;
+
+/// The same as [`walk_both`], each of the two ways walked by `way`.
+///
+/// # Errors
+/// If the first point does not converge.
+pub fn both_ways<P: Problem, T: Evaluated<P>>(
+    problem: &mut P,
+    y: Vec<f64>,
+    direction: &[f64],
+    settings: &ContinuationSettings,
+    way: &mut Way<'_, P, T>,
+) -> Result<Walked<T>, Failure> {
     let mut continuation = Continuation::start(problem, y, direction, *settings)?;
-    let (visited, stop) = walk(&mut continuation, bounds, observer, ending);
+    let (visited, stop) = way(&mut continuation);
     let mut rejections = continuation.rejections();
     if stop == Stop::Closed || stop == Stop::Cancelled {
         let outcome = if stop == Stop::Closed { Outcome::Closed } else { Outcome::Open(stop, stop) };
@@ -156,7 +182,7 @@ pub fn walk_both<P: Problem, T: Evaluated<P>>(
             return Ok(Walked { visited, start: 0, outcome, rejections });
         }
     };
-    let (backwards, other_stop) = walk(&mut continuation, bounds, observer, ending);
+    let (backwards, other_stop) = way(&mut continuation);
     rejections += continuation.rejections();
     if other_stop == Stop::Closed {
         if !matches!(stop, Stop::FrequencyBound | Stop::AmplitudeBound) {

@@ -31,7 +31,7 @@ pub enum CriticalKind {
     Merge,
     /// Two folds (or a maximum and a minimum) of one branch meet and vanish: no branch is born or merges.
     Cusp,
-    /// Not told: at a corner of the curve (a contact begins or ends), or the corrector failed next to it.
+    /// Not told: next to a corner of the curve (a contact begins or ends), or the corrector failed next to it.
     Unknown,
 }
 
@@ -57,6 +57,15 @@ pub struct CriticalEvent {
     pub index: usize,
 }
 
+/// A corner of a fold or peak curve: there a contact begins or ends (grazing). The curve is continuous, its tangent is not.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Corner {
+    /// Index into [`CriticalCurve::points`]: the corner itself.
+    pub index: usize,
+    /// The element whose contact begins or ends there, by its number in the model.
+    pub element: usize,
+}
+
 /// A curve of folds or peaks.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct CriticalCurve {
@@ -67,10 +76,14 @@ pub struct CriticalCurve {
     pub points: Vec<BranchPoint>,
     /// Extrema of A, in the order of the arc.
     pub events: Vec<CriticalEvent>,
+    /// Its corners, in the order of the arc: those at which it stalled and beyond which it was taken up again, and those that a
+    /// step had led past. An extremum of A at a corner is a cusp: two folds meet there and vanish.
+    #[serde(default)]
+    pub corners: Vec<Corner>,
     /// How it begins and ends.
     pub outcome: Outcome,
     /// For both ends, if the curve stalled there: the element, by its number in the model, whose contact is about to begin or
-    /// to end (grazing). There the first derivatives vary like a square root, and the curve cannot be followed.
+    /// to end (grazing). There the first derivatives vary like a square root, and no way past it was found.
     pub grazing: [Option<usize>; 2],
     /// Steps refused and repeated shorter.
     pub rejections: usize,

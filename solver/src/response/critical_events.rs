@@ -7,8 +7,10 @@ use crate::curve::continuation::{Continuation, CurvePoint, weighted};
 use crate::curve::problem::{Problem, inner};
 use crate::curve::walk::Evaluated;
 use crate::formulation::pressure::{Degeneracy, PressureForm};
+use crate::linalg::dot;
 use crate::response::branch::{BranchPoint, Visited};
-use crate::response::critical::{CriticalEvent, CriticalKind};
+use crate::response::corners::Corners;
+use crate::response::critical::{CriticalEvent, CriticalKind, Quantity};
 
 /// Most evaluations of the slope of A.
 const ITERATIONS: usize = 40;
@@ -22,6 +24,13 @@ const CORNER: f64 = 1e-6;
 /// Multipliers of the quantity below this are zero, if it cannot be told from a change of sign.
 const VANISHING: f64 = 1e-6;
 
+/// Most bisections of a step that hides extrema.
+const DEPTH: usize = 8;
+
+/// First of the short steps with which an extremum next to a corner is looked for, in shortest ones, and most of them.
+const SHORT: f64 = 10.0;
+const STEPS: usize = 60;
+
 /// Share of a step on both sides of an extremum at which its kind is told.
 const BESIDE: f64 = 1e-3;
 
@@ -30,20 +39,123 @@ pub(super) fn with_events(
     continuation: &mut Continuation<'_, PressureForm<'_>>,
     visited: Vec<Visited>,
     is_closed: bool,
+    corners: &Corners,
 ) -> (Vec<Visited>, Vec<CriticalEvent>) {
     let count = visited.len();
     let steps = if is_closed { count } else { count.saturating_sub(1) };
     let mut located = Vec::new();
     for i in 0..steps {
-        let (a, b) = (&visited[i], &visited[(i + 1) % count]);
-        if (slope(&a.curve) > 0.0) != (slope(&b.curve) > 0.0) {
-            let found = Search::new(continuation, &a.curve, &b.curve).locate();
-            let is_first = (slope(&a.curve) > 0.0) == (forcing(&a.curve) > forcing(&b.curve));
-            let nearest = if is_first { i } else { (i + 1) % count };
-            located.push(Located { after: i, nearest, found });
+        let next = (i + 1) % count;
+        let (a, b) = (&visited[i], &visited[next]);
+        if corners.at(&b.point).is_some() && (is_closed || next + 1 < count) {
+            located.extend(at_corner(continuation, &visited, next));
+        } else if corners.at(&a.point).is_none() {
+            located.extend(within(continuation, [&a.curve, &b.curve], [i, next], DEPTH));
         }
     }
     insert(visited, located)
+}
+
+/// Extrema of A between two neighbouring points of a smooth piece, of these indices.
+fn within(
+    continuation: &mut Continuation<'_, PressureForm<'_>>,
+    [a, b]: [&CurvePoint; 2],
+    [i, next]: [usize; 2],
+    depth: usize,
+) -> Vec<Located> {
+    if (slope(a) > 0.0) != (slope(b) > 0.0) {
+        let is_first = (slope(a) > 0.0) == (forcing(a) > forcing(b));
+        let mut found = Search::new(continuation, a, b).locate();
+        // Next to a corner the curve turns within a small part of the step.
+        for [from, to] in [[a.clone(), b.clone()], [turned(b), turned(a)]] {
+            found = found.or_else(|| {
+                let [from, to] = shorter(continuation, &from, &to)?;
+                Search::new(continuation, &from, &to).locate()
+            });
+        }
+        let (kind, point) = found.unzip();
+        let kind = kind.unwrap_or(CriticalKind::Unknown);
+        return vec![Located { after: i, nearest: if is_first { i } else { next }, kind, point }];
+    }
+    if !hides(continuation, a, b) {
+        return Vec::new();
+    }
+    let unknown = Located { after: i, nearest: i, kind: CriticalKind::Unknown, point: None };
+    let mut search = Search::new(continuation, a, b);
+    let middle = if depth == 0 { None } else { search.at(0.5 * search.length) };
+    let Some(middle) = middle else { return vec![unknown] };
+    let mut found = within(continuation, [a, &middle], [i, next], depth - 1);
+    found.extend(within(continuation, [&middle, b], [i, next], depth - 1));
+    found
+}
+
+/// Neighbouring points between which A turns, by short steps from the first end of a step within which it does.
+fn shorter(
+    continuation: &mut Continuation<'_, PressureForm<'_>>,
+    from: &CurvePoint,
+    to: &CurvePoint,
+) -> Option<[CurvePoint; 2]> {
+    let metric = continuation.problem().metric();
+    let chord: Vec<f64> = to.y.iter().zip(&from.y).map(|(b, a)| b - a).collect();
+    let (row, length) = (weighted(metric, &chord), inner(metric, &chord, &chord));
+    let step = SHORT * continuation.settings().min_step;
+    continuation.resume(from.clone(), step);
+    let mut last = from.clone();
+    for _ in 0..STEPS {
+        let next = continuation.next()?;
+        if (slope(&next) > 0.0) != (slope(from) > 0.0) {
+            return Some([last, next]);
+        }
+        if dot(&row, &next.y) - dot(&row, &from.y) > length {
+            return None;
+        }
+        last = next;
+    }
+    None
+}
+
+/// Whether a step leads over an even number of extrema of A, a cusp and a birth or merge say: ω turns back, and the rank of
+/// \[R_x R_ω\] is lost between.
+fn hides(continuation: &mut Continuation<'_, PressureForm<'_>>, a: &CurvePoint, b: &CurvePoint) -> bool {
+    let rate = |point: &CurvePoint| point.tangent[point.tangent.len() - 2];
+    let is_of_folds = continuation.problem().quantity() == Some(Quantity::Frequency);
+    is_of_folds && rate(a) * rate(b) < 0.0 && multiplier(continuation, a) * multiplier(continuation, b) < 0.0
+}
+
+/// Multiplier of the quantity at a point; its sign is that of the last one asked for, where the null vector is alike.
+fn multiplier(continuation: &mut Continuation<'_, PressureForm<'_>>, point: &CurvePoint) -> f64 {
+    continuation.problem().linearise(&mut point.y.clone());
+    continuation.problem().degeneracy().map_or(0.0, |degeneracy| degeneracy.multiplier)
+}
+
+/// Extrema of A between the neighbours of a corner. One at the corner itself at which \[R_x R_ω\] keeps its rank is a cusp: two
+/// folds meet there and vanish. What the signs on both sides do not tell is unknown.
+fn at_corner(
+    continuation: &mut Continuation<'_, PressureForm<'_>>,
+    visited: &[Visited],
+    corner: usize,
+) -> Vec<Located> {
+    let count = visited.len();
+    let before = (corner + count - 1) % count;
+    let [from, at, to] = [before, corner, (corner + 1) % count].map(|i| &visited[i].curve);
+    let rises = [slope(from), forcing(at) - forcing(from), forcing(to) - forcing(at), slope(to)].map(|rise| rise > 0.0);
+    let (first, last) = (multiplier(continuation, from), multiplier(continuation, to));
+    let keeps_rank = first * last > 0.0 && first.abs().min(last.abs()) > VANISHING;
+    let located = |kind: CriticalKind| Located { after: before, nearest: corner, kind, point: None };
+    let turns = (0..3).filter(|turn| rises[*turn] != rises[turn + 1]);
+    let mut found: Vec<Located> = turns
+        .map(|turn| located(if turn == 1 && keeps_rank { CriticalKind::Cusp } else { CriticalKind::Unknown }))
+        .collect();
+    // Where the rank is lost between them A has an extremum, whether the signs of its slope show it or not.
+    if found.is_empty() && first * last <= 0.0 {
+        found.push(located(CriticalKind::Unknown));
+    }
+    found
+}
+
+/// A point of the same curve walked the other way.
+fn turned(point: &CurvePoint) -> CurvePoint {
+    CurvePoint { tangent: point.tangent.iter().map(|t| -t).collect(), ..point.clone() }
 }
 
 /// A′ along the arc.
@@ -62,24 +174,30 @@ struct Located {
     after: usize,
     /// Index of the one with the more extreme A.
     nearest: usize,
-    /// The extremum and its kind, if it could be told.
-    found: Option<(CriticalKind, Visited)>,
+    /// What it is.
+    kind: CriticalKind,
+    /// The extremum, if it was found between them.
+    point: Option<Visited>,
 }
 
 /// One list of points, and the extrema by their places in it. One that was not found is the point next to it.
 fn insert(visited: Vec<Visited>, located: Vec<Located>) -> (Vec<Visited>, Vec<CriticalEvent>) {
-    let place = |i: usize| i + located.iter().filter(|l| l.after < i && l.found.is_some()).count();
-    let events = located.iter().map(|l| match &l.found {
-        Some((kind, _)) => CriticalEvent { kind: *kind, index: place(l.after) + 1 },
-        None => CriticalEvent { kind: CriticalKind::Unknown, index: place(l.nearest) },
-    });
-    let events = events.collect();
+    let place = |i: usize| i + located.iter().filter(|l| l.after < i && l.point.is_some()).count();
+    let earlier = |k: usize, l: &Located| {
+        located[..k].iter().filter(|other| other.after == l.after && other.point.is_some()).count()
+    };
+    let event = |(k, l): (usize, &Located)| {
+        let index = if l.point.is_some() { place(l.after) + 1 + earlier(k, l) } else { place(l.nearest) };
+        CriticalEvent { kind: l.kind, index }
+    };
+    let events = located.iter().enumerate().map(event).collect();
     let mut points = Vec::with_capacity(visited.len() + located.len());
     let mut located = located.into_iter().peekable();
     for (i, v) in visited.into_iter().enumerate() {
         points.push(v);
-        let found = located.next_if(|l| l.after == i).and_then(|l| l.found);
-        points.extend(found.map(|(_, point)| point));
+        while let Some(l) = located.next_if(|l| l.after == i) {
+            points.extend(l.point);
+        }
     }
     (points, events)
 }
@@ -90,6 +208,8 @@ struct Search<'s, 'c, 'm> {
     from: &'s CurvePoint,
     row: Vec<f64>,
     length: f64,
+    /// From the tangent at its first end to its last.
+    bend: Vec<f64>,
 }
 
 impl<'s, 'c, 'm> Search<'s, 'c, 'm> {
@@ -97,12 +217,16 @@ impl<'s, 'c, 'm> Search<'s, 'c, 'm> {
         let metric = continuation.problem().metric();
         let chord: Vec<f64> = to.y.iter().zip(&from.y).map(|(b, a)| b - a).collect();
         let (row, length) = (weighted(metric, &from.tangent), inner(metric, &from.tangent, &chord));
-        Self { continuation, from, row, length }
+        let bend = chord.iter().zip(&from.tangent).map(|(c, t)| c - length * t).collect();
+        Self { continuation, from, row, length, bend }
     }
 
-    /// The point at an arc length along the tangent, with the tangent of its own Jacobian.
+    /// The point at an arc length along the tangent, with the tangent of its own Jacobian: next to corners only a start that
+    /// is as near at one end as at the other converges.
     fn at(&mut self, arc: f64) -> Option<CurvePoint> {
-        let y = self.from.y.iter().zip(&self.from.tangent).map(|(y, t)| y + arc * t).collect();
+        let share = (arc / self.length).powi(2);
+        let straight = self.from.y.iter().zip(&self.from.tangent).map(|(y, t)| y + arc * t);
+        let y = straight.zip(&self.bend).map(|(y, b)| y + share * b).collect();
         self.continuation.correct_on(y, &self.row).ok()
     }
 

@@ -8,15 +8,18 @@ use crate::curve::continuation::{Continuation, CurvePoint, weighted};
 use crate::curve::identity::Identity;
 use crate::curve::newton::{Constraint, Newton, NewtonSettings};
 use crate::curve::problem::{Failure, Problem, inner, norm};
-use crate::curve::walk::{Bounds, Evaluated, Walked, interpolate, relative_distance, walk_both};
+use crate::curve::walk::{Bounds, Evaluated, Walked, both_ways, interpolate, relative_distance};
 use crate::formulation::Formulation;
 use crate::formulation::pressure::PressureForm;
 use crate::formulation::scales::Scales;
 use crate::formulation::state::State;
 use crate::formulation::unknown::Unknown;
 use crate::response::branch::{BranchPoint, Observer, Outcome, Stop, Visited};
+use crate::response::corners::{Corners, walk_past, with_corners};
 use crate::response::critical::crossed;
-pub use crate::response::critical::{CriticalCurve, CriticalError, CriticalEvent, CriticalKind, Extent, Quantity};
+pub use crate::response::critical::{
+    Corner, CriticalCurve, CriticalError, CriticalEvent, CriticalKind, Extent, Quantity,
+};
 use crate::response::critical_events::with_events;
 use crate::response::grazing::grazing;
 use crate::settings::Settings;
@@ -81,14 +84,18 @@ impl<'m> Critical<'m> {
         let settings = self.settings.continuation;
         let directions = [self.forcing_row(), self.problem.parameter_row()];
         let mut walked = Err(Failure::Singular);
+        let mut corners = Corners::default();
         for direction in directions {
-            walked = walk_both(&mut self.problem, y.clone(), &direction, &settings, &bounds, observer, &mut ending);
+            let mut way = |continuation: &mut Continuation<'_, PressureForm<'m>>| {
+                walk_past(continuation, &bounds, observer, &mut ending, &mut corners)
+            };
+            walked = both_ways(&mut self.problem, y.clone(), &direction, &settings, &mut way);
             if walked.is_ok() {
                 break;
             }
         }
         let walked = walked.map_err(|failure| self.quantity_not_found(near, failure))?;
-        Ok(self.assemble(walked))
+        Ok(self.assemble(walked, corners))
     }
 
     /// The fold (or peak) near a state, at its own A; where A is close to an extremum along the curve, at its own ω.
@@ -223,12 +230,16 @@ impl<'m> Critical<'m> {
     }
 
     /// Locates the extrema of A, and drops what only the continuation needs.
-    fn assemble(&mut self, walked: Walked<BranchPoint>) -> CriticalCurve {
+    fn assemble(&mut self, walked: Walked<BranchPoint>, mut corners: Corners) -> CriticalCurve {
         let (outcome, rejections) = (walked.outcome, walked.rejections);
         let settings = self.settings.continuation;
         let (visited, events) = match walked.visited.first().map(|first| first.curve.clone()) {
             Some(first) => match Continuation::start(&mut self.problem, first.y.clone(), &first.tangent, settings) {
-                Ok(mut continuation) => with_events(&mut continuation, walked.visited, outcome == Outcome::Closed),
+                Ok(mut continuation) => {
+                    let is_closed = outcome == Outcome::Closed;
+                    let visited = with_corners(&mut continuation, walked.visited, is_closed, &mut corners);
+                    with_events(&mut continuation, visited, is_closed, &corners)
+                }
                 Err(_) => (walked.visited, Vec::new()),
             },
             None => (Vec::new(), Vec::new()),
@@ -242,6 +253,7 @@ impl<'m> Critical<'m> {
             }),
             Outcome::Closed => [None, None],
         };
-        CriticalCurve { quantity: self.quantity, points, events, outcome, grazing, rejections }
+        let corners = corners.among(&points);
+        CriticalCurve { quantity: self.quantity, points, events, corners, outcome, grazing, rejections }
     }
 }

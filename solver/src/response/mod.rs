@@ -6,6 +6,7 @@ pub mod branch;
 pub mod certificate;
 mod column;
 pub mod columns;
+mod corners;
 pub mod critical;
 mod critical_events;
 pub mod folds;

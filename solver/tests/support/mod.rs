@@ -3,6 +3,7 @@
 #![allow(dead_code, reason = "each test file uses a part of it")]
 
 pub mod balance;
+pub mod fold_curves;
 pub mod geometry;
 pub mod linear;
 pub mod march;

@@ -262,16 +262,32 @@ impl PressureForm<'_> {
         }
     }
 
-    /// A linear form on the state as a row over the unknowns: entries of dependent modal amplitudes are carried over to the
-    /// unknowns by the chain rule.
+    /// Entries of a linear form on modal amplitudes, those on the arguments of open nodes (a = s x − c) carried over to them.
+    fn carried_over(&self, row: &[f64]) -> Vec<f64> {
+        let mut modal = row[self.layout.modal()].to_vec();
+        for u in self.slots.iter().filter(|slot| !slot.active).flat_map(|slot| slot.channels.clone()) {
+            let (channel, series) = (self.channels[u], &row[self.layout.channel(u)]);
+            if series.iter().all(|entry| *entry == 0.0) {
+                continue;
+            }
+            let factor = channel.gain * self.system.scales.modal / channel.scale;
+            for (shape, target) in self.receptance.modal().shape(u).iter().zip(modal.chunks_mut(self.layout.nc)) {
+                axpy(factor * shape, series, target);
+            }
+        }
+        modal
+    }
+
+    /// A linear form on the state as a row over the unknowns: entries of dependent arguments and modal amplitudes are carried
+    /// over to the unknowns by the chain rule.
     pub(super) fn assemble_form(&self, border: &mut [f64], row: &[f64]) {
         let (nc, n) = (self.layout.nc, self.layout.modes);
-        let (arguments, modal) = (&row[self.layout.arguments()], &row[self.layout.modal()]);
+        let (arguments, modal) = (&row[self.layout.arguments()], self.carried_over(row));
         let mut weight = vec![0.0; arguments.len()];
         let mut work = vec![Complex64::default(); 2 * n];
         let (conjugate, response) = work.split_at_mut(n);
         for k in 0..=self.system.harmonics {
-            gather(modal, nc, k, conjugate);
+            gather(&modal, nc, k, conjugate);
             if conjugate.iter().all(|w| w.re == 0.0 && w.im == 0.0) {
                 continue;
             }
@@ -307,7 +323,7 @@ impl PressureForm<'_> {
         }
         let parameters = row[self.layout.parameters()].iter().zip(&self.modal_rates);
         for (border, (own, rate)) in border[self.unknowns.parameters.clone()].iter_mut().zip(parameters) {
-            *border = own + dot(modal, rate) / self.system.scales.modal;
+            *border = own + dot(&modal, rate) / self.system.scales.modal;
         }
     }
 }

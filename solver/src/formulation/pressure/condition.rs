@@ -246,6 +246,16 @@ impl PressureForm<'_> {
         Some(Degeneracy { multiplier, hessian })
     }
 
+    /// What has an extremum, if this is a curve of extrema.
+    pub fn quantity(&self) -> Option<Quantity> {
+        self.condition.as_ref().map(|condition| condition.quantity)
+    }
+
+    /// Null vector of S (not of unit length) at the state last linearised; none if this is no curve of extrema.
+    pub fn null_vector(&self) -> Option<&[f64]> {
+        self.condition.as_ref().map(|condition| condition.direction.as_slice())
+    }
+
     /// Places of the rows of S in a full list: channels, modes, the quantity.
     fn places(&self) -> Vec<usize> {
         let mut places = Vec::with_capacity(self.unknowns.len() - 1);

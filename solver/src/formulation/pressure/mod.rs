@@ -22,6 +22,7 @@ mod second;
 mod solution;
 #[cfg(test)]
 pub(crate) mod tests;
+mod touch;
 
 use crate::curve::problem::Problem;
 use crate::formulation::aft::{Aft, ElementForce};
@@ -41,6 +42,7 @@ pub use condition::Degeneracy;
 use layout::{Layout, Unknowns};
 use rustfft::num_complex::Complex64;
 use std::ops::Range;
+pub use touch::Touch;
 
 /// A nonlinear element as the pressure form sees it.
 struct Slot {
