@@ -4,7 +4,7 @@
 mod support;
 
 use solver::response::branch::{BranchPoint, Side, SpecialKind};
-use solver::{CriticalCurve, CriticalKind, Forced, ModeChoice, ModeList, Model, Reach, Settings, State};
+use solver::{CriticalCurve, CriticalKind, Forced, Model, Reach, Settings, State};
 use std::ops::ControlFlow;
 use support::balance::Balance;
 use support::geometry::complaints;
