@@ -26,7 +26,7 @@ Examples:
   isola report runs/NAME                                     one page that shows what was found
   isola plot runs/NAME --figure response -o response.pdf     one figure for a paper
 
-Exit codes: 0 done (also if nobody reads the output to its end); 1 error; 2 wrong usage, as\nan option with a wrong value; 3 ended with tasks missing (cancelled or given up), or\nsomething stored is damaged and was left out; 4 complete, but a main branch or the backbone\nstopped before its end, and what lies beyond is not known; 130 interrupted."
+Exit codes: 0 done (also if nobody reads the output to its end); 1 error; 2 wrong usage, as\nan option with a wrong value; 3 ended with tasks missing (cancelled or given up), or\nsomething stored is damaged and was left out; 4 complete, but a main branch, a backbone or a\nfold curve stopped before its end, and what lies beyond is not known; 130 interrupted."
 )]
 pub struct Cli {
     /// What to do.

@@ -1,14 +1,17 @@
 //! Curves that stopped before their ends, so that what lies beyond is not known.
 
 use super::modes::not_started;
-use crate::store::{Reader, Result};
+use crate::store::{CurveRow, Reader, Result};
 use solver::response::branch::{Outcome, Stop};
 
 /// How many curves the sentence names.
 const NAMED: usize = 4;
 
-/// Says which main branches and backbones stopped before their ends, or did not start: branches may hang on what lies beyond.
-/// `None` if none did.
+/// A fold curve that stopped this factor beyond the levels may come back to them.
+const NEAR: f64 = 1.25;
+
+/// Says which main branches and backbones stopped before their ends, or did not start, and which fold curves stopped among the
+/// levels: branches may hang on what lies beyond. `None` if none did.
 ///
 /// # Errors
 /// If the store cannot be read.
@@ -27,6 +30,10 @@ pub fn doubts(reader: &Reader) -> Result<Option<String>> {
     for (amplitude, outcome) in reader.main_outcomes()? {
         curves.extend(unfinished(&outcome).map(|stop| format!("the main branch at A = {amplitude} ({stop})")));
     }
+    let levels: Vec<f64> = reader.levels()?.into_iter().map(|(_, _, value)| value).collect();
+    let stopped = reader.curves()?;
+    let stopped = stopped.iter().filter(|curve| curve.is_unfinished && ends_near(curve, &levels));
+    curves.extend(stopped.map(|curve| format!("fold curve {} ({})", curve.number, curve.status)));
     if curves.is_empty() {
         return Ok(None);
     }
@@ -35,6 +42,14 @@ pub fn doubts(reader: &Reader) -> Result<Option<String>> {
     let more = if more > 0 { format!(" and {more} more") } else { String::new() };
     let list = curves.join(", ");
     Ok(Some(format!("not known to its end: {list}{more}; responses beyond may be larger, and others may begin there")))
+}
+
+/// Whether one of the ends of a fold curve lies among levels, or not far beyond.
+fn ends_near(curve: &CurveRow, levels: &[f64]) -> bool {
+    let low = levels.iter().copied().fold(f64::INFINITY, f64::min) / NEAR;
+    let high = levels.iter().copied().fold(f64::NEG_INFINITY, f64::max) * NEAR;
+    let ends = [curve.points.first(), curve.points.last()];
+    ends.into_iter().flatten().any(|end| (low..=high).contains(&end.forcing))
 }
 
 /// Why a curve goes on where it ends, if it does: neither closed nor at a bound.
@@ -47,6 +62,22 @@ fn unfinished(outcome: &Outcome) -> Option<Stop> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::store::CurvePoint;
+
+    #[test]
+    fn a_fold_curve_matters_where_it_may_come_back_to_a_level() {
+        let point = |forcing| CurvePoint { forcing, omega: 1.0, amplitude: 1.0, event: None };
+        let curve = |first, last| CurveRow {
+            number: 1,
+            origin: String::new(),
+            status: String::new(),
+            is_unfinished: true,
+            points: vec![point(first), point(30.0), point(last)],
+        };
+        for (first, last, matters) in [(1.0, 60.0, true), (24.0, 100.0, true), (1.0, 13.0, false), (70.0, 15.9, false)] {
+            assert_eq!(ends_near(&curve(first, last), &[20.0, 50.0]), matters, "{first} to {last}");
+        }
+    }
 
     #[test]
     fn a_curve_is_known_up_to_bounds() {
