@@ -132,7 +132,8 @@ pub fn candidates(
     }
 }
 
-/// Lands on forced responses from seeds of the backbone of mode `mode` (from 0), in their order.
+/// Lands on forced responses from seeds of the backbone of mode `mode` (from 0), in their order. Steps in the forcing, which
+/// cost the most, end with the first landing on what was predicted.
 ///
 /// # Errors
 /// If none converges: why the last one did not.
@@ -146,7 +147,13 @@ pub fn land_all<'m, F: Formulation<'m>>(
     let mut landings = Vec::with_capacity(seeds.len());
     for seed in seeds {
         match land(forced, seed, way, mode) {
-            Ok(landing) => landings.push(landing),
+            Ok(landing) => {
+                let is_enough = way == Way::SteppedForcing && landing.is_near();
+                landings.push(landing);
+                if is_enough {
+                    break;
+                }
+            }
             Err(reason) => failure = reason,
         }
     }
