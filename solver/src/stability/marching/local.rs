@@ -1,32 +1,102 @@
 //! Laws that act explicitly: everything but rigid contact.
 
+use super::inverse::Inverse;
 use super::{dot, modal_rows};
 use crate::linalg::{Matrix, axpy};
 use crate::structure::Element;
-use crate::structure::laws::{Before, Instant, Law, LawKind, MAX_ARGUMENTS};
+use crate::structure::laws::{Before, Instant, Law, LawKind, MAX_ARGUMENTS, Response};
 
 /// A law of the model with what it remembers of the step before.
 pub struct LocalLaw<'m> {
     law: &'m LawKind,
     /// bᵀΦ of each argument.
-    rows: Matrix,
+    pub rows: Matrix,
     /// Rotor speed, in rad/s.
     speed: f64,
+    /// Whether its forces depend on velocities.
+    has_rate: bool,
     before: Before,
     /// Backward differences of the arguments one step earlier, in m/s.
     slopes: [f64; MAX_ARGUMENTS],
+    /// What the last forces were computed from, and what they are.
+    used: (Before, [f64; MAX_ARGUMENTS]),
+    response: Response,
 }
 
 impl<'m> LocalLaw<'m> {
     pub fn new(element: &'m Element, shapes: &Matrix, speed: f64) -> Self {
-        let rows = modal_rows(&element.channels, shapes);
-        Self { law: &element.law, rows, speed, before: Before::default(), slopes: [0.0; MAX_ARGUMENTS] }
+        Self {
+            law: &element.law,
+            rows: modal_rows(&element.channels, shapes),
+            speed,
+            has_rate: element.law.pattern().dv.as_flattened().contains(&true),
+            before: Before::default(),
+            slopes: [0.0; MAX_ARGUMENTS],
+            used: (Before::default(), [0.0; MAX_ARGUMENTS]),
+            response: Response::default(),
+        }
     }
 
     /// Largest stiffness and damping rates, k bᵀM⁻¹b in 1/s² and c bᵀM⁻¹b in 1/s, as far as they are known beforehand.
     pub fn steepest(&self) -> (f64, f64) {
         let mobility = dot(self.rows.row(0), self.rows.row(0));
         (self.law.stiffness_bound() * mobility, self.law.damping_bound() * mobility)
+    }
+
+    /// Motion of the next position under a unit force on each argument, A_h⁻¹ΦᵀBᵀ, one row per argument.
+    pub fn responses(&self, inverse: &Inverse) -> Matrix {
+        let mut responses = Matrix::zeros(self.rows.rows(), self.rows.cols());
+        for i in 0..self.rows.rows() {
+            responses.row_mut(i).copy_from_slice(&inverse.apply(self.rows.row(i)));
+        }
+        responses
+    }
+
+    /// Whether its forces depend on velocities.
+    pub fn has_rate(&self) -> bool {
+        self.has_rate
+    }
+
+    /// Whether its forces depend on those of the step before.
+    pub fn has_memory(&self) -> bool {
+        self.law.has_memory()
+    }
+
+    /// Numbers that the law carries from step to step beside the motion: the slopes of the arguments one step earlier if
+    /// it depends on velocities, then the force one step earlier if it has memory.
+    pub fn memory_size(&self) -> usize {
+        let slopes = if self.has_rate { self.rows.rows() } else { 0 };
+        slopes + usize::from(self.has_memory())
+    }
+
+    /// Appends what the last forces took from the step before them.
+    pub fn memory(&self, out: &mut Vec<f64>) {
+        let (before, slopes) = &self.used;
+        if self.has_rate {
+            out.extend(&slopes[..self.rows.rows()]);
+        }
+        if self.has_memory() {
+            out.push(before.force);
+        }
+    }
+
+    /// Takes up `memory` ([`memory_size`](Self::memory_size) numbers) of the step before the one that leads by `increment`
+    /// to `y`.
+    pub fn remember(&mut self, memory: &[f64], y: &[f64], increment: &[f64]) {
+        self.before = Before::default();
+        if self.has_rate {
+            let count = self.rows.rows();
+            self.slopes[..count].copy_from_slice(&memory[..count]);
+        }
+        if self.has_memory() {
+            let row = self.rows.row(0);
+            self.before = Before { u: dot(row, y) - dot(row, increment), force: memory[memory.len() - 1] };
+        }
+    }
+
+    /// The last forces with their derivatives.
+    pub fn response(&self) -> &Response {
+        &self.response
     }
 
     /// Forces of the start: `velocity` is known there. A law with memory starts without force.
@@ -41,6 +111,7 @@ impl<'m> LocalLaw<'m> {
     /// Takes the law's forces at t_n from `force`; `increment`·`scale` is the backward difference of y at t_n.
     pub fn act(&mut self, y: &[f64], increment: &[f64], scale: f64, force: &mut [f64]) {
         let mut now = Instant { speed: self.speed, ..Instant::default() };
+        self.used = (self.before, self.slopes);
         for i in 0..self.rows.rows() {
             let slope = scale * dot(self.rows.row(i), increment);
             now.u[i] = dot(self.rows.row(i), y);
@@ -48,10 +119,11 @@ impl<'m> LocalLaw<'m> {
             now.v[i] = 1.5 * slope - 0.5 * self.slopes[i];
             self.slopes[i] = slope;
         }
-        let response = self.law.respond(&now, &self.before);
-        self.before = Before { u: now.u[0], force: response.force[0] };
+        self.response = self.law.respond(&now, &self.before);
+        let force_now = &self.response.force;
+        self.before = Before { u: now.u[0], force: force_now[0] };
         for i in 0..self.rows.rows() {
-            axpy(-response.force[i], self.rows.row(i), force);
+            axpy(-force_now[i], self.rows.row(i), force);
         }
     }
 }

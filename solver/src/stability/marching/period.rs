@@ -1,0 +1,136 @@
+//! The state of the marcher as a vector, and the map of a period with its derivative.
+
+use super::columns::{Columns, Linear};
+use super::tape::Tape;
+use super::{Marching, MarchingError, dot};
+use crate::linalg::Matrix;
+use std::f64::consts::TAU;
+
+/// What a period does besides leading to its end.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Account {
+    /// Work of the forcing, in J.
+    pub supplied: f64,
+    /// Work that the contact pressures take from the structure, in J: impacts only, since neither a steady contact nor a
+    /// release takes any.
+    pub impacts: f64,
+}
+
+impl Marching<'_> {
+    /// Numbers of a state: n modal displacements (kg^½·m), n modal velocities (y_n − y_{n−1})/h, and what the laws carry from
+    /// step to step (slopes in m/s, forces in N).
+    pub fn state_size(&self) -> usize {
+        2 * self.y.len() + self.laws.iter().map(|law| law.memory_size()).sum::<usize>()
+    }
+
+    /// The state at t_n, everything that the motion after it depends on besides the phase of the forcing.
+    pub fn state(&self) -> Vec<f64> {
+        let mut state = Vec::with_capacity(self.state_size());
+        state.extend(&self.y);
+        state.extend(self.increment.iter().map(|d| d / self.step));
+        self.laws.iter().for_each(|law| law.memory(&mut state));
+        state
+    }
+
+    /// Starts again at t = 0 with a state of [`state`](Self::state).
+    ///
+    /// # Errors
+    /// If no contact pressures are found for the first step.
+    ///
+    /// # Panics
+    /// If it does not have [`state_size`](Self::state_size) numbers.
+    pub fn restart(&mut self, state: &[f64]) -> Result<(), MarchingError> {
+        assert_eq!(state.len(), self.state_size(), "numbers of a state");
+        let n = self.y.len();
+        self.y.copy_from_slice(&state[..n]);
+        self.increment.iter_mut().zip(&state[n..]).for_each(|(d, v)| *d = v * self.step);
+        self.index = 0;
+        self.linear_force();
+        let mut memory = &state[2 * n..];
+        for law in &mut self.laws {
+            let own;
+            (own, memory) = memory.split_at(law.memory_size());
+            law.remember(own, &self.y, &self.increment);
+            law.act(&self.y, &self.increment, 1.0 / self.step, &mut self.force);
+        }
+        self.advance()
+    }
+
+    /// One period, telling `visit` of every t_n before its step.
+    ///
+    /// # Errors
+    /// Those of [`Marching::step`], and a motion that is not finite any more.
+    pub(in crate::stability) fn walk(&mut self, visit: &mut dyn FnMut(&mut Self)) -> Result<(), MarchingError> {
+        for _ in 0..self.steps_per_period {
+            visit(self);
+            self.step()?;
+        }
+        let finite = self.y.iter().chain(&self.next).all(|y| y.is_finite());
+        if finite { Ok(()) } else { Err(MarchingError::Diverged { time: self.time() }) }
+    }
+
+    /// One period, and the derivative of the state at its end with respect to the state at its begin: the monodromy matrix,
+    /// of order [`state_size`](Self::state_size).
+    ///
+    /// Every step is differentiated as it was made, with the contacts that close in it: exact unless a contact grazes.
+    ///
+    /// # Errors
+    /// Those of [`Marching::step`], and a motion that is not finite any more.
+    pub fn monodromy(&mut self) -> Result<Matrix, MarchingError> {
+        self.walk_with_tangent(&mut |_| {})
+    }
+
+    /// [`monodromy`](Self::monodromy), telling `visit` of every t_n before its step.
+    ///
+    /// # Errors
+    /// Those of [`Marching::step`], and a motion that is not finite any more.
+    pub(in crate::stability) fn walk_with_tangent(
+        &mut self,
+        visit: &mut dyn FnMut(&mut Self),
+    ) -> Result<Matrix, MarchingError> {
+        let n = self.y.len();
+        let responses: Vec<Matrix> = self.laws.iter().map(|law| law.responses(&self.inverse)).collect();
+        let mut columns = Columns::identity(n, self.state_size() - 2 * n, self.step);
+        let mut tape = Tape::default();
+        self.walk(&mut |marching| {
+            visit(marching);
+            marching.record(&mut tape);
+            if tape.is_full() {
+                columns.follow(&marching.linear(&responses), &tape);
+                tape.clear();
+            }
+        })?;
+        columns.follow(&self.linear(&responses), &tape);
+        Ok(columns.matrix(self.step))
+    }
+
+    fn linear<'l>(&'l self, responses: &'l [Matrix]) -> Linear<'l, '_> {
+        Linear { squares: &self.squares, inverse: &self.inverse, laws: &self.laws, responses, step: self.step }
+    }
+
+    /// Adds what the step that is made ready does.
+    pub(in crate::stability) fn balance(&self, account: &mut Account) {
+        if !self.contacts.touching().is_empty() {
+            account.impacts += self.contacts.work(&self.increment, &self.next);
+        }
+        let steps = self.steps_per_period;
+        let turns = (self.model.forcing().harmonic * (self.index % steps) % steps) as f64 / steps as f64;
+        let motion = 0.5 * (dot(&self.forcing, &self.increment) + dot(&self.forcing, &self.next));
+        account.supplied += (TAU * turns).cos() * motion;
+    }
+
+    /// Number of steps since the start.
+    pub(in crate::stability) fn index(&self) -> usize {
+        self.index
+    }
+
+    /// Modal displacements at t_n, kg^½·m.
+    pub(in crate::stability) fn modal(&self) -> &[f64] {
+        &self.y
+    }
+
+    /// Displacement of the monitored dof of this number at t_n, m.
+    pub(in crate::stability) fn monitored(&self, number: usize) -> f64 {
+        dot(self.monitors.row(number), &self.y)
+    }
+}
