@@ -1,3 +1,6 @@
-//! What happens in time: marching without harmonics.
+//! What happens in time: marching without harmonics, the marcher's own periodic orbits, and which of them are stable.
 
 pub mod marching;
+pub mod multipliers;
+pub mod polish;
+pub mod shooting;

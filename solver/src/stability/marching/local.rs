@@ -43,6 +43,11 @@ impl<'m> LocalLaw<'m> {
         (self.law.stiffness_bound() * mobility, self.law.damping_bound() * mobility)
     }
 
+    /// Largest stiffness that is known beforehand, N/m.
+    pub fn stiffness(&self) -> f64 {
+        self.law.stiffness_bound()
+    }
+
     /// Motion of the next position under a unit force on each argument, A_h⁻¹ΦᵀBᵀ, one row per argument.
     pub fn responses(&self, inverse: &Inverse) -> Matrix {
         let mut responses = Matrix::zeros(self.rows.rows(), self.rows.cols());
@@ -92,6 +97,16 @@ impl<'m> LocalLaw<'m> {
             let row = self.rows.row(0);
             self.before = Before { u: dot(row, y) - dot(row, increment), force: memory[memory.len() - 1] };
         }
+    }
+
+    /// Force of a law with memory at the end of a path of its argument that begins without force, in N.
+    pub fn force_after(&self, begin: f64, path: impl Iterator<Item = f64>) -> f64 {
+        let mut before = Before { u: begin, force: 0.0 };
+        for u in path {
+            let now = Instant { u: [u, 0.0, 0.0], speed: self.speed, ..Instant::default() };
+            before = Before { u, force: self.law.respond(&now, &before).force[0] };
+        }
+        before.force
     }
 
     /// The last forces with their derivatives.

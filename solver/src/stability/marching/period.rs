@@ -3,6 +3,8 @@
 use super::columns::{Columns, Linear};
 use super::tape::Tape;
 use super::{Marching, MarchingError, dot};
+use crate::formulation::harmonics::evaluate;
+use crate::formulation::state::State;
 use crate::linalg::Matrix;
 use std::f64::consts::TAU;
 
@@ -30,6 +32,47 @@ impl Marching<'_> {
         state.extend(self.increment.iter().map(|d| d / self.step));
         self.laws.iter().for_each(|law| law.memory(&mut state));
         state
+    }
+
+    /// The state at t = 0 of a periodic motion of the balance, whatever its frequency is to the marcher's: positions of the last
+    /// steps before t = 0, and forces that laws with memory come to on its displacements.
+    pub fn state_of(&self, motion: &State) -> Vec<f64> {
+        let turn = TAU / self.steps_per_period as f64;
+        let at = |series: &[f64], steps: f64| evaluate(series, steps * turn)[0];
+        let n = self.y.len();
+        let mut state: Vec<f64> = (0..n).map(|j| at(motion.mode(j), 0.0)).collect();
+        state.extend((0..n).map(|j| (state[j] - at(motion.mode(j), -1.0)) / self.step).collect::<Vec<_>>());
+        for law in &self.laws {
+            let arguments: Vec<Vec<f64>> =
+                (0..law.rows.rows()).map(|i| motion.combine(law.rows.row(i).iter().copied())).collect();
+            if law.has_rate() {
+                state.extend(arguments.iter().map(|series| (at(series, -1.0) - at(series, -2.0)) / self.step));
+            }
+            if law.has_memory() {
+                let period = self.steps_per_period as i32;
+                // Two periods: after one, the force has forgotten where it began.
+                let path = (1 - 2 * period..0).map(|i| at(&arguments[0], f64::from(i)));
+                state.push(law.force_after(at(&arguments[0], f64::from(-2 * period)), path));
+            }
+        }
+        state
+    }
+
+    /// Sizes of the numbers of a state in a motion of modal size `size` (kg^½·m) and frequency `omega` (rad/s).
+    pub fn scales(&self, size: f64, omega: f64) -> Vec<f64> {
+        let n = self.y.len();
+        let mut scales = vec![size; n];
+        scales.resize(2 * n, omega * size);
+        for law in &self.laws {
+            let reach = |i: usize| size * dot(law.rows.row(i), law.rows.row(i)).sqrt();
+            if law.has_rate() {
+                scales.extend((0..law.rows.rows()).map(|i| omega * reach(i)));
+            }
+            if law.has_memory() {
+                scales.push(law.stiffness() * reach(0));
+            }
+        }
+        scales
     }
 
     /// Starts again at t = 0 with a state of [`state`](Self::state).
@@ -104,7 +147,7 @@ impl Marching<'_> {
         Ok(columns.matrix(self.step))
     }
 
-    fn linear<'l>(&'l self, responses: &'l [Matrix]) -> Linear<'l, '_> {
+    fn linear<'l>(&'l self, responses: &'l [Matrix]) -> Linear<'l, 'l> {
         Linear { squares: &self.squares, inverse: &self.inverse, laws: &self.laws, responses, step: self.step }
     }
 
