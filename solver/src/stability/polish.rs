@@ -31,7 +31,7 @@ pub struct PolishSettings {
 
 impl Default for PolishSettings {
     fn default() -> Self {
-        Self { marching: MarchingSettings::default(), distance: 0.2, detuning: 0.01, impacts: 0.5 }
+        Self { marching: MarchingSettings::default(), distance: 0.2, detuning: 0.01, impacts: 0.1 }
     }
 }
 
