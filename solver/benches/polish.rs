@@ -6,8 +6,8 @@ use solver::stability::polish::{Around, PolishSettings, polish};
 use solver::{Backbone, Level, Model, Settings, State, files};
 use std::path::Path;
 
-/// Solutions of the highest isola below 2.75 krad/s: one with its two neighbours, and one farther along the branch.
-fn solutions(model: &Model, forcing: f64) -> [State; 4] {
+/// Two solutions of the highest isola below 2.75 krad/s, each between its two neighbours.
+fn solutions(model: &Model, forcing: f64) -> [[State; 3]; 2] {
     let settings = Settings::default();
     let backbone = Backbone::compute(model, &settings).expect("rotor 67 has a backbone");
     let level = Level::compute(model, &settings, &backbone, forcing).expect("the level can be computed");
@@ -17,7 +17,7 @@ fn solutions(model: &Model, forcing: f64) -> [State; 4] {
     let peak = isola.points.iter().position(|point| point == isola.peak()).expect("the peak is a point of it");
     let count = isola.points.len();
     // On the upper half, as far below the peak as shows the ordinary case and not a fold.
-    [11, 12, 13, 16].map(|back| isola.points[(peak + count - back) % count].state.clone())
+    [16, 20].map(|back| [1, 0, 2].map(|by| isola.points[(peak + count + by - 1 - back) % count].state.clone()))
 }
 
 fn polished(criterion: &mut Criterion) {
@@ -26,12 +26,13 @@ fn polished(criterion: &mut Criterion) {
     group.sample_size(10);
     for (name, forcing, friction) in [("frictionless", 60.0, "0"), ("friction 0.15", 20.0, "0.15")] {
         let model = files::load_with(&folder, &[("contact.friction", friction)]).expect("the model is shipped");
-        let [after, state, before, far] = solutions(&model, forcing);
+        let [[state, before, after], [far, far_before, far_after]] = solutions(&model, forcing);
         let settings = PolishSettings::default();
-        let alone = polish(&model, &settings, &far, Around { way: None, neighbour: None });
+        let alone = polish(&model, &settings, &far, Around { way: Some([&far_before, &far_after]), neighbour: None });
         let orbit = alone.polished.expect("it has an orbit nearby").orbit;
         let around = Around { way: Some([&before, &after]), neighbour: Some((&far, &orbit)) };
         let one = polish(&model, &settings, &state, around);
+        assert!(one.polished.is_some(), "{name}: {:?}", one.reason);
         println!("{name}: {:?} after {:?} periods with and without tangent", one.verdict, one.periods);
         group.bench_function(name, |bencher| bencher.iter(|| polish(&model, &settings, &state, around)));
     }

@@ -24,6 +24,7 @@ mod columns;
 mod complementarity;
 mod contacts;
 mod inverse;
+mod lanes;
 mod local;
 mod period;
 mod tape;

@@ -229,7 +229,7 @@ impl<'m> Shooting<'m> {
     /// The step to the zero of the linearised residual, in the plane or at fixed ω: scaled state, then w.
     fn newton_step(&mut self, at: &Point, period: &Period, plane: Option<&[f64]>) -> Option<Vec<f64>> {
         let n = at.x.len();
-        let slope = if plane.is_some() { self.slope(at)? } else { vec![0.0; n] };
+        let slope = if plane.is_some() { self.slope(at, period)? } else { vec![0.0; n] };
         let matrix = self.lu.reset(n + 1);
         for i in 0..n {
             let row = &mut matrix[i * (n + 1)..(i + 1) * (n + 1)];
@@ -249,11 +249,10 @@ impl<'m> Shooting<'m> {
         step.iter().all(|s| s.is_finite()).then_some(step)
     }
 
-    /// Derivative of the scaled map by w, by central differences.
-    fn slope(&mut self, at: &Point) -> Option<Vec<f64>> {
-        let mut shifted = |by: f64| self.residual(&Point { x: at.x.clone(), w: at.w + by }).ok();
-        let (after, before) = (shifted(NUDGE)?, shifted(-NUDGE)?);
-        Some(after.iter().zip(&before).map(|(a, b)| (a - b) / (2.0 * NUDGE)).collect())
+    /// Derivative of the scaled map by w, by a difference: what it errs by, Newton's method makes good.
+    fn slope(&mut self, at: &Point, period: &Period) -> Option<Vec<f64>> {
+        let after = self.residual(&Point { x: at.x.clone(), w: at.w + NUDGE }).ok()?;
+        Some(after.iter().zip(&period.residual).map(|(a, b)| (a - b) / NUDGE).collect())
     }
 
     /// The point at the end of a step, or of a part of it that lessens the residual.

@@ -9,22 +9,22 @@
 //! uncoupled modes is one 2 × 2 matrix a mode.
 
 use super::inverse::Inverse;
+use super::lanes::{LANES, Lane, add, combine, gather, more, rows, scatter};
 use super::local::LocalLaw;
 use super::tape::{Bound, Move, Tape};
-use crate::linalg::{Matrix, vectorised};
+use crate::linalg::Matrix;
 use crate::structure::laws::{MAX_ARGUMENTS, Response};
+use pulp::{Arch, Simd, WithSimd};
 
-/// Columns that are taken through the steps together: their numbers stay in the nearest cache.
-const LANES: usize = 16;
-
-type Lane = [f64; LANES];
-
-/// Sixteen deviations.
+/// [`LANES`] deviations: numbers of each, row after row.
 struct Block {
-    eta: Vec<Lane>,
-    delta: Vec<Lane>,
-    memory: Vec<Lane>,
-    ahead: Vec<Lane>,
+    eta: Vec<f64>,
+    delta: Vec<f64>,
+    memory: Vec<f64>,
+    /// η + δ̂.
+    ahead: Vec<f64>,
+    /// Deviations of forces.
+    forces: Vec<f64>,
 }
 
 /// What does not change from step to step.
@@ -45,20 +45,26 @@ pub struct Columns {
 }
 
 impl Columns {
-    /// One unit deviation for each of 2n + m numbers.
-    pub fn identity(size: usize, memory: usize, step: f64) -> Self {
+    /// One unit deviation for each of 2n + m numbers; `forces` is the number of forces that can act on n modes at once.
+    pub fn identity(size: usize, memory: usize, forces: usize, step: f64) -> Self {
         let total = 2 * size + memory;
-        let zeros = |count: usize| vec![[0.0; LANES]; count];
-        let empty = || Block { eta: zeros(size), delta: zeros(size), memory: zeros(memory), ahead: zeros(size) };
-        let mut blocks: Vec<Block> = (0..total.div_ceil(LANES)).map(|_| empty()).collect();
+        let zeros = |count: usize| vec![0.0; LANES * count];
+        let empty = |_| Block {
+            eta: zeros(size),
+            delta: zeros(size),
+            memory: zeros(memory),
+            ahead: zeros(size),
+            forces: zeros(forces),
+        };
+        let mut blocks: Vec<Block> = (0..total.div_ceil(LANES)).map(empty).collect();
         for i in 0..total {
             let (block, lane) = (&mut blocks[i / LANES], i % LANES);
             if i < size {
-                block.eta[i][lane] = 1.0;
+                block.eta[LANES * i + lane] = 1.0;
             } else if i < 2 * size {
-                block.delta[i - size][lane] = step;
+                block.delta[LANES * (i - size) + lane] = step;
             } else {
-                block.memory[i - 2 * size][lane] = 1.0;
+                block.memory[LANES * (i - 2 * size) + lane] = 1.0;
             }
         }
         Self { size, memory, blocks }
@@ -70,11 +76,11 @@ impl Columns {
         Matrix::from_fn(total, total, |i, j| {
             let (block, lane) = (&self.blocks[j / LANES], j % LANES);
             if i < n {
-                block.eta[i][lane]
+                block.eta[LANES * i + lane]
             } else if i < 2 * n {
-                block.delta[i - n][lane] / step
+                block.delta[LANES * (i - n) + lane] / step
             } else {
-                block.memory[i - 2 * n][lane]
+                block.memory[LANES * (i - 2 * n) + lane]
             }
         })
     }
@@ -83,10 +89,7 @@ impl Columns {
     pub fn follow(&mut self, linear: &Linear<'_, '_>, tape: &Tape) {
         let flights = linear.flights(tape);
         for block in &mut self.blocks {
-            vectorised(
-                #[inline(always)]
-                || block.follow(linear, tape, &flights),
-            );
+            Arch::new().dispatch(Follow { block, linear, tape, flights: &flights });
         }
     }
 }
@@ -123,61 +126,101 @@ fn power(mut square: [f64; 4], mut exponent: usize) -> [f64; 4] {
     result
 }
 
-impl Block {
+/// One block of columns and the steps that it is to be taken through.
+struct Follow<'f, 'm> {
+    block: &'f mut Block,
+    linear: &'f Linear<'f, 'm>,
+    tape: &'f Tape,
+    flights: &'f [Vec<[f64; 4]>],
+}
+
+impl WithSimd for Follow<'_, '_> {
+    type Output = ();
+
     #[inline(always)]
-    fn follow(&mut self, linear: &Linear<'_, '_>, tape: &Tape, flights: &[Vec<[f64; 4]>]) {
-        let mut flights = flights.iter();
-        for step in &tape.moves {
+    fn with_simd<S: Simd>(self, simd: S) {
+        match S::F64_LANES {
+            8 => self.run::<S, 2>(simd),
+            4 => self.run::<S, 4>(simd),
+            2 => self.run::<S, 8>(simd),
+            _ => self.run::<S, LANES>(simd),
+        }
+    }
+}
+
+impl Follow<'_, '_> {
+    #[inline(always)]
+    fn run<S: Simd, const R: usize>(self, simd: S) {
+        let mut lanes = Lanes::<S, R> {
+            simd,
+            linear: self.linear,
+            eta: rows::<S, R>(&mut self.block.eta),
+            delta: rows::<S, R>(&mut self.block.delta),
+            memory: rows::<S, R>(&mut self.block.memory),
+            ahead: rows::<S, R>(&mut self.block.ahead),
+        };
+        let forces = rows::<S, R>(&mut self.block.forces);
+        let mut flights = self.flights.iter();
+        for step in &self.tape.moves {
             match step {
-                Move::Bound(bound) => self.bound(linear, tape, bound),
+                Move::Bound(bound) => lanes.bound(self.tape, bound, forces),
                 Move::Free(count) => match flights.next() {
-                    Some(modes) => self.fly(modes),
+                    Some(modes) => lanes.fly(modes),
                     None => (0..*count).for_each(|_| {
-                        self.predict(linear);
-                        self.arrive();
+                        lanes.predict();
+                        lanes.arrive();
                     }),
                 },
             }
         }
     }
+}
 
+/// A block in the vectors of a processor.
+struct Lanes<'f, 'm, S: Simd, const R: usize> {
+    simd: S,
+    linear: &'f Linear<'f, 'm>,
+    eta: &'f mut [Lane<S, R>],
+    delta: &'f mut [Lane<S, R>],
+    memory: &'f mut [Lane<S, R>],
+    ahead: &'f mut [Lane<S, R>],
+}
+
+impl<S: Simd, const R: usize> Lanes<'_, '_, S, R> {
     #[inline(always)]
     fn fly(&mut self, modes: &[[f64; 4]]) {
-        for (m, (eta, delta)) in modes.iter().zip(self.eta.iter_mut().zip(&mut self.delta)) {
-            for k in 0..LANES {
-                let (e, d) = (eta[k], delta[k]);
-                eta[k] = m[0] * e + m[1] * d;
-                delta[k] = m[2] * e + m[3] * d;
-            }
+        for (m, (eta, delta)) in modes.iter().zip(self.eta.iter_mut().zip(self.delta.iter_mut())) {
+            let flown = combine(self.simd, (m[0], eta), (m[1], delta));
+            *delta = combine(self.simd, (m[2], eta), (m[3], delta));
+            *eta = flown;
         }
     }
 
     /// δ̂ of linear motion, from old η and δ.
     #[inline(always)]
-    fn predict(&mut self, linear: &Linear<'_, '_>) {
-        match linear.inverse {
+    fn predict(&mut self) {
+        let simd = self.simd;
+        match self.linear.inverse {
             Inverse::Diagonal(modes) => {
-                let motions = self.eta.iter().zip(&mut self.delta);
-                for (((decay, compliance), square), (eta, delta)) in modes.iter().zip(linear.squares).zip(motions) {
-                    let stiff = compliance * square;
-                    for k in 0..LANES {
-                        delta[k] = decay * delta[k] - stiff * eta[k];
-                    }
+                let motions = self.eta.iter().zip(self.delta.iter_mut());
+                for (((decay, compliance), square), (eta, delta)) in modes.iter().zip(self.linear.squares).zip(motions)
+                {
+                    *delta = combine(simd, (*decay, delta), (-compliance * square, eta));
                 }
             }
+            // As the marcher itself does: A_h⁻¹ (2/h² δ − ω² η) − δ.
             Inverse::Full(inverse) => {
-                let scale = 2.0 / (linear.step * linear.step);
-                let motions = self.eta.iter().zip(&self.delta).zip(linear.squares);
+                let scale = 2.0 / (self.linear.step * self.linear.step);
+                let motions = self.eta.iter().zip(self.delta.iter()).zip(self.linear.squares);
                 for (ahead, ((eta, delta), square)) in self.ahead.iter_mut().zip(motions) {
-                    for k in 0..LANES {
-                        ahead[k] = scale * delta[k] - square * eta[k];
-                    }
+                    *ahead = combine(simd, (scale, delta), (-square, eta));
                 }
                 for (i, delta) in self.delta.iter_mut().enumerate() {
-                    let sum = gather(inverse.row(i), &self.ahead);
-                    for k in 0..LANES {
-                        delta[k] = sum[k] - delta[k];
+                    let mut sum = [simd.splat_f64s(0.0); R];
+                    for (entry, ahead) in inverse.row(i).iter().zip(self.ahead.iter()) {
+                        more(simd, &mut sum, *entry, ahead);
                     }
+                    *delta = combine(simd, (1.0, &sum), (-1.0, delta));
                 }
             }
         }
@@ -185,119 +228,74 @@ impl Block {
 
     #[inline(always)]
     fn arrive(&mut self) {
-        for (eta, delta) in self.eta.iter_mut().zip(&self.delta) {
-            for k in 0..LANES {
-                eta[k] += delta[k];
-            }
+        for (eta, delta) in self.eta.iter_mut().zip(self.delta.iter()) {
+            *eta = add(self.simd, eta, delta);
         }
     }
 
     #[inline(always)]
-    fn bound(&mut self, linear: &Linear<'_, '_>, tape: &Tape, step: &Bound) {
-        let n = self.eta.len();
-        let mut forces = [[0.0; LANES]; 8];
+    fn bound(&mut self, tape: &Tape, step: &Bound, forces: &mut [Lane<S, R>]) {
+        let (simd, n) = (self.simd, self.eta.len());
         // Everything explicit is of the old motion, and acts on the new one: forces first, then the prediction.
-        let mut laws = Vec::new();
-        let mut at = 0;
-        for (law, response) in linear.laws.iter().zip(&tape.responses[step.laws..]) {
-            laws.push(self.law_forces(law, response, linear.step, at));
+        let (mut explicit, mut at) = (0, 0);
+        for (law, response) in self.linear.laws.iter().zip(&tape.responses[step.laws..]) {
+            let count = law.rows.rows();
+            forces[explicit..explicit + count].copy_from_slice(&self.law_forces(law, response, at)[..count]);
+            explicit += count;
             at += law.memory_size();
         }
         let (rubbing, at) = step.friction;
-        let turning: Vec<Lane> =
-            (0..rubbing).map(|i| gather(&tape.rows[at + i * n..at + (i + 1) * n], &self.delta)).collect();
-        self.predict(linear);
-        for (responses, forces) in linear.responses.iter().zip(&laws) {
-            for i in 0..responses.rows() {
-                scatter(responses.row(i), &forces[i], &mut self.delta);
+        let turning = &mut forces[explicit..explicit + rubbing];
+        gather(simd, &tape.rows[at..at + rubbing * n], self.delta, turning);
+        self.predict();
+        scatter(simd, &tape.rows[at + rubbing * n..], turning, self.delta);
+        let mut first = 0;
+        for responses in self.linear.responses {
+            let count = responses.rows();
+            scatter(simd, responses.entries(), &forces[first..first + count], self.delta);
+            first += count;
+        }
+        let (touching, at) = step.contact;
+        if touching > 0 {
+            for (ahead, (eta, delta)) in self.ahead.iter_mut().zip(self.eta.iter().zip(self.delta.iter())) {
+                *ahead = add(simd, eta, delta);
             }
+            let (rows, pressures) = (&tape.rows[at..], &mut forces[..touching]);
+            gather(simd, &rows[..touching * n], self.ahead, pressures);
+            scatter(simd, &rows[touching * n..], pressures, self.delta);
         }
-        for (i, force) in turning.iter().enumerate() {
-            scatter(&tape.rows[at + (rubbing + i) * n..at + (rubbing + i + 1) * n], force, &mut self.delta);
-        }
-        self.contact(&tape.rows[step.contact.1..], step.contact.0, &mut forces);
         self.arrive();
-    }
-
-    /// Takes the pressures of m nodes from δ̂.
-    #[inline(always)]
-    fn contact(&mut self, rows: &[f64], m: usize, forces: &mut [Lane; 8]) {
-        if m == 0 {
-            return;
-        }
-        let n = self.eta.len();
-        for (ahead, (eta, delta)) in self.ahead.iter_mut().zip(self.eta.iter().zip(&self.delta)) {
-            for k in 0..LANES {
-                ahead[k] = eta[k] + delta[k];
-            }
-        }
-        let (all, responses) = rows.split_at(m * n);
-        // Pressures of at most eight nodes are taken at a time; those of all refer to the same η + δ̂.
-        for first in (0..m).step_by(forces.len()) {
-            let count = forces.len().min(m - first);
-            for i in 0..count {
-                forces[i] = gather(&all[(first + i) * n..(first + i + 1) * n], &self.ahead);
-            }
-            for i in 0..count {
-                scatter(&responses[(first + i) * n..(first + i + 1) * n], &forces[i], &mut self.delta);
-            }
-        }
     }
 
     /// Deviations of a law's forces; its memory, which begins at `at`, goes on by a step.
     #[inline(always)]
-    fn law_forces(&mut self, law: &LocalLaw<'_>, response: &Response, step: f64, at: usize) -> [Lane; MAX_ARGUMENTS] {
-        let count = law.rows.rows();
-        let (mut u, mut v, mut slopes) = ([[0.0; LANES]; 3], [[0.0; LANES]; 3], [[0.0; LANES]; 3]);
-        for i in 0..count {
-            u[i] = gather(law.rows.row(i), &self.eta);
-            slopes[i] = gather(law.rows.row(i), &self.delta);
-            slopes[i].iter_mut().for_each(|slope| *slope /= step);
-            if law.has_rate() {
-                let before = std::mem::replace(&mut self.memory[at + i], slopes[i]);
-                for k in 0..LANES {
-                    v[i][k] = 1.5 * slopes[i][k] - 0.5 * before[k];
-                }
+    fn law_forces(&mut self, law: &LocalLaw<'_>, response: &Response, at: usize) -> [Lane<S, R>; MAX_ARGUMENTS] {
+        let (simd, count, rate) = (self.simd, law.rows.rows(), 1.0 / self.linear.step);
+        let zero = [[simd.splat_f64s(0.0); R]; MAX_ARGUMENTS];
+        let (mut u, mut v, mut moved) = (zero, zero, zero);
+        gather(simd, law.rows.entries(), self.eta, &mut u[..count]);
+        gather(simd, law.rows.entries(), self.delta, &mut moved[..count]);
+        if law.has_rate() {
+            for i in 0..count {
+                let before = &mut self.memory[at + i];
+                v[i] = combine(simd, (1.5 * rate, &moved[i]), (-0.5, before));
+                *before = combine(simd, (rate, &moved[i]), (0.0, &zero[0]));
             }
         }
-        let mut forces = [[0.0; LANES]; MAX_ARGUMENTS];
+        let mut forces = zero;
         for i in 0..count {
             for j in 0..count {
-                for k in 0..LANES {
-                    forces[i][k] += response.du[i][j] * u[j][k] + response.dv[i][j] * v[j][k];
-                }
+                more(simd, &mut forces[i], response.du[i][j], &u[j]);
+                more(simd, &mut forces[i], response.dv[i][j], &v[j]);
             }
         }
         if law.has_memory() {
-            let at = at + law.memory_size() - 1;
-            for k in 0..LANES {
-                let before = u[0][k] - step * slopes[0][k];
-                forces[0][k] += response.du_before * before + response.dforce_before * self.memory[at][k];
-            }
-            self.memory[at] = forces[0];
+            let memory = &mut self.memory[at + law.memory_size() - 1];
+            more(simd, &mut forces[0], response.du_before, &u[0]);
+            more(simd, &mut forces[0], -response.du_before, &moved[0]);
+            more(simd, &mut forces[0], response.dforce_before, memory);
+            *memory = forces[0];
         }
         forces
-    }
-}
-
-/// Σ_j row_j x_j.
-#[inline(always)]
-fn gather(row: &[f64], x: &[Lane]) -> Lane {
-    let mut sum = [0.0; LANES];
-    for (c, x) in row.iter().zip(x) {
-        for k in 0..LANES {
-            sum[k] += c * x[k];
-        }
-    }
-    sum
-}
-
-/// x_j ← x_j − row_j w.
-#[inline(always)]
-fn scatter(row: &[f64], w: &Lane, x: &mut [Lane]) {
-    for (c, x) in row.iter().zip(x) {
-        for k in 0..LANES {
-            x[k] -= c * w[k];
-        }
     }
 }

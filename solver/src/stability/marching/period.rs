@@ -133,7 +133,8 @@ impl Marching<'_> {
     ) -> Result<Matrix, MarchingError> {
         let n = self.y.len();
         let responses: Vec<Matrix> = self.laws.iter().map(|law| law.responses(&self.inverse)).collect();
-        let mut columns = Columns::identity(n, self.state_size() - 2 * n, self.step);
+        let forces = self.model.arguments();
+        let mut columns = Columns::identity(n, self.state_size() - 2 * n, forces, self.step);
         let mut tape = Tape::default();
         self.walk(&mut |marching| {
             visit(marching);
