@@ -154,17 +154,19 @@ impl Search<'_> {
         let outside = [&low, &high].map(|end| Outside::of(&end.multipliers));
         let counts = outside.map(|outside| outside.count());
         let nearer = |end: &Between| crossing(&end.multipliers, counts).abs();
-        let (near, far) = if nearer(&low) < nearer(&high) { (low, high) } else { (high, low) };
+        let crosses_at_low = nearer(&low) < nearer(&high);
+        let near = if crosses_at_low { &low } else { &high };
         let number = counts[0].min(counts[1]);
         let multiplier = near.multipliers[number];
-        let middle = || self.at(0.5 * (near.share + far.share)).and_then(|between| between.found);
-        let Some((point, period)) = near.found.or(far.found).or_else(middle) else { return };
         let kind = match (multiplier.is_real(), multiplier.re > 0.0) {
             (false, _) => BifurcationKind::NeimarkSacker,
             (true, false) => BifurcationKind::PeriodDoubling,
-            (true, true) if self.turns(&point) => BifurcationKind::Fold,
+            (true, true) if self.turns(&low, &high) => BifurcationKind::Fold,
             (true, true) => BifurcationKind::BranchPoint,
         };
+        let (near, far) = if crosses_at_low { (low, high) } else { (high, low) };
+        let middle = || self.at(0.5 * (near.share + far.share)).and_then(|between| between.found);
+        let Some((point, period)) = near.found.or(far.found).or_else(middle) else { return };
         let orbit = self.shooting.orbit(&point);
         self.found.push(Bifurcation {
             kind,
@@ -177,16 +179,19 @@ impl Search<'_> {
         });
     }
 
-    /// Whether the branch turns in frequency at an orbit: the ends are on the same side of it.
-    fn turns(&self, point: &Point) -> bool {
-        let [a, b] = &self.ends;
-        (a.w - point.w) * (b.w - point.w) >= -TURN * (a.w - b.w).powi(2)
+    /// Whether the branch turns in frequency between two orbits: it goes on to higher frequencies at one of them and to
+    /// lower ones at the other.
+    fn turns(&mut self, low: &Between, high: &Between) -> bool {
+        let ways = [low, high].map(|end| match &end.found {
+            Some((point, period)) => self.shooting.advance(point, period, &self.normal),
+            None => {
+                let (point, period) = self.at(end.share)?.found?;
+                self.shooting.advance(&point, &period, &self.normal)
+            }
+        });
+        matches!(ways, [Some(before), Some(after)] if before * after < 0.0)
     }
 }
-
-/// Share of the difference of the ends' frequencies up to which an orbit beyond both counts as the turning point, squared:
-/// a fold close to one end is located that well.
-const TURN: f64 = 1e-2;
 
 /// What changes sign where the count of multipliers outside changes between two: the modulus, less 1, of the first one that
 /// is inside at one end and outside at the other. It is continuous, even where two real multipliers merge into a pair.

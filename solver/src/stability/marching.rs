@@ -7,7 +7,7 @@
 //! Rigid contacts use forward-increment Lagrange multipliers: the pressures λ_n are those that leave no penetration at
 //! t_{n+1} (Carpenter, Taylor & Katona, Int. J. Numer. Methods Eng. 32, 1991, pp. 103–128; paper, reference \[4\]). Every
 //! other law acts explicitly, with u_n and the velocity extrapolated to t_n from the last two backward differences,
-//! which keeps the scheme of second order in h.
+//! which keeps the scheme of second order in h; in a step in which a law begins or ceases to act, with its mean.
 //!
 //! # What this contact law does to an impact
 //! The gap is closed to rounding at every step that ends in contact, so a lumped dof that hits a stop stays on it and
@@ -143,7 +143,7 @@ impl<'m> Marching<'m> {
         check("min_steps_per_period", least as f64, least >= 8, "at least 8")?;
         check("omega", omega, omega > 0.0 && omega.is_finite(), "a finite frequency above zero, in rad/s")?;
         let speed = model.forcing().harmonic as f64 * omega;
-        let longest = fraction * stability_limit(model, &local_laws(model, speed));
+        let longest = fraction * stability_limit(model, &local_laws(model, speed, 0.0));
         let steps = (TAU / omega / longest).ceil() as usize;
         Self::with_steps(model, steps.max(least), amplitude, omega)
     }
@@ -172,7 +172,7 @@ impl<'m> Marching<'m> {
             squares: squares(model),
             inverse,
             contacts,
-            laws: local_laws(model, speed),
+            laws: local_laws(model, speed, step),
             monitors,
             step,
             steps_per_period: steps,
@@ -331,10 +331,10 @@ fn check(name: &'static str, value: f64, in_range: bool, expected: &'static str)
     if in_range { Ok(()) } else { Err(MarchingError::Setting { name, value, expected }) }
 }
 
-/// The laws that act explicitly, at a rotor speed in rad/s.
-fn local_laws(model: &Model, speed: f64) -> Vec<LocalLaw<'_>> {
+/// The laws that act explicitly, at a rotor speed in rad/s and with a time step in s.
+fn local_laws(model: &Model, speed: f64, step: f64) -> Vec<LocalLaw<'_>> {
     let explicit = model.elements().iter().filter(|element| element.law.rigid().is_none());
-    explicit.map(|element| LocalLaw::new(element, &model.modes().shapes, speed)).collect()
+    explicit.map(|element| LocalLaw::new(element, &model.modes().shapes, speed, step)).collect()
 }
 
 /// ω_j².

@@ -25,13 +25,13 @@ pub struct PolishSettings {
     ///
     /// The marcher's contact takes the kinetic energy of the nodes that hit; that of the balance is elastic as H grows.
     /// The difference matters where this energy is not small beside what damping and friction take, that is beside what
-    /// the forcing supplies.
+    /// the forcing supplies. A reduced blade of 39 dofs loses 0.1 to 0.2 % of it in impacts, a single mass all of it.
     pub impacts: f64,
 }
 
 impl Default for PolishSettings {
     fn default() -> Self {
-        Self { marching: MarchingSettings::default(), distance: 0.2, detuning: 0.01, impacts: 0.1 }
+        Self { marching: MarchingSettings::default(), distance: 0.2, detuning: 0.01, impacts: 0.02 }
     }
 }
 

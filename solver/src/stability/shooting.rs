@@ -228,25 +228,41 @@ impl<'m> Shooting<'m> {
 
     /// The step to the zero of the linearised residual, in the plane or at fixed ω: scaled state, then w.
     fn newton_step(&mut self, at: &Point, period: &Period, plane: Option<&[f64]>) -> Option<Vec<f64>> {
-        let n = at.x.len();
-        let slope = if plane.is_some() { self.slope(at, period)? } else { vec![0.0; n] };
-        let matrix = self.lu.reset(n + 1);
-        for i in 0..n {
-            let row = &mut matrix[i * (n + 1)..(i + 1) * (n + 1)];
-            row[..n].copy_from_slice(period.monodromy.row(i));
-            row[i] -= 1.0;
-            row[n] = slope[i];
-        }
-        let last = &mut matrix[n * (n + 1)..];
-        match plane {
-            Some(normal) => last.copy_from_slice(normal),
-            None => last[n] = 1.0,
-        }
-        self.lu.factor().ok()?;
+        let slope = if plane.is_some() { self.slope(at, period)? } else { vec![0.0; at.x.len()] };
+        let fixed = |n: usize| (0..=n).map(|i| if i == n { 1.0 } else { 0.0 }).collect::<Vec<f64>>();
+        let row = plane.map_or_else(|| fixed(at.x.len()), <[f64]>::to_vec);
         let mut step: Vec<f64> = period.residual.iter().map(|r| -r).collect();
         step.push(0.0);
-        self.lu.solve(&mut step);
-        step.iter().all(|s| s.is_finite()).then_some(step)
+        self.solve_bordered(period, &slope, &row, &mut step)?;
+        Some(step)
+    }
+
+    /// How far the branch goes on across the plane of this normal while w grows by 1: it changes sign through infinity
+    /// where the branch turns in frequency.
+    pub fn advance(&mut self, at: &Point, period: &Period, normal: &[f64]) -> Option<f64> {
+        let n = at.x.len();
+        let slope = self.slope(at, period)?;
+        let mut way = vec![0.0; n];
+        way.push(1.0);
+        let fixed = way.clone();
+        self.solve_bordered(period, &slope, &fixed, &mut way)?;
+        Some(dot(&way, normal))
+    }
+
+    /// Solves [Φ − I, slope; row] z = b in place.
+    fn solve_bordered(&mut self, period: &Period, slope: &[f64], row: &[f64], b: &mut [f64]) -> Option<()> {
+        let n = slope.len();
+        let matrix = self.lu.reset(n + 1);
+        for i in 0..n {
+            let target = &mut matrix[i * (n + 1)..(i + 1) * (n + 1)];
+            target[..n].copy_from_slice(period.monodromy.row(i));
+            target[i] -= 1.0;
+            target[n] = slope[i];
+        }
+        matrix[n * (n + 1)..].copy_from_slice(row);
+        self.lu.factor().ok()?;
+        self.lu.solve(b);
+        b.iter().all(|entry| entry.is_finite()).then_some(())
     }
 
     /// Derivative of the scaled map by w, by a difference: what it errs by, Newton's method makes good.

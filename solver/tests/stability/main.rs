@@ -1,5 +1,8 @@
 //! Which orbits are stable: tangents of the time marcher, polished orbits, multipliers, bifurcations, against differences,
 //! closed forms, direct integration and marching.
 
+mod common;
+mod duffing;
 mod models;
+mod stops;
 mod tangent;

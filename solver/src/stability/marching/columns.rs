@@ -281,6 +281,9 @@ impl<S: Simd, const R: usize> Lanes<'_, '_, S, R> {
                 v[i] = combine(simd, (1.5 * rate, &moved[i]), (-0.5, before));
                 *before = combine(simd, (rate, &moved[i]), (0.0, &zero[0]));
             }
+        } else {
+            // Laws without rates depend on the last slope in steps that cross their threshold.
+            v[0] = combine(simd, (rate, &moved[0]), (0.0, &zero[0]));
         }
         let mut forces = zero;
         for i in 0..count {

@@ -13,6 +13,8 @@ pub struct LocalLaw<'m> {
     pub rows: Matrix,
     /// Rotor speed, in rad/s.
     speed: f64,
+    /// Time step, in s.
+    step: f64,
     /// Whether its forces depend on velocities.
     has_rate: bool,
     before: Before,
@@ -24,11 +26,12 @@ pub struct LocalLaw<'m> {
 }
 
 impl<'m> LocalLaw<'m> {
-    pub fn new(element: &'m Element, shapes: &Matrix, speed: f64) -> Self {
+    pub fn new(element: &'m Element, shapes: &Matrix, speed: f64, step: f64) -> Self {
         Self {
             law: &element.law,
             rows: modal_rows(&element.channels, shapes),
             speed,
+            step,
             has_rate: element.law.pattern().dv.as_flattened().contains(&true),
             before: Before::default(),
             slopes: [0.0; MAX_ARGUMENTS],
@@ -134,11 +137,41 @@ impl<'m> LocalLaw<'m> {
             now.v[i] = 1.5 * slope - 0.5 * self.slopes[i];
             self.slopes[i] = slope;
         }
-        self.response = self.law.respond(&now, &self.before);
+        let [u, slope] = [now.u[0], self.slopes[0]];
+        self.response = match self.law.threshold() {
+            Some(threshold) if !self.has_rate && 2.0 * (u - threshold).abs() < self.step * slope.abs() => {
+                self.mean(&mut now, threshold)
+            }
+            _ => self.law.respond(&now, &self.before),
+        };
         let force_now = &self.response.force;
-        self.before = Before { u: now.u[0], force: force_now[0] };
+        self.before = Before { u, force: force_now[0] };
         for i in 0..self.rows.rows() {
             axpy(-force_now[i], self.rows.row(i), force);
         }
+    }
+
+    /// Forces of a law that begins to act beyond a threshold, in a step that crosses it: their mean over the step.
+    ///
+    /// Forces of single instants would make the time of a touch a whole number of steps, and the tangent of a stiff law err by
+    /// its stiffness times the step. The part of the step beyond the threshold is a, of w = |slope| h in all; the force acts
+    /// with the share a/w, as it is in the middle of this part: exact for linear laws.
+    fn mean(&self, now: &mut Instant, threshold: f64) -> Response {
+        let slope = self.slopes[0];
+        let w = self.step * slope.abs();
+        let a = now.u[0] - threshold + 0.5 * w;
+        now.u[0] = threshold + 0.5 * a;
+        let mut response = self.law.respond(now, &self.before);
+        let share = a / w;
+        for i in 0..self.rows.rows() {
+            let (force, stiffness) = (response.force[i], response.du[i][0]);
+            response.force[i] *= share;
+            response.du[i].iter_mut().for_each(|entry| *entry *= share);
+            response.du[i][0] = force / w + 0.5 * share * stiffness;
+            // By the slope, which changes w and with it a.
+            let widening = (0.5 - share) / w * force + 0.25 * share * stiffness;
+            response.dv[i][0] = self.step.copysign(slope) * widening;
+        }
+        response
     }
 }
