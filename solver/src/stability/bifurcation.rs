@@ -17,6 +17,8 @@ pub enum BifurcationKind {
     PeriodDoubling,
     /// A complex pair through the circle: quasi-periodic motion branches off.
     NeimarkSacker,
+    /// Multipliers jump over the circle: a contact is grazed.
+    Grazing,
 }
 
 impl BifurcationKind {
@@ -27,6 +29,7 @@ impl BifurcationKind {
             Self::BranchPoint => "branch_point",
             Self::PeriodDoubling => "period_doubling",
             Self::NeimarkSacker => "neimark_sacker",
+            Self::Grazing => "grazing",
         }
     }
 }
@@ -48,7 +51,7 @@ pub struct Bifurcation {
     pub amplitudes: Vec<f64>,
     /// Number of the point of the branch before it; the next one is after it.
     pub after: usize,
-    /// The multiplier that crosses (of a pair the one above the real axis), as found at the orbit.
+    /// The multiplier that crosses (of a pair either one), as found at the orbit.
     pub multiplier: Multiplier,
     /// Multipliers outside the unit circle before and after it, in the order of the arc.
     pub outside: [usize; 2],
@@ -82,6 +85,9 @@ const CROSSED: f64 = 1e-6;
 /// Share of the way between two orbits to which a crossing is located if the modulus jumps, as it does where a contact
 /// grazes.
 const RESOLVED: f64 = 1e-3;
+
+/// Where moduli at both ends of what is resolved are farther from 1 than this, they jump.
+const JUMP: f64 = 0.02;
 
 /// The bifurcations between two orbits that are neighbours on a branch, in the order of the arc. `after` is the number of
 /// the point of the first one.
@@ -158,7 +164,9 @@ impl Search<'_> {
         let near = if crosses_at_low { &low } else { &high };
         let number = counts[0].min(counts[1]);
         let multiplier = near.multipliers[number];
+        let jumps = [&low, &high].into_iter().all(|end| nearer(end) > JUMP);
         let kind = match (multiplier.is_real(), multiplier.re > 0.0) {
+            _ if jumps => BifurcationKind::Grazing,
             (false, _) => BifurcationKind::NeimarkSacker,
             (true, false) => BifurcationKind::PeriodDoubling,
             (true, true) if self.turns(&low, &high) => BifurcationKind::Fold,

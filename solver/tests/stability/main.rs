@@ -3,6 +3,8 @@
 
 mod common;
 mod duffing;
+mod growth;
+mod hill;
 mod models;
 mod stops;
 mod tangent;

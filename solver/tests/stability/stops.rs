@@ -29,9 +29,7 @@ pub fn two_masses_double_their_period_and_turn_quasi_periodic_where_direct_integ
     settings.harmonics.count = 30;
     (settings.frequency.min, settings.frequency.max) = (Some(0.4), Some(1.0));
     let branch = main_branch(&model, &settings, 0.1);
-    // Six hundred steps of the default settings are twenty in a touch.
-    let mut settings = AlongSettings { points: 60, ..AlongSettings::default() };
-    settings.polish.marching.min_steps_per_period = 4096;
+    let settings = AlongSettings { points: 60, ..AlongSettings::default() };
     let found = along(&model, &settings, &branch, &mut |_| ControlFlow::Continue(()));
     for b in &found.bifurcations {
         println!("{} {} {:?}", b.kind, b.omega, b.amplitudes);
@@ -85,5 +83,7 @@ fn impacts_of_a_single_mass_are_not_comparable() {
         }
     }
     println!("{touching} touching, {free} free");
-    assert!(touching > 5 && free > 3 && found.bifurcations.is_empty(), "{touching} {free} {:?}", found.bifurcations);
+    assert!(touching > 5 && free > 3, "{touching} {free}");
+    // Where it only just touches, impacts cost next to nothing, and the orbit is left at once.
+    assert!(found.bifurcations.iter().all(|b| b.kind == BifurcationKind::Grazing), "{:?}", found.bifurcations);
 }

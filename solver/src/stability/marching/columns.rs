@@ -286,10 +286,10 @@ impl<S: Simd, const R: usize> Lanes<'_, '_, S, R> {
             v[0] = combine(simd, (rate, &moved[0]), (0.0, &zero[0]));
         }
         let mut forces = zero;
-        for i in 0..count {
+        for (force, (du, dv)) in forces.iter_mut().zip(response.du.iter().zip(&response.dv)).take(count) {
             for j in 0..count {
-                more(simd, &mut forces[i], response.du[i][j], &u[j]);
-                more(simd, &mut forces[i], response.dv[i][j], &v[j]);
+                more(simd, force, du[j], &u[j]);
+                more(simd, force, dv[j], &v[j]);
             }
         }
         if law.has_memory() {

@@ -146,8 +146,8 @@ impl<'m> LocalLaw<'m> {
         };
         let force_now = &self.response.force;
         self.before = Before { u, force: force_now[0] };
-        for i in 0..self.rows.rows() {
-            axpy(-force_now[i], self.rows.row(i), force);
+        for (i, component) in force_now.iter().enumerate().take(self.rows.rows()) {
+            axpy(-component, self.rows.row(i), force);
         }
     }
 
