@@ -25,7 +25,7 @@ fn hill(series: &[f64], omega: f64) -> [f64; 2] {
     let mut product = vec![0.0; n * n];
     add_product_matrix(&coefficients, None, &mut product, n);
     // a_k ← k b_k ω, b_k ← −k a_k ω.
-    let slope = Matrix::from_fn(n, n, |i, j| match (i + 1) / 2 {
+    let slope = Matrix::from_fn(n, n, |i, j| match i.div_ceil(2) {
         k if k == j.div_ceil(2) && i != j => omega * k as f64 * if i < j { 1.0 } else { -1.0 },
         _ => 0.0,
     });

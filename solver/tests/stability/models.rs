@@ -7,8 +7,11 @@ use solver::laws::{
 use solver::linalg::Matrix;
 use solver::structure::{Damping, ModelData};
 
+/// A law and the channels that it acts on.
+pub type Acting = (LawKind, Vec<Vec<(usize, f64)>>);
+
 /// A chain of three masses on the ground, forced at its second one, with the elements given.
-pub fn chain(elements: Vec<(LawKind, Vec<Vec<(usize, f64)>>)>) -> Model {
+pub fn chain(elements: Vec<Acting>) -> Model {
     let model = Model::builder("chain")
         .mass([[1.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 0.5]])
         .stiffness([[2000.0, -1000.0, 0.0], [-1000.0, 2000.0, -1000.0], [0.0, -1000.0, 1500.0]])
@@ -17,7 +20,7 @@ pub fn chain(elements: Vec<(LawKind, Vec<Vec<(usize, f64)>>)>) -> Model {
         .build()
         .unwrap();
     let mut data = ModelData::from(model);
-    let named = |(i, (law, channels)): (usize, (LawKind, Vec<Vec<(usize, f64)>>))| solver::structure::Element {
+    let named = |(i, (law, channels)): (usize, Acting)| solver::structure::Element {
         name: format!("element {i}"),
         channels,
         law,
