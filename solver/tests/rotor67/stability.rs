@@ -7,7 +7,7 @@ use crate::common::{BACKWARD, FRICTIONLESS, Scenario, assert_close, found_from_w
 use solver::stability::bifurcation::{BifurcationKind, Known, between};
 use solver::stability::multipliers::Verdict;
 use solver::stability::polish::{Around, Polish, PolishSettings, polish};
-use solver::{Branch, Orbit, SpecialKind, State};
+use solver::{Branch, SpecialKind, State};
 
 /// The frequencies of an independent program are given to five digits or less, and its grid of time steps is another one.
 const RESOLUTION: f64 = 1e-3;
@@ -21,15 +21,9 @@ fn state(branch: &Branch, index: isize) -> &State {
     &branch.points[index.rem_euclid(branch.points.len() as isize) as usize].state
 }
 
-/// The marched orbit near a point, found from the solution itself.
 fn polished(scenario: &Scenario, branch: &Branch, index: isize) -> Polish {
-    polished_from(scenario, branch, index, None)
-}
-
-/// The same with what polishing another point, not far away, moved that by.
-fn polished_from(scenario: &Scenario, branch: &Branch, index: isize, neighbour: Option<(&State, &Orbit)>) -> Polish {
     let way = Some([state(branch, index - 1), state(branch, index + 1)]);
-    polish(scenario.model(), &PolishSettings::default(), state(branch, index), Around { way, neighbour })
+    polish(scenario.model(), &PolishSettings::default(), state(branch, index), Around { way, neighbour: None })
 }
 
 /// Number of the point at which the branch passes `omega`, on its highest (0), second, … part.
@@ -41,13 +35,14 @@ fn passing(branch: &Branch, omega: f64, part: usize) -> isize {
     found[part] as isize
 }
 
-/// Kinds and frequencies of the bifurcations between the orbits near two points.
-fn found(scenario: &Scenario, branch: &Branch, [a, b]: [isize; 2]) -> Vec<(BifurcationKind, f64)> {
-    let orbit = |index, polish: Polish| polish.polished.unwrap_or_else(|| panic!("no orbit at point {index}"));
-    let first = orbit(a, polished(scenario, branch, a));
-    let last = orbit(b, polished_from(scenario, branch, b, Some((state(branch, a), &first.orbit))));
-    let known = [first, last].map(|found| Known { orbit: found.orbit, multipliers: found.multipliers });
-    between(scenario.model(), &known[0], &known[1], 0).into_iter().map(|found| (found.kind, found.omega)).collect()
+fn known(polish: Polish) -> Known {
+    let found = polish.polished.unwrap_or_else(|| panic!("no orbit nearby: {:?}", polish.reason));
+    Known { orbit: found.orbit, multipliers: found.multipliers }
+}
+
+/// Kinds and frequencies of the bifurcations between two orbits.
+fn found(scenario: &Scenario, first: &Known, last: &Known) -> Vec<(BifurcationKind, f64)> {
+    between(scenario.model(), first, last, 0).into_iter().map(|found| (found.kind, found.omega)).collect()
 }
 
 #[track_caller]
@@ -66,13 +61,23 @@ fn assert_fold(scenario: &Scenario, branch: &Branch, near: f64, within: isize, o
     let folds = branch.special.iter().filter(|special| special.kind == SpecialKind::Fold);
     let apart = |index: usize| (branch.points[index].omega() - near).abs();
     let fold = folds.map(|special| special.index).min_by(|&a, &b| apart(a).total_cmp(&apart(b))).unwrap() as isize;
-    assert_found(&found(scenario, branch, [fold - within, fold + within]), &[(BifurcationKind::Fold, omega)]);
+    let [first, last] = [fold - within, fold + within].map(|index| known(polished(scenario, branch, index)));
+    assert_found(&found(scenario, &first, &last), &[(BifurcationKind::Fold, omega)]);
 }
 
-/// The bifurcations on the highest part of a branch between two frequencies.
+/// The bifurcations on the highest part of a branch between the orbits of these frequencies, in order.
 #[track_caller]
-fn assert_between(scenario: &Scenario, branch: &Branch, range: [f64; 2], expected: &[(BifurcationKind, f64)]) {
-    assert_found(&found(scenario, branch, range.map(|omega| passing(branch, omega, 0))), expected);
+fn assert_between(scenario: &Scenario, branch: &Branch, omegas: &[f64], expected: &[(BifurcationKind, f64)]) {
+    // At fixed frequency, each from the correction of the one before.
+    let mut orbits: Vec<(&State, Known)> = Vec::new();
+    for &omega in omegas {
+        let state = state(branch, passing(branch, omega, 0));
+        let neighbour = orbits.last().map(|(state, known)| (*state, &known.orbit));
+        let around = Around { way: None, neighbour };
+        orbits.push((state, known(polish(scenario.model(), &PolishSettings::default(), state, around))));
+    }
+    let all: Vec<_> = orbits.windows(2).flat_map(|pair| found(scenario, &pair[0].1, &pair[1].1)).collect();
+    assert_found(&all, expected);
 }
 
 #[track_caller]
@@ -89,12 +94,13 @@ fn the_frictionless_isola_has_its_marched_folds_and_is_stable_in_parts_of_its_up
     let (scenario, isola) = (&FRICTIONLESS, isola(&FRICTIONLESS, 60, 2623.0));
     assert_fold(scenario, isola, 2701.0, 5, 2698.45);
     assert_fold(scenario, isola, 2545.0, 5, 2547.3);
-    let expected = [(BifurcationKind::PeriodDoubling, 2605.45), (BifurcationKind::NeimarkSacker, 2615.44)];
-    assert_between(scenario, isola, [2597.0, 2620.0], &expected);
-    assert_between(scenario, isola, [2624.0, 2636.0], &[(BifurcationKind::NeimarkSacker, 2630.0)]);
-    for (omega, verdict) in
-        [(2580.0, Verdict::Unstable), (2608.0, Verdict::Stable), (2617.0, Verdict::Unstable), (2670.0, Verdict::Stable)]
-    {
+    let expected = [
+        (BifurcationKind::PeriodDoubling, 2605.45),
+        (BifurcationKind::NeimarkSacker, 2615.44),
+        (BifurcationKind::NeimarkSacker, 2630.0),
+    ];
+    assert_between(scenario, isola, &[2600.0, 2610.0, 2622.0, 2636.0], &expected);
+    for (omega, verdict) in [(2580.0, Verdict::Unstable), (2670.0, Verdict::Stable)] {
         assert_verdict(scenario, isola, omega, 0, verdict);
         assert_verdict(scenario, isola, omega, 1, Verdict::Unstable);
     }
@@ -116,7 +122,7 @@ fn with_friction_the_isola_is_stable_above_a_neimark_sacker_bifurcation() {
     assert_fold(scenario, isola, 2496.6, 15, 2495.2);
     assert_fold(scenario, isola, 2451.2, 5, 2452.8);
     // Known to lie between 2471 and 2473 rad/s.
-    assert_between(scenario, isola, [2458.0, 2476.0], &[(BifurcationKind::NeimarkSacker, 2472.0)]);
+    assert_between(scenario, isola, &[2465.0, 2480.0], &[(BifurcationKind::NeimarkSacker, 2472.0)]);
     assert_verdict(scenario, isola, 2490.0, 0, Verdict::Stable);
     assert_verdict(scenario, isola, 2457.0, 0, Verdict::Unstable);
     assert_verdict(scenario, isola, 2457.0, 1, Verdict::Unstable);
