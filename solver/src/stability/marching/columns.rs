@@ -9,7 +9,7 @@
 //! uncoupled modes is one 2 × 2 matrix a mode.
 
 use super::inverse::Inverse;
-use super::lanes::{LANES, Lane, add, combine, gather, more, rows, scatter};
+use super::lanes::{LANES, Lane, add, combine, gather, more, rows, scatter, scatter_and_add};
 use super::local::LocalLaw;
 use super::tape::{Bound, Move, Tape};
 use crate::linalg::Matrix;
@@ -248,7 +248,9 @@ impl<S: Simd, const R: usize> Lanes<'_, '_, S, R> {
         let turning = &mut forces[explicit..explicit + rubbing];
         gather(simd, &tape.rows[at..at + rubbing * n], self.delta, turning);
         self.predict();
-        scatter(simd, &tape.rows[at + rubbing * n..], turning, self.delta);
+        if rubbing > 0 {
+            scatter(simd, &tape.rows[at + rubbing * n..], turning, self.delta);
+        }
         let mut first = 0;
         for responses in self.linear.responses {
             let count = responses.rows();
@@ -256,15 +258,15 @@ impl<S: Simd, const R: usize> Lanes<'_, '_, S, R> {
             first += count;
         }
         let (touching, at) = step.contact;
-        if touching > 0 {
-            for (ahead, (eta, delta)) in self.ahead.iter_mut().zip(self.eta.iter().zip(self.delta.iter())) {
-                *ahead = add(simd, eta, delta);
-            }
-            let (rows, pressures) = (&tape.rows[at..], &mut forces[..touching]);
-            gather(simd, &rows[..touching * n], self.ahead, pressures);
-            scatter(simd, &rows[touching * n..], pressures, self.delta);
+        if touching == 0 {
+            return self.arrive();
         }
-        self.arrive();
+        for (ahead, (eta, delta)) in self.ahead.iter_mut().zip(self.eta.iter().zip(self.delta.iter())) {
+            *ahead = add(simd, eta, delta);
+        }
+        let (rows, pressures) = (&tape.rows[at..], &mut forces[..touching]);
+        gather(simd, &rows[..touching * n], self.ahead, pressures);
+        scatter_and_add(simd, &rows[touching * n..], pressures, self.delta, self.eta);
     }
 
     /// Deviations of a law's forces; its memory, which begins at `at`, goes on by a step.

@@ -71,3 +71,23 @@ pub fn scatter<S: Simd, const R: usize>(simd: S, rows: &[f64], w: &[Lane<S, R>],
         *x = sum;
     }
 }
+
+/// x_j ← x_j − Σ_i row_ij w_i and y_j ← y_j + x_j, one row for each w.
+#[inline(always)]
+pub fn scatter_and_add<S: Simd, const R: usize>(
+    simd: S,
+    rows: &[f64],
+    w: &[Lane<S, R>],
+    x: &mut [Lane<S, R>],
+    y: &mut [Lane<S, R>],
+) {
+    let n = x.len();
+    for (j, (x, y)) in x.iter_mut().zip(y).enumerate() {
+        let mut sum = *x;
+        for (i, w) in w.iter().enumerate() {
+            more(simd, &mut sum, -rows[i * n + j], w);
+        }
+        *x = sum;
+        *y = add(simd, y, &sum);
+    }
+}
