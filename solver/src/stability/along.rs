@@ -49,8 +49,10 @@ pub struct BranchStability {
 pub type PolishObserver<'o> = dyn FnMut(&PolishedPoint) -> ControlFlow<()> + 'o;
 
 /// Polishes points of a branch, coarsely along the arc and then towards every change of the number of multipliers outside
-/// the unit circle, and locates the bifurcations there. Without contact impacts a change is a bifurcation; a change between
-/// orbits and points without an orbit nearby is refined as well.
+/// the unit circle, and locates the bifurcations there; where points without an orbit nearby begin is refined as well. Two
+/// changes within one interval of the first pass that undo each other are not seen.
+///
+/// Points may polish to orbits in another order of frequencies than their own: the marched frequency counts.
 pub fn along(
     model: &Model,
     settings: &AlongSettings,
