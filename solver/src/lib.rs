@@ -51,7 +51,7 @@
 //! * [`formulation`]: its harmonic balance, in two formulations behind one trait
 //! * [`curve`]: curves of solutions of any system: Newton, continuation, ends, extrema
 //! * [`response`]: backbone, energy balance, windows, seeds, branches, levels, fold and peak curves
-//! * [`stability`]: marching in time, without harmonics: an independent check
+//! * [`stability`]: marching in time, without harmonics: an independent check; its periodic orbits, multipliers, bifurcations
 //!
 //! Laws are a closed set: they travel in messages and files, so a new one is added to the library (one file, its `mod`
 //! line and its row in a table) rather than from outside.
@@ -75,7 +75,12 @@ pub use response::level::{BranchId, Level, LevelError};
 pub use response::modes::{Backbones, LeftOut, ModesFollowed};
 pub use response::windows::{Window, events, windows};
 pub use settings::{ModeChoice, ModeList, Settings};
+pub use stability::along::{AlongSettings, BranchStability, along};
+pub use stability::bifurcation::{Bifurcation, BifurcationKind};
 pub use stability::marching::{Marching, MarchingSettings};
+pub use stability::multipliers::{Multiplier, Verdict};
+pub use stability::polish::{Around, Polish, PolishSettings, Polished, polish};
+pub use stability::shooting::Orbit;
 pub use structure::{Model, ModelBuilder, ModelError, laws};
 
 /// The README's code compiles.

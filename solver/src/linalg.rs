@@ -23,8 +23,8 @@ pub enum LinalgError {
     /// The Cholesky factorisation met a pivot that is not positive.
     #[error("the matrix is not positive definite (leading minor {0})")]
     NotPositiveDefinite(usize),
-    /// The symmetric eigenvalue iteration did not converge.
-    #[error("the symmetric eigenvalue iteration did not converge")]
+    /// An eigenvalue iteration did not converge.
+    #[error("the eigenvalue iteration did not converge")]
     NoConvergence,
 }
 
@@ -157,6 +157,8 @@ pub struct Lu {
     inverse: Vec<usize>,
     scratch: MemBuffer,
     scratch_size: usize,
+    /// Right-hand sides that there is scratch for.
+    scratch_columns: usize,
 }
 
 impl Default for Lu {
@@ -168,6 +170,7 @@ impl Default for Lu {
             inverse: Vec::new(),
             scratch: MemBuffer::new(faer::dyn_stack::StackReq::EMPTY),
             scratch_size: 0,
+            scratch_columns: 2,
         }
     }
 }
@@ -196,11 +199,8 @@ impl Lu {
         self.permutation.resize(n, 0);
         self.inverse.resize(n, 0);
         if self.scratch_size < n {
-            let request = factor::lu_in_place_scratch::<usize, f64>(n, n, Par::Seq, Spec::default())
-                .or(solve::solve_transpose_in_place_scratch::<usize, f64>(n, 2, Par::Seq))
-                .or(solve::solve_in_place_scratch::<usize, f64>(n, 1, Par::Seq));
-            self.scratch = MemBuffer::new(request);
             self.scratch_size = n;
+            self.reserve();
         }
         // Read column by column, the row-major buffer is the transposed matrix.
         factor::lu_in_place(
@@ -218,6 +218,15 @@ impl Lu {
             Some(pivot) => Err(LinalgError::Singular { pivot, size: n }),
             None => Ok(()),
         }
+    }
+
+    /// Scratch for the largest order and the most right-hand sides so far.
+    fn reserve(&mut self) {
+        let (n, columns) = (self.scratch_size, self.scratch_columns);
+        let request = factor::lu_in_place_scratch::<usize, f64>(n, n, Par::Seq, Spec::default())
+            .or(solve::solve_transpose_in_place_scratch::<usize, f64>(n, columns, Par::Seq))
+            .or(solve::solve_in_place_scratch::<usize, f64>(n, 1, Par::Seq));
+        self.scratch = MemBuffer::new(request);
     }
 
     /// Sign of the determinant: +1 or −1.
@@ -240,6 +249,10 @@ impl Lu {
     pub fn solve(&mut self, b: &mut [f64]) {
         let n = self.size;
         let columns = b.len() / n;
+        if columns > self.scratch_columns {
+            self.scratch_columns = columns;
+            self.reserve();
+        }
         let factors = MatRef::from_column_major_slice(&self.factors, n, n);
         solve::solve_transpose_in_place(
             factors,
@@ -279,6 +292,17 @@ pub fn solve_complex(a: &[Complex64], b: &mut [Complex64], size: usize, columns:
     }
     lu.solve_in_place(MatMut::from_row_major_slice_mut(b, size, columns));
     Ok(())
+}
+
+/// Eigenvalues of a square matrix, in no particular order.
+///
+/// # Errors
+/// If an entry is not finite, or the iteration does not converge.
+pub fn eigenvalues(matrix: &Matrix) -> Result<Vec<Complex64>, LinalgError> {
+    if !matrix.data.iter().all(|entry| entry.is_finite()) {
+        return Err(LinalgError::NoConvergence);
+    }
+    matrix.view().eigenvalues().map_err(|_| LinalgError::NoConvergence)
 }
 
 /// Eigenvalues (ascending) and M-orthonormal eigenvectors (columns) of K φ = λ M φ, K and M symmetric, M positive

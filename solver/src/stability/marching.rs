@@ -7,7 +7,7 @@
 //! Rigid contacts use forward-increment Lagrange multipliers: the pressures λ_n are those that leave no penetration at
 //! t_{n+1} (Carpenter, Taylor & Katona, Int. J. Numer. Methods Eng. 32, 1991, pp. 103–128; paper, reference \[4\]). Every
 //! other law acts explicitly, with u_n and the velocity extrapolated to t_n from the last two backward differences,
-//! which keeps the scheme of second order in h.
+//! which keeps the scheme of second order in h; in a step in which a law begins or ceases to act, with its mean.
 //!
 //! # What this contact law does to an impact
 //! The gap is closed to rounding at every step that ends in contact, so a lumped dof that hits a stop stays on it and
@@ -20,10 +20,14 @@
 //! at a start in contact: the first multiplier then comes out as half the contact force and the first increment is
 //! h v_0 + h²/2 (a_0 + contact), as it should be.
 
+mod columns;
 mod complementarity;
 mod contacts;
 mod inverse;
+mod lanes;
 mod local;
+mod period;
+mod tape;
 
 use crate::linalg::{LinalgError, Matrix};
 use crate::structure::Model;
@@ -31,6 +35,7 @@ use crate::structure::laws::Law;
 use contacts::Contacts;
 use inverse::Inverse;
 use local::LocalLaw;
+pub(in crate::stability) use period::Account;
 use std::f64::consts::TAU;
 use thiserror::Error;
 
@@ -132,30 +137,29 @@ impl<'m> Marching<'m> {
         amplitude: f64,
         omega: f64,
     ) -> Result<Self, MarchingError> {
-        let check = |name, value: f64, in_range: bool, expected| {
-            if in_range { Ok(()) } else { Err(MarchingError::Setting { name, value, expected }) }
-        };
         let fraction = settings.step_fraction;
         check("step_fraction", fraction, fraction > 0.0 && fraction < 1.0, "between 0 and 1")?;
         let least = settings.min_steps_per_period;
         check("min_steps_per_period", least as f64, least >= 8, "at least 8")?;
         check("omega", omega, omega > 0.0 && omega.is_finite(), "a finite frequency above zero, in rad/s")?;
-        check("amplitude", amplitude, amplitude.is_finite(), "a finite forcing amplitude")?;
+        let speed = model.forcing().harmonic as f64 * omega;
+        let longest = fraction * stability_limit(model, &local_laws(model, speed, 0.0));
+        let steps = (TAU / omega / longest).ceil() as usize;
+        Self::with_steps(model, steps.max(least), amplitude, omega)
+    }
 
+    /// The same with `steps` time steps in a period, whatever the limit of stability.
+    ///
+    /// # Errors
+    /// As [`Marching::new`].
+    pub fn with_steps(model: &'m Model, steps: usize, amplitude: f64, omega: f64) -> Result<Self, MarchingError> {
+        check("steps", steps as f64, steps >= 8, "at least 8 in a period")?;
+        check("omega", omega, omega > 0.0 && omega.is_finite(), "a finite frequency above zero, in rad/s")?;
+        check("amplitude", amplitude, amplitude.is_finite(), "a finite forcing amplitude")?;
         let n = model.size();
         let shapes = &model.modes().shapes;
         let speed = model.forcing().harmonic as f64 * omega;
-        let laws: Vec<_> = model
-            .elements()
-            .iter()
-            .filter(|element| element.law.rigid().is_none())
-            .map(|element| LocalLaw::new(element, shapes, speed))
-            .collect();
-        let squares: Vec<f64> = model.modes().frequencies.iter().map(|w| w * w).collect();
-        let period = TAU / omega;
-        let steps = (period / (fraction * stability_limit(&squares, &laws))).ceil();
-        let steps_per_period = (steps as usize).max(least);
-        let step = period / steps_per_period as f64;
+        let step = TAU / omega / steps as f64;
         let inverse = Inverse::new(model.damping(), step)?;
         let contacts = Contacts::new(model, &inverse, speed);
         let monitors = Matrix::from_fn(model.monitors().len(), n, |i, j| shapes[(model.monitors()[i], j)]);
@@ -165,13 +169,13 @@ impl<'m> Marching<'m> {
         let mut marching = Self {
             model,
             forcing,
-            squares,
+            squares: squares(model),
             inverse,
             contacts,
-            laws,
+            laws: local_laws(model, speed, step),
             monitors,
             step,
-            steps_per_period,
+            steps_per_period: steps,
             index: 0,
             y: zeros.clone(),
             increment: zeros.clone(),
@@ -322,10 +326,26 @@ impl<'m> Marching<'m> {
     }
 }
 
+/// Refuses a setting out of its range.
+fn check(name: &'static str, value: f64, in_range: bool, expected: &'static str) -> Result<(), MarchingError> {
+    if in_range { Ok(()) } else { Err(MarchingError::Setting { name, value, expected }) }
+}
+
+/// The laws that act explicitly, at a rotor speed in rad/s and with a time step in s.
+fn local_laws(model: &Model, speed: f64, step: f64) -> Vec<LocalLaw<'_>> {
+    let explicit = model.elements().iter().filter(|element| element.law.rigid().is_none());
+    explicit.map(|element| LocalLaw::new(element, &model.modes().shapes, speed, step)).collect()
+}
+
+/// ω_j².
+fn squares(model: &Model) -> Vec<f64> {
+    model.modes().frequencies.iter().map(|w| w * w).collect()
+}
+
 /// Longest stable time step: 2/ω_max, with the stiffness that laws can add (ω_max² grows by at most k bᵀM⁻¹b), and the
 /// inverse of the rate at which explicit dampers act.
-fn stability_limit(squares: &[f64], laws: &[LocalLaw]) -> f64 {
-    let mut square = squares.iter().fold(0.0, |a: f64, &b| a.max(b));
+fn stability_limit(model: &Model, laws: &[LocalLaw]) -> f64 {
+    let mut square = squares(model).into_iter().fold(0.0, f64::max);
     let mut rate = 0.0;
     for law in laws {
         let (stiffness, damping) = law.steepest();

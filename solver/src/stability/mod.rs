@@ -1,3 +1,8 @@
-//! What happens in time: marching without harmonics.
+//! What happens in time: marching without harmonics, the marcher's own periodic orbits, and which of them are stable.
 
+pub mod along;
+pub mod bifurcation;
 pub mod marching;
+pub mod multipliers;
+pub mod polish;
+pub mod shooting;

@@ -7,3 +7,4 @@ mod common;
 mod marching;
 mod responses;
 mod special;
+mod stability;

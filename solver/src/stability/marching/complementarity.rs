@@ -89,6 +89,18 @@ impl Complementarity {
         Err(Unsolvable)
     }
 
+    /// The indices that may have z > 0 in the last solution.
+    pub fn active(&self) -> &[usize] {
+        &self.indices
+    }
+
+    /// Solves A z = b on the active indices once more, in place, for right-hand sides one after the other.
+    pub fn solve_again(&mut self, offsets: &mut [f64]) {
+        if !self.indices.is_empty() {
+            self.lu.solve(offsets);
+        }
+    }
+
     /// z from A z = b on the active indices, zero elsewhere. Dependent nodes (two stops on one dof) make A singular: a
     /// diagonal that is larger by a hair shares the force between them.
     fn solve_active(&mut self) -> Result<(), Unsolvable> {

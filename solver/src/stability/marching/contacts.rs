@@ -34,7 +34,11 @@ pub struct Contacts {
     compliance: Matrix,
     /// Components of (N + μT)ᵀ on the tangential channels of each node: μ v/|v|.
     tangents: Vec<[f64; 2]>,
+    /// Sliding speeds |v|, in m/s.
+    speeds: Vec<f64>,
     problem: Complementarity,
+    /// Whether anything touches at the end of the last step.
+    touching: bool,
 }
 
 impl Contacts {
@@ -57,8 +61,13 @@ impl Contacts {
         let compliance =
             Matrix::from_fn(nodes.len(), rows.rows(), |i, j| dot(rows.row(nodes[i].normal), responses.row(j)));
         let problem = Complementarity::new(nodes.len());
-        let tangents = vec![[0.0; 2]; nodes.len()];
-        Self { nodes, rows, responses, compliance, tangents, problem }
+        let (tangents, speeds) = (vec![[0.0; 2]; nodes.len()], vec![0.0; nodes.len()]);
+        Self { nodes, rows, responses, compliance, tangents, speeds, problem, touching: false }
+    }
+
+    /// Whether there is friction at any node.
+    pub fn has_friction(&self) -> bool {
+        self.nodes.iter().any(|node| node.friction.is_some())
     }
 
     /// Pressures of the last step, in N.
@@ -75,12 +84,12 @@ impl Contacts {
         slope: f64,
         next: &mut [f64],
     ) -> Result<(), Unsolvable> {
-        let mut touching = false;
+        self.touching = false;
         for (penetration, node) in self.problem.offset.iter_mut().zip(&self.nodes) {
             *penetration = dot(self.rows.row(node.normal), ahead) - node.gap;
-            touching |= *penetration > 0.0;
+            self.touching |= *penetration > 0.0;
         }
-        if !touching {
+        if !self.touching {
             self.problem.solution.fill(0.0);
             return Ok(());
         }
@@ -114,14 +123,74 @@ impl Contacts {
 
     /// Sliding directions times μ. A node that does not slide at all has no direction, and no friction.
     fn find_tangents(&mut self, increment: &[f64], slope: f64) {
-        for (tangent, node) in self.tangents.iter_mut().zip(&self.nodes) {
+        for ((tangent, speed), node) in self.tangents.iter_mut().zip(&mut self.speeds).zip(&self.nodes) {
             if let Some(friction) = &node.friction {
                 let a = slope * dot(self.rows.row(node.normal + 1), increment) + friction.velocity;
                 let b = slope * dot(self.rows.row(node.normal + 2), increment);
-                let speed = (a * a + b * b).sqrt();
-                let scale = if speed > 0.0 { friction.coefficient / speed } else { 0.0 };
+                *speed = (a * a + b * b).sqrt();
+                let scale = if *speed > 0.0 { friction.coefficient / *speed } else { 0.0 };
                 *tangent = [scale * a, scale * b];
             }
         }
+    }
+
+    /// The nodes that touch at the end of the last step.
+    pub fn touching(&self) -> &[usize] {
+        if self.touching { self.problem.active() } else { &[] }
+    }
+
+    /// Work that the pressures of the last step take from the structure, in J: `increment` led to the step, `next` leads on.
+    pub fn work(&self, increment: &[f64], next: &[f64]) -> f64 {
+        let along = |node: usize| {
+            let row = self.rows.row(self.nodes[node].normal);
+            0.5 * self.problem.solution[node] * (dot(row, increment) + dot(row, next))
+        };
+        self.touching().iter().map(|&node| along(node)).sum()
+    }
+
+    /// Rows that linearise the contacts of the last step, see [`Tape`](super::tape::Tape): P = W⁻¹N and G = (A_h⁻¹Bᵀ)ᵀ of the
+    /// nodes that touch, n numbers each, all of P first.
+    pub fn linearise(&mut self, out: &mut Vec<f64>) {
+        let (m, n) = (self.problem.active().len(), self.rows.cols());
+        let at = out.len();
+        // Column after column, as the factors of the last solution want them.
+        let mut columns = vec![0.0; m * n];
+        for (i, &node) in self.problem.active().iter().enumerate() {
+            let row = self.rows.row(self.nodes[node].normal);
+            row.iter().enumerate().for_each(|(j, &entry)| columns[j * m + i] = entry);
+        }
+        self.problem.solve_again(&mut columns);
+        out.extend((0..m).flat_map(|i| columns.iter().skip(i).step_by(m)));
+        debug_assert_eq!(out.len(), at + m * n);
+        for &node in self.problem.active() {
+            let (normal, [a, b]) = (self.nodes[node].normal, self.tangents[node]);
+            let at = out.len();
+            out.extend(self.responses.row(normal));
+            if self.nodes[node].friction.is_some() {
+                axpy(a, self.responses.row(normal + 1), &mut out[at..]);
+                axpy(b, self.responses.row(normal + 2), &mut out[at..]);
+            }
+        }
+    }
+
+    /// Rows that linearise the turning of the friction of the last step: μλ/(|v|h) τ⊥ᵀT and (A_h⁻¹Tᵀτ⊥)ᵀ of the nodes that
+    /// rub, n numbers each, all of the former first; the number of these nodes.
+    ///
+    /// A change of velocity turns the friction only as far as it is perpendicular to the sliding: I − ττᵀ = τ⊥τ⊥ᵀ.
+    pub fn linearise_friction(&self, slope: f64, out: &mut Vec<f64>) -> usize {
+        let rubs = |&&node: &&usize| self.nodes[node].friction.is_some() && self.speeds[node] > 0.0;
+        let rubbing: Vec<usize> = self.touching().iter().filter(rubs).copied().collect();
+        for (matrix, is_response) in [(&self.rows, false), (&self.responses, true)] {
+            for &node in &rubbing {
+                // τ times μ; so that both factors together have μ once.
+                let (normal, [a, b]) = (self.nodes[node].normal, self.tangents[node]);
+                let length = a.hypot(b);
+                let rate = self.problem.solution[node] * slope / self.speeds[node];
+                let scale = if is_response { 1.0 / length } else { rate };
+                let pair = matrix.row(normal + 1).iter().zip(matrix.row(normal + 2));
+                out.extend(pair.map(|(theta, z)| scale * (a * z - b * theta)));
+            }
+        }
+        rubbing.len()
     }
 }

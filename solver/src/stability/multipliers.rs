@@ -1,0 +1,130 @@
+//! Floquet multipliers, and what they say of an orbit.
+
+use crate::linalg::{LinalgError, Matrix, eigenvalues};
+use serde::{Deserialize, Serialize};
+
+/// Half width of the band of moduli round 1 in which a multiplier decides nothing: what the grid of time steps leaves
+/// uncertain.
+pub const MARGIN: f64 = 1e-3;
+
+/// An imaginary part below this share of the modulus is rounding of a real multiplier.
+const REAL: f64 = 1e-7;
+
+/// A Floquet multiplier μ: what a small deviation along its direction is multiplied by in a period.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Multiplier {
+    /// Real part.
+    pub re: f64,
+    /// Imaginary part.
+    pub im: f64,
+}
+
+impl Multiplier {
+    /// |μ|.
+    pub fn modulus(&self) -> f64 {
+        self.re.hypot(self.im)
+    }
+
+    /// Whether it is real: a complex one comes with its conjugate.
+    pub fn is_real(&self) -> bool {
+        self.im.abs() <= REAL * self.modulus()
+    }
+
+    /// Whether deviations grow.
+    pub fn is_outside(&self) -> bool {
+        self.modulus() > 1.0
+    }
+}
+
+/// Whether an orbit is stable, or why that is not known.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// Every multiplier is inside the unit circle: small deviations die out.
+    Stable,
+    /// A multiplier is outside: almost every small deviation grows.
+    Unstable,
+    /// The largest modulus is 1 within [`MARGIN`].
+    Marginal,
+    /// The marcher has no periodic orbit near the solution of the balance, or none was found.
+    NoOrbitNearby,
+    /// The marcher's model of the impact is another one than that of the balance, and it matters here.
+    NotComparable,
+}
+
+impl Verdict {
+    /// What multipliers say.
+    pub fn of(multipliers: &[Multiplier]) -> Self {
+        match multipliers.iter().map(Multiplier::modulus).fold(0.0, f64::max) {
+            largest if largest < 1.0 - MARGIN => Self::Stable,
+            largest if largest > 1.0 + MARGIN => Self::Unstable,
+            _ => Self::Marginal,
+        }
+    }
+
+    /// Whether it follows from multipliers.
+    pub fn is_known(self) -> bool {
+        matches!(self, Self::Stable | Self::Unstable | Self::Marginal)
+    }
+}
+
+/// Multipliers of a monodromy matrix, the largest first.
+///
+/// # Errors
+/// If the matrix is not finite, or the iteration does not converge.
+pub fn multipliers(monodromy: &Matrix) -> Result<Vec<Multiplier>, LinalgError> {
+    let mut found: Vec<Multiplier> =
+        eigenvalues(monodromy)?.into_iter().map(|mu| Multiplier { re: mu.re, im: mu.im }).collect();
+    // Of a pair, the one above the real axis first.
+    found.sort_by(|a, b| b.modulus().total_cmp(&a.modulus()).then(b.im.total_cmp(&a.im)));
+    Ok(found)
+}
+
+/// How many multipliers are outside the unit circle, by the way on which they left it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Outside {
+    /// Real, above 1.
+    pub above: usize,
+    /// Real, below −1.
+    pub below: usize,
+    /// Of complex pairs, both of a pair counted.
+    pub paired: usize,
+}
+
+impl Outside {
+    /// Counts them.
+    pub fn of(multipliers: &[Multiplier]) -> Self {
+        let mut outside = Self::default();
+        for mu in multipliers.iter().filter(|mu| mu.is_outside()) {
+            let place = match (mu.is_real(), mu.re > 0.0) {
+                (false, _) => &mut outside.paired,
+                (true, true) => &mut outside.above,
+                (true, false) => &mut outside.below,
+            };
+            *place += 1;
+        }
+        outside
+    }
+
+    /// All of them: the dimension of the unstable manifold.
+    pub fn count(&self) -> usize {
+        self.above + self.below + self.paired
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn multipliers_are_sorted_counted_and_judged() {
+        let blocks = [[1.2, 0.0, 0.0, 0.0], [0.0, -1.1, 0.0, 0.0], [0.0, 0.0, 0.6, 0.9], [0.0, 0.0, -0.9, 0.6]];
+        let found = multipliers(&Matrix::from_fn(4, 4, |i, j| blocks[i][j])).unwrap();
+        assert!(found.is_sorted_by(|a, b| a.modulus() >= b.modulus()));
+        assert_eq!(Outside::of(&found), Outside { above: 1, below: 1, paired: 2 });
+        assert_eq!(Verdict::of(&found), Verdict::Unstable);
+        let at = |re| Verdict::of(&[Multiplier { re, im: 0.0 }]);
+        assert_eq!([at(-0.9), at(0.9995), at(-1.002)], [Verdict::Stable, Verdict::Marginal, Verdict::Unstable]);
+        assert!(multipliers(&Matrix::diagonal(&[f64::NAN])).is_err());
+    }
+}

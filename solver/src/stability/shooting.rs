@@ -1,0 +1,306 @@
+//! Periodic orbits of the time marcher by Newton's method on its map of a period (shooting).
+//!
+//! Unknowns are the state of the marcher, scaled, and the frequency; the number of steps in a period is fixed, so that the
+//! map is smooth in ω as long as no contact grazes.
+
+use super::marching::{Account, Marching, MarchingError, MarchingSettings};
+use crate::formulation::state::State;
+use crate::linalg::{Lu, Matrix, dot};
+use crate::structure::Model;
+use serde::{Deserialize, Serialize};
+
+/// A periodic orbit of the time marcher: enough to march on it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Orbit {
+    /// Frequency ω of the response, rad/s.
+    pub omega: f64,
+    /// Forcing amplitude A.
+    pub forcing: f64,
+    /// Time steps in a period.
+    pub steps: usize,
+    /// State at t = 0 ([`Marching::state`]).
+    pub state: Vec<f64>,
+}
+
+impl Orbit {
+    /// The marcher on this orbit at t = 0.
+    ///
+    /// # Errors
+    /// If the marcher refuses it.
+    pub fn marching<'m>(&self, model: &'m Model) -> Result<Marching<'m>, MarchingError> {
+        let mut marching = Marching::with_steps(model, self.steps, self.forcing, self.omega)?;
+        marching.restart(&self.state)?;
+        Ok(marching)
+    }
+}
+
+/// Instants of a period at which a motion is compared.
+const INSTANTS: usize = 256;
+
+/// Largest scaled residual of an orbit: rounding of thousands of steps is far below, what matters far above.
+const TOLERANCE: f64 = 1e-9;
+
+/// Relative step of ω for the derivative of the map.
+const NUDGE: f64 = 1e-6;
+
+/// Scaled state and scaled frequency.
+#[derive(Debug, Clone)]
+pub struct Point {
+    /// State over its scales.
+    pub x: Vec<f64>,
+    /// ω over that of the shooting.
+    pub w: f64,
+}
+
+/// A period from a point.
+pub struct Period {
+    /// Scaled state at its end less that at its begin.
+    pub residual: Vec<f64>,
+    /// Derivative of the scaled state at its end by that at its begin.
+    pub monodromy: Matrix,
+    /// Modal displacements at [`instants`](Self::stride), one after the other, kg^½·m.
+    pub path: Vec<f64>,
+    /// Steps between two instants of the path.
+    pub stride: usize,
+    /// Largest |x| of each monitored dof, m.
+    pub amplitudes: Vec<f64>,
+    /// Its energies.
+    pub account: Account,
+}
+
+impl Period {
+    /// Largest scaled residual.
+    pub fn error(&self) -> f64 {
+        self.residual.iter().fold(0.0, |m, r| m.max(r.abs()))
+    }
+}
+
+/// How Newton's method is led.
+pub struct Way<'w> {
+    /// Normal of the plane that it stays in, scaled state and w; at fixed ω without.
+    pub plane: Option<&'w [f64]>,
+    /// Whether steps are shortened until the residual falls.
+    pub searches: bool,
+    /// Most iterations.
+    pub iterations: usize,
+}
+
+/// Orbits at one forcing amplitude near one frequency.
+pub struct Shooting<'m> {
+    model: &'m Model,
+    forcing: f64,
+    /// ω of w = 1, rad/s.
+    omega: f64,
+    steps: usize,
+    scales: Vec<f64>,
+    /// Numbers of y and of v; what laws remember comes after them.
+    motion: usize,
+    lu: Lu,
+    /// Periods that were marched with their tangent, and without.
+    pub periods: (usize, usize),
+}
+
+impl<'m> Shooting<'m> {
+    /// Near the motion `state` of the balance.
+    ///
+    /// # Errors
+    /// If the marcher refuses model or settings.
+    pub fn new(model: &'m Model, settings: &MarchingSettings, state: &State) -> Result<Self, MarchingError> {
+        let marching = Marching::new(model, settings, state.forcing, state.omega)?;
+        let start = marching.state_of(state);
+        let orbit =
+            Orbit { omega: state.omega, forcing: state.forcing, steps: marching.steps_per_period(), state: start };
+        Self::around(model, &orbit)
+    }
+
+    /// Near a motion of the marcher.
+    ///
+    /// # Errors
+    /// If the marcher refuses it.
+    pub fn around(model: &'m Model, orbit: &Orbit) -> Result<Self, MarchingError> {
+        let n = model.size();
+        let largest = |values: &[f64]| values.iter().fold(0.0f64, |m, x| m.max(x.abs()));
+        let size = largest(&orbit.state[..n]).max(largest(&orbit.state[n..2 * n]) / orbit.omega);
+        let size = if size > 0.0 { size } else { 1.0 };
+        let scales = orbit.marching(model)?.scales(size, orbit.omega);
+        Ok(Self {
+            model,
+            forcing: orbit.forcing,
+            omega: orbit.omega,
+            steps: orbit.steps,
+            scales,
+            motion: 2 * n,
+            lu: Lu::default(),
+            periods: (0, 0),
+        })
+    }
+
+    /// The point of a motion of the balance.
+    ///
+    /// # Errors
+    /// If the marcher refuses its frequency.
+    pub fn point_of(&self, state: &State) -> Result<Point, MarchingError> {
+        let marching = Marching::with_steps(self.model, self.steps, self.forcing, state.omega)?;
+        Ok(self.scaled(&marching.state_of(state), state.omega))
+    }
+
+    /// The point of an orbit.
+    pub fn point_at(&self, orbit: &Orbit) -> Point {
+        self.scaled(&orbit.state, orbit.omega)
+    }
+
+    fn scaled(&self, state: &[f64], omega: f64) -> Point {
+        Point { x: state.iter().zip(&self.scales).map(|(x, s)| x / s).collect(), w: omega / self.omega }
+    }
+
+    /// The orbit at a point.
+    pub fn orbit(&self, point: &Point) -> Orbit {
+        let state = point.x.iter().zip(&self.scales).map(|(x, s)| x * s).collect();
+        Orbit { omega: point.w * self.omega, forcing: self.forcing, steps: self.steps, state }
+    }
+
+    /// Unit normal of the plane across the way from `a` to `b`; what laws remember has no part in it.
+    pub fn across(&self, a: &Point, b: &Point) -> Option<Vec<f64>> {
+        let mut normal: Vec<f64> = b.x.iter().zip(&a.x).map(|(b, a)| b - a).collect();
+        normal[self.motion..].fill(0.0);
+        normal.push(b.w - a.w);
+        let length = dot(&normal, &normal).sqrt();
+        normal.iter_mut().for_each(|entry| *entry /= length);
+        (length > 0.0 && length.is_finite()).then_some(normal)
+    }
+
+    fn marching(&self, point: &Point) -> Result<Marching<'m>, MarchingError> {
+        self.orbit(point).marching(self.model)
+    }
+
+    /// The scaled residual of a point.
+    ///
+    /// # Errors
+    /// If the motion cannot be marched.
+    fn residual(&mut self, point: &Point) -> Result<Vec<f64>, MarchingError> {
+        self.periods.1 += 1;
+        let mut marching = self.marching(point)?;
+        marching.walk(&mut |_| {})?;
+        let end = self.scaled(&marching.state(), 1.0).x;
+        Ok(end.iter().zip(&point.x).map(|(a, b)| a - b).collect())
+    }
+
+    /// The period from a point, with its tangent.
+    ///
+    /// # Errors
+    /// If the motion cannot be marched.
+    pub fn period(&mut self, point: &Point) -> Result<Period, MarchingError> {
+        self.periods.0 += 1;
+        let mut marching = self.marching(point)?;
+        let stride = (self.steps / INSTANTS).max(1);
+        let mut path = Vec::with_capacity(self.model.size() * (INSTANTS + 2));
+        let mut amplitudes = vec![0.0f64; self.model.monitors().len()];
+        let mut account = Account::default();
+        let monodromy = marching.walk_with_tangent(&mut |now| {
+            if now.index().is_multiple_of(stride) {
+                path.extend(now.modal());
+            }
+            for (i, largest) in amplitudes.iter_mut().enumerate() {
+                *largest = largest.max(now.monitored(i).abs());
+            }
+            now.balance(&mut account);
+        })?;
+        let end = self.scaled(&marching.state(), 1.0).x;
+        let residual = end.iter().zip(&point.x).map(|(a, b)| a - b).collect();
+        let scaled = |i: usize, j: usize| monodromy[(i, j)] * self.scales[j] / self.scales[i];
+        let monodromy = Matrix::from_fn(point.x.len(), point.x.len(), scaled);
+        Ok(Period { residual, monodromy, path, stride, amplitudes, account })
+    }
+
+    /// Newton's method from a point; the orbit's point and its last period, if it comes to one.
+    pub fn solve(&mut self, start: &Point, way: &Way<'_>) -> Option<(Point, Period)> {
+        let mut at = start.clone();
+        let mut period = self.period(&at).ok()?;
+        for _ in 0..way.iterations {
+            if period.error() < TOLERANCE {
+                return Some((at, period));
+            }
+            let step = self.newton_step(&at, &period, way.plane)?;
+            (at, period) = self.take(&at, &period, &step, way.searches)?;
+        }
+        (period.error() < TOLERANCE).then_some((at, period))
+    }
+
+    /// The step to the zero of the linearised residual, in the plane or at fixed ω: scaled state, then w.
+    fn newton_step(&mut self, at: &Point, period: &Period, plane: Option<&[f64]>) -> Option<Vec<f64>> {
+        let slope = if plane.is_some() { self.slope(at, period)? } else { vec![0.0; at.x.len()] };
+        let fixed = |n: usize| (0..=n).map(|i| if i == n { 1.0 } else { 0.0 }).collect::<Vec<f64>>();
+        let row = plane.map_or_else(|| fixed(at.x.len()), <[f64]>::to_vec);
+        let mut step: Vec<f64> = period.residual.iter().map(|r| -r).collect();
+        step.push(0.0);
+        self.solve_bordered(period, &slope, &row, &mut step)?;
+        Some(step)
+    }
+
+    /// How far the branch goes on across the plane of this normal while w grows by 1: it changes sign through infinity
+    /// where the branch turns in frequency.
+    pub fn advance(&mut self, at: &Point, period: &Period, normal: &[f64]) -> Option<f64> {
+        let n = at.x.len();
+        let slope = self.slope(at, period)?;
+        let mut way = vec![0.0; n];
+        way.push(1.0);
+        let fixed = way.clone();
+        self.solve_bordered(period, &slope, &fixed, &mut way)?;
+        Some(dot(&way, normal))
+    }
+
+    /// Solves [Φ − I, slope; row] z = b in place.
+    fn solve_bordered(&mut self, period: &Period, slope: &[f64], row: &[f64], b: &mut [f64]) -> Option<()> {
+        let n = slope.len();
+        let matrix = self.lu.reset(n + 1);
+        for i in 0..n {
+            let target = &mut matrix[i * (n + 1)..(i + 1) * (n + 1)];
+            target[..n].copy_from_slice(period.monodromy.row(i));
+            target[i] -= 1.0;
+            target[n] = slope[i];
+        }
+        matrix[n * (n + 1)..].copy_from_slice(row);
+        self.lu.factor().ok()?;
+        self.lu.solve(b);
+        b.iter().all(|entry| entry.is_finite()).then_some(())
+    }
+
+    /// Derivative of the scaled map by w, by a difference: what it errs by, Newton's method makes good.
+    fn slope(&mut self, at: &Point, period: &Period) -> Option<Vec<f64>> {
+        let after = self.residual(&Point { x: at.x.clone(), w: at.w + NUDGE }).ok()?;
+        Some(after.iter().zip(&period.residual).map(|(a, b)| (a - b) / NUDGE).collect())
+    }
+
+    /// The point at the end of a step, or of a part of it that lessens the residual.
+    fn take(&mut self, at: &Point, period: &Period, step: &[f64], searches: bool) -> Option<(Point, Period)> {
+        let (motion, turn) = step.split_at(at.x.len());
+        let part = |share: f64| {
+            let x = at.x.iter().zip(motion).map(|(x, s)| x + share * s).collect();
+            Point { x, w: at.w + share * turn[0] }
+        };
+        let full = part(1.0);
+        let size = |r: &[f64]| dot(r, r).sqrt();
+        let before = size(&period.residual);
+        // A point far off its orbit is of no use, and may not be marchable at all.
+        let sound = |point: &Point| point.w > 0.5 && point.w < 2.0 && point.x.iter().all(|x| x.abs() < 1e3);
+        if sound(&full) {
+            match self.period(&full) {
+                Ok(period) if !searches || size(&period.residual) < 0.9 * before => return Some((full, period)),
+                Err(_) if !searches => return None,
+                _ => {}
+            }
+        }
+        if !searches {
+            return None;
+        }
+        for halvings in 1..=4 {
+            let share = 0.5f64.powi(halvings);
+            let shorter = part(share);
+            if sound(&shorter) && self.residual(&shorter).is_ok_and(|r| size(&r) < (1.0 - 0.1 * share) * before) {
+                let period = self.period(&shorter).ok()?;
+                return Some((shorter, period));
+            }
+        }
+        None
+    }
+}

@@ -1,0 +1,10 @@
+//! Which orbits are stable: tangents of the time marcher, polished orbits, multipliers, bifurcations, against differences,
+//! closed forms, direct integration and marching.
+
+mod common;
+mod duffing;
+mod growth;
+mod hill;
+mod models;
+mod stops;
+mod tangent;
