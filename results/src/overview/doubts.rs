@@ -74,7 +74,8 @@ mod tests {
             is_unfinished: true,
             points: vec![point(first), point(30.0), point(last)],
         };
-        for (first, last, matters) in [(1.0, 60.0, true), (24.0, 100.0, true), (1.0, 13.0, false), (70.0, 15.9, false)] {
+        for (first, last, matters) in [(1.0, 60.0, true), (24.0, 100.0, true), (1.0, 13.0, false), (70.0, 15.9, false)]
+        {
             assert_eq!(ends_near(&curve(first, last), &[20.0, 50.0]), matters, "{first} to {last}");
         }
     }
