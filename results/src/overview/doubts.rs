@@ -2,26 +2,33 @@
 
 use super::modes::not_started;
 use crate::store::{CurveRow, Reader, Result};
+use protocol::backbone::BackboneMessage;
 use solver::response::branch::{Outcome, Stop};
 
 /// How many curves the sentence names.
 const NAMED: usize = 4;
 
+/// Where a backbone stops at a threshold this many times above the highest level, the rest is taken to be out of its reach.
+const FAR: f64 = 100.0;
+
 /// A fold curve that stopped this factor beyond the levels may come back to them.
 const NEAR: f64 = 1.25;
 
-/// Says which main branches and backbones stopped before their ends, or did not start, and which fold curves stopped among the
-/// levels: branches may hang on what lies beyond. `None` if none did.
+/// Says which main branches stopped before their ends, which backbones did so at thresholds that levels may reach, or did not
+/// start, and which fold curves stopped among the levels: branches may hang on what lies beyond. `None` if none did.
 ///
 /// # Errors
 /// If the store cannot be read.
 pub fn doubts(reader: &Reader) -> Result<Option<String>> {
     let mut curves = Vec::new();
-    if let Some(stop) = reader.backbone()?.and_then(|backbone| unfinished(&backbone.outcome)) {
-        curves.push(format!("the backbone ({stop})"));
-    }
+    let levels: Vec<f64> = reader.levels()?.into_iter().map(|(_, _, value)| value).collect();
+    let highest = levels.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let stopped = |backbone: &BackboneMessage| {
+        unfinished(&backbone.outcome).filter(|_| last_threshold(backbone).is_none_or(|last| last <= FAR * highest))
+    };
+    curves.extend(reader.backbone()?.as_ref().and_then(stopped).map(|stop| format!("the backbone ({stop})")));
     for backbone in reader.further_backbones()? {
-        let stop = unfinished(&backbone.outcome);
+        let stop = stopped(&backbone);
         curves.extend(stop.map(|stop| format!("the backbone of mode {} ({stop})", backbone.mode + 1)));
     }
     if let Some(choice) = reader.modes()? {
@@ -30,7 +37,6 @@ pub fn doubts(reader: &Reader) -> Result<Option<String>> {
     for (amplitude, outcome) in reader.main_outcomes()? {
         curves.extend(unfinished(&outcome).map(|stop| format!("the main branch at A = {amplitude} ({stop})")));
     }
-    let levels: Vec<f64> = reader.levels()?.into_iter().map(|(_, _, value)| value).collect();
     let stopped = reader.curves()?;
     let stopped = stopped.iter().filter(|curve| curve.is_unfinished && ends_near(curve, &levels));
     curves.extend(stopped.map(|curve| format!("fold curve {} ({})", curve.number, curve.status)));
@@ -42,6 +48,12 @@ pub fn doubts(reader: &Reader) -> Result<Option<String>> {
     let more = if more > 0 { format!(" and {more} more") } else { String::new() };
     let list = curves.join(", ");
     Ok(Some(format!("not known to its end: {list}{more}; responses beyond may be larger, and others may begin there")))
+}
+
+/// Threshold A* at the end of a backbone.
+fn last_threshold(backbone: &BackboneMessage) -> Option<f64> {
+    let thresholds = backbone.columns.get("threshold")?.values("threshold", &[backbone.points.len()]).ok()?;
+    thresholds.last().copied()
 }
 
 /// Whether one of the ends of a fold curve lies among levels, or not far beyond.
