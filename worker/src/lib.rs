@@ -12,7 +12,7 @@
 //! | [`shared`], [`slot`] | what the computing threads share; one of them: lease, trace, submit |
 //! | [`bus`], [`patience`] | requests to the coordinator; how long and how often they are repeated |
 //! | [`renewal`] | signs of life of a task under way |
-//! | [`known_curves`], [`compute`] | branches and fold curves found before; the thread that computes |
+//! | [`findings`], [`compute`] | branches and fold curves found before; the thread that computes |
 //!
 //! # Exit codes
 //!
@@ -30,9 +30,9 @@
 pub mod bus;
 pub mod compute;
 pub mod error;
+pub mod findings;
 pub mod identity;
 pub mod join;
-pub mod known_curves;
 pub mod options;
 pub mod patience;
 pub mod program;

@@ -2,7 +2,7 @@
 
 use crate::compute::{Computed, Computer, Finished, Job, Watch};
 use crate::error::WorkerError;
-use crate::known_curves::{Found, KnownCurves};
+use crate::findings::{Findings, Found};
 use crate::patience::{OutOfPatience, Patience};
 use crate::renewal::{Interruption, keep};
 use crate::shared::Shared;
@@ -28,7 +28,7 @@ pub struct Slot {
     shared: Arc<Shared>,
     number: u32,
     computer: Computer,
-    known: KnownCurves,
+    known: Findings,
 }
 
 impl Slot {
@@ -36,7 +36,7 @@ impl Slot {
     pub fn start(shared: Arc<Shared>, number: u32) -> Result<Self, WorkerError> {
         let computer = Computer::start(number, shared.model.clone(), shared.settings)
             .map_err(|source| WorkerError::System { what: "start a computing thread", source })?;
-        let known = KnownCurves::new(shared.size, shared.settings.harmonics.count, shared.max_result_bytes);
+        let known = Findings::new(shared.size, shared.settings.harmonics.count, shared.max_result_bytes);
         Ok(Self { shared, number, computer, known })
     }
 

@@ -202,23 +202,23 @@ impl Chain {
         self.ready.clear();
         self.held = (0..self.entries.len()).filter(|&e| self.entries[e].holder().is_some()).collect();
         // What is under way is waited for, whatever came back before it.
-        let mut turn = self.waits_for_main() || self.held.iter().any(|&e| self.entries[e].task.is_ordered());
+        let mut taken = self.waits_for_main() || self.held.iter().any(|&e| self.entries[e].task.is_ordered());
         let mut landings = Vec::new();
         for e in 0..self.entries.len() {
             if self.entries[e].state != TaskState::Waiting {
                 continue;
             }
-            match self.state_of(e, turn) {
+            match self.turn(e, taken) {
                 Turn::Needless => {
                     self.entries[e].state = TaskState::Skipped;
                     changes.push(Change::Skipped { task: self.entries[e].id.clone() });
                 }
                 Turn::Ready if self.entries[e].task.is_ordered() => {
                     self.ready.push(e);
-                    turn = true;
+                    taken = true;
                 }
                 Turn::Ready => landings.push(e),
-                Turn::Waits => turn = true,
+                Turn::Waits => taken = true,
                 Turn::Blocked => {}
             }
         }
@@ -227,7 +227,7 @@ impl Chain {
     }
 
     /// What can be done with entry `e`, which waits; `taken`: it is the turn of one before it.
-    fn state_of(&self, e: usize, taken: bool) -> Turn {
+    fn turn(&self, e: usize, taken: bool) -> Turn {
         let task = &self.entries[e].task;
         let is_needed = |task| self.level().is_none_or(|level| level.account.needs(task));
         match task {

@@ -1,5 +1,11 @@
 //! One small sample of every message; numbers are such that no two places can be confused.
 
+mod endings;
+mod results;
+
+pub use endings::outcomes;
+pub use results::{done, done_nothing, result, result_curve, result_landings, result_nothing};
+
 use protocol::VERSION;
 use protocol::array::Array;
 use protocol::backbone::BackboneMessage;
@@ -7,27 +13,22 @@ use protocol::branch::{BranchMessage, FindingMessage};
 use protocol::codec::Message;
 use protocol::columns::Columns;
 use protocol::control::{ControlReply, ControlRequest};
-use protocol::critical::CriticalMessage;
 use protocol::curve::{Motions, Points, Seeds, Size};
 use protocol::from_worker::{FailRequest, Lease, LeaseRequest, Progress, ReleaseRequest, RenewRequest, SubmitRequest};
 use protocol::ids::{Attempt, RunId, TaskId, WorkerId};
-use protocol::landings::LandingsMessage;
 use protocol::model::{ElementMessage, ModelMessage};
 use protocol::to_everyone::{
-    Amplitude, Counts, Done, LevelStatus, LevelWindows, Manifest, SeedMessage, Stage, Status, StoredResult,
-    WindowsMessage, WorkerStatus,
+    Amplitude, Counts, LevelStatus, LevelWindows, Manifest, SeedMessage, Stage, Status, WindowsMessage, WorkerStatus,
 };
 use protocol::to_worker::{Acknowledgement, Grant, Known, KnownCurve, LeaseReply, RenewReply, SubmitReply};
 use solver::curve::continuation::Rejection;
 use solver::curve::problem::Failure;
-use solver::response::branch::{BranchKind, Certificate, Outcome, Side, SpecialKind, SpecialPoint, Standing, Stop};
+use solver::response::branch::{BranchKind, Certificate, Outcome, SpecialKind, SpecialPoint, Standing, Stop};
 use solver::response::certificate::Doubled;
-use solver::response::critical::{Corner, CriticalEvent, CriticalKind, Quantity};
 use solver::response::forced::Reach;
-use solver::response::forcing::Unreached;
 use solver::response::modes::{LeftOut, ModesFollowed};
 use solver::response::seeds::{LandingFailure, Phase, Way};
-use solver::response::task::{BranchId, FoldPlace, SeedOutcome, SeedPlace, Task, Unfollowed};
+use solver::response::task::{BranchId, SeedOutcome, SeedPlace, Task};
 use solver::response::windows::Window;
 use solver::settings::Settings;
 use solver::structure::laws::{Contact, Friction, Jenkins, LawKind, PenaltySpring, PolynomialDamper, PolynomialSpring};
@@ -282,108 +283,6 @@ fn seed() -> SeedMessage {
     SeedMessage { task: task(), amplitude: amplitude(), work: work(), seeds: seeds() }
 }
 
-/// An isola is announced.
-pub fn done() -> Done {
-    Done {
-        sequence: 4,
-        task: task(),
-        amplitude: amplitude(),
-        outcome: SeedOutcome::Found(BranchId::isola(0)),
-        branch: Some(BranchId::isola(0)),
-        size: protocol::codec::encode(&result()).len() as u64,
-        sha256: protocol::codec::sha256(&protocol::codec::encode(&result())),
-    }
-}
-
-fn done_nothing() -> Done {
-    Done {
-        sequence: 5,
-        task: TaskId::of_level("2.5", 4).unwrap(),
-        amplitude: amplitude(),
-        outcome: not_landed(),
-        branch: None,
-        size: protocol::codec::encode(&result_nothing()).len() as u64,
-        sha256: protocol::codec::sha256(&protocol::codec::encode(&result_nothing())),
-    }
-}
-
-/// The result of [`done`].
-pub fn result() -> StoredResult {
-    StoredResult {
-        curve: None,
-        landings: None,
-        task: task(),
-        attempt: Attempt(2),
-        amplitude: amplitude(),
-        work: work(),
-        outcome: SeedOutcome::Found(BranchId::isola(0)),
-        name: Some(BranchId::isola(0)),
-        branch: Some(branch()),
-        worker: worker(),
-        program: program(),
-        seconds: 1.5,
-    }
-}
-
-pub fn result_nothing() -> StoredResult {
-    StoredResult {
-        curve: None,
-        landings: None,
-        task: TaskId::of_level("2.5", 4).unwrap(),
-        attempt: Attempt(1),
-        amplitude: amplitude(),
-        work: Task::Main(Side::Below),
-        outcome: not_landed(),
-        name: None,
-        branch: None,
-        worker: worker(),
-        program: program(),
-        seconds: 0.25,
-    }
-}
-
-pub fn result_curve() -> StoredResult {
-    StoredResult {
-        curve: Some(CriticalMessage {
-            quantity: Quantity::Frequency,
-            outcome: Outcome::Open(Stop::ForcingBound, Stop::PointBudget),
-            grazing: [None, Some(1)],
-            rejections: 2,
-            events: vec![CriticalEvent { kind: CriticalKind::Birth, index: 1 }],
-            corners: vec![Corner { index: 2, element: 1 }],
-            points: points(3),
-        }),
-        landings: None,
-        task: TaskId::of_fold(3),
-        attempt: Attempt(1),
-        amplitude: amplitude(),
-        work: Task::Fold(FoldPlace { branch: BranchId::isola(0), fold: 1 }),
-        outcome: SeedOutcome::OnCurve(0),
-        name: None,
-        branch: None,
-        worker: worker(),
-        program: program(),
-        seconds: 0.5,
-    }
-}
-
-pub fn result_landings() -> StoredResult {
-    StoredResult {
-        landings: Some(LandingsMessage { motions: motions(2), distance: counting(&[2], 0.125) }),
-        curve: None,
-        task: TaskId::of_level("2.5", 3).unwrap(),
-        attempt: Attempt(1),
-        amplitude: amplitude(),
-        work: landing(),
-        outcome: SeedOutcome::Landed(2),
-        name: None,
-        branch: None,
-        worker: worker(),
-        program: program(),
-        seconds: 0.125,
-    }
-}
-
 pub fn status() -> Status {
     Status {
         run: run(),
@@ -431,42 +330,4 @@ fn grant() -> Grant {
             Known { branch: BranchId::isola(0), task: TaskId::of_level("2.5", 1).unwrap() },
         ],
     }
-}
-
-/// Every way in which a curve or a task can end.
-pub fn outcomes() -> (Vec<Outcome>, Vec<SeedOutcome>) {
-    let failures = [
-        Failure::NotConverged { iterations: 10, residual: 0.00151 },
-        Failure::NotConverged { iterations: 7, residual: 2.49e15 },
-        Failure::Diverged,
-        Failure::Singular,
-    ];
-    let rejections = failures.map(Rejection::Newton).into_iter();
-    let stalled =
-        rejections.chain([Rejection::Angle(0.876), Rejection::Orientation, Rejection::Distance]).map(Stop::Stalled);
-    let others = [
-        Stop::Start,
-        Stop::Closed,
-        Stop::FrequencyBound,
-        Stop::AmplitudeBound,
-        Stop::ForcingBound,
-        Stop::PointBudget,
-        Stop::Reversed,
-        Stop::Joined,
-        Stop::Cancelled,
-    ];
-    let open = others.into_iter().chain(stalled).map(|stop| Outcome::Open(Stop::Start, stop));
-    let unreached = failures.map(Unreached::from).into_iter().chain([Unreached::OutOfReach]);
-    let landing = unreached.clone().map(LandingFailure::NotConverged).chain([LandingFailure::Far(1.376)]);
-    let mut seeds = vec![SeedOutcome::OutOfBounds];
-    let others = BranchKind::ALL.map(|kind| BranchId::new(kind, 1));
-    let names = [BranchId::MAIN, BranchId::isola(0), BranchId::isola(11)].into_iter().chain(others);
-    seeds.extend(names.map(SeedOutcome::Found));
-    seeds.extend(landing.map(SeedOutcome::NotLanded));
-    seeds.extend(unreached.map(SeedOutcome::NotTraced));
-    seeds.extend([1, 7].map(SeedOutcome::Landed));
-    seeds.push(SeedOutcome::OnCurve(1));
-    let unfollowed = failures.map(Unfollowed::from).into_iter().chain([Unfollowed::Unsupported, Unfollowed::Elsewhere]);
-    seeds.extend(unfollowed.map(SeedOutcome::NotFollowed));
-    (open.chain([Outcome::Closed]).collect(), seeds)
 }

@@ -40,7 +40,8 @@ pub fn figure(subject: &Subject<'_>, store: &mut ColumnStore) -> Result<Figure, 
         }
         let style = Style::marks(Color::Category(3), shape, 1.4 * MARK, is_hollow);
         legend.push(Entry { text: name.into(), kind: Kind::Line, style: style.clone() });
-        labels.extend(found.iter().map(|point| label(word, point)));
+        let named = |point| event_label(word, point, (point.forcing, point.amplitude), Side::Right);
+        labels.extend(found.iter().map(named));
         series.push(of_points(&found, &style, store));
     }
     let panel = Panel {
@@ -77,13 +78,14 @@ fn of_points(points: &[CurvePoint], style: &Style, store: &mut ColumnStore) -> S
     }
 }
 
-fn label(word: &str, point: &CurvePoint) -> Label {
+/// Names a computed event of a fold curve at its place in a figure.
+pub(super) fn event_label(word: &str, point: &CurvePoint, (x, y): (f64, f64), side: Side) -> Label {
     Label {
         text: format!("{word} at {}", digits(point.forcing, 4)),
-        x: vec![Some(point.forcing)],
-        y: vec![Some(point.amplitude)],
+        x: vec![Some(x)],
+        y: vec![Some(y)],
         color: Color::Category(3),
         level: None,
-        side: Side::Right,
+        side,
     }
 }

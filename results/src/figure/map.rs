@@ -2,7 +2,7 @@
 
 use super::column_store::ColumnStore;
 use super::data::{Axis, Direction, Entry, Figure, Kind, Label, Panel, Series, Side, Size, Span, Unit};
-use super::folds::{EVENTS, of_kind};
+use super::folds::{EVENTS, event_label, of_kind};
 use super::style::{BOLD, Color, FINE, MARK, MEDIUM, Shape, Style};
 use super::subject::{BackboneColumns, Subject};
 use crate::curves::BackboneCurve;
@@ -88,7 +88,10 @@ pub fn figure(
     }
     let mut labels: Vec<Label> = events().map(label).collect();
     for (kind, _, _, _, word) in EVENTS {
-        labels.extend(computed(subject, &y, kind).map(|point| computed_label(kind, word, point)));
+        let side = if kind == "birth" { Side::Below } else { Side::Above };
+        labels.extend(
+            computed(subject, &y, kind).map(|point| event_label(word, point, (point.omega, point.forcing), side)),
+        );
     }
     let Drawing { series, legend, .. } = drawing;
     let line = Style::line(Color::Category(2), FINE).with_dash(4);
@@ -172,17 +175,6 @@ fn windows<'s>(
 ) -> impl Iterator<Item = (f64, &'s WindowRow)> + Clone {
     let all = subject.levels.iter().flat_map(|level| level.windows.iter().map(|window| (level.value, window)));
     all.filter(move |(_, window)| is_wanted(&window.outcome))
-}
-
-fn computed_label(kind: &str, word: &str, point: &CurvePoint) -> Label {
-    Label {
-        text: format!("{word} at {}", digits(point.forcing, 4)),
-        x: vec![Some(point.omega)],
-        y: vec![Some(point.forcing)],
-        color: Color::Category(3),
-        level: None,
-        side: if kind == "birth" { Side::Below } else { Side::Above },
-    }
 }
 
 /// Births are named below the curve, merges above it.

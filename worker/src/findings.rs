@@ -1,10 +1,14 @@
-//! Landings, branches and fold curves found before: fetched once.
+//! What was found before: landings, branches, fold curves, each fetched once.
 
 use crate::bus::Bus;
 use crate::patience::Patience;
-use protocol::curve::Size;
+use protocol::array::ArrayError;
+use protocol::branch::BranchMessage;
+use protocol::critical::CriticalMessage;
+use protocol::curve::{Motions, Size};
 use protocol::from_worker::Lease;
 use protocol::ids::TaskId;
+use protocol::landings::LandingsMessage;
 use protocol::session::RequestError;
 use protocol::to_everyone::StoredResult;
 use protocol::to_worker::{Grant, Known, KnownCurve};
@@ -35,7 +39,7 @@ pub struct Found {
 
 /// What a slot knows: what its last grant named and what it found itself since, and no more.
 #[derive(Debug)]
-pub struct KnownCurves {
+pub struct Findings {
     size: Size,
     harmonics: usize,
     most: usize,
@@ -44,7 +48,7 @@ pub struct KnownCurves {
     curves: HashMap<TaskId, Arc<CriticalCurve>>,
 }
 
-impl KnownCurves {
+impl Findings {
     /// None yet. All are of a model of this size, with so many harmonics, in results of at most so many bytes.
     pub fn new(size: Size, harmonics: usize, most: usize) -> Self {
         let (landings, branches, curves) = Default::default();
@@ -77,60 +81,99 @@ impl KnownCurves {
         self.curves.retain(|task, _| grant.curves.iter().any(|known| known.task == *task));
         let mut found = Found::default();
         if let Some(task) = &grant.landing {
-            found.landings = self.landings(bus, lease, task).await?;
+            // Asked for once, by this seed.
+            found.landings = match self.landings.remove(task) {
+                Some(landings) => landings,
+                None => self.fetch::<LandingsMessage>(bus, lease, task).await?.into(),
+            };
         }
         for Known { branch: id, task } in &grant.known {
-            found.branches.push((*id, self.branch(bus, lease, task).await?));
+            if !self.branches.contains_key(task) {
+                let branch = self.fetch::<BranchMessage>(bus, lease, task).await?;
+                self.branches.insert(task.clone(), Arc::new(branch));
+            }
+            found.branches.push((*id, self.branches[task].clone()));
         }
         for KnownCurve { number, task } in &grant.curves {
-            found.curves.push((*number, self.curve(bus, lease, task).await?));
+            if !self.curves.contains_key(task) {
+                let curve = self.fetch::<CriticalMessage>(bus, lease, task).await?;
+                self.curves.insert(task.clone(), Arc::new(curve));
+            }
+            found.curves.push((*number, self.curves[task].clone()));
         }
         Ok(found)
     }
 
-    /// What a seed landed on: asked for once, by that seed.
-    async fn landings(&mut self, bus: &Bus, lease: &Lease, task: &TaskId) -> Result<Arc<[Landing]>, String> {
-        if let Some(landings) = self.landings.remove(task) {
-            return Ok(landings);
+    /// What a task found, of this model and with as many harmonics as the run has.
+    async fn fetch<P: Part>(&self, bus: &Bus, lease: &Lease, task: &TaskId) -> Result<P::Value, String> {
+        let what = |why: String| format!("the result of task {task}: {why}");
+        let part = P::of(fetch(bus, lease, task, self.most).await?).ok_or_else(|| what(format!("no {}", P::NAME)))?;
+        let (harmonics, expected) = (part.motions().harmonics, self.harmonics);
+        if harmonics != expected {
+            return Err(what(format!("{harmonics} harmonics in a run of {expected}")));
         }
-        let message = fetch(bus, lease, task, self.most).await?.landings;
-        let message = message.ok_or_else(|| format!("the result of task {task}: no landings"))?;
-        check(task, message.motions.harmonics, self.harmonics)?;
-        let landings = message.landings(&self.size);
-        Ok(landings.map_err(|error| format!("the result of task {task}: {error}"))?.into())
-    }
-
-    /// A branch found before.
-    async fn branch(&mut self, bus: &Bus, lease: &Lease, task: &TaskId) -> Result<Arc<Branch>, String> {
-        if let Some(branch) = self.branches.get(task) {
-            return Ok(branch.clone());
-        }
-        let message = fetch(bus, lease, task, self.most).await?.branch;
-        let branch = message.ok_or_else(|| format!("the result of task {task}: not a branch"))?;
-        check(task, branch.points.motions.harmonics, self.harmonics)?;
-        let branch = branch.branch(&self.size).map_err(|error| format!("the result of task {task}: {error}"))?;
-        Ok(self.branches.entry(task.clone()).or_insert(Arc::new(branch)).clone())
-    }
-
-    /// A fold curve found before.
-    async fn curve(&mut self, bus: &Bus, lease: &Lease, task: &TaskId) -> Result<Arc<CriticalCurve>, String> {
-        if let Some(curve) = self.curves.get(task) {
-            return Ok(curve.clone());
-        }
-        let message = fetch(bus, lease, task, self.most).await?.curve;
-        let curve = message.ok_or_else(|| format!("the result of task {task}: not a fold curve"))?;
-        check(task, curve.points.motions.harmonics, self.harmonics)?;
-        let curve = curve.curve(&self.size).map_err(|error| format!("the result of task {task}: {error}"))?;
-        Ok(self.curves.entry(task.clone()).or_insert(Arc::new(curve)).clone())
+        part.value(&self.size).map_err(|error| what(error.to_string()))
     }
 }
 
-/// Refuses what has another truncation than the run.
-fn check(task: &TaskId, harmonics: usize, expected: usize) -> Result<(), String> {
-    if harmonics == expected {
-        return Ok(());
+/// What a result can hold.
+trait Part: Sized {
+    const NAME: &str;
+    type Value;
+    fn of(result: StoredResult) -> Option<Self>;
+    fn motions(&self) -> &Motions;
+    fn value(&self, size: &Size) -> Result<Self::Value, ArrayError>;
+}
+
+impl Part for LandingsMessage {
+    const NAME: &str = "landings";
+    type Value = Vec<Landing>;
+
+    fn of(result: StoredResult) -> Option<Self> {
+        result.landings
     }
-    Err(format!("the result of task {task}: {harmonics} harmonics in a run of {expected}"))
+
+    fn motions(&self) -> &Motions {
+        &self.motions
+    }
+
+    fn value(&self, size: &Size) -> Result<Vec<Landing>, ArrayError> {
+        self.landings(size)
+    }
+}
+
+impl Part for BranchMessage {
+    const NAME: &str = "branch";
+    type Value = Branch;
+
+    fn of(result: StoredResult) -> Option<Self> {
+        result.branch
+    }
+
+    fn motions(&self) -> &Motions {
+        &self.points.motions
+    }
+
+    fn value(&self, size: &Size) -> Result<Branch, ArrayError> {
+        self.branch(size)
+    }
+}
+
+impl Part for CriticalMessage {
+    const NAME: &str = "fold curve";
+    type Value = CriticalCurve;
+
+    fn of(result: StoredResult) -> Option<Self> {
+        result.curve
+    }
+
+    fn motions(&self) -> &Motions {
+        &self.points.motions
+    }
+
+    fn value(&self, size: &Size) -> Result<CriticalCurve, ArrayError> {
+        self.curve(size)
+    }
 }
 
 async fn fetch(bus: &Bus, lease: &Lease, task: &TaskId, most: usize) -> Result<StoredResult, String> {

@@ -1,0 +1,113 @@
+//! Announcements and stored results.
+
+use super::{amplitude, branch, counting, landing, motions, not_landed, points, program, task, work, worker};
+use protocol::codec::{encode, sha256};
+use protocol::critical::CriticalMessage;
+use protocol::ids::{Attempt, TaskId};
+use protocol::landings::LandingsMessage;
+use protocol::to_everyone::{Done, StoredResult};
+use solver::response::branch::{Outcome, Side, Stop};
+use solver::response::critical::{Corner, CriticalEvent, CriticalKind, Quantity};
+use solver::response::task::{BranchId, FoldPlace, SeedOutcome, Task};
+
+/// An isola is announced.
+pub fn done() -> Done {
+    Done {
+        sequence: 4,
+        task: task(),
+        amplitude: amplitude(),
+        outcome: SeedOutcome::Found(BranchId::isola(0)),
+        branch: Some(BranchId::isola(0)),
+        size: encode(&result()).len() as u64,
+        sha256: sha256(&encode(&result())),
+    }
+}
+
+pub fn done_nothing() -> Done {
+    Done {
+        sequence: 5,
+        task: TaskId::of_level("2.5", 4).unwrap(),
+        amplitude: amplitude(),
+        outcome: not_landed(),
+        branch: None,
+        size: encode(&result_nothing()).len() as u64,
+        sha256: sha256(&encode(&result_nothing())),
+    }
+}
+
+/// The result of [`done`].
+pub fn result() -> StoredResult {
+    StoredResult {
+        curve: None,
+        landings: None,
+        task: task(),
+        attempt: Attempt(2),
+        amplitude: amplitude(),
+        work: work(),
+        outcome: SeedOutcome::Found(BranchId::isola(0)),
+        name: Some(BranchId::isola(0)),
+        branch: Some(branch()),
+        worker: worker(),
+        program: program(),
+        seconds: 1.5,
+    }
+}
+
+pub fn result_nothing() -> StoredResult {
+    StoredResult {
+        curve: None,
+        landings: None,
+        task: TaskId::of_level("2.5", 4).unwrap(),
+        attempt: Attempt(1),
+        amplitude: amplitude(),
+        work: Task::Main(Side::Below),
+        outcome: not_landed(),
+        name: None,
+        branch: None,
+        worker: worker(),
+        program: program(),
+        seconds: 0.25,
+    }
+}
+
+pub fn result_curve() -> StoredResult {
+    StoredResult {
+        curve: Some(CriticalMessage {
+            quantity: Quantity::Frequency,
+            outcome: Outcome::Open(Stop::ForcingBound, Stop::PointBudget),
+            grazing: [None, Some(1)],
+            rejections: 2,
+            events: vec![CriticalEvent { kind: CriticalKind::Birth, index: 1 }],
+            corners: vec![Corner { index: 2, element: 1 }],
+            points: points(3),
+        }),
+        landings: None,
+        task: TaskId::of_fold(3),
+        attempt: Attempt(1),
+        amplitude: amplitude(),
+        work: Task::Fold(FoldPlace { branch: BranchId::isola(0), fold: 1 }),
+        outcome: SeedOutcome::OnCurve(0),
+        name: None,
+        branch: None,
+        worker: worker(),
+        program: program(),
+        seconds: 0.5,
+    }
+}
+
+pub fn result_landings() -> StoredResult {
+    StoredResult {
+        landings: Some(LandingsMessage { motions: motions(2), distance: counting(&[2], 0.125) }),
+        curve: None,
+        task: TaskId::of_level("2.5", 3).unwrap(),
+        attempt: Attempt(1),
+        amplitude: amplitude(),
+        work: landing(),
+        outcome: SeedOutcome::Landed(2),
+        name: None,
+        branch: None,
+        worker: worker(),
+        program: program(),
+        seconds: 0.125,
+    }
+}
