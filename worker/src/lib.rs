@@ -12,7 +12,7 @@
 //! | [`shared`], [`slot`] | what the computing threads share; one of them: lease, trace, submit |
 //! | [`bus`], [`patience`] | requests to the coordinator; how long and how often they are repeated |
 //! | [`renewal`] | signs of life of a task under way |
-//! | [`findings`], [`compute`] | branches and fold curves found before; the thread that computes |
+//! | [`findings`], [`compute`] | landings, branches and fold curves found before; the thread that computes |
 //!
 //! # Exit codes
 //!
