@@ -7,6 +7,7 @@ use results::journal::{LevelPlan, SweepPlan};
 use results::summary_table::{Layout, Units};
 use results::words::{count, duration, fixed_digits};
 use solver::response::seeds::Way;
+use solver::response::starts::BATCH;
 use solver::response::task::Task;
 use std::io::IsTerminal;
 use std::time::{Duration, Instant};
@@ -151,12 +152,17 @@ pub fn layout(units: Option<Units>) -> Layout {
 pub fn plan(plan: &SweepPlan, most_folds: usize) -> String {
     let total = |of: fn(&LevelPlan) -> usize| plan.levels.iter().map(of).sum::<usize>();
     let seeds = |level: &LevelPlan| level.tasks.iter().filter(|task| is_seed(task)).count();
+    let batches = |level: &LevelPlan| level.tasks.iter().filter(|task| matches!(task, Task::Start(_))).count();
+    let starts = match BATCH * total(batches) {
+        0 => String::new(),
+        number => format!(", {}", count(number, "random start")),
+    };
     let search = match most_folds {
         0 => "no folds are followed over the forcing".into(),
         most => format!("then at most {most} folds are followed over the forcing (search.effort)"),
     };
     format!(
-        "{}, {}, {} with {}; {search}",
+        "{}, {}, {} with {}{starts}; {search}",
         count(plan.levels.len(), "level"),
         count(1 + plan.further.len(), "backbone"),
         count(total(|level| level.windows.len()), "window"),

@@ -52,6 +52,20 @@ pub enum ArrayError {
         /// Which array.
         name: &'static str,
     },
+    /// Motions of another truncation than the run's.
+    #[error("{harmonics} harmonics in a run of {expected}")]
+    OtherHarmonics {
+        /// Their number of harmonics H.
+        harmonics: usize,
+        /// The run's.
+        expected: usize,
+    },
+    /// Not numbers.
+    #[error("array `{name}` has entries that are not finite")]
+    NotFinite {
+        /// Which array.
+        name: &'static str,
+    },
     /// A point of a curve over the forcing amplitude that is at none.
     #[error("the forcing amplitude of point {index} is not a finite number above zero")]
     Forcing {
@@ -94,6 +108,12 @@ impl Array {
         Ok(chunks.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect())
     }
 
+    /// The same; every value has to be finite.
+    pub fn finite(&self, name: &'static str, expected: &[usize]) -> Result<Vec<f64>, ArrayError> {
+        let values = self.values(name, expected)?;
+        if values.iter().all(|value| value.is_finite()) { Ok(values) } else { Err(ArrayError::NotFinite { name }) }
+    }
+
     /// Whether its bytes are as many numbers as its shape says.
     pub fn is_sound(&self) -> bool {
         let bytes = self.shape.iter().try_fold(8usize, |size, &axis| size.checked_mul(axis));
@@ -123,13 +143,13 @@ impl Array {
         Self::new(shape, values)
     }
 
-    /// Back to the series of [`Array::harmonics`], one after the other.
+    /// Back to the series of [`Array::harmonics`], one after the other; every value has to be finite.
     pub fn series(&self, name: &'static str, leading: &[usize], harmonics: usize) -> Result<Vec<f64>, ArrayError> {
         if harmonics > MAX_HARMONICS {
             return Err(ArrayError::Harmonics { name, harmonics });
         }
         let shape: Vec<usize> = leading.iter().copied().chain([harmonics + 1, 2]).collect();
-        let values = self.values(name, &shape)?;
+        let values = self.finite(name, &shape)?;
         let mut series = Vec::with_capacity(values.len());
         for one in values.chunks(2 * (harmonics + 1)) {
             series.push(one[0]);

@@ -2,7 +2,7 @@
 
 use crate::array::ArrayError;
 use crate::critical::CriticalMessage;
-use crate::curve::{Points, Size};
+use crate::curve::{Motions, Points, Size};
 use crate::landings::LandingsMessage;
 use serde::{Deserialize, Serialize};
 use solver::response::branch::{Branch, BranchKind, Certificate, Outcome, SpecialKind, SpecialPoint, Standing};
@@ -93,6 +93,16 @@ pub enum FindingMessage {
 }
 
 impl FindingMessage {
+    /// The motions in it, if there are some.
+    pub fn motions(&self) -> Option<&Motions> {
+        match self {
+            Self::Landings(landings) => Some(&landings.motions),
+            Self::Branch(branch) => Some(&branch.points.motions),
+            Self::Curve(curve) => Some(&curve.points.motions),
+            Self::Nothing(_) => None,
+        }
+    }
+
     /// The same without the branch itself.
     pub fn brought(&self) -> Brought {
         match self {

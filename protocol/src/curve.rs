@@ -61,9 +61,9 @@ impl Motions {
     /// The states, for a model of so many channels and modes.
     pub fn states(&self, channels: usize, modes: usize) -> Result<Vec<State>, ArrayError> {
         let (count, harmonics) = (self.len(), self.harmonics);
-        let omega = self.omega.values("omega", &[count])?;
-        let decay = self.decay.values("decay", &[count])?;
-        let forcing = self.forcing.values("forcing", &[count])?;
+        let omega = self.omega.finite("omega", &[count])?;
+        let decay = self.decay.finite("decay", &[count])?;
+        let forcing = self.forcing.finite("forcing", &[count])?;
         let argument = self.argument.series("argument", &[count, channels], harmonics)?;
         let modal = self.modal.series("modal", &[count, modes], harmonics)?;
         let part = |values: &[f64], i: usize, width: usize| values[i * width..(i + 1) * width].to_vec();

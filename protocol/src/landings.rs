@@ -27,10 +27,10 @@ impl LandingsMessage {
     /// The responses, for a model of this size.
     ///
     /// # Errors
-    /// If an array has another shape.
+    /// If an array has another shape, or numbers that are not finite.
     pub fn landings(&self, size: &Size) -> Result<Vec<Landing>, ArrayError> {
         let states = self.motions.states(size.channels, size.modes)?;
-        let distances = self.distance.values("distance", &[states.len()])?;
+        let distances = self.distance.finite("distance", &[states.len()])?;
         Ok(states.into_iter().zip(distances).map(|(state, distance)| Landing { state, distance }).collect())
     }
 }

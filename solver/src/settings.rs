@@ -193,15 +193,25 @@ pub struct SearchSettings {
 pub enum Effort {
     /// In the windows only.
     None,
-    /// Folds of the branches found are followed over the forcing amplitude, 200 at most.
+    /// Folds of the branches found are followed over the forcing amplitude, 200 at most, and random starts are tried, 1024 with
+    /// a small model and fewer with larger ones.
     #[default]
     Standard,
-    /// The same, for 5000 folds at most.
+    /// The same, for 5000 folds at most and 16 times as many starts.
     Thorough,
 }
 
 impl Effort {
-    /// Most folds that are followed or found to lie on curves that are known.
+    /// How many times as many random starts as usual are tried.
+    pub const fn starts(self) -> usize {
+        match self {
+            Self::None => 0,
+            Self::Standard => 1,
+            Self::Thorough => 16,
+        }
+    }
+
+    /// Most folds that are followed. Those found to lie on curves that are known do not count.
     pub const fn folds(self) -> usize {
         match self {
             Self::None => 0,

@@ -77,8 +77,11 @@ impl Findings {
 
     /// What a grant names; what is not at hand is fetched. Waits while there is no answer at all.
     pub async fn get(&mut self, bus: &Bus, lease: &Lease, grant: &Grant) -> Result<Found, String> {
-        self.branches.retain(|task, _| grant.known.iter().any(|known| known.task == *task));
-        self.curves.retain(|task, _| grant.curves.iter().any(|known| known.task == *task));
+        // What need not know anything says nothing of what is needed next.
+        if grant.work.is_ordered() {
+            self.branches.retain(|task, _| grant.known.iter().any(|known| known.task == *task));
+            self.curves.retain(|task, _| grant.curves.iter().any(|known| known.task == *task));
+        }
         let mut found = Found::default();
         if let Some(task) = &grant.landing {
             // Asked for once, by this seed.

@@ -151,8 +151,8 @@ impl Slot {
         if seeds.is_empty() && matches!(grant.work, Task::Land(_)) {
             return Err("unusable seeds: there is none".into());
         }
-        if grant.landing.is_none() && matches!(grant.work, Task::Seed(_)) {
-            return Err("unusable seed: there is no landing".into());
+        if grant.landing.is_none() && matches!(grant.work, Task::Seed(_) | Task::Begin(_)) {
+            return Err("unusable task: there is no landing".into());
         }
         let Found { landings, branches: known, curves } = self.known.get(&shared.bus, lease, &grant).await?;
         let Grant { amplitude, reach, work, .. } = grant;

@@ -40,6 +40,8 @@ pub struct Served {
     pub model_bytes: Vec<u8>,
     /// Size of the model.
     pub size: Size,
+    /// Number of harmonics H of the run.
+    pub harmonics: usize,
     /// The run as it is.
     pub state: watch::Receiver<RunState>,
 }
@@ -58,9 +60,9 @@ pub async fn serve(
     served: Served,
     engine: Sender<Request>,
 ) -> Result<Presence, zenoh::Error> {
-    let Served { directory, model_bytes, size, state } = served;
+    let Served { directory, model_bytes, size, harmonics, state } = served;
     let answers = Answers { session: session.clone(), keys: keys.clone(), state: state.clone() };
-    let requests = Requests::new(engine.clone(), keys.clone(), answers, size);
+    let requests = Requests::new(engine.clone(), keys.clone(), answers, size, harmonics);
     let take = move |query| requests.take(query);
     let mut queryables = vec![session.declare_queryable(keys.requests()).complete(true).callback(take).await?];
     let queries = Arc::new(Queries::new(directory, keys.clone(), model_bytes, state));

@@ -32,14 +32,16 @@ pub(super) struct Requests {
     pub answers: Arc<Answers>,
     /// Size of the model.
     pub size: Size,
+    /// Number of harmonics H of the run.
+    pub harmonics: usize,
     permits: Arc<Semaphore>,
 }
 
 impl Requests {
     /// Hands requests to the engine.
-    pub fn new(engine: Sender<Request>, keys: Keys, answers: Answers, size: Size) -> Self {
+    pub fn new(engine: Sender<Request>, keys: Keys, answers: Answers, size: Size, harmonics: usize) -> Self {
         let permits = Arc::new(Semaphore::new(SUBMITS));
-        Self { engine, keys, runtime: Handle::current(), answers: Arc::new(answers), size, permits }
+        Self { engine, keys, runtime: Handle::current(), answers: Arc::new(answers), size, harmonics, permits }
     }
 
     /// Takes a query; hands over whatever takes time.
@@ -77,13 +79,13 @@ impl Requests {
     }
 
     fn submit(&self, query: Query) {
-        let (engine, permits, size) = (self.engine.clone(), self.permits.clone(), self.size);
+        let (engine, permits, size, harmonics) = (self.engine.clone(), self.permits.clone(), self.size, self.harmonics);
         let (runtime, answers) = (self.runtime.clone(), self.answers.clone());
         self.runtime.spawn(async move {
             let Ok(permit) = permits.acquire_owned().await else { return };
             let pool = runtime.clone();
             pool.spawn_blocking(move || match question::<SubmitRequest>(&query) {
-                Ok(request) => match CheckedResult::new(request, &size) {
+                Ok(request) => match CheckedResult::new(request, &size, harmonics) {
                     Ok(result) => {
                         let respond = respond(runtime, answers, query, permit);
                         let event = Event::Submit(Box::new(result));

@@ -33,12 +33,16 @@ pub struct CheckedResult {
 }
 
 impl CheckedResult {
-    /// Checks, encodes and hashes what was submitted for a model of this size.
+    /// Checks, encodes and hashes what was submitted for a model of this size, in a run of so many harmonics.
     ///
     /// # Errors
-    /// If it does not fit the model.
-    pub fn new(request: SubmitRequest, size: &Size) -> Result<Self, ArrayError> {
+    /// If it does not fit the run.
+    pub fn new(request: SubmitRequest, size: &Size, expected: usize) -> Result<Self, ArrayError> {
         let SubmitRequest { lease, program, seconds, finding } = request;
+        // What does not fit would be stored, and refused by every task that needs it.
+        if let Some(harmonics) = finding.motions().map(|motions| motions.harmonics).filter(|h| *h != expected) {
+            return Err(ArrayError::OtherHarmonics { harmonics, expected });
+        }
         let brought = finding.brought();
         let (branch, curve, landings) = match finding {
             FindingMessage::Landings(landings) => (None, None, Some(landings)),

@@ -71,8 +71,11 @@ impl Engine {
             }
         };
         let is_finished = self.sweep.as_ref().is_some_and(|sweep| sweep.ledger.is_finished());
-        if self.manifest.stage == Stage::Sweep && is_finished {
-            self.enter(Stage::Finished, now, &mut decision);
+        match self.manifest.stage {
+            Stage::Sweep if is_finished => self.enter(Stage::Finished, now, &mut decision),
+            // A result of a task that had been given up came after all, and others follow from it.
+            Stage::Finished if self.sweep.is_some() && !is_finished => self.enter(Stage::Sweep, now, &mut decision),
+            _ => {}
         }
         decision
     }

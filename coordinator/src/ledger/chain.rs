@@ -10,6 +10,7 @@ use results::journal::{Change, Holder, LevelPlan, TaskState};
 use solver::response::account::Account;
 use solver::response::critical::crossed;
 use solver::response::seeds::Way;
+use solver::response::starts::StartPlace;
 use solver::response::task::{Brought, SeedOutcome, SeedPlace, Task};
 use std::sync::Arc;
 use std::time::Duration;
@@ -35,6 +36,8 @@ pub(super) struct Chain {
     pub ready: Vec<usize>,
     /// Tasks under way.
     pub held: Vec<usize>,
+    /// Batches of starts that led to a new branch, and may lead to another one.
+    pub rounds: Vec<StartPlace>,
 }
 
 /// What the tasks of a chain found.
@@ -93,6 +96,7 @@ impl Chain {
             entries: Vec::new(),
             ready: Vec::new(),
             held: Vec::new(),
+            rounds: Vec::new(),
         };
         for (index, task) in plan.tasks.into_iter().enumerate() {
             let id = TaskId::of_level(&plan.amplitude.text, index).expect("amplitudes are numbers");
@@ -105,7 +109,8 @@ impl Chain {
 
     /// The tasks that follow curves over all levels.
     pub fn of_curves() -> Self {
-        Self { record: Record::Curves(Vec::new()), entries: Vec::new(), ready: Vec::new(), held: Vec::new() }
+        let (entries, ready, held, rounds) = Default::default();
+        Self { record: Record::Curves(Vec::new()), entries, ready, held, rounds }
     }
 
     /// What a level is known by; `None` for the curves.
@@ -147,31 +152,51 @@ impl Chain {
         self.entries[e].grant(holder, deadline)
     }
 
-    /// The landing that the seed of entry `e` starts from.
+    /// The landing that the seed of entry `e` starts from, or the starts that it is the branch of.
     pub fn landing(&self, e: usize) -> Option<usize> {
-        let Task::Seed(place) = self.entries[e].task else { return None };
-        self.entries[..e].iter().rposition(|entry| entry.task == Task::Land(place))
+        let landing = match self.entries[e].task {
+            Task::Seed(place) => Task::Land(place),
+            Task::Begin(place) => Task::Start(StartPlace { round: 0, ..place }),
+            _ => return None,
+        };
+        self.entries[..e].iter().rposition(|entry| entry.task == landing)
     }
 
     /// What becomes of entry `e`, which brought this; `None` if such a task does not bring such a thing.
     pub fn outcome(&self, e: usize, brought: &Brought) -> Option<SeedOutcome> {
         match (&self.record, brought) {
+            (_, Brought::Nothing(outcome)) => Some(*outcome).filter(|outcome| self.is_known(outcome)),
             (Record::Level(level), brought) => level.account.outcome(brought),
             (Record::Curves(curves), Brought::Curve(_)) => Some(SeedOutcome::OnCurve(curves.len())),
-            (Record::Curves(_), Brought::Nothing(outcome)) => Some(*outcome),
             (Record::Curves(_), Brought::Landings(_) | Brought::Branch { .. }) => None,
         }
         .filter(|outcome| match self.entries[e].task {
-            Task::Land(_) => matches!(outcome, SeedOutcome::Landed(_) | SeedOutcome::NotLanded(_)),
+            Task::Land(_) | Task::Start(_) => matches!(outcome, SeedOutcome::Landed(_) | SeedOutcome::NotLanded(_)),
             Task::Fold(_) => !matches!(outcome, SeedOutcome::Found(_) | SeedOutcome::Landed(_)),
-            Task::Main(_) | Task::Seed(_) | Task::Crossing(_) => {
+            Task::Main(_) | Task::Seed(_) | Task::Crossing(_) | Task::Begin(_) => {
                 !matches!(outcome, SeedOutcome::OnCurve(_) | SeedOutcome::Landed(_))
             }
         })
     }
 
+    /// Whether what a task without anything new of its own refers to is there.
+    fn is_known(&self, outcome: &SeedOutcome) -> bool {
+        match (&self.record, outcome) {
+            (_, SeedOutcome::Landed(_)) => false,
+            (Record::Level(level), SeedOutcome::Found(id)) => level.branches.iter().any(|b| b.known.branch == *id),
+            (Record::Curves(curves), SeedOutcome::OnCurve(number)) => *number < curves.len(),
+            _ => true,
+        }
+    }
+
     /// Takes down what became of entry `e`, and what it brought if that is new.
     pub fn finish(&mut self, e: usize, outcome: SeedOutcome, brought: Option<&Brought>) {
+        if let (Task::Begin(place), Some(Brought::Branch { .. })) = (self.entries[e].task, brought) {
+            let next = StartPlace { round: place.round + 1, ..place };
+            if self.entries.iter().all(|entry| entry.task != Task::Begin(next)) {
+                self.rounds.push(next);
+            }
+        }
         let entry = &mut self.entries[e];
         let task = entry.id.clone();
         match (&mut self.record, outcome, brought) {
@@ -232,8 +257,8 @@ impl Chain {
         let is_needed = |task| self.level().is_none_or(|level| level.account.needs(task));
         match task {
             Task::Land(place) if place.way == Way::SteppedForcing && !self.is_decided(e, place) => Turn::Blocked,
-            Task::Land(_) if is_needed(task) => Turn::Ready,
-            Task::Land(_) => Turn::Needless,
+            Task::Land(_) | Task::Start(_) if is_needed(task) => Turn::Ready,
+            Task::Land(_) | Task::Start(_) => Turn::Needless,
             _ if taken => Turn::Blocked,
             _ if !is_needed(task) => Turn::Needless,
             _ => match self.landing(e).map(|landing| &self.entries[landing]) {
@@ -244,10 +269,12 @@ impl Chain {
         }
     }
 
-    /// Whether it is known what became of a seed at fixed frequency, of which entry `e` is the other way.
+    /// Whether it is known what became of a seed at fixed frequency, of which entry `e` is the other way, or nothing will be.
     fn is_decided(&self, e: usize, place: &SeedPlace) -> bool {
-        let fixed = Task::Seed(SeedPlace { way: Way::FixedFrequency, ..*place });
-        self.entries[..e].iter().filter(|entry| entry.task == fixed).all(TaskEntry::is_settled)
+        let fixed = SeedPlace { way: Way::FixedFrequency, ..*place };
+        let mut before = self.entries[..e].iter();
+        before.clone().filter(|entry| entry.task == Task::Seed(fixed)).all(TaskEntry::is_settled)
+            || before.any(|entry| entry.task == Task::Land(fixed) && entry.state == TaskState::Dead)
     }
 
     fn waits_for_main(&self) -> bool {

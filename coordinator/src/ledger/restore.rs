@@ -4,7 +4,7 @@ use super::rules::Rules;
 use super::state::Ledger;
 use super::task::TaskEntry;
 use results::journal::{AddedTask, Change, LevelPlan, StoredTask, TaskState};
-use solver::response::task::{CrossingPlace, FoldPlace, Task};
+use solver::response::task::{CrossingPlace, Task};
 use std::collections::HashMap;
 use std::time::Duration;
 
@@ -63,8 +63,8 @@ impl Ledger {
         let c = self.curves();
         for AddedTask { id, amplitude, task } in folds {
             let Some(l) = self.levels().position(|(_, level)| level.amplitude.text == *amplitude) else { continue };
-            if let Task::Fold(FoldPlace { branch, .. }) = task {
-                self.unfolded.insert((l, *branch));
+            if let Task::Fold(place) = task {
+                self.followed.insert((l, *place));
             }
             self.index.insert(id.clone(), (c, self.chains[c].entries.len()));
             self.chains[c].entries.push(TaskEntry::new(id.clone(), l, *task));

@@ -13,7 +13,7 @@ pub struct Rules {
     pub max_failures: u32,
     /// Pause after a task's first failure; doubled after each further one.
     pub backoff: Duration,
-    /// Most folds from which curves are followed; none: no such search.
+    /// Most folds that are not found to lie on a curve that is known; none: no such search.
     pub most_folds: usize,
 }
 

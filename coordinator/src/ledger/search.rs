@@ -3,18 +3,22 @@
 //! Which tasks there are does not depend on the order in which results come: the folds of a level are taken when it and those
 //! before it are done, crossings when everything is.
 
+use super::chain::Branch;
 use super::state::Ledger;
 use super::task::TaskEntry;
 use protocol::ids::TaskId;
-use results::journal::{AddedTask, Change};
-use solver::response::task::{CrossingPlace, FoldPlace, Task};
+use results::journal::{AddedTask, Change, TaskState};
+use solver::response::task::{CrossingPlace, FoldPlace, SeedOutcome, Task};
 
 impl Ledger {
     /// Adds the tasks that follow from what is known by now.
     pub(super) fn extend(&mut self) -> Vec<Change> {
         let mut changes = Vec::new();
         loop {
-            let mut added = self.folds();
+            let mut added = self.rounds();
+            if added.is_empty() {
+                added = self.folds();
+            }
             if added.is_empty() {
                 added = self.crossings();
             }
@@ -41,25 +45,43 @@ impl Ledger {
         changes
     }
 
-    /// Tasks for the folds of levels that are done.
+    /// Tasks for starts whose batch may lead to one more branch.
+    fn rounds(&mut self) -> Vec<(usize, TaskEntry)> {
+        let mut added = Vec::new();
+        for (l, chain) in self.chains.iter_mut().enumerate() {
+            for (i, place) in std::mem::take(&mut chain.rounds).into_iter().enumerate() {
+                let level = chain.level().expect("starts are of levels");
+                let id = TaskId::of_level(&level.amplitude.text, chain.entries.len() + i);
+                added.push((l, TaskEntry::new(id.expect("amplitudes are numbers"), l, Task::Begin(place))));
+            }
+        }
+        added
+    }
+
+    /// Tasks for the folds of levels that are done, as many as are allowed that lie on no curve known by then.
     fn folds(&mut self) -> Vec<(usize, TaskEntry)> {
         let c = self.curves();
-        let mut added: Vec<(usize, TaskEntry)> = Vec::new();
         for &l in self.order.iter().filter(|&&l| l != c) {
-            let (chain, known) = (&self.chains[l], self.chains[c].entries.len());
+            let chain = &self.chains[l];
             let Some(level) = chain.level().filter(|_| chain.is_finished()) else { break };
-            for branch in &level.branches {
-                if !self.unfolded.insert((l, branch.known.branch)) {
-                    continue;
-                }
-                for fold in 0..branch.folds {
-                    if known + added.len() >= self.rules.most_folds {
-                        break;
-                    }
-                    let task = Task::Fold(FoldPlace { branch: branch.known.branch, fold });
-                    added.push((c, TaskEntry::new(TaskId::of_fold(known + added.len()), l, task)));
+            for Branch { known, folds } in &level.branches {
+                if self.unfolded.insert((l, known.branch)) {
+                    let places = (0..*folds).map(|fold| (l, FoldPlace { branch: known.branch, fold }));
+                    self.queue.extend(places.filter(|place| !self.followed.contains(place)));
                 }
             }
+        }
+        let entries = &self.chains[c].entries;
+        let is_on_curve = |entry: &&TaskEntry| matches!(entry.state, TaskState::Done(SeedOutcome::OnCurve(_)));
+        let known = entries.len();
+        // Of those on a curve one is its first.
+        let costly = known - entries.iter().filter(is_on_curve).count() + self.chains[c].curves().len();
+        let room = self.rules.most_folds.saturating_sub(costly);
+        let next = self.queue.drain(..room.min(self.queue.len()));
+        let mut added = Vec::new();
+        for (i, (l, place)) in next.enumerate() {
+            self.followed.insert((l, place));
+            added.push((c, TaskEntry::new(TaskId::of_fold(known + i), l, Task::Fold(place))));
         }
         added
     }

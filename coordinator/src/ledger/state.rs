@@ -10,7 +10,7 @@ use protocol::ids::{Attempt, TaskId, WorkerId};
 use protocol::to_worker::{Known, KnownCurve, RenewReply};
 use results::journal::{AttemptEnd, Change, Holder, LevelPlan, TaskState};
 use solver::response::task::{BranchId, Brought, CrossingPlace, FoldPlace, Task};
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{BTreeMap, HashMap, HashSet, VecDeque};
 use std::time::Duration;
 
 /// The ledger of a run.
@@ -25,6 +25,10 @@ pub struct Ledger {
     pub(super) workers: BTreeMap<WorkerId, Worker>,
     /// Branches, with their levels, whose folds were looked at.
     pub(super) unfolded: HashSet<(usize, BranchId)>,
+    /// Folds, with their levels, that have tasks.
+    pub(super) followed: HashSet<(usize, FoldPlace)>,
+    /// Folds that wait for tasks.
+    pub(super) queue: VecDeque<(usize, FoldPlace)>,
     /// Number of curves whose crossings were looked at.
     pub(super) crossed: usize,
     /// Number of announcements so far.
@@ -45,8 +49,9 @@ impl Ledger {
             chain.entries.iter().enumerate().map(|(e, entry)| (entry.id.clone(), (c, e))).collect()
         };
         let index = chains.iter().enumerate().flat_map(place).collect();
-        let (workers, unfolded) = Default::default();
-        Self { rules, chains, order, index, workers, unfolded, crossed: 0, sequence: 0, cancelled: false }
+        let (workers, unfolded, followed, queue) = Default::default();
+        let (crossed, sequence, cancelled) = Default::default();
+        Self { rules, chains, order, index, workers, unfolded, followed, queue, crossed, sequence, cancelled }
     }
 
     /// The levels, in the order of the study.
@@ -65,8 +70,8 @@ impl Ledger {
         let branches = level.branches.iter().map(|branch| &branch.known);
         let curves = self.chains[self.curves()].curves().iter();
         let (known, curves): (Vec<Known>, Vec<KnownCurve>) = match entry.task {
-            Task::Land(_) => Default::default(),
-            Task::Main(_) | Task::Seed(_) => (branches.cloned().collect(), Vec::new()),
+            Task::Land(_) | Task::Start(_) => Default::default(),
+            Task::Main(_) | Task::Seed(_) | Task::Begin(_) => (branches.cloned().collect(), Vec::new()),
             Task::Fold(FoldPlace { branch, .. }) => {
                 let near = curves.filter(|curve| curve.reaches(level.amplitude.value));
                 (

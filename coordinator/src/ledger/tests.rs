@@ -14,6 +14,7 @@ use results::journal::{AddedTask, AttemptEnd, Change, Holder, LevelPlan, StoredT
 use solver::response::branch::{BranchKind, Side};
 use solver::response::forcing::Unreached;
 use solver::response::seeds::{LandingFailure, Phase, Way};
+use solver::response::starts::StartPlace;
 use solver::response::task::{BranchId, Brought, CrossingPlace, FoldPlace, SeedOutcome, SeedPlace, Task, Unfollowed};
 use solver::response::windows::Window;
 use std::collections::HashMap;
@@ -80,6 +81,16 @@ fn find(granted: &Granted) -> Brought {
             let lands = (place.window + amplitude as usize) % 4 == 1 || place.way == Way::SteppedForcing;
             return if lands { Brought::Landings(1) } else { Brought::Nothing(SeedOutcome::NotLanded(failure)) };
         }
+        Task::Start(_) => {
+            assert!(known.is_empty() && curves.is_empty(), "a start does not depend on what is known");
+            return Brought::Landings(5);
+        }
+        // The first batch leads to a branch, and again to another one.
+        Task::Begin(place) => {
+            assert!(granted.landing.is_some(), "what began knows from where");
+            let is_new = place.batch == 0 && place.round < amplitude as usize;
+            return if is_new { Brought::branch(BranchKind::Cut) } else { main };
+        }
         Task::Seed(place) => {
             assert!(granted.landing.is_some(), "a seed knows what it landed on");
             place
@@ -102,8 +113,13 @@ fn book(ledger: &Ledger) -> Book {
     ledger.entries().map(|entry| (entry.id.clone(), entry.state.clone())).collect()
 }
 
+/// Levels of three windows and two batches of starts each.
 fn plans(levels: usize) -> Vec<LevelPlan> {
-    (1..=levels).map(|level| plan(level as f64, 3)).collect()
+    let starts = (0..2).map(|batch| StartPlace { batch, round: 0 });
+    let starts: Vec<Task> = starts.flat_map(|place| [Task::Start(place), Task::Begin(place)]).collect();
+    let mut plans: Vec<LevelPlan> = (1..=levels).map(|level| plan(level as f64, 3)).collect();
+    plans.iter_mut().for_each(|plan| plan.tasks.extend(&starts));
+    plans
 }
 
 fn rules() -> Rules {

@@ -14,6 +14,7 @@ use solver::response::backbone::Backbone;
 use solver::response::branch::BranchPoint;
 use solver::response::forced::Reach;
 use solver::response::modes::Backbones;
+use solver::response::starts;
 use solver::response::task::plan;
 use solver::structure::Model;
 use std::ops::ControlFlow;
@@ -113,11 +114,12 @@ pub fn compute(
     let values = || header.amplitudes.iter().map(|amplitude| amplitude.value);
     let highest = values().fold(0.0, f64::max);
     let reach = Reach::over(settings, &backbones[0], &backbones[1..], highest)?.with_folds_of(values());
-    let level = |amplitude: &Amplitude| {
-        let (windows, tasks) = plan(&backbones, amplitude.value);
+    let (batches, count) = (starts::batches(model, settings), header.amplitudes.len());
+    let level = |(index, amplitude): (usize, &Amplitude)| {
+        let (windows, tasks) = plan(&backbones, amplitude.value, starts::share(batches, index, count));
         LevelPlan { amplitude: amplitude.clone(), windows, tasks }
     };
-    let levels = header.amplitudes.iter().map(level).collect();
+    let levels = header.amplitudes.iter().enumerate().map(level).collect();
     let mut messages = backbones.iter().map(BackboneMessage::from);
     let backbone = messages.next().expect("that of the primary mode is there");
     let (further, folds) = (messages.collect(), Vec::new());

@@ -63,7 +63,8 @@ impl Services {
             begin(prepared, &state, &engine);
         }
         let (model_bytes, size) = (encode(&header.model), Size::of(model));
-        let served = Served { directory, model_bytes, size, state: changes.clone() };
+        let harmonics = header.settings.harmonics.count;
+        let served = Served { directory, model_bytes, size, harmonics, state: changes.clone() };
         let presence = serve(session, &keys, served, engine.clone())
             .await
             .map_err(|error| Error::Other(format!("the run cannot be served on the bus: {error}")))?;

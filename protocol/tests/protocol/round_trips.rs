@@ -131,7 +131,7 @@ fn contact_on_a_branch() {
 fn seeds() {
     let damper = &*DAMPER;
     let modal = Modal::new(&damper.model);
-    let (_, tasks) = plan(&damper.backbone, AMPLITUDE);
+    let (_, tasks) = plan(&damper.backbone, AMPLITUDE, 1);
     assert!(tasks.len() > 2);
     for task in tasks {
         let seeds = task.seeds(&modal, &damper.backbone, AMPLITUDE);

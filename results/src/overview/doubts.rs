@@ -2,6 +2,7 @@
 
 use super::modes::not_started;
 use crate::store::{CurveRow, Reader, Result};
+use crate::words::count;
 use protocol::backbone::BackboneMessage;
 use solver::response::branch::{Outcome, Stop};
 
@@ -23,9 +24,8 @@ pub fn doubts(reader: &Reader) -> Result<Option<String>> {
     let mut curves = Vec::new();
     let levels: Vec<f64> = reader.levels()?.into_iter().map(|(_, _, value)| value).collect();
     let highest = levels.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let stopped = |backbone: &BackboneMessage| {
-        unfinished(&backbone.outcome).filter(|_| last_threshold(backbone).is_none_or(|last| last <= FAR * highest))
-    };
+    let stopped =
+        |backbone: &BackboneMessage| unfinished(&backbone.outcome).filter(|_| !is_far_beyond(backbone, FAR * highest));
     curves.extend(reader.backbone()?.as_ref().and_then(stopped).map(|stop| format!("the backbone ({stop})")));
     for backbone in reader.further_backbones()? {
         let stop = stopped(&backbone);
@@ -40,6 +40,14 @@ pub fn doubts(reader: &Reader) -> Result<Option<String>> {
     let stopped = reader.curves()?;
     let stopped = stopped.iter().filter(|curve| curve.is_unfinished && ends_near(curve, &levels));
     curves.extend(stopped.map(|curve| format!("fold curve {} ({})", curve.number, curve.status)));
+    let search = reader.search_counts()?;
+    let lost = [
+        (search.unfollowed, "fold", "not followed over the forcing"),
+        (search.left_out, "fold", "beyond the limit of the search"),
+        (search.lost, "crossing", "of a fold curve and a level, without a branch"),
+    ];
+    let lost = lost.into_iter().filter(|(number, ..)| *number > 0);
+    curves.extend(lost.map(|(number, what, why)| format!("{} ({why})", count(number, what))));
     if curves.is_empty() {
         return Ok(None);
     }
@@ -50,10 +58,19 @@ pub fn doubts(reader: &Reader) -> Result<Option<String>> {
     Ok(Some(format!("not known to its end: {list}{more}; responses beyond may be larger, and others may begin there")))
 }
 
-/// Threshold A* at the end of a backbone.
-fn last_threshold(backbone: &BackboneMessage) -> Option<f64> {
-    let thresholds = backbone.columns.get("threshold")?.values("threshold", &[backbone.points.len()]).ok()?;
-    thresholds.last().copied()
+/// Whether a backbone ends where A* is far above a forcing amplitude and its own mode leads. Where another mode takes part, A*
+/// rises and falls again; where the forcing does no work it is infinite, and says nothing.
+fn is_far_beyond(backbone: &BackboneMessage, forcing: f64) -> bool {
+    let count = backbone.points.len();
+    let column = |name| backbone.columns.get(name);
+    let thresholds = column("threshold").and_then(|array| array.values("threshold", &[count]).ok());
+    let last = thresholds.and_then(|values| values.last().copied());
+    let contributions = column("contributions").filter(|array| array.is_sound() && array.shape.len() == 2);
+    let share = contributions.and_then(|array| {
+        let values = array.values("contributions", &[count, array.shape[1]]).ok()?;
+        values.get(count.checked_sub(1)? * array.shape[1] + backbone.mode).copied()
+    });
+    last.is_some_and(|last| last.is_finite() && last > forcing) && share.is_some_and(|share| share > 0.5)
 }
 
 /// Whether one of the ends of a fold curve lies among levels, or not far beyond.

@@ -24,8 +24,6 @@ pub struct Evidence<'r> {
     pub curves: &'r [CurveRow],
     /// What became of the tasks that follow from folds.
     pub search: SearchCounts,
-    /// Most folds that are followed.
-    pub most_folds: usize,
     /// Why folds cannot be followed, if so.
     pub why_no_folds: Option<String>,
     /// How far the run has come, if that can be read.

@@ -3,8 +3,10 @@
 use super::evidence::Evidence;
 use crate::overview::Level;
 use crate::overview::modes::not_started;
-use crate::words::count;
+use crate::store::CurveRow;
+use crate::words::{count, digits};
 use protocol::to_everyone::Stage;
+use solver::response::critical::CriticalKind;
 
 /// Levels that a sentence names.
 const NAMED: usize = 6;
@@ -81,6 +83,22 @@ pub(super) fn losses(evidence: &Evidence<'_>) -> Vec<Loss> {
         let sentence = format!("{curves} stopped early: births, merges and isolas beyond are not known.");
         list.push(Loss::new(format!("{curves} stopped early"), sentence));
     }
+    let unknown: Vec<f64> = evidence
+        .curves
+        .iter()
+        .flat_map(CurveRow::events)
+        .filter(|(kind, _)| *kind == CriticalKind::Unknown.name())
+        .map(|(_, point)| point.forcing)
+        .collect();
+    if !unknown.is_empty() {
+        let places = count(unknown.len(), "event");
+        let at: Vec<String> = unknown.iter().take(NAMED).map(|forcing| digits(*forcing, 5)).collect();
+        let more = if unknown.len() > NAMED { ", …" } else { "" };
+        let at = at.join(", ");
+        let sentence =
+            format!("What happens along fold curves at A = {at}{more} is not known: a birth, a merge or neither.");
+        list.push(Loss::new(format!("{places} of unknown kind"), sentence));
+    }
     let search = &evidence.search;
     if search.unfollowed > 0 {
         let brief = format!("{} not followed", count(search.unfollowed, "fold"));
@@ -92,10 +110,10 @@ pub(super) fn losses(evidence: &Evidence<'_>) -> Vec<Loss> {
         let sentence = format!("{brief}: the branches that turn there are missing.");
         list.push(Loss::new(brief, sentence));
     }
-    if evidence.most_folds > 0 && search.folds >= evidence.most_folds {
+    if search.left_out > 0 && evidence.stage == Some(Stage::Finished) {
+        let folds = count(search.left_out, "fold");
         let sentence = format!(
-            "The search ended at its limit of {} folds (search.effort): there may be more.",
-            evidence.most_folds
+            "The search ended at its limit (search.effort), {folds} not followed: what isolas they lead to is not known."
         );
         list.push(Loss::new("search ended at its limit", sentence));
     }

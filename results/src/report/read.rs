@@ -7,7 +7,7 @@ use super::verdict::verdict;
 use crate::clock::now;
 use crate::curves::{BackboneCurve, Curve, Monitor, Motions, ResonanceComparison, monitors};
 use crate::figure::{Figures, Subject};
-use crate::overview::{BranchRow, Omissions, Overview, most_folds, unfinished, verified_result, why_no_folds};
+use crate::overview::{BranchRow, Omissions, Overview, unfinished, verified_result, why_no_folds};
 use crate::store::{CurveRow, Reader, Result, RunHeader};
 use protocol::backbone::BackboneMessage;
 use protocol::curve::Size;
@@ -139,7 +139,6 @@ impl Report {
             mains: &mains,
             curves: &curves,
             search: omissions.read("What became of folds is", reader.search_counts()).unwrap_or_default(),
-            most_folds: most_folds(&model, &header.settings),
             why_no_folds: why_no_folds(&model, &header.settings),
             stage,
             structure: Structure::new(&model, &monitors[0].name, monitors[0].gap),

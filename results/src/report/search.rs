@@ -57,7 +57,11 @@ impl Evidence<'_> {
             0 => String::new(),
             number => format!(" and along {}", count(number, "fold curve")),
         };
-        format!("the windows of {mode} at {levels} ({} tried{nowhere}{harmonic}){folds}", count(tried, "seed"))
+        let starts = match self.search.starts {
+            0 => String::new(),
+            number => format!("{} from {}", if folds.is_empty() { " and" } else { "," }, count(number, "random start")),
+        };
+        format!("the windows of {mode} at {levels} ({} tried{nowhere}{harmonic}){starts}{folds}", count(tried, "seed"))
     }
 
     /// Where isolas are born and where branches merge, as fold curves say.
@@ -84,7 +88,7 @@ impl Evidence<'_> {
         let parts: Vec<String> = [
             part("birth", "an isola is born", "isolas are born"),
             part("death", "an isola vanishes", "isolas vanish"),
-            part("merge", "two branches merge", "branches merge"),
+            part("merge", "two branches merge or part", "branches merge or part"),
         ]
         .into_iter()
         .flatten()

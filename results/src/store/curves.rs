@@ -10,6 +10,7 @@ use rusqlite::{Connection, Row, params};
 use serde::Serialize;
 use solver::response::branch::Outcome;
 use solver::response::critical::CriticalKind;
+use solver::response::starts::BATCH;
 use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;
@@ -52,18 +53,27 @@ pub struct CurvePoint {
     pub event: Option<String>,
 }
 
-/// What became of the tasks that follow from folds.
+/// What became of random starts and of the tasks that follow from folds.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct SearchCounts {
     /// Folds that are to be followed, or found to lie on known curves.
     pub folds: usize,
+    /// Folds of branches beyond the limit of the search.
+    pub left_out: usize,
     /// Folds from which no curve could be followed.
     pub unfollowed: usize,
     /// Crossings of curves with levels.
     pub crossings: usize,
     /// Crossings that led to no branch, though they lie within the bounds.
     pub lost: usize,
+    /// Random starts tried.
+    pub starts: usize,
+    /// Branches that they led to.
+    pub started: usize,
 }
+
+const ALL_FOLDS: &str =
+    "SELECT count(*) FROM branches, json_each(branches.special) WHERE json_extract(json_each.value, '$.kind') = 'fold'";
 
 /// Stores a fold curve; its number is one more than that of the last.
 pub(super) fn insert_curve(
@@ -133,7 +143,7 @@ impl Reader {
         Ok(curves)
     }
 
-    /// What became of the tasks that follow from folds.
+    /// What became of random starts and of the tasks that follow from folds.
     pub fn search_counts(&self) -> Result<SearchCounts> {
         let sql = "SELECT kind, state <> 'done' OR found OR coalesce(outcome, '') LIKE 'outside %' FROM tasks \
                    WHERE kind IN ('fold', 'crossing')";
@@ -146,6 +156,14 @@ impl Reader {
             *all += 1;
             *lost += usize::from(!is_well);
         }
+        let number = |sql| Ok(self.one(sql, [], |row| row.get::<_, usize>(0))?.unwrap_or_default());
+        // Without any task folds were not to be followed.
+        if counts.folds > 0 {
+            counts.left_out = number(ALL_FOLDS)?.saturating_sub(counts.folds);
+        }
+        counts.starts = BATCH * number("SELECT count(*) FROM tasks WHERE kind = 'start' AND state = 'done'")?;
+        let sql = "SELECT count(*) FROM branches JOIN tasks ON tasks.id = branches.task WHERE tasks.kind = 'begin'";
+        counts.started = number(sql)?;
         Ok(counts)
     }
 

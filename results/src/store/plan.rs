@@ -236,6 +236,8 @@ fn insert_task(db: &Connection, file: &Path, level: i64, position: usize, id: &T
         Task::Seed(place) => ("seed", Some(place), None),
         Task::Fold(FoldPlace { branch, fold }) => ("fold", None, Some(format!("{branch}, fold {}", fold + 1))),
         Task::Crossing(CrossingPlace { curve, .. }) => ("crossing", None, Some(format!("fold curve {}", curve + 1))),
+        Task::Start(place) => ("start", None, Some(format!("starts, batch {}", place.batch + 1))),
+        Task::Begin(place) => ("begin", None, Some(format!("starts, batch {}", place.batch + 1))),
     };
     let row = params![
         id.as_str(),

@@ -3,6 +3,7 @@
 pub mod continuation;
 pub mod extrema;
 pub mod identity;
+pub mod least_norm;
 pub mod newton;
 pub mod outcome;
 pub mod problem;

@@ -185,7 +185,7 @@ pub fn both_ways<P: Problem, T: Evaluated<P>>(
     let (backwards, other_stop) = way(&mut continuation);
     rejections += continuation.rejections();
     if other_stop == Stop::Closed {
-        if !matches!(stop, Stop::FrequencyBound | Stop::AmplitudeBound) {
+        if !matches!(stop, Stop::FrequencyBound | Stop::AmplitudeBound | Stop::ForcingBound) {
             return Ok(Walked { visited: backwards, start: 0, outcome: Outcome::Closed, rejections });
         }
         // What leaves through a bound is no loop: the way back was left for one.

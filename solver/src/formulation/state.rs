@@ -58,6 +58,15 @@ impl State {
         state
     }
 
+    /// The same motion as a series of `harmonics` harmonics, at least as many as it has.
+    pub fn with_harmonics(&self, harmonics: usize) -> State {
+        let (from, to) = (width(self.harmonics), width(harmonics));
+        let longer = |series: &[f64]| {
+            series.chunks(from).flat_map(|s| s.iter().copied().chain(std::iter::repeat_n(0.0, to - from))).collect()
+        };
+        State { harmonics, arguments: longer(&self.arguments), modal: longer(&self.modal), ..*self }
+    }
+
     /// (1 − share) self + share other, parameters included.
     pub fn interpolate(&self, other: &State, share: f64) -> State {
         let mix = |a: f64, b: f64| a + share * (b - a);
@@ -110,5 +119,26 @@ impl State {
             crate::linalg::axpy(factor, series, &mut out);
         }
         out
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::formulation::harmonics::complex;
+
+    #[test]
+    fn longer_series_are_the_same_motion() {
+        let state = State {
+            harmonics: 1,
+            omega: 2.0,
+            decay: 0.0,
+            forcing: 1.0,
+            arguments: vec![1.0, 2.0, 3.0],
+            modal: vec![4.0, 5.0, 6.0, 7.0, 8.0, 9.0],
+        };
+        let longer = state.with_harmonics(2);
+        assert_eq!(longer.modal, [4.0, 5.0, 6.0, 0.0, 0.0, 7.0, 8.0, 9.0, 0.0, 0.0]);
+        assert_eq!(complex(longer.mode(1), 1), complex(state.mode(1), 1));
     }
 }

@@ -3,6 +3,7 @@
 use crate::response::branch::BranchKind;
 use crate::response::name::BranchId;
 use crate::response::seeds::{Phase, Way};
+use crate::response::starts::StartPlace;
 use crate::response::task::{Brought, CrossingPlace, SeedOutcome, SeedPlace, Task};
 use crate::response::windows::Window;
 use serde::{Deserialize, Serialize};
@@ -55,6 +56,8 @@ pub struct Account {
     pub windows: Vec<WindowAccount>,
     /// What became of the crossings of fold curves.
     pub crossings: Vec<(CrossingPlace, SeedOutcome)>,
+    /// What became of the batches of random starts.
+    pub starts: Vec<(StartPlace, SeedOutcome)>,
     /// Number of branches of each kind.
     pub counts: BTreeMap<BranchKind, usize>,
 }
@@ -63,7 +66,7 @@ impl Account {
     /// Nothing tried yet.
     pub fn new(windows: Vec<Window>) -> Self {
         let windows = windows.into_iter().map(|window| WindowAccount { window, seeds: Vec::new() }).collect();
-        Self { mains: Vec::new(), windows, crossings: Vec::new(), counts: BTreeMap::new() }
+        Self { mains: Vec::new(), windows, crossings: Vec::new(), starts: Vec::new(), counts: BTreeMap::new() }
     }
 
     /// Whether there is a main branch.
@@ -78,7 +81,8 @@ impl Account {
         let is_without_main = !self.has_main() && !self.mains.is_empty();
         match task {
             Task::Main(_) | Task::Fold(_) | Task::Land(SeedPlace { way: Way::FixedFrequency, .. }) => true,
-            Task::Crossing(_) => !is_without_main,
+            Task::Crossing(_) | Task::Start(_) => !is_without_main,
+            Task::Begin(place) => !is_without_main && self.starts.iter().all(|(start, _)| start != place),
             Task::Land(place) => !is_without_main && !self.is_found(place),
             // What did not land has its outcome.
             Task::Seed(place) => {
@@ -120,11 +124,12 @@ impl Account {
         match task {
             Task::Main(_) => self.mains.push(outcome),
             // What is done with landings is known when their branches are.
-            Task::Land(_) if matches!(outcome, SeedOutcome::Landed(_)) => {}
+            Task::Land(_) | Task::Start(_) if matches!(outcome, SeedOutcome::Landed(_)) => {}
             Task::Land(SeedPlace { window, well, phase, way }) | Task::Seed(SeedPlace { window, well, phase, way }) => {
                 self.windows[*window].seeds.push(SeedAccount { minimum: well.best, phase: *phase, way: *way, outcome });
             }
             Task::Crossing(place) => self.crossings.push((*place, outcome)),
+            Task::Start(place) | Task::Begin(place) => self.starts.push((*place, outcome)),
             Task::Fold(_) => {}
         }
     }

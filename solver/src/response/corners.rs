@@ -332,10 +332,10 @@ impl Height<'_, '_, '_> {
         for _ in 0..ITERATIONS {
             // Steps at another height than the one asked for are those of another √h.
             let residual = self.raise(&mut y, height)?;
-            if residual < SOLVED {
+            let problem = self.continuation.problem();
+            if residual < SOLVED.max(problem.rounding()) {
                 return Some(y);
             }
-            let problem = self.continuation.problem();
             let touch = problem.again(&self.touch)?;
             problem.factor(&problem.height_form(&touch)).ok()?;
             problem.solve(touch.height - height, &mut step, &mut tangent);

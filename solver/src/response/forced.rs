@@ -185,12 +185,38 @@ impl<'m, F: Formulation<'m>> Forced<'m, F> {
     /// # Errors
     /// If the state does not converge again.
     pub fn branch_through(&mut self, state: &State, observer: &mut Observer<'_>) -> Result<Branch, Failure> {
+        self.branch_within(self.given(), state, observer)
+    }
+
+    /// Responses within the frequencies that the settings give on the branch through one beyond them: one for every part of it
+    /// that lies within.
+    ///
+    /// # Errors
+    /// If the state does not converge again.
+    pub fn within_bounds(&mut self, state: &State, observer: &mut Observer<'_>) -> Result<Vec<State>, Failure> {
+        let (low, high) = self.given();
+        let branch = self.branch_within(self.widest(), state, observer)?;
+        let is_inside = |point: &BranchPoint| (low..=high).contains(&point.omega());
+        let parts = branch.points.chunk_by(|a, b| is_inside(a) == is_inside(b)).filter(|part| is_inside(&part[0]));
+        Ok(parts.map(|part| part[part.len() / 2].state.clone()).collect())
+    }
+
+    /// The frequencies that the settings give; the widest ones where they give none.
+    fn given(&self) -> (f64, f64) {
+        let (widest, study, given) = (self.widest(), self.reach.frequency, self.settings.frequency);
+        let low = if given.min.is_some() { study.0 } else { widest.0 };
+        (low, if given.max.is_some() { study.1 } else { widest.1 })
+    }
+
+    fn branch_within(
+        &mut self,
+        frequency: (f64, f64),
+        state: &State,
+        observer: &mut Observer<'_>,
+    ) -> Result<Branch, Failure> {
         let y = self.problem.encode(state);
         let (upwards, growth) = (self.problem.parameter_row(), self.problem.growth(&y));
-        let (widest, study) = (self.widest(), self.reach.frequency);
-        let low = if self.settings.frequency.min.is_some() { study.0 } else { widest.0 };
-        let high = if self.settings.frequency.max.is_some() { study.1 } else { widest.1 };
-        let (bounds, settings) = (self.bounds((low, high), true), self.settings.continuation);
+        let (bounds, settings) = (self.bounds(frequency, true), self.settings.continuation);
         let mut walk = |direction: &[f64]| {
             walk_both(&mut self.problem, y.clone(), direction, &settings, &bounds, observer, &mut |_, _| None)
         };
@@ -242,8 +268,7 @@ impl<'m, F: Formulation<'m>> Forced<'m, F> {
 
     /// Whether a state lies within the bounds that the settings give, and within the widest ones.
     pub fn contains(&mut self, state: &State) -> bool {
-        let (low, high) = self.widest();
-        let (low, high) = (self.settings.frequency.min.unwrap_or(low), self.settings.frequency.max.unwrap_or(high));
+        let (low, high) = self.given();
         let monitored = self.model.modes().shapes.row(self.model.monitors()[0]);
         let amplitude = self.problem.aft().max_abs(&state.combine(monitored.iter().copied()));
         (low..=high).contains(&state.omega) && amplitude <= self.bounds((low, high), true).amplitude

@@ -20,6 +20,7 @@ pub mod name;
 mod reach;
 pub mod seeds;
 mod special;
+pub mod starts;
 pub mod task;
 pub mod trace;
 mod truncation;

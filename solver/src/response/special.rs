@@ -60,6 +60,9 @@ fn highest_steps(visited: &[Visited], closed: bool) -> Vec<usize> {
     (0..n).filter(is_maximum).collect()
 }
 
+/// Relative height below which a turn in frequency may be one that sampled contact makes.
+const SHALLOW: f64 = 1e-5;
+
 /// Turning points in frequency, (index, +1 for a maximum or −1 for a minimum); those that the sampled contact makes by
 /// changing one sample at a time are too shallow to count.
 fn frequency_folds(visited: &[Visited], closed: bool) -> Vec<(usize, f64)> {
@@ -70,11 +73,13 @@ fn frequency_folds(visited: &[Visited], closed: bool) -> Vec<(usize, f64)> {
         // Rotated to start at the lowest frequency, so that the ends of the list are no folds of their own.
         let lowest = (0..n).min_by(|&a, &b| omegas[a].total_cmp(&omegas[b])).unwrap_or(0);
         let rotated: Vec<f64> = (0..=n).map(|i| omegas[(lowest + i) % n]).collect();
-        let mut folds = turning_points(&rotated, 1e-5 * scale);
+        // However narrow it is, a closed curve turns at both ends.
+        let range = rotated.iter().fold(0.0f64, |m, w| m.max(w - rotated[0]));
+        let mut folds = turning_points(&rotated, (SHALLOW * scale).min(0.1 * range));
         folds.pop();
         return folds.into_iter().map(|(i, max)| ((lowest + i) % n, if max { 1.0 } else { -1.0 })).collect();
     }
-    turning_points(&omegas, 1e-5 * scale)
+    turning_points(&omegas, SHALLOW * scale)
         .into_iter()
         .filter(|&(i, _)| i > 0 && i + 1 < n)
         .map(|(i, max)| (i, if max { 1.0 } else { -1.0 }))

@@ -8,6 +8,7 @@ use crate::response::critical::{CriticalCurve, CriticalError};
 use crate::response::forcing::Unreached;
 pub use crate::response::name::BranchId;
 use crate::response::seeds::{Landing, LandingFailure, Phase, Seed, Way, candidates};
+use crate::response::starts::StartPlace;
 use crate::response::windows::{Window, windows};
 use serde::de::{Deserializer, Error, IgnoredAny, MapAccess, Visitor};
 use serde::ser::Serializer;
@@ -29,7 +30,7 @@ pub struct SeedPlace {
 }
 
 /// Where a fold curve starts: at a fold of a branch of the task's level.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct FoldPlace {
     /// The branch.
     pub branch: BranchId,
@@ -48,7 +49,7 @@ pub struct CrossingPlace {
 
 /// One piece of work: continues one branch at one forcing amplitude, or one curve over the forcing amplitudes, or lands where
 /// one may begin. Messages say `"main"` for the main branch from below, `{"main": "above"}` for the one from above,
-/// `{"land": …}`, `{"seed": …}`, `{"fold": …}` and `{"crossing": …}`.
+/// `{"land": …}`, `{"seed": …}`, `{"fold": …}`, `{"crossing": …}`, `{"start": …}` and `{"begin": …}`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Task {
     /// The main branch, from one of the frequency bounds.
@@ -61,6 +62,10 @@ pub enum Task {
     Fold(FoldPlace),
     /// The branch whose fold lies where a fold curve crosses the level, unless it is known.
     Crossing(CrossingPlace),
+    /// The forced responses that a batch of random starts leads to. They do not depend on what else is known.
+    Start(StartPlace),
+    /// The first branch through what a batch of random starts led to that is not known.
+    Begin(StartPlace),
 }
 
 impl Task {
@@ -68,17 +73,17 @@ impl Task {
     /// the backbone of the window's mode.
     pub fn seeds(&self, modal: &Modal, backbones: &(impl AsRef<[Backbone]> + ?Sized), forcing: f64) -> Vec<Seed> {
         match self {
-            Task::Main(_) | Task::Seed(_) | Task::Fold(_) | Task::Crossing(_) => Vec::new(),
             Task::Land(SeedPlace { well, phase, way, .. }) => {
                 let backbone = backbones.as_ref().iter().find(|backbone| backbone.mode == well.mode);
                 backbone.map_or_else(Vec::new, |backbone| candidates(modal, backbone, well, *phase, *way, forcing))
             }
+            _ => Vec::new(),
         }
     }
 
     /// Whether it has to know what those before it found: such tasks are carried out one after the other.
     pub fn is_ordered(&self) -> bool {
-        !matches!(self, Task::Land(_))
+        !matches!(self, Task::Land(_) | Task::Start(_))
     }
 }
 
@@ -91,6 +96,8 @@ impl Serialize for Task {
             Task::Seed(place) => serializer.serialize_newtype_variant("Task", 2, "seed", place),
             Task::Fold(place) => serializer.serialize_newtype_variant("Task", 3, "fold", place),
             Task::Crossing(place) => serializer.serialize_newtype_variant("Task", 4, "crossing", place),
+            Task::Start(place) => serializer.serialize_newtype_variant("Task", 5, "start", place),
+            Task::Begin(place) => serializer.serialize_newtype_variant("Task", 6, "begin", place),
         }
     }
 }
@@ -111,13 +118,15 @@ enum TaskKind {
     Seed,
     Fold,
     Crossing,
+    Start,
+    Begin,
 }
 
 impl<'de> Visitor<'de> for TaskVisitor {
     type Value = Task;
 
     fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str("\"main\", or a map of `main`, `land`, `seed`, `fold` or `crossing`")
+        f.write_str("\"main\", or a map of `main`, `land`, `seed`, `fold`, `crossing`, `start` or `begin`")
     }
 
     fn visit_str<E: Error>(self, text: &str) -> Result<Task, E> {
@@ -131,6 +140,8 @@ impl<'de> Visitor<'de> for TaskVisitor {
             Some(TaskKind::Seed) => Task::Seed(map.next_value()?),
             Some(TaskKind::Fold) => Task::Fold(map.next_value()?),
             Some(TaskKind::Crossing) => Task::Crossing(map.next_value()?),
+            Some(TaskKind::Start) => Task::Start(map.next_value()?),
+            Some(TaskKind::Begin) => Task::Begin(map.next_value()?),
             None => return Err(M::Error::invalid_length(0, &self)),
         };
         if map.next_key::<IgnoredAny>()?.is_some() {
@@ -256,8 +267,8 @@ impl Brought {
 
 /// The windows of a level, backbone by backbone, each of a mode of its own, and its tasks in the order in which they are
 /// carried out: the main branch from below and from above; then, window by window, both phases of every well at fixed
-/// frequency, and the same by steps in the forcing, each landed first.
-pub fn plan(backbones: &(impl AsRef<[Backbone]> + ?Sized), forcing: f64) -> (Vec<Window>, Vec<Task>) {
+/// frequency, and the same by steps in the forcing, each landed first; last, so many batches of random starts.
+pub fn plan(backbones: &(impl AsRef<[Backbone]> + ?Sized), forcing: f64, batches: usize) -> (Vec<Window>, Vec<Task>) {
     let mut list = Vec::new();
     let mut tasks = vec![Task::Main(Side::Below), Task::Main(Side::Above)];
     for backbone in backbones.as_ref() {
@@ -273,6 +284,8 @@ pub fn plan(backbones: &(impl AsRef<[Backbone]> + ?Sized), forcing: f64) -> (Vec
             }
         }
     }
+    let starts = (0..batches).map(|batch| StartPlace { batch, round: 0 });
+    tasks.extend(starts.flat_map(|place| [Task::Start(place), Task::Begin(place)]));
     (list, tasks)
 }
 

@@ -9,6 +9,7 @@ use crate::response::forced::Forced;
 use crate::response::forcing::Unreached;
 use crate::response::name::BranchId;
 use crate::response::seeds::{Landing, LandingFailure, Seed, land_all};
+use crate::response::starts;
 use crate::response::task::{CrossingPlace, Finding, FoldPlace, SeedOutcome, Task, Unfollowed};
 
 /// What a task is given beside its level.
@@ -42,6 +43,11 @@ pub fn carry_out<'m, F: Formulation<'m>>(
         Task::Seed(_) => follow(forced, landings, known, observer),
         Task::Fold(place) => return unfold(forced, place, given, observer),
         Task::Crossing(place) => cross(forced, place, given, observer),
+        Task::Start(place) => starts::land(forced, place).map_or_else(
+            |failure| Finding::Nothing(SeedOutcome::NotLanded(LandingFailure::NotConverged(failure.into()))),
+            Finding::Landings,
+        ),
+        Task::Begin(_) => begin(forced, landings, known, observer),
     };
     let Finding::Branch(mut branch) = finding else { return Some(finding) };
     if branch.is_cancelled() {
@@ -130,8 +136,33 @@ fn cross<'m, F: Formulation<'m>>(
     }
 }
 
-/// The branch through a converged state, unless it is known.
+/// The branch through a converged state, unless it is known; of one beyond the bounds of the study the first part within them
+/// that is not.
 fn branch_from<'m, F: Formulation<'m>>(
+    forced: &mut Forced<'m, F>,
+    state: &State,
+    known: &[(BranchId, &Branch)],
+    observer: &mut Observer<'_>,
+) -> Finding {
+    if forced.contains(state) {
+        return branch_through(forced, state, known, observer);
+    }
+    let inside = match forced.within_bounds(state, observer) {
+        Ok(inside) => inside,
+        Err(failure) => return Finding::Nothing(SeedOutcome::NotTraced(failure.into())),
+    };
+    let mut nothing = SeedOutcome::OutOfBounds;
+    for state in inside.iter().filter(|state| forced.contains(state)).collect::<Vec<_>>() {
+        match branch_through(forced, state, known, observer) {
+            Finding::Nothing(outcome) => nothing = outcome,
+            found => return found,
+        }
+    }
+    Finding::Nothing(nothing)
+}
+
+/// The branch through a converged state within the bounds of the study, unless it is known.
+fn branch_through<'m, F: Formulation<'m>>(
     forced: &mut Forced<'m, F>,
     state: &State,
     known: &[(BranchId, &Branch)],
@@ -140,13 +171,23 @@ fn branch_from<'m, F: Formulation<'m>>(
     if let Some(id) = identify(forced, state, known) {
         return Finding::Nothing(SeedOutcome::Found(id));
     }
-    if !forced.contains(state) {
-        return Finding::Nothing(SeedOutcome::OutOfBounds);
-    }
     let branch = match forced.branch_through(state, observer) {
         Ok(branch) => named(forced, branch, known),
         Err(failure) => return Finding::Nothing(SeedOutcome::NotTraced(failure.into())),
     };
+    new_part(forced, branch, known)
+}
+
+/// What is new of a branch. Of a closed curve that was come upon by a wrong step nothing is known but that it is closed.
+fn new_part<'m, F: Formulation<'m>>(
+    forced: &mut Forced<'m, F>,
+    branch: Branch,
+    known: &[(BranchId, &Branch)],
+) -> Finding {
+    let first = branch.points.first().filter(|_| branch.is_closed());
+    if let Some(id) = first.and_then(|first| identify(forced, &first.state, known)) {
+        return Finding::Nothing(SeedOutcome::Found(id));
+    }
     match unknown_part(forced, branch, known) {
         Ok(branch) => Finding::Branch(branch),
         Err(id) => Finding::Nothing(SeedOutcome::Found(id)),
@@ -252,6 +293,39 @@ fn follow<'m, F: Formulation<'m>>(
         if landing.distance < nearest {
             (nothing, nearest) = (outcome, landing.distance);
         }
+    }
+    Finding::Nothing(nothing)
+}
+
+/// Traces the first branch through what random starts led to that is neither known nor what a main branch is beyond the range in
+/// which it was followed.
+fn begin<'m, F: Formulation<'m>>(
+    forced: &mut Forced<'m, F>,
+    landings: &[Landing],
+    known: &[(BranchId, &Branch)],
+    observer: &mut Observer<'_>,
+) -> Finding {
+    let mut nothing = SeedOutcome::OutOfBounds;
+    let mut beyond: Vec<Branch> = Vec::new();
+    for Landing { state, .. } in landings {
+        if let Some(id) = identify(forced, state, known) {
+            nothing = SeedOutcome::Found(id);
+            continue;
+        }
+        if forced.is_ordinary(state) || beyond.iter().any(|branch| forced.lies_on(state, branch)) {
+            continue;
+        }
+        let branch = match forced.branch_through(state, observer) {
+            Ok(branch) => named(forced, branch, known),
+            Err(failure) => {
+                nothing = SeedOutcome::NotTraced(failure.into());
+                continue;
+            }
+        };
+        if branch.is_cancelled() || branch.is_closed() || branch.kind != BranchKind::Main {
+            return new_part(forced, branch, known);
+        }
+        beyond.push(branch);
     }
     Finding::Nothing(nothing)
 }

@@ -8,7 +8,6 @@ use crate::formulation::Formulation;
 use crate::formulation::harmonics::{Transform, width};
 use crate::formulation::modal::Modal;
 use crate::formulation::scales::Scales;
-use crate::formulation::state::State;
 use crate::formulation::unknown::Unknown;
 use crate::response::branch::{Branch, BranchPoint, Observer};
 use crate::response::certificate::{Certificate, Doubled};
@@ -125,7 +124,7 @@ fn doubled<'m, F: Formulation<'m>>(
     } else {
         (peak.saturating_sub(BESIDE), (peak + BESIDE).min(n - 1))
     };
-    let [before, after] = [before, after].map(|i| problem.encode(&with_harmonics(&points[i].state, truncation.count)));
+    let [before, after] = [before, after].map(|i| problem.encode(&points[i].state.with_harmonics(truncation.count)));
     let found = climb(&mut problem, settings, [before, after], observer)?;
     let omega = points[peak].omega();
     Some(Doubled { amplitude: found.amplitude(), shift: found.omega() / omega - 1.0 })
@@ -184,19 +183,9 @@ fn evaluated<'m, F: Formulation<'m>>(
     Visited { curve, point }
 }
 
-/// The same motion as a longer series.
-fn with_harmonics(state: &State, harmonics: usize) -> State {
-    let (from, to) = (width(state.harmonics), width(harmonics));
-    let longer = |series: &[f64]| {
-        series.chunks(from).flat_map(|s| s.iter().copied().chain(std::iter::repeat_n(0.0, to - from))).collect()
-    };
-    State { harmonics, arguments: longer(&state.arguments), modal: longer(&state.modal), ..*state }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::formulation::harmonics::complex;
 
     #[test]
     fn pressure_beyond_the_truncation() {
@@ -208,20 +197,5 @@ mod tests {
         assert!((whole - 0.25).abs() < 1e-6 && (beyond - expected).abs() < 1e-6, "{whole}, {beyond}");
         assert!(pressure.energies(&[-2.0, 1.0, 0.0, 0.0, 0.0]).is_none());
         assert!((pressure.largest(&[0.5, 0.0, 2.0, 0.0, 0.0]) - 2.5).abs() < 1e-4);
-    }
-
-    #[test]
-    fn longer_series_are_the_same_motion() {
-        let state = State {
-            harmonics: 1,
-            omega: 2.0,
-            decay: 0.0,
-            forcing: 1.0,
-            arguments: vec![1.0, 2.0, 3.0],
-            modal: vec![4.0, 5.0, 6.0, 7.0, 8.0, 9.0],
-        };
-        let longer = with_harmonics(&state, 2);
-        assert_eq!(longer.modal, [4.0, 5.0, 6.0, 0.0, 0.0, 7.0, 8.0, 9.0, 0.0, 0.0]);
-        assert_eq!(complex(longer.mode(1), 1), complex(state.mode(1), 1));
     }
 }

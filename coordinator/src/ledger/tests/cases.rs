@@ -126,7 +126,7 @@ fn a_main_branch_from_above_is_one_to_compare_with() {
 
 #[test]
 fn without_a_main_branch_there_is_nothing_to_compare_with() {
-    let mut ledger = Ledger::new(Rules::default(), plans(1));
+    let mut ledger = Ledger::new(Rules::default(), vec![plan(1.0, 3)]);
     landed(&mut ledger);
     for _ in [Side::Below, Side::Above] {
         let main = leased(&mut ledger, "a", Duration::ZERO);
@@ -162,12 +162,25 @@ fn what_does_not_land_leads_nowhere_and_stepping_comes_after_what_did_not_lead_t
 
 #[test]
 fn a_landing_that_is_given_up_holds_up_its_own_seed_only() {
-    let mut ledger = Ledger::new(Rules::default(), vec![plan(1.0, 1)]);
+    let mut ledger = Ledger::new(Rules::default(), vec![plan(1.0, 2)]);
     let mut now = Duration::ZERO;
     let main = leased(&mut ledger, "a", now);
     poison_beside(&mut ledger, "1-2", &mut now);
     assert!(matches!(ledger.submit(&main, &MAIN).0, Submitted::Accepted(_)));
-    for (task, brought) in [("1-1", &ON_MAIN), ("1-4", &Brought::Landings(1)), ("1-5", &ISOLA)] {
+    let landed = Brought::Landings(1);
+    for (task, brought) in [
+        ("1-1", &ON_MAIN),
+        ("1-4", &landed),
+        ("1-5", &ISOLA),
+        // The other way to land what was given up.
+        ("1-6", &landed),
+        ("1-7", &ON_MAIN),
+        // The other window.
+        ("1-10", &landed),
+        ("1-11", &ON_MAIN),
+        ("1-12", &landed),
+        ("1-13", &ON_MAIN),
+    ] {
         let lease = leased(&mut ledger, "a", now);
         assert_eq!(lease.task.as_str(), task);
         assert!(matches!(ledger.submit(&lease, brought).0, Submitted::Accepted(_)));

@@ -60,7 +60,6 @@ fn told<'r>(levels: &'r [Level], change: impl FnOnce(&mut Evidence<'r>)) -> [Str
         mains: &[],
         curves: &[],
         search: SearchCounts::default(),
-        most_folds: 200,
         why_no_folds: None,
         stage: Some(Stage::Finished),
         structure: structure(),

@@ -1,0 +1,51 @@
+//! Newton's method on a [`Problem`] that nothing closes: each step is the shortest one, so that it leads to some solution not
+//! far away, whichever it is.
+
+use crate::curve::continuation::weighted;
+use crate::curve::problem::{Failure, Problem, inner, norm};
+
+/// Longest step, relative to the motion and to each parameter. Longer ones leave what the start is near to.
+const LONGEST: f64 = 0.5;
+
+/// Moves `y` to a solution in at most so many steps of least norm, and returns the direction of the curve through it (not
+/// normalised).
+///
+/// # Errors
+/// If the scaled residual is not below `tolerance` by then, or the way there meets a singular Jacobian.
+pub fn nearest<P: Problem>(
+    problem: &mut P,
+    y: &mut [f64],
+    tolerance: f64,
+    iterations: usize,
+) -> Result<Vec<f64>, Failure> {
+    let (n, parameters) = (problem.len(), problem.len() - problem.parameters());
+    let mut row = problem.parameter_row();
+    let (mut step, mut tangent) = (vec![0.0; n], vec![0.0; n]);
+    let mut residual = problem.linearise(y);
+    for iteration in 0..=iterations {
+        if !residual.is_finite() {
+            return Err(Failure::Diverged);
+        }
+        if iteration > 0 && residual < tolerance {
+            return Ok(tangent);
+        }
+        problem.factor(&row).map_err(|_| Failure::Singular)?;
+        problem.solve(0.0, &mut step, &mut tangent);
+        let metric = problem.metric();
+        let length = norm(metric, &tangent);
+        let along = inner(metric, &step, &tangent) / (length * length);
+        step.iter_mut().zip(&tangent).for_each(|(step, tangent)| *step -= along * tangent);
+        let motion = problem.motion_metric();
+        let mut longest = norm(motion, y) / norm(motion, &step);
+        for p in parameters..n {
+            longest = longest.min(y[p].abs() / step[p].abs());
+        }
+        let share = if longest.is_finite() { (LONGEST * longest).min(1.0) } else { 1.0 };
+        y.iter_mut().zip(&step).for_each(|(y, step)| *y += share * step);
+        // The last direction keeps the bordered matrix away from singular ones.
+        row = weighted(metric, &tangent);
+        row.iter_mut().for_each(|weight| *weight /= length);
+        residual = problem.linearise(y);
+    }
+    Err(Failure::NotConverged { iterations, residual })
+}

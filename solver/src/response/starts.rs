@@ -1,0 +1,145 @@
+//! Many starts: forced responses that Newton's method meets from random motions of random frequency. They are not looked for
+//! where anything predicts them, and find what nothing computed is connected to.
+
+use crate::curve::continuation::weighted;
+use crate::curve::least_norm::nearest;
+use crate::curve::newton::{Constraint, Newton};
+use crate::curve::problem::Failure;
+use crate::formulation::Formulation;
+use crate::formulation::harmonics::width;
+use crate::formulation::scales::Scales;
+use crate::formulation::state::State;
+use crate::formulation::unknown::Unknown;
+use crate::response::forced::Forced;
+use crate::response::seeds::Landing;
+use crate::settings::{HarmonicSettings, Settings};
+use crate::structure::Model;
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::StandardNormal;
+use serde::{Deserialize, Serialize};
+
+/// Starts of a batch.
+pub const BATCH: usize = 16;
+
+/// Most starts of a run, of a small model.
+const MOST: f64 = 1024.0;
+
+/// Starts of a run, times the square of the number of unknowns of each: what larger models can afford.
+const AFFORDED: f64 = 8e6;
+
+/// Of random motions, the sizes: between these multiples of the amplitude at which the structure becomes nonlinear.
+const SIZES: (f64, f64) = (0.03, 30.0);
+
+/// Harmonics with which a start is tried first: most fail, and cost less so.
+const COARSE: usize = 5;
+
+/// Scaled residual at which a start has led to a response with few harmonics.
+const ROUGH: f64 = 1e-6;
+
+/// Most steps of least norm with few harmonics, and then with all of them.
+const STEPS: [usize; 2] = [40, 20];
+
+/// Of the lowest frequency swept, how far below it starts begin: down to where its third multiple is.
+const BELOW: f64 = 3.0;
+
+/// A batch of random starts at a level. Its numbers depend on the level's forcing amplitude and on these.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct StartPlace {
+    /// Number of the batch within its level, from 0.
+    pub batch: usize,
+    /// How often branches were traced from it before: as long as one is new there may be more.
+    #[serde(default)]
+    pub round: usize,
+}
+
+/// Number of batches of a run: fewer for larger models, whose starts take longer.
+pub fn batches(model: &Model, settings: &Settings) -> usize {
+    let series = model.size() + model.elements().iter().map(|element| element.channels.len()).sum::<usize>();
+    let unknowns = (series * width(few(model, settings))) as f64;
+    let starts = (AFFORDED / (unknowns * unknowns)).min(MOST);
+    settings.search.effort.starts() * (starts / BATCH as f64).ceil() as usize
+}
+
+/// How many of so many batches are those of level `index` of `levels`, from 0: evenly spread.
+pub fn share(batches: usize, index: usize, levels: usize) -> usize {
+    batches * (index + 1) / levels - batches * index / levels
+}
+
+/// Harmonics of a first try.
+fn few(model: &Model, settings: &Settings) -> usize {
+    settings.harmonics.count.min(COARSE * model.forcing().harmonic)
+}
+
+/// The forced responses that a batch of starts leads to, each at a frequency of its own, within the bounds of the study.
+///
+/// # Errors
+/// If none does: why the last one did not.
+pub fn land<'m, F: Formulation<'m>>(forced: &mut Forced<'m, F>, place: &StartPlace) -> Result<Vec<Landing>, Failure> {
+    let (model, settings, forcing) = (forced.model(), *forced.settings(), forced.forcing());
+    let truncation = HarmonicSettings { count: few(model, &settings), ..settings.harmonics };
+    let scales = Scales::new(model, settings.tracked());
+    let unknown = Unknown::Frequency { forcing };
+    // What can be built with all harmonics can be with few.
+    let mut coarse = F::build(model, truncation, settings.tracked(), unknown, scales).map_err(|_| Failure::Singular)?;
+    let mut random = ChaCha8Rng::seed_from_u64(forcing.to_bits());
+    random.set_stream(place.batch as u64);
+    let mut landings = Vec::new();
+    let mut failure = Failure::Diverged;
+    for _ in 0..BATCH {
+        let state = motion(&mut random, forced, &coarse);
+        match refined(forced, &mut coarse, &state) {
+            Ok(state) if forced.contains(&state) => landings.push(Landing { state, distance: 0.0 }),
+            Ok(_) => {}
+            Err(reason) => failure = reason,
+        }
+    }
+    if landings.is_empty() { Err(failure) } else { Ok(landings) }
+}
+
+/// A random motion: in every mode as much energy as in any other on average, harmonics falling with the square of their number.
+fn motion<'m, F: Formulation<'m>>(random: &mut ChaCha8Rng, forced: &Forced<'m, F>, coarse: &F) -> State {
+    let (model, harmonics) = (forced.model(), coarse.harmonics());
+    let mut between = |(low, high): (f64, f64)| (low.ln() + random.gen_range(0.0..1.0) * (high / low).ln()).exp();
+    let omega = between(frequencies(forced));
+    let size = between(SIZES) * coarse.scales().modal;
+    let reference = model.modes().frequencies[forced.settings().tracked()];
+    let nc = width(harmonics);
+    let mut modal = vec![0.0; model.size() * nc];
+    for (series, frequency) in modal.chunks_mut(nc).zip(&model.modes().frequencies) {
+        let size = size * (reference / frequency).min(1.0);
+        for (i, q) in series.iter_mut().enumerate() {
+            let k = i.div_ceil(2).max(1) as f64;
+            *q = size / (k * k) * random.sample::<f64, _>(StandardNormal);
+        }
+    }
+    let arguments = coarse.modal().open_arguments(&modal);
+    State { harmonics, omega, decay: 0.0, forcing: forced.forcing(), arguments, modal }
+}
+
+/// Frequencies of starts: the range of the study, and where nobody gave its lower end also some below it.
+fn frequencies<'m, F: Formulation<'m>>(forced: &Forced<'m, F>) -> (f64, f64) {
+    let (low, high) = forced.reach().frequency;
+    (if forced.settings().frequency.min.is_some() { low } else { low / BELOW }, high)
+}
+
+/// The response that a start leads to, first with few harmonics.
+fn refined<'m, F: Formulation<'m>>(
+    forced: &mut Forced<'m, F>,
+    coarse: &mut F,
+    start: &State,
+) -> Result<State, Failure> {
+    let mut y = coarse.encode(start);
+    nearest(coarse, &mut y, ROUGH, STEPS[0])?;
+    let rough = coarse.decode(&y).map_err(|_| Failure::Singular)?.with_harmonics(forced.settings().harmonics.count);
+    if !forced.contains(&rough) {
+        return Err(Failure::Diverged);
+    }
+    let newton = forced.settings().continuation.newton;
+    let problem = forced.problem();
+    let mut y = problem.encode(&rough);
+    let tangent = nearest(problem, &mut y, ROUGH, STEPS[1])?;
+    let (origin, row) = (y.clone(), weighted(problem.metric(), &tangent));
+    Newton::default().solve(problem, &mut y, Constraint::Hyperplane { row: &row, origin: &origin }, &newton)?;
+    problem.decode(&y).map_err(|_| Failure::Singular)
+}
