@@ -175,7 +175,7 @@ fn of_a_damaged_run_what_is_left() {
     let report = damaged(&dir.path().join("f"), "UPDATE backbone SET omega = NULL WHERE i = 3");
     assert!(report.backbone.is_none());
     assert!(
-        report.run.missing.iter().any(|sentence| sentence.ends_with("is not a number.")),
+        report.run.missing.iter().any(|sentence| sentence.ends_with("has entries that are not finite.")),
         "{:?}",
         report.run.missing
     );

@@ -247,8 +247,13 @@ fn folds_are_followed_over_the_levels_and_lead_to_branches_where_they_cross() {
     let curve = Brought::Curve([0.5, 1.5, 3.0].into());
     let Submitted::Accepted(accepted) = take("fold-0", &curve) else { panic!("not accepted") };
     assert_eq!((accepted.outcome, accepted.amplitude.text.as_str()), (SeedOutcome::OnCurve(0), "2"));
+    // One more, instead of the one that turned out to lie on it.
+    let unknown = Brought::Nothing(SeedOutcome::OnCurve(1));
+    assert_eq!(take("fold-1", &unknown), Submitted::Foreign);
     let known = Brought::Nothing(SeedOutcome::OnCurve(0));
     assert!(matches!(take("fold-1", &known), Submitted::Accepted(_)));
+    let elsewhere = Brought::Nothing(SeedOutcome::NotFollowed(Unfollowed::Elsewhere));
+    assert!(matches!(take("fold-2", &elsewhere), Submitted::Accepted(_)));
     // There are no more folds than allowed; every level that the curve crosses gets a task.
     assert_eq!(take("2-2", &curve), Submitted::Foreign);
     assert!(matches!(take("2-2", &ISOLA), Submitted::Accepted(_)));
