@@ -4,7 +4,7 @@
 //! tangent contains the impacts as they are, which no truncated series does.
 
 use super::marching::MarchingSettings;
-use super::multipliers::{Multiplier, Verdict, multipliers};
+use super::multipliers::{Multiplier, Verdict};
 use super::shooting::{Orbit, Period, Point, Shooting, Way};
 use crate::formulation::harmonics::evaluate;
 use crate::formulation::state::State;
@@ -73,6 +73,8 @@ pub struct Polished {
     pub multipliers: Vec<Multiplier>,
     /// Share of the energy supplied in a period that impacts take.
     pub impacts: f64,
+    /// Moduli that are 1 within this are not known to be on either side of the unit circle.
+    pub margin: f64,
 }
 
 /// What polishing a solution of the balance came to.
@@ -181,11 +183,12 @@ fn judge(
     if !(distance < settings.distance && (orbit.omega / state.omega - 1.0).abs() < settings.detuning) {
         return Err(Reason::TooFar);
     }
-    let multipliers = multipliers(&period.monodromy).map_err(|_| Reason::Failed)?;
+    let multipliers = period.multipliers().map_err(|_| Reason::Failed)?;
+    let margin = shooting.margin(point, period);
     let impacts = share_of_impacts(period);
     let lossy = impacts > settings.impacts;
-    let verdict = if lossy { Verdict::NotComparable } else { Verdict::of(&multipliers) };
-    let polished = Polished { orbit, amplitudes: period.amplitudes.clone(), distance, multipliers, impacts };
+    let verdict = if lossy { Verdict::NotComparable } else { Verdict::of(&multipliers, margin) };
+    let polished = Polished { orbit, amplitudes: period.amplitudes.clone(), distance, multipliers, impacts, margin };
     let reason = lossy.then_some(Reason::Impacts);
     Ok(Polish { verdict, reason, polished: Some(polished), periods: (0, 0) })
 }

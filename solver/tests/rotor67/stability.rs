@@ -37,12 +37,14 @@ fn passing(branch: &Branch, omega: f64, part: usize) -> isize {
 
 fn known(polish: Polish) -> Known {
     let found = polish.polished.unwrap_or_else(|| panic!("no orbit nearby: {:?}", polish.reason));
-    Known { orbit: found.orbit, multipliers: found.multipliers }
+    Known { orbit: found.orbit, multipliers: found.multipliers, margin: found.margin }
 }
 
 /// Kinds and frequencies of the bifurcations between two orbits.
 fn found(scenario: &Scenario, first: &Known, last: &Known) -> Vec<(BifurcationKind, f64)> {
-    between(scenario.model(), first, last, 0).into_iter().map(|found| (found.kind, found.omega)).collect()
+    let changes = between(scenario.model(), first, last, [0, 1]);
+    assert_eq!(changes.unresolved, []);
+    changes.bifurcations.into_iter().map(|found| (found.kind, found.omega)).collect()
 }
 
 #[track_caller]

@@ -2,6 +2,7 @@
 //! closed forms, direct integration and marching.
 
 mod common;
+mod counts;
 mod duffing;
 mod growth;
 mod hill;

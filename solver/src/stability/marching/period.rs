@@ -163,6 +163,11 @@ impl Marching<'_> {
         account.supplied += (TAU * turns).cos() * motion;
     }
 
+    /// Whether the step that is made ready is as smooth as its laws: nothing touches, slips, or begins or ceases to act.
+    pub(in crate::stability) fn is_smooth(&self) -> bool {
+        self.contacts.touching().is_empty() && self.laws.iter().all(|law| law.is_smooth())
+    }
+
     /// Number of steps since the start.
     pub(in crate::stability) fn index(&self) -> usize {
         self.index

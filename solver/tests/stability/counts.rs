@@ -1,0 +1,126 @@
+//! Every change of the number of multipliers outside is a bifurcation of the right kind or said to be unresolved, and nothing
+//! else is one.
+
+use crate::common::{assert_close, main_branch};
+use crate::models::{penalty, stop};
+use solver::laws::LawKind;
+use solver::stability::along::{AlongSettings, along};
+use solver::stability::bifurcation::{BifurcationKind, Obstacle};
+use solver::stability::multipliers::Outside;
+use solver::{Branch, BranchStability, End, Model, Settings, Verdict};
+use std::ops::ControlFlow;
+
+/// Three masses that know hardly of each other, the first one before a stop; damping ratio of the other two.
+fn three_masses(ratio: f64, stop: LawKind) -> Model {
+    Model::builder("three masses")
+        .mass([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+        .stiffness([[1.0, -0.01, 0.0], [-0.01, 3.1, -0.01], [0.0, -0.01, 7.3]])
+        .damping_ratios(vec![0.05, ratio, ratio])
+        .force("x1", 1.0)
+        .element("stop", stop, ["x1"])
+        .build()
+        .unwrap()
+}
+
+fn branch(model: &Model, min: f64, max: f64, forcing: f64) -> Branch {
+    let mut settings = Settings::default();
+    settings.harmonics.count = 20;
+    (settings.frequency.min, settings.frequency.max) = (Some(min), Some(max));
+    main_branch(model, &settings, forcing)
+}
+
+fn all_along(model: &Model, branch: &Branch) -> BranchStability {
+    along(model, &AlongSettings::default(), branch, &mut |_| ControlFlow::Continue(()))
+}
+
+/// Between points with a clear verdict the number of multipliers outside changes by what is reported and what is unresolved.
+#[track_caller]
+fn assert_accounted(found: &BranchStability) {
+    let count = |point: &solver::stability::along::PolishedPoint| {
+        let polished = point.polish.polished.as_ref()?;
+        let is_clear = matches!(point.polish.verdict, Verdict::Stable | Verdict::Unstable);
+        is_clear.then(|| (point.index, Outside::of(&polished.multipliers, polished.margin).count() as isize))
+    };
+    let counts: Vec<(usize, isize)> = found.points.iter().filter_map(count).collect();
+    for pair in counts.windows(2) {
+        let [(first, before), (last, after)] = [pair[0], pair[1]];
+        let reported = found.bifurcations.iter().map(|b| (b.after, b.outside));
+        let steps = reported.chain(found.unresolved.iter().map(|u| (u.first, u.outside)));
+        let within = steps.filter(|(at, _)| (first..last).contains(at));
+        let sum: isize = within.map(|(_, [a, b])| b as isize - a as isize).sum();
+        assert_eq!(after - before, sum, "{first} to {last}: {:?} {:?}", found.bifurcations, found.unresolved);
+    }
+}
+
+#[test]
+fn modes_with_little_damping_do_not_hide_what_crosses() {
+    use BifurcationKind::{Fold, Grazing, PeriodDoubling};
+    let mut omegas = Vec::new();
+    for ratio in [0.05, 1e-3] {
+        let model = three_masses(ratio, penalty(100.0, 1.0));
+        let found = all_along(&model, &branch(&model, 0.5, 1.5, 0.3));
+        let kinds: Vec<_> = found.bifurcations.iter().map(|b| (b.kind, b.outside)).collect();
+        let expected = [(PeriodDoubling, [0, 1]), (PeriodDoubling, [1, 0]), (Fold, [0, 1]), (Grazing, [1, 0])];
+        assert_eq!(kinds, expected, "damping ratio {ratio}");
+        assert_eq!((found.end, found.unresolved.len()), (End::Complete, 0), "{:?}", found.unresolved);
+        assert!(found.bifurcations.iter().all(|b| b.width < 1.0), "{:?}", found.bifurcations);
+        assert_accounted(&found);
+        omegas.push(found.bifurcations.iter().map(|b| b.omega).collect::<Vec<f64>>());
+    }
+    // The other two masses take a ten-thousandth of the first one's motion.
+    omegas[0].iter().zip(&omegas[1]).for_each(|(a, b)| assert_close(*a, *b, 1e-4, "bifurcation, rad/s"));
+}
+
+#[test]
+fn grazing_of_a_rigid_stop_is_grazing_whatever_else_the_structure_does() {
+    for ratio in [0.05, 1e-3] {
+        let model = three_masses(ratio, stop(1.0));
+        let found = all_along(&model, &branch(&model, 0.5, 1.5, 0.3));
+        let kinds: Vec<_> = found.bifurcations.iter().map(|b| b.kind).collect();
+        println!("{:?}", found.unresolved);
+        assert_eq!(kinds, [BifurcationKind::Grazing], "damping ratio {ratio}");
+        // The linear oscillator comes down to 1 m: 0.3 = |1 − ω² + 0.1 iω|.
+        assert_close(found.bifurcations[0].omega, 1.130_8, 1e-3, "grazing, rad/s");
+        // Multipliers of an orbit that grazes tend to infinity.
+        assert!(found.bifurcations[0].multiplier.modulus() > 10.0, "{:?}", found.bifurcations);
+        assert_accounted(&found);
+    }
+}
+
+#[test]
+fn a_linear_oscillator_is_stable_however_little_it_is_damped() {
+    for (ratio, verdict) in [(1e-3, Verdict::Stable), (1e-4, Verdict::Stable), (0.0, Verdict::Marginal)] {
+        let model = Model::builder("linear")
+            .mass([[1.0]])
+            .stiffness([[1.0]])
+            .damping_ratio(ratio)
+            .force("x1", 1.0)
+            .build()
+            .unwrap();
+        let found = all_along(&model, &branch(&model, 0.6, 0.95, 1e-2));
+        let verdicts: Vec<_> = found.points.iter().map(|point| point.polish.verdict).collect();
+        assert!(verdicts.iter().all(|&known| known == verdict), "damping ratio {ratio}: {verdicts:?}");
+        assert_eq!((found.bifurcations, found.unresolved), (vec![], vec![]), "damping ratio {ratio}");
+    }
+}
+
+#[test]
+fn what_a_budget_leaves_is_said() {
+    let model = three_masses(1e-3, penalty(100.0, 1.0));
+    let branch = branch(&model, 0.5, 1.5, 0.3);
+    let first = AlongSettings::default().points + branch.special.len();
+    let settings = AlongSettings { most: first + 2, ..AlongSettings::default() };
+    let found = along(&model, &settings, &branch, &mut |_| ControlFlow::Continue(()));
+    assert_eq!(found.end, End::Budget);
+    assert!(!found.unresolved.is_empty() && found.unresolved.iter().all(|u| u.reason == Obstacle::Budget));
+    assert_accounted(&found);
+
+    let mut count = 0;
+    let found = along(&model, &AlongSettings::default(), &branch, &mut |_| {
+        count += 1;
+        if count == 12 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    });
+    assert_eq!((found.end, found.points.len()), (End::Cancelled, 12));
+    assert!(found.bifurcations.is_empty() && found.unresolved.iter().all(|u| u.reason == Obstacle::Cancelled));
+    assert_accounted(&found);
+}
