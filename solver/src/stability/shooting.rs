@@ -3,7 +3,7 @@
 //! Unknowns are the state of the marcher, scaled, and the frequency; the number of steps in a period is fixed, so that the
 //! map is smooth in ω as long as no contact grazes.
 
-use super::marching::{Account, Marching, MarchingError, MarchingSettings};
+use super::marching::{Account, Marching, MarchingError, MarchingSettings, Offset, reduced};
 use super::multipliers::{Multiplier, margin, multipliers};
 use crate::formulation::state::State;
 use crate::linalg::{LinalgError, Lu, Matrix, dot};
@@ -69,6 +69,8 @@ pub struct Period {
     pub account: Account,
     /// Whether no contact opened or closed and no slider slipped.
     pub is_smooth: bool,
+    /// Offsets of the sliders that stick all the time, as forms of the scaled state and w.
+    pub offsets: Vec<Offset>,
 }
 
 impl Period {
@@ -77,12 +79,12 @@ impl Period {
         self.residual.iter().fold(0.0, |m, r| m.max(r.abs()))
     }
 
-    /// Multipliers of the orbit, the largest first.
+    /// Multipliers of the orbit, the largest first, without those of sliders that stick all the time: these are 1.
     ///
     /// # Errors
     /// If the monodromy matrix is not finite, or the iteration does not converge.
     pub fn multipliers(&self) -> Result<Vec<Multiplier>, LinalgError> {
-        multipliers(&self.monodromy)
+        multipliers(&reduced(&self.monodromy, &self.offsets))
     }
 }
 
@@ -213,6 +215,7 @@ impl<'m> Shooting<'m> {
         let mut amplitudes = vec![0.0f64; self.model.monitors().len()];
         let mut account = Account::default();
         let mut is_smooth = true;
+        let mut sticks = marching.sliders();
         let monodromy = marching.walk_with_tangent(&mut |now| {
             if now.index().is_multiple_of(stride) {
                 path.extend(now.modal());
@@ -222,12 +225,15 @@ impl<'m> Shooting<'m> {
             }
             now.balance(&mut account);
             is_smooth &= now.is_smooth();
+            now.unmark(&mut sticks);
         })?;
         let end = self.scaled(&marching.state(), 1.0).x;
         let residual = end.iter().zip(&point.x).map(|(a, b)| a - b).collect();
+        let offsets = marching.offsets(&self.orbit(point).state, &sticks);
+        let offsets = offsets.iter().map(|offset| offset.scaled(&self.scales, self.omega)).collect();
         let scaled = |i: usize, j: usize| monodromy[(i, j)] * self.scales[j] / self.scales[i];
         let monodromy = Matrix::from_fn(point.x.len(), point.x.len(), scaled);
-        Ok(Period { residual, monodromy, path, stride, amplitudes, account, is_smooth })
+        Ok(Period { residual, monodromy, path, stride, amplitudes, account, is_smooth, offsets })
     }
 
     /// Newton's method from a point; the orbit's point and its last period, if it comes to one.
@@ -267,7 +273,8 @@ impl<'m> Shooting<'m> {
         Some(dot(&way, normal))
     }
 
-    /// Solves [Φ − I, slope; row] z = b in place.
+    /// Solves [Φ − I, slope; row] z = b in place. In the row of a slider that sticks all the time, where this is singular, the
+    /// offset stays as it is.
     fn solve_bordered(&mut self, period: &Period, slope: &[f64], row: &[f64], b: &mut [f64]) -> Option<()> {
         let n = slope.len();
         let matrix = self.lu.reset(n + 1);
@@ -276,6 +283,10 @@ impl<'m> Shooting<'m> {
             target[..n].copy_from_slice(period.monodromy.row(i));
             target[i] -= 1.0;
             target[n] = slope[i];
+        }
+        for offset in &period.offsets {
+            matrix[offset.force * (n + 1)..][..=n].copy_from_slice(&offset.form);
+            b[offset.force] = 0.0;
         }
         matrix[n * (n + 1)..].copy_from_slice(row);
         self.lu.factor().ok()?;

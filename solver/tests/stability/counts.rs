@@ -3,12 +3,15 @@
 
 use crate::common::{assert_close, main_branch};
 use crate::models::{penalty, stop};
-use solver::laws::LawKind;
+use solver::formulation::harmonics::evaluate;
+use solver::laws::{LawKind, PolynomialSpring, Term};
 use solver::stability::along::{AlongSettings, along};
 use solver::stability::bifurcation::{BifurcationKind, Obstacle};
 use solver::stability::multipliers::Outside;
-use solver::{Branch, BranchStability, End, Model, Settings, Verdict};
+use solver::structure::ModelData;
+use solver::{Branch, BranchStability, End, Marching, MarchingSettings, Model, Settings, Verdict, files};
 use std::ops::ControlFlow;
+use std::path::Path;
 
 /// Three masses that know hardly of each other, the first one before a stop; damping ratio of the other two.
 fn three_masses(ratio: f64, stop: LawKind) -> Model {
@@ -123,4 +126,44 @@ fn what_a_budget_leaves_is_said() {
     assert_eq!((found.end, found.points.len()), (End::Cancelled, 12));
     assert!(found.bifurcations.is_empty() && found.unresolved.iter().all(|u| u.reason == Obstacle::Cancelled));
     assert_accounted(&found);
+}
+
+#[test]
+fn a_slider_that_never_slips_is_a_spring() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/friction_mass");
+    let friction = files::load(&folder).unwrap();
+    // Below its limit the Jenkins element is a spring of 1 N/m, and takes no part in the memory of the motion.
+    let mut data = ModelData::from(friction.clone());
+    data.elements[0].law =
+        LawKind::PolynomialSpring(PolynomialSpring { terms: vec![Term { power: 1, coefficient: 1.0 }] });
+    let spring = Model::try_from(data).unwrap();
+    let branch = branch(&friction, 0.5, 3.0, 1e-4);
+    let found = all_along(&friction, &branch);
+    let same = all_along(&spring, &branch);
+    assert_eq!((&found.bifurcations, &found.unresolved), (&vec![], &vec![]));
+    for (point, other) in found.points.iter().zip(&same.points) {
+        assert_eq!((point.polish.verdict, other.polish.verdict), (Verdict::Stable, Verdict::Stable), "{}", point.index);
+        let [stuck, free] = [point, other].map(|point| point.polish.polished.as_ref().unwrap());
+        assert_eq!(stuck.multipliers.len(), free.multipliers.len());
+        // The grids of both have other numbers of steps, if any: multipliers err by the squares of the steps.
+        for (a, b) in stuck.multipliers.iter().zip(&free.multipliers) {
+            assert!((a.modulus() - b.modulus()).abs() < 1e-6, "{:?} {:?}", stuck.multipliers, free.multipliers);
+        }
+        assert!((stuck.distance - free.distance).abs() < 1e-6, "{} {}", stuck.distance, free.distance);
+    }
+}
+
+#[test]
+fn a_slider_starts_with_the_force_that_the_balance_gives_it() {
+    let model = files::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/friction_mass")).unwrap();
+    let branch = branch(&model, 0.5, 3.0, 1e-4);
+    for point in &branch.points {
+        let marching = Marching::new(&model, &MarchingSettings::default(), point.state.forcing, point.omega()).unwrap();
+        let state = marching.state_of(&point.state);
+        // 1 N/m times x1 one step before.
+        let before = -std::f64::consts::TAU / marching.steps_per_period() as f64;
+        let x1 = evaluate(&point.state.displacement(&model, 0), before)[0];
+        let force = state[2 * model.size()];
+        assert!((force - x1).abs() < 1e-12, "{force} {x1}");
+    }
 }

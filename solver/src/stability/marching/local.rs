@@ -113,9 +113,10 @@ impl<'m> LocalLaw<'m> {
         }
     }
 
-    /// Force of a law with memory at the end of a path of its argument that begins without force, in N.
-    pub fn force_after(&self, begin: f64, path: impl Iterator<Item = f64>) -> f64 {
-        let mut before = Before { u: begin, force: 0.0 };
+    /// Force of a law with memory at the end of a path of its argument, in N. As in the balance, it has none at rest: where
+    /// the path begins otherwise, the law is taken there first.
+    pub fn force_after(&self, path: impl Iterator<Item = f64>) -> f64 {
+        let mut before = Before::default();
         for u in path {
             let now = Instant { u: [u, 0.0, 0.0], speed: self.speed, ..Instant::default() };
             before = Before { u, force: self.law.respond(&now, &before).force[0] };

@@ -50,9 +50,9 @@ impl Marching<'_> {
             }
             if law.has_memory() {
                 let period = self.steps_per_period as i32;
-                // Two periods: after one, the force has forgotten where it began.
-                let path = (1 - 2 * period..0).map(|i| at(&arguments[0], f64::from(i)));
-                state.push(law.force_after(at(&arguments[0], f64::from(-2 * period)), path));
+                // Two periods: after one, the force of a slider that slips has forgotten where it began.
+                let path = (-2 * period..0).map(|i| at(&arguments[0], f64::from(i)));
+                state.push(law.force_after(path));
             }
         }
         state
