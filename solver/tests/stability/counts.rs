@@ -2,12 +2,13 @@
 //! else is one.
 
 use crate::common::{assert_close, main_branch};
-use crate::models::{penalty, stop};
+use crate::models::{chain, jenkins, penalty, stop};
 use solver::formulation::harmonics::evaluate;
 use solver::laws::{LawKind, PolynomialSpring, Term};
 use solver::stability::along::{AlongSettings, along};
 use solver::stability::bifurcation::{BifurcationKind, Obstacle};
 use solver::stability::multipliers::Outside;
+use solver::stability::polish::{Around, PolishSettings, polish};
 use solver::structure::ModelData;
 use solver::{Branch, BranchStability, End, Marching, MarchingSettings, Model, Settings, Verdict, files};
 use std::ops::ControlFlow;
@@ -165,5 +166,26 @@ fn a_slider_starts_with_the_force_that_the_balance_gives_it() {
         let x1 = evaluate(&point.state.displacement(&model, 0), before)[0];
         let force = state[2 * model.size()];
         assert!((force - x1).abs() < 1e-12, "{force} {x1}");
+    }
+}
+
+#[test]
+fn margins_cover_what_the_grid_of_time_steps_leaves_uncertain() {
+    for law in [jenkins(800.0, 2.0), penalty(2000.0, 0.01)] {
+        let model = chain(vec![(law, vec![vec![(0, 1.0), (1, -1.0)]])]);
+        let branch = branch(&model, 12.0, 30.0, 4.0);
+        let at = branch.points.iter().position(|point| point == branch.peak()).unwrap();
+        for index in [at, at + 6] {
+            let on = |steps: usize| {
+                let mut settings = PolishSettings::default();
+                settings.marching.min_steps_per_period = steps;
+                polish(&model, &settings, &branch.points[index].state, Around::default()).polished.unwrap()
+            };
+            let found: Vec<_> = (0..8).map(|i| on(1200 + 8 * i)).collect();
+            let largest = |sign: f64| found.iter().map(|p| sign * p.multipliers[0].modulus()).fold(f64::MIN, f64::max);
+            let spread = largest(1.0) + largest(-1.0);
+            println!("{spread:e} of {:e}", found[0].margin);
+            assert!(found.iter().all(|p| spread < p.margin), "{spread:e} {:e}", found[0].margin);
+        }
     }
 }
