@@ -129,9 +129,13 @@ pub fn polish(model: &Model, settings: &PolishSettings, state: &State, around: A
             Err(why) => reason = why,
         }
     }
-    let lossy = shooting.period(&start).is_ok_and(|period| share_of_impacts(&period) > settings.impacts);
-    let verdict = if lossy { Verdict::NotComparable } else { Verdict::NoOrbitNearby };
-    nothing(verdict, if lossy { Reason::Impacts } else { reason }, shooting.periods)
+    // Another orbit than that of the balance: because of impacts, if the balance's motion would lose too much in them. Where
+    // Newton's method came to nothing, a motion that is no orbit says nothing.
+    let impacts = |period: Period| share_of_impacts(&period) > settings.impacts;
+    if reason == Reason::TooFar && shooting.period(&start).is_ok_and(impacts) {
+        return nothing(Verdict::NotComparable, Reason::Impacts, shooting.periods);
+    }
+    nothing(Verdict::NoOrbitNearby, reason, shooting.periods)
 }
 
 /// The point plus what polishing moved the neighbour by.

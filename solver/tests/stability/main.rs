@@ -8,4 +8,5 @@ mod growth;
 mod hill;
 mod models;
 mod stops;
+mod symmetry;
 mod tangent;
