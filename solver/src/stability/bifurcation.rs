@@ -88,7 +88,7 @@ pub enum Obstacle {
     WithinNoise,
     /// There are points in between without an orbit.
     NoOrbit,
-    /// As many points as were allowed had been polished.
+    /// As many orbits as were allowed had been computed.
     Budget,
     /// Cancelled before.
     Cancelled,
@@ -147,6 +147,9 @@ struct Between {
 /// Most orbits that are computed to locate one bifurcation: twice as many as bisection to [`RESOLVED`] needs.
 const EVALUATIONS: usize = 24;
 
+/// Most orbits that are computed between two neighbours of a branch.
+const MOST: usize = 10 * EVALUATIONS;
+
 /// A modulus as near to 1 as this is where it crosses: less than what the grid of time steps leaves uncertain.
 const CROSSED: f64 = 1e-6;
 
@@ -184,7 +187,7 @@ pub fn between(model: &Model, first: &Known, last: &Known, points: [usize; 2]) -
     let search = Shooting::around(model, &Orbit { steps, ..first.orbit.clone() }).ok().and_then(|shooting| {
         let (a, b) = (shooting.point_at(&first.orbit), shooting.point_at(&last.orbit));
         let normal = shooting.across(&a, &b)?;
-        Some(Search { shooting, ends: [a, b], normal, points, found: Changes::default() })
+        Some(Search { shooting, ends: [a, b], normal, points, orbits: 0, found: Changes::default() })
     });
     let Some(mut search) = search else {
         changes.unresolved.push(all(Obstacle::NotConverged));
@@ -207,6 +210,8 @@ struct Search<'m> {
     normal: Vec<f64>,
     /// Numbers of both ends on the branch.
     points: [usize; 2],
+    /// Orbits that were looked for.
+    orbits: usize,
     found: Changes,
 }
 
@@ -222,6 +227,7 @@ impl Search<'_> {
 
     /// The orbit in the plane at a share of the way from one orbit to another.
     fn at(&mut self, low: &Between, high: &Between, part: f64) -> Option<Between> {
+        self.orbits += 1;
         let (a, b) = (self.point(low), self.point(high));
         let mix = |(a, b): (&f64, &f64)| a + part * (b - a);
         let start = Point { x: a.x.iter().zip(&b.x).map(mix).collect(), w: mix((&a.w, &b.w)) };
@@ -266,6 +272,9 @@ impl Search<'_> {
                 [Some(a), Some(b)] if is_halved => (a / (a - b)).clamp(0.01, 0.99),
                 _ => 0.5,
             };
+            if self.orbits >= MOST {
+                return self.give_up(&low, &high, Obstacle::Budget);
+            }
             let Some(mut middle) = self.inside(&low, &high, straight) else {
                 return self.give_up(&low, &high, Obstacle::NotConverged);
             };
