@@ -1,7 +1,7 @@
 //! Stability along a branch: points chosen where they tell something, bifurcations located between them.
 
-use super::bifurcation::{Bifurcation, Known, between};
-use super::multipliers::Outside;
+use super::bifurcation::{Bifurcation, Changes, Known, Obstacle, Unresolved, between};
+use super::crossing::Event;
 use super::polish::{Around, Polish, PolishSettings, polish};
 use crate::formulation::state::State;
 use crate::response::branch::Branch;
@@ -36,21 +36,41 @@ pub struct PolishedPoint {
     pub polish: Polish,
 }
 
+/// How a pass along a branch ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum End {
+    /// Every change that the first pass saw is between neighbours on the branch.
+    #[default]
+    Complete,
+    /// [`AlongSettings::most`] points were polished before that.
+    Budget,
+    /// The observer broke it off.
+    Cancelled,
+}
+
 /// What is known of the stability of a branch.
+///
+/// From one point with a verdict to the next one that has one, the number of multipliers outside changes by what happens at
+/// the bifurcations and at what is unresolved between them.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct BranchStability {
     /// Points, in the order of the arc.
     pub points: Vec<PolishedPoint>,
     /// Bifurcations, in the order of the arc.
     pub bifurcations: Vec<Bifurcation>,
+    /// Crossings that could not be located, in the order of the arc.
+    pub unresolved: Vec<Unresolved>,
+    /// How the pass ended.
+    pub end: End,
 }
 
 /// Told of every polished point; breaking cancels what is left.
 pub type PolishObserver<'o> = dyn FnMut(&PolishedPoint) -> ControlFlow<()> + 'o;
 
 /// Polishes points of a branch, coarsely along the arc and then towards every change of the number of multipliers outside
-/// the unit circle, and locates the bifurcations there; where points without an orbit nearby begin is refined as well. Two
-/// changes within one interval of the first pass that undo each other are not seen.
+/// the unit circle, the widest interval first, and locates the bifurcations there; where points without an orbit nearby
+/// begin is refined as well. Two changes within one interval of the first pass that undo each other are not seen.
 ///
 /// Points may polish to orbits in another order of frequencies than their own: the marched frequency counts.
 pub fn along(
@@ -60,16 +80,11 @@ pub fn along(
     observer: &mut PolishObserver<'_>,
 ) -> BranchStability {
     let mut pass = Pass { model, settings, branch, polished: BTreeMap::new() };
-    let Some(()) = pass.run(observer) else { return pass.result(Vec::new()) };
-    let mut bifurcations = Vec::new();
-    for (a, b) in pass.pairs() {
-        if b == pass.next(a)
-            && let (Some(first), Some(last)) = (pass.known(a), pass.known(b))
-        {
-            bifurcations.extend(between(model, &first, &last, a));
-        }
-    }
-    pass.result(bifurcations)
+    let end = pass.run(observer);
+    let Changes { bifurcations, unresolved } = pass.account(end);
+    let point = |(index, polish)| PolishedPoint { index, polish };
+    let points = pass.polished.into_iter().map(point).collect();
+    BranchStability { points, bifurcations, unresolved, end }
 }
 
 struct Pass<'a> {
@@ -80,17 +95,28 @@ struct Pass<'a> {
 }
 
 impl Pass<'_> {
-    /// Polishes the first points, then halves intervals until no change can be located better; `None` if cancelled.
-    fn run(&mut self, observer: &mut PolishObserver<'_>) -> Option<()> {
+    /// Polishes the first points, then halves intervals until no change can be located better.
+    fn run(&mut self, observer: &mut PolishObserver<'_>) -> End {
         for index in self.first() {
-            self.polish(index, observer)?;
+            if self.polish(index, observer).is_break() {
+                return End::Cancelled;
+            }
         }
-        while self.polished.len() < self.settings.most {
-            let changes = self.pairs().into_iter().filter(|&pair| self.changes(pair));
-            let Some(index) = changes.filter_map(|pair| self.middle(pair)).next() else { break };
-            self.polish(index, observer)?;
+        while let Some(index) = self.widest() {
+            if self.polished.len() >= self.settings.most {
+                return End::Budget;
+            }
+            if self.polish(index, observer).is_break() {
+                return End::Cancelled;
+            }
         }
-        Some(())
+        End::Complete
+    }
+
+    /// The middle of the widest interval in which something happens: none of them waits for the noise in another.
+    fn widest(&self) -> Option<usize> {
+        let changes = self.pairs().into_iter().filter(|&pair| self.changes(pair));
+        changes.max_by_key(|&pair| self.apart(pair)).and_then(|pair| self.middle(pair))
     }
 
     /// Numbers of the points of the first pass.
@@ -119,7 +145,7 @@ impl Pass<'_> {
         (index + 1) % self.branch.points.len()
     }
 
-    fn polish(&mut self, index: usize, observer: &mut PolishObserver<'_>) -> Option<()> {
+    fn polish(&mut self, index: usize, observer: &mut PolishObserver<'_>) -> ControlFlow<()> {
         let count = self.branch.points.len();
         let closed = self.branch.is_closed();
         let before = if index > 0 || closed { (index + count - 1) % count } else { index };
@@ -134,7 +160,7 @@ impl Pass<'_> {
         let point = PolishedPoint { index, polish };
         let flow = observer(&point);
         self.polished.insert(index, point.polish);
-        if flow.is_break() { None } else { Some(()) }
+        flow
     }
 
     /// The nearest point along the arc that has an orbit.
@@ -158,31 +184,131 @@ impl Pass<'_> {
         pairs
     }
 
-    /// Whether something happens between two points.
+    /// Whether something happens between two points, or may happen.
     fn changes(&self, (a, b): (usize, usize)) -> bool {
-        let dimension = |index: usize| {
-            let polish = &self.polished[&index];
-            let known = polish.polished.as_ref().filter(|_| polish.verdict.is_known());
-            known.map(|polished| Outside::of(&polished.multipliers).count())
-        };
-        dimension(a) != dimension(b)
+        match (self.known(a), self.known(b)) {
+            (Some(a), Some(b)) => a.event(&b) != Some(Event::Nothing),
+            (a, b) => a.is_some() != b.is_some(),
+        }
+    }
+
+    /// Intervals of the branch from one point to another one after it.
+    fn apart(&self, (a, b): (usize, usize)) -> usize {
+        if b > a { b - a } else { b + self.branch.points.len() - a }
     }
 
     /// The point half way between two that are no neighbours.
     fn middle(&self, (a, b): (usize, usize)) -> Option<usize> {
-        let count = self.branch.points.len();
-        let apart = if b > a { b - a } else { b + count - a };
-        (apart > 1).then_some((a + apart / 2) % count)
+        let apart = self.apart((a, b));
+        (apart > 1).then_some((a + apart / 2) % self.branch.points.len())
     }
 
     fn known(&self, index: usize) -> Option<Known> {
         let polish = &self.polished[&index];
         let polished = polish.polished.as_ref().filter(|_| polish.verdict.is_known())?;
-        Some(Known { orbit: polished.orbit.clone(), multipliers: polished.multipliers.clone() })
+        let (orbit, multipliers) = (polished.orbit.clone(), polished.multipliers.clone());
+        Some(Known { orbit, multipliers, margin: polished.margin })
     }
 
-    fn result(self, bifurcations: Vec<Bifurcation>) -> BranchStability {
-        let point = |(index, polish)| PolishedPoint { index, polish };
-        BranchStability { points: self.polished.into_iter().map(point).collect(), bifurcations }
+    /// What happens along the branch, every change of the number of multipliers outside accounted for.
+    fn account(&self, end: End) -> Changes {
+        let mut order: Vec<usize> = self.polished.keys().copied().collect();
+        let Some(start) = order.iter().position(|&index| self.known(index).is_some()) else {
+            return Changes::default();
+        };
+        if self.branch.is_closed() {
+            order.rotate_left(start);
+            order.push(order[0]);
+        }
+        let mut account = Account { pass: self, end, found: Changes::default(), last: None, doubtful: None };
+        order.into_iter().for_each(|index| account.go_on_to(index));
+        account.end_doubt();
+        account.found
+    }
+}
+
+/// A point with its number.
+type Numbered = (usize, Known);
+
+/// Changes from point to point.
+struct Account<'a> {
+    pass: &'a Pass<'a>,
+    end: End,
+    found: Changes,
+    /// The last point with a verdict, and whether there were others since.
+    last: Option<(Numbered, bool)>,
+    /// The last point before multipliers came so near the circle that it is not known on which side they are.
+    doubtful: Option<Numbered>,
+}
+
+impl Account<'_> {
+    fn go_on_to(&mut self, index: usize) {
+        let Some(known) = self.pass.known(index) else {
+            self.last.iter_mut().for_each(|(_, is_gap)| *is_gap = true);
+            return;
+        };
+        let now = (index, known);
+        if let Some((last, is_gap)) = self.last.take() {
+            self.compare(last, &now, is_gap);
+        }
+        self.last = Some((now, false));
+    }
+
+    fn compare(&mut self, last: Numbered, now: &Numbered, is_gap: bool) {
+        if is_gap {
+            self.end_doubt_at(&last);
+            return self.leave(&last, now, Obstacle::NoOrbit);
+        }
+        let first = self.doubtful.take();
+        // A crossing is beyond doubt once the multiplier has left the circle on the other side.
+        if let Some(first) = first.as_ref().filter(|first| first.1.event(&now.1).is_some()) {
+            return self.locate(first, now);
+        }
+        match last.1.event(&now.1) {
+            None => self.doubtful = Some(first.unwrap_or(last)),
+            Some(Event::Nothing) => self.doubtful = first,
+            Some(_) => {
+                self.doubtful = first;
+                self.end_doubt_at(&last);
+                self.locate(&last, now);
+            }
+        }
+    }
+
+    fn end_doubt(&mut self) {
+        if let Some((last, _)) = self.last.take() {
+            self.end_doubt_at(&last);
+        }
+    }
+
+    fn end_doubt_at(&mut self, last: &Numbered) {
+        if let Some(first) = self.doubtful.take() {
+            self.leave(&first, last, Obstacle::WithinNoise);
+        }
+    }
+
+    /// Locates what happens between two points that have all points between them polished.
+    fn locate(&mut self, first: &Numbered, last: &Numbered) {
+        let path = std::iter::successors(Some(self.pass.next(first.0)), |&index| Some(self.pass.next(index)));
+        let is_fine = path.take_while(|&index| index != last.0).all(|index| self.pass.polished.contains_key(&index));
+        match self.end {
+            End::Cancelled => self.leave(first, last, Obstacle::Cancelled),
+            _ if !is_fine => self.leave(first, last, Obstacle::Budget),
+            _ => {
+                let Changes { bifurcations, unresolved } =
+                    between(self.pass.model, &first.1, &last.1, [first.0, last.0]);
+                self.found.bifurcations.extend(bifurcations);
+                self.found.unresolved.extend(unresolved);
+            }
+        }
+    }
+
+    /// Leaves what happens between two points at that it does.
+    fn leave(&mut self, (first, before): &Numbered, (last, after): &Numbered, reason: Obstacle) {
+        let outside = [before, after].map(Known::outside);
+        if Event::between(&outside[0], &outside[1]) != Event::Nothing {
+            let outside = outside.map(|outside| outside.count());
+            self.found.unresolved.push(Unresolved { first: *first, last: *last, outside, reason });
+        }
     }
 }

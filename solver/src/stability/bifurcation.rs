@@ -1,9 +1,11 @@
 //! Bifurcations of marched orbits: where a multiplier crosses the unit circle between two orbits of a branch.
 
-use super::multipliers::{Multiplier, Outside, multipliers};
+use super::crossing::{Crossing, Event};
+use super::multipliers::{Multiplier, Outside};
 use super::shooting::{Orbit, Period, Point, Shooting, Way};
 use crate::structure::Model;
 use serde::{Deserialize, Serialize};
+use std::rc::Rc;
 
 /// How a branch loses or regains stability.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -49,14 +51,47 @@ pub struct Bifurcation {
     pub omega: f64,
     /// Largest |x| of each monitored dof of the orbit there, m.
     pub amplitudes: Vec<f64>,
-    /// Number of the point of the branch before it; the next one is after it.
+    /// Number of the point of the branch before it; the next one that is polished is after it.
     pub after: usize,
-    /// The multiplier that crosses (of a pair either one), as found at the orbit.
+    /// The multiplier that crosses (of a pair either one), as found at the orbit; where multipliers jump, the one outside.
     pub multiplier: Multiplier,
     /// Multipliers outside the unit circle before and after it, in the order of the arc.
     pub outside: [usize; 2],
+    /// Share of the way between these points within which it was found; smooth crossings are known better than that.
+    pub width: f64,
     /// The orbit.
     pub orbit: Orbit,
+}
+
+/// Multipliers that cross somewhere between two orbits, but where and how is not known.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Unresolved {
+    /// Number of the point of the branch before it.
+    pub first: usize,
+    /// Number of the point after it.
+    pub last: usize,
+    /// Multipliers outside the unit circle at both.
+    pub outside: [usize; 2],
+    /// Why it is not known.
+    pub reason: Obstacle,
+}
+
+/// Why a crossing could not be located.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Obstacle {
+    /// Newton's method came to no orbit on the way.
+    NotConverged,
+    /// Several multipliers cross so near each other that they cannot be told apart.
+    Several,
+    /// A multiplier is as near to the circle as the grid of time steps leaves uncertain.
+    WithinNoise,
+    /// There are points in between without an orbit.
+    NoOrbit,
+    /// As many orbits as were allowed had been computed.
+    Budget,
+    /// Cancelled before.
+    Cancelled,
 }
 
 /// An orbit with its multipliers.
@@ -66,18 +101,54 @@ pub struct Known {
     pub orbit: Orbit,
     /// Its multipliers, the largest first.
     pub multipliers: Vec<Multiplier>,
+    /// Moduli that are 1 within this are not known to be on either side.
+    pub margin: f64,
+}
+
+impl Known {
+    /// The multipliers that are outside beyond doubt.
+    pub fn outside(&self) -> Outside {
+        Outside::of(&self.multipliers, self.margin)
+    }
+
+    /// What happens on the way to another orbit beyond doubt; `None` if a multiplier that crosses is not known to have left
+    /// the circle at both ends.
+    pub(super) fn event(&self, last: &Self) -> Option<Event> {
+        let by = |sign: f64| {
+            let ends = [self, last].map(|end| Outside::of(&end.multipliers, sign * end.margin));
+            (Event::between(&ends[0], &ends[1]), ends[0].count() < ends[1].count())
+        };
+        (by(1.0) == by(-1.0)).then(|| by(1.0).0)
+    }
+}
+
+/// What was found between two orbits, in the order of the arc.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Changes {
+    /// Bifurcations.
+    pub bifurcations: Vec<Bifurcation>,
+    /// Crossings that could not be located.
+    pub unresolved: Vec<Unresolved>,
 }
 
 /// An orbit on the way from one to another.
+#[derive(Clone)]
 struct Between {
     /// Share of the way.
     share: f64,
+    /// What is taken to be outside.
+    outside: Outside,
     multipliers: Vec<Multiplier>,
-    found: Option<(Point, Period)>,
+    /// Whether a multiplier is so near the circle that what is outside is not known.
+    is_doubtful: bool,
+    found: Option<Rc<(Point, Period)>>,
 }
 
-/// Most orbits that are computed to locate one bifurcation.
-const EVALUATIONS: usize = 14;
+/// Most orbits that are computed to locate one bifurcation: twice as many as bisection to [`RESOLVED`] needs.
+const EVALUATIONS: usize = 24;
+
+/// Most orbits that are computed between two neighbours of a branch.
+const MOST: usize = 10 * EVALUATIONS;
 
 /// A modulus as near to 1 as this is where it crosses: less than what the grid of time steps leaves uncertain.
 const CROSSED: f64 = 1e-6;
@@ -86,20 +157,50 @@ const CROSSED: f64 = 1e-6;
 /// grazes.
 const RESOLVED: f64 = 1e-3;
 
-/// Where moduli at both ends of what is resolved are farther from 1 than this, they jump.
+/// A multiplier that is farther than this outside, and came from farther than this, where its crossing is resolved: a jump.
 const JUMP: f64 = 0.02;
 
-/// The bifurcations between two orbits that are neighbours on a branch, in the order of the arc. `after` is the number of
-/// the point of the first one.
-pub fn between(model: &Model, first: &Known, last: &Known, after: usize) -> Vec<Bifurcation> {
+/// Least distance of a multiplier from 1 where the direction of the branch is asked for: nearer to it, Φ − I is singular.
+const FIRM: f64 = 1e-3;
+
+/// The bifurcations between two orbits of a branch without another known one between them; `points` are their numbers on
+/// the branch.
+pub fn between(model: &Model, first: &Known, last: &Known, points: [usize; 2]) -> Changes {
+    let outside = [first.outside(), last.outside()];
+    let mut changes = Changes::default();
+    let all = |reason| Unresolved {
+        first: points[0],
+        last: points[1],
+        outside: outside.map(|outside| outside.count()),
+        reason,
+    };
+    match first.event(last) {
+        Some(Event::Nothing) => return changes,
+        Some(_) => {}
+        None => {
+            changes.unresolved.push(all(Obstacle::WithinNoise));
+            return changes;
+        }
+    }
     // One grid for all of them: the finer one.
     let steps = first.orbit.steps.max(last.orbit.steps);
-    let Ok(shooting) = Shooting::around(model, &Orbit { steps, ..first.orbit.clone() }) else { return Vec::new() };
-    let (a, b) = (shooting.point_at(&first.orbit), shooting.point_at(&last.orbit));
-    let Some(normal) = shooting.across(&a, &b) else { return Vec::new() };
-    let mut search = Search { shooting, ends: [a, b], normal, after, found: Vec::new() };
-    let end = |share, known: &Known| Between { share, multipliers: known.multipliers.clone(), found: None };
-    search.locate(end(0.0, first), end(1.0, last));
+    let search = Shooting::around(model, &Orbit { steps, ..first.orbit.clone() }).ok().and_then(|shooting| {
+        let (a, b) = (shooting.point_at(&first.orbit), shooting.point_at(&last.orbit));
+        let normal = shooting.across(&a, &b)?;
+        Some(Search { shooting, ends: [a, b], normal, points, orbits: 0, found: Changes::default() })
+    });
+    let Some(mut search) = search else {
+        changes.unresolved.push(all(Obstacle::NotConverged));
+        return changes;
+    };
+    let end = |share, known: &Known, outside| Between {
+        share,
+        outside,
+        multipliers: known.multipliers.clone(),
+        is_doubtful: false,
+        found: None,
+    };
+    search.locate(end(0.0, first, outside[0]), end(1.0, last, outside[1]));
     search.found
 }
 
@@ -107,102 +208,169 @@ struct Search<'m> {
     shooting: Shooting<'m>,
     ends: [Point; 2],
     normal: Vec<f64>,
-    after: usize,
-    found: Vec<Bifurcation>,
+    /// Numbers of both ends on the branch.
+    points: [usize; 2],
+    /// Orbits that were looked for.
+    orbits: usize,
+    found: Changes,
 }
 
 impl Search<'_> {
-    /// The orbit in the plane at a share of the way.
-    fn at(&mut self, share: f64) -> Option<Between> {
-        let [a, b] = &self.ends;
-        let mix = |(a, b): (&f64, &f64)| a + share * (b - a);
+    /// Where an orbit is.
+    fn point<'b>(&'b self, orbit: &'b Between) -> &'b Point {
+        match &orbit.found {
+            Some(found) => &found.0,
+            None if orbit.share == 0.0 => &self.ends[0],
+            None => &self.ends[1],
+        }
+    }
+
+    /// The orbit in the plane at a share of the way from one orbit to another.
+    fn at(&mut self, low: &Between, high: &Between, part: f64) -> Option<Between> {
+        self.orbits += 1;
+        let (a, b) = (self.point(low), self.point(high));
+        let mix = |(a, b): (&f64, &f64)| a + part * (b - a);
         let start = Point { x: a.x.iter().zip(&b.x).map(mix).collect(), w: mix((&a.w, &b.w)) };
+        let share = low.share + part * (high.share - low.share);
         let way = |searches| Way { plane: Some(&self.normal), searches, iterations: 10 };
         let found = match self.shooting.solve(&start, &way(false)) {
             Some(found) => found,
             None => self.shooting.solve(&start, &way(true))?,
         };
-        let multipliers = multipliers(&found.1.monodromy).ok()?;
-        Some(Between { share, multipliers, found: Some(found) })
+        let multipliers = found.1.multipliers().ok()?;
+        let margin = self.shooting.margin(&found.0, &found.1);
+        Some(Between {
+            share,
+            outside: Outside::of(&multipliers, 0.0),
+            is_doubtful: multipliers.iter().any(|mu| mu.excess().abs() <= margin),
+            multipliers,
+            found: Some(Rc::new(found)),
+        })
+    }
+
+    /// An orbit between two, if possible at this share of the way between them.
+    fn inside(&mut self, low: &Between, high: &Between, share: f64) -> Option<Between> {
+        [share, 0.5, 0.35, 0.65, 0.1, 0.9].into_iter().find_map(|part| self.at(low, high, part))
     }
 
     /// Locates every bifurcation between two orbits.
     fn locate(&mut self, mut low: Between, mut high: Between) {
+        let event = Event::between(&low.outside, &high.outside);
+        if event == Event::Nothing {
+            return;
+        }
+        let mut firm = [low.clone(), high.clone()];
+        let mut is_halved = true;
         for _ in 0..EVALUATIONS {
-            let counts = [&low, &high].map(|end| Outside::of(&end.multipliers).count());
-            if counts[0] == counts[1] {
-                return;
-            }
-            let values = [&low, &high].map(|end| crossing(&end.multipliers, counts));
-            let near = values.map(|value| value.abs() < CROSSED);
-            if near != [false, false] || high.share - low.share < RESOLVED {
+            let width = high.share - low.share;
+            let values = values(event, &low, &high);
+            if width < RESOLVED || values.iter().flatten().any(|value| value.abs() < CROSSED) {
                 break;
             }
-            // Regula falsi, kept away from the ends: where it stalls, this is a bisection.
-            let straight = values[0] / (values[0] - values[1]);
-            let share = low.share + straight.clamp(0.1, 0.9) * (high.share - low.share);
-            let Some(middle) = self.at(share) else { return };
-            let count = Outside::of(&middle.multipliers).count();
-            if count != counts[0] && count != counts[1] {
-                // There are several: each in its own part.
-                let copy = Between { share, multipliers: middle.multipliers.clone(), found: None };
-                self.locate(low, copy);
-                self.locate(middle, high);
-                return;
+            // Regula falsi, and bisection wherever that has stalled.
+            let straight = match values {
+                [Some(a), Some(b)] if is_halved => (a / (a - b)).clamp(0.01, 0.99),
+                _ => 0.5,
+            };
+            if self.orbits >= MOST {
+                return self.give_up(&low, &high, Obstacle::Budget);
             }
-            if count == counts[0] { low = middle } else { high = middle }
+            let Some(mut middle) = self.inside(&low, &high, straight) else {
+                return self.give_up(&low, &high, Obstacle::NotConverged);
+            };
+            let is_same = |end: &Between| Event::between(&middle.outside, &end.outside) == Event::Nothing;
+            let goes_low = match (is_same(&low), is_same(&high)) {
+                (false, false) if !middle.is_doubtful || event == Event::Several => {
+                    // There are several: each in its own part.
+                    self.locate(low, middle.clone());
+                    return self.locate(middle, high);
+                }
+                (false, false) => event.is_nearer(&low.outside, &high.outside, &middle.outside),
+                (is_low, _) => is_low,
+            };
+            let end = if goes_low { &mut low } else { &mut high };
+            middle.outside = end.outside;
+            *end = middle;
+            is_halved = high.share - low.share <= 0.5 * width;
+            let [first, last] = self::values(event, &low, &high).map(|value| value.is_some_and(|v| v.abs() >= FIRM));
+            if goes_low && first {
+                firm[0] = low.clone();
+            } else if !goes_low && last {
+                firm[1] = high.clone();
+            }
         }
-        self.accept(low, high);
+        self.accept(event, low, high, firm);
     }
 
-    /// Adds the bifurcation between two orbits close to each other.
-    fn accept(&mut self, low: Between, high: Between) {
-        let outside = [&low, &high].map(|end| Outside::of(&end.multipliers));
-        let counts = outside.map(|outside| outside.count());
-        let nearer = |end: &Between| crossing(&end.multipliers, counts).abs();
-        let crosses_at_low = nearer(&low) < nearer(&high);
-        let near = if crosses_at_low { &low } else { &high };
-        let number = counts[0].min(counts[1]);
-        let multiplier = near.multipliers[number];
-        let jumps = [&low, &high].into_iter().all(|end| nearer(end) > JUMP);
-        let kind = match (multiplier.is_real(), multiplier.re > 0.0) {
-            _ if jumps => BifurcationKind::Grazing,
-            (false, _) => BifurcationKind::NeimarkSacker,
-            (true, false) => BifurcationKind::PeriodDoubling,
-            (true, true) if self.turns(&low, &high) => BifurcationKind::Fold,
-            (true, true) => BifurcationKind::BranchPoint,
+    /// Adds the bifurcation between two orbits close to each other. `firm`: orbits before and after it at which the multiplier
+    /// that crosses is not yet near the circle.
+    fn accept(&mut self, event: Event, low: Between, high: Between, firm: [Between; 2]) {
+        let Some(crossing) = crossing(event, &low, &high) else {
+            return self.give_up(&low, &high, Obstacle::Several);
         };
-        let (near, far) = if crosses_at_low { (low, high) } else { (high, low) };
-        let middle = || self.at(0.5 * (near.share + far.share)).and_then(|between| between.found);
-        let Some((point, period)) = near.found.or(far.found).or_else(middle) else { return };
-        let orbit = self.shooting.orbit(&point);
-        self.found.push(Bifurcation {
+        let (outer, inner) = crossing.excess();
+        let width = high.share - low.share;
+        let is_smooth = outer < CROSSED || inner.is_some_and(|inner| inner > -CROSSED);
+        let jumps = !is_smooth && width < RESOLVED && outer.max(crossing.gap) > JUMP;
+        let kind = match event {
+            _ if jumps => BifurcationKind::Grazing,
+            Event::AtMinusOne => BifurcationKind::PeriodDoubling,
+            Event::Pair if !crossing.outer.is_real() => BifurcationKind::NeimarkSacker,
+            Event::AtOne => match self.turns(firm) {
+                Some(true) => BifurcationKind::Fold,
+                Some(false) => BifurcationKind::BranchPoint,
+                None => return self.give_up(&low, &high, Obstacle::NotConverged),
+            },
+            _ => return self.give_up(&low, &high, Obstacle::Several),
+        };
+        let outside = [&low, &high].map(|end| end.outside.count());
+        let is_low_outer = outside[0] > outside[1];
+        let at_outer = jumps || crossing.inner.is_none_or(|inner| outer < inner.excess().abs());
+        let (near, far) = if is_low_outer == at_outer { (low, high) } else { (high, low) };
+        let middle = || self.at(&near, &far, 0.5).and_then(|between| between.found);
+        let Some(found) = near.found.clone().or(far.found.clone()).or_else(middle) else {
+            let (low, high) = if near.share < far.share { (near, far) } else { (far, near) };
+            return self.give_up(&low, &high, Obstacle::NotConverged);
+        };
+        let orbit = self.shooting.orbit(&found.0);
+        self.found.bifurcations.push(Bifurcation {
             kind,
             omega: orbit.omega,
-            amplitudes: period.amplitudes,
-            after: self.after,
-            multiplier,
-            outside: counts,
+            amplitudes: found.1.amplitudes.clone(),
+            after: self.points[0],
+            multiplier: crossing.inner.filter(|_| !at_outer).unwrap_or(crossing.outer),
+            outside,
+            width,
             orbit,
         });
     }
 
+    fn give_up(&mut self, low: &Between, high: &Between, reason: Obstacle) {
+        let [first, last] = self.points;
+        let outside = [low, high].map(|end| end.outside.count());
+        self.found.unresolved.push(Unresolved { first, last, outside, reason });
+    }
+
     /// Whether the branch turns in frequency between two orbits: it goes on to higher frequencies at one of them and to
     /// lower ones at the other.
-    fn turns(&mut self, low: &Between, high: &Between) -> bool {
-        let ways = [low, high].map(|end| match &end.found {
-            Some((point, period)) => self.shooting.advance(point, period, &self.normal),
-            None => {
-                let (point, period) = self.at(end.share)?.found?;
-                self.shooting.advance(&point, &period, &self.normal)
-            }
+    fn turns(&mut self, ends: [Between; 2]) -> Option<bool> {
+        let [before, after] = ends.map(|end| {
+            let found = end.found.clone().or_else(|| self.at(&end, &end, 0.0)?.found)?;
+            self.shooting.advance(&found.0, &found.1, &self.normal)
         });
-        matches!(ways, [Some(before), Some(after)] if before * after < 0.0)
+        Some(before? * after? < 0.0)
     }
 }
 
-/// What changes sign where the count of multipliers outside changes between two: the modulus, less 1, of the first one that
-/// is inside at one end and outside at the other. It is continuous, even where two real multipliers merge into a pair.
-fn crossing(multipliers: &[Multiplier], counts: [usize; 2]) -> f64 {
-    multipliers[counts[0].min(counts[1])].modulus() - 1.0
+/// The crossing between two orbits, the one with fewer multipliers outside being the inner one.
+fn crossing(event: Event, low: &Between, high: &Between) -> Option<Crossing> {
+    let (outer, inner) = if low.outside.count() > high.outside.count() { (low, high) } else { (high, low) };
+    Crossing::of(event, &outer.multipliers, &inner.multipliers)
+}
+
+/// |μ| − 1 of the multiplier that crosses, at both orbits, as far as it is known there.
+fn values(event: Event, low: &Between, high: &Between) -> [Option<f64>; 2] {
+    let Some(crossing) = crossing(event, low, high) else { return [None; 2] };
+    let (outer, inner) = crossing.excess();
+    if low.outside.count() > high.outside.count() { [Some(outer), inner] } else { [inner, Some(outer)] }
 }

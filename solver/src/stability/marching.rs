@@ -26,6 +26,7 @@ mod contacts;
 mod inverse;
 mod lanes;
 mod local;
+mod offsets;
 mod period;
 mod tape;
 
@@ -35,6 +36,7 @@ use crate::structure::laws::Law;
 use contacts::Contacts;
 use inverse::Inverse;
 use local::LocalLaw;
+pub(in crate::stability) use offsets::{Offset, reduced};
 pub(in crate::stability) use period::Account;
 use std::f64::consts::TAU;
 use thiserror::Error;

@@ -2,6 +2,7 @@
 
 pub mod along;
 pub mod bifurcation;
+mod crossing;
 pub mod marching;
 pub mod multipliers;
 pub mod polish;

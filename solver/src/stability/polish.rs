@@ -4,7 +4,7 @@
 //! tangent contains the impacts as they are, which no truncated series does.
 
 use super::marching::MarchingSettings;
-use super::multipliers::{Multiplier, Verdict, multipliers};
+use super::multipliers::{Multiplier, Verdict};
 use super::shooting::{Orbit, Period, Point, Shooting, Way};
 use crate::formulation::harmonics::evaluate;
 use crate::formulation::state::State;
@@ -17,7 +17,7 @@ use std::f64::consts::TAU;
 pub struct PolishSettings {
     /// Time steps.
     pub marching: MarchingSettings,
-    /// Largest distance of the marched orbit, rms over a period and all modes, relative to the motion.
+    /// Largest distance of the marched orbit, rms over a period and all modes, relative to the motion without its mean.
     pub distance: f64,
     /// Largest relative difference of the frequencies.
     pub detuning: f64,
@@ -67,12 +67,14 @@ pub struct Polished {
     pub orbit: Orbit,
     /// Largest |x| of each monitored dof, m.
     pub amplitudes: Vec<f64>,
-    /// Its distance from the solution, rms over a period and all modes, relative to the solution.
+    /// Its distance from the solution, rms over a period and all modes, relative to the solution without its mean.
     pub distance: f64,
     /// All multipliers, the largest first.
     pub multipliers: Vec<Multiplier>,
     /// Share of the energy supplied in a period that impacts take.
     pub impacts: f64,
+    /// Moduli that are 1 within this are not known to be on either side of the unit circle.
+    pub margin: f64,
 }
 
 /// What polishing a solution of the balance came to.
@@ -127,9 +129,13 @@ pub fn polish(model: &Model, settings: &PolishSettings, state: &State, around: A
             Err(why) => reason = why,
         }
     }
-    let lossy = shooting.period(&start).is_ok_and(|period| share_of_impacts(&period) > settings.impacts);
-    let verdict = if lossy { Verdict::NotComparable } else { Verdict::NoOrbitNearby };
-    nothing(verdict, if lossy { Reason::Impacts } else { reason }, shooting.periods)
+    // Another orbit than that of the balance: because of impacts, if the balance's motion would lose too much in them. Where
+    // Newton's method came to nothing, a motion that is no orbit says nothing.
+    let impacts = |period: Period| share_of_impacts(&period) > settings.impacts;
+    if reason == Reason::TooFar && shooting.period(&start).is_ok_and(impacts) {
+        return nothing(Verdict::NotComparable, Reason::Impacts, shooting.periods);
+    }
+    nothing(Verdict::NoOrbitNearby, reason, shooting.periods)
 }
 
 /// The point plus what polishing moved the neighbour by.
@@ -177,15 +183,16 @@ fn judge(
     period: &Period,
 ) -> Result<Polish, Reason> {
     let orbit = shooting.orbit(point);
-    let distance = distance(state, &orbit, period);
+    let distance = distance(state, &period.path, period.stride as f64 / orbit.steps as f64);
     if !(distance < settings.distance && (orbit.omega / state.omega - 1.0).abs() < settings.detuning) {
         return Err(Reason::TooFar);
     }
-    let multipliers = multipliers(&period.monodromy).map_err(|_| Reason::Failed)?;
+    let multipliers = period.multipliers().map_err(|_| Reason::Failed)?;
+    let margin = shooting.margin(point, period);
     let impacts = share_of_impacts(period);
     let lossy = impacts > settings.impacts;
-    let verdict = if lossy { Verdict::NotComparable } else { Verdict::of(&multipliers) };
-    let polished = Polished { orbit, amplitudes: period.amplitudes.clone(), distance, multipliers, impacts };
+    let verdict = if lossy { Verdict::NotComparable } else { Verdict::of(&multipliers, margin) };
+    let polished = Polished { orbit, amplitudes: period.amplitudes.clone(), distance, multipliers, impacts, margin };
     let reason = lossy.then_some(Reason::Impacts);
     Ok(Polish { verdict, reason, polished: Some(polished), periods: (0, 0) })
 }
@@ -196,17 +203,40 @@ fn share_of_impacts(period: &Period) -> f64 {
     if account.impacts > 0.0 { account.impacts / account.supplied.max(account.impacts) } else { 0.0 }
 }
 
-/// Distance of the marched path from the motion of the balance, rms over the period and all modes, relative to the latter.
-fn distance(state: &State, orbit: &Orbit, period: &Period) -> f64 {
+/// Distance of a marched path from the motion of the balance, rms over the period and all modes, relative to what varies of
+/// the latter: a static deflection that both share says nothing of the vibration. `path`: modal displacements at instants that
+/// are a `share` of the period apart, one after the other.
+fn distance(state: &State, path: &[f64], share: f64) -> f64 {
     let n = state.modal.len() / (2 * state.harmonics + 1);
     let (mut apart, mut size) = (0.0, 0.0);
-    for (i, marched) in period.path.chunks_exact(n).enumerate() {
-        let tau = TAU * (i * period.stride) as f64 / orbit.steps as f64;
+    for (i, marched) in path.chunks_exact(n).enumerate() {
+        let tau = TAU * i as f64 * share;
         for (j, y) in marched.iter().enumerate() {
-            let balanced = evaluate(state.mode(j), tau)[0];
+            let (balanced, mean) = (evaluate(state.mode(j), tau)[0], state.mode(j)[0]);
             apart += (y - balanced) * (y - balanced);
-            size += balanced * balanced;
+            size += (balanced - mean) * (balanced - mean);
         }
     }
     (apart / size).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn distances_are_measured_by_what_varies() {
+        // Twice the vibration about a static deflection of twenty times its amplitude.
+        let state = State {
+            harmonics: 1,
+            omega: 1.0,
+            decay: 0.0,
+            forcing: 1.0,
+            arguments: Vec::new(),
+            modal: vec![20.0, 1.0, 0.0],
+        };
+        let path: Vec<f64> = (0..256).map(|i| 20.0 + 2.0 * (TAU * f64::from(i) / 256.0).cos()).collect();
+        let apart = distance(&state, &path, 1.0 / 256.0);
+        assert!((apart - 1.0).abs() < 1e-12, "{apart}");
+    }
 }

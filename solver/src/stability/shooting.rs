@@ -3,9 +3,10 @@
 //! Unknowns are the state of the marcher, scaled, and the frequency; the number of steps in a period is fixed, so that the
 //! map is smooth in ω as long as no contact grazes.
 
-use super::marching::{Account, Marching, MarchingError, MarchingSettings};
+use super::marching::{Account, Marching, MarchingError, MarchingSettings, Offset, reduced};
+use super::multipliers::{Multiplier, margin, multipliers};
 use crate::formulation::state::State;
-use crate::linalg::{Lu, Matrix, dot};
+use crate::linalg::{LinalgError, Lu, Matrix, dot};
 use crate::structure::Model;
 use serde::{Deserialize, Serialize};
 
@@ -66,12 +67,24 @@ pub struct Period {
     pub amplitudes: Vec<f64>,
     /// Its energies.
     pub account: Account,
+    /// Whether no contact opened or closed and no slider slipped.
+    pub is_smooth: bool,
+    /// Offsets of the sliders that stick all the time, as forms of the scaled state and w.
+    pub offsets: Vec<Offset>,
 }
 
 impl Period {
     /// Largest scaled residual.
     pub fn error(&self) -> f64 {
         self.residual.iter().fold(0.0, |m, r| m.max(r.abs()))
+    }
+
+    /// Multipliers of the orbit, the largest first, without those of sliders that stick all the time: these are 1.
+    ///
+    /// # Errors
+    /// If the monodromy matrix is not finite, or the iteration does not converge.
+    pub fn multipliers(&self) -> Result<Vec<Multiplier>, LinalgError> {
+        multipliers(&reduced(&self.monodromy, &self.offsets))
     }
 }
 
@@ -159,6 +172,11 @@ impl<'m> Shooting<'m> {
         Orbit { omega: point.w * self.omega, forcing: self.forcing, steps: self.steps, state }
     }
 
+    /// Half width of the band of moduli round 1 in which a multiplier decides nothing at the orbit of a period.
+    pub fn margin(&self, point: &Point, period: &Period) -> f64 {
+        margin(self.model, point.w * self.omega, period.is_smooth)
+    }
+
     /// Unit normal of the plane across the way from `a` to `b`; what laws remember has no part in it.
     pub fn across(&self, a: &Point, b: &Point) -> Option<Vec<f64>> {
         let mut normal: Vec<f64> = b.x.iter().zip(&a.x).map(|(b, a)| b - a).collect();
@@ -196,6 +214,8 @@ impl<'m> Shooting<'m> {
         let mut path = Vec::with_capacity(self.model.size() * (INSTANTS + 2));
         let mut amplitudes = vec![0.0f64; self.model.monitors().len()];
         let mut account = Account::default();
+        let mut is_smooth = true;
+        let mut sticks = marching.sliders();
         let monodromy = marching.walk_with_tangent(&mut |now| {
             if now.index().is_multiple_of(stride) {
                 path.extend(now.modal());
@@ -204,12 +224,16 @@ impl<'m> Shooting<'m> {
                 *largest = largest.max(now.monitored(i).abs());
             }
             now.balance(&mut account);
+            is_smooth &= now.is_smooth();
+            now.unmark(&mut sticks);
         })?;
         let end = self.scaled(&marching.state(), 1.0).x;
         let residual = end.iter().zip(&point.x).map(|(a, b)| a - b).collect();
+        let offsets = marching.offsets(&self.orbit(point).state, &sticks);
+        let offsets = offsets.iter().map(|offset| offset.scaled(&self.scales, self.omega)).collect();
         let scaled = |i: usize, j: usize| monodromy[(i, j)] * self.scales[j] / self.scales[i];
         let monodromy = Matrix::from_fn(point.x.len(), point.x.len(), scaled);
-        Ok(Period { residual, monodromy, path, stride, amplitudes, account })
+        Ok(Period { residual, monodromy, path, stride, amplitudes, account, is_smooth, offsets })
     }
 
     /// Newton's method from a point; the orbit's point and its last period, if it comes to one.
@@ -241,7 +265,7 @@ impl<'m> Shooting<'m> {
     /// where the branch turns in frequency.
     pub fn advance(&mut self, at: &Point, period: &Period, normal: &[f64]) -> Option<f64> {
         let n = at.x.len();
-        let slope = self.slope(at, period)?;
+        let slope = self.central_slope(at)?;
         let mut way = vec![0.0; n];
         way.push(1.0);
         let fixed = way.clone();
@@ -249,7 +273,8 @@ impl<'m> Shooting<'m> {
         Some(dot(&way, normal))
     }
 
-    /// Solves [Φ − I, slope; row] z = b in place.
+    /// Solves [Φ − I, slope; row] z = b in place. In the row of a slider that sticks all the time, where this is singular, the
+    /// offset stays as it is.
     fn solve_bordered(&mut self, period: &Period, slope: &[f64], row: &[f64], b: &mut [f64]) -> Option<()> {
         let n = slope.len();
         let matrix = self.lu.reset(n + 1);
@@ -258,6 +283,10 @@ impl<'m> Shooting<'m> {
             target[..n].copy_from_slice(period.monodromy.row(i));
             target[i] -= 1.0;
             target[n] = slope[i];
+        }
+        for offset in &period.offsets {
+            matrix[offset.force * (n + 1)..][..=n].copy_from_slice(&offset.form);
+            b[offset.force] = 0.0;
         }
         matrix[n * (n + 1)..].copy_from_slice(row);
         self.lu.factor().ok()?;
@@ -269,6 +298,13 @@ impl<'m> Shooting<'m> {
     fn slope(&mut self, at: &Point, period: &Period) -> Option<Vec<f64>> {
         let after = self.residual(&Point { x: at.x.clone(), w: at.w + NUDGE }).ok()?;
         Some(after.iter().zip(&period.residual).map(|(a, b)| (a - b) / NUDGE).collect())
+    }
+
+    /// The same by a central difference, where nothing makes good what it errs by.
+    fn central_slope(&mut self, at: &Point) -> Option<Vec<f64>> {
+        let mut beside = |by: f64| self.residual(&Point { x: at.x.clone(), w: at.w + by }).ok();
+        let (after, before) = (beside(NUDGE)?, beside(-NUDGE)?);
+        Some(after.iter().zip(&before).map(|(a, b)| (a - b) / (2.0 * NUDGE)).collect())
     }
 
     /// The point at the end of a step, or of a part of it that lessens the residual.

@@ -7,7 +7,8 @@ use crate::common::{BACKWARD, FRICTIONLESS, Scenario, assert_close, found_from_w
 use solver::stability::bifurcation::{BifurcationKind, Known, between};
 use solver::stability::multipliers::Verdict;
 use solver::stability::polish::{Around, Polish, PolishSettings, polish};
-use solver::{Branch, SpecialKind, State};
+use solver::{AlongSettings, Branch, End, SpecialKind, State, along};
+use std::ops::ControlFlow;
 
 /// The frequencies of an independent program are given to five digits or less, and its grid of time steps is another one.
 const RESOLUTION: f64 = 1e-3;
@@ -37,12 +38,14 @@ fn passing(branch: &Branch, omega: f64, part: usize) -> isize {
 
 fn known(polish: Polish) -> Known {
     let found = polish.polished.unwrap_or_else(|| panic!("no orbit nearby: {:?}", polish.reason));
-    Known { orbit: found.orbit, multipliers: found.multipliers }
+    Known { orbit: found.orbit, multipliers: found.multipliers, margin: found.margin }
 }
 
 /// Kinds and frequencies of the bifurcations between two orbits.
 fn found(scenario: &Scenario, first: &Known, last: &Known) -> Vec<(BifurcationKind, f64)> {
-    between(scenario.model(), first, last, 0).into_iter().map(|found| (found.kind, found.omega)).collect()
+    let changes = between(scenario.model(), first, last, [0, 1]);
+    assert_eq!(changes.unresolved, []);
+    changes.bifurcations.into_iter().map(|found| (found.kind, found.omega)).collect()
 }
 
 #[track_caller]
@@ -181,4 +184,26 @@ fn deviations_grow_as_the_multipliers_say() {
         // Seen with the C program: 3e-4, and 6e-3 where deviations grow so fast that they end beyond linear.
         assert_close(grown, expected, if expected > 1.1 { 6e-3 } else { 1e-3 }, "growth in a period");
     }
+}
+
+#[test]
+fn once_round_the_frictionless_isola_every_change_is_a_bifurcation() {
+    let (scenario, isola) = (&FRICTIONLESS, isola(&FRICTIONLESS, 60, 2623.0));
+    let found = along(scenario.model(), &AlongSettings::default(), isola, &mut |_| ControlFlow::Continue(()));
+    assert_eq!((found.end, found.unresolved), (End::Complete, vec![]));
+    let changes = found.bifurcations.iter().map(|b| b.outside[1] as isize - b.outside[0] as isize);
+    assert_eq!(changes.sum::<isize>(), 0, "{:?}", found.bifurcations);
+    // What the upper half is known to have, and both folds, somewhere among them.
+    for (kind, omega) in [
+        (BifurcationKind::PeriodDoubling, 2605.45),
+        (BifurcationKind::NeimarkSacker, 2615.44),
+        (BifurcationKind::NeimarkSacker, 2630.0),
+        (BifurcationKind::Fold, 2698.45),
+        (BifurcationKind::Fold, 2547.3),
+    ] {
+        let of_kind = found.bifurcations.iter().filter(|b| b.kind == kind).map(|b| (b.omega / omega - 1.0).abs());
+        let apart = of_kind.fold(f64::INFINITY, f64::min);
+        assert!(apart < RESOLUTION, "{kind} at {omega} rad/s: {:?}", found.bifurcations);
+    }
+    assert_eq!(found.bifurcations.iter().filter(|b| b.kind == BifurcationKind::Fold).count(), 2);
 }

@@ -2,9 +2,11 @@
 //! closed forms, direct integration and marching.
 
 mod common;
+mod counts;
 mod duffing;
 mod growth;
 mod hill;
 mod models;
 mod stops;
+mod symmetry;
 mod tangent;

@@ -2,6 +2,7 @@
 
 use crate::common::{assert_close, main_branch};
 use crate::models::{penalty, stop};
+use rustfft::num_complex::Complex64;
 use solver::stability::along::{AlongSettings, along};
 use solver::stability::bifurcation::{Bifurcation, BifurcationKind};
 use solver::stability::multipliers::Verdict;
@@ -31,8 +32,22 @@ pub fn two_masses_double_their_period_and_turn_quasi_periodic_where_direct_integ
     let branch = main_branch(&model, &settings, 0.1);
     let settings = AlongSettings { points: 60, ..AlongSettings::default() };
     let found = along(&model, &settings, &branch, &mut |_| ControlFlow::Continue(()));
-    for b in &found.bifurcations {
-        println!("{} {} {:?}", b.kind, b.omega, b.amplitudes);
+    let kinds: Vec<_> = found.bifurcations.iter().map(|b| (b.kind, b.outside)).collect();
+    let expected = [
+        (BifurcationKind::Grazing, [0, 2]),
+        (BifurcationKind::NeimarkSacker, [2, 0]),
+        (BifurcationKind::PeriodDoubling, [0, 1]),
+        (BifurcationKind::PeriodDoubling, [1, 0]),
+        (BifurcationKind::Fold, [0, 1]),
+        (BifurcationKind::Grazing, [1, 0]),
+    ];
+    assert_eq!(kinds, expected);
+    assert_eq!(found.unresolved, []);
+    for grazing in found.bifurcations.iter().filter(|b| b.kind == BifurcationKind::Grazing) {
+        // The linear motion just reaches the stop: (K + 0.03 iωK − ω²) x = (0, 0.1).
+        let (w, c) = (grazing.omega, Complex64::new(1.0, 0.03 * grazing.omega));
+        let x1 = 0.1 * c / ((c - w * w) * (2.0 * c - w * w) - c * c);
+        assert_close(x1.norm(), 1.0, 1e-3, "linear x1 where it grazes, m");
     }
     let nearest = |kind, omega: f64| -> &Bifurcation {
         let all = found.bifurcations.iter().filter(|b| b.kind == kind);
@@ -85,5 +100,8 @@ fn impacts_of_a_single_mass_are_not_comparable() {
     println!("{touching} touching, {free} free");
     assert!(touching > 5 && free > 3, "{touching} {free}");
     // Where it only just touches, impacts cost next to nothing, and the orbit is left at once.
-    assert!(found.bifurcations.iter().all(|b| b.kind == BifurcationKind::Grazing), "{:?}", found.bifurcations);
+    let kinds: Vec<_> = found.bifurcations.iter().map(|b| b.kind).collect();
+    assert_eq!(kinds, [BifurcationKind::Grazing]);
+    let w = found.bifurcations[0].omega;
+    assert_close(0.3 / (1.0 - w * w).hypot(0.1 * w), 1.0, 1e-3, "linear x1 where it grazes, m");
 }

@@ -48,6 +48,38 @@ fn assert_exact(model: &Model, forcing: f64, bound: f64) -> f64 {
     end(0.0, 0).1
 }
 
+/// Smallest and largest x1 − x2 (m), and the sliders' smallest and largest force (N), in the period that is compared.
+fn reached(model: &Model) -> [f64; 4] {
+    let settings = MarchingSettings { min_steps_per_period: 600, ..MarchingSettings::default() };
+    let mut marching = Marching::new(model, &settings, 60.0, OMEGA).unwrap();
+    let n = model.size();
+    marching.set_state(&vec![0.0; n], &vec![0.1; n]).unwrap();
+    for _ in 0..3 {
+        marching.period().unwrap();
+    }
+    let mut reached = [f64::INFINITY, f64::NEG_INFINITY, f64::INFINITY, f64::NEG_INFINITY];
+    for _ in 0..marching.steps_per_period() {
+        marching.step().unwrap();
+        let (x, state) = (marching.displacements(), marching.state());
+        let force = state.get(2 * n).copied().unwrap_or(0.0);
+        for (i, value) in [x[0] - x[1], force].into_iter().enumerate() {
+            reached[2 * i] = reached[2 * i].min(value);
+            reached[2 * i + 1] = reached[2 * i + 1].max(value);
+        }
+    }
+    reached
+}
+
+#[test]
+fn laws_are_differentiated_where_they_act_and_where_they_do_not() {
+    let on = |law: LawKind| chain(vec![(law, vec![vec![(0, 1.0), (1, -1.0)]])]);
+    let [least, largest, ..] = reached(&on(penalty(2e3, 0.002)));
+    assert!(least < 0.0 && largest > 0.003, "{least} {largest}");
+    // It slips both ways, and sticks for the way back of 4 N.
+    let [least, largest, low, high] = reached(&on(jenkins(800.0, 2.0)));
+    assert!(low == -2.0 && high == 2.0 && largest - least > 2.0 * 2.0 / 800.0, "{low} {high} {least} {largest}");
+}
+
 #[test]
 fn every_explicit_law_is_differentiated_exactly() {
     let on = |law: LawKind| (law, vec![vec![(0, 1.0), (1, -1.0)]]);

@@ -70,6 +70,17 @@ impl<'m> LocalLaw<'m> {
         self.law.has_memory()
     }
 
+    /// Whether the last forces are those of a law on one side of its threshold, or of a slider that sticks.
+    pub fn is_smooth(&self) -> bool {
+        let crosses = |threshold: f64| 2.0 * (self.before.u - threshold).abs() < self.step * self.slopes[0].abs();
+        !self.law.threshold().is_some_and(crosses) && (!self.has_memory() || self.sticks())
+    }
+
+    /// Whether a slider did not slip: its force goes on from that of the step before.
+    pub fn sticks(&self) -> bool {
+        self.response.dforce_before == 1.0
+    }
+
     /// Numbers that the law carries from step to step beside the motion: the slopes of the arguments one step earlier if
     /// it depends on velocities, then the force one step earlier if it has memory.
     pub fn memory_size(&self) -> usize {
@@ -102,9 +113,10 @@ impl<'m> LocalLaw<'m> {
         }
     }
 
-    /// Force of a law with memory at the end of a path of its argument that begins without force, in N.
-    pub fn force_after(&self, begin: f64, path: impl Iterator<Item = f64>) -> f64 {
-        let mut before = Before { u: begin, force: 0.0 };
+    /// Force of a law with memory at the end of a path of its argument, in N. As in the balance, it has none at rest: where
+    /// the path begins otherwise, the law is taken there first.
+    pub fn force_after(&self, path: impl Iterator<Item = f64>) -> f64 {
+        let mut before = Before::default();
         for u in path {
             let now = Instant { u: [u, 0.0, 0.0], speed: self.speed, ..Instant::default() };
             before = Before { u, force: self.law.respond(&now, &before).force[0] };

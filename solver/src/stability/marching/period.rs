@@ -50,9 +50,9 @@ impl Marching<'_> {
             }
             if law.has_memory() {
                 let period = self.steps_per_period as i32;
-                // Two periods: after one, the force has forgotten where it began.
-                let path = (1 - 2 * period..0).map(|i| at(&arguments[0], f64::from(i)));
-                state.push(law.force_after(at(&arguments[0], f64::from(-2 * period)), path));
+                // Two periods: after one, the force of a slider that slips has forgotten where it began.
+                let path = (-2 * period..0).map(|i| at(&arguments[0], f64::from(i)));
+                state.push(law.force_after(path));
             }
         }
         state
@@ -161,6 +161,11 @@ impl Marching<'_> {
         let turns = (self.model.forcing().harmonic * (self.index % steps) % steps) as f64 / steps as f64;
         let motion = 0.5 * (dot(&self.forcing, &self.increment) + dot(&self.forcing, &self.next));
         account.supplied += (TAU * turns).cos() * motion;
+    }
+
+    /// Whether the step that is made ready is as smooth as its laws: nothing touches, slips, or begins or ceases to act.
+    pub(in crate::stability) fn is_smooth(&self) -> bool {
+        self.contacts.touching().is_empty() && self.laws.iter().all(|law| law.is_smooth())
     }
 
     /// Number of steps since the start.
