@@ -71,6 +71,23 @@ pub trait Problem {
         y.to_vec()
     }
 
+    /// The images of a state that differ from each other, itself the first.
+    fn distinct_images(&self, y: &[f64]) -> Vec<Vec<f64>> {
+        let mut list: Vec<Vec<f64>> = Vec::new();
+        for index in 0..self.images() {
+            let image = self.image(y, index);
+            let metric = self.motion_metric();
+            let is_same = |other: &Vec<f64>| {
+                let difference: Vec<f64> = image.iter().zip(other).map(|(a, b)| a - b).collect();
+                norm(metric, &difference) <= 1e-9 * norm(metric, y)
+            };
+            if !list.iter().any(is_same) {
+                list.push(image);
+            }
+        }
+        list
+    }
+
     /// The part of the metric that measures motions, without the parameters.
     fn motion_metric(&self) -> &[f64] {
         &self.metric()[..self.len() - self.parameters()]

@@ -97,14 +97,18 @@ pub fn walk_on<P: Problem, T: Evaluated<P>>(
         if cancelled {
             return Stop::Cancelled;
         }
-        if bounds.closes && has_closed(&mut identity, continuation, visited) {
+        let rounds = if bounds.closes { rounds(&mut identity, continuation, visited) } else { None };
+        if let Some(rounds) = rounds {
             visited.pop();
-            return Stop::Closed;
+            return if turns_round(continuation.problem(), visited, rounds) { Stop::Closed } else { Stop::Reversed };
         }
         match revisit(&mut identity, continuation, visited) {
             Some(Revisit::Backwards) => return Stop::Reversed,
             Some(Revisit::Forwards(earlier)) if bounds.closes => {
                 visited.pop();
+                if !turns_round(continuation.problem(), &visited[earlier + 1..], 1) {
+                    return Stop::Reversed;
+                }
                 visited.drain(..=earlier);
                 return Stop::Closed;
             }
@@ -264,21 +268,41 @@ fn point_at_bound<P: Problem, T: Evaluated<P>>(
     Some((Visited { curve, point }, share))
 }
 
-/// Whether the last step passes the first point, in the direction in which the walk left it. The paper [9, 10] compares an
-/// interpolated point at the first one's frequency, which takes a near sheet for the same and fails at folds.
-fn has_closed<P: Problem, T>(
+/// Whether the last step passes the first point or an image of it, in the direction in which the walk left it: how many such
+/// rounds lead back to the first point itself. The paper [9, 10] compares an interpolated point at the first one's frequency,
+/// which takes a near sheet for the same and fails at folds.
+fn rounds<P: Problem, T>(
     identity: &mut Identity,
     continuation: &mut Continuation<'_, P>,
     visited: &[Visited<T>],
-) -> bool {
-    let [first, _, .., before, last] = visited else { return false };
+) -> Option<usize> {
+    let [first, _, .., before, last] = visited else { return None };
     let newton = continuation.settings().newton;
     let problem = continuation.problem();
-    (0..problem.images()).any(|index| {
+    let images = problem.images();
+    let index = (0..images).find(|&index| {
         let (y, tangent) = (problem.image(&first.curve.y, index), problem.image(&first.curve.tangent, index));
         inner(problem.metric(), &tangent, &last.curve.tangent) > 0.0
             && identity.passes(problem, &newton, [&before.curve.y, &last.curve.y], &y)
-    })
+    })?;
+    (1..=images).find(|rounds| (rounds * index).is_multiple_of(images))
+}
+
+/// Of the whole turn of a closed curve, the share that the tangents at its points show at least.
+const SHOWN: f64 = 0.8;
+
+/// Whether a curve that leads back to its first point after so many rounds turns like one: a closed curve turns by 2π or more
+/// (W. Fenchel, Math. Ann. 101, 238–252, 1929). What comes back without has jumped, next to a branch point say.
+fn turns_round<P: Problem, T>(problem: &P, visited: &[Visited<T>], rounds: usize) -> bool {
+    let angle = |pair: &[Visited<T>]| {
+        let [a, b] = [0, 1].map(|i| &pair[i].curve.tangent[..]);
+        let metric = problem.metric();
+        (inner(metric, a, b) / (norm(metric, a) * norm(metric, b))).clamp(-1.0, 1.0).acos()
+    };
+    let turned: f64 = visited.windows(2).map(angle).sum();
+    // The last piece, back to the first point, is as long as any.
+    let count = visited.len() as f64;
+    turned * (1.0 + 1.0 / count) * rounds as f64 >= SHOWN * std::f64::consts::TAU
 }
 
 /// How a walk comes upon its own points.

@@ -17,6 +17,7 @@ use crate::curve::problem::Problem;
 use crate::linalg::LinalgError;
 use crate::settings::HarmonicSettings;
 use crate::structure::Model;
+use crate::structure::laws::Law;
 use aft::Aft;
 use modal::Modal;
 use scales::Scales;
@@ -74,27 +75,40 @@ pub struct System<'m> {
     pub unknown: Unknown,
     /// Scales of the unknowns.
     pub scales: Scales,
+    /// Whether with a motion its mirror image, half a period of the forcing later, is a solution as well: all laws are odd.
+    pub is_symmetric: bool,
 }
 
 impl<'m> System<'m> {
     fn new(model: &'m Model, truncation: HarmonicSettings, tracked: usize, unknown: Unknown, scales: Scales) -> Self {
         let modal = Arc::new(Modal::new(model));
-        Self { model, modal, harmonics: truncation.count, tracked, unknown, scales }
+        let is_symmetric = model.elements().iter().all(|element| element.law.is_odd());
+        Self { model, modal, harmonics: truncation.count, tracked, unknown, scales, is_symmetric }
     }
 
-    /// Number of time shifts that leave the forcing as it is: 2πj/m of its period of the response.
+    /// Number of motions that are the same solution: time shifts by whole periods of the forcing, m in a period of the response,
+    /// and for a symmetric structure as many by half a period more, mirrored.
     fn images(&self) -> usize {
-        if self.unknown.is_autonomous() { 1 } else { self.modal.harmonic() }
+        match (self.unknown.is_autonomous(), self.is_symmetric) {
+            (true, _) => 1,
+            (false, false) => self.modal.harmonic(),
+            (false, true) => 2 * self.modal.harmonic(),
+        }
     }
 
-    /// A state or direction whose first `motion` entries are series, shifted in time by 2πj/m.
+    /// Image `index` of a state or direction whose first `motion` entries are series: shifted in time by so many periods of the
+    /// forcing, or half periods, and then mirrored if the number is odd.
     fn image(&self, y: &[f64], motion: usize, index: usize) -> Vec<f64> {
-        let phase = std::f64::consts::TAU * index as f64 / self.modal.harmonic() as f64;
-        let mut shifted = y.to_vec();
-        for series in shifted[..motion].chunks_mut(harmonics::width(self.harmonics)) {
+        let halves = if self.is_symmetric { index } else { 2 * index };
+        let phase = std::f64::consts::PI * halves as f64 / self.modal.harmonic() as f64;
+        let mut image = y.to_vec();
+        for series in image[..motion].chunks_mut(harmonics::width(self.harmonics)) {
             harmonics::shift_phase(series, phase);
+            if halves % 2 == 1 {
+                series.iter_mut().for_each(|x| *x = -*x);
+            }
         }
-        shifted
+        image
     }
 }
 

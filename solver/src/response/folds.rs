@@ -145,8 +145,7 @@ impl<'m> Critical<'m> {
         let Ok(state) = self.locate(state) else { return false };
         let newton = self.settings.continuation.newton;
         let target = self.problem.encode(&state);
-        let images = 0..self.problem.images();
-        let targets: Vec<Vec<f64>> = images.map(|index| self.problem.image(&target, index)).collect();
+        let targets = self.problem.distinct_images(&target);
         let problem = &mut self.problem;
         curve.pairs().any(|(a, b)| {
             let (a, b) = (problem.encode(&a.state), problem.encode(&b.state));

@@ -305,8 +305,7 @@ impl<'m, F: Formulation<'m>> Forced<'m, F> {
     pub fn lies_on(&mut self, state: &State, branch: &Branch) -> bool {
         let newton = self.settings.continuation.newton;
         let target = self.problem.encode(state);
-        let targets: Vec<Vec<f64>> =
-            (0..self.problem.images()).map(|index| self.problem.image(&target, index)).collect();
+        let targets = self.problem.distinct_images(&target);
         let points: Vec<Vec<f64>> = branch.points.iter().map(|point| self.problem.encode(&point.state)).collect();
         let last = if branch.is_closed() { points.first() } else { None };
         let successors = points.iter().skip(1).chain(last);

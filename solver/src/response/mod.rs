@@ -21,6 +21,7 @@ mod reach;
 pub mod seeds;
 mod special;
 pub mod starts;
+mod symmetry;
 pub mod task;
 pub mod trace;
 mod truncation;

@@ -40,9 +40,6 @@ const ROUGH: f64 = 1e-6;
 /// Most steps of least norm with few harmonics, and then with all of them.
 const STEPS: [usize; 2] = [40, 20];
 
-/// Of the lowest frequency swept, how far below it starts begin: down to where its third multiple is.
-const BELOW: f64 = 3.0;
-
 /// A batch of random starts at a level. Its numbers depend on the level's forcing amplitude and on these.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct StartPlace {
@@ -89,7 +86,7 @@ pub fn land<'m, F: Formulation<'m>>(forced: &mut Forced<'m, F>, place: &StartPla
     for _ in 0..BATCH {
         let state = motion(&mut random, forced, &coarse);
         match refined(forced, &mut coarse, &state) {
-            Ok(state) if forced.contains(&state) => landings.push(Landing { state, distance: 0.0 }),
+            Ok(state) if is_within(forced, &state) => landings.push(Landing { state, distance: 0.0 }),
             Ok(_) => {}
             Err(reason) => failure = reason,
         }
@@ -101,7 +98,7 @@ pub fn land<'m, F: Formulation<'m>>(forced: &mut Forced<'m, F>, place: &StartPla
 fn motion<'m, F: Formulation<'m>>(random: &mut ChaCha8Rng, forced: &Forced<'m, F>, coarse: &F) -> State {
     let (model, harmonics) = (forced.model(), coarse.harmonics());
     let mut between = |(low, high): (f64, f64)| (low.ln() + random.gen_range(0.0..1.0) * (high / low).ln()).exp();
-    let omega = between(frequencies(forced));
+    let omega = between(forced.reach().frequency);
     let size = between(SIZES) * coarse.scales().modal;
     let reference = model.modes().frequencies[forced.settings().tracked()];
     let nc = width(harmonics);
@@ -117,10 +114,10 @@ fn motion<'m, F: Formulation<'m>>(random: &mut ChaCha8Rng, forced: &Forced<'m, F
     State { harmonics, omega, decay: 0.0, forcing: forced.forcing(), arguments, modal }
 }
 
-/// Frequencies of starts: the range of the study, and where nobody gave its lower end also some below it.
-fn frequencies<'m, F: Formulation<'m>>(forced: &Forced<'m, F>) -> (f64, f64) {
+/// Whether a response lies within the range of the study, where what ordinary continuation reaches is known.
+fn is_within<'m, F: Formulation<'m>>(forced: &mut Forced<'m, F>, state: &State) -> bool {
     let (low, high) = forced.reach().frequency;
-    (if forced.settings().frequency.min.is_some() { low } else { low / BELOW }, high)
+    (low..=high).contains(&state.omega) && forced.contains(state)
 }
 
 /// The response that a start leads to, first with few harmonics.
@@ -132,7 +129,7 @@ fn refined<'m, F: Formulation<'m>>(
     let mut y = coarse.encode(start);
     nearest(coarse, &mut y, ROUGH, STEPS[0])?;
     let rough = coarse.decode(&y).map_err(|_| Failure::Singular)?.with_harmonics(forced.settings().harmonics.count);
-    if !forced.contains(&rough) {
+    if !is_within(forced, &rough) {
         return Err(Failure::Diverged);
     }
     let newton = forced.settings().continuation.newton;

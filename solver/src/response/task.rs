@@ -161,6 +161,8 @@ pub enum SeedOutcome {
     NotLanded(LandingFailure),
     /// It landed on so many forced responses: where the branches through them begin is another task's work.
     Landed(usize),
+    /// It lies on a branch of asymmetric motions that leaves one of symmetric motions at a point of it.
+    Attached,
     /// It landed, but no branch could be started there.
     NotTraced(Unreached),
     /// It lies outside the bounds within which branches are followed.
@@ -205,6 +207,7 @@ impl std::fmt::Display for SeedOutcome {
             SeedOutcome::Landed(1) => write!(f, "1 forced response"),
             SeedOutcome::Landed(count) => write!(f, "{count} forced responses"),
             SeedOutcome::NotTraced(failure) => write!(f, "landed, but no branch starts there: {failure}"),
+            SeedOutcome::Attached => write!(f, "on asymmetric motions that branch off symmetric ones"),
             SeedOutcome::OutOfBounds => write!(f, "outside the frequency or amplitude bounds"),
             SeedOutcome::OnCurve(number) => write!(f, "fold curve {}", number + 1),
             SeedOutcome::NotFollowed(failure) => write!(f, "no fold curve starts there: {failure}"),

@@ -10,7 +10,9 @@ use crate::response::forcing::Unreached;
 use crate::response::name::BranchId;
 use crate::response::seeds::{Landing, LandingFailure, Seed, land_all};
 use crate::response::starts;
+use crate::response::symmetry::{is_attached, symmetrised};
 use crate::response::task::{CrossingPlace, Finding, FoldPlace, SeedOutcome, Task, Unfollowed};
+use std::collections::VecDeque;
 
 /// What a task is given beside its level.
 #[derive(Debug, Clone, Copy, Default)]
@@ -188,6 +190,9 @@ fn new_part<'m, F: Formulation<'m>>(
     if let Some(id) = first.and_then(|first| identify(forced, &first.state, known)) {
         return Finding::Nothing(SeedOutcome::Found(id));
     }
+    if is_attached(forced.problem(), &branch) {
+        return Finding::Nothing(SeedOutcome::Attached);
+    }
     match unknown_part(forced, branch, known) {
         Ok(branch) => Finding::Branch(branch),
         Err(id) => Finding::Nothing(SeedOutcome::Found(id)),
@@ -282,10 +287,7 @@ fn follow<'m, F: Formulation<'m>>(
                         return Finding::Nothing(SeedOutcome::NotLanded(LandingFailure::Far(landing.distance)));
                     }
                     let branch = named(forced, branch, known);
-                    return match unknown_part(forced, branch, known) {
-                        Ok(branch) => Finding::Branch(branch),
-                        Err(id) => Finding::Nothing(SeedOutcome::Found(id)),
-                    };
+                    return new_part(forced, branch, known);
                 }
                 Err(failure) => SeedOutcome::NotTraced(failure.into()),
             },
@@ -307,22 +309,27 @@ fn begin<'m, F: Formulation<'m>>(
 ) -> Finding {
     let mut nothing = SeedOutcome::OutOfBounds;
     let mut beyond: Vec<Branch> = Vec::new();
-    for Landing { state, .. } in landings {
-        if let Some(id) = identify(forced, state, known) {
+    let mut states: VecDeque<State> = landings.iter().map(|landing| landing.state.clone()).collect();
+    while let Some(state) = states.pop_front() {
+        if let Some(id) = identify(forced, &state, known) {
             nothing = SeedOutcome::Found(id);
             continue;
         }
-        if forced.is_ordinary(state) || beyond.iter().any(|branch| forced.lies_on(state, branch)) {
+        if forced.is_ordinary(&state) || beyond.iter().any(|branch| forced.lies_on(&state, branch)) {
             continue;
         }
-        let branch = match forced.branch_through(state, observer) {
+        let branch = match forced.branch_through(&state, observer) {
             Ok(branch) => named(forced, branch, known),
             Err(failure) => {
                 nothing = SeedOutcome::NotTraced(failure.into());
                 continue;
             }
         };
-        if branch.is_cancelled() || branch.is_closed() || branch.kind != BranchKind::Main {
+        if is_attached(forced.problem(), &branch) {
+            // What it branches off may not be known either.
+            states.extend(symmetrised(forced, &state));
+            nothing = SeedOutcome::Attached;
+        } else if branch.is_cancelled() || branch.is_closed() || branch.kind != BranchKind::Main {
             return new_part(forced, branch, known);
         }
         beyond.push(branch);

@@ -29,6 +29,7 @@ fn check_windows(level: &Level, backbone: &Backbone, what: &str) -> (usize, usiz
                 SeedOutcome::NotLanded(reason) => assert!(!reason.to_string().is_empty(), "{what}: no reason"),
                 SeedOutcome::NotTraced(reason) => assert!(!reason.to_string().is_empty(), "{what}: no reason"),
                 SeedOutcome::OutOfBounds => panic!("{what}: the default bounds hold the whole backbone"),
+                SeedOutcome::Attached => panic!("{what}: contact has no symmetry"),
                 SeedOutcome::Landed(_) => panic!("{what}: what was landed on is a branch or not"),
                 SeedOutcome::OnCurve(_) | SeedOutcome::NotFollowed(_) => panic!("{what}: a seed is no fold"),
             }

@@ -60,6 +60,10 @@ pub fn check_gradients(law: &impl Law, scales: &Scales) {
 fn check_state(law: &impl Law, scales: &Scales, now: &Instant, before: &Before) {
     let response = law.respond(now, before);
     check_zeros(law, &response);
+    if law.is_odd() {
+        let mirrored = Instant { u: now.u.map(|u| -u), v: now.v.map(|v| -v), ..*now };
+        assert_eq!(law.respond(&mirrored, &Before::default()).force, response.force.map(|force| -force));
+    }
     let mut inputs = vec![Input::Speed, Input::DisplacementBefore, Input::ForceBefore];
     for j in 0..MAX_ARGUMENTS {
         inputs.extend([Input::Displacement(j), Input::Velocity(j)]);

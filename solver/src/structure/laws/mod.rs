@@ -130,6 +130,10 @@ pub trait Law {
     fn is_homogeneous_in_rate(&self) -> bool {
         false
     }
+    /// Whether the forces change their signs, and nothing else, when all arguments and their derivatives do.
+    fn is_odd(&self) -> bool {
+        false
+    }
     /// What a rigid contact is made of; none for a law that is a function of the motion.
     fn rigid(&self) -> Option<RigidContact<'_>> {
         None
@@ -221,6 +225,10 @@ impl Law for LawKind {
 
     fn is_homogeneous_in_rate(&self) -> bool {
         with_law!(self, law => law.is_homogeneous_in_rate())
+    }
+
+    fn is_odd(&self) -> bool {
+        with_law!(self, law => law.is_odd())
     }
 
     fn rigid(&self) -> Option<RigidContact<'_>> {

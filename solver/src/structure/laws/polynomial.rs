@@ -56,6 +56,10 @@ fn linear(terms: &[Term]) -> f64 {
     terms.iter().filter(|term| term.power == 1).map(|term| term.coefficient.abs()).sum()
 }
 
+fn is_odd(terms: &[Term]) -> bool {
+    terms.iter().all(|term| term.power % 2 == 1)
+}
+
 fn validate(terms: &[Term]) -> Result<(), ParameterError> {
     require("terms (number of)", terms.len() as f64, !terms.is_empty(), "at least one term")?;
     for &Term { power, coefficient } in terms {
@@ -72,6 +76,10 @@ impl Law for PolynomialSpring {
 
     fn pattern(&self) -> Pattern {
         Pattern::scalar(true, false)
+    }
+
+    fn is_odd(&self) -> bool {
+        is_odd(&self.terms)
     }
 
     fn stiffness_bound(&self) -> f64 {
@@ -108,6 +116,10 @@ impl Law for PolynomialDamper {
 
     fn pattern(&self) -> Pattern {
         Pattern::scalar(false, true)
+    }
+
+    fn is_odd(&self) -> bool {
+        is_odd(&self.terms)
     }
 
     fn stiffness_bound(&self) -> f64 {

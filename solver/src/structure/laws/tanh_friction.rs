@@ -22,6 +22,10 @@ impl Law for TanhFriction {
         Pattern::scalar(false, true)
     }
 
+    fn is_odd(&self) -> bool {
+        true
+    }
+
     fn stiffness_bound(&self) -> f64 {
         0.0
     }
