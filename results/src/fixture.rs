@@ -69,7 +69,7 @@ impl Study {
         let amplitude = |text: &&str| Amplitude { text: text.to_string(), value: text.parse().unwrap() };
         let amplitudes: Vec<Amplitude> = amplitudes.iter().map(amplitude).collect();
         let level = |amplitude: &Amplitude| {
-            let (windows, tasks) = plan(&backbones, amplitude.value, 0);
+            let (windows, tasks) = plan(&backbones, amplitude.value, &settings.frequency, 0);
             LevelPlan { amplitude: amplitude.clone(), windows, tasks }
         };
         let plans: Vec<LevelPlan> = amplitudes.iter().map(level).collect();

@@ -116,7 +116,8 @@ pub fn compute(
     let reach = Reach::over(settings, &backbones[0], &backbones[1..], highest)?.with_folds_of(values());
     let (batches, count) = (starts::batches(model, settings), header.amplitudes.len());
     let level = |(index, amplitude): (usize, &Amplitude)| {
-        let (windows, tasks) = plan(&backbones, amplitude.value, starts::share(batches, index, count));
+        let (windows, tasks) =
+            plan(&backbones, amplitude.value, &settings.frequency, starts::share(batches, index, count));
         LevelPlan { amplitude: amplitude.clone(), windows, tasks }
     };
     let levels = header.amplitudes.iter().enumerate().map(level).collect();

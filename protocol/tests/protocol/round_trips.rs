@@ -18,7 +18,7 @@ use solver::response::branch::{Branch, SpecialKind, SpecialPoint};
 use solver::response::columns;
 use solver::response::level::Level;
 use solver::response::task::{Finding, plan};
-use solver::settings::Settings;
+use solver::settings::{FrequencySettings, Settings};
 use solver::structure::Model;
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -131,7 +131,7 @@ fn contact_on_a_branch() {
 fn seeds() {
     let damper = &*DAMPER;
     let modal = Modal::new(&damper.model);
-    let (_, tasks) = plan(&damper.backbone, AMPLITUDE, 1);
+    let (_, tasks) = plan(&damper.backbone, AMPLITUDE, &FrequencySettings::default(), 1);
     assert!(tasks.len() > 2);
     for task in tasks {
         let seeds = task.seeds(&modal, &damper.backbone, AMPLITUDE);

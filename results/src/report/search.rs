@@ -115,7 +115,14 @@ impl Evidence<'_> {
             Some(why) => format!("; folds were not followed ({why})"),
             None => String::new(),
         };
-        format!("isolas {modes}of {harmonics} and {led} were not looked for{folds}")
+        match self.search.starts {
+            0 => format!("isolas {modes}of {harmonics} and {led} were not looked for{folds}"),
+            starts => format!(
+                "isolas of other periods were not looked for, and {led} by {} only: what one of them finds with \
+                 probability p is missed with probability (1 − p)^{starts}{folds}",
+                count(starts, "random start")
+            ),
+        }
     }
 
     /// Says so if there are stops and no branch of any level touches one.

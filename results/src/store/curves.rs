@@ -49,7 +49,7 @@ pub struct CurvePoint {
     pub omega: f64,
     /// Amplitude of the first monitored dof, m.
     pub amplitude: f64,
-    /// `birth`, `merge` or `cusp`.
+    /// `birth`, `death`, `merge`, `cusp` or `unknown`.
     pub event: Option<String>,
 }
 

@@ -101,9 +101,10 @@ CREATE TABLE tasks (
     -- Turn within the level, from 0; of a 'fold' the turn among all folds.
     position INTEGER NOT NULL,
     -- 'main' (from a frequency bound), 'land' (lands a seed of a window), 'seed' (from what a seed landed on), 'fold'
-    -- (follows a fold of a branch over the forcing) or 'crossing' (from where a fold curve crosses the level).
+    -- (follows a fold of a branch over the forcing), 'crossing' (from where a fold curve crosses the level), 'start' (a
+    -- batch of random starts) or 'begin' (from what they led to).
     kind TEXT NOT NULL,
-    -- What it follows from, of a 'fold' or a 'crossing': 'isola 1, fold 2' or 'fold curve 3'.
+    -- What it follows from, if not a window: 'isola 1, fold 2', 'fold curve 3' or 'starts, batch 1'.
     origin TEXT,
     -- Window the seed is from; NULL unless 'land' or 'seed', as the next two.
     window INTEGER,
@@ -262,8 +263,8 @@ CREATE TABLE curve_points (
     omega REAL,
     -- Amplitude of the first monitored dof.
     amplitude REAL,
-    -- 'birth' (an isola appears as the forcing grows), 'death' (it vanishes), 'merge' (two branches become one) or 'cusp'
-    -- (two folds of a branch appear or vanish); NULL elsewhere.
+    -- 'birth' (an isola appears as the forcing grows), 'death' (it vanishes), 'merge' (two branches become one, or one
+    -- two), 'cusp' (two folds of a branch appear or vanish) or 'unknown' (one of these); NULL elsewhere.
     event TEXT,
     PRIMARY KEY (curve, i)
 ) WITHOUT ROWID;

@@ -88,7 +88,7 @@ impl Level {
         }
         let (primary, further) = backbones.as_ref().split_first().ok_or(LevelError::NoBackbone)?;
         let mut forced = Forced::new(model, settings, Reach::over(settings, primary, further, forcing)?, forcing);
-        let (windows, tasks) = plan(backbones, forcing, 0);
+        let (windows, tasks) = plan(backbones, forcing, &settings.frequency, 0);
         let mut account = Account::new(windows);
         let mut branches: Vec<(BranchId, Branch)> = Vec::new();
         let (mut failed, mut landings) = (None, Vec::new());

@@ -10,6 +10,7 @@ pub use crate::response::name::BranchId;
 use crate::response::seeds::{Landing, LandingFailure, Phase, Seed, Way, candidates};
 use crate::response::starts::StartPlace;
 use crate::response::windows::{Window, windows};
+use crate::settings::FrequencySettings;
 use serde::de::{Deserializer, Error, IgnoredAny, MapAccess, Visitor};
 use serde::ser::Serializer;
 use serde::{Deserialize, Serialize};
@@ -270,12 +271,21 @@ impl Brought {
 
 /// The windows of a level, backbone by backbone, each of a mode of its own, and its tasks in the order in which they are
 /// carried out: the main branch from below and from above; then, window by window, both phases of every well at fixed
-/// frequency, and the same by steps in the forcing, each landed first; last, so many batches of random starts.
-pub fn plan(backbones: &(impl AsRef<[Backbone]> + ?Sized), forcing: f64, batches: usize) -> (Vec<Window>, Vec<Task>) {
+/// frequency, and the same by steps in the forcing, each landed first; last, so many batches of random starts. Windows
+/// beyond the bounds that the settings give are none of the study.
+pub fn plan(
+    backbones: &(impl AsRef<[Backbone]> + ?Sized),
+    forcing: f64,
+    bounds: &FrequencySettings,
+    batches: usize,
+) -> (Vec<Window>, Vec<Task>) {
+    let is_within = |window: &Window| {
+        bounds.min.is_none_or(|min| window.omega.1 >= min) && bounds.max.is_none_or(|max| window.omega.0 <= max)
+    };
     let mut list = Vec::new();
     let mut tasks = vec![Task::Main(Side::Below), Task::Main(Side::Above)];
     for backbone in backbones.as_ref() {
-        for window in windows(backbone, forcing) {
+        for window in windows(backbone, forcing).into_iter().filter(is_within) {
             let (number, wells) = (list.len(), window.wells(backbone));
             list.push(window);
             for way in [Way::FixedFrequency, Way::SteppedForcing] {

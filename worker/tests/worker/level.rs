@@ -26,7 +26,7 @@ struct Desk {
 
 impl Desk {
     fn new(study: Study) -> Self {
-        let (windows, tasks) = plan(&study.backbone, 0.008, 0);
+        let (windows, tasks) = plan(&study.backbone, 0.008, &study.settings.frequency, 0);
         Self {
             study,
             tasks: tasks.into_iter().enumerate().collect(),

@@ -15,7 +15,7 @@ use worker::shutdown::Shutdown;
 
 /// The first landing of the level.
 fn first_landing(study: &Study) -> Task {
-    let (_, tasks) = plan(&study.backbone, 0.008, 0);
+    let (_, tasks) = plan(&study.backbone, 0.008, &study.settings.frequency, 0);
     tasks.into_iter().find(|task| matches!(task, Task::Land(_))).unwrap()
 }
 

@@ -585,8 +585,8 @@ class Result:
     #: Which attempt was accepted, from 1.
     attempt: int
     amplitude: Amplitude
-    #: What was to be done: ``"main"``, ``{"main": "above"}``, ``{"land": {…}}``, ``{"seed": {…}}``, ``{"fold": {…}}`` or
-    #: ``{"crossing": {…}}``.
+    #: What was to be done: ``"main"``, ``{"main": "above"}``, ``{"land": {…}}``, ``{"seed": {…}}``, ``{"fold": {…}}``,
+    #: ``{"crossing": {…}}``, ``{"start": {…}}`` or ``{"begin": {…}}``.
     work: Any
     #: What became of it, in words.
     outcome: str

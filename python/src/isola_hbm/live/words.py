@@ -98,6 +98,8 @@ def seed_outcome(value: Any) -> str:
         return f"no seed of the window converged: {failure(content)}"
     if name == "not_traced":
         return f"landed, but no branch starts there: {failure(content)}"
+    if name == "attached":
+        return "on asymmetric motions that branch off symmetric ones"
     if name == "out_of_bounds":
         return "outside the frequency or amplitude bounds"
     if name == "landed":
