@@ -3,9 +3,9 @@
 use solver::curve::continuation::{Corrector, Predictor};
 use solver::files;
 use solver::response::backbone::Backbone;
-use solver::response::branch::{Branch, BranchPoint, Outcome, Side, Stop};
+use solver::response::branch::{Branch, BranchKind, BranchPoint, Outcome, Side, Stop};
 use solver::response::forced::{Forced, Reach};
-use solver::response::level::{Level, LevelError, SeedOutcome};
+use solver::response::level::{Level, LevelError};
 use solver::settings::Settings;
 use solver::structure::Model;
 use std::ops::ControlFlow;
@@ -94,16 +94,22 @@ fn a_cancelled_level_stops_and_says_so() {
     assert_eq!(seen, 5);
 }
 
-/// The isola lies beyond the bounds: it is reported as out of bounds, not invented from the pieces that fit.
+/// The isola lies beyond the bounds: nothing is invented from the pieces that fit. Where it reaches into them it is cut.
 #[test]
-fn what_lies_out_of_bounds_is_said_to() {
+fn what_lies_beyond_bounds_is_left_out_and_what_reaches_into_them_is_cut() {
     let model = load("impact_subharmonic");
     let mut settings = Settings::default();
     let backbone = Backbone::compute(&model, &settings).unwrap();
-    settings.frequency.min = Some(0.5);
-    settings.frequency.max = Some(0.9);
+    let whole = Level::compute(&model, &settings, &backbone, 0.5).unwrap();
+    let (low, high) = whole.isolas().next().expect("an isola").frequency_range();
+    (settings.frequency.min, settings.frequency.max) = (Some(0.5), Some(0.9));
     let level = Level::compute(&model, &settings, &backbone, 0.5).unwrap();
-    assert!(level.isolas().next().is_none(), "{:?}", level.isolas().map(|b| b.outcome).collect::<Vec<_>>());
-    let outcomes = level.windows.iter().flat_map(|w| &w.seeds).map(|seed| seed.outcome);
-    assert!(outcomes.clone().any(|outcome| outcome == SeedOutcome::OutOfBounds), "{:?}", outcomes.collect::<Vec<_>>());
+    assert!(level.windows.is_empty() && level.isolas().next().is_none(), "{level:#?}");
+    // Some way into it, where the seeds of its window land beyond the bounds.
+    settings.frequency.max = Some(low + 0.1 * (high - low));
+    let level = Level::compute(&model, &settings, &backbone, 0.5).unwrap();
+    let cut: Vec<&Branch> = level.isolas().collect();
+    assert!(!cut.is_empty() && cut.iter().all(|branch| branch.kind == BranchKind::Cut), "{level:#?}");
+    let begins = cut.iter().map(|branch| branch.frequency_range().0).fold(f64::INFINITY, f64::min);
+    assert!((begins / low - 1.0).abs() < 1e-6, "{begins}, {low}");
 }

@@ -273,13 +273,21 @@ fn follow<'m, F: Formulation<'m>>(
     observer: &mut Observer<'_>,
 ) -> Finding {
     let mut nothing = SeedOutcome::NotLanded(LandingFailure::NotConverged(Failure::Diverged.into()));
-    let mut nearest = f64::INFINITY;
+    let (mut nearest, mut is_beyond) = (f64::INFINITY, false);
     for landing in landings {
         // What is not known yet is what seeds are for, wherever it lies.
         let outcome = match identify(forced, &landing.state, known) {
             Some(id) if landing.is_near() => SeedOutcome::Found(id),
             Some(_) => SeedOutcome::NotLanded(LandingFailure::Far(landing.distance)),
-            None if !forced.contains(&landing.state) => SeedOutcome::OutOfBounds,
+            // What begins beyond the bounds may lead through them: one walk tells.
+            None if !forced.contains(&landing.state) && is_beyond => SeedOutcome::OutOfBounds,
+            None if !forced.contains(&landing.state) => {
+                is_beyond = true;
+                match branch_from(forced, &landing.state, known, observer) {
+                    Finding::Nothing(outcome) => outcome,
+                    found => return found,
+                }
+            }
             None => match forced.branch_through(&landing.state, observer) {
                 Ok(branch) => {
                     // Of a curve that was come upon by a wrong step nothing is known but that it is closed.
