@@ -199,7 +199,7 @@ pub struct Status {
 pub struct Counts {
     /// Stored.
     pub done: usize,
-    /// Not needed, other seeds of their windows having led to branches.
+    /// Not needed: other seeds of their windows led to branches, or what they would begin from was not found.
     pub skipped: usize,
     /// Under way.
     pub running: usize,

@@ -7,7 +7,7 @@ use solver::response::branch::{Branch, BranchPoint};
 use solver::response::critical::CriticalCurve;
 use solver::response::forced::{Forced, Reach};
 use solver::response::seeds::{Landing, Seed};
-use solver::response::task::{BranchId, Finding, Task};
+use solver::response::task::{BranchId, Finding, SeedOutcome, Task};
 use solver::response::trace::{Given, carry_out};
 use solver::settings::Settings;
 use solver::structure::Model;
@@ -163,7 +163,7 @@ fn compute(model: &Model, settings: &Settings, job: &Job, watch: &Watch) -> Comp
     };
     let payload = encode(&request);
     let summary = match &finding {
-        Finding::Landings(landings) => format!("landed on {} forced responses", landings.len()),
+        Finding::Landings(landings) => format!("landed on {}", SeedOutcome::Landed(landings.len())),
         Finding::Branch(branch) => format!("{} points, {}", branch.points.len(), branch.outcome),
         Finding::Curve(curve) => format!("fold curve of {} points, {}", curve.points.len(), curve.outcome),
         Finding::Nothing(outcome) => format!("nothing new: {outcome}"),

@@ -35,7 +35,7 @@ impl Ledger {
         self.sequence
     }
 
-    /// Number of levels, and of those whose tasks are all settled.
+    /// Number of levels, and of those without a task to hand out or to wait for.
     pub fn progress_of_levels(&self) -> (usize, usize) {
         (self.levels().count(), self.levels().filter(|(chain, _)| chain.is_finished()).count())
     }
