@@ -193,7 +193,7 @@ pub struct SearchSettings {
 pub enum Effort {
     /// In the windows only.
     None,
-    /// Folds of the branches found are followed over the forcing amplitude, 200 at most, and random starts are tried, 1024 with
+    /// Folds of the branches found are followed over the forcing amplitude, 200 at most, and random starts are tried, 4096 with
     /// a small model and fewer with larger ones.
     #[default]
     Standard,

@@ -117,11 +117,17 @@ impl Evidence<'_> {
         };
         match self.search.starts {
             0 => format!("isolas {modes}of {harmonics} and {led} were not looked for{folds}"),
-            starts => format!(
-                "isolas of other periods were not looked for, and {led} by {} only: what one of them finds with \
-                 probability p is missed with probability (1 − p)^{starts}{folds}",
-                count(starts, "random start")
-            ),
+            starts => {
+                let at_least = match self.search.fewest {
+                    0 => "at some levels none".to_string(),
+                    fewest => format!(
+                        "{fewest} a level at least: what one finds with probability p is missed with \
+                        probability (1 − p)^{fewest}"
+                    ),
+                };
+                let starts = count(starts, "random start");
+                format!("isolas of other periods were not looked for, and {led} by {starts} only ({at_least}){folds}")
+            }
         }
     }
 

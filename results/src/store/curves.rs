@@ -68,6 +68,8 @@ pub struct SearchCounts {
     pub lost: usize,
     /// Random starts tried.
     pub starts: usize,
+    /// Of these at the level that has the fewest.
+    pub fewest: usize,
     /// Branches that they led to.
     pub started: usize,
 }
@@ -145,7 +147,8 @@ impl Reader {
 
     /// What became of random starts and of the tasks that follow from folds.
     pub fn search_counts(&self) -> Result<SearchCounts> {
-        let sql = "SELECT kind, state <> 'done' OR found OR coalesce(outcome, '') LIKE 'outside %' FROM tasks \
+        let sql = "SELECT kind, state <> 'done' OR found OR coalesce(outcome, '') LIKE 'outside %' \
+                   OR outcome LIKE 'on asymmetric %' FROM tasks \
                    WHERE kind IN ('fold', 'crossing')";
         let mut counts = SearchCounts::default();
         for (kind, is_well) in self.all(sql, [], |row| Ok((row.get::<_, String>(0)?, row.get::<_, bool>(1)?)))? {
@@ -162,6 +165,9 @@ impl Reader {
             counts.left_out = number(ALL_FOLDS)?.saturating_sub(counts.folds);
         }
         counts.starts = BATCH * number("SELECT count(*) FROM tasks WHERE kind = 'start' AND state = 'done'")?;
+        let sql = "SELECT min(number) FROM (SELECT count(tasks.id) AS number FROM levels LEFT JOIN tasks \
+                   ON tasks.level = levels.level AND tasks.kind = 'start' AND tasks.state = 'done' GROUP BY levels.level)";
+        counts.fewest = BATCH * number(sql)?;
         let sql = "SELECT count(*) FROM branches JOIN tasks ON tasks.id = branches.task WHERE tasks.kind = 'begin'";
         counts.started = number(sql)?;
         Ok(counts)

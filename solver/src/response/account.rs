@@ -76,12 +76,13 @@ impl Account {
 
     /// Whether a task is still of use: stepping in the forcing is not where fixed frequencies have led to a branch, a seed
     /// that did not land leads nowhere, and no seed is without a main branch to tell isolas from. Landing at fixed frequency
-    /// is of use whatever is known.
+    /// and random starts are of use whatever is known.
     pub fn needs(&self, task: &Task) -> bool {
         let is_without_main = !self.has_main() && !self.mains.is_empty();
         match task {
-            Task::Main(_) | Task::Fold(_) | Task::Land(SeedPlace { way: Way::FixedFrequency, .. }) => true,
-            Task::Crossing(_) | Task::Start(_) => !is_without_main,
+            Task::Main(_) | Task::Fold(_) | Task::Start(_) => true,
+            Task::Land(SeedPlace { way: Way::FixedFrequency, .. }) => true,
+            Task::Crossing(_) => !is_without_main,
             Task::Begin(place) => !is_without_main && self.starts.iter().all(|(start, _)| start != place),
             Task::Land(place) => !is_without_main && !self.is_found(place),
             // What did not land has its outcome.

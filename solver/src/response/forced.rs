@@ -188,17 +188,21 @@ impl<'m, F: Formulation<'m>> Forced<'m, F> {
         self.branch_within(self.given(), state, observer)
     }
 
-    /// Responses within the frequencies that the settings give on the branch through one beyond them: one for every part of it
-    /// that lies within.
+    /// The branch through a converged state, whatever bounds the settings give.
     ///
     /// # Errors
     /// If the state does not converge again.
-    pub fn within_bounds(&mut self, state: &State, observer: &mut Observer<'_>) -> Result<Vec<State>, Failure> {
-        let (low, high) = self.given();
-        let branch = self.branch_within(self.widest(), state, observer)?;
+    pub fn branch_beyond(&mut self, state: &State, observer: &mut Observer<'_>) -> Result<Branch, Failure> {
+        self.branch_within(self.widest(), state, observer)
+    }
+
+    /// A response of every part of a branch that lies within the range of the study.
+    pub fn within_range(&mut self, branch: &Branch) -> Vec<State> {
+        let (low, high) = self.reach.frequency;
         let is_inside = |point: &BranchPoint| (low..=high).contains(&point.omega());
         let parts = branch.points.chunk_by(|a, b| is_inside(a) == is_inside(b)).filter(|part| is_inside(&part[0]));
-        Ok(parts.map(|part| part[part.len() / 2].state.clone()).collect())
+        let middles: Vec<State> = parts.map(|part| part[part.len() / 2].state.clone()).collect();
+        middles.into_iter().filter(|state| self.contains(state)).collect()
     }
 
     /// The frequencies that the settings give; the widest ones where they give none.

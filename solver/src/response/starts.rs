@@ -23,10 +23,10 @@ use serde::{Deserialize, Serialize};
 pub const BATCH: usize = 16;
 
 /// Most starts of a run, of a small model.
-const MOST: f64 = 1024.0;
+const MOST: f64 = 4096.0;
 
 /// Starts of a run, times the square of the number of unknowns of each: what larger models can afford.
-const AFFORDED: f64 = 8e6;
+const AFFORDED: f64 = 1.6e7;
 
 /// Of random motions, the sizes: between these multiples of the amplitude at which the structure becomes nonlinear.
 const SIZES: (f64, f64) = (0.03, 30.0);

@@ -149,13 +149,22 @@ fn branch_from<'m, F: Formulation<'m>>(
     if forced.contains(state) {
         return branch_through(forced, state, known, observer);
     }
-    let inside = match forced.within_bounds(state, observer) {
-        Ok(inside) => inside,
-        Err(failure) => return Finding::Nothing(SeedOutcome::NotTraced(failure.into())),
-    };
+    match forced.branch_beyond(state, observer) {
+        Ok(branch) => part_within(forced, &branch, known, observer),
+        Err(failure) => Finding::Nothing(SeedOutcome::NotTraced(failure.into())),
+    }
+}
+
+/// The first part within the range of the study that is not known, of a branch that was walked beyond it.
+fn part_within<'m, F: Formulation<'m>>(
+    forced: &mut Forced<'m, F>,
+    branch: &Branch,
+    known: &[(BranchId, &Branch)],
+    observer: &mut Observer<'_>,
+) -> Finding {
     let mut nothing = SeedOutcome::OutOfBounds;
-    for state in inside.iter().filter(|state| forced.contains(state)).collect::<Vec<_>>() {
-        match branch_through(forced, state, known, observer) {
+    for state in forced.within_range(branch) {
+        match branch_through(forced, &state, known, observer) {
             Finding::Nothing(outcome) => nothing = outcome,
             found => return found,
         }
@@ -273,22 +282,13 @@ fn follow<'m, F: Formulation<'m>>(
     observer: &mut Observer<'_>,
 ) -> Finding {
     let mut nothing = SeedOutcome::NotLanded(LandingFailure::NotConverged(Failure::Diverged.into()));
-    let (mut nearest, mut is_beyond) = (f64::INFINITY, false);
+    let (mut nearest, mut beyond) = (f64::INFINITY, Vec::new());
     for landing in landings {
         // What is not known yet is what seeds are for, wherever it lies.
         let outcome = match identify(forced, &landing.state, known) {
             Some(id) if landing.is_near() => SeedOutcome::Found(id),
             Some(_) => SeedOutcome::NotLanded(LandingFailure::Far(landing.distance)),
-            // What begins beyond the bounds may lead through them: one walk tells.
-            None if !forced.contains(&landing.state) && is_beyond => SeedOutcome::OutOfBounds,
-            None if !forced.contains(&landing.state) => {
-                is_beyond = true;
-                match branch_from(forced, &landing.state, known, observer) {
-                    Finding::Nothing(outcome) => outcome,
-                    found => return found,
-                }
-            }
-            None => match forced.branch_through(&landing.state, observer) {
+            None if forced.contains(&landing.state) => match forced.branch_through(&landing.state, observer) {
                 Ok(branch) => {
                     // Of a curve that was come upon by a wrong step nothing is known but that it is closed.
                     if branch.is_closed() && identify(forced, &branch.points[0].state, known).is_some() {
@@ -297,6 +297,18 @@ fn follow<'m, F: Formulation<'m>>(
                     let branch = named(forced, branch, known);
                     return new_part(forced, branch, known);
                 }
+                Err(failure) => SeedOutcome::NotTraced(failure.into()),
+            },
+            // What begins beyond the bounds may lead through them.
+            None if beyond.iter().any(|branch| forced.lies_on(&landing.state, branch)) => SeedOutcome::OutOfBounds,
+            None => match forced.branch_beyond(&landing.state, observer) {
+                Ok(branch) => match part_within(forced, &branch, known, observer) {
+                    Finding::Nothing(outcome) => {
+                        beyond.push(branch);
+                        outcome
+                    }
+                    found => return found,
+                },
                 Err(failure) => SeedOutcome::NotTraced(failure.into()),
             },
         };
@@ -316,14 +328,14 @@ fn begin<'m, F: Formulation<'m>>(
     observer: &mut Observer<'_>,
 ) -> Finding {
     let mut nothing = SeedOutcome::OutOfBounds;
-    let mut beyond: Vec<Branch> = Vec::new();
+    let mut passed: Vec<Branch> = Vec::new();
     let mut states: VecDeque<State> = landings.iter().map(|landing| landing.state.clone()).collect();
     while let Some(state) = states.pop_front() {
         if let Some(id) = identify(forced, &state, known) {
             nothing = SeedOutcome::Found(id);
             continue;
         }
-        if forced.is_ordinary(&state) || beyond.iter().any(|branch| forced.lies_on(&state, branch)) {
+        if passed.iter().any(|branch| forced.lies_on(&state, branch)) {
             continue;
         }
         let branch = match forced.branch_through(&state, observer) {
@@ -333,14 +345,23 @@ fn begin<'m, F: Formulation<'m>>(
                 continue;
             }
         };
-        if is_attached(forced.problem(), &branch) {
+        if branch.is_cancelled() {
+            return Finding::Branch(branch);
+        }
+        // A main branch that is whole goes on beyond the range; what is not on it is a loop that its steps have passed over.
+        let whole = known.iter().find(|(id, main)| id.is_main() && !main.outcome.is_unfinished());
+        nothing = match (branch.kind, whole) {
+            (BranchKind::Main, Some((id, _))) => SeedOutcome::Found(*id),
+            _ => match new_part(forced, branch.clone(), known) {
+                Finding::Nothing(outcome) => outcome,
+                found => return found,
+            },
+        };
+        if nothing == SeedOutcome::Attached {
             // What it branches off may not be known either.
             states.extend(symmetrised(forced, &state));
-            nothing = SeedOutcome::Attached;
-        } else if branch.is_cancelled() || branch.is_closed() || branch.kind != BranchKind::Main {
-            return new_part(forced, branch, known);
         }
-        beyond.push(branch);
+        passed.push(branch);
     }
     Finding::Nothing(nothing)
 }

@@ -136,6 +136,27 @@ fn without_a_main_branch_there_is_nothing_to_compare_with() {
 }
 
 #[test]
+fn starts_are_tried_whatever_becomes_of_main_branches() {
+    let mut level = plan(1.0, 0);
+    let place = StartPlace { batch: 0, round: 0 };
+    level.tasks.extend([Task::Start(place), Task::Begin(place)]);
+    let mut ledger = Ledger::new(Rules::default(), vec![level]);
+    for (task, brought) in [
+        ("1-0", &UNREACHED),
+        ("1-1", &MAIN),
+        ("1-2", &Brought::Landings(3)),
+        ("1-3", &ISOLA),
+        // It may lead to one more.
+        ("1-4", &ON_MAIN),
+    ] {
+        let lease = leased(&mut ledger, "a", Duration::ZERO);
+        assert_eq!(lease.task.as_str(), task);
+        assert!(matches!(ledger.submit(&lease, brought).0, Submitted::Accepted(_)), "{task}");
+    }
+    assert!(ledger.is_finished() && ledger.counts().skipped == 0);
+}
+
+#[test]
 fn what_does_not_land_leads_nowhere_and_stepping_comes_after_what_did_not_lead_to_a_branch() {
     let mut ledger = Ledger::new(Rules::default(), vec![plan(1.0, 1)]);
     let mut take = |expected: &str, brought: &Brought| {
