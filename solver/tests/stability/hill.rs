@@ -1,7 +1,7 @@
 //! Multipliers of a smooth motion three times over: Hill's matrix of the balance, the linearised equation integrated along the
 //! balance's motion, and the marcher's own orbit.
 
-use crate::common::{assert_close, main_branch};
+use crate::common::{assert_close, fundamental, main_branch};
 use crate::models::spring;
 use solver::formulation::harmonics::{Transform, add_product_matrix, evaluate, width};
 use solver::linalg::{Matrix, eigenvalues};
@@ -44,24 +44,8 @@ fn hill(series: &[f64], omega: f64) -> [f64; 2] {
 
 /// The same from the linearised equation along the series, by the classical Runge–Kutta method.
 fn integrated(series: &[f64], omega: f64) -> [f64; 2] {
-    let count = 4000;
-    let h = TAU / omega / f64::from(count);
     let stiffness = |t: f64| 1.0 + 3.0 * evaluate(series, omega * t)[0].powi(2);
-    let columns = [[1.0, 0.0], [0.0, 1.0]].map(|start: [f64; 2]| {
-        let mut z = start;
-        for i in 0..count {
-            let t = f64::from(i) * h;
-            let rate = |z: [f64; 2], k: f64| [z[1], -C * z[1] - k * z[0]];
-            let moved = |by: f64, r: [f64; 2]| [z[0] + by * r[0], z[1] + by * r[1]];
-            let ks = [stiffness(t), stiffness(t + 0.5 * h), stiffness(t + h)];
-            let r1 = rate(z, ks[0]);
-            let r2 = rate(moved(0.5 * h, r1), ks[1]);
-            let r3 = rate(moved(0.5 * h, r2), ks[1]);
-            let r4 = rate(moved(h, r3), ks[2]);
-            z = std::array::from_fn(|j| z[j] + h / 6.0 * (r1[j] + 2.0 * (r2[j] + r3[j]) + r4[j]));
-        }
-        z
-    });
+    let columns = fundamental(C, stiffness, TAU / omega, 4000);
     let mut moduli: Vec<f64> =
         eigenvalues(&Matrix::from_fn(2, 2, |i, j| columns[j][i])).unwrap().iter().map(|mu| mu.norm()).collect();
     moduli.sort_by(|a, b| b.total_cmp(a));

@@ -1,6 +1,6 @@
 //! Two oscillators alike: where their motion in phase turns back, and where motions out of phase branch off.
 
-use crate::common::{assert_close, main_branch};
+use crate::common::{assert_close, fundamental, main_branch};
 use crate::models::spring;
 use solver::formulation::harmonics::evaluate;
 use solver::stability::along::{AlongSettings, along};
@@ -16,24 +16,8 @@ const OUT_OF_PHASE: f64 = 0.9;
 /// (1 − μ₁)(1 − μ₂) of small deviations δ out of phase from a motion x in phase, δ'' + c δ' + (k + 3x²) δ = 0, by the classical
 /// Runge–Kutta method.
 fn distance_from_one(series: &[f64], omega: f64) -> f64 {
-    let count = 2000;
-    let h = TAU / omega / f64::from(count);
     let stiffness = |t: f64| OUT_OF_PHASE + 3.0 * evaluate(series, omega * t)[0].powi(2);
-    let columns = [[1.0, 0.0], [0.0, 1.0]].map(|start: [f64; 2]| {
-        let mut z = start;
-        for i in 0..count {
-            let t = f64::from(i) * h;
-            let rate = |z: [f64; 2], k: f64| [z[1], -C * z[1] - k * z[0]];
-            let moved = |by: f64, r: [f64; 2]| [z[0] + by * r[0], z[1] + by * r[1]];
-            let ks = [stiffness(t), stiffness(t + 0.5 * h), stiffness(t + h)];
-            let r1 = rate(z, ks[0]);
-            let r2 = rate(moved(0.5 * h, r1), ks[1]);
-            let r3 = rate(moved(0.5 * h, r2), ks[1]);
-            let r4 = rate(moved(h, r3), ks[2]);
-            z = std::array::from_fn(|j| z[j] + h / 6.0 * (r1[j] + 2.0 * (r2[j] + r3[j]) + r4[j]));
-        }
-        z
-    });
+    let columns = fundamental(C, stiffness, TAU / omega, 2000);
     1.0 - columns[0][0] - columns[1][1] + columns[0][0] * columns[1][1] - columns[0][1] * columns[1][0]
 }
 
