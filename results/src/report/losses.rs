@@ -3,13 +3,16 @@
 use super::evidence::Evidence;
 use crate::overview::Level;
 use crate::overview::modes::not_started;
-use crate::store::CurveRow;
+use crate::store::{CurvePoint, CurveRow};
 use crate::words::{count, digits};
 use protocol::to_everyone::Stage;
 use solver::response::critical::CriticalKind;
 
 /// Levels that a sentence names.
 const NAMED: usize = 6;
+
+/// Relative distance from a located event within which one of unknown kind is the same.
+const UNLOCATED: f64 = 1e-5;
 
 /// Something that is not known.
 pub(super) struct Loss {
@@ -65,7 +68,8 @@ pub(super) fn losses(evidence: &Evidence<'_>) -> Vec<Loss> {
     }
     for backbone in evidence.backbones().filter(|backbone| backbone.is_unfinished) {
         let (mode, status) = (backbone.mode + 1, &backbone.status);
-        let sentence = format!("The backbone of mode {mode} stopped early ({status}): nothing was looked for beyond.");
+        let sentence =
+            format!("The backbone of mode {mode} stopped early ({status}): the energy balance beyond is not known.");
         let is_primary = evidence.backbone.is_some_and(|primary| primary.mode == backbone.mode);
         let of = if is_primary { String::new() } else { format!(" of mode {mode}") };
         list.push(Loss::new(format!("backbone{of} stopped early"), sentence));
@@ -83,13 +87,17 @@ pub(super) fn losses(evidence: &Evidence<'_>) -> Vec<Loss> {
         let sentence = format!("{curves} stopped early: births, merges and isolas beyond are not known.");
         list.push(Loss::new(format!("{curves} stopped early"), sentence));
     }
-    let unknown: Vec<f64> = evidence
-        .curves
-        .iter()
-        .flat_map(CurveRow::events)
-        .filter(|(kind, _)| *kind == CriticalKind::Unknown.name())
-        .map(|(_, point)| point.forcing)
-        .collect();
+    let events = || evidence.curves.iter().flat_map(CurveRow::events);
+    let is_unknown = |kind: &str| kind == CriticalKind::Unknown.name();
+    // The same extremum may be known: what is unknown is not located to rounding.
+    let is_told = |place: &CurvePoint| {
+        let is_close = |a: f64, b: f64| (a / b - 1.0).abs() < UNLOCATED;
+        let is_there =
+            |point: &CurvePoint| is_close(point.forcing, place.forcing) && is_close(point.omega, place.omega);
+        events().any(|(kind, point)| !is_unknown(kind) && is_there(point))
+    };
+    let unknown = events().filter(|(kind, point)| is_unknown(kind) && !is_told(point));
+    let unknown: Vec<f64> = unknown.map(|(_, point)| point.forcing).collect();
     if !unknown.is_empty() {
         let places = count(unknown.len(), "event");
         let at: Vec<String> = unknown.iter().take(NAMED).map(|forcing| digits(*forcing, 5)).collect();

@@ -149,26 +149,34 @@ fn branch_from<'m, F: Formulation<'m>>(
     if forced.contains(state) {
         return branch_through(forced, state, known, observer);
     }
-    match forced.branch_beyond(state, observer) {
-        Ok(branch) => part_within(forced, &branch, known, observer),
-        Err(failure) => Finding::Nothing(SeedOutcome::NotTraced(failure.into())),
-    }
+    part_within(forced, state, known, &mut Vec::new(), observer)
 }
 
-/// The first part within the range of the study that is not known, of a branch that was walked beyond it.
+/// Of the branch through a converged state beyond the bounds of the study the first part within its range that is not known;
+/// `walked`: branches of which it is known that they have none, and this one if so.
 fn part_within<'m, F: Formulation<'m>>(
     forced: &mut Forced<'m, F>,
-    branch: &Branch,
+    state: &State,
     known: &[(BranchId, &Branch)],
+    walked: &mut Vec<Branch>,
     observer: &mut Observer<'_>,
 ) -> Finding {
     let mut nothing = SeedOutcome::OutOfBounds;
-    for state in forced.within_range(branch) {
+    if walked.iter().any(|branch| forced.lies_on(state, branch)) {
+        return Finding::Nothing(nothing);
+    }
+    let branch = match forced.branch_beyond(state, observer) {
+        Ok(branch) if branch.is_cancelled() => return Finding::Branch(branch),
+        Ok(branch) => branch,
+        Err(failure) => return Finding::Nothing(SeedOutcome::NotTraced(failure.into())),
+    };
+    for state in forced.within_range(&branch) {
         match branch_through(forced, &state, known, observer) {
             Finding::Nothing(outcome) => nothing = outcome,
             found => return found,
         }
     }
+    walked.push(branch);
     Finding::Nothing(nothing)
 }
 
@@ -300,16 +308,9 @@ fn follow<'m, F: Formulation<'m>>(
                 Err(failure) => SeedOutcome::NotTraced(failure.into()),
             },
             // What begins beyond the bounds may lead through them.
-            None if beyond.iter().any(|branch| forced.lies_on(&landing.state, branch)) => SeedOutcome::OutOfBounds,
-            None => match forced.branch_beyond(&landing.state, observer) {
-                Ok(branch) => match part_within(forced, &branch, known, observer) {
-                    Finding::Nothing(outcome) => {
-                        beyond.push(branch);
-                        outcome
-                    }
-                    found => return found,
-                },
-                Err(failure) => SeedOutcome::NotTraced(failure.into()),
+            None => match part_within(forced, &landing.state, known, &mut beyond, observer) {
+                Finding::Nothing(outcome) => outcome,
+                found => return found,
             },
         };
         if landing.distance < nearest {

@@ -184,7 +184,7 @@ fn losses_come_first() {
     assert!(
         danger.starts_with(
             "1 task given up, at A = 1. There is no main branch at A = 2: it did not converge. The backbone of mode 1 \
-             stopped early (open: linear range to stalled): nothing was looked for beyond. No isola was found from the \
+             stopped early (open: linear range to stalled): the energy balance beyond is not known. No isola was found from the \
              windows of mode 1 at 0 complete levels"
         ),
         "{danger}"
