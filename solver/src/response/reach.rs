@@ -53,8 +53,15 @@ impl Reach {
         let natural = (0.9 * low, 1.1 * end);
         let (low, high) = (settings.frequency.min.unwrap_or(natural.0), settings.frequency.max.unwrap_or(natural.1));
         if low >= high {
-            let remedy = format!("the lower frequency bound is {low}: use a higher one");
-            return Err(SettingsError { key: "frequency.max", value: high.to_string(), remedy });
+            let (key, value, remedy) = match settings.frequency.max {
+                Some(_) => ("frequency.max", high, format!("the lower frequency bound is {low}: use a higher one")),
+                None => (
+                    "frequency.min",
+                    low,
+                    format!("the backbones end at {high}: use a lower one, or give frequency.max"),
+                ),
+            };
+            return Err(SettingsError { key, value: value.to_string(), remedy });
         }
         let amplitude = settings.branch.max_amplitude.unwrap_or(3.0 * backbone.max_amplitude());
         Ok(Self { frequency: (low, high), amplitude, natural: Some(natural), forcing: None })
