@@ -8,6 +8,7 @@ use results::export::Format;
 #[cfg(feature = "figures")]
 use results::plot::{Along, FigureName};
 use results::summary_table::Units;
+use solver::settings::VerifyEffort;
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
@@ -50,6 +51,12 @@ Examples:
     /// Go on with a run that was interrupted or cancelled; nothing that was accepted is computed again.
     #[command(after_help = "Example:\n  isola resume runs/nasa-rotor-67-20261121-101500")]
     Resume(ResumeArgs),
+    /// Verify the branches of a run by time marching: is what was found stable? Whatever the run left to do is done too.
+    #[command(after_help = "\
+Examples:
+  isola verify runs/NAME                        every branch from end to end
+  isola verify runs/NAME --effort standard      isolas, and main branches around their peaks")]
+    Verify(VerifyArgs),
     /// Say how a run is doing (also one that is not running).
     #[command(after_help = "Examples:\n  isola status runs/NAME\n  isola status --connect tcp/HOST:7447")]
     Status(RemoteArgs),
@@ -108,13 +115,18 @@ pub struct StudyArgs {
     /// How hard isolas are looked for beyond the energy balance (search.effort): none, standard or thorough.
     #[arg(long, value_name = "EFFORT")]
     pub search: Option<String>,
+    /// What of the branches is verified by time marching, with its stability (verify.effort): none, standard (isolas and
+    /// peaks) or all.
+    #[arg(long, value_name = "EFFORT")]
+    pub verify: Option<String>,
 }
 
 impl StudyArgs {
     /// All keys that are changed.
     pub fn changes(&self) -> Vec<(String, String)> {
-        let search = self.search.iter().map(|effort| ("search.effort".to_string(), effort.clone()));
-        self.set.iter().cloned().chain(search).collect()
+        let change = |key: &str, value: &Option<String>| value.clone().map(|value| (key.to_string(), value));
+        let efforts = [change("search.effort", &self.search), change("verify.effort", &self.verify)];
+        self.set.iter().cloned().chain(efforts.into_iter().flatten()).collect()
     }
 }
 
@@ -166,6 +178,19 @@ pub struct ResumeArgs {
     /// Go on with the study as it was when the run began, though its file or model has changed.
     #[arg(long)]
     pub as_started: bool,
+    /// Where it is served and who works for it.
+    #[command(flatten)]
+    pub serve: ServeArgs,
+}
+
+/// Arguments of `verify`.
+#[derive(Debug, Args)]
+pub struct VerifyArgs {
+    /// Folder of the run.
+    pub run: PathBuf,
+    /// What is verified.
+    #[arg(long, value_name = "EFFORT", default_value = "all", value_parser = verify_efforts())]
+    pub effort: VerifyEffort,
     /// Where it is served and who works for it.
     #[command(flatten)]
     pub serve: ServeArgs,
@@ -303,6 +328,17 @@ fn one_of<T: Copy + Send + Sync + 'static>(
         let value = values.iter().find(|(_, name, _)| *name == chosen);
         value.expect("clap lets no other name through").0
     })
+}
+
+fn verify_efforts() -> impl TypedValueParser<Value = VerifyEffort> {
+    one_of(&[
+        (
+            VerifyEffort::Standard,
+            "standard",
+            "Every branch that is not a main one, and what is around the peaks of main branches",
+        ),
+        (VerifyEffort::All, "all", "Every branch"),
+    ])
 }
 
 fn formats() -> impl TypedValueParser<Value = Format> {

@@ -1,6 +1,6 @@
 //! What each command does.
 
-use crate::cli::{Cli, Command, ResumeArgs, ServeArgs, StudyArgs, SweepArgs};
+use crate::cli::{Cli, Command, ResumeArgs, ServeArgs, StudyArgs, SweepArgs, VerifyArgs};
 use crate::error::Error;
 use crate::run::directory::default_directory;
 use crate::run::endpoint::open;
@@ -15,6 +15,7 @@ use results::resolved_study::differences;
 use results::store::{RunHeader, Store};
 use std::fmt::Display;
 use std::io::IsTerminal;
+use std::path::Path;
 use std::process::ExitCode;
 use tracing_subscriber::EnvFilter;
 use worker::terminal;
@@ -60,6 +61,7 @@ async fn on_the_bus(command: Command) -> Result<ExitCode, Error> {
     match command {
         Command::Sweep(args) => sweep(args).await.map(code),
         Command::Resume(args) => resume(args).await.map(code),
+        Command::Verify(args) => verify(args).await.map(code),
         Command::Status(args) => show(remote::status(&args).await?),
         Command::Watch(args) => watch::watch(&args).await.map(|()| ExitCode::SUCCESS),
         Command::Cancel(args) => show(remote::cancel(&args).await? + "\n"),
@@ -124,15 +126,26 @@ fn header(study: &Study, args: &StudyArgs, serve: &ServeArgs) -> Result<RunHeade
 
 async fn resume(args: ResumeArgs) -> Result<Ending, Error> {
     let store = Store::open(&args.run)?;
-    let header = store.header()?;
     if !args.as_started {
-        unchanged(&header)?;
+        unchanged(&store.header()?)?;
     }
+    go_on(&args.run, store, args.serve).await
+}
+
+async fn verify(args: VerifyArgs) -> Result<Ending, Error> {
+    let mut store = Store::open(&args.run)?;
+    store.set_verify(args.effort)?;
+    go_on(&args.run, store, args.serve).await
+}
+
+/// Does what a run has left to do.
+async fn go_on(directory: &Path, store: Store, serve: ServeArgs) -> Result<Ending, Error> {
+    let header = store.header()?;
     let model = preparation::model(&store)?;
-    let serve = ServeArgs { namespace: header.namespace.clone(), ..args.serve };
+    let serve = ServeArgs { namespace: header.namespace.clone(), ..serve };
     let connection = open(&serve).await?;
-    terminal::note(format_args!("run {} in {}", header.run, args.run.display()));
-    carry_out(&args.run, store, model, connection, serve).await
+    terminal::note(format_args!("run {} in {}", header.run, directory.display()));
+    carry_out(directory, store, model, connection, serve).await
 }
 
 /// Refuses to go on with a study whose file or model has changed since.

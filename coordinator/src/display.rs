@@ -9,6 +9,7 @@ use results::words::{count, duration, fixed_digits};
 use solver::response::seeds::Way;
 use solver::response::starts::BATCH;
 use solver::response::task::Task;
+use solver::settings::VerifyEffort;
 use std::io::IsTerminal;
 use std::time::{Duration, Instant};
 use worker::terminal;
@@ -149,7 +150,7 @@ pub fn layout(units: Option<Units>) -> Layout {
 }
 
 /// What a sweep is going to cost, in one line: known when the backbones are.
-pub fn plan(plan: &SweepPlan, most_folds: usize) -> String {
+pub fn plan(plan: &SweepPlan, most_folds: usize, verify: VerifyEffort) -> String {
     let total = |of: fn(&LevelPlan) -> usize| plan.levels.iter().map(of).sum::<usize>();
     let seeds = |level: &LevelPlan| level.tasks.iter().filter(|task| is_seed(task)).count();
     let batches = |level: &LevelPlan| level.tasks.iter().filter(|task| matches!(task, Task::Start(_))).count();
@@ -161,8 +162,13 @@ pub fn plan(plan: &SweepPlan, most_folds: usize) -> String {
         0 => "no folds are followed over the forcing".into(),
         most => format!("then at most {most} folds are followed over the forcing (search.effort)"),
     };
+    let verified = match verify {
+        VerifyEffort::None => "nothing is verified",
+        VerifyEffort::Standard => "isolas and peaks are verified by time marching (verify.effort)",
+        VerifyEffort::All => "every branch is verified by time marching (verify.effort)",
+    };
     format!(
-        "{}, {}, {} with {}{starts}; {search}",
+        "{}, {}, {} with {}{starts}; {search}; {verified}",
         count(plan.levels.len(), "level"),
         count(1 + plan.further.len(), "backbone"),
         count(total(|level| level.windows.len()), "window"),
@@ -172,7 +178,7 @@ pub fn plan(plan: &SweepPlan, most_folds: usize) -> String {
 
 /// Whether a task is for a seed that is tried in any case.
 fn is_seed(task: &Task) -> bool {
-    matches!(task, Task::Land(place) if place.way == Way::FixedFrequency)
+    matches!(task, Task::Land(place) if place.way == Way::FullForcing)
 }
 
 /// A status in one line.

@@ -83,6 +83,7 @@ impl Sweep<'_> {
             branch: branch.as_ref().map(BranchMessage::from),
             curve: curve.as_ref().map(CriticalMessage::from),
             landings: landings.as_deref().map(LandingsMessage::from),
+            verification: None,
             worker: worker(),
             program: "0.1.0".into(),
             seconds: 0.25,
@@ -185,8 +186,8 @@ fn an_interrupted_search_goes_on() {
     let (mut branches, mut curves, mut landings) = (HashMap::new(), HashMap::new(), HashMap::new());
     for _ in 0..whole.0.len() + 1 {
         let mut store = Store::open(&parts).unwrap();
-        let (levels, folds, tasks) = (store.plans().unwrap(), store.folds().unwrap(), store.tasks().unwrap());
-        let (ledger, changes) = Ledger::restore(rules, levels, &folds, tasks, Duration::ZERO);
+        let (levels, added, tasks) = (store.plans().unwrap(), store.added().unwrap(), store.tasks().unwrap());
+        let (ledger, changes) = Ledger::restore(rules, levels, &added, tasks, Duration::ZERO);
         assert!(changes.is_empty(), "what is stored together is restored together: {changes:?}");
         let mut sweep = Sweep { study: &study, ledger, branches, curves, landings };
         let goes_on = sweep.step(&mut store);

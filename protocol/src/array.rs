@@ -52,6 +52,9 @@ pub enum ArrayError {
         /// Which array.
         name: &'static str,
     },
+    /// A verification that no branch can have.
+    #[error("a verification with numbers that are not finite, or of points that are not there")]
+    Verification,
     /// Motions of another truncation than the run's.
     #[error("{harmonics} harmonics in a run of {expected}")]
     OtherHarmonics {

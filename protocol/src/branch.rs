@@ -7,6 +7,7 @@ use crate::landings::LandingsMessage;
 use serde::{Deserialize, Serialize};
 use solver::response::branch::{Branch, BranchKind, Certificate, Outcome, SpecialKind, SpecialPoint, Standing};
 use solver::response::task::{Brought, Finding, SeedOutcome};
+use solver::stability::verification::Verification;
 
 /// A forced-response branch.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -88,6 +89,8 @@ pub enum FindingMessage {
     Branch(BranchMessage),
     /// A fold curve that was not known.
     Curve(CriticalMessage),
+    /// What marching says of a branch.
+    Verification(Verification),
     /// No new branch, and why.
     Nothing(SeedOutcome),
 }
@@ -99,7 +102,7 @@ impl FindingMessage {
             Self::Landings(landings) => Some(&landings.motions),
             Self::Branch(branch) => Some(&branch.points.motions),
             Self::Curve(curve) => Some(&curve.points.motions),
-            Self::Nothing(_) => None,
+            Self::Verification(_) | Self::Nothing(_) => None,
         }
     }
 
@@ -109,6 +112,7 @@ impl FindingMessage {
             Self::Landings(landings) => Brought::Landings(landings.motions.len()),
             Self::Branch(branch) => Brought::Branch { kind: branch.kind(), folds: branch.folds() },
             Self::Curve(curve) => Brought::Curve(curve.forcing().into()),
+            Self::Verification(verification) => Brought::Verification(verification.points.len()),
             Self::Nothing(outcome) => Brought::Nothing(*outcome),
         }
     }

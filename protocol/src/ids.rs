@@ -1,6 +1,8 @@
 //! Names of runs, tasks and workers: one chunk of a key each.
 
 use serde::{Deserialize, Serialize};
+use solver::response::task::VerifyPlace;
+use solver::settings::Stretch;
 use std::fmt;
 use thiserror::Error;
 
@@ -88,6 +90,13 @@ impl TaskId {
     /// Task number `index`, from 0, among those that follow folds over the levels.
     pub fn of_fold(index: usize) -> Self {
         Self(format!("fold-{index}"))
+    }
+
+    /// The task that verifies a branch, or what is around its peak, of the level whose amplitude was typed as `amplitude`.
+    pub fn of_verification(amplitude: &str, place: &VerifyPlace) -> Result<Self, NameError> {
+        let VerifyPlace { branch, stretch } = place;
+        let (amplitude, peak) = (amplitude.replace('+', ""), if *stretch == Stretch::Peak { "-peak" } else { "" });
+        Self::new(&format!("verify-{amplitude}-{}-{}{peak}", branch.kind, branch.number + 1))
     }
 
     /// Whether this is a task of the level whose amplitude was typed as `amplitude`.

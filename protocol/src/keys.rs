@@ -1,4 +1,4 @@
-//! Key expressions: `<namespace>/v3/<run>/…`.
+//! Key expressions: `<namespace>/v4/<run>/…`.
 
 use crate::VERSION;
 use crate::ids::{NameError, RunId, TaskId, WorkerId};

@@ -34,8 +34,8 @@ mod size;
 pub mod to_everyone;
 pub mod to_worker;
 
-/// Version of the messages, the `v3` of keys and encodings. Workers of another version are refused.
-pub const VERSION: u32 = 3;
+/// Version of the messages, the `v4` of keys and encodings. Workers of another version are refused.
+pub const VERSION: u32 = 4;
 
 /// Version of the program, for the record of who computed what.
 pub const PROGRAM: &str = env!("CARGO_PKG_VERSION");

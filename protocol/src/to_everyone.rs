@@ -13,6 +13,7 @@ use solver::response::modes::ModesFollowed;
 use solver::response::task::{BranchId, SeedOutcome, Task};
 use solver::response::windows::Window;
 use solver::settings::Settings;
+use solver::stability::verification::Verification;
 
 /// A forcing amplitude.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -145,6 +146,9 @@ pub struct StoredResult {
     /// What seeds landed on.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub landings: Option<LandingsMessage>,
+    /// What marching says of a branch.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub verification: Option<Verification>,
     /// Task.
     pub task: TaskId,
     /// Attempt that was accepted.

@@ -46,7 +46,7 @@ class Coordinator:
     """One run, on a router of its own that can be stopped and started again."""
 
     def __init__(
-        self, *, run: str = "damper-1", version: int = 3, settings: dict[str, Any] | None = None
+        self, *, run: str = "damper-1", version: int = 4, settings: dict[str, Any] | None = None
     ) -> None:
         self.endpoint = f"tcp/127.0.0.1:{free_port()}"
         self.settings = settings or {}

@@ -106,10 +106,10 @@ def test_choosing_a_run(coordinator):
 
         def answer(query):
             with query:
-                encoding = "application/msgpack;manifest.v3"
-                query.reply("isola/v3/damper-2/run", msgpack.packb(other), encoding=encoding)
+                encoding = "application/msgpack;manifest.v4"
+                query.reply("isola/v4/damper-2/run", msgpack.packb(other), encoding=encoding)
 
-        coordinator.session.declare_queryable("isola/v3/damper-2/run", answer, complete=True)
+        coordinator.session.declare_queryable("isola/v4/damper-2/run", answer, complete=True)
         assert [run.run for run in bus.runs()] == ["damper-1", "damper-2"]
         with pytest.raises(
             isola_hbm.NoSuchRun, match=r"several runs.*`damper-1` .*; `damper-2` \(second, sweep\)"

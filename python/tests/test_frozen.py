@@ -16,12 +16,12 @@ from isola_hbm import (
     Done,
     LevelWindows,
     Manifest,
-    Model,
     OtherVersion,
     Result,
     Status,
 )
 from isola_hbm.live import words
+from isola_hbm.live.types import Model
 from isola_hbm.live.wire import array, decode, encoding, harmonics, sha256, variant
 
 
@@ -36,7 +36,7 @@ def test_every_sample_is_messagepack_with_a_view_that_names_its_encoding():
         name = file.name.removesuffix(".snap.msgpack")
         view = (FROZEN / f"{name}.view.snap").read_text()
         found = next(line for line in view.splitlines() if line.startswith("application/msgpack;"))
-        message = found.removeprefix("application/msgpack;").removesuffix(".v3")
+        message = found.removeprefix("application/msgpack;").removesuffix(".v4")
         assert name.startswith(message)
         assert found == encoding(message)
         decode(file.read_bytes(), found, message)
@@ -213,7 +213,7 @@ def test_a_field_of_tomorrow_is_ignored():
 
 
 def test_another_version_or_name_is_refused_in_words():
-    for found in ("application/msgpack;done.v4", "application/msgpack;status.v3", "zenoh/bytes"):
+    for found in ("application/msgpack;done.v5", "application/msgpack;status.v4", "zenoh/bytes"):
         with pytest.raises(OtherVersion, match="another version of Isola, or is not Isola"):
             decode(frozen("done"), found, "done")
     for cut in (0, 1, 10):

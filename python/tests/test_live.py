@@ -17,22 +17,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 from fake import free_port
+from runs import MODELS, ROOT, program
 
 import isola_hbm
 
-ROOT = Path(__file__).parents[2]
-STUDY = ROOT / "models" / "nonlinear_damper" / "study.toml"
+STUDY = MODELS / "nonlinear_damper" / "study.toml"
 HARMONICS = 20
 PATIENCE = 300.0
-
-
-def program() -> Path:
-    """What ISOLA_BIN names, or the release build."""
-    named = os.environ.get("ISOLA_BIN")
-    path = Path(named) if named else ROOT / "target" / "release" / "isola"
-    if not named and not path.exists():
-        pytest.skip(f"{path.relative_to(ROOT)} was not built, and ISOLA_BIN is not set")
-    return path
 
 
 def wait_for(what: str, condition: Callable[[], bool], seconds: float = PATIENCE) -> None:

@@ -1,10 +1,11 @@
 //! Small runs for tests, computed for real.
 
-use crate::journal::{AcceptedResult, AttemptEnd, Change, Holder, LevelPlan, SweepPlan};
+use crate::journal::{AcceptedResult, AddedTask, AttemptEnd, Change, Holder, LevelPlan, SweepPlan};
 use crate::store::{RunHeader, Store};
 use protocol::backbone::BackboneMessage;
 use protocol::branch::BranchMessage;
 use protocol::codec::{encode, sha256};
+use protocol::curve::Size;
 use protocol::digest::Digest;
 use protocol::ids::{Attempt, RunId, TaskId, WorkerId};
 use protocol::landings::LandingsMessage;
@@ -17,9 +18,10 @@ use solver::response::branch::{Branch, BranchKind, BranchPoint, Outcome, Stop};
 use solver::response::forced::{Forced, Reach};
 use solver::response::modes::{Backbones, LeftOut};
 use solver::response::seeds::Landing;
-use solver::response::task::{BranchId, Finding, SeedOutcome, Task, plan};
+use solver::response::task::{BranchId, Finding, SeedOutcome, Task, VerifyPlace, plan};
 use solver::response::trace::{Given, carry_out};
-use solver::settings::{ModeChoice, ModeList, Settings};
+use solver::settings::{ModeChoice, ModeList, Settings, Stretch};
+use solver::stability::verification::{Verification, verify};
 use solver::structure::{Model, ModelData};
 use std::collections::HashMap;
 use std::ops::ControlFlow;
@@ -117,7 +119,7 @@ impl Study {
             left_out: others.map(|mode| (mode, LeftOut::NotListed)).collect(),
             reach: self.reach,
             levels: self.plans.clone(),
-            folds: Vec::new(),
+            added: Vec::new(),
         }
     }
 
@@ -133,6 +135,30 @@ impl Study {
         let (mut store, mut sweep) = self.begin(dir);
         while sweep.step(&mut store) {}
         (store, sweep.results)
+    }
+
+    /// Verifies the branch of one of the results of a finished run and stores what marching says.
+    pub fn verify(&self, store: &mut Store, found: &StoredResult) -> Verification {
+        let branch = found.branch.as_ref().unwrap().branch(&Size::of(&self.model)).unwrap();
+        let place = VerifyPlace { branch: found.name.unwrap(), stretch: Stretch::Whole };
+        let verification = verify(&self.model, &branch, place.stretch, &mut quiet).unwrap();
+        let (task, amplitude) = (TaskId::of_verification(&found.amplitude.text, &place).unwrap(), &found.amplitude);
+        let sequence = store.done().unwrap().len() as u64 + 1;
+        let (attempt, outcome) = (Attempt(1), SeedOutcome::Verified(verification.points.len()));
+        let added = AddedTask { id: task.clone(), amplitude: amplitude.text.clone(), task: Task::Verify(place) };
+        let result = StoredResult {
+            branch: None,
+            verification: Some(verification.clone()),
+            name: None,
+            task: task.clone(),
+            attempt,
+            work: added.task,
+            outcome,
+            ..found.clone()
+        };
+        let done = Change::Done { task, attempt, outcome, sequence };
+        store.commit(&[Change::Added(vec![added]), done, Change::Result(accepted(result, sequence))]).unwrap();
+        verification
     }
 
     /// A finished run in `dir` whose branches beside the main ones leave through the amplitude bound.
@@ -290,6 +316,7 @@ impl<'s> Sweep<'s> {
             branch: branch.as_ref().map(BranchMessage::from),
             curve: None,
             landings: landings.as_deref().map(LandingsMessage::from),
+            verification: None,
             worker: worker(),
             program: "0.1.0".into(),
             seconds: 0.25,

@@ -24,8 +24,8 @@ pub struct SweepPlan {
     pub reach: Reach,
     /// The work of every level.
     pub levels: Vec<LevelPlan>,
-    /// Tasks that were added to follow folds over the levels; none when a sweep begins.
-    pub folds: Vec<AddedTask>,
+    /// Tasks that were added over all levels, to follow folds or to verify branches; none when a sweep begins.
+    pub added: Vec<AddedTask>,
 }
 
 /// A task that follows from what others found.

@@ -74,13 +74,14 @@ pub use response::forced::{Forced, Reach};
 pub use response::level::{BranchId, Level, LevelError};
 pub use response::modes::{Backbones, LeftOut, ModesFollowed};
 pub use response::windows::{Window, events, windows};
-pub use settings::{ModeChoice, ModeList, Settings};
+pub use settings::{ModeChoice, ModeList, Settings, Stretch};
 pub use stability::along::{AlongSettings, BranchStability, End, along};
 pub use stability::bifurcation::{Bifurcation, BifurcationKind, Obstacle, Unresolved};
 pub use stability::marching::{Marching, MarchingSettings};
 pub use stability::multipliers::{Multiplier, Verdict};
 pub use stability::polish::{Around, Polish, PolishSettings, Polished, polish};
 pub use stability::shooting::Orbit;
+pub use stability::verification::{Verification, verify};
 pub use structure::{Model, ModelBuilder, ModelError, laws};
 
 /// The README's code compiles.

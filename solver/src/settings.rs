@@ -1,7 +1,9 @@
 //! Numerical settings: every one has a default, a range and a message.
 
+mod effort;
 mod modes;
 
+pub use effort::{Effort, SearchSettings, Stretch, VerifyEffort, VerifySettings};
 pub use modes::{ModeChoice, ModeList};
 
 use crate::curve::continuation::ContinuationSettings;
@@ -179,48 +181,6 @@ impl Default for BranchSettings {
     }
 }
 
-/// How hard isolas are looked for beyond the windows of the energy balance.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct SearchSettings {
-    /// How hard. Default standard.
-    pub effort: Effort,
-}
-
-/// How hard isolas are looked for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Effort {
-    /// In the windows only.
-    None,
-    /// Folds of the branches found are followed over the forcing amplitude, 200 at most, and random starts are tried, 4096 with
-    /// a small model and fewer with larger ones.
-    #[default]
-    Standard,
-    /// The same, for 5000 folds at most and 16 times as many starts.
-    Thorough,
-}
-
-impl Effort {
-    /// How many times as many random starts as usual are tried.
-    pub const fn starts(self) -> usize {
-        match self {
-            Self::None => 0,
-            Self::Standard => 1,
-            Self::Thorough => 16,
-        }
-    }
-
-    /// Most folds that are followed. Those found to lie on curves that are known do not count.
-    pub const fn folds(self) -> usize {
-        match self {
-            Self::None => 0,
-            Self::Standard => 200,
-            Self::Thorough => 5000,
-        }
-    }
-}
-
 /// Eigenfrequencies below this share of the highest one are those of rigid-body modes.
 pub(crate) const RIGID: f64 = 1e-6;
 
@@ -240,6 +200,8 @@ pub struct Settings {
     pub branch: BranchSettings,
     /// Search for isolas that no window leads to.
     pub search: SearchSettings,
+    /// Verification of what was found by time marching.
+    pub verify: VerifySettings,
 }
 
 impl Settings {

@@ -111,6 +111,19 @@ fn what_a_frequency_bound_cuts_off_a_main_branch_is_main() {
 }
 
 #[test]
+fn seeds_lead_to_nothing_beyond_the_range_of_the_study() {
+    // Newton's method with ω free strays far from seeds next to the linear range, where the amplitude is small.
+    let mut settings = with_harmonics(7);
+    settings.backbone.max_amplitude = Some(2.5);
+    let study = Study::new(shipped("duffing", &[]), settings);
+    for forcing in [0.01, 0.05, 0.1] {
+        let level = study.level(forcing);
+        assert_main_only(&level, &format!("A = {forcing}"));
+        assert_eq!(level.len(), 1, "A = {forcing}: {level:#?}");
+    }
+}
+
+#[test]
 fn what_a_frequency_bound_cuts_off_a_blade_is_main() {
     let mut settings = Settings::default();
     settings.frequency.max = Some(2700.0);

@@ -44,6 +44,7 @@ MUST_NOT_NAME = {
     "protocol": ["worker", "results", "coordinator"],
     "worker": ["results", "coordinator"],
     "results": ["zenoh", "worker", "coordinator"],
+    "recall": ["solver", "protocol", "worker", "results", "coordinator"],
 }
 #: Packages that are nothing but tests.
 TESTS = {"tests"}

@@ -141,7 +141,7 @@ fn a_worker_that_speaks_another_version() {
         let LeaseReply::Stop { reason } = request(&session, &keys.lease(), &question, PATIENCE).await.unwrap() else {
             panic!("it got work");
         };
-        for part in ["newer", "version 4", "99.0.0", "version 3", protocol::PROGRAM] {
+        for part in ["newer", "version 4", "99.0.0", "version 5", protocol::PROGRAM] {
             assert!(reason.contains(part), "{reason}");
         }
     });

@@ -54,7 +54,7 @@ fn an_isola_that_only_folds_lead_to() {
 fn no_search_no_folds() {
     let mut system = System::sweep_with("models/nltva/study.toml", &["--amplitudes", "0.15", "--search", "none"]);
     system.expect_complete();
-    assert_eq!(summary(&system.directory()).len(), 1);
+    assert!(!summary(&system.directory()).is_empty());
     assert!(events(&system.directory()).is_empty() && folds(&system.directory()) == 0);
 }
 

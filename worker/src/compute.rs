@@ -7,9 +7,10 @@ use solver::response::branch::{Branch, BranchPoint};
 use solver::response::critical::CriticalCurve;
 use solver::response::forced::{Forced, Reach};
 use solver::response::seeds::{Landing, Seed};
-use solver::response::task::{BranchId, Finding, SeedOutcome, Task};
+use solver::response::task::{BranchId, Finding, SeedOutcome, Task, VerifyPlace};
 use solver::response::trace::{Given, carry_out};
 use solver::settings::Settings;
+use solver::stability::verification::verify;
 use solver::structure::Model;
 use std::any::Any;
 use std::ops::ControlFlow;
@@ -146,6 +147,9 @@ fn compute(model: &Model, settings: &Settings, job: &Job, watch: &Watch) -> Comp
         return Computed::Stopped;
     }
     let started = Instant::now();
+    if let Task::Verify(place) = &job.work {
+        return verified(model, job, place, watch);
+    }
     // New for every job: a result must not depend on what this thread computed before.
     let mut forced = Forced::new(model, settings, job.reach, job.amplitude);
     let known: Vec<(BranchId, &Branch)> = job.known.iter().map(|(id, branch)| (*id, &**branch)).collect();
@@ -155,13 +159,7 @@ fn compute(model: &Model, settings: &Settings, job: &Job, watch: &Watch) -> Comp
     let Some(finding) = carry_out(&mut forced, &job.work, &given, &mut observer) else {
         return Computed::Stopped;
     };
-    let request = SubmitRequest {
-        lease: job.lease.clone(),
-        program: protocol::PROGRAM.into(),
-        seconds: started.elapsed().as_secs_f64(),
-        finding: FindingMessage::from(&finding),
-    };
-    let payload = encode(&request);
+    let payload = payload(job, started, FindingMessage::from(&finding));
     let summary = match &finding {
         Finding::Landings(landings) => format!("landed on {}", SeedOutcome::Landed(landings.len())),
         Finding::Branch(branch) => format!("{} points, {}", branch.points.len(), branch.outcome),
@@ -169,6 +167,30 @@ fn compute(model: &Model, settings: &Settings, job: &Job, watch: &Watch) -> Comp
         Finding::Nothing(outcome) => format!("nothing new: {outcome}"),
     };
     Computed::Finished(Finished { payload, finding, summary })
+}
+
+/// The stability of a branch.
+fn verified(model: &Model, job: &Job, place: &VerifyPlace, watch: &Watch) -> Computed {
+    let started = Instant::now();
+    let Some((_, branch)) = job.known.iter().find(|(id, _)| *id == place.branch) else {
+        return Computed::Failed(format!("the branch to verify, {}, is not among those named", place.branch));
+    };
+    let Some(found) = verify(model, branch, place.stretch, &mut |point| watch.visit(point)) else {
+        return Computed::Stopped;
+    };
+    let outcome = SeedOutcome::Verified(found.points.len());
+    let payload = payload(job, started, FindingMessage::Verification(found));
+    Computed::Finished(Finished { payload, finding: Finding::Nothing(outcome), summary: outcome.to_string() })
+}
+
+/// The message of a result, encoded.
+fn payload(job: &Job, started: Instant, finding: FindingMessage) -> Vec<u8> {
+    encode(&SubmitRequest {
+        lease: job.lease.clone(),
+        program: protocol::PROGRAM.into(),
+        seconds: started.elapsed().as_secs_f64(),
+        finding,
+    })
 }
 
 fn message(panic: &(dyn Any + Send)) -> &str {
@@ -211,7 +233,7 @@ mod tests {
     fn impossible() -> Job {
         let state = State { harmonics: 0, omega: 1.0, decay: 0.0, forcing: 1.0, arguments: vec![], modal: vec![] };
         let well = Window { mode: 0, first: 0, last: 0, best: 0, threshold: 0.0, omega: (1.0, 1.0) };
-        let place = SeedPlace { window: 0, well, phase: Phase::First, way: Way::FixedFrequency };
+        let place = SeedPlace { window: 0, well, phase: Phase::First, way: Way::FullForcing };
         Job { work: Task::Land(place), seeds: vec![Seed { state, place: 0.0, phase: Phase::First }], ..main() }
     }
 

@@ -9,6 +9,7 @@ use protocol::from_worker::{Lease, SubmitRequest};
 use protocol::landings::LandingsMessage;
 use results::store::Extent;
 use solver::response::task::Brought;
+use solver::stability::verification::Verification;
 
 /// A result that fits the model, its branch encoded and hashed. Making one takes as long as its branch is large: done
 /// beside the engine.
@@ -26,6 +27,8 @@ pub struct CheckedResult {
     pub curve: Option<CriticalMessage>,
     /// What seeds landed on.
     pub landings: Option<LandingsMessage>,
+    /// What marching says of a branch.
+    pub verification: Option<Verification>,
     /// The new branch in numbers.
     pub extent: Option<Extent>,
     /// What the task brought.
@@ -44,12 +47,14 @@ impl CheckedResult {
             return Err(ArrayError::OtherHarmonics { harmonics, expected });
         }
         let brought = finding.brought();
-        let (branch, curve, landings) = match finding {
-            FindingMessage::Landings(landings) => (None, None, Some(landings)),
-            FindingMessage::Branch(branch) => (Some(branch), None, None),
-            FindingMessage::Curve(curve) => (None, Some(curve), None),
-            FindingMessage::Nothing(_) => (None, None, None),
-        };
+        let (mut branch, mut curve, mut landings, mut verification) = (None, None, None, None);
+        match finding {
+            FindingMessage::Landings(found) => landings = Some(found),
+            FindingMessage::Branch(found) => branch = Some(found),
+            FindingMessage::Curve(found) => curve = Some(found),
+            FindingMessage::Verification(found) => verification = Some(found),
+            FindingMessage::Nothing(_) => {}
+        }
         if let Some(landings) = &landings {
             landings.landings(size)?;
         }
@@ -59,7 +64,11 @@ impl CheckedResult {
         if let Some(curve) = &curve {
             curve.curve(size)?;
         }
+        if verification.as_ref().is_some_and(|found| !found.is_sound(size.monitors)) {
+            return Err(ArrayError::Verification);
+        }
         let extent = branch.as_ref().map(Extent::of);
-        Ok(Self { lease, program, seconds, branch: HashedBranch::new(branch), curve, landings, extent, brought })
+        let branch = HashedBranch::new(branch);
+        Ok(Self { lease, program, seconds, branch, curve, landings, verification, extent, brought })
     }
 }

@@ -36,7 +36,7 @@ impl Sweep {
             changes.push(Change::Planned(plan.clone()));
         }
         let stored = stored.unwrap_or_default();
-        let (ledger, settled) = Ledger::restore(rules, plan.levels.clone(), &plan.folds, stored.tasks, now);
+        let (ledger, settled) = Ledger::restore(rules, plan.levels.clone(), &plan.added, stored.tasks, now);
         changes.extend(settled);
         (Self { ledger, extents: stored.extents }, changes)
     }
@@ -74,7 +74,7 @@ impl Sweep {
 
     /// The first result of a task.
     fn accept(&mut self, result: CheckedResult, accepted: Accepted, follow_up: Vec<Change>) -> Decision {
-        let CheckedResult { lease, program, seconds, branch, curve, landings, extent, .. } = result;
+        let CheckedResult { lease, program, seconds, branch, curve, landings, verification, extent, .. } = result;
         let Lease { task, attempt, worker, .. } = lease;
         let Accepted { outcome, sequence, amplitude, work } = accepted;
         let name = match outcome {
@@ -86,6 +86,7 @@ impl Sweep {
             branch: None,
             curve,
             landings,
+            verification,
             task,
             attempt,
             amplitude,

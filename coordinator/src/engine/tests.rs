@@ -89,6 +89,7 @@ fn submit(lease: &Lease, extent: Option<Extent>, brought: Brought) -> Event {
         branch: HashedBranch::new(None),
         curve: None,
         landings: None,
+        verification: None,
         extent,
         brought,
     }))

@@ -11,7 +11,7 @@ use solver::response::account::Account;
 use solver::response::critical::crossed;
 use solver::response::seeds::Way;
 use solver::response::starts::StartPlace;
-use solver::response::task::{Brought, SeedOutcome, SeedPlace, Task};
+use solver::response::task::{BranchId, Brought, SeedOutcome, SeedPlace, Task};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -38,6 +38,8 @@ pub(super) struct Chain {
     pub held: Vec<usize>,
     /// Batches of starts that led to a new branch, and may lead to another one.
     pub rounds: Vec<StartPlace>,
+    /// Branches that were found and not yet considered for verification.
+    pub unverified: Vec<BranchId>,
 }
 
 /// What the tasks of a chain found.
@@ -47,6 +49,8 @@ pub(super) enum Record {
     Level(LevelRecord),
     /// Curves over all levels.
     Curves(Vec<Curve>),
+    /// What nothing follows from: verifications of branches.
+    Verifications,
 }
 
 #[derive(Debug)]
@@ -91,13 +95,7 @@ impl Chain {
     pub fn of_level(plan: LevelPlan, level: usize) -> Self {
         let amplitude = plan.amplitude.clone();
         let account = Account::new(plan.windows);
-        let mut chain = Self {
-            record: Record::Level(LevelRecord { amplitude, account, branches: Vec::new() }),
-            entries: Vec::new(),
-            ready: Vec::new(),
-            held: Vec::new(),
-            rounds: Vec::new(),
-        };
+        let mut chain = Self::of(Record::Level(LevelRecord { amplitude, account, branches: Vec::new() }));
         for (index, task) in plan.tasks.into_iter().enumerate() {
             let id = TaskId::of_level(&plan.amplitude.text, index).expect("amplitudes are numbers");
             chain.entries.push(TaskEntry::new(id, level, task));
@@ -109,23 +107,32 @@ impl Chain {
 
     /// The tasks that follow curves over all levels.
     pub fn of_curves() -> Self {
-        let (entries, ready, held, rounds) = Default::default();
-        Self { record: Record::Curves(Vec::new()), entries, ready, held, rounds }
+        Self::of(Record::Curves(Vec::new()))
     }
 
-    /// What a level is known by; `None` for the curves.
+    /// The tasks that verify branches of all levels.
+    pub fn of_verifications() -> Self {
+        Self::of(Record::Verifications)
+    }
+
+    fn of(record: Record) -> Self {
+        let (entries, ready, held, rounds, unverified) = Default::default();
+        Self { record, entries, ready, held, rounds, unverified }
+    }
+
+    /// What a level is known by; `None` for the curves and for verifications.
     pub fn level(&self) -> Option<&LevelRecord> {
         match &self.record {
             Record::Level(level) => Some(level),
-            Record::Curves(_) => None,
+            Record::Curves(_) | Record::Verifications => None,
         }
     }
 
     /// The curves that were found; none of a level.
     pub fn curves(&self) -> &[Curve] {
         match &self.record {
-            Record::Level(_) => &[],
             Record::Curves(curves) => curves,
+            Record::Level(_) | Record::Verifications => &[],
         }
     }
 
@@ -168,21 +175,25 @@ impl Chain {
             (_, Brought::Nothing(outcome)) => Some(*outcome).filter(|outcome| self.is_known(outcome)),
             (Record::Level(level), brought) => level.account.outcome(brought),
             (Record::Curves(curves), Brought::Curve(_)) => Some(SeedOutcome::OnCurve(curves.len())),
-            (Record::Curves(_), Brought::Landings(_) | Brought::Branch { .. }) => None,
+            (Record::Verifications, Brought::Verification(count)) => Some(SeedOutcome::Verified(*count)),
+            (Record::Curves(_) | Record::Verifications, _) => None,
         }
         .filter(|outcome| match self.entries[e].task {
             Task::Land(_) | Task::Start(_) => matches!(outcome, SeedOutcome::Landed(_) | SeedOutcome::NotLanded(_)),
-            Task::Fold(_) => !matches!(outcome, SeedOutcome::Found(_) | SeedOutcome::Landed(_)),
-            Task::Main(_) | Task::Seed(_) | Task::Crossing(_) | Task::Begin(_) => {
-                !matches!(outcome, SeedOutcome::OnCurve(_) | SeedOutcome::Landed(_))
+            Task::Fold(_) => {
+                !matches!(outcome, SeedOutcome::Found(_) | SeedOutcome::Landed(_) | SeedOutcome::Verified(_))
             }
+            Task::Main(_) | Task::Seed(_) | Task::Crossing(_) | Task::Begin(_) => {
+                !matches!(outcome, SeedOutcome::OnCurve(_) | SeedOutcome::Landed(_) | SeedOutcome::Verified(_))
+            }
+            Task::Verify(_) => matches!(outcome, SeedOutcome::Verified(_)),
         })
     }
 
     /// Whether what a task without anything new of its own refers to is there.
     fn is_known(&self, outcome: &SeedOutcome) -> bool {
         match (&self.record, outcome) {
-            (_, SeedOutcome::Landed(_)) => false,
+            (_, SeedOutcome::Landed(_) | SeedOutcome::Verified(_)) => false,
             (Record::Level(level), SeedOutcome::Found(id)) => level.branches.iter().any(|b| b.known.branch == *id),
             (Record::Curves(curves), SeedOutcome::OnCurve(number)) => *number < curves.len(),
             _ => true,
@@ -204,12 +215,13 @@ impl Chain {
                 level.account.record(&entry.task, outcome);
                 if let (SeedOutcome::Found(branch), Some(Brought::Branch { folds, .. })) = (outcome, brought) {
                     level.branches.push(Branch { known: Known { branch, task }, folds: *folds });
+                    self.unverified.push(branch);
                 }
             }
             (Record::Curves(curves), SeedOutcome::OnCurve(number), Some(Brought::Curve(forcing))) => {
                 curves.push(Curve { known: KnownCurve { number, task }, forcing: forcing.clone() });
             }
-            (Record::Curves(_), ..) => {}
+            (Record::Curves(_) | Record::Verifications, ..) => {}
         }
         entry.state = TaskState::Done(outcome);
     }
@@ -257,8 +269,8 @@ impl Chain {
         let is_needed = |task| self.level().is_none_or(|level| level.account.needs(task));
         match task {
             Task::Land(place) if place.way == Way::SteppedForcing && !self.is_decided(e, place) => Turn::Blocked,
-            Task::Land(_) | Task::Start(_) if is_needed(task) => Turn::Ready,
-            Task::Land(_) | Task::Start(_) => Turn::Needless,
+            Task::Land(_) | Task::Start(_) | Task::Verify(_) if is_needed(task) => Turn::Ready,
+            Task::Land(_) | Task::Start(_) | Task::Verify(_) => Turn::Needless,
             _ if taken => Turn::Blocked,
             _ if !is_needed(task) => Turn::Needless,
             _ => match self.landing(e).map(|landing| &self.entries[landing]) {
@@ -269,12 +281,12 @@ impl Chain {
         }
     }
 
-    /// Whether it is known what became of a seed at fixed frequency, of which entry `e` is the other way, or nothing will be.
+    /// Whether it is known what became of a seed with the full forcing, of which entry `e` is the other way, or nothing will be.
     fn is_decided(&self, e: usize, place: &SeedPlace) -> bool {
-        let fixed = SeedPlace { way: Way::FixedFrequency, ..*place };
+        let full = SeedPlace { way: Way::FullForcing, ..*place };
         let mut before = self.entries[..e].iter();
-        before.clone().filter(|entry| entry.task == Task::Seed(fixed)).all(TaskEntry::is_settled)
-            || before.any(|entry| entry.task == Task::Land(fixed) && entry.state == TaskState::Dead)
+        before.clone().filter(|entry| entry.task == Task::Seed(full)).all(TaskEntry::is_settled)
+            || before.any(|entry| entry.task == Task::Land(full) && entry.state == TaskState::Dead)
     }
 
     fn waits_for_main(&self) -> bool {

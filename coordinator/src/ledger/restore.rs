@@ -18,12 +18,12 @@ impl Ledger {
     pub fn restore(
         rules: Rules,
         levels: Vec<LevelPlan>,
-        folds: &[AddedTask],
+        added: &[AddedTask],
         stored: Vec<StoredTask>,
         now: Duration,
     ) -> (Self, Vec<Change>) {
         let mut ledger = Self::new(rules, levels);
-        ledger.restore_folds(folds);
+        ledger.restore_added(added);
         let mut rest = HashMap::new();
         for task in stored {
             let Some(&(c, e)) = ledger.index.get(&task.id) else { continue };
@@ -58,14 +58,21 @@ impl Ledger {
         (ledger, changes)
     }
 
-    /// The tasks that were added, and how far what was found has been looked at.
-    fn restore_folds(&mut self, folds: &[AddedTask]) {
-        let c = self.curves();
-        for AddedTask { id, amplitude, task } in folds {
+    /// The tasks that were added over all levels, and how far what was found has been looked at.
+    fn restore_added(&mut self, added: &[AddedTask]) {
+        for AddedTask { id, amplitude, task } in added {
             let Some(l) = self.levels().position(|(_, level)| level.amplitude.text == *amplitude) else { continue };
-            if let Task::Fold(place) = task {
-                self.followed.insert((l, *place));
-            }
+            let c = match task {
+                Task::Fold(place) => {
+                    self.followed.insert((l, *place));
+                    self.curves()
+                }
+                Task::Verify(place) => {
+                    self.verified.insert((l, *place));
+                    self.verifications()
+                }
+                _ => continue,
+            };
             self.index.insert(id.clone(), (c, self.chains[c].entries.len()));
             self.chains[c].entries.push(TaskEntry::new(id.clone(), l, *task));
         }

@@ -1,5 +1,6 @@
 //! Times and limits by which tasks are handed out.
 
+use solver::settings::VerifyEffort;
 use std::time::Duration;
 
 /// Times and limits.
@@ -15,6 +16,8 @@ pub struct Rules {
     pub backoff: Duration,
     /// Most folds that are not found to lie on a curve that is known; none: no such search.
     pub most_folds: usize,
+    /// What of the branches is verified.
+    pub verify: VerifyEffort,
 }
 
 impl Default for Rules {
@@ -25,6 +28,7 @@ impl Default for Rules {
             max_failures: 3,
             backoff: Duration::from_secs(1),
             most_folds: 0,
+            verify: VerifyEffort::None,
         }
     }
 }

@@ -1,14 +1,15 @@
 //! What follows from what was found: curves from the folds of branches, and branches from where curves cross levels.
 //!
 //! Which tasks there are does not depend on the order in which results come: the folds of a level are taken when it and those
-//! before it are done, crossings when everything is.
+//! before it are done, crossings when everything is. Nothing follows from verifications.
 
 use super::chain::Branch;
 use super::state::Ledger;
 use super::task::TaskEntry;
 use protocol::ids::TaskId;
 use results::journal::{AddedTask, Change, TaskState};
-use solver::response::task::{CrossingPlace, FoldPlace, SeedOutcome, Task};
+use solver::response::task::{CrossingPlace, FoldPlace, SeedOutcome, Task, VerifyPlace};
+use solver::settings::Stretch;
 
 impl Ledger {
     /// Adds the tasks that follow from what is known by now.
@@ -21,6 +22,9 @@ impl Ledger {
             }
             if added.is_empty() {
                 added = self.crossings();
+            }
+            if added.is_empty() {
+                added = self.verify();
             }
             if added.is_empty() {
                 return changes;
@@ -88,7 +92,7 @@ impl Ledger {
 
     /// Tasks for the crossings of curves with levels, once everything else is done.
     fn crossings(&mut self) -> Vec<(usize, TaskEntry)> {
-        if !self.is_finished() {
+        if !self.has_searched() {
             return Vec::new();
         }
         let curves = self.chains[self.curves()].curves();
@@ -105,6 +109,23 @@ impl Ledger {
             }
         }
         self.crossed = curves.len();
+        added
+    }
+    /// Tasks that verify branches found since.
+    fn verify(&mut self) -> Vec<(usize, TaskEntry)> {
+        let (c, effort) = (self.verifications(), self.rules.verify);
+        let mut added = Vec::new();
+        for (l, chain) in self.chains.iter_mut().enumerate() {
+            for branch in std::mem::take(&mut chain.unverified) {
+                let Some(place) = VerifyPlace::of(effort, branch) else { continue };
+                let whole = VerifyPlace { stretch: Stretch::Whole, branch };
+                if !self.verified.contains(&(l, whole)) && self.verified.insert((l, place)) {
+                    let level = chain.level().expect("branches are of levels");
+                    let id = TaskId::of_verification(&level.amplitude.text, &place).expect("amplitudes are numbers");
+                    added.push((c, TaskEntry::new(id, l, Task::Verify(place))));
+                }
+            }
+        }
         added
     }
 }

@@ -9,7 +9,7 @@ use protocol::from_worker::{Lease, Progress};
 use protocol::ids::{Attempt, TaskId, WorkerId};
 use protocol::to_worker::{Known, KnownCurve, RenewReply};
 use results::journal::{AttemptEnd, Change, Holder, LevelPlan, TaskState};
-use solver::response::task::{BranchId, Brought, CrossingPlace, FoldPlace, Task};
+use solver::response::task::{BranchId, Brought, CrossingPlace, FoldPlace, Task, VerifyPlace};
 use std::collections::{BTreeMap, HashMap, HashSet, VecDeque};
 use std::time::Duration;
 
@@ -17,9 +17,10 @@ use std::time::Duration;
 #[derive(Debug)]
 pub struct Ledger {
     pub(super) rules: Rules,
-    /// The levels in the order of the study, and last the curves over all of them.
+    /// The levels in the order of the study, then the curves over all of them, and last the verifications.
     pub(super) chains: Vec<Chain>,
-    /// Chains in the order in which they are begun: the largest forcing, which takes longest, first.
+    /// Chains in the order in which they are begun: the largest forcing, which takes longest, first. Without verifications,
+    /// which nothing waits for.
     pub(super) order: Vec<usize>,
     pub(super) index: HashMap<TaskId, (usize, usize)>,
     pub(super) workers: BTreeMap<WorkerId, Worker>,
@@ -29,6 +30,8 @@ pub struct Ledger {
     pub(super) followed: HashSet<(usize, FoldPlace)>,
     /// Folds that wait for tasks.
     pub(super) queue: VecDeque<(usize, FoldPlace)>,
+    /// Branches that have a task that verifies them, with their levels.
+    pub(super) verified: HashSet<(usize, VerifyPlace)>,
     /// Number of curves whose crossings were looked at.
     pub(super) crossed: usize,
     /// Number of announcements so far.
@@ -44,14 +47,14 @@ impl Ledger {
         let mut order: Vec<usize> = (0..chains.len()).collect();
         order.sort_by(|a, b| value(b).total_cmp(&value(a)));
         order.push(chains.len());
-        chains.push(Chain::of_curves());
+        chains.extend([Chain::of_curves(), Chain::of_verifications()]);
         let place = |(c, chain): (usize, &Chain)| -> Vec<(TaskId, (usize, usize))> {
             chain.entries.iter().enumerate().map(|(e, entry)| (entry.id.clone(), (c, e))).collect()
         };
         let index = chains.iter().enumerate().flat_map(place).collect();
-        let (workers, unfolded, followed, queue) = Default::default();
+        let (workers, unfolded, followed, queue, verified) = Default::default();
         let (crossed, sequence, cancelled) = Default::default();
-        Self { rules, chains, order, index, workers, unfolded, followed, queue, crossed, sequence, cancelled }
+        Self { rules, chains, order, index, workers, unfolded, followed, queue, verified, crossed, sequence, cancelled }
     }
 
     /// The levels, in the order of the study.
@@ -61,6 +64,11 @@ impl Ledger {
 
     /// Place of the chain of curves.
     pub(super) fn curves(&self) -> usize {
+        self.chains.len() - 2
+    }
+
+    /// Place of the chain of verifications.
+    pub(super) fn verifications(&self) -> usize {
         self.chains.len() - 1
     }
 
@@ -78,6 +86,9 @@ impl Ledger {
                     branches.filter(|known| known.branch == branch).cloned().collect(),
                     near.map(|c| c.known.clone()).collect(),
                 )
+            }
+            Task::Verify(VerifyPlace { branch, .. }) => {
+                (branches.filter(|known| known.branch == branch).cloned().collect(), Vec::new())
             }
             Task::Crossing(CrossingPlace { curve, .. }) => {
                 let own = curves.filter(|known| known.known.number == curve);
@@ -118,16 +129,18 @@ impl Ledger {
     }
 
     /// The task to hand out: of the chain that this thread worked on last; or one that others wait for, of a chain that was
-    /// begun or of the next one; or a landing.
+    /// begun or of the next one; or a landing; or a verification.
     fn choose(&self, holder: &Holder, now: Duration) -> Option<(usize, usize)> {
         let last = self.workers.get(&holder.worker).and_then(|worker| worker.chains.get(&holder.slot)).copied();
         let offer = |c: usize, ordered| self.chains[c].offer(now, ordered).map(|e| (c, e));
         let begun = || self.order.iter().copied().filter(|&c| self.chains[c].is_begun());
         let all = || self.order.iter().copied();
-        last.and_then(|c| offer(c, false))
+        last.filter(|&c| c != self.verifications())
+            .and_then(|c| offer(c, false))
             .or_else(|| begun().find_map(|c| offer(c, true)))
             .or_else(|| all().find_map(|c| offer(c, true)))
             .or_else(|| all().find_map(|c| offer(c, false)))
+            .or_else(|| offer(self.verifications(), false))
     }
 
     /// How long nothing new can be expected, short enough to hear of a task that ends.
@@ -260,6 +273,11 @@ impl Ledger {
     /// Whether no task is left to hand out or to wait for.
     pub fn is_finished(&self) -> bool {
         self.chains.iter().all(Chain::is_finished)
+    }
+
+    /// Whether nothing is left to do but to verify what was found.
+    pub(super) fn has_searched(&self) -> bool {
+        self.order.iter().all(|&c| self.chains[c].is_finished())
     }
 
     pub(super) fn entries(&self) -> impl Iterator<Item = &TaskEntry> {

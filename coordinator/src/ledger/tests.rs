@@ -17,6 +17,7 @@ use solver::response::seeds::{LandingFailure, Phase, Way};
 use solver::response::starts::StartPlace;
 use solver::response::task::{BranchId, Brought, CrossingPlace, FoldPlace, SeedOutcome, SeedPlace, Task, Unfollowed};
 use solver::response::windows::Window;
+use solver::settings::VerifyEffort;
 use std::collections::HashMap;
 use std::time::Duration;
 
@@ -35,7 +36,7 @@ fn window(number: usize) -> Window {
 fn plan(amplitude: f64, windows: usize) -> LevelPlan {
     let mut tasks = vec![Task::Main(Side::Below), Task::Main(Side::Above)];
     for window_number in 0..windows {
-        for way in [Way::FixedFrequency, Way::SteppedForcing] {
+        for way in [Way::FullForcing, Way::SteppedForcing] {
             for phase in [Phase::First, Phase::Second] {
                 let well = window(window_number);
                 let place = SeedPlace { window: window_number, well, phase, way };
@@ -48,7 +49,7 @@ fn plan(amplitude: f64, windows: usize) -> LevelPlan {
 }
 
 /// What a worker would find: a function of the task and of what is known, as tracing is. Some windows have an isola at
-/// either phase, some the main branch, some nothing at fixed frequency, and then a branch that is cut. Folds lie on one of
+/// either phase, some the main branch, some nothing with the full forcing, and then a branch that is cut. Folds lie on one of
 /// three curves, of which the second crosses no level; crossings lead to known branches and sometimes to an isola.
 fn find(granted: &Granted) -> Brought {
     let Granted { work, known, curves, amplitude, .. } = granted;
@@ -73,6 +74,14 @@ fn find(granted: &Granted) -> Brought {
             assert_eq!(curves.len(), 1, "the curve that crosses");
             let is_new = (curve + amplitude as usize).is_multiple_of(2);
             return if is_new { Brought::Branch { kind: BranchKind::Isola, folds: 2 } } else { main };
+        }
+        Task::Verify(place) => {
+            assert_eq!(
+                known.iter().map(|known| known.branch).collect::<Vec<_>>(),
+                [place.branch],
+                "the branch to verify"
+            );
+            return Brought::Verification(7);
         }
         Task::Land(place) if (place.window + amplitude as usize).is_multiple_of(4) => return Brought::Landings(2),
         Task::Land(place) => {
@@ -99,8 +108,8 @@ fn find(granted: &Granted) -> Brought {
     let last = known.iter().rev().find(|known| known.branch.kind == BranchKind::Isola);
     match ((place.window + amplitude as usize) % 4, place.way, place.phase) {
         (0, _, _) => main,
-        (1, Way::FixedFrequency, Phase::First) => Brought::Branch { kind: BranchKind::Isola, folds: 1 },
-        (1, Way::FixedFrequency, Phase::Second) => Brought::Nothing(SeedOutcome::Found(last.unwrap().branch)),
+        (1, Way::FullForcing, Phase::First) => Brought::Branch { kind: BranchKind::Isola, folds: 1 },
+        (1, Way::FullForcing, Phase::Second) => Brought::Nothing(SeedOutcome::Found(last.unwrap().branch)),
         (2, Way::SteppedForcing, Phase::Second) => Brought::branch(BranchKind::Cut),
         _ => Brought::Nothing(SeedOutcome::NotLanded(LandingFailure::Far(0.5))),
     }
@@ -110,9 +119,13 @@ fn find(granted: &Granted) -> Brought {
 type Book = Vec<(TaskId, TaskState)>;
 
 fn book(ledger: &Ledger) -> Book {
-    ledger.entries().map(|entry| (entry.id.clone(), entry.state.clone())).collect()
+    let mut book: Book = ledger.entries().map(|entry| (entry.id.clone(), entry.state.clone())).collect();
+    // Branches are found, and verified, in any order.
+    let verifications = ledger.chains[ledger.verifications()].entries.len();
+    let others = book.len() - verifications;
+    book[others..].sort_by(|a, b| a.0.cmp(&b.0));
+    book
 }
-
 /// Levels of three windows and two batches of starts each.
 fn plans(levels: usize) -> Vec<LevelPlan> {
     let starts = (0..2).map(|batch| StartPlace { batch, round: 0 });
@@ -123,7 +136,7 @@ fn plans(levels: usize) -> Vec<LevelPlan> {
 }
 
 fn rules() -> Rules {
-    Rules { max_failures: 1000, most_folds: 20, ..Rules::default() }
+    Rules { max_failures: 1000, most_folds: 20, verify: VerifyEffort::Standard, ..Rules::default() }
 }
 
 /// One worker, no trouble.
@@ -272,8 +285,8 @@ impl Driver {
         let order = |id: &TaskId| self.accepted.iter().position(|accepted| accepted == id).unwrap_or(usize::MAX);
         tasks.sort_by_key(|task| order(&task.id));
         let before = (book(&self.ledger), self.ledger.sequence());
-        let (levels, folds) = self.planned();
-        let (ledger, changes) = Ledger::restore(rules(), levels, &folds, tasks, self.now);
+        let (levels, added) = self.planned();
+        let (ledger, changes) = Ledger::restore(rules(), levels, &added, tasks, self.now);
         assert!(changes.is_empty(), "what is stored together is restored together");
         self.ledger = ledger;
         let settled = |book: &Book| -> Book {
@@ -292,13 +305,15 @@ impl Driver {
             tasks: chain.entries.iter().map(|entry| entry.task).collect(),
         };
         let levels: Vec<LevelPlan> = self.ledger.levels().map(level).collect();
-        let fold = |entry: &TaskEntry| AddedTask {
+        let added = |entry: &TaskEntry| AddedTask {
             id: entry.id.clone(),
             amplitude: levels[entry.level].amplitude.text.clone(),
             task: entry.task,
         };
-        let folds = self.ledger.chains[self.ledger.curves()].entries.iter().map(fold).collect();
-        (levels, folds)
+        let of_all = [self.ledger.curves(), self.ledger.verifications()];
+        let entries = of_all.into_iter().flat_map(|c| &self.ledger.chains[c].entries);
+        let added = entries.map(added).collect();
+        (levels, added)
     }
 
     /// Lets the run come to its end without further trouble.

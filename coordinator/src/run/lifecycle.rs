@@ -98,7 +98,12 @@ pub async fn carry_out(
         connection: &connection,
         store,
         model: &model,
-        rules: Rules { lease: Duration::from_secs_f64(options.lease), most_folds, ..Rules::default() },
+        rules: Rules {
+            lease: Duration::from_secs_f64(options.lease),
+            most_folds,
+            verify: header.settings.verify.effort,
+            ..Rules::default()
+        },
         prepared,
     };
     let services = Services::start(start).await?;
@@ -119,7 +124,11 @@ impl Run {
             match self.prepare(model, &mut display).await? {
                 Some(prepared) => {
                     display.clear();
-                    terminal::note(display::plan(&prepared.beginning.plan, self.most_folds));
+                    terminal::note(display::plan(
+                        &prepared.beginning.plan,
+                        self.most_folds,
+                        self.header.settings.verify.effort,
+                    ));
                     self.services.begin(prepared);
                 }
                 None => {

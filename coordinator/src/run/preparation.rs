@@ -76,8 +76,8 @@ pub fn stored(store: &Store, model: &Model) -> Result<Option<Prepared>, Error> {
     let backbones = std::iter::once(&message).chain(&further).map(|message| message.backbone(&size));
     let backbones: Vec<Backbone> =
         backbones.collect::<Result<_, _>>().map_err(|error| Error::Other(format!("a stored backbone: {error}")))?;
-    let (levels, folds) = (store.plans()?, store.folds()?);
-    let plan = Arc::new(SweepPlan { backbone: message, further, left_out, reach, levels, folds });
+    let (levels, added) = (store.plans()?, store.added()?);
+    let plan = Arc::new(SweepPlan { backbone: message, further, left_out, reach, levels, added });
     let stored = Some(Stored { tasks: store.tasks()?, extents: store.extents()? });
     let sweep = Arc::new(PublishedSweep::new(Modal::new(model), backbones, plan.clone()));
     Ok(Some(Prepared { sweep, beginning: Beginning { plan, stored } }))
@@ -123,8 +123,8 @@ pub fn compute(
     let levels = header.amplitudes.iter().enumerate().map(level).collect();
     let mut messages = backbones.iter().map(BackboneMessage::from);
     let backbone = messages.next().expect("that of the primary mode is there");
-    let (further, folds) = (messages.collect(), Vec::new());
-    let plan = Arc::new(SweepPlan { backbone, further, left_out, reach, levels, folds });
+    let (further, added) = (messages.collect(), Vec::new());
+    let plan = Arc::new(SweepPlan { backbone, further, left_out, reach, levels, added });
     let sweep = Arc::new(PublishedSweep::new(Modal::new(model), backbones, plan.clone()));
     Ok(Some(Prepared { sweep, beginning: Beginning { plan, stored: None } }))
 }

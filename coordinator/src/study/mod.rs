@@ -37,7 +37,7 @@ use toml::{Table, Value};
 const OWN: [&str; 3] = ["name", "model", "amplitudes"];
 
 /// Sections of [`Settings`].
-const NUMERICS: [&str; 6] = ["harmonics", "frequency", "continuation", "backbone", "branch", "search"];
+const NUMERICS: [&str; 7] = ["harmonics", "frequency", "continuation", "backbone", "branch", "search", "verify"];
 
 /// Keys that are often varied: proposed to whoever leaves the section out.
 const OFTEN: [&str; 10] = [

@@ -4,7 +4,7 @@ mod endings;
 mod results;
 
 pub use endings::outcomes;
-pub use results::{done, done_nothing, result, result_curve, result_landings, result_nothing};
+pub use results::{done, done_nothing, result, result_curve, result_landings, result_nothing, result_verification};
 
 use protocol::VERSION;
 use protocol::array::Array;
@@ -54,6 +54,7 @@ pub fn all(visitor: &mut impl Visit) {
     visitor.visit("result_nothing", &result_nothing());
     visitor.visit("result_curve", &result_curve());
     visitor.visit("result_landings", &result_landings());
+    visitor.visit("result_verification", &result_verification());
     visitor.visit("status", &status());
     visitor.visit("progress", &progress());
     visitor.visit("lease_request", &lease_request());

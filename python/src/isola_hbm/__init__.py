@@ -1,12 +1,41 @@
-"""Reads running Isola studies: forced responses of nonlinear structures, branch by branch, as NumPy arrays.
+"""Isola from Python: forced responses of nonlinear structures, with their isolas.
+
+A run on disk, finished or not, as data frames and datasets:
 
 >>> import isola_hbm
+>>> run = isola_hbm.load("runs/blade")
+>>> run.summary
+>>> run["60/isola 1"].time()
+
+A model made of matrices, and its sweep; figures:
+
+>>> model = isola_hbm.Model(M=[[1]], K=[[1]], laws=[isola_hbm.Law("polynomial_spring", dof="x1", terms=[])])
+>>> isola_hbm.sweep(model, amplitudes=[0.05, 0.1]).plot.response()
+
+A run that goes on, from anywhere on its bus, branch by branch:
+
 >>> with isola_hbm.connect("tcp/127.0.0.1:7447") as bus:
 ...     for branch in bus.run().follow():
 ...         print(branch.name, branch.omega, branch.amplitudes)
 """
 
-from .errors import Corrupt, IsolaError, NoAnswer, NoSuchRun, OtherVersion, Refused, Unreachable
+from .errors import (
+    BadModel,
+    Corrupt,
+    Damaged,
+    FolderInUse,
+    Incomplete,
+    IsolaError,
+    LeftOut,
+    NoAnswer,
+    NoProgram,
+    NoSuchBranch,
+    NoSuchRun,
+    OtherVersion,
+    ProgramFailed,
+    Refused,
+    Unreachable,
+)
 from .live.bus import Bus, connect
 from .live.run import Run
 from .live.types import (
@@ -22,7 +51,6 @@ from .live.types import (
     LevelStatus,
     LevelWindows,
     Manifest,
-    Model,
     ModesFollowed,
     Progress,
     Reach,
@@ -33,30 +61,45 @@ from .live.types import (
     WorkerStatus,
 )
 from .live.wire import NAMESPACE, VERSION
+from .model import Contact, Law, Model
+from .stored.motions import Motions
+from .stored.run import StoredRun, load
+from .sweeps import sweep
 
 __all__ = [
     "NAMESPACE",
     "VERSION",
     "Amplitude",
     "Backbone",
+    "BadModel",
     "Branch",
     "Bus",
     "Certificate",
+    "Contact",
     "Corrupt",
     "Counts",
     "Curve",
+    "Damaged",
     "Done",
     "Element",
     "FoldCurve",
+    "FolderInUse",
+    "Incomplete",
     "IsolaError",
+    "Law",
+    "LeftOut",
     "LevelStatus",
     "LevelWindows",
     "Manifest",
     "Model",
     "ModesFollowed",
+    "Motions",
     "NoAnswer",
+    "NoProgram",
+    "NoSuchBranch",
     "NoSuchRun",
     "OtherVersion",
+    "ProgramFailed",
     "Progress",
     "Reach",
     "Refused",
@@ -64,8 +107,11 @@ __all__ = [
     "Run",
     "SpecialPoint",
     "Status",
+    "StoredRun",
     "Unreachable",
     "Window",
     "WorkerStatus",
     "connect",
+    "load",
+    "sweep",
 ]

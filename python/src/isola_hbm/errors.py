@@ -1,5 +1,7 @@
 """What can go wrong. Every exception of this package is an :class:`IsolaError`."""
 
+from pathlib import Path
+
 
 class IsolaError(Exception):
     """Base of all of them."""
@@ -27,3 +29,47 @@ class Refused(IsolaError):
 
 class Corrupt(IsolaError):
     """Bytes that are not what was announced, or not a message."""
+
+
+class Damaged(Corrupt):
+    """Something in the store of a run cannot be read, or is not what was stored."""
+
+    def __init__(self, file: Path, detail: object) -> None:
+        super().__init__(f"{file}: the file is damaged ({detail}); restore a copy")
+        #: What is wrong, without file and remedy.
+        self.detail = str(detail)
+
+
+class NoSuchBranch(IsolaError, KeyError):
+    """The run has no branch of this name (yet)."""
+
+    __str__ = Exception.__str__
+
+
+class NoProgram(IsolaError):
+    """The program `isola` is not there, or cannot be started."""
+
+
+class ProgramFailed(IsolaError):
+    """The program ended with an error: the message is its own."""
+
+    def __init__(self, message: str, code: int) -> None:
+        super().__init__(message)
+        #: Exit code: 1 error, 2 wrong usage.
+        self.code = code
+
+
+class FolderInUse(IsolaError, FileExistsError):
+    """There is a run, or a model, in a folder that is to be written."""
+
+
+class BadModel(IsolaError, ValueError):
+    """A model that makes no sense: which entry, and what would be right."""
+
+
+class Incomplete(UserWarning):
+    """A sweep has ended, but tasks were given up, or what lies beyond what it found is not known: the program says which."""
+
+
+class LeftOut(UserWarning):
+    """Part of what was asked for is damaged or missing: the message says which, the rest is there."""

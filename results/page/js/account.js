@@ -13,6 +13,9 @@ function accountSection(place, run) {
   );
 }
 
+/** How seeds are landed, as the store calls it, in words. */
+const WAYS = { fixed_frequency: "full forcing", stepped_forcing: "steps in the forcing" };
+
 const details = (summary, ...children) => element("details", {}, element("summary", {}, summary), ...children);
 
 /** A table that scrolls inside its frame; in words if it has no rows. */
@@ -113,7 +116,7 @@ function taskDetails({ account, levels }) {
     levels[task.level]?.value ?? NaN,
     task.kind,
     task.window ?? NOT_KNOWN,
-    [task.phase, task.way?.replaceAll("_", " ")].filter(Boolean).join(", ") || NOT_KNOWN,
+    [task.phase, WAYS[task.way]].filter(Boolean).join(", ") || NOT_KNOWN,
     task.state,
     task.attempts,
     task.outcome ?? NOT_KNOWN,

@@ -1,7 +1,7 @@
 /* Light and dark. The colours of figures come with them; the rest of the page takes its colours from style.css. */
 
 /**
- * @typedef {"ink"|"soft"|"faint"|"shade"|"alert"|{level: number}|{category: number}} Colour
+ * @typedef {"ink"|"soft"|"faint"|"shade"|"alert"|"paper"|{level: number}|{category: number}} Colour
  *
  * @typedef {object} Palette
  * @property {string} paper

@@ -7,6 +7,8 @@ use protocol::to_everyone::StoredResult;
 use serde::Serialize;
 use solver::response::branch::{Outcome, SpecialPoint, Standing};
 use solver::response::columns::{self, Axis};
+use solver::stability::multipliers::Verdict;
+use solver::stability::verification::Verification;
 
 /// A branch: p points in the order of the arc, in rad/s and m. Its JSON is without the columns.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -41,6 +43,9 @@ pub struct Curve {
     /// Largest |x| over the period of every monitored dof.
     #[serde(skip)]
     pub amplitude: Vec<Column>,
+    /// Whether the response at each point is known to be unstable, by time marching; empty where it was not verified.
+    #[serde(skip)]
+    pub unstable: Vec<bool>,
     /// What else the page says of its points, in the order of the list.
     #[serde(skip)]
     pub others: Vec<Quantity>,
@@ -85,9 +90,18 @@ impl Curve {
             amplitude_at_peak: first.get(peak).copied().unwrap_or(f64::NAN),
             omega: Column::exact(omega),
             amplitude: amplitude.into_iter().map(Column::short).collect(),
+            unstable: Vec::new(),
             others: others(&points.columns, size)?,
             special: branch.special.clone(),
         }))
+    }
+
+    /// With what marching says of its points.
+    #[must_use]
+    pub fn verified(self, verification: &Verification) -> Self {
+        let verdicts = if verification.count == self.size { verification.verdicts() } else { Vec::new() };
+        let unstable = verdicts.into_iter().map(|verdict| verdict == Some(Verdict::Unstable)).collect();
+        Self { unstable, ..self }
     }
 
     /// What the page says of its points under the name of a column.

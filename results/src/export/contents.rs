@@ -148,6 +148,9 @@ impl<'r> Contents<'r> {
         for (name, of) in run::CERTIFICATE {
             group.add(name, of(&certificate).unwrap_or(f64::NAN));
         }
+        let verified = self.reader.verification(result.task.as_str());
+        let verified = omissions.read(format_args!("The stability of {name} is"), verified).flatten();
+        run::stability(&mut group, branch.points.len(), verified.as_ref());
         let what = format!("The displacements of branch {name} are");
         self.points(&mut group, branch.points, (&what, result.task.as_str()), omissions);
         if let Some(names) = &self.names {

@@ -2,11 +2,12 @@
 
 use super::ExportError;
 use super::table::{Table, optional, text};
-use crate::store::{Scalar, Scalars, scalars};
+use crate::store::{Scalar, Scalars, scalars, verdict_name};
 use protocol::array::{Array, ArrayError};
 use protocol::backbone::BackboneMessage;
 use protocol::branch::BranchMessage;
 use solver::response::columns::{self, Axis, Column, Csv};
+use solver::stability::verification::Verification;
 use std::path::Path;
 
 /// The column of the mode that a backbone is of.
@@ -38,6 +39,19 @@ impl CsvColumns {
             csv.others(arrays, |column| column.branch_csv, is_later, name)?;
         }
         Ok(csv)
+    }
+
+    /// With what marching says of the points, nothing where they were not verified: whether the response there is stable, and
+    /// the largest modulus of its multipliers.
+    pub fn with_stability(mut self, verified: Option<&Verification>) -> Self {
+        let count = self.0.first().map_or(0, |(_, cells)| cells.len());
+        let verified = verified.filter(|verified| verified.count == count);
+        let verdicts = verified.map_or_else(|| vec![None; count], Verification::verdicts);
+        let moduli = verified.map_or_else(|| vec![None; count], Verification::moduli);
+        let words = verdicts.into_iter().map(|verdict| verdict.map_or("", verdict_name).to_string());
+        self.0.push(("stable".into(), words.collect()));
+        self.0.push(("multiplier".into(), moduli.into_iter().map(optional).collect()));
+        self
     }
 
     /// Of the points of backbones, one after the other, with the mode that each is of, from 1, at the end.

@@ -7,7 +7,8 @@ use super::csv_columns::CsvColumns;
 use super::table::{Table, optional, text};
 use crate::overview::Omissions;
 use crate::overview::{BranchRow, Level, Overview, unfinished};
-use crate::store::{CurveRow, Reader};
+use crate::store::{BifurcationRow, CurveRow, Reader};
+use protocol::array::ArrayError;
 use protocol::backbone::BackboneMessage;
 use protocol::curve::Size;
 use solver::response::windows::{Event, EventKind, events};
@@ -39,7 +40,10 @@ const WINDOWS: [&str; 10] =
 const FOLDS: [&str; 5] = ["curve", "forcing", "omega", "amplitude", "kind"];
 const EVENTS: [&str; 7] = ["kind", "source", "forcing", "omega", "amplitude", "mode", "curve"];
 
-/// Writes `summary.csv`, `backbone.csv`, `windows.csv`, `folds.csv`, `events.csv` and `branches/*.csv` into folder `dir`, at any stage of a run.
+const BIFURCATIONS: [&str; 5] = ["forcing", "branch", "kind", "omega", "amplitude"];
+
+/// Writes `summary.csv`, `backbone.csv`, `windows.csv`, `folds.csv`, `events.csv`, `bifurcations.csv` and `branches/*.csv` into
+/// folder `dir`, at any stage of a run.
 ///
 /// Frequencies are in rad/s, lengths in m, each number in the shortest form that reads back the same.
 ///
@@ -64,9 +68,16 @@ pub(super) fn write(reader: &Reader, dir: &Path, omissions: &mut Omissions) -> R
     let curves = omissions.read("The list of fold curves is", reader.curves()).unwrap_or_default();
     write_folds(dir, &curves)?;
     write_events(dir, &curves, &predicted)?;
+    let bifurcations = omissions.read("The list of bifurcations is", reader.bifurcations()).unwrap_or_default();
+    write_bifurcations(dir, &bifurcations)?;
     let monitors = overview.model.as_ref().map(monitors);
     overview.each_branch(reader, omissions, |omissions, name, result| {
-        let columns = result.branch.as_ref().map(|branch| CsvColumns::of_branch(branch, monitors.as_deref()));
+        let verified = reader.verification(result.task.as_str());
+        let verified = omissions.read(format_args!("The stability of {name} is"), verified).flatten();
+        let columns = result.branch.as_ref().map(|branch| {
+            let columns = CsvColumns::of_branch(branch, monitors.as_deref())?;
+            Ok::<_, ArrayError>(columns.with_stability(verified.as_ref()))
+        });
         let columns = columns.and_then(|columns| omissions.take(format_args!("Branch {name} is"), columns));
         columns.map_or(Ok(()), |columns| columns.write(&folder, &format!("{name}.csv")))
     })?;
@@ -114,6 +125,15 @@ fn write_events(dir: &Path, curves: &[CurveRow], predicted: &[Event]) -> Result<
     table.finish()
 }
 
+/// Writes where multipliers of marched orbits cross the unit circle.
+fn write_bifurcations(dir: &Path, rows: &[BifurcationRow]) -> Result<(), ExportError> {
+    let mut table = Table::create(dir, "bifurcations.csv", &names(&BIFURCATIONS))?;
+    for row in rows {
+        table.row([&row.forcing, &row.branch, &row.kind, &text(row.omega), &text(row.amplitude)])?;
+    }
+    table.finish()
+}
+
 fn names(columns: &[&str]) -> Vec<String> {
     columns.iter().map(ToString::to_string).collect()
 }
@@ -153,8 +173,7 @@ fn summary_row(level: &Level, branch: &BranchRow) -> [String; 18] {
         optional(certificate.pressure_beyond),
         optional(certificate.doubled.map(|doubled| doubled.amplitude)),
         optional(certificate.doubled.map(|doubled| doubled.shift)),
-        // Which share is stable nobody has looked at.
-        String::new(),
+        optional(branch.stability.as_ref().map(|stability| stability.stable)),
     ]
 }
 

@@ -11,11 +11,12 @@ use super::*;
 use crate::fixture::{Study, worker};
 use crate::journal::{AttemptEnd, Change, Holder};
 use crate::overview::{Omissions, Overview};
-use crate::store::Reader;
+use crate::store::{Reader, verdict_name};
 use protocol::ids::{Attempt, TaskId};
 use solver::curve::problem::Failure;
 use solver::response::columns::{Column, Csv, of_backbone, of_points};
 use solver::response::task::{BranchId, Finding, SeedOutcome};
+use solver::stability::multipliers::Verdict;
 use std::collections::HashMap;
 use std::fs;
 use std::path::Path;
@@ -49,7 +50,8 @@ fn a_finished_run() {
     let out = dir.path().join("csv");
     csv(&store, &out).unwrap();
     csv(&Reader::open(store.dir()).unwrap(), &out).unwrap();
-    assert_eq!(names(&out), ["backbone.csv", "branches", "events.csv", "folds.csv", "summary.csv", "windows.csv"]);
+    let all = ["backbone.csv", "bifurcations.csv", "branches", "events.csv", "folds.csv", "summary.csv", "windows.csv"];
+    assert_eq!(names(&out), all);
     assert_eq!(names(&out.join("branches")), ["0.006-isola-1.csv", "0.006-main-1.csv", "3e-3-main-1.csv"]);
 
     let (columns, rows) = table(&out.join("summary.csv"));
@@ -73,7 +75,9 @@ fn a_finished_run() {
     assert_eq!(
         columns,
         with_later("omega,amplitude,rms,contact,residual,high_harmonics", of_points(), |c| c.branch_csv)
+            + ",stable,multiplier"
     );
+    assert!(rows.iter().all(|row| row["stable"].is_empty() && row["multiplier"].is_empty()));
 
     let isola = results.iter().find(|result| result.name == Some(BranchId::isola(0))).unwrap();
     let isola = isola.branch.as_ref().unwrap();
@@ -89,6 +93,28 @@ fn a_finished_run() {
     assert_eq!(rows.len(), study.backbone.points.len());
     let threshold: Vec<f64> = rows.iter().map(|row| row["threshold"].parse().unwrap()).collect();
     assert!(threshold.iter().zip(&study.backbone.points).all(|(read, point)| *read == point.threshold()));
+}
+
+#[test]
+fn what_marching_says_of_a_branch() {
+    let (study, dir) = (Study::damper(), tempdir().unwrap());
+    let (mut store, results) = study.finished(&dir.path().join("run"));
+    let isola = results.iter().find(|result| result.name == Some(BranchId::isola(0))).unwrap();
+    let verification = study.verify(&mut store, isola);
+    let out = dir.path().join("csv");
+    csv(&store, &out).unwrap();
+    let stable = table(&out.join("summary.csv")).1[2]["stable"].parse::<f64>().unwrap();
+    assert_eq!(stable, verification.share(Verdict::Stable));
+    let rows = table(&out.join("branches/0.006-isola-1.csv")).1;
+    let verdicts = verification.verdicts().into_iter().map(|verdict| verdict.map_or("", verdict_name));
+    assert!(rows.iter().map(|row| row["stable"].as_str()).eq(verdicts));
+    let moduli = verification.moduli();
+    assert!(rows.iter().map(|row| row["multiplier"].parse().ok()).eq(moduli));
+    let (columns, rows) = table(&out.join("bifurcations.csv"));
+    assert_eq!(columns, "forcing,branch,kind,omega,amplitude");
+    let omegas: Vec<f64> = rows.iter().map(|row| row["omega"].parse().unwrap()).collect();
+    assert_eq!(omegas, verification.bifurcations.iter().map(|found| found.omega).collect::<Vec<_>>());
+    assert!(rows.iter().all(|row| row["kind"] == "fold" && row["branch"] == "isola 1" && row["forcing"] == "0.006"));
 }
 
 #[test]
@@ -137,7 +163,7 @@ fn contact_and_further_monitors() {
     csv(&store, dir.path()).unwrap();
     let (columns, rows) = table(&dir.path().join("branches/0.02-main-1.csv"));
     let first = "omega,amplitude,rms,contact,residual,high_harmonics,amplitude_x2";
-    assert_eq!(columns, with_later(first, of_points(), |column| column.branch_csv));
+    assert_eq!(columns, with_later(first, of_points(), |column| column.branch_csv) + ",stable,multiplier");
     let points = &results[0].branch.as_ref().unwrap().points;
     let amplitude = points.columns.get("amplitude").unwrap().values("amplitude", &[rows.len(), 2]).unwrap();
     for (row, pair) in rows.iter().zip(amplitude.chunks(2)) {

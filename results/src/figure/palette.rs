@@ -81,6 +81,7 @@ impl Colors {
             Color::Soft => self.soft,
             Color::Shade => self.shade,
             Color::Alert => self.alert,
+            Color::Paper => self.paper,
             Color::Level(share) => self.along(share),
             Color::Category(index) => self.categories[index % self.categories.len()],
         }

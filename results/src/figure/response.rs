@@ -6,7 +6,7 @@ use super::data::{Axis, Detail, Direction, Entry, Figure, Format, Kind, Label, P
 use super::smooth::smooth;
 use super::style::{BOLD, Color, FINE, MARK, Shape, Style, THIN};
 use super::subject::{BackboneColumns, Subject, level_colors};
-use crate::curves::{Curve, Monitor};
+use crate::curves::{Column, Curve, Monitor};
 use solver::response::branch::{BranchKind, SpecialKind};
 use solver::response::columns;
 
@@ -60,7 +60,9 @@ pub fn figure(
         if has_marks {
             marks.extend(special_points(branch, &curve, color));
         }
+        let gaps = unstable(branch, &curve, (&axes.0, &axes.1), columns);
         series.push(curve);
+        series.extend(gaps);
     }
     series.append(&mut marks);
     Ok(figure)
@@ -147,12 +149,19 @@ impl<'r> Outline<'r> {
                 && self.branches.iter().any(|branch| branch.special.iter().any(|special| special.kind == wanted))
         };
         let line = Kind::Line;
+        let dashed = Style::line(color, BOLD).with_dash(1);
         let entries = [
             (has(BranchKind::Main), "main branch", line, Style::line(color, THIN)),
             (has(BranchKind::Isola), "isola", line, Style::line(color, BOLD)),
             (has(BranchKind::Open), "open branch", line, Style::line(color, BOLD)),
             (has(BranchKind::Cut), "cut off by a bound", line, Style::line(color, BOLD)),
             (has(BranchKind::Unfinished), "unfinished", line, Style::line(color, BOLD)),
+            (
+                self.branches.iter().any(|branch| branch.unstable.contains(&true)),
+                "unstable, where verified",
+                line,
+                dashed,
+            ),
             (has_backbone, "backbone", line, Style::line(Color::Soft, FINE).with_dash(1)),
             (marked(SpecialKind::Peak), "peak", line, mark(SpecialKind::Peak, color)),
             (marked(SpecialKind::Fold), "fold", line, mark(SpecialKind::Fold, color)),
@@ -238,6 +247,30 @@ pub fn branch_series(
         details,
         ..Series::default()
     }
+}
+
+/// Gaps in a curve along what of it is unstable.
+fn unstable(branch: &Curve, curve: &Series, axes: (&Axis, &[Axis]), columns: &mut ColumnStore) -> Option<Series> {
+    if !branch.unstable.contains(&true) {
+        return None;
+    }
+    // A segment is drawn where both its ends are unstable.
+    let heights: Vec<Vec<f64>> = branch.amplitude.iter().map(|column| where_unstable(branch, &column.values)).collect();
+    let y = heights.iter().map(|values| columns.add(Column::short(values.clone()))).collect();
+    let style = Style::gaps(curve.style.width);
+    let mut gaps = Series { kind: curve.kind, x: curve.x.clone(), y, style, level: curve.level, ..Series::default() };
+    let heights: Vec<&[f64]> = heights.iter().map(Vec::as_slice).collect();
+    smooth(&mut gaps, (&branch.omega.values, &heights), axes, columns);
+    Some(gaps)
+}
+
+/// Values at points that are unstable; not numbers elsewhere.
+fn where_unstable(branch: &Curve, values: &[f64]) -> Vec<f64> {
+    values
+        .iter()
+        .zip(&branch.unstable)
+        .map(|(value, is_unstable)| if *is_unstable { *value } else { f64::NAN })
+        .collect()
 }
 
 fn word(kind: SpecialKind) -> &'static str {

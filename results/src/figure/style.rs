@@ -26,6 +26,8 @@ pub enum Color {
     Shade,
     /// What is not found.
     Alert,
+    /// The background: gaps in lines.
+    Paper,
     /// A forcing level, from 0 (the lowest) to 1 (the highest).
     Level(f64),
     /// One of a few that are told apart.
@@ -85,6 +87,11 @@ impl Style {
         Self::line(color, 0.0).with_marker(shape, size, open)
     }
 
+    /// Gaps in a line of this width that lies below: it looks dashed.
+    pub fn gaps(width: f64) -> Self {
+        Self { dash: &GAPS, ..Self::line(Color::Paper, width + SPILL) }
+    }
+
     /// A light area of a colour, without an edge.
     pub fn area(color: Color) -> Self {
         Self { color, fill: true, ..Self::default() }
@@ -100,6 +107,11 @@ impl Style {
         Self { marker: Some(Marker { shape, size, open }), ..self }
     }
 }
+
+/// Lengths of gaps and of what is left between them.
+const GAPS: [f64; 2] = [2.5, 4.0];
+/// By how much gaps are wider than their line, so that nothing of its edges shines through.
+const SPILL: f64 = 0.6;
 
 /// Patterns that are told apart without colours.
 const DASHES: [&[f64]; 5] = [&[], &[5.0, 2.5], &[1.2, 1.8], &[6.0, 2.0, 1.2, 2.0], &[9.0, 3.0]];

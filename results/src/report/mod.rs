@@ -5,6 +5,7 @@ mod evidence;
 mod losses;
 mod read;
 mod search;
+mod stability;
 #[cfg(test)]
 mod tests;
 mod verdict;

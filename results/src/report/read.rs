@@ -7,7 +7,7 @@ use super::verdict::verdict;
 use crate::clock::now;
 use crate::curves::{BackboneCurve, Curve, Monitor, Motions, ResonanceComparison, monitors};
 use crate::figure::{Figures, Subject};
-use crate::overview::{BranchRow, Omissions, Overview, unfinished, verified_result, why_no_folds};
+use crate::overview::{BranchRow, Omissions, Overview, detail, unfinished, verified_result, why_no_folds};
 use crate::store::{CurveRow, Reader, Result, RunHeader};
 use protocol::backbone::BackboneMessage;
 use protocol::curve::Size;
@@ -273,6 +273,8 @@ fn curves(
     for &(level, branch) in drawn {
         let read = verified_result(reader, branch).and_then(|result| {
             let curve = Curve::of(&result, level).map_err(|error| error.to_string())?;
+            let verified = reader.verification(&branch.task).map_err(|error| detail(&error))?;
+            let curve = curve.map(|curve| verified.iter().fold(curve, Curve::verified));
             if let Some(curve) = &curve {
                 motions.choose((curves.len(), curve), &result, &size, share).map_err(|error| error.to_string())?;
             }

@@ -92,16 +92,18 @@ impl<'r> Evidence<'r> {
                 let ranges = joined(self.with_isolas().flat_map(Level::isolas).map(|isola| isola.omega));
                 parts.push(format!(
                     "Between {}: there an isola, a closed branch apart from the main one, is another periodic response at \
-                     the same forcing, with up to {}; whether it is stable and what leads there was not verified.",
+                     the same forcing, with up to {}; {}.",
                     in_words(&ranges),
-                    at(highest)
+                    at(highest),
+                    self.stability_of_isolas()
                 ));
             }
             None => parts.push(format!("No isola was found from {}; {}.", self.searched(), self.not_searched())),
         }
         parts.extend(self.untouched().map(String::from));
         parts.extend(self.others());
-        parts.push(format!("The largest computed response, {}{casing}, is on {on}, {place}.", at(largest)));
+        let stability = self.stability_of_peak(largest);
+        parts.push(format!("The largest computed response, {}{casing}, is on {on}, {place}{stability}.", at(largest)));
         parts.extend(truncation(self.levels, self.harmonics));
         parts.join(" ")
     }

@@ -10,6 +10,7 @@ use super::header::{pack, set_stage};
 use super::plan::{insert_added, insert_plan};
 use super::points_table::POINTS;
 use super::scalars::Scalars;
+use super::verifications::insert_verification;
 use crate::journal::{AcceptedResult, AttemptEnd, Change, Holder};
 use protocol::branch::BranchMessage;
 use protocol::codec::encode;
@@ -17,7 +18,7 @@ use protocol::ids::{Attempt, TaskId};
 use protocol::to_everyone::StoredResult;
 use rusqlite::{Connection, Params, params};
 use solver::response::branch::{Outcome, Standing};
-use solver::response::task::{BranchId, SeedOutcome};
+use solver::response::task::{BranchId, SeedOutcome, Task};
 use std::path::Path;
 
 /// Writes changes, all at one time.
@@ -82,7 +83,8 @@ impl Changes<'_> {
             SeedOutcome::Found(id) => Some(id.to_string()),
             _ => None,
         };
-        let found = branch.is_some() || matches!(outcome, SeedOutcome::OnCurve(_) | SeedOutcome::Landed(_));
+        let found = branch.is_some()
+            || matches!(outcome, SeedOutcome::OnCurve(_) | SeedOutcome::Landed(_) | SeedOutcome::Verified(_));
         let sql = "UPDATE tasks SET state = 'done', outcome = ?2, found = ?3, branch = ?4, record = ?5 WHERE id = ?1";
         self.execute(sql, params![task.as_str(), outcome.to_string(), found, branch, pack(outcome)])?;
         let sql = "UPDATE attempts SET ended_at = ?3, \"end\" = 'done', reason = NULL WHERE task = ?1 AND attempt = ?2";
@@ -112,7 +114,13 @@ impl Changes<'_> {
             (None, Some(curve), SeedOutcome::OnCurve(number)) => {
                 insert_curve(self.db, self.file, &result.task, number, curve)
             }
-            _ => Ok(()),
+            _ => match (&result.verification, &result.work) {
+                (Some(verification), Task::Verify(place)) => {
+                    let of = (&result.task, result.amplitude.text.as_str(), place);
+                    insert_verification(self.db, self.file, of, verification)
+                }
+                _ => Ok(()),
+            },
         }
     }
 
@@ -177,6 +185,7 @@ fn without_numbers(result: &StoredResult) -> StoredResult {
         branch: result.branch.as_ref().map(without_arrays),
         curve: None,
         landings: None,
+        verification: None,
         worker: result.worker.clone(),
         program: result.program.clone(),
         seconds: result.seconds,

@@ -55,8 +55,8 @@ pub enum StoreError {
     },
     /// From a program that knew less.
     #[error(
-        "{}: written in version {found} of the format, this program goes on with runs of version {known} only, whose branches \
-         it finds and names in another way; `report`, `plot` and `export` read it, `isola sweep` computes the study again",
+        "{}: written in version {found} of the format, this program goes on with runs of version {known} only, whose tasks \
+         and tables are others; `report`, `plot` and `export` read it, `isola sweep` computes the study again",
         .file.display()
     )]
     Older {

@@ -12,6 +12,7 @@ use rusqlite::types::FromSql;
 use rusqlite::{Connection, OptionalExtension, ToSql, params};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
+use solver::settings::Settings;
 use solver::structure::laws::Law;
 use std::path::{Path, PathBuf};
 
@@ -98,6 +99,10 @@ fn insert_model(db: &Connection, file: &Path, model: &ModelMessage) -> Result<()
 pub(super) fn read_header(db: &Connection, file: &Path) -> Result<RunHeader> {
     let run: String = fact(db, file, "run")?;
     let settings: Vec<u8> = fact(db, file, "settings")?;
+    let mut settings: Settings = unpack(file, &settings)?;
+    if let Some(effort) = get::<Vec<u8>>(db, file, "verify")? {
+        settings.verify.effort = unpack(file, &effort)?;
+    }
     let overrides: String = fact(db, file, "overrides")?;
     Ok(RunHeader {
         run: RunId::new(&run).map_err(|error| corrupt(file, error))?,
@@ -107,7 +112,7 @@ pub(super) fn read_header(db: &Connection, file: &Path) -> Result<RunHeader> {
         study: fact(db, file, "study")?,
         model: read_model(db, file)?,
         model_sha256: fact(db, file, "model_sha256")?,
-        settings: unpack(file, &settings)?,
+        settings,
         amplitudes: read_levels(db, file)?,
         program: fact(db, file, "program")?,
         created: fact(db, file, "created")?,

@@ -2,6 +2,7 @@
 
 use super::branch_id::branch_id;
 use super::number::number;
+use super::verifications::Stability;
 use super::{Reader, Result};
 use protocol::codec::decode_stored;
 use protocol::to_everyone::StoredResult;
@@ -38,6 +39,8 @@ pub struct BranchRow {
     pub peak_standing: Option<Standing>,
     /// What is known of the harmonics that were left out.
     pub certificate: Certificate,
+    /// What is known of its stability; nothing if it was not verified.
+    pub stability: Option<Stability>,
     /// Number, from 1, of what it is one forcing level of; none for main branches.
     pub family: Option<usize>,
     #[serde(skip)]
@@ -107,10 +110,10 @@ impl Reader {
         self.all(sql, [], |row| Ok((row.get(0)?, row.get(1)?, row.get(2)?)))
     }
 
-    /// Tasks of a level that are still to be done, and those that were given up.
+    /// Tasks of a level that are still to be done, and those that were given up, verifications apart.
     pub(crate) fn open_tasks(&self, level: i64) -> Result<(usize, usize)> {
         let sql = "SELECT count(*) FILTER (WHERE state IN ('waiting', 'leased')), \
-                   count(*) FILTER (WHERE state = 'dead') FROM tasks WHERE level = ?1";
+                   count(*) FILTER (WHERE state = 'dead') FROM tasks WHERE level = ?1 AND kind <> 'verify'";
         Ok(self.one(sql, [level], |row| Ok((row.get(0)?, row.get(1)?)))?.unwrap_or_default())
     }
 
@@ -129,6 +132,8 @@ impl Reader {
              contact_omega_min, contact_omega_max, id, task, {later} FROM branches WHERE level = ?1 ORDER BY number"
         );
         let mut list = self.all(&sql, [level], branch)?;
+        let mut stability = self.stability(level)?;
+        list.iter_mut().for_each(|row| row.stability = stability.remove(&row.id));
         list.sort_by_key(|row| BranchKind::named(&row.kind));
         Ok(list)
     }
@@ -225,6 +230,7 @@ fn branch(row: &Row<'_>) -> rusqlite::Result<BranchRow> {
             pressure_beyond: row.get(15)?,
             doubled: doubled.0.zip(doubled.1).map(|(amplitude, shift)| Doubled { amplitude, shift }),
         },
+        stability: None,
         family: None,
     })
 }

@@ -24,11 +24,13 @@ mod reader;
 mod scalars;
 #[cfg(test)]
 mod tests;
+mod verifications;
 
 pub use curves::{CurvePoint, CurveRow, SearchCounts};
 pub use error::StoreError;
 pub use extent::Extent;
 pub use reader::Reader;
+pub use verifications::{BifurcationRow, Stability, verdict_name};
 
 #[cfg(any(feature = "figures", feature = "page"))]
 pub use account::{TaskRow, WorkerCost};
@@ -48,7 +50,7 @@ use protocol::ids::RunId;
 use protocol::model::ModelMessage;
 use protocol::to_everyone::Amplitude;
 use rusqlite::{Connection, TransactionBehavior};
-use solver::settings::Settings;
+use solver::settings::{Settings, VerifyEffort};
 use std::fs;
 use std::ops::Deref;
 use std::path::{Path, PathBuf};
@@ -164,6 +166,14 @@ impl Store {
             let writer = Changes { db, file, displacements, now: now() };
             changes.iter().try_for_each(|change| writer.write(change))
         })
+    }
+
+    /// Changes what of the branches is to be verified.
+    ///
+    /// # Errors
+    /// If the file cannot be written.
+    pub fn set_verify(&mut self, effort: VerifyEffort) -> Result<()> {
+        self.write(true, |db, file, _| header::set(db, file, "verify", header::pack(&effort)))
     }
 
     /// One transaction; `synchronous`: it survives a power cut.

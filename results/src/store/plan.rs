@@ -17,8 +17,9 @@ use solver::response::columns::of_backbone_in_files;
 use solver::response::forced::Reach;
 use solver::response::modes::{LeftOut, ModesFollowed};
 use solver::response::seeds::{Phase, Way};
-use solver::response::task::{CrossingPlace, FoldPlace, SeedPlace, Task};
+use solver::response::task::{CrossingPlace, FoldPlace, SeedPlace, Task, VerifyPlace};
 use solver::response::windows::Window;
+use solver::settings::Stretch;
 use std::collections::HashMap;
 use std::path::Path;
 
@@ -28,7 +29,7 @@ const WITH_MODES: i64 = 3;
 
 /// Stores the backbones with everything that follows from them.
 pub(super) fn insert_plan(db: &Connection, file: &Path, plan: &SweepPlan, displacements: &Displacements) -> Result<()> {
-    let SweepPlan { backbone, further, left_out, reach, levels, folds } = plan;
+    let SweepPlan { backbone, further, left_out, reach, levels, added } = plan;
     let mut omega = HashMap::new();
     for (place, backbone) in std::iter::once(backbone).chain(further).enumerate() {
         let owner = owner((place > 0).then_some(backbone.mode));
@@ -44,7 +45,7 @@ pub(super) fn insert_plan(db: &Connection, file: &Path, plan: &SweepPlan, displa
     set(db, file, "backbone_status", backbone.outcome.to_string())?;
     insert_reach(db, file, reach)?;
     insert_levels(db, file, levels, &omega)?;
-    insert_added(db, file, folds)
+    insert_added(db, file, added)
 }
 
 /// Owner of the arrays of a backbone, if it is of a further mode.
@@ -203,7 +204,8 @@ pub(super) fn insert_added(db: &Connection, file: &Path, added: &[AddedTask]) ->
         let level = number_of_level(db, file, amplitude)?;
         let sql = match task {
             Task::Fold(_) => "SELECT count(*) FROM tasks WHERE kind = 'fold' AND ?1",
-            _ => "SELECT count(*) FROM tasks WHERE kind <> 'fold' AND level = ?1",
+            Task::Verify(_) => "SELECT count(*) FROM tasks WHERE kind = 'verify' AND ?1",
+            _ => "SELECT count(*) FROM tasks WHERE kind NOT IN ('fold', 'verify') AND level = ?1",
         };
         let position: usize = db.prepare_cached(sql).at(file)?.query_row([level], |row| row.get(0)).at(file)?;
         insert_task(db, file, level, position, id, task)?;
@@ -238,6 +240,7 @@ fn insert_task(db: &Connection, file: &Path, level: i64, position: usize, id: &T
         Task::Crossing(CrossingPlace { curve, .. }) => ("crossing", None, Some(format!("fold curve {}", curve + 1))),
         Task::Start(place) => ("start", None, Some(format!("starts, batch {}", place.batch + 1))),
         Task::Begin(place) => ("begin", None, Some(format!("starts, batch {}", place.batch + 1))),
+        Task::Verify(place) => ("verify", None, Some(of_verification(place))),
     };
     let row = params![
         id.as_str(),
@@ -254,6 +257,13 @@ fn insert_task(db: &Connection, file: &Path, level: i64, position: usize, id: &T
     Ok(())
 }
 
+fn of_verification(VerifyPlace { branch, stretch }: &VerifyPlace) -> String {
+    match stretch {
+        Stretch::Whole => branch.to_string(),
+        Stretch::Peak => format!("{branch}, around its peak"),
+    }
+}
+
 fn phase_name(place: &SeedPlace) -> &'static str {
     match place.phase {
         Phase::First => "first",
@@ -263,7 +273,7 @@ fn phase_name(place: &SeedPlace) -> &'static str {
 
 fn way_name(place: &SeedPlace) -> &'static str {
     match place.way {
-        Way::FixedFrequency => "fixed_frequency",
+        Way::FullForcing => "fixed_frequency",
         Way::SteppedForcing => "stepped_forcing",
     }
 }
@@ -288,7 +298,7 @@ pub(super) fn read_plans(db: &Connection, file: &Path) -> Result<Vec<LevelPlan>>
         db,
         file,
         &mut plans,
-        "SELECT level, work FROM tasks WHERE kind <> 'fold' ORDER BY level, position",
+        "SELECT level, work FROM tasks WHERE kind NOT IN ('fold', 'verify') ORDER BY level, position",
         |plan, row| {
             let work: Vec<u8> = row.get(1).at(file)?;
             plan.tasks.push(unpack(file, &work)?);
@@ -298,18 +308,19 @@ pub(super) fn read_plans(db: &Connection, file: &Path) -> Result<Vec<LevelPlan>>
     Ok(plans)
 }
 
-/// The tasks that follow folds, in their order.
-pub(super) fn read_folds(db: &Connection, file: &Path) -> Result<Vec<AddedTask>> {
-    let sql = "SELECT id, amplitude, work FROM tasks JOIN levels USING (level) WHERE kind = 'fold' ORDER BY position";
+/// The tasks that were added over all levels, those of a kind in their order.
+pub(super) fn read_added(db: &Connection, file: &Path) -> Result<Vec<AddedTask>> {
+    let sql = "SELECT id, amplitude, work FROM tasks JOIN levels USING (level) WHERE kind IN ('fold', 'verify') \
+               ORDER BY kind, position";
     let mut statement = db.prepare_cached(sql).at(file)?;
     let mut rows = statement.query([]).at(file)?;
-    let mut folds = Vec::new();
+    let mut added = Vec::new();
     while let Some(row) = rows.next().at(file)? {
         let (id, work): (String, Vec<u8>) = (row.get(0).at(file)?, row.get(2).at(file)?);
         let id = TaskId::new(&id).map_err(|error| corrupt(file, error))?;
-        folds.push(AddedTask { id, amplitude: row.get(1).at(file)?, task: unpack(file, &work)? });
+        added.push(AddedTask { id, amplitude: row.get(1).at(file)?, task: unpack(file, &work)? });
     }
-    Ok(folds)
+    Ok(added)
 }
 
 /// Hands every row that `sql` selects to its level, named in the first column.

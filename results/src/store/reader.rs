@@ -6,7 +6,7 @@ use super::error::At;
 use super::extent::Extent;
 use super::header::{corrupt, get, read_header, read_model, read_stage, unpack};
 use super::number::number;
-use super::plan::{read_backbone, read_folds, read_further, read_left_out, read_modes, read_plans, read_reach};
+use super::plan::{read_added, read_backbone, read_further, read_left_out, read_modes, read_plans, read_reach};
 use super::points_table::POINTS;
 use super::{FILE, Result, RunHeader, StoreError, database};
 use crate::journal::{AddedTask, Holder, LevelPlan, StoredTask, TaskState};
@@ -139,9 +139,9 @@ impl Reader {
         read_plans(&self.db, &self.file)
     }
 
-    /// The tasks that follow folds over the levels, in their order.
-    pub fn folds(&self) -> Result<Vec<AddedTask>> {
-        read_folds(&self.db, &self.file)
+    /// The tasks that were added over all levels, to follow folds or to verify branches, those of a kind in their order.
+    pub fn added(&self) -> Result<Vec<AddedTask>> {
+        read_added(&self.db, &self.file)
     }
 
     /// Tasks with what became of them: those done in the order of their announcements, then the others.

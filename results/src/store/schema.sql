@@ -9,7 +9,8 @@
 -- What holds for the whole run.
 CREATE TABLE meta (
     -- run, name, study_file, overrides (of the command line, JSON), study (TOML, every setting spelled out), model_sha256, program, created (RFC 3339, UTC),
-    -- namespace (of the keys on the bus), stage (backbone, sweep, finished, cancelled), settings (msgpack);
+    -- namespace (of the keys on the bus), stage (backbone, sweep, finished, cancelled), settings (msgpack),
+    -- verify (msgpack: what is verified, if that was changed after the run began);
     -- with the backbones: omega_low, omega_high, amplitude_bound (reach of branches), backbone_status (of the primary mode),
     -- reach and backbone (msgpack).
     key TEXT NOT NULL PRIMARY KEY,
@@ -92,19 +93,19 @@ CREATE TABLE windows (
     PRIMARY KEY (level, window)
 ) WITHOUT ROWID;
 
--- Tasks: each lands a seed, or continues one branch or one fold curve at most.
+-- Tasks: each lands a seed, or continues one branch or one fold curve at most, or verifies a branch.
 CREATE TABLE tasks (
     -- Name.
     id TEXT NOT NULL PRIMARY KEY,
     -- Level; of a 'fold' the one that its curve starts from.
     level INTEGER NOT NULL REFERENCES levels (level),
-    -- Turn within the level, from 0; of a 'fold' the turn among all folds.
+    -- Turn within the level, from 0; of a 'fold' and of a 'verify' the turn among all of its kind.
     position INTEGER NOT NULL,
     -- 'main' (from a frequency bound), 'land' (lands a seed of a window), 'seed' (from what a seed landed on), 'fold'
     -- (follows a fold of a branch over the forcing), 'crossing' (from where a fold curve crosses the level), 'start' (a
-    -- batch of random starts) or 'begin' (from what they led to).
+    -- batch of random starts), 'begin' (from what they led to) or 'verify' (the stability of a branch, by time marching).
     kind TEXT NOT NULL,
-    -- What it follows from, if not a window: 'isola 1, fold 2', 'fold curve 3' or 'starts, batch 1'.
+    -- What it follows from, if not a window: 'isola 1, fold 2', 'fold curve 3' or 'starts, batch 1'; of a 'verify' the branch.
     origin TEXT,
     -- Window the seed is from; NULL unless 'land' or 'seed', as the next two.
     window INTEGER,
@@ -120,7 +121,7 @@ CREATE TABLE tasks (
     forgiven INTEGER NOT NULL DEFAULT 0,
     -- What became of it, in words; NULL unless done.
     outcome TEXT,
-    -- Whether it lies on a branch or, of a 'fold', on a fold curve, or whether it landed; NULL unless done.
+    -- Whether it lies on a branch or, of a 'fold', on a fold curve, or whether it landed or verified points; NULL unless done.
     found INTEGER,
     -- That branch, 'main' or 'isola 1', …; NULL unless found.
     branch TEXT,
@@ -129,7 +130,7 @@ CREATE TABLE tasks (
     -- What became of it, msgpack.
     record BLOB
 );
-CREATE UNIQUE INDEX turns ON tasks (level, position) WHERE kind <> 'fold';
+CREATE UNIQUE INDEX turns ON tasks (level, position) WHERE kind NOT IN ('fold', 'verify');
 
 -- Every time a task was handed out.
 CREATE TABLE attempts (
@@ -267,6 +268,71 @@ CREATE TABLE curve_points (
     -- two), 'cusp' (two folds of a branch appear or vanish) or 'unknown' (one of these); NULL elsewhere.
     event TEXT,
     PRIMARY KEY (curve, i)
+) WITHOUT ROWID;
+
+-- Verifications: what time marching says of a branch. All numbers are in the records of their results.
+CREATE TABLE verifications (
+    -- Task that verified it.
+    task TEXT NOT NULL PRIMARY KEY REFERENCES results (task),
+    -- Branch.
+    branch INTEGER NOT NULL REFERENCES branches (id),
+    -- 'whole', or 'peak': what is around its peak.
+    stretch TEXT NOT NULL,
+    -- 'complete', or 'budget': changes of stability may lie between points farther apart than neighbours.
+    status TEXT NOT NULL,
+    -- Shares of the points of the branch that are known to be stable, and unstable.
+    stable REAL NOT NULL,
+    unstable REAL NOT NULL,
+    -- What is known of the point of largest amplitude: as verified_points.verdict.
+    peak TEXT
+) WITHOUT ROWID;
+
+-- Points of branches that were verified: the marched orbit near each, and its stability.
+CREATE TABLE verified_points (
+    -- Task of the verification.
+    task TEXT NOT NULL REFERENCES verifications (task),
+    -- Number of the point on the branch, = points.i.
+    i INTEGER NOT NULL,
+    -- Number of the point at which the branch passes the frequency of the orbit: what is true of the orbit is told there.
+    at INTEGER NOT NULL,
+    -- 'stable', 'unstable', 'marginal' (a multiplier is 1 in modulus as far as it is known), 'none' (no marched orbit nearby) or
+    -- 'not_comparable' (marching loses impact energy that the balance keeps).
+    verdict TEXT NOT NULL,
+    -- Why there is no verdict, in words.
+    reason TEXT,
+    -- Frequency of the orbit; NULL without one, as in the next columns.
+    omega REAL,
+    -- Its largest |x| of the first monitored dof.
+    amplitude REAL,
+    -- Its distance from the point, rms over a period relative to the motion there.
+    distance REAL,
+    -- Its largest Floquet multiplier.
+    re REAL,
+    im REAL,
+    -- Share of the energy supplied in a period that impacts take.
+    impacts REAL,
+    PRIMARY KEY (task, i)
+) WITHOUT ROWID;
+
+-- Bifurcations of marched orbits, where a multiplier crosses the unit circle.
+CREATE TABLE bifurcations (
+    -- Task of the verification.
+    task TEXT NOT NULL REFERENCES verifications (task),
+    -- Number along the branch, from 1.
+    number INTEGER NOT NULL,
+    -- 'fold', 'period_doubling', 'neimark_sacker', 'branch_point' (other responses of the same period branch off) or 'grazing'
+    -- (multipliers jump where a contact is grazed).
+    kind TEXT NOT NULL,
+    -- Marched frequency.
+    omega REAL NOT NULL,
+    -- Largest |x| of the first monitored dof of the orbit.
+    amplitude REAL,
+    -- Number of the point at which the branch passes this frequency, = points.i.
+    at INTEGER NOT NULL,
+    -- Multipliers outside the unit circle before and after it.
+    before INTEGER NOT NULL,
+    after INTEGER NOT NULL,
+    PRIMARY KEY (task, number)
 ) WITHOUT ROWID;
 
 -- Arrays of the model, of the backbone and of branches. p points, H harmonics; harmonics X_k are complex, axes

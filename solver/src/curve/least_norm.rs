@@ -2,10 +2,31 @@
 //! far away, whichever it is.
 
 use crate::curve::continuation::weighted;
+use crate::curve::newton::{Constraint, Newton, NewtonSettings};
 use crate::curve::problem::{Failure, Problem, inner, norm};
 
 /// Longest step, relative to the motion and to each parameter. Longer ones leave what the start is near to.
 const LONGEST: f64 = 0.5;
+
+/// Scaled residual of a solution that is known roughly, from where Newton's method converges.
+pub const ROUGH: f64 = 1e-6;
+
+/// Moves `y` to a solution in at most so many steps of least norm, and from there by Newton's method in the plane normal to the
+/// curve through it.
+///
+/// # Errors
+/// Those of [`nearest`], and if Newton's method fails.
+pub fn converge<P: Problem>(
+    problem: &mut P,
+    y: &mut [f64],
+    iterations: usize,
+    newton: &NewtonSettings,
+) -> Result<(), Failure> {
+    let tangent = nearest(problem, y, ROUGH, iterations)?;
+    let (origin, row) = (y.to_vec(), weighted(problem.metric(), &tangent));
+    Newton::default().solve(problem, y, Constraint::Hyperplane { row: &row, origin: &origin }, newton)?;
+    Ok(())
+}
 
 /// Moves `y` to a solution in at most so many steps of least norm, and returns the direction of the curve through it (not
 /// normalised).

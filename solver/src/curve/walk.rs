@@ -100,7 +100,13 @@ pub fn walk_on<P: Problem, T: Evaluated<P>>(
         let rounds = if bounds.closes { rounds(&mut identity, continuation, visited) } else { None };
         if let Some(rounds) = rounds {
             visited.pop();
-            return if turns_round(continuation.problem(), visited, rounds) { Stop::Closed } else { Stop::Reversed };
+            if !turns_round(continuation.problem(), visited, rounds) {
+                return Stop::Reversed;
+            }
+            if rounds == 1 {
+                resolve_end(continuation, visited);
+            }
+            return Stop::Closed;
         }
         match revisit(&mut identity, continuation, visited) {
             Some(Revisit::Backwards) => return Stop::Reversed,
@@ -286,6 +292,25 @@ fn rounds<P: Problem, T>(
             && identity.passes(problem, &newton, [&before.curve.y, &last.curve.y], &y)
     })?;
     (1..=images).find(|rounds| (rounds * index).is_multiple_of(images))
+}
+
+/// Most points that are added where a curve closes.
+const HALVINGS: usize = 8;
+
+/// Adds points to a curve that has closed until the piece that leads back to its first point arrives the way in which it began:
+/// the step that passed the first point may have led over a bend next to it.
+fn resolve_end<P: Problem, T: Evaluated<P>>(continuation: &mut Continuation<'_, P>, visited: &mut Vec<Visited<T>>) {
+    let least = continuation.settings().min_cosine;
+    for _ in 0..HALVINGS {
+        let [first, .., last] = &visited[..] else { return };
+        let (metric, end) = (continuation.problem().metric(), last.curve.clone());
+        let piece: Vec<f64> = first.curve.y.iter().zip(&end.y).map(|(first, end)| first - end).collect();
+        let length = norm(metric, &piece);
+        let is_straight = inner(metric, &piece, &first.curve.tangent) >= least * length;
+        let Some(Ok(curve)) = (!is_straight).then(|| continuation.probe(&end, 0.5 * length)) else { return };
+        let point = T::evaluate(continuation.problem(), &curve);
+        visited.push(Visited { curve, point });
+    }
 }
 
 /// Of the whole turn of a closed curve, the share that the tangents at its points show at least.

@@ -74,14 +74,14 @@ impl Account {
         self.counts.contains_key(&BranchKind::Main)
     }
 
-    /// Whether a task is still of use: stepping in the forcing is not where fixed frequencies have led to a branch, a seed
-    /// that did not land leads nowhere, and no seed is without a main branch to tell isolas from. Landing at fixed frequency
+    /// Whether a task is still of use: stepping in the forcing is not where the full forcing has led to a branch, a seed
+    /// that did not land leads nowhere, and no seed is without a main branch to tell isolas from. Landing with the full forcing
     /// and random starts are of use whatever is known.
     pub fn needs(&self, task: &Task) -> bool {
         let is_without_main = !self.has_main() && !self.mains.is_empty();
         match task {
-            Task::Main(_) | Task::Fold(_) | Task::Start(_) => true,
-            Task::Land(SeedPlace { way: Way::FixedFrequency, .. }) => true,
+            Task::Main(_) | Task::Fold(_) | Task::Start(_) | Task::Verify(_) => true,
+            Task::Land(SeedPlace { way: Way::FullForcing, .. }) => true,
             Task::Crossing(_) => !is_without_main,
             Task::Begin(place) => !is_without_main && self.starts.iter().all(|(start, _)| start != place),
             Task::Land(place) => !is_without_main && !self.is_found(place),
@@ -99,9 +99,9 @@ impl Account {
         seeds.filter(move |s| s.minimum == minimum && s.phase == phase && s.way == way).map(|seed| seed.outcome)
     }
 
-    /// Whether a seed has led to a branch at fixed frequency.
+    /// Whether a seed has led to a branch with the full forcing.
     fn is_found(&self, place: &SeedPlace) -> bool {
-        let mut outcomes = self.outcomes(place, Way::FixedFrequency);
+        let mut outcomes = self.outcomes(place, Way::FullForcing);
         outcomes.any(|outcome| matches!(outcome, SeedOutcome::Found(_)))
     }
 
@@ -110,7 +110,7 @@ impl Account {
         match brought {
             Brought::Branch { kind, .. } => Some(SeedOutcome::Found(BranchId::new(*kind, self.count(*kind)))),
             Brought::Nothing(outcome) => Some(*outcome),
-            Brought::Landings(0) | Brought::Curve(_) => None,
+            Brought::Landings(0) | Brought::Curve(_) | Brought::Verification(_) => None,
             Brought::Landings(count) => Some(SeedOutcome::Landed(*count)),
         }
     }
@@ -131,7 +131,7 @@ impl Account {
             }
             Task::Crossing(place) => self.crossings.push((*place, outcome)),
             Task::Start(place) | Task::Begin(place) => self.starts.push((*place, outcome)),
-            Task::Fold(_) => {}
+            Task::Fold(_) | Task::Verify(_) => {}
         }
     }
 
@@ -149,7 +149,7 @@ mod tests {
     #[test]
     fn numbers_count_by_kind_and_seeds_need_a_main_branch() {
         let well = Window { mode: 0, first: 3, last: 9, best: 5, threshold: 0.5, omega: (1.0, 2.0) };
-        let place = SeedPlace { window: 0, well, phase: Phase::Second, way: Way::FixedFrequency };
+        let place = SeedPlace { window: 0, well, phase: Phase::Second, way: Way::FullForcing };
         let mut account = Account::new(vec![place.well]);
         let (below, above) = (Task::Main(Side::Below), Task::Main(Side::Above));
         account.record(&below, SeedOutcome::OutOfBounds);

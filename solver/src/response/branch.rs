@@ -224,7 +224,8 @@ impl Branch {
         self.special.sort_by_key(|special| special.index);
     }
 
-    fn peak_index(&self) -> usize {
+    /// Number of that point.
+    pub fn peak_index(&self) -> usize {
         let amplitude = |i: usize| self.points[i].amplitude();
         let best = (0..self.points.len()).max_by(|&a, &b| amplitude(a).total_cmp(&amplitude(b)));
         best.expect("a branch has at least its start")

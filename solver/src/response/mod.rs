@@ -13,6 +13,7 @@ pub mod folds;
 pub mod forced;
 pub mod forcing;
 mod grazing;
+mod known;
 pub mod level;
 pub mod melnikov;
 pub mod modes;

@@ -1,5 +1,6 @@
 //! Seeds: backbone motions shifted in time so that the forcing feeds in what is dissipated; landing on forced responses.
 
+use crate::curve::least_norm::converge;
 use crate::curve::problem::Failure;
 use crate::formulation::Formulation;
 use crate::formulation::modal::Modal;
@@ -67,6 +68,9 @@ pub fn seed(modal: &Modal, backbone: &Backbone, place: f64, phase: Phase, forcin
 /// phase than the balance alone gives.
 const NEAR: f64 = 0.3;
 
+/// Most steps of least norm from a seed.
+const STEPS: usize = 20;
+
 /// A converged forced response and its distance from the seed that led to it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Landing {
@@ -101,8 +105,9 @@ pub enum LandingFailure {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Way {
-    /// At the seed's own frequency, with the full forcing.
-    FixedFrequency,
+    /// With the full forcing, at whatever frequency is nearest. Runs and messages know it by what it once was.
+    #[serde(rename = "fixed_frequency")]
+    FullForcing,
     /// By fold-safe steps in the forcing amplitude, from where the energy balance just closes: slower, for windows where
     /// the other way finds nothing.
     SteppedForcing,
@@ -117,19 +122,12 @@ pub fn candidates(
     way: Way,
     forcing: f64,
 ) -> Vec<Seed> {
-    let places = places(backbone, well, forcing);
-    match way {
-        Way::FixedFrequency => places.into_iter().map(|place| seed(modal, backbone, place, phase, forcing)).collect(),
-        // The best places are enough: a walk in A passes through the motions of the others.
-        Way::SteppedForcing => {
-            let best = places.into_iter().take(3);
-            best.map(|place| {
-                let closing = motion(backbone, place).1.abs().clamp(1e-3 * forcing, forcing);
-                seed(modal, backbone, place, phase, closing)
-            })
-            .collect()
-        }
-    }
+    let seed_at = |place: f64| {
+        let closing = || motion(backbone, place).1.abs().clamp(1e-3 * forcing, forcing);
+        let forcing = if way == Way::SteppedForcing { closing() } else { forcing };
+        seed(modal, backbone, place, phase, forcing)
+    };
+    places(backbone, well, way, forcing).into_iter().map(seed_at).collect()
 }
 
 /// Lands on forced responses from seeds of the backbone of mode `mode` (from 0), in their order. Steps in the forcing, which
@@ -171,17 +169,26 @@ pub fn land<'m, F: Formulation<'m>>(
     mode: usize,
 ) -> Result<Landing, Unreached> {
     match way {
-        Way::FixedFrequency => land_at_frequency(forced, seed, mode),
+        Way::FullForcing => land_nearby(forced, seed, mode),
         Way::SteppedForcing => land_by_forcing(forced, seed, mode),
     }
 }
 
-fn land_at_frequency<'m, F: Formulation<'m>>(
+/// Lands with ω free: seeds of resonances lie next to folds, where there is nothing at their own frequency or Newton's method
+/// does not find it. What a range does not contain that contains the seed is not what was predicted.
+fn land_nearby<'m, F: Formulation<'m>>(
     forced: &mut Forced<'m, F>,
     seed: &Seed,
     mode: usize,
 ) -> Result<Landing, Unreached> {
-    let state = forced.converge(&seed.state)?;
+    let (newton, (low, high)) = (forced.settings().continuation.newton, forced.reach().frequency);
+    let problem = forced.problem();
+    let mut y = problem.encode(&seed.state);
+    converge(problem, &mut y, STEPS, &newton)?;
+    let state = problem.decode(&y).map_err(|_| Failure::Singular)?;
+    if !(low.min(seed.state.omega)..=high.max(seed.state.omega)).contains(&state.omega) {
+        return Err(Failure::Diverged.into());
+    }
     let distance = forced.motion_distance(&state, &seed.state, mode);
     Ok(Landing { state, distance })
 }
@@ -206,7 +213,7 @@ fn land_by_forcing<'m, F: Formulation<'m>>(
 /// Places to try. Near the edges of a window, where A* is close to A, the forced response crosses the backbone and the
 /// prediction is nearly exact; far inside, where the forcing exceeds what is dissipated many times, it is poor. Edges are
 /// interpolated: a window may hold no more than a point or two.
-fn places(backbone: &Backbone, window: &Window, forcing: f64) -> Vec<f64> {
+fn places(backbone: &Backbone, window: &Window, way: Way, forcing: f64) -> Vec<f64> {
     let nearest = |indices: RangeInclusive<usize>, ratio: f64| {
         let distance = |i: usize| (backbone.points[i].threshold() / forcing - ratio).abs();
         indices.min_by(|&a, &b| distance(a).total_cmp(&distance(b))).unwrap_or(window.best)
@@ -221,8 +228,14 @@ fn places(backbone: &Backbone, window: &Window, forcing: f64) -> Vec<f64> {
     let edges = [edge(right, window.last, after), edge(left, window.first, window.first.checked_sub(1))];
     let span = (window.last - window.first) as f64;
     let between = [0.5, 0.25, 0.75].map(|share| (window.first as f64 + share * span).round());
+    let all: Vec<f64> = match way {
+        // A branch is followed from where the first of them lands: better not from its folds.
+        Way::FullForcing => [inner, window.best as f64].into_iter().chain(between).chain(edges).collect(),
+        // A walk in A passes through the motions of the others.
+        Way::SteppedForcing => [inner].into_iter().chain(edges).collect(),
+    };
     let mut list: Vec<f64> = Vec::new();
-    for place in [inner].into_iter().chain(edges).chain([window.best as f64]).chain(between) {
+    for place in all {
         if !list.contains(&place) {
             list.push(place);
         }

@@ -1,9 +1,7 @@
-//! Many starts: forced responses that Newton's method meets from random motions of random frequency. They are not looked for
-//! where anything predicts them, and find what nothing computed is connected to.
+//! Many starts: forced responses that Newton's method meets from random motions of random frequency, and from free motions that
+//! such lead to. They are not looked for where anything predicts them, and find what nothing computed is connected to.
 
-use crate::curve::continuation::weighted;
-use crate::curve::least_norm::nearest;
-use crate::curve::newton::{Constraint, Newton};
+use crate::curve::least_norm::{ROUGH, converge, nearest};
 use crate::curve::problem::Failure;
 use crate::formulation::Formulation;
 use crate::formulation::harmonics::width;
@@ -18,15 +16,16 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 use serde::{Deserialize, Serialize};
+use std::f64::consts::TAU;
 
 /// Starts of a batch.
 pub const BATCH: usize = 16;
 
 /// Most starts of a run, of a small model.
-const MOST: f64 = 4096.0;
+const MOST: f64 = 8192.0;
 
 /// Starts of a run, times the square of the number of unknowns of each: what larger models can afford.
-const AFFORDED: f64 = 1.6e7;
+const AFFORDED: f64 = 3.2e7;
 
 /// Of random motions, the sizes: between these multiples of the amplitude at which the structure becomes nonlinear.
 const SIZES: (f64, f64) = (0.03, 30.0);
@@ -34,8 +33,8 @@ const SIZES: (f64, f64) = (0.03, 30.0);
 /// Harmonics with which a start is tried first: most fail, and cost less so.
 const COARSE: usize = 5;
 
-/// Scaled residual at which a start has led to a response with few harmonics.
-const ROUGH: f64 = 1e-6;
+/// Decay rate that free motions are looked for with, of the frequency, where there is next to no damping.
+const LEAST_DECAY: f64 = 1e-4;
 
 /// Most steps of least norm with few harmonics, and then with all of them.
 const STEPS: [usize; 2] = [40, 20];
@@ -78,13 +77,20 @@ pub fn land<'m, F: Formulation<'m>>(forced: &mut Forced<'m, F>, place: &StartPla
     let scales = Scales::new(model, settings.tracked());
     let unknown = Unknown::Frequency { forcing };
     // What can be built with all harmonics can be with few.
-    let mut coarse = F::build(model, truncation, settings.tracked(), unknown, scales).map_err(|_| Failure::Singular)?;
+    let build =
+        |unknown| F::build(model, truncation, settings.tracked(), unknown, scales).map_err(|_| Failure::Singular);
+    let mut coarse = build(unknown)?;
+    let mut free = build(Unknown::Mode { damped: true })?;
     let mut random = ChaCha8Rng::seed_from_u64(forcing.to_bits());
     random.set_stream(place.batch as u64);
     let mut landings = Vec::new();
     let mut failure = Failure::Diverged;
-    for _ in 0..BATCH {
-        let state = motion(&mut random, forced, &coarse);
+    for number in 0..BATCH {
+        let mut state = motion(&mut random, forced, &coarse);
+        if number % 2 == 1 {
+            state = freed(&mut free, &state).map_or(state, |free| State { decay: 0.0, forcing, ..free });
+            state = state.shifted(random.gen_range(0.0..TAU));
+        }
         match refined(forced, &mut coarse, &state) {
             Ok(state) if is_within(forced, &state) => landings.push(Landing { state, distance: 0.0 }),
             Ok(_) => {}
@@ -114,6 +120,20 @@ fn motion<'m, F: Formulation<'m>>(random: &mut ChaCha8Rng, forced: &Forced<'m, F
     State { harmonics, omega, decay: 0.0, forcing: forced.forcing(), arguments, modal }
 }
 
+/// The free motion that a start leads to: responses of light damping are near such motions, of some phase, and of far more of
+/// them than there are backbones that begin at linear modes. None where it leads to rest.
+fn freed<'m, F: Formulation<'m>>(free: &mut F, start: &State) -> Option<State> {
+    let model = free.system().model;
+    let (damping, frequency) = (model.damping().diagonal(0), model.modes().frequencies[0]);
+    // Steps change a parameter by a share of itself, and never one that is zero.
+    let decay = start.omega * (0.5 * damping / frequency).max(LEAST_DECAY);
+    let mut y = free.encode(&State { decay, forcing: 0.0, ..start.clone() });
+    nearest(free, &mut y, ROUGH, STEPS[0]).ok()?;
+    let state = free.decode(&y).ok()?;
+    let size = state.modal.iter().map(|q| q * q).sum::<f64>().sqrt();
+    (size > SIZES.0 * free.scales().modal).then_some(state)
+}
+
 /// Whether a response lies within the range of the study, where what ordinary continuation reaches is known.
 fn is_within<'m, F: Formulation<'m>>(forced: &mut Forced<'m, F>, state: &State) -> bool {
     let (low, high) = forced.reach().frequency;
@@ -135,8 +155,6 @@ fn refined<'m, F: Formulation<'m>>(
     let newton = forced.settings().continuation.newton;
     let problem = forced.problem();
     let mut y = problem.encode(&rough);
-    let tangent = nearest(problem, &mut y, ROUGH, STEPS[1])?;
-    let (origin, row) = (y.clone(), weighted(problem.metric(), &tangent));
-    Newton::default().solve(problem, &mut y, Constraint::Hyperplane { row: &row, origin: &origin }, &newton)?;
+    converge(problem, &mut y, STEPS[1], &newton)?;
     problem.decode(&y).map_err(|_| Failure::Singular)
 }

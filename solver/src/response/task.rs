@@ -10,7 +10,7 @@ pub use crate::response::name::BranchId;
 use crate::response::seeds::{Landing, LandingFailure, Phase, Seed, Way, candidates};
 use crate::response::starts::StartPlace;
 use crate::response::windows::{Window, windows};
-use crate::settings::FrequencySettings;
+use crate::settings::{FrequencySettings, Stretch, VerifyEffort};
 use serde::de::{Deserializer, Error, IgnoredAny, MapAccess, Visitor};
 use serde::ser::Serializer;
 use serde::{Deserialize, Serialize};
@@ -39,6 +39,27 @@ pub struct FoldPlace {
     pub fold: usize,
 }
 
+/// A branch that is verified by time marching.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub struct VerifyPlace {
+    /// The branch.
+    pub branch: BranchId,
+    /// How much of it.
+    pub stretch: Stretch,
+}
+
+impl VerifyPlace {
+    /// What of a branch is verified.
+    pub fn of(effort: VerifyEffort, branch: BranchId) -> Option<Self> {
+        let stretch = match effort {
+            VerifyEffort::None => return None,
+            VerifyEffort::Standard if branch.is_main() => Stretch::Peak,
+            VerifyEffort::Standard | VerifyEffort::All => Stretch::Whole,
+        };
+        Some(Self { branch, stretch })
+    }
+}
+
 /// Where a fold curve crosses a level.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct CrossingPlace {
@@ -49,8 +70,8 @@ pub struct CrossingPlace {
 }
 
 /// One piece of work: continues one branch at one forcing amplitude, or one curve over the forcing amplitudes, or lands where
-/// one may begin. Messages say `"main"` for the main branch from below, `{"main": "above"}` for the one from above,
-/// `{"land": …}`, `{"seed": …}`, `{"fold": …}`, `{"crossing": …}`, `{"start": …}` and `{"begin": …}`.
+/// one may begin, or verifies one. Messages say `"main"` for the main branch from below, `{"main": "above"}` for the one from above,
+/// `{"land": …}`, `{"seed": …}`, `{"fold": …}`, `{"crossing": …}`, `{"start": …}`, `{"begin": …}` and `{"verify": …}`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Task {
     /// The main branch, from one of the frequency bounds.
@@ -67,6 +88,8 @@ pub enum Task {
     Start(StartPlace),
     /// The first branch through what a batch of random starts led to that is not known.
     Begin(StartPlace),
+    /// The stability of a branch, by time marching: [`crate::stability::verification::verify`].
+    Verify(VerifyPlace),
 }
 
 impl Task {
@@ -84,7 +107,7 @@ impl Task {
 
     /// Whether it has to know what those before it found: such tasks are carried out one after the other.
     pub fn is_ordered(&self) -> bool {
-        !matches!(self, Task::Land(_) | Task::Start(_))
+        !matches!(self, Task::Land(_) | Task::Start(_) | Task::Verify(_))
     }
 }
 
@@ -99,6 +122,7 @@ impl Serialize for Task {
             Task::Crossing(place) => serializer.serialize_newtype_variant("Task", 4, "crossing", place),
             Task::Start(place) => serializer.serialize_newtype_variant("Task", 5, "start", place),
             Task::Begin(place) => serializer.serialize_newtype_variant("Task", 6, "begin", place),
+            Task::Verify(place) => serializer.serialize_newtype_variant("Task", 7, "verify", place),
         }
     }
 }
@@ -121,13 +145,14 @@ enum TaskKind {
     Crossing,
     Start,
     Begin,
+    Verify,
 }
 
 impl<'de> Visitor<'de> for TaskVisitor {
     type Value = Task;
 
     fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str("\"main\", or a map of `main`, `land`, `seed`, `fold`, `crossing`, `start` or `begin`")
+        f.write_str("\"main\", or a map of `main`, `land`, `seed`, `fold`, `crossing`, `start`, `begin` or `verify`")
     }
 
     fn visit_str<E: Error>(self, text: &str) -> Result<Task, E> {
@@ -143,6 +168,7 @@ impl<'de> Visitor<'de> for TaskVisitor {
             Some(TaskKind::Crossing) => Task::Crossing(map.next_value()?),
             Some(TaskKind::Start) => Task::Start(map.next_value()?),
             Some(TaskKind::Begin) => Task::Begin(map.next_value()?),
+            Some(TaskKind::Verify) => Task::Verify(map.next_value()?),
             None => return Err(M::Error::invalid_length(0, &self)),
         };
         if map.next_key::<IgnoredAny>()?.is_some() {
@@ -172,6 +198,8 @@ pub enum SeedOutcome {
     OnCurve(usize),
     /// No fold curve starts there.
     NotFollowed(Unfollowed),
+    /// So many of its points were verified.
+    Verified(usize),
 }
 
 /// Why no fold curve starts at a fold.
@@ -211,6 +239,8 @@ impl std::fmt::Display for SeedOutcome {
             SeedOutcome::Attached => write!(f, "on asymmetric motions that branch off symmetric ones"),
             SeedOutcome::OutOfBounds => write!(f, "outside the frequency or amplitude bounds"),
             SeedOutcome::OnCurve(number) => write!(f, "fold curve {}", number + 1),
+            SeedOutcome::Verified(1) => write!(f, "1 point verified"),
+            SeedOutcome::Verified(count) => write!(f, "{count} points verified"),
             SeedOutcome::NotFollowed(failure) => write!(f, "no fold curve starts there: {failure}"),
         }
     }
@@ -258,6 +288,8 @@ pub enum Brought {
     },
     /// A fold curve that was not known: the forcing amplitudes of its points.
     Curve(Arc<[f64]>),
+    /// What marching says of so many points of a branch.
+    Verification(usize),
     /// Nothing new, and why.
     Nothing(SeedOutcome),
 }
@@ -270,8 +302,8 @@ impl Brought {
 }
 
 /// The windows of a level, backbone by backbone, each of a mode of its own, and its tasks in the order in which they are
-/// carried out: the main branch from below and from above; then, window by window, both phases of every well at fixed
-/// frequency, and the same by steps in the forcing, each landed first; last, so many batches of random starts. Windows
+/// carried out: the main branch from below and from above; then, window by window, both phases of every well with the
+/// full forcing, and the same by steps in the forcing, each landed first; last, so many batches of random starts. Windows
 /// beyond the bounds that the settings give are none of the study.
 pub fn plan(
     backbones: &(impl AsRef<[Backbone]> + ?Sized),
@@ -288,7 +320,7 @@ pub fn plan(
         for window in windows(backbone, forcing).into_iter().filter(is_within) {
             let (number, wells) = (list.len(), window.wells(backbone));
             list.push(window);
-            for way in [Way::FixedFrequency, Way::SteppedForcing] {
+            for way in [Way::FullForcing, Way::SteppedForcing] {
                 for well in &wells {
                     let place = |phase| SeedPlace { window: number, well: *well, phase, way };
                     let places = [Phase::First, Phase::Second].map(place);
@@ -308,7 +340,7 @@ mod tests {
 
     fn seed() -> SeedPlace {
         let well = Window { mode: 0, first: 3, last: 9, best: 5, threshold: 0.5, omega: (1.0, 2.0) };
-        SeedPlace { window: 0, well, phase: Phase::Second, way: Way::FixedFrequency }
+        SeedPlace { window: 0, well, phase: Phase::Second, way: Way::FullForcing }
     }
 
     #[test]

@@ -7,11 +7,13 @@ use crate::response::branch::{Branch, BranchKind, BranchPoint, Observer, Outcome
 use crate::response::critical::CriticalCurve;
 use crate::response::forced::Forced;
 use crate::response::forcing::Unreached;
+use crate::response::known::{identify, named, retraced};
 use crate::response::name::BranchId;
 use crate::response::seeds::{Landing, LandingFailure, Seed, land_all};
 use crate::response::starts;
 use crate::response::symmetry::{is_attached, symmetrised};
 use crate::response::task::{CrossingPlace, Finding, FoldPlace, SeedOutcome, Task, Unfollowed};
+
 use std::collections::VecDeque;
 
 /// What a task is given beside its level.
@@ -27,7 +29,7 @@ pub struct Given<'g> {
     pub curves: &'g [(usize, &'g CriticalCurve)],
 }
 
-/// Carries out a task. `None` if `observer` breaks.
+/// Carries out a task; of a verification nothing, which takes no balance. `None` if `observer` breaks.
 pub fn carry_out<'m, F: Formulation<'m>>(
     forced: &mut Forced<'m, F>,
     task: &Task,
@@ -50,6 +52,7 @@ pub fn carry_out<'m, F: Formulation<'m>>(
             Finding::Landings,
         ),
         Task::Begin(_) => begin(forced, landings, known, observer),
+        Task::Verify(_) => Finding::Nothing(SeedOutcome::Verified(0)),
     };
     let Finding::Branch(mut branch) = finding else { return Some(finding) };
     if branch.is_cancelled() {
@@ -210,6 +213,9 @@ fn new_part<'m, F: Formulation<'m>>(
     if is_attached(forced.problem(), &branch) {
         return Finding::Nothing(SeedOutcome::Attached);
     }
+    if let Some(id) = retraced(forced, &branch, known) {
+        return Finding::Nothing(SeedOutcome::Found(id));
+    }
     match unknown_part(forced, branch, known) {
         Ok(branch) => Finding::Branch(branch),
         Err(id) => Finding::Nothing(SeedOutcome::Found(id)),
@@ -365,35 +371,4 @@ fn begin<'m, F: Formulation<'m>>(
         passed.push(branch);
     }
     Finding::Nothing(nothing)
-}
-
-/// A new branch, of the kind that it has in view of those known: a piece of a main branch is main, and as long as a known branch
-/// goes on where it ends, nobody knows whether an open curve is detached from it.
-fn named<'m, F: Formulation<'m>>(forced: &mut Forced<'m, F>, branch: Branch, known: &[(BranchId, &Branch)]) -> Branch {
-    if branch.is_cancelled() || branch.is_closed() {
-        return branch;
-    }
-    let ends = |branch: &Branch| [branch.points.first(), branch.points.last()].map(|end| end.map(|p| p.state.clone()));
-    let piece = known.iter().find(|(_, other)| {
-        let is_met = ends(&branch).iter().flatten().any(|end| forced.lies_on(end, other));
-        is_met || (!other.is_closed() && ends(other).iter().flatten().any(|end| forced.lies_on(end, &branch)))
-    });
-    let kind = match piece {
-        Some((id, _)) if id.is_main() => BranchKind::Main,
-        Some(_) => branch.kind,
-        None if branch.kind == BranchKind::Open && known.iter().any(|(_, other)| other.outcome.is_unfinished()) => {
-            BranchKind::Cut
-        }
-        None => branch.kind,
-    };
-    Branch { kind, ..branch }
-}
-
-/// The branch that a converged state lies on, if it is known.
-fn identify<'m, F: Formulation<'m>>(
-    forced: &mut Forced<'m, F>,
-    state: &State,
-    known: &[(BranchId, &Branch)],
-) -> Option<BranchId> {
-    known.iter().find(|(_, branch)| forced.lies_on(state, branch)).map(|(id, _)| *id)
 }

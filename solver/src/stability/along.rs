@@ -5,6 +5,7 @@ use super::crossing::Event;
 use super::polish::{Around, Polish, PolishSettings, polish};
 use crate::formulation::state::State;
 use crate::response::branch::Branch;
+use crate::settings::Stretch;
 use crate::structure::Model;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -15,6 +16,8 @@ use std::ops::ControlFlow;
 pub struct AlongSettings {
     /// How each point is polished.
     pub polish: PolishSettings,
+    /// How much of it is looked at.
+    pub stretch: Stretch,
     /// Points that the first pass spreads over the branch, special points besides.
     pub points: usize,
     /// Most points that are polished, those of the first pass included.
@@ -23,9 +26,19 @@ pub struct AlongSettings {
 
 impl Default for AlongSettings {
     fn default() -> Self {
-        Self { polish: PolishSettings::default(), points: 24, most: 200 }
+        Self { polish: PolishSettings::default(), stretch: Stretch::Whole, points: 24, most: 200 }
     }
 }
+
+impl AlongSettings {
+    /// Largest distance of neighbours of the first pass on a branch of so many points, in points.
+    pub fn spacing(&self, count: usize) -> usize {
+        count.div_ceil(self.points.max(2) - 1)
+    }
+}
+
+/// Points of a first pass on either side of a peak.
+const BESIDE_PEAK: usize = 1;
 
 /// A polished point of a branch.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -119,21 +132,38 @@ impl Pass<'_> {
         changes.max_by_key(|&pair| self.apart(pair)).and_then(|pair| self.middle(pair))
     }
 
-    /// Numbers of the points of the first pass.
+    /// Numbers of the points of the first pass: spread over the arc, and special ones.
     fn first(&self) -> Vec<usize> {
         let count = self.branch.points.len();
         let wanted = self.settings.points.clamp(2, count.max(2));
-        let mut first: Vec<usize> = if count <= wanted {
-            (0..count).collect()
-        } else if self.branch.is_closed() {
-            (0..wanted).map(|i| i * count / wanted).collect()
-        } else {
-            (0..wanted).map(|i| i * (count - 1) / (wanted - 1)).collect()
+        let spread: Vec<usize> = match self.settings.stretch {
+            Stretch::Peak => self.around_peak(),
+            Stretch::Whole if count <= wanted => (0..count).collect(),
+            Stretch::Whole if self.branch.is_closed() => (0..wanted).map(|i| i * count / wanted).collect(),
+            Stretch::Whole => (0..wanted).map(|i| i * (count - 1) / (wanted - 1)).collect(),
         };
-        first.extend(self.branch.special.iter().map(|special| special.index));
+        let looked_at = spread[0]..=spread[spread.len() - 1];
+        let special = self.branch.special.iter().map(|special| special.index);
+        let is_whole = self.settings.stretch == Stretch::Whole;
+        let special = special.filter(|index| is_whole || looked_at.contains(index));
+        let mut first: Vec<usize> = spread.iter().copied().chain(special).collect();
         first.sort_unstable();
         first.dedup();
         first
+    }
+
+    /// The peak and points on either side of it.
+    fn around_peak(&self) -> Vec<usize> {
+        let (peak, last) = (self.branch.peak_index(), self.branch.points.len() - 1);
+        let spacing = self.settings.spacing(last + 1);
+        let sides = (1..=BESIDE_PEAK).map(|k| k * spacing);
+        let before = sides.clone().rev().map(|by| peak.saturating_sub(by));
+        before.chain([peak]).chain(sides.map(|by| (peak + by).min(last))).collect()
+    }
+
+    /// Whether the arc is gone round as a whole.
+    fn goes_round(&self) -> bool {
+        self.branch.is_closed() && self.settings.stretch == Stretch::Whole
     }
 
     fn state(&self, index: usize) -> &State {
@@ -178,7 +208,7 @@ impl Pass<'_> {
     fn pairs(&self) -> Vec<(usize, usize)> {
         let indices: Vec<usize> = self.polished.keys().copied().collect();
         let mut pairs: Vec<(usize, usize)> = indices.windows(2).map(|pair| (pair[0], pair[1])).collect();
-        if let (true, [first, .., last]) = (self.branch.is_closed(), indices.as_slice()) {
+        if let (true, [first, .., last]) = (self.goes_round(), indices.as_slice()) {
             pairs.push((*last, *first));
         }
         pairs
@@ -216,7 +246,7 @@ impl Pass<'_> {
         let Some(start) = order.iter().position(|&index| self.known(index).is_some()) else {
             return Changes::default();
         };
-        if self.branch.is_closed() {
+        if self.goes_round() {
             order.rotate_left(start);
             order.push(order[0]);
         }

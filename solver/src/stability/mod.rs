@@ -7,3 +7,4 @@ pub mod marching;
 pub mod multipliers;
 pub mod polish;
 pub mod shooting;
+pub mod verification;

@@ -4,6 +4,7 @@ use crate::common::{AMPLITUDES, BACKWARD, FORWARD, FRICTIONLESS, Scenario, TUNED
 use solver::response::backbone::Backbone;
 use solver::response::branch::{Branch, Outcome, SpecialKind, Stop};
 use solver::response::level::{BranchId, Level, SeedOutcome};
+use solver::response::seeds::Way;
 use solver::response::windows::windows;
 use solver::settings::Settings;
 
@@ -32,6 +33,7 @@ fn check_windows(level: &Level, backbone: &Backbone, what: &str) -> (usize, usiz
                 SeedOutcome::Attached => panic!("{what}: contact has no symmetry"),
                 SeedOutcome::Landed(_) => panic!("{what}: what was landed on is a branch or not"),
                 SeedOutcome::OnCurve(_) | SeedOutcome::NotFollowed(_) => panic!("{what}: a seed is no fold"),
+                SeedOutcome::Verified(_) => panic!("{what}: a seed is no branch"),
             }
         }
     }
@@ -105,6 +107,19 @@ fn friction_forward() {
 #[test]
 fn tuned() {
     check(&TUNED);
+}
+
+#[test]
+fn every_seed_lands_with_the_full_forcing() {
+    for scenario in [&FRICTIONLESS, &BACKWARD] {
+        for amplitude in AMPLITUDES {
+            let level = scenario.level(amplitude);
+            for seed in level.windows.iter().flat_map(|account| &account.seeds) {
+                let has_landed = seed.way == Way::FullForcing && matches!(seed.outcome, SeedOutcome::Found(_));
+                assert!(has_landed, "{}, A = {amplitude}: {seed:?}", scenario.name);
+            }
+        }
+    }
 }
 
 #[test]

@@ -11,7 +11,7 @@ use std::ops::ControlFlow;
 /// x'' + c x' + x + x³ = A cos ωt.
 const C: f64 = 0.05;
 
-fn duffing() -> Model {
+pub fn duffing() -> Model {
     Model::builder("Duffing")
         .mass([[1.0]])
         .stiffness([[1.0]])

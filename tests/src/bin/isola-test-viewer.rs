@@ -11,7 +11,7 @@ fn main() {
         let everything = session.declare_subscriber("**").await.expect("anyone may listen");
         loop {
             let results: Vec<StoredResult> =
-                fetch_all(&session, "isola/v3/*/result/*", Duration::from_secs(10)).await.unwrap_or_default();
+                fetch_all(&session, "isola/v4/*/result/*", Duration::from_secs(10)).await.unwrap_or_default();
             println!("{} result messages, {} puts", results.len(), everything.drain().count());
         }
     });

@@ -94,14 +94,14 @@ async fn another_version_of_the_messages() {
     fake.change(|manifest| manifest.protocol = 7);
     let (code, message) = refusal(&fake.options(&[])).await;
     assert_eq!(code, 3);
-    assert_says(&message, &[&fake.endpoint, "version 7", "version 3", "install the same version"]);
+    assert_says(&message, &[&fake.endpoint, "version 7", "version 4", "install the same version"]);
 }
 
 #[tokio::test(flavor = "multi_thread")]
 async fn another_version_in_the_keys() {
     let (endpoint, run) = (own_endpoint(), RunId::new("one").unwrap());
     let router = listen(&endpoint).await.unwrap();
-    let key = Keys::new("isola", &run).run().replace("/v3/", "/v4/");
+    let key = Keys::new("isola", &run).run().replace("/v4/", "/v5/");
     let reply = key.clone();
     let queryable = router.declare_queryable(key).callback(move |query| {
         use zenoh::Wait;
@@ -110,7 +110,7 @@ async fn another_version_in_the_keys() {
     queryable.background().await.unwrap();
     let (code, message) = refusal(&options(&endpoint, &[])).await;
     assert_eq!(code, 3);
-    assert_says(&message, &["speaks version 4", "version 3"]);
+    assert_says(&message, &["speaks version 5", "version 4"]);
 }
 
 #[tokio::test(flavor = "multi_thread")]

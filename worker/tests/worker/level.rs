@@ -52,7 +52,7 @@ impl Desk {
         self.account.record(&work, outcome);
         let branch = match &request.finding {
             FindingMessage::Branch(branch) => Some(branch.clone()),
-            FindingMessage::Landings(_) | FindingMessage::Curve(_) | FindingMessage::Nothing(_) => None,
+            _ => None,
         };
         let landings = match &request.finding {
             FindingMessage::Landings(landings) => Some(landings.clone()),
@@ -76,6 +76,7 @@ impl Desk {
             branch,
             curve: None,
             landings,
+            verification: None,
             worker: request.lease.worker.clone(),
             program: request.program.clone(),
             seconds: request.seconds,

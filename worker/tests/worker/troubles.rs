@@ -147,6 +147,7 @@ async fn a_known_branch_of_another_truncation() {
         branch: Some(branch),
         curve: None,
         landings: None,
+        verification: None,
         worker: main.lease.worker.clone(),
         program: main.program,
         seconds: main.seconds,

@@ -283,3 +283,46 @@ fn folds_are_followed_over_the_levels_and_lead_to_branches_where_they_cross() {
     let (branches, curves) = (ledger.counts().branches, ledger.chains[ledger.curves()].curves().len());
     assert_eq!((branches, curves), (3, 1));
 }
+
+/// Verifications fill what time there is, and hold nobody up: whoever asks gets what others wait for first.
+#[test]
+fn branches_are_verified_once_and_last() {
+    let rules = Rules { verify: VerifyEffort::Standard, ..Rules::default() };
+    let mut ledger = Ledger::new(rules, vec![plan(2.0, 1)]);
+    let worker = WorkerId::new("w").unwrap();
+    let mut order = Vec::new();
+    while let (Leased::Grant(granted), _) = ledger.lease(&worker, 0, Duration::ZERO) {
+        let lease = Lease { task: granted.task.clone(), attempt: granted.attempt, worker: worker.clone(), slot: 0 };
+        assert!(matches!(ledger.submit(&lease, &find(&granted)).0, Submitted::Accepted(_)));
+        order.push(granted);
+    }
+    let (verified, others): (Vec<&Granted>, Vec<&Granted>) =
+        order.iter().partition(|granted| matches!(granted.work, Task::Verify(_)));
+    let names: Vec<&str> = verified.iter().map(|granted| granted.task.as_str()).collect();
+    assert_eq!(names, ["verify-2-main-1-peak", "verify-2-cut-1"]);
+    assert!(order[others.len()..].iter().all(|granted| matches!(granted.work, Task::Verify(_))), "{order:?}");
+}
+
+/// A run that is to be verified from end to end keeps what was verified of isolas and looks at main branches again.
+#[test]
+fn a_finished_run_can_be_verified_further() {
+    let mut driver = Driver::new(1);
+    driver.conclude();
+    let (levels, added) = driver.planned();
+    let stored = |entry: &TaskEntry| StoredTask {
+        id: entry.id.clone(),
+        state: entry.state.clone(),
+        brought: driver.new.get(&entry.id).cloned(),
+        attempts: entry.attempts,
+        reasons: Vec::new(),
+    };
+    let tasks: Vec<StoredTask> = driver.ledger.entries().map(stored).collect();
+    let again =
+        |verify| Ledger::restore(Rules { verify, ..rules() }, levels.clone(), &added, tasks.clone(), Duration::ZERO);
+    let (same, changes) = again(VerifyEffort::Standard);
+    assert!(same.is_finished() && changes.is_empty());
+    let (more, changes) = again(VerifyEffort::All);
+    let Some(Change::Added(more_tasks)) = changes.first() else { panic!("{changes:?}") };
+    assert_eq!(more_tasks.iter().map(|task| task.id.as_str()).collect::<Vec<_>>(), ["verify-1-main-1"]);
+    assert!(!more.is_finished());
+}

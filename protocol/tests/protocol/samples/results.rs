@@ -8,7 +8,11 @@ use protocol::landings::LandingsMessage;
 use protocol::to_everyone::{Done, StoredResult};
 use solver::response::branch::{Outcome, Side, Stop};
 use solver::response::critical::{Corner, CriticalEvent, CriticalKind, Quantity};
-use solver::response::task::{BranchId, FoldPlace, SeedOutcome, Task};
+use solver::response::task::{BranchId, FoldPlace, SeedOutcome, Task, VerifyPlace};
+use solver::settings::Stretch;
+use solver::stability::polish::Reason;
+use solver::stability::verification::{BifurcationPoint, MarchedOrbit, Verification, VerifiedPoint};
+use solver::{BifurcationKind, End, Multiplier, Obstacle, Unresolved, Verdict};
 
 /// An isola is announced.
 pub fn done() -> Done {
@@ -40,6 +44,7 @@ pub fn result() -> StoredResult {
     StoredResult {
         curve: None,
         landings: None,
+        verification: None,
         task: task(),
         attempt: Attempt(2),
         amplitude: amplitude(),
@@ -57,6 +62,7 @@ pub fn result_nothing() -> StoredResult {
     StoredResult {
         curve: None,
         landings: None,
+        verification: None,
         task: TaskId::of_level("2.5", 4).unwrap(),
         attempt: Attempt(1),
         amplitude: amplitude(),
@@ -82,6 +88,7 @@ pub fn result_curve() -> StoredResult {
             points: points(3),
         }),
         landings: None,
+        verification: None,
         task: TaskId::of_fold(3),
         attempt: Attempt(1),
         amplitude: amplitude(),
@@ -98,6 +105,7 @@ pub fn result_curve() -> StoredResult {
 pub fn result_landings() -> StoredResult {
     StoredResult {
         landings: Some(LandingsMessage { motions: motions(2), distance: counting(&[2], 0.125) }),
+        verification: None,
         curve: None,
         task: TaskId::of_level("2.5", 3).unwrap(),
         attempt: Attempt(1),
@@ -109,5 +117,55 @@ pub fn result_landings() -> StoredResult {
         worker: worker(),
         program: program(),
         seconds: 0.125,
+    }
+}
+
+pub fn result_verification() -> StoredResult {
+    let place = VerifyPlace { branch: BranchId::isola(0), stretch: Stretch::Whole };
+    let pair = Multiplier { re: 0.25, im: 1.0 };
+    let orbit = MarchedOrbit {
+        omega: 2.5,
+        amplitudes: vec![0.5, 0.125],
+        distance: 0.0625,
+        multipliers: vec![pair, Multiplier { im: -1.0, ..pair }],
+        margin: 0.0009765625,
+        impacts: 0.03125,
+    };
+    let point = |index, verdict, orbit| VerifiedPoint { index, at: index, verdict, reason: None, orbit };
+    let none = VerifiedPoint { reason: Some(Reason::TooFar), ..point(2, Verdict::NoOrbitNearby, None) };
+    let bifurcation = BifurcationPoint {
+        kind: BifurcationKind::NeimarkSacker,
+        omega: 2.25,
+        amplitudes: vec![0.25, 0.0625],
+        after: 0,
+        at: 1,
+        multiplier: pair,
+        outside: [2, 0],
+    };
+    let unresolved = Unresolved { first: 1, last: 2, outside: [0, 1], reason: Obstacle::NoOrbit };
+    StoredResult {
+        landings: None,
+        verification: Some(Verification {
+            count: 3,
+            is_closed: true,
+            stretch: Stretch::Whole,
+            spacing: 1,
+            peak: Some(Verdict::Unstable),
+            points: vec![point(0, Verdict::Unstable, Some(orbit)), none],
+            bifurcations: vec![bifurcation],
+            unresolved: vec![unresolved],
+            end: End::Budget,
+        }),
+        curve: None,
+        task: TaskId::of_verification("2.5", &place).unwrap(),
+        attempt: Attempt(1),
+        amplitude: amplitude(),
+        work: Task::Verify(place),
+        outcome: SeedOutcome::Verified(2),
+        name: None,
+        branch: None,
+        worker: worker(),
+        program: program(),
+        seconds: 4.0,
     }
 }

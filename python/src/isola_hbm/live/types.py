@@ -586,7 +586,7 @@ class Result:
     attempt: int
     amplitude: Amplitude
     #: What was to be done: ``"main"``, ``{"main": "above"}``, ``{"land": {…}}``, ``{"seed": {…}}``, ``{"fold": {…}}``,
-    #: ``{"crossing": {…}}``, ``{"start": {…}}`` or ``{"begin": {…}}``.
+    #: ``{"crossing": {…}}``, ``{"start": {…}}``, ``{"begin": {…}}`` or ``{"verify": {…}}``.
     work: Any
     #: What became of it, in words.
     outcome: str
@@ -594,6 +594,8 @@ class Result:
     branch: Branch | None
     #: The new fold curve, if it found one.
     curve: FoldCurve | None
+    #: What marching says of a branch, as in the message, if the task verified one.
+    verification: dict[str, Any] | None
     #: Who computed it.
     worker: str
     #: With which version of the program.
@@ -632,4 +634,5 @@ class Result:
                 events=tuple(_plain(SpecialPoint, event) for event in part["events"]),
                 rejections=part["rejections"],
             )
-        return _plain(cls, message, amplitude=amplitude, outcome=outcome, branch=branch, curve=curve)
+        found = {"branch": branch, "curve": curve, "verification": message.get("verification")}
+        return _plain(cls, message, amplitude=amplitude, outcome=outcome, **found)

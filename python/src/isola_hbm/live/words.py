@@ -104,6 +104,8 @@ def seed_outcome(value: Any) -> str:
         return "outside the frequency or amplitude bounds"
     if name == "landed":
         return "1 forced response" if content == 1 else f"{content} forced responses"
+    if name == "verified":
+        return "1 point verified" if content == 1 else f"{content} points verified"
     if name == "on_curve":
         return f"fold curve {content + 1}"
     if name == "not_followed":

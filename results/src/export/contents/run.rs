@@ -3,11 +3,12 @@
 use crate::export::value::{Group, Value};
 use crate::overview::Omissions;
 use crate::overview::{BranchRow, Level, Overview, WindowRow};
-use crate::store::Reader;
+use crate::store::{Reader, verdict_name};
 use protocol::array::Array;
 use protocol::model::{ElementMessage, ModelMessage};
 use solver::response::branch::{Certificate, Standing};
 use solver::response::modes::ModesFollowed;
+use solver::stability::verification::Verification;
 
 /// What does not change, and the stage.
 pub(super) fn header(group: &mut Group<'_>, reader: &Reader, overview: &Overview, omissions: &mut Omissions) {
@@ -120,6 +121,23 @@ pub(super) fn branches(group: &mut Group<'_>, overview: &Overview) {
     for (name, of) in CERTIFICATE {
         column(group, name, &rows, |(_, branch)| of(&branch.certificate).unwrap_or(f64::NAN));
     }
+    column(group, "stable", &rows, |(_, branch)| {
+        branch.stability.as_ref().map_or(f64::NAN, |stability| stability.stable)
+    });
+}
+
+/// What marching says of the `count` points of a branch, empty or not a number where they were not verified, and the
+/// bifurcations.
+pub(super) fn stability(group: &mut Group<'_>, count: usize, verified: Option<&Verification>) {
+    let verified = verified.filter(|verified| verified.count == count);
+    let verdicts = verified.map_or_else(|| vec![None; count], Verification::verdicts);
+    let moduli = verified.map_or_else(|| vec![None; count], Verification::moduli);
+    column(group, "stable", &verdicts, |verdict| verdict.map_or("", verdict_name).to_string());
+    column(group, "multiplier", &moduli, |modulus| modulus.unwrap_or(f64::NAN));
+    let found = verified.map_or(&[][..], |verified| &verified.bifurcations);
+    column(group, "bifurcation_kind", found, |bifurcation| bifurcation.kind.name().to_string());
+    column(group, "bifurcation_omega", found, |bifurcation| bifurcation.omega);
+    column(group, "bifurcation_index", found, |bifurcation| bifurcation.at);
 }
 
 /// A number of a certificate, if it is known.

@@ -4,7 +4,7 @@ use super::*;
 use crate::curves::BackboneCurve;
 use crate::overview::Seeds;
 use crate::report::evidence::Structure;
-use crate::store::SearchCounts;
+use crate::store::{SearchCounts, Stability};
 use protocol::to_everyone::Stage;
 use solver::response::branch::{Outcome, Standing, Stop};
 use solver::response::modes::{LeftOut, ModesFollowed};
@@ -76,6 +76,50 @@ fn texts(levels: &[Level]) -> [String; 3] {
 const NOT_SEARCHED: &str = "isolas of other modes, of sub- and super-harmonics and those that no energy balance of mode 1 \
                             leads to were not looked for.";
 
+/// A branch that was verified.
+fn verified(stable: f64, unstable: f64, peak: &str, branch: BranchRow) -> BranchRow {
+    BranchRow { stability: Some(Stability { stable, unstable, peak: Some(peak.into()) }), ..branch }
+}
+
+#[test]
+fn what_can_settle_is_told() {
+    let danger = |isolas: Vec<BranchRow>| {
+        let one = |isola: BranchRow| level(1.0, vec![verified(0.1, 0.0, "stable", main(1e-3)), isola]);
+        let levels: Vec<Level> = isolas.into_iter().map(one).collect();
+        texts(&levels)[0].clone()
+    };
+    let cases = [
+        (
+            vec![verified(0.5, 0.5, "unstable", isola(2e-3))],
+            "time marching found parts of it stable: there the structure",
+        ),
+        (
+            vec![verified(0.0, 1.0, "unstable", isola(2e-3))],
+            "nothing of 1 isola stable: it separates, but nothing settles",
+        ),
+        (vec![verified(0.0, 0.9, "none", isola(2e-3))], "nothing of 1 isola stable, though not all could be verified"),
+        (
+            vec![verified(0.5, 0.5, "stable", isola(2e-3)), verified(0.0, 1.0, "unstable", isola(1e-3)), isola(1e-3)],
+            "found parts of 1 of 2 isolas stable (1 more not verified): there the structure can settle",
+        ),
+    ];
+    for (isolas, expected) in cases {
+        let said = danger(isolas);
+        assert!(said.contains(expected), "{said}");
+        assert!(said.contains("; what leads there was not looked for."), "{said}");
+    }
+    for (peak, expected) in [
+        ("stable", "; by time marching it is stable."),
+        ("unstable", "; by time marching it is unstable."),
+        ("marginal", "; by time marching it is at the edge of stability."),
+        ("none", "; time marching found no periodic motion near it."),
+        ("not_comparable", "; whether it is stable is not known: marching loses impact energy that the balance keeps."),
+    ] {
+        let said = danger(vec![verified(0.0, 0.5, peak, isola(2e-3))]);
+        assert!(said.contains(expected), "{peak}: {said}");
+    }
+}
+
 #[test]
 fn isolas_apart() {
     let levels = [
@@ -91,7 +135,8 @@ fn isolas_apart() {
         "Between 120 and 140 rad/s (19.1 and 22.28 Hz), or between 150 and 165 rad/s (23.87 and 26.26 Hz): there an \
          isola, a closed branch apart from the main one, is another periodic response at the same forcing, with up to \
          2 mm at tip; whether it is stable and what leads there was not verified. The largest computed response, 2.5 mm \
-         at tip (0.4 mm to the casing), is on the main branch, at 100 rad/s (15.92 Hz) and A = 4."
+         at tip (0.4 mm to the casing), is on the main branch, at 100 rad/s (15.92 Hz) and A = 4; whether it is stable was \
+         not verified."
     );
     // Found and not predicted is said as one thing.
     assert_eq!(

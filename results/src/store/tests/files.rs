@@ -35,7 +35,7 @@ fn what_is_no_run_is_refused() {
 
     drop(Store::create(dir.path(), &header()).unwrap());
     Connection::open(&file).unwrap().execute_batch("PRAGMA user_version = 99").unwrap();
-    assert_refused(dir.path(), "version 99 of the format, this program knows version 3; use a newer `isola`");
+    assert_refused(dir.path(), "version 99 of the format, this program knows version 4; use a newer `isola`");
 }
 
 #[test]
@@ -46,14 +46,15 @@ fn a_run_of_the_first_programs_is_read_but_does_not_go_on() {
     for column in ["peak_standing", "penetration", "pressure_beyond", "amplitude_2h", "shift_2h"] {
         db.execute(&format!("ALTER TABLE branches DROP COLUMN {column}"), []).unwrap();
     }
-    // Nor did they know several modes.
-    let one_mode = "ALTER TABLE windows DROP COLUMN mode; DROP TABLE modes; CREATE TABLE one AS SELECT * FROM backbone; \
+    // Nor did they know several modes, or verify anything.
+    let one_mode = "ALTER TABLE windows DROP COLUMN mode; DROP TABLE modes; DROP TABLE bifurcations; DROP TABLE verified_points; \
+                    DROP TABLE verifications; CREATE TABLE one AS SELECT * FROM backbone; \
                     ALTER TABLE one DROP COLUMN mode; DROP TABLE backbone; ALTER TABLE one RENAME TO backbone; \
                     PRAGMA user_version = 1";
     db.execute_batch(one_mode).unwrap();
     drop(db);
     let error = Store::open(dir.path()).unwrap_err();
-    assert!(matches!(error, StoreError::Older { found: 1, known: 3, .. }), "{error}");
+    assert!(matches!(error, StoreError::Older { found: 1, known: 4, .. }), "{error}");
     assert!(error.to_string().contains("`isola sweep` computes the study again"), "{error}");
 
     let reader = Reader::open(dir.path()).unwrap();

@@ -2,6 +2,7 @@
 
 mod columns;
 mod files;
+mod verifications;
 mod writing;
 
 use super::*;
@@ -15,6 +16,7 @@ use protocol::digest::Digest;
 use protocol::ids::{TaskId, WorkerId};
 use protocol::to_everyone::{Stage, StoredResult};
 use solver::response::task::{BranchId, SeedOutcome, Task};
+use solver::settings::VerifyEffort;
 use std::sync::Arc;
 use tempfile::tempdir;
 

@@ -1,0 +1,134 @@
+//! The product on a structure of the truth: model and study as files, `isola sweep`, and what its `summary.csv` lists.
+
+use crate::record::Record;
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use thiserror::Error;
+
+/// Why the product could not be run.
+#[derive(Debug, Error)]
+pub enum ProductError {
+    /// A file cannot be written, or the program cannot be started.
+    #[error("{path}: {source}")]
+    File {
+        /// File or program.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// The model cannot be said as TOML.
+    #[error("model {number}: {source}")]
+    Model {
+        /// Number of the structure.
+        number: u64,
+        /// What is wrong.
+        source: toml::ser::Error,
+    },
+    /// The table is not as expected.
+    #[error("{path}: {source}")]
+    Table {
+        /// The table.
+        path: PathBuf,
+        /// What is wrong.
+        source: csv::Error,
+    },
+}
+
+/// What a run has left.
+#[derive(Debug)]
+pub struct Run {
+    /// Exit code; none if it was ended by a signal.
+    pub code: Option<i32>,
+    /// Rows of `summary.csv`.
+    pub rows: Vec<Row>,
+}
+
+/// A row of `summary.csv`, as far as it is compared.
+#[derive(Debug, Clone, Deserialize)]
+pub struct Row {
+    /// Forcing amplitude A.
+    pub amplitude: f64,
+    /// Number of the branch within its kind.
+    pub branch: usize,
+    /// main, isola, open, cut or unfinished.
+    pub kind: String,
+    /// Lowest frequency, rad/s.
+    pub omega_min: Option<f64>,
+    /// Highest frequency, rad/s.
+    pub omega_max: Option<f64>,
+    /// Peak, m.
+    pub amplitude_max: Option<f64>,
+    /// Its frequency, rad/s.
+    pub omega_at_max: Option<f64>,
+    /// Whether that is the peak (`at`), or only as far as the branch is known.
+    pub peak_standing: String,
+}
+
+/// The study: levels and range; everything else is left to its default.
+#[derive(Debug, Serialize)]
+struct Study {
+    amplitudes: Vec<f64>,
+    frequency: Frequency,
+}
+
+#[derive(Debug, Serialize)]
+struct Frequency {
+    min: f64,
+    max: f64,
+}
+
+/// Runs `isola sweep` on a structure, in a folder, with a number of workers and further arguments.
+///
+/// # Errors
+/// If a file cannot be written or read, or the program not started. That it ends with a code is no error.
+pub fn sweep(isola: &Path, record: &Record, folder: &Path, arguments: &[String]) -> Result<Run, ProductError> {
+    let file = |path: &Path| {
+        let path = path.to_owned();
+        |source| ProductError::File { path, source }
+    };
+    let text = |source| ProductError::Model { number: record.number, source };
+    let study = Study {
+        amplitudes: record.levels.iter().map(|level| level.forcing).collect(),
+        frequency: Frequency { min: record.range[0], max: record.range[1] },
+    };
+    let files = [
+        ("model.toml", toml::to_string(&record.model).map_err(text)?),
+        ("study.toml", toml::to_string(&study).map_err(text)?),
+    ];
+    std::fs::create_dir_all(folder).map_err(file(folder))?;
+    for (name, text) in files {
+        let path = folder.join(name);
+        std::fs::write(&path, text).map_err(file(&path))?;
+    }
+    let run = folder.join("run");
+    let log = folder.join("log");
+    let output = std::fs::File::create(&log).map_err(file(&log))?;
+    let errors = output.try_clone().map_err(file(&log))?;
+    let status = Command::new(isola)
+        .arg("sweep")
+        .arg(folder.join("study.toml"))
+        .arg("--out")
+        .arg(&run)
+        .args(arguments)
+        .stdin(Stdio::null())
+        .stdout(output)
+        .stderr(errors)
+        .status()
+        .map_err(file(isola))?;
+    kept(folder, status.code())
+}
+
+/// What a run in a folder has left, that ended with this code.
+///
+/// # Errors
+/// If there is no table, or it is another one.
+pub fn kept(folder: &Path, code: Option<i32>) -> Result<Run, ProductError> {
+    let path = folder.join("run").join("summary.csv");
+    let rows = read(&path).map_err(|source| ProductError::Table { path, source })?;
+    Ok(Run { code, rows })
+}
+
+fn read(path: &Path) -> Result<Vec<Row>, csv::Error> {
+    csv::Reader::from_path(path)?.deserialize().collect()
+}

@@ -1,0 +1,329 @@
+"""Models made in Python: matrices from NumPy or SciPy, contacts and laws; written as a folder that the program reads."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
+from . import toml
+from .errors import BadModel, FolderInUse
+from .live.wire import Floats
+
+#: Entries whose difference from those across the diagonal is below this share of the largest entry count as symmetric.
+_SYMMETRIC = 1e-8
+
+
+class Law(dict[str, Any]):
+    """A nonlinear element, as under ``[[laws]]`` of a model file.
+
+    >>> Law("polynomial_spring", dof="x1", terms=[{"power": 3, "coefficient": 1.0}])["dof"]
+    'x1'
+
+    Args:
+        kind: ``penalty_spring`` (`stiffness` N/m, `gap` m), ``polynomial_spring`` and ``polynomial_damper`` (`terms`:
+            `power`, `coefficient` N/m^power, N/(m/s)^power), ``tanh_friction`` (`limit` N, `velocity` m/s), ``jenkins``
+            (`stiffness` N/m, `limit` N).
+        dof: Name of the dof that it acts on, against the ground; or
+        between: names of two dofs, the law acting on the first minus the second; or
+        coefficients: dofs with factors, the law acting on the sum.
+        name: Name shown to people.
+        parameters: Those of the law.
+    """
+
+    def __init__(
+        self,
+        kind: str,
+        *,
+        dof: str | None = None,
+        between: Sequence[str] | None = None,
+        coefficients: Mapping[str, float] | None = None,
+        name: str | None = None,
+        **parameters: Any,
+    ) -> None:
+        where = {"name": name, "dof": dof, "between": between, "coefficients": coefficients}
+        given = {key: value for key, value in where.items() if value is not None}
+        if len(given.keys() - {"name"}) != 1:
+            raise BadModel(f"law `{kind}`: say where it acts by one of dof, between and coefficients")
+        super().__init__({**given, "law": {kind: parameters}})
+
+
+class Contact(dict[str, Any]):
+    """A contact node, as under ``[[contact.nodes]]`` of a model file.
+
+    Args:
+        normal: Dof that closes the gap; or dofs with factors, ``{"x1": 1, "x2": -1}`` between two bodies.
+        tangential: One or two sliding directions, the first one along the rotation; needed with friction.
+        radius: Radius of the node, m; needed with friction.
+        name: Name shown to people.
+        settings: What differs from the model's: `gap` (m), `epsilon` (N/m), `friction`, `sense`.
+    """
+
+    def __init__(
+        self,
+        normal: str | Mapping[str, float],
+        *,
+        tangential: Sequence[str | Mapping[str, float]] = (),
+        radius: float | None = None,
+        name: str | None = None,
+        **settings: float,
+    ) -> None:
+        given = {
+            "name": name,
+            "normal": normal,
+            "tangential": list(tangential) or None,
+            "radius": radius,
+            **settings,
+        }
+        super().__init__({key: value for key, value in given.items() if value is not None})
+
+
+class Model:
+    """A structure: M ẍ + C ẋ + K x + f(x, ẋ) = A s cos(ωt), SI units.
+
+    >>> duffing = Model(M=[[1]], K=[[1]], laws=[Law("polynomial_spring", dof="x1", terms=[{"power": 3, "coefficient": 1}])])
+    >>> duffing.size
+    1
+
+    Args:
+        M: Mass matrix [n, n], kg; NumPy or SciPy sparse, symmetric and positive definite.
+        K: Stiffness matrix [n, n], N/m, symmetric.
+        C: Damping matrix [n, n], N·s/m, symmetric; or
+        damping: modal or Rayleigh damping, as the section `damping` of a model file: ``{"default_ratio": 1e-3}`` (without
+            both 0.01 for every mode), ``{"rayleigh": {"mass": 0.1, "stiffness": 1e-6}}``.
+        laws: Nonlinear elements, :class:`Law`.
+        contacts: Contact nodes, :class:`Contact`.
+        contact: What all of them share: `gap` (m), `epsilon` (N/m), `friction`, `sense`.
+        forcing: Forces on the dofs [n], N per unit of A; or as the section `forcing` of a model file:
+            ``{"shape": {"mode": 1}}`` (the default), ``{"shape": {"dofs": {"x1": 1.0}}, "harmonic": 2}``.
+        dofs: n names; by default x1 … xn.
+        monitors: Dofs whose amplitude is reported; by default the first one.
+        name: Shown to people.
+        description: For whoever reads the file.
+
+    Raises:
+        BadModel: Matrices that are not square, of different sizes, not finite, not symmetric or, the mass, not positive
+            definite; names that do not fit.
+    """
+
+    def __init__(
+        self,
+        M: Any,
+        K: Any,
+        *,
+        C: Any = None,
+        damping: Mapping[str, Any] | None = None,
+        laws: Iterable[Mapping[str, Any]] = (),
+        contacts: Iterable[Mapping[str, Any]] = (),
+        contact: Mapping[str, float] | None = None,
+        forcing: Mapping[str, Any] | Sequence[float] | Floats | None = None,
+        dofs: Sequence[str] | None = None,
+        monitors: Sequence[str] | None = None,
+        name: str = "model",
+        description: str = "",
+    ) -> None:
+        #: Mass [n, n], kg.
+        self.M = _matrix("M", M)
+        n = len(self.M)
+        #: Stiffness [n, n], N/m.
+        self.K = _matrix("K", K, n)
+        #: Damping [n, n], N·s/m; None if it is given in another way.
+        self.C = None if C is None else _matrix("C", C, n)
+        _require_definite(self.M)
+        if self.C is not None and damping is not None:
+            raise BadModel("C and damping are two ways to give the damping; give one of them")
+        #: Names of the dofs.
+        self.dofs = [f"x{i}" for i in range(1, n + 1)] if dofs is None else [str(dof) for dof in dofs]
+        if len(self.dofs) != n or len(set(self.dofs)) != n:
+            raise BadModel(
+                f"dofs: {len(self.dofs)} names, {len(set(self.dofs))} of them different; M has {n} rows"
+            )
+        #: Name shown to people.
+        self.name = name
+        #: For whoever reads the file.
+        self.description = description
+        #: Sections of the model file, as given.
+        self.sections: dict[str, Any] = {
+            "damping": dict(damping or {}),
+            "forcing": {} if forcing is None else self._forcing(forcing),
+            "contact": {**(contact or {}), "nodes": [dict(node) for node in contacts]},
+            "laws": [dict(law) for law in laws],
+            "monitors": None if monitors is None else [self._known("monitors", dof) for dof in monitors],
+        }
+        for i, law in enumerate(self.sections["laws"]):
+            for dof in _dofs_of_law(law):
+                self._known(f"laws[{i}]", dof)
+        for i, node in enumerate(self.sections["contact"]["nodes"]):
+            for direction in [node.get("normal"), *node.get("tangential", [])]:
+                for dof in direction if isinstance(direction, Mapping) else [direction]:
+                    self._known(f"contacts[{i}]", dof)
+
+    @classmethod
+    def load(cls, folder: str | os.PathLike[str]) -> Model:
+        """Reads the folder of a model: ``model.toml`` and its matrices. Needs SciPy for files in Matrix Market format.
+
+        Raises:
+            BadModel: There is no model, or one that makes no sense.
+        """
+        path = Path(folder)
+        try:
+            content = tomllib.loads((path / "model.toml").read_text(encoding="utf-8"))
+        except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+            raise BadModel(f"{path / 'model.toml'}: {error}; name the folder of a model") from error
+        matrices, contact = content.get("matrices", {}), dict(content.get("contact", {}))
+        files = {"mass": "M.mtx", "stiffness": "K.mtx", **matrices}
+        mass, stiffness, damping = (_read(path, files.get(key)) for key in ("mass", "stiffness", "damping"))
+        nodes = contact.pop("nodes", [])
+        keys = ("laws", "damping", "forcing", "dofs", "monitors", "description")
+        others = {key: content[key] for key in keys if key in content}
+        name = content.get("name", path.absolute().name)
+        return cls(mass, stiffness, C=damping, contact=contact, contacts=nodes, name=name, **others)
+
+    @property
+    def size(self) -> int:
+        """Number of dofs n."""
+        return len(self.M)
+
+    def __repr__(self) -> str:
+        nodes, laws = len(self.sections["contact"]["nodes"]), len(self.sections["laws"])
+        return f"<Model {self.name}: {self.size} dofs, {nodes} contact nodes, {laws} other laws>"
+
+    def save(self, folder: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
+        """Writes the model as a folder: ``model.toml`` and its matrices in Matrix Market format, bit for bit. Returns it.
+
+        Raises:
+            FolderInUse: There is a model in this folder, and `overwrite` is not set.
+        """
+        path = Path(folder)
+        file = path / "model.toml"
+        if file.exists() and not overwrite:
+            raise FolderInUse(f"{file}: there is a model in this folder; overwrite=True replaces it")
+        path.mkdir(parents=True, exist_ok=True)
+        matrices = {"mass": ("M.mtx", self.M), "stiffness": ("K.mtx", self.K), "damping": ("C.mtx", self.C)}
+        given = {key: (name, matrix) for key, (name, matrix) in matrices.items() if matrix is not None}
+        for name, matrix in given.values():
+            (path / name).write_text(_matrix_market(matrix), encoding="ascii")
+        file.write_text(self._toml({key: name for key, (name, _) in given.items()}), encoding="utf-8")
+        return path
+
+    def _toml(self, matrices: dict[str, str]) -> str:
+        """The text of ``model.toml``."""
+        sections = dict(self.sections)
+        nodes = sections["contact"].get("nodes")
+        head: dict[str, Any] = {"name": self.name, "description": self.description or None}
+        head |= {"dofs": self.dofs, "monitors": sections["monitors"]}
+        lines = [f"{key} = {toml.literal(value)}" for key, value in head.items() if value is not None]
+        contact = {key: value for key, value in sections["contact"].items() if key != "nodes"}
+        named = {
+            "matrices": matrices,
+            "damping": sections["damping"],
+            "forcing": sections["forcing"],
+            "contact": contact,
+        }
+        for section, entries in named.items():
+            if entries:
+                lines += ["", f"[{section}]", *_entries(entries)]
+        for section, elements in {"contact.nodes": nodes, "laws": sections["laws"]}.items():
+            for element in elements:
+                lines += ["", f"[[{section}]]", *_entries(element)]
+        return "\n".join(lines) + "\n"
+
+    def _forcing(self, given: Mapping[str, Any] | Sequence[float] | Floats) -> dict[str, Any]:
+        """The section of the forcing."""
+        if isinstance(given, Mapping):
+            return dict(given)
+        forces = np.array(given, dtype=np.float64)
+        if forces.shape != (self.size,) or not np.isfinite(forces).all():
+            raise BadModel(
+                f"forcing: shape {forces.shape}; {self.size} finite numbers are needed, a force for each dof"
+            )
+        return {
+            "shape": {"dofs": {dof: force for dof, force in zip(self.dofs, forces.tolist()) if force != 0.0}}
+        }
+
+    def _known(self, where: str, dof: Any) -> str:
+        if dof not in self.dofs:
+            known = ", ".join(self.dofs[:12]) + (", …" if self.size > 12 else "")
+            raise BadModel(f"{where}: no dof `{dof}`; there are {known}")
+        return str(dof)
+
+
+def _read(folder: Path, matrix: Any) -> Any:
+    """A matrix as a model file gives it: rows, or the name of a file."""
+    if not isinstance(matrix, str):
+        return matrix
+    try:
+        from scipy.io import mmread
+    except ImportError as error:
+        raise ImportError("matrices in files need SciPy: pip install 'isola-hbm[model]'") from error
+    try:
+        return mmread(folder / matrix, spmatrix=False)
+    except (OSError, ValueError) as error:
+        raise BadModel(f"{folder / matrix}: {error}") from error
+
+
+def _dofs_of_law(law: Mapping[str, Any]) -> list[Any]:
+    one = [law["dof"]] if "dof" in law else []
+    return [*one, *law.get("between", ()), *law.get("coefficients", {})]
+
+
+def _entries(section: Mapping[str, Any]) -> list[str]:
+    return [f"{toml.key(key)} = {toml.literal(value)}" for key, value in section.items()]
+
+
+def _matrix(name: str, given: Any, size: int | None = None) -> Floats:
+    """A symmetric matrix, dense."""
+    dense = given.toarray() if hasattr(given, "toarray") else given
+    try:
+        is_complex = np.iscomplexobj(dense)
+        matrix = np.array(dense, dtype=np.complex128 if is_complex else np.float64).real
+    except (TypeError, ValueError) as error:
+        raise BadModel(f"{name}: no matrix of real numbers ({error})") from error
+    if is_complex:
+        raise BadModel(f"{name}: complex numbers; a matrix of real ones is needed")
+    if matrix.ndim != 2 or matrix.shape[0] != matrix.shape[1] or not matrix.size:
+        raise BadModel(f"{name}: shape {matrix.shape}; a square matrix [n, n] is needed")
+    if size is not None and len(matrix) != size:
+        raise BadModel(f"{name}: shape {matrix.shape}, but M has {(size, size)}")
+    wrong = np.argwhere(~np.isfinite(matrix))
+    if len(wrong):
+        i, j = wrong[0]
+        raise BadModel(f"{name}[{i}, {j}] = {matrix[i, j]}: a finite number is needed")
+    difference = np.abs(matrix - matrix.T)
+    if difference.max() > _SYMMETRIC * np.abs(matrix).max():
+        i, j = sorted(int(index) for index in np.unravel_index(difference.argmax(), matrix.shape))
+        entries = f"{name}[{i}, {j}] = {matrix[i, j]:g}, {name}[{j}, {i}] = {matrix[j, i]:g}"
+        raise BadModel(f"{name}: not symmetric ({entries}); (X + X.T) / 2 is, if the difference is rounding")
+    return matrix
+
+
+def _require_definite(mass: Floats) -> None:
+    try:
+        np.linalg.cholesky(mass)
+    except np.linalg.LinAlgError:
+        lowest = np.linalg.eigvalsh(mass)[0]
+        raise BadModel(
+            f"M: not positive definite (smallest eigenvalue {lowest:g}); are M and K exchanged?"
+        ) from None
+
+
+def _matrix_market(matrix: Floats) -> str:
+    """A matrix in Matrix Market format, every number in the shortest form that reads back the same."""
+    is_symmetric = bool((matrix == matrix.T).all())
+    rows, columns = np.nonzero(np.tril(matrix) if is_symmetric else matrix)
+    kind = "symmetric" if is_symmetric else "general"
+    entries = [f"{i + 1} {j + 1} {float(matrix[i, j])!r}" for i, j in zip(rows, columns)]
+    n = len(matrix)
+    return (
+        "\n".join([f"%%MatrixMarket matrix coordinate real {kind}", f"{n} {n} {len(entries)}", *entries])
+        + "\n"
+    )

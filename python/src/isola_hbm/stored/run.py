@@ -1,0 +1,337 @@
+"""A run, finished, running or damaged, as its store has it."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Iterator, Mapping
+from functools import cached_property
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, TypeAlias, TypeVar
+
+import pandas as pd
+import xarray as xr
+
+from ..errors import Damaged, LeftOut, NoSuchBranch
+from ..live import types
+from ..program import Page, page
+from . import check, curves, tables
+from .levels import Omissions, levels, named
+from .motions import Motions
+from .names import Names, model
+from .store import Reading, Row, Store
+from .verified import name_of
+
+if TYPE_CHECKING:
+    from ..plots import Plots
+
+T = TypeVar("T")
+
+#: A branch: ``"60/isola 1"``, or forcing amplitude (as typed or as a number) and name.
+Key: TypeAlias = "str | tuple[str | float, str]"
+
+
+def load(where: str | PathLike[str]) -> StoredRun:
+    """Opens a run on disk, whether it is finished, goes on or is damaged. Needs neither the program nor a bus.
+
+    >>> run = load("runs/blade")
+    >>> run.summary
+    >>> run["60/isola 1"].amplitude
+
+    Args:
+        where: Folder of the run, or its file ``run.sqlite``.
+
+    Raises:
+        NoSuchRun: There is no run, or something that is none.
+        OtherVersion: It was written by a later program.
+        Damaged: Nothing of it can be read.
+    """
+    return StoredRun(Store(where))
+
+
+class StoredRun(Mapping[str, Motions]):
+    """A run on disk: its branches by name (``"60/isola 1"``), and tables of what was found.
+
+    Everything is read when it is asked for, and is what the run has at that moment; a run in progress grows. What cannot
+    be read of a damaged run is left out with a warning (:class:`LeftOut`); asked for by name it raises :class:`Damaged`.
+    """
+
+    def __init__(self, store: Store) -> None:
+        self._store = store
+        self._known_names: Names | None = None
+        with store.read() as reading:
+            #: Facts about the run as the table `meta` has them: run, name, program, created, study, ….
+            self.meta: Mapping[str, str] = _facts(reading)
+
+    @property
+    def folder(self) -> Path:
+        """Folder of the run."""
+        return self._store.folder
+
+    @property
+    def name(self) -> str:
+        """Name of the study."""
+        return str(self.meta.get("name", self.folder.name))
+
+    @property
+    def study(self) -> str:
+        """The study with every setting spelled out, TOML."""
+        return str(self.meta.get("study", ""))
+
+    @property
+    def stage(self) -> str:
+        """Where the run is: ``backbone``, ``sweep``, ``finished`` or ``cancelled``."""
+        return self._read(lambda reading, _: str(reading.fact("stage") or "unknown"))
+
+    @property
+    def counts(self) -> types.Counts:
+        """Tasks by state, and branches found."""
+
+        def read(reading: Reading, _: Omissions) -> types.Counts:
+            rows = reading.rows("SELECT state, count(*) AS number FROM tasks GROUP BY state")
+            of = {row["state"]: row["number"] for row in rows}
+            states = {name: of.get(name, 0) for name in ("done", "skipped", "waiting", "dead")}
+            branches = reading.column("SELECT count(*) FROM branches")[0]
+            return types.Counts(**states, running=of.get("leased", 0), branches=branches)
+
+        return self._read(read)
+
+    @property
+    def summary(self) -> pd.DataFrame:
+        """A row a branch, by the name that the run has it by: the columns of ``summary.csv``, and what else the store has.
+
+        `amplitude` is the forcing A; `omega_…` in rad/s, `amplitude_max` in m (first monitored dof).
+        """
+        return self._read(tables.summary)
+
+    @property
+    def windows(self) -> pd.DataFrame:
+        """Every window that the energy balance predicts, with the branch found there or the reason why not: the columns of
+        ``windows.csv`` (rad/s; modes from 1; points of the backbone from 0)."""
+        return self._read(tables.windows)
+
+    @property
+    def folds(self) -> pd.DataFrame:
+        """Fold curves: where branches turn back, over the forcing. The columns of ``folds.csv`` (rad/s, m)."""
+        return self._read(lambda reading, _: tables.folds(reading))
+
+    @property
+    def events(self) -> pd.DataFrame:
+        """Births, deaths and merges of isolas, `computed` along fold curves and `predicted` by the energy balance: the
+        columns of ``events.csv`` (rad/s, m)."""
+        return self._read(tables.events)
+
+    @property
+    def bifurcations(self) -> pd.DataFrame:
+        """Where marched orbits of branches lose or regain stability: the columns of ``bifurcations.csv`` (rad/s, m)."""
+        return self._read(lambda reading, _: tables.bifurcations(reading))
+
+    @property
+    def backbones(self) -> pd.DataFrame:
+        """Points of the backbones of all modes followed: the columns of ``backbone.csv`` and what else the store has
+        (rad/s, 1/s, m, J a period)."""
+        return self._read(tables.backbones)
+
+    @property
+    def points(self) -> pd.DataFrame:
+        """Points of all branches in one table: name of the branch, forcing, and one number for each column of the store
+        (of the first monitored dof; the largest over the contacts). For what every dof does, see ``run[name]``."""
+        return self.columns()
+
+    def columns(self, *names: str) -> pd.DataFrame:
+        """As :attr:`points`, of these columns only: ``run.columns("omega", "amplitude")``.
+
+        Raises:
+            KeyError: There is no such column.
+        """
+
+        def read(reading: Reading, omissions: Omissions) -> pd.DataFrame:
+            known = reading.columns("points")
+            for name in names:
+                if name not in known:
+                    raise KeyError(f"no column `{name}`; there are {', '.join(known[2:])}")
+            return tables.points(reading, omissions, names)
+
+        return self._read(read)
+
+    @cached_property
+    def model(self) -> types.Model:
+        """The structure: matrices, mode shapes, dofs, elements with their laws."""
+        return self._read(lambda reading, _: model(reading))
+
+    @property
+    def shapes(self) -> xr.DataArray:
+        """Mode shapes Φ of all dofs, mass-normalised (kg^-0.5): x = Φ y. ``xr.dot(run.shapes, branch.modal, dim="mode")``
+        has the harmonics of every dof."""
+        structure = self.model
+        coordinates = {"dof": list(structure.dofs), "mode": range(1, structure.shapes.shape[1] + 1)}
+        attributes = {"long_name": "Mode shapes", "units": "kg^-0.5"}
+        return xr.DataArray(structure.shapes, coordinates, ("dof", "mode"), "shapes", attributes)
+
+    def table(self, name: str) -> pd.DataFrame:
+        """A table of the store as it is, also one that this package knows nothing of: ``run.table("attempts")``.
+
+        Raises:
+            KeyError: There is no such table.
+        """
+        return self._read(lambda reading, _: tables.table_of(reading, name))
+
+    def backbone(self, mode: int | None = None) -> Motions:
+        """The backbone of a mode, from 1 (by default of the primary one), with its harmonics.
+
+        Raises:
+            NoSuchBranch: No backbone of this mode was followed, or it is not known yet.
+        """
+
+        def read(reading: Reading, _: Omissions) -> Motions:
+            rows = tables.modes(reading)
+            for row in rows:
+                if mode in (None, row["mode"]):
+                    return curves.backbone(
+                        reading, row["mode"], row["owner"], row["outcome"], self._names(reading)
+                    )
+            followed = ", ".join(str(row["mode"]) for row in rows)
+            raise NoSuchBranch(
+                f"there is no backbone of mode {mode}; modes followed: {followed}"
+                if rows
+                else "there is no backbone yet"
+            )
+
+        return self._read(read)
+
+    def check(self) -> list[str]:
+        """Everything that is damaged, gone or not there yet, in sentences; none of a finished run that is whole.
+
+        Reads and verifies every number: of each branch the SHA-256 that was announced when it was found.
+        """
+        return self._read(lambda reading, _: check.check(reading))
+
+    @property
+    def plot(self) -> Plots:
+        """Figures with matplotlib: ``run.plot.response()``, ``.map()``, ``.balance()``, ``.motion(…)``."""
+        from ..plots import Plots
+
+        return Plots(self)
+
+    def explore(self) -> Page:
+        """The page with all figures, linked to each other: shown where it is the last value of a notebook's cell.
+
+        Needs the program (``isola report``).
+
+        Raises:
+            NoProgram: It is not there.
+            ProgramFailed: It cannot read the run.
+        """
+        return page(self.folder)
+
+    def __getitem__(self, key: Key) -> Motions:
+        """A branch by its name: ``run["60/isola 1"]`` or ``run[60, "isola 1"]``.
+
+        Raises:
+            NoSuchBranch: There is none of this name (yet).
+            Damaged: It cannot be read.
+        """
+
+        def read(reading: Reading, _: Omissions) -> Motions:
+            found = _find(reading, *_parts(key))
+            if found is None:
+                raise NoSuchBranch(_missing(reading, *_parts(key)))
+            return curves.branch(reading, *found, self._names(reading))
+
+        return self._read(read)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._read(_branches))
+
+    def __len__(self) -> int:
+        return len(self._read(_branches))
+
+    def __contains__(self, key: object) -> bool:
+        try:
+            amplitude, name = _parts(key)
+        except NoSuchBranch:
+            return False
+        return self._read(lambda reading, _: _find(reading, amplitude, name)) is not None
+
+    # Two runs are the same if they are one object: comparing all numbers is no question to ask in passing.
+    __eq__ = object.__eq__
+    __hash__ = object.__hash__
+
+    def __repr__(self) -> str:
+        return f"<StoredRun {self.name}, {self.stage}: {len(self)} branches in {self.folder}>"
+
+    def _repr_html_(self) -> str:
+        return f"<p><b>{self.name}</b>, {self.stage}, <code>{self.folder}</code></p>{self.summary.to_html()}"
+
+    def _names(self, reading: Reading) -> Names:
+        """Names along axes, which do not change."""
+        if self._known_names is None:
+            self._known_names = Names.read(reading)
+        return self._known_names
+
+    def _read(self, read: Callable[[Reading, Omissions], T]) -> T:
+        """What `read` makes of the store; what it had to leave out is a warning."""
+        omissions = Omissions()
+        with self._store.read() as reading:
+            found = read(reading, omissions)
+        for sentence in omissions.sentences:
+            warnings.warn(sentence, LeftOut, stacklevel=3)
+        return found
+
+
+def _facts(reading: Reading) -> dict[str, str]:
+    """Facts in readable form. Of a damaged file nothing at all."""
+    try:
+        rows = reading.rows("SELECT key, value FROM meta")
+    except Damaged:
+        reading.column("SELECT count(*) FROM levels")
+        return {}
+    return {row["key"]: row["value"] for row in rows if not isinstance(row["value"], bytes)}
+
+
+def _branches(reading: Reading, omissions: Omissions) -> list[str]:
+    return [named(level, branch) for level in levels(reading, omissions) for branch in level.branches]
+
+
+def _parts(key: object) -> tuple[str | float, str]:
+    """Forcing amplitude and name of a branch."""
+    if isinstance(key, tuple) and len(key) == 2 and isinstance(key[1], str):
+        return key
+    if isinstance(key, str) and "/" in key:
+        amplitude, _, name = key.partition("/")
+        return amplitude, name
+    raise NoSuchBranch(f'{key!r} is no branch: write "60/isola 1", or 60, "isola 1"')
+
+
+def _find(reading: Reading, amplitude: str | float, name: str) -> tuple[Row, float] | None:
+    """The row of a branch, and its forcing amplitude A."""
+    for level in reading.rows_of("levels", ""):
+        if _is_amplitude(amplitude, level["amplitude"], level["value"]):
+            where = "WHERE level = ? AND kind = ? AND number = ?"
+            for row in reading.rows_of("branches", where, level["level"], *_kind_and_number(name)):
+                return row, level["value"]
+    return None
+
+
+def _kind_and_number(name: str) -> tuple[str, int]:
+    kind, _, number = name.strip().partition(" ")
+    return kind, int(number) if number.isdecimal() else 0 if number else 1
+
+
+def _is_amplitude(wanted: str | float, text: str, value: float) -> bool:
+    if wanted == text or wanted == value:
+        return True
+    try:
+        return float(wanted) == value
+    except ValueError:
+        return False
+
+
+def _missing(reading: Reading, amplitude: str | float, name: str) -> str:
+    """That there is no such branch, and what there is instead."""
+    rows = reading.rows("SELECT branches.*, value FROM branches JOIN levels USING (level)")
+    there = [name_of(row) for row in rows if _is_amplitude(amplitude, row["amplitude"], row["value"])]
+    texts = reading.column("SELECT amplitude FROM levels ORDER BY value")
+    levels = f"levels are {', '.join(texts[:12])}" + (", …" if len(texts) > 12 else "")
+    instead = f"there are {', '.join(there)}" if there else levels
+    return f"there is no branch `{name}` at A = {amplitude}; {instead}"

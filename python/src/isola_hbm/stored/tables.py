@@ -1,0 +1,271 @@
+"""Tables of a run as data frames: columns have the names of the CSV files; what the store has besides follows them."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from functools import partial
+
+import numpy as np
+import pandas as pd
+
+from ..errors import Damaged
+from ..live.wire import Floats
+from . import levels as of_levels
+from .levels import Level, Omissions, join_families, named, primary_mode
+from .store import Reading, Row, Values
+from .verified import quoted, table
+
+SUMMARY = [
+    *("amplitude", "branch", "kind", "status", "points"),
+    *("omega_min", "omega_max", "amplitude_max", "omega_at_max", "contact_omega_min", "contact_omega_max"),
+    *("peak_standing", "family", "penetration", "pressure_beyond", "amplitude_2h", "shift_2h", "stable"),
+]
+WINDOWS = [
+    *("amplitude", "window", "omega_min", "omega_max", "omega_best", "threshold"),
+    *("outcome", "branch", "reason", "mode"),
+]
+BIFURCATIONS = ["forcing", "branch", "kind", "omega", "amplitude"]
+FOLDS = ["curve", "forcing", "omega", "amplitude", "kind"]
+EVENTS = ["kind", "source", "forcing", "omega", "amplitude", "mode", "curve"]
+#: Columns of the table of branches that say where something is in the file, or stand under another name.
+_INTERNAL = {"id", "level", "special", "number"}
+#: Columns of text; integers that may be missing; all others are real.
+_TEXTS = {"kind", "status", "peak_standing", "outcome", "reason", "source", "task"}
+_INTEGERS = {"points", "family", "window", "mode", "first", "last", "best", "rejections", "curve"}
+#: Relative height below which an extremum of the threshold curve is noise.
+_PROMINENCE = 1e-3
+
+
+def summary(reading: Reading, omissions: Omissions) -> pd.DataFrame:
+    """A row a branch, by its name in the run; as ``summary.csv``."""
+    levels = of_levels.levels(reading, omissions)
+    families = join_families(levels)
+    stable = omissions.attempt("What is stable is", lambda: _stable(reading)) or {}
+    rows: dict[str, Row] = {}
+    for level in levels:
+        if level.main_failure is not None:
+            failure = {"branch": 1, "kind": "main", "status": level.main_failure}
+            rows[f"{level.amplitude}/main"] = {"amplitude": level.value, **failure}
+        for branch in level.branches:
+            row = {name: value for name, value in branch.items() if name not in _INTERNAL}
+            row |= {"amplitude": level.value, "branch": branch["number"], "closed": bool(branch["closed"])}
+            verified = {"family": families.get(branch["id"]), "stable": stable.get(branch["id"])}
+            rows[named(level, branch)] = {**row, **verified}
+    return _frame(SUMMARY, list(rows.values()), integers={"branch"}).set_axis(pd.Index(rows, name="name"))
+
+
+def _stable(reading: Reading) -> dict[int, float]:
+    """Shares of branches that are known to be stable, by their ids: of all of a branch, if all of it was verified."""
+    if not reading.columns("verifications"):
+        return {}
+    rows = reading.rows("SELECT branch, stable FROM verifications ORDER BY stretch = 'whole'")
+    return {row["branch"]: row["stable"] for row in rows}
+
+
+def bifurcations(reading: Reading) -> pd.DataFrame:
+    """Where marched orbits of branches lose or regain stability; as ``bifurcations.csv``."""
+    if not reading.columns("bifurcations"):
+        return _frame(BIFURCATIONS, [])
+    sql = """
+        SELECT levels.value AS forcing, branches.kind AS branch_kind, branches.number AS branch_number, bifurcations.kind,
+            bifurcations.omega, bifurcations.amplitude
+        FROM bifurcations JOIN verifications USING (task) JOIN branches ON branches.id = branch JOIN levels USING (level)
+        WHERE stretch = 'whole' OR NOT EXISTS (
+            SELECT 1 FROM verifications AS other WHERE other.branch = branches.id AND other.stretch = 'whole'
+        )
+        ORDER BY branches.level, branches.id, bifurcations.number
+    """
+    rows = reading.rows(sql)
+    for row in rows:
+        kind, number = row.pop("branch_kind"), row.pop("branch_number")
+        row["branch"] = kind if (kind, number) == ("main", 1) else f"{kind} {number}"
+    return _frame(BIFURCATIONS, rows, texts={"branch"})
+
+
+def windows(reading: Reading, omissions: Omissions) -> pd.DataFrame:
+    """A row for every window that the energy balance predicts; as ``windows.csv``."""
+
+    def of(level: Level) -> list[Row]:
+        what = f"The windows at A = {level.amplitude} are"
+        rows = omissions.attempt(what, lambda: of_levels.windows(reading, level)) or []
+        return [{**row, "amplitude": level.value} for row in rows]
+
+    rows = [row for level in of_levels.levels(reading, omissions) for row in of(level)]
+    return _frame(WINDOWS, rows, texts={"branch"}).drop(columns="level", errors="ignore")
+
+
+def folds(reading: Reading) -> pd.DataFrame:
+    """Points of fold curves; as ``folds.csv``. A closed curve ends with its first point again."""
+    if not reading.columns("curve_points"):
+        return _frame(FOLDS, [])
+    rows = reading.rows_of("curve_points", "ORDER BY curve, i")
+    closed = set(reading.column("SELECT number FROM curves WHERE closed"))
+    curves: dict[int, list[Row]] = {}
+    for row in rows:
+        row["kind"] = row.pop("event") or "fold"
+        curves.setdefault(row["curve"], []).append(row)
+    for number, points in curves.items():
+        if number in closed:
+            points.append({**points[0], "kind": "fold"})
+    return _frame(FOLDS, [row for points in curves.values() for row in points]).drop(
+        columns="i", errors="ignore"
+    )
+
+
+def events(reading: Reading, omissions: Omissions) -> pd.DataFrame:
+    """Births, deaths and merges of isolas, computed along fold curves and predicted by the energy balance; as
+    ``events.csv``: `mode` is the one that contributes most beside the one followed."""
+    rows: list[Row] = []
+    if reading.columns("curve_points"):
+        sql = (
+            "SELECT event AS kind, 'computed' AS source, forcing, omega, amplitude, curve FROM curve_points "
+        )
+        sql += "WHERE event IS NOT NULL ORDER BY curve, i"
+        rows = omissions.attempt("Computed events are", lambda: reading.rows(sql)) or []
+    rows += omissions.attempt("Predicted events are", lambda: _predicted(reading)) or []
+    return _frame(EVENTS, rows)
+
+
+def _predicted(reading: Reading) -> list[Row]:
+    """Births and merges along the backbone of the primary mode: extrema of its threshold A*."""
+    mode = primary_mode(reading)
+    points = table(reading, "backbone", "mode", mode, ["threshold", "omega", "amplitude"])
+    if not len(points["omega"]):
+        return []
+    contributions = reading.array("backbone", "contributions").copy()
+    if len(contributions) != len(points["omega"]):
+        raise Damaged(reading.store.file, f"contributions of {len(contributions)} points of the backbone")
+    contributions[:, mode - 1] = -np.inf
+    # The last one of equals, as the program has it.
+    others = contributions.shape[1] - np.argmax(contributions[:, ::-1], axis=1)
+    with np.errstate(divide="ignore"):
+        extrema = turning_points(np.log(points["threshold"]), _PROMINENCE)
+    inner = [extremum for extremum in extrema if 0 < extremum[0] < len(contributions) - 1]
+    return [
+        {
+            "kind": "merge" if is_maximum else "birth",
+            "source": "predicted",
+            "forcing": points["threshold"][index],
+            "omega": points["omega"][index],
+            "amplitude": points["amplitude"][index],
+            "mode": int(others[index]) if contributions.shape[1] > 1 else None,
+        }
+        for index, is_maximum in inner
+    ]
+
+
+def turning_points(values: Floats, prominence: float) -> list[tuple[int, bool]]:
+    """Indices of alternating minima and maxima (True) of a sequence, ignoring wiggles lower than `prominence`; the ends
+    count as extrema."""
+    found: list[tuple[int, bool]] = []
+    low = high = 0
+    rising: bool | None = None
+    for i, value in enumerate(values):
+        high = i if value > values[high] else high
+        low = i if value < values[low] else low
+        if rising is not True and value > values[low] + prominence:
+            found.append((low, False))
+            rising, high = True, i
+        elif rising is not False and value < values[high] - prominence:
+            found.append((high, True))
+            rising, low = False, i
+    if rising is not None:
+        found.append((high, True) if rising else (low, False))
+    return found
+
+
+def modes(reading: Reading) -> list[Row]:
+    """Modes that have a backbone, the primary one first: mode (from 1), owner of its arrays, outcome."""
+    if reading.version >= 3:
+        rows = reading.rows("SELECT mode, place, outcome FROM modes WHERE place IS NOT NULL ORDER BY place")
+    elif reading.fact("backbone") is not None:
+        rows = [{"mode": primary_mode(reading), "place": 0, "outcome": reading.fact("backbone_status") or ""}]
+    else:
+        rows = []
+    return [{**row, "owner": f"backbone/{row['mode']}" if row["place"] else "backbone"} for row in rows]
+
+
+def backbones(reading: Reading, omissions: Omissions) -> pd.DataFrame:
+    """Points of the backbones of all modes followed, one after the other; names as in ``backbone.csv``."""
+
+    def of(row: Row) -> pd.DataFrame:
+        columns = table(reading, "backbone", "mode", row["mode"], _columns(reading, "backbone"))
+        for name, shape in reading.shapes(row["owner"]).items():
+            # Numbers that no column can hold (NaN, -0).
+            if name in columns and len(shape) == 1:
+                columns[name] = reading.array(row["owner"], name)
+        shares = reading.array(row["owner"], "contributions")
+        if len(shares) != len(columns["omega"]):
+            raise Damaged(reading.store.file, f"contributions of {len(shares)} points")
+        columns |= {f"contribution_{mode}": shares[:, mode - 1] for mode in range(1, shares.shape[1] + 1)}
+        return pd.DataFrame({**columns, "mode": row["mode"]})
+
+    frames = [
+        omissions.attempt(f"The backbone of mode {row['mode']} is", partial(of, row))
+        for row in modes(reading)
+    ]
+    found = [frame for frame in frames if frame is not None and len(frame)]
+    if not found:
+        return pd.DataFrame(columns=[*_columns(reading, "backbone"), "mode"], dtype=float)
+    return pd.concat(found, ignore_index=True)
+
+
+def points(reading: Reading, omissions: Omissions, columns: Collection[str] = ()) -> pd.DataFrame:
+    """Points of all branches, one after the other: name of the branch, forcing amplitude, and `columns` (by default all) of
+    the store, one number each (of the first monitored dof; the largest over the contacts)."""
+    names = list(columns) or _columns(reading, "points")
+    found: dict[str, tuple[float, dict[str, Values]]] = {}
+    for level in of_levels.levels(reading, omissions):
+        for branch in level.branches:
+            name, of = named(level, branch), branch["id"]
+            values = omissions.attempt(
+                f"Branch {name} is", partial(table, reading, "points", "branch", of, names)
+            )
+            if values is not None:
+                found[name] = level.value, values
+    counts = [len(values[names[0]]) for _, values in found.values()]
+    parts = [values for _, values in found.values()] or [{name: np.zeros(0) for name in names}]
+    joined = {name: np.concatenate([values[name] for values in parts]) for name in names}
+    of_branch = {
+        "name": np.repeat(np.array(list(found), dtype=object), counts),
+        "forcing": np.repeat([value for value, _ in found.values()], counts),
+    }
+    return pd.DataFrame({**of_branch, **joined})
+
+
+def table_of(reading: Reading, name: str) -> pd.DataFrame:
+    """A table of the store as it is, without what is meant for the program itself (bytes).
+
+    Raises:
+        KeyError: There is no such table.
+    """
+    names = reading.column("SELECT name FROM sqlite_master WHERE type = 'table' ORDER BY name")
+    if name not in names:
+        raise KeyError(f"no table `{name}`; there are {', '.join(names)}")
+    rows = reading.rows(f"SELECT * FROM {quoted(name)}")
+    binary = {column for row in rows for column, value in row.items() if isinstance(value, bytes)}
+    return pd.DataFrame.from_records(rows, columns=reading.columns(name), exclude=sorted(binary))
+
+
+def _columns(reading: Reading, name: str) -> list[str]:
+    """Names of the columns of a table of points, but for those that number them."""
+    return [column for column in reading.columns(name) if column not in ("branch", "mode", "i")]
+
+
+def _frame(
+    names: list[str], rows: list[Row], *, texts: Collection[str] = (), integers: Collection[str] = ()
+) -> pd.DataFrame:
+    """Rows as a data frame with these columns first, and whatever else the rows have."""
+    others = dict.fromkeys(name for row in rows for name in row if name not in names)
+    frame = pd.DataFrame(index=range(len(rows)))
+    for name in [*names, *others]:
+        values = [row.get(name) for row in rows]
+        if name in _TEXTS or name in texts:
+            frame[name] = pd.Series([value or "" for value in values], dtype=str)
+        elif name in _INTEGERS or name in integers:
+            frame[name] = pd.Series(values, dtype="Int64")
+        elif name in names:
+            frame[name] = pd.Series(values, dtype=float)
+        else:
+            frame[name] = pd.Series(values)
+    return frame

@@ -1,0 +1,318 @@
+"""Models made in Python, and studies computed with them."""
+
+from __future__ import annotations
+
+import io
+import os
+import re
+import signal
+import sys
+import threading
+from pathlib import Path
+
+import numpy as np
+import pytest
+import scipy.sparse
+from runs import MODELS, isola, program
+
+import isola_hbm
+from isola_hbm import BadModel, Contact, Law, Model
+from isola_hbm import toml as of_toml
+from isola_hbm.sweeps import _shown
+
+CUBIC = Law("polynomial_spring", dof="x1", terms=[{"power": 3, "coefficient": 1}])
+
+
+def random(n: int) -> np.ndarray:
+    """A symmetric positive definite matrix of numbers with all their digits."""
+    factor = np.random.default_rng(n).normal(size=(n, n))
+    matrix: np.ndarray = factor @ factor.T + n * np.eye(n)
+    return (matrix + matrix.T) / 2
+
+
+@pytest.fixture(autouse=True)
+def _program(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The program is where the package looks for it."""
+    if "needs_program" in request.keywords:
+        monkeypatch.setenv("ISOLA_BIN", str(program().absolute()))
+
+
+@pytest.mark.parametrize(
+    "form", [np.array, scipy.sparse.csr_array, scipy.sparse.coo_matrix, lambda matrix: matrix.tolist()]
+)
+def test_matrices_are_kept_to_the_bit(form: object, tmp_path: Path) -> None:
+    mass, stiffness = random(5), random(5) * 1e7
+    stiffness[0, 4] = stiffness[4, 0] = 0.0
+    assert callable(form)
+    model = Model(form(mass), form(stiffness), C=form(1e-3 * mass), laws=[CUBIC], name="five")
+    again = Model.load(model.save(tmp_path / "five"))
+    for name in ("M", "K", "C"):
+        assert getattr(again, name).tobytes() == getattr(model, name).tobytes(), name
+    assert (again.name, again.dofs, again.size) == ("five", ["x1", "x2", "x3", "x4", "x5"], 5)
+    assert repr(again) == "<Model five: 5 dofs, 0 contact nodes, 1 other laws>"
+
+
+def test_everything_of_a_model_file_is_read_and_written(tmp_path: Path) -> None:
+    for folder in sorted(path.parent for path in MODELS.glob("*/model.toml")):
+        model = Model.load(folder)
+        again = Model.load(model.save(tmp_path / folder.name))
+        assert again.sections == model.sections
+        assert (again.name, again.dofs, again.description) == (model.name, model.dofs, model.description)
+        assert again.K.tobytes() == model.K.tobytes()
+
+
+@pytest.mark.needs_program
+def test_the_program_reads_the_same_structure(tmp_path: Path) -> None:
+    model = Model.load(MODELS / "rotor67")
+    runs = []
+    for folder in (MODELS / "rotor67", model.save(tmp_path / "copy")):
+        study = tmp_path / f"{len(runs)}.toml"
+        where = of_toml.literal(os.path.relpath(folder, tmp_path))
+        study.write_text(f"model = {where}\namplitudes = [1]\n")
+        runs.append(isola("check", study).stdout.split("\n", 3)[3])
+    assert runs[0] == runs[1]
+
+
+def test_elements_are_written_as_the_file_wants_them(tmp_path: Path) -> None:
+    model = Model(
+        np.eye(3),
+        np.eye(3),
+        dofs=["tip.r", "tip.t", "a b"],
+        monitors=["tip.t"],
+        damping={"rayleigh": {"mass": 0.1, "stiffness": np.float64(1e-6)}},
+        forcing={"shape": {"dofs": {"tip.r": 2.0}}, "harmonic": 2},
+        contact={"gap": 1e-3, "friction": 0.15},
+        contacts=[
+            Contact("tip.r", tangential=["tip.t"], radius=0.25, name='the "tip"'),
+            Contact({"tip.r": 1, "a b": -1}),
+        ],
+        laws=[
+            Law("jenkins", between=["tip.r", "a b"], stiffness=1, limit=0.1),
+            Law("penalty_spring", dof="a b", stiffness=1.0),
+        ],
+    )
+    text = (model.save(tmp_path / "m") / "model.toml").read_text()
+    for line in (
+        'monitors = ["tip.t"]',
+        "rayleigh = { mass = 0.1, stiffness = 1e-06 }",
+        'shape = { dofs = { "tip.r" = 2.0 } }',
+        'name = "the \\"tip\\""',
+        'normal = { "tip.r" = 1, "a b" = -1 }',
+        'between = ["tip.r", "a b"]',
+        "law = { jenkins = { stiffness = 1, limit = 0.1 } }",
+    ):
+        assert line in text.splitlines(), line
+    forced = Model(np.eye(3), np.eye(3), forcing=np.array([0.0, 2.5, 0.0]), name="forced").save(
+        tmp_path / "f"
+    )
+    assert "shape = { dofs = { x2 = 2.5 } }" in (forced / "model.toml").read_text().splitlines()
+    with pytest.raises(FileExistsError, match="overwrite=True replaces it"):
+        model.save(tmp_path / "m")
+    assert model.save(tmp_path / "m", overwrite=True) == tmp_path / "m"
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"M": [[1, 2, 3]]}, r"M: shape \(1, 3\); a square matrix \[n, n\] is needed"),
+        ({"M": [1, 2]}, r"M: shape \(2,\)"),
+        ({"M": [[]]}, r"M: shape \(1, 0\)"),
+        ({"K": [[1]]}, r"K: shape \(1, 1\), but M has \(2, 2\)"),
+        ({"C": np.eye(3)}, r"C: shape \(3, 3\), but M has"),
+        ({"K": [[1, 0], [0, float("nan")]]}, r"K\[1, 1\] = nan: a finite number is needed"),
+        ({"K": scipy.sparse.csr_array([[1, 0], [0, np.inf]])}, r"K\[1, 1\] = inf"),
+        ({"K": [[2, 1], [1.001, 2]]}, r"K: not symmetric \(K\[0, 1\] = 1, K\[1, 0\] = 1.001\)"),
+        ({"K": [[1j, 0], [0, 1]]}, "K: complex numbers"),
+        ({"K": [["a", 0], [0, 1]]}, "K: no matrix of real numbers"),
+        ({"K": [[1, 0], [1]]}, "K: no matrix of real numbers"),
+        (
+            {"M": [[1, 0], [0, 0]]},
+            r"M: not positive definite \(smallest eigenvalue 0\); are M and K exchanged",
+        ),
+        ({"dofs": ["a"]}, "dofs: 1 names, 1 of them different; M has 2 rows"),
+        ({"dofs": ["a", "a"]}, "dofs: 2 names, 1 of them different"),
+        ({"monitors": ["y"]}, "monitors: no dof `y`; there are x1, x2"),
+        ({"laws": [Law("jenkins", between=["x1", "z"])]}, r"laws\[0\]: no dof `z`"),
+        ({"contacts": [Contact("x1", tangential=["t"])]}, r"contacts\[0\]: no dof `t`"),
+        ({"forcing": [1.0]}, r"forcing: shape \(1,\); 2 finite numbers are needed"),
+        ({"forcing": [1.0, np.nan]}, "2 finite numbers are needed, a force for each dof"),
+        ({"C": np.eye(2), "damping": {"default_ratio": 1e-3}}, "two ways to give the damping"),
+    ],
+)
+def test_bad_models_are_refused(changes: dict[str, object], message: str) -> None:
+    with pytest.raises(BadModel, match=message) as caught:
+        Model(**{"M": np.eye(2), "K": np.eye(2), **changes})  # type: ignore[arg-type]
+    assert isinstance(caught.value, ValueError)
+
+
+def test_a_law_acts_in_one_place(tmp_path: Path) -> None:
+    for where in ({}, {"dof": "x1", "between": ["x1", "x2"]}):
+        with pytest.raises(
+            BadModel, match="law `jenkins`: say where it acts by one of dof, between and coefficients"
+        ):
+            Law("jenkins", **where)  # type: ignore[arg-type]
+    with pytest.raises(BadModel, match=re.escape("model.toml")):
+        Model.load(tmp_path)
+
+
+@pytest.mark.needs_program
+def test_a_sweep_is_the_one_of_the_command_line(tmp_path: Path) -> None:
+    said: list[str] = []
+    model = Model.load(MODELS / "nonlinear_damper")
+    run = isola_hbm.sweep(
+        model,
+        [0.004, 0.005],
+        out=tmp_path / "mine",
+        workers=1,
+        progress=said.append,
+        harmonics={"count": 5},
+        **{"frequency.min": 0.9, "frequency.max": 1.1, "backbone.max_amplitude": 3},
+        search="none",
+    )
+    study = MODELS / "nonlinear_damper" / "study.toml"
+    isola(
+        "sweep",
+        study,
+        "--out",
+        tmp_path / "theirs",
+        "--amplitudes",
+        "0.004,0.005",
+        "--workers",
+        1,
+        "--search",
+        "none",
+    )
+    theirs = isola_hbm.load(tmp_path / "theirs")
+    assert list(run) == list(theirs) == ["0.004/main", "0.005/main", "0.005/isola 1"]
+    for name in run:
+        assert run[name]["modal"].values.tobytes() == theirs[name]["modal"].values.tobytes()
+    assert "2 levels, 1 backbone" in "".join(said)
+    assert said[-1].startswith("finished: 3 branches in ")
+    counts = run.counts
+    assert (counts.branches, counts.running, counts.waiting, counts.dead) == (3, 0, 0, 0)
+    text = (tmp_path / "mine" / "model" / "model.toml").read_text()
+    with pytest.raises(isola_hbm.FolderInUse, match="this folder holds a run already; name another folder"):
+        isola_hbm.sweep(Model([[2]], [[3]]), [1], out=tmp_path / "mine")
+    assert (tmp_path / "mine" / "model" / "model.toml").read_text() == text
+    # The study stays beside the run, which goes on with it.
+    assert isola("resume", tmp_path / "mine", "--workers", 1).returncode == 0
+
+
+@pytest.mark.needs_program
+def test_studies_and_models_by_their_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    Model([[1]], [[1]], laws=[CUBIC], name="mine").save(tmp_path / "models" / "mine")
+    monkeypatch.chdir(tmp_path)
+    settings = {"workers": 1, "search": "none", "harmonics": {"count": 3}, "progress": False}
+    run = isola_hbm.sweep("models/mine", "0.01, 0.02", backbone={"max_amplitude": 0.5}, **settings)
+    assert list(run) == ["0.01/main", "0.02/main"]
+    assert run.folder.parent == Path("runs")
+    assert run.folder.name.startswith("mine-2")
+    run = isola_hbm.sweep(MODELS / "duffing", 0.01, backbone={"max_amplitude": 0.5}, **settings)
+    assert list(run) == ["0.01/main"]
+    assert run.folder.name.startswith("duffing-")
+    with pytest.raises(BadModel, match="models/mine: no study; give amplitudes"):
+        isola_hbm.sweep("models/mine", progress=False)
+
+
+@pytest.mark.needs_program
+@pytest.mark.parametrize(
+    ("arguments", "settings", "message"),
+    [
+        (
+            ("nowhere", [1]),
+            {},
+            "nowhere: no such file; give a study file, or a folder that holds a study.toml",
+        ),
+        ((MODELS / "duffing", [-1]), {}, "-1: a forcing amplitude is a finite number above zero"),
+        ((MODELS / "duffing", [0.1]), {"contact": {"gapp": 1}}, "there is no `gapp`; did you mean `gap`?"),
+        ((MODELS / "duffing", [0.1]), {"harmonics.count": 0}, "`harmonics.count` = 0"),
+        ((MODELS / "duffing", [0.1]), {"search": "hard"}, "hard"),
+    ],
+)
+def test_the_program_says_what_is_wrong(
+    arguments: tuple[object, object], settings: dict[str, object], message: str, tmp_path: Path
+) -> None:
+    with pytest.raises(isola_hbm.ProgramFailed, match=re.escape(message)) as caught:
+        isola_hbm.sweep(*arguments, out=tmp_path / "run", progress=False, **settings)  # type: ignore[arg-type]
+    assert caught.value.code in (1, 2)
+    assert not str(caught.value).startswith("error")
+
+
+@pytest.mark.needs_program
+def test_doubts_are_a_warning(tmp_path: Path) -> None:
+    model = Model.load(MODELS / "duffing")
+    settings = {"search": "none", "branch": {"max_points": 10}, "harmonics": {"count": 3}}
+    with pytest.warns(isola_hbm.Incomplete, match="main branch"):
+        run = isola_hbm.sweep(model, [0.05], out=tmp_path / "run", workers=1, progress=False, **settings)
+    assert len(run) >= 1
+
+
+def test_without_the_program(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("ISOLA_BIN", str(tmp_path / "isola"))
+    with pytest.raises(isola_hbm.NoProgram, match="ISOLA_BIN names `.*`, which is no program; build it with"):
+        isola_hbm.sweep(Model([[1]], [[1]]), [1], out=tmp_path / "run")
+    monkeypatch.delenv("ISOLA_BIN")
+    monkeypatch.setenv("PATH", str(tmp_path))
+    with pytest.raises(isola_hbm.NoProgram, match="the program `isola` is not on the PATH"):
+        isola_hbm.sweep(Model([[1]], [[1]]), [1], out=tmp_path / "run")
+    assert not (tmp_path / "run").exists()
+
+
+@pytest.mark.needs_program
+@pytest.mark.skipif(sys.platform == "win32", reason="signals")
+def test_an_interrupt_ends_the_sweep_and_keeps_the_run(tmp_path: Path) -> None:
+    def interrupt(line: str) -> None:
+        if line.startswith("running: "):
+            raise KeyboardInterrupt
+
+    threads = threading.active_count()
+    with pytest.raises(KeyboardInterrupt):
+        isola_hbm.sweep(
+            MODELS / "nonlinear_damper",
+            "0.004:0.012:0.0001",
+            out=tmp_path / "run",
+            workers=1,
+            progress=interrupt,
+        )
+    run = isola_hbm.load(tmp_path / "run")
+    assert run.stage == "sweep"
+    assert any("still to be done" in sentence for sentence in run.check())
+    assert threading.active_count() == threads
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+@pytest.mark.needs_program
+def test_the_page_of_a_run(damper: Path, tmp_path: Path) -> None:
+    page = isola_hbm.load(damper).explore()
+    html = page.save(tmp_path / "page.html").read_text()
+    assert html == page.html
+    assert html.lower().startswith("<!doctype html>")
+    frame = page._repr_html_()
+    assert frame.startswith('<iframe srcdoc="')
+    assert frame.count('"') == 4
+
+
+def test_values_in_toml() -> None:
+    assert of_toml.literal({"a": [1, 2.5, True], "b c": "x"}) == '{ a = [1, 2.5, true], "b c" = "x" }'
+    assert of_toml.literal(np.arange(3)) == "[0, 1, 2]"
+    assert of_toml.literal(np.float64(0.1)) == "0.1"
+    assert dict(of_toml.dotted({"a": {"b": {"c": 1}}, "d.e": "f"})) == {"a.b.c": "1", "d.e": '"f"'}
+    with pytest.raises(TypeError, match=r"None \(NoneType\) has no form in TOML"):
+        of_toml.literal(None)
+
+
+def test_progress_is_one_line_of_a_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Terminal(io.StringIO):
+        def isatty(self) -> bool:
+            return True
+
+    monkeypatch.setenv("COLUMNS", "30")
+    monkeypatch.setattr(sys, "stderr", terminal := Terminal())
+    show = _shown(True)
+    show("running: 1 of 20 levels, 300 tasks done")
+    show("finished\n")
+    assert terminal.getvalue() == "\rrunning: 1 of 20 levels, 300 \rfinished" + 21 * " " + "\n"
+    monkeypatch.setattr(sys, "stderr", file := io.StringIO())
+    _shown(True)("running")
+    _shown(False)("running")
+    assert file.getvalue() == ""

@@ -1,0 +1,56 @@
+//! What marching says of a branch comes back, and stands in tables.
+
+use super::*;
+use crate::store::Stability;
+use solver::stability::multipliers::Verdict;
+
+#[test]
+fn a_verification_comes_back_bit_for_bit_and_stands_in_tables() {
+    let (study, dir) = (Study::damper(), tempdir().unwrap());
+    let (mut store, results) = study.finished(dir.path());
+    let isola = results.iter().find(|result| result.name == Some(BranchId::isola(0))).unwrap();
+    assert_eq!(store.verification(isola.task.as_str()).unwrap(), None);
+    let verification = study.verify(&mut store, isola);
+
+    let store = Reader::open(dir.path()).unwrap();
+    assert_eq!(store.verification(isola.task.as_str()).unwrap().as_ref(), Some(&verification));
+    let (level, name, _) = store.levels().unwrap().remove(1);
+    assert_eq!(name, "0.006");
+    let rows = store.branches(level).unwrap();
+    assert_eq!(rows[0].stability, None, "the main branch was not verified");
+    let (stable, unstable) = (verification.share(Verdict::Stable), verification.share(Verdict::Unstable));
+    assert!(stable > 0.2 && unstable > 0.1, "{stable} {unstable}");
+    let peak = Some("stable".to_string());
+    assert_eq!(rows[1].stability, Some(Stability { stable, unstable, peak }));
+    // An isola turns at two folds, and nothing else happens to this one.
+    let found = store.bifurcations().unwrap();
+    let kinds: Vec<(&str, &str, &str)> =
+        found.iter().map(|row| (row.forcing.as_str(), row.branch.as_str(), row.kind.as_str())).collect();
+    assert_eq!(kinds, [("0.006", "isola 1", "fold"); 2]);
+    for row in &found {
+        assert!((rows[1].omega.0 * 0.999..=rows[1].omega.1 * 1.001).contains(&row.omega), "{row:?}");
+    }
+    // It is no branch of its own, and leaves nothing to be done.
+    assert_eq!(store.extents().unwrap().len(), results.iter().filter(|result| result.branch.is_some()).count());
+    assert_eq!(store.open_tasks(level).unwrap(), (0, 0));
+    assert_eq!(store.added().unwrap().len(), 1);
+}
+
+#[test]
+fn a_verification_of_another_branch_says_nothing() {
+    let (study, dir) = (Study::damper(), tempdir().unwrap());
+    let (mut store, results) = study.finished(dir.path());
+    let isola = results.iter().find(|result| result.name == Some(BranchId::isola(0))).unwrap();
+    let main = results.iter().rfind(|result| result.name == Some(BranchId::MAIN)).unwrap();
+    study.verify(&mut store, &StoredResult { branch: main.branch.clone(), ..isola.clone() });
+    assert_eq!(store.verification(isola.task.as_str()).unwrap(), None);
+}
+
+#[test]
+fn what_is_to_be_verified_can_be_changed_afterwards() {
+    let (study, dir) = (Study::damper(), tempdir().unwrap());
+    let (mut store, _) = study.finished(dir.path());
+    assert_eq!(store.header().unwrap(), study.header());
+    store.set_verify(VerifyEffort::All).unwrap();
+    assert_eq!(store.header().unwrap().settings.verify.effort, VerifyEffort::All);
+}

@@ -1,0 +1,194 @@
+//! What marching says of branches: written with the results of the tasks that verified them.
+
+use super::error::At;
+use super::{Reader, Result};
+use protocol::codec::decode_stored;
+use protocol::ids::TaskId;
+use protocol::to_everyone::StoredResult;
+use rusqlite::{Connection, Row, params};
+use serde::Serialize;
+use solver::response::task::VerifyPlace;
+use solver::settings::Stretch;
+use solver::stability::along::End;
+use solver::stability::multipliers::Verdict;
+use solver::stability::verification::Verification;
+use std::collections::HashMap;
+use std::path::Path;
+
+/// First version of the schema that has verifications.
+const SINCE: i64 = 4;
+
+/// A bifurcation of the marched orbits of a branch in numbers.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct BifurcationRow {
+    /// Forcing amplitude as typed.
+    pub forcing: String,
+    /// Name of the branch.
+    pub branch: String,
+    /// `fold`, `period_doubling`, `neimark_sacker`, `branch_point` or `grazing`.
+    pub kind: String,
+    /// Marched frequency, rad/s.
+    pub omega: f64,
+    /// Largest |x| of the first monitored dof of the marched orbit, m.
+    pub amplitude: f64,
+}
+
+/// What is known of the stability of a branch in numbers.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Stability {
+    /// Share of its points that are known to be stable, 0 to 1.
+    pub stable: f64,
+    /// Share of its points that are known to be unstable.
+    pub unstable: f64,
+    /// What is known of its point of largest amplitude: a word of [`verdict_name`].
+    pub peak: Option<String>,
+}
+
+/// The word for a verdict in tables and files.
+pub fn verdict_name(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::Stable => "stable",
+        Verdict::Unstable => "unstable",
+        Verdict::Marginal => "marginal",
+        Verdict::NoOrbitNearby => "none",
+        Verdict::NotComparable => "not_comparable",
+    }
+}
+
+fn stretch_name(stretch: Stretch) -> &'static str {
+    match stretch {
+        Stretch::Whole => "whole",
+        Stretch::Peak => "peak",
+    }
+}
+
+fn end_name(end: End) -> &'static str {
+    match end {
+        End::Complete => "complete",
+        End::Budget => "budget",
+        End::Cancelled => "cancelled",
+    }
+}
+
+/// Stores the verification of a branch of the level whose amplitude was typed as `amplitude`.
+pub(super) fn insert_verification(
+    db: &Connection,
+    file: &Path,
+    (task, amplitude, place): (&TaskId, &str, &VerifyPlace),
+    verification: &Verification,
+) -> Result<()> {
+    let VerifyPlace { branch, stretch } = place;
+    let sql = "SELECT id, points FROM branches WHERE amplitude = ?1 AND kind = ?2 AND number = ?3";
+    let found = db
+        .prepare_cached(sql)
+        .at(file)?
+        .query_row(params![amplitude, branch.kind.name(), branch.number + 1], |row| Ok((row.get(0)?, row.get(1)?)));
+    let (id, points): (i64, usize) = found.at(file)?;
+    // One of another branch than that says nothing of it.
+    if verification.count != points {
+        return Ok(());
+    }
+    let sql = "INSERT INTO verifications (task, branch, stretch, status, stable, unstable, peak) \
+               VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)";
+    let row = params![
+        task.as_str(),
+        id,
+        stretch_name(*stretch),
+        end_name(verification.end),
+        verification.share(Verdict::Stable),
+        verification.share(Verdict::Unstable),
+        verification.peak.map(verdict_name),
+    ];
+    db.prepare_cached(sql).at(file)?.execute(row).at(file)?;
+    insert_points(db, file, task, verification)?;
+    insert_bifurcations(db, file, task, verification)
+}
+
+fn insert_points(db: &Connection, file: &Path, task: &TaskId, verification: &Verification) -> Result<()> {
+    let sql = "INSERT INTO verified_points (task, i, at, verdict, reason, omega, amplitude, distance, re, im, impacts) \
+               VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11)";
+    let mut statement = db.prepare_cached(sql).at(file)?;
+    for point in &verification.points {
+        let orbit = point.orbit.as_ref();
+        let largest = orbit.and_then(|orbit| orbit.multipliers.first());
+        let row = params![
+            task.as_str(),
+            point.index,
+            point.at,
+            verdict_name(point.verdict),
+            point.reason.map(|reason| reason.to_string()),
+            orbit.map(|orbit| orbit.omega),
+            orbit.and_then(|orbit| orbit.amplitudes.first()),
+            orbit.map(|orbit| orbit.distance),
+            largest.map(|mu| mu.re),
+            largest.map(|mu| mu.im),
+            orbit.map(|orbit| orbit.impacts),
+        ];
+        statement.execute(row).at(file)?;
+    }
+    Ok(())
+}
+
+fn insert_bifurcations(db: &Connection, file: &Path, task: &TaskId, verification: &Verification) -> Result<()> {
+    let sql = "INSERT INTO bifurcations (task, number, kind, omega, amplitude, at, before, after) \
+               VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)";
+    let mut statement = db.prepare_cached(sql).at(file)?;
+    for (i, found) in verification.bifurcations.iter().enumerate() {
+        let [before, after] = found.outside;
+        let (kind, amplitude) = (found.kind.name(), found.amplitudes.first());
+        let row = params![task.as_str(), i + 1, kind, found.omega, amplitude, found.at, before, after];
+        statement.execute(row).at(file)?;
+    }
+    Ok(())
+}
+
+impl Reader {
+    /// What is known of the stability of the branches of a level, by their numbers in the file: of all of a branch, if all of it
+    /// was verified.
+    pub(super) fn stability(&self, level: i64) -> Result<HashMap<i64, Stability>> {
+        if self.version()? < SINCE {
+            return Ok(HashMap::new());
+        }
+        let sql = "SELECT branch, verifications.stable, unstable, peak FROM verifications \
+                   JOIN branches ON branches.id = branch WHERE level = ?1 ORDER BY stretch = 'whole'";
+        let row = |row: &Row<'_>| {
+            Ok((row.get(0)?, Stability { stable: row.get(1)?, unstable: row.get(2)?, peak: row.get(3)? }))
+        };
+        Ok(self.all(sql, [level], row)?.into_iter().collect())
+    }
+
+    /// What marching says of the branch that a task found, of as much of it as was verified; `None` if nothing was.
+    pub fn verification(&self, task: &str) -> Result<Option<Verification>> {
+        if self.version()? < SINCE {
+            return Ok(None);
+        }
+        let sql = "SELECT record FROM branches JOIN verifications ON branch = branches.id \
+                   JOIN results ON results.task = verifications.task WHERE branches.task = ?1 \
+                   ORDER BY stretch = 'whole' DESC LIMIT 1";
+        let Some(record) = self.one(sql, [task], |row| row.get::<_, Vec<u8>>(0))? else { return Ok(None) };
+        let result: StoredResult = decode_stored(&record).map_err(|error| self.corrupt(error))?;
+        Ok(result.verification)
+    }
+
+    /// The bifurcations of marched orbits, level by level in the order of the study and branch by branch.
+    pub fn bifurcations(&self) -> Result<Vec<BifurcationRow>> {
+        if self.version()? < SINCE {
+            return Ok(Vec::new());
+        }
+        let sql = "SELECT branches.amplitude, branches.kind, branches.number, bifurcations.kind, omega, bifurcations.amplitude \
+                   FROM bifurcations JOIN verifications USING (task) JOIN branches ON branches.id = branch \
+                   WHERE stretch = 'whole' OR NOT EXISTS \
+                   (SELECT 1 FROM verifications AS other WHERE other.branch = branches.id AND other.stretch = 'whole') \
+                   ORDER BY level, branches.id, bifurcations.number";
+        self.all(sql, [], |row| {
+            let (kind, number): (String, usize) = (row.get(1)?, row.get(2)?);
+            Ok((kind, number, row.get(0)?, row.get(3)?, row.get(4)?, row.get(5)?))
+        })?
+        .into_iter()
+        .map(|(kind, number, forcing, what, omega, amplitude)| {
+            let branch = super::branch_id(&kind, number).ok_or_else(|| self.corrupt(format!("branch `{kind}`")))?;
+            Ok(BifurcationRow { forcing, branch: branch.to_string(), kind: what, omega, amplitude })
+        })
+        .collect()
+    }
+}
