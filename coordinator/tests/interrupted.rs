@@ -125,11 +125,12 @@ fn an_interrupted_run_goes_on() {
     assert_eq!(ledger.dead(), sweep.ledger.dead());
     assert_eq!(ledger.dead()[0].1, vec!["worker-1: out of memory"; 3]);
     let stored = store.tasks().unwrap().into_iter().find(|task| task.id == held.task).unwrap();
-    assert_eq!((stored.attempts, stored.reasons), (2, vec!["worker-1: no sign of life".to_string()]));
-    assert!(ledger.renew(&held, None, hour(7)) == protocol::to_worker::RenewReply::Ok);
+    assert_eq!((stored.holders.len(), stored.troubles.lapses), (2, 1));
+    assert_eq!(stored.troubles.reasons, ["worker-1: no sign of life"]);
+    assert!(ledger.renew(&held, None, hour(7)).0 == protocol::to_worker::RenewReply::Ok);
 
     store.commit(&ledger.retry_dead()).unwrap();
-    assert!(store.tasks().unwrap().iter().all(|task| task.reasons.len() < 3));
+    assert!(store.tasks().unwrap().iter().all(|task| task.troubles.reasons.len() < 3));
     store.commit(&ledger.release(&held, hour(8)).1).unwrap();
     sweep.ledger = ledger;
     for _ in 0..5 {

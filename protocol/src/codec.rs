@@ -83,6 +83,18 @@ pub fn decode<M: Message>(bytes: &[u8], found: &str) -> Result<M, CodecError> {
     decode_stored(bytes)
 }
 
+/// Part of a message in `bytes` that came with `encoding`: fields that `P` has. The others are passed over, and take no memory.
+pub(crate) fn decode_part<M: Message, P: serde::de::DeserializeOwned>(
+    bytes: &[u8],
+    found: &str,
+) -> Result<P, CodecError> {
+    let expected = encoding::<M>();
+    if found != expected {
+        return Err(CodecError::Encoding { found: found.to_string(), expected });
+    }
+    rmp_serde::from_slice(bytes).map_err(|source| CodecError::Malformed { name: M::NAME, source })
+}
+
 /// The message in `bytes` of a store.
 pub fn decode_stored<M: Message>(bytes: &[u8]) -> Result<M, CodecError> {
     M::from_bytes(bytes).map_err(|source| CodecError::Malformed { name: M::NAME, source })

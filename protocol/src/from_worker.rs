@@ -1,7 +1,7 @@
 //! What workers ask: queries with a payload, each answered by the coordinator (see [`crate::to_worker`]).
 
 use crate::branch::FindingMessage;
-use crate::codec::messages;
+use crate::codec::{CodecError, decode_part, messages};
 use crate::ids::{Attempt, TaskId, WorkerId};
 use serde::{Deserialize, Serialize};
 
@@ -62,6 +62,20 @@ pub struct SubmitRequest {
     pub seconds: f64,
     /// What was found; not converging is a finding.
     pub finding: FindingMessage,
+}
+
+impl SubmitRequest {
+    /// Whose result is in `bytes` that came with `encoding`, without reading the rest.
+    ///
+    /// # Errors
+    /// If they are no result.
+    pub fn lease_in(bytes: &[u8], encoding: &str) -> Result<Lease, CodecError> {
+        #[derive(Deserialize)]
+        struct Head {
+            lease: Lease,
+        }
+        decode_part::<Self, Head>(bytes, encoding).map(|head| head.lease)
+    }
 }
 
 /// A task that could not be carried out (a panic, memory, an unusable model), on `rpc/fail`.

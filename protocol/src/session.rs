@@ -1,6 +1,7 @@
 //! Zenoh sessions that open nothing but what they are told to, and requests that end.
 
 use crate::codec::{CodecError, Message, decode, encode, encoding};
+use std::borrow::Cow;
 use std::time::Duration;
 use thiserror::Error;
 use zenoh::bytes::{Encoding, ZBytes};
@@ -224,9 +225,15 @@ pub const REFUSAL: &str = "text/plain;isola.refusal";
 
 /// The message that came with a query.
 pub fn question<Q: Message>(query: &Query) -> Result<Q, CodecError> {
+    let (bytes, encoding) = question_parts(query);
+    decode(&bytes, &encoding)
+}
+
+/// Bytes and encoding of the message that came with a query.
+pub fn question_parts(query: &Query) -> (Cow<'_, [u8]>, String) {
     let bytes = query.payload().map(|payload| payload.to_bytes()).unwrap_or_default();
     let encoding = query.encoding().map(|encoding| encoding.to_string()).unwrap_or_default();
-    decode(&bytes, &encoding)
+    (bytes, encoding)
 }
 
 /// Answers a query. Waits for room on the way to whoever asked: not to be called where waiting hurts.

@@ -95,6 +95,11 @@ pub enum SubmitReply {
         /// Whether range and peak agree to 1e-6.
         agrees: bool,
     },
+    /// No room for it now: to be sent again.
+    Busy {
+        /// After so many ms.
+        retry_ms: u64,
+    },
     /// Not stored, and sending it again will not help.
     Rejected {
         /// Why.

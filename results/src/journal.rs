@@ -8,6 +8,7 @@ use solver::response::forced::Reach;
 use solver::response::modes::{LeftOut, ModesFollowed};
 use solver::response::task::{Brought, SeedOutcome, Task};
 use solver::response::windows::Window;
+use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -96,10 +97,46 @@ pub struct StoredTask {
     pub state: TaskState,
     /// What its result brought, if that is a new branch or a new curve.
     pub brought: Option<Brought>,
-    /// Attempts so far.
-    pub attempts: u32,
-    /// Why attempts failed, since it was last taken from the dead list.
+    /// To whom it was handed out so far: one an attempt, in their order.
+    pub holders: Vec<Holder>,
+    /// What has gone wrong with it, since it was last taken from the dead list.
+    pub troubles: Troubles,
+}
+
+/// What has gone wrong with a task. A worker that is not heard of is the network's fault, a result that is refused the worker's,
+/// and everything else the task's.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Troubles {
+    /// Why attempts ended without a result, in words.
     pub reasons: Vec<String>,
+    /// Attempts that failed.
+    pub failures: u32,
+    /// Workers whose results were refused.
+    pub refused: BTreeSet<WorkerId>,
+    /// Attempts without a sign of life in time.
+    pub lapses: u32,
+}
+
+impl Troubles {
+    /// Takes down how an attempt of a worker ended.
+    pub fn note(&mut self, worker: &WorkerId, end: &AttemptEnd) {
+        match end {
+            AttemptEnd::Released | AttemptEnd::Superseded => return,
+            AttemptEnd::Failed(_) => self.failures += 1,
+            AttemptEnd::Refused(_) => drop(self.refused.insert(worker.clone())),
+            AttemptEnd::Expired => self.lapses += 1,
+        }
+        let reason = end.reason().map_or_else(|| format!("{worker}: no sign of life"), str::to_string);
+        self.reasons.push(reason);
+    }
+
+    /// The last attempt, of which there was no sign of life, goes on.
+    pub fn forget_lapse(&mut self) {
+        if self.lapses > 0 {
+            self.lapses -= 1;
+            self.reasons.pop();
+        }
+    }
 }
 
 /// A change that has to be on disk before whoever caused it is answered.
@@ -128,6 +165,13 @@ pub enum Change {
         attempt: Attempt,
         /// How.
         end: AttemptEnd,
+    },
+    /// An attempt of which there was no sign of life goes on.
+    Adopted {
+        /// Task.
+        task: TaskId,
+        /// Which attempt at it.
+        attempt: Attempt,
     },
     /// A result was accepted.
     Done {
@@ -177,6 +221,8 @@ pub enum AttemptEnd {
     Expired,
     /// The worker says that it cannot.
     Failed(String),
+    /// The worker's result cannot be true.
+    Refused(String),
     /// The worker gave it back.
     Released,
     /// Somebody else's result came first.
@@ -189,6 +235,7 @@ impl AttemptEnd {
         match self {
             AttemptEnd::Expired => "expired",
             AttemptEnd::Failed(_) => "failed",
+            AttemptEnd::Refused(_) => "refused",
             AttemptEnd::Released => "released",
             AttemptEnd::Superseded => "superseded",
         }
@@ -197,7 +244,19 @@ impl AttemptEnd {
     /// Why, if there is a reason to tell.
     pub fn reason(&self) -> Option<&str> {
         match self {
-            AttemptEnd::Failed(reason) => Some(reason),
+            AttemptEnd::Failed(reason) | AttemptEnd::Refused(reason) => Some(reason),
+            _ => None,
+        }
+    }
+
+    /// The end of this name; `None` if an attempt with that has a result.
+    pub fn named(name: &str, reason: Option<String>) -> Option<Self> {
+        match name {
+            "expired" => Some(Self::Expired),
+            "failed" => Some(Self::Failed(reason.unwrap_or_default())),
+            "refused" => Some(Self::Refused(reason.unwrap_or_default())),
+            "released" => Some(Self::Released),
+            "superseded" => Some(Self::Superseded),
             _ => None,
         }
     }

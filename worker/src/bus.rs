@@ -57,9 +57,12 @@ impl Bus {
         let (key, encoding) = (self.keys.submit(task), encoding::<SubmitRequest>());
         let timeout = transfer(result.len());
         let send = || request_encoded(&self.session, &key, result.clone(), &encoding, timeout);
-        match self.insist(self.patience, send).await? {
-            Ok(reply) => Ok(reply),
-            Err(why) => Ok(SubmitReply::Rejected { why }),
+        loop {
+            match self.insist(self.patience, send).await? {
+                Ok(SubmitReply::Busy { retry_ms }) => tokio::time::sleep(Duration::from_millis(retry_ms)).await,
+                Ok(reply) => return Ok(reply),
+                Err(why) => return Ok(SubmitReply::Rejected { why }),
+            }
         }
     }
 

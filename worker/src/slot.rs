@@ -195,6 +195,7 @@ impl Slot {
         }
         match self.shared.bus.submit(&lease.task, &ZBytes::from(payload)).await? {
             SubmitReply::Rejected { why } => return Ok(Err(format!("the result was rejected: {why}"))),
+            SubmitReply::Busy { .. } => unreachable!("sent again until there is room"),
             SubmitReply::Accepted => {
                 tracing::info!(task = %lease.task, "{summary}");
                 self.known.add(lease.task.clone(), finding);

@@ -4,6 +4,8 @@
 //! runs on the blocking pool, a bounded number of them at a time.
 
 mod announcements;
+mod answers;
+mod intake;
 mod queries;
 mod requests;
 mod state;
@@ -11,13 +13,13 @@ mod state;
 pub use announcements::announce;
 pub use state::{PublishedSweep, RunState};
 
-use crate::engine::{Event, Request};
+use crate::engine::{Event, Reference, Request};
+use answers::Answers;
 use protocol::codec::decode;
-use protocol::curve::Size;
 use protocol::ids::{TaskId, WorkerId};
 use protocol::keys::{Keys, last_chunk};
 use queries::Queries;
-use requests::{Answers, Requests};
+use requests::Requests;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::mpsc::Sender;
@@ -38,10 +40,8 @@ pub struct Served {
     pub directory: PathBuf,
     /// The `model` message.
     pub model_bytes: Vec<u8>,
-    /// Size of the model.
-    pub size: Size,
-    /// Number of harmonics H of the run.
-    pub harmonics: usize,
+    /// What results are checked against.
+    pub reference: Reference,
     /// The run as it is.
     pub state: watch::Receiver<RunState>,
 }
@@ -60,9 +60,10 @@ pub async fn serve(
     served: Served,
     engine: Sender<Request>,
 ) -> Result<Presence, zenoh::Error> {
-    let Served { directory, model_bytes, size, harmonics, state } = served;
+    let Served { directory, model_bytes, reference, state } = served;
+    let most = state.borrow().manifest.max_result_bytes;
     let answers = Answers { session: session.clone(), keys: keys.clone(), state: state.clone() };
-    let requests = Requests::new(engine.clone(), keys.clone(), answers, size, harmonics);
+    let requests = Requests::new(engine.clone(), keys.clone(), answers, reference, most);
     let take = move |query| requests.take(query);
     let mut queryables = vec![session.declare_queryable(keys.requests()).complete(true).callback(take).await?];
     let queries = Arc::new(Queries::new(directory, keys.clone(), model_bytes, state));

@@ -8,11 +8,67 @@ use protocol::digest::HashedBranch;
 use protocol::from_worker::{Lease, SubmitRequest};
 use protocol::landings::LandingsMessage;
 use results::store::Extent;
-use solver::response::task::Brought;
+use solver::response::recheck::{Recheck, Refutation};
+use solver::response::task::{Brought, Task};
+use solver::settings::Settings;
 use solver::stability::verification::Verification;
+use solver::structure::Model;
+use std::sync::Arc;
+use thiserror::Error;
 
-/// A result that fits the model, its branch encoded and hashed. Making one takes as long as its branch is large: done
-/// beside the engine.
+/// Longest name of a version that a program may have, bytes.
+const PROGRAM: usize = 100;
+
+/// What results are checked against.
+#[derive(Debug, Clone)]
+pub struct Reference {
+    /// The model of the run.
+    pub model: Arc<Model>,
+    /// Its numerics.
+    pub settings: Settings,
+}
+
+/// What a result has to be of.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Expected {
+    /// Forcing amplitude.
+    pub amplitude: f64,
+    /// What was to be done.
+    pub work: Task,
+    /// Of a verification: number of points of its branch.
+    pub points: Option<usize>,
+}
+
+/// Why a result is not one of the run.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum Unsound {
+    /// Its arrays do not fit the run.
+    #[error(transparent)]
+    Arrays(#[from] ArrayError),
+    /// It does not solve the equations.
+    #[error(transparent)]
+    Equations(#[from] Refutation),
+    /// A verification of another branch.
+    #[error("it verifies a branch of {found} points, not one of {expected}")]
+    OtherBranch {
+        /// Points of the branch that it is of.
+        found: usize,
+        /// Points of the one asked for.
+        expected: usize,
+    },
+    /// Not the part of the branch that was asked for.
+    #[error("it verifies another part of the branch")]
+    OtherStretch,
+    /// What is said of the computation is none.
+    #[error("a computing time of {0} s")]
+    Seconds(f64),
+    /// A version that is none.
+    #[error("the version of the program has more than {PROGRAM} bytes")]
+    Program,
+}
+
+/// A result that fits the run and solves its equations as far as that was checked, its branch encoded and hashed. Making one
+/// takes as long as its branch is large: done beside the engine.
 #[derive(Debug)]
 pub struct CheckedResult {
     /// Whose.
@@ -36,15 +92,36 @@ pub struct CheckedResult {
 }
 
 impl CheckedResult {
-    /// Checks, encodes and hashes what was submitted for a model of this size, in a run of so many harmonics.
+    /// Checks, encodes and hashes what was submitted. `draw`: which points are checked beside those that always are.
     ///
     /// # Errors
-    /// If it does not fit the run.
-    pub fn new(request: SubmitRequest, size: &Size, expected: usize) -> Result<Self, ArrayError> {
+    /// If it does not fit the run, or does not solve its equations.
+    pub fn new(
+        request: SubmitRequest,
+        reference: &Reference,
+        expected: &Expected,
+        draw: u64,
+    ) -> Result<Self, Unsound> {
         let SubmitRequest { lease, program, seconds, finding } = request;
+        if program.len() > PROGRAM {
+            return Err(Unsound::Program);
+        }
+        if !(0.0..f64::INFINITY).contains(&seconds) {
+            return Err(Unsound::Seconds(seconds));
+        }
+        let Reference { model, settings } = reference;
         // What does not fit would be stored, and refused by every task that needs it.
-        if let Some(harmonics) = finding.motions().map(|motions| motions.harmonics).filter(|h| *h != expected) {
-            return Err(ArrayError::OtherHarmonics { harmonics, expected });
+        let harmonics = settings.harmonics.count;
+        if let Some(other) = finding.motions().map(|motions| motions.harmonics).filter(|h| *h != harmonics) {
+            return Err(ArrayError::OtherHarmonics { harmonics: other, expected: harmonics }.into());
+        }
+        let (size, recheck) = (Size::of(model), Recheck::new(model, settings, draw));
+        match &finding {
+            FindingMessage::Landings(found) => recheck.landings(&found.landings(&size)?, expected.amplitude)?,
+            FindingMessage::Branch(found) => recheck.branch(&found.branch(&size)?, expected.amplitude)?,
+            FindingMessage::Curve(found) => recheck.curve(&found.curve(&size)?)?,
+            FindingMessage::Verification(found) => verifies(found, &size, expected)?,
+            FindingMessage::Nothing(_) => {}
         }
         let brought = finding.brought();
         let (mut branch, mut curve, mut landings, mut verification) = (None, None, None, None);
@@ -55,20 +132,22 @@ impl CheckedResult {
             FindingMessage::Verification(found) => verification = Some(found),
             FindingMessage::Nothing(_) => {}
         }
-        if let Some(landings) = &landings {
-            landings.landings(size)?;
-        }
-        if let Some(branch) = &branch {
-            branch.branch(size)?;
-        }
-        if let Some(curve) = &curve {
-            curve.curve(size)?;
-        }
-        if verification.as_ref().is_some_and(|found| !found.is_sound(size.monitors)) {
-            return Err(ArrayError::Verification);
-        }
         let extent = branch.as_ref().map(Extent::of);
         let branch = HashedBranch::new(branch);
         Ok(Self { lease, program, seconds, branch, curve, landings, verification, extent, brought })
+    }
+}
+
+/// Whether a verification is of the branch that was asked for.
+fn verifies(found: &Verification, size: &Size, expected: &Expected) -> Result<(), Unsound> {
+    if !found.is_sound(size.monitors) {
+        return Err(ArrayError::Verification.into());
+    }
+    if let Some(points) = expected.points.filter(|points| *points != found.count) {
+        return Err(Unsound::OtherBranch { found: found.count, expected: points });
+    }
+    match &expected.work {
+        Task::Verify(place) if place.stretch != found.stretch => Err(Unsound::OtherStretch),
+        _ => Ok(()),
     }
 }

@@ -47,6 +47,7 @@ fn log(change: &Change) {
         Change::Ended { task, attempt, end } => {
             warn!(%task, %attempt, end = end.name(), reason = end.reason().unwrap_or(""), "attempt ended without a result");
         }
+        Change::Adopted { task, attempt } => info!(%task, %attempt, "heard of again"),
         Change::Dead { task } => warn!(%task, "given up"),
         Change::Result(AcceptedResult { result, digest, .. }) => {
             let (task, worker, seconds) = (&result.task, &result.worker, result.seconds);

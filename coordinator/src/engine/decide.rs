@@ -9,6 +9,11 @@ use std::time::{Duration, Instant};
 
 /// Time between two looks at the clock.
 const TICK: Duration = Duration::from_millis(100);
+/// A pause between two looks at the clock that is no ordinary one: this process was stopped, or its machine has no time for it.
+const GAP: Duration = Duration::from_secs(1);
+
+/// Most requests that are read while the next look at the clock is due.
+const BURST: usize = 1000;
 
 /// Sends an answer on its way. Dropped, there is none.
 pub type Responder = Box<dyn FnOnce(Answer) + Send>;
@@ -28,26 +33,51 @@ impl From<Event> for Request {
 }
 
 /// Decides until the senders of requests are gone, or whoever commits is.
+///
+/// What has come is read before leases run out: signs of life that wait here were given in time. And time passes only as far as
+/// this process runs: nobody can be heard of by one that is stopped.
 pub fn decide(mut engine: Engine, requests: &Receiver<Request>, decided: &Sender<Decided>) {
-    let origin = Instant::now();
-    let mut next_tick = Duration::ZERO;
+    let mut clock = Clock { last: Instant::now(), now: Duration::ZERO };
+    let (mut next_tick, mut read) = (Duration::ZERO, 0);
     loop {
-        if origin.elapsed() >= next_tick {
-            let now = origin.elapsed();
-            next_tick = now + TICK;
-            if !hand_on(engine.handle(Event::Tick, now), None, decided) {
-                return;
-            }
+        let left = next_tick.saturating_sub(clock.now);
+        let is_due = left.is_zero();
+        let received =
+            if is_due && read == BURST { Err(RecvTimeoutError::Timeout) } else { requests.recv_timeout(left) };
+        if clock.advance() && !hand_on(engine.handle(Event::Stalled, clock.now), None, decided) {
+            return;
         }
-        match requests.recv_timeout(next_tick.saturating_sub(origin.elapsed())) {
+        let (event, respond) = match received {
             Ok(Request { event, respond }) => {
-                if !hand_on(engine.handle(event, origin.elapsed()), respond, decided) {
-                    return;
-                }
+                read += usize::from(is_due);
+                (event, respond)
             }
-            Err(RecvTimeoutError::Timeout) => {}
             Err(RecvTimeoutError::Disconnected) => return,
+            Err(RecvTimeoutError::Timeout) if !is_due => continue,
+            Err(RecvTimeoutError::Timeout) => {
+                (next_tick, read) = (clock.now + TICK, 0);
+                (Event::Tick, None)
+            }
+        };
+        if !hand_on(engine.handle(event, clock.now), respond, decided) {
+            return;
         }
+    }
+}
+
+/// The time that this process has lived through.
+struct Clock {
+    last: Instant,
+    now: Duration,
+}
+
+impl Clock {
+    /// Goes on to the present; tells whether this process did not run in between.
+    fn advance(&mut self) -> bool {
+        let passed = self.last.elapsed();
+        self.last += passed;
+        self.now += passed.min(GAP);
+        passed > GAP
     }
 }
 

@@ -1,5 +1,6 @@
 //! What the engine decides.
 
+use super::checked_result::Expected;
 use crate::ledger::Granted;
 use protocol::control::ControlReply;
 use protocol::to_everyone::{Done, Manifest, Status};
@@ -31,12 +32,23 @@ pub enum Answer {
     Stop(String),
     /// To a sign of life.
     Renew(RenewReply),
+    /// To the question what a result has to be of.
+    Offer(Offer),
     /// To a result.
     Submit(SubmitReply),
     /// To a failure or a release.
     Acknowledge(Acknowledgement),
     /// To an order.
     Control(ControlReply),
+}
+
+/// What becomes of a result before it is looked at.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Offer {
+    /// It is to be checked, as one of this.
+    Check(Expected),
+    /// It is refused: why.
+    Refuse(String),
 }
 
 /// Something to tell everybody.
@@ -62,6 +74,6 @@ impl Decision {
 impl Answer {
     /// Whether it tells of nothing that has to be on disk.
     pub(super) fn is_immediate(&self) -> bool {
-        matches!(self, Self::Renew(_))
+        matches!(self, Self::Renew(_) | Self::Offer(_))
     }
 }

@@ -2,7 +2,7 @@
 
 use super::checked_result::CheckedResult;
 use protocol::control::ControlRequest;
-use protocol::from_worker::{FailRequest, LeaseRequest, Progress, ReleaseRequest, RenewRequest};
+use protocol::from_worker::{FailRequest, Lease, LeaseRequest, Progress, ReleaseRequest, RenewRequest};
 use protocol::ids::{TaskId, WorkerId};
 use results::journal::{StoredTask, SweepPlan};
 use results::store::Extent;
@@ -16,6 +16,10 @@ pub enum Event {
     Lease(LeaseRequest),
     /// A worker is alive.
     Renew(RenewRequest),
+    /// A result under this lease has come, and is not looked at yet.
+    Offer(Lease),
+    /// A result that cannot be true: why.
+    Refused(Lease, String),
     /// A result.
     Submit(Box<CheckedResult>),
     /// A task that cannot be carried out.
@@ -32,6 +36,8 @@ pub enum Event {
     Backbone(Progress),
     /// Backbone and windows are there: the sweep begins.
     Begin(Box<Beginning>),
+    /// This process did not run for a while, or had no connection: nobody is to blame for not having been heard of.
+    Stalled,
     /// Time has passed.
     Tick,
     /// Hand out nothing any more: the process ends.

@@ -58,11 +58,17 @@ impl Engine {
             // Asked again without an answer: the sweep is about to begin.
             (_, None) => Decision::default(),
             (Event::Renew(RenewRequest { lease, progress }), Some(sweep)) => sweep.renew(&lease, progress, now),
+            (Event::Offer(lease), Some(sweep)) => sweep.offer(&lease, &self.manifest.run),
+            (Event::Refused(lease, why), Some(sweep)) => sweep.refuse(&lease, why, now),
             (Event::Submit(result), Some(sweep)) => sweep.submit(*result, &self.manifest.run),
             (Event::Fail(FailRequest { lease, reason }), Some(sweep)) => sweep.fail(&lease, &reason, now),
             (Event::Release(ReleaseRequest { lease }), Some(sweep)) => sweep.release(&lease, now),
             (Event::WorkerGone(worker), Some(sweep)) => {
                 sweep.ledger.worker_gone(&worker, now);
+                Decision::default()
+            }
+            (Event::Stalled, Some(sweep)) => {
+                sweep.ledger.forbear(now);
                 Decision::default()
             }
             (Event::Progress(task, progress), Some(sweep)) => {

@@ -3,7 +3,7 @@
 //! | file | holds |
 //! |---|---|
 //! | `event.rs`, `decision.rs` | what the engine is told and asked; what it decides |
-//! | `checked_result.rs` | a result as it reaches the engine: checked, encoded and hashed by others |
+//! | `checked_result.rs` | a result as it reaches the engine: checked against the equations, encoded and hashed by others |
 //! | `machine.rs`, `sweep.rs` | the state machine, `handle(event) → decision`: no clock, no network, no disk |
 //! | `decide.rs`, `commit.rs` | the thread that decides; the thread that commits, then answers and tells |
 //!
@@ -20,9 +20,9 @@ mod sweep;
 #[cfg(test)]
 mod tests;
 
-pub use checked_result::CheckedResult;
+pub use checked_result::{CheckedResult, Expected, Reference, Unsound};
 pub use commit::{Decided, commit};
 pub use decide::{Request, Responder, decide};
-pub use decision::{Answer, Decision, News};
+pub use decision::{Answer, Decision, News, Offer};
 pub use event::{Beginning, Event, Stored};
 pub use machine::Engine;

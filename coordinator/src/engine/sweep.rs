@@ -1,9 +1,9 @@
 //! The sweep: a ledger, and what is compared with results that come twice.
 
-use super::checked_result::CheckedResult;
-use super::decision::{Answer, Decision, News};
+use super::checked_result::{CheckedResult, Expected};
+use super::decision::{Answer, Decision, News, Offer};
 use super::event::Beginning;
-use crate::ledger::{Accepted, Leased, Ledger, Rules, Submitted};
+use crate::ledger::{Accepted, Leased, Ledger, Offered, Rules, Submitted};
 use protocol::from_worker::{Lease, Progress};
 use protocol::ids::{RunId, TaskId, WorkerId};
 use protocol::to_everyone::{Done, StoredResult};
@@ -49,13 +49,40 @@ impl Sweep {
             Leased::Wait(pause) => Answer::Wait(pause),
             Leased::Drained => Answer::Drained,
             Leased::Stop => Answer::Stop(cancelled.into()),
+            Leased::Unwelcome(reasons) => Answer::Stop(format!(
+                "{} of its results were refused ({}): this machine or this build computes something else",
+                reasons.len(),
+                reasons.join("; ")
+            )),
         };
         Decision::new(answer, changes)
     }
 
     /// A sign of life.
     pub fn renew(&mut self, lease: &Lease, progress: Option<Progress>, now: Duration) -> Decision {
-        Decision::new(Answer::Renew(self.ledger.renew(lease, progress, now)), Vec::new())
+        let (reply, changes) = self.ledger.renew(lease, progress, now);
+        Decision::new(Answer::Renew(reply), changes)
+    }
+
+    /// What a result under a lease has to be of.
+    pub fn offer(&self, lease: &Lease, run: &RunId) -> Decision {
+        let offer = match self.ledger.offered(lease) {
+            Offered::Expected { amplitude, work, branch } => {
+                let points = branch.and_then(|task| self.extents.get(&task)).map(|extent| extent.points);
+                Offer::Check(Expected { amplitude, work, points })
+            }
+            Offered::NeverGranted => Offer::Refuse(never_granted(lease)),
+            Offered::Unknown => Offer::Refuse(unknown(lease, run)),
+        };
+        Decision::new(Answer::Offer(offer), Vec::new())
+    }
+
+    /// A result that cannot be true.
+    pub fn refuse(&mut self, lease: &Lease, why: String, now: Duration) -> Decision {
+        let Lease { task, attempt, worker, .. } = lease;
+        warn!(%task, %attempt, %worker, why, "a result was refused");
+        let changes = self.ledger.refuse(lease, &why, now);
+        Decision::new(Answer::Submit(SubmitReply::Rejected { why }), changes)
     }
 
     /// A result of a task of `run`.
@@ -68,7 +95,8 @@ impl Sweep {
             Submitted::Duplicate => Decision::new(Answer::Submit(self.compare(&result)), changes),
             Submitted::Late => rejected(format!("task {task} was given up, and its level went on without it")),
             Submitted::Foreign => rejected(format!("that is not what task {task} is for")),
-            Submitted::Unknown => rejected(format!("run {run} has no task {task}")),
+            Submitted::NeverGranted => rejected(never_granted(&result.lease)),
+            Submitted::Unknown => rejected(unknown(&result.lease, run)),
         }
     }
 
@@ -139,4 +167,13 @@ impl Sweep {
         let answer = if was_held { Acknowledgement::Ok } else { Acknowledgement::Lost };
         Decision::new(Answer::Acknowledge(answer), changes)
     }
+}
+
+fn never_granted(lease: &Lease) -> String {
+    let Lease { task, attempt, worker, slot } = lease;
+    format!("attempt {attempt} at task {task} was not handed out to thread {slot} of worker {worker}")
+}
+
+fn unknown(lease: &Lease, run: &RunId) -> String {
+    format!("run {run} has no task {}", lease.task)
 }

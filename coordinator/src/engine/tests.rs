@@ -11,7 +11,7 @@ use protocol::ids::{Attempt, TaskId, WorkerId};
 use protocol::to_everyone::{Manifest, Stage};
 use protocol::to_worker::{Acknowledgement, RenewReply, SubmitReply};
 use results::fixture::Study;
-use results::journal::{AttemptEnd, Change, SweepPlan, TaskState};
+use results::journal::{AttemptEnd, Change, Holder, SweepPlan, TaskState, Troubles};
 use results::store::Extent;
 use solver::curve::problem::Failure;
 use solver::response::branch::BranchKind;
@@ -186,7 +186,13 @@ fn a_sign_of_life_changes_nothing_on_disk() {
     assert!(engine.handle(Event::Tick, at(20)).changes.is_empty());
     let expired = engine.handle(Event::Tick, at(25)).changes;
     assert!(matches!(&expired[..], [Change::Ended { end: AttemptEnd::Expired, .. }]), "{expired:?}");
-    assert_eq!(engine.handle(renew(&lease), at(26)).answer, Some(Answer::Renew(RenewReply::Lost)));
+    let adopted = engine.handle(renew(&lease), at(26));
+    assert_eq!(adopted.answer, Some(Answer::Renew(RenewReply::Ok)));
+    assert!(matches!(&adopted.changes[..], [Change::Adopted { .. }]), "{adopted:?}");
+    // What this side missed is held against nobody.
+    engine.handle(Event::Stalled, at(40));
+    assert!(engine.handle(Event::Tick, at(51)).changes.is_empty());
+    assert_eq!(engine.handle(Event::Tick, at(52)).changes.len(), 1);
 }
 
 #[test]
@@ -215,8 +221,8 @@ fn a_second_result_is_compared_with_the_first_also_after_a_restart() {
         id: granted.task.clone(),
         state: TaskState::Done(SeedOutcome::Found(BranchId::MAIN)),
         brought: Some(Brought::branch(BranchKind::Main)),
-        attempts: 1,
-        reasons: Vec::new(),
+        holders: vec![Holder { worker: worker("a"), slot: 0 }],
+        troubles: Troubles::default(),
     };
     let extents = [(granted.task, Extent::from(EXTENT))].into();
     let mut restarted = waiting();

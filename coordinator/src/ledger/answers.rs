@@ -17,6 +17,8 @@ pub enum Leased {
     Drained,
     /// The run was cancelled.
     Stop,
+    /// Nothing any more for this worker, since its results were refused: why.
+    Unwelcome(Vec<String>),
 }
 
 /// A task handed out.
@@ -38,6 +40,24 @@ pub struct Granted {
     pub curves: Vec<KnownCurve>,
 }
 
+/// What a result has to be of, as far as the ledger knows.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Offered {
+    /// A result of this.
+    Expected {
+        /// Forcing amplitude.
+        amplitude: f64,
+        /// What was to be done.
+        work: Task,
+        /// Of a verification: the task that found the branch.
+        branch: Option<TaskId>,
+    },
+    /// Nobody was given this task under this number.
+    NeverGranted,
+    /// No such task in this run.
+    Unknown,
+}
+
 /// Answer to a result.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Submitted {
@@ -49,6 +69,8 @@ pub enum Submitted {
     Late,
     /// Not what such a task brings.
     Foreign,
+    /// Nobody was given this task under this number.
+    NeverGranted,
     /// No such task in this run.
     Unknown,
 }

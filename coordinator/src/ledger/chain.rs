@@ -6,7 +6,7 @@ use protocol::from_worker::Lease;
 use protocol::ids::TaskId;
 use protocol::to_everyone::Amplitude;
 use protocol::to_worker::{Known, KnownCurve};
-use results::journal::{Change, Holder, LevelPlan, TaskState};
+use results::journal::{Change, Holder, LevelPlan, TaskState, Troubles};
 use solver::response::account::Account;
 use solver::response::critical::crossed;
 use solver::response::seeds::Way;
@@ -144,7 +144,7 @@ impl Chain {
     }
 
     pub fn is_begun(&self) -> bool {
-        self.entries.first().is_none_or(|first| first.attempts > 0)
+        self.entries.first().is_none_or(|first| first.attempts() > 0)
     }
 
     /// Whether no task is left to hand out or to wait for.
@@ -229,7 +229,7 @@ impl Chain {
     /// Whether a result of entry `e` fits what is known: it comes from who holds it, or nobody went on without it.
     pub fn takes(&self, e: usize, lease: &Lease) -> bool {
         let mut later = self.entries[e + 1..].iter().filter(|later| later.task.is_ordered());
-        self.entries[e].is_held(lease) || !self.entries[e].task.is_ordered() || later.all(|later| later.attempts == 0)
+        self.entries[e].is_held(lease) || !self.entries[e].task.is_ordered() || later.all(|later| later.attempts() == 0)
     }
 
     /// Finds the tasks that can be handed out, and those that are not needed any more. Where a main branch was given up and
@@ -300,7 +300,8 @@ impl Chain {
         let mut changes = Vec::new();
         for entry in self.entries.iter_mut().filter(|entry| entry.state == TaskState::Dead) {
             entry.state = TaskState::Waiting;
-            entry.reasons.clear();
+            entry.troubles = Troubles::default();
+            entry.lapsed = false;
             entry.not_before = Duration::ZERO;
             changes.push(Change::Revived { task: entry.id.clone() });
         }

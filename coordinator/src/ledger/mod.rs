@@ -7,6 +7,7 @@
 
 mod answers;
 mod chain;
+mod patience;
 mod restore;
 mod rules;
 mod search;
@@ -15,8 +16,9 @@ mod status;
 mod task;
 #[cfg(test)]
 mod tests;
+mod trust;
 mod worker;
 
-pub use answers::{Accepted, Granted, Leased, Submitted};
+pub use answers::{Accepted, Granted, Leased, Offered, Submitted};
 pub use rules::Rules;
 pub use state::Ledger;

@@ -8,9 +8,6 @@ use solver::response::task::{CrossingPlace, Task};
 use std::collections::HashMap;
 use std::time::Duration;
 
-/// Time that a worker takes at most to notice that its connection is gone and to connect again.
-const RECONNECTION: Duration = Duration::from_secs(7);
-
 impl Ledger {
     /// The ledger of a run that was interrupted: what was stored stays, in the order of the announcements. Tasks that were
     /// under way may still be: their workers have the time from `now` to connect again and to give a sign of life.
@@ -29,7 +26,7 @@ impl Ledger {
             let Some(&(c, e)) = ledger.index.get(&task.id) else { continue };
             let chain = &mut ledger.chains[c];
             let entry = &mut chain.entries[e];
-            (entry.attempts, entry.reasons) = (task.attempts, task.reasons);
+            (entry.holders, entry.troubles) = (task.holders, task.troubles);
             match task.state {
                 TaskState::Done(outcome) => {
                     ledger.sequence += 1;
@@ -48,7 +45,7 @@ impl Ledger {
                     let worker = ledger.workers.entry(holder.worker.clone()).or_default();
                     worker.gone = true;
                     worker.chains.insert(holder.slot, c);
-                    TaskState::Leased { holder, deadline: now + rules.grace.max(rules.lease / 3 + RECONNECTION) }
+                    TaskState::Leased { holder, deadline: now + rules.reconnection() }
                 }
                 state => state,
             };

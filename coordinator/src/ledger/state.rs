@@ -7,7 +7,7 @@ use super::task::TaskEntry;
 use super::worker::Worker;
 use protocol::from_worker::{Lease, Progress};
 use protocol::ids::{Attempt, TaskId, WorkerId};
-use protocol::to_worker::{Known, KnownCurve, RenewReply};
+use protocol::to_worker::{Known, KnownCurve};
 use results::journal::{AttemptEnd, Change, Holder, LevelPlan, TaskState};
 use solver::response::task::{BranchId, Brought, CrossingPlace, FoldPlace, Task, VerifyPlace};
 use std::collections::{BTreeMap, HashMap, HashSet, VecDeque};
@@ -36,7 +36,9 @@ pub struct Ledger {
     pub(super) crossed: usize,
     /// Number of announcements so far.
     pub(super) sequence: u64,
-    cancelled: bool,
+    pub(super) cancelled: bool,
+    /// Until when nobody is blamed for not being heard of: it is this side that could not be reached.
+    pub(super) forbearance: Duration,
 }
 
 impl Ledger {
@@ -53,8 +55,22 @@ impl Ledger {
         };
         let index = chains.iter().enumerate().flat_map(place).collect();
         let (workers, unfolded, followed, queue, verified) = Default::default();
-        let (crossed, sequence, cancelled) = Default::default();
-        Self { rules, chains, order, index, workers, unfolded, followed, queue, verified, crossed, sequence, cancelled }
+        let (crossed, sequence, cancelled, forbearance) = Default::default();
+        Self {
+            rules,
+            chains,
+            order,
+            index,
+            workers,
+            unfolded,
+            followed,
+            queue,
+            verified,
+            crossed,
+            sequence,
+            cancelled,
+            forbearance,
+        }
     }
 
     /// The levels, in the order of the study.
@@ -97,7 +113,7 @@ impl Ledger {
         };
         Granted {
             task: entry.id.clone(),
-            attempt: Attempt(entry.attempts),
+            attempt: Attempt(entry.attempts()),
             amplitude: level.amplitude.clone(),
             work: entry.task,
             landing: self.chains[c].landing(e).map(|landing| self.chains[c].entries[landing].id.clone()),
@@ -111,6 +127,9 @@ impl Ledger {
         self.workers.entry(worker.clone()).or_default().gone = false;
         if self.cancelled {
             return (Leased::Stop, Vec::new());
+        }
+        if let Some(reasons) = self.refusals(worker) {
+            return (Leased::Unwelcome(reasons.to_vec()), Vec::new());
         }
         let holder = Holder { worker: worker.clone(), slot };
         let mut changes = self.tick(now);
@@ -151,38 +170,24 @@ impl Ledger {
     }
 
     /// What a thread holds: of the chain that it got its last task from.
-    fn held_by(&self, holder: &Holder) -> Option<(usize, usize)> {
+    pub(super) fn held_by(&self, holder: &Holder) -> Option<(usize, usize)> {
         let c = *self.workers.get(&holder.worker)?.chains.get(&holder.slot)?;
         let chain = &self.chains[c];
         chain.held.iter().find(|&&e| chain.entries[e].holder() == Some(holder)).map(|&e| (c, e))
     }
 
     /// The entry that a lease is for, if it is still valid.
-    fn valid(&self, lease: &Lease) -> Option<(usize, usize)> {
+    pub(super) fn valid(&self, lease: &Lease) -> Option<(usize, usize)> {
         let &(c, e) = self.index.get(&lease.task)?;
         self.chains[c].entries[e].is_held(lease).then_some((c, e))
-    }
-
-    /// A sign of life.
-    pub fn renew(&mut self, lease: &Lease, progress: Option<Progress>, now: Duration) -> RenewReply {
-        let worker = self.workers.entry(lease.worker.clone()).or_default();
-        worker.gone = false;
-        let Some((c, e)) = self.valid(lease) else { return RenewReply::Lost };
-        if self.cancelled {
-            return RenewReply::Cancel;
-        }
-        self.chains[c].entries[e].renew(now + self.rules.lease);
-        if let Some(progress) = progress {
-            self.note(&lease.task, progress);
-        }
-        RenewReply::Ok
     }
 
     /// Where the branch of a task under way is: for people, no sign of life.
     pub fn note(&mut self, task: &TaskId, progress: Progress) {
         let Some(&(c, e)) = self.index.get(task) else { return };
         let holder = self.chains[c].entries[e].holder();
-        if let Some(worker) = holder.and_then(|holder| self.workers.get_mut(&holder.worker)) {
+        let is_number = progress.omega.is_finite() && progress.amplitude.is_finite();
+        if let Some(worker) = holder.and_then(|holder| self.workers.get_mut(&holder.worker)).filter(|_| is_number) {
             worker.progress.insert(task.clone(), progress);
         }
     }
@@ -191,6 +196,9 @@ impl Ledger {
     pub fn submit(&mut self, lease: &Lease, brought: &Brought) -> (Submitted, Vec<Change>) {
         let Some(&(c, e)) = self.index.get(&lease.task) else { return (Submitted::Unknown, Vec::new()) };
         let chain = &mut self.chains[c];
+        if !chain.entries[e].was_granted(lease) {
+            return (Submitted::NeverGranted, Vec::new());
+        }
         if matches!(chain.entries[e].state, TaskState::Done(_) | TaskState::Skipped) {
             return (Submitted::Duplicate, Vec::new());
         }
@@ -224,13 +232,13 @@ impl Ledger {
         self.end(lease, AttemptEnd::Released, now)
     }
 
-    fn end(&mut self, lease: &Lease, end: AttemptEnd, now: Duration) -> (bool, Vec<Change>) {
+    pub(super) fn end(&mut self, lease: &Lease, end: AttemptEnd, now: Duration) -> (bool, Vec<Change>) {
         let Some((c, e)) = self.valid(lease) else { return (false, Vec::new()) };
         let changes = self.end_at(c, e, end, now);
         (true, changes)
     }
 
-    fn end_at(&mut self, c: usize, e: usize, end: AttemptEnd, now: Duration) -> Vec<Change> {
+    pub(super) fn end_at(&mut self, c: usize, e: usize, end: AttemptEnd, now: Duration) -> Vec<Change> {
         let entry = &mut self.chains[c].entries[e];
         if let Some(worker) = entry.holder().and_then(|holder| self.workers.get_mut(&holder.worker)) {
             worker.progress.remove(&entry.id);
@@ -239,25 +247,6 @@ impl Ledger {
         changes.extend(self.chains[c].settle());
         changes.extend(self.extend());
         changes
-    }
-
-    /// A worker vanished from the bus: its leases are shortened, until it gives a sign of life.
-    pub fn worker_gone(&mut self, worker: &WorkerId, now: Duration) {
-        let Some(known) = self.workers.get_mut(worker) else { return };
-        known.gone = true;
-        for chain in &mut self.chains {
-            for &e in &chain.held {
-                chain.entries[e].shorten(worker, now + self.rules.grace);
-            }
-        }
-    }
-
-    /// Leases that ran out.
-    pub fn tick(&mut self, now: Duration) -> Vec<Change> {
-        let held = self.chains.iter().enumerate().flat_map(|(c, chain)| chain.held.iter().map(move |&e| (c, e)));
-        let places: Vec<(usize, usize)> = held.filter(|&(c, e)| self.chains[c].entries[e].is_expired(now)).collect();
-        let end = |orphaned| if orphaned { AttemptEnd::Released } else { AttemptEnd::Expired };
-        places.into_iter().flat_map(|(c, e)| self.end_at(c, e, end(self.chains[c].entries[e].orphaned), now)).collect()
     }
 
     /// Hands out nothing any more.
@@ -284,9 +273,9 @@ impl Ledger {
         self.chains.iter().flat_map(|chain| &chain.entries)
     }
 
-    /// Dead tasks with the reasons of their failures.
+    /// Dead tasks with what has gone wrong.
     pub fn dead(&self) -> Vec<(TaskId, Vec<String>)> {
         let dead = self.entries().filter(|entry| entry.state == TaskState::Dead);
-        dead.map(|entry| (entry.id.clone(), entry.reasons.clone())).collect()
+        dead.map(|entry| (entry.id.clone(), entry.troubles.reasons.clone())).collect()
     }
 }

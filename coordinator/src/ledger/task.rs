@@ -3,7 +3,7 @@
 use super::rules::Rules;
 use protocol::from_worker::Lease;
 use protocol::ids::{Attempt, TaskId, WorkerId};
-use results::journal::{AttemptEnd, Change, Holder, TaskState};
+use results::journal::{AttemptEnd, Change, Holder, TaskState, Troubles};
 use solver::response::task::Task;
 use std::time::Duration;
 
@@ -14,12 +14,14 @@ pub(super) struct TaskEntry {
     pub level: usize,
     pub task: Task,
     pub state: TaskState,
-    /// Attempts so far.
-    pub attempts: u32,
-    /// Why attempts failed.
-    pub reasons: Vec<String>,
+    /// To whom it was handed out so far, one an attempt.
+    pub holders: Vec<Holder>,
+    /// What has gone wrong.
+    pub troubles: Troubles,
     /// Not handed out before.
     pub not_before: Duration,
+    /// Its last attempt ended because there was no sign of life.
+    pub lapsed: bool,
     /// Under way when the coordinator was interrupted, and not heard of since: if nothing comes, that is no failure.
     pub orphaned: bool,
 }
@@ -31,9 +33,10 @@ impl TaskEntry {
             level,
             task,
             state: TaskState::Waiting,
-            attempts: 0,
-            reasons: Vec::new(),
+            holders: Vec::new(),
+            troubles: Troubles::default(),
             not_before: Duration::ZERO,
+            lapsed: false,
             orphaned: false,
         }
     }
@@ -45,8 +48,19 @@ impl TaskEntry {
         }
     }
 
+    /// Attempts so far.
+    pub fn attempts(&self) -> u32 {
+        self.holders.len() as u32
+    }
+
+    /// Whether it was handed out to this worker under this number.
+    pub fn was_granted(&self, lease: &Lease) -> bool {
+        let holder = (lease.attempt.0 as usize).checked_sub(1).and_then(|before| self.holders.get(before));
+        holder.is_some_and(|holder| holder.worker == lease.worker && holder.slot == lease.slot)
+    }
+
     pub fn is_held(&self, lease: &Lease) -> bool {
-        self.attempts == lease.attempt.0
+        self.attempts() == lease.attempt.0
             && self.holder().is_some_and(|holder| holder.worker == lease.worker && holder.slot == lease.slot)
     }
 
@@ -66,6 +80,13 @@ impl TaskEntry {
         }
     }
 
+    /// Not before then.
+    pub fn extend(&mut self, until: Duration) {
+        if let TaskState::Leased { deadline, .. } = &mut self.state {
+            *deadline = (*deadline).max(until);
+        }
+    }
+
     pub fn shorten(&mut self, worker: &WorkerId, until: Duration) {
         if let TaskState::Leased { holder, deadline } = &mut self.state
             && holder.worker == *worker
@@ -75,33 +96,43 @@ impl TaskEntry {
     }
 
     pub fn grant(&mut self, holder: &Holder, deadline: Duration) -> Change {
-        self.attempts += 1;
-        self.orphaned = false;
+        self.holders.push(holder.clone());
+        (self.orphaned, self.lapsed) = (false, false);
         self.state = TaskState::Leased { holder: holder.clone(), deadline };
-        Change::Granted { task: self.id.clone(), attempt: Attempt(self.attempts), holder: holder.clone() }
+        Change::Granted { task: self.id.clone(), attempt: Attempt(self.attempts()), holder: holder.clone() }
     }
 
     /// Ends the attempt under way without a result.
     pub fn end(&mut self, end: AttemptEnd, rules: &Rules, now: Duration) -> Vec<Change> {
-        let (task, attempt) = (self.id.clone(), Attempt(self.attempts));
-        match &end {
-            AttemptEnd::Released | AttemptEnd::Superseded => {}
-            AttemptEnd::Failed(reason) => self.reasons.push(reason.clone()),
-            AttemptEnd::Expired => {
-                let worker = self.holder().map_or_else(String::new, |holder| holder.worker.to_string());
-                self.reasons.push(format!("{worker}: no sign of life"));
-            }
+        let (task, attempt) = (self.id.clone(), Attempt(self.attempts()));
+        if let Some(Holder { worker, .. }) = self.holders.last() {
+            self.troubles.note(worker, &end);
         }
-        let failed = !matches!(end, AttemptEnd::Released | AttemptEnd::Superseded);
-        let failures = self.reasons.len() as u32;
+        let failed = matches!(end, AttemptEnd::Failed(_) | AttemptEnd::Refused(_));
+        let lapsed = end == AttemptEnd::Expired;
+        let failures = self.troubles.failures + self.troubles.refused.len() as u32;
+        // Whoever gives no sign of life may be heard of again as long as nobody else has the task.
+        self.lapsed = lapsed || self.orphaned;
         self.state = TaskState::Waiting;
-        self.not_before = if failed { now + rules.backoff * 2u32.pow(failures.min(10) - 1) } else { now };
+        self.not_before = if failed { now + rules.backoff * 2u32.pow(failures.clamp(1, 10) - 1) } else { now };
         let mut changes = vec![Change::Ended { task: task.clone(), attempt, end }];
-        if failed && failures >= rules.max_failures {
+        if (failed && failures >= rules.max_failures) || (lapsed && self.troubles.lapses >= rules.max_lapses) {
             self.state = TaskState::Dead;
             changes.push(Change::Dead { task });
         }
         changes
+    }
+
+    /// Takes up the attempt of which there was no sign of life.
+    pub fn adopt(&mut self, until: Duration) -> Option<Change> {
+        let holder = self.holders.last().filter(|_| self.lapsed && self.state == TaskState::Waiting)?.clone();
+        // Of one that a coordinator's interruption ended nothing was taken down.
+        if !self.orphaned {
+            self.troubles.forget_lapse();
+        }
+        self.lapsed = false;
+        self.state = TaskState::Leased { holder, deadline: until };
+        Some(Change::Adopted { task: self.id.clone(), attempt: Attempt(self.attempts()) })
     }
 
     /// Ends the attempt under way because a result came from another one.
@@ -109,7 +140,7 @@ impl TaskEntry {
         if self.holder().is_none() || self.is_held(lease) {
             return Vec::new();
         }
-        let (task, attempt) = (self.id.clone(), Attempt(self.attempts));
+        let (task, attempt) = (self.id.clone(), Attempt(self.attempts()));
         vec![Change::Ended { task, attempt, end: AttemptEnd::Superseded }]
     }
 }

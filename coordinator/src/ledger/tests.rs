@@ -1,6 +1,7 @@
 //! Any interleaving of events gives the same result: nothing lost, nothing counted twice.
 
 mod cases;
+mod trust;
 
 use super::chain::{Chain, LevelRecord};
 use super::task::TaskEntry;
@@ -10,7 +11,7 @@ use protocol::from_worker::Lease;
 use protocol::ids::{Attempt, TaskId, WorkerId};
 use protocol::to_everyone::Amplitude;
 use protocol::to_worker::RenewReply;
-use results::journal::{AddedTask, AttemptEnd, Change, Holder, LevelPlan, StoredTask, TaskState};
+use results::journal::{AddedTask, AttemptEnd, Change, Holder, LevelPlan, StoredTask, TaskState, Troubles};
 use solver::response::branch::{BranchKind, Side};
 use solver::response::forcing::Unreached;
 use solver::response::seeds::{LandingFailure, Phase, Way};
@@ -136,7 +137,7 @@ fn plans(levels: usize) -> Vec<LevelPlan> {
 }
 
 fn rules() -> Rules {
-    Rules { max_failures: 1000, most_folds: 20, verify: VerifyEffort::Standard, ..Rules::default() }
+    Rules { max_failures: 1000, max_lapses: 1000, most_folds: 20, verify: VerifyEffort::Standard, ..Rules::default() }
 }
 
 /// One worker, no trouble.
@@ -219,7 +220,8 @@ impl Driver {
             }
             Event::Renew(index) => {
                 if let Some(i) = pick(index, &self.held) {
-                    self.ledger.renew(&self.held[i].0.clone(), None, self.now);
+                    let (_, changes) = self.ledger.renew(&self.held[i].0.clone(), None, self.now);
+                    self.changes.extend(changes);
                 }
             }
             Event::Gone(worker) => self.ledger.worker_gone(&name(worker), self.now),
@@ -265,6 +267,7 @@ impl Driver {
             Submitted::Duplicate => assert!(self.accepted.contains(&lease.task)),
             Submitted::Late => panic!("nothing is given up here"),
             Submitted::Foreign => panic!("{} is for something else", lease.task),
+            Submitted::NeverGranted => panic!("{} was granted", lease.task),
             Submitted::Unknown => panic!("{} is a task of the run", lease.task),
         }
     }
@@ -278,8 +281,8 @@ impl Driver {
                 id: entry.id.clone(),
                 state: entry.state.clone(),
                 brought: self.new.get(&entry.id).cloned(),
-                attempts: entry.attempts,
-                reasons: entry.reasons.clone(),
+                holders: entry.holders.clone(),
+                troubles: entry.troubles.clone(),
             })
             .collect();
         let order = |id: &TaskId| self.accepted.iter().position(|accepted| accepted == id).unwrap_or(usize::MAX);

@@ -11,6 +11,8 @@ pub(super) struct Worker {
     pub gone: bool,
     /// Results accepted from it.
     pub done: usize,
+    /// Why results of it were refused.
+    pub refusals: Vec<String>,
     /// The chain that each computing thread worked on last.
     pub chains: HashMap<u32, usize>,
     /// Where the branches of its tasks are.

@@ -89,6 +89,7 @@ pub async fn carry_out(
 ) -> Result<Ending, Error> {
     let header = store.header()?;
     refuse_second_coordinator(&connection.session, &Keys::new(&header.namespace, &header.run)).await?;
+    let model = Arc::new(model);
     let prepared = preparation::stored(&store, &model)?;
     let is_prepared = prepared.is_some();
     let most_folds = most_folds(&model, &header.settings);
@@ -97,7 +98,7 @@ pub async fn carry_out(
         header: &header,
         connection: &connection,
         store,
-        model: &model,
+        model: model.clone(),
         rules: Rules {
             lease: Duration::from_secs_f64(options.lease),
             most_folds,
@@ -118,7 +119,7 @@ pub async fn carry_out(
 
 impl Run {
     /// All steps that are left; the model is given if its backbone is still to be computed.
-    async fn all_steps(mut self, to_prepare: Option<Model>) -> Result<Ending, Error> {
+    async fn all_steps(mut self, to_prepare: Option<Arc<Model>>) -> Result<Ending, Error> {
         let mut display = Display::new();
         if let Some(model) = to_prepare {
             match self.prepare(model, &mut display).await? {
@@ -169,7 +170,7 @@ impl Run {
     }
 
     /// Backbone and tasks; `None` if interrupted or cancelled.
-    async fn prepare(&mut self, model: Model, display: &mut Display) -> Result<Option<Prepared>, Error> {
+    async fn prepare(&mut self, model: Arc<Model>, display: &mut Display) -> Result<Option<Prepared>, Error> {
         let stop = Arc::new(AtomicBool::new(false));
         let (header, engine, stopped) = (self.header.clone(), self.services.engine(), stop.clone());
         let mut computing = spawn_blocking(move || preparation::compute(&header, &model, &engine, &stopped));

@@ -3,11 +3,10 @@
 use super::endpoint::Connection;
 use super::preparation::{Prepared, manifest};
 use crate::bus::{Presence, RunState, Served, announce, serve};
-use crate::engine::{Engine, Event, News, Request, commit, decide};
+use crate::engine::{Engine, Event, News, Reference, Request, commit, decide};
 use crate::error::Error;
 use crate::ledger::Rules;
 use protocol::codec::encode;
-use protocol::curve::Size;
 use protocol::keys::Keys;
 use protocol::to_everyone::{Stage, Status};
 use results::store::{RunHeader, Store, StoreError};
@@ -41,7 +40,7 @@ pub(super) struct Start<'s> {
     pub header: &'s RunHeader,
     pub connection: &'s Connection,
     pub store: Store,
-    pub model: &'s Model,
+    pub model: Arc<Model>,
     pub rules: Rules,
     /// The sweep, if the store has it.
     pub prepared: Option<Prepared>,
@@ -62,9 +61,9 @@ impl Services {
         if let Some(prepared) = prepared {
             begin(prepared, &state, &engine);
         }
-        let (model_bytes, size) = (encode(&header.model), Size::of(model));
-        let harmonics = header.settings.harmonics.count;
-        let served = Served { directory, model_bytes, size, harmonics, state: changes.clone() };
+        let model_bytes = encode(&header.model);
+        let reference = Reference { model, settings: header.settings };
+        let served = Served { directory, model_bytes, reference, state: changes.clone() };
         let presence = serve(session, &keys, served, engine.clone())
             .await
             .map_err(|error| Error::Other(format!("the run cannot be served on the bus: {error}")))?;

@@ -72,6 +72,7 @@ pub fn all(visitor: &mut impl Visit) {
     visitor.visit("renew_reply-cancel", &RenewReply::Cancel);
     visitor.visit("submit_reply-accepted", &SubmitReply::Accepted);
     visitor.visit("submit_reply-duplicate", &SubmitReply::Duplicate { agrees: true });
+    visitor.visit("submit_reply-busy", &SubmitReply::Busy { retry_ms: 500 });
     visitor.visit("submit_reply-rejected", &SubmitReply::Rejected { why: "no such task".into() });
     visitor.visit("acknowledgement-ok", &Acknowledgement::Ok);
     visitor.visit("acknowledgement-lost", &Acknowledgement::Lost);

@@ -42,6 +42,7 @@ impl Changes<'_> {
             Change::Added(tasks) => insert_added(self.db, self.file, tasks),
             Change::Granted { task, attempt, holder } => self.granted(task, *attempt, holder),
             Change::Ended { task, attempt, end } => self.ended(task, *attempt, end),
+            Change::Adopted { task, attempt } => self.adopted(task, *attempt),
             Change::Done { task, attempt, outcome, .. } => self.done(task, *attempt, outcome),
             Change::Result(accepted) => self.result(accepted),
             Change::Skipped { task } => self.state(task, "skipped"),
@@ -78,6 +79,13 @@ impl Changes<'_> {
         self.execute("UPDATE tasks SET state = 'waiting' WHERE id = ?1 AND state = 'leased'", [task.as_str()])
     }
 
+    fn adopted(&self, task: &TaskId, attempt: Attempt) -> Result<()> {
+        let sql = "UPDATE attempts SET ended_at = NULL, \"end\" = NULL, reason = NULL, lapses = lapses + 1 \
+                   WHERE task = ?1 AND attempt = ?2";
+        self.execute(sql, params![task.as_str(), attempt.0])?;
+        self.state(task, "leased")
+    }
+
     fn done(&self, task: &TaskId, attempt: Attempt, outcome: &SeedOutcome) -> Result<()> {
         let branch = match outcome {
             SeedOutcome::Found(id) => Some(id.to_string()),
@@ -87,7 +95,8 @@ impl Changes<'_> {
             || matches!(outcome, SeedOutcome::OnCurve(_) | SeedOutcome::Landed(_) | SeedOutcome::Verified(_));
         let sql = "UPDATE tasks SET state = 'done', outcome = ?2, found = ?3, branch = ?4, record = ?5 WHERE id = ?1";
         self.execute(sql, params![task.as_str(), outcome.to_string(), found, branch, pack(outcome)])?;
-        let sql = "UPDATE attempts SET ended_at = ?3, \"end\" = 'done', reason = NULL WHERE task = ?1 AND attempt = ?2";
+        let sql = "UPDATE attempts SET ended_at = ?3, \"end\" = 'done' \
+                   WHERE task = ?1 AND attempt = ?2 AND ended_at IS NULL";
         self.execute(sql, params![task.as_str(), attempt.0, self.now])
     }
 

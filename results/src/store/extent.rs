@@ -14,6 +14,8 @@ pub struct Extent {
     pub amplitude_max: f64,
     /// Frequency there, rad/s.
     pub omega_at_max: f64,
+    /// Number of points; none where that is not known.
+    pub points: usize,
 }
 
 impl Extent {
@@ -29,7 +31,13 @@ impl Extent {
         let amplitude = points.get("amplitude");
         let peak = (0..amplitude.len()).max_by(|&a, &b| amplitude[a].total_cmp(&amplitude[b]));
         let (amplitude, omega) = peak.map_or((f64::NAN, f64::NAN), |i| (amplitude[i], points.omega[i]));
-        Self { omega_min: low, omega_max: high, amplitude_max: amplitude, omega_at_max: omega }
+        Self {
+            omega_min: low,
+            omega_max: high,
+            amplitude_max: amplitude,
+            omega_at_max: omega,
+            points: points.omega.len(),
+        }
     }
 
     /// Whether range and peak agree to the relative `tolerance`. The frequency of the peak does not count: a flat
@@ -44,7 +52,7 @@ impl Extent {
 
 impl From<[f64; 4]> for Extent {
     fn from([omega_min, omega_max, amplitude_max, omega_at_max]: [f64; 4]) -> Self {
-        Self { omega_min, omega_max, amplitude_max, omega_at_max }
+        Self { omega_min, omega_max, amplitude_max, omega_at_max, points: 0 }
     }
 }
 

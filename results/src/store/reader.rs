@@ -9,7 +9,7 @@ use super::number::number;
 use super::plan::{read_added, read_backbone, read_further, read_left_out, read_modes, read_plans, read_reach};
 use super::points_table::POINTS;
 use super::{FILE, Result, RunHeader, StoreError, database};
-use crate::journal::{AddedTask, Holder, LevelPlan, StoredTask, TaskState};
+use crate::journal::{AddedTask, AttemptEnd, Holder, LevelPlan, StoredTask, TaskState, Troubles};
 use protocol::array::Array;
 use protocol::backbone::BackboneMessage;
 use protocol::codec::{decode_stored, encode, sha256};
@@ -146,22 +146,21 @@ impl Reader {
 
     /// Tasks with what became of them: those done in the order of their announcements, then the others.
     pub fn tasks(&self) -> Result<Vec<StoredTask>> {
-        let (mut failures, mut forcings) = (self.failures()?, self.forcings()?);
-        let sql = "SELECT tasks.id, state, tasks.attempts, tasks.record, last.worker, last.slot, \
-                   branches.kind, special FROM tasks LEFT JOIN results ON results.task = tasks.id \
+        let (mut troubles, mut forcings, mut holders) = (self.troubles()?, self.forcings()?, self.holders()?);
+        let sql = "SELECT tasks.id, state, tasks.record, branches.kind, special FROM tasks LEFT JOIN results ON results.task = tasks.id \
                    LEFT JOIN branches ON branches.task = tasks.id \
-                   LEFT JOIN attempts AS last ON last.task = tasks.id AND last.attempt = tasks.attempts \
                    ORDER BY sequence IS NULL, sequence, tasks.level, position";
         let rows = self.all(sql, [], TaskRow::read)?;
         let task = |row: TaskRow| {
-            let reasons = failures.remove(&row.id).unwrap_or_default();
+            let troubles = troubles.remove(&row.id).unwrap_or_default();
             let curve = forcings.remove(&row.id).map(Brought::Curve);
+            let holders = holders.remove(&row.id).unwrap_or_default();
             Ok(StoredTask {
                 id: self.task_id(&row.id)?,
                 brought: self.branch_brought(&row)?.or(curve),
-                attempts: row.attempts,
-                reasons,
-                state: self.state(row)?,
+                troubles,
+                state: self.state(row, holders.last())?,
+                holders,
             })
         };
         rows.into_iter().map(task).collect()
@@ -176,29 +175,46 @@ impl Reader {
         Ok(Some(Brought::Branch { kind, folds }))
     }
 
-    /// Why attempts that count failed, by task.
-    fn failures(&self) -> Result<HashMap<String, Vec<String>>> {
-        let sql = "SELECT task, coalesce(reason, \"end\") FROM attempts JOIN tasks ON tasks.id = task \
-                   WHERE \"end\" IN ('failed', 'expired') AND attempt > forgiven ORDER BY task, attempt";
-        let mut failures: HashMap<String, Vec<String>> = HashMap::new();
-        for (task, reason) in self.all(sql, [], |row| Ok((row.get::<_, String>(0)?, row.get(1)?)))? {
-            failures.entry(task).or_default().push(reason);
+    /// What has gone wrong with tasks, as far as it counts.
+    fn troubles(&self) -> Result<HashMap<String, Troubles>> {
+        let sql = "SELECT task, worker, \"end\", reason FROM attempts JOIN tasks ON tasks.id = task \
+                   WHERE \"end\" IN ('failed', 'refused', 'expired') AND attempt > forgiven ORDER BY task, attempt";
+        let mut troubles: HashMap<String, Troubles> = HashMap::new();
+        let read = |row: &Row<'_>| Ok((row.get::<_, String>(0)?, row.get(1)?, row.get::<_, String>(2)?, row.get(3)?));
+        for (task, worker, end, reason) in self.all(sql, [], read)? {
+            let end = AttemptEnd::named(&end, reason).ok_or_else(|| self.corrupt(format!("an attempt `{end}`")))?;
+            troubles.entry(task).or_default().note(&self.worker_id(worker)?, &end);
         }
-        Ok(failures)
+        Ok(troubles)
     }
 
-    fn state(&self, row: TaskRow) -> Result<TaskState> {
-        Ok(match (row.state.as_str(), row.record, row.worker, row.slot) {
-            ("done", Some(record), ..) => TaskState::Done(unpack(&self.file, &record)?),
-            ("leased", _, Some(worker), Some(slot)) => {
-                let worker = WorkerId::new(&worker).map_err(|error| corrupt(&self.file, error))?;
-                TaskState::Leased { holder: Holder { worker, slot }, deadline: Duration::ZERO }
+    /// To whom tasks were handed out, one an attempt, in their order.
+    fn holders(&self) -> Result<HashMap<String, Vec<Holder>>> {
+        let sql = "SELECT task, worker, slot FROM attempts ORDER BY task, attempt";
+        let mut holders: HashMap<String, Vec<Holder>> = HashMap::new();
+        let read = |row: &Row<'_>| Ok((row.get::<_, String>(0)?, row.get(1)?, row.get(2)?));
+        for (task, worker, slot) in self.all(sql, [], read)? {
+            let worker = self.worker_id(worker)?;
+            holders.entry(task).or_default().push(Holder { worker, slot });
+        }
+        Ok(holders)
+    }
+
+    fn state(&self, row: TaskRow, holder: Option<&Holder>) -> Result<TaskState> {
+        Ok(match (row.state.as_str(), row.record, holder) {
+            ("done", Some(record), _) => TaskState::Done(unpack(&self.file, &record)?),
+            ("leased", _, Some(holder)) => {
+                TaskState::Leased { holder: holder.clone(), deadline: Duration::ZERO }
             }
             ("skipped", ..) => TaskState::Skipped,
             ("dead", ..) => TaskState::Dead,
             ("waiting", ..) => TaskState::Waiting,
             (state, ..) => return Err(corrupt(&self.file, format!("task {}: state `{state}`", row.id))),
         })
+    }
+
+    fn worker_id(&self, id: String) -> Result<WorkerId> {
+        WorkerId::new(&id).map_err(|error| corrupt(&self.file, error))
     }
 
     fn task_id(&self, id: &str) -> Result<TaskId> {
@@ -246,10 +262,10 @@ impl Reader {
 
     /// The branches found so far in numbers, by the tasks that found them.
     pub fn extents(&self) -> Result<HashMap<TaskId, Extent>> {
-        let sql = "SELECT task, omega_min, omega_max, amplitude_max, omega_at_max FROM branches";
+        let sql = "SELECT task, omega_min, omega_max, amplitude_max, omega_at_max, points FROM branches";
         let row = |row: &Row<'_>| {
             let extent = Extent::from([number(row, 1)?, number(row, 2)?, number(row, 3)?, number(row, 4)?]);
-            Ok((row.get::<_, String>(0)?, extent))
+            Ok((row.get::<_, String>(0)?, Extent { points: row.get(5)?, ..extent }))
         };
         self.all(sql, [], row)?.into_iter().map(|(task, extent)| Ok((self.task_id(&task)?, extent))).collect()
     }
@@ -321,10 +337,7 @@ impl Reader {
 struct TaskRow {
     id: String,
     state: String,
-    attempts: u32,
     record: Option<Vec<u8>>,
-    worker: Option<String>,
-    slot: Option<u32>,
     /// Kind and special points.
     branch: Option<(String, String)>,
 }
@@ -334,11 +347,8 @@ impl TaskRow {
         Ok(Self {
             id: row.get(0)?,
             state: row.get(1)?,
-            attempts: row.get(2)?,
-            record: row.get(3)?,
-            worker: row.get(4)?,
-            slot: row.get(5)?,
-            branch: row.get::<_, Option<String>>(6)?.zip(row.get(7)?),
+            record: row.get(2)?,
+            branch: row.get::<_, Option<String>>(3)?.zip(row.get(4)?),
         })
     }
 }

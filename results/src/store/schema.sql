@@ -146,10 +146,13 @@ CREATE TABLE attempts (
     granted_at TEXT NOT NULL,
     -- When it ended; NULL while it is under way.
     ended_at TEXT,
-    -- 'done', 'failed', 'expired' (no sign of life), 'released' (given back) or 'superseded' (another result came first).
+    -- 'done', 'failed', 'refused' (its result cannot be true), 'expired' (no sign of life; a result may have come all the same:
+    -- see `results`), 'released' (given back) or 'superseded' (another result came first).
     "end" TEXT,
-    -- Why, if it failed or expired.
+    -- Why, if it failed, was refused or expired.
     reason TEXT,
+    -- How often there was no sign of life in time, and then it was heard of again before anybody else was given the task.
+    lapses INTEGER NOT NULL DEFAULT 0,
     PRIMARY KEY (task, attempt)
 ) WITHOUT ROWID;
 

@@ -19,6 +19,7 @@ pub mod melnikov;
 pub mod modes;
 pub mod name;
 mod reach;
+pub mod recheck;
 pub mod seeds;
 mod special;
 pub mod starts;

@@ -3,12 +3,12 @@
 use super::*;
 
 /// What tasks bring.
-const MAIN: Brought = Brought::Branch { kind: BranchKind::Main, folds: 0 };
+pub(super) const MAIN: Brought = Brought::Branch { kind: BranchKind::Main, folds: 0 };
 const ISOLA: Brought = Brought::Branch { kind: BranchKind::Isola, folds: 0 };
 const ON_MAIN: Brought = Brought::Nothing(SeedOutcome::Found(BranchId::MAIN));
 const UNREACHED: Brought = Brought::Nothing(SeedOutcome::NotTraced(Unreached::OutOfReach));
 
-fn leased(ledger: &mut Ledger, worker: &str, now: Duration) -> Lease {
+pub(super) fn leased(ledger: &mut Ledger, worker: &str, now: Duration) -> Lease {
     let worker = WorkerId::new(worker).unwrap();
     let (Leased::Grant(granted), _) = ledger.lease(&worker, 0, now) else { panic!("no task") };
     Lease { task: granted.task, attempt: granted.attempt, worker, slot: 0 }
@@ -41,12 +41,11 @@ fn a_worker_that_vanishes_has_a_grace_that_a_sign_of_life_ends() {
     let lease = leased(&mut ledger, "a", Duration::ZERO);
     ledger.worker_gone(&lease.worker, Duration::from_secs(1));
     assert!(ledger.tick(rules.grace).is_empty());
-    assert_eq!(ledger.renew(&lease, None, rules.grace), RenewReply::Ok);
+    assert_eq!(ledger.renew(&lease, None, rules.grace).0, RenewReply::Ok);
     assert!(ledger.tick(rules.grace + Duration::from_secs(2)).is_empty());
     ledger.worker_gone(&lease.worker, Duration::from_secs(8));
     let ended = ledger.tick(Duration::from_secs(8) + rules.grace);
     assert!(matches!(&ended[..], [Change::Ended { end: AttemptEnd::Expired, .. }]));
-    assert_eq!(ledger.renew(&lease, None, Duration::from_secs(20)), RenewReply::Lost);
 }
 
 /// Fails a task until it is given up; returns its last lease.
@@ -230,10 +229,10 @@ fn a_crash_of_the_coordinator_is_no_failure_of_a_task() {
     let holder = Holder { worker: name(0), slot: 0 };
     let under_way = StoredTask {
         id: TaskId::new("1-0").unwrap(),
-        state: TaskState::Leased { holder, deadline: Duration::ZERO },
+        state: TaskState::Leased { holder: holder.clone(), deadline: Duration::ZERO },
         brought: None,
-        attempts: 1,
-        reasons: Vec::new(),
+        holders: vec![holder],
+        troubles: Troubles::default(),
     };
     let (mut ledger, _) = Ledger::restore(rules, plans(1), &[], vec![under_way], Duration::ZERO);
     let ended = ledger.tick(Duration::from_secs(60));
@@ -246,7 +245,7 @@ fn cancelling_is_heard_in_the_answer_to_a_sign_of_life() {
     let mut ledger = Ledger::new(Rules::default(), plans(1));
     let lease = leased(&mut ledger, "a", Duration::ZERO);
     ledger.cancel();
-    assert_eq!(ledger.renew(&lease, None, Duration::ZERO), RenewReply::Cancel);
+    assert_eq!(ledger.renew(&lease, None, Duration::ZERO).0, RenewReply::Cancel);
     assert!(matches!(ledger.lease(&lease.worker, 0, Duration::ZERO).0, Leased::Stop));
     assert!(ledger.release(&lease, Duration::ZERO).0 && ledger.counts().running == 0);
 }
@@ -313,8 +312,8 @@ fn a_finished_run_can_be_verified_further() {
         id: entry.id.clone(),
         state: entry.state.clone(),
         brought: driver.new.get(&entry.id).cloned(),
-        attempts: entry.attempts,
-        reasons: Vec::new(),
+        holders: entry.holders.clone(),
+        troubles: Troubles::default(),
     };
     let tasks: Vec<StoredTask> = driver.ledger.entries().map(stored).collect();
     let again =
