@@ -57,6 +57,12 @@ Examples:
   isola verify runs/NAME                        every branch from end to end
   isola verify runs/NAME --effort standard      isolas, and main branches around their peaks")]
     Verify(VerifyArgs),
+    /// How hard a push throws the structure from its main motion onto an isola: the smallest found, by time marching.
+    #[command(after_help = "\
+Examples:
+  isola disturb runs/NAME                       pushes in the first three modes, onto every isola with a stable part
+  isola disturb runs/NAME --modes 1")]
+    Disturb(DisturbArgs),
     /// Say how a run is doing (also one that is not running).
     #[command(after_help = "Examples:\n  isola status runs/NAME\n  isola status --connect tcp/HOST:7447")]
     Status(RemoteArgs),
@@ -191,6 +197,25 @@ pub struct VerifyArgs {
     /// What is verified.
     #[arg(long, value_name = "EFFORT", default_value = "all", value_parser = verify_efforts())]
     pub effort: VerifyEffort,
+    /// Go on with the study as it was when the run began, though its file or model has changed and the run is not finished.
+    #[arg(long)]
+    pub as_started: bool,
+    /// Where it is served and who works for it.
+    #[command(flatten)]
+    pub serve: ServeArgs,
+}
+
+/// Arguments of `disturb`.
+#[derive(Debug, Args)]
+pub struct DisturbArgs {
+    /// Folder of the run.
+    pub run: PathBuf,
+    /// Modes that are pushed, one after the other: the first so many.
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u16).range(1..))]
+    pub modes: u16,
+    /// Go on with the study as it was when the run began, though its file or model has changed and the run is not finished.
+    #[arg(long)]
+    pub as_started: bool,
     /// Where it is served and who works for it.
     #[command(flatten)]
     pub serve: ServeArgs,

@@ -1,9 +1,9 @@
 //! What each command does.
 
-use crate::cli::{Cli, Command, ResumeArgs, ServeArgs, StudyArgs, SweepArgs, VerifyArgs};
+use crate::cli::{Cli, Command, DisturbArgs, ResumeArgs, ServeArgs, StudyArgs, SweepArgs, VerifyArgs};
 use crate::error::Error;
 use crate::run::directory::default_directory;
-use crate::run::endpoint::open;
+use crate::run::endpoint::{Connection, open};
 use crate::run::{Ending, carry_out, preparation};
 use crate::study::Study;
 use crate::{check, exit, outputs, remote, watch};
@@ -11,8 +11,11 @@ use clap::CommandFactory;
 use protocol::codec::{encode, sha256};
 use protocol::ids::RunId;
 use protocol::model::ModelMessage;
+use protocol::to_everyone::Stage;
+use results::journal::Change;
 use results::resolved_study::differences;
 use results::store::{RunHeader, Store};
+use solver::settings::VerifyEffort;
 use std::fmt::Display;
 use std::io::IsTerminal;
 use std::path::Path;
@@ -62,6 +65,7 @@ async fn on_the_bus(command: Command) -> Result<ExitCode, Error> {
         Command::Sweep(args) => sweep(args).await.map(code),
         Command::Resume(args) => resume(args).await.map(code),
         Command::Verify(args) => verify(args).await.map(code),
+        Command::Disturb(args) => disturb(args).await.map(code),
         Command::Status(args) => show(remote::status(&args).await?),
         Command::Watch(args) => watch::watch(&args).await.map(|()| ExitCode::SUCCESS),
         Command::Cancel(args) => show(remote::cancel(&args).await? + "\n"),
@@ -129,21 +133,59 @@ async fn resume(args: ResumeArgs) -> Result<Ending, Error> {
     if !args.as_started {
         unchanged(&store.header()?)?;
     }
-    go_on(&args.run, store, args.serve).await
+    let connection = reopen(&store, &args.serve).await?;
+    go_on(&args.run, store, connection, args.serve).await
 }
 
 async fn verify(args: VerifyArgs) -> Result<Ending, Error> {
     let mut store = Store::open(&args.run)?;
+    // What else the run has left to do is done as well: by the study that it began with.
+    if !args.as_started && store.stage()? != Stage::Finished {
+        unchanged(&store.header()?)?;
+    }
+    let connection = reopen(&store, &args.serve).await?;
     store.set_verify(args.effort)?;
-    go_on(&args.run, store, args.serve).await
+    go_on(&args.run, store, connection, args.serve).await
+}
+
+async fn disturb(args: DisturbArgs) -> Result<Ending, Error> {
+    let mut store = Store::open(&args.run)?;
+    let is_finished = store.stage()? == Stage::Finished;
+    if !args.as_started && !is_finished {
+        unchanged(&store.header()?)?;
+    }
+    if !is_finished || store.unverified_isolas()? > 0 {
+        terminal::note("what the run has left to do comes first, and which parts of its isolas are stable");
+        let connection = reopen(&store, &args.serve).await?;
+        if store.header()?.settings.verify.effort == VerifyEffort::None {
+            store.set_verify(VerifyEffort::Standard)?;
+        }
+        match go_on(&args.run, store, connection, args.serve.clone()).await? {
+            Ending::Complete | Ending::Doubtful => {}
+            ending => return Ok(ending),
+        }
+        store = Store::open(&args.run)?;
+    }
+    let modes = store.model()?.model().map_err(|error| Error::Other(format!("the stored model: {error}")))?.size();
+    let connection = reopen(&store, &args.serve).await?;
+    let pushes = store.pushes_left(modes.min(args.modes.into()))?;
+    if pushes.is_empty() {
+        terminal::note("nothing is left to be pushed: isolas without a stable part cannot be settled on");
+    }
+    store.commit(&[Change::Added(pushes)])?;
+    go_on(&args.run, store, connection, args.serve).await
+}
+
+/// Opens the bus in the namespace that a run began in.
+async fn reopen(store: &Store, serve: &ServeArgs) -> Result<Connection, Error> {
+    open(&ServeArgs { namespace: store.header()?.namespace, ..serve.clone() }).await
 }
 
 /// Does what a run has left to do.
-async fn go_on(directory: &Path, store: Store, serve: ServeArgs) -> Result<Ending, Error> {
+async fn go_on(directory: &Path, store: Store, connection: Connection, serve: ServeArgs) -> Result<Ending, Error> {
     let header = store.header()?;
     let model = preparation::model(&store)?;
     let serve = ServeArgs { namespace: header.namespace.clone(), ..serve };
-    let connection = open(&serve).await?;
     terminal::note(format_args!("run {} in {}", header.run, directory.display()));
     carry_out(directory, store, model, connection, serve).await
 }

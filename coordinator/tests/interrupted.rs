@@ -84,6 +84,7 @@ impl Sweep<'_> {
             curve: curve.as_ref().map(CriticalMessage::from),
             landings: landings.as_deref().map(LandingsMessage::from),
             verification: None,
+            disturbance: None,
             worker: worker(),
             program: "0.1.0".into(),
             seconds: 0.25,

@@ -7,6 +7,7 @@ use crate::landings::LandingsMessage;
 use serde::{Deserialize, Serialize};
 use solver::response::branch::{Branch, BranchKind, Certificate, Outcome, SpecialKind, SpecialPoint, Standing};
 use solver::response::task::{Brought, Finding, SeedOutcome};
+use solver::stability::disturbance::Disturbance;
 use solver::stability::verification::Verification;
 
 /// A forced-response branch.
@@ -91,6 +92,8 @@ pub enum FindingMessage {
     Curve(CriticalMessage),
     /// What marching says of a branch.
     Verification(Verification),
+    /// Where pushes end.
+    Disturbance(Disturbance),
     /// No new branch, and why.
     Nothing(SeedOutcome),
 }
@@ -102,7 +105,7 @@ impl FindingMessage {
             Self::Landings(landings) => Some(&landings.motions),
             Self::Branch(branch) => Some(&branch.points.motions),
             Self::Curve(curve) => Some(&curve.points.motions),
-            Self::Verification(_) | Self::Nothing(_) => None,
+            Self::Verification(_) | Self::Disturbance(_) | Self::Nothing(_) => None,
         }
     }
 
@@ -113,6 +116,7 @@ impl FindingMessage {
             Self::Branch(branch) => Brought::Branch { kind: branch.kind(), folds: branch.folds() },
             Self::Curve(curve) => Brought::Curve(curve.forcing().into()),
             Self::Verification(verification) => Brought::Verification(verification.points.len()),
+            Self::Disturbance(disturbance) => Brought::Disturbance(disturbance.endings.len()),
             Self::Nothing(outcome) => Brought::Nothing(*outcome),
         }
     }

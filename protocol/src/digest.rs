@@ -11,8 +11,7 @@ use serde::Serialize;
 use sha2::{Digest as _, Sha256};
 use solver::response::task::{BranchId, SeedOutcome, Task};
 
-/// How the encoding of a result begins that has neither curve nor landings nor a verification: a map of ten fields, of which
-/// the first is `branch`.
+/// How the encoding of a [plain](StoredResult::is_plain) result begins: a map of ten fields, of which the first is `branch`.
 const HEAD: &[u8] = b"\x8a\xa6branch";
 /// What follows if there is no branch: nil.
 const NO_BRANCH: usize = 1;
@@ -57,7 +56,7 @@ impl HashedBranch {
 
     /// The result with this branch and everything else as in `rest`, and the digest of its encoding.
     pub fn complete(self, rest: StoredResult) -> (StoredResult, Digest) {
-        if rest.curve.is_some() || rest.landings.is_some() || rest.verification.is_some() {
+        if !rest.is_plain() {
             let digest = Digest::of(&rest);
             return (rest, digest);
         }

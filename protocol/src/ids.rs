@@ -1,7 +1,7 @@
 //! Names of runs, tasks and workers: one chunk of a key each.
 
 use serde::{Deserialize, Serialize};
-use solver::response::task::VerifyPlace;
+use solver::response::task::{DisturbPlace, VerifyPlace};
 use solver::settings::Stretch;
 use std::fmt;
 use thiserror::Error;
@@ -97,6 +97,13 @@ impl TaskId {
         let VerifyPlace { branch, stretch } = place;
         let (amplitude, peak) = (amplitude.replace('+', ""), if *stretch == Stretch::Peak { "-peak" } else { "" });
         Self::new(&format!("verify-{amplitude}-{}-{}{peak}", branch.kind, branch.number + 1))
+    }
+
+    /// The task that scans pushes onto a branch of the level whose amplitude was typed as `amplitude`.
+    pub fn of_disturbance(amplitude: &str, place: &DisturbPlace) -> Result<Self, NameError> {
+        let DisturbPlace { branch, mode, .. } = place;
+        let amplitude = amplitude.replace('+', "");
+        Self::new(&format!("disturb-{amplitude}-{}-{}-mode-{}", branch.kind, branch.number + 1, mode + 1))
     }
 
     /// Whether this is a task of the level whose amplitude was typed as `amplitude`.

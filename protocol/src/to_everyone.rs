@@ -13,6 +13,7 @@ use solver::response::modes::ModesFollowed;
 use solver::response::task::{BranchId, SeedOutcome, Task};
 use solver::response::windows::Window;
 use solver::settings::Settings;
+use solver::stability::disturbance::Disturbance;
 use solver::stability::verification::Verification;
 
 /// A forcing amplitude.
@@ -149,6 +150,9 @@ pub struct StoredResult {
     /// What marching says of a branch.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub verification: Option<Verification>,
+    /// Where pushes end.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub disturbance: Option<Disturbance>,
     /// Task.
     pub task: TaskId,
     /// Attempt that was accepted.
@@ -167,6 +171,13 @@ pub struct StoredResult {
     pub program: String,
     /// Computing time, s.
     pub seconds: f64,
+}
+
+impl StoredResult {
+    /// Whether it has nothing but a branch, or not even that.
+    pub fn is_plain(&self) -> bool {
+        self.curve.is_none() && self.landings.is_none() && self.verification.is_none() && self.disturbance.is_none()
+    }
 }
 
 /// How a run is doing, on `status` every second.

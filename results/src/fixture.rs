@@ -317,6 +317,7 @@ impl<'s> Sweep<'s> {
             curve: None,
             landings: landings.as_deref().map(LandingsMessage::from),
             verification: None,
+            disturbance: None,
             worker: worker(),
             program: "0.1.0".into(),
             seconds: 0.25,

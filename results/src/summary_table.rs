@@ -1,6 +1,7 @@
 //! The closing table of a run: what was found at every forcing level, no line longer than its reader's terminal.
 
 mod footnotes;
+mod pushes;
 mod units;
 
 pub use units::{FrequencyUnit, LengthUnit, Units};
@@ -9,6 +10,7 @@ use crate::overview::{Level, Omissions, Overview, Rise, is_untouched, modes, tru
 use crate::store::{BranchRow, Reader, Result};
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets::UTF8_FULL_CONDENSED};
 use footnotes::{Footnotes, wrapped};
+use protocol::model::ModelMessage;
 use solver::response::branch::Outcome;
 
 /// Levels shown at most; all of them are in summary.csv.
@@ -74,6 +76,10 @@ pub fn table(reader: &Reader, layout: Layout) -> Result<String> {
     if let Some(sentence) = rise(&overview, layout.units) {
         say(&sentence);
     }
+    let pushes = omissions.read("The list of pushes is", reader.pushes()).unwrap_or_default();
+    let names = |model: &ModelMessage| model.monitors.iter().filter_map(|&dof| model.dofs.get(dof)).cloned().collect();
+    let monitors: Vec<String> = overview.model.as_ref().map(names).unwrap_or_default();
+    pushes::sentences(&pushes, &monitors, layout.units).iter().for_each(|sentence| say(sentence));
     Ok(text)
 }
 

@@ -134,6 +134,26 @@ fn a_finished_run_that_is_verified_afterwards() {
     assert_eq!(system.done(), done);
 }
 
+/// Pushed afterwards, a run says how hard a push throws its structure onto its isolas, though its coordinator was killed meanwhile.
+#[test]
+fn a_finished_run_that_is_pushed_afterwards() {
+    let mut system = System::sweep_with(DAMPER, &[LEVELS, &["--verify", "none", "--workers", "1"]].concat());
+    system.expect_complete();
+    let output = isola(&["disturb", &system.directory_text(), "--modes", "1", "--workers", "2"]);
+    assert!(output.status.success(), "{}", complaint(&output));
+    let said = String::from_utf8_lossy(&output.stdout);
+    assert!(said.contains("Smallest impulse found from the main branch that ends on isola 1 at A = "), "{said}");
+    let isolas = system.number("SELECT count(*) FROM branches WHERE kind = 'isola'");
+    assert!(isolas > 0);
+    assert_eq!(system.number("SELECT count(*) FROM pushes WHERE below < impulse AND confirmed"), isolas);
+    let pushes = std::fs::read_to_string(system.directory().join("pushes.csv")).unwrap();
+    assert_eq!(pushes.lines().count() as i64, isolas + 1, "{pushes}");
+    // Once more there is nothing to do.
+    let (done, output) = (system.done(), isola(&["disturb", &system.directory_text(), "--modes", "1"]));
+    assert!(output.status.success(), "{}", complaint(&output));
+    assert_eq!(system.done(), done);
+}
+
 /// Elastic: who joins late gets work.
 #[test]
 fn a_worker_that_joins_late() {

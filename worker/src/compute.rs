@@ -7,9 +7,10 @@ use solver::response::branch::{Branch, BranchPoint};
 use solver::response::critical::CriticalCurve;
 use solver::response::forced::{Forced, Reach};
 use solver::response::seeds::{Landing, Seed};
-use solver::response::task::{BranchId, Finding, SeedOutcome, Task, VerifyPlace};
+use solver::response::task::{BranchId, DisturbPlace, Finding, SeedOutcome, Task, VerifyPlace};
 use solver::response::trace::{Given, carry_out};
 use solver::settings::Settings;
+use solver::stability::disturbance::{DisturbSettings, disturb};
 use solver::stability::verification::verify;
 use solver::structure::Model;
 use std::any::Any;
@@ -79,9 +80,14 @@ impl Watch {
     }
 
     fn visit(&self, point: &BranchPoint) -> ControlFlow<()> {
+        self.note(point.omega(), point.amplitude())
+    }
+
+    /// One more point, or motion, of this frequency and amplitude.
+    fn note(&self, omega: f64, amplitude: f64) -> ControlFlow<()> {
         let mut progress = self.progress.lock().unwrap_or_else(PoisonError::into_inner);
         let points = progress.map_or(0, |progress| progress.points) + 1;
-        *progress = Some(Progress { points, omega: point.omega(), amplitude: point.amplitude() });
+        *progress = Some(Progress { points, omega, amplitude });
         if self.stop.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 }
@@ -147,8 +153,10 @@ fn compute(model: &Model, settings: &Settings, job: &Job, watch: &Watch) -> Comp
         return Computed::Stopped;
     }
     let started = Instant::now();
-    if let Task::Verify(place) = &job.work {
-        return verified(model, job, place, watch);
+    match &job.work {
+        Task::Verify(place) => return verified(model, job, place, watch),
+        Task::Disturb(place) => return disturbed(model, job, place, watch),
+        _ => {}
     }
     // New for every job: a result must not depend on what this thread computed before.
     let mut forced = Forced::new(model, settings, job.reach, job.amplitude);
@@ -180,6 +188,24 @@ fn verified(model: &Model, job: &Job, place: &VerifyPlace, watch: &Watch) -> Com
     };
     let outcome = SeedOutcome::Verified(found.points.len());
     let payload = payload(job, started, FindingMessage::Verification(found));
+    Computed::Finished(Finished { payload, finding: Finding::Nothing(outcome), summary: outcome.to_string() })
+}
+
+/// Where pushes onto a branch end.
+fn disturbed(model: &Model, job: &Job, place: &DisturbPlace, watch: &Watch) -> Computed {
+    let started = Instant::now();
+    let mut branch = job.known.iter().filter(|(id, _)| *id == place.branch).map(|(_, branch)| &**branch);
+    let mains: Vec<&Branch> = job.known.iter().filter(|(id, _)| id.is_main()).map(|(_, branch)| &**branch).collect();
+    let Some(branch) = branch.next() else {
+        return Computed::Failed(format!("the branch to be pushed onto, {}, is not among those named", place.branch));
+    };
+    let settings = DisturbSettings::default();
+    let mut observer = |amplitude: f64| watch.note(place.omega, amplitude);
+    let Some(found) = disturb(model, &settings, &mains, branch, place, &mut observer) else {
+        return Computed::Stopped;
+    };
+    let outcome = SeedOutcome::Disturbed(found.endings.len());
+    let payload = payload(job, started, FindingMessage::Disturbance(found));
     Computed::Finished(Finished { payload, finding: Finding::Nothing(outcome), summary: outcome.to_string() })
 }
 

@@ -11,6 +11,7 @@ use results::store::Extent;
 use solver::response::recheck::{Recheck, Refutation};
 use solver::response::task::{Brought, Task};
 use solver::settings::Settings;
+use solver::stability::disturbance::Disturbance;
 use solver::stability::verification::Verification;
 use solver::structure::Model;
 use std::sync::Arc;
@@ -56,6 +57,9 @@ pub enum Unsound {
         /// Points of the one asked for.
         expected: usize,
     },
+    /// Pushes that cannot be those that were asked for.
+    #[error("it is no scan of the pushes that were asked for")]
+    OtherPushes,
     /// Not the part of the branch that was asked for.
     #[error("it verifies another part of the branch")]
     OtherStretch,
@@ -85,6 +89,8 @@ pub struct CheckedResult {
     pub landings: Option<LandingsMessage>,
     /// What marching says of a branch.
     pub verification: Option<Verification>,
+    /// Where pushes end.
+    pub disturbance: Option<Disturbance>,
     /// The new branch in numbers.
     pub extent: Option<Extent>,
     /// What the task brought.
@@ -96,12 +102,7 @@ impl CheckedResult {
     ///
     /// # Errors
     /// If it does not fit the run, or does not solve its equations.
-    pub fn new(
-        request: SubmitRequest,
-        reference: &Reference,
-        expected: &Expected,
-        draw: u64,
-    ) -> Result<Self, Unsound> {
+    pub fn new(request: SubmitRequest, reference: &Reference, expected: &Expected, draw: u64) -> Result<Self, Unsound> {
         let SubmitRequest { lease, program, seconds, finding } = request;
         if program.len() > PROGRAM {
             return Err(Unsound::Program);
@@ -121,20 +122,31 @@ impl CheckedResult {
             FindingMessage::Branch(found) => recheck.branch(&found.branch(&size)?, expected.amplitude)?,
             FindingMessage::Curve(found) => recheck.curve(&found.curve(&size)?)?,
             FindingMessage::Verification(found) => verifies(found, &size, expected)?,
+            FindingMessage::Disturbance(found) => disturbs(found, &size, expected)?,
             FindingMessage::Nothing(_) => {}
         }
         let brought = finding.brought();
-        let (mut branch, mut curve, mut landings, mut verification) = (None, None, None, None);
+        let (mut branch, mut curve, mut landings) = (None, None, None);
+        let (mut verification, mut disturbance) = (None, None);
         match finding {
             FindingMessage::Landings(found) => landings = Some(found),
             FindingMessage::Branch(found) => branch = Some(found),
             FindingMessage::Curve(found) => curve = Some(found),
             FindingMessage::Verification(found) => verification = Some(found),
+            FindingMessage::Disturbance(found) => disturbance = Some(found),
             FindingMessage::Nothing(_) => {}
         }
         let extent = branch.as_ref().map(Extent::of);
         let branch = HashedBranch::new(branch);
-        Ok(Self { lease, program, seconds, branch, curve, landings, verification, extent, brought })
+        Ok(Self { lease, program, seconds, branch, curve, landings, verification, disturbance, extent, brought })
+    }
+}
+
+/// Whether pushes are those that were asked for.
+fn disturbs(found: &Disturbance, size: &Size, expected: &Expected) -> Result<(), Unsound> {
+    match &expected.work {
+        Task::Disturb(place) if found.is_sound(place, size.monitors) => Ok(()),
+        _ => Err(Unsound::OtherPushes),
     }
 }
 

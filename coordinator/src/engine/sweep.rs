@@ -11,6 +11,7 @@ use protocol::to_worker::{Acknowledgement, SubmitReply};
 use results::journal::{AcceptedResult, Change};
 use results::store::Extent;
 use solver::response::task::SeedOutcome;
+use solver::stability::verification::Verification;
 use std::collections::HashMap;
 use std::time::Duration;
 use tracing::warn;
@@ -25,6 +26,8 @@ pub(super) struct Sweep {
     pub ledger: Ledger,
     /// Accepted branches in numbers.
     extents: HashMap<TaskId, Extent>,
+    /// Verifications accepted since this process began.
+    verifications: HashMap<TaskId, Verification>,
 }
 
 impl Sweep {
@@ -38,7 +41,7 @@ impl Sweep {
         let stored = stored.unwrap_or_default();
         let (ledger, settled) = Ledger::restore(rules, plan.levels.clone(), &plan.added, stored.tasks, now);
         changes.extend(settled);
-        (Self { ledger, extents: stored.extents }, changes)
+        (Self { ledger, extents: stored.extents, verifications: HashMap::new() }, changes)
     }
 
     /// A task for a computing thread. `cancelled`: what it is told if the run was cancelled.
@@ -102,7 +105,9 @@ impl Sweep {
 
     /// The first result of a task.
     fn accept(&mut self, result: CheckedResult, accepted: Accepted, follow_up: Vec<Change>) -> Decision {
-        let CheckedResult { lease, program, seconds, branch, curve, landings, verification, extent, .. } = result;
+        let CheckedResult {
+            lease, program, seconds, branch, curve, landings, verification, disturbance, extent, ..
+        } = result;
         let Lease { task, attempt, worker, .. } = lease;
         let Accepted { outcome, sequence, amplitude, work } = accepted;
         let name = match outcome {
@@ -110,11 +115,13 @@ impl Sweep {
             _ => None,
         };
         self.extents.extend(extent.map(|extent| (task.clone(), extent)));
+        self.verifications.extend(verification.clone().map(|found| (task.clone(), found)));
         let (result, digest) = branch.complete(StoredResult {
             branch: None,
             curve,
             landings,
             verification,
+            disturbance,
             task,
             attempt,
             amplitude,
@@ -149,6 +156,11 @@ impl Sweep {
         };
         if !agrees {
             warn!(%task, %worker, "a second result disagrees with the stored one by more than {AGREEMENT:e}");
+        }
+        let verifications = self.verifications.get(task).zip(result.verification.as_ref());
+        let agrees = agrees && verifications.is_none_or(|(first, second)| first.agrees(second));
+        if !agrees && verifications.is_some() {
+            warn!(%task, %worker, "a second verification comes to other verdicts than the stored one");
         }
         SubmitReply::Duplicate { agrees }
     }

@@ -90,6 +90,7 @@ fn submit(lease: &Lease, extent: Option<Extent>, brought: Brought) -> Event {
         curve: None,
         landings: None,
         verification: None,
+        disturbance: None,
         extent,
         brought,
     }))

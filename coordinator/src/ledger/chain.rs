@@ -49,8 +49,8 @@ pub(super) enum Record {
     Level(LevelRecord),
     /// Curves over all levels.
     Curves(Vec<Curve>),
-    /// What nothing follows from: verifications of branches.
-    Verifications,
+    /// What nothing follows from: what marching says of branches.
+    Marched,
 }
 
 #[derive(Debug)]
@@ -112,7 +112,7 @@ impl Chain {
 
     /// The tasks that verify branches of all levels.
     pub fn of_verifications() -> Self {
-        Self::of(Record::Verifications)
+        Self::of(Record::Marched)
     }
 
     fn of(record: Record) -> Self {
@@ -124,7 +124,7 @@ impl Chain {
     pub fn level(&self) -> Option<&LevelRecord> {
         match &self.record {
             Record::Level(level) => Some(level),
-            Record::Curves(_) | Record::Verifications => None,
+            Record::Curves(_) | Record::Marched => None,
         }
     }
 
@@ -132,7 +132,7 @@ impl Chain {
     pub fn curves(&self) -> &[Curve] {
         match &self.record {
             Record::Curves(curves) => curves,
-            Record::Level(_) | Record::Verifications => &[],
+            Record::Level(_) | Record::Marched => &[],
         }
     }
 
@@ -175,25 +175,26 @@ impl Chain {
             (_, Brought::Nothing(outcome)) => Some(*outcome).filter(|outcome| self.is_known(outcome)),
             (Record::Level(level), brought) => level.account.outcome(brought),
             (Record::Curves(curves), Brought::Curve(_)) => Some(SeedOutcome::OnCurve(curves.len())),
-            (Record::Verifications, Brought::Verification(count)) => Some(SeedOutcome::Verified(*count)),
-            (Record::Curves(_) | Record::Verifications, _) => None,
+            (Record::Marched, Brought::Verification(count)) => Some(SeedOutcome::Verified(*count)),
+            (Record::Marched, Brought::Disturbance(count)) => Some(SeedOutcome::Disturbed(*count)),
+            (Record::Curves(_) | Record::Marched, _) => None,
         }
         .filter(|outcome| match self.entries[e].task {
             Task::Land(_) | Task::Start(_) => matches!(outcome, SeedOutcome::Landed(_) | SeedOutcome::NotLanded(_)),
-            Task::Fold(_) => {
-                !matches!(outcome, SeedOutcome::Found(_) | SeedOutcome::Landed(_) | SeedOutcome::Verified(_))
-            }
+            Task::Fold(_) => !matches!(outcome, SeedOutcome::Found(_) | SeedOutcome::Landed(_)) && !is_marched(outcome),
             Task::Main(_) | Task::Seed(_) | Task::Crossing(_) | Task::Begin(_) => {
-                !matches!(outcome, SeedOutcome::OnCurve(_) | SeedOutcome::Landed(_) | SeedOutcome::Verified(_))
+                !matches!(outcome, SeedOutcome::OnCurve(_) | SeedOutcome::Landed(_)) && !is_marched(outcome)
             }
             Task::Verify(_) => matches!(outcome, SeedOutcome::Verified(_)),
+            Task::Disturb(_) => matches!(outcome, SeedOutcome::Disturbed(_)),
         })
     }
 
     /// Whether what a task without anything new of its own refers to is there.
     fn is_known(&self, outcome: &SeedOutcome) -> bool {
         match (&self.record, outcome) {
-            (_, SeedOutcome::Landed(_) | SeedOutcome::Verified(_)) => false,
+            (_, outcome) if is_marched(outcome) => false,
+            (_, SeedOutcome::Landed(_)) => false,
             (Record::Level(level), SeedOutcome::Found(id)) => level.branches.iter().any(|b| b.known.branch == *id),
             (Record::Curves(curves), SeedOutcome::OnCurve(number)) => *number < curves.len(),
             _ => true,
@@ -221,7 +222,7 @@ impl Chain {
             (Record::Curves(curves), SeedOutcome::OnCurve(number), Some(Brought::Curve(forcing))) => {
                 curves.push(Curve { known: KnownCurve { number, task }, forcing: forcing.clone() });
             }
-            (Record::Curves(_) | Record::Verifications, ..) => {}
+            (Record::Curves(_) | Record::Marched, ..) => {}
         }
         entry.state = TaskState::Done(outcome);
     }
@@ -269,8 +270,8 @@ impl Chain {
         let is_needed = |task| self.level().is_none_or(|level| level.account.needs(task));
         match task {
             Task::Land(place) if place.way == Way::SteppedForcing && !self.is_decided(e, place) => Turn::Blocked,
-            Task::Land(_) | Task::Start(_) | Task::Verify(_) if is_needed(task) => Turn::Ready,
-            Task::Land(_) | Task::Start(_) | Task::Verify(_) => Turn::Needless,
+            _ if !task.is_ordered() && is_needed(task) => Turn::Ready,
+            _ if !task.is_ordered() => Turn::Needless,
             _ if taken => Turn::Blocked,
             _ if !is_needed(task) => Turn::Needless,
             _ => match self.landing(e).map(|landing| &self.entries[landing]) {
@@ -308,4 +309,9 @@ impl Chain {
         changes.extend(self.settle());
         changes
     }
+}
+
+/// Whether a task that marches came to it.
+fn is_marched(outcome: &SeedOutcome) -> bool {
+    matches!(outcome, SeedOutcome::Verified(_) | SeedOutcome::Disturbed(_))
 }

@@ -68,6 +68,7 @@ impl Ledger {
                     self.verified.insert((l, *place));
                     self.verifications()
                 }
+                Task::Disturb(_) => self.verifications(),
                 _ => continue,
             };
             self.index.insert(id.clone(), (c, self.chains[c].entries.len()));

@@ -9,7 +9,7 @@ use protocol::from_worker::{Lease, Progress};
 use protocol::ids::{Attempt, TaskId, WorkerId};
 use protocol::to_worker::{Known, KnownCurve};
 use results::journal::{AttemptEnd, Change, Holder, LevelPlan, TaskState};
-use solver::response::task::{BranchId, Brought, CrossingPlace, FoldPlace, Task, VerifyPlace};
+use solver::response::task::{BranchId, Brought, CrossingPlace, DisturbPlace, FoldPlace, Task, VerifyPlace};
 use std::collections::{BTreeMap, HashMap, HashSet, VecDeque};
 use std::time::Duration;
 
@@ -105,6 +105,10 @@ impl Ledger {
             }
             Task::Verify(VerifyPlace { branch, .. }) => {
                 (branches.filter(|known| known.branch == branch).cloned().collect(), Vec::new())
+            }
+            Task::Disturb(DisturbPlace { branch, .. }) => {
+                let matters = |known: &&Known| known.branch == branch || known.branch.is_main();
+                (branches.filter(matters).cloned().collect(), Vec::new())
             }
             Task::Crossing(CrossingPlace { curve, .. }) => {
                 let own = curves.filter(|known| known.known.number == curve);

@@ -16,7 +16,9 @@ use solver::response::branch::{BranchKind, Side};
 use solver::response::forcing::Unreached;
 use solver::response::seeds::{LandingFailure, Phase, Way};
 use solver::response::starts::StartPlace;
-use solver::response::task::{BranchId, Brought, CrossingPlace, FoldPlace, SeedOutcome, SeedPlace, Task, Unfollowed};
+use solver::response::task::{
+    BranchId, Brought, CrossingPlace, DisturbPlace, FoldPlace, SeedOutcome, SeedPlace, Task, Unfollowed,
+};
 use solver::response::windows::Window;
 use solver::settings::VerifyEffort;
 use std::collections::HashMap;
@@ -83,6 +85,11 @@ fn find(granted: &Granted) -> Brought {
                 "the branch to verify"
             );
             return Brought::Verification(7);
+        }
+        Task::Disturb(place) => {
+            assert!(known.iter().any(|known| known.branch.is_main()), "where pushes start from");
+            assert!(known.iter().all(|known| known.branch.is_main() || known.branch == place.branch));
+            return Brought::Disturbance(16);
         }
         Task::Land(place) if (place.window + amplitude as usize).is_multiple_of(4) => return Brought::Landings(2),
         Task::Land(place) => {
@@ -196,6 +203,17 @@ impl Driver {
         let ledger = Ledger::new(rules(), plans(levels));
         let (held, accepted, new, changes) = Default::default();
         Self { ledger, now: Duration::ZERO, held, accepted, new, changes }
+    }
+
+    /// An entry as the store has it.
+    fn stored(&self, entry: &TaskEntry) -> StoredTask {
+        StoredTask {
+            id: entry.id.clone(),
+            state: entry.state.clone(),
+            brought: self.new.get(&entry.id).cloned(),
+            holders: entry.holders.clone(),
+            troubles: Troubles::default(),
+        }
     }
 
     fn apply(&mut self, event: &Event) {

@@ -4,7 +4,9 @@ mod endings;
 mod results;
 
 pub use endings::outcomes;
-pub use results::{done, done_nothing, result, result_curve, result_landings, result_nothing, result_verification};
+pub use results::{
+    done, done_nothing, result, result_curve, result_disturbance, result_landings, result_nothing, result_verification,
+};
 
 use protocol::VERSION;
 use protocol::array::Array;
@@ -55,6 +57,7 @@ pub fn all(visitor: &mut impl Visit) {
     visitor.visit("result_curve", &result_curve());
     visitor.visit("result_landings", &result_landings());
     visitor.visit("result_verification", &result_verification());
+    visitor.visit("result_disturbance", &result_disturbance());
     visitor.visit("status", &status());
     visitor.visit("progress", &progress());
     visitor.visit("lease_request", &lease_request());

@@ -95,6 +95,8 @@ class Plots:
         colors = dict(zip(levels, _along_ramp(len(levels))))
         shown = []
         for name, row in summary.iterrows():
+            if name not in points.groups:
+                continue  # its points are damaged: reading them has warned
             curve = points.get_group(name)
             is_high = curve["amplitude"] >= _HIGH * curve["amplitude"].max()
             shown.append(curve["omega"][is_high] if row["kind"] == "main" else curve["omega"])

@@ -82,8 +82,9 @@ def _options(amplitudes: Amplitudes | None, workers: int | None, settings: dict[
         options.append(f"--amplitudes={_amplitudes(amplitudes)}")
     if workers is not None:
         options += ["--workers", str(workers)]
-    if isinstance(settings.get("search"), str):
-        options.append(f"--search={settings.pop('search')}")
+    for name in ("search", "verify"):
+        if isinstance(settings.get(name), str):
+            options.append(f"--{name}={settings.pop(name)}")
     for key, value in toml.dotted(settings):
         options += ["--set", f"{key}={value}"]
     return options

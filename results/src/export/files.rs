@@ -7,7 +7,7 @@ use super::csv_columns::CsvColumns;
 use super::table::{Table, optional, text};
 use crate::overview::Omissions;
 use crate::overview::{BranchRow, Level, Overview, unfinished};
-use crate::store::{BifurcationRow, CurveRow, Reader};
+use crate::store::{BifurcationRow, CurveRow, PushRow, Reader};
 use protocol::array::ArrayError;
 use protocol::backbone::BackboneMessage;
 use protocol::curve::Size;
@@ -42,8 +42,23 @@ const EVENTS: [&str; 7] = ["kind", "source", "forcing", "omega", "amplitude", "m
 
 const BIFURCATIONS: [&str; 5] = ["forcing", "branch", "kind", "omega", "amplitude"];
 
-/// Writes `summary.csv`, `backbone.csv`, `windows.csv`, `folds.csv`, `events.csv`, `bifurcations.csv` and `branches/*.csv` into
-/// folder `dir`, at any stage of a run.
+const PUSHES: [&str; 12] = [
+    "forcing",
+    "branch",
+    "mode",
+    "omega",
+    "monitor",
+    "motions",
+    "largest",
+    "impulse",
+    "below",
+    "velocity",
+    "phase",
+    "confirmed",
+];
+
+/// Writes `summary.csv`, `backbone.csv`, `windows.csv`, `folds.csv`, `events.csv`, `bifurcations.csv`, `branches/*.csv` and, of a run
+/// with pushes, `pushes.csv` into folder `dir`, at any stage of a run.
 ///
 /// Frequencies are in rad/s, lengths in m, each number in the shortest form that reads back the same.
 ///
@@ -71,6 +86,10 @@ pub(super) fn write(reader: &Reader, dir: &Path, omissions: &mut Omissions) -> R
     let bifurcations = omissions.read("The list of bifurcations is", reader.bifurcations()).unwrap_or_default();
     write_bifurcations(dir, &bifurcations)?;
     let monitors = overview.model.as_ref().map(monitors);
+    let pushes = omissions.read("The list of pushes is", reader.pushes()).unwrap_or_default();
+    if !pushes.is_empty() {
+        write_pushes(dir, &pushes, monitors.as_deref().unwrap_or_default())?;
+    }
     overview.each_branch(reader, omissions, |omissions, name, result| {
         let verified = reader.verification(result.task.as_str());
         let verified = omissions.read(format_args!("The stability of {name} is"), verified).flatten();
@@ -134,6 +153,33 @@ fn write_bifurcations(dir: &Path, rows: &[BifurcationRow]) -> Result<(), ExportE
     table.finish()
 }
 
+/// Writes the smallest pushes found that end on branches; impulses act at the named dof, N s.
+fn write_pushes(dir: &Path, rows: &[PushRow], monitors: &[String]) -> Result<(), ExportError> {
+    let mut table = Table::create(dir, "pushes.csv", &names(&PUSHES))?;
+    for row in rows {
+        let [largest, impulse, below, velocity, phase] =
+            [row.largest, row.impulse, row.below, row.velocity, row.phase].map(optional);
+        let confirmed = row.confirmed.map_or("", |confirmed| if confirmed { "true" } else { "false" });
+        let (mode, omega, motions) = (row.mode.to_string(), text(row.omega), row.motions.to_string());
+        let monitor = monitors.get(row.monitor).map_or("", String::as_str);
+        table.row([
+            row.forcing.as_str(),
+            &row.branch,
+            &mode,
+            &omega,
+            monitor,
+            &motions,
+            &largest,
+            &impulse,
+            &below,
+            &velocity,
+            &phase,
+            confirmed,
+        ])?;
+    }
+    table.finish()
+}
+
 fn names(columns: &[&str]) -> Vec<String> {
     columns.iter().map(ToString::to_string).collect()
 }
@@ -173,7 +219,8 @@ fn summary_row(level: &Level, branch: &BranchRow) -> [String; 18] {
         optional(certificate.pressure_beyond),
         optional(certificate.doubled.map(|doubled| doubled.amplitude)),
         optional(certificate.doubled.map(|doubled| doubled.shift)),
-        optional(branch.stability.as_ref().map(|stability| stability.stable)),
+        // Of what is around a peak no share of the branch follows.
+        optional(branch.stability.as_ref().filter(|stability| stability.is_whole).map(|stability| stability.stable)),
     ]
 }
 

@@ -14,7 +14,8 @@ pub(crate) fn verified_result(reader: &Reader, branch: &BranchRow) -> std::resul
     let Some(message) = result.branch.as_ref().filter(|_| name.is_some() && result.name == name) else {
         return Err(format!("the result of task {task} is another one"));
     };
-    let row = Extent::from([branch.omega.0, branch.omega.1, branch.amplitude_max, branch.omega_at_max]);
+    let numbers = [branch.omega.0, branch.omega.1, branch.amplitude_max, branch.omega_at_max];
+    let row = Extent { points: branch.points, ..Extent::from(numbers) };
     if Extent::of(message) != row {
         return Err("its numbers in the table of branches are others".into());
     }

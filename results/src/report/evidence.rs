@@ -2,7 +2,7 @@
 
 use crate::curves::BackboneCurve;
 use crate::overview::Level;
-use crate::store::{CurveRow, SearchCounts};
+use crate::store::{CurveRow, PushRow, SearchCounts};
 use protocol::to_everyone::Stage;
 use solver::response::branch::Outcome;
 use solver::response::modes::ModesFollowed;
@@ -24,6 +24,8 @@ pub struct Evidence<'r> {
     pub curves: &'r [CurveRow],
     /// What became of the tasks that follow from folds.
     pub search: SearchCounts,
+    /// Pushes that were marched.
+    pub pushes: &'r [PushRow],
     /// Why folds cannot be followed, if so.
     pub why_no_folds: Option<String>,
     /// How far the run has come, if that can be read.

@@ -7,7 +7,7 @@ use super::verdict::verdict;
 use crate::clock::now;
 use crate::curves::{BackboneCurve, Curve, Monitor, Motions, ResonanceComparison, monitors};
 use crate::figure::{Figures, Subject};
-use crate::overview::{BranchRow, Omissions, Overview, detail, unfinished, verified_result, why_no_folds};
+use crate::overview::{BranchRow, Omissions, Overview, unfinished, verified_result, why_no_folds};
 use crate::store::{CurveRow, Reader, Result, RunHeader};
 use protocol::backbone::BackboneMessage;
 use protocol::curve::Size;
@@ -131,7 +131,9 @@ impl Report {
         let mut mains = omissions.read("How main branches end is", reader.main_outcomes()).unwrap_or_default();
         mains.retain(|(amplitude, _)| overview.levels.iter().any(|level| level.amplitude == *amplitude));
         let curves = omissions.read("The list of fold curves is", reader.curves()).unwrap_or_default();
+        let pushes = omissions.read("The list of pushes is", reader.pushes()).unwrap_or_default();
         let evidence = Evidence {
+            pushes: &pushes,
             levels: &overview.levels,
             backbone: backbone.as_ref(),
             further: &further,
@@ -273,8 +275,11 @@ fn curves(
     for &(level, branch) in drawn {
         let read = verified_result(reader, branch).and_then(|result| {
             let curve = Curve::of(&result, level).map_err(|error| error.to_string())?;
-            let verified = reader.verification(&branch.task).map_err(|error| detail(&error))?;
-            let curve = curve.map(|curve| verified.iter().fold(curve, Curve::verified));
+            let verified = omissions.read(
+                format_args!("The stability of the branch of task {} is", branch.task),
+                reader.verification(&branch.task),
+            );
+            let curve = curve.map(|curve| verified.flatten().iter().fold(curve, Curve::verified));
             if let Some(curve) = &curve {
                 motions.choose((curves.len(), curve), &result, &size, share).map_err(|error| error.to_string())?;
             }

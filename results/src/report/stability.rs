@@ -3,7 +3,7 @@
 use super::evidence::Evidence;
 use crate::overview::{BranchRow, Level};
 use crate::store::Stability;
-use crate::words::count;
+use crate::words::{count, digits, frequency, length};
 
 impl Evidence<'_> {
     /// Whether isolas can be settled on, as a clause about one of them and all of them.
@@ -13,42 +13,72 @@ impl Evidence<'_> {
         if verified.is_empty() {
             return "whether it is stable and what leads there was not verified".into();
         }
-        let stable = verified.iter().filter(|stability| stability.stable > 0.0).count();
-        let unknown = verified.iter().filter(|stability| stability.stable == 0.0 && stability.unstable < 1.0).count();
-        let all = count(verified.len(), "isola");
-        let left = match isolas.len() - verified.len() {
-            0 => String::new(),
-            left => format!(" ({left} more not verified)"),
+        let is_stable = |stability: &&&Stability| stability.stable > 0.0;
+        let is_unknown = |stability: &&&Stability| stability.stable == 0.0 && stability.unstable == 0.0;
+        let (stable, unknown) = (verified.iter().filter(is_stable).count(), verified.iter().filter(is_unknown).count());
+        let unstable = verified.len() - stable - unknown;
+        let found = match [stable, unstable, unknown] {
+            [1, 0, 0] if isolas.len() == 1 => "time marching found parts of it stable: there the structure can settle".into(),
+            [0, 1, 0] if isolas.len() == 1 => {
+                "time marching found it unstable where it could tell: it separates, but nothing was seen to settle there".into()
+            }
+            [0, 0, 1] if isolas.len() == 1 => "time marching could not tell whether any of it is stable".into(),
+            _ => self.several(isolas.len(), [stable, unstable, unknown]),
         };
-        let found = match (stable, unknown) {
-            (0, 0) => {
-                format!("time marching found nothing of {all} stable{left}: it separates, but nothing settles there")
-            }
-            (0, _) => format!("time marching found nothing of {all} stable{left}, though not all could be verified"),
-            (stable, _) if stable == verified.len() && stable == 1 => {
-                format!("time marching found parts of it stable{left}: there the structure can settle")
-            }
-            (stable, _) if stable == verified.len() => {
-                format!("time marching found parts of each of {all} stable{left}: there the structure can settle")
-            }
-            (stable, _) => {
-                format!("time marching found parts of {stable} of {all} stable{left}: there the structure can settle")
-            }
-        };
-        format!("{found}; what leads there was not looked for")
+        format!("{found}; {}", self.what_leads_there())
     }
 
-    /// What is known of the stability of the largest response.
-    pub(super) fn stability_of_peak(&self, largest: &BranchRow) -> &'static str {
-        match largest.stability.as_ref().and_then(|stability| stability.peak.as_deref()) {
-            Some("stable") => "; by time marching it is stable",
-            Some("unstable") => "; by time marching it is unstable",
-            Some("marginal") => "; by time marching it is at the edge of stability",
-            Some("not_comparable") => {
-                "; whether it is stable is not known: marching loses impact energy that the balance keeps"
+    /// The smallest push found that leads to an isola, if pushes were marched.
+    fn what_leads_there(&self) -> String {
+        let least =
+            self.pushes.iter().filter_map(|push| Some((push, push.impulse?))).min_by(|a, b| a.1.total_cmp(&b.1));
+        match least {
+            None if self.pushes.is_empty() => "what leads there was not looked for".into(),
+            None => "no push that leads there was found".into(),
+            Some((push, impulse)) => format!(
+                "the smallest impulse found that leads there from the main branch is {} N s in mode {} ({} at A = {}, {})",
+                digits(impulse, 3),
+                push.mode,
+                push.branch,
+                push.forcing,
+                frequency(push.omega)
+            ),
+        }
+    }
+
+    /// The same of several isolas: how many are stable in parts, unstable wherever that is known, and how many nothing is known of.
+    fn several(&self, all: usize, [stable, unstable, unknown]: [usize; 3]) -> String {
+        let parts = [
+            (stable, "stable in parts, where the structure can settle"),
+            (unstable, "unstable wherever time marching could tell"),
+            (unknown, "beyond what time marching could tell"),
+            (all - stable - unstable - unknown, "not verified"),
+        ];
+        let said: Vec<String> = parts.iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!("{n} {what}")).collect();
+        format!("of {} {}", count(all, "isola"), said.join(", "))
+    }
+
+    /// What is known of the stability of the largest response: of the motion that marching has near it, which may be a little
+    /// lower and at another frequency.
+    pub(super) fn stability_of_peak(&self, largest: &BranchRow) -> String {
+        let Some(peak) = largest.stability.as_ref().and_then(|stability| stability.peak.as_ref()) else {
+            return "; whether it is stable was not verified".into();
+        };
+        let motion = peak.at.map_or_else(String::new, |(omega, amplitude)| {
+            format!(
+                "; the periodic motion that time marching has near it, {} at {},",
+                length(amplitude),
+                frequency(omega)
+            )
+        });
+        match peak.verdict.as_str() {
+            "stable" => motion + " is stable",
+            "unstable" => motion + " is unstable",
+            "marginal" => motion + " is at the edge of stability",
+            "not_comparable" => {
+                "; whether it is stable is not known: marching loses impact energy that the balance keeps".into()
             }
-            Some(_) => "; time marching found no periodic motion near it",
-            None => "; whether it is stable was not verified",
+            _ => "; time marching found no periodic motion near it".into(),
         }
     }
 }

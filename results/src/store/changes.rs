@@ -9,6 +9,7 @@ use super::extent::{Extent, contact_range};
 use super::header::{pack, set_stage};
 use super::plan::{insert_added, insert_plan};
 use super::points_table::POINTS;
+use super::pushes::insert_push;
 use super::scalars::Scalars;
 use super::verifications::insert_verification;
 use crate::journal::{AcceptedResult, AttemptEnd, Change, Holder};
@@ -92,7 +93,10 @@ impl Changes<'_> {
             _ => None,
         };
         let found = branch.is_some()
-            || matches!(outcome, SeedOutcome::OnCurve(_) | SeedOutcome::Landed(_) | SeedOutcome::Verified(_));
+            || matches!(
+                outcome,
+                SeedOutcome::OnCurve(_) | SeedOutcome::Landed(_) | SeedOutcome::Verified(_) | SeedOutcome::Disturbed(_)
+            );
         let sql = "UPDATE tasks SET state = 'done', outcome = ?2, found = ?3, branch = ?4, record = ?5 WHERE id = ?1";
         self.execute(sql, params![task.as_str(), outcome.to_string(), found, branch, pack(outcome)])?;
         let sql = "UPDATE attempts SET ended_at = ?3, \"end\" = 'done' \
@@ -123,10 +127,14 @@ impl Changes<'_> {
             (None, Some(curve), SeedOutcome::OnCurve(number)) => {
                 insert_curve(self.db, self.file, &result.task, number, curve)
             }
-            _ => match (&result.verification, &result.work) {
-                (Some(verification), Task::Verify(place)) => {
+            _ => match (&result.verification, &result.disturbance, &result.work) {
+                (Some(verification), _, Task::Verify(place)) => {
                     let of = (&result.task, result.amplitude.text.as_str(), place);
                     insert_verification(self.db, self.file, of, verification)
+                }
+                (_, Some(disturbance), Task::Disturb(place)) => {
+                    let of = (&result.task, result.amplitude.text.as_str(), place);
+                    insert_push(self.db, self.file, of, disturbance)
                 }
                 _ => Ok(()),
             },
@@ -195,6 +203,7 @@ fn without_numbers(result: &StoredResult) -> StoredResult {
         curve: None,
         landings: None,
         verification: None,
+        disturbance: None,
         worker: result.worker.clone(),
         program: result.program.clone(),
         seconds: result.seconds,

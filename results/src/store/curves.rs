@@ -72,6 +72,8 @@ pub struct SearchCounts {
     pub fewest: usize,
     /// Branches that they led to.
     pub started: usize,
+    /// Verifications that were given up.
+    pub unverified: usize,
 }
 
 const ALL_FOLDS: &str =
@@ -170,6 +172,7 @@ impl Reader {
         counts.fewest = BATCH * number(sql)?;
         let sql = "SELECT count(*) FROM branches JOIN tasks ON tasks.id = branches.task WHERE tasks.kind = 'begin'";
         counts.started = number(sql)?;
+        counts.unverified = number("SELECT count(*) FROM tasks WHERE kind = 'verify' AND state = 'dead'")?;
         Ok(counts)
     }
 

@@ -20,6 +20,7 @@ mod lock;
 mod number;
 mod plan;
 mod points_table;
+mod pushes;
 mod reader;
 mod scalars;
 #[cfg(test)]
@@ -29,8 +30,9 @@ mod verifications;
 pub use curves::{CurvePoint, CurveRow, SearchCounts};
 pub use error::StoreError;
 pub use extent::Extent;
+pub use pushes::PushRow;
 pub use reader::Reader;
-pub use verifications::{BifurcationRow, Stability, verdict_name};
+pub use verifications::{BifurcationRow, PeakOrbit, Stability, verdict_name};
 
 #[cfg(any(feature = "figures", feature = "page"))]
 pub use account::{TaskRow, WorkerCost};

@@ -205,7 +205,8 @@ pub(super) fn insert_added(db: &Connection, file: &Path, added: &[AddedTask]) ->
         let sql = match task {
             Task::Fold(_) => "SELECT count(*) FROM tasks WHERE kind = 'fold' AND ?1",
             Task::Verify(_) => "SELECT count(*) FROM tasks WHERE kind = 'verify' AND ?1",
-            _ => "SELECT count(*) FROM tasks WHERE kind NOT IN ('fold', 'verify') AND level = ?1",
+            Task::Disturb(_) => "SELECT count(*) FROM tasks WHERE kind = 'disturb' AND ?1",
+            _ => "SELECT count(*) FROM tasks WHERE kind NOT IN ('fold', 'verify', 'disturb') AND level = ?1",
         };
         let position: usize = db.prepare_cached(sql).at(file)?.query_row([level], |row| row.get(0)).at(file)?;
         insert_task(db, file, level, position, id, task)?;
@@ -241,6 +242,7 @@ fn insert_task(db: &Connection, file: &Path, level: i64, position: usize, id: &T
         Task::Start(place) => ("start", None, Some(format!("starts, batch {}", place.batch + 1))),
         Task::Begin(place) => ("begin", None, Some(format!("starts, batch {}", place.batch + 1))),
         Task::Verify(place) => ("verify", None, Some(of_verification(place))),
+        Task::Disturb(place) => ("disturb", None, Some(format!("{}, mode {}", place.branch, place.mode + 1))),
     };
     let row = params![
         id.as_str(),
@@ -298,7 +300,7 @@ pub(super) fn read_plans(db: &Connection, file: &Path) -> Result<Vec<LevelPlan>>
         db,
         file,
         &mut plans,
-        "SELECT level, work FROM tasks WHERE kind NOT IN ('fold', 'verify') ORDER BY level, position",
+        "SELECT level, work FROM tasks WHERE kind NOT IN ('fold', 'verify', 'disturb') ORDER BY level, position",
         |plan, row| {
             let work: Vec<u8> = row.get(1).at(file)?;
             plan.tasks.push(unpack(file, &work)?);
@@ -310,7 +312,7 @@ pub(super) fn read_plans(db: &Connection, file: &Path) -> Result<Vec<LevelPlan>>
 
 /// The tasks that were added over all levels, those of a kind in their order.
 pub(super) fn read_added(db: &Connection, file: &Path) -> Result<Vec<AddedTask>> {
-    let sql = "SELECT id, amplitude, work FROM tasks JOIN levels USING (level) WHERE kind IN ('fold', 'verify') \
+    let sql = "SELECT id, amplitude, work FROM tasks JOIN levels USING (level) WHERE kind IN ('fold', 'verify', 'disturb') \
                ORDER BY kind, position";
     let mut statement = db.prepare_cached(sql).at(file)?;
     let mut rows = statement.query([]).at(file)?;

@@ -99,13 +99,15 @@ CREATE TABLE tasks (
     id TEXT NOT NULL PRIMARY KEY,
     -- Level; of a 'fold' the one that its curve starts from.
     level INTEGER NOT NULL REFERENCES levels (level),
-    -- Turn within the level, from 0; of a 'fold' and of a 'verify' the turn among all of its kind.
+    -- Turn within the level, from 0; of a 'fold', a 'verify' and a 'disturb' the turn among all of its kind.
     position INTEGER NOT NULL,
     -- 'main' (from a frequency bound), 'land' (lands a seed of a window), 'seed' (from what a seed landed on), 'fold'
     -- (follows a fold of a branch over the forcing), 'crossing' (from where a fold curve crosses the level), 'start' (a
-    -- batch of random starts), 'begin' (from what they led to) or 'verify' (the stability of a branch, by time marching).
+    -- batch of random starts), 'begin' (from what they led to), 'verify' (the stability of a branch, by time marching) or
+    -- 'disturb' (pushes that may end on a branch, by time marching).
     kind TEXT NOT NULL,
-    -- What it follows from, if not a window: 'isola 1, fold 2', 'fold curve 3' or 'starts, batch 1'; of a 'verify' the branch.
+    -- What it follows from, if not a window: 'isola 1, fold 2', 'fold curve 3' or 'starts, batch 1'; of a 'verify' the branch, of
+    -- a 'disturb' with the mode.
     origin TEXT,
     -- Window the seed is from; NULL unless 'land' or 'seed', as the next two.
     window INTEGER,
@@ -121,7 +123,8 @@ CREATE TABLE tasks (
     forgiven INTEGER NOT NULL DEFAULT 0,
     -- What became of it, in words; NULL unless done.
     outcome TEXT,
-    -- Whether it lies on a branch or, of a 'fold', on a fold curve, or whether it landed or verified points; NULL unless done.
+    -- Whether it lies on a branch or, of a 'fold', on a fold curve, or whether it landed verified points or marched pushes; NULL unless
+    -- done.
     found INTEGER,
     -- That branch, 'main' or 'isola 1', …; NULL unless found.
     branch TEXT,
@@ -130,7 +133,7 @@ CREATE TABLE tasks (
     -- What became of it, msgpack.
     record BLOB
 );
-CREATE UNIQUE INDEX turns ON tasks (level, position) WHERE kind NOT IN ('fold', 'verify');
+CREATE UNIQUE INDEX turns ON tasks (level, position) WHERE kind NOT IN ('fold', 'verify', 'disturb');
 
 -- Every time a task was handed out.
 CREATE TABLE attempts (
@@ -286,8 +289,8 @@ CREATE TABLE verifications (
     -- Shares of the points of the branch that are known to be stable, and unstable.
     stable REAL NOT NULL,
     unstable REAL NOT NULL,
-    -- What is known of the point of largest amplitude: as verified_points.verdict.
-    peak TEXT
+    -- Number of the point of largest amplitude, = verified_points.i, if it was verified.
+    peak INTEGER
 ) WITHOUT ROWID;
 
 -- Points of branches that were verified: the marched orbit near each, and its stability.
@@ -360,3 +363,33 @@ CREATE TABLE arrays (
     data BLOB NOT NULL,
     UNIQUE (owner, name)
 );
+
+-- Pushes from the main motion of a level in one mode each: the smallest found that ends on a branch.
+CREATE TABLE pushes (
+    -- Task that marched them.
+    task TEXT NOT NULL PRIMARY KEY REFERENCES results (task),
+    -- Branch.
+    branch INTEGER NOT NULL REFERENCES branches (id),
+    -- Number of the mode, from 1.
+    mode INTEGER NOT NULL,
+    -- Frequency of both motions.
+    omega REAL NOT NULL,
+    -- Number of the monitored dof that the mode moves most, from 0: impulses are those that act there.
+    monitor INTEGER NOT NULL,
+    -- Motions that were marched in the scan.
+    motions INTEGER NOT NULL,
+    -- The largest impulse that was scanned, N s.
+    largest REAL,
+    -- The smallest impulse found that ends on the branch, N s; NULL if none does, as in the next columns.
+    impulse REAL,
+    -- The largest smaller one at this phase that was seen not to.
+    below REAL,
+    -- What it changes the velocity of the dof by, m/s.
+    velocity REAL,
+    -- When it acts, as a share of the period from where the forcing is largest.
+    phase REAL,
+    -- 1 if both were marched until they were beyond doubt where they end.
+    confirmed INTEGER,
+    -- Why nothing was scanned, in words.
+    reason TEXT
+) WITHOUT ROWID;

@@ -2,12 +2,10 @@
 
 use super::error::At;
 use super::{Reader, Result};
-use protocol::codec::decode_stored;
 use protocol::ids::TaskId;
-use protocol::to_everyone::StoredResult;
 use rusqlite::{Connection, Row, params};
 use serde::Serialize;
-use solver::response::task::VerifyPlace;
+use solver::response::task::{BranchId, VerifyPlace};
 use solver::settings::Stretch;
 use solver::stability::along::End;
 use solver::stability::multipliers::Verdict;
@@ -33,15 +31,26 @@ pub struct BifurcationRow {
     pub amplitude: f64,
 }
 
+/// The marched orbit near the point of largest amplitude of a branch.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PeakOrbit {
+    /// Whether it is stable, or what is known instead: a word of [`verdict_name`].
+    pub verdict: String,
+    /// Its frequency, rad/s, and its largest |x| of the first monitored dof, m, if there is one.
+    pub at: Option<(f64, f64)>,
+}
+
 /// What is known of the stability of a branch in numbers.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Stability {
+    /// Whether all of it was looked at, and not only what is around its peak.
+    pub is_whole: bool,
     /// Share of its points that are known to be stable, 0 to 1.
     pub stable: f64,
     /// Share of its points that are known to be unstable.
     pub unstable: f64,
-    /// What is known of its point of largest amplitude: a word of [`verdict_name`].
-    pub peak: Option<String>,
+    /// What is near its point of largest amplitude, if that was looked at.
+    pub peak: Option<PeakOrbit>,
 }
 
 /// The word for a verdict in tables and files.
@@ -70,6 +79,13 @@ fn end_name(end: End) -> &'static str {
     }
 }
 
+/// Number in the file of a branch of the level whose amplitude was typed as `amplitude`, and how many points it has.
+pub(super) fn branch_of(db: &Connection, file: &Path, amplitude: &str, branch: BranchId) -> Result<(i64, usize)> {
+    let sql = "SELECT id, points FROM branches WHERE amplitude = ?1 AND kind = ?2 AND number = ?3";
+    let of = params![amplitude, branch.kind.name(), branch.number + 1];
+    db.prepare_cached(sql).at(file)?.query_row(of, |row| Ok((row.get(0)?, row.get(1)?))).at(file)
+}
+
 /// Stores the verification of a branch of the level whose amplitude was typed as `amplitude`.
 pub(super) fn insert_verification(
     db: &Connection,
@@ -78,12 +94,7 @@ pub(super) fn insert_verification(
     verification: &Verification,
 ) -> Result<()> {
     let VerifyPlace { branch, stretch } = place;
-    let sql = "SELECT id, points FROM branches WHERE amplitude = ?1 AND kind = ?2 AND number = ?3";
-    let found = db
-        .prepare_cached(sql)
-        .at(file)?
-        .query_row(params![amplitude, branch.kind.name(), branch.number + 1], |row| Ok((row.get(0)?, row.get(1)?)));
-    let (id, points): (i64, usize) = found.at(file)?;
+    let (id, points) = branch_of(db, file, amplitude, *branch)?;
     // One of another branch than that says nothing of it.
     if verification.count != points {
         return Ok(());
@@ -97,7 +108,7 @@ pub(super) fn insert_verification(
         end_name(verification.end),
         verification.share(Verdict::Stable),
         verification.share(Verdict::Unstable),
-        verification.peak.map(verdict_name),
+        verification.at_peak().map(|point| point.index),
     ];
     db.prepare_cached(sql).at(file)?.execute(row).at(file)?;
     insert_points(db, file, task, verification)?;
@@ -149,10 +160,14 @@ impl Reader {
         if self.version()? < SINCE {
             return Ok(HashMap::new());
         }
-        let sql = "SELECT branch, verifications.stable, unstable, peak FROM verifications \
-                   JOIN branches ON branches.id = branch WHERE level = ?1 ORDER BY stretch = 'whole'";
+        let sql = "SELECT branch, stretch = 'whole', verifications.stable, unstable, point.verdict, point.omega, point.amplitude \
+                   FROM verifications JOIN branches ON branches.id = branch \
+                   LEFT JOIN verified_points AS point ON point.task = verifications.task AND point.i = peak \
+                   WHERE level = ?1 ORDER BY stretch = 'whole'";
         let row = |row: &Row<'_>| {
-            Ok((row.get(0)?, Stability { stable: row.get(1)?, unstable: row.get(2)?, peak: row.get(3)? }))
+            let at = row.get::<_, Option<f64>>(5)?.zip(row.get(6)?);
+            let peak = row.get::<_, Option<String>>(4)?.map(|verdict| PeakOrbit { verdict, at });
+            Ok((row.get(0)?, Stability { is_whole: row.get(1)?, stable: row.get(2)?, unstable: row.get(3)?, peak }))
         };
         Ok(self.all(sql, [level], row)?.into_iter().collect())
     }
@@ -162,12 +177,18 @@ impl Reader {
         if self.version()? < SINCE {
             return Ok(None);
         }
-        let sql = "SELECT record FROM branches JOIN verifications ON branch = branches.id \
-                   JOIN results ON results.task = verifications.task WHERE branches.task = ?1 \
-                   ORDER BY stretch = 'whole' DESC LIMIT 1";
-        let Some(record) = self.one(sql, [task], |row| row.get::<_, Vec<u8>>(0))? else { return Ok(None) };
-        let result: StoredResult = decode_stored(&record).map_err(|error| self.corrupt(error))?;
-        Ok(result.verification)
+        let sql = "SELECT verifications.task, points FROM branches JOIN verifications ON branch = branches.id \
+                   WHERE branches.task = ?1 ORDER BY stretch = 'whole' DESC LIMIT 1";
+        let row = |row: &Row<'_>| Ok((row.get::<_, String>(0)?, row.get::<_, usize>(1)?));
+        let Some((name, points)) = self.one(sql, [task], row)? else { return Ok(None) };
+        let id = TaskId::new(&name).map_err(|error| self.corrupt(error))?;
+        let found = self.result(&id)?.and_then(|result| result.verification);
+        match found.filter(|found| found.count == points && found.is_sound(found.monitors())) {
+            Some(found) => Ok(Some(found)),
+            None => {
+                Err(self.corrupt(format!("the result of task {name} is no verification of the branch of task {task}")))
+            }
+        }
     }
 
     /// The bifurcations of marched orbits, level by level in the order of the study and branch by branch.

@@ -231,6 +231,11 @@ impl Branch {
         best.expect("a branch has at least its start")
     }
 
+    /// Numbers of the points at which it turns in frequency, in the order of the arc.
+    pub fn folds(&self) -> impl Iterator<Item = usize> {
+        self.special.iter().filter(|special| special.kind == SpecialKind::Fold).map(|special| special.index)
+    }
+
     /// Special points of one kind.
     pub fn special(&self, kind: SpecialKind) -> impl Iterator<Item = &BranchPoint> {
         self.special.iter().filter(move |s| s.kind == kind).map(|s| &self.points[s.index])

@@ -60,6 +60,17 @@ impl VerifyPlace {
     }
 }
 
+/// Pushes that may throw the structure onto a branch: [`crate::stability::disturbance::disturb`].
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct DisturbPlace {
+    /// The branch.
+    pub branch: BranchId,
+    /// Number of the mode that is pushed, from 0.
+    pub mode: usize,
+    /// Frequency, rad/s.
+    pub omega: f64,
+}
+
 /// Where a fold curve crosses a level.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct CrossingPlace {
@@ -71,7 +82,8 @@ pub struct CrossingPlace {
 
 /// One piece of work: continues one branch at one forcing amplitude, or one curve over the forcing amplitudes, or lands where
 /// one may begin, or verifies one. Messages say `"main"` for the main branch from below, `{"main": "above"}` for the one from above,
-/// `{"land": …}`, `{"seed": …}`, `{"fold": …}`, `{"crossing": …}`, `{"start": …}`, `{"begin": …}` and `{"verify": …}`.
+/// `{"land": …}`, `{"seed": …}`, `{"fold": …}`, `{"crossing": …}`, `{"start": …}`, `{"begin": …}`, `{"verify": …}` and
+/// `{"disturb": …}`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Task {
     /// The main branch, from one of the frequency bounds.
@@ -90,6 +102,8 @@ pub enum Task {
     Begin(StartPlace),
     /// The stability of a branch, by time marching: [`crate::stability::verification::verify`].
     Verify(VerifyPlace),
+    /// How hard a push throws the structure onto a branch, by time marching: [`crate::stability::disturbance::disturb`].
+    Disturb(DisturbPlace),
 }
 
 impl Task {
@@ -105,9 +119,14 @@ impl Task {
         }
     }
 
+    /// Whether it marches in time, and takes no balance.
+    pub fn is_marched(&self) -> bool {
+        matches!(self, Task::Verify(_) | Task::Disturb(_))
+    }
+
     /// Whether it has to know what those before it found: such tasks are carried out one after the other.
     pub fn is_ordered(&self) -> bool {
-        !matches!(self, Task::Land(_) | Task::Start(_) | Task::Verify(_))
+        !matches!(self, Task::Land(_) | Task::Start(_)) && !self.is_marched()
     }
 }
 
@@ -123,6 +142,7 @@ impl Serialize for Task {
             Task::Start(place) => serializer.serialize_newtype_variant("Task", 5, "start", place),
             Task::Begin(place) => serializer.serialize_newtype_variant("Task", 6, "begin", place),
             Task::Verify(place) => serializer.serialize_newtype_variant("Task", 7, "verify", place),
+            Task::Disturb(place) => serializer.serialize_newtype_variant("Task", 8, "disturb", place),
         }
     }
 }
@@ -146,13 +166,17 @@ enum TaskKind {
     Start,
     Begin,
     Verify,
+    Disturb,
 }
 
 impl<'de> Visitor<'de> for TaskVisitor {
     type Value = Task;
 
     fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str("\"main\", or a map of `main`, `land`, `seed`, `fold`, `crossing`, `start`, `begin` or `verify`")
+        f.write_str(
+            "\"main\", or a map of `main`, `land`, `seed`, `fold`, `crossing`, `start`, `begin`, `verify` or \
+                     `disturb`",
+        )
     }
 
     fn visit_str<E: Error>(self, text: &str) -> Result<Task, E> {
@@ -169,6 +193,7 @@ impl<'de> Visitor<'de> for TaskVisitor {
             Some(TaskKind::Start) => Task::Start(map.next_value()?),
             Some(TaskKind::Begin) => Task::Begin(map.next_value()?),
             Some(TaskKind::Verify) => Task::Verify(map.next_value()?),
+            Some(TaskKind::Disturb) => Task::Disturb(map.next_value()?),
             None => return Err(M::Error::invalid_length(0, &self)),
         };
         if map.next_key::<IgnoredAny>()?.is_some() {
@@ -200,6 +225,8 @@ pub enum SeedOutcome {
     NotFollowed(Unfollowed),
     /// So many of its points were verified.
     Verified(usize),
+    /// So many pushes of a scan were marched.
+    Disturbed(usize),
 }
 
 /// Why no fold curve starts at a fold.
@@ -241,6 +268,7 @@ impl std::fmt::Display for SeedOutcome {
             SeedOutcome::OnCurve(number) => write!(f, "fold curve {}", number + 1),
             SeedOutcome::Verified(1) => write!(f, "1 point verified"),
             SeedOutcome::Verified(count) => write!(f, "{count} points verified"),
+            SeedOutcome::Disturbed(count) => write!(f, "{count} pushes marched"),
             SeedOutcome::NotFollowed(failure) => write!(f, "no fold curve starts there: {failure}"),
         }
     }
@@ -290,6 +318,8 @@ pub enum Brought {
     Curve(Arc<[f64]>),
     /// What marching says of so many points of a branch.
     Verification(usize),
+    /// Where so many pushes of a scan end.
+    Disturbance(usize),
     /// Nothing new, and why.
     Nothing(SeedOutcome),
 }

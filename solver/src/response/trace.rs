@@ -29,7 +29,7 @@ pub struct Given<'g> {
     pub curves: &'g [(usize, &'g CriticalCurve)],
 }
 
-/// Carries out a task; of a verification nothing, which takes no balance. `None` if `observer` breaks.
+/// Carries out a task; of one that marches nothing, which takes no balance. `None` if `observer` breaks.
 pub fn carry_out<'m, F: Formulation<'m>>(
     forced: &mut Forced<'m, F>,
     task: &Task,
@@ -53,6 +53,7 @@ pub fn carry_out<'m, F: Formulation<'m>>(
         ),
         Task::Begin(_) => begin(forced, landings, known, observer),
         Task::Verify(_) => Finding::Nothing(SeedOutcome::Verified(0)),
+        Task::Disturb(_) => Finding::Nothing(SeedOutcome::Disturbed(0)),
     };
     let Finding::Branch(mut branch) = finding else { return Some(finding) };
     if branch.is_cancelled() {

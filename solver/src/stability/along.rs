@@ -145,7 +145,12 @@ impl Pass<'_> {
         let looked_at = spread[0]..=spread[spread.len() - 1];
         let special = self.branch.special.iter().map(|special| special.index);
         let is_whole = self.settings.stretch == Stretch::Whole;
-        let special = special.filter(|index| is_whole || looked_at.contains(index));
+        // Two folds change the number of multipliers outside and change it back: what is between them is looked at.
+        let folds: Vec<usize> = self.branch.folds().collect();
+        let around = folds.last().zip(folds.first()).filter(|_| self.branch.is_closed());
+        let pairs = folds.windows(2).map(|pair| (pair[0], pair[1])).chain(around.map(|(last, first)| (*last, *first)));
+        let between = pairs.filter_map(|pair| self.middle(pair));
+        let special = special.chain(between).filter(|index| is_whole || looked_at.contains(index));
         let mut first: Vec<usize> = spread.iter().copied().chain(special).collect();
         first.sort_unstable();
         first.dedup();

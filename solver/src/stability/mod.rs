@@ -3,8 +3,10 @@
 pub mod along;
 pub mod bifurcation;
 mod crossing;
+pub mod disturbance;
 pub mod marching;
 pub mod multipliers;
+mod nearby;
 pub mod polish;
 pub mod shooting;
 pub mod verification;

@@ -27,11 +27,14 @@ pub struct PolishSettings {
     /// The difference matters where this energy is not small beside what damping and friction take, that is beside what
     /// the forcing supplies. A reduced blade of 39 dofs loses 0.1 to 0.2 % of it in impacts, a single mass all of it.
     pub impacts: f64,
+    /// Most work that a period with its tangent may be: time steps times numbers in a step's tangent. A blade of 39 dofs has 1e7,
+    /// and takes tens of milliseconds.
+    pub work: f64,
 }
 
 impl Default for PolishSettings {
     fn default() -> Self {
-        Self { marching: MarchingSettings::default(), distance: 0.2, detuning: 0.01, impacts: 0.02 }
+        Self { marching: MarchingSettings::default(), distance: 0.2, detuning: 0.01, impacts: 0.02, work: 3e8 }
     }
 }
 
@@ -47,6 +50,8 @@ pub enum Reason {
     TooFar,
     /// The motion could not be marched, or its multipliers not be computed.
     Failed,
+    /// A period takes too many time steps ([`PolishSettings::work`]).
+    Costly,
 }
 
 impl std::fmt::Display for Reason {
@@ -56,6 +61,7 @@ impl std::fmt::Display for Reason {
             Self::NotConverged => "no marched orbit was found",
             Self::TooFar => "the marched orbit is another one",
             Self::Failed => "the motion could not be marched",
+            Self::Costly => "a period takes too many time steps: a law acts, or a mode moves, too fast",
         })
     }
 }
@@ -112,6 +118,9 @@ pub fn polish(model: &Model, settings: &PolishSettings, state: &State, around: A
     let Ok(mut shooting) = Shooting::new(model, &settings.marching, state) else {
         return nothing(Verdict::NoOrbitNearby, Reason::Failed, (0, 0));
     };
+    if shooting.work() > settings.work {
+        return nothing(Verdict::NoOrbitNearby, Reason::Costly, (0, 0));
+    }
     let Ok(start) = shooting.point_of(state) else {
         return nothing(Verdict::NoOrbitNearby, Reason::Failed, (0, 0));
     };

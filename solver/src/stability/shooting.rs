@@ -148,6 +148,12 @@ impl<'m> Shooting<'m> {
         })
     }
 
+    /// Time steps of a period times numbers of the tangent of a step, with what a step takes besides.
+    pub fn work(&self) -> f64 {
+        let size = self.scales.len() as f64;
+        self.steps as f64 * (64.0 + size * size)
+    }
+
     /// The point of a motion of the balance.
     ///
     /// # Errors

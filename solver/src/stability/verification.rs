@@ -19,6 +19,9 @@ const MOST: usize = 96;
 /// Multipliers that are kept of an orbit: what of them is outside the unit circle, and what comes next.
 const LEADING: usize = 4;
 
+/// More multipliers than any model has.
+const MOST_OUTSIDE: usize = 1 << 20;
+
 /// The marched orbit near a point of a branch.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct MarchedOrbit {
@@ -82,8 +85,10 @@ pub struct Verification {
     pub stretch: Stretch,
     /// Largest distance of neighbours of the first pass along it, in points.
     pub spacing: usize,
-    /// What is true of the orbit near the point of largest amplitude, if that was verified.
-    pub peak: Option<Verdict>,
+    /// Numbers of the points of the branch that are folds of the balance.
+    pub folds: Vec<usize>,
+    /// Number of the point of largest amplitude.
+    pub peak: usize,
     /// Points that were verified, in the order of the arc.
     pub points: Vec<VerifiedPoint>,
     /// Bifurcations, in the order of the arc.
@@ -106,14 +111,14 @@ pub fn verify(model: &Model, branch: &Branch, stretch: Stretch, observer: &mut O
 impl Verification {
     /// What is kept of what is known of a branch.
     pub fn new(settings: &AlongSettings, branch: &Branch, found: &BranchStability) -> Self {
-        let (count, peak) = (branch.points.len(), branch.peak_index());
-        let at_peak = found.points.iter().find(|point| point.index == peak);
+        let count = branch.points.len();
         Self {
             count,
             is_closed: branch.is_closed(),
             stretch: settings.stretch,
             spacing: settings.spacing(count),
-            peak: at_peak.map(|point| point.polish.verdict),
+            folds: branch.folds().collect(),
+            peak: branch.peak_index(),
             points: found.points.iter().map(|point| VerifiedPoint::new(branch, point.index, &point.polish)).collect(),
             bifurcations: found.bifurcations.iter().map(|found| BifurcationPoint::new(branch, found)).collect(),
             unresolved: found.unresolved.clone(),
@@ -123,32 +128,44 @@ impl Verification {
 
     /// The verdict of every point of the branch, `None` where it was not verified.
     ///
-    /// Between two neighbouring orbits of the same verdict it is theirs, unless that may change in between or they are much farther
-    /// apart than points of a first pass are. Two crossings between such neighbours that undo each other are
-    /// not seen.
+    /// Between two orbits that are neighbours along the branch and of the same verdict it is theirs, unless that may change in
+    /// between, or they are told of much farther apart than points of a first pass are. Two crossings between such neighbours that undo
+    /// each other are seen only if one is near a fold of the balance.
     pub fn verdicts(&self) -> Vec<Option<Verdict>> {
-        let places = self.places();
-        let mut verdicts = vec![None; self.count];
-        places.iter().for_each(|&(at, verdict)| verdicts[at] = verdict);
-        let around = places.last().zip(places.first()).filter(|_| self.goes_round() && places.len() > 1);
-        let pairs = places.windows(2).map(|pair| [pair[0], pair[1]]).chain(around.map(|(last, first)| [*last, *first]));
-        for [(a, first), (b, last)] in pairs {
-            if first == last && first.is_some_and(|verdict| verdict.is_known() && self.lasts(verdict, a, b)) {
-                let inner = std::iter::successors(Some((a + 1) % self.count), |i| Some((i + 1) % self.count));
-                inner.take_while(|&i| i != b).for_each(|i| verdicts[i] = first);
+        let mut told: BTreeMap<usize, Option<Verdict>> = BTreeMap::new();
+        let tell = |told: &mut BTreeMap<usize, Option<Verdict>>, at: usize, verdict: Verdict| {
+            let known = told.entry(at).or_insert(Some(verdict));
+            *known = known.filter(|known| *known == verdict);
+        };
+        self.points.iter().for_each(|point| tell(&mut told, point.at, point.verdict));
+        // From where orbits that differ come together nothing follows.
+        let is_clear = |told: &BTreeMap<usize, Option<Verdict>>, point: &VerifiedPoint| told[&point.at].is_some();
+        let around = self.points.last().zip(self.points.first()).filter(|_| self.goes_round() && self.points.len() > 1);
+        let pairs = self.points.windows(2).map(|pair| [&pair[0], &pair[1]]).chain(around.map(|(a, b)| [a, b]));
+        for [a, b] in pairs.filter(|[a, b]| a.verdict == b.verdict && a.verdict.is_known() && self.lasts(a, b)) {
+            if is_clear(&told, a) && is_clear(&told, b) {
+                (1..self.from(a.at, b.at)).for_each(|i| tell(&mut told, (a.at + i) % self.count, a.verdict));
             }
         }
+        let mut verdicts = vec![None; self.count];
+        told.into_iter().for_each(|(at, verdict)| verdicts[at] = verdict);
         verdicts
     }
 
-    /// Where something is told of orbits, in the order of the arc, and what: nothing where orbits that differ come together.
-    fn places(&self) -> Vec<(usize, Option<Verdict>)> {
-        let mut places: BTreeMap<usize, Option<Verdict>> = BTreeMap::new();
-        for point in &self.points {
-            let told = places.entry(point.at).or_insert(Some(point.verdict));
-            *told = told.filter(|verdict| *verdict == point.verdict);
-        }
-        places.into_iter().collect()
+    /// What was found near the point of largest amplitude: the marched orbit there may be a little lower, or higher, at another
+    /// frequency. `None` if it was not looked at.
+    pub fn at_peak(&self) -> Option<&VerifiedPoint> {
+        self.points.iter().find(|point| point.index == self.peak)
+    }
+
+    /// Number of monitored dofs of which it gives amplitudes; none where no orbit was found.
+    pub fn monitors(&self) -> usize {
+        self.points.iter().find_map(|point| point.orbit.as_ref()).map_or(0, |orbit| orbit.amplitudes.len())
+    }
+
+    /// Number of points from one to another after it.
+    fn from(&self, first: usize, last: usize) -> usize {
+        (last + self.count - first) % self.count
     }
 
     /// Whether the arc was gone round as a whole.
@@ -167,36 +184,47 @@ impl Verification {
         moduli
     }
 
-    /// Whether what holds at two places is known to hold between them: they are as near as neighbours of a first pass, and no
-    /// multiplier is known to cross the unit circle in between, or not the only one outside.
-    fn lasts(&self, verdict: Verdict, a: usize, b: usize) -> bool {
-        let from_a = |to: usize| (to + self.count - a) % self.count;
-        let matters = |outside: [usize; 2]| verdict != Verdict::Unstable || outside.contains(&0);
-        let mut between = self.bifurcations.iter().filter(|bifurcation| from_a(bifurcation.at) <= from_a(b));
-        let crosses = between.any(|bifurcation| matters(bifurcation.outside))
-            || self.unresolved.iter().any(|unresolved| {
-                let ends = [unresolved.first, unresolved.last].map(|index| self.place(index));
-                self.overlap([a, b], ends)
-            });
-        // Orbits are told of a little off the points of the first pass.
-        !crosses && from_a(b) <= self.spacing + self.spacing / 2
+    /// Whether what holds at two neighbours is known to hold between them: no multiplier is known to cross the unit circle in
+    /// between, or not the only one outside, and none has to at a fold of the balance that no bifurcation accounts for.
+    fn lasts(&self, a: &VerifiedPoint, b: &VerifiedPoint) -> bool {
+        let is_between = |index: usize| self.from(a.index, index) < self.from(a.index, b.index);
+        let matters = |outside: [usize; 2]| a.verdict != Verdict::Unstable || outside.contains(&0);
+        let mut bifurcations = self.bifurcations.iter().filter(|found| is_between(found.after));
+        let mut unresolved = self.unresolved.iter().map(|unresolved| [unresolved.first, unresolved.last]);
+        let is_fold_between = |&fold: &usize| fold != a.index && is_between(fold) && !self.is_accounted_for(fold);
+        !bifurcations.any(|found| matters(found.outside))
+            && !unresolved.any(|ends| self.overlap([a.index, b.index], ends))
+            && !self.folds.iter().any(is_fold_between)
+            // Orbits are told of a little off the points of the first pass.
+            && self.from(a.at, b.at) <= self.spacing + self.spacing / 2
+    }
+
+    /// Whether a fold of the marched orbits was found near one of the balance.
+    fn is_accounted_for(&self, fold: usize) -> bool {
+        let folds = self.bifurcations.iter().filter(|found| found.kind == BifurcationKind::Fold);
+        let off = |at: usize| self.from(at, fold).min(self.from(fold, at));
+        folds.map(|found| off(found.at).min(off(found.after))).any(|off| off <= self.spacing)
     }
 
     /// Whether two stretches of the arc, each from its first point to its last one, have points in common.
     fn overlap(&self, [a, b]: [usize; 2], [c, d]: [usize; 2]) -> bool {
-        let from = |first: usize, to: usize| (to + self.count - first) % self.count;
-        from(a, c) < from(a, b) || from(c, a) < from(c, d)
-    }
-
-    /// Where what is true of the orbit of a point is told.
-    fn place(&self, index: usize) -> usize {
-        self.points.iter().find(|point| point.index == index).map_or(index, |point| point.at)
+        self.from(a, c) < self.from(a, b) || self.from(c, a) < self.from(c, d)
     }
 
     /// Share of the points of the branch of which this is known, 0 to 1.
     pub fn share(&self, verdict: Verdict) -> f64 {
         let number = self.verdicts().into_iter().filter(|found| *found == Some(verdict)).count();
         number as f64 / self.count as f64
+    }
+
+    /// Whether it agrees with another one of the same branch about what can be settled on: verdicts of every point that both
+    /// verified, and kinds of bifurcations.
+    pub fn agrees(&self, other: &Self) -> bool {
+        let kinds = |found: &Self| found.bifurcations.iter().map(|found| found.kind).collect::<Vec<_>>();
+        let same = |a: &VerifiedPoint, b: &VerifiedPoint| a.index != b.index || a.verdict == b.verdict;
+        self.count == other.count
+            && kinds(self) == kinds(other)
+            && self.points.iter().all(|a| other.points.iter().all(|b| same(a, b)))
     }
 
     /// Whether it is one of a branch of so many points of a model with so many monitored dofs: every number finite, every index
@@ -213,6 +241,7 @@ impl Verification {
         };
         let bifurcation = |found: &BifurcationPoint| {
             found.after.max(found.at) < self.count
+                && found.outside.iter().all(|&outside| outside <= MOST_OUTSIDE)
                 && found.amplitudes.len() == monitors
                 && finite(&found.amplitudes)
                 && pairs(&[found.multiplier])
@@ -221,6 +250,8 @@ impl Verification {
         self.points.is_sorted_by(|a, b| a.index < b.index)
             && self.points.iter().all(|point| point.index.max(point.at) < self.count)
             && !self.points.is_empty()
+            && self.spacing.max(self.peak) <= self.count
+            && self.folds.iter().all(|&fold| fold < self.count)
             && self.points.iter().all(|point| {
                 point.orbit.as_ref().is_none_or(orbit) && (point.orbit.is_some() || !point.verdict.is_known())
             })

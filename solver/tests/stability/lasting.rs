@@ -16,11 +16,13 @@ const NEAR: f64 = 1e-2;
 /// A push is smaller than at first once it has been damped by e^−5.
 const DAMPED: f64 = 5.0;
 
-fn model(name: &str) -> Model {
+/// A model that is shipped.
+pub fn model(name: &str) -> Model {
     files::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../models").join(name)).unwrap()
 }
 
-fn level(model: &Model, forcing: f64) -> Level {
+/// A level of it at defaults.
+pub fn level(model: &Model, forcing: f64) -> Level {
     let settings = Settings::default();
     let backbone = Backbone::compute(model, &settings).unwrap();
     Level::compute(model, &settings, &backbone, forcing).unwrap()

@@ -3,6 +3,7 @@
 
 mod common;
 mod counts;
+mod disturbance;
 mod duffing;
 mod growth;
 mod hill;

@@ -45,7 +45,7 @@ fn around_a_peak_nothing_is_told_of_what_is_far_from_it() {
     let found = verified(&branch, Stretch::Peak);
     let (peak, far) = (branch.peak_index(), found.spacing);
     assert!(found.points.iter().all(|point| point.index.abs_diff(peak) <= far), "{:?}", found.points);
-    assert_eq!(found.peak, Some(Verdict::Stable));
+    assert_eq!(found.at_peak().unwrap().verdict, Verdict::Stable);
     // Orbits are told of where the branch passes their frequency.
     let told = found.verdicts();
     assert!(told.iter().enumerate().all(|(i, verdict)| verdict.is_none() || i.abs_diff(peak) <= far + 3));
@@ -81,7 +81,8 @@ fn of(points: Vec<VerifiedPoint>) -> Verification {
         is_closed: true,
         stretch: Stretch::Whole,
         spacing: 4,
-        peak: None,
+        folds: Vec::new(),
+        peak: 2,
         points,
         bifurcations: Vec::new(),
         unresolved: Vec::new(),

@@ -77,6 +77,7 @@ impl Desk {
             curve: None,
             landings,
             verification: None,
+            disturbance: None,
             worker: request.lease.worker.clone(),
             program: request.program.clone(),
             seconds: request.seconds,

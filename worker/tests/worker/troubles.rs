@@ -148,6 +148,7 @@ async fn a_known_branch_of_another_truncation() {
         curve: None,
         landings: None,
         verification: None,
+        disturbance: None,
         worker: main.lease.worker.clone(),
         program: main.program,
         seconds: main.seconds,

@@ -308,14 +308,7 @@ fn a_finished_run_can_be_verified_further() {
     let mut driver = Driver::new(1);
     driver.conclude();
     let (levels, added) = driver.planned();
-    let stored = |entry: &TaskEntry| StoredTask {
-        id: entry.id.clone(),
-        state: entry.state.clone(),
-        brought: driver.new.get(&entry.id).cloned(),
-        holders: entry.holders.clone(),
-        troubles: Troubles::default(),
-    };
-    let tasks: Vec<StoredTask> = driver.ledger.entries().map(stored).collect();
+    let tasks: Vec<StoredTask> = driver.ledger.entries().map(|entry| driver.stored(entry)).collect();
     let again =
         |verify| Ledger::restore(Rules { verify, ..rules() }, levels.clone(), &added, tasks.clone(), Duration::ZERO);
     let (same, changes) = again(VerifyEffort::Standard);
@@ -324,4 +317,33 @@ fn a_finished_run_can_be_verified_further() {
     let Some(Change::Added(more_tasks)) = changes.first() else { panic!("{changes:?}") };
     assert_eq!(more_tasks.iter().map(|task| task.id.as_str()).collect::<Vec<_>>(), ["verify-1-main-1"]);
     assert!(!more.is_finished());
+}
+
+/// Pushes are added to a run that is finished: with the main branch and the one that they may end on, each once.
+#[test]
+fn a_finished_run_can_be_pushed() {
+    let mut driver = Driver::new(1);
+    driver.conclude();
+    let (levels, mut added) = driver.planned();
+    let tasks: Vec<StoredTask> = driver.ledger.entries().map(|entry| driver.stored(entry)).collect();
+    let branch = BranchId::new(BranchKind::Cut, 0);
+    for mode in 0..2 {
+        let place = DisturbPlace { branch, mode, omega: 2.5 };
+        let id = TaskId::of_disturbance("1", &place).unwrap();
+        added.push(AddedTask { id, amplitude: "1".into(), task: Task::Disturb(place) });
+    }
+    let (mut ledger, changes) = Ledger::restore(rules(), levels, &added, tasks, Duration::ZERO);
+    assert!(changes.is_empty() && !ledger.is_finished());
+    let mut names = Vec::new();
+    while let (Leased::Grant(granted), _) = ledger.lease(&WorkerId::new("w").unwrap(), 0, Duration::ZERO) {
+        let worker = WorkerId::new("w").unwrap();
+        let lease = Lease { task: granted.task.clone(), attempt: granted.attempt, worker, slot: 0 };
+        let foreign = ledger.submit(&lease, &Brought::Verification(3)).0;
+        assert!(matches!(foreign, Submitted::Foreign), "{foreign:?}");
+        let Submitted::Accepted(accepted) = ledger.submit(&lease, &find(&granted)).0 else { panic!("{granted:?}") };
+        assert_eq!(accepted.outcome, SeedOutcome::Disturbed(16));
+        names.push(granted.task.to_string());
+    }
+    assert_eq!(names, ["disturb-1-cut-1-mode-1", "disturb-1-cut-1-mode-2"]);
+    assert!(ledger.is_finished());
 }

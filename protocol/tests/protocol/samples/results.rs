@@ -8,8 +8,9 @@ use protocol::landings::LandingsMessage;
 use protocol::to_everyone::{Done, StoredResult};
 use solver::response::branch::{Outcome, Side, Stop};
 use solver::response::critical::{Corner, CriticalEvent, CriticalKind, Quantity};
-use solver::response::task::{BranchId, FoldPlace, SeedOutcome, Task, VerifyPlace};
+use solver::response::task::{BranchId, DisturbPlace, FoldPlace, SeedOutcome, Task, VerifyPlace};
 use solver::settings::Stretch;
+use solver::stability::disturbance::{Disturbance, Ending, Push};
 use solver::stability::polish::Reason;
 use solver::stability::verification::{BifurcationPoint, MarchedOrbit, Verification, VerifiedPoint};
 use solver::{BifurcationKind, End, Multiplier, Obstacle, Unresolved, Verdict};
@@ -45,6 +46,7 @@ pub fn result() -> StoredResult {
         curve: None,
         landings: None,
         verification: None,
+        disturbance: None,
         task: task(),
         attempt: Attempt(2),
         amplitude: amplitude(),
@@ -63,6 +65,7 @@ pub fn result_nothing() -> StoredResult {
         curve: None,
         landings: None,
         verification: None,
+        disturbance: None,
         task: TaskId::of_level("2.5", 4).unwrap(),
         attempt: Attempt(1),
         amplitude: amplitude(),
@@ -89,6 +92,7 @@ pub fn result_curve() -> StoredResult {
         }),
         landings: None,
         verification: None,
+        disturbance: None,
         task: TaskId::of_fold(3),
         attempt: Attempt(1),
         amplitude: amplitude(),
@@ -106,6 +110,7 @@ pub fn result_landings() -> StoredResult {
     StoredResult {
         landings: Some(LandingsMessage { motions: motions(2), distance: counting(&[2], 0.125) }),
         verification: None,
+        disturbance: None,
         curve: None,
         task: TaskId::of_level("2.5", 3).unwrap(),
         attempt: Attempt(1),
@@ -145,12 +150,14 @@ pub fn result_verification() -> StoredResult {
     let unresolved = Unresolved { first: 1, last: 2, outside: [0, 1], reason: Obstacle::NoOrbit };
     StoredResult {
         landings: None,
+        disturbance: None,
         verification: Some(Verification {
             count: 3,
             is_closed: true,
             stretch: Stretch::Whole,
             spacing: 1,
-            peak: Some(Verdict::Unstable),
+            folds: vec![1],
+            peak: 0,
             points: vec![point(0, Verdict::Unstable, Some(orbit)), none],
             bifurcations: vec![bifurcation],
             unresolved: vec![unresolved],
@@ -167,5 +174,29 @@ pub fn result_verification() -> StoredResult {
         worker: worker(),
         program: program(),
         seconds: 4.0,
+    }
+}
+
+pub fn result_disturbance() -> StoredResult {
+    let place = DisturbPlace { branch: BranchId::isola(0), mode: 1, omega: 2.5 };
+    let push = Push { phase: 1, size: 0.75, below: 0.5, ends: Ending::Elsewhere, is_confirmed: true };
+    StoredResult {
+        verification: None,
+        disturbance: Some(Disturbance {
+            omega: 2.5,
+            mode: 1,
+            monitor: 1,
+            shape: 0.125,
+            phases: 2,
+            amplitudes: [vec![0.25, 0.0625], vec![2.25, 0.375]],
+            sizes: vec![0.4375, 0.875],
+            endings: vec![Ending::Back, Ending::Elsewhere, Ending::Back, Ending::Onto],
+            push: Some(push),
+            reason: None,
+        }),
+        task: TaskId::of_disturbance("2.5", &place).unwrap(),
+        work: Task::Disturb(place),
+        outcome: SeedOutcome::Disturbed(4),
+        ..result_verification()
     }
 }

@@ -586,7 +586,7 @@ class Result:
     attempt: int
     amplitude: Amplitude
     #: What was to be done: ``"main"``, ``{"main": "above"}``, ``{"land": {…}}``, ``{"seed": {…}}``, ``{"fold": {…}}``,
-    #: ``{"crossing": {…}}``, ``{"start": {…}}``, ``{"begin": {…}}`` or ``{"verify": {…}}``.
+    #: ``{"crossing": {…}}``, ``{"start": {…}}``, ``{"begin": {…}}``, ``{"verify": {…}}`` or ``{"disturb": {…}}``.
     work: Any
     #: What became of it, in words.
     outcome: str
@@ -596,6 +596,8 @@ class Result:
     curve: FoldCurve | None
     #: What marching says of a branch, as in the message, if the task verified one.
     verification: dict[str, Any] | None
+    #: Where pushes end, as in the message, if the task marched some.
+    disturbance: dict[str, Any] | None
     #: Who computed it.
     worker: str
     #: With which version of the program.
@@ -634,5 +636,6 @@ class Result:
                 events=tuple(_plain(SpecialPoint, event) for event in part["events"]),
                 rejections=part["rejections"],
             )
-        found = {"branch": branch, "curve": curve, "verification": message.get("verification")}
+        found = {"branch": branch, "curve": curve}
+        found |= {name: message.get(name) for name in ("verification", "disturbance")}
         return _plain(cls, message, amplitude=amplitude, outcome=outcome, **found)

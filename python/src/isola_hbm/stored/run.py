@@ -127,6 +127,12 @@ class StoredRun(Mapping[str, Motions]):
         return self._read(lambda reading, _: tables.bifurcations(reading))
 
     @property
+    def pushes(self) -> pd.DataFrame:
+        """The smallest impulses found that throw the structure from its main branch onto another one, mode by mode: the columns of
+        ``pushes.csv`` (rad/s; N s at `monitor`; m/s), and why nothing was scanned. Empty before ``isola disturb``."""
+        return self._read(lambda reading, _: tables.pushes(reading))
+
+    @property
     def backbones(self) -> pd.DataFrame:
         """Points of the backbones of all modes followed: the columns of ``backbone.csv`` and what else the store has
         (rad/s, 1/s, m, J a period)."""

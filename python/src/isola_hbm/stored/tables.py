@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Collection
 from functools import partial
 
@@ -25,6 +26,10 @@ WINDOWS = [
     *("outcome", "branch", "reason", "mode"),
 ]
 BIFURCATIONS = ["forcing", "branch", "kind", "omega", "amplitude"]
+PUSHES = [
+    *("forcing", "branch", "mode", "omega", "monitor", "motions", "largest", "impulse", "below", "velocity", "phase"),
+    "confirmed",
+]
 FOLDS = ["curve", "forcing", "omega", "amplitude", "kind"]
 EVENTS = ["kind", "source", "forcing", "omega", "amplitude", "mode", "curve"]
 #: Columns of the table of branches that say where something is in the file, or stand under another name.
@@ -55,11 +60,32 @@ def summary(reading: Reading, omissions: Omissions) -> pd.DataFrame:
 
 
 def _stable(reading: Reading) -> dict[int, float]:
-    """Shares of branches that are known to be stable, by their ids: of all of a branch, if all of it was verified."""
+    """Shares of branches that are known to be stable, by their ids, of those that were verified from end to end."""
     if not reading.columns("verifications"):
         return {}
-    rows = reading.rows("SELECT branch, stable FROM verifications ORDER BY stretch = 'whole'")
+    rows = reading.rows("SELECT branch, stable FROM verifications WHERE stretch = 'whole'")
     return {row["branch"]: row["stable"] for row in rows}
+
+
+def pushes(reading: Reading) -> pd.DataFrame:
+    """The smallest impulses found that throw the structure from its main branch onto another one; as ``pushes.csv``."""
+    if not reading.columns("pushes"):
+        return _frame(PUSHES, [])
+    sql = """
+        SELECT levels.value AS forcing, kind, number, mode, omega, monitor, motions, largest, impulse, below, velocity, phase,
+            confirmed, reason
+        FROM pushes JOIN branches ON branches.id = branch JOIN levels USING (level)
+        ORDER BY branches.level, branches.id, mode
+    """
+    rows, names = reading.rows(sql), reading.one("SELECT monitors FROM model")
+    monitors = json.loads(names["monitors"]) if names else []
+    for row in rows:
+        kind, number = row.pop("kind"), row.pop("number")
+        row["branch"] = kind if (kind, number) == ("main", 1) else f"{kind} {number}"
+        row["monitor"] = monitors[row["monitor"]] if row["monitor"] < len(monitors) else ""
+        row["confirmed"] = None if row["confirmed"] is None else bool(row["confirmed"])
+    frame = _frame(PUSHES, rows, texts={"branch", "monitor", "reason"}, integers={"motions"})
+    return frame.astype({"confirmed": "boolean"})
 
 
 def bifurcations(reading: Reading) -> pd.DataFrame:

@@ -4,7 +4,7 @@ use super::*;
 use crate::curves::BackboneCurve;
 use crate::overview::Seeds;
 use crate::report::evidence::Structure;
-use crate::store::{SearchCounts, Stability};
+use crate::store::{PeakOrbit, SearchCounts, Stability};
 use protocol::to_everyone::Stage;
 use solver::response::branch::{Outcome, Standing, Stop};
 use solver::response::modes::{LeftOut, ModesFollowed};
@@ -60,6 +60,7 @@ fn told<'r>(levels: &'r [Level], change: impl FnOnce(&mut Evidence<'r>)) -> [Str
         mains: &[],
         curves: &[],
         search: SearchCounts::default(),
+        pushes: &[],
         why_no_folds: None,
         stage: Some(Stage::Finished),
         structure: structure(),
@@ -78,7 +79,8 @@ const NOT_SEARCHED: &str = "isolas of other modes, of sub- and super-harmonics a
 
 /// A branch that was verified.
 fn verified(stable: f64, unstable: f64, peak: &str, branch: BranchRow) -> BranchRow {
-    BranchRow { stability: Some(Stability { stable, unstable, peak: Some(peak.into()) }), ..branch }
+    let peak = Some(PeakOrbit { verdict: peak.into(), at: Some((120.0, 1.5e-3)) });
+    BranchRow { stability: Some(Stability { is_whole: !branch.is_main(), stable, unstable, peak }), ..branch }
 }
 
 #[test]
@@ -93,14 +95,17 @@ fn what_can_settle_is_told() {
             vec![verified(0.5, 0.5, "unstable", isola(2e-3))],
             "time marching found parts of it stable: there the structure",
         ),
-        (
-            vec![verified(0.0, 1.0, "unstable", isola(2e-3))],
-            "nothing of 1 isola stable: it separates, but nothing settles",
-        ),
-        (vec![verified(0.0, 0.9, "none", isola(2e-3))], "nothing of 1 isola stable, though not all could be verified"),
+        (vec![verified(0.0, 1.0, "unstable", isola(2e-3))], "found it unstable where it could tell: it separates"),
+        (vec![verified(0.0, 0.9, "none", isola(2e-3))], "found it unstable where it could tell: it separates"),
+        (vec![verified(0.0, 0.0, "not_comparable", isola(2e-3))], "could not tell whether any of it is stable;"),
         (
             vec![verified(0.5, 0.5, "stable", isola(2e-3)), verified(0.0, 1.0, "unstable", isola(1e-3)), isola(1e-3)],
-            "found parts of 1 of 2 isolas stable (1 more not verified): there the structure can settle",
+            "of 3 isolas 1 stable in parts, where the structure can settle, 1 unstable wherever time marching could tell, 1 not \
+             verified;",
+        ),
+        (
+            vec![verified(0.0, 0.0, "none", isola(2e-3)), verified(0.0, 0.0, "none", isola(1e-3))],
+            "of 2 isolas 2 beyond what time marching could tell;",
         ),
     ];
     for (isolas, expected) in cases {
@@ -109,9 +114,9 @@ fn what_can_settle_is_told() {
         assert!(said.contains("; what leads there was not looked for."), "{said}");
     }
     for (peak, expected) in [
-        ("stable", "; by time marching it is stable."),
-        ("unstable", "; by time marching it is unstable."),
-        ("marginal", "; by time marching it is at the edge of stability."),
+        ("stable", "near it, 1.5 mm at 120 rad/s (19.1 Hz), is stable."),
+        ("unstable", "near it, 1.5 mm at 120 rad/s (19.1 Hz), is unstable."),
+        ("marginal", "near it, 1.5 mm at 120 rad/s (19.1 Hz), is at the edge of stability."),
         ("none", "; time marching found no periodic motion near it."),
         ("not_comparable", "; whether it is stable is not known: marching loses impact energy that the balance keeps."),
     ] {

@@ -1,7 +1,7 @@
 //! What marching says of a branch comes back, and stands in tables.
 
 use super::*;
-use crate::store::Stability;
+use crate::store::{PeakOrbit, Stability};
 use solver::stability::multipliers::Verdict;
 
 #[test]
@@ -20,8 +20,9 @@ fn a_verification_comes_back_bit_for_bit_and_stands_in_tables() {
     assert_eq!(rows[0].stability, None, "the main branch was not verified");
     let (stable, unstable) = (verification.share(Verdict::Stable), verification.share(Verdict::Unstable));
     assert!(stable > 0.2 && unstable > 0.1, "{stable} {unstable}");
-    let peak = Some("stable".to_string());
-    assert_eq!(rows[1].stability, Some(Stability { stable, unstable, peak }));
+    let peak = verification.at_peak().and_then(|point| point.orbit.as_ref()).unwrap();
+    let peak = Some(PeakOrbit { verdict: "stable".into(), at: Some((peak.omega, peak.amplitudes[0])) });
+    assert_eq!(rows[1].stability, Some(Stability { is_whole: true, stable, unstable, peak }));
     // An isola turns at two folds, and nothing else happens to this one.
     let found = store.bifurcations().unwrap();
     let kinds: Vec<(&str, &str, &str)> =
@@ -44,6 +45,24 @@ fn a_verification_of_another_branch_says_nothing() {
     let main = results.iter().rfind(|result| result.name == Some(BranchId::MAIN)).unwrap();
     study.verify(&mut store, &StoredResult { branch: main.branch.clone(), ..isola.clone() });
     assert_eq!(store.verification(isola.task.as_str()).unwrap(), None);
+}
+
+#[test]
+fn a_damaged_verification_is_said() {
+    let (study, dir) = (Study::damper(), tempdir().unwrap());
+    let (mut store, results) = study.finished(dir.path());
+    let isola = results.iter().find(|result| result.name == Some(BranchId::isola(0))).unwrap();
+    study.verify(&mut store, isola);
+    drop(store);
+    let sql = "SELECT task, record FROM results JOIN verifications USING (task)";
+    let db = rusqlite::Connection::open(dir.path().join(FILE)).unwrap();
+    let (task, record): (String, Vec<u8>) = db.query_row(sql, [], |row| Ok((row.get(0)?, row.get(1)?))).unwrap();
+    let place = record.windows(2).position(|pair| pair == b"at").unwrap() + 2;
+    let mut bent = record;
+    bent[place] ^= 0x40;
+    db.execute("UPDATE results SET record = ?1 WHERE task = ?2", rusqlite::params![bent, task]).unwrap();
+    let error = Reader::open(dir.path()).unwrap().verification(isola.task.as_str()).unwrap_err();
+    assert!(error.to_string().contains("run.sqlite"), "{error}");
 }
 
 #[test]

@@ -83,11 +83,22 @@ impl Marching<'_> {
     /// # Panics
     /// If it does not have [`state_size`](Self::state_size) numbers.
     pub fn restart(&mut self, state: &[f64]) -> Result<(), MarchingError> {
+        self.restart_at(state, 0)
+    }
+
+    /// Starts again at t_`index`, with the phase that the forcing has there.
+    ///
+    /// # Errors
+    /// If no contact pressures are found for the first step.
+    ///
+    /// # Panics
+    /// If the state does not have [`state_size`](Self::state_size) numbers.
+    pub fn restart_at(&mut self, state: &[f64], index: usize) -> Result<(), MarchingError> {
         assert_eq!(state.len(), self.state_size(), "numbers of a state");
         let n = self.y.len();
         self.y.copy_from_slice(&state[..n]);
         self.increment.iter_mut().zip(&state[n..]).for_each(|(d, v)| *d = v * self.step);
-        self.index = 0;
+        self.index = index;
         self.linear_force();
         let mut memory = &state[2 * n..];
         for law in &mut self.laws {

@@ -1,0 +1,345 @@
+//! How hard a push throws a structure from its main motion onto a detached branch.
+//!
+//! An impulse p = M φ_j s changes the velocity of one mode by s and of no other. It acts on the main motion at a phase of the
+//! forcing; marching says where the motion ends. Sizes are scanned upwards, at every phase, until a push of that size ends on the
+//! branch; between it and the size before the first change is bisected. Boundaries of basins need not be simple: a smaller push
+//! between sizes that were scanned may do the same.
+
+use super::marching::{Marching, MarchingError};
+use super::multipliers::Verdict;
+use super::nearby::{distance, images, orbits, walk_to};
+use super::polish::Polished;
+use super::shooting::Orbit;
+use super::verification::Verification;
+use crate::response::branch::Branch;
+use crate::response::task::DisturbPlace;
+use crate::structure::Model;
+use serde::{Deserialize, Serialize};
+use std::ops::ControlFlow;
+
+/// What is scanned.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DisturbSettings {
+    /// Phases of the forcing at which the push acts, evenly spread over a period of the response.
+    pub phases: usize,
+    /// Number of sizes, and the ratio of each to the one before; the largest gives the mode twice the largest kinetic energy that
+    /// the motion on the branch has.
+    pub sizes: (usize, f64),
+    /// The first change is bisected to this share of the push.
+    pub resolution: f64,
+    /// Most periods that a motion may take to end on one of the two.
+    pub periods: usize,
+}
+
+impl Default for DisturbSettings {
+    fn default() -> Self {
+        Self { phases: 16, sizes: (12, 1.3), resolution: 0.01, periods: 600 }
+    }
+}
+
+/// A motion has ended on an orbit within this share of the distance of the two orbits: they are stable, and what is as near is
+/// drawn in.
+const NEAR: f64 = 0.05;
+/// The same of the motions that the result rests on, which may take so many times as long.
+const SURE: f64 = 0.005;
+const PATIENCE: usize = 4;
+
+/// Where a pushed motion ends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Ending {
+    /// On the main motion again.
+    Back,
+    /// On the branch.
+    Onto,
+    /// On neither within [`DisturbSettings::periods`], or it could not be marched.
+    Elsewhere,
+}
+
+/// The smallest push found.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Push {
+    /// Number of the phase, of as many as were scanned: t = number/phases of a period after the forcing is largest.
+    pub phase: usize,
+    /// Change of the modal velocity that ends on the branch, kg^½·m/s.
+    pub size: f64,
+    /// The largest smaller one at this phase that was seen not to.
+    pub below: f64,
+    /// Where that one ends.
+    pub ends: Ending,
+    /// Whether both were marched on until they were beyond doubt on their orbits.
+    pub is_confirmed: bool,
+}
+
+/// Why no push was scanned.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Unpushed {
+    /// No main branch has a stable marched orbit at this frequency.
+    NoMain,
+    /// The branch has no stable marched orbit at this frequency.
+    NoTarget,
+    /// An orbit could not be marched.
+    Failed,
+}
+
+impl std::fmt::Display for Unpushed {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::NoMain => "no stable motion on the main branch at this frequency",
+            Self::NoTarget => "no stable motion on the branch at this frequency",
+            Self::Failed => "the motion could not be marched",
+        })
+    }
+}
+
+/// What pushes in one mode do to the main motion.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Disturbance {
+    /// Frequency ω of both motions, rad/s.
+    pub omega: f64,
+    /// Number of the mode that is pushed, from 0.
+    pub mode: usize,
+    /// Number of the monitored dof that the mode moves most.
+    pub monitor: usize,
+    /// |φ| of the mode there, kg^−½: an impulse s/|φ| at this dof, in N s, changes the velocity of the mode by s; that of the dof
+    /// changes by s|φ|, in m/s, by this mode alone.
+    pub shape: f64,
+    /// Phases scanned.
+    pub phases: usize,
+    /// Largest |x| of the monitored dofs on the main motion and on the branch, m; empty without such orbits.
+    pub amplitudes: [Vec<f64>; 2],
+    /// Sizes scanned, ascending, kg^½·m/s.
+    pub sizes: Vec<f64>,
+    /// Where each ended: one size after the other, phase by phase.
+    pub endings: Vec<Ending>,
+    /// The smallest push found that ends on the branch.
+    pub push: Option<Push>,
+    /// Why none was scanned.
+    pub reason: Option<Unpushed>,
+}
+
+impl Disturbance {
+    /// Whether it can be what pushes at `place` in a model with so many modes and monitored dofs did.
+    pub fn is_sound(&self, place: &DisturbPlace, monitors: usize) -> bool {
+        let finite = |values: &[f64]| values.iter().all(|value| value.is_finite());
+        let is_scanned = |push: &Push| {
+            push.phase < self.phases
+                && (push.below >= 0.0 && push.below < push.size && push.size.is_finite())
+                && self.sizes.last().is_some_and(|largest| push.size <= *largest)
+        };
+        self.omega == place.omega
+            && self.monitor < monitors
+            && self.shape >= 0.0
+            && self.shape.is_finite()
+            && self.phases > 0
+            && self.mode == place.mode
+            && self.endings.len() == self.sizes.len() * self.phases
+            && self.sizes.is_sorted_by(|a, b| a < b)
+            && finite(&self.sizes)
+            && self.sizes.iter().all(|size| *size > 0.0)
+            && self.amplitudes.iter().all(|list| finite(list) && (list.is_empty() || list.len() == monitors))
+            && self.push.as_ref().is_none_or(is_scanned)
+            && self.sizes.is_empty() == self.reason.is_some()
+    }
+}
+
+/// Told of every motion that was marched to its end, and of the largest |x| of the first monitored dof in its last period, m;
+/// breaking cancels the rest.
+pub type PushObserver<'o> = dyn FnMut(f64) -> ControlFlow<()> + 'o;
+
+impl Verification {
+    /// A frequency at which the branch can be settled on, rad/s: the middle of the widest range over which its marched orbits are
+    /// known to be stable. `None` if none is.
+    pub fn settled(&self) -> Option<f64> {
+        let stable = |point: &super::verification::VerifiedPoint| {
+            point.orbit.as_ref().filter(|_| point.verdict == Verdict::Stable).map(|orbit| orbit.omega)
+        };
+        let mut widest: Option<(f64, f64)> = None;
+        let mut run: Option<(f64, usize)> = None;
+        for point in &self.points {
+            let Some(omega) = stable(point) else {
+                run = None;
+                continue;
+            };
+            let crosses = |from: usize| self.bifurcations.iter().any(|b| b.after >= from && b.after < point.index);
+            let first = run.filter(|&(_, last)| !crosses(last)).map_or(omega, |(first, _)| first);
+            run = Some((first, point.index));
+            if widest.is_none_or(|(low, high)| (omega - first).abs() > high - low) {
+                widest = Some((omega.min(first), omega.max(first)));
+            }
+        }
+        widest.map(|(low, high)| 0.5 * (low + high))
+    }
+}
+
+/// Scans pushes from the lowest stable motion of the main branches of a level onto the highest stable one of a branch. `None` if
+/// the observer breaks.
+pub fn disturb(
+    model: &Model,
+    settings: &DisturbSettings,
+    mains: &[&Branch],
+    branch: &Branch,
+    place: &DisturbPlace,
+    observer: &mut PushObserver<'_>,
+) -> Option<Disturbance> {
+    let stable = |branch: &Branch| {
+        let found = orbits(model, branch, place.omega).into_iter();
+        found.filter(|(verdict, _)| *verdict == Verdict::Stable).map(|(_, polished)| polished)
+    };
+    let height = |polished: &Polished| polished.amplitudes[0];
+    let main = mains.iter().flat_map(|main| stable(main)).min_by(|a, b| height(a).total_cmp(&height(b)));
+    let target = stable(branch).max_by(|a, b| height(a).total_cmp(&height(b)));
+    let shapes = model.monitors().iter().map(|&dof| model.modes().shapes[(dof, place.mode)].abs()).enumerate();
+    let (monitor, shape) = shapes.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or_default();
+    let mut found = Disturbance {
+        omega: place.omega,
+        mode: place.mode,
+        monitor,
+        shape,
+        phases: settings.phases,
+        amplitudes: [&main, &target].map(|orbit| orbit.as_ref().map_or_else(Vec::new, |o| o.amplitudes.clone())),
+        sizes: Vec::new(),
+        endings: Vec::new(),
+        push: None,
+        reason: None,
+    };
+    let (main, target) = match (main, target) {
+        (Some(main), Some(target)) => (main.orbit, target.orbit),
+        (None, _) => return Some(Disturbance { reason: Some(Unpushed::NoMain), ..found }),
+        (_, None) => return Some(Disturbance { reason: Some(Unpushed::NoTarget), ..found }),
+    };
+    let Ok(scan) = Scan::new(model, settings, place.mode, &main, &target) else {
+        return Some(Disturbance { reason: Some(Unpushed::Failed), ..found });
+    };
+    let (count, ratio) = settings.sizes;
+    let sizes = (0..count).rev().map(|i| scan.largest / ratio.powi(i as i32));
+    let mut before = vec![Ending::Back; settings.phases];
+    for size in sizes {
+        let row = scan.row(size, observer)?;
+        let below = found.sizes.last().copied().unwrap_or(0.0);
+        found.sizes.push(size);
+        found.endings.extend(&row);
+        let hits = (0..settings.phases).filter(|&phase| row[phase] == Ending::Onto);
+        let hits: Vec<Push> =
+            hits.map(|phase| Push { phase, size, below, ends: before[phase], is_confirmed: false }).collect();
+        if !hits.is_empty() {
+            found.push = scan.smallest(hits, observer)?;
+            break;
+        }
+        before = row;
+    }
+    Some(found)
+}
+
+/// Motions of a model at one frequency that begin with a push.
+struct Scan<'m, 's> {
+    model: &'m Model,
+    settings: &'s DisturbSettings,
+    mode: usize,
+    omega: f64,
+    main: Orbit,
+    /// States of the main motion at the phases, with their steps.
+    starts: Vec<(usize, Vec<f64>)>,
+    /// Images of the main orbit and of the branch's.
+    ends: [Vec<Vec<f64>>; 2],
+    /// Their distance.
+    between: f64,
+    /// The largest push, kg^½·m/s.
+    largest: f64,
+}
+
+impl<'m, 's> Scan<'m, 's> {
+    fn new(
+        model: &'m Model,
+        settings: &'s DisturbSettings,
+        mode: usize,
+        main: &Orbit,
+        target: &Orbit,
+    ) -> Result<Self, MarchingError> {
+        let n = model.size();
+        let mut marching = main.marching(model)?;
+        let mut starts = Vec::with_capacity(settings.phases);
+        for phase in 0..settings.phases {
+            walk_to(&mut marching, phase * main.steps / settings.phases)?;
+            starts.push((marching.index(), marching.state()));
+        }
+        let mut largest = 0.0f64;
+        target.marching(model)?.walk(&mut |marching| {
+            let speeds = &marching.state()[n..2 * n];
+            largest = largest.max(speeds.iter().map(|v| v * v).sum());
+        })?;
+        let ends = [images(model, main)?, images(model, target)?];
+        let between = distance(model, main.omega, &main.state, &ends[1]);
+        // (2 v)²/2 is four times the energy v²/2; √2 v has twice of it.
+        let largest = (2.0 * largest).sqrt();
+        Ok(Self { model, settings, mode, omega: main.omega, main: main.clone(), starts, ends, between, largest })
+    }
+
+    /// Where pushes of a size end, phase by phase.
+    fn row(&self, size: f64, observer: &mut PushObserver<'_>) -> Option<Vec<Ending>> {
+        let ending = |phase| {
+            let (ending, amplitude) = self.ending(phase, size, NEAR);
+            observer(amplitude).is_continue().then_some(ending)
+        };
+        (0..self.starts.len()).map(ending).collect()
+    }
+
+    /// Bisects the first change at each phase, and confirms the smallest.
+    fn smallest(&self, starts: Vec<Push>, observer: &mut PushObserver<'_>) -> Option<Option<Push>> {
+        let mut best: Option<Push> = None;
+        for start in starts {
+            let mut push = start;
+            // What cannot become smaller than the best one is not looked at any further.
+            while push.size - push.below > self.settings.resolution * push.size
+                && best.is_none_or(|best| push.below < best.size)
+            {
+                let middle = 0.5 * (push.below + push.size);
+                let (ending, amplitude) = self.ending(push.phase, middle, NEAR);
+                match ending {
+                    Ending::Onto => push.size = middle,
+                    ends => (push.below, push.ends) = (middle, ends),
+                }
+                if observer(amplitude).is_break() {
+                    return None;
+                }
+            }
+            if best.is_none_or(|best| push.size < best.size) {
+                best = Some(push);
+            }
+        }
+        Some(best.map(|push| {
+            let again = |size: f64| self.ending(push.phase, size, SURE).0;
+            let is_confirmed =
+                again(push.size) == Ending::Onto && (push.below == 0.0 || again(push.below) == push.ends);
+            Push { is_confirmed, ..push }
+        }))
+    }
+
+    /// Where a push ends, in a motion that comes within a share of the orbits' distance to one of them; and the largest |x| of the
+    /// first monitored dof in its last period, m.
+    fn ending(&self, phase: usize, size: f64, near: f64) -> (Ending, f64) {
+        self.march(phase, size, near).unwrap_or((Ending::Elsewhere, f64::NAN))
+    }
+
+    fn march(&self, phase: usize, size: f64, near: f64) -> Result<(Ending, f64), MarchingError> {
+        let (step, state) = &self.starts[phase];
+        let mut state = state.clone();
+        state[self.model.size() + self.mode] += size;
+        let mut marching = Marching::with_steps(self.model, self.main.steps, self.main.forcing, self.omega)?;
+        marching.restart_at(&state, *step)?;
+        walk_to(&mut marching, self.main.steps)?;
+        let mut amplitude = 0.0;
+        let patience = if near < NEAR { PATIENCE } else { 1 };
+        for _ in 0..patience * self.settings.periods {
+            let state = marching.state();
+            for (images, ending) in self.ends.iter().zip([Ending::Back, Ending::Onto]) {
+                if distance(self.model, self.omega, &state, images) < near * self.between {
+                    return Ok((ending, amplitude));
+                }
+            }
+            amplitude = marching.period()?.max[0];
+        }
+        Ok((Ending::Elsewhere, amplitude))
+    }
+}
