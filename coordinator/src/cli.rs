@@ -1,5 +1,9 @@
 //! Command line of `isola`.
 
+mod first_steps;
+
+pub use first_steps::{NewArgs, SchemaArgs};
+
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand};
 use protocol::ids::RunId;
@@ -38,6 +42,12 @@ pub struct Cli {
 /// Commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
+    /// Write a small model with its study, every line commented, to start from.
+    #[command(after_help = first_steps::NEW)]
+    New(NewArgs),
+    /// Print what may stand in model.toml and study.toml: a JSON Schema for editors, or the meaning of one key.
+    #[command(after_help = first_steps::SCHEMA)]
+    Schema(SchemaArgs),
     /// Validate a study; print its eigenfrequencies, gaps and size.
     #[command(after_help = "Example:\n  isola check models/rotor67/study.toml --set contact.gap=3e-4")]
     Check(StudyArgs),
