@@ -119,3 +119,30 @@ fn schemas_and_explanations() {
     assert_eq!(unknown.status.code(), Some(2));
     assert!(complaint(&unknown).contains("did you mean `contact.gap`?"), "{}", complaint(&unknown));
 }
+
+#[test]
+fn runs_are_compared() {
+    let folder = tempfile::tempdir().unwrap();
+    let model = new(folder.path(), "duffing");
+    let runs = ["0.01", "0.02"].map(|ratio| {
+        let run = folder.path().join(format!("damped {ratio}"));
+        let damping = format!("damping.default_ratio={ratio}");
+        let more = ["--set", &damping, "--amplitudes", "0.02", "--search", "none", "--verify", "none"];
+        let output = isola(&[&["sweep", text(&model), "--out", text(&run)], &more[..]].concat());
+        assert!(output.status.success(), "{}", complaint(&output));
+        run
+    });
+    let [first, second] = [text(&runs[0]), text(&runs[1])];
+    let output = isola(&["report", first, second]);
+    assert!(output.status.success(), "{}", complaint(&output));
+    let said = String::from_utf8(output.stdout).unwrap();
+    assert!(said.contains("damping.default_ratio") && said.contains("largest response"), "{said}");
+    assert!(said.contains(&format!("{first}/compare.html")), "{said}");
+    assert!(std::fs::read_to_string(runs[0].join("compare.html")).unwrap().contains("Isola: runs compared"));
+    let picture = folder.path().join("both.svg");
+    assert!(isola(&["plot", first, second, "--figure", "response", "-o", text(&picture)]).status.success());
+    assert!(std::fs::read_to_string(&picture).unwrap().starts_with("<svg"));
+    let wrong = isola(&["plot", first, second, "--figure", "map", "-o", text(&picture)]);
+    assert_eq!(wrong.status.code(), Some(2));
+    assert!(complaint(&wrong).contains("response and resonance"), "{}", complaint(&wrong));
+}
