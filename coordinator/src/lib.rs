@@ -15,7 +15,9 @@ pub mod ledger;
 #[cfg(feature = "page")]
 pub mod live_page;
 pub mod outputs;
+pub mod reference;
 pub mod remote;
 pub mod run;
 pub mod study;
+pub mod templates;
 pub mod watch;

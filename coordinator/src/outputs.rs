@@ -7,16 +7,23 @@ use results::export;
 use results::overview::Omissions;
 use results::store::Reader;
 use std::fmt::Display;
+#[cfg(any(feature = "figures", feature = "page"))]
+use std::path::PathBuf;
 use std::process::ExitCode;
 use worker::terminal;
 
 /// Says what was made and what is missing; the code tells whether something had to be left out because it is damaged.
 fn told(made: impl Display, omissions: &Omissions) -> Result<ExitCode, Error> {
+    told_of_all(made, &[omissions])
+}
+
+/// The same of several runs.
+fn told_of_all(made: impl Display, omissions: &[&Omissions]) -> Result<ExitCode, Error> {
     terminal::print(made).map_err(Error::io("standard output"))?;
-    for sentence in omissions.sentences() {
+    for sentence in omissions.iter().flat_map(|omissions| omissions.sentences()) {
         terminal::note(format_args!("note: {sentence}"));
     }
-    if omissions.damaged.is_empty() {
+    if omissions.iter().all(|omissions| omissions.damaged.is_empty()) {
         return Ok(ExitCode::SUCCESS);
     }
     terminal::note(
@@ -42,35 +49,67 @@ pub fn export(args: &ExportArgs) -> Result<ExitCode, Error> {
 #[cfg(feature = "page")]
 pub fn report(args: &crate::cli::ReportArgs) -> Result<ExitCode, Error> {
     use results::report::{Report, Selection};
-    let reader = Reader::open(&args.run)?;
+    let [run] = &args.runs[..] else { return compare(args) };
+    let reader = Reader::open(run)?;
     let _snapshot = reader.snapshot()?;
     let levels = chosen_levels(&reader, args.levels.as_deref())?;
     let report = Report::read(&reader, &levels.map_or(Selection::Fitting, Selection::Amplitudes))?;
-    let file = args.out.clone().unwrap_or_else(|| args.run.join("report.html"));
+    let file = args.out.clone().unwrap_or_else(|| run.join("report.html"));
     export::write_atomically(&file, results::page::report(&report).as_bytes())?;
     let verdict: String =
         report.verdict.iter().map(|sentence| format!("{} {}\n", sentence.title, sentence.text)).collect();
     told(format_args!("{verdict}{}\n", file.display()), &report.omissions)
 }
 
-/// Draws a figure of a run.
+/// Writes the page of several runs, and says what differs.
+#[cfg(feature = "page")]
+fn compare(args: &crate::cli::ReportArgs) -> Result<ExitCode, Error> {
+    use results::compare::{Comparison, table};
+    use results::report::{Report, Selection};
+    let mut runs = Vec::new();
+    for (name, reader) in opened(&args.runs)? {
+        let _snapshot = reader.snapshot()?;
+        let levels = chosen_levels(&reader, args.levels.as_deref())?;
+        runs.push((name, Report::read(&reader, &levels.map_or(Selection::Fitting, Selection::Amplitudes))?));
+    }
+    let comparison = Comparison::new(runs);
+    let file = args.out.clone().unwrap_or_else(|| args.runs[0].join("compare.html"));
+    export::write_atomically(&file, results::page::compare(&comparison).as_bytes())?;
+    let omissions: Vec<&Omissions> = comparison.reports.iter().map(|report| &report.omissions).collect();
+    told_of_all(
+        format_args!("{}{}\n", table(&comparison, crate::display::layout(None).width), file.display()),
+        &omissions,
+    )
+}
+
+/// Runs with the names of their folders.
+#[cfg(any(feature = "figures", feature = "page"))]
+fn opened(folders: &[PathBuf]) -> Result<Vec<(String, Reader)>, Error> {
+    let name = |folder: &PathBuf| folder.file_name().unwrap_or(folder.as_os_str()).to_string_lossy().into_owned();
+    folders.iter().map(|folder| Ok((name(folder), Reader::open(folder)?))).collect()
+}
+
+/// Draws a figure of a run, or of several.
 #[cfg(feature = "figures")]
 pub fn plot(args: &crate::cli::PlotArgs) -> Result<ExitCode, Error> {
-    use results::plot::{FileFormat, Request, compose};
+    use results::plot::{FileFormat, Request, compose, compose_several};
     let format = FileFormat::of(&args.out)?;
-    let reader = Reader::open(&args.run)?;
+    let runs = opened(&args.runs)?;
     let request = Request {
         figure: args.figure,
-        levels: chosen_levels(&reader, args.levels.as_deref())?,
+        levels: chosen_levels(&runs[0].1, args.levels.as_deref())?,
         monitor: args.monitor.clone(),
         amplitude: args.amplitude.clone(),
         at: args.at.clone(),
         along: args.along,
     };
-    let (sheet, omissions) = compose(&reader, &request)?;
+    let (sheet, omissions) = match &runs[..] {
+        [(_, reader)] => compose(reader, &request).map(|(sheet, omissions)| (sheet, vec![omissions]))?,
+        several => compose_several(several, &request)?,
+    };
     let bytes = format.bytes(sheet.svg(args.width, args.height)?)?;
     export::write_atomically(&args.out, &bytes)?;
-    told(format_args!("{}\n", args.out.display()), &omissions)
+    told_of_all(format_args!("{}\n", args.out.display()), &omissions.iter().collect::<Vec<_>>())
 }
 
 /// The levels that `--levels` names, if it is given.

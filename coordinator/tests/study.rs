@@ -204,6 +204,8 @@ fn bad_input() {
         (File, "[harmonics]\ncount = 10.5", &[], &["`harmonics.count`", "10.5", "whole number"]),
         (File, "[harmonics]\ncount = -1", &[], &["`harmonics.count`", "-1", "whole number, 0 or more"]),
         (File, "harmonics = [20, 512]", &[], &["`harmonics` = [20, 512]", "a section", "[harmonics]"]),
+        (File, "continuation.newton = [1e-9]", &[], &["`continuation.newton` = [", "a section"]),
+        (File, "damping.rayleigh = [1]", &[], &["`damping.rayleigh` = [1]", "a section"]),
         (File, "contact = [1e-3]", &[], &["`contact` = [0.001]", "a section", "[contact]"]),
         (File, "[contact]\ngap = \"wide\"", &[], &["`contact.gap`", "\"wide\"", "a number"]),
         (File, "name = 67", &[], &["`name`", "67", "string"]),

@@ -17,6 +17,7 @@ from runs import MODELS, isola, program
 
 import isola_hbm
 from isola_hbm import BadModel, Contact, Law, Model
+from isola_hbm import program as of_program
 from isola_hbm import toml as of_toml
 from isola_hbm.sweeps import _shown
 
@@ -135,6 +136,7 @@ def test_elements_are_written_as_the_file_wants_them(tmp_path: Path) -> None:
         ({"laws": [Law("jenkins", between=["x1", "z"])]}, r"laws\[0\]: no dof `z`"),
         ({"contacts": [Contact("x1", tangential=["t"])]}, r"contacts\[0\]: no dof `t`"),
         ({"forcing": [1.0]}, r"forcing: shape \(1,\); 2 finite numbers are needed"),
+        ({"forcing": ["left", "right"]}, "forcing: no list of numbers"),
         ({"forcing": [1.0, np.nan]}, "2 finite numbers are needed, a force for each dof"),
         ({"C": np.eye(2), "damping": {"default_ratio": 1e-3}}, "two ways to give the damping"),
     ],
@@ -249,13 +251,19 @@ def test_doubts_are_a_warning(tmp_path: Path) -> None:
 
 def test_without_the_program(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setenv("ISOLA_BIN", str(tmp_path / "isola"))
-    with pytest.raises(isola_hbm.NoProgram, match="ISOLA_BIN names `.*`, which is no program; build it with"):
+    with pytest.raises(isola_hbm.NoProgram, match="ISOLA_BIN names `.*`, which is no program; install the"):
         isola_hbm.sweep(Model([[1]], [[1]]), [1], out=tmp_path / "run")
     monkeypatch.delenv("ISOLA_BIN")
     monkeypatch.setenv("PATH", str(tmp_path))
+    scripts = tmp_path / "bin"
+    monkeypatch.setattr("sysconfig.get_path", lambda name: str(scripts))
     with pytest.raises(isola_hbm.NoProgram, match="the program `isola` is not on the PATH"):
         isola_hbm.sweep(Model([[1]], [[1]]), [1], out=tmp_path / "run")
     assert not (tmp_path / "run").exists()
+    # The program of the wheel is found without the path.
+    scripts.mkdir()
+    (scripts / "isola").touch(mode=0o755)
+    assert of_program.find() == str(scripts / "isola")
 
 
 @pytest.mark.needs_program

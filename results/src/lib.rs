@@ -3,6 +3,8 @@
 
 pub mod clock;
 #[cfg(any(feature = "figures", feature = "page"))]
+pub mod compare;
+#[cfg(any(feature = "figures", feature = "page"))]
 pub mod curves;
 pub mod error;
 pub mod export;

@@ -1,9 +1,11 @@
 //! The page of a run: one file of HTML with everything inside, for a browser without a network.
 
+mod compared;
 mod data;
 #[cfg(all(test, feature = "figures"))]
 mod tests;
 
+use crate::compare::Comparison;
 use crate::report::Report;
 use serde::Serialize;
 
@@ -20,12 +22,15 @@ const STYLE: &str = include_str!("../page/style.css");
 
 /// Up to the figure of the forced response, which both pages have.
 const COMMON: &str = scripts!(
-    "data" "format" "dom" "theme" "tools" "chart" "marks" "labels" "inspect" "legend" "signals" "curves" "amplitude"
+    "data" "format" "dom" "units" "theme" "tools" "chart" "marks" "labels" "inspect" "legend" "signals" "curves" "amplitude"
     "panel" "figure" "levels" "response"
 );
 
 /// The other figures of the report.
 const FIGURES: &str = scripts!("motion" "account" "main");
+
+/// What compares runs.
+const COMPARE: &str = scripts!("compare");
 
 /// What follows a run.
 const LIVE: &str = scripts!("live");
@@ -39,6 +44,14 @@ pub fn report(report: &Report) -> String {
     let data = inside_html(&data::PageData::new(report));
     let body = filled(include_str!("../page/report.html"), &[("title", &title), ("data", &data)]);
     framed(&title, &body, &[COMMON, FIGURES].concat(), "")
+}
+
+/// Several runs as one page.
+pub fn compare(comparison: &Comparison) -> String {
+    let title = escaped(&comparison.names.join(" and "));
+    let data = inside_html(&compared::ComparedData::new(comparison));
+    let body = filled(include_str!("../page/compare.html"), &[("title", &title), ("data", &data)]);
+    framed(&title, &body, &[COMMON, COMPARE].concat(), "")
 }
 
 /// The page that follows the run of this name.

@@ -111,6 +111,11 @@ fn wrong_types_and_missing_keys() {
     refused("mass = [[1, 0], [0, 1]]", "mass = 1", &["`matrices.mass`", "Matrix Market file", "rows of numbers"]);
     refused("harmonic = 1", "harmonic = -1", &["`forcing.harmonic`", "-1", "whole number"]);
     refused("[damping]", "[[damping]]", &["`damping`", "a section", "[damping]"]);
+    refused(
+        "{ terms = [{ power = 3, coefficient = 1.0 }] }",
+        "[[]]",
+        &["`laws[0].law.polynomial_spring`", "by their names"],
+    );
     refused("normal = \"blade.r\"", "normal = 1", &["`contact.nodes[0].normal`", "dof name", "coefficients"]);
 }
 

@@ -5,6 +5,7 @@
 
 mod control;
 mod faults;
+mod first_steps;
 mod input;
 mod pages;
 mod pipes;

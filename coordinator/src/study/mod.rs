@@ -2,13 +2,8 @@
 //!
 //! A study is a TOML file, `study.toml` where a folder has only one. Unknown keys are refused. SI units.
 //!
-//! | key | default | meaning |
-//! |---|---|---|
-//! | `name` | the model's | shown to people |
-//! | `model` | `"."` | folder of the model, relative to the folder of the study |
-//! | `amplitudes` | required | forcing amplitudes A: `[20, 60]`, `"20, 60"` or `"start:stop:step"` with both ends |
-//! | `harmonics`, `frequency`, `continuation`, `backbone`, `branch`, `search` | [`Settings::default`] | numerics, see [`Settings`] |
-//! | the keys of [`config`] but `name` | those of `model.toml` | scenario: put over those of the model |
+//! It has a `name`, the folder of its `model` and `amplitudes`; the sections of [`Settings`]; and, as its scenario, the keys of
+//! [`config`] but `name`, which come over those of `model.toml`. [`crate::reference`] describes all of them.
 //!
 //! Sections are merged key by key; a list or an inline table is replaced as a whole. One way to give the damping replaces
 //! the others. Values typed on the command line come last and reach into lists (`contact.nodes.0.gap`).
@@ -183,6 +178,7 @@ fn known_keys(study: &Layers) -> Result<(), ModelError> {
 /// Numerical settings, checked for the model.
 fn load_settings(numerics: &Layers, model: &Model) -> Result<Settings, ModelError> {
     numerics.check_sections(&NUMERICS)?;
+    numerics.check_sections(&["continuation.newton"])?;
     let settings: Settings = numerics.parsed()?;
     settings.validate(model).map_err(|SettingsError { key, value, remedy }| {
         let key = if key == "backbone.modes" && numerics.given("backbone.mode") { "backbone.mode" } else { key };

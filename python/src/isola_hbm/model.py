@@ -241,7 +241,10 @@ class Model:
         """The section of the forcing."""
         if isinstance(given, Mapping):
             return dict(given)
-        forces = np.array(given, dtype=np.float64)
+        try:
+            forces = np.array(given, dtype=np.float64)
+        except (TypeError, ValueError) as error:
+            raise BadModel(f"forcing: no list of numbers ({error})") from error
         if forces.shape != (self.size,) or not np.isfinite(forces).all():
             raise BadModel(
                 f"forcing: shape {forces.shape}; {self.size} finite numbers are needed, a force for each dof"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import shutil
 import subprocess
+import sysconfig
 import tempfile
 from collections.abc import Sequence
 from pathlib import Path
@@ -16,13 +17,17 @@ VARIABLE = "ISOLA_BIN"
 
 
 def find() -> str:
-    """The program: what ``ISOLA_BIN`` names, or `isola` on the path.
+    """The program: what ``ISOLA_BIN`` names, or the one that was installed with this package, or `isola` on the path.
 
     Raises:
         NoProgram: There is none.
     """
     named = os.environ.get(VARIABLE)
-    found = shutil.which(named or "isola")
+    if named:
+        found = shutil.which(named)
+    else:
+        # A notebook server or an environment that was not activated has the folder of scripts on no path.
+        found = shutil.which("isola", path=sysconfig.get_path("scripts")) or shutil.which("isola")
     if found is None:
         what = (
             f"{VARIABLE} names `{named}`, which is no program"
@@ -30,7 +35,8 @@ def find() -> str:
             else "the program `isola` is not on the PATH"
         )
         raise NoProgram(
-            f"{what}; build it with `cargo build --release`, and put it on the PATH or name it in {VARIABLE}"
+            f"{what}; install the wheel that carries it, or build it with `cargo build --release`, and put it on the PATH or name it"
+            f" in {VARIABLE}"
         )
     return found
 

@@ -37,6 +37,10 @@ class Chart {
       lod_threshold: null,
     });
     this.factors = { x: x.unit.factor, y: y.unit.factor };
+    /** Whether the reader may choose a logarithmic axis upwards. */
+    this.canBeLog = y.scale !== "log" && !y.ticks;
+    /** @type {() => string} numbers of what is shown, as CSV; whoever draws knows them */
+    this.numbers = () => "";
     this.show({ x, y });
     for (const [name, axis] of Object.entries({ x, y })) {
       const drawn = this.figure[`${name}axes`][0];
@@ -80,7 +84,8 @@ class Chart {
       const [drawn] = this.figure[`${name}axes`];
       const label = axisLabel(axis);
       if (drawn.axis_label?.text !== label) drawn.axis_label = plainText(label); // A new one is laid out anew.
-      const [start, end] = (axis.whole ?? axis.range).map((end) => end * factor);
+      const ends = (axis.whole ?? axis.range).map((end) => end * factor);
+      const [start, end] = this.isLog(name) && ends[0] <= 0 ? [ends[1] * LOWEST, ends[1]] : ends;
       const isHome = range.start === range.reset_start && range.end === range.reset_end;
       const ratio = factor / this.factors[name];
       const kept = { start: range.start * ratio, end: range.end * ratio };
@@ -116,6 +121,34 @@ class Chart {
       { href: this.view.export("png", true).canvas.toDataURL(), download: `${fileName(file)}.png` },
     );
     link.click();
+  }
+
+  /** The same of vectors. */
+  async saveVectors(file) {
+    if (this.view) handOut(`${fileName(file)}.svg`, await this.view.export("svg", false).to_blob());
+  }
+
+  /** The numbers of what is shown. */
+  saveNumbers(file) {
+    handOut(`${fileName(file)}.csv`, new Blob([this.numbers()], { type: "text/csv" }));
+  }
+
+  /** Makes the axis upwards logarithmic, or even again. */
+  setLog(on) {
+    const [axis] = this.figure.yaxes;
+    const { y_range } = this.figure;
+    this.even ??= { ticker: axis.ticker, start: y_range.reset_start };
+    this.figure.y_scale = on ? new Bokeh.LogScale() : new Bokeh.LinearScale();
+    const start = on && this.even.start <= 0 ? y_range.reset_end * LOWEST : this.even.start;
+    y_range.setv({ start, end: y_range.reset_end, reset_start: start });
+    if (on) {
+      this.forgetTicks = keepLogTicks(axis, this.gridAlong("y"), y_range);
+    } else {
+      this.forgetTicks?.();
+      axis.ticker = this.even.ticker;
+      this.gridAlong("y").ticker = this.even.ticker;
+    }
+    this.repaint();
   }
 
   gridAlong(axis) {
@@ -154,13 +187,16 @@ class Chart {
   }
 }
 
+/** Where a logarithmic axis begins that would begin at zero, as a share of its end. */
+const LOWEST = 1e-4;
+
 /** Text that Bokeh takes as it is: it would look for formulas in plain strings. */
 const plainText = (text) => new Bokeh.PlainText({ text });
 
 /** @param {Axis} axis */
 const axisLabel = ({ title, unit }) => (unit.name === "" ? title : `${title} (${unit.name})`);
 
-/** Ticks at 1, 2, 5 while a logarithmic axis shows few decades; Bokeh would show one or two powers of ten. */
+/** Ticks at 1, 2, 5 while a logarithmic axis shows few decades; Bokeh would show one or two powers of ten. What it returns ends it. */
 function keepLogTicks(axis, grid, range) {
   const powers = axis.formatter;
   const plain = new Bokeh.BasicTickFormatter();
@@ -178,6 +214,7 @@ function keepLogTicks(axis, grid, range) {
   };
   follow();
   range.change.connect(follow);
+  return () => range.change.disconnect(follow);
 }
 
 /** Names in the place of numbers, not more than fit. @param {[number, string][]} ticks */

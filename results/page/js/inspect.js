@@ -39,6 +39,12 @@ function nearestPoint(projection, curves, at) {
   return best;
 }
 
+/** The point looked at in any chart: marked in all that show it. */
+const lookedAt = shared(null);
+
+/** Curves whose points have the same frequencies, number by number of their column, are of the same points. */
+const pointsOf = ({ series: { details } }) => details?.[0]?.values[0]?.column;
+
 /**
  * Lets a chart's points be looked at.
  * @param {() => Curve[]} curves those shown
@@ -49,13 +55,21 @@ function inspectPoints(chart, curves, describe, pick = null) {
   const tip = element("div.tip", { role: "status", hidden: true });
   chart.box.append(tip);
   const mark = pointMark(chart, { marker: "circle", size: 11 });
+  const echo = pointMark(chart, { marker: "square", size: 11 });
   let cursor = null;
+  lookedAt.listen((point) => {
+    const isElsewhere = point && point.chart !== chart;
+    const curve = isElsewhere && curves().find((one) => pointsOf(one) === point.points && point.index < one.x.length);
+    echo(curve ? { curve, index: point.index } : null);
+  });
 
   const look = (point) => {
     if (point?.curve === cursor?.curve && point?.index === cursor?.index) return;
     cursor = point;
     tip.hidden = point === null;
     mark(point);
+    const points = point && pointsOf(point.curve);
+    lookedAt.set(points === null || points === undefined ? null : { chart, points, index: point.index });
     if (point) fillTip(chart, tip, point, describe(point.curve, point.index));
   };
   const take = () => cursor && pick?.(cursor.curve, cursor.index);

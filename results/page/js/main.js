@@ -117,6 +117,7 @@ function startReport() {
   startTheme(document.querySelector("#theme"));
   startCharts();
   document.querySelector("#print").addEventListener("click", printPage);
+  document.querySelector("nav").append(frequencyControl());
   fillHeader(run);
   run.frames.forEach((frame, index) => (frame.index = index));
   const looked = shared(run.frames[run.first_frame ?? 0] ?? null);

@@ -49,6 +49,11 @@ class Panel {
     const named = () => this.curves.filter(({ series }) => series.name);
     const pick = ({ series }, index) => series.branch !== undefined && picked?.(series.branch, index);
     inspectPoints(this.chart, named, (curve, index) => this.describe(curve, index), pick);
+    this.chart.numbers = () => this.numbers();
+    frequencyUnit.listen(() => {
+      this.fit(true);
+      this.draw();
+    });
     this.chart.paint(() => this.draw());
     if (spans.some((span) => span.by_amplitude)) dragLine(
       this.chart,
@@ -60,7 +65,8 @@ class Panel {
   /** @returns {{x: Axis, y: Axis}} as chosen; a motion brings its own range and unit. */
   axes() {
     const { description: { x, y }, view } = this;
-    return { x: ofOption(x, view.choice), y: { ...ofOption(y, view.choice), ...view.motion?.panels[this.number] } };
+    const chosen = { ...ofOption(y, view.choice), ...view.motion?.panels[this.number] };
+    return { x: inFrequencyUnit(ofOption(x, view.choice)), y: inFrequencyUnit(chosen) };
   }
 
   factors() {
@@ -148,6 +154,16 @@ class Panel {
     if (!line || !frame) return [];
     const point = { x: this.chart.figure.x_range.end, y: frame.amplitude * factors.y };
     return [placed({ ...point, text: frame.name, color: line.style.color }, [0, "bottom_right", -4, -3, 0])];
+  }
+
+  /** What is shown, in the units shown: a row a point. */
+  numbers() {
+    const { x, y } = this.axes();
+    const quoted = (text) => `"${String(text).replaceAll('"', '""')}"`;
+    const rows = this.curves.flatMap(({ series: { name }, x: across, y: up }, k) =>
+      Array.from(across, (value, i) => `${quoted(name ?? `curve ${k + 1}`)},${value},${up[i]}`),
+    );
+    return [["curve", axisLabel(x), axisLabel(y)].map(quoted).join(","), ...rows, ""].join("\n");
   }
 
   /** All that is known of a point: what its series says or, without, the numbers on the axes. @returns {Description} */

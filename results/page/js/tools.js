@@ -1,4 +1,4 @@
-/* Buttons above a chart: what a drag does, closer, farther, back, picture. In place of Bokeh's own toolbar, which keys
+/* Buttons above a chart: what a drag does, closer, farther, back, logarithmic, pictures, numbers. In place of Bokeh's own toolbar, which keys
  * and screen readers do not reach. */
 
 /** Touch screens scroll the page with a finger on a chart, unless a tool is turned on. */
@@ -13,7 +13,14 @@ function bokehTools() {
   };
 }
 
-/** @param {Chart} chart @param {string} file name of its picture */
+/** Hands out a file. @param {string} name @param {Blob} blob */
+function handOut(name, blob) {
+  const link = element("a", { href: URL.createObjectURL(blob), download: name });
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 60_000);
+}
+
+/** @param {Chart} chart @param {string} file name of its files */
 function toolButtons(chart, file) {
   const modes = [["box", "Box zoom"], ["pan", "Pan"]];
   const toggles = modes.map(([name, text]) => button(text, () => use(chart.tools[name].active ? null : name)));
@@ -23,6 +30,11 @@ function toolButtons(chart, file) {
       toggles[k].setAttribute("aria-pressed", name === chosen);
     });
   };
+  const log = button("Log", () => {
+    chart.setLog(!chart.isLog("y"));
+    log.setAttribute("aria-pressed", chart.isLog("y"));
+  }, { "aria-pressed": "false", title: "Logarithmic axis upwards" });
+  log.hidden = !chart.canBeLog;
   chart.ready.then(() => {
     chart.tools.wheel.active = !COARSE_POINTER;
     use(COARSE_POINTER ? null : "box");
@@ -34,7 +46,10 @@ function toolButtons(chart, file) {
     button("+", () => chart.zoom(0.7), { "aria-label": "Closer" }),
     button("−", () => chart.zoom(1 / 0.7), { "aria-label": "Farther" }),
     button("Reset", () => chart.reset()),
-    button("Save", () => chart.save(file), { title: "Save as a picture (PNG)" }),
+    log,
+    button("PNG", () => chart.save(file), { title: "Save as a picture (PNG)" }),
+    button("SVG", () => chart.saveVectors(file), { title: "Save as a picture of vectors (SVG)" }),
+    button("CSV", () => chart.saveNumbers(file), { title: "Save the numbers of what is shown (CSV)" }),
   );
 }
 

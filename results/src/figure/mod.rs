@@ -4,6 +4,7 @@ mod axis;
 mod backbone;
 mod balance;
 mod column_store;
+mod compared;
 mod data;
 mod figures;
 mod folds;
@@ -24,6 +25,7 @@ mod subject;
 mod text;
 
 pub use column_store::{ColumnStore, Ref};
+pub use compared::{Compared, ComparedFigures};
 pub use data::{Axis, Direction, Entry, Figure, Kind, Panel, Scale, Series, Span, Unit, chosen};
 pub use figures::Figures;
 pub use frames::{Frame, ladder};

@@ -16,7 +16,7 @@ const MARKED: usize = 60;
 
 /// A way to the largest response, and how it looks.
 struct Way<'w> {
-    name: &'static str,
+    name: &'w str,
     curve: &'w Resonance,
     style: Style,
 }
@@ -26,7 +26,25 @@ struct Way<'w> {
 /// # Errors
 /// If there is nothing to compare: in words.
 pub fn figure(subject: &Subject<'_>, store: &mut ColumnStore) -> Result<Figure, String> {
-    let ways = ways(subject);
+    let monitor = subject.monitors.first().map_or("", |monitor| &monitor.name);
+    let events = subject.backbone.map_or(&[][..], |backbone| &backbone.events);
+    drawn(&ways(subject), monitor, events, store)
+}
+
+/// The same of several runs: what each is called, its largest response, and how that looks.
+///
+/// # Errors
+/// If none of them has a branch: in words.
+pub(super) fn compared(
+    runs: &[(String, Resonance, Style)],
+    monitor: &str,
+    store: &mut ColumnStore,
+) -> Result<Figure, String> {
+    let ways = runs.iter().map(|(name, curve, style)| Way { name, curve, style: style.clone() });
+    drawn(&ways.filter(|way| !way.curve.value.is_empty()).collect::<Vec<_>>(), monitor, &[], store)
+}
+
+fn drawn(ways: &[Way<'_>], monitor: &str, events: &[Event], store: &mut ColumnStore) -> Result<Figure, String> {
     let values = |of: fn(&Resonance) -> &[f64]| ways.iter().flat_map(move |way| of(way.curve).iter().copied());
     let amplitudes = values(|curve| &curve.amplitude);
     if values(|curve| &curve.value).next().is_none() {
@@ -34,11 +52,9 @@ pub fn figure(subject: &Subject<'_>, store: &mut ColumnStore) -> Result<Figure, 
     }
     let x = forcing(values(|curve| &curve.value));
     let frequency = Axis::around("frequency ω", Unit::si("rad/s"), values(|curve| &curve.omega));
-    let monitor = subject.monitors.first().map_or("", |monitor| &monitor.name);
     let unit = Unit::of_lengths(largest(amplitudes.clone()));
     let amplitude = Axis::around(format!("largest |{monitor}|"), unit, amplitudes.chain([0.0]));
 
-    let events = subject.backbone.map_or(&[][..], |backbone| &backbone.events);
     let shown: Vec<&Event> = events.iter().filter(|event| (0.0..=1.0).contains(&x.share(event.threshold))).collect();
     let panel = |y: Axis, about| Panel {
         about,
@@ -52,7 +68,7 @@ pub fn figure(subject: &Subject<'_>, store: &mut ColumnStore) -> Result<Figure, 
     let labels = shown.iter().map(|event| label(event, &frequency)).collect();
     let mut above = Panel { labels, ..panel(frequency, "Resonance over forcing: frequency") };
     let mut below = panel(amplitude, "Resonance over forcing: largest amplitude");
-    for way in &ways {
+    for way in ways {
         let columns = [&way.curve.value, &way.curve.omega, &way.curve.amplitude];
         let [x, omega, amplitude] = columns.map(|values| store.exact(values.clone()));
         above.series.push(series(way, &x, &omega, (&omega, &amplitude)));

@@ -249,13 +249,19 @@ pub fn branch_series(
     }
 }
 
-/// Gaps in a curve along what of it is unstable.
-fn unstable(branch: &Curve, curve: &Series, axes: (&Axis, &[Axis]), columns: &mut ColumnStore) -> Option<Series> {
+/// Gaps in a curve along what of it is unstable, for each of the axes up.
+pub(super) fn unstable(
+    branch: &Curve,
+    curve: &Series,
+    axes: (&Axis, &[Axis]),
+    columns: &mut ColumnStore,
+) -> Option<Series> {
     if !branch.unstable.contains(&true) {
         return None;
     }
     // A segment is drawn where both its ends are unstable.
-    let heights: Vec<Vec<f64>> = branch.amplitude.iter().map(|column| where_unstable(branch, &column.values)).collect();
+    let shown = branch.amplitude.iter().take(axes.1.len());
+    let heights: Vec<Vec<f64>> = shown.map(|column| where_unstable(branch, &column.values)).collect();
     let y = heights.iter().map(|values| columns.add(Column::short(values.clone()))).collect();
     let style = Style::gaps(curve.style.width);
     let mut gaps = Series { kind: curve.kind, x: curve.x.clone(), y, style, level: curve.level, ..Series::default() };

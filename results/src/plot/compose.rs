@@ -4,6 +4,7 @@ use super::motion;
 use super::named::{level, monitor};
 use super::request::{Along, FigureName, Request};
 use super::sheet::Sheet;
+use crate::compare::Comparison;
 use crate::error::Error;
 use crate::figure::Frame;
 use crate::overview::Omissions;
@@ -43,6 +44,33 @@ pub fn compose(reader: &Reader, request: &Request) -> Result<(Sheet, Omissions),
         Sheet { figure, columns: std::mem::take(&mut report.figures.columns), choice, frame }
     };
     Ok((sheet, report.omissions))
+}
+
+/// Reads what a figure shows of several runs, each with the name of its folder; with it comes what is missing.
+///
+/// # Errors
+/// Those of [`compose`], and a figure that several runs have not together.
+pub fn compose_several(runs: &[(String, Reader)], request: &Request) -> Result<(Sheet, Vec<Omissions>), Error> {
+    let figures = [FigureName::Response, FigureName::Resonance];
+    if !figures.contains(&request.figure) || request.monitor.is_some() {
+        return Err(Error::Usage(
+            "of several runs there are the figures response and resonance, of the first monitored dof".into(),
+        ));
+    }
+    request.figure.accepts(request)?;
+    let selection = request.levels.clone().map_or(Selection::All, Selection::Amplitudes);
+    let read = |(folder, reader): &(String, Reader)| -> Result<(String, Report), Error> {
+        let _snapshot = reader.snapshot()?;
+        Ok((folder.clone(), Report::read(reader, &selection)?))
+    };
+    let mut comparison = Comparison::new(runs.iter().map(read).collect::<Result<_, _>>()?);
+    let name = request.figure.name();
+    let Some(figure) = comparison.figures.drawn.remove(name) else {
+        let why = comparison.figures.nothing.remove(name).unwrap_or_default();
+        return Err(Error::Other(format!("nothing to draw: {why}")));
+    };
+    let sheet = Sheet { figure, columns: std::mem::take(&mut comparison.figures.columns), choice: 0, frame: None };
+    Ok((sheet, comparison.reports.into_iter().map(|report| report.omissions).collect()))
 }
 
 /// The windows of figures of one level: of the level typed, else of the one to look at first.

@@ -14,7 +14,7 @@ mod svg;
 mod tests;
 mod ticks;
 
-pub use compose::compose;
+pub use compose::{compose, compose_several};
 pub use file::FileFormat;
 pub use request::{Along, FigureName, Request};
 pub use sheet::Sheet;

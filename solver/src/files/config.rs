@@ -3,40 +3,7 @@
 //! Every key has a default; unknown keys are refused. SI units. Messages count entries of lists from 0
 //! (`contact.nodes[0]` is the first `[[contact.nodes]]`).
 //!
-//! | key | default | unit, range | meaning |
-//! |---|---|---|---|
-//! | `name` | the folder's name | | shown to people |
-//! | `description` | empty | | for whoever reads the file |
-//! | `dofs` | `x1` … `xn` | n different names | names of the dofs, in the order of the matrices |
-//! | `monitors` | the first dof | dof names | reported amplitudes; the first one is plotted and bounded, and is positive in every mode shape |
-//! | `matrices.mass` | `"M.mtx"` | kg, positive definite | Matrix Market file beside `model.toml`, or rows `[[..], [..]]` |
-//! | `matrices.stiffness` | `"K.mtx"` | N/m, positive semi-definite | likewise |
-//! | `matrices.damping` | none | N·s/m, symmetric | likewise; instead of the section `damping` |
-//! | `damping.ratios` | none | list of `{modes, ratio}` | modal damping ratios, 0 ≤ ratio < 1; `modes` is a number or a range `"1-2"` |
-//! | `damping.default_ratio` | 0.01 | 0 ≤ ξ < 1 | ratio of the modes that `ratios` leaves out |
-//! | `damping.rayleigh` | none | `mass` 1/s ≥ 0, `stiffness` s ≥ 0 | C = mass · M + stiffness · K; instead of ratios |
-//! | `forcing.shape` | `{mode = 1}` | N per unit of A | `{mode = j}`: M Φ_j (the paper's); `{mode_shape = j}`: Φ_j; `{dofs = {x1 = 1.0}}`; `{constant = 1.0}`: on every dof |
-//! | `forcing.harmonic` | 1 | ≥ 1 | harmonic m of the response that is forced, f = A s cos(mωt) |
-//! | `contact.gap` | 0 | m, ≥ 0 | clearance at rest |
-//! | `contact.epsilon` | see below | N/m, > 0 | numerical stiffness of the contact prediction |
-//! | `contact.friction` | 0 | ≥ 0 | coefficient μ of permanent sliding; 0: none |
-//! | `contact.sense` | 1 | 1 or -1 | sign of the sliding velocity along the first tangential direction |
-//! | `contact.nodes` | none | list | contact nodes: |
-//! | `….name` | `contact1`, … | different names | shown to people |
-//! | `….normal` | required | dof name or `{dof = coefficient}` | displacement that closes the gap; `{x1 = 1, x2 = -1}`: between two bodies |
-//! | `….tangential` | none | list of 1 or 2, like `normal` | sliding directions, the first one along the rotation; required with friction |
-//! | `….radius` | none | m, > 0 | radius of the node; required with friction |
-//! | `….gap`, `….epsilon`, `….friction`, `….sense` | those of `contact` | | values of this node |
-//! | `laws` | none | list | other nonlinear elements: |
-//! | `….name` | `law1`, … | different names | shown to people |
-//! | `….dof` | | dof name | the law acts between this dof and the ground, or |
-//! | `….between` | | two dof names | on the first minus the second, or |
-//! | `….coefficients` | | `{dof = coefficient}` | on this sum; exactly one of the three |
-//! | `….law` | required | `{law_name = {parameters}}` | a law of [`LawKind`], except `contact` |
-//!
-//! `epsilon` changes which truncated series is found, not its limit, and decides whether Newton's method converges:
-//! right is the order of the stiffness condensed on the contact dofs, or above. The default is the largest diagonal
-//! entry of the stiffness condensed statically on all contact normals.
+//! `REFERENCE.md` lists all keys with kind, default, unit and meaning; `isola schema --explain KEY` says the same of one.
 
 use crate::structure::laws::LawKind;
 use serde::Deserialize;
@@ -46,8 +13,8 @@ use std::collections::BTreeMap;
 pub const KEYS: [&str; 9] =
     ["name", "description", "dofs", "monitors", "matrices", "damping", "forcing", "contact", "laws"];
 
-/// Those of them that are sections.
-pub const SECTIONS: [&str; 4] = ["matrices", "damping", "forcing", "contact"];
+/// Those of them that are sections, and sections within them.
+pub const SECTIONS: [&str; 5] = ["matrices", "damping", "damping.rayleigh", "forcing", "contact"];
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]

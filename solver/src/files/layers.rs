@@ -127,19 +127,36 @@ impl Layers {
         Place { file: Some(file), key: key.to_string(), set_by }
     }
 
-    /// Refuses a section that is given as something else: serde would take a list for its keys in order.
+    /// Refuses a section, by its dotted key, that is given as something else: serde would take a list for its keys in order.
     ///
     /// # Errors
     /// A section of these that is no table.
     pub fn check_sections(&self, sections: &[&str]) -> Result<(), ModelError> {
-        let given = sections.iter().filter_map(|key| Some((key, self.table.get(*key)?)));
-        match given.into_iter().find(|(_, value)| !value.is_table()) {
-            None => Ok(()),
-            Some((key, value)) => {
+        for key in sections {
+            let mut parts = key.split('.');
+            let top = parts.next().and_then(|part| self.table.get(part));
+            let given = parts.try_fold(top, |value, part| value.map(|value| value.get(part)));
+            if let Some(value) = given.flatten().filter(|value| !value.is_table()) {
                 let remedy = format!("this is a section: write [{key}] and its keys below, or {key}.key = value");
-                Err(ModelError::value(self.place(*key), value, remedy))
+                return Err(ModelError::value(self.place(*key), value, remedy));
             }
         }
+        Ok(())
+    }
+
+    /// Refuses a law whose parameters are given without their names.
+    ///
+    /// # Errors
+    /// A law of the list that is no table of parameters.
+    pub(super) fn check_laws(&self) -> Result<(), ModelError> {
+        let list = self.table.get("laws").and_then(Value::as_array).into_iter().flatten().enumerate();
+        for (i, law) in list.filter_map(|(i, entry)| Some((i, entry.get("law")?.as_table()?))) {
+            if let Some((name, value)) = law.iter().find(|(_, parameters)| !parameters.is_table()) {
+                let remedy = "give the parameters of the law by their names, like {stiffness = 1, limit = 0.1}";
+                return Err(ModelError::value(self.place(format!("laws[{i}].law.{name}")), value, remedy));
+            }
+        }
+        Ok(())
     }
 
     /// These settings as a type; refuses keys that it does not know.

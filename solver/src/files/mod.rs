@@ -46,5 +46,7 @@ pub fn settings(dir: &Path) -> Result<Layers, ModelError> {
 /// Those of [`load`].
 pub fn from_layers(dir: &Path, layers: &Layers) -> Result<Model, ModelError> {
     layers.check_sections(&config::SECTIONS)?;
-    build::build(dir, layers.parsed()?, layers)
+    let config = layers.parsed()?;
+    layers.check_laws()?;
+    build::build(dir, config, layers)
 }

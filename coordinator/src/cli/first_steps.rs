@@ -1,0 +1,56 @@
+//! Options of what a newcomer needs: a model to start from, and what its keys mean.
+
+use super::one_of;
+use crate::reference::File;
+use crate::templates::{TEMPLATES, Template};
+use clap::Args;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use std::path::PathBuf;
+
+/// Examples of `new`.
+pub(super) const NEW: &str = "\
+Examples:
+  isola new first                               a model with an isola, and its study
+  isola new mine --template blade               a blade with matrices in files
+  isola sweep first";
+
+/// Examples of `schema`.
+pub(super) const SCHEMA: &str = "\
+Examples:
+  isola schema model > model.schema.json        for an editor: `#:schema model.schema.json` in line 1 of model.toml
+  isola schema --explain contact.gap
+  isola schema --explain harmonics";
+
+/// Arguments of `new`.
+#[derive(Debug, Args)]
+pub struct NewArgs {
+    /// Folder to write: a new one, or an empty one.
+    #[arg(value_name = "DIR")]
+    pub folder: PathBuf,
+    /// What to start from.
+    #[arg(long, value_name = "NAME", default_value = "absorber", value_parser = templates())]
+    pub template: &'static Template,
+}
+
+/// Arguments of `schema`.
+#[derive(Debug, Args)]
+pub struct SchemaArgs {
+    /// Of which file [default: a schema that either of them fits].
+    #[arg(value_parser = files())]
+    pub file: Option<File>,
+    /// Say what a key means, its unit, range and default, instead.
+    #[arg(long, value_name = "KEY", conflicts_with = "file")]
+    pub explain: Option<String>,
+}
+
+fn templates() -> impl TypedValueParser<Value = &'static Template> {
+    let names = TEMPLATES.iter().map(|template| PossibleValue::new(template.name).help(template.about));
+    PossibleValuesParser::new(names).map(|chosen| {
+        let template = TEMPLATES.iter().find(|template| template.name == chosen);
+        template.expect("clap lets no other name through")
+    })
+}
+
+fn files() -> impl TypedValueParser<Value = File> {
+    one_of(&[(File::Model, "model", "model.toml"), (File::Study, "study", "study.toml")])
+}

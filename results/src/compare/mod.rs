@@ -1,0 +1,114 @@
+//! Several runs beside each other: what of their studies differs, what each found, level by level, and by how much that is
+//! another.
+
+mod numbers;
+#[cfg(test)]
+mod tests;
+
+pub use numbers::{NumberRow, table};
+
+use crate::figure::{Compared, ComparedFigures};
+use crate::report::Report;
+use crate::resolved_study::differences;
+use serde::Serialize;
+
+/// Keys of studies whose differences say nothing of the structure or its computation.
+const NAMES: [&str; 2] = ["name", "model"];
+
+/// Runs that are compared, the first one being what others are measured by.
+#[derive(Debug, Clone)]
+pub struct Comparison {
+    /// What each run is called: the name of its study, with its folder where two have the same.
+    pub names: Vec<String>,
+    /// The runs.
+    pub reports: Vec<Report>,
+    /// Forcing amplitudes that any of them has, in ascending order.
+    pub levels: Vec<ComparedLevel>,
+    /// Keys of the studies that differ.
+    pub settings: Vec<SettingRow>,
+    /// What was found at every level, in numbers.
+    pub numbers: Vec<NumberRow>,
+    /// Figures with the curves of all runs.
+    pub figures: ComparedFigures,
+}
+
+/// A forcing level of any run.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ComparedLevel {
+    /// Forcing amplitude, as typed for the first run that has it.
+    pub amplitude: String,
+    /// Forcing amplitude A.
+    pub value: f64,
+}
+
+/// A key of the studies, and its value in each run.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct SettingRow {
+    /// Dotted key.
+    pub key: String,
+    /// Values as TOML, one a run.
+    pub values: Vec<String>,
+}
+
+impl Comparison {
+    /// Of runs, each with the name of its folder.
+    pub fn new(runs: Vec<(String, Report)>) -> Self {
+        let names = names(&runs);
+        let reports: Vec<Report> = runs.into_iter().map(|(_, report)| report).collect();
+        let levels = levels(&reports);
+        let sides: Vec<Compared<'_>> =
+            names.iter().zip(&reports).map(|(name, report)| Compared { name, subject: report.subject() }).collect();
+        let values: Vec<f64> = levels.iter().map(|level| level.value).collect();
+        let figures = ComparedFigures::new(&sides, &values);
+        let (settings, numbers) = (settings(&reports), numbers::rows(&reports, &levels));
+        Self { settings, numbers, figures, names, levels, reports }
+    }
+}
+
+/// What runs are called.
+fn names(runs: &[(String, Report)]) -> Vec<String> {
+    let is_alone = |name: &str| runs.iter().filter(|(_, report)| report.run.name == name).count() == 1;
+    let name = |(folder, report): &(String, Report)| match &report.run.name {
+        name if is_alone(name) => name.clone(),
+        name => format!("{name} ({folder})"),
+    };
+    runs.iter().map(name).collect()
+}
+
+fn levels(reports: &[Report]) -> Vec<ComparedLevel> {
+    let mut all: Vec<ComparedLevel> = Vec::new();
+    for level in reports.iter().flat_map(|report| &report.overview.levels) {
+        if !all.iter().any(|known| known.value == level.value) {
+            all.push(ComparedLevel { amplitude: level.amplitude.clone(), value: level.value });
+        }
+    }
+    all.sort_by(|a, b| a.value.total_cmp(&b.value));
+    all
+}
+
+/// Keys that differ between the first run and any other; of the programs that made the runs, their versions.
+fn settings(reports: &[Report]) -> Vec<SettingRow> {
+    let Some((first, others)) = reports.split_first() else { return Vec::new() };
+    let mut rows: Vec<SettingRow> = Vec::new();
+    for (place, other) in (1..).zip(others) {
+        for change in differences(&first.account.study, &other.account.study) {
+            if NAMES.contains(&change.key.as_str()) {
+                continue;
+            }
+            let row = match rows.iter().position(|row| row.key == change.key) {
+                Some(row) => &mut rows[row],
+                None => {
+                    rows.push(SettingRow { key: change.key, values: vec![change.old; reports.len()] });
+                    rows.last_mut().expect("it was pushed")
+                }
+            };
+            row.values[place] = change.new;
+        }
+    }
+    rows.sort_by(|a, b| a.key.cmp(&b.key));
+    let programs: Vec<String> = reports.iter().map(|report| report.run.program.clone()).collect();
+    if programs.iter().any(|program| *program != programs[0]) {
+        rows.push(SettingRow { key: "program".into(), values: programs });
+    }
+    rows
+}

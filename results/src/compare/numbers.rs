@@ -1,0 +1,94 @@
+//! What runs found at every level, and by how much that differs from the first run.
+
+use super::{ComparedLevel, Comparison};
+use crate::overview::Level;
+use crate::report::Report;
+use crate::store::BranchRow;
+use crate::words::{digits, length};
+use comfy_table::{ContentArrangement, Table, presets::UTF8_FULL_CONDENSED};
+use serde::Serialize;
+
+/// A quantity of a level in every run.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct NumberRow {
+    /// Forcing amplitude, as typed.
+    pub amplitude: String,
+    /// The quantity.
+    pub what: &'static str,
+    /// In words, one a run; behind the number of a later run, by how much it differs from that of the first.
+    pub values: Vec<String>,
+}
+
+/// Rows of all levels.
+pub(super) fn rows(reports: &[Report], levels: &[ComparedLevel]) -> Vec<NumberRow> {
+    levels.iter().flat_map(|level| of_level(reports, level)).collect()
+}
+
+fn of_level(reports: &[Report], level: &ComparedLevel) -> [NumberRow; 3] {
+    let found = |report: &'_ Report| report.overview.levels.iter().position(|known| known.value == level.value);
+    let each: Vec<Option<&Level>> =
+        reports.iter().map(|report| found(report).map(|place| &report.overview.levels[place])).collect();
+    let peaks = |of: fn(&Level) -> Option<&BranchRow>| -> Vec<String> {
+        let peaks: Vec<Option<&BranchRow>> = each.iter().map(|level| level.and_then(of)).collect();
+        let first = peaks.first().copied().flatten();
+        let word = |(place, level): (usize, &Option<&Level>)| match (level, peaks[place]) {
+            (None, _) => "no such level".into(),
+            (_, None) => "none".into(),
+            (_, Some(peak)) => of_peak(peak, first.filter(|_| place > 0)),
+        };
+        each.iter().enumerate().map(word).collect()
+    };
+    let row = |what, values| NumberRow { amplitude: level.amplitude.clone(), what, values };
+    let isolas = each.iter().map(|level| level.map_or("no such level".into(), of_others)).collect();
+    [
+        row("largest response", peaks(Level::peak)),
+        row("main branch, peak", peaks(Level::main)),
+        row("isolas and others", isolas),
+    ]
+}
+
+/// `2.322 mm at 2701.2 rad/s (+3.1 %, -12.4 rad/s)`.
+fn of_peak(peak: &BranchRow, first: Option<&BranchRow>) -> String {
+    let text = format!("{}{} at {} rad/s", peak.at_least(), length(peak.amplitude_max), digits(peak.omega_at_max, 6));
+    let difference = first.map(|first| {
+        let share = 100.0 * (peak.amplitude_max / first.amplitude_max - 1.0);
+        let shift = peak.omega_at_max - first.omega_at_max;
+        format!(" ({} %, {} rad/s)", signed(share, 3), signed(shift, 3))
+    });
+    text + &difference.unwrap_or_default()
+}
+
+fn signed(value: f64, count: i32) -> String {
+    let text = digits(value, count);
+    if value > 0.0 { format!("+{text}") } else { text }
+}
+
+/// `3: 2133.2–2149.8, 2178.3–2513, 2537.6–2701.3 rad/s`, others than isolas with their kinds.
+fn of_others(level: &Level) -> String {
+    let range = |row: &BranchRow| {
+        let kind = if row.is_isola() { String::new() } else { format!("{} ", row.kind) };
+        format!("{kind}{}–{}", digits(row.omega.0, 5), digits(row.omega.1, 5))
+    };
+    let mut others: Vec<&BranchRow> = level.others().collect();
+    others.sort_by(|a, b| a.omega.0.total_cmp(&b.omega.0));
+    match others.len() {
+        0 => "none".into(),
+        count => format!("{count}: {} rad/s", others.into_iter().map(range).collect::<Vec<_>>().join(", ")),
+    }
+}
+
+/// The numbers as a table for a terminal.
+pub fn table(comparison: &Comparison, width: u16) -> String {
+    let mut table = Table::new();
+    table.load_preset(UTF8_FULL_CONDENSED);
+    table.set_content_arrangement(ContentArrangement::Dynamic).set_width(width);
+    let heads = ["A", "what"].map(String::from);
+    table.set_header(heads.into_iter().chain(comparison.names.iter().cloned()));
+    for setting in &comparison.settings {
+        table.add_row(["", &setting.key].into_iter().chain(setting.values.iter().map(String::as_str)));
+    }
+    for NumberRow { amplitude, what, values } in &comparison.numbers {
+        table.add_row([amplitude.as_str(), what].into_iter().chain(values.iter().map(String::as_str)));
+    }
+    format!("{table}\n")
+}

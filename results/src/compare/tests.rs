@@ -1,0 +1,96 @@
+//! Two runs of the damper with one level in common.
+
+use super::*;
+use crate::fixture::Study;
+use crate::report::Selection;
+use tempfile::tempdir;
+
+fn read(study: &Study, change: impl Fn(&mut Report)) -> Report {
+    let dir = tempdir().unwrap();
+    let (store, _) = study.finished(dir.path());
+    let mut report = Report::read(&store, &Selection::Fitting).unwrap();
+    change(&mut report);
+    report
+}
+
+fn compared() -> Comparison {
+    let three = read(&Study::damper(), |_| {});
+    let five = read(&Study::new("nonlinear_damper", 5, &["0.006", "0.007"]), |report| {
+        report.account.study = "model = \"damper\"\nname = \"b\"\n[harmonics]\ncount = 5\n".into();
+        report.run.program = "0.2.0".into();
+    });
+    Comparison::new(vec![("three".into(), three), ("five".into(), five)])
+}
+
+#[test]
+fn what_differs() {
+    let compared = compared();
+    // Both studies have one name, so that folders tell them apart.
+    assert_eq!(compared.names, ["test (three)", "test (five)"]);
+    let levels: Vec<&str> = compared.levels.iter().map(|level| level.amplitude.as_str()).collect();
+    assert_eq!(levels, ["3e-3", "0.006", "0.007"]);
+    let keys: Vec<(&str, &str)> =
+        compared.settings.iter().map(|row| (row.key.as_str(), row.values[1].as_str())).collect();
+    assert_eq!(keys, [("harmonics.count", "5"), ("program", "0.2.0")]);
+    assert_eq!(compared.settings[0].values[0], "not given");
+}
+
+#[test]
+fn numbers_differ_by_what_they_do() {
+    let compared = compared();
+    let row = |amplitude: &str, what: &str| {
+        let row = compared.numbers.iter().find(|row| row.amplitude == amplitude && row.what == what);
+        row.unwrap_or_else(|| panic!("{amplitude}, {what}")).values.clone()
+    };
+    assert_eq!(compared.numbers.len(), 9);
+    assert_eq!(row("3e-3", "largest response")[1], "no such level");
+    assert_eq!(row("0.007", "isolas and others")[0], "no such level");
+    assert_eq!(row("3e-3", "isolas and others")[0], "none");
+    let isolas = row("0.006", "isolas and others");
+    assert!(isolas.iter().all(|text| text.starts_with("1: ") && text.ends_with(" rad/s")), "{isolas:?}");
+    let [first, second] = &row("0.006", "largest response")[..] else { panic!("two runs") };
+    // The numbers themselves, from the levels.
+    let peaks: Vec<f64> = compared
+        .reports
+        .iter()
+        .map(|report| {
+            let level = report.overview.levels.iter().find(|level| level.value == 0.006).unwrap();
+            level.branches.iter().map(|branch| branch.amplitude_max).fold(0.0, f64::max)
+        })
+        .collect();
+    assert!(first.starts_with(&crate::words::length(peaks[0])) && !first.contains('%'), "{first}");
+    let share = 100.0 * (peaks[1] / peaks[0] - 1.0);
+    let sign = if share > 0.0 { "+" } else { "" };
+    let expected = format!("({sign}{} %, ", crate::words::digits(share, 3));
+    assert!(second.starts_with(&crate::words::length(peaks[1])) && second.contains(&expected), "{second}: {expected}");
+    let table = table(&compared, 200);
+    assert!(table.contains("harmonics.count") && table.contains(second.as_str()), "{table}");
+}
+
+#[test]
+fn curves_of_all_runs_are_over_each_other() {
+    let compared = compared();
+    let figure = &compared.figures.drawn["response"];
+    let names: Vec<&str> = figure.panels[0].series.iter().filter_map(|series| series.name.as_deref()).collect();
+    let expected = [
+        "test (three): A = 3e-3, main",
+        "test (three): A = 0.006, main",
+        "test (three): A = 0.006, isola 1",
+        "test (five): A = 0.006, main",
+        "test (five): A = 0.006, isola 1",
+        "test (five): A = 0.007, main",
+        "test (five): A = 0.007, isola 1",
+    ];
+    assert_eq!(names, expected);
+    let levels: Vec<Option<usize>> =
+        figure.panels[0].series.iter().filter(|series| series.name.is_some()).map(|series| series.level).collect();
+    assert_eq!(levels, [0, 1, 1, 1, 1, 2, 2].map(Some));
+    let styles: Vec<_> = figure.panels[0].series.iter().map(|series| series.style.color).collect();
+    assert!(styles[0] != styles[styles.len() - 1]);
+    let legend: Vec<&str> = figure.legend.iter().map(|entry| entry.text.as_str()).collect();
+    assert_eq!(legend, ["test (three)", "test (five)", "main branch", "isola and others"]);
+    // The axis holds the largest of both.
+    let [low, high] = [0, 1].map(|run| compared.reports[run].figures.drawn["response"].panels[0].y[0].range.1);
+    assert_eq!(figure.panels[0].y[0].range.1, low.max(high));
+    assert_eq!(compared.figures.drawn["resonance"].panels[0].series.len(), 2);
+}

@@ -1,0 +1,133 @@
+//! Figures of several runs together, one colour a run.
+
+use super::column_store::ColumnStore;
+use super::data::{Axis, Entry, Figure, Kind, Label};
+use super::response::{Outline, branch_series, is_crowd, unstable};
+use super::smooth::smooth;
+use super::style::{BOLD, Color, MEDIUM, Shape, Style};
+use super::subject::Subject;
+use super::{resonance, style};
+use std::collections::BTreeMap;
+
+/// A run among others.
+#[derive(Debug, Clone, Copy)]
+pub struct Compared<'r> {
+    /// What it is called.
+    pub name: &'r str,
+    /// What there is of it.
+    pub subject: Subject<'r>,
+}
+
+/// The figures that several runs have together, with their columns.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct ComparedFigures {
+    /// Columns that they share.
+    pub columns: ColumnStore,
+    /// By name: `response` and `resonance`.
+    pub drawn: BTreeMap<&'static str, Figure>,
+    /// By name, why there is nothing to draw.
+    pub nothing: BTreeMap<&'static str, String>,
+}
+
+impl ComparedFigures {
+    /// Of runs; `levels` are the forcing amplitudes of all of them.
+    pub fn new(runs: &[Compared<'_>], levels: &[f64]) -> Self {
+        let mut all = Self::default();
+        let figures =
+            [("response", response(runs, levels, &mut all.columns)), ("resonance", resonances(runs, &mut all.columns))];
+        for (name, figure) in figures {
+            match figure {
+                Ok(figure) => drop(all.drawn.insert(name, figure)),
+                Err(why) => drop(all.nothing.insert(name, why)),
+            }
+        }
+        all
+    }
+}
+
+/// The colour of a run: another one for each of a few.
+fn color(run: usize) -> Color {
+    Color::Category(run)
+}
+
+/// Amplitude of the first monitored dof over frequency.
+fn response(runs: &[Compared<'_>], levels: &[f64], store: &mut ColumnStore) -> Result<Figure, String> {
+    let colors: Vec<Vec<Color>> =
+        runs.iter().enumerate().map(|(k, run)| vec![color(k); run.subject.levels.len()]).collect();
+    let drawn = runs.iter().zip(&colors).filter(|(run, _)| !run.subject.branches.is_empty());
+    let outlines: Vec<Figure> = drawn
+        .map(|(run, colors)| Outline::new(run.subject.branches.iter(), &run.subject, colors).figure(None))
+        .collect();
+    let Some(mut figure) = outlines.first().cloned() else { return Err("none of the runs has a branch yet".into()) };
+    let panel = &mut figure.panels[0];
+    let of_all = |of: fn(&Figure) -> &Axis| spanned(outlines.iter().map(of));
+    panel.x = vec![of_all(|figure| &figure.panels[0].x[0])];
+    panel.y = vec![of_all(|figure| &figure.panels[0].y[0])];
+    panel.about = "Forced responses of several runs: amplitude over frequency, one colour a run.";
+    let place = |value: f64| levels.iter().position(|known| *known == value);
+    let branches: usize = runs.iter().map(|run| run.subject.branches.iter().filter(|b| b.kind != "main").count()).sum();
+    let axes = (panel.x[0].clone(), panel.y.clone());
+    let mut labels: Vec<Label> = Vec::new();
+    for (k, Compared { name, subject }) in runs.iter().enumerate() {
+        for branch in subject.branches {
+            let level = subject.levels.get(branch.level);
+            let amplitude = level.map_or("", |level| &level.amplitude);
+            let mut curve = branch_series(branch, amplitude, color(k), is_crowd(branches), store);
+            curve.name = curve.name.map(|text| format!("{name}: {text}"));
+            curve.level = level.and_then(|level| place(level.value));
+            curve.y.truncate(1);
+            curve.style.fill = false;
+            let heights = branch.amplitude.first().map_or(&[][..], |column| &column.values);
+            smooth(&mut curve, (&branch.omega.values, &[heights]), (&axes.0, &axes.1), store);
+            let gaps = unstable(branch, &curve, (&axes.0, &axes.1), store);
+            panel.series.extend([Some(curve), gaps].into_iter().flatten());
+        }
+        let own = Outline::new(subject.branches.iter(), subject, &colors[k]).figure(None).panels.swap_remove(0).labels;
+        labels.extend(own.into_iter().filter_map(|label| {
+            let level = subject.levels.get(label.level?)?;
+            Some(Label { level: place(level.value), ..label })
+        }));
+    }
+    let gap = panel.labels.iter().find(|label| label.level.is_none()).cloned();
+    panel.labels = gap.into_iter().chain(labels).collect();
+    figure.choice = "";
+    figure.legend = entries(runs, |k| Style::line(color(k), BOLD));
+    let thin = Entry { text: "main branch".into(), kind: Kind::Line, style: Style::line(Color::Ink, style::THIN) };
+    let bold = Entry { text: "isola and others".into(), kind: Kind::Line, style: Style::line(Color::Ink, BOLD) };
+    figure.legend.extend([thin, bold]);
+    let is_unstable = |run: &Compared<'_>| run.subject.branches.iter().any(|branch| branch.unstable.contains(&true));
+    if runs.iter().any(is_unstable) {
+        let style = Style::line(Color::Ink, BOLD).with_dash(1);
+        figure.legend.push(Entry { text: "unstable, where verified".into(), kind: Kind::Line, style });
+    }
+    Ok(figure)
+}
+
+/// An axis that holds others, in the unit of the one that reaches farthest.
+fn spanned<'a>(axes: impl Iterator<Item = &'a Axis> + Clone) -> Axis {
+    let widest = axes.clone().max_by(|a, b| a.range.1.total_cmp(&b.range.1)).expect("there is a figure");
+    let joined = |ends: fn(&Axis) -> (f64, f64)| {
+        let ends = axes.clone().map(ends);
+        ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), (l, h)| (low.min(l), high.max(h)))
+    };
+    let whole = widest.whole.map(|_| joined(|axis| axis.whole.unwrap_or(axis.range)));
+    Axis { range: joined(|axis| axis.range), whole, ..widest.clone() }
+}
+
+/// Frequency and size of the largest response over the forcing.
+fn resonances(runs: &[Compared<'_>], store: &mut ColumnStore) -> Result<Figure, String> {
+    let way = |(k, run): (usize, &Compared<'_>)| {
+        let style = Style::line(color(k), MEDIUM).with_dash(k);
+        let shapes = [Shape::Square, Shape::Circle, Shape::Triangle, Shape::InvertedTriangle, Shape::Cross];
+        let style = style.with_marker(shapes[k % shapes.len()], style::MARK, false);
+        (run.name.to_string(), run.subject.resonance.isolas.clone(), style)
+    };
+    let ways: Vec<_> = runs.iter().enumerate().map(way).collect();
+    let monitor = runs.first().and_then(|run| run.subject.monitors.first()).map_or("", |monitor| &monitor.name);
+    resonance::compared(&ways, monitor, store)
+}
+
+fn entries(runs: &[Compared<'_>], style: impl Fn(usize) -> Style) -> Vec<Entry> {
+    let entry = |(k, run): (usize, &Compared<'_>)| Entry { text: run.name.into(), kind: Kind::Line, style: style(k) };
+    runs.iter().enumerate().map(entry).collect()
+}

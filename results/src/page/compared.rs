@@ -1,0 +1,62 @@
+//! What the page of several runs is given, as JSON.
+
+use crate::compare::{Comparison, NumberRow, SettingRow};
+use crate::figure::{Color, ColumnStore, Figure, Font, PALETTE, Palette, place_for_page};
+use crate::report::RunFacts;
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// The JSON of the page.
+#[derive(Serialize)]
+pub struct ComparedData<'c> {
+    names: &'c [String],
+    runs: Vec<&'c RunFacts>,
+    palette: Palette,
+    columns: &'c ColumnStore,
+    levels: &'c [crate::compare::ComparedLevel],
+    level_colors: Vec<Color>,
+    branches: Vec<Branch>,
+    figures: BTreeMap<&'static str, Figure>,
+    nothing: &'c BTreeMap<&'static str, String>,
+    settings: &'c [SettingRow],
+    numbers: &'c [NumberRow],
+}
+
+/// What the choice of levels says of a branch.
+#[derive(Serialize)]
+struct Branch {
+    level: usize,
+    kind: &'static str,
+}
+
+impl<'c> ComparedData<'c> {
+    /// Of a comparison: labels are placed for the page here.
+    pub fn new(comparison: &'c Comparison) -> Self {
+        let Comparison { names, reports, levels, settings, numbers, figures } = comparison;
+        let mut drawn = figures.drawn.clone();
+        let font = Font::bundled();
+        for figure in drawn.values_mut() {
+            place_for_page(figure, &figures.columns, &[], &font);
+        }
+        let branches = reports.iter().flat_map(|report| {
+            report.branches.iter().filter_map(|branch| {
+                let value = report.overview.levels.get(branch.level)?.value;
+                let level = levels.iter().position(|level| level.value == value)?;
+                Some(Branch { level, kind: branch.kind })
+            })
+        });
+        Self {
+            names,
+            runs: reports.iter().map(|report| &report.run).collect(),
+            palette: PALETTE,
+            columns: &figures.columns,
+            levels,
+            level_colors: vec![Color::Soft; levels.len()],
+            branches: branches.collect(),
+            figures: drawn,
+            nothing: &figures.nothing,
+            settings,
+            numbers,
+        }
+    }
+}
