@@ -40,6 +40,13 @@ pub enum SessionError {
     },
 }
 
+/// Largest result, bytes.
+pub const MAX_RESULT_BYTES: usize = 256 << 20;
+/// What a coordinator takes at most in one piece: a result, and what is said of it.
+const MAX_MESSAGE_BYTES: usize = MAX_RESULT_BYTES + (1 << 20);
+/// Most partners of a coordinator at a time.
+const MAX_SESSIONS: usize = 1000;
+
 /// How long a client tries to connect.
 const CONNECT_MS: u64 = 3000;
 /// A partner that has been silent for so long is gone.
@@ -75,6 +82,8 @@ pub async fn listen(endpoint: &str) -> Result<Session, SessionError> {
         ("listen/endpoints", endpoints(endpoint)?),
         ("listen/exit_on_failure", "true".to_string()),
         ("listen/timeout_ms", "0".to_string()),
+        ("transport/link/rx/max_message_size", MAX_MESSAGE_BYTES.to_string()),
+        ("transport/unicast/max_sessions", MAX_SESSIONS.to_string()),
     ];
     zenoh::open(config(&settings)).await.map_err(|error| SessionError::Listen {
         endpoint: endpoint.to_string(),

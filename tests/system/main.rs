@@ -5,9 +5,11 @@
 
 mod control;
 mod faults;
+mod hostile;
 mod input;
 mod pages;
 mod pipes;
+mod stalls;
 mod stand_in;
 mod sweeps;
 mod usage;

@@ -18,6 +18,8 @@ pub struct Connection {
     pub session: Session,
     /// Where others on this machine connect to.
     pub endpoint: String,
+    /// Whether that is somebody else's router.
+    pub is_over_router: bool,
 }
 
 /// Opens the session of a coordinator.
@@ -26,16 +28,16 @@ pub struct Connection {
 /// If the endpoint is none, is in use or cannot be reached.
 pub async fn open(serve: &ServeArgs) -> Result<Connection, Error> {
     if let Some(router) = &serve.connect {
-        return Ok(Connection { session: session::connect(router).await?, endpoint: router.clone() });
+        return Ok(Connection { session: session::connect(router).await?, endpoint: router.clone(), is_over_router: true });
     }
     if let Some(listen) = &serve.listen {
-        return Ok(Connection { session: session::listen(listen).await?, endpoint: reachable(listen) });
+        return Ok(Connection { session: session::listen(listen).await?, endpoint: reachable(listen), is_over_router: false });
     }
     let mut attempts = 0;
     loop {
         let endpoint = free_endpoint().map_err(Error::io("tcp/127.0.0.1"))?;
         match session::listen(&endpoint).await {
-            Ok(session) => return Ok(Connection { session, endpoint }),
+            Ok(session) => return Ok(Connection { session, endpoint, is_over_router: false }),
             // Somebody else took the port in between.
             Err(SessionError::Listen { .. }) if attempts < ATTEMPTS => attempts += 1,
             Err(error) => return Err(error.into()),

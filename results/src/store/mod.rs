@@ -54,6 +54,7 @@ use solver::settings::{Settings, VerifyEffort};
 use std::fs;
 use std::ops::Deref;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 /// The file of a run, in its folder.
 pub const FILE: &str = "run.sqlite";
@@ -166,6 +167,11 @@ impl Store {
             let writer = Changes { db, file, displacements, now: now() };
             changes.iter().try_for_each(|change| writer.write(change))
         })
+    }
+
+    /// How long a commit waits for another program that writes the file, before it fails as one that may be tried again.
+    pub fn wait_for_others(&self, patience: Duration) -> Result<()> {
+        self.reader.set_patience(patience)
     }
 
     /// Changes what of the branches is to be verified.

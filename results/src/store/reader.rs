@@ -52,6 +52,15 @@ impl Reader {
         (&mut self.db, &self.file)
     }
 
+    pub(super) fn set_patience(&self, patience: Duration) -> Result<()> {
+        self.db.busy_timeout(patience).at(&self.file)
+    }
+
+    /// The file.
+    pub fn file(&self) -> &Path {
+        &self.file
+    }
+
     /// Folder of the run.
     pub fn dir(&self) -> &Path {
         &self.dir
