@@ -6,6 +6,7 @@ use std::time::Duration;
 use thiserror::Error;
 use zenoh::bytes::{Encoding, ZBytes};
 use zenoh::handlers::FifoChannelHandler;
+use zenoh::qos::Priority;
 use zenoh::query::{ConsolidationMode, Query, Reply};
 use zenoh::sample::Sample;
 use zenoh::{Config, Session};
@@ -52,6 +53,10 @@ const CONNECT_MS: u64 = 3000;
 /// A partner that has been silent for so long is gone.
 const TRANSPORT_LEASE_MS: u64 = 5000;
 
+/// What the system holds of a connection that is slower than this side, bytes: a small message waits for as much, whatever its
+/// priority. At 100 kB/s that is a second or two.
+const SEND_BUFFER: usize = 1 << 16;
+
 fn config(settings: &[(&str, String)]) -> Config {
     let mut config = Config::default();
     let common = [
@@ -61,6 +66,7 @@ fn config(settings: &[(&str, String)]) -> Config {
         ("scouting/delay", "0".to_string()),
         ("adminspace/enabled", "false".to_string()),
         ("transport/link/tx/lease", TRANSPORT_LEASE_MS.to_string()),
+        ("transport/link/tcp/so_sndbuf", SEND_BUFFER.to_string()),
     ];
     for (key, value) in common.iter().map(|(k, v)| (*k, v)).chain(settings.iter().map(|(k, v)| (*k, v))) {
         config.insert_json5(key, value).expect("keys and values of Zenoh's configuration are known");
@@ -146,31 +152,49 @@ pub async fn request_encoded<R: Message>(
     encoding: &str,
     timeout: Duration,
 ) -> Result<R, RequestError> {
-    let replies = ask(session, key, Some((payload.into(), encoding)), timeout).await?;
+    let replies = ask(session, key, Some((payload.into(), encoding)), Priority::DEFAULT, timeout).await?;
+    first(&replies).await?.read()
+}
+
+/// [`request_encoded`] behind everything else that is to be sent: for results, which may take long.
+pub async fn request_bulk<R: Message>(
+    session: &Session,
+    key: &str,
+    payload: impl Into<ZBytes>,
+    encoding: &str,
+    timeout: Duration,
+) -> Result<R, RequestError> {
+    let replies = ask(session, key, Some((payload.into(), encoding)), Priority::Background, timeout).await?;
+    first(&replies).await?.read()
+}
+
+/// [`fetch`] behind everything else that is to be answered: for results, which may take long.
+pub async fn fetch_bulk<R: Message>(session: &Session, key: &str, timeout: Duration) -> Result<R, RequestError> {
+    let replies = ask(session, key, None, Priority::Background, timeout).await?;
     first(&replies).await?.read()
 }
 
 /// Fetches a message that needs no question.
 pub async fn fetch<R: Message>(session: &Session, key: &str, timeout: Duration) -> Result<R, RequestError> {
-    let replies = ask(session, key, None, timeout).await?;
+    let replies = ask(session, key, None, Priority::DEFAULT, timeout).await?;
     first(&replies).await?.read()
 }
 
 /// Fetches everything that answers a key with wildcards; what cannot be read is left out.
 pub async fn fetch_all<R: Message>(session: &Session, key: &str, timeout: Duration) -> Result<Vec<R>, RequestError> {
-    let replies = ask(session, key, None, timeout).await?;
+    let replies = ask(session, key, None, Priority::DEFAULT, timeout).await?;
     Ok(all(&replies).await.iter().filter_map(|answer| answer.read().ok()).collect())
 }
 
 /// Fetches everything that answers a key with wildcards.
 pub async fn fetch_every<R: Message>(session: &Session, key: &str, timeout: Duration) -> Result<Vec<R>, RequestError> {
-    let replies = ask(session, key, None, timeout).await?;
+    let replies = ask(session, key, None, Priority::DEFAULT, timeout).await?;
     all(&replies).await.iter().map(Answer::read).collect()
 }
 
 /// Fetches a message as it comes: payload and encoding.
 pub async fn fetch_answer(session: &Session, key: &str, timeout: Duration) -> Result<(Vec<u8>, String), RequestError> {
-    let replies = ask(session, key, None, timeout).await?;
+    let replies = ask(session, key, None, Priority::DEFAULT, timeout).await?;
     let Answer { payload, encoding } = first(&replies).await?;
     Ok((payload.to_bytes().into_owned(), encoding))
 }
@@ -197,9 +221,10 @@ async fn ask(
     session: &Session,
     key: &str,
     question: Option<(ZBytes, &str)>,
+    priority: Priority,
     timeout: Duration,
 ) -> Result<Replies, RequestError> {
-    let get = session.get(key).consolidation(ConsolidationMode::None).timeout(timeout);
+    let get = session.get(key).consolidation(ConsolidationMode::None).priority(priority).timeout(timeout);
     let get = match question {
         Some((payload, encoding)) => get.payload(payload).encoding(Encoding::from(encoding)),
         None => get,
