@@ -1,5 +1,6 @@
 //! Command line of `isola`.
 
+use crate::access::AccessArgs;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand};
 use protocol::ids::RunId;
@@ -142,6 +143,9 @@ pub struct ServeArgs {
     /// Meet workers and viewers at a Zenoh router instead.
     #[arg(long, value_name = "ENDPOINT")]
     pub connect: Option<String>,
+    /// Who may take part.
+    #[command(flatten)]
+    pub access: AccessArgs,
     /// First chunk of all keys; a run that is resumed keeps its own.
     #[arg(long, default_value = protocol::keys::NAMESPACE, value_parser = namespace)]
     pub namespace: String,
@@ -205,6 +209,9 @@ pub struct RemoteArgs {
     /// Where its coordinator or router listens.
     #[arg(long, value_name = "ENDPOINT")]
     pub connect: Option<String>,
+    /// File with the secret of the run [default: what ISOLA_SECRET holds; of a folder, its own].
+    #[arg(long, value_name = "FILE")]
+    pub secret_file: Option<PathBuf>,
     /// Which run, if there are several.
     #[arg(long, value_name = "RUN", requires = "connect")]
     pub run: Option<RunId>,

@@ -96,7 +96,7 @@ async fn sweep(args: SweepArgs) -> Result<Ending, Error> {
     }
     let directory = args.out.unwrap_or_else(|| default_directory(&study.name));
     // What is in use is said before a folder is made.
-    let connection = open(&args.serve).await?;
+    let connection = open(&args.serve, None).await?;
     let header = header(&study, &args.study, &args.serve)?;
     let store = Store::create(&directory, &header)?;
     terminal::note(format_args!("run {} in {}", header.run, directory.display()));
@@ -143,7 +143,7 @@ async fn go_on(directory: &Path, store: Store, serve: ServeArgs) -> Result<Endin
     let header = store.header()?;
     let model = preparation::model(&store)?;
     let serve = ServeArgs { namespace: header.namespace.clone(), ..serve };
-    let connection = open(&serve).await?;
+    let connection = open(&serve, Some(directory)).await?;
     terminal::note(format_args!("run {} in {}", header.run, directory.display()));
     carry_out(directory, store, model, connection, serve).await
 }

@@ -1,7 +1,10 @@
 //! Zenoh sessions that open nothing but what they are told to, and requests that end.
 
 use crate::codec::{CodecError, Message, decode, encode, encoding};
+use crate::secret::{Secret, USER};
 use std::borrow::Cow;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 use thiserror::Error;
 use zenoh::bytes::{Encoding, ZBytes};
@@ -25,11 +28,15 @@ pub enum SessionError {
     /// Nobody listens there.
     #[error(
         "no coordinator or router can be reached at {endpoint}; start one there with `isola sweep STUDY --listen \
-         tcp/0.0.0.0:PORT`, or check host, port and firewall (a refused certificate or password looks the same)"
+         tcp/0.0.0.0:PORT`, or check host, port and firewall; {}", if *is_secret { "another secret than the run's looks the \
+         same" } else { "not to have its secret looks the same: it is in the file `secret` in the folder of the run, name a copy \
+         of it with --secret-file" }
     )]
     Unreachable {
         /// Where.
         endpoint: String,
+        /// Whether a secret was given.
+        is_secret: bool,
     },
     /// The address cannot be listened on.
     #[error("cannot listen on {endpoint}: {reason}; choose another port, or leave --listen out for a free one")]
@@ -81,9 +88,14 @@ fn endpoints(endpoint: &str) -> Result<String, SessionError> {
     Ok(format!("[{endpoint:?}]"))
 }
 
-/// Session of a coordinator: a router that listens on `endpoint` and nowhere else.
-pub async fn listen(endpoint: &str) -> Result<Session, SessionError> {
-    let settings = [
+/// Session of a coordinator: a router that listens on `endpoint` and nowhere else, and lets those in that have the secret if there
+/// is one.
+pub async fn listen(endpoint: &str, secret: Option<&Secret>) -> Result<Session, SessionError> {
+    let dictionary = secret.map(Dictionary::of).transpose().map_err(|error| SessionError::Listen {
+        endpoint: endpoint.to_string(),
+        reason: format!("the secret cannot be handed on: {error}"),
+    })?;
+    let mut settings = vec![
         ("mode", "\"router\"".to_string()),
         ("listen/endpoints", endpoints(endpoint)?),
         ("listen/exit_on_failure", "true".to_string()),
@@ -91,22 +103,52 @@ pub async fn listen(endpoint: &str) -> Result<Session, SessionError> {
         ("transport/link/rx/max_message_size", MAX_MESSAGE_BYTES.to_string()),
         ("transport/unicast/max_sessions", MAX_SESSIONS.to_string()),
     ];
+    if let Some(Dictionary(file)) = &dictionary {
+        settings.push(("transport/auth/usrpwd/dictionary_file", format!("{:?}", file.display().to_string())));
+    }
     zenoh::open(config(&settings)).await.map_err(|error| SessionError::Listen {
         endpoint: endpoint.to_string(),
         reason: root_cause(&error.to_string()),
     })
 }
 
-/// Session of a client of the router at `endpoint`; listens nowhere.
-pub async fn connect(endpoint: &str) -> Result<Session, SessionError> {
-    let settings = [
+/// A secret in a file, as long as a session is opened: Zenoh reads it from nowhere else.
+struct Dictionary(PathBuf);
+
+impl Dictionary {
+    fn of(secret: &Secret) -> std::io::Result<Self> {
+        static COUNT: AtomicUsize = AtomicUsize::new(0);
+        let number = COUNT.fetch_add(1, Ordering::Relaxed);
+        let file = std::env::temp_dir().join(format!("isola-{}-{number}", std::process::id()));
+        secret.write(&file)?;
+        Ok(Self(file))
+    }
+}
+
+impl Drop for Dictionary {
+    fn drop(&mut self) {
+        // It was read, or nothing was.
+        let _ = std::fs::remove_file(&self.0);
+    }
+}
+
+/// Session of a client of the router at `endpoint`, which asks for this secret if there is one; listens nowhere.
+pub async fn connect(endpoint: &str, secret: Option<&Secret>) -> Result<Session, SessionError> {
+    let mut settings = vec![
         ("mode", "\"client\"".to_string()),
         ("connect/endpoints", endpoints(endpoint)?),
         ("connect/timeout_ms", CONNECT_MS.to_string()),
         ("connect/exit_on_failure", "true".to_string()),
         ("connect/retry", "{ period_init_ms: 200, period_max_ms: 1000 }".to_string()),
     ];
-    zenoh::open(config(&settings)).await.map_err(|_| SessionError::Unreachable { endpoint: endpoint.to_string() })
+    if let Some(secret) = secret {
+        settings.push(("transport/auth/usrpwd/user", format!("{USER:?}")));
+        settings.push(("transport/auth/usrpwd/password", format!("{:?}", secret.reveal())));
+    }
+    let is_secret = secret.is_some();
+    zenoh::open(config(&settings))
+        .await
+        .map_err(|_| SessionError::Unreachable { endpoint: endpoint.to_string(), is_secret })
 }
 
 /// The last and most precise part of a chain of messages.

@@ -9,6 +9,7 @@ mod hostile;
 mod input;
 mod pages;
 mod pipes;
+mod secrets;
 mod slow_links;
 mod stalls;
 mod stand_in;

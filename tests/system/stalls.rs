@@ -71,7 +71,7 @@ fn a_store_that_another_program_has_locked() {
 fn a_router_that_is_restarted() {
     let endpoint = own_endpoint();
     block_on(async {
-        let router = protocol::session::listen(&endpoint).await.unwrap();
+        let router = protocol::session::listen(&endpoint, None).await.unwrap();
         let mut system = System::sweep(DAMPER, &[ENDLESS, &["--lease", "15", "--connect", &endpoint]].concat());
         let workers = [system.worker_at(&endpoint), system.worker_at(&endpoint)];
         let attempts = workers.each_ref().map(|worker| system.attempt_of(worker));
@@ -90,7 +90,7 @@ fn a_router_that_is_restarted() {
         system = progress(system).await;
         router.close().await.unwrap();
         tokio::time::sleep(LONG_STALL).await;
-        let _router = protocol::session::listen(&endpoint).await.unwrap();
+        let _router = protocol::session::listen(&endpoint, None).await.unwrap();
         system = progress(system).await;
         tokio::time::sleep(2 * LONG_STALL).await;
         system = progress(system).await;

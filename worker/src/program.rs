@@ -97,7 +97,7 @@ fn start(options: &Options) -> Result<Summary, WorkerError> {
 pub async fn work(options: &Options, shutdown: &Shutdown) -> Result<Summary, WorkerError> {
     let deadline = join::deadline(options);
     let session = tokio::select! {
-        session = join::open(&options.connect, deadline) => session?,
+        session = join::open(options, deadline) => session?,
         () = shutdown.reached(Phase::Finishing) => return Ok(Summary { ending: Ending::Told, done: 0 }),
     };
     let result = work_within(session.clone(), options, shutdown, deadline).await;

@@ -96,12 +96,7 @@ impl CheckedResult {
     ///
     /// # Errors
     /// If it does not fit the run, or does not solve its equations.
-    pub fn new(
-        request: SubmitRequest,
-        reference: &Reference,
-        expected: &Expected,
-        draw: u64,
-    ) -> Result<Self, Unsound> {
+    pub fn new(request: SubmitRequest, reference: &Reference, expected: &Expected, draw: u64) -> Result<Self, Unsound> {
         let SubmitRequest { lease, program, seconds, finding } = request;
         if program.len() > PROGRAM {
             return Err(Unsound::Program);

@@ -170,8 +170,9 @@ impl Store {
     }
 
     /// How long a commit waits for another program that writes the file, before it fails as one that may be tried again.
-    pub fn wait_for_others(&self, patience: Duration) -> Result<()> {
-        self.reader.set_patience(patience)
+    pub fn wait_for_others(&mut self, patience: Duration) -> Result<()> {
+        let (db, file) = self.reader.parts_mut();
+        db.busy_timeout(patience).at(file)
     }
 
     /// Changes what of the branches is to be verified.

@@ -52,10 +52,6 @@ impl Reader {
         (&mut self.db, &self.file)
     }
 
-    pub(super) fn set_patience(&self, patience: Duration) -> Result<()> {
-        self.db.busy_timeout(patience).at(&self.file)
-    }
-
     /// The file.
     pub fn file(&self) -> &Path {
         &self.file
@@ -212,9 +208,7 @@ impl Reader {
     fn state(&self, row: TaskRow, holder: Option<&Holder>) -> Result<TaskState> {
         Ok(match (row.state.as_str(), row.record, holder) {
             ("done", Some(record), _) => TaskState::Done(unpack(&self.file, &record)?),
-            ("leased", _, Some(holder)) => {
-                TaskState::Leased { holder: holder.clone(), deadline: Duration::ZERO }
-            }
+            ("leased", _, Some(holder)) => TaskState::Leased { holder: holder.clone(), deadline: Duration::ZERO },
             ("skipped", ..) => TaskState::Skipped,
             ("dead", ..) => TaskState::Dead,
             ("waiting", ..) => TaskState::Waiting,

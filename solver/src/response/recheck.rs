@@ -185,7 +185,9 @@ impl<'m> Recheck<'m> {
         let problem =
             PressureForm::build(self.model, self.settings.harmonics, self.settings.tracked(), unknown, scales);
         let Ok(mut problem) = problem else {
-            return Err(Refutation::Whole("the laws of this model have no second derivatives, so that it has no such curve"));
+            return Err(Refutation::Whole(
+                "the laws of this model have no second derivatives, so that it has no such curve",
+            ));
         };
         let highest = curve.forcing_range().1;
         problem.measure_forcing_by(highest.max(scales.forcing));
@@ -236,12 +238,7 @@ impl<'m> Recheck<'m> {
     }
 
     /// Whether a point solves the equations of a problem, and its columns are those of its motion.
-    fn solves(
-        &self,
-        problem: &mut PressureForm<'m>,
-        points: &[BranchPoint],
-        point: usize,
-    ) -> Result<(), Refutation> {
+    fn solves(&self, problem: &mut PressureForm<'m>, points: &[BranchPoint], point: usize) -> Result<(), Refutation> {
         let BranchPoint { state, values } = &points[point];
         self.state_solves(problem, state, point)?;
         let curve = CurvePoint {
