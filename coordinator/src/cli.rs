@@ -1,8 +1,12 @@
 //! Command line of `isola`.
 
 mod first_steps;
-pub use first_steps::{NewArgs, SchemaArgs};
+mod marched;
 
+pub use first_steps::{NewArgs, SchemaArgs};
+pub use marched::{DisturbArgs, VerifyArgs};
+
+use crate::access::AccessArgs;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand};
 use protocol::ids::RunId;
@@ -11,7 +15,6 @@ use results::export::Format;
 #[cfg(feature = "figures")]
 use results::plot::{Along, FigureName};
 use results::summary_table::Units;
-use solver::settings::VerifyEffort;
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
@@ -158,6 +161,9 @@ pub struct ServeArgs {
     /// Meet workers and viewers at a Zenoh router instead.
     #[arg(long, value_name = "ENDPOINT")]
     pub connect: Option<String>,
+    /// Who may take part.
+    #[command(flatten)]
+    pub access: AccessArgs,
     /// First chunk of all keys; a run that is resumed keeps its own.
     #[arg(long, default_value = protocol::keys::NAMESPACE, value_parser = namespace)]
     pub namespace: String,
@@ -199,38 +205,6 @@ pub struct ResumeArgs {
     pub serve: ServeArgs,
 }
 
-/// Arguments of `verify`.
-#[derive(Debug, Args)]
-pub struct VerifyArgs {
-    /// Folder of the run.
-    pub run: PathBuf,
-    /// What is verified.
-    #[arg(long, value_name = "EFFORT", default_value = "all", value_parser = verify_efforts())]
-    pub effort: VerifyEffort,
-    /// Go on with the study as it was when the run began, though its file or model has changed and the run is not finished.
-    #[arg(long)]
-    pub as_started: bool,
-    /// Where it is served and who works for it.
-    #[command(flatten)]
-    pub serve: ServeArgs,
-}
-
-/// Arguments of `disturb`.
-#[derive(Debug, Args)]
-pub struct DisturbArgs {
-    /// Folder of the run.
-    pub run: PathBuf,
-    /// Modes that are pushed, one after the other: the first so many.
-    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u16).range(1..))]
-    pub modes: u16,
-    /// Go on with the study as it was when the run began, though its file or model has changed and the run is not finished.
-    #[arg(long)]
-    pub as_started: bool,
-    /// Where it is served and who works for it.
-    #[command(flatten)]
-    pub serve: ServeArgs,
-}
-
 /// A run, by folder or on the bus.
 #[derive(Debug, Args)]
 pub struct RemoteArgs {
@@ -240,6 +214,9 @@ pub struct RemoteArgs {
     /// Where its coordinator or router listens.
     #[arg(long, value_name = "ENDPOINT")]
     pub connect: Option<String>,
+    /// File with the secret of the run [default: what ISOLA_SECRET holds; of a folder, its own].
+    #[arg(long, value_name = "FILE")]
+    pub secret_file: Option<PathBuf>,
     /// Which run, if there are several.
     #[arg(long, value_name = "RUN", requires = "connect")]
     pub run: Option<RunId>,
@@ -365,17 +342,6 @@ fn one_of<T: Copy + Send + Sync + 'static>(
         let value = values.iter().find(|(_, name, _)| *name == chosen);
         value.expect("clap lets no other name through").0
     })
-}
-
-fn verify_efforts() -> impl TypedValueParser<Value = VerifyEffort> {
-    one_of(&[
-        (
-            VerifyEffort::Standard,
-            "standard",
-            "Every branch that is not a main one, and what is around the peaks of main branches",
-        ),
-        (VerifyEffort::All, "all", "Every branch"),
-    ])
 }
 
 fn formats() -> impl TypedValueParser<Value = Format> {

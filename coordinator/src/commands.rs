@@ -113,7 +113,7 @@ async fn sweep(args: SweepArgs) -> Result<Ending, Error> {
     }
     let directory = args.out.unwrap_or_else(|| default_directory(&study.name));
     // What is in use is said before a folder is made.
-    let connection = open(&args.serve).await?;
+    let connection = open(&args.serve, None).await?;
     let header = header(&study, &args.study, &args.serve)?;
     let store = Store::create(&directory, &header)?;
     terminal::note(format_args!("run {} in {}", header.run, directory.display()));
@@ -146,7 +146,7 @@ async fn resume(args: ResumeArgs) -> Result<Ending, Error> {
     if !args.as_started {
         unchanged(&store.header()?)?;
     }
-    let connection = reopen(&store, &args.serve).await?;
+    let connection = reopen(&store, &args.run, &args.serve).await?;
     go_on(&args.run, store, connection, args.serve).await
 }
 
@@ -156,7 +156,7 @@ async fn verify(args: VerifyArgs) -> Result<Ending, Error> {
     if !args.as_started && store.stage()? != Stage::Finished {
         unchanged(&store.header()?)?;
     }
-    let connection = reopen(&store, &args.serve).await?;
+    let connection = reopen(&store, &args.run, &args.serve).await?;
     store.set_verify(args.effort)?;
     go_on(&args.run, store, connection, args.serve).await
 }
@@ -169,7 +169,7 @@ async fn disturb(args: DisturbArgs) -> Result<Ending, Error> {
     }
     if !is_finished || store.unverified_isolas()? > 0 {
         terminal::note("what the run has left to do comes first, and which parts of its isolas are stable");
-        let connection = reopen(&store, &args.serve).await?;
+        let connection = reopen(&store, &args.run, &args.serve).await?;
         if store.header()?.settings.verify.effort == VerifyEffort::None {
             store.set_verify(VerifyEffort::Standard)?;
         }
@@ -180,7 +180,7 @@ async fn disturb(args: DisturbArgs) -> Result<Ending, Error> {
         store = Store::open(&args.run)?;
     }
     let modes = store.model()?.model().map_err(|error| Error::Other(format!("the stored model: {error}")))?.size();
-    let connection = reopen(&store, &args.serve).await?;
+    let connection = reopen(&store, &args.run, &args.serve).await?;
     let pushes = store.pushes_left(modes.min(args.modes.into()))?;
     if pushes.is_empty() {
         terminal::note("nothing is left to be pushed: isolas without a stable part cannot be settled on");
@@ -190,8 +190,8 @@ async fn disturb(args: DisturbArgs) -> Result<Ending, Error> {
 }
 
 /// Opens the bus in the namespace that a run began in.
-async fn reopen(store: &Store, serve: &ServeArgs) -> Result<Connection, Error> {
-    open(&ServeArgs { namespace: store.header()?.namespace, ..serve.clone() }).await
+async fn reopen(store: &Store, directory: &Path, serve: &ServeArgs) -> Result<Connection, Error> {
+    open(&ServeArgs { namespace: store.header()?.namespace, ..serve.clone() }, Some(directory)).await
 }
 
 /// Does what a run has left to do.

@@ -3,6 +3,7 @@
 use crate::exit;
 use crate::study::StudyError;
 use protocol::follow::FollowError;
+use protocol::secret::SecretError;
 use protocol::session::{RequestError, SessionError};
 use results::store::StoreError;
 use solver::response::backbone::BackboneError;
@@ -22,6 +23,9 @@ pub enum Error {
     /// No session on the bus.
     #[error(transparent)]
     Session(#[from] SessionError),
+    /// What should protect a run cannot be read.
+    #[error(transparent)]
+    Secret(#[from] SecretError),
     /// There is no backbone.
     #[error("{0}")]
     Backbone(#[from] BackboneError),
@@ -69,6 +73,7 @@ impl Error {
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Usage(_)
+            | Self::Secret(_)
             | Self::Session(SessionError::Endpoint { .. })
             | Self::Results(results::error::Error::Usage(_)) => exit::USAGE,
             Self::Study(error) if error.is_typed() => exit::USAGE,

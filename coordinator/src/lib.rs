@@ -3,6 +3,7 @@
 // They panic when nobody reads any more: see `worker::terminal`.
 #![warn(clippy::print_stdout, clippy::print_stderr)]
 
+pub mod access;
 pub mod bus;
 pub mod check;
 pub mod cli;

@@ -1,5 +1,6 @@
 //! A run that another process conducts, found by its folder or on the bus: how it is doing, and orders to it.
 
+use crate::access::known;
 use crate::cli::RemoteArgs;
 use crate::display::{layout, summary};
 use crate::error::Error;
@@ -7,6 +8,7 @@ use crate::run::directory::read_address;
 use protocol::control::{ControlReply, ControlRequest};
 use protocol::ids::RunId;
 use protocol::keys::{Keys, all_runs};
+use protocol::secret::Secret;
 use protocol::session::{connect, fetch, fetch_all, request};
 use protocol::to_everyone::{Manifest, Status};
 use results::journal::{Change, TaskState};
@@ -32,22 +34,31 @@ impl RemoteRun {
     /// The run that `args` name; `None` if they name a folder that nobody serves.
     pub async fn find(args: &RemoteArgs) -> Result<Option<Self>, Error> {
         match (&args.directory, &args.connect) {
-            (Some(directory), _) => Self::of_directory(directory).await,
-            (None, Some(endpoint)) => Self::at(endpoint, &args.namespace, args.run.as_ref()).await.map(Some),
+            (Some(directory), _) => Self::of_directory(directory, args.secret_file.as_deref()).await,
+            (None, Some(endpoint)) => {
+                let secret = known(None, args.secret_file.as_deref())?;
+                Self::at(endpoint, secret.as_ref(), &args.namespace, args.run.as_ref()).await.map(Some)
+            }
             (None, None) => Err(Error::Usage("name a run by its folder or by --connect".into())),
         }
     }
 
-    async fn of_directory(directory: &Path) -> Result<Option<Self>, Error> {
+    async fn of_directory(directory: &Path, secret_file: Option<&Path>) -> Result<Option<Self>, Error> {
         let header = Reader::open(directory)?.header()?;
         let Some(endpoint) = read_address(directory) else { return Ok(None) };
         // An address that was left behind by a crash leads nowhere, or to another run.
-        Ok(Self::at(&endpoint, &header.namespace, Some(&header.run)).await.ok())
+        let secret = known(Some(directory), secret_file)?;
+        Ok(Self::at(&endpoint, secret.as_ref(), &header.namespace, Some(&header.run)).await.ok())
     }
 
     /// The only run at an endpoint, or the one wanted.
-    async fn at(endpoint: &str, namespace: &str, wanted: Option<&RunId>) -> Result<Self, Error> {
-        let session = connect(endpoint).await?;
+    async fn at(
+        endpoint: &str,
+        secret: Option<&Secret>,
+        namespace: &str,
+        wanted: Option<&RunId>,
+    ) -> Result<Self, Error> {
+        let session = connect(endpoint, secret).await?;
         let found: Vec<Manifest> = fetch_all(&session, &all_runs(namespace), TIMEOUT)
             .await
             .map_err(|source| Error::Request { what: format!("the runs at {endpoint}"), source })?;

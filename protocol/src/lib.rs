@@ -11,6 +11,7 @@
 //! | [`model`], [`curve`], [`backbone`], [`branch`], [`critical`], [`landings`] | the solver's nouns as arrays, there and back without loss |
 //! | [`from_worker`], [`to_worker`], [`to_everyone`], [`control`] | messages by direction |
 //! | [`digest`] | size and SHA-256 of a stored result |
+//! | [`secret`] | what lets somebody take part in a run |
 //! | [`session`] | Zenoh sessions that open nothing but what they are told to; requests with a deadline |
 //! | [`follow`] | a run followed from anywhere: every announcement exactly once |
 
@@ -29,6 +30,7 @@ pub mod ids;
 pub mod keys;
 pub mod landings;
 pub mod model;
+pub mod secret;
 pub mod session;
 mod size;
 pub mod to_everyone;

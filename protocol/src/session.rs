@@ -1,11 +1,15 @@
 //! Zenoh sessions that open nothing but what they are told to, and requests that end.
 
 use crate::codec::{CodecError, Message, decode, encode, encoding};
+use crate::secret::{Secret, USER};
 use std::borrow::Cow;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 use thiserror::Error;
 use zenoh::bytes::{Encoding, ZBytes};
 use zenoh::handlers::FifoChannelHandler;
+use zenoh::qos::Priority;
 use zenoh::query::{ConsolidationMode, Query, Reply};
 use zenoh::sample::Sample;
 use zenoh::{Config, Session};
@@ -24,11 +28,15 @@ pub enum SessionError {
     /// Nobody listens there.
     #[error(
         "no coordinator or router can be reached at {endpoint}; start one there with `isola sweep STUDY --listen \
-         tcp/0.0.0.0:PORT`, or check host, port and firewall (a refused certificate or password looks the same)"
+         tcp/0.0.0.0:PORT`, or check host, port and firewall; {}", if *is_secret { "another secret than the run's looks the \
+         same" } else { "not to have its secret looks the same: it is in the file `secret` in the folder of the run, name a copy \
+         of it with --secret-file" }
     )]
     Unreachable {
         /// Where.
         endpoint: String,
+        /// Whether a secret was given.
+        is_secret: bool,
     },
     /// The address cannot be listened on.
     #[error("cannot listen on {endpoint}: {reason}; choose another port, or leave --listen out for a free one")]
@@ -40,10 +48,21 @@ pub enum SessionError {
     },
 }
 
+/// Largest result, bytes.
+pub const MAX_RESULT_BYTES: usize = 256 << 20;
+/// What a coordinator takes at most in one piece: a result, and what is said of it.
+const MAX_MESSAGE_BYTES: usize = MAX_RESULT_BYTES + (1 << 20);
+/// Most partners of a coordinator at a time.
+const MAX_SESSIONS: usize = 1000;
+
 /// How long a client tries to connect.
 const CONNECT_MS: u64 = 3000;
 /// A partner that has been silent for so long is gone.
 const TRANSPORT_LEASE_MS: u64 = 5000;
+
+/// What the system holds of a connection that is slower than this side, bytes: a small message waits for as much, whatever its
+/// priority. At 100 kB/s that is a second or two.
+const SEND_BUFFER: usize = 1 << 16;
 
 fn config(settings: &[(&str, String)]) -> Config {
     let mut config = Config::default();
@@ -54,6 +73,7 @@ fn config(settings: &[(&str, String)]) -> Config {
         ("scouting/delay", "0".to_string()),
         ("adminspace/enabled", "false".to_string()),
         ("transport/link/tx/lease", TRANSPORT_LEASE_MS.to_string()),
+        ("transport/link/tcp/so_sndbuf", SEND_BUFFER.to_string()),
     ];
     for (key, value) in common.iter().map(|(k, v)| (*k, v)).chain(settings.iter().map(|(k, v)| (*k, v))) {
         config.insert_json5(key, value).expect("keys and values of Zenoh's configuration are known");
@@ -68,30 +88,67 @@ fn endpoints(endpoint: &str) -> Result<String, SessionError> {
     Ok(format!("[{endpoint:?}]"))
 }
 
-/// Session of a coordinator: a router that listens on `endpoint` and nowhere else.
-pub async fn listen(endpoint: &str) -> Result<Session, SessionError> {
-    let settings = [
+/// Session of a coordinator: a router that listens on `endpoint` and nowhere else, and lets those in that have the secret if there
+/// is one.
+pub async fn listen(endpoint: &str, secret: Option<&Secret>) -> Result<Session, SessionError> {
+    let dictionary = secret.map(Dictionary::of).transpose().map_err(|error| SessionError::Listen {
+        endpoint: endpoint.to_string(),
+        reason: format!("the secret cannot be handed on: {error}"),
+    })?;
+    let mut settings = vec![
         ("mode", "\"router\"".to_string()),
         ("listen/endpoints", endpoints(endpoint)?),
         ("listen/exit_on_failure", "true".to_string()),
         ("listen/timeout_ms", "0".to_string()),
+        ("transport/link/rx/max_message_size", MAX_MESSAGE_BYTES.to_string()),
+        ("transport/unicast/max_sessions", MAX_SESSIONS.to_string()),
     ];
+    if let Some(Dictionary(file)) = &dictionary {
+        settings.push(("transport/auth/usrpwd/dictionary_file", format!("{:?}", file.display().to_string())));
+    }
     zenoh::open(config(&settings)).await.map_err(|error| SessionError::Listen {
         endpoint: endpoint.to_string(),
         reason: root_cause(&error.to_string()),
     })
 }
 
-/// Session of a client of the router at `endpoint`; listens nowhere.
-pub async fn connect(endpoint: &str) -> Result<Session, SessionError> {
-    let settings = [
+/// A secret in a file, as long as a session is opened: Zenoh reads it from nowhere else.
+struct Dictionary(PathBuf);
+
+impl Dictionary {
+    fn of(secret: &Secret) -> std::io::Result<Self> {
+        static COUNT: AtomicUsize = AtomicUsize::new(0);
+        let number = COUNT.fetch_add(1, Ordering::Relaxed);
+        let file = std::env::temp_dir().join(format!("isola-{}-{number}", std::process::id()));
+        secret.write(&file)?;
+        Ok(Self(file))
+    }
+}
+
+impl Drop for Dictionary {
+    fn drop(&mut self) {
+        // It was read, or nothing was.
+        let _ = std::fs::remove_file(&self.0);
+    }
+}
+
+/// Session of a client of the router at `endpoint`, which asks for this secret if there is one; listens nowhere.
+pub async fn connect(endpoint: &str, secret: Option<&Secret>) -> Result<Session, SessionError> {
+    let mut settings = vec![
         ("mode", "\"client\"".to_string()),
         ("connect/endpoints", endpoints(endpoint)?),
         ("connect/timeout_ms", CONNECT_MS.to_string()),
         ("connect/exit_on_failure", "true".to_string()),
         ("connect/retry", "{ period_init_ms: 200, period_max_ms: 1000 }".to_string()),
     ];
-    zenoh::open(config(&settings)).await.map_err(|_| SessionError::Unreachable { endpoint: endpoint.to_string() })
+    if let Some(secret) = secret {
+        settings.push(("transport/auth/usrpwd/user", format!("{USER:?}")));
+        settings.push(("transport/auth/usrpwd/password", format!("{:?}", secret.reveal())));
+    }
+    let is_secret = secret.is_some();
+    zenoh::open(config(&settings))
+        .await
+        .map_err(|_| SessionError::Unreachable { endpoint: endpoint.to_string(), is_secret })
 }
 
 /// The last and most precise part of a chain of messages.
@@ -137,31 +194,49 @@ pub async fn request_encoded<R: Message>(
     encoding: &str,
     timeout: Duration,
 ) -> Result<R, RequestError> {
-    let replies = ask(session, key, Some((payload.into(), encoding)), timeout).await?;
+    let replies = ask(session, key, Some((payload.into(), encoding)), Priority::DEFAULT, timeout).await?;
+    first(&replies).await?.read()
+}
+
+/// [`request_encoded`] behind everything else that is to be sent: for results, which may take long.
+pub async fn request_bulk<R: Message>(
+    session: &Session,
+    key: &str,
+    payload: impl Into<ZBytes>,
+    encoding: &str,
+    timeout: Duration,
+) -> Result<R, RequestError> {
+    let replies = ask(session, key, Some((payload.into(), encoding)), Priority::Background, timeout).await?;
+    first(&replies).await?.read()
+}
+
+/// [`fetch`] behind everything else that is to be answered: for results, which may take long.
+pub async fn fetch_bulk<R: Message>(session: &Session, key: &str, timeout: Duration) -> Result<R, RequestError> {
+    let replies = ask(session, key, None, Priority::Background, timeout).await?;
     first(&replies).await?.read()
 }
 
 /// Fetches a message that needs no question.
 pub async fn fetch<R: Message>(session: &Session, key: &str, timeout: Duration) -> Result<R, RequestError> {
-    let replies = ask(session, key, None, timeout).await?;
+    let replies = ask(session, key, None, Priority::DEFAULT, timeout).await?;
     first(&replies).await?.read()
 }
 
 /// Fetches everything that answers a key with wildcards; what cannot be read is left out.
 pub async fn fetch_all<R: Message>(session: &Session, key: &str, timeout: Duration) -> Result<Vec<R>, RequestError> {
-    let replies = ask(session, key, None, timeout).await?;
+    let replies = ask(session, key, None, Priority::DEFAULT, timeout).await?;
     Ok(all(&replies).await.iter().filter_map(|answer| answer.read().ok()).collect())
 }
 
 /// Fetches everything that answers a key with wildcards.
 pub async fn fetch_every<R: Message>(session: &Session, key: &str, timeout: Duration) -> Result<Vec<R>, RequestError> {
-    let replies = ask(session, key, None, timeout).await?;
+    let replies = ask(session, key, None, Priority::DEFAULT, timeout).await?;
     all(&replies).await.iter().map(Answer::read).collect()
 }
 
 /// Fetches a message as it comes: payload and encoding.
 pub async fn fetch_answer(session: &Session, key: &str, timeout: Duration) -> Result<(Vec<u8>, String), RequestError> {
-    let replies = ask(session, key, None, timeout).await?;
+    let replies = ask(session, key, None, Priority::DEFAULT, timeout).await?;
     let Answer { payload, encoding } = first(&replies).await?;
     Ok((payload.to_bytes().into_owned(), encoding))
 }
@@ -188,9 +263,10 @@ async fn ask(
     session: &Session,
     key: &str,
     question: Option<(ZBytes, &str)>,
+    priority: Priority,
     timeout: Duration,
 ) -> Result<Replies, RequestError> {
-    let get = session.get(key).consolidation(ConsolidationMode::None).timeout(timeout);
+    let get = session.get(key).consolidation(ConsolidationMode::None).priority(priority).timeout(timeout);
     let get = match question {
         Some((payload, encoding)) => get.payload(payload).encoding(Encoding::from(encoding)),
         None => get,

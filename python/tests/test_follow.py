@@ -388,7 +388,7 @@ def test_passwords(tmp_path):
             assert len(bus.runs()) == 1
         for settings in (wrong, None):
             with pytest.raises(
-                isola_hbm.Unreachable, match="a refused certificate or password looks the same"
+                isola_hbm.Unreachable, match="not to have its secret looks the same"
             ):
                 isola_hbm.connect(fake.endpoint, settings=settings)
 

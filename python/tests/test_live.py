@@ -67,12 +67,17 @@ class Live:
             self.kill()
             raise
 
+    @property
+    def secret(self) -> Path:
+        """Where its secret is."""
+        return self.directory / "secret"
+
     def is_reachable(self) -> bool:
         """Whether somebody listens."""
         try:
-            with isola_hbm.connect(self.endpoint) as bus:
+            with isola_hbm.connect(self.endpoint, secret_file=self.secret) as bus:
                 return len(bus.runs()) == 1
-        except isola_hbm.Unreachable:
+        except (isola_hbm.Unreachable, FileNotFoundError):
             return False
 
     def is_alive(self) -> bool:
@@ -107,16 +112,17 @@ def live(tmp_path: Path) -> Iterator[Live]:
 class Reader(threading.Thread):
     """Follows a run on a connection of its own."""
 
-    def __init__(self, address: Path | str) -> None:
+    def __init__(self, address: Path | str, secret_file: Path | None = None) -> None:
         super().__init__(daemon=True)
         self.address = address
+        self.secret_file = secret_file
         self.branches: list[isola_hbm.Branch] = []
         self.error: isola_hbm.IsolaError | None = None
         self.start()
 
     def run(self) -> None:
         try:
-            with isola_hbm.connect(self.address) as bus:
+            with isola_hbm.connect(self.address, secret_file=self.secret_file) as bus:
                 for branch in bus.run().follow():
                     self.branches.append(branch)
         except isola_hbm.IsolaError as error:
@@ -251,8 +257,8 @@ def test_every_reader_sees_every_branch_once(live: Live) -> None:
 
 
 def test_a_coordinator_that_is_killed_and_resumed(live: Live) -> None:
-    reader = Reader(live.endpoint)
-    with isola_hbm.connect(live.endpoint) as bus:
+    reader = Reader(live.endpoint, live.secret)
+    with isola_hbm.connect(live.endpoint, secret_file=live.secret) as bus:
         run = bus.run()
         for count in (10, 40):
             wait_for(f"{count} branches", lambda count=count: found(live, run) >= count)

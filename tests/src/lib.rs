@@ -3,6 +3,7 @@
 //! Every run gets a folder and a port of its own; children are ended by their ids when a test ends, however it ends.
 
 use protocol::keys::Keys;
+use protocol::secret::Secret;
 use protocol::session::{connect, fetch};
 use protocol::to_everyone::{Manifest, Stage, Status};
 use rustix::process::{Pid, Signal, kill_process};
@@ -199,6 +200,17 @@ impl System {
         std::fs::read_to_string(self.directory().join("address")).expect("the coordinator is there").trim().to_string()
     }
 
+    /// The secret of the run; none if everybody is let in.
+    pub fn secret(&self) -> Option<Secret> {
+        let file = self.secret_file();
+        file.exists().then(|| Secret::read(&file).expect("the coordinator wrote it"))
+    }
+
+    /// Where it is.
+    pub fn secret_file(&self) -> PathBuf {
+        self.directory().join(protocol::secret::FILE)
+    }
+
     /// Starts a worker of one computing thread.
     pub fn worker(&mut self) -> Process {
         let address = self.address();
@@ -209,7 +221,11 @@ impl System {
     pub fn worker_at(&mut self, address: &str) -> Process {
         self.workers += 1;
         let log = self.folder.path().join(format!("worker-{}.log", self.workers));
-        Process::start(&program("isola-worker"), &["--connect", address, "--slots", "1", "-v"], &log)
+        let file = self.secret_file();
+        let secret = ["--secret-file", file.to_str().expect("paths are text")];
+        let secret = if file.exists() { &secret[..] } else { &[] };
+        let arguments = [&["--connect", address, "--slots", "1", "-v"][..], secret].concat();
+        Process::start(&program("isola-worker"), &arguments, &log)
     }
 
     /// What a worker has been given; waits until it has something.
@@ -262,7 +278,7 @@ impl System {
         let deadline = Instant::now() + PATIENCE;
         let key = protocol::keys::all_runs(protocol::keys::NAMESPACE);
         loop {
-            if let Ok(session) = connect(&self.address()).await
+            if let Ok(session) = connect(&self.address(), self.secret().as_ref()).await
                 && let Ok(manifest) = fetch::<Manifest>(&session, &key, PATIENCE).await
             {
                 return (session, Keys::new(protocol::keys::NAMESPACE, &manifest.run), manifest);

@@ -6,9 +6,13 @@
 mod control;
 mod faults;
 mod first_steps;
+mod hostile;
 mod input;
 mod pages;
 mod pipes;
+mod secrets;
+mod slow_links;
+mod stalls;
 mod stand_in;
 mod sweeps;
 mod usage;

@@ -1,10 +1,10 @@
 //! A worker that does what a test says: it may keep what it holds, and with it the run open.
 
-use protocol::from_worker::{FailRequest, Lease, LeaseRequest, ReleaseRequest, SubmitRequest};
+use protocol::from_worker::{FailRequest, Lease, LeaseRequest, ReleaseRequest, RenewRequest, SubmitRequest};
 use protocol::ids::WorkerId;
 use protocol::keys::Keys;
 use protocol::session::{fetch, request};
-use protocol::to_worker::{Acknowledgement, Grant, LeaseReply, SubmitReply};
+use protocol::to_worker::{Acknowledgement, Grant, LeaseReply, RenewReply, SubmitReply};
 use std::cell::Cell;
 use std::time::Duration;
 use tests::{PATIENCE, System};
@@ -28,16 +28,24 @@ impl StandIn {
         Self { session, keys, settings, model: model.model().unwrap(), worker, slot: Cell::new(0) }
     }
 
-    async fn lease(&self) -> LeaseReply {
+    pub async fn lease(&self) -> LeaseReply {
+        self.lease_for(&self.worker).await
+    }
+
+    async fn lease_for(&self, worker: &WorkerId) -> LeaseReply {
         let (protocol, program) = (protocol::VERSION, protocol::PROGRAM.to_string());
-        let question = LeaseRequest { protocol, program, worker: self.worker.clone(), slot: self.slot.get() };
+        let question = LeaseRequest { protocol, program, worker: worker.clone(), slot: self.slot.get() };
         request(&self.session, &self.keys.lease(), &question, PATIENCE).await.unwrap()
     }
 
     /// The next task.
     pub async fn grant(&self) -> Grant {
+        self.grant_for(&self.worker).await
+    }
+
+    async fn grant_for(&self, worker: &WorkerId) -> Grant {
         loop {
-            match self.lease().await {
+            match self.lease_for(worker).await {
                 LeaseReply::Grant(grant) => return grant,
                 LeaseReply::Wait { retry_ms } => tokio::time::sleep(Duration::from_millis(retry_ms)).await,
                 other => panic!("{other:?}"),
@@ -47,18 +55,35 @@ impl StandIn {
 
     /// Gives everything back until one task comes.
     pub async fn grant_of(&self, task: &str) -> Grant {
+        self.grant_of_for(task, &self.worker).await
+    }
+
+    /// The same in the name of another worker.
+    pub async fn grant_of_for(&self, task: &str, worker: &WorkerId) -> Grant {
         loop {
-            let grant = self.grant().await;
+            let grant = self.grant_for(worker).await;
             if grant.task.as_str() == task {
                 return grant;
             }
-            self.release(&grant).await;
+            let lease = Lease { worker: worker.clone(), ..self.held(&grant) };
+            self.release_lease(lease).await;
             self.slot.set(self.slot.get() + 1);
         }
     }
 
+    /// Which of its threads it is now.
+    pub fn slot(&self) -> u32 {
+        self.slot.get()
+    }
+
     fn held(&self, grant: &Grant) -> Lease {
         Lease { task: grant.task.clone(), attempt: grant.attempt, worker: self.worker.clone(), slot: self.slot.get() }
+    }
+
+    /// A sign of life.
+    pub async fn renew(&self, lease: &Lease) -> RenewReply {
+        let question = RenewRequest { lease: lease.clone(), progress: None };
+        request(&self.session, &self.keys.renew(), &question, PATIENCE).await.unwrap()
     }
 
     /// Carries a task out.
@@ -88,7 +113,11 @@ impl StandIn {
     }
 
     pub async fn release(&self, grant: &Grant) -> Acknowledgement {
-        let question = ReleaseRequest { lease: self.held(grant) };
+        self.release_lease(self.held(grant)).await
+    }
+
+    async fn release_lease(&self, lease: Lease) -> Acknowledgement {
+        let question = ReleaseRequest { lease };
         request(&self.session, &self.keys.release(), &question, PATIENCE).await.unwrap()
     }
 }

@@ -84,7 +84,8 @@ fn a_frozen_viewer() {
     let mut system = System::sweep_with("models/rotor67/study.toml", &rotor);
     system.wait_until("a result", |status| status.tasks.done > 0);
     let log = system.folder().join("viewer.log");
-    let frozen = Process::start(&program("isola-test-viewer"), &[&system.address()], &log);
+    let secret = system.secret_file().display().to_string();
+    let frozen = Process::start(&program("isola-test-viewer"), &[&system.address(), &secret], &log);
     system.eventually("a result that was read", |_| frozen.output().contains("result"));
     frozen.signal(Signal::STOP);
     let mut times = block_on(async {

@@ -5,18 +5,28 @@ use protocol::codec::{encode, encoding};
 use protocol::from_worker::{FailRequest, Lease, LeaseRequest, Progress, ReleaseRequest, RenewRequest, SubmitRequest};
 use protocol::ids::{RunId, TaskId, WorkerId};
 use protocol::keys::Keys;
-use protocol::session::{RequestError, fetch, request, request_encoded};
-use protocol::to_everyone::{Manifest, StoredResult};
+use protocol::session::{RequestError, fetch, fetch_bulk, request, request_bulk};
+use protocol::to_everyone::{Done, Manifest, StoredResult};
 use protocol::to_worker::{Acknowledgement, LeaseReply, RenewReply, SubmitReply};
 use std::time::Duration;
+use tokio::sync::Semaphore;
 use zenoh::Session;
 use zenoh::bytes::{Encoding, ZBytes};
 use zenoh::qos::CongestionControl;
 
 /// How long a small answer may take; it is asked for again afterwards.
 const ANSWER: Duration = Duration::from_secs(5);
-/// The slowest connection that results are sent over, bytes/s.
-const SLOWEST: u64 = 1_000_000;
+/// How long it may take besides until a result that has arrived is answered; it is sent again afterwards, and then waited for twice
+/// as long.
+const PATIENT: Duration = Duration::from_secs(30);
+/// The slowest connection that results are sent over once, bytes/s.
+const SLOWEST: u64 = 20_000;
+/// A connection slower than that is not expected: whether a result has arrived is asked from then on.
+const USUAL: u64 = 1_000_000;
+/// Results larger than that are sent one after the other, bytes.
+const BULK: usize = 1 << 18;
+/// There is a result of this task, this one or one like it.
+const STORED: SubmitReply = SubmitReply::Duplicate { agrees: true };
 
 /// The coordinator of a run, as a worker sees it.
 pub struct Bus {
@@ -32,6 +42,8 @@ pub struct Bus {
     pub worker: WorkerId,
     /// How long to go on without an answer.
     pub patience: Duration,
+    /// Whose turn it is to send a large result.
+    pub bulk: Semaphore,
 }
 
 impl Bus {
@@ -52,18 +64,56 @@ impl Bus {
         request(&self.session, &self.keys.renew(), &question, ANSWER).await
     }
 
-    /// Sends a result until it is answered.
+    /// Sends a result until it is answered, or is known to be stored: a connection may be so slow, or a disk so busy, that an answer
+    /// takes minutes. What is on its way is not sent once more as long as the connection holds.
     pub async fn submit(&self, task: &TaskId, result: &ZBytes) -> Result<SubmitReply, OutOfPatience> {
         let (key, encoding) = (self.keys.submit(task), encoding::<SubmitRequest>());
-        let timeout = transfer(result.len());
-        let send = || request_encoded(&self.session, &key, result.clone(), &encoding, timeout);
+        let is_bulk = result.len() > BULK;
+        let _turn = if is_bulk { self.bulk.acquire().await.ok() } else { None };
+        let mut patience = Patience::new(self.patience);
+        let mut timeout = PATIENT + transfer(result.len(), SLOWEST);
         loop {
-            match self.insist(self.patience, send).await? {
-                Ok(SubmitReply::Busy { retry_ms }) => tokio::time::sleep(Duration::from_millis(retry_ms)).await,
+            // At least as long as a small answer may take: nobody may be there, or only this one does not get through.
+            let longest = timeout.min(patience.left().max(ANSWER));
+            let send = request_bulk(&self.session, &key, result.clone(), &encoding, longest);
+            let reply = tokio::select! {
+                reply = send => reply,
+                () = self.stored(task, ANSWER + transfer(result.len(), USUAL)) => return Ok(STORED),
+            };
+            match reply {
+                Ok(SubmitReply::Busy { retry_ms }) => {
+                    patience.restore();
+                    tokio::time::sleep(Duration::from_millis(retry_ms)).await;
+                }
                 Ok(reply) => return Ok(reply),
-                Err(why) => return Ok(SubmitReply::Rejected { why }),
+                Err(error @ (RequestError::Refused(_) | RequestError::Codec(_))) => {
+                    return Ok(SubmitReply::Rejected { why: error.to_string() });
+                }
+                Err(RequestError::NoReply | RequestError::Closed(_)) => {
+                    patience.pause().await?;
+                    if self.is_stored(task).await {
+                        return Ok(STORED);
+                    }
+                    timeout *= 2;
+                }
             }
         }
+    }
+
+    /// Waits until a task is known to have a stored result; looks for it for the first time after so long, and less and less often.
+    async fn stored(&self, task: &TaskId, first: Duration) {
+        let mut pause = first;
+        loop {
+            tokio::time::sleep(pause).await;
+            if self.is_stored(task).await {
+                return;
+            }
+            pause *= 2;
+        }
+    }
+
+    async fn is_stored(&self, task: &TaskId) -> bool {
+        fetch::<Done>(&self.session, &self.keys.done(task), ANSWER).await.is_ok()
     }
 
     /// Reports that a task cannot be carried out, at least once and until it is answered.
@@ -93,7 +143,7 @@ impl Bus {
 
     /// A stored result of at most so many bytes.
     pub async fn result(&self, task: &TaskId, most: usize) -> Result<StoredResult, RequestError> {
-        fetch(&self.session, &self.keys.result(task), transfer(most)).await
+        fetch_bulk(&self.session, &self.keys.result(task), ANSWER + transfer(most, USUAL)).await
     }
 
     /// Tells people where a branch is; lost if there is no room on the way.
@@ -121,7 +171,7 @@ impl Bus {
     }
 }
 
-/// How long so many bytes may take.
-fn transfer(bytes: usize) -> Duration {
-    ANSWER + Duration::from_secs(bytes as u64 / SLOWEST)
+/// How long so many bytes take at a speed, bytes/s.
+fn transfer(bytes: usize, speed: u64) -> Duration {
+    Duration::from_millis(1000 * bytes as u64 / speed)
 }

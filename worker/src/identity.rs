@@ -2,10 +2,15 @@
 
 use protocol::ids::WorkerId;
 
+/// The name of this machine, as it knows it.
+pub fn host_name() -> String {
+    rustix::system::uname().nodename().to_string_lossy().into_owned()
+}
+
 /// Host, process and a few random digits: `host-1234-ab12`. The digits tell apart processes of containers, which often
 /// share both.
 pub fn worker_id() -> WorkerId {
-    let host = rustix::system::uname().nodename().to_string_lossy().into_owned();
+    let host = host_name();
     let random = uuid::Uuid::new_v4().simple().to_string();
     named(&host, std::process::id(), &random[..4])
 }

@@ -6,6 +6,7 @@ use protocol::codec::{decode, sha256};
 use protocol::ids::RunId;
 use protocol::keys::{Keys, all_runs, all_versions};
 use protocol::model::ModelMessage;
+use protocol::secret::{Secret, SecretError};
 use protocol::session::{SessionError, connect, fetch_all, fetch_answer};
 use protocol::to_everyone::{Manifest, Stage};
 use solver::structure::Model;
@@ -36,16 +37,28 @@ pub fn deadline(options: &Options) -> Instant {
 }
 
 /// Connects, as soon as somebody listens.
-pub async fn open(endpoint: &str, deadline: Instant) -> Result<Session, WorkerError> {
+pub async fn open(options: &Options, deadline: Instant) -> Result<Session, WorkerError> {
+    let endpoint = &options.connect;
     loop {
+        // The run that it is the secret of may be about to begin.
+        let secret = match Secret::given(options.secret_file.as_deref()) {
+            Err(SecretError::Io { .. }) if Instant::now() + PAUSE < deadline => {
+                sleep(PAUSE).await;
+                continue;
+            }
+            secret => secret?,
+        };
         // On its own: an attempt that is dropped would be waited for.
-        let endpoint_of_attempt = endpoint.to_string();
-        let attempt = tokio::spawn(async move { connect(&endpoint_of_attempt).await });
+        let (endpoint_of_attempt, secret_of_attempt) = (endpoint.to_string(), secret.clone());
+        let attempt = tokio::spawn(async move { connect(&endpoint_of_attempt, secret_of_attempt.as_ref()).await });
         match timeout_at(deadline, async { attempt.await.expect("connecting does not panic") }).await {
             Ok(Ok(session)) => return Ok(session),
             Ok(Err(error @ SessionError::Endpoint { .. })) => return Err(error.into()),
             Ok(Err(error)) if Instant::now() + PAUSE >= deadline => return Err(error.into()),
-            Err(_) => return Err(SessionError::Unreachable { endpoint: endpoint.to_string() }.into()),
+            Err(_) => {
+                let is_secret = secret.is_some();
+                return Err(SessionError::Unreachable { endpoint: endpoint.clone(), is_secret }.into());
+            }
             Ok(Err(_)) => sleep(PAUSE).await,
         }
     }

@@ -43,5 +43,6 @@ pub mod slot;
 pub mod terminal;
 
 pub use error::WorkerError;
+pub use identity::host_name;
 pub use options::Options;
 pub use program::{Ending, Summary, run, work};

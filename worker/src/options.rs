@@ -2,6 +2,7 @@
 
 use protocol::ids::RunId;
 use std::num::NonZeroUsize;
+use std::path::PathBuf;
 use std::time::Duration;
 
 const AFTER_HELP: &str = "\
@@ -27,6 +28,10 @@ pub struct Options {
     /// Where the coordinator, or a Zenoh router between, listens: tcp/HOST:PORT.
     #[arg(long, value_name = "ENDPOINT", env = "ISOLA_CONNECT", default_value = "tcp/127.0.0.1:7447")]
     pub connect: String,
+
+    /// File with the secret of the run: `secret` in its folder, or a copy. Default: what ISOLA_SECRET holds, if anything.
+    #[arg(long, value_name = "FILE", env = "ISOLA_SECRET_FILE")]
+    pub secret_file: Option<PathBuf>,
 
     /// First part of every key on the bus, if several projects share one.
     #[arg(long, value_name = "NAME", default_value = protocol::keys::NAMESPACE, value_parser = protocol::keys::namespace)]

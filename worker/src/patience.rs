@@ -24,6 +24,11 @@ impl Patience {
         Self { limit, since: Instant::now(), pause: FIRST }
     }
 
+    /// How much of it is left.
+    pub fn left(&self) -> Duration {
+        self.limit.saturating_sub(self.since.elapsed())
+    }
+
     /// There was an answer.
     pub fn restore(&mut self) {
         *self = Self::new(self.limit);
@@ -31,7 +36,7 @@ impl Patience {
 
     /// The next pause, each twice as long as the one before up to 2 s.
     pub fn next_pause(&mut self) -> Result<Duration, OutOfPatience> {
-        let left = self.limit.saturating_sub(self.since.elapsed());
+        let left = self.left();
         if left.is_zero() {
             return Err(OutOfPatience);
         }

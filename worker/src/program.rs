@@ -15,6 +15,7 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
+use tokio::sync::Semaphore;
 use tokio::task::JoinSet;
 use tracing_subscriber::EnvFilter;
 use zenoh::Session;
@@ -96,7 +97,7 @@ fn start(options: &Options) -> Result<Summary, WorkerError> {
 pub async fn work(options: &Options, shutdown: &Shutdown) -> Result<Summary, WorkerError> {
     let deadline = join::deadline(options);
     let session = tokio::select! {
-        session = join::open(&options.connect, deadline) => session?,
+        session = join::open(options, deadline) => session?,
         () = shutdown.reached(Phase::Finishing) => return Ok(Summary { ending: Ending::Told, done: 0 }),
     };
     let result = work_within(session.clone(), options, shutdown, deadline).await;
@@ -121,6 +122,7 @@ async fn work_within(
         keys: Keys::new(&options.namespace, &joined.manifest.run),
         worker: worker_id(),
         patience: options.patience,
+        bulk: Semaphore::new(1),
     };
     let (run, name) = (&joined.manifest.run, &joined.manifest.name);
     tracing::info!(%run, name, worker = %bus.worker, slots = options.threads(), "joined");

@@ -13,6 +13,7 @@ use std::time::Duration;
 use tokio::sync::watch;
 use zenoh::liveliness::LivelinessToken;
 use zenoh::pubsub::Subscriber;
+use zenoh::sample::{Sample, SampleKind};
 
 /// What the computing threads of a worker share.
 pub struct Shared {
@@ -42,6 +43,7 @@ pub struct Shared {
 pub struct Presence {
     _token: LivelinessToken,
     _hints: Subscriber<()>,
+    _coordinator: Subscriber<()>,
 }
 
 impl Shared {
@@ -69,8 +71,17 @@ impl Shared {
         let session = &self.bus.session;
         let subscriber = session.declare_subscriber(self.bus.keys.hint()).callback(move |_| hints.send_modify(|()| {}));
         let hints = subscriber.await.map_err(refused)?;
+        // When the way there is back, the first sign of life is given at once.
+        let hints_again = self.hints.clone();
+        let back = move |sample: Sample| {
+            if sample.kind() == SampleKind::Put {
+                hints_again.send_modify(|()| {});
+            }
+        };
+        let coordinator = session.liveliness().declare_subscriber(self.bus.keys.alive_coordinator()).callback(back);
+        let coordinator = coordinator.await.map_err(refused)?;
         let token = session.liveliness().declare_token(self.bus.keys.alive_worker(&self.bus.worker));
-        Ok(Presence { _token: token.await.map_err(refused)?, _hints: hints })
+        Ok(Presence { _token: token.await.map_err(refused)?, _hints: hints, _coordinator: coordinator })
     }
 
     /// Whether to lease no more: nothing left, cancelled, or told to end.

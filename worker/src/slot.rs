@@ -201,7 +201,7 @@ impl Slot {
                 self.known.add(lease.task.clone(), finding);
             }
             SubmitReply::Duplicate { agrees: true } => {
-                tracing::info!(task = %lease.task, "{summary}; another worker was faster");
+                tracing::info!(task = %lease.task, "{summary}; there was a result already");
             }
             SubmitReply::Duplicate { agrees: false } => {
                 tracing::warn!(task = %lease.task, "{summary}; another worker was faster and found something else");

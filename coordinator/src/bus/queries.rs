@@ -96,12 +96,17 @@ impl Queries {
             return Ok(());
         }
         let all_results = keyexpr::new(&keys.results()).is_ok_and(|own| own.intersects(asked));
+        let mut is_told = false;
         for done in reader.done()? {
             if all_results {
                 self.answer_result(reader, query, &done.task)?;
             } else if one.as_ref().is_none_or(|task| *task == done.task) {
                 answer(query, &keys.done(&done.task), &done);
+                is_told = true;
             }
+        }
+        if let Some(task) = one.filter(|task| !is_told && asked.as_str() == keys.done(task)) {
+            refuse(query, &format!("task {task} has no result yet"));
         }
         Ok(())
     }

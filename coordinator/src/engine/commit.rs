@@ -4,10 +4,18 @@ use super::decision::News;
 use results::journal::{AcceptedResult, Change};
 use results::store::{Store, StoreError};
 use std::sync::mpsc::Receiver;
+use std::time::{Duration, Instant};
 use tracing::{info, warn};
+use worker::terminal;
 
 /// Most decisions that share a transaction.
 const BATCH: usize = 64;
+
+/// How long another program may hold the file before people are told.
+const OTHERS: Duration = Duration::from_secs(2);
+
+/// Time between two messages that the file is locked.
+const REMINDER: Duration = Duration::from_secs(60);
 
 /// A decision on its way.
 pub struct Decided {
@@ -24,6 +32,7 @@ pub struct Decided {
 /// # Errors
 /// If the store cannot be written. Everything that was answered is stored.
 pub fn commit(mut store: Store, decided: &Receiver<Decided>, mut tell: impl FnMut(News)) -> Result<(), StoreError> {
+    store.wait_for_others(OTHERS)?;
     while let Ok(first) = decided.recv() {
         let (mut changes, mut answers, mut news) = (Vec::new(), Vec::new(), Vec::new());
         for decision in std::iter::once(first).chain(decided.try_iter().take(BATCH - 1)) {
@@ -33,12 +42,38 @@ pub fn commit(mut store: Store, decided: &Receiver<Decided>, mut tell: impl FnMu
         }
         if !changes.is_empty() {
             changes.iter().for_each(log);
-            store.commit(&changes)?;
+            commit_patiently(&mut store, &changes)?;
         }
         answers.into_iter().for_each(|answer| answer());
         news.into_iter().for_each(&mut tell);
     }
     Ok(())
+}
+
+/// Stores changes, however long another program holds the file: what is decided meanwhile waits.
+fn commit_patiently(store: &mut Store, changes: &[Change]) -> Result<(), StoreError> {
+    let began = Instant::now();
+    let mut told = None;
+    loop {
+        match store.commit(changes) {
+            Err(error) if error.is_busy() => {
+                if told.is_none_or(|told: Instant| told.elapsed() > REMINDER) {
+                    let (file, seconds) = (store.file().display(), began.elapsed().as_secs());
+                    terminal::note(format_args!(
+                        "{file} has been locked by another program for {seconds} s: results wait until it lets go"
+                    ));
+                    told = Some(Instant::now());
+                }
+            }
+            result => {
+                if told.is_some() {
+                    let seconds = began.elapsed().as_secs();
+                    terminal::note(format_args!("{} was let go after {seconds} s", store.file().display()));
+                }
+                return result;
+            }
+        }
+    }
 }
 
 fn log(change: &Change) {

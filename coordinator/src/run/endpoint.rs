@@ -3,9 +3,11 @@
 use crate::cli::ServeArgs;
 use crate::error::Error;
 use protocol::keys::Keys;
+use protocol::secret::Secret;
 use protocol::session::{self, SessionError};
 use std::io;
-use std::net::{Ipv4Addr, TcpListener};
+use std::net::{Ipv4Addr, SocketAddr, TcpListener};
+use std::path::Path;
 use std::time::Duration;
 use zenoh::Session;
 
@@ -18,24 +20,44 @@ pub struct Connection {
     pub session: Session,
     /// Where others on this machine connect to.
     pub endpoint: String,
+    /// Where others on other machines connect to, as far as it is known here.
+    pub elsewhere: String,
+    /// What lets others in, if anything has to.
+    pub secret: Option<Secret>,
+    /// Whether that is somebody else's router.
+    pub is_over_router: bool,
 }
 
-/// Opens the session of a coordinator.
+/// Opens the session of a coordinator; of a run that goes on in its folder.
 ///
 /// # Errors
 /// If the endpoint is none, is in use or cannot be reached.
-pub async fn open(serve: &ServeArgs) -> Result<Connection, Error> {
+pub async fn open(serve: &ServeArgs, directory: Option<&Path>) -> Result<Connection, Error> {
+    let secret = serve.access.secret(directory, serve.connect.is_some())?;
     if let Some(router) = &serve.connect {
-        return Ok(Connection { session: session::connect(router).await?, endpoint: router.clone() });
+        let session = session::connect(router, secret.as_ref()).await?;
+        return Ok(Connection {
+            session,
+            endpoint: router.clone(),
+            elsewhere: router.clone(),
+            secret,
+            is_over_router: true,
+        });
     }
     if let Some(listen) = &serve.listen {
-        return Ok(Connection { session: session::listen(listen).await?, endpoint: reachable(listen) });
+        let listen = with_port(listen);
+        let session = session::listen(&listen, secret.as_ref()).await?;
+        let (endpoint, elsewhere) = (reachable(&listen), seen_from_elsewhere(&listen));
+        return Ok(Connection { session, endpoint, elsewhere, secret, is_over_router: false });
     }
     let mut attempts = 0;
     loop {
         let endpoint = free_endpoint().map_err(Error::io("tcp/127.0.0.1"))?;
-        match session::listen(&endpoint).await {
-            Ok(session) => return Ok(Connection { session, endpoint }),
+        match session::listen(&endpoint, secret.as_ref()).await {
+            Ok(session) => {
+                let elsewhere = endpoint.clone();
+                return Ok(Connection { session, endpoint, elsewhere, secret, is_over_router: false });
+            }
             // Somebody else took the port in between.
             Err(SessionError::Listen { .. }) if attempts < ATTEMPTS => attempts += 1,
             Err(error) => return Err(error.into()),
@@ -57,6 +79,21 @@ pub async fn refuse_second_coordinator(session: &Session, keys: &Keys) -> Result
 fn free_endpoint() -> io::Result<String> {
     let port = TcpListener::bind((Ipv4Addr::LOCALHOST, 0))?.local_addr()?.port();
     Ok(format!("tcp/127.0.0.1:{port}"))
+}
+
+/// The endpoint with a port that is free now, if it leaves that open: others have to be told one.
+fn with_port(listen: &str) -> String {
+    let open = listen.strip_prefix("tcp/").and_then(|address| address.parse::<SocketAddr>().ok());
+    match open.filter(|address| address.port() == 0).and_then(|address| TcpListener::bind(address).ok()) {
+        Some(listener) => listener.local_addr().map_or_else(|_| listen.to_string(), |address| format!("tcp/{address}")),
+        None => listen.to_string(),
+    }
+}
+
+/// The endpoint to connect to from other machines, for one that is listened on.
+fn seen_from_elsewhere(listen: &str) -> String {
+    let host = worker::host_name();
+    listen.replace("/0.0.0.0:", &format!("/{host}:")).replace("/[::]:", &format!("/{host}:"))
 }
 
 /// The endpoint to connect to from this machine, for one that is listened on.

@@ -5,6 +5,7 @@ use super::endpoint::{Connection, refuse_second_coordinator};
 use super::local_workers::{Launch, LocalWorkers};
 use super::preparation::{self, Prepared};
 use super::services::{Services, Start};
+use crate::access;
 use crate::cli::ServeArgs;
 use crate::display::{self, Display, layout};
 use crate::engine::Event;
@@ -108,6 +109,7 @@ pub async fn carry_out(
         prepared,
     };
     let services = Services::start(start).await?;
+    access::keep(directory, connection.secret.as_ref())?;
     write_address(directory, &connection.endpoint).map_err(Error::io(directory))?;
     let interrupts = Interrupts::new()?;
     let folder = directory.to_path_buf();
@@ -196,11 +198,19 @@ impl Run {
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
         let count = self.options.workers.unwrap_or(cores);
         if count == 0 {
-            terminal::note(format_args!("waiting for workers: isola-worker --connect {}", self.connection.endpoint));
+            let secret = match &self.connection.secret {
+                Some(_) => format!(" --secret-file {}", self.directory.join(protocol::secret::FILE).display()),
+                None => String::new(),
+            };
+            terminal::note(format_args!(
+                "waiting for workers: isola-worker --connect {}{secret}",
+                self.connection.elsewhere
+            ));
             return Ok(None);
         }
         let launch = Launch {
             endpoint: self.connection.endpoint.clone(),
+            secret: self.connection.secret.clone(),
             namespace: self.header.namespace.clone(),
             run: self.header.run.clone(),
             logs: self.directory.join("logs"),

@@ -1,6 +1,7 @@
 //! Worker processes of a local sweep: the same executable, one a core.
 
 use protocol::ids::RunId;
+use protocol::secret::{ENVIRONMENT, Secret};
 use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -15,6 +16,8 @@ const RESTARTS: u32 = 10;
 pub struct Launch {
     /// Endpoint to connect to.
     pub endpoint: String,
+    /// What lets them in, if anything has to.
+    pub secret: Option<Secret>,
     /// Namespace of the keys.
     pub namespace: String,
     /// Run to join.
@@ -107,6 +110,7 @@ impl Launch {
             .args(["--connect", &self.endpoint])
             .args(["--namespace", &self.namespace])
             .args(["--run", self.run.as_str()])
+            .env(ENVIRONMENT, self.secret.as_ref().map_or("", Secret::reveal))
             .stdin(Stdio::piped())
             .stdout(Stdio::null())
             .stderr(append(&self.log(number))?)

@@ -11,6 +11,7 @@
 pub mod directory;
 pub mod endpoint;
 mod lifecycle;
+mod link;
 mod local_workers;
 pub mod preparation;
 mod services;

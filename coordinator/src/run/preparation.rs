@@ -6,6 +6,7 @@ use crate::error::Error;
 use protocol::backbone::BackboneMessage;
 use protocol::curve::Size;
 use protocol::from_worker::Progress;
+use protocol::session::MAX_RESULT_BYTES;
 use protocol::to_everyone::{Amplitude, Manifest, Stage};
 use results::journal::{LevelPlan, SweepPlan};
 use results::store::{RunHeader, Store};
@@ -23,8 +24,6 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::Sender;
 use std::time::{Duration, Instant};
 
-/// Largest result accepted.
-const MAX_RESULT_BYTES: usize = 256 << 20;
 /// Time between two reports of where the backbone is.
 const REPORT_PERIOD: Duration = Duration::from_millis(200);
 

@@ -1,6 +1,7 @@
 //! What runs beside the steps of a run, from start to stop.
 
 use super::endpoint::Connection;
+use super::link::watch as watch_link;
 use super::preparation::{Prepared, manifest};
 use crate::bus::{Presence, RunState, Served, announce, serve};
 use crate::engine::{Engine, Event, News, Reference, Request, commit, decide};
@@ -32,6 +33,8 @@ pub(super) struct Services {
     deciding: JoinHandle<()>,
     committing: JoinHandle<Result<(), StoreError>>,
     announcing: JoinHandle<()>,
+    /// Over a router.
+    watching: Option<JoinHandle<()>>,
 }
 
 /// What services are started with.
@@ -67,6 +70,7 @@ impl Services {
         let presence = serve(session, &keys, served, engine.clone())
             .await
             .map_err(|error| Error::Other(format!("the run cannot be served on the bus: {error}")))?;
+        let watching = connection.is_over_router.then(|| tokio::spawn(watch_link(session.clone(), engine.clone())));
         let announcing = tokio::spawn(announce(session.clone(), keys, told));
         let machine = Engine::new(manifest, rules);
         let deciding = spawn_blocking(move || decide(machine, &requests, &decisions));
@@ -78,7 +82,7 @@ impl Services {
                 let _ = news.send(item);
             })
         });
-        Ok(Self { engine, state, changes, presence, deciding, committing, announcing })
+        Ok(Self { engine, state, changes, presence, deciding, committing, announcing, watching })
     }
 
     /// Lets a sweep begin.
@@ -134,6 +138,9 @@ impl Services {
     pub async fn stop(self) -> Result<(), Error> {
         // Without presence on the bus and this sender nothing is left to decide, and the store is closed.
         drop(self.presence);
+        if let Some(watching) = self.watching {
+            watching.abort();
+        }
         drop(self.engine);
         if let Ok(Ok(Err(error))) = timeout(LAST_COMMIT, self.committing).await {
             return Err(error.into());

@@ -56,6 +56,7 @@ use solver::settings::{Settings, VerifyEffort};
 use std::fs;
 use std::ops::Deref;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 /// The file of a run, in its folder.
 pub const FILE: &str = "run.sqlite";
@@ -168,6 +169,12 @@ impl Store {
             let writer = Changes { db, file, displacements, now: now() };
             changes.iter().try_for_each(|change| writer.write(change))
         })
+    }
+
+    /// How long a commit waits for another program that writes the file, before it fails as one that may be tried again.
+    pub fn wait_for_others(&mut self, patience: Duration) -> Result<()> {
+        let (db, file) = self.reader.parts_mut();
+        db.busy_timeout(patience).at(file)
     }
 
     /// Changes what of the branches is to be verified.

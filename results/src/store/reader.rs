@@ -52,6 +52,11 @@ impl Reader {
         (&mut self.db, &self.file)
     }
 
+    /// The file.
+    pub fn file(&self) -> &Path {
+        &self.file
+    }
+
     /// Folder of the run.
     pub fn dir(&self) -> &Path {
         &self.dir

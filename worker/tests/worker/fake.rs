@@ -163,7 +163,7 @@ impl Fake {
         study: &Study,
         answer: impl FnMut(&Asked) -> Answer + Send + 'static,
     ) -> Self {
-        let session = listen(endpoint).await.unwrap();
+        let session = listen(endpoint, None).await.unwrap();
         let manifest = study.manifest();
         let keys = Keys::new("isola", &manifest.run);
         *seen.manifest.lock().unwrap() = Some(manifest);

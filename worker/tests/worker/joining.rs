@@ -43,7 +43,7 @@ async fn an_endpoint_that_is_none() {
 #[tokio::test(flavor = "multi_thread")]
 async fn a_router_without_a_run() {
     let endpoint = own_endpoint();
-    let _router = listen(&endpoint).await.unwrap();
+    let _router = listen(&endpoint, None).await.unwrap();
     let (code, message) = refusal(&options(&endpoint, &["--namespace", "mine", "--wait", "10"])).await;
     assert_eq!(code, 1);
     assert_says(&message, &[&endpoint, "namespace `mine`", "--wait"]);
@@ -100,7 +100,7 @@ async fn another_version_of_the_messages() {
 #[tokio::test(flavor = "multi_thread")]
 async fn another_version_in_the_keys() {
     let (endpoint, run) = (own_endpoint(), RunId::new("one").unwrap());
-    let router = listen(&endpoint).await.unwrap();
+    let router = listen(&endpoint, None).await.unwrap();
     let key = Keys::new("isola", &run).run().replace("/v4/", "/v5/");
     let reply = key.clone();
     let queryable = router.declare_queryable(key).callback(move |query| {

@@ -21,6 +21,8 @@ from .wire import NAMESPACE, REFUSAL, VERSION, decode
 if TYPE_CHECKING:
     from .run import Run
 
+#: The one user, whose password the secret of a run is.
+SECRET_USER = "isola"
 #: How long a client tries to connect, ms.
 CONNECT_MS = 3000
 #: A partner that has been silent for so long is gone, ms.
@@ -68,20 +70,35 @@ def endpoint_of(where: str | os.PathLike[str]) -> str:
     raise Unreachable(f"`{where}` is neither an endpoint like tcp/HOST:7447 nor a run directory")
 
 
+def secret_of(where: str | os.PathLike[str], secret_file: str | os.PathLike[str] | None) -> str | None:
+    """The secret of a run, if it has one that is known here: of a file, of the run directory, or of the environment."""
+    own = Path(where) / "secret"
+    if secret_file is not None:
+        text = Path(secret_file).read_text("utf-8")
+    elif own.is_file():
+        text = own.read_text("utf-8")
+    else:
+        text = os.environ.get("ISOLA_SECRET", "")
+    return text.strip().removeprefix(f"{SECRET_USER}:") or None
+
+
 def connect(
     where: str | os.PathLike[str],
     *,
     namespace: str = NAMESPACE,
     timeout: float = 10.0,
+    secret_file: str | os.PathLike[str] | None = None,
     settings: Mapping[str, Any] | None = None,
 ) -> Bus:
     """Connects to a coordinator or a router.
 
     `where` is an endpoint (``tcp/127.0.0.1:7447``) or a run directory, whose file `address` holds one. `timeout` is how
-    long requests are repeated, in s. `settings` are further settings of Zenoh by key, for TLS or passwords:
-    ``{"transport/auth/usrpwd": {"user": "me", "password": "…"}}``.
+    long requests are repeated, in s. `secret_file` holds the secret of the run: without it the file `secret` of the run
+    directory does, or the variable ISOLA_SECRET of the environment. `settings` are further settings of Zenoh by key, for
+    TLS or other passwords: ``{"transport/auth/usrpwd": {"user": "me", "password": "…"}}``.
     """
     endpoint = endpoint_of(where)
+    secret = secret_of(where, secret_file)
     config = zenoh.Config()
     own: dict[str, Any] = {
         "mode": "client",
@@ -95,14 +112,20 @@ def connect(
         "adminspace/enabled": False,
         "transport/link/tx/lease": TRANSPORT_LEASE_MS,
     }
+    if secret is not None:
+        own["transport/auth/usrpwd"] = {"user": SECRET_USER, "password": secret}
     for key, value in {**own, **(settings or {})}.items():
         config.insert_json5(key, json.dumps(value))
     try:
         session = zenoh.open(config)
     except zenoh.ZError as error:
         raise Unreachable(
-            f"no coordinator or router can be reached at {endpoint}; check host, port and firewall "
-            "(a refused certificate or password looks the same)"
+            f"no coordinator or router can be reached at {endpoint}; check host, port and firewall; "
+            + (
+                "another secret than the run's looks the same"
+                if secret is not None
+                else "not to have its secret looks the same: name a copy of the file `secret` in its directory as secret_file"
+            )
         ) from error
     return Bus(session, namespace, timeout)
 

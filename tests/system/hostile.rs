@@ -1,0 +1,183 @@
+//! Somebody who reaches the port and means harm: nothing of what they say is stored, and the run's files are those of a run that
+//! nobody disturbed.
+
+use crate::stand_in::StandIn;
+use crate::{DAMPER, LEVELS, LONG};
+use protocol::array::Array;
+use protocol::branch::{BranchMessage, FindingMessage};
+use protocol::codec::{encode, encoding};
+use protocol::from_worker::{Lease, LeaseRequest, SubmitRequest};
+use protocol::ids::{Attempt, TaskId, WorkerId};
+use protocol::session::{RequestError, request, request_encoded};
+use protocol::to_worker::{LeaseReply, RenewReply, SubmitReply};
+use std::collections::BTreeMap;
+use std::path::Path;
+use tests::{PATIENCE, System, block_on};
+
+/// The files of a run that say what was found.
+fn files(directory: &Path) -> BTreeMap<String, Vec<u8>> {
+    let mut found = BTreeMap::new();
+    for folder in [directory.to_path_buf(), directory.join("branches")] {
+        for entry in std::fs::read_dir(folder).unwrap().flatten() {
+            let path = entry.path();
+            if path.extension().is_some_and(|extension| extension == "csv") {
+                let name = path.strip_prefix(directory).unwrap().display().to_string();
+                found.insert(name, std::fs::read(path).unwrap());
+            }
+        }
+    }
+    found
+}
+
+/// Why a result was refused.
+fn refusal(reply: SubmitReply) -> String {
+    match reply {
+        SubmitReply::Rejected { why } => why,
+        other => panic!("{other:?}"),
+    }
+}
+
+fn with_branch(genuine: &SubmitRequest, change: impl FnOnce(&mut BranchMessage)) -> SubmitRequest {
+    let mut request = genuine.clone();
+    let FindingMessage::Branch(branch) = &mut request.finding else { panic!("a main branch") };
+    change(branch);
+    request
+}
+
+/// An array with one of its numbers changed.
+fn changed(array: &mut Array, index: usize, change: impl Fn(f64) -> f64) {
+    let (numbers, _) = array.data.as_chunks_mut::<8>();
+    numbers[index] = change(f64::from_le_bytes(numbers[index])).to_le_bytes();
+}
+
+#[test]
+fn what_is_not_true_is_not_stored() {
+    let mut undisturbed = System::sweep_with(DAMPER, &[LEVELS, &["--workers", "1"]].concat());
+    undisturbed.expect_complete();
+
+    let mut system = System::sweep(DAMPER, &[LEVELS, LONG].concat());
+    block_on(async {
+        let honest = StandIn::of(&system).await;
+        let grant = honest.grant_of("0.009-0").await;
+        let genuine = honest.compute(&grant);
+        let (session, keys, _) = system.viewer().await;
+        let submit = async |request: &SubmitRequest| honest.submit(request).await;
+
+        // What nobody was given.
+        let lease = genuine.lease.clone();
+        let strangers = [
+            Lease { worker: WorkerId::new("stranger").unwrap(), ..lease.clone() },
+            Lease { attempt: Attempt(lease.attempt.0 + 1), ..lease.clone() },
+            Lease { slot: lease.slot + 1, ..lease.clone() },
+            Lease { task: TaskId::new("0.007-0").unwrap(), ..lease.clone() },
+        ];
+        for stranger in strangers {
+            let why = refusal(submit(&SubmitRequest { lease: stranger, ..genuine.clone() }).await);
+            assert!(why.contains("was not handed out to"), "{why}");
+        }
+        let nowhere = Lease { task: TaskId::new("7-0").unwrap(), ..lease.clone() };
+        let why = refusal(submit(&SubmitRequest { lease: nowhere, ..genuine.clone() }).await);
+        assert!(why.ends_with("has no task 7-0"), "{why}");
+        // Under the key of another task.
+        let key = keys.submit(&TaskId::new("0.007-0").unwrap());
+        let why = refusal(request(&session, &key, &genuine, PATIENCE).await.unwrap());
+        assert!(why.contains("under the key of task 0.007-0"), "{why}");
+
+        // A large request, and bytes that are none.
+        let (protocol, worker) = (protocol::VERSION, WorkerId::new("large").unwrap());
+        let large = LeaseRequest { protocol, program: "x".repeat(1 << 20), worker, slot: 0 };
+        let refused = request::<_, LeaseReply>(&session, &keys.lease(), &large, PATIENCE).await;
+        assert!(matches!(&refused, Err(RequestError::Refused(why)) if why.contains("bytes")), "{refused:?}");
+        let noise: Vec<u8> = encode(&genuine).into_iter().map(|byte| byte ^ 0x55).collect();
+        let of_results = encoding::<SubmitRequest>();
+        let refused =
+            request_encoded::<SubmitReply>(&session, &keys.submit(&lease.task), noise, &of_results, PATIENCE).await;
+        assert!(matches!(&refused, Err(RequestError::Refused(_))), "{refused:?}");
+
+        // What was given, and numbers that cannot be true: each ends an attempt, three a worker's work.
+        let points = match &genuine.finding {
+            FindingMessage::Branch(branch) => branch.points.len(),
+            other => panic!("{other:?}"),
+        };
+        let not_a_number = with_branch(&genuine, |branch| changed(&mut branch.points.motions.omega, 3, |_| f64::NAN));
+        let other_harmonics = with_branch(&genuine, |branch| branch.points.motions.harmonics = 1);
+        let other_forcing = with_branch(&genuine, |branch| {
+            branch.amplitude = 999.0;
+            (0..points).for_each(|i| changed(&mut branch.points.motions.forcing, i, |_| 999.0));
+        });
+        let perturbed = with_branch(&genuine, |branch| {
+            let modal = &mut branch.points.motions.modal;
+            let first = modal.data.len() / 8 / points;
+            (0..points).for_each(|i| changed(modal, i * first + 2, |y| y * (1.0 + 1e-5)));
+        });
+        let endless = SubmitRequest { seconds: f64::INFINITY, ..genuine.clone() };
+        let mut attempt = lease.attempt;
+        for (number, (request, expected)) in [
+            (not_a_number, "not finite"),
+            (other_harmonics, "1 harmonics in a run of"),
+            (other_forcing, "forcing amplitude 999"),
+            (perturbed, "does not solve the equations"),
+            (endless, "computing time of inf"),
+        ]
+        .into_iter()
+        .enumerate()
+        {
+            // By two workers: of three it would be the task's fault.
+            let liar = WorkerId::new(if number < 3 { "stand-in" } else { "liar" }).unwrap();
+            let lease = if number == 0 {
+                lease.clone()
+            } else {
+                let grant = honest.grant_of_for("0.009-0", &liar).await;
+                Lease { task: grant.task, attempt: grant.attempt, worker: liar, slot: honest.slot() }
+            };
+            attempt = lease.attempt;
+            let why = refusal(submit(&SubmitRequest { lease: lease.clone(), ..request }).await);
+            assert!(why.contains(expected), "{why}");
+            // The attempt is over, whatever is said of it afterwards.
+            assert_eq!(honest.renew(&lease).await, RenewReply::Lost);
+        }
+        assert!(attempt.0 >= 5);
+        assert_eq!(system.number("SELECT count(*) FROM results"), 0);
+        assert_eq!(system.attempts("ending = 'refused'"), 5);
+    });
+    let _worker = system.worker();
+    system.expect_complete();
+    assert_eq!(files(&undisturbed.directory()), files(&system.directory()));
+}
+
+/// A result that was accepted is not replaced: it is compared, and the second one says whether it was the same.
+#[test]
+fn a_result_that_is_sent_again() {
+    let mut system = System::sweep(DAMPER, &[&["--amplitudes", "0.007"], LONG].concat());
+    block_on(async {
+        let honest = StandIn::of(&system).await;
+        let genuine = honest.compute(&honest.grant_of("0.007-0").await);
+        assert_eq!(honest.submit(&genuine).await, SubmitReply::Accepted);
+        for _ in 0..3 {
+            assert_eq!(honest.submit(&genuine).await, SubmitReply::Duplicate { agrees: true });
+        }
+        assert_eq!(system.number("SELECT count(*) FROM results"), 1);
+    });
+    let _worker = system.worker();
+    system.expect_complete();
+}
+
+/// Bad memory, another build: a worker whose results do not hold is told to end, and why; the others go on.
+#[test]
+fn a_worker_whose_results_do_not_hold() {
+    let mut system = System::sweep(DAMPER, &[&["--amplitudes", "0.007"], LONG].concat());
+    block_on(async {
+        let liar = StandIn::of(&system).await;
+        for _ in 0..3 {
+            let genuine = liar.compute(&liar.grant_of("0.007-0").await);
+            let seconds = SubmitRequest { seconds: f64::NAN, ..genuine };
+            assert!(refusal(liar.submit(&seconds).await).contains("computing time of NaN"));
+        }
+        match liar.lease().await {
+            LeaseReply::Stop { reason } => assert!(reason.starts_with("3 of its results were refused"), "{reason}"),
+            other => panic!("{other:?}"),
+        }
+    });
+    let _worker = system.worker();
+    system.expect_complete();
+}
