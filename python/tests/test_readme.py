@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import shutil
 import subprocess
@@ -26,3 +27,34 @@ def test_the_examples_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> No
     assert (tmp_path / "response.pdf").stat().st_size > 1000
     assert (tmp_path / "models" / "mine" / "model.toml").is_file()
     assert (tmp_path / "runs" / "mine" / "run.sqlite").is_file()
+
+
+def blocks(file: Path, chapter: str, language: str) -> list[str]:
+    """Code of a chapter in a language."""
+    (text,) = re.findall(rf"^## {chapter}$(.*?)^## ", file.read_text("utf-8"), re.MULTILINE | re.DOTALL)
+    return re.findall(rf"^```{language}\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
+
+
+def test_the_first_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What a newcomer types, as the README says it: commands, files and Python."""
+    path = f"{program().absolute().parent}{os.pathsep}{os.environ['PATH']}"
+    monkeypatch.setenv("PATH", path)
+    monkeypatch.setenv("MPLBACKEND", "Agg")
+    monkeypatch.delenv("ISOLA_BIN", raising=False)
+    readme = ROOT / "README.md"
+    (commands,) = blocks(readme, "A first isola", "sh")
+    subprocess.run(["sh", "-ec", commands], cwd=tmp_path, check=True, capture_output=True, timeout=300)
+    assert (tmp_path / "runs" / "first" / "report.html").is_file()
+    model, study = blocks(readme, "A first isola", "toml")
+    assert (tmp_path / "first" / "model.toml").read_text("utf-8") == model
+    assert (tmp_path / "first" / "study.toml").read_text("utf-8") == study
+    (example,) = blocks(readme, "From Python", "python")
+    subprocess.run([sys.executable, "-c", example], cwd=tmp_path, check=True, timeout=300)
+    assert (tmp_path / "response.png").stat().st_size > 1000
+    # The table is that of the sweep.
+    rows = [line for text in blocks(readme, "A first isola", "text") for line in text.splitlines() if "┆ 2 " in line]
+    summary = (tmp_path / "runs" / "first" / "summary.csv").read_text("utf-8")
+    assert len(rows) == 3
+    for row in rows:
+        peak = float(re.findall(r"\d\.\d+e[-\d]+", row)[-1])
+        assert any(abs(float(number) / peak - 1) < 1e-4 for number in re.findall(r"\d\.\d+(?:e[-\d]+)?", summary)), row

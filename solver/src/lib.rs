@@ -86,5 +86,5 @@ pub use structure::{Model, ModelBuilder, ModelError, laws};
 
 /// The README's code compiles.
 #[cfg(doctest)]
-#[doc = include_str!("../../README.md")]
+#[doc = include_str!("../README.md")]
 struct Readme;
