@@ -3,6 +3,7 @@
 ISOLA_BIN names the program; chromium is taken from the PATH (Debian: apt-get install chromium).
 """
 
+import csv
 import io
 import json
 import os
@@ -120,6 +121,73 @@ def test_levels_are_switched_and_points_are_chosen(run, browser):
                 break
         chart.press("Enter")
         page.locator("#motion", has_text="of main").wait_for()
+
+
+def test_charts_in_other_units_and_as_files(run, browser):
+    """Hz and turns a minute, a logarithmic axis, and what is shown as picture, vectors and numbers."""
+    with report(browser, run, viewport={"width": 1400, "height": 900}) as page:
+        axis = """(box) => {
+            const { x_range, y_scale, below: [axis] } = [...Bokeh.index].find((view) => box.contains(view.el)).model;
+            return [x_range.end, axis.axis_label.text, y_scale.type];
+        }"""
+        place = page.locator("#response")
+        shown = lambda: page.evaluate(axis, place.locator(".chart").first.element_handle())
+        omega, title, scale = shown()
+        assert (title, scale) == ("frequency ω (rad/s)", "LinearScale")
+        for unit, factor in [("Hz", 1 / 6.283185307179586), ("rpm", 60 / 6.283185307179586)]:
+            page.get_by_label("Frequencies in").select_option(unit)
+            assert shown() == [pytest.approx(omega * factor), f"frequency ({unit})", "LinearScale"]
+        place.get_by_role("button", name="Log").click()
+        assert shown()[2] == "LogScale"
+        files = {}
+        for name in ["PNG", "SVG", "CSV"]:
+            with page.expect_download() as download:
+                place.get_by_role("button", name=name).click()
+            assert download.value.suggested_filename.endswith(f"-response.{name.lower()}")
+            files[name] = Path(download.value.path()).read_bytes()
+        assert len(Image.open(io.BytesIO(files["PNG"])).getcolors(1 << 20)) > EMPTY
+        assert ElementTree.fromstring(files["SVG"]).tag.endswith("svg")
+        head, *rows = csv.reader(io.StringIO(files["CSV"].decode()))
+        assert head[:2] == ["curve", "frequency (rpm)"]
+        isola = [float(row[1]) for row in rows if row[0] == "A = 20, isola 1"]
+        summary = csv.DictReader((run / "summary.csv").read_text("utf-8").splitlines())
+        (known,) = [row for row in summary if row["kind"] == "isola"]
+        assert max(isola) == pytest.approx(float(known["omega_max"]) * 60 / 6.283185307179586)
+
+
+def test_a_point_looked_at_is_marked_in_other_figures(run, browser):
+    """A point of the backbone: in figures 2, 3 and 5 at once."""
+    with report(browser, run, viewport={"width": 1400, "height": 900}) as page:
+        marks = """() => [...Bokeh.index].filter(({ model }) => model.renderers?.some(({ glyph, data_source }) =>
+            glyph?.marker?.value === "square" && glyph.fill_color?.value === null && data_source.data.x.length === 1)).length"""
+        assert page.evaluate(marks) == 0
+        page.locator("[data-describes=balance] .chart").first.press("ArrowUp")
+        page.wait_for_function(f"({marks})() >= 2")
+        page.locator("[data-describes=balance] .chart").first.press("Escape")
+        page.wait_for_function(f"({marks})() === 0")
+
+
+@pytest.mark.parametrize("width", [390, 1400])
+def test_runs_are_compared(run, browser, tmp_path, width):
+    """Both runs are drawn over each other, and told apart in tables."""
+    study = REPOSITORY / "models/rotor67/study.toml"
+    other, page_file = tmp_path / "slippery", tmp_path / "compare.html"
+    slippery = ["--set", "contact.friction=0.1", "--set", "name=slippery", "--search", "none", "--verify", "none"]
+    isola("sweep", study, "--amplitudes", "20,40", "--out", other, *slippery)
+    isola("report", run, other, "-o", page_file)
+    with Page(browser, page_file.as_uri(), viewport={"width": width, "height": 900}) as page:
+        page.wait_for_selector("html[data-drawn=all]", state="attached")
+        assert "slippery" in page.locator("#run-name").inner_text()
+        differing = ["contact.friction\t0.15\t0.1", 'search.effort\t"standard"\t"none"', 'verify.effort\t"standard"\t"none"']
+        assert page.locator("#settings tbody tr").all_inner_texts() == differing
+        assert page.locator("#numbers tbody tr").count() == 6
+        for figure in ["response", "resonance"]:
+            for chart in page.locator(f"#{figure} .chart").all():
+                assert colours(chart) > EMPTY / 4, figure
+        data = json.loads(page.locator("#data").text_content())
+        _, lines = drawn(page, page.locator("#response"))
+        assert {colour(data["palette"]["light"], {"category": k}) for k in (0, 1)} <= lines
+        assert page.evaluate("document.documentElement.scrollWidth") <= width
 
 
 def colour(palette, name):

@@ -137,15 +137,16 @@ class Chart {
   setLog(on) {
     const [axis] = this.figure.yaxes;
     const { y_range } = this.figure;
-    this.even ??= { ticker: axis.ticker, start: y_range.reset_start };
+    this.even ??= { ticker: axis.ticker, formatter: axis.formatter, start: y_range.reset_start };
     this.figure.y_scale = on ? new Bokeh.LogScale() : new Bokeh.LinearScale();
     const start = on && this.even.start <= 0 ? y_range.reset_end * LOWEST : this.even.start;
     y_range.setv({ start, end: y_range.reset_end, reset_start: start });
     if (on) {
+      axis.formatter = new Bokeh.LogTickFormatter();
       this.forgetTicks = keepLogTicks(axis, this.gridAlong("y"), y_range);
     } else {
       this.forgetTicks?.();
-      axis.ticker = this.even.ticker;
+      axis.setv({ ticker: this.even.ticker, formatter: this.even.formatter });
       this.gridAlong("y").ticker = this.even.ticker;
     }
     this.repaint();
