@@ -48,6 +48,7 @@ use crate::journal::Change;
 use changes::Changes;
 use error::At;
 use lock::{LOCK, RunLock};
+pub use lock::Holder;
 use protocol::ids::RunId;
 use protocol::model::ModelMessage;
 use protocol::to_everyone::Amplitude;
@@ -101,7 +102,7 @@ pub struct Store {
     /// Whether a commit waits for the disk.
     synchronous: Option<bool>,
     /// Dropped last: the file is closed before the lock is released.
-    _lock: RunLock,
+    lock: RunLock,
 }
 
 impl Deref for Store {
@@ -157,7 +158,7 @@ impl Store {
         let db = database::open_to_write(dir)?;
         let file = dir.join(FILE);
         let displacements = Displacements::new(&header::read_model(&db, &file)?).at(&file)?;
-        Ok(Self { reader: Reader::new(db, dir), displacements, synchronous: None, _lock: lock })
+        Ok(Self { reader: Reader::new(db, dir), displacements, synchronous: None, lock })
     }
 
     /// Stores changes: all or nothing. Returns when nothing short of a power cut can undo them, and with a result, a plan or
@@ -169,6 +170,11 @@ impl Store {
             let writer = Changes { db, file, displacements, now: now() };
             changes.iter().try_for_each(|change| writer.write(change))
         })
+    }
+
+    /// Gives other machines a sign of life, now and then.
+    pub fn beat(&mut self) {
+        self.lock.beat();
     }
 
     /// How long a commit waits for another program that writes the file, before it fails as one that may be tried again.
@@ -200,6 +206,11 @@ impl Store {
         change(&transaction, file, &self.displacements)?;
         transaction.commit().at(file)
     }
+}
+
+/// Who conducts the run in folder `dir`, here or on another machine; `None` if nobody does.
+pub fn holder(dir: &Path) -> Option<Holder> {
+    lock::holder_of(dir)
 }
 
 /// Builds the file of a run under another name and gives it its own when it is complete.
