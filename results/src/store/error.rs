@@ -1,6 +1,6 @@
 //! What can go wrong with a run on disk.
 
-use super::lock::Holder;
+use super::holder::Holder;
 use protocol::array::ArrayError;
 use rusqlite::{Error, ErrorCode, ffi};
 use std::io;

@@ -5,6 +5,7 @@
 
 use super::StoreError;
 use super::error::At;
+use super::holder::Holder;
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{Read, Seek, SeekFrom, Write};
 use std::path::Path;
@@ -24,17 +25,6 @@ const SILENCE: Duration = Duration::from_secs(60);
 pub(super) struct RunLock {
     file: File,
     beat: Instant,
-}
-
-/// Who conducts a run.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Holder {
-    /// Its process.
-    pub pid: u32,
-    /// Its machine.
-    pub host: String,
-    /// Whether that is this one.
-    pub is_here: bool,
 }
 
 impl RunLock {
@@ -77,11 +67,8 @@ impl Drop for RunLock {
 pub(super) fn holder_of(dir: &Path) -> Option<Holder> {
     let mut file = File::open(dir.join(LOCK)).ok()?;
     let holder = noted(&mut file)?;
-    let is_held = if holder.is_here {
-        matches!(file.try_lock_shared(), Err(TryLockError::WouldBlock))
-    } else {
-        is_alive(&file)
-    };
+    let is_held =
+        if holder.is_here { matches!(file.try_lock_shared(), Err(TryLockError::WouldBlock)) } else { is_alive(&file) };
     is_held.then_some(holder)
 }
 
