@@ -11,6 +11,7 @@ use protocol::model::ModelMessage;
 use protocol::to_everyone::StoredResult;
 use protocol::to_worker::LeaseReply;
 use rand::{Rng, SeedableRng};
+use solver::response::task::Task;
 use std::fmt::Debug;
 use std::time::{Duration, Instant};
 
@@ -93,11 +94,14 @@ fn converted(bytes: &[u8]) {
                     assert_eq!(verification.verdicts().len(), verification.count);
                 }
             }
-            FindingMessage::Nothing(_) => {}
+            FindingMessage::Disturbance(_) | FindingMessage::Nothing(_) => {}
         }
     }
-    if let Ok(StoredResult { branch: Some(branch), .. }) = decode_stored(bytes) {
-        let _ = branch.branch(&SIZE);
+    if let Ok(StoredResult { branch, disturbance, work, .. }) = decode_stored(bytes) {
+        let _ = branch.is_some_and(|branch| branch.branch(&SIZE).is_ok());
+        if let (Some(disturbance), Task::Disturb(place)) = (disturbance, work) {
+            let _ = disturbance.is_sound(&place, SIZE.monitors);
+        }
     }
     if let Ok(LeaseReply::Grant(grant)) = decode_stored(bytes) {
         let _ = grant.seeds.seeds(&SIZE);
