@@ -12,7 +12,7 @@ use protocol::secret::Secret;
 use protocol::session::{connect, fetch, fetch_all, request};
 use protocol::to_everyone::{Manifest, Status};
 use results::journal::{Change, TaskState};
-use results::store::{Reader, Store};
+use results::store::{Holder, Reader, Store, holder};
 use std::path::Path;
 use std::time::Duration;
 use zenoh::Session;
@@ -115,8 +115,11 @@ pub async fn status(args: &RemoteArgs) -> Result<String, Error> {
 pub fn stored_status(directory: &Path) -> Result<String, Error> {
     let reader = Reader::open(directory)?;
     let header = reader.header()?;
-    let stage = match reader.stage()? {
-        stage if stage.is_over() => stage.name().to_string(),
+    let stage = match (reader.stage()?, holder(directory)) {
+        (stage, _) if stage.is_over() => stage.name().to_string(),
+        (_, Some(Holder { pid, host, .. })) => {
+            format!("conducted by process {pid} on {host}, which does not answer here: ask there, or by --connect")
+        }
         _ => format!("interrupted; to go on: isola resume {}", directory.display()),
     };
     let table = results::summary_table::table(&reader, layout(None))?;

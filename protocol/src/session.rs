@@ -64,6 +64,10 @@ const TRANSPORT_LEASE_MS: u64 = 5000;
 /// priority. At 100 kB/s that is a second or two.
 const SEND_BUFFER: usize = 1 << 16;
 
+/// How long a message may wait for the connection before that is given up, µs. It is told by the partner's silence whether there is
+/// one; a result of megabytes takes minutes on a slow connection.
+const LONGEST_MESSAGE_US: u64 = 3600 * 1_000_000;
+
 fn config(settings: &[(&str, String)]) -> Config {
     let mut config = Config::default();
     let common = [
@@ -74,6 +78,7 @@ fn config(settings: &[(&str, String)]) -> Config {
         ("adminspace/enabled", "false".to_string()),
         ("transport/link/tx/lease", TRANSPORT_LEASE_MS.to_string()),
         ("transport/link/tcp/so_sndbuf", SEND_BUFFER.to_string()),
+        ("transport/link/tx/queue/congestion_control/block/wait_before_close", LONGEST_MESSAGE_US.to_string()),
     ];
     for (key, value) in common.iter().map(|(k, v)| (*k, v)).chain(settings.iter().map(|(k, v)| (*k, v))) {
         config.insert_json5(key, value).expect("keys and values of Zenoh's configuration are known");

@@ -119,9 +119,10 @@ fn a_run_that_is_going_on() {
 #[test]
 fn a_worker_of_another_run_or_version() {
     let mut system = System::sweep(DAMPER, &["--amplitudes", "0.004"]);
-    let address = system.address();
-    refused(&["worker", "--connect", &address, "--run", "elsewhere", "--wait", "15"], &["elsewhere", &address]);
-    refused(&["worker", "--connect", &address, "--namespace", "other", "--wait", "15"], &["other", &address]);
+    let (address, secret) = (system.address(), system.secret_file().display().to_string());
+    let worker = ["worker", "--connect", &address, "--secret-file", &secret, "--wait", "15"];
+    refused(&[&worker[..], &["--run", "elsewhere"]].concat(), &["elsewhere", &address]);
+    refused(&[&worker[..], &["--namespace", "other"]].concat(), &["other", &address]);
     let _worker = system.worker();
     system.expect_complete();
 }

@@ -9,7 +9,9 @@ use protocol::session::{RequestError, fetch, fetch_bulk, request, request_bulk};
 use protocol::to_everyone::{Done, Manifest, StoredResult};
 use protocol::to_worker::{Acknowledgement, LeaseReply, RenewReply, SubmitReply};
 use std::time::Duration;
+use tokio::runtime::Handle;
 use tokio::sync::Semaphore;
+use tokio::task::spawn_blocking;
 use zenoh::Session;
 use zenoh::bytes::{Encoding, ZBytes};
 use zenoh::qos::CongestionControl;
@@ -75,9 +77,14 @@ impl Bus {
         loop {
             // At least as long as a small answer may take: nobody may be there, or only this one does not get through.
             let longest = timeout.min(patience.left().max(ANSWER));
-            let send = request_bulk(&self.session, &key, result.clone(), &encoding, longest);
+            let (session, key, payload, encoding) =
+                (self.session.clone(), key.clone(), result.clone(), encoding.clone());
+            // On a thread of its own: handing a large message over takes as long as sending it.
+            let send = spawn_blocking(move || {
+                Handle::current().block_on(request_bulk(&session, &key, payload, &encoding, longest))
+            });
             let reply = tokio::select! {
-                reply = send => reply,
+                reply = send => reply.unwrap_or_else(|error| Err(RequestError::Closed(error.to_string()))),
                 () = self.stored(task, ANSWER + transfer(result.len(), USUAL)) => return Ok(STORED),
             };
             match reply {

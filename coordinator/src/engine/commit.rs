@@ -40,6 +40,7 @@ pub fn commit(mut store: Store, decided: &Receiver<Decided>, mut tell: impl FnMu
             answers.extend(decision.answer);
             news.extend(decision.news);
         }
+        store.beat();
         if !changes.is_empty() {
             changes.iter().for_each(log);
             commit_patiently(&mut store, &changes)?;
@@ -57,6 +58,7 @@ fn commit_patiently(store: &mut Store, changes: &[Change]) -> Result<(), StoreEr
     loop {
         match store.commit(changes) {
             Err(error) if error.is_busy() => {
+                store.beat();
                 if told.is_none_or(|told: Instant| told.elapsed() > REMINDER) {
                     let (file, seconds) = (store.file().display(), began.elapsed().as_secs());
                     terminal::note(format_args!(

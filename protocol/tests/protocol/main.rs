@@ -3,6 +3,7 @@
 mod digest;
 mod follow;
 mod frozen;
+mod fuzz;
 mod keys;
 mod round_trips;
 mod samples;

@@ -1,6 +1,7 @@
 //! The live page of a run: an HTTP server for whoever has a browser. What is shown comes from whoever fills the [`Feed`].
 
 mod feed;
+mod host;
 mod sketch;
 
 pub use feed::Feed;
@@ -69,5 +70,6 @@ fn routes(start: Start, feed: Arc<Feed>) -> Router {
         .route("/", get(|| async move { Html(page::live(&title)) }))
         .route("/data", get(|| async move { ([(CONTENT_TYPE, "application/json")], opening) }))
         .route("/events", get(events))
+        .layer(axum::middleware::from_fn(host::own_names_only))
         .with_state(feed)
 }

@@ -1,5 +1,6 @@
 //! What can go wrong with a run on disk.
 
+use super::holder::Holder;
 use protocol::array::ArrayError;
 use rusqlite::{Error, ErrorCode, ffi};
 use std::io;
@@ -25,12 +26,15 @@ pub enum StoreError {
         dir: PathBuf,
     },
     /// Another process has it.
-    #[error("{}: another coordinator{} uses this run; stop it or wait until it ends", .dir.display(), of_process(.pid))]
+    #[error(
+        "{}: another coordinator{} uses this run; stop it or wait until it ends{}", .dir.display(), of_process(.holder),
+        if .holder.as_ref().is_some_and(|holder| !holder.is_here) { " (if that machine crashed, a minute is enough)" } else { "" }
+    )]
     Locked {
         /// Folder.
         dir: PathBuf,
         /// Its process, if it can be told.
-        pid: Option<u32>,
+        holder: Option<Holder>,
     },
     /// Something else.
     #[error("{}: this is not a run of Isola ({found}); name the folder of a run", .file.display())]
@@ -123,8 +127,12 @@ impl StoreError {
     }
 }
 
-fn of_process(pid: &Option<u32>) -> String {
-    pid.map_or_else(String::new, |pid| format!(" (process {pid})"))
+fn of_process(holder: &Option<Holder>) -> String {
+    match holder {
+        Some(Holder { pid, is_here: true, .. }) => format!(" (process {pid})"),
+        Some(Holder { pid, host, .. }) => format!(" (process {pid} on {host})"),
+        None => String::new(),
+    }
 }
 
 fn folder(file: &Path) -> String {

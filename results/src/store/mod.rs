@@ -15,6 +15,7 @@ mod displacement;
 mod error;
 mod extent;
 mod header;
+mod holder;
 mod levels;
 mod lock;
 mod number;
@@ -30,6 +31,7 @@ mod verifications;
 pub use curves::{CurvePoint, CurveRow, SearchCounts};
 pub use error::StoreError;
 pub use extent::Extent;
+pub use holder::Holder;
 pub use pushes::PushRow;
 pub use reader::Reader;
 pub use verifications::{BifurcationRow, PeakOrbit, Stability, verdict_name};
@@ -101,7 +103,7 @@ pub struct Store {
     /// Whether a commit waits for the disk.
     synchronous: Option<bool>,
     /// Dropped last: the file is closed before the lock is released.
-    _lock: RunLock,
+    lock: RunLock,
 }
 
 impl Deref for Store {
@@ -157,7 +159,7 @@ impl Store {
         let db = database::open_to_write(dir)?;
         let file = dir.join(FILE);
         let displacements = Displacements::new(&header::read_model(&db, &file)?).at(&file)?;
-        Ok(Self { reader: Reader::new(db, dir), displacements, synchronous: None, _lock: lock })
+        Ok(Self { reader: Reader::new(db, dir), displacements, synchronous: None, lock })
     }
 
     /// Stores changes: all or nothing. Returns when nothing short of a power cut can undo them, and with a result, a plan or
@@ -169,6 +171,11 @@ impl Store {
             let writer = Changes { db, file, displacements, now: now() };
             changes.iter().try_for_each(|change| writer.write(change))
         })
+    }
+
+    /// Gives other machines a sign of life, now and then.
+    pub fn beat(&mut self) {
+        self.lock.beat();
     }
 
     /// How long a commit waits for another program that writes the file, before it fails as one that may be tried again.
@@ -200,6 +207,11 @@ impl Store {
         change(&transaction, file, &self.displacements)?;
         transaction.commit().at(file)
     }
+}
+
+/// Who conducts the run in folder `dir`, here or on another machine; `None` if nobody does.
+pub fn holder(dir: &Path) -> Option<Holder> {
+    lock::holder_of(dir)
 }
 
 /// Builds the file of a run under another name and gives it its own when it is complete.
