@@ -347,6 +347,8 @@ fn every_study_of_the_repository_loads() {
         "duffing/study.toml: 10",
         "nltva/study.toml: 7",
         "nonlinear_damper/study.toml: 9",
+        "rotor67/damping_heavy.toml: 2",
+        "rotor67/damping_light.toml: 2",
         "rotor67/frictionless.toml: 7",
         "rotor67/paper.toml: 7",
         "rotor67/study.toml: 7",

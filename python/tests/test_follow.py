@@ -123,8 +123,8 @@ def test_choosing_a_run(coordinator):
 
 
 def test_another_version_is_told():
-    told = pytest.raises(isola_hbm.OtherVersion, match=r"`damper-1` \(v4, Isola 0.1.0\)")
-    with Coordinator(version=4) as fake, isola_hbm.connect(fake.endpoint) as bus, told:
+    told = pytest.raises(isola_hbm.OtherVersion, match=r"`damper-1` \(v5, Isola 0.1.0\)")
+    with Coordinator(version=5) as fake, isola_hbm.connect(fake.endpoint) as bus, told:
         bus.runs()
 
 

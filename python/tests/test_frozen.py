@@ -44,7 +44,7 @@ def test_every_sample_is_messagepack_with_a_view_that_names_its_encoding():
 
 def test_manifest():
     manifest = Manifest.read(sample("manifest"))
-    assert (manifest.protocol, manifest.run, manifest.name) == (3, "damper-1", "nonlinear damper")
+    assert (manifest.protocol, manifest.run, manifest.name) == (4, "damper-1", "nonlinear damper")
     assert manifest.reach is not None
     assert manifest.reach.frequency == (0.75, 1.5)
     assert [(a.text, a.value) for a in manifest.amplitudes] == [("1e-3", 0.001), ("2.5", 2.5)]

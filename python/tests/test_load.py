@@ -80,6 +80,13 @@ def test_branches_are_the_npz_files(folder: Path, tmp_path: Path) -> None:
         found = [(kind, branch.attrs[kind]) for kind in ("start", "peak") if kind in branch.attrs]
         found += [("fold", index) for index in branch.attrs["folds"]]
         assert sorted(found) == sorted((str(kind), int(index)) for kind, index in special)
+        changes = zip(expected.pop("bifurcation_kind"), expected.pop("bifurcation_omega"))
+        expected.pop("bifurcation_index")
+        rows = run.bifurcations[
+            (run.bifurcations["forcing"] == row["amplitude"])
+            & (run.bifurcations["branch"] == str(name).split("/")[1])
+        ]
+        assert [(str(kind), omega) for kind, omega in changes] == list(zip(rows["kind"], rows["omega"]))
         assert int(expected.pop("harmonics")) == branch.sizes["harmonic"] - 1
         assert list(expected.pop("modes")) == [f"mode {mode}" for mode in branch["mode"].values]
         for key, axis in COORDINATES.items():
@@ -215,26 +222,26 @@ def test_names_of_branches(damper: Path) -> None:
 def test_what_a_later_program_adds_appears_by_itself(copy: Path) -> None:
     change(
         copy,
-        "ALTER TABLE branches ADD COLUMN stable REAL; UPDATE branches SET stable = 0.25 WHERE kind = 'main';"
+        "ALTER TABLE branches ADD COLUMN worn REAL; UPDATE branches SET worn = 0.25 WHERE kind = 'main';"
         "ALTER TABLE branches ADD COLUMN verdict TEXT; UPDATE branches SET verdict = 'flutter';"
-        "ALTER TABLE points ADD COLUMN multiplier REAL; UPDATE points SET multiplier = i;"
-        "ALTER TABLE points ADD COLUMN stable TEXT; UPDATE points SET stable = 'marginal' WHERE i > 2;"
-        "CREATE TABLE bifurcations (omega REAL, kind TEXT, record BLOB); INSERT INTO bifurcations VALUES (1.5, 'fold', x'00');"
+        "ALTER TABLE points ADD COLUMN wear REAL; UPDATE points SET wear = i;"
+        "ALTER TABLE points ADD COLUMN noise TEXT; UPDATE points SET noise = 'marginal' WHERE i > 2;"
+        "CREATE TABLE cracks (omega REAL, kind TEXT, record BLOB); INSERT INTO cracks VALUES (1.5, 'edge', x'00');"
         "INSERT INTO arrays SELECT task, 'twins', '<f8', json_array(points, 2), zeroblob(16 * points) FROM branches",
     )
     run = isola_hbm.load(copy)
-    assert list(run.summary["stable"].isna()) == list(run.summary["kind"] != "main")
+    assert list(run.summary["worn"].isna()) == list(run.summary["kind"] != "main")
     assert list(run.summary["verdict"]) == ["flutter"] * len(run)
     branch = run["0.005/isola 1"]
-    np.testing.assert_array_equal(branch["multiplier"], np.arange(branch.sizes["point"]))
-    assert list(branch["stable"].values[:5]) == ["", "", "", "marginal", "marginal"]
-    assert set(run.points["stable"]) == {"", "marginal"}
+    np.testing.assert_array_equal(branch["wear"], np.arange(branch.sizes["point"]))
+    assert list(branch["noise"].values[:5]) == ["", "", "", "marginal", "marginal"]
+    assert set(run.points["noise"]) == {"", "marginal"}
     assert run.points["omega"].dtype == float
-    assert run.table("bifurcations").to_dict("records") == [{"omega": 1.5, "kind": "fold"}]
+    assert run.table("cracks").to_dict("records") == [{"omega": 1.5, "kind": "edge"}]
     with pytest.raises(KeyError, match="no table `nope`; there are arrays, attempts"):
         run.table("nope")
     assert branch["twins"].dims == ("point", "twins_1")
-    assert list(run.points["multiplier"]) == list(run.points.groupby("name", sort=False).cumcount())
+    assert list(run.points["wear"]) == list(run.points.groupby("name", sort=False).cumcount())
     assert branch["modal"].shape[0] == branch.sizes["point"]
 
 

@@ -236,6 +236,10 @@ CREATE TABLE points (
     -- Frequency.
     omega REAL,
     {columns of points},
+    -- Whether the response is stable, by time marching: as verified_points.verdict; NULL where that is not known.
+    stable TEXT,
+    -- Largest modulus of the Floquet multipliers, where a marched orbit has this frequency.
+    multiplier REAL,
     PRIMARY KEY (branch, i)
 ) WITHOUT ROWID;
 

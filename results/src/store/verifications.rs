@@ -112,7 +112,18 @@ pub(super) fn insert_verification(
     ];
     db.prepare_cached(sql).at(file)?.execute(row).at(file)?;
     insert_points(db, file, task, verification)?;
+    tell_points(db, file, id, verification)?;
     insert_bifurcations(db, file, task, verification)
+}
+
+/// Writes what is known of each point of a branch beside it.
+fn tell_points(db: &Connection, file: &Path, branch: i64, verification: &Verification) -> Result<()> {
+    let sql = "UPDATE points SET stable = ?3, multiplier = ?4 WHERE branch = ?1 AND i = ?2";
+    let mut statement = db.prepare_cached(sql).at(file)?;
+    for (i, (verdict, modulus)) in verification.verdicts().into_iter().zip(verification.moduli()).enumerate() {
+        statement.execute(params![branch, i, verdict.map(verdict_name), modulus]).at(file)?;
+    }
+    Ok(())
 }
 
 fn insert_points(db: &Connection, file: &Path, task: &TaskId, verification: &Verification) -> Result<()> {

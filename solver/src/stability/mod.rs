@@ -6,7 +6,7 @@ mod crossing;
 pub mod disturbance;
 pub mod marching;
 pub mod multipliers;
-mod nearby;
+pub mod nearby;
 pub mod polish;
 pub mod shooting;
 pub mod verification;

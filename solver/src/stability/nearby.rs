@@ -1,6 +1,7 @@
 //! Marched orbits of branches at a frequency, and how far motions are from them.
 
 use super::marching::{Marching, MarchingError};
+use super::multipliers::Verdict;
 use super::polish::{Around, PolishSettings, Polished, polish};
 use super::shooting::Orbit;
 use crate::formulation::state::State;
@@ -21,7 +22,7 @@ pub fn passages(branch: &Branch, omega: f64) -> Vec<State> {
 }
 
 /// The marched orbits of a branch at a frequency, each with its verdict; without those that marching does not come to.
-pub fn orbits(model: &Model, branch: &Branch, omega: f64) -> Vec<(super::multipliers::Verdict, Polished)> {
+pub fn orbits(model: &Model, branch: &Branch, omega: f64) -> Vec<(Verdict, Polished)> {
     let settings = PolishSettings::default();
     let polished = |state: &State| {
         let found = polish(model, &settings, state, Around::default());
@@ -42,6 +43,9 @@ pub fn apart(model: &Model, omega: f64, a: &[f64], b: &[f64]) -> f64 {
 
 /// The states of an orbit at the phases at which the forcing begins a period: one, unless the response has a multiple of the
 /// period of the forcing and may be delayed by parts of its own.
+///
+/// # Errors
+/// If the orbit cannot be marched.
 pub fn images(model: &Model, orbit: &Orbit) -> Result<Vec<Vec<f64>>, MarchingError> {
     let parts = model.forcing().harmonic;
     let mut marching = orbit.marching(model)?;
@@ -54,6 +58,9 @@ pub fn images(model: &Model, orbit: &Orbit) -> Result<Vec<Vec<f64>>, MarchingErr
 }
 
 /// Goes on to a step.
+///
+/// # Errors
+/// If the motion cannot be marched.
 pub fn walk_to(marching: &mut Marching<'_>, step: usize) -> Result<(), MarchingError> {
     while marching.index() < step {
         marching.step()?;

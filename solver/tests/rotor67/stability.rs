@@ -6,7 +6,8 @@
 use crate::common::{BACKWARD, FRICTIONLESS, Scenario, assert_close, found_from_window};
 use solver::stability::bifurcation::{BifurcationKind, Known, between};
 use solver::stability::multipliers::Verdict;
-use solver::stability::polish::{Around, Polish, PolishSettings, polish};
+use solver::stability::nearby;
+use solver::stability::polish::{Around, Polish, PolishSettings, Polished, polish};
 use solver::{AlongSettings, Branch, End, SpecialKind, State, along};
 use std::ops::ControlFlow;
 
@@ -206,4 +207,36 @@ fn once_round_the_frictionless_isola_every_change_is_a_bifurcation() {
         assert!(apart < RESOLUTION, "{kind} at {omega} rad/s: {:?}", found.bifurcations);
     }
     assert_eq!(found.bifurcations.iter().filter(|b| b.kind == BifurcationKind::Fold).count(), 2);
+}
+
+/// How much larger the deviation of a pushed motion from a marched orbit is after 450 periods than after 150: what dies out at once
+/// is gone by then.
+fn trend(scenario: &Scenario, branch: &Branch, omega: f64) -> f64 {
+    let model = scenario.model();
+    let orbits = nearby::orbits(model, branch, omega);
+    let highest = |a: &Polished, b: &Polished| a.amplitudes[0].total_cmp(&b.amplitudes[0]);
+    let (_, found) = orbits.into_iter().max_by(|(_, a), (_, b)| highest(a, b)).unwrap();
+    assert!((found.orbit.omega / omega - 1.0).abs() < 1e-12, "{} for {omega}", found.orbit.omega);
+    let mut marching = found.orbit.marching(model).unwrap();
+    let mut start = found.orbit.state.clone();
+    start[0] *= 1.0 + 1e-6;
+    marching.restart(&start).unwrap();
+    let mut sizes = [0.0; 2];
+    for (size, periods) in sizes.iter_mut().zip([150, 300]) {
+        (0..periods).for_each(|_| drop(marching.period().unwrap()));
+        *size = nearby::apart(model, omega, &marching.state(), &found.orbit.state);
+    }
+    sizes[1] / sizes[0]
+}
+
+/// On either side of every bifurcation of the upper half, 1.5 rad/s away, marching goes the way that was located.
+#[test]
+fn motions_settle_on_one_side_of_a_bifurcation_and_leave_on_the_other() {
+    let isola = isola(&FRICTIONLESS, 60, 2623.0);
+    for (omega, is_stable_above) in [(2605.44, true), (2615.46, false), (2630.10, true)] {
+        let [below, above] = [-1.5, 1.5].map(|by| trend(&FRICTIONLESS, isola, omega + by));
+        println!("{omega} rad/s: {below} below, {above} above");
+        let (stable, unstable) = if is_stable_above { (above, below) } else { (below, above) };
+        assert!(stable < 1.0 && unstable > 1.0, "{omega} rad/s: {below} below, {above} above");
+    }
 }

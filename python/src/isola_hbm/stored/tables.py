@@ -61,7 +61,7 @@ def summary(reading: Reading, omissions: Omissions) -> pd.DataFrame:
 
 def _stable(reading: Reading) -> dict[int, float]:
     """Shares of branches that are known to be stable, by their ids, of those that were verified from end to end."""
-    if not reading.columns("verifications"):
+    if reading.version < 4:
         return {}
     rows = reading.rows("SELECT branch, stable FROM verifications WHERE stretch = 'whole'")
     return {row["branch"]: row["stable"] for row in rows}
@@ -69,7 +69,7 @@ def _stable(reading: Reading) -> dict[int, float]:
 
 def pushes(reading: Reading) -> pd.DataFrame:
     """The smallest impulses found that throw the structure from its main branch onto another one; as ``pushes.csv``."""
-    if not reading.columns("pushes"):
+    if reading.version < 4:
         return _frame(PUSHES, [])
     sql = """
         SELECT levels.value AS forcing, kind, number, mode, omega, monitor, motions, largest, impulse, below, velocity, phase,
@@ -90,7 +90,7 @@ def pushes(reading: Reading) -> pd.DataFrame:
 
 def bifurcations(reading: Reading) -> pd.DataFrame:
     """Where marched orbits of branches lose or regain stability; as ``bifurcations.csv``."""
-    if not reading.columns("bifurcations"):
+    if reading.version < 4:
         return _frame(BIFURCATIONS, [])
     sql = """
         SELECT levels.value AS forcing, branches.kind AS branch_kind, branches.number AS branch_number, bifurcations.kind,
