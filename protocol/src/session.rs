@@ -60,11 +60,12 @@ const CONNECT_MS: u64 = 3000;
 /// A partner that has been silent for so long is gone.
 const TRANSPORT_LEASE_MS: u64 = 5000;
 
-/// What the system holds of a connection that is slower than this side, bytes: a small message waits for as much, whatever its
-/// priority. At 100 kB/s that is a second or two.
+/// What the system holds of a connection that is slower than this side, bytes: a small message of a client waits for as much,
+/// whatever its priority. At 100 kB/s that is a second or two. A coordinator keeps what the system gives: a viewer that is frozen
+/// must not hold up others.
 const SEND_BUFFER: usize = 1 << 16;
 
-/// How long a message may wait for the connection before that is given up, µs. It is told by the partner's silence whether there is
+/// How long a message of a client may wait for the connection before that is given up, µs. It is told by the partner's silence whether there is
 /// one; a result of megabytes takes minutes on a slow connection.
 const LONGEST_MESSAGE_US: u64 = 3600 * 1_000_000;
 
@@ -77,8 +78,6 @@ fn config(settings: &[(&str, String)]) -> Config {
         ("scouting/delay", "0".to_string()),
         ("adminspace/enabled", "false".to_string()),
         ("transport/link/tx/lease", TRANSPORT_LEASE_MS.to_string()),
-        ("transport/link/tcp/so_sndbuf", SEND_BUFFER.to_string()),
-        ("transport/link/tx/queue/congestion_control/block/wait_before_close", LONGEST_MESSAGE_US.to_string()),
     ];
     for (key, value) in common.iter().map(|(k, v)| (*k, v)).chain(settings.iter().map(|(k, v)| (*k, v))) {
         config.insert_json5(key, value).expect("keys and values of Zenoh's configuration are known");
@@ -145,6 +144,8 @@ pub async fn connect(endpoint: &str, secret: Option<&Secret>) -> Result<Session,
         ("connect/timeout_ms", CONNECT_MS.to_string()),
         ("connect/exit_on_failure", "true".to_string()),
         ("connect/retry", "{ period_init_ms: 200, period_max_ms: 1000 }".to_string()),
+        ("transport/link/tcp/so_sndbuf", SEND_BUFFER.to_string()),
+        ("transport/link/tx/queue/congestion_control/block/wait_before_close", LONGEST_MESSAGE_US.to_string()),
     ];
     if let Some(secret) = secret {
         settings.push(("transport/auth/usrpwd/user", format!("{USER:?}")));
