@@ -56,7 +56,14 @@ def arrays(store: sqlite3.Connection, owner: str) -> dict[str, np.ndarray]:
 def columns(store: sqlite3.Connection, table: str) -> dict[str, str]:
     """Names of the columns of numbers of a table of points, and of the arrays that they hold."""
     names = [name for _, name, *_ in store.execute(f"PRAGMA table_info({table})")]
-    return {name: RENAMED.get(name, name) for name in names if name not in ("branch", "mode", "i")}
+    return {name: RENAMED.get(name, name) for name in names if name not in ("branch", "mode", "i", "stable", "multiplier")}
+
+
+def marched(store: sqlite3.Connection, branch: int) -> tuple[list[str], list[float]]:
+    """What time marching says of the points of a branch: verdicts, empty where there is none, and moduli, NaN there."""
+    sql = "SELECT coalesce(stable, ''), multiplier FROM points WHERE branch = ? ORDER BY i"
+    verdicts, moduli = zip(*store.execute(sql, [branch]))
+    return list(verdicts), [np.nan if modulus is None else modulus for modulus in moduli]
 
 
 def branches(store: sqlite3.Connection) -> list[tuple[int, str, str]]:
@@ -97,6 +104,10 @@ def test_branches(run: Path, store: sqlite3.Connection, kind: str) -> None:
         assert {"modal", "displacement", "contact", "residual", "iterations"} < expected.keys()
         for array, values in expected.items():
             assert_same(found[array], values, f"{name}: {array}")
+        verdicts, moduli = marched(store, number)
+        # An empty text of a MAT file is an array without elements.
+        assert ["" if np.size(verdict) == 0 else str(verdict) for verdict in found["stable"]] == verdicts
+        assert_same(found["multiplier"], np.array(moduli), f"{name}: multiplier")
         status, special = store.execute("SELECT status, special FROM branches WHERE id = ?", [number]).fetchone()
         assert str(found["status"]) == status and bool(found["closed"]) == (status == "closed")
         assert [str(point) for point in found["special_kind"]] == [point["kind"] for point in json.loads(special)]
@@ -153,6 +164,9 @@ def test_text(run: Path, store: sqlite3.Connection) -> None:
         sql = f"SELECT {', '.join(common)} FROM points WHERE branch = ? ORDER BY i"
         expected = store.execute(sql, [number]).fetchall()
         assert [tuple(float(row[column]) for column in common) for row in rows] == expected
+        verdicts, moduli = marched(store, number)
+        assert [row["stable"] for row in rows] == verdicts
+        np.testing.assert_array_equal([float(row["multiplier"] or "nan") for row in rows], moduli)
 
 
 def test_a_damaged_branch_is_named_and_the_rest_written(run: Path, store: sqlite3.Connection, tmp_path: Path) -> None:
