@@ -36,7 +36,7 @@ impl Evidence<'_> {
             None if self.pushes.is_empty() => "what leads there was not looked for".into(),
             None => "no push that leads there was found".into(),
             Some((push, impulse)) => format!(
-                "the smallest impulse found that leads there from the main branch is {} N s in mode {} ({} at A = {}, {})",
+                "the smallest impulse found that leads there from the main motion is {} N s in mode {} ({} at A = {}, {})",
                 digits(impulse, 3),
                 push.mode,
                 push.branch,

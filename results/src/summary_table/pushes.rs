@@ -36,7 +36,7 @@ fn sentence(rows: &[PushRow], monitors: &[String], units: Units) -> String {
     let [size, velocity] = [least.impulse, least.velocity].map(|value| digits(value.unwrap_or_default(), DIGITS));
     let doubt = if least.confirmed == Some(true) { "" } else { "; not confirmed by longer marching" };
     format!(
-        "Smallest impulse found from the main branch that ends on {onto}: {size} N s in mode {} as it acts at {monitor} ({velocity} \
+        "Smallest impulse found from the main motion that ends on {onto}: {size} N s in mode {} as it acts at {monitor} ({velocity} \
          m/s there), of pushes in {}{doubt}.",
         least.mode,
         tried(&all)
@@ -74,7 +74,7 @@ mod tests {
         let said = told(&[row(1, Some(4.66), None), row(2, None, None), row(3, Some(8.0), None)]);
         assert_eq!(
             said,
-            "Smallest impulse found from the main branch that ends on isola 1 at A = 60 and 2665.46 rad/s: 4.66 N s in mode 1 as it \
+            "Smallest impulse found from the main motion that ends on isola 1 at A = 60 and 2665.46 rad/s: 4.66 N s in mode 1 as it \
              acts at tip (2.33 m/s there), of pushes in modes 1 to 3."
         );
         let doubtful = PushRow { confirmed: Some(false), ..row(1, Some(4.66), None) };

@@ -5,11 +5,11 @@
 //! branch; between it and the size before the first change is bisected. Boundaries of basins need not be simple: a smaller push
 //! between sizes that were scanned may do the same.
 
-use super::marching::{Marching, MarchingError};
+use super::marching::{Marching, MarchingError, MarchingSettings};
 use super::multipliers::Verdict;
 use super::nearby::{distance, images, orbits, walk_to};
 use super::polish::Polished;
-use super::shooting::Orbit;
+use super::shooting::{Orbit, Shooting, Way};
 use super::verification::Verification;
 use crate::response::branch::Branch;
 use crate::response::task::DisturbPlace;
@@ -43,6 +43,8 @@ const NEAR: f64 = 0.05;
 /// The same of the motions that the result rests on, which may take so many times as long.
 const SURE: f64 = 0.005;
 const PATIENCE: usize = 4;
+/// Newton iterations from where a motion from rest has come to.
+const ITERATIONS: usize = 12;
 
 /// Where a pushed motion ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -75,7 +77,8 @@ pub struct Push {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Unpushed {
-    /// No main branch has a stable marched orbit at this frequency.
+    /// Neither has a main branch a stable marched orbit at this frequency, nor does a motion from rest settle on another one than the
+    /// branch's.
     NoMain,
     /// The branch has no stable marched orbit at this frequency.
     NoTarget,
@@ -86,7 +89,7 @@ pub enum Unpushed {
 impl std::fmt::Display for Unpushed {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(match self {
-            Self::NoMain => "no stable motion on the main branch at this frequency",
+            Self::NoMain => "no other stable motion was found at this frequency, on the main branch or from rest",
             Self::NoTarget => "no stable motion on the branch at this frequency",
             Self::Failed => "the motion could not be marched",
         })
@@ -173,8 +176,8 @@ impl Verification {
     }
 }
 
-/// Scans pushes from the lowest stable motion of the main branches of a level onto the highest stable one of a branch. `None` if
-/// the observer breaks.
+/// Scans pushes from the main motion at a level onto the highest stable motion of a branch: the lowest stable one of the main
+/// branches or, where these were not followed as far, the one that a motion from rest settles on. `None` if the observer breaks.
 pub fn disturb(
     model: &Model,
     settings: &DisturbSettings,
@@ -188,8 +191,11 @@ pub fn disturb(
         found.filter(|(verdict, _)| *verdict == Verdict::Stable).map(|(_, polished)| polished)
     };
     let height = |polished: &Polished| polished.amplitudes[0];
+    let of = |polished: Polished| (polished.orbit, polished.amplitudes);
     let main = mains.iter().flat_map(|main| stable(main)).min_by(|a, b| height(a).total_cmp(&height(b)));
-    let target = stable(branch).max_by(|a, b| height(a).total_cmp(&height(b)));
+    let target = stable(branch).max_by(|a, b| height(a).total_cmp(&height(b))).map(of);
+    let main = main.map(of).or_else(|| from_rest(model, branch.forcing, place.omega, settings.periods));
+    let main = main.filter(|(main, _)| target.as_ref().is_none_or(|(target, _)| are_apart(model, main, target)));
     let shapes = model.monitors().iter().map(|&dof| model.modes().shapes[(dof, place.mode)].abs()).enumerate();
     let (monitor, shape) = shapes.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or_default();
     let mut found = Disturbance {
@@ -198,14 +204,14 @@ pub fn disturb(
         monitor,
         shape,
         phases: settings.phases,
-        amplitudes: [&main, &target].map(|orbit| orbit.as_ref().map_or_else(Vec::new, |o| o.amplitudes.clone())),
+        amplitudes: [&main, &target].map(|found| found.as_ref().map_or_else(Vec::new, |found| found.1.clone())),
         sizes: Vec::new(),
         endings: Vec::new(),
         push: None,
         reason: None,
     };
     let (main, target) = match (main, target) {
-        (Some(main), Some(target)) => (main.orbit, target.orbit),
+        (Some((main, _)), Some((target, _))) => (main, target),
         (None, _) => return Some(Disturbance { reason: Some(Unpushed::NoMain), ..found }),
         (_, None) => return Some(Disturbance { reason: Some(Unpushed::NoTarget), ..found }),
     };
@@ -230,6 +236,26 @@ pub fn disturb(
         before = row;
     }
     Some(found)
+}
+
+/// The stable orbit that a motion from rest settles on, with the largest |x| of each monitored dof.
+fn from_rest(model: &Model, forcing: f64, omega: f64, periods: usize) -> Option<(Orbit, Vec<f64>)> {
+    let mut marching = Marching::new(model, &MarchingSettings::default(), forcing, omega).ok()?;
+    for _ in 0..periods {
+        marching.period().ok()?;
+    }
+    let near = Orbit { omega, forcing, steps: marching.steps_per_period(), state: marching.state() };
+    let mut shooting = Shooting::around(model, &near).ok()?;
+    let start = shooting.point_at(&near);
+    let (point, period) = shooting.solve(&start, &Way { plane: None, searches: false, iterations: ITERATIONS })?;
+    let verdict = Verdict::of(&period.multipliers().ok()?, shooting.margin(&point, &period));
+    (verdict == Verdict::Stable).then(|| (shooting.orbit(&point), period.amplitudes))
+}
+
+/// Whether two orbits of a frequency are different motions.
+fn are_apart(model: &Model, a: &Orbit, b: &Orbit) -> bool {
+    let size = distance(model, a.omega, &b.state, &[vec![0.0; b.state.len()]]);
+    images(model, b).is_ok_and(|images| distance(model, a.omega, &a.state, &images) > NEAR * size)
 }
 
 /// Motions of a model at one frequency that begin with a push.

@@ -96,3 +96,18 @@ fn a_scan_that_is_broken_off_says_nothing() {
     });
     assert_eq!((found, left), (None, 0));
 }
+
+#[test]
+fn without_a_main_branch_the_motion_from_rest_is_pushed() {
+    let model = model("nonlinear_damper");
+    let level = level(&model, FORCING);
+    let isola = level.isolas().next().unwrap();
+    let known = pushed(&model, &level, &DisturbSettings::default(), None);
+    let place = DisturbPlace { branch: BranchId::isola(0), mode: 0, omega: known.omega };
+    let settings = DisturbSettings::default();
+    let found = disturb(&model, &settings, &[], isola, &place, &mut |_| ControlFlow::Continue(())).unwrap();
+    let [with, without] = [&known, &found].map(|found| found.push.unwrap());
+    assert_eq!((with.phase, with.ends), (without.phase, without.ends));
+    assert!((with.size / without.size - 1.0).abs() < 1e-6, "{with:?} {without:?}");
+    assert!((known.amplitudes[0][0] / found.amplitudes[0][0] - 1.0).abs() < 1e-6);
+}
