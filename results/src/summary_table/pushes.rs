@@ -29,7 +29,14 @@ fn sentence(rows: &[PushRow], monitors: &[String], units: Units) -> String {
         let reasons: Vec<&str> = all.iter().filter_map(|row| row.reason.as_deref()).collect();
         return match reasons.first() {
             Some(reason) => format!("No push onto {onto} was tried: {reason}."),
-            None => format!("No push in {} was found that ends on {onto}.", tried(&all)),
+            None => {
+                let largest = all.iter().filter_map(|row| row.largest).fold(0.0, f64::max);
+                format!(
+                    "No push of up to {} N s in {} was found that ends on {onto}.",
+                    digits(largest, DIGITS),
+                    tried(&all)
+                )
+            }
         };
     };
     let monitor = monitors.get(least.monitor).map_or("the monitored dof", String::as_str);
@@ -84,7 +91,10 @@ mod tests {
     #[test]
     fn what_was_not_found_or_not_tried_is_told() {
         let said = told(&[row(1, None, None), row(2, None, None)]);
-        assert_eq!(said, "No push in modes 1 and 2 was found that ends on isola 1 at A = 60 and 2665.46 rad/s.");
+        assert_eq!(
+            said,
+            "No push of up to 9 N s in modes 1 and 2 was found that ends on isola 1 at A = 60 and 2665.46 rad/s."
+        );
         let said = told(&[row(1, None, Some("no stable motion on the branch at this frequency"))]);
         let end = "was tried: no stable motion on the branch at this frequency.";
         assert!(said.starts_with("No push onto isola 1") && said.ends_with(end), "{said}");
