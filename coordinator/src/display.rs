@@ -40,7 +40,8 @@ fn style(template: &str) -> ProgressStyle {
 impl Display {
     /// On standard error.
     pub fn new() -> Self {
-        let bars = std::io::stderr().is_terminal().then(|| {
+        let has_bars = std::io::stderr().is_terminal() && !terminal::is_json();
+        let bars = has_bars.then(|| {
             let multi = MultiProgress::with_draw_target(ProgressDrawTarget::stderr());
             let total = multi.add(ProgressBar::new(0).with_style(style("{wide_bar:.cyan} {pos}/{len} tasks  {msg}")));
             Bars { multi, total, levels: Vec::new(), workers: Vec::new() }

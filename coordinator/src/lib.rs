@@ -12,6 +12,8 @@ pub mod display;
 pub mod engine;
 pub mod error;
 pub mod exit;
+pub mod extension;
+pub mod http;
 pub mod ledger;
 #[cfg(feature = "page")]
 pub mod live_page;

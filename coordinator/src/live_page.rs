@@ -2,31 +2,55 @@
 
 use crate::display::summary;
 use crate::error::Error;
-use crate::remote::RemoteRun;
+use crate::http::{self, own_names_only};
+use axum::Router;
+use axum::extract::Request;
+use axum::http::StatusCode;
+use axum::middleware::from_fn;
+use axum::response::IntoResponse;
 use protocol::backbone::BackboneMessage;
 use protocol::curve::Size;
 use protocol::follow::{FollowError, Follower, Update};
+use protocol::keys::Keys;
 use protocol::model::ModelMessage;
 use protocol::session::RequestError;
-use protocol::to_everyone::{Done, Stage, Status};
+use protocol::to_everyone::{Done, Manifest, Stage, Status, StoredResult};
 use results::live::{self, Feed, Run, Start};
 use results::report::{BackboneCurve, Curve, monitors};
+use solver::response::task::{BranchId, SeedOutcome, Task};
+use solver::settings::Stretch;
+use solver::stability::verification::Verification;
 use solver::structure::Model;
 use std::collections::HashMap;
 use std::io;
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::net::TcpListener;
+use tokio::sync::OnceCell;
+use tokio::task::JoinHandle;
+use tower_service::Service;
 use worker::terminal;
+use zenoh::Session;
 
 /// A run without an answer for so long has no coordinator any more.
 const PATIENCE: Duration = Duration::from_secs(20);
+
+/// A run that is shown.
+#[derive(Clone, Copy)]
+pub struct Shown<'r> {
+    /// Session on the bus.
+    pub session: &'r Session,
+    /// Keys of the run.
+    pub keys: &'r Keys,
+    /// What it is.
+    pub manifest: &'r Manifest,
+}
 
 /// Serves the page of a run at `address` until the process is ended.
 ///
 /// # Errors
 /// If nothing can be served there, or the run cannot be followed.
-pub async fn serve(run: &RemoteRun, address: &str) -> Result<(), Error> {
+pub async fn serve(run: Shown<'_>, address: &str) -> Result<(), Error> {
     let refused = |source: io::Error| {
         Error::Other(format!("--page {address}: {source}; give HOST:PORT of this machine, as in 127.0.0.1:8080"))
     };
@@ -36,8 +60,62 @@ pub async fn serve(run: &RemoteRun, address: &str) -> Result<(), Error> {
     let (teller, start) = Teller::start(run, feed.clone()).await?;
     terminal::print(format_args!("http://{served_at} shows the run as it goes on; Ctrl-C ends this\n"))
         .map_err(Error::io("standard output"))?;
-    let served = async { live::serve(listener, start, feed).await.map_err(refused) };
-    tokio::try_join!(served, teller.tell()).map(|_| ())
+    let routes = live::routes(start, feed).layer(from_fn(own_names_only));
+    tokio::select! {
+        never = http::serve(listener, routes) => match never {},
+        // What has been told stays there to be looked at.
+        Err(error) = teller.tell() => Err(error),
+    }
+}
+
+/// The page of a run for a server of one's own. It is made when somebody first asks for it, and follows the run from then on: what
+/// has been found is kept for browsers, and a large run that nobody looks at need not keep it.
+pub fn when_asked_for(
+    session: Session,
+    keys: Keys,
+    manifest: impl Fn() -> Manifest + Clone + Send + Sync + 'static,
+) -> Router {
+    let page: Arc<OnceCell<Page>> = Arc::default();
+    Router::new().fallback(move |request: Request| async move {
+        let made = page.get_or_try_init(|| Page::of(&session, &keys, manifest())).await;
+        match made.map(|page| page.routes.clone()) {
+            Ok(mut routes) => routes.call(request).await.into_response(),
+            Err(error) => (StatusCode::SERVICE_UNAVAILABLE, format!("{error}\n")).into_response(),
+        }
+    })
+}
+
+/// A page that follows its run until it is dropped.
+struct Page {
+    routes: Router,
+    telling: JoinHandle<()>,
+}
+
+impl Page {
+    async fn of(session: &Session, keys: &Keys, manifest: Manifest) -> Result<Self, Error> {
+        let feed = Arc::new(Feed::new());
+        let (teller, start) = Teller::start(Shown { session, keys, manifest: &manifest }, feed.clone()).await?;
+        let telling = tokio::spawn(async move {
+            if let Err(error) = teller.tell().await {
+                tracing::error!(%error, "the page shows nothing new any more");
+            }
+        });
+        Ok(Self { routes: live::routes(start, feed), telling })
+    }
+}
+
+impl Drop for Page {
+    fn drop(&mut self) {
+        self.telling.abort();
+    }
+}
+
+/// What was announced of a branch.
+#[derive(Default)]
+struct Announced {
+    branch: Option<Done>,
+    /// What marching says of it, and whether of all of it.
+    verification: Option<(Done, bool)>,
 }
 
 /// Tells a feed of a run, from its beginning to its end.
@@ -49,6 +127,8 @@ struct Teller {
     levels: HashMap<String, usize>,
     /// As long as the backbone is not known.
     awaits_backbone: Option<Model>,
+    /// What was announced of branches, by amplitude as typed and name, in whatever order.
+    announced: HashMap<(String, BranchId), Announced>,
     /// Results that could not be had.
     missing: u64,
     stage: Stage,
@@ -56,9 +136,9 @@ struct Teller {
 
 impl Teller {
     /// Begins to follow a run; nothing that is announced from now on is missed.
-    async fn start(run: &RemoteRun, feed: Arc<Feed>) -> Result<(Self, Start), Error> {
-        let follower = Follower::start(&run.session, &run.keys, PATIENCE).await.map_err(FollowError::from)?;
-        let (manifest, backbone_key) = (&run.manifest, run.keys.backbone());
+    async fn start(run: Shown<'_>, feed: Arc<Feed>) -> Result<(Self, Start), Error> {
+        let follower = Follower::start(run.session, run.keys, PATIENCE).await.map_err(FollowError::from)?;
+        let (manifest, backbone_key) = (run.manifest, run.keys.backbone());
         let message: ModelMessage = follower.fetch(&run.keys.model()).await?;
         let model = message.model().map_err(|error| Error::Other(error.to_string()))?;
         let mut amplitudes = manifest.amplitudes.clone();
@@ -80,6 +160,7 @@ impl Teller {
             feed,
             levels: levels.into_iter().enumerate().map(|(i, (text, _))| (text, i)).collect(),
             awaits_backbone: (!is_known).then_some(model),
+            announced: HashMap::new(),
             missing: 0,
             stage: manifest.stage,
         };
@@ -125,28 +206,62 @@ impl Teller {
         Ok(())
     }
 
-    /// Hands on what was announced.
+    /// Hands on what was announced: a branch, or the same again with what marching says of it.
     async fn result(&mut self, done: &Done) -> Result<(), Error> {
-        if done.branch.is_none() {
+        let is_verification = matches!(done.outcome, SeedOutcome::Verified(_));
+        if done.branch.is_none() && !is_verification {
             return Ok(());
         }
-        let result = match self.follower.result(done).await {
-            Ok(result) => result,
-            Err(error) => {
-                self.missing += 1;
-                return match error {
-                    FollowError::Gone(_) => Err(error.into()),
-                    // The others may be in order.
-                    _ => Ok(()),
-                };
+        let Some(result) = self.fetch(done).await? else { return Ok(()) };
+        let amplitude = done.amplitude.text.clone();
+        if let Some(id) = done.branch {
+            let announced = self.announced.entry((amplitude, id)).or_default();
+            announced.branch = Some(done.clone());
+            let verification = match announced.verification.clone() {
+                Some((done, _)) => self.fetch(&done).await?.and_then(|result| result.verification),
+                None => None,
+            };
+            self.show(&result, verification.as_ref());
+        } else if let (Task::Verify(place), Some(verification)) = (result.work, &result.verification) {
+            let is_whole = place.stretch == Stretch::Whole;
+            let announced = self.announced.entry((amplitude, place.branch)).or_default();
+            if announced.verification.as_ref().is_some_and(|(_, knows_all)| *knows_all && !is_whole) {
+                return Ok(());
             }
-        };
-        if let Some(&level) = self.levels.get(&result.amplitude.text)
-            && let Ok(Some(curve)) = Curve::of(&result, level)
-        {
-            self.feed.branch(&curve, result.amplitude.value);
+            announced.verification = Some((done.clone(), is_whole));
+            let Some(branch) = announced.branch.clone() else { return Ok(()) };
+            let Some(branch) = self.fetch(&branch).await? else { return Ok(()) };
+            self.show(&branch, Some(verification));
         }
         Ok(())
+    }
+
+    /// What was announced; nothing if it does not arrive.
+    async fn fetch(&mut self, done: &Done) -> Result<Option<StoredResult>, Error> {
+        match self.follower.result(done).await {
+            Ok(result) => Ok(Some(result)),
+            Err(error @ FollowError::Gone(_)) => {
+                self.missing += 1;
+                Err(error.into())
+            }
+            // The others may be in order.
+            Err(_) => {
+                self.missing += 1;
+                Ok(None)
+            }
+        }
+    }
+
+    fn show(&self, result: &StoredResult, verification: Option<&Verification>) {
+        if let Some(&level) = self.levels.get(&result.amplitude.text)
+            && let Ok(Some(curve)) = Curve::of(result, level)
+        {
+            let curve = match verification {
+                Some(verification) => curve.verified(verification),
+                None => curve,
+            };
+            self.feed.branch(&curve);
+        }
     }
 }
 

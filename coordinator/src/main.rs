@@ -12,7 +12,7 @@ fn main() -> ExitCode {
     match coordinator::commands::execute(Cli::parse()) {
         Ok(code) => code,
         Err(error) => {
-            terminal::note(format_args!("error: {error}"));
+            terminal::complain(&error);
             ExitCode::from(error.exit_code())
         }
     }

@@ -1,9 +1,10 @@
 //! A run that another process conducts, found by its folder or on the bus: how it is doing, and orders to it.
 
 use crate::access::known;
-use crate::cli::RemoteArgs;
+use crate::cli::{RemoteArgs, StatusArgs};
 use crate::display::{layout, summary};
 use crate::error::Error;
+use crate::ledger::{Ledger, Rules};
 use crate::run::directory::read_address;
 use protocol::control::{ControlReply, ControlRequest};
 use protocol::ids::RunId;
@@ -12,7 +13,9 @@ use protocol::secret::Secret;
 use protocol::session::{connect, fetch, fetch_all, request};
 use protocol::to_everyone::{Manifest, Status};
 use results::journal::{Change, TaskState};
+use results::overview::most_folds;
 use results::store::{Holder, Reader, Store, holder};
+use serde::Serialize;
 use std::path::Path;
 use std::time::Duration;
 use zenoh::Session;
@@ -98,10 +101,42 @@ fn folder(args: &RemoteArgs) -> &Path {
     args.directory.as_deref().expect("what is not on the bus was named by its folder")
 }
 
-/// How a run is doing, in lines.
-pub async fn status(args: &RemoteArgs) -> Result<String, Error> {
-    let Some(run) = RemoteRun::find(args).await? else { return stored_status(folder(args)) };
+/// How a run is doing, for programs.
+#[derive(Serialize)]
+struct Told {
+    /// Whether somebody conducts it.
+    conducted: bool,
+    #[serde(flatten)]
+    status: Status,
+}
+
+fn json(told: &Told) -> String {
+    serde_json::to_string_pretty(told).expect("numbers and texts have JSON forms") + "\n"
+}
+
+/// One line of a run that is carried on.
+///
+/// # Errors
+/// If nobody does, or nobody can be asked.
+pub async fn health(args: &RemoteArgs) -> Result<String, Error> {
+    let Some(run) = RemoteRun::find(args).await? else {
+        let folder = folder(args).display();
+        return Err(Error::Other(format!("no coordinator answers for the run in {folder}")));
+    };
     let status = run.status().await?;
+    Ok(format!("run {}, {}", status.run, summary(&status)))
+}
+
+/// How a run is doing, in lines or as JSON.
+pub async fn status(args: &StatusArgs) -> Result<String, Error> {
+    let StatusArgs { run: args, json: is_json } = args;
+    let Some(run) = RemoteRun::find(args).await? else {
+        return if *is_json { stored_json(folder(args)) } else { stored_status(folder(args)) };
+    };
+    let status = run.status().await?;
+    if *is_json {
+        return Ok(json(&Told { conducted: true, status }));
+    }
     let mut text = format!("run {} ({}), {}\n", status.run, status.name, summary(&status));
     for worker in &status.workers {
         let tasks: Vec<String> = worker.tasks.iter().map(ToString::to_string).collect();
@@ -124,6 +159,33 @@ pub fn stored_status(directory: &Path) -> Result<String, Error> {
     };
     let table = results::summary_table::table(&reader, layout(None))?;
     Ok(format!("run {} ({}), {stage}\n{table}\n", header.run, header.name))
+}
+
+/// The same, for programs.
+fn stored_json(directory: &Path) -> Result<String, Error> {
+    let reader = Reader::open(directory)?;
+    let (header, stage) = (reader.header()?, reader.stage()?);
+    let model = reader.model()?.model().map_err(|error| Error::Other(format!("the stored model: {error}")))?;
+    // As a coordinator that goes on would count.
+    let most_folds = most_folds(&model, &header.settings);
+    let rules = Rules { most_folds, verify: header.settings.verify.effort, ..Rules::default() };
+    let (ledger, _) = Ledger::restore(rules, reader.plans()?, &reader.added()?, reader.tasks()?, Duration::ZERO);
+    let (levels, levels_done) = ledger.progress_of_levels();
+    let status = Status {
+        run: header.run,
+        name: header.name,
+        stage,
+        backbone: None,
+        tasks: ledger.counts(),
+        levels: levels.max(header.amplitudes.len()),
+        levels_done,
+        active: ledger.active(),
+        workers: Vec::new(),
+        sequence: ledger.sequence(),
+        elapsed: 0.0,
+        eta: None,
+    };
+    Ok(json(&Told { conducted: false, status }))
 }
 
 /// Stops a run; says what became of it.

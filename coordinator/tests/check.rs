@@ -89,3 +89,15 @@ fn shipped_studies_are_meant_as_they_are() {
     }
     assert!(studies > 0);
 }
+
+/// Forced against each other, the masses only move in their second mode: q = A / 2ξω² = 100/3 A, of which √2 q is between them.
+#[test]
+fn what_touches_first_in_any_of_the_modes_followed() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/two_masses_stop");
+    let (warnings, text) = said(&Study::load(&folder, &[], None).unwrap());
+    assert!(
+        text.contains("touches     from A = 0.00212132 on, stop first, at the linear resonance of mode 2\n"),
+        "{text}"
+    );
+    assert!(warnings.is_empty(), "{text}");
+}

@@ -85,6 +85,7 @@ impl Sweep<'_> {
             landings: landings.as_deref().map(LandingsMessage::from),
             verification: None,
             disturbance: None,
+            settling: None,
             worker: worker(),
             program: "0.1.0".into(),
             seconds: 0.25,

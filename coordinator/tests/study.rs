@@ -341,10 +341,14 @@ fn every_study_of_the_repository_loads() {
     }
     names.sort();
     let expected = [
+        "cantilever_stop/study.toml: 3",
         "chain_subharmonic/study.toml: 4",
         "chain_subharmonic/third_mode.toml: 3",
         "damper_two_isolas/study.toml: 7",
         "duffing/study.toml: 10",
+        "duffing_subharmonic/study.toml: 3",
+        "friction_mass/study.toml: 4",
+        "impact_subharmonic/study.toml: 3",
         "nltva/study.toml: 7",
         "nonlinear_damper/study.toml: 9",
         "rotor67/damping_heavy.toml: 2",
@@ -353,8 +357,10 @@ fn every_study_of_the_repository_loads() {
         "rotor67/paper.toml: 7",
         "rotor67/study.toml: 7",
         "rotor67_thickness/study.toml: 7",
+        "stop_subharmonic/study.toml: 4",
         "two_blades/study.toml: 5",
         "two_dampers/study.toml: 6",
+        "two_masses_stop/study.toml: 3",
     ];
     assert_eq!(names, expected);
 }

@@ -98,6 +98,9 @@ impl Array {
     }
 
     /// The values, if the array has the shape expected.
+    ///
+    /// # Errors
+    /// Another type or shape, or bytes that do not fill it.
     pub fn values(&self, name: &'static str, expected: &[usize]) -> Result<Vec<f64>, ArrayError> {
         if self.dtype != "<f8" {
             return Err(ArrayError::Type { name, dtype: self.dtype.clone() });
@@ -112,6 +115,9 @@ impl Array {
     }
 
     /// The same; every value has to be finite.
+    ///
+    /// # Errors
+    /// Those of [`Array::values`], and values that are not finite.
     pub fn finite(&self, name: &'static str, expected: &[usize]) -> Result<Vec<f64>, ArrayError> {
         let values = self.values(name, expected)?;
         if values.iter().all(|value| value.is_finite()) { Ok(values) } else { Err(ArrayError::NotFinite { name }) }
@@ -147,6 +153,9 @@ impl Array {
     }
 
     /// Back to the series of [`Array::harmonics`], one after the other; every value has to be finite.
+    ///
+    /// # Errors
+    /// Those of [`Array::finite`], and more harmonics than any run has.
     pub fn series(&self, name: &'static str, leading: &[usize], harmonics: usize) -> Result<Vec<f64>, ArrayError> {
         if harmonics > MAX_HARMONICS {
             return Err(ArrayError::Harmonics { name, harmonics });

@@ -46,6 +46,9 @@ impl From<&Backbone> for BackboneMessage {
 
 impl BackboneMessage {
     /// The backbone, for a model of this size.
+    ///
+    /// # Errors
+    /// Arrays of other shapes than such a model has, and values that are not finite.
     pub fn backbone(&self, size: &Size) -> Result<Backbone, ArrayError> {
         let points = self.points.points(size)?;
         let rows = self.columns.rows(columns::of_backbone(), points.len(), size)?;

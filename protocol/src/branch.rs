@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use solver::response::branch::{Branch, BranchKind, Certificate, Outcome, SpecialKind, SpecialPoint, Standing};
 use solver::response::task::{Brought, Finding, SeedOutcome};
 use solver::stability::disturbance::Disturbance;
+use solver::stability::settling::Settling;
 use solver::stability::verification::Verification;
 
 /// A forced-response branch.
@@ -61,6 +62,9 @@ impl BranchMessage {
     }
 
     /// The branch, for a model of this size.
+    ///
+    /// # Errors
+    /// Arrays of other shapes than such a model has, values that are not finite, and special points that are none of its own.
     pub fn branch(&self, size: &Size) -> Result<Branch, ArrayError> {
         let points = self.points.points(size)?;
         // A branch has at least its start.
@@ -94,6 +98,8 @@ pub enum FindingMessage {
     Verification(Verification),
     /// Where pushes end.
     Disturbance(Disturbance),
+    /// What an unstable motion turns into.
+    Settling(Settling),
     /// No new branch, and why.
     Nothing(SeedOutcome),
 }
@@ -105,7 +111,7 @@ impl FindingMessage {
             Self::Landings(landings) => Some(&landings.motions),
             Self::Branch(branch) => Some(&branch.points.motions),
             Self::Curve(curve) => Some(&curve.points.motions),
-            Self::Verification(_) | Self::Disturbance(_) | Self::Nothing(_) => None,
+            Self::Verification(_) | Self::Disturbance(_) | Self::Settling(_) | Self::Nothing(_) => None,
         }
     }
 
@@ -115,8 +121,11 @@ impl FindingMessage {
             Self::Landings(landings) => Brought::Landings(landings.motions.len()),
             Self::Branch(branch) => Brought::Branch { kind: branch.kind(), folds: branch.folds() },
             Self::Curve(curve) => Brought::Curve(curve.forcing().into()),
-            Self::Verification(verification) => Brought::Verification(verification.points.len()),
+            Self::Verification(verification) => {
+                Brought::Verification(verification.points.len(), verification.unsettled().into())
+            }
             Self::Disturbance(disturbance) => Brought::Disturbance(disturbance.endings.len()),
+            Self::Settling(settling) => Brought::Settling(settling.periods),
             Self::Nothing(outcome) => Brought::Nothing(*outcome),
         }
     }

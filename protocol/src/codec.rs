@@ -7,7 +7,7 @@ use thiserror::Error;
 
 /// A message of the bus. Both ways are compiled once, here, and not again wherever a message is sent or read.
 pub trait Message: Sized {
-    /// Its name in the encoding `application/msgpack;<name>.v4`.
+    /// Its name in the encoding `application/msgpack;<name>.v5`.
     const NAME: &'static str;
 
     /// Its bytes.
@@ -75,6 +75,9 @@ pub(crate) fn encode_part<T: Serialize>(part: &T) -> Vec<u8> {
 }
 
 /// The message in `bytes` that came with `encoding`.
+///
+/// # Errors
+/// If it is of another kind or version, or no MessagePack of this kind.
 pub fn decode<M: Message>(bytes: &[u8], found: &str) -> Result<M, CodecError> {
     let expected = encoding::<M>();
     if found != expected {
@@ -96,6 +99,9 @@ pub(crate) fn decode_part<M: Message, P: serde::de::DeserializeOwned>(
 }
 
 /// The message in `bytes` of a store.
+///
+/// # Errors
+/// If they are no MessagePack of this kind.
 pub fn decode_stored<M: Message>(bytes: &[u8]) -> Result<M, CodecError> {
     M::from_bytes(bytes).map_err(|source| CodecError::Malformed { name: M::NAME, source })
 }

@@ -59,6 +59,9 @@ impl Motions {
     }
 
     /// The states, for a model of so many channels and modes.
+    ///
+    /// # Errors
+    /// Arrays of other shapes than such a model has, and values that are not finite.
     pub fn states(&self, channels: usize, modes: usize) -> Result<Vec<State>, ArrayError> {
         let (count, harmonics) = (self.len(), self.harmonics);
         let omega = self.omega.finite("omega", &[count])?;
@@ -114,6 +117,9 @@ impl Points {
     }
 
     /// The points, for a model of this size.
+    ///
+    /// # Errors
+    /// Those of [`Motions::states`], and columns of other shapes.
     pub fn points(&self, size: &Size) -> Result<Vec<BranchPoint>, ArrayError> {
         let rows = self.columns.rows(columns::of_points(), self.len(), size)?;
         let states = self.motions.states(size.channels, size.modes)?;
@@ -143,6 +149,9 @@ impl Seeds {
     }
 
     /// The seeds, for a model of this size.
+    ///
+    /// # Errors
+    /// Those of [`Motions::states`], and places that are not one for each seed.
     pub fn seeds(&self, size: &Size) -> Result<Vec<Seed>, ArrayError> {
         let Some(phase) = self.phase else { return Ok(Vec::new()) };
         let states = self.motions.states(size.channels, size.modes)?;

@@ -1,7 +1,7 @@
 //! Names of runs, tasks and workers: one chunk of a key each.
 
 use serde::{Deserialize, Serialize};
-use solver::response::task::{DisturbPlace, VerifyPlace};
+use solver::response::task::{DisturbPlace, MarchPlace, VerifyPlace};
 use solver::settings::Stretch;
 use std::fmt;
 use thiserror::Error;
@@ -30,6 +30,9 @@ macro_rules! id {
 
         impl $name {
             /// Checks a name.
+            ///
+            /// # Errors
+            /// If it is empty, too long, or has characters that a part of a key cannot have.
             pub fn new(name: &str) -> Result<Self, NameError> {
                 checked(name).map(Self)
             }
@@ -83,6 +86,9 @@ id!(
 
 impl TaskId {
     /// Task number `index` (from 0: the main branch from below) of the level whose amplitude was typed as `amplitude`.
+    ///
+    /// # Errors
+    /// If the amplitude is no part of a key.
     pub fn of_level(amplitude: &str, index: usize) -> Result<Self, NameError> {
         Self::new(&format!("{}-{index}", amplitude.replace('+', "")))
     }
@@ -93,6 +99,9 @@ impl TaskId {
     }
 
     /// The task that verifies a branch, or what is around its peak, of the level whose amplitude was typed as `amplitude`.
+    ///
+    /// # Errors
+    /// If the amplitude is no part of a key.
     pub fn of_verification(amplitude: &str, place: &VerifyPlace) -> Result<Self, NameError> {
         let VerifyPlace { branch, stretch } = place;
         let (amplitude, peak) = (amplitude.replace('+', ""), if *stretch == Stretch::Peak { "-peak" } else { "" });
@@ -100,10 +109,23 @@ impl TaskId {
     }
 
     /// The task that scans pushes onto a branch of the level whose amplitude was typed as `amplitude`.
+    ///
+    /// # Errors
+    /// If the amplitude is no part of a key.
     pub fn of_disturbance(amplitude: &str, place: &DisturbPlace) -> Result<Self, NameError> {
         let DisturbPlace { branch, mode, .. } = place;
         let amplitude = amplitude.replace('+', "");
         Self::new(&format!("disturb-{amplitude}-{}-{}-mode-{}", branch.kind, branch.number + 1, mode + 1))
+    }
+
+    /// The task that marches on from a point of a branch of the level whose amplitude was typed as `amplitude`.
+    ///
+    /// # Errors
+    /// If the amplitude is no part of a key.
+    pub fn of_march(amplitude: &str, place: &MarchPlace) -> Result<Self, NameError> {
+        let MarchPlace { branch, index, .. } = place;
+        let amplitude = amplitude.replace('+', "");
+        Self::new(&format!("march-{amplitude}-{}-{}-point-{index}", branch.kind, branch.number + 1))
     }
 
     /// Whether this is a task of the level whose amplitude was typed as `amplitude`.

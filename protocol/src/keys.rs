@@ -1,4 +1,4 @@
-//! Key expressions: `<namespace>/v4/<run>/…`.
+//! Key expressions: `<namespace>/v5/<run>/…`.
 
 use crate::VERSION;
 use crate::ids::{NameError, RunId, TaskId, WorkerId};
@@ -7,6 +7,9 @@ use crate::ids::{NameError, RunId, TaskId, WorkerId};
 pub const NAMESPACE: &str = "isola";
 
 /// Checks a namespace: names, as those of runs, with `/` between them.
+///
+/// # Errors
+/// If one of them is no name.
 pub fn namespace(text: &str) -> Result<String, NameError> {
     text.split('/').try_for_each(|part| RunId::new(part).map(drop))?;
     Ok(text.to_string())
@@ -151,6 +154,11 @@ impl Keys {
     /// Hint to look for new orders: put.
     pub fn hint(&self) -> String {
         self.at("ctl/hint")
+    }
+
+    /// The coordinator's hint to one worker that waits: there is work.
+    pub fn wake(&self, worker: &WorkerId) -> String {
+        self.at(&format!("ctl/wake/{worker}"))
     }
 
     /// Presence of the coordinator.

@@ -15,6 +15,8 @@
 //! | [`session`] | Zenoh sessions that open nothing but what they are told to; requests with a deadline |
 //! | [`follow`] | a run followed from anywhere: every announcement exactly once |
 
+#![warn(clippy::missing_errors_doc)]
+
 pub mod array;
 pub mod backbone;
 pub mod branch;
@@ -36,8 +38,8 @@ mod size;
 pub mod to_everyone;
 pub mod to_worker;
 
-/// Version of the messages, the `v4` of keys and encodings. Workers of another version are refused.
-pub const VERSION: u32 = 4;
+/// Version of the messages, the `v5` of keys and encodings. Workers of another version are refused.
+pub const VERSION: u32 = 5;
 
 /// Version of the program, for the record of who computed what.
 pub const PROGRAM: &str = env!("CARGO_PKG_VERSION");

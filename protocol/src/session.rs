@@ -94,6 +94,9 @@ fn endpoints(endpoint: &str) -> Result<String, SessionError> {
 
 /// Session of a coordinator: a router that listens on `endpoint` and nowhere else, and lets those in that have the secret if there
 /// is one.
+///
+/// # Errors
+/// If the endpoint is none, its port is in use, or the secret cannot be handed on.
 pub async fn listen(endpoint: &str, secret: Option<&Secret>) -> Result<Session, SessionError> {
     let dictionary = secret.map(Dictionary::of).transpose().map_err(|error| SessionError::Listen {
         endpoint: endpoint.to_string(),
@@ -137,6 +140,9 @@ impl Drop for Dictionary {
 }
 
 /// Session of a client of the router at `endpoint`, which asks for this secret if there is one; listens nowhere.
+///
+/// # Errors
+/// If the endpoint is none, or nobody is there who lets this secret in.
 pub async fn connect(endpoint: &str, secret: Option<&Secret>) -> Result<Session, SessionError> {
     let mut settings = vec![
         ("mode", "\"client\"".to_string()),
@@ -183,6 +189,9 @@ pub enum RequestError {
 }
 
 /// Asks whoever answers `key`, with a message as payload.
+///
+/// # Errors
+/// If nobody answers within `timeout`, refuses, or answers something else, and if the session is closed.
 pub async fn request<Q: Message, R: Message>(
     session: &Session,
     key: &str,
@@ -193,6 +202,9 @@ pub async fn request<Q: Message, R: Message>(
 }
 
 /// [`request`] with the payload at hand, for results that are sent again.
+///
+/// # Errors
+/// Those of [`request`].
 pub async fn request_encoded<R: Message>(
     session: &Session,
     key: &str,
@@ -205,6 +217,9 @@ pub async fn request_encoded<R: Message>(
 }
 
 /// [`request_encoded`] behind everything else that is to be sent: for results, which may take long.
+///
+/// # Errors
+/// Those of [`request`].
 pub async fn request_bulk<R: Message>(
     session: &Session,
     key: &str,
@@ -217,30 +232,45 @@ pub async fn request_bulk<R: Message>(
 }
 
 /// [`fetch`] behind everything else that is to be answered: for results, which may take long.
+///
+/// # Errors
+/// Those of [`fetch`].
 pub async fn fetch_bulk<R: Message>(session: &Session, key: &str, timeout: Duration) -> Result<R, RequestError> {
     let replies = ask(session, key, None, Priority::Background, timeout).await?;
     first(&replies).await?.read()
 }
 
 /// Fetches a message that needs no question.
+///
+/// # Errors
+/// If nobody answers within `timeout`, refuses, or answers something else, and if the session is closed.
 pub async fn fetch<R: Message>(session: &Session, key: &str, timeout: Duration) -> Result<R, RequestError> {
     let replies = ask(session, key, None, Priority::DEFAULT, timeout).await?;
     first(&replies).await?.read()
 }
 
 /// Fetches everything that answers a key with wildcards; what cannot be read is left out.
+///
+/// # Errors
+/// If the session is closed.
 pub async fn fetch_all<R: Message>(session: &Session, key: &str, timeout: Duration) -> Result<Vec<R>, RequestError> {
     let replies = ask(session, key, None, Priority::DEFAULT, timeout).await?;
     Ok(all(&replies).await.iter().filter_map(|answer| answer.read().ok()).collect())
 }
 
 /// Fetches everything that answers a key with wildcards.
+///
+/// # Errors
+/// If the session is closed, and if an answer is something else.
 pub async fn fetch_every<R: Message>(session: &Session, key: &str, timeout: Duration) -> Result<Vec<R>, RequestError> {
     let replies = ask(session, key, None, Priority::DEFAULT, timeout).await?;
     all(&replies).await.iter().map(Answer::read).collect()
 }
 
 /// Fetches a message as it comes: payload and encoding.
+///
+/// # Errors
+/// If nobody answers within `timeout` or refuses, and if the session is closed.
 pub async fn fetch_answer(session: &Session, key: &str, timeout: Duration) -> Result<(Vec<u8>, String), RequestError> {
     let replies = ask(session, key, None, Priority::DEFAULT, timeout).await?;
     let Answer { payload, encoding } = first(&replies).await?;
@@ -306,6 +336,9 @@ async fn first(replies: &Replies) -> Result<Answer, RequestError> {
 pub const REFUSAL: &str = "text/plain;isola.refusal";
 
 /// The message that came with a query.
+///
+/// # Errors
+/// If there is none, or something else.
 pub fn question<Q: Message>(query: &Query) -> Result<Q, CodecError> {
     let (bytes, encoding) = question_parts(query);
     decode(&bytes, &encoding)

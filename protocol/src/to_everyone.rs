@@ -1,6 +1,6 @@
 //! What anyone may ask for or listen to: manifest, windows, seeds, announcements, results, status.
 
-use crate::branch::BranchMessage;
+use crate::branch::{BranchMessage, FindingMessage};
 use crate::codec::messages;
 use crate::critical::CriticalMessage;
 use crate::curve::Seeds;
@@ -14,6 +14,7 @@ use solver::response::task::{BranchId, SeedOutcome, Task};
 use solver::response::windows::Window;
 use solver::settings::Settings;
 use solver::stability::disturbance::Disturbance;
+use solver::stability::settling::Settling;
 use solver::stability::verification::Verification;
 
 /// A forcing amplitude.
@@ -153,6 +154,9 @@ pub struct StoredResult {
     /// Where pushes end.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub disturbance: Option<Disturbance>,
+    /// What an unstable motion turns into.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub settling: Option<Settling>,
     /// Task.
     pub task: TaskId,
     /// Attempt that was accepted.
@@ -176,7 +180,21 @@ pub struct StoredResult {
 impl StoredResult {
     /// Whether it has nothing but a branch, or not even that.
     pub fn is_plain(&self) -> bool {
-        self.curve.is_none() && self.landings.is_none() && self.verification.is_none() && self.disturbance.is_none()
+        let is_marched = self.verification.is_some() || self.disturbance.is_some() || self.settling.is_some();
+        self.curve.is_none() && self.landings.is_none() && !is_marched
+    }
+
+    /// The same with what was found.
+    pub fn with(self, found: FindingMessage) -> Self {
+        match found {
+            FindingMessage::Landings(found) => Self { landings: Some(found), ..self },
+            FindingMessage::Branch(found) => Self { branch: Some(found), ..self },
+            FindingMessage::Curve(found) => Self { curve: Some(found), ..self },
+            FindingMessage::Verification(found) => Self { verification: Some(found), ..self },
+            FindingMessage::Disturbance(found) => Self { disturbance: Some(found), ..self },
+            FindingMessage::Settling(found) => Self { settling: Some(found), ..self },
+            FindingMessage::Nothing(_) => self,
+        }
     }
 }
 

@@ -13,7 +13,7 @@ import msgpack
 import numpy as np
 import zenoh
 
-from isola_hbm.live.wire import REFUSAL, encoding, sha256
+from isola_hbm.live.wire import REFUSAL, VERSION, encoding, sha256
 
 FROZEN = Path(__file__).parents[2] / "protocol" / "tests" / "frozen"
 
@@ -46,7 +46,7 @@ class Coordinator:
     """One run, on a router of its own that can be stopped and started again."""
 
     def __init__(
-        self, *, run: str = "damper-1", version: int = 4, settings: dict[str, Any] | None = None
+        self, *, run: str = "damper-1", version: int = VERSION, settings: dict[str, Any] | None = None
     ) -> None:
         self.endpoint = f"tcp/127.0.0.1:{free_port()}"
         self.settings = settings or {}

@@ -18,7 +18,7 @@ import pytest
 from fake import Coordinator, free_port
 
 import isola_hbm
-from isola_hbm.live.wire import sha256
+from isola_hbm.live.wire import VERSION, encoding, sha256
 
 
 @pytest.fixture
@@ -103,13 +103,13 @@ def test_choosing_a_run(coordinator):
         with pytest.raises(isola_hbm.NoSuchRun, match="no run `other`; there are `damper-1`"):
             bus.run("other")
         other = {**coordinator.manifest, "run": "damper-2", "name": "second"}
+        key = f"isola/v{VERSION}/damper-2/run"
 
         def answer(query):
             with query:
-                encoding = "application/msgpack;manifest.v4"
-                query.reply("isola/v4/damper-2/run", msgpack.packb(other), encoding=encoding)
+                query.reply(key, msgpack.packb(other), encoding=encoding("manifest"))
 
-        coordinator.session.declare_queryable("isola/v4/damper-2/run", answer, complete=True)
+        coordinator.session.declare_queryable(key, answer, complete=True)
         assert [run.run for run in bus.runs()] == ["damper-1", "damper-2"]
         with pytest.raises(
             isola_hbm.NoSuchRun, match=r"several runs.*`damper-1` .*; `damper-2` \(second, sweep\)"
@@ -123,8 +123,8 @@ def test_choosing_a_run(coordinator):
 
 
 def test_another_version_is_told():
-    told = pytest.raises(isola_hbm.OtherVersion, match=r"`damper-1` \(v5, Isola 0.1.0\)")
-    with Coordinator(version=5) as fake, isola_hbm.connect(fake.endpoint) as bus, told:
+    told = pytest.raises(isola_hbm.OtherVersion, match=rf"`damper-1` \(v{VERSION + 1}, Isola 0.1.0\)")
+    with Coordinator(version=VERSION + 1) as fake, isola_hbm.connect(fake.endpoint) as bus, told:
         bus.runs()
 
 

@@ -22,7 +22,7 @@ from isola_hbm import (
 )
 from isola_hbm.live import words
 from isola_hbm.live.types import Model
-from isola_hbm.live.wire import array, decode, encoding, harmonics, sha256, variant
+from isola_hbm.live.wire import VERSION, array, decode, encoding, harmonics, sha256, variant
 
 
 def model() -> Model:
@@ -36,7 +36,7 @@ def test_every_sample_is_messagepack_with_a_view_that_names_its_encoding():
         name = file.name.removesuffix(".snap.msgpack")
         view = (FROZEN / f"{name}.view.snap").read_text()
         found = next(line for line in view.splitlines() if line.startswith("application/msgpack;"))
-        message = found.removeprefix("application/msgpack;").removesuffix(".v4")
+        message = found.removeprefix("application/msgpack;").removesuffix(f".v{VERSION}")
         assert name.startswith(message)
         assert found == encoding(message)
         decode(file.read_bytes(), found, message)
@@ -44,7 +44,7 @@ def test_every_sample_is_messagepack_with_a_view_that_names_its_encoding():
 
 def test_manifest():
     manifest = Manifest.read(sample("manifest"))
-    assert (manifest.protocol, manifest.run, manifest.name) == (4, "damper-1", "nonlinear damper")
+    assert (manifest.protocol, manifest.run, manifest.name) == (VERSION, "damper-1", "nonlinear damper")
     assert manifest.reach is not None
     assert manifest.reach.frequency == (0.75, 1.5)
     assert [(a.text, a.value) for a in manifest.amplitudes] == [("1e-3", 0.001), ("2.5", 2.5)]
@@ -213,7 +213,7 @@ def test_a_field_of_tomorrow_is_ignored():
 
 
 def test_another_version_or_name_is_refused_in_words():
-    for found in ("application/msgpack;done.v5", "application/msgpack;status.v4", "zenoh/bytes"):
+    for found in (f"application/msgpack;done.v{VERSION + 1}", encoding("status"), "zenoh/bytes"):
         with pytest.raises(OtherVersion, match="another version of Isola, or is not Isola"):
             decode(frozen("done"), found, "done")
     for cut in (0, 1, 10):

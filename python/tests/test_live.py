@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import csv
 import os
 import re
@@ -136,6 +137,22 @@ class Reader(threading.Thread):
         return self.branches
 
 
+class AsyncReader(Reader):
+    """The same in an event loop."""
+
+    def run(self) -> None:
+        async def read() -> None:
+            bus = await asyncio.to_thread(isola_hbm.connect, self.address, secret_file=self.secret_file)
+            with bus:
+                async for branch in (await asyncio.to_thread(bus.run)).afollow():
+                    self.branches.append(branch)
+
+        try:
+            asyncio.run(read())
+        except isola_hbm.IsolaError as error:
+            self.error = error
+
+
 def found(live: Live, run: isola_hbm.Run) -> int:
     """Number of branches found."""
     live.is_alive()
@@ -179,7 +196,7 @@ def compare(row: dict[str, str], branch: isola_hbm.Branch) -> None:
 
 
 def test_every_reader_sees_every_branch_once(live: Live) -> None:
-    early = Reader(live.directory)
+    early, in_a_loop = Reader(live.directory), AsyncReader(live.directory)
     with isola_hbm.connect(live.directory) as bus:
         run = bus.run()
         model = run.model()
@@ -212,7 +229,7 @@ def test_every_reader_sees_every_branch_once(live: Live) -> None:
                 branches = by_name(early.finish())
                 assert len(branches) == status.tasks.branches
                 late = by_name(Reader(live.directory).finish())
-                for other in (by_name(half_way.finish()), late, by_name(run.branches())):
+                for other in (by_name(half_way.finish()), by_name(in_a_loop.finish()), late, by_name(run.branches())):
                     assert other.keys() == branches.keys()
                     for name, branch in branches.items():
                         np.testing.assert_array_equal(other[name].omega, branch.omega)
@@ -257,7 +274,7 @@ def test_every_reader_sees_every_branch_once(live: Live) -> None:
 
 
 def test_a_coordinator_that_is_killed_and_resumed(live: Live) -> None:
-    reader = Reader(live.endpoint, live.secret)
+    reader, in_a_loop = Reader(live.endpoint, live.secret), AsyncReader(live.endpoint, live.secret)
     with isola_hbm.connect(live.endpoint, secret_file=live.secret) as bus:
         run = bus.run()
         for count in (10, 40):
@@ -268,6 +285,6 @@ def test_a_coordinator_that_is_killed_and_resumed(live: Live) -> None:
         branches = by_name(reader.finish())
         status = run.status()
         assert (status.stage, status.tasks.dead, status.tasks.branches) == ("finished", 0, len(branches))
-        assert branches.keys() == by_name(run.branches()).keys()
+        assert branches.keys() == by_name(run.branches()).keys() == by_name(in_a_loop.finish()).keys()
         assert sum(kind == "main" for _, kind in branches) == 81
     assert live.end() in (0, 130)

@@ -62,9 +62,22 @@ def test_tables_are_the_csv_files(folder: Path) -> None:
     assert_is_file(run.folds, folder / "folds.csv", texts)
     assert_is_file(run.events, folder / "events.csv", texts)
     assert_is_file(run.bifurcations, folder / "bifurcations.csv", texts | {"branch"})
+    assert run.motions.empty and "onto" in run.motions and not (folder / "motions.csv").exists()
     assert_is_file(run.backbones, folder / "backbone.csv", texts)
     assert run.check() == []
     assert (run.stage, run.name) == ("finished", run.meta["name"])
+
+
+def test_what_unstable_motions_turn_into_is_the_csv_file(tmp_path: Path) -> None:
+    folder = tmp_path / "run"
+    study = MODELS / "nltva" / "study.toml"
+    isola("sweep", study, "--out", folder, "--amplitudes", "0.18", "--search", "none", "--verify", "all")
+    run = isola_hbm.load(folder)
+    assert_is_file(run.motions, folder / "motions.csv", {"branch", "motion", "onto"})
+    # The absorber's well-known strongly modulated response.
+    modulated = run.motions[(run.motions["branch"] == "main") & (run.motions["motion"] == "quasi_periodic")]
+    assert len(modulated) >= 2
+    assert (modulated["amplitude_max"] > 2 * modulated["amplitude_min"]).any()
 
 
 def test_branches_are_the_npz_files(folder: Path, tmp_path: Path) -> None:
@@ -163,6 +176,8 @@ def test_one_period(blade: Path) -> None:
         ValueError, match="`rms` has no harmonics; those that have: argument, modal, displacement"
     ):
         branch.time("rms")
+    with pytest.raises(TypeError, match="'str' object cannot be interpreted as an integer"):
+        branch.time(samples="many")
     with pytest.raises(ValueError, match="samples = 0"):
         branch.time(samples=0)
 
@@ -275,13 +290,17 @@ def test_what_is_no_run(tmp_path: Path, copy: Path) -> None:
     file.write_bytes(bytes([7]) * 5000)
     with pytest.raises(isola_hbm.NoSuchRun, match=r"not a run of Isola \(not an SQLite file\)"):
         isola_hbm.load(tmp_path)
+    for size in (0, 50):
+        file.write_bytes((copy / "run.sqlite").read_bytes()[:size])
+        with pytest.raises(isola_hbm.NoSuchRun, match=rf"\(a file of {size} bytes: not begun, or cut short\)"):
+            isola_hbm.load(tmp_path)
     file.unlink()
     change(tmp_path, "CREATE TABLE t (a); PRAGMA application_id = 5")
     with pytest.raises(isola_hbm.NoSuchRun, match="another program"):
         isola_hbm.load(file)
     change(copy, "PRAGMA user_version = 99")
     with pytest.raises(
-        isola_hbm.OtherVersion, match="version 99 of the format, this package knows version 4"
+        isola_hbm.OtherVersion, match="version 99 of the format, this package knows version 5"
     ):
         isola_hbm.load(copy)
 

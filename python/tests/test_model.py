@@ -138,13 +138,57 @@ def test_elements_are_written_as_the_file_wants_them(tmp_path: Path) -> None:
         ({"forcing": [1.0]}, r"forcing: shape \(1,\); 2 finite numbers are needed"),
         ({"forcing": ["left", "right"]}, "forcing: no list of numbers"),
         ({"forcing": [1.0, np.nan]}, "2 finite numbers are needed, a force for each dof"),
+        ({"forcing": [0.0, 0.0]}, "all forces are zero"),
         ({"C": np.eye(2), "damping": {"default_ratio": 1e-3}}, "two ways to give the damping"),
+        ({"dofs": "ab"}, "dofs = 'ab': a list of names of dofs is needed"),
+        ({"dofs": 2}, "dofs = 2: a list of names"),
+        ({"monitors": "x1"}, "monitors = 'x1': a list of names"),
+        ({"name": 67}, "name = 67: a text is needed"),
+        ({"damping": 0.01}, "damping = 0.01: the section of a model file is needed"),
+        ({"contact": 1}, "contact = 1: the section"),
+        ({"contact": {"gap": None}}, r"contact: gap = None \(NoneType\) has no form in TOML; numbers"),
+        ({"laws": Law("jenkins", dof="x1")}, r"laws: a list is needed, as laws=\[Law\(…\)\]"),
+        ({"laws": [Law("jenkins", between="x1")]}, r"laws\[0\]: between = 'x1': two dofs are needed"),
+        ({"laws": [Law("jenkins", coefficients=["x1"])]}, r"laws\[0\]: coefficients = \['x1'\]: dofs with factors"),
+        ({"contacts": [{"normal": "x1", "tangential": 3}]}, r"contacts\[0\]: tangential = 3: a list of one or two"),
+        ({"laws": ["jenkins"]}, r"laws\[0\] = 'jenkins': a Law is needed"),
+        ({"laws": [Law("jenkins", dof="x1", limit=None)]}, r"laws\[0\]: law = None \(NoneType\)"),
+        ({"contacts": Contact("x1")}, r"contacts: a list is needed, as contacts=\[Contact\(…\)\]"),
     ],
 )
 def test_bad_models_are_refused(changes: dict[str, object], message: str) -> None:
     with pytest.raises(BadModel, match=message) as caught:
         Model(**{"M": np.eye(2), "K": np.eye(2), **changes})  # type: ignore[arg-type]
     assert isinstance(caught.value, ValueError)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("a =", "model.toml: Invalid value"),
+        ("matrices = 3", "matrices = 3: the section of a model file is needed"),
+        ("contact = 3", "contact = 3: the section"),
+        ("[matrices]\nmass = 'mass.mtx'", "mass.mtx"),
+        ("[matrices]\nmass = 'cut.mtx'", "cut.mtx: Truncated file"),
+        ("[matrices]\nmass = 'rows.mtx'", r"M: shape \(2, 1\); a square matrix"),
+        ("[matrices]\nmass = 'nan.mtx'", r"M\[0, 0\] = nan: a finite number"),
+        ("harmonics = 3", "there is no `harmonics`; known here: contact, damping, description"),
+    ],
+)
+def test_files_that_are_no_models(text: str, message: str, tmp_path: Path) -> None:
+    head = "%%MatrixMarket matrix coordinate real"
+    for name, matrix in {
+        "K.mtx": f"{head} symmetric\n1 1 1\n1 1 1\n",
+        "cut.mtx": f"{head} symmetric\n2 2 3\n1 1 1\n",
+        "rows.mtx": f"{head} general\n2 1 1\n1 1 3\n",
+        "nan.mtx": f"{head} symmetric\n1 1 1\n1 1 nan\n",
+    }.items():
+        (tmp_path / name).write_text(matrix)
+    with pytest.raises(BadModel, match="model.toml: there is no such file; name the folder of a model"):
+        Model.load(tmp_path)
+    (tmp_path / "model.toml").write_text(text)
+    with pytest.raises(BadModel, match=message):
+        Model.load(tmp_path)
 
 
 def test_a_law_acts_in_one_place(tmp_path: Path) -> None:
@@ -241,6 +285,35 @@ def test_the_program_says_what_is_wrong(
 
 
 @pytest.mark.needs_program
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"amplitudes": [None]}, "amplitudes = [None]: give a list of numbers, as [20, 60], or a text"),
+        ({"amplitudes": np.ones((1, 2))}, "amplitudes = array([[1., 1.]]): give a list"),
+        ({"amplitudes": object}, "give a list of numbers"),
+        ({"workers": -1}, "workers = -1: a number of processes is needed"),
+        ({"workers": "two"}, "workers = 'two'"),
+        ({"search": None}, "search: None (NoneType) has no form in TOML; leave a key out"),
+        ({"harmonics": {"count": None}}, "harmonics: None (NoneType)"),
+    ],
+)
+def test_what_cannot_be_told_to_the_program(changes: dict[str, object], message: str, tmp_path: Path) -> None:
+    arguments = {"amplitudes": [0.1], "out": tmp_path / "run", **changes}
+    with pytest.raises(isola_hbm.BadStudy, match=re.escape(message)) as caught:
+        isola_hbm.sweep(MODELS / "duffing", progress=False, **arguments)  # type: ignore[arg-type]
+    assert isinstance(caught.value, ValueError)
+    assert not (tmp_path / "run").exists()
+
+
+@pytest.mark.needs_program
+def test_a_file_in_the_place_of_the_folder(tmp_path: Path) -> None:
+    (tmp_path / "run").touch()
+    for out in (tmp_path / "run", tmp_path / "run" / "first"):
+        with pytest.raises(isola_hbm.FolderInUse, match="run: a file, where the folder of the run is to be"):
+            isola_hbm.sweep(Model([[1]], [[1]]), [1], out=out, progress=False)
+
+
+@pytest.mark.needs_program
 def test_doubts_are_a_warning(tmp_path: Path) -> None:
     model = Model.load(MODELS / "duffing")
     settings = {"search": "none", "branch": {"max_points": 10}, "harmonics": {"count": 3}}
@@ -273,7 +346,7 @@ def test_an_interrupt_ends_the_sweep_and_keeps_the_run(tmp_path: Path) -> None:
         if line.startswith("running: "):
             raise KeyboardInterrupt
 
-    threads = threading.active_count()
+    threads, handler = threading.active_count(), signal.getsignal(signal.SIGINT)
     with pytest.raises(KeyboardInterrupt):
         isola_hbm.sweep(
             MODELS / "nonlinear_damper",
@@ -286,7 +359,7 @@ def test_an_interrupt_ends_the_sweep_and_keeps_the_run(tmp_path: Path) -> None:
     assert run.stage == "sweep"
     assert any("still to be done" in sentence for sentence in run.check())
     assert threading.active_count() == threads
-    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    assert signal.getsignal(signal.SIGINT) is handler
 
 
 @pytest.mark.needs_program

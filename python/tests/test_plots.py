@@ -49,6 +49,7 @@ def test_response(damper: Path) -> None:
 def test_levels_are_chosen_and_axes_given(damper: Path) -> None:
     run = isola_hbm.load(damper)
     _, mine = plt.subplots()
+    assert labels(run.plot.response(0.006)) == labels(run.plot.response(["0.006"]))
     axes = run.plot.response(["0.006", 0.007], ax=mine, backbone=False)
     assert axes is mine
     assert labels(axes) == ["A = 0.006", "A = 0.007"]
@@ -105,7 +106,8 @@ def test_motion(blade: Path) -> None:
     assert axes.get_ylabel().startswith("argument")
     with pytest.raises(IndexError, match="point 999 of 121"):
         run.plot.motion("20/main", point=999)
-    with pytest.raises(KeyError):
+    assert labels(run.plot.motion("20/main", dofs="b0.r")) == ["b0.r"]
+    with pytest.raises(KeyError, match="no `b9.r` among what is stored of a motion; there are b0.r, "):
         run.plot.motion("20/main", dofs=["b9.r"])
 
 

@@ -12,6 +12,8 @@ from pathlib import Path
 import pytest
 from runs import MODELS, ROOT, program
 
+import isola_hbm
+
 
 def test_the_examples_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("ISOLA_BIN", str(program().absolute()))
@@ -58,3 +60,23 @@ def test_the_first_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None
     for row in rows:
         peak = float(re.findall(r"\d\.\d+e[-\d]+", row)[-1])
         assert any(abs(float(number) / peak - 1) < 1e-4 for number in re.findall(r"\d\.\d+(?:e[-\d]+)?", summary)), row
+
+
+def test_a_model_of_your_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("PATH", f"{program().absolute().parent}{os.pathsep}{os.environ['PATH']}")
+    chapter = "A model of your own"
+    model, study = blocks(ROOT / "README.md", chapter, "toml")
+    (commands,) = blocks(ROOT / "README.md", chapter, "sh")
+    (tmp_path / "own").mkdir()
+    (tmp_path / "own" / "model.toml").write_text(model, "utf-8")
+    (tmp_path / "own" / "study.toml").write_text(study, "utf-8")
+    done = subprocess.run(["sh", "-ec", commands], cwd=tmp_path, check=True, capture_output=True, text=True, timeout=300)
+    assert "9.0808 rad/s" in done.stdout and "15.5737 rad/s" in done.stdout
+    run = isola_hbm.load(tmp_path / "runs" / "own")
+    assert list(run) == ["0.4/main", "0.7/main", "0.7/isola 1", "1/main", "1/isola 1"]
+    peaks = run.summary["amplitude_max"]
+    assert 11.5 < peaks["1/isola 1"] / peaks["1/main"] < 12.5
+    born = run.events.query("kind == 'birth'").set_index("source")["forcing"]
+    assert abs(born["computed"] - 0.455) < 1e-3 and abs(born["predicted"] - 0.453) < 1e-3
+    for picture in ("own.png", "map.png"):
+        assert (tmp_path / picture).stat().st_size > 1000

@@ -18,9 +18,10 @@ use solver::response::branch::{Branch, BranchKind, BranchPoint, Outcome, Stop};
 use solver::response::forced::{Forced, Reach};
 use solver::response::modes::{Backbones, LeftOut};
 use solver::response::seeds::Landing;
-use solver::response::task::{BranchId, Finding, SeedOutcome, Task, VerifyPlace, plan};
+use solver::response::task::{BranchId, Finding, MarchPlace, SeedOutcome, Task, VerifyPlace, plan};
 use solver::response::trace::{Given, carry_out};
 use solver::settings::{ModeChoice, ModeList, Settings, Stretch};
+use solver::stability::settling::{SettleSettings, Settling, settle};
 use solver::stability::verification::{Verification, verify};
 use solver::structure::{Model, ModelData};
 use std::collections::HashMap;
@@ -142,23 +143,28 @@ impl Study {
         let branch = found.branch.as_ref().unwrap().branch(&Size::of(&self.model)).unwrap();
         let place = VerifyPlace { branch: found.name.unwrap(), stretch: Stretch::Whole };
         let verification = verify(&self.model, &branch, place.stretch, &mut quiet).unwrap();
-        let (task, amplitude) = (TaskId::of_verification(&found.amplitude.text, &place).unwrap(), &found.amplitude);
-        let sequence = store.done().unwrap().len() as u64 + 1;
-        let (attempt, outcome) = (Attempt(1), SeedOutcome::Verified(verification.points.len()));
-        let added = AddedTask { id: task.clone(), amplitude: amplitude.text.clone(), task: Task::Verify(place) };
-        let result = StoredResult {
-            branch: None,
-            verification: Some(verification.clone()),
-            name: None,
-            task: task.clone(),
-            attempt,
-            work: added.task,
-            outcome,
-            ..found.clone()
-        };
-        let done = Change::Done { task, attempt, outcome, sequence };
-        store.commit(&[Change::Added(vec![added]), done, Change::Result(accepted(result, sequence))]).unwrap();
+        let task = TaskId::of_verification(&found.amplitude.text, &place).unwrap();
+        let outcome = SeedOutcome::Verified(verification.points.len());
+        let result = marched(found, task, Task::Verify(place), outcome);
+        commit_marched(store, StoredResult { verification: Some(verification.clone()), ..result });
         verification
+    }
+
+    /// Marches on from a point of a branch of a finished run, and stores what that comes to.
+    pub fn march(&self, store: &mut Store, found: &StoredResult, index: usize) -> Settling {
+        let branch = found.branch.as_ref().unwrap().branch(&Size::of(&self.model)).unwrap();
+        let id = found.name.unwrap();
+        let place = MarchPlace { branch: id, index, omega: branch.points[index].omega() };
+        let known = [(id, &branch)];
+        let (settings, model) = (SettleSettings::default(), &self.model);
+        let settling =
+            settle(model, &settings, &known, &branch, &place, &mut |_, _| ControlFlow::Continue(())).unwrap();
+        let task = TaskId::of_march(&found.amplitude.text, &place).unwrap();
+        let outcome = SeedOutcome::Marched(settling.periods);
+        let result =
+            StoredResult { settling: Some(settling.clone()), ..marched(found, task, Task::March(place), outcome) };
+        commit_marched(store, result);
+        settling
     }
 
     /// A finished run in `dir` whose branches beside the main ones leave through the amplitude bound.
@@ -318,6 +324,7 @@ impl<'s> Sweep<'s> {
             landings: landings.as_deref().map(LandingsMessage::from),
             verification: None,
             disturbance: None,
+            settling: None,
             worker: worker(),
             program: "0.1.0".into(),
             seconds: 0.25,
@@ -330,6 +337,20 @@ impl<'s> Sweep<'s> {
         let (task, attempt, sequence) = (granted.task.clone(), granted.attempt, self.results.len() as u64);
         vec![Change::Done { task, attempt, outcome, sequence }, Change::Result(accepted(result, sequence))]
     }
+}
+
+/// The result of a task that marches from a branch, without what it found.
+fn marched(found: &StoredResult, task: TaskId, work: Task, outcome: SeedOutcome) -> StoredResult {
+    StoredResult { branch: None, name: None, attempt: Attempt(1), task, work, outcome, ..found.clone() }
+}
+
+/// Adds the task of a result to a finished run, and the result.
+fn commit_marched(store: &mut Store, result: StoredResult) {
+    let (task, attempt, outcome) = (result.task.clone(), result.attempt, result.outcome);
+    let added = AddedTask { id: task.clone(), amplitude: result.amplitude.text.clone(), task: result.work };
+    let sequence = store.done().unwrap().len() as u64 + 1;
+    let done = Change::Done { task, attempt, outcome, sequence };
+    store.commit(&[Change::Added(vec![added]), done, Change::Result(accepted(result, sequence))]).unwrap();
 }
 
 /// A result as it is stored.

@@ -59,8 +59,47 @@ pub struct LevelPlan {
     pub tasks: Vec<Task>,
 }
 
+/// Kinds of tasks, as [`kind`] names them.
+pub const KINDS: [&str; 10] =
+    ["main", "land", "seed", "fold", "crossing", "start", "begin", "verify", "disturb", "march"];
+
+/// What kind of task this is, in one word.
+pub fn kind(task: &Task) -> &'static str {
+    KINDS[place_of_kind(task)]
+}
+
+/// Where its kind stands in [`KINDS`].
+pub fn place_of_kind(task: &Task) -> usize {
+    match task {
+        Task::Main(_) => 0,
+        Task::Land(_) => 1,
+        Task::Seed(_) => 2,
+        Task::Fold(_) => 3,
+        Task::Crossing(_) => 4,
+        Task::Start(_) => 5,
+        Task::Begin(_) => 6,
+        Task::Verify(_) => 7,
+        Task::Disturb(_) => 8,
+        Task::March(_) => 9,
+    }
+}
+
+/// Levels that are added to a run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Extension {
+    /// Keys and values that the command line changed in the study, as those of a run that began with all levels.
+    pub overrides: Vec<(String, String)>,
+    /// The study with all levels, TOML.
+    pub study: String,
+    /// The levels that are added.
+    pub amplitudes: Vec<Amplitude>,
+    /// Within which frequencies and amplitudes branches are followed from now on, and the work of the levels that are added; none as
+    /// long as the backbones are not known.
+    pub plan: Option<(Reach, Vec<LevelPlan>)>,
+}
+
 /// A computing thread of a worker.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct Holder {
     /// Worker.
     pub worker: WorkerId,

@@ -48,6 +48,17 @@ pub fn differences(old_resolved: &str, new_resolved: &str) -> Vec<Difference> {
         .collect()
 }
 
+/// A text of a resolved study with other forcing amplitudes, each as typed.
+///
+/// # Errors
+/// If the text is not TOML.
+pub fn with_amplitudes(resolved: &str, amplitudes: &[&str]) -> Result<String, toml::de::Error> {
+    let mut table: Table = resolved.parse()?;
+    let list = amplitudes.iter().map(|&amplitude| Value::from(amplitude)).collect();
+    table.insert("amplitudes".into(), Value::Array(list));
+    Ok(table.to_string())
+}
+
 /// Dotted keys with their values as TOML, in alphabetical order, of a text of
 /// resolved studies; none of a text that is not TOML. Long lists are shortened.
 pub fn settings(resolved: &str) -> Vec<(String, String)> {

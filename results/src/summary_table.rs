@@ -1,6 +1,7 @@
 //! The closing table of a run: what was found at every forcing level, no line longer than its reader's terminal.
 
 mod footnotes;
+mod motions;
 mod pushes;
 mod units;
 
@@ -76,6 +77,8 @@ pub fn table(reader: &Reader, layout: Layout) -> Result<String> {
     if let Some(sentence) = rise(&overview, layout.units) {
         say(&sentence);
     }
+    let motions = omissions.read("The list of motions is", reader.motions()).unwrap_or_default();
+    motions::sentences(&motions, layout.units).iter().for_each(|sentence| say(sentence));
     let pushes = omissions.read("The list of pushes is", reader.pushes()).unwrap_or_default();
     let names = |model: &ModelMessage| model.monitors.iter().filter_map(|&dof| model.dofs.get(dof)).cloned().collect();
     let monitors: Vec<String> = overview.model.as_ref().map(names).unwrap_or_default();

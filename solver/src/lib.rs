@@ -56,6 +56,8 @@
 //! Laws are a closed set: they travel in messages and files, so a new one is added to the library (one file, its `mod`
 //! line and its row in a table) rather than from outside.
 
+#![warn(clippy::missing_errors_doc)]
+
 pub mod curve;
 pub mod files;
 pub mod formulation;

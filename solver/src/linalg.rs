@@ -8,7 +8,7 @@ mod lu;
 pub use eigen::{eigenvalues, symmetric_eigen};
 pub use lu::{Lu, solve_complex};
 
-use faer::MatRef;
+use faer::{Accum, MatMut, MatRef, Par};
 use std::ops::{Index, IndexMut};
 use thiserror::Error;
 
@@ -108,6 +108,19 @@ impl Matrix {
     fn view(&self) -> MatRef<'_, f64> {
         MatRef::from_row_major_slice(&self.data, self.rows, self.cols)
     }
+}
+
+/// `out` = A B of row-major matrices, `inner` the number of columns of A and of rows of B.
+pub fn multiply(a: &[f64], b: &[f64], inner: usize, out: &mut [f64]) {
+    let (rows, cols) = (a.len() / inner, b.len() / inner);
+    faer::linalg::matmul::matmul(
+        MatMut::from_row_major_slice_mut(out, rows, cols),
+        Accum::Replace,
+        MatRef::from_row_major_slice(a, rows, inner),
+        MatRef::from_row_major_slice(b, inner, cols),
+        1.0,
+        Par::Seq,
+    );
 }
 
 impl Index<(usize, usize)> for Matrix {

@@ -1,4 +1,4 @@
-//! Predictors, correctors, cancelling: every way of walking finds the same closed curve.
+//! Predictors, correctors, symmetries, cancelling: every way of walking finds the same closed curve.
 
 use solver::curve::continuation::{Corrector, Predictor};
 use solver::files;
@@ -38,6 +38,31 @@ fn every_predictor_and_corrector_closes_the_same_isola() {
             let peaks = (branch.peak().amplitude(), reference.peak().amplitude());
             for (found, expected) in [(a, c), (b, d), peaks] {
                 assert!((found / expected - 1.0).abs() < 1e-6, "{predictor:?}, {corrector:?}: {found} for {expected}");
+            }
+        }
+    }
+}
+
+/// Where responses of twice the period branch off (with a forcing on harmonic 2), or asymmetric ones (of an odd law), the main
+/// branch goes straight on: its motions keep the period of the forcing, and their mirror images.
+#[test]
+fn main_branches_keep_their_symmetry_where_others_branch_off() {
+    for (name, harmonics, forcing, first_odd) in [("chain_subharmonic", 20, 2.25, 1), ("duffing", 15, 1.0, 2)] {
+        let model = load(name);
+        let mut settings = Settings::default();
+        settings.harmonics.count = harmonics;
+        settings.frequency.min = Some(0.2);
+        let backbone = Backbone::compute(&model, &settings).unwrap();
+        let main = Forced::new(&model, &settings, Reach::new(&settings, &backbone).unwrap(), forcing)
+            .main_branch(Side::Below, &mut |_| ControlFlow::Continue(()))
+            .unwrap_or_else(|failure| panic!("{name}: {failure}"));
+        assert_eq!(main.outcome, Outcome::Open(Stop::Start, Stop::FrequencyBound), "{name}");
+        for point in &main.points {
+            for series in point.state.modal.chunks(2 * harmonics + 1) {
+                let forbidden = (first_odd..=harmonics).step_by(2).flat_map(|k| [series[2 * k - 1], series[2 * k]]);
+                let largest = forbidden.fold(0.0f64, |largest, x| largest.max(x.abs()));
+                let size = series.iter().fold(0.0f64, |largest, x| largest.max(x.abs()));
+                assert!(largest <= 1e-12 * size.max(1e-3), "{name}, {} rad/s: {largest} of {size}", point.omega());
             }
         }
     }

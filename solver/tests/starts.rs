@@ -65,7 +65,7 @@ fn a_run_affords_as_many_starts_as_its_model_is_small() {
     let (small, blade) = (shipped("duffing", &[]), shipped("rotor67", &[]));
     let mut settings = Settings::default();
     let (few, many) = (batches(&blade, &settings), batches(&small, &settings));
-    assert!((1..8).contains(&few) && BATCH * many == 8192, "{few}, {many}");
+    assert!((1..8).contains(&few) && BATCH * many == 16384, "{few}, {many}");
     settings.search.effort = Effort::Thorough;
     assert_eq!(batches(&blade, &settings), 16 * few);
     settings.search.effort = Effort::None;

@@ -305,6 +305,22 @@ def view(page):
     return [*ends[:2], ends[2] * unit, ends[3] * unit]
 
 
+def test_what_is_unstable_is_dashed_while_it_is_followed(browser, tmp_path):
+    run = tmp_path / "run"
+    study = REPOSITORY / "models/nonlinear_damper/study.toml"
+    with started("sweep", study, "--amplitudes", "0.007", "--stay", "--workers", 1, "--out", run):
+        wait_for(run / "address")
+        with started("watch", run, "--page") as watch:
+            url = watch.stdout.readline().split()[0]
+            with Page(browser, url, allowed=(url, "data:", "blob:")) as page:
+                page.locator(".legend span", has_text="unstable, where verified").wait_for(timeout=300_000)
+                dashed = """() => [...Bokeh.index][0].model.renderers.flatMap(
+                    ({ data_source }) => [...(data_source?.data.line_dash ?? [])]).some((dash) => dash.length > 0)"""
+                page.wait_for_function(dashed)
+                # The verified branch has taken the place of the one that came before.
+                page.locator(f"[data-figure][data-branches='{branches_stored(run)}']").wait_for()
+
+
 def test_a_run_is_followed_to_its_end(browser, tmp_path):
     """A reader who has zoomed keeps the view, and a level that is hidden stays so, whatever comes."""
     run = tmp_path / "run"

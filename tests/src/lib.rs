@@ -245,16 +245,18 @@ impl System {
         end().expect("what has ended stays so")
     }
 
-    /// Starts a worker and freezes it when it has a task. What it has sent before may still arrive.
-    pub fn frozen_worker(&mut self) -> (Process, Attempt) {
-        let worker = self.worker();
+    /// A worker whose lease of a task has expired: it is frozen, then `then` is done to it. A result that was on its way
+    /// may still arrive: then another one.
+    pub fn expired_worker(&mut self, then: impl Fn(&Process)) -> Process {
         loop {
+            let worker = self.worker();
             let attempt = self.attempt_of(&worker);
             worker.signal(Signal::STOP);
-            if results::end_of(&self.directory(), &attempt).is_none() {
-                return (worker, attempt);
+            then(&worker);
+            match self.end_of(&attempt).as_str() {
+                "expired" => return worker,
+                end => assert_eq!(end, "done"),
             }
-            worker.signal(Signal::CONT);
         }
     }
 

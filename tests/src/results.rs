@@ -68,6 +68,11 @@ pub fn number(directory: &Path, sql: &str) -> i64 {
     store(directory).query_row(sql, [], |row| row.get(0)).unwrap_or_else(|error| panic!("{sql}: {error}"))
 }
 
+/// A text from the store.
+pub fn text(directory: &Path, sql: &str) -> String {
+    store(directory).query_row(sql, [], |row| row.get(0)).unwrap_or_else(|error| panic!("{sql}: {error}"))
+}
+
 /// A task that was handed out.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Attempt {

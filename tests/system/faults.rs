@@ -10,26 +10,13 @@ use std::net::{Shutdown, TcpListener, TcpStream};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
-use tests::{Process, System, block_on, complaint, isola, own_endpoint};
-
-/// A worker with a task that comes to its end by a signal; `then` is done to it while it is frozen. A result that was on
-/// its way may still arrive: then once more.
-fn expired(system: &mut System, then: impl Fn(&Process)) -> Process {
-    loop {
-        let (worker, attempt) = system.frozen_worker();
-        then(&worker);
-        match system.end_of(&attempt).as_str() {
-            "expired" => return worker,
-            end => assert_eq!(end, "done"),
-        }
-    }
-}
+use tests::{System, block_on, complaint, isola, own_endpoint};
 
 /// At least once, acknowledged late.
 #[test]
 fn a_worker_killed_in_the_middle_of_a_branch() {
     let mut system = System::sweep(DAMPER, &[LEVELS, FINE, SHORT].concat());
-    let _killed = expired(&mut system, |worker| worker.signal(Signal::KILL));
+    let _killed = system.expired_worker(|worker| worker.signal(Signal::KILL));
     let _second = system.worker();
     system.expect_complete();
 }
@@ -38,7 +25,7 @@ fn a_worker_killed_in_the_middle_of_a_branch() {
 #[test]
 fn a_worker_frozen_past_its_lease() {
     let mut system = System::sweep(DAMPER, &[LEVELS, FINE, SHORT, &["--stay"]].concat());
-    let mut frozen = expired(&mut system, |_| {});
+    let mut frozen = system.expired_worker(|_| {});
     let _second = system.worker();
     system.wait_until_finished();
     frozen.signal(Signal::CONT);

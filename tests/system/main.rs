@@ -4,6 +4,7 @@
 //! busy the machine is. Times are limits after which something has failed.
 
 mod control;
+mod extending;
 mod faults;
 mod first_steps;
 mod hostile;
@@ -11,6 +12,7 @@ mod input;
 mod pages;
 mod pipes;
 mod secrets;
+mod serving;
 mod slow_links;
 mod stalls;
 mod stand_in;

@@ -7,10 +7,11 @@ use solver::response::branch::{Branch, BranchPoint};
 use solver::response::critical::CriticalCurve;
 use solver::response::forced::{Forced, Reach};
 use solver::response::seeds::{Landing, Seed};
-use solver::response::task::{BranchId, DisturbPlace, Finding, SeedOutcome, Task, VerifyPlace};
+use solver::response::task::{BranchId, DisturbPlace, Finding, MarchPlace, SeedOutcome, Task, VerifyPlace};
 use solver::response::trace::{Given, carry_out};
 use solver::settings::Settings;
 use solver::stability::disturbance::{DisturbSettings, disturb};
+use solver::stability::settling::{SettleSettings, settle};
 use solver::stability::verification::verify;
 use solver::structure::Model;
 use std::any::Any;
@@ -156,6 +157,7 @@ fn compute(model: &Model, settings: &Settings, job: &Job, watch: &Watch) -> Comp
     match &job.work {
         Task::Verify(place) => return verified(model, job, place, watch),
         Task::Disturb(place) => return disturbed(model, job, place, watch),
+        Task::March(place) => return marched(model, job, place, watch),
         _ => {}
     }
     // New for every job: a result must not depend on what this thread computed before.
@@ -206,6 +208,23 @@ fn disturbed(model: &Model, job: &Job, place: &DisturbPlace, watch: &Watch) -> C
     };
     let outcome = SeedOutcome::Disturbed(found.endings.len());
     let payload = payload(job, started, FindingMessage::Disturbance(found));
+    Computed::Finished(Finished { payload, finding: Finding::Nothing(outcome), summary: outcome.to_string() })
+}
+
+/// What an unstable motion turns into.
+fn marched(model: &Model, job: &Job, place: &MarchPlace, watch: &Watch) -> Computed {
+    let started = Instant::now();
+    let known: Vec<(BranchId, &Branch)> = job.known.iter().map(|(id, branch)| (*id, &**branch)).collect();
+    let branch = known.iter().find(|(id, branch)| *id == place.branch && place.index < branch.points.len());
+    let Some((_, branch)) = branch else {
+        return Computed::Failed(format!("the branch to march from, {}, is not among those named", place.branch));
+    };
+    let mut observer = |omega: f64, amplitude: f64| watch.note(omega, amplitude);
+    let Some(found) = settle(model, &SettleSettings::default(), &known, branch, place, &mut observer) else {
+        return Computed::Stopped;
+    };
+    let outcome = SeedOutcome::Marched(found.periods);
+    let payload = payload(job, started, FindingMessage::Settling(found));
     Computed::Finished(Finished { payload, finding: Finding::Nothing(outcome), summary: outcome.to_string() })
 }
 

@@ -6,10 +6,11 @@
 //! | module | holds |
 //! |---|---|
 //! | [`options`], [`error`], [`program`] | command line; errors and exit codes; the whole program |
-//! | [`terminal`] | what people are told |
+//! | [`terminal`], [`log`] | what people are told; what is logged |
 //! | [`shutdown`] | signals and lifeline |
 //! | [`join`], [`identity`] | finding the run and fetching its model; the worker's name |
 //! | [`shared`], [`slot`] | what the computing threads share; one of them: lease, trace, submit |
+//! | [`leasing`] | asking for work until there is some |
 //! | [`bus`], [`patience`] | requests to the coordinator; how long and how often they are repeated |
 //! | [`renewal`] | signs of life of a task under way |
 //! | [`findings`], [`compute`] | landings, branches and fold curves found before; the thread that computes |
@@ -18,7 +19,7 @@
 //!
 //! | code | when |
 //! |---|---|
-//! | 0 | all work is done, the run was cancelled, or the worker was told to end (SIGTERM, SIGINT, lifeline) |
+//! | 0 | all work is done, the run was cancelled, nothing was to be done for `--idle-exit`, or it was told to end (SIGTERM, SIGINT, lifeline) |
 //! | 1 | no coordinator or no run was found in time, or the coordinator was gone for longer than patience lasts |
 //! | 2 | wrong options |
 //! | 3 | this worker and this run do not fit (another version, another model, several runs to choose from): starting it again will not help |
@@ -33,6 +34,8 @@ pub mod error;
 pub mod findings;
 pub mod identity;
 pub mod join;
+pub mod leasing;
+pub mod log;
 pub mod options;
 pub mod patience;
 pub mod program;
@@ -44,5 +47,6 @@ pub mod terminal;
 
 pub use error::WorkerError;
 pub use identity::host_name;
+pub use log::LogFormat;
 pub use options::Options;
 pub use program::{Ending, Summary, run, work};

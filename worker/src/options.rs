@@ -1,5 +1,6 @@
 //! Command line.
 
+use crate::log::LogFormat;
 use protocol::ids::RunId;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
@@ -13,7 +14,7 @@ Examples:
     isola-worker --connect tcp/cluster-head:7447 --slots 4 --grace 120
 
 Exit codes:
-  0  all work is done, the run was cancelled, or the worker was told to end
+  0  all work is done, the run was cancelled, nothing was to be done for --idle-exit, or the worker was told to end
   1  no coordinator or run was found, or the coordinator was gone for too long
   2  wrong options
   3  this worker and this run do not fit: starting it again will not help
@@ -56,6 +57,14 @@ pub struct Options {
     /// How long branches under way may go on after SIGTERM or SIGINT, before they are given back, s.
     #[arg(long, value_name = "SECONDS", default_value = "0", value_parser = seconds)]
     pub grace: Duration,
+
+    /// End, with exit code 0, when there has been nothing to do for so long, s. Default: stay until the run ends.
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    pub idle_exit: Option<Duration>,
+
+    /// How lines on standard error are written.
+    #[arg(long, value_name = "FORMAT", value_enum, default_value_t)]
+    pub log_format: LogFormat,
 
     /// End when standard input ends, as after SIGTERM, and leave SIGINT to whoever holds its other end: a worker does not
     /// outlive the coordinator that started it.

@@ -4,20 +4,19 @@ use crate::bus::Bus;
 use crate::error::WorkerError;
 use crate::identity::worker_id;
 use crate::join;
+use crate::log;
 use crate::options::Options;
 use crate::shared::Shared;
 use crate::shutdown::{self, Phase, Shutdown};
 use crate::slot::Slot;
 use crate::terminal;
 use protocol::keys::Keys;
-use std::io::IsTerminal;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 use tokio::sync::Semaphore;
 use tokio::task::JoinSet;
-use tracing_subscriber::EnvFilter;
 use zenoh::Session;
 
 /// Closing a session may hang for much longer.
@@ -32,6 +31,8 @@ pub enum Ending {
     Drained,
     /// The run was cancelled.
     Cancelled,
+    /// There was nothing to do for so long.
+    Idle,
     /// It was told to.
     Told,
 }
@@ -47,34 +48,31 @@ pub struct Summary {
 
 /// Runs a worker as a program: with its own runtime, signals, log and exit code (see the [library](crate)).
 pub fn run(options: &Options) -> ExitCode {
-    start_log(options.verbose);
+    log::start(options.log_format, default_log(options.verbose));
     match start(options) {
         Ok(summary) => {
             let why = match summary.ending {
                 Ending::Drained => "all work is done",
                 Ending::Cancelled => "the run was cancelled",
+                Ending::Idle => "nothing to do",
                 Ending::Told => "told to end",
             };
             tracing::info!(tasks = summary.done, "{why}");
             ExitCode::SUCCESS
         }
         Err(error) => {
-            terminal::note(format_args!("error: {error}"));
+            terminal::complain(&error);
             ExitCode::from(error.exit_code())
         }
     }
 }
 
-fn start_log(verbose: u8) {
-    let default = match verbose {
+fn default_log(verbose: u8) -> &'static str {
+    match verbose {
         0 => "warn,zenoh=error,worker=info",
         1 => "warn,worker=debug",
         _ => "debug",
-    };
-    let filter = EnvFilter::try_from_env("ISOLA_LOG").unwrap_or_else(|_| EnvFilter::new(default));
-    // Another one may be there already, if this is part of another program.
-    let log = tracing_subscriber::fmt().with_env_filter(filter).with_writer(|| terminal::Log);
-    let _ = log.with_ansi(std::io::stderr().is_terminal()).try_init();
+    }
 }
 
 fn start(options: &Options) -> Result<Summary, WorkerError> {
@@ -93,7 +91,7 @@ fn start(options: &Options) -> Result<Summary, WorkerError> {
     result
 }
 
-/// Works for a run until all is done, it is cancelled, or the worker is told to end. Needs a multi-threaded runtime.
+/// Works for a run until all is done, it is cancelled, there is nothing to do for too long, or the worker is told to end. Needs a multi-threaded runtime.
 pub async fn work(options: &Options, shutdown: &Shutdown) -> Result<Summary, WorkerError> {
     let deadline = join::deadline(options);
     let session = tokio::select! {
@@ -126,13 +124,15 @@ async fn work_within(
     };
     let (run, name) = (&joined.manifest.run, &joined.manifest.name);
     tracing::info!(%run, name, worker = %bus.worker, slots = options.threads(), "joined");
-    let shared = Arc::new(Shared::new(bus, joined, shutdown.clone()));
+    let shared = Arc::new(Shared::new(bus, joined, shutdown.clone(), options.idle_exit));
     let _presence = shared.appear().await?;
     run_slots(&shared, options.threads()).await?;
     let ending = if shared.cancelled.load(Ordering::Relaxed) {
         Ending::Cancelled
     } else if *shared.drained.borrow() {
         Ending::Drained
+    } else if *shared.idle.borrow() {
+        Ending::Idle
     } else {
         Ending::Told
     };

@@ -3,25 +3,19 @@
 use crate::compute::{Computed, Computer, Finished, Job, Watch};
 use crate::error::WorkerError;
 use crate::findings::{Findings, Found};
-use crate::patience::{OutOfPatience, Patience};
+use crate::leasing::{self, LAST_WORDS, lease_of, notice_cancelled, release};
+use crate::patience::OutOfPatience;
 use crate::renewal::{Interruption, keep};
 use crate::shared::Shared;
 use crate::shutdown::Phase;
 use protocol::from_worker::Lease;
-use protocol::session::RequestError;
-use protocol::to_everyone::Stage;
-use protocol::to_worker::{Grant, LeaseReply, SubmitReply};
+use protocol::to_worker::{Grant, SubmitReply};
 use solver::response::task::{Finding, Task};
 use std::pin::{Pin, pin};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 use zenoh::bytes::ZBytes;
-
-/// How much longer a request may take when the worker ends: a result at hand should arrive, a lease not be left behind.
-const LAST_WORDS: Duration = Duration::from_secs(2);
-/// The shortest wait between two requests for work that was not there.
-const SHORTEST_WAIT: Duration = Duration::from_millis(5);
 
 /// One computing thread with what drives it.
 pub struct Slot {
@@ -40,73 +34,18 @@ impl Slot {
         Ok(Self { shared, number, computer, known })
     }
 
-    /// Works until all is done, the run is cancelled, or the worker is told to end.
+    /// Works until all is done, the run is cancelled, there is nothing to do for too long, or the worker is told to end.
     pub async fn run(mut self) -> Result<(), WorkerError> {
-        while let Some(grant) = self.lease().await? {
+        while let Some(grant) = leasing::next(&self.shared, self.number).await? {
             self.carry_out(grant).await?;
         }
         Ok(())
     }
 
-    /// Asks for work until there is some; `None`: no more.
-    async fn lease(&self) -> Result<Option<Grant>, WorkerError> {
-        let shared = &self.shared;
-        let mut patience = Patience::new(shared.bus.patience);
-        while !shared.is_over() {
-            let reply = tokio::select! {
-                reply = shared.bus.lease(self.number) => reply,
-                () = shared.shutdown.reached_for(Phase::Finishing, LAST_WORDS) => break,
-            };
-            match reply {
-                Ok(LeaseReply::Grant(grant)) if shared.shutdown.phase() > Phase::Working => {
-                    self.release(&self.lease_of(&grant)).await;
-                }
-                Ok(LeaseReply::Grant(grant)) => return Ok(Some(grant)),
-                Ok(LeaseReply::Wait { retry_ms }) => {
-                    patience.restore();
-                    shared.rest(Duration::from_millis(retry_ms).max(SHORTEST_WAIT)).await;
-                }
-                Ok(LeaseReply::Drained) => {
-                    shared.drained.send_replace(true);
-                }
-                Ok(LeaseReply::Stop { reason }) => self.stop(reason).await?,
-                Err(error @ (RequestError::Refused(_) | RequestError::Codec(_))) => {
-                    return Err(shared.refused(error.to_string()));
-                }
-                Err(RequestError::NoReply | RequestError::Closed(_)) => {
-                    let pause = patience.next_pause().map_err(|OutOfPatience| shared.abandoned())?;
-                    shared.rest(pause).await;
-                }
-            }
-        }
-        Ok(None)
-    }
-
-    /// There is no work for this worker, ever: an ordinary end if the run was cancelled.
-    async fn stop(&self, reason: String) -> Result<(), WorkerError> {
-        if self.notice_cancelled().await {
-            return Ok(());
-        }
-        Err(self.shared.refused(reason))
-    }
-
-    /// Asks whether the run was cancelled.
-    async fn notice_cancelled(&self) -> bool {
-        let cancelled = self.shared.bus.manifest().await.is_ok_and(|manifest| manifest.stage == Stage::Cancelled);
-        if cancelled {
-            self.shared.cancelled.store(true, Ordering::Relaxed);
-        }
-        cancelled
-    }
-
-    fn lease_of(&self, grant: &Grant) -> Lease {
-        let worker = self.shared.bus.worker.clone();
-        Lease { task: grant.task.clone(), attempt: grant.attempt, worker, slot: self.number }
-    }
-
     async fn carry_out(&mut self, grant: Grant) -> Result<(), WorkerError> {
         let shared = self.shared.clone();
-        let (lease, watch) = (self.lease_of(&grant), Arc::new(Watch::default()));
+        let _busy = shared.begin();
+        let (lease, watch) = (lease_of(&self.shared, self.number, &grant), Arc::new(Watch::default()));
         tracing::debug!(task = %lease.task, attempt = %lease.attempt, slot = self.number, "leased");
         let ttl = Duration::from_millis(grant.ttl_ms);
         let (hints, drained) = (shared.hints.subscribe(), shared.drained.subscribe());
@@ -219,13 +158,13 @@ impl Slot {
             Interruption::Lost => {}
             Interruption::Abandoned => return Err(self.shared.abandoned()),
             Interruption::Stopping => {
-                self.release(lease).await;
+                release(&self.shared, lease).await;
                 return Ok(());
             }
             Interruption::Cancelled => {
                 // Asked for before the task is given back: the coordinator may end after that.
-                self.notice_cancelled().await;
-                self.release(lease).await;
+                notice_cancelled(&self.shared).await;
+                release(&self.shared, lease).await;
             }
         }
         tokio::select! {
@@ -233,13 +172,6 @@ impl Slot {
             () = self.shared.shutdown.reached(Phase::Stopping) => {}
         }
         Ok(())
-    }
-
-    async fn release(&self, lease: &Lease) {
-        tokio::select! {
-            () = self.shared.bus.release(lease) => {}
-            () = self.shared.shutdown.reached_for(Phase::Stopping, LAST_WORDS) => {}
-        }
     }
 }
 

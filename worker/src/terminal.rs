@@ -3,6 +3,7 @@
 
 use std::fmt::Display;
 use std::io::{self, ErrorKind, Write};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Writes to standard output.
 ///
@@ -16,9 +17,38 @@ pub fn print(text: impl Display) -> io::Result<()> {
     }
 }
 
+/// What is told to people where everything is written as JSON.
+pub(crate) const TARGET: &str = "isola";
+
+/// Whether lines on standard error are JSON.
+static IS_JSON: AtomicBool = AtomicBool::new(false);
+
+/// From now on what people are told is part of the log.
+pub(crate) fn write_json() {
+    IS_JSON.store(true, Ordering::Relaxed);
+}
+
+/// Whether what people are told is part of the log.
+pub fn is_json() -> bool {
+    IS_JSON.load(Ordering::Relaxed)
+}
+
 /// Writes a line to standard error; says whether somebody may have read it.
 pub fn note(line: impl Display) -> bool {
+    if is_json() {
+        tracing::info!(target: TARGET, "{line}");
+        return true;
+    }
     writeln!(io::stderr().lock(), "{line}").is_ok()
+}
+
+/// Says on standard error why this process ends.
+pub fn complain(error: impl Display) {
+    if is_json() {
+        tracing::error!(target: TARGET, "{error}");
+    } else {
+        note(format_args!("error: {error}"));
+    }
 }
 
 /// Standard error for a log, which would have nowhere else to go.

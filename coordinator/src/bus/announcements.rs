@@ -15,12 +15,17 @@ pub async fn announce(session: Session, keys: Keys, mut news: UnboundedReceiver<
             News::Manifest(manifest) => put(&session, &keys.run(), &*manifest),
             News::Done(done) => put(&session, &keys.done(&done.task), &done),
             News::Status(status) => put(&session, &keys.status(), &status),
-            News::Hint => {
-                let hint = session.put(keys.hint(), "").congestion_control(CongestionControl::Drop).wait();
-                let _ = hint.inspect_err(|error| tracing::debug!(%error, "no hint"));
-            }
+            News::Load(_) => {}
+            News::Hint => nudge(&session, &keys.hint()),
+            News::Wake(worker) => nudge(&session, &keys.wake(&worker)),
         }
     }
+}
+
+/// Tells that there is something to ask; dropped where there is no room on the way.
+fn nudge(session: &Session, key: &str) {
+    let put = session.put(key, "").congestion_control(CongestionControl::Drop).wait();
+    let _ = put.inspect_err(|error| tracing::debug!(key, %error, "no hint"));
 }
 
 /// Puts a message on the bus; dropped where there is no room on the way.

@@ -2,7 +2,7 @@
 //! equations on the blocking pool, and then handed to the engine.
 
 use super::answers::{Answers, respond};
-use crate::engine::{Answer, CheckedResult, Event, Expected, Offer, Reference, Request};
+use crate::engine::{Answer, CheckedResult, Event, Expected, Meters, Offer, Reference, Request};
 use protocol::from_worker::{Lease, SubmitRequest};
 use protocol::ids::TaskId;
 use protocol::session::{answer, question_parts, refuse};
@@ -28,6 +28,7 @@ pub(super) struct Intake {
     runtime: Handle,
     answers: Arc<Answers>,
     reference: Reference,
+    meters: Meters,
     /// Largest result, bytes; as many of all results together wait to be checked.
     most: usize,
     /// Bytes of results that wait or are checked.
@@ -40,15 +41,23 @@ pub(super) struct Intake {
 
 impl Intake {
     /// Takes results of at most so many bytes in, checked against this.
-    pub fn new(engine: Sender<Request>, answers: Arc<Answers>, reference: Reference, most: usize) -> Self {
+    pub fn new(
+        engine: Sender<Request>,
+        answers: Arc<Answers>,
+        reference: Reference,
+        meters: Meters,
+        most: usize,
+    ) -> Self {
         let room = Arc::new(Semaphore::new(units(most)));
         let draw = uuid::Uuid::new_v4().as_u64_pair().0;
-        Self { engine, runtime: Handle::current(), answers, reference, most, held: Arc::default(), room, draw }
+        let (runtime, held) = (Handle::current(), Arc::default());
+        Self { engine, runtime, answers, reference, meters, most, held, room, draw }
     }
 
     /// Takes a result of a task; answers it later.
     pub fn take(self: &Arc<Self>, query: Query, task: TaskId) {
         let size = query.payload().map_or(0, |payload| payload.len());
+        self.meters.received.inc_by(size as u64);
         if size > self.most {
             let why = format!("the result has {size} bytes, this run accepts {}", self.most);
             return self.reply(query, SubmitReply::Rejected { why });

@@ -13,7 +13,7 @@ mod state;
 pub use announcements::announce;
 pub use state::{PublishedSweep, RunState};
 
-use crate::engine::{Event, Reference, Request};
+use crate::engine::{Event, Meters, Reference, Request};
 use answers::Answers;
 use protocol::codec::decode;
 use protocol::ids::{TaskId, WorkerId};
@@ -42,6 +42,8 @@ pub struct Served {
     pub model_bytes: Vec<u8>,
     /// What results are checked against.
     pub reference: Reference,
+    /// What is counted.
+    pub meters: Meters,
     /// The run as it is.
     pub state: watch::Receiver<RunState>,
 }
@@ -60,10 +62,10 @@ pub async fn serve(
     served: Served,
     engine: Sender<Request>,
 ) -> Result<Presence, zenoh::Error> {
-    let Served { directory, model_bytes, reference, state } = served;
+    let Served { directory, model_bytes, reference, meters, state } = served;
     let most = state.borrow().manifest.max_result_bytes;
     let answers = Answers { session: session.clone(), keys: keys.clone(), state: state.clone() };
-    let requests = Requests::new(engine.clone(), keys.clone(), answers, reference, most);
+    let requests = Requests::new(engine.clone(), keys.clone(), answers, (reference, meters), most);
     let take = move |query| requests.take(query);
     let mut queryables = vec![session.declare_queryable(keys.requests()).complete(true).callback(take).await?];
     let queries = Arc::new(Queries::new(directory, keys.clone(), model_bytes, state));

@@ -4,7 +4,7 @@
 
 use super::answers::{Answers, respond};
 use super::intake::Intake;
-use crate::engine::{Event, Reference, Request};
+use crate::engine::{Event, Meters, Reference, Request};
 use protocol::codec::Message;
 use protocol::ids::TaskId;
 use protocol::keys::{Keys, last_chunk};
@@ -27,10 +27,16 @@ pub(super) struct Requests {
 }
 
 impl Requests {
-    /// Hands requests to the engine; results of at most so many bytes once they are checked against this.
-    pub fn new(engine: Sender<Request>, keys: Keys, answers: Answers, reference: Reference, most: usize) -> Self {
+    /// Hands requests to the engine; results of at most so many bytes once they are checked against this, counted here.
+    pub fn new(
+        engine: Sender<Request>,
+        keys: Keys,
+        answers: Answers,
+        (reference, meters): (Reference, Meters),
+        most: usize,
+    ) -> Self {
         let answers = Arc::new(answers);
-        let intake = Arc::new(Intake::new(engine.clone(), answers.clone(), reference, most));
+        let intake = Arc::new(Intake::new(engine.clone(), answers.clone(), reference, meters, most));
         Self { engine, keys, runtime: Handle::current(), answers, intake }
     }
 

@@ -1,5 +1,6 @@
 //! What anyone may ask of a run that goes on, as it is now.
 
+use crate::ledger::Load;
 use protocol::backbone::BackboneMessage;
 use protocol::codec::encode;
 use protocol::curve::Seeds;
@@ -10,6 +11,7 @@ use solver::formulation::modal::Modal;
 use solver::response::backbone::Backbone;
 use solver::response::task::Task;
 use std::sync::Arc;
+use std::time::Instant;
 
 /// A run as it is now. Whoever carries it out changes it, whoever answers reads it.
 pub struct RunState {
@@ -17,8 +19,19 @@ pub struct RunState {
     pub manifest: Manifest,
     /// Latest status.
     pub status: Option<Status>,
+    /// How busy everybody is, once there is a sweep.
+    pub load: Option<Load>,
+    /// When the status was last told.
+    pub told: Instant,
     /// The sweep, once its backbone is known.
     pub sweep: Option<Arc<PublishedSweep>>,
+}
+
+impl RunState {
+    /// Of a run that begins or goes on.
+    pub fn new(manifest: Manifest) -> Self {
+        Self { manifest, status: None, load: None, told: Instant::now(), sweep: None }
+    }
 }
 
 /// What is known when a sweep begins.

@@ -8,6 +8,7 @@ use solver::formulation::linear::forced_response;
 use solver::formulation::pressure::PressureForm;
 use solver::formulation::scales::Scales;
 use solver::formulation::unknown::Unknown;
+use solver::settings::FrequencySettings;
 use solver::structure::{ContactElement, Model};
 
 /// Eigenfrequencies that no structure has, rad/s: all of them below or above.
@@ -36,16 +37,28 @@ impl std::fmt::Display for FirstTouch<'_> {
     }
 }
 
-/// Where contacts touch first, the forcing growing at the resonance of the mode that is followed. `None` without contacts,
-/// or where linear response has no bound.
-pub(super) fn first_touch(study: &Study) -> Option<FirstTouch<'_>> {
-    let (model, settings, mode) = (&study.model, &study.settings, study.settings.tracked());
-    let m = model.forcing().harmonic;
-    let (unknown, scales) = (Unknown::Frequency { forcing: 1.0 }, Scales::new(model, mode));
-    let problem = PressureForm::build(model, settings.harmonics, mode, unknown, scales).ok()?;
-    let response = forced_response(&problem, 1.0, model.modes().frequencies[mode] / m as f64).ok()?;
+/// Where contacts touch first, the forcing growing at the resonances of the modes that are followed, those beyond the bounds of
+/// the study left out unless all are. `None` without contacts, or where linear response has no bound.
+pub(super) fn first_touch<'s>(study: &'s Study, followed: &[usize]) -> Option<FirstTouch<'s>> {
+    let (model, settings) = (&study.model, &study.settings);
+    let (unknown, scales) = (Unknown::Frequency { forcing: 1.0 }, Scales::new(model, settings.tracked()));
+    let problem = PressureForm::build(model, settings.harmonics, settings.tracked(), unknown, scales).ok()?;
+    let resonance = |mode: usize| model.modes().frequencies[mode] / model.forcing().harmonic as f64;
+    let FrequencySettings { min, max, .. } = settings.frequency;
+    let is_within =
+        |mode: &usize| min.is_none_or(|min| resonance(*mode) >= min) && max.is_none_or(|max| resonance(*mode) <= max);
+    let first = |modes: Vec<usize>| {
+        let touches = modes.into_iter().filter_map(|mode| touch_of(&problem, model, mode, resonance(mode)));
+        touches.min_by(|a, b| a.forcing.total_cmp(&b.forcing))
+    };
+    first(followed.iter().copied().filter(is_within).collect()).or_else(|| first(followed.to_vec()))
+}
+
+/// Where contacts touch first at a resonance.
+fn touch_of<'m>(problem: &PressureForm<'_>, model: &'m Model, mode: usize, omega: f64) -> Option<FirstTouch<'m>> {
+    let response = forced_response(problem, 1.0, omega).ok()?;
     let touch = |contact: ContactElement<'_>| {
-        let displacement = complex(&response.combine(shape(model, &contact)), m).norm();
+        let displacement = complex(&response.combine(shape(model, &contact)), model.forcing().harmonic).norm();
         contact.law.gap.max(0.0) / displacement
     };
     let contacts = model.contacts().map(|contact| (touch(contact), contact));

@@ -2,16 +2,15 @@
 
 use protocol::array::ArrayError;
 use protocol::branch::FindingMessage;
-use protocol::critical::CriticalMessage;
 use protocol::curve::Size;
 use protocol::digest::HashedBranch;
 use protocol::from_worker::{Lease, SubmitRequest};
-use protocol::landings::LandingsMessage;
 use results::store::Extent;
 use solver::response::recheck::{Recheck, Refutation};
 use solver::response::task::{Brought, Task};
 use solver::settings::Settings;
 use solver::stability::disturbance::Disturbance;
+use solver::stability::settling::Settling;
 use solver::stability::verification::Verification;
 use solver::structure::Model;
 use std::sync::Arc;
@@ -60,6 +59,9 @@ pub enum Unsound {
     /// Pushes that cannot be those that were asked for.
     #[error("it is no scan of the pushes that were asked for")]
     OtherPushes,
+    /// A motion that cannot be what was asked for.
+    #[error("it is not what the motion that was asked for turns into")]
+    OtherMotion,
     /// Not the part of the branch that was asked for.
     #[error("it verifies another part of the branch")]
     OtherStretch,
@@ -83,14 +85,8 @@ pub struct CheckedResult {
     pub seconds: f64,
     /// The new branch, if it found one.
     pub branch: HashedBranch,
-    /// The new fold curve, if it found one.
-    pub curve: Option<CriticalMessage>,
-    /// What seeds landed on.
-    pub landings: Option<LandingsMessage>,
-    /// What marching says of a branch.
-    pub verification: Option<Verification>,
-    /// Where pushes end.
-    pub disturbance: Option<Disturbance>,
+    /// What else it found, or why nothing.
+    pub found: Option<FindingMessage>,
     /// The new branch in numbers.
     pub extent: Option<Extent>,
     /// What the task brought.
@@ -123,22 +119,17 @@ impl CheckedResult {
             FindingMessage::Curve(found) => recheck.curve(&found.curve(&size)?)?,
             FindingMessage::Verification(found) => verifies(found, &size, expected)?,
             FindingMessage::Disturbance(found) => disturbs(found, &size, expected)?,
+            FindingMessage::Settling(found) => settles(found, &size, expected)?,
             FindingMessage::Nothing(_) => {}
         }
         let brought = finding.brought();
-        let (mut branch, mut curve, mut landings) = (None, None, None);
-        let (mut verification, mut disturbance) = (None, None);
-        match finding {
-            FindingMessage::Landings(found) => landings = Some(found),
-            FindingMessage::Branch(found) => branch = Some(found),
-            FindingMessage::Curve(found) => curve = Some(found),
-            FindingMessage::Verification(found) => verification = Some(found),
-            FindingMessage::Disturbance(found) => disturbance = Some(found),
-            FindingMessage::Nothing(_) => {}
-        }
+        let (branch, found) = match finding {
+            FindingMessage::Branch(found) => (Some(found), None),
+            found => (None, Some(found)),
+        };
         let extent = branch.as_ref().map(Extent::of);
         let branch = HashedBranch::new(branch);
-        Ok(Self { lease, program, seconds, branch, curve, landings, verification, disturbance, extent, brought })
+        Ok(Self { lease, program, seconds, branch, found, extent, brought })
     }
 }
 
@@ -147,6 +138,14 @@ fn disturbs(found: &Disturbance, size: &Size, expected: &Expected) -> Result<(),
     match &expected.work {
         Task::Disturb(place) if found.is_sound(place, size.monitors) => Ok(()),
         _ => Err(Unsound::OtherPushes),
+    }
+}
+
+/// Whether a motion is the one that was asked for.
+fn settles(found: &Settling, size: &Size, expected: &Expected) -> Result<(), Unsound> {
+    match &expected.work {
+        Task::March(place) if found.is_sound(place, size.monitors) => Ok(()),
+        _ => Err(Unsound::OtherMotion),
     }
 }
 

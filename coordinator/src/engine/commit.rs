@@ -1,6 +1,7 @@
 //! The thread that commits: decisions that wait together share one transaction.
 
 use super::decision::News;
+use super::meters::Meters;
 use results::journal::{AcceptedResult, Change};
 use results::store::{Store, StoreError};
 use std::sync::mpsc::Receiver;
@@ -31,7 +32,12 @@ pub struct Decided {
 ///
 /// # Errors
 /// If the store cannot be written. Everything that was answered is stored.
-pub fn commit(mut store: Store, decided: &Receiver<Decided>, mut tell: impl FnMut(News)) -> Result<(), StoreError> {
+pub fn commit(
+    mut store: Store,
+    decided: &Receiver<Decided>,
+    meters: &Meters,
+    mut tell: impl FnMut(News),
+) -> Result<(), StoreError> {
     store.wait_for_others(OTHERS)?;
     while let Ok(first) = decided.recv() {
         let (mut changes, mut answers, mut news) = (Vec::new(), Vec::new(), Vec::new());
@@ -43,7 +49,9 @@ pub fn commit(mut store: Store, decided: &Receiver<Decided>, mut tell: impl FnMu
         store.beat();
         if !changes.is_empty() {
             changes.iter().for_each(log);
+            let began = Instant::now();
             commit_patiently(&mut store, &changes)?;
+            meters.committed(&changes, began.elapsed());
         }
         answers.into_iter().for_each(|answer| answer());
         news.into_iter().for_each(&mut tell);

@@ -1,8 +1,9 @@
 //! What the engine decides.
 
 use super::checked_result::Expected;
-use crate::ledger::Granted;
+use crate::ledger::{Granted, Load};
 use protocol::control::ControlReply;
+use protocol::ids::WorkerId;
 use protocol::to_everyone::{Done, Manifest, Status};
 use protocol::to_worker::{Acknowledgement, RenewReply, SubmitReply};
 use results::journal::Change;
@@ -60,8 +61,12 @@ pub enum News {
     Done(Done),
     /// How the run is doing.
     Status(Status),
+    /// How busy everybody is: not for the bus.
+    Load(Box<Load>),
     /// Workers should ask how things are.
     Hint,
+    /// There is work for a computing thread of this worker.
+    Wake(WorkerId),
 }
 
 impl Decision {

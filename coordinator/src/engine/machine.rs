@@ -2,18 +2,17 @@
 
 use super::decision::{Answer, Decision, News};
 use super::event::{Beginning, Event};
+use super::parking::Parking;
 use super::sweep::Sweep;
 use crate::ledger::{Ledger, Rules};
 use protocol::control::{ControlReply, ControlRequest};
-use protocol::from_worker::{FailRequest, LeaseRequest, Progress, ReleaseRequest, RenewRequest};
+use protocol::from_worker::{FailRequest, Lease, LeaseRequest, Progress, ReleaseRequest, RenewRequest};
 use protocol::to_everyone::{Manifest, Stage, Status};
-use results::journal::Change;
+use results::journal::{Change, Holder};
 use std::time::Duration;
 
 /// Time between two reports of the status.
 const STATUS_PERIOD: Duration = Duration::from_millis(500);
-/// When to ask again for work that is about to be there.
-const SOON: Duration = Duration::from_millis(200);
 /// When to ask again a coordinator that is about to end.
 const LATER: Duration = Duration::from_secs(1);
 /// What a cancelled run answers.
@@ -27,8 +26,8 @@ pub struct Engine {
     /// Where the backbone is, as long as it is being computed.
     backbone: Option<Progress>,
     sweep: Option<Sweep>,
-    /// When the first task was handed out, and how many were settled before.
-    first_grant: Option<(Duration, usize)>,
+    /// Threads without work.
+    parking: Parking,
     /// When the status was last told.
     reported: Option<Duration>,
     stopping: bool,
@@ -37,11 +36,13 @@ pub struct Engine {
 impl Engine {
     /// Engine of the run that `manifest` describes.
     pub fn new(manifest: Manifest, rules: Rules) -> Self {
-        Self { manifest, rules, backbone: None, sweep: None, first_grant: None, reported: None, stopping: false }
+        let (backbone, sweep, parking, reported, stopping) = Default::default();
+        Self { manifest, rules, backbone, sweep, parking, reported, stopping }
     }
 
     /// Decides.
     pub fn handle(&mut self, event: Event, now: Duration) -> Decision {
+        self.hear_of(&event);
         let mut decision = match (event, &mut self.sweep) {
             (Event::Lease(request), _) => self.lease(&request, now),
             (Event::Control(request), _) => self.control(request, now),
@@ -83,7 +84,41 @@ impl Engine {
             Stage::Finished if self.sweep.is_some() && !is_finished => self.enter(Stage::Sweep, now, &mut decision),
             _ => {}
         }
+        self.wake(now, &mut decision);
         decision
+    }
+
+    /// Threads that ask, or are about to since their results have come, need not be woken.
+    fn hear_of(&mut self, event: &Event) {
+        match event {
+            Event::Lease(LeaseRequest { worker, slot, .. }) => {
+                self.parking.leave(&Holder { worker: worker.clone(), slot: *slot });
+            }
+            Event::Submit(result) => {
+                let Lease { worker, slot, .. } = &result.lease;
+                self.parking.expect(Holder { worker: worker.clone(), slot: *slot });
+            }
+            Event::WorkerGone(worker) => self.parking.forget(worker),
+            Event::Tick => self.parking.give_up_on_woken(),
+            _ => {}
+        }
+    }
+
+    /// Wakes a thread for every task that can be handed out, and all of them when there will be none.
+    fn wake(&mut self, now: Duration, decision: &mut Decision) {
+        let Some(sweep) = self.sweep.as_ref().filter(|_| !self.parking.is_empty() && !self.stopping) else { return };
+        if self.manifest.stage.is_over() {
+            self.parking = Parking::default();
+            decision.news.push(News::Hint);
+            return;
+        }
+        let woken = self.parking.wake(sweep.ledger.offered_now(now));
+        decision.news.extend(woken.into_iter().map(News::Wake));
+    }
+
+    /// Has a thread for which there is no work wait.
+    fn park(&mut self, request: &LeaseRequest) -> Answer {
+        Answer::Wait(self.parking.park(Holder { worker: request.worker.clone(), slot: request.slot }))
     }
 
     fn lease(&mut self, request: &LeaseRequest, now: Duration) -> Decision {
@@ -93,14 +128,14 @@ impl Engine {
         }
         let Some(sweep) = &mut self.sweep else {
             let is_cancelled = self.manifest.stage == Stage::Cancelled;
-            return without_task(if is_cancelled { Answer::Stop(CANCELLED.into()) } else { Answer::Wait(SOON) });
+            return without_task(if is_cancelled { Answer::Stop(CANCELLED.into()) } else { self.park(request) });
         };
         if self.stopping {
             return without_task(Answer::Wait(LATER));
         }
-        let decision = sweep.lease(&request.worker, request.slot, CANCELLED, now);
-        if matches!(decision.answer, Some(Answer::Grant(_))) && self.first_grant.is_none() {
-            self.first_grant = Some((now, sweep.ledger.settled()));
+        let mut decision = sweep.lease(&request.worker, request.slot, CANCELLED, now);
+        if matches!(decision.answer, Some(Answer::Wait(_))) {
+            decision.answer = Some(self.park(request));
         }
         decision
     }
@@ -153,11 +188,14 @@ impl Engine {
         let mut decision = Decision::default();
         // While the process ends nobody is asked to go on, and nothing is held against anybody.
         if let Some(sweep) = self.sweep.as_mut().filter(|_| !self.stopping) {
+            sweep.ledger.measure(now);
             decision.changes = sweep.ledger.tick(now);
         }
         if self.reported.is_none_or(|reported| now >= reported + STATUS_PERIOD) {
             self.reported = Some(now);
             decision.news.push(News::Status(self.status(now)));
+            let load = self.sweep.as_mut().map(|sweep| sweep.ledger.load(now));
+            decision.news.extend(load.map(|load| News::Load(Box::new(load))));
         }
         decision
     }
@@ -173,11 +211,6 @@ impl Engine {
         let ledger = self.sweep.as_ref().map(|sweep| &sweep.ledger);
         let tasks = ledger.map(Ledger::counts).unwrap_or_default();
         let (levels, levels_done) = ledger.map_or((self.manifest.amplitudes.len(), 0), Ledger::progress_of_levels);
-        let settled = tasks.done + tasks.skipped + tasks.dead;
-        let eta = self.first_grant.and_then(|(since, before)| {
-            let rate = (settled - before.min(settled)) as f64 / now.saturating_sub(since).as_secs_f64();
-            (rate > 0.0).then(|| (tasks.waiting + tasks.running) as f64 / rate)
-        });
         Status {
             run: self.manifest.run.clone(),
             name: self.manifest.name.clone(),
@@ -190,7 +223,7 @@ impl Engine {
             workers: ledger.map(Ledger::workers).unwrap_or_default(),
             sequence: ledger.map_or(0, Ledger::sequence),
             elapsed: now.as_secs_f64(),
-            eta,
+            eta: ledger.and_then(Ledger::time_left),
         }
     }
 }

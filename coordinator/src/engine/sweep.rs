@@ -4,6 +4,7 @@ use super::checked_result::{CheckedResult, Expected};
 use super::decision::{Answer, Decision, News, Offer};
 use super::event::Beginning;
 use crate::ledger::{Accepted, Leased, Ledger, Offered, Rules, Submitted};
+use protocol::branch::FindingMessage;
 use protocol::from_worker::{Lease, Progress};
 use protocol::ids::{RunId, TaskId, WorkerId};
 use protocol::to_everyone::{Done, StoredResult};
@@ -49,7 +50,7 @@ impl Sweep {
         let (leased, changes) = self.ledger.lease(worker, slot, now);
         let answer = match leased {
             Leased::Grant(granted) => Answer::Grant(granted),
-            Leased::Wait(pause) => Answer::Wait(pause),
+            Leased::Wait => Answer::Wait(Duration::ZERO),
             Leased::Drained => Answer::Drained,
             Leased::Stop => Answer::Stop(cancelled.into()),
             Leased::Unwelcome(reasons) => Answer::Stop(format!(
@@ -105,23 +106,25 @@ impl Sweep {
 
     /// The first result of a task.
     fn accept(&mut self, result: CheckedResult, accepted: Accepted, follow_up: Vec<Change>) -> Decision {
-        let CheckedResult {
-            lease, program, seconds, branch, curve, landings, verification, disturbance, extent, ..
-        } = result;
+        let CheckedResult { lease, program, seconds, branch, found, extent, .. } = result;
         let Lease { task, attempt, worker, .. } = lease;
         let Accepted { outcome, sequence, amplitude, work } = accepted;
+        self.ledger.note_cost(&work, seconds);
         let name = match outcome {
             SeedOutcome::Found(id) if extent.is_some() => Some(id),
             _ => None,
         };
         self.extents.extend(extent.map(|extent| (task.clone(), extent)));
-        self.verifications.extend(verification.clone().map(|found| (task.clone(), found)));
-        let (result, digest) = branch.complete(StoredResult {
+        if let Some(FindingMessage::Verification(found)) = &found {
+            self.verifications.insert(task.clone(), found.clone());
+        }
+        let result = StoredResult {
             branch: None,
-            curve,
-            landings,
-            verification,
-            disturbance,
+            curve: None,
+            landings: None,
+            verification: None,
+            disturbance: None,
+            settling: None,
             task,
             attempt,
             amplitude,
@@ -131,6 +134,10 @@ impl Sweep {
             worker,
             program,
             seconds,
+        };
+        let (result, digest) = branch.complete(match found {
+            Some(found) => result.with(found),
+            None => result,
         });
         let done = Done {
             sequence,
@@ -157,12 +164,15 @@ impl Sweep {
         if !agrees {
             warn!(%task, %worker, "a second result disagrees with the stored one by more than {AGREEMENT:e}");
         }
-        let verifications = self.verifications.get(task).zip(result.verification.as_ref());
-        let agrees = agrees && verifications.is_none_or(|(first, second)| first.agrees(second));
-        if !agrees && verifications.is_some() {
+        let (Some(first), Some(FindingMessage::Verification(second))) = (self.verifications.get(task), &result.found)
+        else {
+            return SubmitReply::Duplicate { agrees };
+        };
+        let is_alike = first.agrees(second);
+        if !is_alike {
             warn!(%task, %worker, "a second verification comes to other verdicts than the stored one");
         }
-        SubmitReply::Duplicate { agrees }
+        SubmitReply::Duplicate { agrees: agrees && is_alike }
     }
 
     /// A task that could not be carried out.

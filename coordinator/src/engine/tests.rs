@@ -1,5 +1,7 @@
 //! Every event has its decision.
 
+mod parking;
+
 use super::commit::Decided;
 use super::{Answer, Beginning, CheckedResult, Decision, Engine, Event, News, Request, Stored, decide};
 use crate::ledger::{Granted, Rules};
@@ -87,10 +89,7 @@ fn submit(lease: &Lease, extent: Option<Extent>, brought: Brought) -> Event {
         program: "0".into(),
         seconds: 1.0,
         branch: HashedBranch::new(None),
-        curve: None,
-        landings: None,
-        verification: None,
-        disturbance: None,
+        found: None,
         extent,
         brought,
     }))
@@ -127,7 +126,7 @@ fn told(decision: &Decision) -> Vec<Stage> {
 #[test]
 fn before_the_sweep_there_is_nothing_to_hand_out() {
     let mut engine = waiting();
-    let answer = Some(Answer::Wait(Duration::from_millis(200)));
+    let answer = Some(Answer::Wait(Duration::from_secs(1)));
     assert_eq!(ask(&mut engine, "a", at(0)), Decision { answer, ..Decision::default() });
     // Whoever survived an earlier coordinator asks again.
     let lease = Lease { task: TaskId::new("0.01-0").unwrap(), attempt: Attempt(1), worker: worker("a"), slot: 0 };
@@ -309,7 +308,8 @@ fn the_last_result_finishes_the_run() {
     assert_eq!(decision.answer, submitted(SubmitReply::Accepted));
     assert!(matches!(&decision.changes[..], [Change::Result(_), Change::Done { .. }, Change::Skipped { .. }, ..]));
     assert_eq!((stages(&decision), told(&decision)), (vec![Stage::Finished], vec![Stage::Finished]));
-    assert!(matches!(&decision.news[..], [News::Done(_), News::Manifest(_), News::Status(_)]));
+    // Whoever landed seeds waits, and is told.
+    assert!(matches!(&decision.news[..], [News::Done(_), News::Manifest(_), News::Status(_), News::Hint]));
     assert_eq!(ask(&mut engine, "a", at(2)).answer, Some(Answer::Drained));
 }
 
@@ -350,7 +350,13 @@ fn a_process_that_ends_hands_out_nothing_and_blames_nobody() {
 #[test]
 fn the_status_is_told_twice_a_second() {
     let mut engine = sweeping();
-    let mut reports = |ms: u64| engine.handle(Event::Tick, Duration::from_millis(ms)).news.len();
+    let mut reports = |ms: u64| {
+        let news = engine.handle(Event::Tick, Duration::from_millis(ms)).news;
+        let count = |is: fn(&News) -> bool| news.iter().filter(|news| is(news)).count();
+        let (statuses, loads) = (count(|n| matches!(n, News::Status(_))), count(|n| matches!(n, News::Load(_))));
+        assert_eq!(statuses, loads);
+        statuses
+    };
     assert_eq!([0, 100, 499, 500, 900, 1000].map(&mut reports), [1, 0, 0, 1, 0, 1]);
 }
 

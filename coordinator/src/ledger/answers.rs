@@ -4,15 +4,14 @@ use protocol::ids::{Attempt, TaskId};
 use protocol::to_everyone::Amplitude;
 use protocol::to_worker::{Known, KnownCurve};
 use solver::response::task::{SeedOutcome, Task};
-use std::time::Duration;
 
 /// Answer to a request for work.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Leased {
     /// This task.
     Grant(Granted),
-    /// Nothing now; after so long there may be.
-    Wait(Duration),
+    /// Nothing now.
+    Wait,
     /// Nothing any more.
     Drained,
     /// The run was cancelled.

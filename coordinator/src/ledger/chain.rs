@@ -11,7 +11,8 @@ use solver::response::account::Account;
 use solver::response::critical::crossed;
 use solver::response::seeds::Way;
 use solver::response::starts::StartPlace;
-use solver::response::task::{BranchId, Brought, SeedOutcome, SeedPlace, Task};
+use solver::response::task::{BranchId, Brought, MarchPlace, SeedOutcome, SeedPlace, Task, VerifyPlace};
+use solver::settings::Stretch;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -40,6 +41,8 @@ pub(super) struct Chain {
     pub rounds: Vec<StartPlace>,
     /// Branches that were found and not yet considered for verification.
     pub unverified: Vec<BranchId>,
+    /// Unstable motions that were found, with the numbers of their levels, and not yet considered for marching.
+    pub unsettled: Vec<(usize, MarchPlace)>,
 }
 
 /// What the tasks of a chain found.
@@ -116,8 +119,8 @@ impl Chain {
     }
 
     fn of(record: Record) -> Self {
-        let (entries, ready, held, rounds, unverified) = Default::default();
-        Self { record, entries, ready, held, rounds, unverified }
+        let (entries, ready, held, rounds, unverified, unsettled) = Default::default();
+        Self { record, entries, ready, held, rounds, unverified, unsettled }
     }
 
     /// What a level is known by; `None` for the curves and for verifications.
@@ -153,10 +156,10 @@ impl Chain {
     }
 
     /// Hands out entry `e`.
-    pub fn grant(&mut self, e: usize, holder: &Holder, deadline: Duration) -> Change {
+    pub fn grant(&mut self, e: usize, holder: &Holder, now: Duration, deadline: Duration) -> Change {
         self.ready.retain(|&ready| ready != e);
         self.held.push(e);
-        self.entries[e].grant(holder, deadline)
+        self.entries[e].grant(holder, now, deadline)
     }
 
     /// The landing that the seed of entry `e` starts from, or the starts that it is the branch of.
@@ -175,8 +178,9 @@ impl Chain {
             (_, Brought::Nothing(outcome)) => Some(*outcome).filter(|outcome| self.is_known(outcome)),
             (Record::Level(level), brought) => level.account.outcome(brought),
             (Record::Curves(curves), Brought::Curve(_)) => Some(SeedOutcome::OnCurve(curves.len())),
-            (Record::Marched, Brought::Verification(count)) => Some(SeedOutcome::Verified(*count)),
+            (Record::Marched, Brought::Verification(count, _)) => Some(SeedOutcome::Verified(*count)),
             (Record::Marched, Brought::Disturbance(count)) => Some(SeedOutcome::Disturbed(*count)),
+            (Record::Marched, Brought::Settling(count)) => Some(SeedOutcome::Marched(*count)),
             (Record::Curves(_) | Record::Marched, _) => None,
         }
         .filter(|outcome| match self.entries[e].task {
@@ -187,6 +191,7 @@ impl Chain {
             }
             Task::Verify(_) => matches!(outcome, SeedOutcome::Verified(_)),
             Task::Disturb(_) => matches!(outcome, SeedOutcome::Disturbed(_)),
+            Task::March(_) => matches!(outcome, SeedOutcome::Marched(_)),
         })
     }
 
@@ -221,6 +226,13 @@ impl Chain {
             }
             (Record::Curves(curves), SeedOutcome::OnCurve(number), Some(Brought::Curve(forcing))) => {
                 curves.push(Curve { known: KnownCurve { number, task }, forcing: forcing.clone() });
+            }
+            (Record::Marched, _, Some(Brought::Verification(_, unsettled))) => {
+                // What is around a peak is looked at again with all of the branch.
+                if let Task::Verify(VerifyPlace { branch, stretch: Stretch::Whole }) = entry.task {
+                    let place = |&(index, omega): &(usize, f64)| (entry.level, MarchPlace { branch, index, omega });
+                    self.unsettled.extend(unsettled.iter().map(place));
+                }
             }
             (Record::Curves(_) | Record::Marched, ..) => {}
         }
@@ -313,5 +325,5 @@ impl Chain {
 
 /// Whether a task that marches came to it.
 fn is_marched(outcome: &SeedOutcome) -> bool {
-    matches!(outcome, SeedOutcome::Verified(_) | SeedOutcome::Disturbed(_))
+    matches!(outcome, SeedOutcome::Verified(_) | SeedOutcome::Disturbed(_) | SeedOutcome::Marched(_))
 }

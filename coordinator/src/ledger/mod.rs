@@ -7,6 +7,8 @@
 
 mod answers;
 mod chain;
+mod cost;
+mod load;
 mod patience;
 mod restore;
 mod rules;
@@ -20,5 +22,6 @@ mod trust;
 mod worker;
 
 pub use answers::{Accepted, Granted, Leased, Offered, Submitted};
+pub use load::{Load, STATES, WorkerLoad};
 pub use rules::Rules;
 pub use state::Ledger;

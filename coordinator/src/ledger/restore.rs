@@ -69,15 +69,20 @@ impl Ledger {
                     self.verifications()
                 }
                 Task::Disturb(_) => self.verifications(),
+                Task::March(place) => {
+                    self.marched.insert((l, place.branch, place.index));
+                    self.verifications()
+                }
                 _ => continue,
             };
             self.index.insert(id.clone(), (c, self.chains[c].entries.len()));
             self.chains[c].entries.push(TaskEntry::new(id.clone(), l, *task));
         }
-        let crossed = self.entries().filter_map(|entry| match entry.task {
-            Task::Crossing(CrossingPlace { curve, .. }) => Some(curve + 1),
+        // Levels that were added are crossed by curves that were looked at before.
+        let crossings = self.entries().filter_map(|entry| match entry.task {
+            Task::Crossing(CrossingPlace { curve, segment }) => Some((entry.level, curve, segment)),
             _ => None,
         });
-        self.crossed = crossed.max().unwrap_or(0);
+        self.crossings = crossings.collect();
     }
 }

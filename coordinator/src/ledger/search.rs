@@ -1,7 +1,7 @@
 //! What follows from what was found: curves from the folds of branches, and branches from where curves cross levels.
 //!
 //! Which tasks there are does not depend on the order in which results come: the folds of a level are taken when it and those
-//! before it are done, crossings when everything is. Nothing follows from verifications.
+//! before it are done, crossings when everything is. Where everything is verified, unstable motions are followed.
 
 use super::chain::Branch;
 use super::state::Ledger;
@@ -9,7 +9,7 @@ use super::task::TaskEntry;
 use protocol::ids::TaskId;
 use results::journal::{AddedTask, Change, TaskState};
 use solver::response::task::{CrossingPlace, FoldPlace, SeedOutcome, Task, VerifyPlace};
-use solver::settings::Stretch;
+use solver::settings::{Stretch, VerifyEffort};
 
 impl Ledger {
     /// Adds the tasks that follow from what is known by now.
@@ -25,6 +25,9 @@ impl Ledger {
             }
             if added.is_empty() {
                 added = self.verify();
+            }
+            if added.is_empty() {
+                added = self.march();
             }
             if added.is_empty() {
                 return changes;
@@ -102,7 +105,8 @@ impl Ledger {
                 let segments = curve.crossings(level.amplitude.value);
                 segments.map(|segment| CrossingPlace { curve: curve.known.number, segment })
             });
-            for (i, place) in places.enumerate() {
+            let new = places.filter(|place| !self.crossings.contains(&(l, place.curve, place.segment)));
+            for (i, place) in new.enumerate() {
                 let id = TaskId::of_level(&level.amplitude.text, chain.entries.len() + i);
                 let id = id.expect("amplitudes are numbers");
                 added.push((l, TaskEntry::new(id, l, Task::Crossing(place))));
@@ -111,6 +115,27 @@ impl Ledger {
         self.crossed = curves.len();
         added
     }
+
+    /// Tasks that march on from unstable motions found since.
+    fn march(&mut self) -> Vec<(usize, TaskEntry)> {
+        // Where a motion ends is told by the branches of its level: all of them have to be known.
+        if self.rules.verify != VerifyEffort::All || !self.has_searched() {
+            return Vec::new();
+        }
+        let c = self.verifications();
+        let mut unsettled = std::mem::take(&mut self.chains[c].unsettled);
+        unsettled.sort_by_key(|(l, place)| (*l, place.branch, place.index));
+        let mut added = Vec::new();
+        for (l, place) in unsettled {
+            if self.marched.insert((l, place.branch, place.index)) {
+                let level = self.chains[l].level().expect("branches are of levels");
+                let id = TaskId::of_march(&level.amplitude.text, &place).expect("amplitudes are numbers");
+                added.push((c, TaskEntry::new(id, l, Task::March(place))));
+            }
+        }
+        added
+    }
+
     /// Tasks that verify branches found since.
     fn verify(&mut self) -> Vec<(usize, TaskEntry)> {
         let (c, effort) = (self.verifications(), self.rules.verify);

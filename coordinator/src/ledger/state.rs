@@ -2,13 +2,14 @@
 
 use super::answers::{Accepted, Granted, Leased, Submitted};
 use super::chain::{Chain, LevelRecord};
+use super::cost::Cost;
 use super::rules::Rules;
 use super::task::TaskEntry;
 use super::worker::Worker;
 use protocol::from_worker::{Lease, Progress};
 use protocol::ids::{Attempt, TaskId, WorkerId};
 use protocol::to_worker::{Known, KnownCurve};
-use results::journal::{AttemptEnd, Change, Holder, LevelPlan, TaskState};
+use results::journal::{AttemptEnd, Change, Holder, KINDS, LevelPlan, TaskState};
 use solver::response::task::{BranchId, Brought, CrossingPlace, DisturbPlace, FoldPlace, Task, VerifyPlace};
 use std::collections::{BTreeMap, HashMap, HashSet, VecDeque};
 use std::time::Duration;
@@ -32,13 +33,21 @@ pub struct Ledger {
     pub(super) queue: VecDeque<(usize, FoldPlace)>,
     /// Branches that have a task that verifies them, with their levels.
     pub(super) verified: HashSet<(usize, VerifyPlace)>,
-    /// Number of curves whose crossings were looked at.
+    /// Points of branches from which unstable motions have a task that marches them, with the numbers of their levels.
+    pub(super) marched: HashSet<(usize, BranchId, usize)>,
+    /// Crossings of curves that had tasks when this process began: level, curve and segment.
+    pub(super) crossings: HashSet<(usize, usize, usize)>,
+    /// Number of curves whose crossings were looked at since this process began.
     pub(super) crossed: usize,
     /// Number of announcements so far.
     pub(super) sequence: u64,
     pub(super) cancelled: bool,
     /// Until when nobody is blamed for not being heard of: it is this side that could not be reached.
     pub(super) forbearance: Duration,
+    /// What tasks have cost, by kind.
+    pub(super) costs: [Cost; KINDS.len()],
+    /// Until when it is added up how busy workers are.
+    pub(super) measured: Duration,
 }
 
 impl Ledger {
@@ -54,8 +63,8 @@ impl Ledger {
             chain.entries.iter().enumerate().map(|(e, entry)| (entry.id.clone(), (c, e))).collect()
         };
         let index = chains.iter().enumerate().flat_map(place).collect();
-        let (workers, unfolded, followed, queue, verified) = Default::default();
-        let (crossed, sequence, cancelled, forbearance) = Default::default();
+        let (workers, unfolded, followed, queue, verified, marched) = Default::default();
+        let (crossings, crossed, sequence, cancelled, forbearance, costs, measured) = Default::default();
         Self {
             rules,
             chains,
@@ -66,10 +75,14 @@ impl Ledger {
             followed,
             queue,
             verified,
+            marched,
+            crossings,
             crossed,
             sequence,
             cancelled,
             forbearance,
+            costs,
+            measured,
         }
     }
 
@@ -95,7 +108,9 @@ impl Ledger {
         let curves = self.chains[self.curves()].curves().iter();
         let (known, curves): (Vec<Known>, Vec<KnownCurve>) = match entry.task {
             Task::Land(_) | Task::Start(_) => Default::default(),
-            Task::Main(_) | Task::Seed(_) | Task::Begin(_) => (branches.cloned().collect(), Vec::new()),
+            Task::Main(_) | Task::Seed(_) | Task::Begin(_) | Task::March(_) => {
+                (branches.cloned().collect(), Vec::new())
+            }
             Task::Fold(FoldPlace { branch, .. }) => {
                 let near = curves.filter(|curve| curve.reaches(level.amplitude.value));
                 (
@@ -128,7 +143,9 @@ impl Ledger {
 
     /// Hands out a task to a computing thread; one that holds a task gets the same again.
     pub fn lease(&mut self, worker: &WorkerId, slot: u32, now: Duration) -> (Leased, Vec<Change>) {
-        self.workers.entry(worker.clone()).or_default().gone = false;
+        let known = self.workers.entry(worker.clone()).or_default();
+        known.gone = false;
+        known.threads.insert(slot);
         if self.cancelled {
             return (Leased::Stop, Vec::new());
         }
@@ -143,10 +160,10 @@ impl Ledger {
             return (Leased::Grant(self.granted(c, e)), changes);
         }
         let Some((c, e)) = self.choose(&holder, now) else {
-            let leased = if self.is_finished() { Leased::Drained } else { Leased::Wait(self.pause(now)) };
+            let leased = if self.is_finished() { Leased::Drained } else { Leased::Wait };
             return (leased, changes);
         };
-        changes.push(self.chains[c].grant(e, &holder, now + self.rules.lease));
+        changes.push(self.chains[c].grant(e, &holder, now, now + self.rules.lease));
         self.workers.entry(worker.clone()).or_default().chains.insert(slot, c);
         (Leased::Grant(self.granted(c, e)), changes)
     }
@@ -166,11 +183,10 @@ impl Ledger {
             .or_else(|| offer(self.verifications(), false))
     }
 
-    /// How long nothing new can be expected, short enough to hear of a task that ends.
-    fn pause(&self, now: Duration) -> Duration {
-        let waiting = self.chains.iter().flat_map(|chain| chain.ready.iter().map(|&e| chain.entries[e].not_before));
-        let next = waiting.filter(|&time| time > now).min().map_or(Duration::from_millis(100), |time| time - now);
-        next.clamp(Duration::from_millis(20), Duration::from_millis(100))
+    /// Number of tasks that can be handed out.
+    pub fn offered_now(&self, now: Duration) -> usize {
+        let ready = self.chains.iter().flat_map(|chain| chain.ready.iter().map(|&e| &chain.entries[e]));
+        ready.filter(|entry| entry.not_before <= now).count()
     }
 
     /// What a thread holds: of the chain that it got its last task from.

@@ -25,11 +25,6 @@ impl Ledger {
         counts
     }
 
-    /// Tasks that nothing is left to do for.
-    pub fn settled(&self) -> usize {
-        self.entries().filter(|entry| entry.is_settled()).count()
-    }
-
     /// Number of announcements so far.
     pub fn sequence(&self) -> u64 {
         self.sequence

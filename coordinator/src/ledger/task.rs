@@ -20,6 +20,10 @@ pub(super) struct TaskEntry {
     pub troubles: Troubles,
     /// Not handed out before.
     pub not_before: Duration,
+    /// Since when it could be handed out, as far as somebody has looked.
+    pub ready_since: Option<Duration>,
+    /// When it was last handed out.
+    pub granted_at: Duration,
     /// Its last attempt ended because there was no sign of life.
     pub lapsed: bool,
     /// Under way when the coordinator was interrupted, and not heard of since: if nothing comes, that is no failure.
@@ -36,6 +40,8 @@ impl TaskEntry {
             holders: Vec::new(),
             troubles: Troubles::default(),
             not_before: Duration::ZERO,
+            ready_since: None,
+            granted_at: Duration::ZERO,
             lapsed: false,
             orphaned: false,
         }
@@ -95,9 +101,10 @@ impl TaskEntry {
         }
     }
 
-    pub fn grant(&mut self, holder: &Holder, deadline: Duration) -> Change {
+    pub fn grant(&mut self, holder: &Holder, now: Duration, deadline: Duration) -> Change {
         self.holders.push(holder.clone());
         (self.orphaned, self.lapsed) = (false, false);
+        (self.ready_since, self.granted_at) = (None, now);
         self.state = TaskState::Leased { holder: holder.clone(), deadline };
         Change::Granted { task: self.id.clone(), attempt: Attempt(self.attempts()), holder: holder.clone() }
     }

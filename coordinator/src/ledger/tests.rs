@@ -1,11 +1,14 @@
 //! Any interleaving of events gives the same result: nothing lost, nothing counted twice.
 
 mod cases;
+mod driver;
+mod load;
 mod trust;
 
 use super::chain::{Chain, LevelRecord};
 use super::task::TaskEntry;
 use super::*;
+use driver::Driver;
 use proptest::prelude::*;
 use protocol::from_worker::Lease;
 use protocol::ids::{Attempt, TaskId, WorkerId};
@@ -84,12 +87,17 @@ fn find(granted: &Granted) -> Brought {
                 [place.branch],
                 "the branch to verify"
             );
-            return Brought::Verification(7);
+            return Brought::Verification(7, [(2, 2.5), (5, 2.75)].into());
         }
         Task::Disturb(place) => {
             assert!(known.iter().any(|known| known.branch.is_main()), "where pushes start from");
             assert!(known.iter().all(|known| known.branch.is_main() || known.branch == place.branch));
             return Brought::Disturbance(16);
+        }
+        Task::March(place) => {
+            assert!(known.iter().any(|known| known.branch == place.branch), "what it is marched from");
+            // Where it ends depends on all branches of the level: as many as there are.
+            return Brought::Settling(known.len());
         }
         Task::Land(place) if (place.window + amplitude as usize).is_multiple_of(4) => return Brought::Landings(2),
         Task::Land(place) => {
@@ -143,13 +151,13 @@ fn plans(levels: usize) -> Vec<LevelPlan> {
     plans
 }
 
-fn rules() -> Rules {
-    Rules { max_failures: 1000, max_lapses: 1000, most_folds: 20, verify: VerifyEffort::Standard, ..Rules::default() }
+fn rules(verify: VerifyEffort) -> Rules {
+    Rules { max_failures: 1000, max_lapses: 1000, most_folds: 20, verify, ..Rules::default() }
 }
 
 /// One worker, no trouble.
-fn quiet(levels: usize) -> Book {
-    let mut ledger = Ledger::new(rules(), plans(levels));
+fn quiet(levels: usize, verify: VerifyEffort) -> Book {
+    let mut ledger = Ledger::new(rules(verify), plans(levels));
     let worker = WorkerId::new("w").unwrap();
     while let (Leased::Grant(granted), _) = ledger.lease(&worker, 0, Duration::ZERO) {
         let lease = Lease { task: granted.task.clone(), attempt: granted.attempt, worker: worker.clone(), slot: 0 };
@@ -186,171 +194,9 @@ fn event() -> impl Strategy<Value = Event> {
     ]
 }
 
-/// Drives a ledger, keeping what a store would hold.
-struct Driver {
-    ledger: Ledger,
-    now: Duration,
-    /// Leases that workers believe to hold, with what they will find.
-    held: Vec<(Lease, Granted)>,
-    accepted: Vec<TaskId>,
-    /// New branches and curves.
-    new: HashMap<TaskId, Brought>,
-    changes: Vec<Change>,
-}
-
-impl Driver {
-    fn new(levels: usize) -> Self {
-        let ledger = Ledger::new(rules(), plans(levels));
-        let (held, accepted, new, changes) = Default::default();
-        Self { ledger, now: Duration::ZERO, held, accepted, new, changes }
-    }
-
-    /// An entry as the store has it.
-    fn stored(&self, entry: &TaskEntry) -> StoredTask {
-        StoredTask {
-            id: entry.id.clone(),
-            state: entry.state.clone(),
-            brought: self.new.get(&entry.id).cloned(),
-            holders: entry.holders.clone(),
-            troubles: Troubles::default(),
-        }
-    }
-
-    fn apply(&mut self, event: &Event) {
-        let pick = |index: usize, held: &[(Lease, Granted)]| (!held.is_empty()).then(|| index % held.len());
-        match *event {
-            Event::Lease(worker) => self.lease(worker),
-            Event::Submit(index) => {
-                if let Some(i) = pick(index, &self.held) {
-                    let (lease, granted) = self.held[i].clone();
-                    self.submit(&lease, &granted);
-                }
-            }
-            Event::Fail(index) | Event::Release(index) => {
-                if let Some(i) = pick(index, &self.held) {
-                    let (lease, _) = self.held.swap_remove(i);
-                    let ended = match event {
-                        Event::Fail(_) => self.ledger.fail(&lease, "out of memory", self.now),
-                        _ => self.ledger.release(&lease, self.now),
-                    };
-                    self.changes.extend(ended.1);
-                }
-            }
-            Event::Renew(index) => {
-                if let Some(i) = pick(index, &self.held) {
-                    let (_, changes) = self.ledger.renew(&self.held[i].0.clone(), None, self.now);
-                    self.changes.extend(changes);
-                }
-            }
-            Event::Gone(worker) => self.ledger.worker_gone(&name(worker), self.now),
-            // A worker dies without a word.
-            Event::Forget(index) => {
-                if let Some(i) = pick(index, &self.held) {
-                    self.held.swap_remove(i);
-                }
-            }
-            Event::Later(seconds) => {
-                self.now += Duration::from_secs(seconds);
-                let changes = self.ledger.tick(self.now);
-                self.changes.extend(changes);
-            }
-            Event::Restart => self.restart(),
-        }
-    }
-
-    fn lease(&mut self, worker: u8) {
-        let (leased, changes) = self.ledger.lease(&name(worker), 0, self.now);
-        self.changes.extend(changes);
-        if let Leased::Grant(granted) = leased {
-            let lease = Lease { task: granted.task.clone(), attempt: granted.attempt, worker: name(worker), slot: 0 };
-            if !self.held.iter().any(|(held, _)| *held == lease) {
-                self.held.push((lease, granted));
-            }
-        }
-    }
-
-    /// The worker keeps the lease, as if the answer had been lost: it will submit again.
-    fn submit(&mut self, lease: &Lease, granted: &Granted) {
-        let brought = find(granted);
-        let (submitted, changes) = self.ledger.submit(lease, &brought);
-        self.changes.extend(changes);
-        match submitted {
-            Submitted::Accepted(_) => {
-                assert!(!self.accepted.contains(&lease.task), "{} was accepted twice", lease.task);
-                self.accepted.push(lease.task.clone());
-                if !matches!(brought, Brought::Nothing(_)) {
-                    self.new.insert(lease.task.clone(), brought);
-                }
-            }
-            Submitted::Duplicate => assert!(self.accepted.contains(&lease.task)),
-            Submitted::Late => panic!("nothing is given up here"),
-            Submitted::Foreign => panic!("{} is for something else", lease.task),
-            Submitted::NeverGranted => panic!("{} was granted", lease.task),
-            Submitted::Unknown => panic!("{} is a task of the run", lease.task),
-        }
-    }
-
-    /// The coordinator is killed and starts again with what the changes say.
-    fn restart(&mut self) {
-        let mut tasks: Vec<StoredTask> = self
-            .ledger
-            .entries()
-            .map(|entry| StoredTask {
-                id: entry.id.clone(),
-                state: entry.state.clone(),
-                brought: self.new.get(&entry.id).cloned(),
-                holders: entry.holders.clone(),
-                troubles: entry.troubles.clone(),
-            })
-            .collect();
-        let order = |id: &TaskId| self.accepted.iter().position(|accepted| accepted == id).unwrap_or(usize::MAX);
-        tasks.sort_by_key(|task| order(&task.id));
-        let before = (book(&self.ledger), self.ledger.sequence());
-        let (levels, added) = self.planned();
-        let (ledger, changes) = Ledger::restore(rules(), levels, &added, tasks, self.now);
-        assert!(changes.is_empty(), "what is stored together is restored together");
-        self.ledger = ledger;
-        let settled = |book: &Book| -> Book {
-            let keep = |(_, state): &&(TaskId, TaskState)| matches!(state, TaskState::Done(_) | TaskState::Skipped);
-            book.iter().filter(keep).cloned().collect()
-        };
-        assert_eq!(settled(&before.0), settled(&book(&self.ledger)));
-        assert_eq!(before.1, self.ledger.sequence());
-    }
-
-    /// The tasks that a store would have.
-    fn planned(&self) -> (Vec<LevelPlan>, Vec<AddedTask>) {
-        let level = |(chain, level): (&Chain, &LevelRecord)| LevelPlan {
-            amplitude: level.amplitude.clone(),
-            windows: level.account.windows.iter().map(|window| window.window).collect(),
-            tasks: chain.entries.iter().map(|entry| entry.task).collect(),
-        };
-        let levels: Vec<LevelPlan> = self.ledger.levels().map(level).collect();
-        let added = |entry: &TaskEntry| AddedTask {
-            id: entry.id.clone(),
-            amplitude: levels[entry.level].amplitude.text.clone(),
-            task: entry.task,
-        };
-        let of_all = [self.ledger.curves(), self.ledger.verifications()];
-        let entries = of_all.into_iter().flat_map(|c| &self.ledger.chains[c].entries);
-        let added = entries.map(added).collect();
-        (levels, added)
-    }
-
-    /// Lets the run come to its end without further trouble.
-    fn conclude(&mut self) {
-        for _ in 0..10_000 {
-            if self.ledger.is_finished() {
-                return;
-            }
-            self.now += Duration::from_secs(60);
-            self.lease(0);
-            for (lease, granted) in std::mem::take(&mut self.held) {
-                self.submit(&lease, &granted);
-            }
-        }
-        panic!("the run does not end");
-    }
+/// Verifications alone, and with motions that are marched on.
+fn effort() -> impl Strategy<Value = VerifyEffort> {
+    prop_oneof![Just(VerifyEffort::Standard), Just(VerifyEffort::All)]
 }
 
 fn name(worker: u8) -> WorkerId {
@@ -359,13 +205,17 @@ fn name(worker: u8) -> WorkerId {
 
 proptest! {
     #[test]
-    fn any_interleaving_gives_the_same_result(levels in 1usize..4, events in prop::collection::vec(event(), 0..200)) {
-        let mut driver = Driver::new(levels);
+    fn any_interleaving_gives_the_same_result(
+        levels in 1usize..4,
+        verify in effort(),
+        events in prop::collection::vec(event(), 0..200),
+    ) {
+        let mut driver = Driver::new(levels, verify);
         for event in &events {
             driver.apply(event);
         }
         driver.conclude();
-        prop_assert_eq!(book(&driver.ledger), quiet(levels));
+        prop_assert_eq!(book(&driver.ledger), quiet(levels, verify));
         let done = driver.changes.iter().filter(|record| matches!(record, Change::Done { .. })).count();
         prop_assert_eq!(done, driver.accepted.len());
         prop_assert_eq!(driver.ledger.sequence() as usize, done);
@@ -373,7 +223,7 @@ proptest! {
 
     #[test]
     fn one_task_of_a_chain_at_a_time_beside_landings(events in prop::collection::vec(event(), 0..200)) {
-        let mut driver = Driver::new(2);
+        let mut driver = Driver::new(2, VerifyEffort::Standard);
         for event in &events {
             driver.apply(event);
             for (c, chain) in driver.ledger.chains.iter().enumerate() {

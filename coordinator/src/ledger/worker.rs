@@ -2,7 +2,8 @@
 
 use protocol::from_worker::Progress;
 use protocol::ids::TaskId;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
+use std::time::Duration;
 
 /// A worker as the ledger knows it.
 #[derive(Debug, Clone, Default)]
@@ -15,6 +16,12 @@ pub(super) struct Worker {
     pub refusals: Vec<String>,
     /// The chain that each computing thread worked on last.
     pub chains: HashMap<u32, usize>,
+    /// Computing threads that have asked for work.
+    pub threads: HashSet<u32>,
+    /// Time that its threads had tasks, added up.
+    pub busy: Duration,
+    /// Time that its threads were there, added up.
+    pub present: Duration,
     /// Where the branches of its tasks are.
     pub progress: HashMap<TaskId, Progress>,
 }

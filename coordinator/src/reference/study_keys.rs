@@ -301,7 +301,7 @@ pub(super) const NUMERICS: &[Key] = &[
             ("none", "in the windows only"),
             (
                 "standard",
-                "up to 200 folds of the branches found are followed over the forcing, and random starts are tried, 8192 with a small model and fewer with larger ones",
+                "up to 200 folds of the branches found are followed over the forcing, and random starts are tried, 16384 with a small model and fewer with larger ones",
             ),
             ("thorough", "up to 5000 folds, and 16 times as many starts"),
         ]),
@@ -316,7 +316,7 @@ pub(super) const NUMERICS: &[Key] = &[
         kind: Word(&[
             ("none", "nothing"),
             ("standard", "every branch that is not a main one, and what is around the peaks of main branches"),
-            ("all", "every branch"),
+            ("all", "every branch, and what unstable motions turn into where it loses its stability"),
         ]),
         default: Value("\"standard\""),
         unit: "",

@@ -1,10 +1,15 @@
 //! The folder of a run: where it is, and how to reach whoever serves it.
 
-use std::io;
+use std::io::{self, Write};
+use std::os::unix::fs::OpenOptionsExt;
 use std::path::{Path, PathBuf};
 
 /// File with the endpoint of the coordinator.
 const ADDRESS: &str = "address";
+/// File with the address at which the run is served over HTTP.
+const HTTP: &str = "http";
+/// File with the token that lets somebody read there.
+pub const HTTP_TOKEN: &str = "http-token";
 
 /// A new folder under `runs/`, named after the study and the time.
 pub fn default_directory(study: &str) -> PathBuf {
@@ -37,5 +42,23 @@ pub fn read_address(directory: &Path) -> Option<String> {
 /// Nobody serves the run any more.
 pub fn remove_address(directory: &Path) {
     // Missing is as good as removed.
-    let _ = std::fs::remove_file(directory.join(ADDRESS));
+    for file in [ADDRESS, HTTP] {
+        let _ = std::fs::remove_file(directory.join(file));
+    }
+}
+
+/// Notes where the run is served over HTTP, and with which token one may read there, in a file for its owner alone.
+pub fn write_http(directory: &Path, url: &str, token: Option<&str>) -> io::Result<()> {
+    let file = directory.join(HTTP_TOKEN);
+    match std::fs::remove_file(&file) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
+        _ => {}
+    }
+    if let Some(token) = token {
+        let mut file = std::fs::OpenOptions::new().write(true).create_new(true).mode(0o600).open(file)?;
+        writeln!(file, "{token}")?;
+    }
+    let partial = directory.join(".http");
+    std::fs::write(&partial, format!("{url}\n"))?;
+    std::fs::rename(partial, directory.join(HTTP))
 }

@@ -6,9 +6,10 @@ use protocol::keys::Keys;
 use protocol::secret::Secret;
 use protocol::session::{self, SessionError};
 use std::io;
-use std::net::{Ipv4Addr, SocketAddr, TcpListener};
+use std::net::{Ipv4Addr, SocketAddr};
 use std::path::Path;
 use std::time::Duration;
+use tokio::net::TcpListener;
 use zenoh::Session;
 
 /// Free ports tried if others are faster.
@@ -26,6 +27,8 @@ pub struct Connection {
     pub secret: Option<Secret>,
     /// Whether that is somebody else's router.
     pub is_over_router: bool,
+    /// Where the run is served over HTTP, if it is.
+    pub http: Option<TcpListener>,
 }
 
 /// Opens the session of a coordinator; of a run that goes on in its folder.
@@ -34,6 +37,10 @@ pub struct Connection {
 /// If the endpoint is none, is in use or cannot be reached.
 pub async fn open(serve: &ServeArgs, directory: Option<&Path>) -> Result<Connection, Error> {
     let secret = serve.access.secret(directory, serve.connect.is_some())?;
+    let http = match &serve.http {
+        Some(address) => Some(crate::http::bind(address).await?),
+        None => None,
+    };
     if let Some(router) = &serve.connect {
         let session = session::connect(router, secret.as_ref()).await?;
         return Ok(Connection {
@@ -42,13 +49,14 @@ pub async fn open(serve: &ServeArgs, directory: Option<&Path>) -> Result<Connect
             elsewhere: router.clone(),
             secret,
             is_over_router: true,
+            http,
         });
     }
     if let Some(listen) = &serve.listen {
         let listen = with_port(listen);
         let session = session::listen(&listen, secret.as_ref()).await?;
         let (endpoint, elsewhere) = (reachable(&listen), seen_from_elsewhere(&listen));
-        return Ok(Connection { session, endpoint, elsewhere, secret, is_over_router: false });
+        return Ok(Connection { session, endpoint, elsewhere, secret, is_over_router: false, http });
     }
     let mut attempts = 0;
     loop {
@@ -56,7 +64,7 @@ pub async fn open(serve: &ServeArgs, directory: Option<&Path>) -> Result<Connect
         match session::listen(&endpoint, secret.as_ref()).await {
             Ok(session) => {
                 let elsewhere = endpoint.clone();
-                return Ok(Connection { session, endpoint, elsewhere, secret, is_over_router: false });
+                return Ok(Connection { session, endpoint, elsewhere, secret, is_over_router: false, http });
             }
             // Somebody else took the port in between.
             Err(SessionError::Listen { .. }) if attempts < ATTEMPTS => attempts += 1,
@@ -77,14 +85,14 @@ pub async fn refuse_second_coordinator(session: &Session, keys: &Keys) -> Result
 
 /// An endpoint on the loopback interface with a port that is free now.
 fn free_endpoint() -> io::Result<String> {
-    let port = TcpListener::bind((Ipv4Addr::LOCALHOST, 0))?.local_addr()?.port();
+    let port = std::net::TcpListener::bind((Ipv4Addr::LOCALHOST, 0))?.local_addr()?.port();
     Ok(format!("tcp/127.0.0.1:{port}"))
 }
 
 /// The endpoint with a port that is free now, if it leaves that open: others have to be told one.
 fn with_port(listen: &str) -> String {
     let open = listen.strip_prefix("tcp/").and_then(|address| address.parse::<SocketAddr>().ok());
-    match open.filter(|address| address.port() == 0).and_then(|address| TcpListener::bind(address).ok()) {
+    match open.filter(|address| address.port() == 0).and_then(|address| std::net::TcpListener::bind(address).ok()) {
         Some(listener) => listener.local_addr().map_or_else(|_| listen.to_string(), |address| format!("tcp/{address}")),
         None => listen.to_string(),
     }

@@ -3,6 +3,7 @@
 use super::directory::{remove_address, write_address};
 use super::endpoint::{Connection, refuse_second_coordinator};
 use super::local_workers::{Launch, LocalWorkers};
+use super::over_http;
 use super::preparation::{self, Prepared};
 use super::services::{Services, Start};
 use crate::access;
@@ -85,7 +86,7 @@ pub async fn carry_out(
     directory: &Path,
     store: Store,
     model: Model,
-    connection: Connection,
+    mut connection: Connection,
     options: ServeArgs,
 ) -> Result<Ending, Error> {
     let header = store.header()?;
@@ -110,11 +111,16 @@ pub async fn carry_out(
     };
     let services = Services::start(start).await?;
     access::keep(directory, connection.secret.as_ref())?;
+    let server = match connection.http.take() {
+        Some(listener) => Some(over_http::serve(listener, directory, &header, &connection, services.shown())?),
+        None => None,
+    };
     write_address(directory, &connection.endpoint).map_err(Error::io(directory))?;
     let interrupts = Interrupts::new()?;
     let folder = directory.to_path_buf();
     let run = Run { directory: folder, header, options, most_folds, connection, interrupts, services };
     let ending = run.all_steps((!is_prepared).then_some(model)).await;
+    drop(server);
     remove_address(directory);
     ending
 }
@@ -203,7 +209,7 @@ impl Run {
                 None => String::new(),
             };
             terminal::note(format_args!(
-                "waiting for workers: isola-worker --connect {}{secret}",
+                "waiting for workers: isola worker --connect {}{secret}",
                 self.connection.elsewhere
             ));
             return Ok(None);
@@ -214,6 +220,7 @@ impl Run {
             namespace: self.header.namespace.clone(),
             run: self.header.run.clone(),
             logs: self.directory.join("logs"),
+            log_format: self.options.log_format,
         };
         LocalWorkers::start(launch, count).map(Some).map_err(Error::io("local workers"))
     }

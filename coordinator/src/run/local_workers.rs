@@ -7,6 +7,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
+use worker::LogFormat;
 
 /// Restarts of workers that died, without a result in between, before a run ends with a message.
 const RESTARTS: u32 = 10;
@@ -24,6 +25,8 @@ pub struct Launch {
     pub run: RunId,
     /// Where each worker writes what it has to say.
     pub logs: PathBuf,
+    /// How it is written.
+    pub log_format: LogFormat,
 }
 
 /// The local workers of a run. Each has its standard input connected to this process: when that ends, however it ends, so
@@ -107,9 +110,12 @@ impl Launch {
     fn spawn(&self, number: usize) -> io::Result<Child> {
         Command::new(std::env::current_exe()?)
             .args(["worker", "--lifeline", "--slots", "1"])
+            .args(["--log-format", self.log_format.name()])
             .args(["--connect", &self.endpoint])
             .args(["--namespace", &self.namespace])
             .args(["--run", self.run.as_str()])
+            // That of a run elsewhere would go before this run's own.
+            .env_remove("ISOLA_SECRET_FILE")
             .env(ENVIRONMENT, self.secret.as_ref().map_or("", Secret::reveal))
             .stdin(Stdio::piped())
             .stdout(Stdio::null())

@@ -6,6 +6,7 @@
 //! | `services.rs` | what runs beside: presence on the bus, and who decides, commits and announces |
 //! | `preparation.rs` | backbone and tasks, computed or stored |
 //! | `local_workers.rs` | worker processes on this machine |
+//! | `over_http.rs` | the run served over HTTP |
 //! | `endpoint.rs`, `directory.rs` | the session on the bus; the folder of a run, and how to reach whoever serves it |
 
 pub mod directory;
@@ -13,6 +14,7 @@ pub mod endpoint;
 mod lifecycle;
 mod link;
 mod local_workers;
+mod over_http;
 pub mod preparation;
 mod services;
 

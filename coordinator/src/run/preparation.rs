@@ -17,6 +17,7 @@ use solver::response::forced::Reach;
 use solver::response::modes::Backbones;
 use solver::response::starts;
 use solver::response::task::plan;
+use solver::settings::Settings;
 use solver::structure::Model;
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -71,15 +72,60 @@ pub fn stored(store: &Store, model: &Model) -> Result<Option<Prepared>, Error> {
     let (Some(message), Some(reach)) = (store.backbone()?, store.reach()?) else { return Ok(None) };
     let further = store.further_backbones()?;
     let left_out = store.modes_left_out()?.unwrap_or_default();
-    let size = Size::of(model);
-    let backbones = std::iter::once(&message).chain(&further).map(|message| message.backbone(&size));
-    let backbones: Vec<Backbone> =
-        backbones.collect::<Result<_, _>>().map_err(|error| Error::Other(format!("a stored backbone: {error}")))?;
+    let backbones = backbones(model, std::iter::once(&message).chain(&further))?;
     let (levels, added) = (store.plans()?, store.added()?);
     let plan = Arc::new(SweepPlan { backbone: message, further, left_out, reach, levels, added });
     let stored = Some(Stored { tasks: store.tasks()?, extents: store.extents()? });
     let sweep = Arc::new(PublishedSweep::new(Modal::new(model), backbones, plan.clone()));
     Ok(Some(Prepared { sweep, beginning: Beginning { plan, stored } }))
+}
+
+fn backbones<'m>(model: &Model, messages: impl Iterator<Item = &'m BackboneMessage>) -> Result<Vec<Backbone>, Error> {
+    let size = Size::of(model);
+    let backbones: Result<_, _> = messages.map(|message| message.backbone(&size)).collect();
+    backbones.map_err(|error| Error::Other(format!("a stored backbone: {error}")))
+}
+
+/// What follows from the stored backbones for the levels from `first` on, which are added to those before; `None` as long as there
+/// is no backbone.
+///
+/// # Errors
+/// If the store cannot be read, or the bounds of the study contradict the backbones.
+pub fn extended(
+    store: &Store,
+    model: &Model,
+    settings: &Settings,
+    all: &[Amplitude],
+    first: usize,
+) -> Result<Option<(Reach, Vec<LevelPlan>)>, Error> {
+    let Some(primary) = store.backbone()? else { return Ok(None) };
+    let further = store.further_backbones()?;
+    let backbones = backbones(model, std::iter::once(&primary).chain(&further))?;
+    Ok(Some((reach(settings, &backbones, all)?, levels(model, settings, &backbones, all, first))))
+}
+
+/// Within which frequencies and amplitudes the branches of all levels are followed.
+fn reach(settings: &Settings, backbones: &[Backbone], all: &[Amplitude]) -> Result<Reach, Error> {
+    let values = || all.iter().map(|amplitude| amplitude.value);
+    let highest = values().fold(0.0, f64::max);
+    Ok(Reach::over(settings, &backbones[0], &backbones[1..], highest)?.with_folds_of(values()))
+}
+
+/// Windows and tasks of the levels from `first` on.
+fn levels(
+    model: &Model,
+    settings: &Settings,
+    backbones: &[Backbone],
+    all: &[Amplitude],
+    first: usize,
+) -> Vec<LevelPlan> {
+    let batches = starts::batches(model, settings);
+    let level = |(index, amplitude): (usize, &Amplitude)| {
+        let share = starts::share(batches, index, all.len());
+        let (windows, tasks) = plan(backbones, amplitude.value, &settings.frequency, share);
+        LevelPlan { amplitude: amplitude.clone(), windows, tasks }
+    };
+    all.iter().enumerate().skip(first).map(level).collect()
 }
 
 /// Computes the backbones, and from them the tasks of every level; `None` if `stop` was set meanwhile. Tells the engine where
@@ -110,16 +156,8 @@ pub fn compute(
     if stop.load(Ordering::Relaxed) {
         return Ok(None);
     }
-    let values = || header.amplitudes.iter().map(|amplitude| amplitude.value);
-    let highest = values().fold(0.0, f64::max);
-    let reach = Reach::over(settings, &backbones[0], &backbones[1..], highest)?.with_folds_of(values());
-    let (batches, count) = (starts::batches(model, settings), header.amplitudes.len());
-    let level = |(index, amplitude): (usize, &Amplitude)| {
-        let (windows, tasks) =
-            plan(&backbones, amplitude.value, &settings.frequency, starts::share(batches, index, count));
-        LevelPlan { amplitude: amplitude.clone(), windows, tasks }
-    };
-    let levels = header.amplitudes.iter().enumerate().map(level).collect();
+    let reach = reach(settings, &backbones, &header.amplitudes)?;
+    let levels = levels(model, settings, &backbones, &header.amplitudes, 0);
     let mut messages = backbones.iter().map(BackboneMessage::from);
     let backbone = messages.next().expect("that of the primary mode is there");
     let (further, added) = (messages.collect(), Vec::new());

@@ -4,7 +4,7 @@ use super::endpoint::Connection;
 use super::link::watch as watch_link;
 use super::preparation::{Prepared, manifest};
 use crate::bus::{Presence, RunState, Served, announce, serve};
-use crate::engine::{Engine, Event, News, Reference, Request, commit, decide};
+use crate::engine::{Engine, Event, Meters, News, Reference, Request, commit, decide};
 use crate::error::Error;
 use crate::ledger::Rules;
 use protocol::codec::encode;
@@ -15,7 +15,7 @@ use solver::structure::Model;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::mpsc::{Sender, channel};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use tokio::sync::{mpsc, watch};
 use tokio::task::{JoinError, JoinHandle, spawn_blocking};
 use tokio::time::timeout;
@@ -29,6 +29,7 @@ pub(super) struct Services {
     engine: Sender<Request>,
     state: Arc<watch::Sender<RunState>>,
     changes: watch::Receiver<RunState>,
+    meters: Meters,
     presence: Presence,
     deciding: JoinHandle<()>,
     committing: JoinHandle<Result<(), StoreError>>,
@@ -59,14 +60,15 @@ impl Services {
         let (engine, requests) = channel();
         let (decisions, decided) = channel();
         let (news, told) = mpsc::unbounded_channel();
-        let (state, changes) = watch::channel(RunState { manifest: manifest.clone(), status: None, sweep: None });
+        let (state, changes) = watch::channel(RunState::new(manifest.clone()));
         let state = Arc::new(state);
         if let Some(prepared) = prepared {
             begin(prepared, &state, &engine);
         }
         let model_bytes = encode(&header.model);
         let reference = Reference { model, settings: header.settings };
-        let served = Served { directory, model_bytes, reference, state: changes.clone() };
+        let meters = Meters::default();
+        let served = Served { directory, model_bytes, reference, meters: meters.clone(), state: changes.clone() };
         let presence = serve(session, &keys, served, engine.clone())
             .await
             .map_err(|error| Error::Other(format!("the run cannot be served on the bus: {error}")))?;
@@ -74,15 +76,15 @@ impl Services {
         let announcing = tokio::spawn(announce(session.clone(), keys, told));
         let machine = Engine::new(manifest, rules);
         let deciding = spawn_blocking(move || decide(machine, &requests, &decisions));
-        let updated = state.clone();
+        let (updated, counted) = (state.clone(), meters.clone());
         let committing = spawn_blocking(move || {
-            commit(store, &decided, |item| {
+            commit(store, &decided, &counted, |item| {
                 update(&updated, &item);
                 // Without whoever announces, those who want to know can still ask.
                 let _ = news.send(item);
             })
         });
-        Ok(Self { engine, state, changes, presence, deciding, committing, announcing, watching })
+        Ok(Self { engine, state, changes, meters, presence, deciding, committing, announcing, watching })
     }
 
     /// Lets a sweep begin.
@@ -99,6 +101,11 @@ impl Services {
     /// For whoever tells the engine something on the way.
     pub fn engine(&self) -> Sender<Request> {
         self.engine.clone()
+    }
+
+    /// The run as it is, and what is counted: for whoever shows them.
+    pub fn shown(&self) -> (watch::Receiver<RunState>, Meters) {
+        (self.state.subscribe(), self.meters.clone())
     }
 
     /// Where the run is.
@@ -161,8 +168,11 @@ fn begin(prepared: Prepared, state: &watch::Sender<RunState>, engine: &Sender<Re
 fn update(state: &watch::Sender<RunState>, news: &News) {
     match news {
         News::Manifest(manifest) => state.send_modify(|state| state.manifest = manifest.as_ref().clone()),
-        News::Status(status) => state.send_modify(|state| state.status = Some(status.clone())),
-        News::Done(_) | News::Hint => {}
+        News::Status(status) => state.send_modify(|state| {
+            (state.status, state.told) = (Some(status.clone()), Instant::now());
+        }),
+        News::Load(load) => state.send_modify(|state| state.load = Some(load.as_ref().clone())),
+        News::Done(_) | News::Hint | News::Wake(_) => {}
     }
 }
 

@@ -94,13 +94,16 @@ fn converted(bytes: &[u8]) {
                     assert_eq!(verification.verdicts().len(), verification.count);
                 }
             }
-            FindingMessage::Disturbance(_) | FindingMessage::Nothing(_) => {}
+            FindingMessage::Disturbance(_) | FindingMessage::Settling(_) | FindingMessage::Nothing(_) => {}
         }
     }
-    if let Ok(StoredResult { branch, disturbance, work, .. }) = decode_stored(bytes) {
+    if let Ok(StoredResult { branch, disturbance, settling, work, .. }) = decode_stored(bytes) {
         let _ = branch.is_some_and(|branch| branch.branch(&SIZE).is_ok());
         if let (Some(disturbance), Task::Disturb(place)) = (disturbance, work) {
             let _ = disturbance.is_sound(&place, SIZE.monitors);
+        }
+        if let (Some(settling), Task::March(place)) = (settling, work) {
+            let _ = settling.is_sound(&place, SIZE.monitors);
         }
     }
     if let Ok(LeaseReply::Grant(grant)) = decode_stored(bytes) {

@@ -5,7 +5,8 @@ mod results;
 
 pub use endings::outcomes;
 pub use results::{
-    done, done_nothing, result, result_curve, result_disturbance, result_landings, result_nothing, result_verification,
+    done, done_nothing, result, result_curve, result_disturbance, result_landings, result_nothing, result_settling,
+    result_verification,
 };
 
 use protocol::VERSION;
@@ -58,6 +59,7 @@ pub fn all(visitor: &mut impl Visit) {
     visitor.visit("result_landings", &result_landings());
     visitor.visit("result_verification", &result_verification());
     visitor.visit("result_disturbance", &result_disturbance());
+    visitor.visit("result_settling", &result_settling());
     visitor.visit("status", &status());
     visitor.visit("progress", &progress());
     visitor.visit("lease_request", &lease_request());

@@ -21,6 +21,7 @@ A run that goes on, from anywhere on its bus, branch by branch:
 
 from .errors import (
     BadModel,
+    BadStudy,
     Corrupt,
     Damaged,
     FolderInUse,
@@ -36,6 +37,7 @@ from .errors import (
     Refused,
     Unreachable,
 )
+from .live.asynchronous import Following
 from .live.bus import Bus, connect
 from .live.run import Run
 from .live.types import (
@@ -72,6 +74,7 @@ __all__ = [
     "Amplitude",
     "Backbone",
     "BadModel",
+    "BadStudy",
     "Branch",
     "Bus",
     "Certificate",
@@ -84,6 +87,7 @@ __all__ = [
     "Element",
     "FoldCurve",
     "FolderInUse",
+    "Following",
     "Incomplete",
     "IsolaError",
     "Law",

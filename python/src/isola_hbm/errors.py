@@ -67,6 +67,10 @@ class BadModel(IsolaError, ValueError):
     """A model that makes no sense: which entry, and what would be right."""
 
 
+class BadStudy(IsolaError, ValueError):
+    """Amplitudes or settings of a sweep that make no sense: which one, and what would be right."""
+
+
 class Incomplete(UserWarning):
     """A sweep has ended, but tasks were given up, or what lies beyond what it found is not known: the program says which."""
 

@@ -21,6 +21,8 @@ from .live.wire import Floats
 
 #: Entries whose difference from those across the diagonal is below this share of the largest entry count as symmetric.
 _SYMMETRIC = 1e-8
+#: What stands in a model file.
+_KEYS = {"name", "description", "dofs", "monitors", "matrices", "damping", "forcing", "contact", "laws"}
 
 
 class Law(dict[str, Any]):
@@ -142,28 +144,36 @@ class Model:
         if self.C is not None and damping is not None:
             raise BadModel("C and damping are two ways to give the damping; give one of them")
         #: Names of the dofs.
-        self.dofs = [f"x{i}" for i in range(1, n + 1)] if dofs is None else [str(dof) for dof in dofs]
+        self.dofs = [f"x{i}" for i in range(1, n + 1)] if dofs is None else _names("dofs", dofs)
         if len(self.dofs) != n or len(set(self.dofs)) != n:
             raise BadModel(
                 f"dofs: {len(self.dofs)} names, {len(set(self.dofs))} of them different; M has {n} rows"
             )
         #: Name shown to people.
-        self.name = name
+        self.name = _text("name", name)
         #: For whoever reads the file.
-        self.description = description
+        self.description = _text("description", description)
         #: Sections of the model file, as given.
         self.sections: dict[str, Any] = {
-            "damping": dict(damping or {}),
+            "damping": _section("damping", {} if damping is None else damping),
             "forcing": {} if forcing is None else self._forcing(forcing),
-            "contact": {**(contact or {}), "nodes": [dict(node) for node in contacts]},
-            "laws": [dict(law) for law in laws],
-            "monitors": None if monitors is None else [self._known("monitors", dof) for dof in monitors],
+            "contact": {
+                **_section("contact", {} if contact is None else contact),
+                "nodes": _elements("contacts", contacts, "Contact"),
+            },
+            "laws": _elements("laws", laws, "Law"),
+            "monitors": None
+            if monitors is None
+            else [self._known("monitors", dof) for dof in _names("monitors", monitors)],
         }
         for i, law in enumerate(self.sections["laws"]):
-            for dof in _dofs_of_law(law):
+            for dof in _dofs_of_law(f"laws[{i}]", law):
                 self._known(f"laws[{i}]", dof)
         for i, node in enumerate(self.sections["contact"]["nodes"]):
-            for direction in [node.get("normal"), *node.get("tangential", [])]:
+            sliding = node.get("tangential", [])
+            if isinstance(sliding, (str, Mapping)) or not isinstance(sliding, Iterable):
+                raise BadModel(f"contacts[{i}]: tangential = {sliding!r}: a list of one or two directions is needed")
+            for direction in [node.get("normal"), *sliding]:
                 for dof in direction if isinstance(direction, Mapping) else [direction]:
                     self._known(f"contacts[{i}]", dof)
 
@@ -177,14 +187,18 @@ class Model:
         path = Path(folder)
         try:
             content = tomllib.loads((path / "model.toml").read_text(encoding="utf-8"))
+        except FileNotFoundError as error:
+            raise BadModel(f"{path / 'model.toml'}: there is no such file; name the folder of a model") from error
         except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-            raise BadModel(f"{path / 'model.toml'}: {error}; name the folder of a model") from error
-        matrices, contact = content.get("matrices", {}), dict(content.get("contact", {}))
+            raise BadModel(f"{path / 'model.toml'}: {error}") from error
+        # What is not known here would be lost when the model is saved.
+        if unknown := sorted(content.keys() - _KEYS):
+            raise BadModel(f"{path / 'model.toml'}: there is no `{unknown[0]}`; known here: {', '.join(sorted(_KEYS))}")
+        matrices, contact = (_section(key, content.get(key, {})) for key in ("matrices", "contact"))
         files = {"mass": "M.mtx", "stiffness": "K.mtx", **matrices}
         mass, stiffness, damping = (_read(path, files.get(key)) for key in ("mass", "stiffness", "damping"))
         nodes = contact.pop("nodes", [])
-        keys = ("laws", "damping", "forcing", "dofs", "monitors", "description")
-        others = {key: content[key] for key in keys if key in content}
+        others = {key: content[key] for key in _KEYS - {"name", "matrices", "contact"} if key in content}
         name = content.get("name", path.absolute().name)
         return cls(mass, stiffness, C=damping, contact=contact, contacts=nodes, name=name, **others)
 
@@ -249,6 +263,8 @@ class Model:
             raise BadModel(
                 f"forcing: shape {forces.shape}; {self.size} finite numbers are needed, a force for each dof"
             )
+        if not forces.any():
+            raise BadModel("forcing: all forces are zero; at least one dof must be driven")
         return {
             "shape": {"dofs": {dof: force for dof, force in zip(self.dofs, forces.tolist()) if force != 0.0}}
         }
@@ -258,6 +274,48 @@ class Model:
             known = ", ".join(self.dofs[:12]) + (", …" if self.size > 12 else "")
             raise BadModel(f"{where}: no dof `{dof}`; there are {known}")
         return str(dof)
+
+
+def _names(what: str, given: Any) -> list[str]:
+    """A list of names: a text would be one of letters."""
+    if isinstance(given, str) or not isinstance(given, Iterable):
+        raise BadModel(f"{what} = {given!r}: a list of names of dofs is needed")
+    return [str(name) for name in given]
+
+
+def _text(what: str, given: Any) -> str:
+    if not isinstance(given, str):
+        raise BadModel(f"{what} = {given!r}: a text is needed")
+    return given
+
+
+def _section(what: str, given: Any) -> dict[str, Any]:
+    """A section of the model file."""
+    if not isinstance(given, Mapping):
+        raise BadModel(f"{what} = {given!r}: the section of a model file is needed, as a dict of its keys")
+    _require_toml(what, given)
+    return dict(given)
+
+
+def _elements(what: str, given: Any, kind: str) -> list[dict[str, Any]]:
+    """A list of elements: a single one would be a list of its keys."""
+    if isinstance(given, (str, Mapping)) or not isinstance(given, Iterable):
+        raise BadModel(f"{what}: a list is needed, as {what}=[{kind}(…)]")
+    elements = list(given)
+    for i, element in enumerate(elements):
+        if not isinstance(element, Mapping):
+            raise BadModel(f"{what}[{i}] = {element!r}: a {kind} is needed")
+        _require_toml(f"{what}[{i}]", element)
+    return [dict(element) for element in elements]
+
+
+def _require_toml(what: str, given: Mapping[str, Any]) -> None:
+    """Raises unless it can be written to a model file."""
+    for key, value in given.items():
+        try:
+            toml.literal(value)
+        except TypeError as error:
+            raise BadModel(f"{what}: {key} = {error}; numbers, texts, lists and dicts can be written") from None
 
 
 def _read(folder: Path, matrix: Any) -> Any:
@@ -274,9 +332,14 @@ def _read(folder: Path, matrix: Any) -> Any:
         raise BadModel(f"{folder / matrix}: {error}") from error
 
 
-def _dofs_of_law(law: Mapping[str, Any]) -> list[Any]:
+def _dofs_of_law(where: str, law: Mapping[str, Any]) -> list[Any]:
     one = [law["dof"]] if "dof" in law else []
-    return [*one, *law.get("between", ()), *law.get("coefficients", {})]
+    between, coefficients = law.get("between", ()), law.get("coefficients", {})
+    if isinstance(between, str) or not isinstance(between, Iterable):
+        raise BadModel(f"{where}: between = {between!r}: two dofs are needed")
+    if not isinstance(coefficients, Mapping):
+        raise BadModel(f"{where}: coefficients = {coefficients!r}: dofs with factors are needed")
+    return [*one, *between, *coefficients]
 
 
 def _entries(section: Mapping[str, Any]) -> list[str]:

@@ -74,7 +74,7 @@ class Plots:
 
     def response(
         self,
-        amplitudes: Iterable[str | float] | None = None,
+        amplitudes: Iterable[str | float] | str | float | None = None,
         *,
         ax: Axes | None = None,
         units: str = "m,rad/s",
@@ -241,7 +241,7 @@ class Plots:
         branch: Key,
         *,
         point: int | str = "peak",
-        dofs: Sequence[str] | None = None,
+        dofs: Sequence[str] | str | None = None,
         variable: str = "displacement",
         ax: Axes | None = None,
         units: str = "m,rad/s",
@@ -269,7 +269,11 @@ class Plots:
         series = curve.isel(point=index).time(variable, samples=512).load()
         along = next(str(axis) for axis in series.dims if axis != "time")
         is_length = variable == "displacement"
-        for name in dofs or (curve["monitor"].values if is_length else series[along].values):
+        there = [str(name) for name in series[along].values]
+        shown = [dofs] if isinstance(dofs, str) else list(dofs or (curve["monitor"].values if is_length else there))
+        if unknown := [name for name in shown if name not in there]:
+            raise KeyError(f"no `{unknown[0]}` among what is stored of a motion; there are {', '.join(there)}")
+        for name in shown:
             values = series.sel({along: name})
             axes.plot(series["time"], measured.lengths(values) if is_length else values, label=str(name))
         quantity = (
@@ -286,12 +290,14 @@ class Plots:
         """Lowest and highest frequency of any branch, rad/s."""
         return float(summary["omega_min"].min()), float(summary["omega_max"].max())
 
-    def _branches(self, amplitudes: Iterable[str | float] | None) -> pd.DataFrame:
+    def _branches(self, amplitudes: Iterable[str | float] | str | float | None) -> pd.DataFrame:
         """Rows of the summary, of these levels, that are branches."""
         summary = self._run.summary
         summary = summary[summary["points"].notna()]
         if amplitudes is None:
             return summary
+        if isinstance(amplitudes, str) or not isinstance(amplitudes, Iterable):
+            amplitudes = [amplitudes]
         chosen = {float(amplitude) for amplitude in amplitudes}
         unknown = chosen - set(summary["amplitude"])
         if unknown:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numbers
 import os
 import re
 import shutil
@@ -15,7 +16,7 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from . import program, toml
-from .errors import BadModel, FolderInUse, Incomplete, ProgramFailed
+from .errors import BadModel, BadStudy, FolderInUse, Incomplete, ProgramFailed
 from .model import Model
 from .stored.run import StoredRun, load
 from .stored.store import FILE
@@ -55,7 +56,8 @@ def sweep(
             ``search="thorough"``.
 
     Raises:
-        FolderInUse: There is a run in `out`.
+        FolderInUse: There is a run in `out`, or a file in its place.
+        BadStudy: Amplitudes, settings or `workers` are not what can be given to the program at all.
         BadModel: The model has no study, and no amplitudes are given.
         NoProgram: The program is not there.
         ProgramFailed: It refuses the study, or fails: with its own message.
@@ -69,6 +71,8 @@ def sweep(
         raise FolderInUse(f"{folder}: this folder holds a run already; name another folder")
     options = _options(amplitudes, workers, settings)
     program.find()
+    if file := next((path for path in (folder, *folder.parents) if path.exists() and not path.is_dir()), None):
+        raise FolderInUse(f"{file}: a file, where the folder of the run is to be; name another folder")
     study = _study(model, folder, amplitudes)
     process = program.start(["sweep", str(study), "--out", str(folder), *options])
     return _finished(process, folder, _shown(progress))
@@ -81,12 +85,18 @@ def _options(amplitudes: Amplitudes | None, workers: int | None, settings: dict[
         # Not after a space: what begins with a minus sign is refused by the program in better words.
         options.append(f"--amplitudes={_amplitudes(amplitudes)}")
     if workers is not None:
+        if not isinstance(workers, numbers.Integral) or workers < 0:
+            raise BadStudy(f"workers = {workers!r}: a number of processes is needed, 0 or more")
         options += ["--workers", str(workers)]
     for name in ("search", "verify"):
         if isinstance(settings.get(name), str):
             options.append(f"--{name}={settings.pop(name)}")
-    for key, value in toml.dotted(settings):
-        options += ["--set", f"{key}={value}"]
+    try:
+        for key, value in toml.dotted(settings):
+            options += ["--set", f"{key}={value}"]
+    except TypeError as error:
+        given = ", ".join(settings)
+        raise BadStudy(f"{given}: {error}; leave a key out and it has its default") from None
     return options
 
 
@@ -95,7 +105,12 @@ def _amplitudes(amplitudes: Amplitudes) -> str:
     if isinstance(amplitudes, str):
         return amplitudes
     values = amplitudes if isinstance(amplitudes, Iterable) else [amplitudes]
-    return ",".join(value if isinstance(value, str) else _shortest(float(value)) for value in values)
+    try:
+        return ",".join(value if isinstance(value, str) else _shortest(float(value)) for value in values)
+    except (TypeError, ValueError):
+        raise BadStudy(
+            f'amplitudes = {amplitudes!r}: give a list of numbers, as [20, 60], or a text, as "20:140:20"'
+        ) from None
 
 
 def _shortest(value: float) -> str:

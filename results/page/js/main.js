@@ -40,10 +40,11 @@ function plainFigure(place, description, { looked, ...context }) {
   return figure;
 }
 
-/** What is selected when nothing was picked: the largest amplitude beside the main branches, or of all branches. */
+/** What is selected when nothing was picked: the largest amplitude of isolas, of others beside the main branches, or of all. */
 function defaultSelection(branches) {
-  const others = branches.filter(({ kind }) => kind !== "main");
-  const [highest] = (others.length > 0 ? others : branches).toSorted(
+  const kinds = [({ kind }) => kind === "isola", ({ kind }) => kind !== "main", () => true];
+  const chosen = kinds.map((is) => branches.filter(is)).find(({ length }) => length > 0) ?? [];
+  const [highest] = chosen.toSorted(
     (a, b) => b.amplitude_at_peak - a.amplitude_at_peak,
   );
   return highest ? { branch: branches.indexOf(highest), index: highest.peak } : null;

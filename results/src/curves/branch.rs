@@ -8,6 +8,7 @@ use serde::Serialize;
 use solver::response::branch::{Outcome, SpecialPoint, Standing};
 use solver::response::columns::{self, Axis};
 use solver::stability::multipliers::Verdict;
+use solver::stability::settling::{Motion, Settling};
 use solver::stability::verification::Verification;
 
 /// A branch: p points in the order of the arc, in rad/s and m. Its JSON is without the columns.
@@ -46,6 +47,9 @@ pub struct Curve {
     /// Whether the response at each point is known to be unstable, by time marching; empty where it was not verified.
     #[serde(skip)]
     pub unstable: Vec<bool>,
+    /// What unstable motions of it turn into, in the order of the arc.
+    #[serde(skip)]
+    pub beyond: Vec<Beyond>,
     /// What else the page says of its points, in the order of the list.
     #[serde(skip)]
     pub others: Vec<Quantity>,
@@ -91,6 +95,7 @@ impl Curve {
             omega: Column::exact(omega),
             amplitude: amplitude.into_iter().map(Column::short).collect(),
             unstable: Vec::new(),
+            beyond: Vec::new(),
             others: others(&points.columns, size)?,
             special: branch.special.clone(),
         }))
@@ -104,9 +109,45 @@ impl Curve {
         Self { unstable, ..self }
     }
 
+    /// With what its unstable motions turn into.
+    #[must_use]
+    pub fn beyond(self, found: &[Settling]) -> Self {
+        let monitors = self.amplitude.len();
+        let fits = |found: &&Settling| found.index < self.size && found.amplitudes.len() == monitors;
+        let mut beyond: Vec<Beyond> = found.iter().filter(fits).map(Beyond::of).collect();
+        beyond.sort_by_key(|beyond| beyond.point);
+        Self { beyond, ..self }
+    }
+
     /// What the page says of its points under the name of a column.
     pub fn other(&self, name: &str) -> Option<&Quantity> {
         self.others.iter().find(|quantity| quantity.about.name == name)
+    }
+}
+
+/// What an unstable motion of a branch turns into.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Beyond {
+    /// Number of the point on the branch.
+    pub point: usize,
+    /// Frequency, rad/s.
+    pub omega: f64,
+    /// What it is, if that is clear.
+    pub motion: Option<Motion>,
+    /// Smallest and largest of the largest |x| in a period, of every monitored dof, m.
+    pub amplitudes: Vec<[f64; 2]>,
+}
+
+impl Beyond {
+    fn of(found: &Settling) -> Self {
+        let Settling { index, omega, motion, amplitudes, .. } = found;
+        Self { point: *index, omega: *omega, motion: *motion, amplitudes: amplitudes.clone() }
+    }
+
+    /// Whether it has a range of amplitudes of its own: one that repeats itself after a period has but one, as those of branches have,
+    /// and what was seen of one that is not clear may be on its way to something else.
+    pub fn is_shown(&self) -> bool {
+        self.motion.is_some_and(|motion| motion != Motion::Periodic(1))
     }
 }
 

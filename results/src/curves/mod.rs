@@ -3,13 +3,15 @@
 mod backbone;
 mod branch;
 mod column;
+mod marched;
 mod monitor;
 mod motion;
 mod resonance;
 
 pub use backbone::{BackboneCurve, ModeShare, Peak};
-pub use branch::{Curve, largest};
+pub use branch::{Beyond, Curve, largest};
 pub use column::{Column, Quantity};
+pub use marched::{MarchedPeriod, marched};
 pub use monitor::{Monitor, monitors};
 pub use motion::{Motion, Motions, Node};
 pub use resonance::{Resonance, ResonanceComparison};

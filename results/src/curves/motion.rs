@@ -118,6 +118,12 @@ impl Motions {
         Motion { branch, index, coefficients: Column::short(self.coefficients(state)) }
     }
 
+    /// Displacement of every node, m, where those of the modes are `modal`.
+    pub fn displacements(&self, modal: &[f64]) -> Vec<f64> {
+        let of = |node: &Node| node.shape.iter().zip(modal).map(|(shape, y)| shape * y).sum();
+        self.nodes.iter().map(of).collect()
+    }
+
     /// Displacement and predicted pressure of every node: nodes × 2 × (2H + 1).
     fn coefficients(&self, state: &State) -> Vec<f64> {
         let nc = width(self.harmonics);

@@ -7,7 +7,7 @@ use super::csv_columns::CsvColumns;
 use super::table::{Table, optional, text};
 use crate::overview::Omissions;
 use crate::overview::{BranchRow, Level, Overview, unfinished};
-use crate::store::{BifurcationRow, CurveRow, PushRow, Reader};
+use crate::store::{BifurcationRow, CurveRow, MotionRow, PushRow, Reader};
 use protocol::array::ArrayError;
 use protocol::backbone::BackboneMessage;
 use protocol::curve::Size;
@@ -42,6 +42,9 @@ const EVENTS: [&str; 7] = ["kind", "source", "forcing", "omega", "amplitude", "m
 
 const BIFURCATIONS: [&str; 5] = ["forcing", "branch", "kind", "omega", "amplitude"];
 
+const MOTIONS: [&str; 10] =
+    ["forcing", "branch", "point", "omega", "motion", "repeats", "onto", "amplitude_min", "amplitude_max", "growth"];
+
 const PUSHES: [&str; 12] = [
     "forcing",
     "branch",
@@ -58,7 +61,8 @@ const PUSHES: [&str; 12] = [
 ];
 
 /// Writes `summary.csv`, `backbone.csv`, `windows.csv`, `folds.csv`, `events.csv`, `bifurcations.csv`, `branches/*.csv` and, of a run
-/// with pushes, `pushes.csv` into folder `dir`, at any stage of a run.
+/// with motions that were followed beyond instabilities or with pushes, `motions.csv` and `pushes.csv` into folder `dir`, at any
+/// stage of a run.
 ///
 /// Frequencies are in rad/s, lengths in m, each number in the shortest form that reads back the same.
 ///
@@ -85,6 +89,10 @@ pub(super) fn write(reader: &Reader, dir: &Path, omissions: &mut Omissions) -> R
     write_events(dir, &curves, &predicted)?;
     let bifurcations = omissions.read("The list of bifurcations is", reader.bifurcations()).unwrap_or_default();
     write_bifurcations(dir, &bifurcations)?;
+    let motions = omissions.read("The list of motions is", reader.motions()).unwrap_or_default();
+    if !motions.is_empty() {
+        write_motions(dir, &motions)?;
+    }
     let monitors = overview.model.as_ref().map(monitors);
     let pushes = omissions.read("The list of pushes is", reader.pushes()).unwrap_or_default();
     if !pushes.is_empty() {
@@ -149,6 +157,30 @@ fn write_bifurcations(dir: &Path, rows: &[BifurcationRow]) -> Result<(), ExportE
     let mut table = Table::create(dir, "bifurcations.csv", &names(&BIFURCATIONS))?;
     for row in rows {
         table.row([&row.forcing, &row.branch, &row.kind, &text(row.omega), &text(row.amplitude)])?;
+    }
+    table.finish()
+}
+
+/// Writes what unstable motions turn into.
+fn write_motions(dir: &Path, rows: &[MotionRow]) -> Result<(), ExportError> {
+    let mut table = Table::create(dir, "motions.csv", &names(&MOTIONS))?;
+    for row in rows {
+        let [low, high] = [row.amplitude.map(|range| range.0), row.amplitude.map(|range| range.1)].map(optional);
+        let repeats = row.repeats.map_or_else(String::new, |repeats| repeats.to_string());
+        let (point, omega, growth) = (row.point.to_string(), text(row.omega), optional(row.growth));
+        let onto = row.onto.as_deref().unwrap_or_default();
+        table.row([
+            row.forcing.as_str(),
+            &row.branch,
+            &point,
+            &omega,
+            &row.motion,
+            &repeats,
+            onto,
+            &low,
+            &high,
+            &growth,
+        ])?;
     }
     table.finish()
 }

@@ -7,8 +7,9 @@ use super::style::{BOLD, Color, FINE, MARK, MEDIUM, Shape, Style};
 use super::subject::{BackboneColumns, Subject};
 use crate::curves::BackboneCurve;
 use crate::overview::{WindowOutcome, WindowRow};
-use crate::store::CurvePoint;
+use crate::store::{BranchRow, CurvePoint};
 use crate::words::digits;
+use solver::response::branch::BranchKind;
 use solver::response::windows::{Event, EventKind};
 
 /// Thresholds within this factor of the levels are shown.
@@ -27,7 +28,10 @@ pub fn figure(
 ) -> Result<Figure, String> {
     let backbone = subject.backbone()?;
     let columns = columns.ok_or("the run has no backbone yet")?;
-    let ends = subject.levels.iter().flat_map(|level| level.others().flat_map(|isola| [isola.omega.0, isola.omega.1]));
+    let others = || subject.levels.iter().flat_map(|level| level.others().map(move |other| (level.value, other)));
+    let is_open = |(_, other): &(f64, &BranchRow)| other.kind == BranchKind::Open.name();
+    let isolas = || others().filter(move |other| !is_open(other));
+    let ends = isolas().flat_map(|(_, isola)| [isola.omega.0, isola.omega.1]);
     let x = Axis::around("", Unit::none(), backbone.omega.values.iter().copied().chain(ends));
     let y = Axis::logarithmic("forcing amplitude A, threshold A*", Unit::none(), thresholds(subject, backbone));
 
@@ -38,13 +42,15 @@ pub fn figure(
     let thin = (TOGETHER.0 / levels).max(0.5 * FINE);
     let mains = subject.levels.iter().flat_map(|level| level.mains().map(|main| (level.value, main.omega)));
     drawing.bars("main branches", Style::line(Color::Shade, FINE.min(TOGETHER.1 / levels)), mains);
-    let others = || subject.levels.iter().flat_map(|level| level.others().map(move |other| (level.value, other)));
-    let are_isolas = others().all(|(_, other)| other.closed);
-    let isolas = others().map(|(value, other)| (value, other.omega));
+    let color = Color::Category(1);
+    // These go from one end to the other.
+    let open = others().filter(is_open).map(|(value, other)| (value, other.omega));
+    drawing.bars("open branches", Style::line(color, FINE.min(TOGETHER.1 / levels)).with_dash(1), open);
+    let are_isolas = isolas().all(|(_, other)| other.closed);
     drawing.bars(
         if are_isolas { "isolas" } else { "isolas and others" },
-        Style::line(Color::Category(1), (1.3 * BOLD).min(thin)),
-        isolas,
+        Style::line(color, (1.3 * BOLD).min(thin)),
+        isolas().map(|(value, other)| (value, other.omega)),
     );
     let missed = windows(subject, |outcome| matches!(outcome, WindowOutcome::NotFound(_)));
     let alert = Style::line(Color::Alert, MEDIUM.min(thin)).with_dash(1);

@@ -3,6 +3,7 @@
 mod axis;
 mod backbone;
 mod balance;
+mod bands;
 mod column_store;
 mod compared;
 mod data;
@@ -31,10 +32,12 @@ pub use figures::Figures;
 pub use frames::{Frame, ladder};
 pub use geometry::{Part, View};
 pub use labels::{Field, Spot};
-pub use motion::{MotionAxis, axes as motion_axes, drawn as motion_drawn, template as motion_template};
+pub use motion::{
+    MotionAxis, axes as motion_axes, drawn as motion_drawn, template as motion_template, with_marched as motion_marched,
+};
 pub use palette::{Colors, LIGHT, PALETTE, Palette, Rgb};
 pub use placement::{place, place_for_page, point as label_point, run_points};
-pub use response::{FEW, Outline, backbone_series, branch_series, is_crowd, special_points};
+pub use response::{FEW, Outline, backbone_series, branch_series, is_crowd, special_points, straight_gaps};
 pub use style::{Color, Marker, Shape, Style};
 pub use subject::{BackboneColumns, Subject, level_colors};
 pub use text::{CAPITALS, Font, LINE};

@@ -6,9 +6,10 @@ use super::data::{
 };
 use super::places::Placement;
 use super::style::{BOLD, Color, FINE, MARK, Shape, Style, THIN};
-use crate::curves::{Motions, Node};
+use crate::curves::{MarchedPeriod, Motions, Node};
 use serde::Serialize;
 use solver::formulation::harmonics::{complex, evaluate, width};
+use solver::stability::multipliers::Verdict;
 use std::f64::consts::TAU;
 
 /// Instants of a period at which curves are computed.
@@ -78,6 +79,34 @@ pub fn drawn(mut figure: Figure, motions: &Motions, coefficients: &[f64], store:
         }
     }
     figure
+}
+
+/// With the marched period in the panel of displacements, over those of the balance.
+pub fn with_marched(mut figure: Figure, marched: &MarchedPeriod, store: &mut ColumnStore) -> Figure {
+    let style = Style::line(Color::Ink, FINE);
+    let Some(panel) = figure.panels.first_mut() else { return figure };
+    let highest = marched.displacements.iter().flatten().copied();
+    if let Some(axis) = panel.y.first_mut() {
+        let (low, high) = highest.fold(axis.range, |(low, high), x| (low.min(x), high.max(x)));
+        axis.range = (low, high);
+    }
+    let x = store.exact(marched.times.clone());
+    for displacement in &marched.displacements {
+        let y = vec![store.exact(displacement.clone())];
+        panel.series.push(Series { x: vec![x.clone()], y, style: style.clone(), ..Series::default() });
+    }
+    let text = format!("marched in time ({})", word(marched.verdict));
+    figure.legend.push(Entry { text, kind: Kind::Line, style });
+    figure
+}
+
+fn word(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::Stable => "stable",
+        Verdict::Unstable => "unstable",
+        Verdict::Marginal => "at the edge of stability",
+        Verdict::NoOrbitNearby | Verdict::NotComparable => "not comparable",
+    }
 }
 
 /// Nodes have the colours of the ramp in their order.

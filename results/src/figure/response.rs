@@ -1,12 +1,13 @@
 //! Amplitude over frequency: main branches thin, isolas bold, one colour for each forcing level.
 
 use super::axis::largest;
+use super::bands::bands;
 use super::column_store::{ColumnStore, Ref};
 use super::data::{Axis, Detail, Direction, Entry, Figure, Format, Kind, Label, Panel, Series, Side, Size, Span};
 use super::smooth::smooth;
 use super::style::{BOLD, Color, FINE, MARK, Shape, Style, THIN};
 use super::subject::{BackboneColumns, Subject, level_colors};
-use crate::curves::{Column, Curve, Monitor};
+use crate::curves::{Beyond, Column, Curve, Monitor};
 use solver::response::branch::{BranchKind, SpecialKind};
 use solver::response::columns;
 
@@ -24,6 +25,9 @@ const LABELLED: usize = 40;
 const HIGH: f64 = 0.8;
 /// Room beside what is shown at least, as a share of its width.
 const ROOM: f64 = 0.25;
+/// Branches that leave through the widest bounds are beyond what is shown where they are higher all along than so many times the
+/// highest of the others: parts that are pressed against each other for ever, say.
+const BEYOND: f64 = 2.0;
 /// What switches the backbone on.
 const SWITCH: &str = "Backbone, bold where the largest level shown is predicted to respond";
 
@@ -61,6 +65,7 @@ pub fn figure(
             marks.extend(special_points(branch, &curve, color));
         }
         let gaps = unstable(branch, &curve, (&axes.0, &axes.1), columns);
+        series.extend(bands(branch, &curve, color, columns));
         series.push(curve);
         series.extend(gaps);
     }
@@ -114,22 +119,36 @@ impl<'r> Outline<'r> {
 
     fn amplitudes(&self) -> Vec<Axis> {
         let of = |m: usize| {
-            let largest = self.branches.iter().map(move |branch| largest(branch.amplitude[m].values.iter().copied()));
-            let found = largest.fold(0.0, f64::max);
+            let all = |branch: &&'r Curve| {
+                let beyond = branch.beyond.iter().filter(|beyond| beyond.is_shown());
+                let beyond = beyond.filter_map(move |beyond| Some(beyond.amplitudes.get(m)?[1]));
+                largest(branch.amplitude[m].values.iter().copied().chain(beyond))
+            };
+            let found = self.branches.iter().filter(|branch| !self.is_beyond(branch)).map(all).fold(0.0, f64::max);
             let backbone = self.subject.backbone.filter(|_| self.branches.is_empty());
             backbone.map_or(vec![found], |backbone| backbone.amplitude[m].values.clone())
         };
         self.subject.amplitudes(of)
     }
 
+    /// Whether a branch is too high to be shown with the others.
+    fn is_beyond(&self, branch: &Curve) -> bool {
+        let is_open = |branch: &Curve| branch.kind == BranchKind::Open.name();
+        let near = self.branches.iter().filter(|branch| !is_open(branch));
+        let highest = near.map(|branch| branch.amplitude_at_peak).fold(0.0, f64::max);
+        let lowest = branch.amplitude[0].values.iter().copied().fold(f64::INFINITY, f64::min);
+        is_open(branch) && highest > 0.0 && lowest > BEYOND * highest
+    }
+
     /// In files, where something happens: all isolas and the upper parts of all main branches, with room beside them. On the
-    /// page at first, the whole sweep.
+    /// page at first, the whole sweep, and isolas that go farther.
     fn frequencies(&self) -> Axis {
         let all = self.branches.iter().flat_map(|branch| branch.omega.values.iter().copied());
         let backbone = self.subject.backbone.filter(|_| self.branches.is_empty());
         let ends = super::axis::bounds(all.chain(backbone.iter().flat_map(|b| b.omega.values.iter().copied())));
         let whole = self.subject.sweep.unwrap_or(ends);
-        let shown = self.branches.iter().flat_map(|branch| {
+        let near = self.branches.iter().filter(|branch| !self.is_beyond(branch));
+        let shown = near.flat_map(|branch| {
             let values = &branch.amplitude[0].values;
             let floor = if branch.kind == "main" { HIGH * largest(values.iter().copied()) } else { 0.0 };
             (0..branch.size).filter(move |&i| values[i] >= floor).map(|i| branch.omega.values[i])
@@ -138,7 +157,8 @@ impl<'r> Outline<'r> {
         let room = ROOM * (high - low);
         let part = ((low - room).max(ends.0), (high + room).min(ends.1));
         let range = if part.1 > part.0 { part } else { ends };
-        Axis { whole: Some(super::axis::bounds([whole.0, whole.1])), ..Axis::of_frequencies(range) }
+        let farther = if self.branches.is_empty() { whole } else { (whole.0.min(low), whole.1.max(high)) };
+        Axis { whole: Some(super::axis::bounds([farther.0, farther.1])), ..Axis::of_frequencies(range) }
     }
 
     fn legend(&self, has_backbone: bool) -> Vec<Entry> {
@@ -150,10 +170,12 @@ impl<'r> Outline<'r> {
         };
         let line = Kind::Line;
         let dashed = Style::line(color, BOLD).with_dash(1);
+        let is_cut = self.branches.iter().any(|branch| self.is_beyond(branch));
+        let open = if is_cut { "open branch, also above what is shown" } else { "open branch" };
         let entries = [
             (has(BranchKind::Main), "main branch", line, Style::line(color, THIN)),
             (has(BranchKind::Isola), "isola", line, Style::line(color, BOLD)),
-            (has(BranchKind::Open), "open branch", line, Style::line(color, BOLD)),
+            (has(BranchKind::Open), open, line, Style::line(color, BOLD)),
             (has(BranchKind::Cut), "cut off by a bound", line, Style::line(color, BOLD)),
             (has(BranchKind::Unfinished), "unfinished", line, Style::line(color, BOLD)),
             (
@@ -161,6 +183,12 @@ impl<'r> Outline<'r> {
                 "unstable, where verified",
                 line,
                 dashed,
+            ),
+            (
+                self.branches.iter().any(|branch| branch.beyond.iter().any(Beyond::is_shown)),
+                "what unstable motions turn into",
+                Kind::Band,
+                Style::area(color),
             ),
             (has_backbone, "backbone", line, Style::line(Color::Soft, FINE).with_dash(1)),
             (marked(SpecialKind::Peak), "peak", line, mark(SpecialKind::Peak, color)),
@@ -256,18 +284,24 @@ pub(super) fn unstable(
     axes: (&Axis, &[Axis]),
     columns: &mut ColumnStore,
 ) -> Option<Series> {
+    let mut gaps = straight_gaps(branch, curve, columns)?;
+    let shown = branch.amplitude.iter().take(axes.1.len());
+    let heights: Vec<Vec<f64>> = shown.map(|column| where_unstable(branch, &column.values)).collect();
+    let heights: Vec<&[f64]> = heights.iter().map(Vec::as_slice).collect();
+    smooth(&mut gaps, (&branch.omega.values, &heights), axes, columns);
+    Some(gaps)
+}
+
+/// The same, straight from point to point.
+pub fn straight_gaps(branch: &Curve, curve: &Series, columns: &mut ColumnStore) -> Option<Series> {
     if !branch.unstable.contains(&true) {
         return None;
     }
     // A segment is drawn where both its ends are unstable.
-    let shown = branch.amplitude.iter().take(axes.1.len());
-    let heights: Vec<Vec<f64>> = shown.map(|column| where_unstable(branch, &column.values)).collect();
-    let y = heights.iter().map(|values| columns.add(Column::short(values.clone()))).collect();
+    let shown = branch.amplitude.iter().take(curve.y.len());
+    let y = shown.map(|column| columns.add(Column::short(where_unstable(branch, &column.values)))).collect();
     let style = Style::gaps(curve.style.width);
-    let mut gaps = Series { kind: curve.kind, x: curve.x.clone(), y, style, level: curve.level, ..Series::default() };
-    let heights: Vec<&[f64]> = heights.iter().map(Vec::as_slice).collect();
-    smooth(&mut gaps, (&branch.omega.values, &heights), axes, columns);
-    Some(gaps)
+    Some(Series { kind: curve.kind, x: curve.x.clone(), y, style, level: curve.level, ..Series::default() })
 }
 
 /// Values at points that are unstable; not numbers elsewhere.

@@ -81,13 +81,13 @@ impl Feed {
             std::mem::take(&mut drawing.early)
         };
         for curve in &early {
-            self.branch(curve, f64::NAN);
+            self.branch(curve);
         }
         opening
     }
 
-    /// Tells of a branch of a level, whose forcing amplitude this is.
-    pub fn branch(&self, curve: &Curve, _amplitude: f64) {
+    /// Tells of a branch of a level, or of what is known of its stability since.
+    pub fn branch(&self, curve: &Curve) {
         let mut drawing = self.drawing();
         let Some(sketch) = &mut drawing.sketch else {
             drawing.early.push(curve.clone());

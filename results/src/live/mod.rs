@@ -1,7 +1,6 @@
-//! The live page of a run: an HTTP server for whoever has a browser. What is shown comes from whoever fills the [`Feed`].
+//! The live page of a run, for an HTTP server and whoever has a browser. What is shown comes from whoever fills the [`Feed`].
 
 mod feed;
-mod host;
 mod sketch;
 
 pub use feed::Feed;
@@ -17,9 +16,7 @@ use axum::response::sse::{KeepAlive, Sse};
 use axum::routing::get;
 use protocol::to_everyone::Stage;
 use serde::Serialize;
-use std::io;
 use std::sync::Arc;
-use tokio::net::TcpListener;
 
 /// What the page begins with. The branches come as events.
 #[derive(Debug)]
@@ -50,15 +47,8 @@ impl Start {
     }
 }
 
-/// Serves the page until the process is ended.
-///
-/// # Errors
-/// If the listener fails.
-pub async fn serve(listener: TcpListener, start: Start, feed: Arc<Feed>) -> io::Result<()> {
-    axum::serve(listener, routes(start, feed)).await
-}
-
-fn routes(start: Start, feed: Arc<Feed>) -> Router {
+/// The page and what it asks for. Whoever serves it says who may read it.
+pub fn routes(start: Start, feed: Arc<Feed>) -> Router {
     let title = start.run.name.clone();
     let opening = feed.begin(start);
     let events = |State(feed): State<Arc<Feed>>, headers: HeaderMap| async move {
@@ -70,6 +60,5 @@ fn routes(start: Start, feed: Arc<Feed>) -> Router {
         .route("/", get(|| async move { Html(page::live(&title)) }))
         .route("/data", get(|| async move { ([(CONTENT_TYPE, "application/json")], opening) }))
         .route("/events", get(events))
-        .layer(axum::middleware::from_fn(host::own_names_only))
         .with_state(feed)
 }

@@ -4,7 +4,7 @@ use super::{Run, Start};
 use crate::curves::{BackboneCurve, Column, Curve, Monitor, Motions, ResonanceComparison, largest};
 use crate::figure::{
     BackboneColumns, Color, ColumnStore, FEW, Figure, Font, Frame, Outline, PALETTE, Palette, Series, Subject,
-    backbone_series, branch_series, is_crowd, level_colors, place_for_page, special_points,
+    backbone_series, branch_series, is_crowd, level_colors, place_for_page, special_points, straight_gaps,
 };
 use crate::overview::Level;
 use serde::Serialize;
@@ -114,16 +114,26 @@ impl Sketch {
         (0..self.levels.len()).filter_map(of_level).collect()
     }
 
-    /// Takes a branch in.
+    /// Takes a branch in, or what is known of its stability since.
     pub fn branch<'c>(&mut self, curve: &'c Curve) -> BranchEvent<'c> {
-        let has_marks = self.branches.len() < FEW;
-        self.branches.push(thinned(curve));
+        let name = |curve: &Curve| (curve.level, curve.kind, curve.number);
+        let has_marks = match self.branches.iter().position(|known| name(known) == name(curve)) {
+            Some(place) => {
+                self.branches[place] = thinned(curve);
+                place < FEW
+            }
+            None => {
+                self.branches.push(thinned(curve));
+                self.branches.len() <= FEW
+            }
+        };
         let first_column = self.end;
         let mut columns = ColumnStore::starting_at(first_column);
         let drawn = self.series(curve, &mut columns);
-        self.end = columns.end();
         let marks = special_points(curve, &drawn, drawn.style.color).filter(|_| has_marks);
-        let series = std::iter::once(drawn.clone()).chain(marks).collect();
+        let gaps = straight_gaps(curve, &drawn, &mut columns);
+        let series = std::iter::once(drawn.clone()).chain(gaps).chain(marks).collect();
+        self.end = columns.end();
         BranchEvent { first_column, columns, series, branch: curve }
     }
 
@@ -169,6 +179,8 @@ fn thinned(curve: &Curve) -> Curve {
         size: places.len(),
         omega: thin(&curve.omega),
         amplitude: curve.amplitude.iter().map(thin).collect(),
+        // What is asked of it is whether there is some.
+        unstable: vec![curve.unstable.contains(&true)],
         others: Vec::new(),
         ..curve.clone()
     }

@@ -3,6 +3,7 @@
 use super::level::Level;
 use crate::store::BranchRow;
 use crate::words::digits;
+use solver::response::certificate::Standing;
 
 /// A peak that changes by no more than this with twice the harmonics is converged.
 const CONVERGED: f64 = 0.01;
@@ -14,12 +15,12 @@ pub fn truncation(levels: &[Level], harmonics: usize) -> Option<String> {
     let changes = rows().filter_map(|(level, row)| Some((level, row, change(row)?)));
     let largest = changes.max_by(|a, b| a.2.abs().total_cmp(&b.2.abs()));
     // Not computed where the peak is no maximum; otherwise nothing like it was found with more harmonics.
-    let lost = rows().find(|(_, row)| row.is_isola() && row.certificate.doubled.is_none());
+    let lost = rows().find(|(_, row)| has_maximum(row) && row.certificate.doubled.is_none());
     let lost = lost.filter(|_| rows().any(|(_, row)| row.certificate.doubled.is_some()));
     let remedy = format!("set harmonics.count = {}", 2 * harmonics);
     if let Some((level, row)) = lost {
         return Some(format!(
-            "Not converged in H: with twice the harmonics there is no peak near that of {} at A = {}; {remedy}.",
+            "Not converged in H: with twice the harmonics no peak was found near that of {} at A = {}; {remedy}.",
             row.name(),
             level.amplitude
         ));
@@ -38,6 +39,11 @@ pub fn truncation(levels: &[Level], harmonics: usize) -> Option<String> {
         digits(100.0 * change, 2),
         depth.unwrap_or_default()
     ))
+}
+
+/// Whether the largest amplitude of a branch is that of a maximum.
+fn has_maximum(row: &BranchRow) -> bool {
+    row.is_isola() || row.peak_standing == Some(Standing::At)
 }
 
 /// Relative change of a peak with twice the harmonics.
@@ -69,6 +75,14 @@ mod tests {
     }
 
     #[test]
+    fn a_main_peak_that_is_not_there_with_more_harmonics() {
+        let main = |standing| BranchRow { peak_standing: Some(standing), ..row("main", None) };
+        let said = |standing| truncation(&levels(vec![main(standing), row("isola", Some(1.0))]), 10).unwrap();
+        assert!(said(Standing::At).contains("no peak was found near that of main at A = 60"), "{}", said(Standing::At));
+        assert_eq!(said(Standing::AtLeast), "Peaks are converged in H = 10 to 0.01 %.");
+    }
+
+    #[test]
     fn what_more_harmonics_would_change() {
         assert_eq!(truncation(&levels(vec![row("main", None), row("isola", None)]), 10), None);
         let converged = levels(vec![row("main", Some(1.004)), row("isola", Some(0.9999))]);
@@ -80,6 +94,6 @@ mod tests {
              penetrates by 13 % of the gap; set harmonics.count = 20."
         );
         let lost = levels(vec![row("main", Some(1.0)), row("isola", None)]);
-        assert!(truncation(&lost, 10).unwrap().contains("no peak near that of isola 1"));
+        assert!(truncation(&lost, 10).unwrap().contains("no peak was found near that of isola 1"));
     }
 }

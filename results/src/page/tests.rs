@@ -15,6 +15,17 @@ fn page(study: &Study) -> (Value, crate::store::Store, tempfile::TempDir) {
     (serde_json::to_value(PageData::new(&report)).unwrap(), store, dir)
 }
 
+/// Takes out what files have besides: the motion that time marching has at the point, which the page does not march.
+fn without_marched(figure: &mut Value) {
+    let legend = figure["legend"].as_array_mut().unwrap();
+    let entry = legend.pop().unwrap();
+    assert!(entry["text"].as_str().unwrap().starts_with("marched in time"), "{entry}");
+    let series = figure["panels"][0]["series"].as_array_mut().unwrap();
+    let count = series.len();
+    series.retain(|series| series["style"] != entry["style"]);
+    assert!(series.len() < count);
+}
+
 #[test]
 fn page_and_file_are_of_one_description() {
     let (page, store, _dir) = page(&Study::damper());
@@ -23,7 +34,10 @@ fn page_and_file_are_of_one_description() {
         let request = Request { figure, levels: None, monitor: None, amplitude: None, at: None, along: None };
         let (sheet, _) = compose(&store, &request).unwrap();
         let told = &page["figures"][figure.name()];
-        let drawn = serde_json::to_value(&sheet.figure).unwrap();
+        let mut drawn = serde_json::to_value(&sheet.figure).unwrap();
+        if figure == FigureName::Motion {
+            without_marched(&mut drawn);
+        }
         assert_eq!(told["legend"], drawn["legend"], "{figure}");
         for (told, drawn) in told["panels"].as_array().unwrap().iter().zip(drawn["panels"].as_array().unwrap()) {
             let part = if figure == FigureName::Motion { "spans" } else { "labels" };

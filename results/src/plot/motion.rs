@@ -2,15 +2,17 @@
 
 use super::named::level;
 use super::sheet::Sheet;
-use crate::curves::{Curve, largest};
+use crate::curves::{Curve, largest, marched};
 use crate::error::Error;
-use crate::figure::{ColumnStore, motion_drawn, motion_template};
+use crate::figure::{ColumnStore, motion_drawn, motion_marched, motion_template};
 use crate::overview::{BranchRow, verified_result};
 use crate::report::Report;
 use crate::store::Reader;
 use crate::words::digits;
+use protocol::array::ArrayError;
 use protocol::curve::Size;
 use protocol::to_everyone::StoredResult;
+use solver::formulation::state::State;
 
 /// The figure, at `A/branch/index` or at the highest isola's peak.
 pub fn sheet(report: &Report, reader: &Reader, monitor: usize, at: Option<&str>) -> Result<Sheet, Error> {
@@ -27,8 +29,22 @@ pub fn sheet(report: &Report, reader: &Reader, monitor: usize, at: Option<&str>)
     let mut columns = ColumnStore::default();
     let mut figure = motion_drawn(motion_template(motions), motions, &motion.coefficients.values, &mut columns);
     let omega = digits(curve.omega.values[index], 6);
-    figure.title = Some(format!("A = {amplitude}, {}, point {index}, ω = {omega} rad/s", curve.name));
+    let states = states(&result, &Size::of(&model)).map_err(|error| reader.corrupt(error))?;
+    let beside = match marched(motions, &model, (&states, curve.closed), index) {
+        Ok(period) => {
+            figure = motion_marched(figure, &period, &mut columns);
+            format!("marched at {} rad/s", digits(period.omega, 6))
+        }
+        Err(reason) => reason.to_string(),
+    };
+    figure.title = Some(format!("A = {amplitude}, {}, point {index}, ω = {omega} rad/s; {beside}", curve.name));
     Ok(Sheet { figure, columns, choice: 0, frame: None })
+}
+
+/// The motions of a branch that a result holds; none without one.
+fn states(result: &StoredResult, size: &Size) -> Result<Vec<State>, ArrayError> {
+    let motions = result.branch.as_ref().map(|branch| &branch.points.motions);
+    motions.map_or(Ok(Vec::new()), |motions| motions.states(size.channels, size.modes))
 }
 
 /// Where on a branch.

@@ -280,6 +280,11 @@ fn curves(
                 reader.verification(&branch.task),
             );
             let curve = curve.map(|curve| verified.flatten().iter().fold(curve, Curve::verified));
+            let beyond = omissions.read(
+                format_args!("What unstable motions of the branch of task {} turn into is", branch.task),
+                reader.settlings(&branch.task),
+            );
+            let curve = curve.map(|curve| curve.beyond(&beyond.unwrap_or_default()));
             if let Some(curve) = &curve {
                 motions.choose((curves.len(), curve), &result, &size, share).map_err(|error| error.to_string())?;
             }

@@ -7,6 +7,7 @@ use super::displacement::Displacements;
 use super::error::At;
 use super::extent::{Extent, contact_range};
 use super::header::{pack, set_stage};
+use super::motions::insert_motion;
 use super::plan::{insert_added, insert_plan};
 use super::points_table::POINTS;
 use super::pushes::insert_push;
@@ -95,7 +96,11 @@ impl Changes<'_> {
         let found = branch.is_some()
             || matches!(
                 outcome,
-                SeedOutcome::OnCurve(_) | SeedOutcome::Landed(_) | SeedOutcome::Verified(_) | SeedOutcome::Disturbed(_)
+                SeedOutcome::OnCurve(_)
+                    | SeedOutcome::Landed(_)
+                    | SeedOutcome::Verified(_)
+                    | SeedOutcome::Disturbed(_)
+                    | SeedOutcome::Marched(_)
             );
         let sql = "UPDATE tasks SET state = 'done', outcome = ?2, found = ?3, branch = ?4, record = ?5 WHERE id = ?1";
         self.execute(sql, params![task.as_str(), outcome.to_string(), found, branch, pack(outcome)])?;
@@ -127,17 +132,24 @@ impl Changes<'_> {
             (None, Some(curve), SeedOutcome::OnCurve(number)) => {
                 insert_curve(self.db, self.file, &result.task, number, curve)
             }
-            _ => match (&result.verification, &result.disturbance, &result.work) {
-                (Some(verification), _, Task::Verify(place)) => {
-                    let of = (&result.task, result.amplitude.text.as_str(), place);
-                    insert_verification(self.db, self.file, of, verification)
-                }
-                (_, Some(disturbance), Task::Disturb(place)) => {
-                    let of = (&result.task, result.amplitude.text.as_str(), place);
-                    insert_push(self.db, self.file, of, disturbance)
-                }
-                _ => Ok(()),
-            },
+            _ => self.marched(result),
+        }
+    }
+
+    /// What time marching says.
+    fn marched(&self, result: &StoredResult) -> Result<()> {
+        let (task, amplitude) = (&result.task, result.amplitude.text.as_str());
+        match (&result.work, &result.verification, &result.disturbance, &result.settling) {
+            (Task::Verify(place), Some(verification), ..) => {
+                insert_verification(self.db, self.file, (task, amplitude, place), verification)
+            }
+            (Task::Disturb(place), _, Some(disturbance), _) => {
+                insert_push(self.db, self.file, (task, amplitude, place), disturbance)
+            }
+            (Task::March(place), .., Some(settling)) => {
+                insert_motion(self.db, self.file, (task, amplitude, place), settling)
+            }
+            _ => Ok(()),
         }
     }
 
@@ -204,6 +216,7 @@ fn without_numbers(result: &StoredResult) -> StoredResult {
         landings: None,
         verification: None,
         disturbance: None,
+        settling: None,
         worker: result.worker.clone(),
         program: result.program.clone(),
         seconds: result.seconds,

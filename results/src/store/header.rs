@@ -54,19 +54,31 @@ pub(super) fn insert_header(db: &Connection, file: &Path, header: &RunHeader) ->
     set(db, file, "run", header.run.as_str())?;
     set(db, file, "name", &header.name)?;
     set(db, file, "study_file", header.study_file.to_string_lossy())?;
-    set(db, file, "overrides", serde_json::to_string(&header.overrides).expect("a list of texts"))?;
-    set(db, file, "study", &header.study)?;
+    set_study(db, file, &header.study, &header.overrides)?;
     set(db, file, "model_sha256", &header.model_sha256)?;
     set(db, file, "program", &header.program)?;
     set(db, file, "created", &header.created)?;
     set(db, file, "namespace", &header.namespace)?;
     set(db, file, "settings", pack(&header.settings))?;
     set_stage(db, file, Stage::Backbone)?;
-    for (i, amplitude) in header.amplitudes.iter().enumerate() {
-        let sql = "INSERT INTO levels (level, amplitude, value) VALUES (?1, ?2, ?3)";
-        db.prepare_cached(sql).at(file)?.execute(params![i + 1, amplitude.text, amplitude.value]).at(file)?;
-    }
+    insert_amplitudes(db, file, &header.amplitudes)?;
     insert_model(db, file, &header.model)
+}
+
+/// Notes the study and what the command line changed in it.
+pub(super) fn set_study(db: &Connection, file: &Path, study: &str, overrides: &[(String, String)]) -> Result<()> {
+    set(db, file, "overrides", serde_json::to_string(overrides).expect("a list of texts"))?;
+    set(db, file, "study", study)
+}
+
+/// Stores levels after those that are there.
+pub(super) fn insert_amplitudes(db: &Connection, file: &Path, amplitudes: &[Amplitude]) -> Result<()> {
+    let sql = "INSERT INTO levels (level, amplitude, value) SELECT count(*) + 1, ?1, ?2 FROM levels";
+    let mut statement = db.prepare_cached(sql).at(file)?;
+    for amplitude in amplitudes {
+        statement.execute(params![amplitude.text, amplitude.value]).at(file)?;
+    }
+    Ok(())
 }
 
 fn insert_model(db: &Connection, file: &Path, model: &ModelMessage) -> Result<()> {

@@ -113,7 +113,7 @@ impl Reader {
     /// Tasks of a level that are still to be done, and those that were given up, verifications apart.
     pub(crate) fn open_tasks(&self, level: i64) -> Result<(usize, usize)> {
         let sql = "SELECT count(*) FILTER (WHERE state IN ('waiting', 'leased')), \
-                   count(*) FILTER (WHERE state = 'dead') FROM tasks WHERE level = ?1 AND kind NOT IN ('verify', 'disturb')";
+                   count(*) FILTER (WHERE state = 'dead') FROM tasks WHERE level = ?1 AND kind NOT IN ('verify', 'disturb', 'march')";
         Ok(self.one(sql, [level], |row| Ok((row.get(0)?, row.get(1)?)))?.unwrap_or_default())
     }
 

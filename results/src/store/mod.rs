@@ -18,12 +18,14 @@ mod header;
 mod holder;
 mod levels;
 mod lock;
+mod motions;
 mod number;
 mod plan;
 mod points_table;
 mod pushes;
 mod reader;
 mod scalars;
+mod tasks;
 #[cfg(test)]
 mod tests;
 mod verifications;
@@ -32,6 +34,7 @@ pub use curves::{CurvePoint, CurveRow, SearchCounts};
 pub use error::StoreError;
 pub use extent::Extent;
 pub use holder::Holder;
+pub use motions::{MotionRow, motion_name};
 pub use pushes::PushRow;
 pub use reader::Reader;
 pub use verifications::{BifurcationRow, PeakOrbit, Stability, verdict_name};
@@ -46,7 +49,7 @@ pub(crate) use plan::further_owner;
 pub(crate) use scalars::{Scalar, Scalars, scalars};
 
 use crate::clock::now;
-use crate::journal::Change;
+use crate::journal::{Change, Extension};
 use changes::Changes;
 use error::At;
 use lock::{LOCK, RunLock};
@@ -190,6 +193,18 @@ impl Store {
     /// If the file cannot be written.
     pub fn set_verify(&mut self, effort: VerifyEffort) -> Result<()> {
         self.write(true, |db, file, _| header::set(db, file, "verify", header::pack(&effort)))
+    }
+
+    /// Adds levels.
+    ///
+    /// # Errors
+    /// If the file cannot be written.
+    pub fn extend(&mut self, extension: &Extension) -> Result<()> {
+        self.write(true, |db, file, _| {
+            header::set_study(db, file, &extension.study, &extension.overrides)?;
+            header::insert_amplitudes(db, file, &extension.amplitudes)?;
+            extension.plan.as_ref().map_or(Ok(()), |(reach, levels)| plan::insert_more(db, file, reach, levels))
+        })
     }
 
     /// One transaction; `synchronous`: it survives a power cut.

@@ -8,7 +8,7 @@ use super::header::{corrupt, get, pack, read_levels, read_model, set, unpack};
 use super::points_table::BACKBONE;
 use super::scalars::{Scalars, scalars};
 use super::{Result, StoreError};
-use crate::journal::{AddedTask, LevelPlan, SweepPlan};
+use crate::journal::{AddedTask, LevelPlan, SweepPlan, kind};
 use protocol::backbone::BackboneMessage;
 use protocol::codec::{decode_stored, encode};
 use protocol::ids::TaskId;
@@ -35,8 +35,7 @@ pub(super) fn insert_plan(db: &Connection, file: &Path, plan: &SweepPlan, displa
         let owner = owner((place > 0).then_some(backbone.mode));
         insert_backbone(db, file, &owner, backbone, displacements)?;
         insert_mode(db, file, backbone.mode, Some(place), &backbone.outcome, encode(&without_numbers(backbone)))?;
-        let values = backbone.points.motions.omega.values("omega", &[backbone.points.len()]).at(file)?;
-        omega.insert(backbone.mode, values);
+        omega.insert(backbone.mode, frequencies(file, backbone)?);
     }
     for (mode, why) in left_out {
         insert_mode(db, file, *mode, None, why, pack(why))?;
@@ -46,6 +45,21 @@ pub(super) fn insert_plan(db: &Connection, file: &Path, plan: &SweepPlan, displa
     insert_reach(db, file, reach)?;
     insert_levels(db, file, levels, &omega)?;
     insert_added(db, file, added)
+}
+
+/// Stores what follows from the backbones for levels that are added.
+pub(super) fn insert_more(db: &Connection, file: &Path, reach: &Reach, levels: &[LevelPlan]) -> Result<()> {
+    let mut omega = HashMap::new();
+    for backbone in read_backbone(db, file)?.into_iter().chain(read_further(db, file)?) {
+        omega.insert(backbone.mode, frequencies(file, &backbone)?);
+    }
+    insert_reach(db, file, reach)?;
+    insert_levels(db, file, levels, &omega)
+}
+
+/// Frequencies of the points of a backbone.
+fn frequencies(file: &Path, backbone: &BackboneMessage) -> Result<Vec<f64>> {
+    backbone.points.motions.omega.values("omega", &[backbone.points.len()]).at(file)
 }
 
 /// Owner of the arrays of a backbone, if it is of a further mode.
@@ -206,7 +220,8 @@ pub(super) fn insert_added(db: &Connection, file: &Path, added: &[AddedTask]) ->
             Task::Fold(_) => "SELECT count(*) FROM tasks WHERE kind = 'fold' AND ?1",
             Task::Verify(_) => "SELECT count(*) FROM tasks WHERE kind = 'verify' AND ?1",
             Task::Disturb(_) => "SELECT count(*) FROM tasks WHERE kind = 'disturb' AND ?1",
-            _ => "SELECT count(*) FROM tasks WHERE kind NOT IN ('fold', 'verify', 'disturb') AND level = ?1",
+            Task::March(_) => "SELECT count(*) FROM tasks WHERE kind = 'march' AND ?1",
+            _ => "SELECT count(*) FROM tasks WHERE kind NOT IN ('fold', 'verify', 'disturb', 'march') AND level = ?1",
         };
         let position: usize = db.prepare_cached(sql).at(file)?.query_row([level], |row| row.get(0)).at(file)?;
         insert_task(db, file, level, position, id, task)?;
@@ -233,22 +248,23 @@ fn insert_window(
 fn insert_task(db: &Connection, file: &Path, level: i64, position: usize, id: &TaskId, task: &Task) -> Result<()> {
     let sql = "INSERT INTO tasks (id, level, position, kind, window, phase, way, work, origin) \
                VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9)";
-    let (kind, place, origin) = match task {
-        Task::Main(_) => ("main", None, None),
-        Task::Land(place) => ("land", Some(place), None),
-        Task::Seed(place) => ("seed", Some(place), None),
-        Task::Fold(FoldPlace { branch, fold }) => ("fold", None, Some(format!("{branch}, fold {}", fold + 1))),
-        Task::Crossing(CrossingPlace { curve, .. }) => ("crossing", None, Some(format!("fold curve {}", curve + 1))),
-        Task::Start(place) => ("start", None, Some(format!("starts, batch {}", place.batch + 1))),
-        Task::Begin(place) => ("begin", None, Some(format!("starts, batch {}", place.batch + 1))),
-        Task::Verify(place) => ("verify", None, Some(of_verification(place))),
-        Task::Disturb(place) => ("disturb", None, Some(format!("{}, mode {}", place.branch, place.mode + 1))),
+    let (place, origin) = match task {
+        Task::Main(_) => (None, None),
+        Task::Land(place) => (Some(place), None),
+        Task::Seed(place) => (Some(place), None),
+        Task::Fold(FoldPlace { branch, fold }) => (None, Some(format!("{branch}, fold {}", fold + 1))),
+        Task::Crossing(CrossingPlace { curve, .. }) => (None, Some(format!("fold curve {}", curve + 1))),
+        Task::Start(place) => (None, Some(format!("starts, batch {}", place.batch + 1))),
+        Task::Begin(place) => (None, Some(format!("starts, batch {}", place.batch + 1))),
+        Task::Verify(place) => (None, Some(of_verification(place))),
+        Task::Disturb(place) => (None, Some(format!("{}, mode {}", place.branch, place.mode + 1))),
+        Task::March(place) => (None, Some(format!("{}, point {}", place.branch, place.index))),
     };
     let row = params![
         id.as_str(),
         level,
         position,
-        kind,
+        kind(task),
         place.map(|place| place.window + 1),
         place.map(phase_name),
         place.map(way_name),
@@ -300,7 +316,7 @@ pub(super) fn read_plans(db: &Connection, file: &Path) -> Result<Vec<LevelPlan>>
         db,
         file,
         &mut plans,
-        "SELECT level, work FROM tasks WHERE kind NOT IN ('fold', 'verify', 'disturb') ORDER BY level, position",
+        "SELECT level, work FROM tasks WHERE kind NOT IN ('fold', 'verify', 'disturb', 'march') ORDER BY level, position",
         |plan, row| {
             let work: Vec<u8> = row.get(1).at(file)?;
             plan.tasks.push(unpack(file, &work)?);
@@ -312,7 +328,7 @@ pub(super) fn read_plans(db: &Connection, file: &Path) -> Result<Vec<LevelPlan>>
 
 /// The tasks that were added over all levels, those of a kind in their order.
 pub(super) fn read_added(db: &Connection, file: &Path) -> Result<Vec<AddedTask>> {
-    let sql = "SELECT id, amplitude, work FROM tasks JOIN levels USING (level) WHERE kind IN ('fold', 'verify', 'disturb') \
+    let sql = "SELECT id, amplitude, work FROM tasks JOIN levels USING (level) WHERE kind IN ('fold', 'verify', 'disturb', 'march') \
                ORDER BY kind, position";
     let mut statement = db.prepare_cached(sql).at(file)?;
     let mut rows = statement.query([]).at(file)?;

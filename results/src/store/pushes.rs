@@ -84,7 +84,10 @@ impl Reader {
     }
 
     /// Amplitude as typed, name and task of every isola, level by level.
-    fn isolas(&self) -> Result<Vec<(String, BranchId, String)>> {
+    ///
+    /// # Errors
+    /// If the store cannot be read.
+    pub fn isolas(&self) -> Result<Vec<(String, BranchId, String)>> {
         let sql = "SELECT levels.amplitude, number, task FROM branches JOIN levels USING (level) WHERE kind = 'isola' \
                    ORDER BY value, level, number";
         let row = |row: &Row<'_>| {
@@ -139,8 +142,7 @@ impl Reader {
             Ok((kind, number, push))
         })?;
         let named = |(kind, number, push): (String, usize, PushRow)| {
-            let branch = super::branch_id(&kind, number).ok_or_else(|| self.corrupt(format!("branch `{kind}`")))?;
-            Ok(PushRow { branch: branch.to_string(), ..push })
+            Ok(PushRow { branch: self.branch_name(&kind, number)?, ..push })
         };
         rows.into_iter().map(named).collect()
     }

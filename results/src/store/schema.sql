@@ -99,15 +99,15 @@ CREATE TABLE tasks (
     id TEXT NOT NULL PRIMARY KEY,
     -- Level; of a 'fold' the one that its curve starts from.
     level INTEGER NOT NULL REFERENCES levels (level),
-    -- Turn within the level, from 0; of a 'fold', a 'verify' and a 'disturb' the turn among all of its kind.
+    -- Turn within the level, from 0; of a 'fold', a 'verify', a 'disturb' and a 'march' the turn among all of its kind.
     position INTEGER NOT NULL,
     -- 'main' (from a frequency bound), 'land' (lands a seed of a window), 'seed' (from what a seed landed on), 'fold'
     -- (follows a fold of a branch over the forcing), 'crossing' (from where a fold curve crosses the level), 'start' (a
     -- batch of random starts), 'begin' (from what they led to), 'verify' (the stability of a branch, by time marching) or
-    -- 'disturb' (pushes that may end on a branch, by time marching).
+    -- 'disturb' (pushes that may end on a branch, by time marching) or 'march' (what an unstable motion turns into).
     kind TEXT NOT NULL,
     -- What it follows from, if not a window: 'isola 1, fold 2', 'fold curve 3' or 'starts, batch 1'; of a 'verify' the branch, of
-    -- a 'disturb' with the mode.
+    -- a 'disturb' with the mode, of a 'march' with the point.
     origin TEXT,
     -- Window the seed is from; NULL unless 'land' or 'seed', as the next two.
     window INTEGER,
@@ -123,8 +123,7 @@ CREATE TABLE tasks (
     forgiven INTEGER NOT NULL DEFAULT 0,
     -- What became of it, in words; NULL unless done.
     outcome TEXT,
-    -- Whether it lies on a branch or, of a 'fold', on a fold curve, or whether it landed verified points or marched pushes; NULL unless
-    -- done.
+    -- Whether it lies on a branch or, of a 'fold', on a fold curve, or whether it landed or marched; NULL unless done.
     found INTEGER,
     -- That branch, 'main' or 'isola 1', …; NULL unless found.
     branch TEXT,
@@ -133,7 +132,7 @@ CREATE TABLE tasks (
     -- What became of it, msgpack.
     record BLOB
 );
-CREATE UNIQUE INDEX turns ON tasks (level, position) WHERE kind NOT IN ('fold', 'verify', 'disturb');
+CREATE UNIQUE INDEX turns ON tasks (level, position) WHERE kind NOT IN ('fold', 'verify', 'disturb', 'march');
 
 -- Every time a task was handed out.
 CREATE TABLE attempts (
@@ -396,4 +395,29 @@ CREATE TABLE pushes (
     confirmed INTEGER,
     -- Why nothing was scanned, in words.
     reason TEXT
+) WITHOUT ROWID;
+
+-- What unstable motions of branches turn into, by time marching.
+CREATE TABLE motions (
+    -- Task that marched it.
+    task TEXT NOT NULL PRIMARY KEY REFERENCES results (task),
+    -- Branch.
+    branch INTEGER NOT NULL REFERENCES branches (id),
+    -- Number of the point that it was marched from, = points.i.
+    i INTEGER NOT NULL,
+    -- Frequency.
+    omega REAL NOT NULL,
+    -- 'periodic', 'quasi_periodic', 'chaotic' (small deviations grow) or 'unclear'.
+    motion TEXT NOT NULL,
+    -- Periods of the response after which it repeats itself; NULL if it does not.
+    repeats INTEGER,
+    -- Name of the branch of the level whose marched orbit it is; NULL if it is none of those found.
+    onto TEXT,
+    -- Smallest and largest of the largest |x| of the first monitored dof in a period; NULL if it could not be marched.
+    amplitude_min REAL,
+    amplitude_max REAL,
+    -- Growth rate of small deviations per period, of a motion that does not repeat itself.
+    growth REAL,
+    -- Periods that were marched.
+    periods INTEGER NOT NULL
 ) WITHOUT ROWID;

@@ -218,8 +218,7 @@ impl Reader {
         })?
         .into_iter()
         .map(|(kind, number, forcing, what, omega, amplitude)| {
-            let branch = super::branch_id(&kind, number).ok_or_else(|| self.corrupt(format!("branch `{kind}`")))?;
-            Ok(BifurcationRow { forcing, branch: branch.to_string(), kind: what, omega, amplitude })
+            Ok(BifurcationRow { forcing, branch: self.branch_name(&kind, number)?, kind: what, omega, amplitude })
         })
         .collect()
     }

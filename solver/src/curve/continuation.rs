@@ -5,6 +5,7 @@
 
 use crate::curve::newton::{Constraint, Newton, NewtonSettings};
 use crate::curve::problem::{Failure, Problem, inner, norm};
+use crate::curve::stabiliser::Stabiliser;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
@@ -114,6 +115,8 @@ pub struct Continuation<'p, P: Problem> {
     problem: &'p mut P,
     settings: ContinuationSettings,
     newton: Newton,
+    /// Of the first point, and so of all.
+    symmetry: Stabiliser,
     current: CurvePoint,
     previous: Option<Vec<f64>>,
     step: f64,
@@ -143,7 +146,9 @@ impl<'p, P: Problem> Continuation<'p, P> {
     ) -> Result<Self, Failure> {
         let mut newton = Newton::default();
         let row = weighted(problem.metric(), &unit(problem.metric(), direction.to_vec()));
-        let current = land(problem, &mut newton, y, &row, &settings)?;
+        let mut current = land(problem, &mut newton, y, &row, &settings)?;
+        let symmetry = Stabiliser::of(problem, &current.y);
+        symmetry.keep(problem, &mut current.y, &mut current.tangent);
         let allowed = problem.longest_step(&current.y, &current.tangent);
         let (longest, is_narrow) = (allowed.min(settings.max_step), allowed.is_finite());
         let step = settings.initial_step.min(longest);
@@ -151,6 +156,7 @@ impl<'p, P: Problem> Continuation<'p, P> {
             problem,
             settings,
             newton,
+            symmetry,
             current,
             previous: None,
             step,
@@ -229,21 +235,21 @@ impl<'p, P: Problem> Continuation<'p, P> {
             Corrector::Sphere => Constraint::Sphere { centre: &from.y, radius: step },
         };
         let convergence = self.newton.solve(self.problem, &mut y, constraint, &self.settings.newton)?;
-        let mut tangent = unit(self.problem.metric(), self.newton.direction.clone());
-        let mut orientation = self.problem.orientation();
-        if inner(self.problem.metric(), &tangent, &from.tangent) < 0.0 {
-            tangent.iter_mut().for_each(|t| *t = -*t);
-            orientation = -orientation;
-        }
-        Ok(CurvePoint {
+        let mut point = CurvePoint {
             y,
-            tangent,
+            tangent: unit(self.problem.metric(), self.newton.direction.clone()),
             iterations: convergence.iterations,
             factorisations: convergence.factorisations,
             residual: convergence.residual,
-            orientation,
+            orientation: self.problem.orientation(),
             step,
-        })
+        };
+        self.symmetry.keep(self.problem, &mut point.y, &mut point.tangent);
+        if inner(self.problem.metric(), &point.tangent, &from.tangent) < 0.0 {
+            point.tangent.iter_mut().for_each(|t| *t = -*t);
+            point.orientation = -point.orientation;
+        }
+        Ok(point)
     }
 
     /// A candidate next point with the present step, or why not.
@@ -282,7 +288,8 @@ impl<'p, P: Problem> Continuation<'p, P> {
         let distance = norm(metric, &back);
         let arc = inner(metric, &back, &point.tangent);
         let y = point.y.iter().zip(&point.tangent).map(|(y, t)| y - arc * t).collect();
-        let Ok(landed) = land(self.problem, &mut self.newton, y, &row, &self.settings) else { return false };
+        let Ok(mut landed) = land(self.problem, &mut self.newton, y, &row, &self.settings) else { return false };
+        self.symmetry.keep(self.problem, &mut landed.y, &mut landed.tangent);
         let miss: Vec<f64> = landed.y.iter().zip(&from.y).map(|(a, b)| a - b).collect();
         norm(self.problem.metric(), &miss) < 1e-3 * distance
     }
@@ -303,7 +310,8 @@ impl<'p, P: Problem> Continuation<'p, P> {
         }
         self.refreshed = true;
         let row = weighted(self.problem.metric(), &self.current.tangent);
-        if let Ok(point) = land(self.problem, &mut self.newton, self.current.y.clone(), &row, &self.settings) {
+        if let Ok(mut point) = land(self.problem, &mut self.newton, self.current.y.clone(), &row, &self.settings) {
+            self.symmetry.keep(self.problem, &mut point.y, &mut point.tangent);
             self.current.tangent = point.tangent;
         }
     }

@@ -7,4 +7,5 @@ pub mod least_norm;
 pub mod newton;
 pub mod outcome;
 pub mod problem;
+mod stabiliser;
 pub mod walk;

@@ -55,12 +55,13 @@ pub fn positive_arcs(series: &[f64], threshold: f64, samples: &[f64]) -> Coverag
                 && let Some(top) = extremum(&height, tau - step, tau + step)
                 && sign * height(top).0 > 0.0
             {
-                crossings.push((root(&height, tau - step, top), !positive));
-                crossings.push((root(&height, top, tau + step), positive));
+                crossings.push((root(&height, (tau - step, top), 0.5 * (tau - step + top), positive), !positive));
+                crossings.push((root(&height, (top, tau + step), 0.5 * (top + tau + step), !positive), positive));
             }
         }
         if positive != (after > 0.0) {
-            crossings.push((root(&height, tau, tau + step), !positive));
+            let near = tau + step * here / (here - after);
+            crossings.push((root(&height, (tau, tau + step), near, positive), !positive));
         }
     }
     if crossings.is_empty() {
@@ -82,20 +83,31 @@ pub fn positive_arcs(series: &[f64], threshold: f64, samples: &[f64]) -> Coverag
     Coverage::Arcs(arcs)
 }
 
-/// Root of a function with a sign change between `low` and `high`: Newton's method kept inside the bracket.
-fn root(height: &impl Fn(f64) -> (f64, f64, f64), mut low: f64, mut high: f64) -> f64 {
-    let from = height(low).0 > 0.0;
-    let mut tau = 0.5 * (low + high);
+/// What Newton's method may leave of an instant's error, rad.
+const ROUNDING: f64 = 1e-15;
+
+/// Root of a function with a sign change in a bracket, at whose begin it is positive or not: Newton's method from `near`, kept
+/// inside. The function gives its value and two derivatives.
+fn root(
+    function: &impl Fn(f64) -> (f64, f64, f64),
+    (mut low, mut high): (f64, f64),
+    near: f64,
+    is_positive: bool,
+) -> f64 {
+    let mut tau = near.clamp(low, high);
     for _ in 0..60 {
-        let (value, slope, _) = height(tau);
-        if (value > 0.0) == from {
+        let (value, slope, curvature) = function(tau);
+        if (value > 0.0) == is_positive {
             low = tau;
         } else {
             high = tau;
         }
         let newton = tau - value / slope;
-        let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
-        if (next - tau).abs() < 1e-14 {
+        let is_inside = newton >= low && newton <= high;
+        let next = if is_inside { newton } else { 0.5 * (low + high) };
+        let step = next - tau;
+        let error = 0.5 * (curvature / slope).abs() * step * step;
+        if step.abs() < 1e-14 || (is_inside && error < ROUNDING) {
             return next;
         }
         tau = next;
@@ -105,11 +117,13 @@ fn root(height: &impl Fn(f64) -> (f64, f64, f64), mut low: f64, mut high: f64) -
 
 /// Zero of the slope between `low` and `high`, if it changes its sign there.
 fn extremum(height: &impl Fn(f64) -> (f64, f64, f64), low: f64, high: f64) -> Option<f64> {
+    // Of the third derivative nothing is known: NaN lets no step be the last one before its time.
     let slope = |tau: f64| {
         let (_, slope, curvature) = height(tau);
-        (slope, curvature, 0.0)
+        (slope, curvature, f64::NAN)
     };
-    ((slope(low).0 > 0.0) != (slope(high).0 > 0.0)).then(|| root(&slope, low, high))
+    let is_positive = slope(low).0 > 0.0;
+    (is_positive != (slope(high).0 > 0.0)).then(|| root(&slope, (low, high), 0.5 * (low + high), is_positive))
 }
 
 /// Nodes and weights of Gauss–Legendre quadrature on [−1, 1].

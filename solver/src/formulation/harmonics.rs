@@ -39,6 +39,14 @@ pub fn shift_phase(series: &mut [f64], phase: f64) {
     }
 }
 
+/// Values of 1, cos τ, sin τ, cos 2τ, … at τ, into `out` (nc).
+pub fn basis(tau: f64, out: &mut [f64]) {
+    out[0] = 1.0;
+    for k in 1..=out.len() / 2 {
+        (out[2 * k], out[2 * k - 1]) = (k as f64 * tau).sin_cos();
+    }
+}
+
 /// Value, first and second derivative with respect to τ.
 pub fn evaluate(series: &[f64], tau: f64) -> [f64; 3] {
     let mut sum = [series[0], 0.0, 0.0];

@@ -10,6 +10,7 @@ mod narrow;
 pub mod pressure;
 pub mod receptance;
 pub mod scales;
+mod span;
 pub mod state;
 pub mod unknown;
 

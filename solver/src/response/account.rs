@@ -80,7 +80,8 @@ impl Account {
     pub fn needs(&self, task: &Task) -> bool {
         let is_without_main = !self.has_main() && !self.mains.is_empty();
         match task {
-            Task::Main(_) | Task::Fold(_) | Task::Start(_) | Task::Verify(_) | Task::Disturb(_) => true,
+            Task::Main(_) | Task::Fold(_) | Task::Start(_) => true,
+            Task::Verify(_) | Task::Disturb(_) | Task::March(_) => true,
             Task::Land(SeedPlace { way: Way::FullForcing, .. }) => true,
             Task::Crossing(_) => !is_without_main,
             Task::Begin(place) => !is_without_main && self.starts.iter().all(|(start, _)| start != place),
@@ -110,7 +111,8 @@ impl Account {
         match brought {
             Brought::Branch { kind, .. } => Some(SeedOutcome::Found(BranchId::new(*kind, self.count(*kind)))),
             Brought::Nothing(outcome) => Some(*outcome),
-            Brought::Landings(0) | Brought::Curve(_) | Brought::Verification(_) | Brought::Disturbance(_) => None,
+            Brought::Landings(0) | Brought::Curve(_) => None,
+            Brought::Verification(..) | Brought::Disturbance(_) | Brought::Settling(_) => None,
             Brought::Landings(count) => Some(SeedOutcome::Landed(*count)),
         }
     }
@@ -131,7 +133,7 @@ impl Account {
             }
             Task::Crossing(place) => self.crossings.push((*place, outcome)),
             Task::Start(place) | Task::Begin(place) => self.starts.push((*place, outcome)),
-            Task::Fold(_) | Task::Verify(_) | Task::Disturb(_) => {}
+            Task::Fold(_) | Task::Verify(_) | Task::Disturb(_) | Task::March(_) => {}
         }
     }
 

@@ -113,11 +113,13 @@ impl<'m> Critical<'m> {
             }
         }
         let found = found.map_err(|failure| self.quantity_not_found(near, failure))?;
-        if relative_distance(self.problem.motion_metric(), &found, &y) >= NEAR {
+        let located = self.problem.decode(&found).map_err(|_| self.quantity_not_found(near, Failure::Singular))?;
+        // A motion that nearly needs no forcing is near one that is driven the other way round.
+        if relative_distance(self.problem.motion_metric(), &found, &y) >= NEAR || located.forcing <= 0.0 {
             let (quantity, omega, forcing) = (self.quantity, near.omega, near.forcing);
             return Err(CriticalError::Elsewhere { quantity, omega, forcing });
         }
-        self.problem.decode(&found).map_err(|_| self.quantity_not_found(near, Failure::Singular))
+        Ok(located)
     }
 
     /// The points of a curve at forcing amplitude `forcing`, converged there: one for every pair of neighbouring points on
@@ -232,7 +234,7 @@ impl<'m> Critical<'m> {
     fn assemble(&mut self, walked: Walked<BranchPoint>, mut corners: Corners) -> CriticalCurve {
         let (outcome, rejections) = (walked.outcome, walked.rejections);
         let settings = self.settings.continuation;
-        let (visited, events) = match walked.visited.first().map(|first| first.curve.clone()) {
+        let (visited, mut events) = match walked.visited.first().map(|first| first.curve.clone()) {
             Some(first) => match Continuation::start(&mut self.problem, first.y.clone(), &first.tangent, settings) {
                 Ok(mut continuation) => {
                     let is_closed = outcome == Outcome::Closed;
@@ -245,6 +247,14 @@ impl<'m> Critical<'m> {
         };
         let mut points: Vec<BranchPoint> = visited.into_iter().map(|v| v.point).collect();
         self.end_at_bounds(&mut points, &outcome);
+        // An end that is not met at the bound may lie where no forcing is left, and the curve turns into its own image.
+        let is_there = |point: &BranchPoint| point.state.forcing > 0.0;
+        while points.pop_if(|last| !is_there(last)).is_some() {}
+        let gone = points.iter().take_while(|point| !is_there(point)).count();
+        points.drain(..gone);
+        events.retain(|event| event.index >= gone);
+        events.iter_mut().for_each(|event| event.index -= gone);
+        events.retain(|event| event.index < points.len());
         let grazing = match outcome {
             Outcome::Open(first, last) => [(first, points.first()), (last, points.last())].map(|(stop, point)| {
                 let is_stalled = matches!(stop, Stop::Stalled(_));

@@ -9,6 +9,12 @@ use crate::response::name::BranchId;
 /// A curve along a main branch is another one only if it is higher by more than this, relative.
 const HIGHER: f64 = 1e-3;
 
+/// Of its width, how far the ends of a closed curve that is traced twice are from each other.
+const SAME_ENDS: f64 = 1e-2;
+
+/// Relative distance of the largest motions of a closed curve that is traced twice.
+const SAME_PEAK: f64 = 1e-3;
+
 /// A new branch, of the kind that it has in view of those known: a piece of a main branch is main, and as long as a known branch
 /// goes on where it ends, nobody knows whether an open curve is detached from it.
 pub(super) fn named<'m, F: Formulation<'m>>(
@@ -44,23 +50,71 @@ pub(super) fn identify<'m, F: Formulation<'m>>(
     known.iter().find(|(_, branch)| forced.lies_on(state, branch)).map(|(id, _)| *id)
 }
 
-/// The main branch that an open curve runs along from end to end, if there is one and the curve is no higher within its range:
-/// what the steps of one of the two have passed over is no branch of its own.
+/// The branch that a curve is, though no point that was looked at lies on it, if it is one: the closed curve with the same ends
+/// and the same peak (a very narrow one turns too much from point to point to be met between them), or the main branch that an
+/// open curve runs along from end to end and is no higher than within its range (what the steps of one of the two have passed
+/// over is no branch of its own).
 pub(super) fn retraced<'m, F: Formulation<'m>>(
     forced: &mut Forced<'m, F>,
     branch: &Branch,
     known: &[(BranchId, &Branch)],
 ) -> Option<BranchId> {
-    if branch.is_cancelled() || branch.is_closed() {
+    if branch.is_cancelled() {
         return None;
     }
-    let mut mains = known.iter().filter(|(id, main)| id.is_main() && !main.outcome.is_unfinished());
-    let mut runs_along = |main: &Branch| {
-        let ((low, high), highest) = (main.frequency_range(), main.peak().amplitude());
-        let mut within = branch.points.iter().filter(|point| (low..=high).contains(&point.omega()));
-        let ends = [main.points.first(), main.points.last()];
-        within.all(|point| point.amplitude() <= (1.0 + HIGHER) * highest)
-            && ends.iter().flatten().all(|end| forced.lies_on(&end.state, branch))
+    let is_it = |(_, other): &&(BranchId, &Branch)| match (branch.is_closed(), other.is_closed()) {
+        (true, true) => is_same_loop(forced, branch, other),
+        (false, false) => runs_along(forced, branch, other),
+        _ => false,
     };
-    mains.find(|(_, main)| runs_along(main)).map(|(id, _)| *id)
+    known
+        .iter()
+        .filter(|(id, other)| other.is_closed() || (id.is_main() && !other.outcome.is_unfinished()))
+        .find(is_it)
+        .map(|(id, _)| *id)
+}
+
+fn is_same_loop<'m, F: Formulation<'m>>(forced: &Forced<'m, F>, branch: &Branch, other: &Branch) -> bool {
+    let ((low, high), (other_low, other_high)) = (branch.frequency_range(), other.frequency_range());
+    let apart = (low - other_low).abs().max((high - other_high).abs());
+    let is_near = apart <= SAME_ENDS * (high - low).max(f64::EPSILON * high);
+    is_near && forced.distance(&branch.peak().state, &other.peak().state) < SAME_PEAK
+}
+
+fn runs_along<'m, F: Formulation<'m>>(forced: &mut Forced<'m, F>, branch: &Branch, main: &Branch) -> bool {
+    let ((low, high), highest) = (main.frequency_range(), main.peak().amplitude());
+    let mut within = branch.points.iter().filter(|point| (low..=high).contains(&point.omega()));
+    let ends = [main.points.first(), main.points.last()];
+    within.all(|point| point.amplitude() <= (1.0 + HIGHER) * highest)
+        && ends.iter().flatten().all(|end| forced.lies_on(&end.state, branch))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::files;
+    use crate::formulation::pressure::PressureForm;
+    use crate::response::backbone::Backbone;
+    use crate::response::level::Level;
+    use crate::settings::Settings;
+    use std::ops::ControlFlow;
+    use std::path::Path;
+
+    #[test]
+    fn a_loop_that_is_traced_again_is_the_same_and_another_one_is_not() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/damper_two_isolas");
+        let model = files::load(&folder).unwrap();
+        let settings = Settings::default();
+        let backbone = Backbone::compute(&model, &settings).unwrap();
+        let level = Level::compute(&model, &settings, &backbone, 0.016).unwrap();
+        let isolas: Vec<(BranchId, &Branch)> = level.branches().filter(|(_, branch)| branch.is_closed()).collect();
+        let [(first, isola), (second, other)] = isolas[..] else { panic!("two isolas") };
+        let reach = crate::response::forced::Reach::new(&settings, &backbone).unwrap();
+        let mut forced: Forced<'_, PressureForm<'_>> = Forced::build(&model, &settings, reach, 0.016).unwrap();
+        let begin = isola.points[isola.points.len() / 3].state.clone();
+        let again = forced.branch_through(&begin, &mut |_| ControlFlow::Continue(())).unwrap();
+        assert!(again.is_closed());
+        assert_eq!(retraced(&mut forced, &again, &[(second, other), (first, isola)]), Some(first));
+        assert_eq!(retraced(&mut forced, &again, &[(second, other)]), None);
+    }
 }

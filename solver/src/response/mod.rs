@@ -15,6 +15,7 @@ pub mod forcing;
 mod grazing;
 mod known;
 pub mod level;
+pub mod marched;
 pub mod melnikov;
 pub mod modes;
 pub mod name;

@@ -6,11 +6,12 @@ use crate::response::backbone::Backbone;
 use crate::response::branch::{Branch, BranchKind, Side, SpecialKind};
 use crate::response::critical::{CriticalCurve, CriticalError};
 use crate::response::forcing::Unreached;
+pub use crate::response::marched::{DisturbPlace, MarchPlace, VerifyPlace};
 pub use crate::response::name::BranchId;
 use crate::response::seeds::{Landing, LandingFailure, Phase, Seed, Way, candidates};
 use crate::response::starts::StartPlace;
 use crate::response::windows::{Window, windows};
-use crate::settings::{FrequencySettings, Stretch, VerifyEffort};
+use crate::settings::FrequencySettings;
 use serde::de::{Deserializer, Error, IgnoredAny, MapAccess, Visitor};
 use serde::ser::Serializer;
 use serde::{Deserialize, Serialize};
@@ -39,38 +40,6 @@ pub struct FoldPlace {
     pub fold: usize,
 }
 
-/// A branch that is verified by time marching.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
-pub struct VerifyPlace {
-    /// The branch.
-    pub branch: BranchId,
-    /// How much of it.
-    pub stretch: Stretch,
-}
-
-impl VerifyPlace {
-    /// What of a branch is verified.
-    pub fn of(effort: VerifyEffort, branch: BranchId) -> Option<Self> {
-        let stretch = match effort {
-            VerifyEffort::None => return None,
-            VerifyEffort::Standard if branch.is_main() => Stretch::Peak,
-            VerifyEffort::Standard | VerifyEffort::All => Stretch::Whole,
-        };
-        Some(Self { branch, stretch })
-    }
-}
-
-/// Pushes that may throw the structure onto a branch: [`crate::stability::disturbance::disturb`].
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct DisturbPlace {
-    /// The branch.
-    pub branch: BranchId,
-    /// Number of the mode that is pushed, from 0.
-    pub mode: usize,
-    /// Frequency, rad/s.
-    pub omega: f64,
-}
-
 /// Where a fold curve crosses a level.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct CrossingPlace {
@@ -82,8 +51,8 @@ pub struct CrossingPlace {
 
 /// One piece of work: continues one branch at one forcing amplitude, or one curve over the forcing amplitudes, or lands where
 /// one may begin, or verifies one. Messages say `"main"` for the main branch from below, `{"main": "above"}` for the one from above,
-/// `{"land": …}`, `{"seed": …}`, `{"fold": …}`, `{"crossing": …}`, `{"start": …}`, `{"begin": …}`, `{"verify": …}` and
-/// `{"disturb": …}`.
+/// `{"land": …}`, `{"seed": …}`, `{"fold": …}`, `{"crossing": …}`, `{"start": …}`, `{"begin": …}`, `{"verify": …}`,
+/// `{"disturb": …}` and `{"march": …}`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Task {
     /// The main branch, from one of the frequency bounds.
@@ -104,6 +73,8 @@ pub enum Task {
     Verify(VerifyPlace),
     /// How hard a push throws the structure onto a branch, by time marching: [`crate::stability::disturbance::disturb`].
     Disturb(DisturbPlace),
+    /// What an unstable motion turns into, by time marching: [`crate::stability::settling::settle`].
+    March(MarchPlace),
 }
 
 impl Task {
@@ -121,7 +92,7 @@ impl Task {
 
     /// Whether it marches in time, and takes no balance.
     pub fn is_marched(&self) -> bool {
-        matches!(self, Task::Verify(_) | Task::Disturb(_))
+        matches!(self, Task::Verify(_) | Task::Disturb(_) | Task::March(_))
     }
 
     /// Whether it has to know what those before it found: such tasks are carried out one after the other.
@@ -143,6 +114,7 @@ impl Serialize for Task {
             Task::Begin(place) => serializer.serialize_newtype_variant("Task", 6, "begin", place),
             Task::Verify(place) => serializer.serialize_newtype_variant("Task", 7, "verify", place),
             Task::Disturb(place) => serializer.serialize_newtype_variant("Task", 8, "disturb", place),
+            Task::March(place) => serializer.serialize_newtype_variant("Task", 9, "march", place),
         }
     }
 }
@@ -167,6 +139,7 @@ enum TaskKind {
     Begin,
     Verify,
     Disturb,
+    March,
 }
 
 impl<'de> Visitor<'de> for TaskVisitor {
@@ -174,8 +147,8 @@ impl<'de> Visitor<'de> for TaskVisitor {
 
     fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(
-            "\"main\", or a map of `main`, `land`, `seed`, `fold`, `crossing`, `start`, `begin`, `verify` or \
-                     `disturb`",
+            "\"main\", or a map of `main`, `land`, `seed`, `fold`, `crossing`, `start`, `begin`, `verify`, \
+                     `disturb` or `march`",
         )
     }
 
@@ -194,6 +167,7 @@ impl<'de> Visitor<'de> for TaskVisitor {
             Some(TaskKind::Begin) => Task::Begin(map.next_value()?),
             Some(TaskKind::Verify) => Task::Verify(map.next_value()?),
             Some(TaskKind::Disturb) => Task::Disturb(map.next_value()?),
+            Some(TaskKind::March) => Task::March(map.next_value()?),
             None => return Err(M::Error::invalid_length(0, &self)),
         };
         if map.next_key::<IgnoredAny>()?.is_some() {
@@ -227,6 +201,8 @@ pub enum SeedOutcome {
     Verified(usize),
     /// So many pushes of a scan were marched.
     Disturbed(usize),
+    /// So many periods of an unstable motion were marched.
+    Marched(usize),
 }
 
 /// Why no fold curve starts at a fold.
@@ -269,6 +245,7 @@ impl std::fmt::Display for SeedOutcome {
             SeedOutcome::Verified(1) => write!(f, "1 point verified"),
             SeedOutcome::Verified(count) => write!(f, "{count} points verified"),
             SeedOutcome::Disturbed(count) => write!(f, "{count} pushes marched"),
+            SeedOutcome::Marched(count) => write!(f, "{count} periods marched"),
             SeedOutcome::NotFollowed(failure) => write!(f, "no fold curve starts there: {failure}"),
         }
     }
@@ -316,10 +293,13 @@ pub enum Brought {
     },
     /// A fold curve that was not known: the forcing amplitudes of its points.
     Curve(Arc<[f64]>),
-    /// What marching says of so many points of a branch.
-    Verification(usize),
+    /// What marching says of so many points of a branch, and the points of it whose unstable motions are worth following, with the
+    /// frequencies of these.
+    Verification(usize, Arc<[(usize, f64)]>),
     /// Where so many pushes of a scan end.
     Disturbance(usize),
+    /// What an unstable motion turns into, after so many periods.
+    Settling(usize),
     /// Nothing new, and why.
     Nothing(SeedOutcome),
 }
@@ -383,7 +363,7 @@ mod tests {
             assert_eq!(serde_json::to_string(&task).unwrap(), form);
             assert_eq!(serde_json::from_str::<Task>(&form).unwrap(), task);
         }
-        for form in [r#""seed""#, "{}", r#"{"main":"above","seed":1}"#, r#"{"main":"left"}"#, r#"{"march":1}"#] {
+        for form in [r#""seed""#, "{}", r#"{"main":"above","seed":1}"#, r#"{"main":"left"}"#, r#"{"walk":1}"#] {
             assert!(serde_json::from_str::<Task>(form).is_err(), "{form}");
         }
     }

@@ -54,6 +54,7 @@ pub fn carry_out<'m, F: Formulation<'m>>(
         Task::Begin(_) => begin(forced, landings, known, observer),
         Task::Verify(_) => Finding::Nothing(SeedOutcome::Verified(0)),
         Task::Disturb(_) => Finding::Nothing(SeedOutcome::Disturbed(0)),
+        Task::March(_) => Finding::Nothing(SeedOutcome::Marched(0)),
     };
     let Finding::Branch(mut branch) = finding else { return Some(finding) };
     if branch.is_cancelled() {

@@ -16,8 +16,8 @@ pub struct SearchSettings {
 pub enum Effort {
     /// In the windows only.
     None,
-    /// Folds of the branches found are followed over the forcing amplitude, 200 at most, and random starts are tried, 8192 with
-    /// a small model and fewer with larger ones.
+    /// Folds of the branches found are followed over the forcing amplitude, 200 at most, and random starts are tried, 16384
+    /// with a small model and fewer with larger ones.
     #[default]
     Standard,
     /// The same, for 5000 folds at most and 16 times as many starts.

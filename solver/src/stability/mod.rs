@@ -8,5 +8,6 @@ pub mod marching;
 pub mod multipliers;
 pub mod nearby;
 pub mod polish;
+pub mod settling;
 pub mod shooting;
 pub mod verification;

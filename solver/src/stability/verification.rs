@@ -168,8 +168,13 @@ impl Verification {
         (last + self.count - first) % self.count
     }
 
+    /// Whether a point lies between two others, the first of which is included.
+    pub(super) fn is_between(&self, first: usize, last: usize, index: usize) -> bool {
+        self.from(first, index) < self.from(first, last)
+    }
+
     /// Whether the arc was gone round as a whole.
-    fn goes_round(&self) -> bool {
+    pub(super) fn goes_round(&self) -> bool {
         self.is_closed && self.stretch == Stretch::Whole
     }
 
@@ -187,7 +192,7 @@ impl Verification {
     /// Whether what holds at two neighbours is known to hold between them: no multiplier is known to cross the unit circle in
     /// between, or not the only one outside, and none has to at a fold of the balance that no bifurcation accounts for.
     fn lasts(&self, a: &VerifiedPoint, b: &VerifiedPoint) -> bool {
-        let is_between = |index: usize| self.from(a.index, index) < self.from(a.index, b.index);
+        let is_between = |index: usize| self.is_between(a.index, b.index, index);
         let matters = |outside: [usize; 2]| a.verdict != Verdict::Unstable || outside.contains(&0);
         let mut bifurcations = self.bifurcations.iter().filter(|found| is_between(found.after));
         let mut unresolved = self.unresolved.iter().map(|unresolved| [unresolved.first, unresolved.last]);

@@ -33,7 +33,9 @@ fn check_windows(level: &Level, backbone: &Backbone, what: &str) -> (usize, usiz
                 SeedOutcome::Attached => panic!("{what}: contact has no symmetry"),
                 SeedOutcome::Landed(_) => panic!("{what}: what was landed on is a branch or not"),
                 SeedOutcome::OnCurve(_) | SeedOutcome::NotFollowed(_) => panic!("{what}: a seed is no fold"),
-                SeedOutcome::Verified(_) | SeedOutcome::Disturbed(_) => panic!("{what}: a seed is no branch"),
+                SeedOutcome::Verified(_) | SeedOutcome::Disturbed(_) | SeedOutcome::Marched(_) => {
+                    panic!("{what}: a seed is no branch")
+                }
             }
         }
     }

@@ -4,6 +4,7 @@
 mod account;
 mod backbones;
 mod common;
+mod growth;
 mod marching;
 mod responses;
 mod special;

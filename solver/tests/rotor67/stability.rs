@@ -14,7 +14,7 @@ use std::ops::ControlFlow;
 /// The frequencies of an independent program are given to five digits or less, and its grid of time steps is another one.
 const RESOLUTION: f64 = 1e-3;
 
-fn isola(scenario: &'static Scenario, amplitude: u32, omega: f64) -> &'static Branch {
+pub fn isola(scenario: &'static Scenario, amplitude: u32, omega: f64) -> &'static Branch {
     let level = scenario.level(amplitude);
     level.branch(found_from_window(level, omega)).unwrap()
 }
@@ -23,7 +23,7 @@ fn state(branch: &Branch, index: isize) -> &State {
     &branch.points[index.rem_euclid(branch.points.len() as isize) as usize].state
 }
 
-fn polished(scenario: &Scenario, branch: &Branch, index: isize) -> Polish {
+pub fn polished(scenario: &Scenario, branch: &Branch, index: isize) -> Polish {
     let way = Some([state(branch, index - 1), state(branch, index + 1)]);
     polish(scenario.model(), &PolishSettings::default(), state(branch, index), Around { way, neighbour: None })
 }

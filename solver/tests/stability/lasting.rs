@@ -53,8 +53,8 @@ fn distance_after(model: &Model, orbit: &Orbit, periods: usize) -> f64 {
 }
 
 /// Marches from every point of a branch that has a verdict; how many were stable, and unstable.
-fn check(model: &Model, branch: &Branch, what: &str) -> [usize; 2] {
-    let settings = AlongSettings { points: 12, most: 24, ..AlongSettings::default() };
+fn check(model: &Model, branch: &Branch, points: usize, what: &str) -> [usize; 2] {
+    let settings = AlongSettings { points, most: 2 * points, ..AlongSettings::default() };
     let found = along(model, &settings, branch, &mut |_| ControlFlow::Continue(()));
     let mut counts = [0, 0];
     for point in &found.points {
@@ -83,13 +83,13 @@ fn check(model: &Model, branch: &Branch, what: &str) -> [usize; 2] {
     counts
 }
 
-/// The branches of a level of a model; at least so many points are stable, and unstable.
-fn check_level(name: &str, forcing: f64, least: [usize; 2]) {
+/// The branches of a level of a model, at so many points at first; at least so many are stable, and unstable.
+fn check_level(name: &str, forcing: f64, points: usize, least: [usize; 2]) {
     let model = model(name);
     let level = level(&model, forcing);
     let mut counts = [0, 0];
     for (id, branch) in level.branches() {
-        let [stable, unstable] = check(&model, branch, &format!("{name}, A = {forcing}, {id}"));
+        let [stable, unstable] = check(&model, branch, points, &format!("{name}, A = {forcing}, {id}"));
         counts = [counts[0] + stable, counts[1] + unstable];
     }
     println!("{name}, A = {forcing}: {counts:?}");
@@ -98,30 +98,65 @@ fn check_level(name: &str, forcing: f64, least: [usize; 2]) {
 
 #[test]
 fn a_nonlinear_damper() {
-    check_level("nonlinear_damper", 0.007, [10, 2]);
+    check_level("nonlinear_damper", 0.007, 12, [10, 2]);
 }
 
 #[test]
 fn a_tuned_absorber() {
-    check_level("nltva", 0.18, [5, 5]);
+    check_level("nltva", 0.18, 12, [5, 5]);
 }
 
 #[test]
 fn two_blades() {
-    check_level("two_blades", 0.034, [5, 5]);
+    check_level("two_blades", 0.034, 12, [5, 5]);
 }
 
 #[test]
 fn dampers_with_two_isolas() {
-    check_level("damper_two_isolas", 0.016, [5, 1]);
+    check_level("damper_two_isolas", 0.016, 12, [5, 1]);
 }
 
 #[test]
 fn two_dampers() {
-    check_level("two_dampers", 0.068, [5, 1]);
+    check_level("two_dampers", 0.068, 12, [5, 1]);
 }
 
 #[test]
 fn a_duffing_oscillator() {
-    check_level("duffing", 0.1, [5, 1]);
+    check_level("duffing", 0.1, 12, [5, 1]);
+}
+
+#[test]
+fn a_rod_before_a_stop() {
+    check_level("cantilever_stop", 1.0, 12, [1, 1]);
+}
+
+#[test]
+fn a_subharmonic_of_a_chain() {
+    check_level("chain_subharmonic", 1.5, 12, [15, 20]);
+}
+
+#[test]
+fn a_mass_with_friction() {
+    check_level("friction_mass", 1.0, 12, [10, 0]);
+}
+
+#[test]
+fn a_subharmonic_with_impacts() {
+    check_level("impact_subharmonic", 0.2, 12, [10, 0]);
+}
+
+#[test]
+fn two_masses_before_a_stop() {
+    check_level("two_masses_stop", 0.1, 12, [5, 0]);
+}
+
+#[test]
+fn rotor_67() {
+    check_level("rotor67", 20.0, 2, [1, 1]);
+}
+
+#[test]
+fn rotor_67_of_another_thickness() {
+    check_level("rotor67_thickness", 40.0, 2, [1, 1]);
 }

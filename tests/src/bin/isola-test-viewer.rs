@@ -11,11 +11,11 @@ fn main() {
     let secret = Secret::read(secret.as_ref()).expect("the coordinator wrote it");
     tests::block_on(async {
         let session = connect(&address, Some(&secret)).await.expect("the coordinator is there");
+        let key = format!("isola/v{}/*/result/*", protocol::VERSION);
         let everything = session.declare_subscriber("**").await.expect("anyone may listen");
         loop {
-            let results: Vec<StoredResult> =
-                fetch_all(&session, "isola/v4/*/result/*", Duration::from_secs(10)).await.unwrap_or_default();
-            println!("{} result messages, {} puts", results.len(), everything.drain().count());
+            let found: Vec<StoredResult> = fetch_all(&session, &key, Duration::from_secs(10)).await.unwrap_or_default();
+            println!("{} result messages, {} puts", found.len(), everything.drain().count());
         }
     });
 }

@@ -88,20 +88,26 @@ async fn a_run_that_is_not_there() {
     assert_says(&message, &["`three` was not found", &fake.endpoint, "`one` (damper, running)"]);
 }
 
+/// The version of the messages of this program, in words.
+fn own() -> String {
+    format!("version {}", protocol::VERSION)
+}
+
 #[tokio::test(flavor = "multi_thread")]
 async fn another_version_of_the_messages() {
     let fake = Fake::start(&Study::new(1), hand_out(Vec::new())).await;
     fake.change(|manifest| manifest.protocol = 7);
     let (code, message) = refusal(&fake.options(&[])).await;
     assert_eq!(code, 3);
-    assert_says(&message, &[&fake.endpoint, "version 7", "version 4", "install the same version"]);
+    assert_says(&message, &[&fake.endpoint, "version 7", &own(), "install the same version"]);
 }
 
 #[tokio::test(flavor = "multi_thread")]
 async fn another_version_in_the_keys() {
     let (endpoint, run) = (own_endpoint(), RunId::new("one").unwrap());
     let router = listen(&endpoint, None).await.unwrap();
-    let key = Keys::new("isola", &run).run().replace("/v4/", "/v5/");
+    let [own_key, other] = [0, 1].map(|by| format!("/v{}/", protocol::VERSION + by));
+    let key = Keys::new("isola", &run).run().replace(&own_key, &other);
     let reply = key.clone();
     let queryable = router.declare_queryable(key).callback(move |query| {
         use zenoh::Wait;
@@ -110,7 +116,7 @@ async fn another_version_in_the_keys() {
     queryable.background().await.unwrap();
     let (code, message) = refusal(&options(&endpoint, &[])).await;
     assert_eq!(code, 3);
-    assert_says(&message, &["speaks version 5", "version 4"]);
+    assert_says(&message, &[&format!("speaks version {}", protocol::VERSION + 1), &own()]);
 }
 
 #[tokio::test(flavor = "multi_thread")]

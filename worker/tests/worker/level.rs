@@ -78,6 +78,7 @@ impl Desk {
             landings,
             verification: None,
             disturbance: None,
+            settling: None,
             worker: request.lease.worker.clone(),
             program: request.program.clone(),
             seconds: request.seconds,

@@ -149,6 +149,7 @@ async fn a_known_branch_of_another_truncation() {
         landings: None,
         verification: None,
         disturbance: None,
+        settling: None,
         worker: main.lease.worker.clone(),
         program: main.program,
         seconds: main.seconds,

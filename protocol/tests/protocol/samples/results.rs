@@ -8,10 +8,11 @@ use protocol::landings::LandingsMessage;
 use protocol::to_everyone::{Done, StoredResult};
 use solver::response::branch::{Outcome, Side, Stop};
 use solver::response::critical::{Corner, CriticalEvent, CriticalKind, Quantity};
-use solver::response::task::{BranchId, DisturbPlace, FoldPlace, SeedOutcome, Task, VerifyPlace};
+use solver::response::task::{BranchId, DisturbPlace, FoldPlace, MarchPlace, SeedOutcome, Task, VerifyPlace};
 use solver::settings::Stretch;
 use solver::stability::disturbance::{Disturbance, Ending, Push};
 use solver::stability::polish::Reason;
+use solver::stability::settling::{Motion, Settling};
 use solver::stability::verification::{BifurcationPoint, MarchedOrbit, Verification, VerifiedPoint};
 use solver::{BifurcationKind, End, Multiplier, Obstacle, Unresolved, Verdict};
 
@@ -47,6 +48,7 @@ pub fn result() -> StoredResult {
         landings: None,
         verification: None,
         disturbance: None,
+        settling: None,
         task: task(),
         attempt: Attempt(2),
         amplitude: amplitude(),
@@ -66,6 +68,7 @@ pub fn result_nothing() -> StoredResult {
         landings: None,
         verification: None,
         disturbance: None,
+        settling: None,
         task: TaskId::of_level("2.5", 4).unwrap(),
         attempt: Attempt(1),
         amplitude: amplitude(),
@@ -93,6 +96,7 @@ pub fn result_curve() -> StoredResult {
         landings: None,
         verification: None,
         disturbance: None,
+        settling: None,
         task: TaskId::of_fold(3),
         attempt: Attempt(1),
         amplitude: amplitude(),
@@ -111,6 +115,7 @@ pub fn result_landings() -> StoredResult {
         landings: Some(LandingsMessage { motions: motions(2), distance: counting(&[2], 0.125) }),
         verification: None,
         disturbance: None,
+        settling: None,
         curve: None,
         task: TaskId::of_level("2.5", 3).unwrap(),
         attempt: Attempt(1),
@@ -151,6 +156,7 @@ pub fn result_verification() -> StoredResult {
     StoredResult {
         landings: None,
         disturbance: None,
+        settling: None,
         verification: Some(Verification {
             count: 3,
             is_closed: true,
@@ -174,6 +180,26 @@ pub fn result_verification() -> StoredResult {
         worker: worker(),
         program: program(),
         seconds: 4.0,
+    }
+}
+
+pub fn result_settling() -> StoredResult {
+    let place = MarchPlace { branch: BranchId::isola(0), index: 7, omega: 2.5 };
+    StoredResult {
+        verification: None,
+        settling: Some(Settling {
+            index: 7,
+            omega: 2.5,
+            motion: Some(Motion::Periodic(2)),
+            onto: None,
+            amplitudes: vec![[0.25, 0.5], [0.0625, 0.125]],
+            growth: None,
+            periods: 96,
+        }),
+        task: TaskId::of_march("2.5", &place).unwrap(),
+        work: Task::March(place),
+        outcome: SeedOutcome::Marched(96),
+        ..result_verification()
     }
 }
 

@@ -6,20 +6,22 @@ import json
 import os
 import re
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, final
+from typing import TYPE_CHECKING, Any, TypeVar, final
 
 import msgpack
 import zenoh
 
-from ..errors import NoAnswer, NoSuchRun, OtherVersion, Refused, Unreachable
+from ..errors import Corrupt, NoAnswer, NoSuchRun, OtherVersion, Refused, Unreachable
 from .types import Manifest
 from .wire import NAMESPACE, REFUSAL, VERSION, decode
 
 if TYPE_CHECKING:
     from .run import Run
+
+T = TypeVar("T")
 
 #: The one user, whose password the secret of a run is.
 SECRET_USER = "isola"
@@ -31,6 +33,8 @@ TRANSPORT_LEASE_MS = 5000
 PAUSES = (0.05, 1.0)
 #: Whoever is so much later than it wanted to be was stopped meanwhile, s.
 STOPPED = 1.5
+#: Why there is no answer on a connection that this program has closed itself.
+CLOSED = "the connection was closed by this program"
 #: How long to look for runs before there are none, s. Routes need a moment after connecting.
 LOOK = 2.0
 
@@ -55,6 +59,15 @@ class Answers:
     cut_short: bool
 
 
+def read(name: str, answer: Answer, convert: Callable[..., T], *more: object) -> T:
+    """The message `name` in an answer, converted; :class:`Corrupt` if it does not hold what it should."""
+    message = decode(answer.payload, answer.encoding, name)
+    try:
+        return convert(message, *more)
+    except (KeyError, TypeError, ValueError, IndexError, AttributeError) as error:
+        raise Corrupt(f"`{name}` message: {type(error).__name__} {error}") from error
+
+
 def endpoint_of(where: str | os.PathLike[str]) -> str:
     """The endpoint itself, or the one in the file `address` of a run directory."""
     directory = Path(where)
@@ -63,7 +76,7 @@ def endpoint_of(where: str | os.PathLike[str]) -> str:
             return (directory / "address").read_text("utf-8").strip()
         except FileNotFoundError:
             raise Unreachable(
-                f"there is no file `address` in {directory}: its run is not on the bus"
+                f"there is no file `address` in {directory}: its run is not on the bus; what it has stored isola_hbm.load reads"
             ) from None
     if isinstance(where, str) and re.match(r"[a-z][a-z0-9_-]*/.+:\d+", where):
         return where
@@ -132,13 +145,18 @@ def connect(
 
 @final
 class Bus:
-    """A connection; use it in a `with` statement or close it. Closing ends every iterator of its runs."""
+    """A connection; use it in a `with` statement or close it. Closing ends every iterator of its runs, with
+    :class:`NoAnswer`."""
 
     def __init__(self, session: zenoh.Session, namespace: str = NAMESPACE, timeout: float = 10.0) -> None:
         self.session = session
         self.namespace = namespace
         #: How long requests are repeated, s.
         self.timeout = timeout
+        #: Ends requests under way, and refuses others.
+        self._cancellation: zenoh.CancellationToken | None = None
+        #: What is called before the session is closed.
+        self._closing: set[Callable[[], None]] = set()
 
     def __enter__(self) -> Bus:
         return self
@@ -148,8 +166,16 @@ class Bus:
 
     def close(self) -> None:
         """Closes the session."""
+        for wake in list(self._closing):
+            wake()
         if not self.session.is_closed():
             self.session.close()
+
+    def _cancellable(self, cancellation: zenoh.CancellationToken) -> Bus:
+        """The same connection, with requests that this ends."""
+        bus = Bus(self.session, self.namespace, self.timeout)
+        bus._cancellation, bus._closing = cancellation, self._closing
+        return bus
 
     def runs(self) -> list[Manifest]:
         """Manifests of all runs that speak this version of the messages, by name."""
@@ -205,12 +231,20 @@ class Bus:
 
     def ask(self, key: str, patience: Patience) -> Answers:
         """All answers to one request. None at all may mean that nobody is reachable at the moment."""
-        replies = self.session.get(
-            key,
-            target=zenoh.QueryTarget.ALL,
-            consolidation=zenoh.ConsolidationMode.NONE,
-            timeout=patience.left(),
-        )
+        # Zenoh calls it unstable: only requests that can be ended need it.
+        more: dict[str, Any] = {} if self._cancellation is None else {"cancellation_token": self._cancellation}
+        try:
+            replies = self.session.get(
+                key,
+                target=zenoh.QueryTarget.ALL,
+                consolidation=zenoh.ConsolidationMode.NONE,
+                timeout=patience.left(),
+                **more,
+            )
+        except zenoh.ZError as failure:
+            if self.session.is_closed() or (self._cancellation is not None and self._cancellation.is_cancelled):
+                raise NoAnswer(CLOSED) from failure
+            raise
         answers, refusal, cut_short = [], None, False
         for reply in replies:
             if (sample := reply.ok) is not None:

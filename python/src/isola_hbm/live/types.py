@@ -586,7 +586,8 @@ class Result:
     attempt: int
     amplitude: Amplitude
     #: What was to be done: ``"main"``, ``{"main": "above"}``, ``{"land": {…}}``, ``{"seed": {…}}``, ``{"fold": {…}}``,
-    #: ``{"crossing": {…}}``, ``{"start": {…}}``, ``{"begin": {…}}``, ``{"verify": {…}}`` or ``{"disturb": {…}}``.
+    #: ``{"crossing": {…}}``, ``{"start": {…}}``, ``{"begin": {…}}``, ``{"verify": {…}}``, ``{"disturb": {…}}`` or
+    #: ``{"march": {…}}``.
     work: Any
     #: What became of it, in words.
     outcome: str
@@ -598,6 +599,8 @@ class Result:
     verification: dict[str, Any] | None
     #: Where pushes end, as in the message, if the task marched some.
     disturbance: dict[str, Any] | None
+    #: What an unstable motion turns into, as in the message, if the task followed one.
+    settling: dict[str, Any] | None
     #: Who computed it.
     worker: str
     #: With which version of the program.
@@ -637,5 +640,5 @@ class Result:
                 rejections=part["rejections"],
             )
         found = {"branch": branch, "curve": curve}
-        found |= {name: message.get(name) for name in ("verification", "disturbance")}
+        found |= {name: message.get(name) for name in ("verification", "disturbance", "settling")}
         return _plain(cls, message, amplitude=amplitude, outcome=outcome, **found)

@@ -108,6 +108,8 @@ def seed_outcome(value: Any) -> str:
         return "1 point verified" if content == 1 else f"{content} points verified"
     if name == "disturbed":
         return f"{content} pushes marched"
+    if name == "marched":
+        return f"{content} periods marched"
     if name == "on_curve":
         return f"fold curve {content + 1}"
     if name == "not_followed":

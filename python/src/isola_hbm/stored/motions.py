@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Hashable
 from typing import Any
 
@@ -40,6 +41,7 @@ class Motions(xr.Dataset):
         Raises:
             ValueError: The variable has no harmonics, or there are no samples.
         """
+        samples = operator.index(samples)
         if samples < 1:
             raise ValueError(f"samples = {samples}: at least one instant a period is needed")
         if variable not in self.data_vars or "harmonic" not in self[variable].dims:

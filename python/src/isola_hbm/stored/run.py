@@ -118,13 +118,19 @@ class StoredRun(Mapping[str, Motions]):
     @property
     def events(self) -> pd.DataFrame:
         """Births, deaths and merges of isolas, `computed` along fold curves and `predicted` by the energy balance: the
-        columns of ``events.csv`` (rad/s, m)."""
+        columns of ``events.csv`` (rad/s, m). `mode` is the one that contributes most beside the one whose backbone it is."""
         return self._read(tables.events)
 
     @property
     def bifurcations(self) -> pd.DataFrame:
         """Where marched orbits of branches lose or regain stability: the columns of ``bifurcations.csv`` (rad/s, m)."""
         return self._read(lambda reading, _: tables.bifurcations(reading))
+
+    @property
+    def motions(self) -> pd.DataFrame:
+        """What unstable motions turn into, by time marching: the columns of ``motions.csv`` (rad/s, m), and how many periods were
+        marched. Empty unless branches were verified with the effort ``all``."""
+        return self._read(lambda reading, _: tables.motions(reading))
 
     @property
     def pushes(self) -> pd.DataFrame:

@@ -22,7 +22,7 @@ FILE = "run.sqlite"
 APPLICATION = 0x49534F4C
 #: Versions of the schema that are read. Version 1 has no `peak_standing` and what follows it in `branches`; 1 and 2 know one
 #: backbone and no fold curves.
-VERSIONS = range(1, 5)
+VERSIONS = range(1, 6)
 #: What SQLite raises of a damaged file; texts of it are not always texts.
 ERRORS = (sqlite3.DatabaseError, UnicodeDecodeError)
 #: How long to wait for whoever writes, s.
@@ -100,6 +100,10 @@ class Store:
         (application,) = db.execute("PRAGMA application_id").fetchone()
         (version,) = db.execute("PRAGMA user_version").fetchone()
         if application != APPLICATION:
+            size = self.file.stat().st_size
+            # Shorter than the head of the format: SQLite takes it for a new file.
+            if size < 100 and not self._has_log():
+                raise self._foreign(f"a file of {size} bytes: not begun, or cut short")
             raise self._foreign("an SQLite file of another program")
         if version < VERSIONS.start:
             raise self._foreign(f"version {version} of its format never was")

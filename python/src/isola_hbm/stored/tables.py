@@ -26,6 +26,10 @@ WINDOWS = [
     *("outcome", "branch", "reason", "mode"),
 ]
 BIFURCATIONS = ["forcing", "branch", "kind", "omega", "amplitude"]
+MOTIONS = [
+    *("forcing", "branch", "point", "omega", "motion", "repeats", "onto", "amplitude_min", "amplitude_max"),
+    "growth",
+]
 PUSHES = [
     *("forcing", "branch", "mode", "omega", "monitor", "motions", "largest", "impulse", "below", "velocity", "phase"),
     "confirmed",
@@ -65,6 +69,24 @@ def _stable(reading: Reading) -> dict[int, float]:
         return {}
     rows = reading.rows("SELECT branch, stable FROM verifications WHERE stretch = 'whole'")
     return {row["branch"]: row["stable"] for row in rows}
+
+
+def motions(reading: Reading) -> pd.DataFrame:
+    """What unstable motions turn into; as ``motions.csv``."""
+    if reading.version < 5:
+        return _frame(MOTIONS, [])
+    sql = """
+        SELECT levels.value AS forcing, kind, number, i AS point, omega, motion, repeats, onto, amplitude_min,
+            motions.amplitude_max, growth, periods
+        FROM motions JOIN branches ON branches.id = branch JOIN levels USING (level)
+        ORDER BY branches.level, branches.id, i
+    """
+    rows = reading.rows(sql)
+    for row in rows:
+        kind, number = row.pop("kind"), row.pop("number")
+        row["branch"] = kind if (kind, number) == ("main", 1) else f"{kind} {number}"
+    texts = {"branch", "motion", "onto"}
+    return _frame(MOTIONS, rows, texts=texts, integers={"point", "repeats", "periods"})
 
 
 def pushes(reading: Reading) -> pd.DataFrame:

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::store::{PeakOrbit, Stability};
+use solver::response::task::Brought;
 use solver::stability::multipliers::Verdict;
 
 #[test]
@@ -72,4 +73,33 @@ fn what_is_to_be_verified_can_be_changed_afterwards() {
     assert_eq!(store.header().unwrap(), study.header());
     store.set_verify(VerifyEffort::All).unwrap();
     assert_eq!(store.header().unwrap().settings.verify.effort, VerifyEffort::All);
+}
+
+#[test]
+fn what_unstable_motions_turn_into_comes_back_and_stands_in_tables() {
+    let (study, dir) = (Study::damper(), tempdir().unwrap());
+    let (mut store, results) = study.finished(dir.path());
+    let isola = results.iter().find(|result| result.name == Some(BranchId::isola(0))).unwrap();
+    let verification = study.verify(&mut store, isola);
+    let unstable = verification.points.iter().find(|point| point.verdict == Verdict::Unstable).unwrap();
+    let settling = study.march(&mut store, isola, unstable.index);
+    // What separates lets the structure go, here upwards.
+    let motion = settling.motion.map(|motion| motion.to_string());
+    assert_eq!((motion, settling.onto), (Some("period 1".into()), Some(BranchId::isola(0))));
+
+    let store = Reader::open(dir.path()).unwrap();
+    assert_eq!(store.settlings(isola.task.as_str()).unwrap(), std::slice::from_ref(&settling));
+    let rows = store.motions().unwrap();
+    let row = &rows[0];
+    assert_eq!(
+        (rows.len(), row.branch.as_str(), row.motion.as_str(), row.repeats),
+        (1, "isola 1", "periodic", Some(1))
+    );
+    assert_eq!(row.amplitude, Some((settling.amplitudes[0][0], settling.amplitudes[0][1])));
+    let orbit = unstable.orbit.as_ref().unwrap();
+    assert!(row.amplitude.unwrap().1 > 1.01 * orbit.amplitudes[0], "{row:?} from {orbit:?}");
+    // What follows from a verification is known to a run that goes on.
+    let tasks = store.tasks().unwrap();
+    assert!(tasks.iter().any(|task| matches!(task.brought, Some(Brought::Verification(..)))));
+    assert_eq!(store.added().unwrap().len(), 2);
 }

@@ -27,6 +27,8 @@ pub struct ElementForce {
     pub jacobian: Vec<f64>,
     /// ∂force/∂ω at fixed argument harmonics, c × nc.
     pub domega: Vec<f64>,
+    /// The arcs outside of which there is neither force nor derivative, as phases ωt; none if it acts all the period.
+    pub arcs: Vec<(f64, f64)>,
 }
 
 /// Frequency and rotor speed of an evaluation.
@@ -117,10 +119,15 @@ impl Aft {
         out.domega.resize(c * nc, 0.0);
         out.jacobian.clear();
         out.jacobian.resize(c * nc * c * nc, 0.0);
+        out.arcs.clear();
         if let (Some(threshold), Quadrature::Arcs) = (law.threshold(), self.quadrature) {
             match self.coverage(&arguments[..nc], threshold) {
                 Coverage::Never => return,
-                Coverage::Arcs(arcs) => return self.evaluate_arcs(law, arguments, &arcs, rate, out),
+                Coverage::Arcs(arcs) => {
+                    self.evaluate_arcs(law, arguments, &arcs, rate, out);
+                    out.arcs = arcs;
+                    return;
+                }
                 // A force that never vanishes is smooth: samples converge as fast as anything.
                 Coverage::Always => {}
             }

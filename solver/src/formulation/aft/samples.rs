@@ -1,7 +1,7 @@
 //! Laws on the uniform grid.
 
 use super::{Aft, ElementForce, Rate, scatter, targets};
-use crate::formulation::harmonics::width;
+use crate::formulation::harmonics::{self, width};
 use crate::structure::laws::{Before, Law};
 
 impl Aft {
@@ -46,7 +46,7 @@ impl Aft {
             let (last_pass, n) = (n >= samples, n % samples);
             let now = self.instant(n, rate.omega * rate.harmonic);
             let r = law.respond(&now, &before);
-            fill_basis(n as f64 * step, &mut basis);
+            harmonics::basis(n as f64 * step, &mut basis);
             for i in 0..nc {
                 row[i] = r.du[0][0] * basis[i] + r.du_before * basis_before[i] + r.dforce_before * row[i];
             }
@@ -60,13 +60,5 @@ impl Aft {
             before = Before { u: now.u[0], force: r.force[0] };
             std::mem::swap(&mut basis, &mut basis_before);
         }
-    }
-}
-
-/// Values of 1, cos τ, sin τ, cos 2τ, … at τ.
-fn fill_basis(tau: f64, basis: &mut [f64]) {
-    basis[0] = 1.0;
-    for k in 1..=basis.len() / 2 {
-        (basis[2 * k], basis[2 * k - 1]) = (k as f64 * tau).sin_cos();
     }
 }

@@ -89,6 +89,36 @@ impl<'m> DisplacementForm<'m> {
         unknown: Unknown,
         scales: Scales,
     ) -> Result<Self, FormulationError> {
+        let channels = model.elements().iter().flat_map(|element| &element.channels);
+        let mut kept: Vec<usize> = channels.flatten().map(|&(dof, _)| dof).collect();
+        kept.sort_unstable();
+        kept.dedup();
+        Self::keeping(kept, model, truncation, tracked, unknown, scales)
+    }
+
+    /// The same with no dof condensed: polynomial in ω, where what is condensed has resonances of its own.
+    ///
+    /// # Errors
+    /// Those of [`DisplacementForm::new`].
+    pub fn of_all_dofs(
+        model: &'m Model,
+        truncation: HarmonicSettings,
+        tracked: usize,
+        unknown: Unknown,
+        scales: Scales,
+    ) -> Result<Self, FormulationError> {
+        Self::keeping((0..model.size()).collect(), model, truncation, tracked, unknown, scales)
+    }
+
+    /// `kept`: the dofs that are not condensed, in ascending order, at least those that carry a nonlinear force.
+    fn keeping(
+        kept: Vec<usize>,
+        model: &'m Model,
+        truncation: HarmonicSettings,
+        tracked: usize,
+        unknown: Unknown,
+        scales: Scales,
+    ) -> Result<Self, FormulationError> {
         if matches!(unknown, Unknown::PhaseResonance | Unknown::Extremum(_) | Unknown::Mode { damped: false }) {
             return Err(FormulationError::Unsupported);
         }
@@ -97,10 +127,6 @@ impl<'m> DisplacementForm<'m> {
         }
         let harmonics = truncation.count;
         let nc = width(harmonics);
-        let channels = model.elements().iter().flat_map(|element| &element.channels);
-        let mut kept: Vec<usize> = channels.flatten().map(|&(dof, _)| dof).collect();
-        kept.sort_unstable();
-        kept.dedup();
         let (mut parts, mut names) = (Vec::new(), Vec::new());
         for (first, element) in model.numbered() {
             let local = |channel: &Vec<(usize, f64)>| {

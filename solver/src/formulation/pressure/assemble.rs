@@ -1,7 +1,7 @@
 //! Bordered Jacobian of the pressure form.
 
 use super::PressureForm;
-use super::layout::{KeptAt, Pair};
+use super::layout::{KeptAt, Pair, Unknowns};
 use crate::formulation::harmonics::complex;
 use crate::formulation::receptance::{gather, scatter};
 use crate::formulation::unknown::Parameter;
@@ -56,6 +56,22 @@ impl Target<'_> {
     }
 }
 
+/// Columns of a matrix being filled: those of the unknowns, or fewer ([`super::reduced`]).
+pub(super) struct Columns<'a> {
+    /// Where blocks, kept amplitudes and parameters stand.
+    pub unknowns: &'a Unknowns,
+    /// Derivatives of the forces of every block with respect to its columns: channels · nc rows.
+    pub jacobians: Vec<&'a [f64]>,
+}
+
+/// Buffers of receptances.
+#[derive(Default)]
+pub(super) struct Work {
+    re: Vec<f64>,
+    im: Vec<f64>,
+    response: Vec<f64>,
+}
+
 impl PressureForm<'_> {
     /// Fills the bordered matrix of the state last evaluated.
     pub(super) fn assemble(&mut self, row: &[f64]) {
@@ -81,55 +97,67 @@ impl PressureForm<'_> {
 
     /// Fills the rows of the harmonic balance.
     pub(super) fn assemble_equations(&mut self, target: &mut Target<'_>) {
-        crate::linalg::vectorised(|| self.assemble_arguments(target));
-        for kept in &self.unknowns.kept {
-            self.assemble_kept(target, kept);
+        for i in self.unknowns.arguments() {
+            target.data[i * target.size + i] = 1.0;
         }
-        self.assemble_parameters(target);
+        let (mut work, mut rates) = (std::mem::take(&mut self.assembly), std::mem::take(&mut self.modal_rates));
+        self.assemble_rows(target, &self.columns(), &mut work, &mut rates);
+        (self.assembly, self.modal_rates) = (work, rates);
     }
 
-    /// I − δ ∂f + s R ∂f, scaled.
+    /// The unknowns as columns.
+    fn columns(&self) -> Columns<'_> {
+        let blocks = self.unknowns.blocks.iter();
+        let jacobians = blocks.map(|block| self.forces[block.element].jacobian.as_slice()).collect();
+        Columns { unknowns: &self.unknowns, jacobians }
+    }
+
+    /// Adds the rows of the harmonic balance, but for the arguments themselves (δa in the rows of the arguments).
+    pub(super) fn assemble_rows(
+        &self,
+        target: &mut Target<'_>,
+        columns: &Columns<'_>,
+        work: &mut Work,
+        rates: &mut [Vec<f64>],
+    ) {
+        crate::linalg::vectorised(|| self.assemble_arguments(target, columns, work));
+        for (row, column) in self.unknowns.kept.iter().zip(&columns.unknowns.kept) {
+            self.assemble_kept(target, columns, row, column.at);
+        }
+        self.assemble_parameters(target, columns.unknowns.parameters.start, rates);
+    }
+
+    /// −δ ∂f + s R ∂f, scaled.
     #[inline(always)]
-    fn assemble_arguments(&mut self, target: &mut Target<'_>) {
+    fn assemble_arguments(&self, target: &mut Target<'_>, columns: &Columns<'_>, work: &mut Work) {
         let nc = self.layout.nc;
         let active: Vec<usize> = self.unknowns.channels().collect();
         let count = active.len();
-        for i in 0..count * nc {
-            target.data[i * target.size + i] = 1.0;
-        }
-        self.receptance_re.resize(count * count, 0.0);
-        self.receptance_im.resize(count * count, 0.0);
+        work.re.resize(count * count, 0.0);
+        work.im.resize(count * count, 0.0);
         for k in 0..=self.system.harmonics {
-            self.receptance.matrix(
-                k,
-                &active,
-                &mut self.receptance_work,
-                &mut self.receptance_re,
-                &mut self.receptance_im,
-            );
+            self.receptance.matrix(k, &active, &mut work.response, &mut work.re, &mut work.im);
             let rows = Pair::of(k);
-            for block in &self.unknowns.blocks {
-                let (slot, element) = (&self.slots[block.element], &self.forces[block.element]);
+            let blocks = self.unknowns.blocks.iter().zip(&columns.unknowns.blocks);
+            for ((block, narrow), jacobian) in blocks.zip(&columns.jacobians) {
+                let (slot, width) = (&self.slots[block.element], narrow.unknowns.len());
                 for (i, _, start) in block.arguments() {
                     // Force i does not depend on the arguments from `reach` on.
-                    let reach = slot.reach[i] * nc;
+                    let reach = slot.reach[i] * (width / block.channels.len());
                     let source = |part: usize| {
-                        let begin = (i * nc + part) * block.unknowns.len();
-                        &element.jacobian[begin..begin + reach]
+                        let begin = (i * nc + part) * width;
+                        &jacobian[begin..begin + reach]
                     };
                     let (source_a, source_b) = (source(rows.a), rows.b.map(source));
                     let v = start / nc;
                     for (a, &u) in active.iter().enumerate() {
                         let channel = self.channels[u];
                         let gain = channel.gain / channel.scale;
-                        let mut factor = Complex64::new(
-                            gain * self.receptance_re[a * count + v],
-                            gain * self.receptance_im[a * count + v],
-                        );
+                        let mut factor = Complex64::new(gain * work.re[a * count + v], gain * work.im[a * count + v]);
                         if a == v {
                             factor.re -= channel.feedback / channel.scale;
                         }
-                        target.add_complex_row(rows.after(a * nc), block.unknowns.start, factor, source_a, source_b);
+                        target.add_complex_row(rows.after(a * nc), narrow.unknowns.start, factor, source_a, source_b);
                     }
                 }
             }
@@ -147,7 +175,7 @@ impl PressureForm<'_> {
     }
 
     /// Column and row of a kept modal amplitude.
-    fn assemble_kept(&self, target: &mut Target<'_>, kept: &KeptAt) {
+    fn assemble_kept(&self, target: &mut Target<'_>, columns: &Columns<'_>, kept: &KeptAt, column_at: Pair) {
         let nc = self.layout.nc;
         let (k, mode) = (kept.kept.harmonic, kept.kept.mode);
         let (scale, parts) = (self.kept_scale(&kept.kept), Pair::of(k));
@@ -156,22 +184,23 @@ impl PressureForm<'_> {
             self.receptance.inverse_times(k, &column, &mut response);
             response
         });
-        for block in &self.unknowns.blocks {
-            let (element, width) = (&self.forces[block.element], block.unknowns.len());
+        let blocks = self.unknowns.blocks.iter().zip(&columns.unknowns.blocks);
+        for ((block, narrow), jacobian) in blocks.zip(&columns.jacobians) {
+            let width = narrow.unknowns.len();
             for (i, u, start) in block.arguments() {
                 let shape = self.kept_shape(u, mode, response.as_deref());
                 let channel = self.channels[u];
                 let gain = -channel.gain / channel.scale * self.system.scales.modal;
-                target.add_complex(parts.after(start), kept.at, gain * shape);
+                target.add_complex(parts.after(start), column_at, gain * shape);
                 let source = |part: usize| {
                     let begin = (i * nc + part) * width;
-                    &element.jacobian[begin..begin + width]
+                    &jacobian[begin..begin + width]
                 };
                 let (source_a, source_b) = (source(parts.a), parts.b.map(source));
-                target.add_complex_row(kept.at, block.unknowns.start, shape / scale, source_a, source_b);
+                target.add_complex_row(kept.at, narrow.unknowns.start, shape / scale, source_a, source_b);
             }
         }
-        for other in self.unknowns.kept_at(k) {
+        for other in columns.unknowns.kept_at(k) {
             let mut entry = self.receptance.entry(k, mode, other.kept.mode);
             if let (Some(response), Some(column)) = (&response, self.receptance.coupling(k, other.kept.mode)) {
                 entry -= response.iter().zip(&column).map(|(r, c)| r * c).sum::<Complex64>();
@@ -180,16 +209,14 @@ impl PressureForm<'_> {
         }
     }
 
-    /// Columns of the parameters; also the rates of the dependent modal amplitudes.
-    fn assemble_parameters(&mut self, target: &mut Target<'_>) {
-        let mut rates = std::mem::take(&mut self.modal_rates);
+    /// Columns of the parameters, from `first` on; also the rates of the dependent modal amplitudes.
+    fn assemble_parameters(&self, target: &mut Target<'_>, first: usize, rates: &mut [Vec<f64>]) {
         for (p, (rate, &parameter)) in rates.iter_mut().zip(self.system.unknown.parameters()).enumerate() {
-            let column = self.unknowns.parameters.start + p;
+            let column = first + p;
             self.kept_rates(target, column, parameter, rate);
             rate.iter_mut().for_each(|r| *r *= parameter.unit(&self.system.scales));
             self.argument_rates(target, column, parameter, rate);
         }
-        self.modal_rates = rates;
     }
 
     /// A parameter's column in the rows of the kept amplitudes; `rate`: derivatives of the others.
@@ -281,9 +308,17 @@ impl PressureForm<'_> {
     /// A linear form on the state as a row over the unknowns: entries of dependent arguments and modal amplitudes are carried
     /// over to the unknowns by the chain rule.
     pub(super) fn assemble_form(&self, border: &mut [f64], row: &[f64]) {
+        self.assemble_dependent_form(border, row, &self.columns());
+        for block in &self.unknowns.blocks {
+            axpy(1.0, &row[self.layout.element(&block.channels)], &mut border[block.unknowns.clone()]);
+        }
+    }
+
+    /// The same without its own entries for the arguments that are unknowns.
+    pub(super) fn assemble_dependent_form(&self, border: &mut [f64], row: &[f64], columns: &Columns<'_>) {
         let (nc, n) = (self.layout.nc, self.layout.modes);
-        let (arguments, modal) = (&row[self.layout.arguments()], self.carried_over(row));
-        let mut weight = vec![0.0; arguments.len()];
+        let modal = self.carried_over(row);
+        let mut weight = vec![0.0; self.layout.arguments().len()];
         let mut work = vec![Complex64::default(); 2 * n];
         let (conjugate, response) = work.split_at_mut(n);
         for k in 0..=self.system.harmonics {
@@ -302,7 +337,7 @@ impl PressureForm<'_> {
                     weight[u * nc + b] = -z.im / self.system.scales.modal;
                 }
             }
-            for KeptAt { kept, at } in self.unknowns.kept_at(k) {
+            for KeptAt { kept, at } in columns.unknowns.kept_at(k) {
                 let own = conjugate[kept.mode];
                 let coupled = self.receptance.coupling(k, kept.mode).map_or(Complex64::default(), |column| {
                     column.iter().zip(response.iter()).map(|(c, r)| c * r).sum()
@@ -313,16 +348,15 @@ impl PressureForm<'_> {
                 }
             }
         }
-        for block in &self.unknowns.blocks {
-            let range = self.layout.element(&block.channels);
-            let border = &mut border[block.unknowns.clone()];
-            border.copy_from_slice(&arguments[range.clone()]);
-            for (w, source) in weight[range].iter().zip(self.forces[block.element].jacobian.chunks(border.len())) {
+        for (narrow, jacobian) in columns.unknowns.blocks.iter().zip(&columns.jacobians) {
+            let border = &mut border[narrow.unknowns.clone()];
+            let rows = jacobian.chunks(border.len());
+            for (w, source) in weight[self.layout.element(&narrow.channels)].iter().zip(rows) {
                 axpy(*w, source, border);
             }
         }
         let parameters = row[self.layout.parameters()].iter().zip(&self.modal_rates);
-        for (border, (own, rate)) in border[self.unknowns.parameters.clone()].iter_mut().zip(parameters) {
+        for (border, (own, rate)) in border[columns.unknowns.parameters.clone()].iter_mut().zip(parameters) {
             *border = own + dot(&modal, rate) / self.system.scales.modal;
         }
     }

@@ -114,27 +114,47 @@ pub(super) struct Unknowns {
 impl Unknowns {
     /// Of the elements that are active, numbered with their channels.
     pub fn new(active: impl Iterator<Item = (usize, Range<usize>)>, kept: &[Kept], layout: &Layout) -> Self {
+        let active = active.map(|(element, channels)| (element, channels, layout.nc));
+        Self::with_widths(active, kept.iter().copied(), layout.parameters)
+    }
+
+    /// The same unknowns where so many numbers stand for every series of each block.
+    pub fn narrowed(&self, widths: impl Iterator<Item = usize>) -> Self {
+        let blocks = self.blocks.iter().zip(widths);
+        let active = blocks.map(|(block, width)| (block.element, block.channels.clone(), width));
+        Self::with_widths(active, self.kept.iter().map(|kept| kept.kept), self.parameters.len())
+    }
+
+    fn with_widths(
+        active: impl Iterator<Item = (usize, Range<usize>, usize)>,
+        kept: impl Iterator<Item = Kept>,
+        parameters: usize,
+    ) -> Self {
         let mut end = 0;
         let mut next = |length: usize| {
             end += length;
             end - length..end
         };
         let blocks = active
-            .map(|(element, channels)| Block { unknowns: next(channels.len() * layout.nc), element, channels })
+            .map(|(element, channels, width)| Block { unknowns: next(channels.len() * width), element, channels })
             .collect();
         let kept = kept
-            .iter()
-            .map(|&kept| {
+            .map(|kept| {
                 let length = if kept.harmonic == 0 { 1 } else { 2 };
                 KeptAt { kept, at: Pair::at(next(length).start, kept.harmonic) }
             })
             .collect();
-        Self { blocks, kept, parameters: next(layout.parameters) }
+        Self { blocks, kept, parameters: next(parameters) }
     }
 
     /// Number of unknowns: size of the matrix, its border included.
     pub fn len(&self) -> usize {
         self.parameters.end
+    }
+
+    /// The arguments of the active elements.
+    pub fn arguments(&self) -> Range<usize> {
+        0..self.blocks.last().map_or(0, |block| block.unknowns.end)
     }
 
     /// The channels of the active elements, in order.

@@ -18,6 +18,9 @@ mod condition;
 mod condition_tests;
 mod evaluate;
 mod layout;
+mod reduced;
+#[cfg(test)]
+mod reduced_tests;
 mod second;
 mod solution;
 #[cfg(test)]
@@ -37,9 +40,11 @@ use crate::linalg::{LinalgError, Lu};
 use crate::settings::HarmonicSettings;
 use crate::structure::Model;
 use crate::structure::laws::{Law, LawKind, MAX_ARGUMENTS, with_law};
+use assemble::Work;
 use condition::Condition;
 pub use condition::Degeneracy;
 use layout::{Layout, Unknowns};
+use reduced::Reduced;
 use rustfft::num_complex::Complex64;
 use std::ops::Range;
 pub use touch::Touch;
@@ -95,11 +100,12 @@ pub struct PressureForm<'m> {
     lu: Lu,
     /// Unknowns of the matrix last factorised.
     factored: Unknowns,
+    /// How it was reduced, if it was, and T of [`reduced`].
+    reduced: Option<Reduced>,
+    reduced_rows: Vec<f64>,
     solutions: Vec<f64>,
     work: Vec<Complex64>,
-    receptance_re: Vec<f64>,
-    receptance_im: Vec<f64>,
-    receptance_work: Vec<f64>,
+    assembly: Work,
 }
 
 impl<'m> PressureForm<'m> {
@@ -137,11 +143,11 @@ impl<'m> PressureForm<'m> {
             current: State { harmonics, omega, decay, forcing, arguments, modal: amplitudes },
             lu: Lu::default(),
             factored: Unknowns::default(),
+            reduced: None,
+            reduced_rows: Vec::new(),
             solutions: Vec::new(),
             work: Vec::new(),
-            receptance_re: Vec::new(),
-            receptance_im: Vec::new(),
-            receptance_work: Vec::new(),
+            assembly: Work::default(),
             system,
             layout,
             slots,
@@ -302,7 +308,14 @@ impl Problem for PressureForm<'_> {
     }
 
     fn factor(&mut self, row: &[f64]) -> Result<(), LinalgError> {
-        self.assemble(row);
+        self.reduced = self.reduction(row);
+        match self.reduced.take() {
+            Some(reduced) => {
+                self.assemble_reduced(&reduced, row);
+                self.reduced = Some(reduced);
+            }
+            None => self.assemble(row),
+        }
         self.factored.clone_from(&self.unknowns);
         if let Some(condition) = &mut self.condition {
             condition.renew(&self.metric, &self.layout);
@@ -348,7 +361,13 @@ impl Problem for PressureForm<'_> {
         let size = solutions.len();
         solutions.resize(2 * size, 0.0);
         solutions[2 * size - 1] = 1.0;
-        self.lu.solve(&mut solutions);
+        match self.reduced.take() {
+            Some(reduced) => {
+                self.solve_reduced(&reduced, &mut solutions);
+                self.reduced = Some(reduced);
+            }
+            None => self.lu.solve(&mut solutions),
+        }
         self.expand(&solutions[..size], step);
         self.expand(&solutions[size..], tangent);
         self.solutions = solutions;
@@ -356,6 +375,11 @@ impl Problem for PressureForm<'_> {
 
     fn solve_transposed(&mut self, form: &[f64]) -> Vec<f64> {
         debug_assert!(self.is_factorisation_current(), "the unknowns have changed since the matrix was factorised");
+        if let Some(reduced) = self.reduced.take() {
+            let weights = self.solve_reduced_transposed(&reduced, form);
+            self.reduced = Some(reduced);
+            return weights;
+        }
         let mut weights = vec![0.0; self.unknowns.len()];
         self.assemble_form(&mut weights, form);
         self.lu.solve_transposed(&mut weights);

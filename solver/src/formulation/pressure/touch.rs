@@ -5,8 +5,7 @@
 //! (A. B. Nordmark, J. Sound Vib. 145, 279–297, 1991, has this square root for impacts.)
 
 use super::PressureForm;
-use crate::formulation::harmonics::evaluate;
-use crate::linalg::axpy;
+use crate::formulation::harmonics::{self, evaluate};
 use crate::structure::laws::Law;
 use std::f64::consts::TAU;
 
@@ -96,16 +95,10 @@ impl PressureForm<'_> {
     pub fn height_form(&self, touch: &Touch) -> Vec<f64> {
         let first = self.slots[touch.element].channels.start;
         let mut form = vec![0.0; self.layout.len()];
-        axpy(touch.sign(), &self.basis_at(touch.instant), &mut form[self.layout.channel(first)]);
+        let height = &mut form[self.layout.channel(first)];
+        harmonics::basis(touch.instant, height);
+        height.iter_mut().for_each(|h| *h *= touch.sign());
         form
-    }
-
-    fn basis_at(&self, tau: f64) -> Vec<f64> {
-        let mut basis = vec![1.0; self.layout.nc];
-        for k in 1..=self.layout.nc / 2 {
-            (basis[2 * k], basis[2 * k - 1]) = (k as f64 * tau).sin_cos();
-        }
-        basis
     }
 }
 

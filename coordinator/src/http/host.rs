@@ -11,7 +11,7 @@ use axum::response::{IntoResponse, Response};
 use std::net::IpAddr;
 
 /// Refuses requests that are not for an address, for `localhost` or for this machine by its name.
-pub(super) async fn own_names_only(request: Request, next: Next) -> Response {
+pub async fn own_names_only(request: Request, next: Next) -> Response {
     let host = request.headers().get(HOST).and_then(|host| host.to_str().ok()).unwrap_or_default();
     if is_own(host, &machine()) {
         return next.run(request).await;

@@ -1,0 +1,166 @@
+//! Workers that replay a recording: they ask, fetch, give signs of life and submit as real ones do, by the same code, and sleep
+//! instead of computing. Each has a name of its own and one computing thread; several share a connection.
+
+use crate::meter::Meter;
+use crate::recording::Recording;
+use protocol::codec::encode;
+use protocol::from_worker::SubmitRequest;
+use protocol::ids::{TaskId, WorkerId};
+use protocol::keys::Keys;
+use protocol::to_worker::{Grant, SubmitReply};
+use std::collections::HashSet;
+use std::error::Error;
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+use std::time::Duration;
+use tokio::sync::Semaphore;
+use tokio::task::JoinSet;
+use tokio::time::{Instant, sleep_until};
+use worker::bus::Bus;
+use worker::compute::Watch;
+use worker::leasing::{lease_of, next};
+use worker::patience::OutOfPatience;
+use worker::renewal::keep;
+use worker::shared::Shared;
+use worker::shutdown::{Phase, Shutdown};
+use worker::{Options, join};
+use zenoh::Session;
+use zenoh::bytes::ZBytes;
+
+/// Workers that share a connection.
+const A_SESSION: usize = 16;
+/// Landings of which a real worker keeps what it found.
+const LANDINGS: usize = 64;
+
+/// What replayed workers share.
+pub struct Replay {
+    /// What is given back.
+    pub recording: Arc<Recording>,
+    /// What is counted.
+    pub meter: Arc<Meter>,
+    /// Give nothing back, but hold on to the first task until told to end.
+    pub idle: bool,
+}
+
+/// Starts so many workers for the run that `options` lead to; each joins it as a real one does, up to the model, which is fetched
+/// once.
+///
+/// # Errors
+/// If there is no run, or it cannot be joined.
+pub async fn start(
+    replay: Arc<Replay>,
+    options: &Options,
+    count: usize,
+    shutdown: &Shutdown,
+) -> Result<JoinSet<Result<(), String>>, Box<dyn Error>> {
+    let deadline = join::deadline(options);
+    let first = join::open(options, deadline).await?;
+    let joined = join::find(&first, options, deadline).await?;
+    let mut sessions = vec![first];
+    while sessions.len() * A_SESSION < count {
+        sessions.push(join::open(options, deadline).await?);
+    }
+    let mut workers = JoinSet::new();
+    for number in 0..count {
+        let session = sessions[number / A_SESSION].clone();
+        let bus = bus(session, options, &joined.manifest.run, number)?;
+        let shared = Arc::new(Shared::new(bus, joined.clone(), shutdown.clone(), None));
+        let worker = Replayed { replay: replay.clone(), shared, known: HashSet::new(), landed: HashSet::new() };
+        workers.spawn(worker.run());
+    }
+    Ok(workers)
+}
+
+fn bus(session: Session, options: &Options, run: &protocol::ids::RunId, number: usize) -> Result<Bus, Box<dyn Error>> {
+    Ok(Bus {
+        session,
+        endpoint: options.connect.clone(),
+        run: run.clone(),
+        keys: Keys::new(&options.namespace, run),
+        worker: WorkerId::new(&format!("replay-{number}"))?,
+        patience: options.patience,
+        bulk: Semaphore::new(1),
+    })
+}
+
+struct Replayed {
+    replay: Arc<Replay>,
+    shared: Arc<Shared>,
+    /// Branches and curves that a real worker would have at hand.
+    known: HashSet<TaskId>,
+    /// Landings likewise.
+    landed: HashSet<TaskId>,
+}
+
+impl Replayed {
+    async fn run(mut self) -> Result<(), String> {
+        let _presence = self.shared.appear().await.map_err(|error| error.to_string())?;
+        while let Some(grant) = next(&self.shared, 0).await.map_err(|error| error.to_string())? {
+            self.replay.meter.granted();
+            self.carry_out(grant).await?;
+        }
+        Ok(())
+    }
+
+    async fn carry_out(&mut self, grant: Grant) -> Result<(), String> {
+        let begun = Instant::now();
+        let shared = self.shared.clone();
+        let lease = lease_of(&shared, 0, &grant);
+        let (recording, meter) = (self.replay.recording.clone(), self.replay.meter.clone());
+        let answer = recording.answer(&grant.task, &grant.work);
+        let (seconds, finding) =
+            answer.ok_or_else(|| format!("task {} is not of the recording: {:?}", grant.task, grant.work))?;
+        let is_landing = !grant.work.is_ordered();
+        let ttl = Duration::from_millis(grant.ttl_ms);
+        let watch = Watch::default();
+        let (hints, drained) = (shared.hints.subscribe(), shared.drained.subscribe());
+        let request = SubmitRequest { lease: lease.clone(), program: protocol::PROGRAM.into(), seconds, finding };
+        let done = async {
+            self.fetch(&grant).await;
+            let payload = ZBytes::from(encode(&request));
+            if self.replay.idle {
+                std::future::pending::<()>().await;
+            }
+            sleep_until(begun + Duration::from_secs_f64(seconds)).await;
+            payload
+        };
+        let payload = tokio::select! {
+            payload = done => payload,
+            interruption = keep(&shared.bus, &lease, ttl, &watch, hints, drained) => {
+                return Err(format!("task {}: {interruption:?}", grant.task));
+            }
+            () = shared.shutdown.reached(Phase::Stopping) => return Ok(()),
+        };
+        match shared.bus.submit(&grant.task, &payload).await {
+            Ok(SubmitReply::Accepted | SubmitReply::Duplicate { agrees: true }) => {}
+            Ok(reply) => return Err(format!("task {}: {reply:?}", grant.task)),
+            Err(OutOfPatience) => return Err(format!("task {} was not answered", grant.task)),
+        }
+        if recording.task(&grant.task).is_none() {
+            meter.speculative.fetch_add(1, Ordering::Relaxed);
+        }
+        meter.accepted();
+        if is_landing && self.landed.len() == LANDINGS {
+            self.landed.clear();
+        }
+        if is_landing { &mut self.landed } else { &mut self.known }.insert(grant.task);
+        Ok(())
+    }
+
+    /// Fetches what a real worker would not have at hand.
+    async fn fetch(&mut self, grant: &Grant) {
+        let names = || grant.known.iter().map(|known| &known.task).chain(grant.curves.iter().map(|curve| &curve.task));
+        if grant.work.is_ordered() {
+            self.known.retain(|task| names().any(|named| named == task));
+        }
+        let landing = grant.landing.as_ref().filter(|&task| !self.landed.remove(task));
+        let missing: Vec<TaskId> =
+            landing.into_iter().chain(names().filter(|&t| !self.known.contains(t))).cloned().collect();
+        for task in missing {
+            let fetched = self.shared.bus.result(&task, self.shared.max_result_bytes).await;
+            if fetched.is_ok() && grant.landing.as_ref() != Some(&task) {
+                self.known.insert(task);
+            }
+        }
+    }
+}

@@ -1,0 +1,37 @@
+//! Options of a run that another process conducts.
+
+use clap::Args;
+use protocol::ids::RunId;
+use protocol::keys::namespace;
+use std::path::PathBuf;
+
+/// A run, by folder or on the bus.
+#[derive(Debug, Args)]
+pub struct RemoteArgs {
+    /// Folder of the run.
+    #[arg(required_unless_present = "connect", conflicts_with = "connect")]
+    pub directory: Option<PathBuf>,
+    /// Where its coordinator or router listens.
+    #[arg(long, value_name = "ENDPOINT")]
+    pub connect: Option<String>,
+    /// File with the secret of the run [default: what ISOLA_SECRET holds; of a folder, its own].
+    #[arg(long, value_name = "FILE")]
+    pub secret_file: Option<PathBuf>,
+    /// Which run, if there are several.
+    #[arg(long, value_name = "RUN", requires = "connect")]
+    pub run: Option<RunId>,
+    /// First chunk of all keys.
+    #[arg(long, default_value = protocol::keys::NAMESPACE, value_parser = namespace)]
+    pub namespace: String,
+}
+
+/// Arguments of `status`.
+#[derive(Debug, Args)]
+pub struct StatusArgs {
+    /// The run.
+    #[command(flatten)]
+    pub run: RemoteArgs,
+    /// For programs: the `status` message of MESSAGES.md as JSON, and whether somebody conducts the run.
+    #[arg(long)]
+    pub json: bool,
+}

@@ -1,0 +1,92 @@
+//! How busy everybody is, and how long it will take.
+
+use super::cases::{MAIN, leased};
+use super::*;
+use crate::ledger::STATES;
+use results::journal::{KINDS, kind};
+
+fn at(seconds: u64) -> Duration {
+    Duration::from_secs(seconds)
+}
+
+/// Tasks of a kind in a state.
+fn count(load: &Load, kind: &str, state: &str) -> usize {
+    let place = |names: &[&str], name| names.iter().position(|n| *n == name).unwrap();
+    load.tasks[place(&KINDS, kind)][place(&STATES, state)]
+}
+
+#[test]
+fn a_moment_of_a_run() {
+    let tasks = plan(1.0, 1).tasks;
+    assert_eq!([&tasks[0], &tasks[2], &tasks[3]].map(kind), ["main", "land", "seed"]);
+    let mut ledger = Ledger::new(Rules::default(), vec![plan(1.0, 1)]);
+    let load = ledger.load(at(0));
+    assert_eq!(["main", "land", "seed"].map(|kind| count(&load, kind, "waiting")), [2, 4, 4]);
+    // The main branch, and two landings with the full forcing.
+    assert_eq!((load.queue, load.oldest_waiting, load.oldest_lease), (3, Some(at(0)), None));
+
+    ledger.measure(at(1));
+    let lease = leased(&mut ledger, "a", at(1));
+    ledger.measure(at(3));
+    let load = ledger.load(at(3));
+    assert_eq!((load.queue, load.oldest_waiting), (2, Some(at(3))));
+    assert_eq!((load.leases, load.silent_leases, load.oldest_lease), (1, 0, Some(at(2))));
+    let [worker] = &load.workers[..] else { panic!("{:?}", load.workers) };
+    assert_eq!((worker.threads, worker.leases, worker.busy, worker.present), (1, 1, at(2), at(2)));
+    assert!(ledger.release(&lease, at(3)).0);
+    ledger.measure(at(5));
+    let load = ledger.load(at(5));
+    assert_eq!((load.workers[0].leases, load.workers[0].busy, load.workers[0].present), (0, at(2), at(4)));
+    // What was given back waits anew.
+    assert_eq!((load.queue, load.oldest_waiting), (3, Some(at(5))));
+
+    let lease = leased(&mut ledger, "a", at(6));
+    ledger.worker_gone(&lease.worker, at(7));
+    let load = ledger.load(at(7));
+    assert_eq!((load.leases, load.silent_leases, load.workers.len()), (0, 1, 0));
+}
+
+#[test]
+fn the_time_left_is_that_of_what_will_be_needed() {
+    let mut ledger = Ledger::new(Rules::default(), vec![plan(1.0, 1)]);
+    let is_left = |ledger: &Ledger, seconds: f64| {
+        let left = ledger.time_left().unwrap();
+        assert!((left / seconds - 1.0).abs() < 0.01, "{left} instead of {seconds}");
+    };
+    let main = leased(&mut ledger, "a", at(0));
+    assert_eq!(ledger.time_left(), None);
+    assert!(matches!(ledger.submit(&main, &MAIN).0, Submitted::Accepted(_)));
+    // The second main branch, and four landings and seeds of which nothing is known.
+    ledger.note_cost(&Task::Main(Side::Below), 10.0);
+    is_left(&ledger, 90.0);
+    for (task, seconds) in [(0, 10.0), (2, 1.0), (3, 2.0)] {
+        let task = ledger.chains[0].entries[task].task;
+        (0..10_000).for_each(|_| ledger.note_cost(&task, seconds));
+    }
+    is_left(&ledger, 10.0 + 4.0 + 8.0);
+    // Branches of a level follow one after the other, whoever is there.
+    for worker in ["b", "c", "d"] {
+        assert!(matches!(ledger.lease(&WorkerId::new(worker).unwrap(), 0, at(1)).0, Leased::Grant(_)));
+    }
+    is_left(&ledger, 5.0 + 8.0);
+    // Half of the seeds so far were not needed.
+    let skipped = ledger.chains[0].entries.iter_mut().filter(|entry| matches!(entry.task, Task::Seed(_))).take(1);
+    skipped.for_each(|entry| entry.state = TaskState::Skipped);
+    is_left(&ledger, 5.0 + 3.0 * 2.0 / 2.0);
+    let seed = ledger.chains[0].entries[3].task;
+    ledger.note_cost(&seed, f64::NAN);
+    is_left(&ledger, 5.0 + 3.0 * 2.0 / 2.0);
+}
+
+/// One that took long does not make all of its kind.
+#[test]
+fn the_first_of_a_kind_says_little() {
+    let mut ledger = Ledger::new(Rules::default(), vec![plan(1.0, 1)]);
+    let main = leased(&mut ledger, "a", at(0));
+    assert!(matches!(ledger.submit(&main, &MAIN).0, Submitted::Accepted(_)));
+    (0..1000).for_each(|_| ledger.note_cost(&Task::Main(Side::Below), 1.0));
+    let before = ledger.time_left().unwrap();
+    let seed = ledger.chains[0].entries[3].task;
+    ledger.note_cost(&seed, 100.0);
+    assert!((before..0.3 * (before + 4.0 * 100.0)).contains(&ledger.time_left().unwrap()));
+}

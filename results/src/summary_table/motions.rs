@@ -1,0 +1,99 @@
+//! What unstable motions turn into, in words: for every branch that was followed beyond where it loses its stability.
+
+use super::Units;
+use crate::store::MotionRow;
+use crate::words::count;
+
+/// A sentence for every branch of which unstable motions were marched on.
+pub(crate) fn sentences(motions: &[MotionRow], units: Units) -> Vec<String> {
+    let of_one = |a: &MotionRow, b: &MotionRow| a.forcing == b.forcing && a.branch == b.branch;
+    motions.chunk_by(of_one).map(|rows| sentence(rows, units)).collect()
+}
+
+fn sentence(rows: &[MotionRow], units: Units) -> String {
+    let mut kinds: Vec<(String, Vec<&MotionRow>)> = Vec::new();
+    for row in rows {
+        let kind = kind(row);
+        match kinds.iter_mut().find(|(known, _)| *known == kind) {
+            Some((_, list)) => list.push(row),
+            None => kinds.push((kind, vec![row])),
+        }
+    }
+    let parts: Vec<String> = kinds.iter().map(|(kind, rows)| format!("{kind} {}", place(rows, units))).collect();
+    format!(
+        "From {} of {} at A = {} time marching came to {}.",
+        count(rows.len(), "unstable motion"),
+        rows[0].branch,
+        rows[0].forcing,
+        parts.join(", to ")
+    )
+}
+
+/// What a motion is, as far as that is known.
+fn kind(row: &MotionRow) -> String {
+    match (row.motion.as_str(), row.repeats, &row.onto) {
+        ("periodic", Some(1), Some(branch)) if *branch == row.branch => "the same branch".into(),
+        ("periodic", Some(1), Some(branch)) => branch.clone(),
+        ("periodic", Some(1), None) => "a periodic motion that is on no marched orbit of the branches found".into(),
+        ("periodic", Some(repeats), _) => format!("motions that repeat after {repeats} periods"),
+        ("quasi_periodic", ..) => "quasi-periodic motions".into(),
+        ("chaotic", ..) => "chaotic motions".into(),
+        _ if row.amplitude.is_none() => "nothing that could be marched".into(),
+        _ => "motions of which it could not tell what they are".into(),
+    }
+}
+
+/// At which frequencies, and how large.
+fn place(rows: &[&MotionRow], units: Units) -> String {
+    let range = |values: &mut dyn Iterator<Item = f64>| {
+        values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)))
+    };
+    let said = |(low, high): (String, String)| if low == high { low } else { format!("{low}–{high}") };
+    let (low, high) = range(&mut rows.iter().map(|row| row.omega));
+    let omega = said((units.frequency.digits(low), units.frequency.digits(high)));
+    let at = format!("at {omega} {}", units.frequency);
+    if rows.iter().all(|row| row.amplitude.is_none()) {
+        return at;
+    }
+    let (low, high) = range(&mut rows.iter().filter_map(|row| row.amplitude).flat_map(|(low, high)| [low, high]));
+    let amplitude = said((units.length.digits(low), units.length.digits(high)));
+    format!("{at} (amplitudes {amplitude} {})", units.length)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(omega: f64, motion: &str, repeats: Option<usize>, onto: Option<&str>, amplitude: (f64, f64)) -> MotionRow {
+        MotionRow {
+            forcing: "60".into(),
+            branch: "isola 1".into(),
+            point: 7,
+            omega,
+            motion: motion.into(),
+            repeats,
+            onto: onto.map(String::from),
+            amplitude: Some(amplitude),
+            growth: None,
+            periods: 300,
+        }
+    }
+
+    #[test]
+    fn motions_are_told_kind_by_kind() {
+        let rows = [
+            row(2600.0, "periodic", Some(2), None, (1e-3, 1.5e-3)),
+            row(2602.5, "periodic", Some(2), None, (1.25e-3, 2e-3)),
+            row(2595.0, "periodic", Some(1), Some("main"), (5e-4, 5e-4)),
+            MotionRow { amplitude: None, ..row(2590.0, "unclear", None, None, (0.0, 0.0)) },
+        ];
+        assert_eq!(
+            sentences(&rows, Units::default()),
+            [
+                "From 4 unstable motions of isola 1 at A = 60 time marching came to motions that repeat after 2 periods at \
+                 2600.00–2602.50 rad/s (amplitudes 1.0000e-3–2.0000e-3 m), to main at 2595.00 rad/s (amplitudes 5.0000e-4 m), \
+                 to nothing that could be marched at 2590.00 rad/s."
+            ]
+        );
+    }
+}
