@@ -155,9 +155,19 @@ pub fn plan(plan: &SweepPlan, most_folds: usize, verify: VerifyEffort) -> String
     let total = |of: fn(&LevelPlan) -> usize| plan.levels.iter().map(of).sum::<usize>();
     let seeds = |level: &LevelPlan| level.tasks.iter().filter(|task| is_seed(task)).count();
     let batches = |level: &LevelPlan| level.tasks.iter().filter(|task| matches!(task, Task::Start(_))).count();
+    let scouts = plan.levels.iter().flat_map(|level| &level.tasks).filter_map(|task| match task {
+        Task::Scout(scout) => Some(scout.batches),
+        _ => None,
+    });
+    let beyond = match (scouts.clone().count(), scouts.sum::<usize>()) {
+        (0, _) => String::new(),
+        (scouts, batches) => {
+            format!(" and {} at {}", BATCH * batches, count(scouts, "larger forcing amplitude"))
+        }
+    };
     let starts = match BATCH * total(batches) {
         0 => String::new(),
-        number => format!(", {}", count(number, "random start")),
+        number => format!(", {}{beyond}", count(number, "random start")),
     };
     let search = match most_folds {
         0 => "no folds are followed over the forcing".into(),

@@ -26,7 +26,7 @@ use std::io;
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::net::TcpListener;
-use tokio::sync::OnceCell;
+use tokio::sync::Mutex;
 use tokio::task::JoinHandle;
 use tower_service::Service;
 use worker::terminal;
@@ -69,16 +69,26 @@ pub async fn serve(run: Shown<'_>, address: &str) -> Result<(), Error> {
 }
 
 /// The page of a run for a server of one's own. It is made when somebody first asks for it, and follows the run from then on: what
-/// has been found is kept for browsers, and a large run that nobody looks at need not keep it.
+/// has been found is kept for browsers, and a large run that nobody looks at need not keep it. Who asks for it after the run had
+/// ended and goes on has it made anew.
 pub fn when_asked_for(
     session: Session,
     keys: Keys,
     manifest: impl Fn() -> Manifest + Clone + Send + Sync + 'static,
 ) -> Router {
-    let page: Arc<OnceCell<Page>> = Arc::default();
+    let page: Arc<Mutex<Option<Page>>> = Arc::default();
     Router::new().fallback(move |request: Request| async move {
-        let made = page.get_or_try_init(|| Page::of(&session, &keys, manifest())).await;
-        match made.map(|page| page.routes.clone()) {
+        let is_opened = request.uri().path() == "/";
+        let routes = async {
+            let mut page = page.lock().await;
+            // Who has it open asks for more of the one that was made.
+            let is_behind = |page: &Page| page.telling.is_finished() && !manifest().stage.is_over();
+            if page.as_ref().is_none_or(|page| is_opened && is_behind(page)) {
+                *page = Some(Page::of(&session, &keys, manifest()).await?);
+            }
+            Ok::<_, Error>(page.as_ref().map(|page| page.routes.clone()).unwrap_or_default())
+        };
+        match routes.await {
             Ok(mut routes) => routes.call(request).await.into_response(),
             Err(error) => (StatusCode::SERVICE_UNAVAILABLE, format!("{error}\n")).into_response(),
         }

@@ -60,8 +60,8 @@ pub struct LevelPlan {
 }
 
 /// Kinds of tasks, as [`kind`] names them.
-pub const KINDS: [&str; 10] =
-    ["main", "land", "seed", "fold", "crossing", "start", "begin", "verify", "disturb", "march"];
+pub const KINDS: [&str; 11] =
+    ["main", "land", "seed", "fold", "crossing", "start", "begin", "scout", "verify", "disturb", "march"];
 
 /// What kind of task this is, in one word.
 pub fn kind(task: &Task) -> &'static str {
@@ -78,9 +78,10 @@ pub fn place_of_kind(task: &Task) -> usize {
         Task::Crossing(_) => 4,
         Task::Start(_) => 5,
         Task::Begin(_) => 6,
-        Task::Verify(_) => 7,
-        Task::Disturb(_) => 8,
-        Task::March(_) => 9,
+        Task::Scout(_) => 7,
+        Task::Verify(_) => 8,
+        Task::Disturb(_) => 9,
+        Task::March(_) => 10,
     }
 }
 

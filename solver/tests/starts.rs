@@ -3,7 +3,12 @@
 mod support;
 
 use solver::response::branch::BranchPoint;
+use solver::response::critical::CriticalKind;
+use solver::response::scout::ScoutPlace;
+use solver::response::seeds::Landing;
 use solver::response::starts::{BATCH, StartPlace, batches, land, share};
+use solver::response::task::{Finding, FoldPlace, Task};
+use solver::response::trace::{Given, carry_out};
 use solver::settings::Effort;
 use solver::{Forced, Reach, Settings, State};
 use std::ops::ControlFlow;
@@ -58,6 +63,34 @@ fn batches_depend_on_nothing_but_their_number_and_level() {
     let last: Vec<State> = last.into_iter().map(|landing| landing.state).collect();
     assert!(last.len() > 1 && all.ends_with(&last));
     assert_ne!(all[0], landed(&study, 0.21, 1)[0]);
+}
+
+/// The motion of three periods of the force is born at A = 1.4174 (shooting, in the model's file): below, nothing leads there, and a
+/// scout beyond meets it.
+#[test]
+fn a_scout_leads_back_to_where_an_isola_is_born() {
+    let study = Study::new(shipped("duffing_subharmonic", &[]), Settings::default());
+    let mut forced = forced(&study, 1.5);
+    let scout = ScoutPlace { number: 0, batches: 8 };
+    let mut task = |task, landings: &[Landing]| {
+        let given = Given { landings, ..Given::default() };
+        carry_out(&mut forced, &task, &given, &mut quiet).expect("it is not cancelled")
+    };
+    let Finding::Landings(folds) = task(Task::Scout(scout), &[]) else { panic!("there are folds") };
+    assert_eq!(task(Task::Scout(scout), &[]), Finding::Landings(folds.clone()));
+    let balance = Balance::new(&study.model);
+    for Landing { state, .. } in &folds {
+        assert_eq!(state.forcing, 1.25 * 1.5);
+        let residual = balance.residual(state).relative();
+        assert!(residual < 1e-8, "{residual:e}");
+    }
+    let births = (0..folds.len()).filter_map(|fold| {
+        let Finding::Curve(curve) = task(Task::Fold(FoldPlace::Scout { scout, fold }), &folds) else { return None };
+        let born = curve.events.iter().find(|event| event.kind == CriticalKind::Birth)?;
+        Some(curve.points[born.index].state.forcing)
+    });
+    let births: Vec<f64> = births.collect();
+    assert!(births.iter().any(|birth| (birth / 1.4174 - 1.0).abs() < 1e-4), "{births:?}");
 }
 
 #[test]

@@ -15,7 +15,7 @@ use protocol::to_worker::{Grant, Known, KnownCurve};
 use solver::response::branch::Branch;
 use solver::response::critical::CriticalCurve;
 use solver::response::seeds::Landing;
-use solver::response::task::{BranchId, Finding};
+use solver::response::task::{BranchId, Finding, Task};
 use std::collections::HashMap;
 use std::sync::Arc;
 use std::time::Duration;
@@ -84,11 +84,14 @@ impl Findings {
         }
         let mut found = Found::default();
         if let Some(task) = &grant.landing {
-            // Asked for once, by this seed.
             found.landings = match self.landings.remove(task) {
                 Some(landings) => landings,
                 None => self.fetch::<LandingsMessage>(bus, lease, task).await?.into(),
             };
+            // What a scout met is asked for by one fold after the other, what a seed landed on once.
+            if matches!(grant.work, Task::Fold(_)) {
+                self.landings.insert(task.clone(), found.landings.clone());
+            }
         }
         for Known { branch: id, task } in &grant.known {
             if !self.branches.contains_key(task) {

@@ -10,7 +10,7 @@ use crate::shared::Shared;
 use crate::shutdown::Phase;
 use protocol::from_worker::Lease;
 use protocol::to_worker::{Grant, SubmitReply};
-use solver::response::task::{Finding, Task};
+use solver::response::task::{Finding, FoldPlace, Task};
 use std::pin::{Pin, pin};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -90,7 +90,8 @@ impl Slot {
         if seeds.is_empty() && matches!(grant.work, Task::Land(_)) {
             return Err("unusable seeds: there is none".into());
         }
-        if grant.landing.is_none() && matches!(grant.work, Task::Seed(_) | Task::Begin(_)) {
+        let lands = matches!(grant.work, Task::Seed(_) | Task::Begin(_) | Task::Fold(FoldPlace::Scout { .. }));
+        if grant.landing.is_none() && lands {
             return Err("unusable task: there is no landing".into());
         }
         let Found { landings, branches: known, curves } = self.known.get(&shared.bus, lease, &grant).await?;

@@ -44,7 +44,7 @@ fn longest_chain(tasks: &[Recorded]) -> f64 {
 /// Tasks of a later stage never come before those of an earlier one that they depend on.
 fn stage(work: &Task) -> usize {
     match work {
-        Task::Main(_) | Task::Land(_) | Task::Seed(_) | Task::Start(_) | Task::Begin(_) => 0,
+        Task::Main(_) | Task::Land(_) | Task::Seed(_) | Task::Start(_) | Task::Begin(_) | Task::Scout(_) => 0,
         Task::Fold(_) => 1,
         Task::Crossing(_) => 2,
         Task::Verify(_) | Task::Disturb(_) => 3,
@@ -89,10 +89,13 @@ impl Ends {
             Task::Land(place) if place.way == Way::SteppedForcing => {
                 landed(Task::Seed(SeedPlace { way: Way::FullForcing, ..place }))
             }
-            Task::Land(_) | Task::Start(_) => 0.0,
+            Task::Land(_) | Task::Start(_) | Task::Scout(_) => 0.0,
             Task::Seed(place) => own.max(landed(Task::Land(place))),
             Task::Begin(place) => own.max(landed(Task::Start(StartPlace { round: 0, ..place }))),
-            Task::Fold(FoldPlace { branch, .. }) => self.folds.max(self.found(level, SeedOutcome::Found(branch))),
+            Task::Fold(FoldPlace::Branch { branch, .. }) => {
+                self.folds.max(self.found(level, SeedOutcome::Found(branch)))
+            }
+            Task::Fold(FoldPlace::Scout { scout, .. }) => self.folds.max(self.search).max(landed(Task::Scout(scout))),
             Task::Crossing(place) => own.max(self.search).max(self.curves.get(&place.curve).copied().unwrap_or(0.0)),
             Task::Verify(place) => self.found(level, SeedOutcome::Found(place.branch)),
             Task::Disturb(place) => self.found(level, SeedOutcome::Found(place.branch)),
@@ -114,7 +117,9 @@ impl Ends {
         match task.work {
             Task::Fold(_) => self.folds = end,
             // Forcing in steps waits for what became of a seed, which others follow on as well.
-            Task::Land(_) | Task::Start(_) | Task::Seed(_) => self.landings.push((level, task.work, end)),
+            Task::Land(_) | Task::Start(_) | Task::Scout(_) | Task::Seed(_) => {
+                self.landings.push((level, task.work, end))
+            }
             _ => {}
         }
         if task.work.is_ordered() && !matches!(task.work, Task::Fold(_)) {

@@ -114,7 +114,9 @@ impl CheckedResult {
         }
         let (size, recheck) = (Size::of(model), Recheck::new(model, settings, draw));
         match &finding {
-            FindingMessage::Landings(found) => recheck.landings(&found.landings(&size)?, expected.amplitude)?,
+            FindingMessage::Landings(found) => {
+                recheck.landings(&found.landings(&size)?, expected.work.forcing(expected.amplitude))?;
+            }
             FindingMessage::Branch(found) => recheck.branch(&found.branch(&size)?, expected.amplitude)?,
             FindingMessage::Curve(found) => recheck.curve(&found.curve(&size)?)?,
             FindingMessage::Verification(found) => verifies(found, &size, expected)?,

@@ -9,6 +9,7 @@ use protocol::to_worker::{Known, KnownCurve};
 use results::journal::{Change, Holder, LevelPlan, TaskState, Troubles};
 use solver::response::account::Account;
 use solver::response::critical::crossed;
+use solver::response::scout::ScoutPlace;
 use solver::response::seeds::Way;
 use solver::response::starts::StartPlace;
 use solver::response::task::{BranchId, Brought, MarchPlace, SeedOutcome, SeedPlace, Task, VerifyPlace};
@@ -39,6 +40,8 @@ pub(super) struct Chain {
     pub held: Vec<usize>,
     /// Batches of starts that led to a new branch, and may lead to another one.
     pub rounds: Vec<StartPlace>,
+    /// Folds that scouts met, by their numbers, not yet considered.
+    pub scouted: Vec<(ScoutPlace, usize)>,
     /// Branches that were found and not yet considered for verification.
     pub unverified: Vec<BranchId>,
     /// Unstable motions that were found, with the numbers of their levels, and not yet considered for marching.
@@ -119,8 +122,8 @@ impl Chain {
     }
 
     fn of(record: Record) -> Self {
-        let (entries, ready, held, rounds, unverified, unsettled) = Default::default();
-        Self { record, entries, ready, held, rounds, unverified, unsettled }
+        let (entries, ready, held, rounds, scouted, unverified, unsettled) = Default::default();
+        Self { record, entries, ready, held, rounds, scouted, unverified, unsettled }
     }
 
     /// What a level is known by; `None` for the curves and for verifications.
@@ -185,9 +188,10 @@ impl Chain {
         }
         .filter(|outcome| match self.entries[e].task {
             Task::Land(_) | Task::Start(_) => matches!(outcome, SeedOutcome::Landed(_) | SeedOutcome::NotLanded(_)),
-            Task::Fold(_) => !matches!(outcome, SeedOutcome::Found(_) | SeedOutcome::Landed(_)) && !is_marched(outcome),
+            Task::Scout(_) => matches!(outcome, SeedOutcome::Landed(_) | SeedOutcome::NoFold),
+            Task::Fold(_) => !matches!(outcome, SeedOutcome::Found(_)) && !is_of_others(outcome),
             Task::Main(_) | Task::Seed(_) | Task::Crossing(_) | Task::Begin(_) => {
-                !matches!(outcome, SeedOutcome::OnCurve(_) | SeedOutcome::Landed(_)) && !is_marched(outcome)
+                !matches!(outcome, SeedOutcome::OnCurve(_)) && !is_of_others(outcome)
             }
             Task::Verify(_) => matches!(outcome, SeedOutcome::Verified(_)),
             Task::Disturb(_) => matches!(outcome, SeedOutcome::Disturbed(_)),
@@ -213,6 +217,9 @@ impl Chain {
             if self.entries.iter().all(|entry| entry.task != Task::Begin(next)) {
                 self.rounds.push(next);
             }
+        }
+        if let (Task::Scout(scout), SeedOutcome::Landed(count)) = (self.entries[e].task, outcome) {
+            self.scouted.extend((0..count).map(|fold| (scout, fold)));
         }
         let entry = &mut self.entries[e];
         let task = entry.id.clone();
@@ -321,6 +328,11 @@ impl Chain {
         changes.extend(self.settle());
         changes
     }
+}
+
+/// Whether a landing, a scout or a task that marches came to it.
+fn is_of_others(outcome: &SeedOutcome) -> bool {
+    matches!(outcome, SeedOutcome::Landed(_) | SeedOutcome::NoFold) || is_marched(outcome)
 }
 
 /// Whether a task that marches came to it.

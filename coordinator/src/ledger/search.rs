@@ -65,17 +65,28 @@ impl Ledger {
         added
     }
 
-    /// Tasks for the folds of levels that are done, as many as are allowed that lie on no curve known by then.
+    /// Tasks for the folds of levels that are done, and when all are for those that scouts met; as many as are allowed that lie on
+    /// no curve known by then.
     fn folds(&mut self) -> Vec<(usize, TaskEntry)> {
         let c = self.curves();
-        for &l in self.order.iter().filter(|&&l| l != c) {
+        let mut levels = self.order.iter().copied().filter(|&l| l != c);
+        let are_done = levels.all(|l| {
             let chain = &self.chains[l];
-            let Some(level) = chain.level().filter(|_| chain.is_finished()) else { break };
+            let Some(level) = chain.level().filter(|_| chain.is_finished()) else { return false };
             for Branch { known, folds } in &level.branches {
                 if self.unfolded.insert((l, known.branch)) {
-                    let places = (0..*folds).map(|fold| (l, FoldPlace { branch: known.branch, fold }));
+                    let places = (0..*folds).map(|fold| (l, FoldPlace::Branch { branch: known.branch, fold }));
                     self.queue.extend(places.filter(|place| !self.followed.contains(place)));
                 }
+            }
+            true
+        });
+        if are_done {
+            for (l, chain) in self.chains.iter_mut().enumerate() {
+                // Scouts end in any order.
+                chain.scouted.sort_by_key(|scouted| (scouted.0.number, scouted.1));
+                let places = chain.scouted.drain(..).map(|(scout, fold)| (l, FoldPlace::Scout { scout, fold }));
+                self.queue.extend(places.filter(|place| !self.followed.contains(place)));
             }
         }
         let entries = &self.chains[c].entries;

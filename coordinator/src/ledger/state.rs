@@ -107,16 +107,16 @@ impl Ledger {
         let branches = level.branches.iter().map(|branch| &branch.known);
         let curves = self.chains[self.curves()].curves().iter();
         let (known, curves): (Vec<Known>, Vec<KnownCurve>) = match entry.task {
-            Task::Land(_) | Task::Start(_) => Default::default(),
+            Task::Land(_) | Task::Start(_) | Task::Scout(_) => Default::default(),
             Task::Main(_) | Task::Seed(_) | Task::Begin(_) | Task::March(_) => {
                 (branches.cloned().collect(), Vec::new())
             }
-            Task::Fold(FoldPlace { branch, .. }) => {
-                let near = curves.filter(|curve| curve.reaches(level.amplitude.value));
-                (
-                    branches.filter(|known| known.branch == branch).cloned().collect(),
-                    near.map(|c| c.known.clone()).collect(),
-                )
+            Task::Fold(place) => {
+                let forcing = entry.task.forcing(level.amplitude.value);
+                let near = curves.filter(|curve| curve.reaches(forcing)).map(|curve| curve.known.clone()).collect();
+                let is_own =
+                    |known: &&Known| matches!(place, FoldPlace::Branch { branch, .. } if branch == known.branch);
+                (branches.filter(is_own).cloned().collect(), near)
             }
             Task::Verify(VerifyPlace { branch, .. }) => {
                 (branches.filter(|known| known.branch == branch).cloned().collect(), Vec::new())
@@ -135,10 +135,22 @@ impl Ledger {
             attempt: Attempt(entry.attempts()),
             amplitude: level.amplitude.clone(),
             work: entry.task,
-            landing: self.chains[c].landing(e).map(|landing| self.chains[c].entries[landing].id.clone()),
+            landing: self.landing(c, e),
             known,
             curves,
         }
+    }
+
+    /// The task whose landings entry `e` of chain `c` starts from.
+    fn landing(&self, c: usize, e: usize) -> Option<TaskId> {
+        let entry = &self.chains[c].entries[e];
+        let found = match entry.task {
+            Task::Fold(FoldPlace::Scout { scout, .. }) => {
+                self.chains[entry.level].entries.iter().find(|entry| entry.task == Task::Scout(scout))
+            }
+            _ => self.chains[c].landing(e).map(|landing| &self.chains[c].entries[landing]),
+        };
+        found.map(|entry| entry.id.clone())
     }
 
     /// Hands out a task to a computing thread; one that holds a task gets the same again.

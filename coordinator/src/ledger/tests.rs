@@ -17,6 +17,7 @@ use protocol::to_worker::RenewReply;
 use results::journal::{AddedTask, AttemptEnd, Change, Holder, LevelPlan, StoredTask, TaskState, Troubles};
 use solver::response::branch::{BranchKind, Side};
 use solver::response::forcing::Unreached;
+use solver::response::scout::ScoutPlace;
 use solver::response::seeds::{LandingFailure, Phase, Way};
 use solver::response::starts::StartPlace;
 use solver::response::task::{
@@ -64,7 +65,20 @@ fn find(granted: &Granted) -> Brought {
     let place = match work {
         Task::Main(_) if known.is_empty() => return Brought::Branch { kind: BranchKind::Main, folds: 2 },
         Task::Main(_) => return main,
-        Task::Fold(FoldPlace { branch, fold }) => {
+        Task::Scout(scout) => {
+            assert!(known.is_empty() && curves.is_empty(), "a scout does not depend on what is known");
+            return if scout.number == 1 { Brought::Nothing(SeedOutcome::NoFold) } else { Brought::Landings(2) };
+        }
+        Task::Fold(FoldPlace::Scout { scout, fold }) => {
+            assert!(granted.landing.is_some() && known.is_empty(), "it is a fold of no level");
+            let number = curves.len();
+            return match (scout.number, fold) {
+                (0, 1) => Brought::Curve([0.5, 1.5, 6.5].into()),
+                _ if number > 0 => Brought::Nothing(SeedOutcome::OnCurve(curves[0].number)),
+                _ => Brought::Nothing(SeedOutcome::NotFollowed(Unfollowed::Elsewhere)),
+            };
+        }
+        Task::Fold(FoldPlace::Branch { branch, fold }) => {
             assert_eq!(known.len(), 1, "the branch that the fold is of");
             let forcing = |far: bool| if far { [10.0, 20.0].into() } else { [0.5, 5.5].into() };
             let number = curves.len();
@@ -142,12 +156,14 @@ fn book(ledger: &Ledger) -> Book {
     book[others..].sort_by(|a, b| a.0.cmp(&b.0));
     book
 }
-/// Levels of three windows and two batches of starts each.
+/// Levels of three windows and two batches of starts each; three scouts of the largest one.
 fn plans(levels: usize) -> Vec<LevelPlan> {
     let starts = (0..2).map(|batch| StartPlace { batch, round: 0 });
     let starts: Vec<Task> = starts.flat_map(|place| [Task::Start(place), Task::Begin(place)]).collect();
     let mut plans: Vec<LevelPlan> = (1..=levels).map(|level| plan(level as f64, 3)).collect();
     plans.iter_mut().for_each(|plan| plan.tasks.extend(&starts));
+    let scouts = (0..3).map(|number| Task::Scout(ScoutPlace { number, batches: 1 }));
+    plans.last_mut().expect("there is a level").tasks.extend(scouts);
     plans
 }
 

@@ -15,8 +15,9 @@ use solver::response::backbone::Backbone;
 use solver::response::branch::BranchPoint;
 use solver::response::forced::Reach;
 use solver::response::modes::Backbones;
+use solver::response::scout::scouts;
 use solver::response::starts;
-use solver::response::task::plan;
+use solver::response::task::{Task, plan};
 use solver::settings::Settings;
 use solver::structure::Model;
 use std::ops::ControlFlow;
@@ -120,9 +121,13 @@ fn levels(
     first: usize,
 ) -> Vec<LevelPlan> {
     let batches = starts::batches(model, settings);
+    let largest = all.iter().map(|amplitude| amplitude.value).fold(0.0, f64::max);
     let level = |(index, amplitude): (usize, &Amplitude)| {
         let share = starts::share(batches, index, all.len());
-        let (windows, tasks) = plan(backbones, amplitude.value, &settings.frequency, share);
+        let (windows, mut tasks) = plan(backbones, amplitude.value, &settings.frequency, share);
+        if amplitude.value == largest {
+            tasks.extend(scouts(batches).map(Task::Scout));
+        }
         LevelPlan { amplitude: amplitude.clone(), windows, tasks }
     };
     all.iter().enumerate().skip(first).map(level).collect()

@@ -10,10 +10,13 @@ use serde::Serialize;
 use std::convert::Infallible;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, RwLock, RwLockReadGuard};
 use std::time::{Duration, Instant};
-use tokio::sync::watch;
+use tokio::sync::{Semaphore, watch};
 
 /// Labels and axes are made anew at most once in so long.
 const PAUSE: Duration = Duration::from_millis(500);
+
+/// Most browsers that are told at once: a server has connections for other things as well.
+const BROWSERS: usize = 128;
 
 /// A list of events that only grows, and the latest status and axes.
 #[derive(Debug)]
@@ -23,6 +26,7 @@ pub struct Feed {
     told: RwLock<Told>,
     drawing: Mutex<Drawing>,
     changes: watch::Sender<()>,
+    places: Arc<Semaphore>,
 }
 
 #[derive(Debug, Default)]
@@ -69,7 +73,8 @@ impl Feed {
     /// Nothing has been told yet.
     pub fn new() -> Self {
         let name = uuid::Uuid::new_v4().simple().to_string();
-        Self { name, told: RwLock::default(), drawing: Mutex::default(), changes: watch::Sender::new(()) }
+        let (changes, places) = (watch::Sender::new(()), Arc::new(Semaphore::new(BROWSERS)));
+        Self { name, told: RwLock::default(), drawing: Mutex::default(), changes, places }
     }
 
     /// What the page is given at first, JSON.
@@ -183,22 +188,26 @@ impl Feed {
         Some((status, Position { statuses: told.status.count, ..position }))
     }
 
-    /// All events after the one of this number, those to come as well.
-    pub fn stream(self: Arc<Self>, last: Option<&str>) -> impl Stream<Item = Result<Event, Infallible>> + use<> {
+    /// All events after the one of this number, those to come as well; nothing if so many are told already.
+    pub fn stream(
+        self: Arc<Self>,
+        last: Option<&str>,
+    ) -> Option<impl Stream<Item = Result<Event, Infallible>> + use<>> {
+        let place = self.places.clone().try_acquire_owned().ok()?;
         let number = last.and_then(|last| last.strip_prefix(&self.name)?.strip_prefix('-')?.parse::<usize>().ok());
         let events = number.map_or(0, |number| number.saturating_add(1));
         let position = Position { events, figures: 0, statuses: 0 };
-        unfold((self, position), |(feed, position)| async move {
+        Some(unfold((self, position, place), |(feed, position, place)| async move {
             let mut changes = feed.changes.subscribe();
             loop {
                 changes.mark_unchanged();
                 if let Some((event, position)) = feed.next(position) {
-                    return Some((Ok(event), (feed, position)));
+                    return Some((Ok(event), (feed, position, place)));
                 }
                 // The sender lives as long as the feed does.
                 let _ = changes.changed().await;
             }
-        })
+        }))
     }
 }
 

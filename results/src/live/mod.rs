@@ -9,10 +9,10 @@ use crate::curves::{BackboneCurve, Monitor};
 use crate::page;
 use axum::Router;
 use axum::extract::State;
-use axum::http::HeaderMap;
 use axum::http::header::CONTENT_TYPE;
-use axum::response::Html;
+use axum::http::{HeaderMap, StatusCode};
 use axum::response::sse::{KeepAlive, Sse};
+use axum::response::{Html, IntoResponse};
 use axum::routing::get;
 use protocol::to_everyone::Stage;
 use serde::Serialize;
@@ -54,7 +54,12 @@ pub fn routes(start: Start, feed: Arc<Feed>) -> Router {
     let events = |State(feed): State<Arc<Feed>>, headers: HeaderMap| async move {
         // A browser that connects again tells what it has had.
         let last = headers.get("last-event-id").and_then(|value| value.to_str().ok());
-        Sse::new(feed.stream(last)).keep_alive(KeepAlive::default())
+        match feed.stream(last) {
+            Some(events) => Sse::new(events).keep_alive(KeepAlive::default()).into_response(),
+            None => {
+                (StatusCode::SERVICE_UNAVAILABLE, "as many browsers as can be told follow this run\n").into_response()
+            }
+        }
     };
     Router::new()
         .route("/", get(|| async move { Html(page::live(&title)) }))

@@ -126,7 +126,13 @@ impl Evidence<'_> {
                     ),
                 };
                 let starts = count(starts, "random start");
-                format!("isolas of other periods were not looked for, and {led} by {starts} only ({at_least}){folds}")
+                let scouts = match self.search.scouts {
+                    0 => String::new(),
+                    scouts => format!(" and others at {}", count(scouts, "larger forcing amplitude")),
+                };
+                format!(
+                    "isolas of other periods were not looked for, and {led} by {starts} only ({at_least}){scouts}{folds}"
+                )
             }
         }
     }

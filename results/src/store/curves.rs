@@ -56,7 +56,7 @@ pub struct CurvePoint {
 /// What became of random starts and of the tasks that follow from folds.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct SearchCounts {
-    /// Folds that are to be followed, or found to lie on known curves.
+    /// Folds of branches that are to be followed, or found to lie on known curves; what scouts met is none of the study.
     pub folds: usize,
     /// Folds of branches beyond the limit of the search.
     pub left_out: usize,
@@ -72,6 +72,8 @@ pub struct SearchCounts {
     pub fewest: usize,
     /// Branches that they led to.
     pub started: usize,
+    /// Forcing amplitudes beyond the study's at which random starts were tried as well.
+    pub scouts: usize,
     /// Verifications that were given up.
     pub unverified: usize,
 }
@@ -124,7 +126,10 @@ impl Reader {
             let (amplitude, origin): (String, String) = (row.get(1)?, row.get(2)?);
             Ok(CurveRow {
                 number: row.get(0)?,
-                origin: format!("A = {amplitude}, {origin}"),
+                origin: match origin.starts_with("scout ") {
+                    true => format!("{origin}, beyond A = {amplitude}"),
+                    false => format!("A = {amplitude}, {origin}"),
+                },
                 status: row.get(3)?,
                 is_unfinished: row.get(4)?,
                 points: Vec::new(),
@@ -151,7 +156,7 @@ impl Reader {
     pub fn search_counts(&self) -> Result<SearchCounts> {
         let sql = "SELECT kind, state <> 'done' OR found OR coalesce(outcome, '') LIKE 'outside %' \
                    OR outcome LIKE 'on asymmetric %' FROM tasks \
-                   WHERE kind IN ('fold', 'crossing')";
+                   WHERE kind IN ('fold', 'crossing') AND origin NOT LIKE 'scout %'";
         let mut counts = SearchCounts::default();
         for (kind, is_well) in self.all(sql, [], |row| Ok((row.get::<_, String>(0)?, row.get::<_, bool>(1)?)))? {
             let (all, lost) = match kind.as_str() {
@@ -172,6 +177,7 @@ impl Reader {
         counts.fewest = BATCH * number(sql)?;
         let sql = "SELECT count(*) FROM branches JOIN tasks ON tasks.id = branches.task WHERE tasks.kind = 'begin'";
         counts.started = number(sql)?;
+        counts.scouts = number("SELECT count(*) FROM tasks WHERE kind = 'scout' AND state = 'done'")?;
         counts.unverified = number("SELECT count(*) FROM tasks WHERE kind = 'verify' AND state = 'dead'")?;
         Ok(counts)
     }

@@ -252,10 +252,14 @@ fn insert_task(db: &Connection, file: &Path, level: i64, position: usize, id: &T
         Task::Main(_) => (None, None),
         Task::Land(place) => (Some(place), None),
         Task::Seed(place) => (Some(place), None),
-        Task::Fold(FoldPlace { branch, fold }) => (None, Some(format!("{branch}, fold {}", fold + 1))),
+        Task::Fold(FoldPlace::Branch { branch, fold }) => (None, Some(format!("{branch}, fold {}", fold + 1))),
+        Task::Fold(FoldPlace::Scout { scout, fold }) => {
+            (None, Some(format!("scout {}, fold {}", scout.number + 1, fold + 1)))
+        }
         Task::Crossing(CrossingPlace { curve, .. }) => (None, Some(format!("fold curve {}", curve + 1))),
         Task::Start(place) => (None, Some(format!("starts, batch {}", place.batch + 1))),
         Task::Begin(place) => (None, Some(format!("starts, batch {}", place.batch + 1))),
+        Task::Scout(place) => (None, Some(format!("scout {}", place.number + 1))),
         Task::Verify(place) => (None, Some(of_verification(place))),
         Task::Disturb(place) => (None, Some(format!("{}, mode {}", place.branch, place.mode + 1))),
         Task::March(place) => (None, Some(format!("{}, point {}", place.branch, place.index))),

@@ -97,16 +97,17 @@ CREATE TABLE windows (
 CREATE TABLE tasks (
     -- Name.
     id TEXT NOT NULL PRIMARY KEY,
-    -- Level; of a 'fold' the one that its curve starts from.
+    -- Level; of a 'fold' the one that its curve starts from; of a 'scout', and of the folds that it met, the largest.
     level INTEGER NOT NULL REFERENCES levels (level),
     -- Turn within the level, from 0; of a 'fold', a 'verify', a 'disturb' and a 'march' the turn among all of its kind.
     position INTEGER NOT NULL,
     -- 'main' (from a frequency bound), 'land' (lands a seed of a window), 'seed' (from what a seed landed on), 'fold'
     -- (follows a fold of a branch over the forcing), 'crossing' (from where a fold curve crosses the level), 'start' (a
-    -- batch of random starts), 'begin' (from what they led to), 'verify' (the stability of a branch, by time marching) or
+    -- batch of random starts), 'begin' (from what they led to), 'scout' (random starts beyond the forcing amplitudes of
+    -- the study, for the folds of what they lead to), 'verify' (the stability of a branch, by time marching) or
     -- 'disturb' (pushes that may end on a branch, by time marching) or 'march' (what an unstable motion turns into).
     kind TEXT NOT NULL,
-    -- What it follows from, if not a window: 'isola 1, fold 2', 'fold curve 3' or 'starts, batch 1'; of a 'verify' the branch, of
+    -- What it follows from, if not a window: 'isola 1, fold 2', 'scout 1, fold 2', 'fold curve 3' or 'starts, batch 1'; of a 'verify' the branch, of
     -- a 'disturb' with the mode, of a 'march' with the point.
     origin TEXT,
     -- Window the seed is from; NULL unless 'land' or 'seed', as the next two.

@@ -80,7 +80,7 @@ impl Account {
     pub fn needs(&self, task: &Task) -> bool {
         let is_without_main = !self.has_main() && !self.mains.is_empty();
         match task {
-            Task::Main(_) | Task::Fold(_) | Task::Start(_) => true,
+            Task::Main(_) | Task::Fold(_) | Task::Start(_) | Task::Scout(_) => true,
             Task::Verify(_) | Task::Disturb(_) | Task::March(_) => true,
             Task::Land(SeedPlace { way: Way::FullForcing, .. }) => true,
             Task::Crossing(_) => !is_without_main,
@@ -133,7 +133,7 @@ impl Account {
             }
             Task::Crossing(place) => self.crossings.push((*place, outcome)),
             Task::Start(place) | Task::Begin(place) => self.starts.push((*place, outcome)),
-            Task::Fold(_) | Task::Verify(_) | Task::Disturb(_) | Task::March(_) => {}
+            Task::Fold(_) | Task::Scout(_) | Task::Verify(_) | Task::Disturb(_) | Task::March(_) => {}
         }
     }
 

@@ -21,6 +21,7 @@ pub mod modes;
 pub mod name;
 mod reach;
 pub mod recheck;
+pub mod scout;
 pub mod seeds;
 mod special;
 pub mod starts;

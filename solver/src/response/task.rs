@@ -8,6 +8,7 @@ use crate::response::critical::{CriticalCurve, CriticalError};
 use crate::response::forcing::Unreached;
 pub use crate::response::marched::{DisturbPlace, MarchPlace, VerifyPlace};
 pub use crate::response::name::BranchId;
+use crate::response::scout::ScoutPlace;
 use crate::response::seeds::{Landing, LandingFailure, Phase, Seed, Way, candidates};
 use crate::response::starts::StartPlace;
 use crate::response::windows::{Window, windows};
@@ -31,13 +32,24 @@ pub struct SeedPlace {
     pub way: Way,
 }
 
-/// Where a fold curve starts: at a fold of a branch of the task's level.
+/// Where a fold curve starts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
-pub struct FoldPlace {
-    /// The branch.
-    pub branch: BranchId,
-    /// Number of the fold along the branch, from 0.
-    pub fold: usize,
+#[serde(untagged)]
+pub enum FoldPlace {
+    /// At a fold of a branch of the task's level.
+    Branch {
+        /// The branch.
+        branch: BranchId,
+        /// Number of the fold along the branch, from 0.
+        fold: usize,
+    },
+    /// At a fold that a scout met.
+    Scout {
+        /// The scout.
+        scout: ScoutPlace,
+        /// Number of the fold among those that it met, from 0.
+        fold: usize,
+    },
 }
 
 /// Where a fold curve crosses a level.
@@ -51,8 +63,8 @@ pub struct CrossingPlace {
 
 /// One piece of work: continues one branch at one forcing amplitude, or one curve over the forcing amplitudes, or lands where
 /// one may begin, or verifies one. Messages say `"main"` for the main branch from below, `{"main": "above"}` for the one from above,
-/// `{"land": …}`, `{"seed": …}`, `{"fold": …}`, `{"crossing": …}`, `{"start": …}`, `{"begin": …}`, `{"verify": …}`,
-/// `{"disturb": …}` and `{"march": …}`.
+/// `{"land": …}`, `{"seed": …}`, `{"fold": …}`, `{"crossing": …}`, `{"start": …}`, `{"begin": …}`, `{"scout": …}`,
+/// `{"verify": …}`, `{"disturb": …}` and `{"march": …}`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Task {
     /// The main branch, from one of the frequency bounds.
@@ -69,6 +81,9 @@ pub enum Task {
     Start(StartPlace),
     /// The first branch through what a batch of random starts led to that is not known.
     Begin(StartPlace),
+    /// The folds of the branches that random starts lead to at a forcing amplitude beyond the study's. They do not depend on what
+    /// else is known.
+    Scout(ScoutPlace),
     /// The stability of a branch, by time marching: [`crate::stability::verification::verify`].
     Verify(VerifyPlace),
     /// How hard a push throws the structure onto a branch, by time marching: [`crate::stability::disturbance::disturb`].
@@ -97,7 +112,15 @@ impl Task {
 
     /// Whether it has to know what those before it found: such tasks are carried out one after the other.
     pub fn is_ordered(&self) -> bool {
-        !matches!(self, Task::Land(_) | Task::Start(_)) && !self.is_marched()
+        !matches!(self, Task::Land(_) | Task::Start(_) | Task::Scout(_)) && !self.is_marched()
+    }
+
+    /// Forcing amplitude of what it lands on or traces, of a task of the level at `level`.
+    pub fn forcing(&self, level: f64) -> f64 {
+        match self {
+            Task::Scout(scout) | Task::Fold(FoldPlace::Scout { scout, .. }) => scout.forcing(level),
+            _ => level,
+        }
     }
 }
 
@@ -112,9 +135,10 @@ impl Serialize for Task {
             Task::Crossing(place) => serializer.serialize_newtype_variant("Task", 4, "crossing", place),
             Task::Start(place) => serializer.serialize_newtype_variant("Task", 5, "start", place),
             Task::Begin(place) => serializer.serialize_newtype_variant("Task", 6, "begin", place),
-            Task::Verify(place) => serializer.serialize_newtype_variant("Task", 7, "verify", place),
-            Task::Disturb(place) => serializer.serialize_newtype_variant("Task", 8, "disturb", place),
-            Task::March(place) => serializer.serialize_newtype_variant("Task", 9, "march", place),
+            Task::Scout(place) => serializer.serialize_newtype_variant("Task", 7, "scout", place),
+            Task::Verify(place) => serializer.serialize_newtype_variant("Task", 8, "verify", place),
+            Task::Disturb(place) => serializer.serialize_newtype_variant("Task", 9, "disturb", place),
+            Task::March(place) => serializer.serialize_newtype_variant("Task", 10, "march", place),
         }
     }
 }
@@ -137,6 +161,7 @@ enum TaskKind {
     Crossing,
     Start,
     Begin,
+    Scout,
     Verify,
     Disturb,
     March,
@@ -147,7 +172,7 @@ impl<'de> Visitor<'de> for TaskVisitor {
 
     fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(
-            "\"main\", or a map of `main`, `land`, `seed`, `fold`, `crossing`, `start`, `begin`, `verify`, \
+            "\"main\", or a map of `main`, `land`, `seed`, `fold`, `crossing`, `start`, `begin`, `scout`, `verify`, \
                      `disturb` or `march`",
         )
     }
@@ -165,6 +190,7 @@ impl<'de> Visitor<'de> for TaskVisitor {
             Some(TaskKind::Crossing) => Task::Crossing(map.next_value()?),
             Some(TaskKind::Start) => Task::Start(map.next_value()?),
             Some(TaskKind::Begin) => Task::Begin(map.next_value()?),
+            Some(TaskKind::Scout) => Task::Scout(map.next_value()?),
             Some(TaskKind::Verify) => Task::Verify(map.next_value()?),
             Some(TaskKind::Disturb) => Task::Disturb(map.next_value()?),
             Some(TaskKind::March) => Task::March(map.next_value()?),
@@ -193,6 +219,8 @@ pub enum SeedOutcome {
     NotTraced(Unreached),
     /// It lies outside the bounds within which branches are followed.
     OutOfBounds,
+    /// A scout met no fold.
+    NoFold,
     /// It lies on the fold curve of this number, from 0.
     OnCurve(usize),
     /// No fold curve starts there.
@@ -241,6 +269,7 @@ impl std::fmt::Display for SeedOutcome {
             SeedOutcome::NotTraced(failure) => write!(f, "landed, but no branch starts there: {failure}"),
             SeedOutcome::Attached => write!(f, "on asymmetric motions that branch off symmetric ones"),
             SeedOutcome::OutOfBounds => write!(f, "outside the frequency or amplitude bounds"),
+            SeedOutcome::NoFold => write!(f, "no fold was met"),
             SeedOutcome::OnCurve(number) => write!(f, "fold curve {}", number + 1),
             SeedOutcome::Verified(1) => write!(f, "1 point verified"),
             SeedOutcome::Verified(count) => write!(f, "{count} points verified"),
@@ -255,7 +284,7 @@ impl std::fmt::Display for SeedOutcome {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Finding {
-    /// The forced responses that seeds landed on, in the order of the seeds.
+    /// The forced responses that seeds landed on, in the order of the seeds; of a scout the folds.
     Landings(Vec<Landing>),
     /// A branch that was not known.
     Branch(Branch),

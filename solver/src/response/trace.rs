@@ -9,6 +9,7 @@ use crate::response::forced::Forced;
 use crate::response::forcing::Unreached;
 use crate::response::known::{identify, named, retraced};
 use crate::response::name::BranchId;
+use crate::response::scout::scout;
 use crate::response::seeds::{Landing, LandingFailure, Seed, land_all};
 use crate::response::starts;
 use crate::response::symmetry::{is_attached, symmetrised};
@@ -21,9 +22,9 @@ use std::collections::VecDeque;
 pub struct Given<'g> {
     /// Those of [`Task::seeds`].
     pub seeds: &'g [Seed],
-    /// Of a seed: what it landed on.
+    /// Of a seed: what it landed on; of a fold that a scout met: all that it met.
     pub landings: &'g [Landing],
-    /// The branches found at this level before it; of a fold, the branch that it is of.
+    /// The branches found at this level before it; of the fold of a branch, that branch.
     pub known: &'g [(BranchId, &'g Branch)],
     /// Fold curves found before: those that a fold may lie on, or the one that crosses the level.
     pub curves: &'g [(usize, &'g CriticalCurve)],
@@ -52,6 +53,19 @@ pub fn carry_out<'m, F: Formulation<'m>>(
             Finding::Landings,
         ),
         Task::Begin(_) => begin(forced, landings, known, observer),
+        Task::Scout(place) => {
+            let mut begin =
+                |forced: &mut Forced<'m, F>, landings: &[Landing], known: &[(BranchId, &Branch)]| match begin(
+                    forced, landings, known, observer,
+                ) {
+                    Finding::Branch(branch) => Some(branch),
+                    _ => None,
+                };
+            match scout(forced, place, &mut begin)? {
+                folds if folds.is_empty() => Finding::Nothing(SeedOutcome::NoFold),
+                folds => Finding::Landings(folds),
+            }
+        }
         Task::Verify(_) => Finding::Nothing(SeedOutcome::Verified(0)),
         Task::Disturb(_) => Finding::Nothing(SeedOutcome::Disturbed(0)),
         Task::March(_) => Finding::Nothing(SeedOutcome::Marched(0)),
@@ -107,17 +121,22 @@ fn unfold<'m, F: Formulation<'m>>(
     observer: &mut Observer<'_>,
 ) -> Option<Finding> {
     let nothing = |failure: Unfollowed| Some(Finding::Nothing(SeedOutcome::NotFollowed(failure)));
-    let branch = given.known.iter().find(|(id, _)| *id == place.branch).map(|(_, branch)| branch);
-    let fold = branch.and_then(|branch| branch.special(SpecialKind::Fold).nth(place.fold));
-    let Some(fold) = fold else { return nothing(Unfollowed::Elsewhere) };
+    let state = match *place {
+        FoldPlace::Branch { branch, fold } => {
+            let branch = given.known.iter().find(|(id, _)| *id == branch).map(|(_, branch)| branch);
+            branch.and_then(|branch| branch.special(SpecialKind::Fold).nth(fold)).map(|fold| &fold.state)
+        }
+        FoldPlace::Scout { fold, .. } => given.landings.get(fold).map(|landing| &landing.state),
+    };
+    let Some(state) = state else { return nothing(Unfollowed::Elsewhere) };
     let mut critical = match forced.folds() {
         Ok(critical) => critical,
         Err(error) => return nothing(error.into()),
     };
-    if let Some((number, _)) = given.curves.iter().find(|(_, curve)| critical.lies_on(&fold.state, curve)) {
+    if let Some((number, _)) = given.curves.iter().find(|(_, curve)| critical.lies_on(state, curve)) {
         return Some(Finding::Nothing(SeedOutcome::OnCurve(*number)));
     }
-    match critical.curve(&fold.state, observer) {
+    match critical.curve(state, observer) {
         Ok(curve) if curve.is_cancelled() => None,
         Ok(curve) => Some(Finding::Curve(curve)),
         Err(error) => nothing(error.into()),

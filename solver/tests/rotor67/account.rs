@@ -32,7 +32,9 @@ fn check_windows(level: &Level, backbone: &Backbone, what: &str) -> (usize, usiz
                 SeedOutcome::OutOfBounds => panic!("{what}: the default bounds hold the whole backbone"),
                 SeedOutcome::Attached => panic!("{what}: contact has no symmetry"),
                 SeedOutcome::Landed(_) => panic!("{what}: what was landed on is a branch or not"),
-                SeedOutcome::OnCurve(_) | SeedOutcome::NotFollowed(_) => panic!("{what}: a seed is no fold"),
+                SeedOutcome::OnCurve(_) | SeedOutcome::NotFollowed(_) | SeedOutcome::NoFold => {
+                    panic!("{what}: a seed is no fold")
+                }
                 SeedOutcome::Verified(_) | SeedOutcome::Disturbed(_) | SeedOutcome::Marched(_) => {
                     panic!("{what}: a seed is no branch")
                 }

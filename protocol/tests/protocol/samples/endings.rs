@@ -38,6 +38,7 @@ pub fn outcomes() -> (Vec<Outcome>, Vec<SeedOutcome>) {
     seeds.extend(names.map(SeedOutcome::Found));
     seeds.extend(landing.map(SeedOutcome::NotLanded));
     seeds.extend(unreached.map(SeedOutcome::NotTraced));
+    seeds.push(SeedOutcome::NoFold);
     seeds.extend([1, 7].map(SeedOutcome::Landed));
     seeds.push(SeedOutcome::OnCurve(1));
     let unfollowed = failures.map(Unfollowed::from).into_iter().chain([Unfollowed::Unsupported, Unfollowed::Elsewhere]);

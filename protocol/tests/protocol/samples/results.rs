@@ -100,7 +100,7 @@ pub fn result_curve() -> StoredResult {
         task: TaskId::of_fold(3),
         attempt: Attempt(1),
         amplitude: amplitude(),
-        work: Task::Fold(FoldPlace { branch: BranchId::isola(0), fold: 1 }),
+        work: Task::Fold(FoldPlace::Branch { branch: BranchId::isola(0), fold: 1 }),
         outcome: SeedOutcome::OnCurve(0),
         name: None,
         branch: None,

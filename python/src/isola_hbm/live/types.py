@@ -586,7 +586,7 @@ class Result:
     attempt: int
     amplitude: Amplitude
     #: What was to be done: ``"main"``, ``{"main": "above"}``, ``{"land": {…}}``, ``{"seed": {…}}``, ``{"fold": {…}}``,
-    #: ``{"crossing": {…}}``, ``{"start": {…}}``, ``{"begin": {…}}``, ``{"verify": {…}}``, ``{"disturb": {…}}`` or
+    #: ``{"crossing": {…}}``, ``{"start": {…}}``, ``{"begin": {…}}``, ``{"scout": {…}}``, ``{"verify": {…}}``, ``{"disturb": {…}}`` or
     #: ``{"march": {…}}``.
     work: Any
     #: What became of it, in words.

@@ -102,6 +102,8 @@ def seed_outcome(value: Any) -> str:
         return "on asymmetric motions that branch off symmetric ones"
     if name == "out_of_bounds":
         return "outside the frequency or amplitude bounds"
+    if name == "no_fold":
+        return "no fold was met"
     if name == "landed":
         return "1 forced response" if content == 1 else f"{content} forced responses"
     if name == "verified":

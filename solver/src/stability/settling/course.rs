@@ -24,12 +24,17 @@ const SAME: f64 = 0.01;
 const STREAK: usize = 5;
 /// Distance of the motion beside the one that is described, by which its growth is measured, in shares of its size.
 const BESIDE: f64 = 1e-7;
-/// A motion that does not repeat itself is quasi-periodic if small deviations grow or shrink by less than this per period.
+/// A motion that does not repeat itself is quasi-periodic if small deviations grow or shrink by less than this per period, and by
+/// less than half of what linear damping takes: what still rings on its way to something else loses that.
 const NEUTRAL: f64 = 0.005;
 /// It is chaotic if they grow by more; what lies between is not told.
 const CHAOTIC: f64 = 0.03;
 /// A motion has settled if the amplitude ranges of both halves of its record differ by no more than this share of their width.
 const STATIONARY: f64 = 0.05;
+/// A record is so long, in the time in which linear damping takes what rings on to 1/e of it, that it is told from what lasts.
+const TOLD: f64 = 1.0;
+/// Unless that were so many times the longest way to something periodic: then it is not told.
+const LONGEST: usize = 2;
 /// After so many periods each a motion is looked at for what draws it.
 const PATIENCE: usize = 50;
 /// It ends on a stable orbit if its way there since the last time is that of small deviations to this share.
@@ -140,8 +145,11 @@ impl<'m> Course<'m> {
         deviation[0] = BESIDE * self.size;
         let mut halves = [Range::new(self.model), Range::new(self.model)];
         let mut growth = 0.0;
-        for i in 0..settings.record {
-            let is_late = 2 * i >= settings.record;
+        let loss = self.loss();
+        let needed = (TOLD / loss).ceil();
+        let record = (needed as usize).clamp(settings.record, LONGEST * settings.transient.max(settings.record));
+        for i in 0..record {
+            let is_late = 2 * i >= record;
             let moved: Vec<f64> = self.state().iter().zip(&deviation).map(|(x, d)| x + d).collect();
             beside.restart(&moved)?;
             let amplitudes = self.period()?;
@@ -156,15 +164,22 @@ impl<'m> Course<'m> {
                 return Ok(None);
             }
         }
-        let growth = growth / (settings.record as f64 / 2.0);
+        let growth = growth / (record as f64 / 2.0);
         let [early, late] = halves;
+        let lasts = || needed <= record as f64 && growth.abs() < NEUTRAL.min(0.5 * loss) && early.is_like(&late);
         let motion = match growth {
             growth if growth > CHAOTIC => Some(Motion::Chaotic),
-            growth if growth.abs() < NEUTRAL && early.is_like(&late) && self.has_left() => Some(Motion::QuasiPeriodic),
+            _ if lasts() && self.has_left() => Some(Motion::QuasiPeriodic),
             _ => None,
         };
         let growth = Some(growth).filter(|growth| growth.is_finite());
         Ok(Some(Found { motion, range: early.with(&late), growth }))
+    }
+
+    /// Share of its size that linear damping takes in a period from what rings in the mode that is damped least.
+    fn loss(&self) -> f64 {
+        let rates = (0..self.model.size()).map(|j| 0.5 * self.model.damping().diagonal(j));
+        rates.fold(f64::INFINITY, f64::min).max(0.0) * std::f64::consts::TAU / self.omega
     }
 
     /// Periods that were marched.
@@ -257,5 +272,42 @@ impl Range {
             a.iter().zip(b).all(|(x, y)| (x - y).abs() <= STATIONARY * width)
         };
         self.0.iter().zip(&other.0).all(near)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::formulation::state::State;
+    use crate::laws::{LawKind, PolynomialSpring, Term};
+    use crate::stability::polish::{Around, PolishSettings, polish};
+    use std::ops::ControlFlow;
+
+    /// A hardening spring well above its resonance, damped next to nothing, thrown off its small motion.
+    #[test]
+    fn what_rings_on_for_long_is_not_called_quasi_periodic() {
+        let terms = vec![Term { power: 3, coefficient: 0.1 }];
+        let law = LawKind::PolynomialSpring(PolynomialSpring { terms });
+        for ratio in [3e-5, 2e-4, 1e-3] {
+            let model = Model::builder("ringing")
+                .mass([[1.0]])
+                .stiffness([[1.0]])
+                .damping_ratio(ratio)
+                .force("x1", 1.0)
+                .element("spring", law.clone(), ["x1"])
+                .build()
+                .unwrap();
+            let mut modal = vec![0.0; 11];
+            modal[1] = 0.5 / (1.0 - 2.3 * 2.3);
+            let arguments = modal.clone();
+            let state = State { harmonics: 5, omega: 2.3, decay: 0.0, forcing: 0.5, arguments, modal };
+            let found = polish(&model, &PolishSettings::default(), &state, Around::default()).polished.unwrap();
+            let mut thrown = found.orbit.clone();
+            thrown.state[0] += 0.5;
+            let mut course = Course::new(&model, &thrown).unwrap();
+            let found = course.describe(&SettleSettings::default(), &mut |_, _| ControlFlow::Continue(()));
+            let found = found.unwrap().unwrap();
+            assert_eq!(found.motion, None, "{ratio}: {:?}", found.growth);
+        }
     }
 }

@@ -1,0 +1,73 @@
+//! Scouts: random starts beyond the forcing amplitudes of a study, for the folds of the branches that they meet. A detached
+//! branch that few starts meet at one forcing may be met by many at a larger one, and its folds lead back down.
+
+use crate::formulation::Formulation;
+use crate::response::branch::{Branch, BranchKind, SpecialKind};
+use crate::response::forced::Forced;
+use crate::response::name::BranchId;
+use crate::response::seeds::Landing;
+use crate::response::starts::{StartPlace, land};
+use serde::{Deserialize, Serialize};
+
+/// Forcing amplitude of a scout over that of the one before, the first one's over that of the largest level.
+const RATIO: f64 = 1.25;
+
+/// Scouts of a run: up to about twice its largest forcing amplitude, as far as folds are followed.
+const SCOUTS: usize = 3;
+
+/// The levels have so many times as many starts as each scout.
+const SHARE: usize = 12;
+
+/// What looks for folds at one forcing amplitude beyond those of a study.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub struct ScoutPlace {
+    /// Number of the scout, from 0: the larger, the larger its forcing amplitude.
+    pub number: usize,
+    /// Batches of random starts.
+    pub batches: usize,
+}
+
+impl ScoutPlace {
+    /// Forcing amplitude, of a study whose largest is `largest`.
+    pub fn forcing(&self, largest: f64) -> f64 {
+        largest * RATIO.powi(self.number as i32 + 1)
+    }
+}
+
+/// The scouts of a run whose levels have so many batches of random starts.
+pub fn scouts(batches: usize) -> impl Iterator<Item = ScoutPlace> {
+    let each = batches / SHARE;
+    (0..SCOUTS).filter(move |_| each > 0).map(move |number| ScoutPlace { number, batches: each })
+}
+
+/// The first branch through landings that is not among those known, if there is one.
+pub(super) type Begin<'b, 'm, F> =
+    dyn FnMut(&mut Forced<'m, F>, &[Landing], &[(BranchId, &Branch)]) -> Option<Branch> + 'b;
+
+/// The folds of all branches that a scout meets, at its own forcing amplitude; `forced` is of the study's largest one. `None` if
+/// a branch is cancelled.
+pub(super) fn scout<'m, F: Formulation<'m>>(
+    forced: &Forced<'m, F>,
+    place: &ScoutPlace,
+    begin: &mut Begin<'_, 'm, F>,
+) -> Option<Vec<Landing>> {
+    let (model, forcing) = (forced.model(), place.forcing(forced.forcing()));
+    let mut forced = Forced::<F>::build(model, forced.settings(), forced.reach(), forcing)
+        .expect("what can be built at one forcing amplitude can be at another");
+    let mut known: Vec<Branch> = Vec::new();
+    for batch in 0..place.batches {
+        let Ok(landings) = land(&mut forced, &StartPlace { batch, round: 0 }) else { continue };
+        // Each landing leads to one branch at most that is new.
+        for _ in &landings {
+            let name = |(number, branch)| (BranchId::new(BranchKind::Isola, number), branch);
+            let named: Vec<(BranchId, &Branch)> = known.iter().enumerate().map(name).collect();
+            let Some(branch) = begin(&mut forced, &landings, &named) else { break };
+            if branch.is_cancelled() {
+                return None;
+            }
+            known.push(branch);
+        }
+    }
+    let folds = known.iter().flat_map(|branch| branch.special(SpecialKind::Fold));
+    Some(folds.map(|fold| Landing { state: fold.state.clone(), distance: 0.0 }).collect())
+}
