@@ -5,35 +5,46 @@ use crate::store::BranchRow;
 use crate::words::digits;
 use solver::response::certificate::Standing;
 
-/// A peak that changes by no more than this with twice the harmonics is converged.
+/// A peak of which neither amplitude nor frequency changes by more than this with twice the harmonics is converged.
 const CONVERGED: f64 = 0.01;
+
+/// Most branches that are named.
+const NAMED: usize = 3;
 
 /// One sentence on the truncation to H harmonics: to what the peaks are converged, or which one is not and what to set. `None`
 /// as long as nothing is known of it.
 pub fn truncation(levels: &[Level], harmonics: usize) -> Option<String> {
     let rows = || levels.iter().flat_map(|level| level.branches.iter().map(move |row| (level, row)));
     let changes = rows().filter_map(|(level, row)| Some((level, row, change(row)?)));
-    let largest = changes.max_by(|a, b| a.2.abs().total_cmp(&b.2.abs()));
+    let (level, row, [change, shift]) = changes.max_by(|a, b| largest(a.2).total_cmp(&largest(b.2)))?;
     // Not computed where the peak is no maximum; otherwise nothing like it was found with more harmonics.
-    let lost = rows().find(|(_, row)| has_maximum(row) && row.certificate.doubled.is_none());
-    let lost = lost.filter(|_| rows().any(|(_, row)| row.certificate.doubled.is_some()));
+    let lost = rows().filter(|(_, row)| has_maximum(row) && row.certificate.doubled.is_none());
+    let lost: Vec<String> = lost.map(|(level, row)| format!("{} at A = {}", row.name(), level.amplitude)).collect();
     let remedy = format!("set harmonics.count = {}", 2 * harmonics);
-    if let Some((level, row)) = lost {
+    if !lost.is_empty() {
+        let more = match lost.len().saturating_sub(NAMED) {
+            0 => String::new(),
+            more => format!(" and {more} more"),
+        };
+        let those = if lost.len() == 1 { "that" } else { "those" };
+        let named = lost[..lost.len().min(NAMED)].join(", ");
         return Some(format!(
-            "Not converged in H: with twice the harmonics no peak was found near that of {} at A = {}; {remedy}.",
-            row.name(),
-            level.amplitude
+            "Not converged in H: with twice the harmonics no peak was found near {those} of {named}{more}; {remedy}."
         ));
     }
-    let (level, row, change) = largest?;
-    if change.abs() <= CONVERGED {
-        let to = digits((100.0 * change.abs()).max(0.01), 1);
+    if largest([change, shift]) <= CONVERGED {
+        let to = digits((100.0 * largest([change, shift])).max(0.01), 1);
         return Some(format!("Peaks are converged in H = {harmonics} to {to} %."));
     }
+    let moves = if shift.abs() > CONVERGED {
+        format!(" and its frequency by {} %", digits(100.0 * shift, 2))
+    } else {
+        String::new()
+    };
     let depth = row.certificate.penetration.filter(|depth| *depth > 0.0);
     let depth = depth.map(|depth| format!(", and its contact penetrates by {} % of the gap", digits(100.0 * depth, 2)));
     Some(format!(
-        "Not converged in H: with twice the harmonics the peak of {} at A = {} changes by {} %{}; {remedy}.",
+        "Not converged in H: with twice the harmonics the peak of {} at A = {} changes by {} %{moves}{}; {remedy}.",
         row.name(),
         level.amplitude,
         digits(100.0 * change, 2),
@@ -46,10 +57,15 @@ fn has_maximum(row: &BranchRow) -> bool {
     row.is_isola() || row.peak_standing == Some(Standing::At)
 }
 
-/// Relative change of a peak with twice the harmonics.
-fn change(row: &BranchRow) -> Option<f64> {
-    let change = row.certificate.doubled?.amplitude / row.amplitude_max - 1.0;
-    change.is_finite().then_some(change)
+/// Relative changes of the amplitude and of the frequency of a peak with twice the harmonics.
+fn change(row: &BranchRow) -> Option<[f64; 2]> {
+    let doubled = row.certificate.doubled?;
+    let change = doubled.amplitude / row.amplitude_max - 1.0;
+    (change.is_finite() && doubled.shift.is_finite()).then_some([change, doubled.shift])
+}
+
+fn largest(changes: [f64; 2]) -> f64 {
+    changes[0].abs().max(changes[1].abs())
 }
 
 #[cfg(test)]
@@ -95,5 +111,19 @@ mod tests {
         );
         let lost = levels(vec![row("main", Some(1.0)), row("isola", None)]);
         assert!(truncation(&lost, 10).unwrap().contains("no peak was found near that of isola 1"));
+        let many = (1..=5).map(|number| BranchRow { number, ..row("isola", None) });
+        let many = levels(many.chain([row("main", Some(1.0))]).collect());
+        assert_eq!(
+            truncation(&many, 10).unwrap(),
+            "Not converged in H: with twice the harmonics no peak was found near those of isola 1 at A = 60, isola 2 at A = 60, \
+             isola 3 at A = 60 and 2 more; set harmonics.count = 20."
+        );
+        let mut shifted = row("isola", Some(1.001));
+        shifted.certificate.doubled.as_mut().unwrap().shift = 0.017;
+        assert_eq!(
+            truncation(&levels(vec![shifted]), 10).unwrap(),
+            "Not converged in H: with twice the harmonics the peak of isola 1 at A = 60 changes by 0.1 % and its frequency by 1.7 %, \
+             and its contact penetrates by 13 % of the gap; set harmonics.count = 20."
+        );
     }
 }
