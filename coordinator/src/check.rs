@@ -112,10 +112,11 @@ fn amplitudes(amplitudes: &[Amplitude]) -> String {
 fn harmonics(study: &Study) -> String {
     let harmonics = study.settings.harmonics;
     let over = match harmonics.quadrature {
-        Quadrature::Arcs => "contact over its exact arcs",
-        Quadrature::Samples => "contact by its samples",
+        _ if study.model.contacts().next().is_none() => "",
+        Quadrature::Arcs => ", contact over its exact arcs",
+        Quadrature::Samples => ", contact by its samples",
     };
-    format!("{}, {} samples a period, {over}", harmonics.count, harmonics.samples)
+    format!("{}, {} samples a period{over}", harmonics.count, harmonics.samples)
 }
 
 /// Unknowns of a forced response when every element acts.

@@ -7,7 +7,7 @@ mod units;
 
 pub use units::{FrequencyUnit, LengthUnit, Units};
 
-use crate::overview::{Level, Omissions, Overview, Rise, is_untouched, modes, truncation};
+use crate::overview::{Level, Omissions, Overview, Rise, is_unconfirmed, is_untouched, modes, truncation};
 use crate::store::{BranchRow, Reader, Result};
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets::UTF8_FULL_CONDENSED};
 use footnotes::{Footnotes, wrapped};
@@ -91,8 +91,8 @@ fn rise(overview: &Overview, units: Units) -> Option<String> {
     let unit = units.frequency;
     if let Some(Rise { amplitudes: (from, to), omega: (low, high) }) = overview.rise() {
         return Some(format!(
-            "The frequency of the largest computed response rises most, by {} {unit} to {} {unit}, between A = {from} and \
-             A = {to}.",
+            "From one level to the next the frequency of the largest computed response rises by at most {} {unit}, to {} {unit} \
+             (A = {from} to {to}).",
             unit.digits(high - low),
             unit.digits(high)
         ));
@@ -143,7 +143,10 @@ impl Rows<'_> {
         let range = format!("{}–{}", unit.digits(row.omega.0), unit.digits(row.omega.1));
         let peak = self.peak(row);
         if row.is_isola() {
-            return format!("{range}, {peak}");
+            let doubt = "perhaps of the truncation alone: neither with twice the harmonics nor by time marching was there a motion \
+                         like it";
+            let mark = if is_unconfirmed(row) { self.notes.mark(doubt.into()) } else { String::new() };
+            return format!("{range}, {peak}{mark}");
         }
         let mark = self.notes.mark(row.status.clone());
         format!("{}: {range}, {peak}{mark}", row.kind)

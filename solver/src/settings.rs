@@ -297,9 +297,13 @@ impl Settings {
                 return refuse(format!("the model has modes 1 to {modes}"));
             }
             if frequencies[number - 1] <= RIGID * frequencies[modes - 1] {
-                return refuse(format!(
-                    "mode {number} is a rigid-body mode, which has no backbone; choose modes that deform the structure"
-                ));
+                let remedy = match frequencies.iter().position(|omega| *omega > RIGID * frequencies[modes - 1]) {
+                    Some(elastic) => {
+                        format!("choose modes that deform the structure, as in backbone.modes = [{}]", elastic + 1)
+                    }
+                    None => "no mode deforms the structure".into(),
+                };
+                return refuse(format!("mode {number} is a rigid-body mode, which has no backbone; {remedy}"));
             }
             if numbers[..i].contains(&number) {
                 return refuse(format!("mode {number} comes twice; give every mode once"));

@@ -313,7 +313,7 @@ def test_what_is_unstable_is_dashed_while_it_is_followed(browser, tmp_path):
         with started("watch", run, "--page") as watch:
             url = watch.stdout.readline().split()[0]
             with Page(browser, url, allowed=(url, "data:", "blob:")) as page:
-                page.locator(".legend span", has_text="unstable, where verified").wait_for(timeout=300_000)
+                page.locator(".legend span", has_text="unstable (solid: stable, or not known)").wait_for(timeout=300_000)
                 dashed = """() => [...Bokeh.index][0].model.renderers.flatMap(
                     ({ data_source }) => [...(data_source?.data.line_dash ?? [])]).some((dash) => dash.length > 0)"""
                 page.wait_for_function(dashed)

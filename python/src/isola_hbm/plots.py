@@ -80,7 +80,8 @@ class Plots:
         units: str = "m,rad/s",
         backbone: bool = True,
     ) -> Axes:
-        """Amplitude of the first monitored dof over frequency: main branches thin, isolas and others bold.
+        """Amplitude of the first monitored dof over frequency: main branches thin, isolas and others bold, what time marching
+        found unstable dashed.
 
         Args:
             amplitudes: Forcing amplitudes shown; by default all.
@@ -90,10 +91,10 @@ class Plots:
         """
         measured, axes = Units.read(units), _axes(ax)
         summary = self._branches(amplitudes)
-        points = self._run.columns("omega", "amplitude").groupby("name", sort=False)
+        points = self._points().groupby("name", sort=False)
         levels = sorted(summary["amplitude"].unique())
         colors = dict(zip(levels, _along_ramp(len(levels))))
-        shown = []
+        shown, has_unstable = [], False
         for name, row in summary.iterrows():
             if name not in points.groups:
                 continue  # its points are damaged: reading them has warned
@@ -104,15 +105,23 @@ class Plots:
                 curve = pd.concat([curve, curve.iloc[:1]])
             is_main = row["kind"] == "main"
             label = f"A = {_text(row['amplitude'])}" if is_main and len(levels) <= _NAMED else None
-            axes.plot(
-                measured.frequencies(curve["omega"]),
-                measured.lengths(curve["amplitude"]),
-                color=colors[row["amplitude"]],
-                linewidth=1.0 if is_main else 2.2,
+            style = {
+                "color": colors[row["amplitude"]],
+                "linewidth": 1.0 if is_main else 2.2,
                 # What a lower level has lies inside of what a higher one has.
-                zorder=3.0 - levels.index(row["amplitude"]) / len(levels),
-                label=label,
-            )
+                "zorder": 3.0 - levels.index(row["amplitude"]) / len(levels),
+            }
+            at, height = measured.frequencies(curve["omega"]), measured.lengths(curve["amplitude"])
+            unstable = curve["stable"] == "unstable"
+            # Up to where a stretch begins and from where it ends a line is solid.
+            inside = unstable & unstable.shift(fill_value=True) & unstable.shift(-1, fill_value=True)
+            axes.plot(at, height.mask(inside), label=label, **style)
+            if unstable.any():
+                axes.plot(at, height.where(unstable), linestyle=(0, (2.5, 1.5)), **style)
+                has_unstable = True
+        if has_unstable:
+            label = "unstable (solid: stable, or not known)"
+            axes.plot([], [], color=_SHADE, linestyle=(0, (2.5, 1.5)), label=label)
         if shown:
             axes.set_xlim(measured.frequencies(_around(np.concatenate(shown), self._reach(summary))))
         self._draw_backbone(axes, measured, backbone)
@@ -120,6 +129,13 @@ class Plots:
         axes.set(xlabel=measured.of_frequency(), ylabel=f"largest |{monitor}| ({measured.length})")
         _legend(axes)
         return axes
+
+    def _points(self) -> pd.DataFrame:
+        """Points of all branches, with what is known of their stability: nothing in runs of the first programs."""
+        try:
+            return self._run.columns("omega", "amplitude", "stable")
+        except KeyError:
+            return self._run.columns("omega", "amplitude").assign(stable="")
 
     def _draw_backbone(self, axes: Axes, units: Units, wanted: bool) -> None:
         """The backbones as far up as there are branches: they need not set the scale."""

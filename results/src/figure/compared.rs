@@ -98,7 +98,7 @@ fn response(runs: &[Compared<'_>], levels: &[f64], store: &mut ColumnStore) -> R
     let is_unstable = |run: &Compared<'_>| run.subject.branches.iter().any(|branch| branch.unstable.contains(&true));
     if runs.iter().any(is_unstable) {
         let style = Style::line(Color::Ink, BOLD).with_dash(1);
-        figure.legend.push(Entry { text: "unstable, where verified".into(), kind: Kind::Line, style });
+        figure.legend.push(Entry { text: "unstable (solid: stable, or not known)".into(), kind: Kind::Line, style });
     }
     Ok(figure)
 }

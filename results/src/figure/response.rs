@@ -180,7 +180,7 @@ impl<'r> Outline<'r> {
             (has(BranchKind::Unfinished), "unfinished", line, Style::line(color, BOLD)),
             (
                 self.branches.iter().any(|branch| branch.unstable.contains(&true)),
-                "unstable, where verified",
+                "unstable (solid: stable, or not known)",
                 line,
                 dashed,
             ),

@@ -15,7 +15,7 @@ pub use doubts::doubts;
 pub use folds::{most_folds, why_no_folds};
 pub use level::{Level, Seeds, highest, is_untouched};
 pub use omissions::Omissions;
-pub use truncation::truncation;
+pub use truncation::{is_unconfirmed, truncation};
 pub use unfinished::unfinished;
 
 pub use crate::store::{BranchRow, WindowOutcome, WindowRow};

@@ -1,7 +1,7 @@
 //! Whether enough harmonics were kept: peaks of all branches against those with twice the harmonics.
 
 use super::level::Level;
-use crate::store::BranchRow;
+use crate::store::{BranchRow, Stability};
 use crate::words::digits;
 use solver::response::certificate::Standing;
 
@@ -52,6 +52,16 @@ pub fn truncation(levels: &[Level], harmonics: usize) -> Option<String> {
     ))
 }
 
+/// Whether nothing confirms an isola: no peak like its own was found with twice the harmonics, and no motion near any of its points
+/// that were marched.
+pub fn is_unconfirmed(row: &BranchRow) -> bool {
+    let is_unmatched = |stability: &Stability| {
+        let peak = stability.peak.as_ref();
+        stability.stable == 0.0 && stability.unstable == 0.0 && peak.is_some_and(|peak| peak.verdict == "none")
+    };
+    row.is_isola() && row.certificate.doubled.is_none() && row.stability.as_ref().is_some_and(is_unmatched)
+}
+
 /// Whether the largest amplitude of a branch is that of a maximum.
 fn has_maximum(row: &BranchRow) -> bool {
     row.is_isola() || row.peak_standing == Some(Standing::At)
@@ -71,6 +81,7 @@ fn largest(changes: [f64; 2]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::store::PeakOrbit;
     use solver::response::certificate::{Certificate, Doubled};
 
     fn row(kind: &str, amplitude_2h: Option<f64>) -> BranchRow {
@@ -96,6 +107,26 @@ mod tests {
         let said = |standing| truncation(&levels(vec![main(standing), row("isola", Some(1.0))]), 10).unwrap();
         assert!(said(Standing::At).contains("no peak was found near that of main at A = 60"), "{}", said(Standing::At));
         assert_eq!(said(Standing::AtLeast), "Peaks are converged in H = 10 to 0.01 %.");
+    }
+
+    #[test]
+    fn an_isola_that_nothing_confirms() {
+        let marched = |verdict: &str, unstable: f64| {
+            let peak = Some(PeakOrbit { verdict: verdict.into(), at: None });
+            Some(Stability { is_whole: true, stable: 0.0, unstable, peak, largest: None })
+        };
+        let isola = |amplitude_2h, stability| BranchRow { stability, ..row("isola", amplitude_2h) };
+        assert!(is_unconfirmed(&isola(None, marched("none", 0.0))));
+        for confirmed in [
+            isola(Some(1.0), marched("none", 0.0)),
+            isola(None, marched("unstable", 1.0)),
+            isola(None, marched("none", 0.1)),
+            isola(None, marched("not_comparable", 0.0)),
+            isola(None, None),
+            BranchRow { kind: "main".into(), ..isola(None, marched("none", 0.0)) },
+        ] {
+            assert!(!is_unconfirmed(&confirmed), "{confirmed:?}");
+        }
     }
 
     #[test]

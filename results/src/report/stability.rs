@@ -18,12 +18,14 @@ impl Evidence<'_> {
         let (stable, unknown) = (verified.iter().filter(is_stable).count(), verified.iter().filter(is_unknown).count());
         let unstable = verified.len() - stable - unknown;
         let found = match [stable, unstable, unknown] {
-            [1, 0, 0] if isolas.len() == 1 => "time marching found parts of it stable: there the structure can settle".into(),
+            [1, 0, 0] if isolas.len() == 1 => {
+                format!("time marching found parts of it stable: there the structure can settle{}", up_to(&verified))
+            }
             [0, 1, 0] if isolas.len() == 1 => {
                 "time marching found it unstable where it could tell: it separates, but nothing was seen to settle there".into()
             }
             [0, 0, 1] if isolas.len() == 1 => "time marching could not tell whether any of it is stable".into(),
-            _ => self.several(isolas.len(), [stable, unstable, unknown]),
+            _ => self.several(isolas.len(), [stable, unstable, unknown], &up_to(&verified)),
         };
         format!("{found}; {}", self.what_leads_there())
     }
@@ -47,9 +49,10 @@ impl Evidence<'_> {
     }
 
     /// The same of several isolas: how many are stable in parts, unstable wherever that is known, and how many nothing is known of.
-    fn several(&self, all: usize, [stable, unstable, unknown]: [usize; 3]) -> String {
+    fn several(&self, all: usize, [stable, unstable, unknown]: [usize; 3], up_to: &str) -> String {
+        let stable_in_parts = format!("stable in parts, where the structure can settle{up_to}");
         let parts = [
-            (stable, "stable in parts, where the structure can settle"),
+            (stable, stable_in_parts.as_str()),
             (unstable, "unstable wherever time marching could tell"),
             (unknown, "beyond what time marching could tell"),
             (all - stable - unstable - unknown, "not verified"),
@@ -81,4 +84,11 @@ impl Evidence<'_> {
             _ => "; time marching found no periodic motion near it".into(),
         }
     }
+}
+
+/// The largest response that was found stable, as an addition to what is said of where the structure can settle.
+fn up_to(verified: &[&Stability]) -> String {
+    let largest = verified.iter().filter_map(|stability| stability.largest).max_by(|a, b| a.1.total_cmp(&b.1));
+    largest
+        .map_or_else(String::new, |(omega, amplitude)| format!(", up to {} at {}", length(amplitude), frequency(omega)))
 }

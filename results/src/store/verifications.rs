@@ -51,6 +51,8 @@ pub struct Stability {
     pub unstable: f64,
     /// What is near its point of largest amplitude, if that was looked at.
     pub peak: Option<PeakOrbit>,
+    /// Frequency and amplitude of its largest response that is known to be stable, rad/s and m.
+    pub largest: Option<(f64, f64)>,
 }
 
 /// The word for a verdict in tables and files.
@@ -178,9 +180,19 @@ impl Reader {
         let row = |row: &Row<'_>| {
             let at = row.get::<_, Option<f64>>(5)?.zip(row.get(6)?);
             let peak = row.get::<_, Option<String>>(4)?.map(|verdict| PeakOrbit { verdict, at });
-            Ok((row.get(0)?, Stability { is_whole: row.get(1)?, stable: row.get(2)?, unstable: row.get(3)?, peak }))
+            let (is_whole, stable, unstable) = (row.get(1)?, row.get(2)?, row.get(3)?);
+            Ok((row.get(0)?, Stability { is_whole, stable, unstable, peak, largest: None }))
         };
-        Ok(self.all(sql, [level], row)?.into_iter().collect())
+        let mut found: HashMap<i64, Stability> = self.all(sql, [level], row)?.into_iter().collect();
+        let sql = "SELECT branch, points.omega, max(points.amplitude) FROM points JOIN branches ON branches.id = branch \
+                   WHERE level = ?1 AND points.stable = 'stable' AND points.amplitude IS NOT NULL GROUP BY branch";
+        let row = |row: &Row<'_>| Ok((row.get(0)?, (row.get(1)?, row.get(2)?)));
+        for (branch, largest) in self.all::<(i64, (f64, f64))>(sql, [level], row)? {
+            if let Some(stability) = found.get_mut(&branch) {
+                stability.largest = Some(largest);
+            }
+        }
+        Ok(found)
     }
 
     /// What marching says of the branch that a task found, of as much of it as was verified; `None` if nothing was.

@@ -106,15 +106,15 @@ pub type PeriodObserver<'o> = dyn FnMut(f64, f64) -> ControlFlow<()> + 'o;
 
 impl Verification {
     /// Points from which unstable motions are worth following: between a bifurcation at which the branch loses its stability to
-    /// motions of twice the period or of another frequency, and the next fold. With the frequencies of their orbits.
+    /// motions of less symmetry, of twice the period or of another frequency, and the next fold. With the frequencies of their orbits.
     pub fn unsettled(&self) -> Vec<(usize, f64)> {
         let mut found = Vec::new();
         if !self.is_sound(self.monitors()) {
             return found;
         }
         for bifurcation in &self.bifurcations {
-            let is_soft = matches!(bifurcation.kind, BifurcationKind::PeriodDoubling | BifurcationKind::NeimarkSacker);
-            if is_soft && bifurcation.outside.contains(&0) {
+            let leads_on = !matches!(bifurcation.kind, BifurcationKind::Fold | BifurcationKind::Grazing);
+            if leads_on && bifurcation.outside.contains(&0) {
                 found.extend(self.beyond(bifurcation));
             }
         }

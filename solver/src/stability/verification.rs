@@ -19,6 +19,10 @@ const MOST: usize = 96;
 /// Multipliers that are kept of an orbit: what of them is outside the unit circle, and what comes next.
 const LEADING: usize = 4;
 
+/// An orbit no farther than this from the point that it was polished from is that point's own: where points are close together its
+/// frequency tells nothing better.
+const OWN: f64 = 1e-3;
+
 /// More multipliers than any model has.
 const MOST_OUTSIDE: usize = 1 << 20;
 
@@ -45,7 +49,7 @@ pub struct VerifiedPoint {
     /// Number of the point on the branch.
     pub index: usize,
     /// Number of the point at which the branch passes the frequency of the orbit, as near as it comes to that on the same part:
-    /// the marched branch is displaced from that of the balance, and what is true of the orbit is told there.
+    /// the marched branch is displaced from that of the balance, and what is true of the orbit is told there. Its own if it is not.
     pub at: usize,
     /// Whether its orbit is stable, or why that is not known.
     pub verdict: Verdict,
@@ -275,7 +279,8 @@ impl VerifiedPoint {
             margin: polished.margin,
             impacts: polished.impacts,
         });
-        let at = orbit.as_ref().map_or(index, |orbit| passing(branch, index, orbit.omega));
+        let elsewhere = orbit.as_ref().filter(|orbit| orbit.distance > OWN);
+        let at = elsewhere.map_or(index, |orbit| passing(branch, index, orbit.omega));
         Self { index, at, verdict: polish.verdict, reason: polish.reason, orbit }
     }
 }

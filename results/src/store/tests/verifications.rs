@@ -23,7 +23,9 @@ fn a_verification_comes_back_bit_for_bit_and_stands_in_tables() {
     assert!(stable > 0.2 && unstable > 0.1, "{stable} {unstable}");
     let peak = verification.at_peak().and_then(|point| point.orbit.as_ref()).unwrap();
     let peak = Some(PeakOrbit { verdict: "stable".into(), at: Some((peak.omega, peak.amplitudes[0])) });
-    assert_eq!(rows[1].stability, Some(Stability { is_whole: true, stable, unstable, peak }));
+    // Its peak is stable.
+    let largest = Some((rows[1].omega_at_max, rows[1].amplitude_max));
+    assert_eq!(rows[1].stability, Some(Stability { is_whole: true, stable, unstable, peak, largest }));
     // An isola turns at two folds, and nothing else happens to this one.
     let found = store.bifurcations().unwrap();
     let kinds: Vec<(&str, &str, &str)> =
