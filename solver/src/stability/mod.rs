@@ -1,6 +1,7 @@
 //! What happens in time: marching without harmonics, the marcher's own periodic orbits, and which of them are stable.
 
 pub mod along;
+mod basin;
 pub mod bifurcation;
 mod crossing;
 pub mod disturbance;

@@ -49,11 +49,12 @@ impl Multiplier {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
-    /// Every multiplier is inside the unit circle: small deviations die out.
+    /// Every multiplier is inside the unit circle: small deviations die out, those of a ten-thousandth of the motion among them.
     Stable,
     /// A multiplier is outside: almost every small deviation grows.
     Unstable,
-    /// The largest modulus is 1 within the [`margin`] of the orbit.
+    /// The largest modulus is 1 within the [`margin`] of the orbit; or it is smaller, but beside a fold, where a push of a
+    /// ten-thousandth of the motion leads away.
     Marginal,
     /// The marcher has no periodic orbit near the solution of the balance, or none was found.
     NoOrbitNearby,

@@ -3,6 +3,7 @@
 //! One computation verifies (how far is the marched orbit from the truncated series?) and decides stability: the marcher's
 //! tangent contains the impacts as they are, which no truncated series does.
 
+use super::basin::is_left_by_a_push;
 use super::marching::MarchingSettings;
 use super::multipliers::{Multiplier, Verdict};
 use super::shooting::{Orbit, Period, Point, Shooting, Way};
@@ -130,7 +131,7 @@ pub fn polish(model: &Model, settings: &PolishSettings, state: &State, around: A
     for (from, plane, searches) in attempts(&start, corrected.as_ref(), normal.as_deref()) {
         let way = Way { plane, searches, iterations: ITERATIONS };
         let Some((point, period)) = shooting.solve(from, &way) else { continue };
-        match judge(&shooting, settings, state, &point, &period) {
+        match judge(&mut shooting, settings, state, &point, &period) {
             Ok(mut found) => {
                 found.periods = shooting.periods;
                 return found;
@@ -185,7 +186,7 @@ fn attempts<'a>(
 
 /// What an orbit says, if it is near enough.
 fn judge(
-    shooting: &Shooting<'_>,
+    shooting: &mut Shooting<'_>,
     settings: &PolishSettings,
     state: &State,
     point: &Point,
@@ -200,7 +201,11 @@ fn judge(
     let margin = shooting.margin(point, period);
     let impacts = share_of_impacts(period);
     let lossy = impacts > settings.impacts;
-    let verdict = if lossy { Verdict::NotComparable } else { Verdict::of(&multipliers, margin) };
+    let verdict = match Verdict::of(&multipliers, margin) {
+        _ if lossy => Verdict::NotComparable,
+        Verdict::Stable if is_left_by_a_push(shooting, point, period, &multipliers) => Verdict::Marginal,
+        verdict => verdict,
+    };
     let polished = Polished { orbit, amplitudes: period.amplitudes.clone(), distance, multipliers, impacts, margin };
     let reason = lossy.then_some(Reason::Impacts);
     Ok(Polish { verdict, reason, polished: Some(polished), periods: (0, 0) })

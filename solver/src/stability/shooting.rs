@@ -201,7 +201,7 @@ impl<'m> Shooting<'m> {
     ///
     /// # Errors
     /// If the motion cannot be marched.
-    fn residual(&mut self, point: &Point) -> Result<Vec<f64>, MarchingError> {
+    pub(super) fn residual(&mut self, point: &Point) -> Result<Vec<f64>, MarchingError> {
         self.periods.1 += 1;
         let mut marching = self.marching(point)?;
         marching.walk(&mut |_| {})?;

@@ -137,6 +137,16 @@ fn a_subharmonic_of_a_chain() {
 }
 
 #[test]
+fn a_subharmonic_of_a_duffing_oscillator() {
+    check_level("duffing_subharmonic", 1.5, 12, [5, 0]);
+}
+
+#[test]
+fn a_subharmonic_of_a_stop() {
+    check_level("stop_subharmonic", 0.3, 12, [5, 0]);
+}
+
+#[test]
 fn a_mass_with_friction() {
     check_level("friction_mass", 1.0, 12, [10, 0]);
 }
