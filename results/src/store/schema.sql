@@ -305,7 +305,8 @@ CREATE TABLE verified_points (
     i INTEGER NOT NULL,
     -- Number of the point at which the branch passes the frequency of the orbit: what is true of the orbit is told there.
     at INTEGER NOT NULL,
-    -- 'stable', 'unstable', 'marginal' (a multiplier is 1 in modulus as far as it is known), 'none' (no marched orbit nearby) or
+    -- 'stable', 'unstable', 'marginal' (a multiplier is 1 in modulus as far as it is known, or a push of 1e-4 of the motion leads
+    -- away), 'none' (no marched orbit nearby) or
     -- 'not_comparable' (marching loses impact energy that the balance keeps).
     verdict TEXT NOT NULL,
     -- Why there is no verdict, in words.
