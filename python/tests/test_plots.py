@@ -36,13 +36,14 @@ def test_response(damper: Path) -> None:
     assert len(drawn) == len(run)
     isola = run["0.006/isola 1"]
     line = drawn[list(run).index("0.006/isola 1")]
-    # A closed branch ends where it began.
-    height = line.get_ydata()[:-1]
-    np.testing.assert_allclose(height[np.isfinite(height)], 1e3 * isola["amplitude"][np.isfinite(height), 0])
-    stable = run.columns("stable").query("name == '0.006/isola 1'")["stable"].to_numpy()
-    assert np.isfinite(height[stable != "unstable"]).all()
-    np.testing.assert_allclose(line.get_xdata()[:-1], isola["omega"] / (2 * np.pi))
-    assert line.get_xdata()[0] == line.get_xdata()[-1]
+    # A closed branch ends where it began; between points that are both unstable there is a gap.
+    at, height = (values[np.isfinite(values)] for values in line.get_data())
+    np.testing.assert_allclose(height[:-1], 1e3 * isola["amplitude"][:, 0])
+    np.testing.assert_allclose(at[:-1], isola["omega"] / (2 * np.pi))
+    assert at[0] == at[-1]
+    unstable = run.columns("stable").query("name == '0.006/isola 1'")["stable"].to_numpy() == "unstable"
+    unstable = np.append(unstable, unstable[0])
+    assert np.isnan(line.get_xdata()).sum() == (unstable[1:] & unstable[:-1]).sum()
     assert labels(axes) == ["A = 0.004", "A = 0.005", "A = 0.006", "A = 0.007", "backbone"]
     assert axes.get_xlabel() == "frequency f (Hz)"
     assert axes.get_ylabel() == "largest |x1| (mm)"

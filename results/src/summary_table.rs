@@ -143,8 +143,8 @@ impl Rows<'_> {
         let range = format!("{}–{}", unit.digits(row.omega.0), unit.digits(row.omega.1));
         let peak = self.peak(row);
         if row.is_isola() {
-            let doubt = "perhaps of the truncation alone: neither with twice the harmonics nor by time marching was there a motion \
-                         like it";
+            let doubt = "perhaps of the truncation alone: no peak like its own was found with twice the harmonics, and no motion near \
+                         it by time marching";
             let mark = if is_unconfirmed(row) { self.notes.mark(doubt.into()) } else { String::new() };
             return format!("{range}, {peak}{mark}");
         }
@@ -158,12 +158,43 @@ impl Rows<'_> {
         let unit = self.units.frequency;
         lines.extend(level.not_found().map(|(window, reason)| {
             let (low, high) = (unit.digits(window.omega.0), unit.digits(window.omega.1));
-            let where_ = format!("A = {}, window {low}–{high}: not found: {reason}", level.amplitude);
+            let where_ = format!("A = {}, window {low}–{high}: not found: {}", level.amplitude, briefly(reason));
             format!("lost{}", self.notes.mark(where_))
         }));
         lines.extend((level.pending > 0).then(|| format!("{} to come", level.pending)));
         let given_up = || format!("A = {}: tasks given up: isola retry-dead tries them again", level.amplitude);
         lines.extend((level.dead > 0).then(|| format!("{} dead{}", level.dead, self.notes.mark(given_up()))));
         lines.join("\n")
+    }
+}
+
+/// Reasons, of those that differ in their last number alone the one where it is smallest.
+fn briefly(reasons: &str) -> String {
+    let number = |word: &str| word.trim_matches(|c: char| !c.is_ascii_digit()).parse::<f64>().ok();
+    let mut kept: Vec<(String, f64, &str)> = Vec::new();
+    for reason in reasons.split("; ") {
+        let last = reason.split(' ').rev().find_map(|word| Some((word, number(word)?)));
+        let (word, value) = last.unwrap_or(("", 0.0));
+        let rest = if word.is_empty() { reason.into() } else { reason.replace(word, "") };
+        match kept.iter_mut().find(|(known, ..)| *known == rest) {
+            Some(known) if value < known.1 => *known = (rest, value, reason),
+            Some(_) => {}
+            None => kept.push((rest, value, reason)),
+        }
+    }
+    kept.into_iter().map(|(_, _, reason)| reason).collect::<Vec<_>>().join("; ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::briefly;
+
+    #[test]
+    fn reasons_that_differ_in_a_number_are_one() {
+        let far = |distance| format!("every seed ended far away (relative distance {distance} or more)");
+        let none = |residual| format!("no convergence in 20 iterations (scaled residual {residual})");
+        let all = [far("0.78"), none("4.8e2"), far("0.75"), none("6.0e-1"), "the iteration diverged".into()];
+        assert_eq!(briefly(&all.join("; ")), [far("0.75"), none("6.0e-1"), "the iteration diverged".into()].join("; "));
+        assert_eq!(briefly(""), "");
     }
 }

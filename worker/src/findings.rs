@@ -60,7 +60,7 @@ impl Findings {
         match finding {
             Finding::Landings(landings) => {
                 // Their seeds may be somebody else's work.
-                if self.landings.len() == LANDINGS {
+                if self.landings.len() >= LANDINGS {
                     self.landings.clear();
                 }
                 self.landings.insert(task, landings.into());

@@ -158,6 +158,12 @@ impl Chain {
         self.ready.is_empty() && self.held.is_empty()
     }
 
+    /// Whether all branches of a level are known: of its tasks at most scouts are left, which bring none.
+    pub fn has_branches(&self) -> bool {
+        let mut left = self.ready.iter().chain(&self.held);
+        left.all(|&e| matches!(self.entries[e].task, Task::Scout(_)))
+    }
+
     /// Hands out entry `e`.
     pub fn grant(&mut self, e: usize, holder: &Holder, now: Duration, deadline: Duration) -> Change {
         self.ready.retain(|&ready| ready != e);

@@ -65,14 +65,14 @@ impl Ledger {
         added
     }
 
-    /// Tasks for the folds of levels that are done, and when all are for those that scouts met; as many as are allowed that lie on
-    /// no curve known by then.
+    /// Tasks for the folds of levels whose branches are known, and when everything is done at all levels for those that scouts met; as
+    /// many as are allowed that lie on no curve known by then.
     fn folds(&mut self) -> Vec<(usize, TaskEntry)> {
         let c = self.curves();
         let mut levels = self.order.iter().copied().filter(|&l| l != c);
         let are_done = levels.all(|l| {
             let chain = &self.chains[l];
-            let Some(level) = chain.level().filter(|_| chain.is_finished()) else { return false };
+            let Some(level) = chain.level().filter(|_| chain.has_branches()) else { return chain.level().is_none() };
             for Branch { known, folds } in &level.branches {
                 if self.unfolded.insert((l, known.branch)) {
                     let places = (0..*folds).map(|fold| (l, FoldPlace::Branch { branch: known.branch, fold }));
@@ -81,7 +81,7 @@ impl Ledger {
             }
             true
         });
-        if are_done {
+        if are_done && self.levels().all(|(chain, _)| chain.is_finished()) {
             for (l, chain) in self.chains.iter_mut().enumerate() {
                 // Scouts end in any order.
                 chain.scouted.sort_by_key(|scouted| (scouted.0.number, scouted.1));

@@ -9,6 +9,7 @@ use protocol::from_worker::Progress;
 use protocol::session::MAX_RESULT_BYTES;
 use protocol::to_everyone::{Amplitude, Manifest, Stage};
 use results::journal::{LevelPlan, SweepPlan};
+use results::overview::most_folds;
 use results::store::{RunHeader, Store};
 use solver::formulation::modal::Modal;
 use solver::response::backbone::Backbone;
@@ -121,11 +122,13 @@ fn levels(
     first: usize,
 ) -> Vec<LevelPlan> {
     let batches = starts::batches(model, settings);
+    // They bring nothing but folds.
+    let follows_folds = most_folds(model, settings) > 0;
     let largest = all.iter().map(|amplitude| amplitude.value).fold(0.0, f64::max);
     let level = |(index, amplitude): (usize, &Amplitude)| {
         let share = starts::share(batches, index, all.len());
         let (windows, mut tasks) = plan(backbones, amplitude.value, &settings.frequency, share);
-        if amplitude.value == largest {
+        if amplitude.value == largest && follows_folds {
             tasks.extend(scouts(batches).map(Task::Scout));
         }
         LevelPlan { amplitude: amplitude.clone(), windows, tasks }

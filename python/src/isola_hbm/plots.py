@@ -111,13 +111,14 @@ class Plots:
                 # What a lower level has lies inside of what a higher one has.
                 "zorder": 3.0 - levels.index(row["amplitude"]) / len(levels),
             }
-            at, height = measured.frequencies(curve["omega"]), measured.lengths(curve["amplitude"])
-            unstable = curve["stable"] == "unstable"
-            # Up to where a stretch begins and from where it ends a line is solid.
-            inside = unstable & unstable.shift(fill_value=True) & unstable.shift(-1, fill_value=True)
-            axes.plot(at, height.mask(inside), label=label, **style)
+            at = measured.frequencies(curve["omega"]).to_numpy()
+            height = measured.lengths(curve["amplitude"]).to_numpy()
+            unstable = (curve["stable"] == "unstable").to_numpy()
+            # From one unstable point to the next the solid line has a gap, and there are dashes.
+            gaps = np.flatnonzero(unstable[1:] & unstable[:-1]) + 1
+            axes.plot(np.insert(at, gaps, np.nan), np.insert(height, gaps, np.nan), label=label, **style)
             if unstable.any():
-                axes.plot(at, height.where(unstable), linestyle=(0, (2.5, 1.5)), **style)
+                axes.plot(at, np.where(unstable, height, np.nan), linestyle=(0, (2.5, 1.5)), **style)
                 has_unstable = True
         if has_unstable:
             label = "unstable (solid: stable, or not known)"

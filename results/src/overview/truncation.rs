@@ -52,8 +52,8 @@ pub fn truncation(levels: &[Level], harmonics: usize) -> Option<String> {
     ))
 }
 
-/// Whether nothing confirms an isola: no peak like its own was found with twice the harmonics, and no motion near any of its points
-/// that were marched.
+/// Whether nothing confirms an isola: no peak like its own was found with twice the harmonics, no motion near it by time marching,
+/// and nothing elsewhere on it that is stable or not.
 pub fn is_unconfirmed(row: &BranchRow) -> bool {
     let is_unmatched = |stability: &Stability| {
         let peak = stability.peak.as_ref();

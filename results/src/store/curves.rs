@@ -177,7 +177,10 @@ impl Reader {
         counts.fewest = BATCH * number(sql)?;
         let sql = "SELECT count(*) FROM branches JOIN tasks ON tasks.id = branches.task WHERE tasks.kind = 'begin'";
         counts.started = number(sql)?;
-        counts.scouts = number("SELECT count(*) FROM tasks WHERE kind = 'scout' AND state = 'done'")?;
+        // Those of a level that was the largest once may lie within the study now.
+        let sql = "SELECT count(*) FROM tasks JOIN levels ON levels.level = tasks.level WHERE kind = 'scout' AND state = 'done' \
+                   AND value = (SELECT max(value) FROM levels)";
+        counts.scouts = number(sql)?;
         counts.unverified = number("SELECT count(*) FROM tasks WHERE kind = 'verify' AND state = 'dead'")?;
         Ok(counts)
     }

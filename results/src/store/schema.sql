@@ -97,7 +97,7 @@ CREATE TABLE windows (
 CREATE TABLE tasks (
     -- Name.
     id TEXT NOT NULL PRIMARY KEY,
-    -- Level; of a 'fold' the one that its curve starts from; of a 'scout', and of the folds that it met, the largest.
+    -- Level; of a 'fold' the one that its curve starts from; of a 'scout', and of the folds that it met, the largest then.
     level INTEGER NOT NULL REFERENCES levels (level),
     -- Turn within the level, from 0; of a 'fold', a 'verify', a 'disturb' and a 'march' the turn among all of its kind.
     position INTEGER NOT NULL,

@@ -8,6 +8,7 @@ use crate::response::name::BranchId;
 use crate::response::seeds::Landing;
 use crate::response::starts::{StartPlace, land};
 use serde::{Deserialize, Serialize};
+use std::ops::ControlFlow;
 
 /// Forcing amplitude of a scout over that of the one before, the first one's over that of the largest level.
 const RATIO: f64 = 1.25;
@@ -40,12 +41,12 @@ pub fn scouts(batches: usize) -> impl Iterator<Item = ScoutPlace> {
     (0..SCOUTS).filter(move |_| each > 0).map(move |number| ScoutPlace { number, batches: each })
 }
 
-/// The first branch through landings that is not among those known, if there is one.
+/// The first branch through landings that is not among those known, if there is one; it breaks if it is cancelled.
 pub(super) type Begin<'b, 'm, F> =
-    dyn FnMut(&mut Forced<'m, F>, &[Landing], &[(BranchId, &Branch)]) -> Option<Branch> + 'b;
+    dyn FnMut(&mut Forced<'m, F>, &[Landing], &[(BranchId, &Branch)]) -> ControlFlow<(), Option<Branch>> + 'b;
 
 /// The folds of all branches that a scout meets, at its own forcing amplitude; `forced` is of the study's largest one. `None` if
-/// a branch is cancelled.
+/// it is cancelled.
 pub(super) fn scout<'m, F: Formulation<'m>>(
     forced: &Forced<'m, F>,
     place: &ScoutPlace,
@@ -61,11 +62,11 @@ pub(super) fn scout<'m, F: Formulation<'m>>(
         for _ in &landings {
             let name = |(number, branch)| (BranchId::new(BranchKind::Isola, number), branch);
             let named: Vec<(BranchId, &Branch)> = known.iter().enumerate().map(name).collect();
-            let Some(branch) = begin(&mut forced, &landings, &named) else { break };
-            if branch.is_cancelled() {
-                return None;
+            match begin(&mut forced, &landings, &named) {
+                ControlFlow::Continue(Some(branch)) => known.push(branch),
+                ControlFlow::Continue(None) => break,
+                ControlFlow::Break(()) => return None,
             }
-            known.push(branch);
         }
     }
     let folds = known.iter().flat_map(|branch| branch.special(SpecialKind::Fold));

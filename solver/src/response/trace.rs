@@ -16,6 +16,7 @@ use crate::response::symmetry::{is_attached, symmetrised};
 use crate::response::task::{CrossingPlace, Finding, FoldPlace, SeedOutcome, Task, Unfollowed};
 
 use std::collections::VecDeque;
+use std::ops::ControlFlow;
 
 /// What a task is given beside its level.
 #[derive(Debug, Clone, Copy, Default)]
@@ -54,13 +55,17 @@ pub fn carry_out<'m, F: Formulation<'m>>(
         ),
         Task::Begin(_) => begin(forced, landings, known, observer),
         Task::Scout(place) => {
-            let mut begin =
-                |forced: &mut Forced<'m, F>, landings: &[Landing], known: &[(BranchId, &Branch)]| match begin(
-                    forced, landings, known, observer,
-                ) {
-                    Finding::Branch(branch) => Some(branch),
-                    _ => None,
-                };
+            let mut begin = |forced: &mut Forced<'m, F>, landings: &[Landing], known: &[(BranchId, &Branch)]| {
+                match begin(forced, landings, known, observer) {
+                    Finding::Branch(branch) if branch.is_cancelled() => ControlFlow::Break(()),
+                    Finding::Branch(branch) => ControlFlow::Continue(Some(branch)),
+                    // Starts that lead to nothing new take their time as well: a point that was told before is told again.
+                    _ => match known.iter().find_map(|(_, branch)| branch.points.first()) {
+                        Some(point) if observer(point).is_break() => ControlFlow::Break(()),
+                        _ => ControlFlow::Continue(None),
+                    },
+                }
+            };
             match scout(forced, place, &mut begin)? {
                 folds if folds.is_empty() => Finding::Nothing(SeedOutcome::NoFold),
                 folds => Finding::Landings(folds),

@@ -49,7 +49,8 @@ impl Multiplier {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
-    /// Every multiplier is inside the unit circle: small deviations die out, those of a ten-thousandth of the motion among them.
+    /// Every multiplier is inside the unit circle: small deviations die out. Of an orbit near a solution of the balance, beside a fold,
+    /// those of a ten-thousandth of the motion do as well, as far as that could be told.
     Stable,
     /// A multiplier is outside: almost every small deviation grows.
     Unstable,

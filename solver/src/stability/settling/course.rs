@@ -39,6 +39,8 @@ const LONGEST: usize = 2;
 const PATIENCE: usize = 50;
 /// It ends on a stable orbit if its way there since the last time is that of small deviations to this share.
 const AS_TOLD: f64 = 0.05;
+/// Eigenfrequencies below this share of the highest one are those of rigid-body modes.
+const RIGID: f64 = 1e-6;
 /// Newton iterations from where it has come to.
 const ITERATIONS: usize = 12;
 
@@ -147,7 +149,8 @@ impl<'m> Course<'m> {
         let mut growth = 0.0;
         let loss = self.loss();
         let needed = (TOLD / loss).ceil();
-        let record = (needed as usize).clamp(settings.record, LONGEST * settings.transient.max(settings.record));
+        let longest = LONGEST * settings.transient.max(settings.record);
+        let record = if needed <= longest as f64 { settings.record.max(needed as usize) } else { settings.record };
         for i in 0..record {
             let is_late = 2 * i >= record;
             let moved: Vec<f64> = self.state().iter().zip(&deviation).map(|(x, d)| x + d).collect();
@@ -178,7 +181,10 @@ impl<'m> Course<'m> {
 
     /// Share of its size that linear damping takes in a period from what rings in the mode that is damped least.
     fn loss(&self) -> f64 {
-        let rates = (0..self.model.size()).map(|j| 0.5 * self.model.damping().diagonal(j));
+        let frequencies = &self.model.modes().frequencies;
+        // What does not deform the structure does not ring.
+        let rings = |j: &usize| frequencies[*j] > RIGID * frequencies[frequencies.len() - 1];
+        let rates = (0..self.model.size()).filter(rings).map(|j| 0.5 * self.model.damping().diagonal(j));
         rates.fold(f64::INFINITY, f64::min).max(0.0) * std::f64::consts::TAU / self.omega
     }
 
