@@ -187,7 +187,8 @@ impl Reader {
         let sql = "SELECT branch, points.omega, max(points.amplitude) FROM points JOIN branches ON branches.id = branch \
                    WHERE level = ?1 AND points.stable = 'stable' AND points.amplitude IS NOT NULL GROUP BY branch";
         let row = |row: &Row<'_>| Ok((row.get(0)?, (row.get(1)?, row.get(2)?)));
-        for (branch, largest) in self.all::<(i64, (f64, f64))>(sql, [level], row)? {
+        // Where points are damaged that is said of their branches, which can be told of without them.
+        for (branch, largest) in self.all::<(i64, (f64, f64))>(sql, [level], row).unwrap_or_default() {
             if let Some(stability) = found.get_mut(&branch) {
                 stability.largest = Some(largest);
             }
