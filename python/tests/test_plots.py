@@ -23,6 +23,10 @@ def _figures() -> Iterator[None]:
     plt.close("all")
 
 
+#: What the legend says of dashes.
+UNSTABLE = "unstable (solid: stable, or not known)"
+
+
 def labels(axes: plt.Axes) -> list[str]:
     """Texts of the legend."""
     return axes.get_legend_handles_labels()[1]
@@ -44,7 +48,7 @@ def test_response(damper: Path) -> None:
     unstable = run.columns("stable").query("name == '0.006/isola 1'")["stable"].to_numpy() == "unstable"
     unstable = np.append(unstable, unstable[0])
     assert np.isnan(line.get_xdata()).sum() == (unstable[1:] & unstable[:-1]).sum()
-    assert labels(axes) == ["A = 0.004", "A = 0.005", "A = 0.006", "A = 0.007", "backbone"]
+    assert labels(axes) == ["A = 0.004", "A = 0.005", "A = 0.006", "A = 0.007", UNSTABLE, "backbone"]
     assert axes.get_xlabel() == "frequency f (Hz)"
     assert axes.get_ylabel() == "largest |x1| (mm)"
     low, high = axes.get_xlim()
@@ -57,7 +61,7 @@ def test_levels_are_chosen_and_axes_given(damper: Path) -> None:
     assert labels(run.plot.response(0.006)) == labels(run.plot.response(["0.006"]))
     axes = run.plot.response(["0.006", 0.007], ax=mine, backbone=False)
     assert axes is mine
-    assert labels(axes) == ["A = 0.006", "A = 0.007"]
+    assert labels(axes) == ["A = 0.006", "A = 0.007", UNSTABLE]
     with pytest.raises(ValueError, match=r"no branch at A = 0.3; there are branches at A = 0.004, 0.005"):
         run.plot.response([0.3])
     with pytest.raises(ValueError, match="one of m, mm, um and one of rad/s, Hz"):
