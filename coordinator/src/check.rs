@@ -16,9 +16,6 @@ use std::f64::consts::TAU;
 /// Eigenfrequencies shown.
 const MODES: usize = 6;
 
-/// Eigenfrequencies below this share of the highest one are those of rigid-body modes.
-const RIGID: f64 = 1e-6;
-
 /// The study in a few aligned lines.
 pub fn report(study: &Study) -> String {
     let model = &study.model;
@@ -70,7 +67,7 @@ fn mode(study: &Study, choice: &ModesFollowed, j: usize) -> String {
     let model = &study.model;
     let omega = model.modes().frequencies[j];
     let followed = if choice.followed.contains(&j) { "  followed" } else { "" };
-    if omega <= RIGID * model.modes().frequencies[model.size() - 1] {
+    if model.modes().is_rigid(j) {
         return format!("{:>2}  rigid body{followed}", j + 1);
     }
     let (hertz, ratio) = (number(omega / TAU), number(model.damping().diagonal(j) / (2.0 * omega)));

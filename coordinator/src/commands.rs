@@ -7,7 +7,7 @@ use crate::cli::{
 use crate::error::Error;
 use crate::run::directory::default_directory;
 use crate::run::endpoint::{Connection, open};
-use crate::run::{Ending, carry_out, preparation};
+use crate::run::{Ending, drive, preparation};
 use crate::study::Study;
 use crate::{check, exit, extension, outputs, reference, remote, watch};
 use clap::CommandFactory;
@@ -131,7 +131,7 @@ async fn sweep(args: SweepArgs) -> Result<Ending, Error> {
     let header = header(&study, &args.study, &args.serve)?;
     let store = Store::create(&directory, &header)?;
     terminal::note(format_args!("run {} in {}", header.run, directory.display()));
-    carry_out(&directory, store, study.model, connection, args.serve).await
+    drive(&directory, store, study.model, connection, args.serve).await
 }
 
 fn header(study: &Study, args: &StudyArgs, serve: &ServeArgs) -> Result<RunHeader, Error> {
@@ -231,7 +231,7 @@ async fn go_on(directory: &Path, store: Store, connection: Connection, serve: Se
     let model = preparation::model(&store)?;
     let serve = ServeArgs { namespace: header.namespace.clone(), ..serve };
     terminal::note(format_args!("run {} in {}", header.run, directory.display()));
-    carry_out(directory, store, model, connection, serve).await
+    drive(directory, store, model, connection, serve).await
 }
 
 /// Refuses to go on with a study whose file or model has changed since.

@@ -6,7 +6,7 @@ use protocol::to_everyone::{Stage, Status};
 use results::journal::{LevelPlan, SweepPlan};
 use results::summary_table::{Layout, Units};
 use results::words::{count, duration, fixed_digits};
-use solver::response::seeds::Way;
+use solver::response::seeds::LandingMethod;
 use solver::response::starts::BATCH;
 use solver::response::task::Task;
 use solver::settings::VerifyEffort;
@@ -189,7 +189,7 @@ pub fn plan(plan: &SweepPlan, most_folds: usize, verify: VerifyEffort) -> String
 
 /// Whether a task is for a seed that is tried in any case.
 fn is_seed(task: &Task) -> bool {
-    matches!(task, Task::Land(place) if place.way == Way::FullForcing)
+    matches!(task, Task::Land(place) if place.method == LandingMethod::FullForcing)
 }
 
 /// A status in one line.
@@ -201,7 +201,7 @@ pub fn summary(status: &Status) -> String {
     }
     let dead = if tasks.dead > 0 { format!(", {} given up", tasks.dead) } else { String::new() };
     format!(
-        "{}: {} of {} levels, {} tasks done, {} under way, at most {} to come{dead}, {} branches, {} workers{}",
+        "{}: {} of {} levels, {} tasks done, {} under method, at most {} to come{dead}, {} branches, {} workers{}",
         status.stage.name(),
         status.levels_done,
         status.levels,

@@ -15,8 +15,8 @@ use solver::response::branch::{Branch, BranchPoint};
 use solver::response::critical::CriticalCurve;
 use solver::response::forced::Forced;
 use solver::response::seeds::Landing;
-use solver::response::task::{BranchId, Brought, Finding, SeedOutcome};
-use solver::response::trace::{Given, carry_out};
+use solver::response::task::{BranchId, Brought, SeedOutcome, TaskResult};
+use solver::response::trace::{Given, execute};
 use std::collections::HashMap;
 use std::ops::ControlFlow;
 use std::time::Duration;
@@ -60,14 +60,14 @@ impl Sweep<'_> {
         let landings = granted.landing.as_ref().map_or(&[][..], |task| &self.landings[task]);
         let given = Given { seeds: &seeds, landings, known: &known, curves: &curves };
         let observer = &mut |_: &BranchPoint| ControlFlow::Continue(());
-        let finding = carry_out(&mut forced, &granted.work, &given, observer).unwrap();
+        let finding = execute(&mut forced, &granted.work, &given, observer).unwrap();
         let (submitted, mut changes) = self.ledger.submit(&lease, &finding.brought());
         let Submitted::Accepted(done) = submitted else { panic!("accepted") };
         let (branch, curve, landings) = match finding {
-            Finding::Landings(landings) => (None, None, Some(landings)),
-            Finding::Branch(branch) => (Some(branch), None, None),
-            Finding::Curve(curve) => (None, Some(curve), None),
-            Finding::Nothing(_) => (None, None, None),
+            TaskResult::Landings(landings) => (None, None, Some(landings)),
+            TaskResult::Branch(branch) => (Some(branch), None, None),
+            TaskResult::Curve(curve) => (None, Some(curve), None),
+            TaskResult::Nothing(_) => (None, None, None),
         };
         let name = match done.outcome {
             SeedOutcome::Found(id) if branch.is_some() => Some(id),

@@ -6,7 +6,7 @@ use crate::curve::{Motions, Points, Size};
 use crate::landings::LandingsMessage;
 use serde::{Deserialize, Serialize};
 use solver::response::branch::{Branch, BranchKind, Certificate, Outcome, SpecialKind, SpecialPoint, Standing};
-use solver::response::task::{Brought, Finding, SeedOutcome};
+use solver::response::task::{Brought, SeedOutcome, TaskResult};
 use solver::stability::disturbance::Disturbance;
 use solver::stability::settling::Settling;
 use solver::stability::verification::Verification;
@@ -87,7 +87,7 @@ impl BranchMessage {
 /// The result of a task.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum FindingMessage {
+pub enum TaskResultMessage {
     /// Forced responses that seeds landed on.
     Landings(LandingsMessage),
     /// A branch that was not known.
@@ -104,7 +104,7 @@ pub enum FindingMessage {
     Nothing(SeedOutcome),
 }
 
-impl FindingMessage {
+impl TaskResultMessage {
     /// The motions in it, if there are some.
     pub fn motions(&self) -> Option<&Motions> {
         match self {
@@ -131,13 +131,13 @@ impl FindingMessage {
     }
 }
 
-impl From<&Finding> for FindingMessage {
-    fn from(finding: &Finding) -> Self {
+impl From<&TaskResult> for TaskResultMessage {
+    fn from(finding: &TaskResult) -> Self {
         match finding {
-            Finding::Landings(landings) => Self::Landings(landings[..].into()),
-            Finding::Branch(branch) => Self::Branch(branch.into()),
-            Finding::Curve(curve) => Self::Curve(curve.into()),
-            Finding::Nothing(outcome) => Self::Nothing(*outcome),
+            TaskResult::Landings(landings) => Self::Landings(landings[..].into()),
+            TaskResult::Branch(branch) => Self::Branch(branch.into()),
+            TaskResult::Curve(curve) => Self::Curve(curve.into()),
+            TaskResult::Nothing(outcome) => Self::Nothing(*outcome),
         }
     }
 }

@@ -1,6 +1,6 @@
 //! What workers ask: queries with a payload, each answered by the coordinator (see [`crate::to_worker`]).
 
-use crate::branch::FindingMessage;
+use crate::branch::TaskResultMessage;
 use crate::codec::{CodecError, decode_part, messages};
 use crate::ids::{Attempt, TaskId, WorkerId};
 use serde::{Deserialize, Serialize};
@@ -61,7 +61,7 @@ pub struct SubmitRequest {
     /// Computing time, s.
     pub seconds: f64,
     /// What was found; not converging is a finding.
-    pub finding: FindingMessage,
+    pub finding: TaskResultMessage,
 }
 
 impl SubmitRequest {

@@ -1,6 +1,6 @@
 //! What anyone may ask for or listen to: manifest, windows, seeds, announcements, results, status.
 
-use crate::branch::{BranchMessage, FindingMessage};
+use crate::branch::{BranchMessage, TaskResultMessage};
 use crate::codec::messages;
 use crate::critical::CriticalMessage;
 use crate::curve::Seeds;
@@ -8,7 +8,7 @@ use crate::from_worker::Progress;
 use crate::ids::{Attempt, RunId, TaskId, WorkerId};
 use crate::landings::LandingsMessage;
 use serde::{Deserialize, Serialize};
-use solver::response::forced::Reach;
+use solver::response::forced::SearchRange;
 use solver::response::modes::ModesFollowed;
 use solver::response::task::{BranchId, SeedOutcome, Task};
 use solver::response::windows::Window;
@@ -42,7 +42,7 @@ pub struct Manifest {
     /// Numerics.
     pub settings: Settings,
     /// Within which frequencies and amplitudes branches are followed; known when the backbone is.
-    pub reach: Option<Reach>,
+    pub reach: Option<SearchRange>,
     /// Which modes have a backbone, the primary one first, and why others have none; known when the backbones are.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub modes: Option<ModesFollowed>,
@@ -185,15 +185,15 @@ impl StoredResult {
     }
 
     /// The same with what was found.
-    pub fn with(self, found: FindingMessage) -> Self {
+    pub fn with(self, found: TaskResultMessage) -> Self {
         match found {
-            FindingMessage::Landings(found) => Self { landings: Some(found), ..self },
-            FindingMessage::Branch(found) => Self { branch: Some(found), ..self },
-            FindingMessage::Curve(found) => Self { curve: Some(found), ..self },
-            FindingMessage::Verification(found) => Self { verification: Some(found), ..self },
-            FindingMessage::Disturbance(found) => Self { disturbance: Some(found), ..self },
-            FindingMessage::Settling(found) => Self { settling: Some(found), ..self },
-            FindingMessage::Nothing(_) => self,
+            TaskResultMessage::Landings(found) => Self { landings: Some(found), ..self },
+            TaskResultMessage::Branch(found) => Self { branch: Some(found), ..self },
+            TaskResultMessage::Curve(found) => Self { curve: Some(found), ..self },
+            TaskResultMessage::Verification(found) => Self { verification: Some(found), ..self },
+            TaskResultMessage::Disturbance(found) => Self { disturbance: Some(found), ..self },
+            TaskResultMessage::Settling(found) => Self { settling: Some(found), ..self },
+            TaskResultMessage::Nothing(_) => self,
         }
     }
 }

@@ -4,7 +4,7 @@ use crate::codec::messages;
 use crate::curve::Seeds;
 use crate::ids::{Attempt, TaskId};
 use serde::{Deserialize, Serialize};
-use solver::response::forced::Reach;
+use solver::response::forced::SearchRange;
 use solver::response::task::{BranchId, Task};
 
 /// Answer to a request for work.
@@ -40,7 +40,7 @@ pub struct Grant {
     /// Forcing amplitude A.
     pub amplitude: f64,
     /// Within which frequencies and amplitudes branches are followed.
-    pub reach: Reach,
+    pub reach: SearchRange,
     /// What is to be done.
     pub work: Task,
     /// Seeds to start from, as published on `seed/<task>`.

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import shutil
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from fake import Coordinator
 from runs import MODELS, isola
 
 
@@ -27,6 +29,13 @@ def damper(tmp_path_factory: pytest.TempPathFactory) -> Path:
     study = MODELS / "nonlinear_damper" / "study.toml"
     isola("sweep", study, "--out", folder, "--amplitudes", "0.004:0.007:0.001", "--workers", 1)
     return folder
+
+
+@pytest.fixture
+def coordinator() -> Iterator[Coordinator]:
+    """A coordinator of Python, whose run tests make up."""
+    with Coordinator() as fake:
+        yield fake
 
 
 @pytest.fixture

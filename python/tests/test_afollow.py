@@ -17,12 +17,6 @@ PATIENCE = 60.0
 
 
 @pytest.fixture
-def coordinator() -> Iterator[Coordinator]:
-    with Coordinator() as fake:
-        yield fake
-
-
-@pytest.fixture
 def run(coordinator: Coordinator) -> Iterator[isola_hbm.Run]:
     with isola_hbm.connect(coordinator.endpoint) as bus:
         yield bus.run()

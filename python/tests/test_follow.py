@@ -22,12 +22,6 @@ from isola_hbm.live.wire import VERSION, encoding, sha256
 
 
 @pytest.fixture
-def coordinator() -> Iterator[Coordinator]:
-    with Coordinator() as fake:
-        yield fake
-
-
-@pytest.fixture
 def bus(coordinator: Coordinator) -> Iterator[isola_hbm.Bus]:
     with isola_hbm.connect(coordinator.endpoint) as bus:
         yield bus

@@ -15,11 +15,11 @@ use solver::files;
 use solver::response::account::Account;
 use solver::response::backbone::Backbone;
 use solver::response::branch::{Branch, BranchKind, BranchPoint, Outcome, Stop};
-use solver::response::forced::{Forced, Reach};
+use solver::response::forced::{Forced, SearchRange};
 use solver::response::modes::{Backbones, LeftOut};
 use solver::response::seeds::Landing;
-use solver::response::task::{BranchId, Finding, MarchPlace, SeedOutcome, Task, VerifyPlace, plan};
-use solver::response::trace::{Given, carry_out};
+use solver::response::task::{BranchId, MarchPlace, SeedOutcome, Task, TaskResult, VerifyPlace, plan};
+use solver::response::trace::{Given, execute};
 use solver::settings::{ModeChoice, ModeList, Settings, Stretch};
 use solver::stability::settling::{SettleSettings, Settling, settle};
 use solver::stability::verification::{Verification, verify};
@@ -40,7 +40,7 @@ pub struct Study {
     /// Backbones of further modes.
     pub further: Vec<Backbone>,
     /// Bounds of branches.
-    pub reach: Reach,
+    pub reach: SearchRange,
     /// Work of every level.
     pub plans: Vec<LevelPlan>,
     amplitudes: Vec<Amplitude>,
@@ -68,7 +68,7 @@ impl Study {
         let modes: Vec<usize> = (1..=model.size()).rev().take(count).collect();
         settings.backbone.modes = ModeChoice::These(ModeList::new(&modes).unwrap());
         let mut backbones = Backbones::compute(&model, &settings).unwrap().list;
-        let reach = Reach::over(&settings, &backbones[0], &backbones[1..], 0.0).unwrap();
+        let reach = SearchRange::over(&settings, &backbones[0], &backbones[1..], 0.0).unwrap();
         let amplitude = |text: &&str| Amplitude { text: text.to_string(), value: text.parse().unwrap() };
         let amplitudes: Vec<Amplitude> = amplitudes.iter().map(amplitude).collect();
         let level = |amplitude: &Amplitude| {
@@ -170,9 +170,9 @@ impl Study {
     /// A finished run in `dir` whose branches beside the main ones leave through the amplitude bound.
     pub fn finished_with_cuts(&self, dir: &Path) -> (Store, Vec<StoredResult>) {
         let cut = |finding| match finding {
-            Finding::Branch(branch) if branch.kind != BranchKind::Main => {
+            TaskResult::Branch(branch) if branch.kind != BranchKind::Main => {
                 let outcome = Outcome::Open(Stop::FrequencyBound, Stop::AmplitudeBound);
-                Finding::Branch(Branch { kind: BranchKind::of_detached(&outcome, true), outcome, ..branch })
+                TaskResult::Branch(Branch { kind: BranchKind::of_detached(&outcome, true), outcome, ..branch })
             }
             other => other,
         };
@@ -277,7 +277,7 @@ impl<'s> Sweep<'s> {
     }
 
     /// The same, with something else found.
-    fn step_with(&mut self, store: &mut Store, change: impl Fn(Finding) -> Finding) -> bool {
+    fn step_with(&mut self, store: &mut Store, change: impl Fn(TaskResult) -> TaskResult) -> bool {
         let Some(granted) = self.lease(store, 0) else { return false };
         let finding = change(self.compute(&granted));
         let changes = self.accept(&granted, finding);
@@ -285,7 +285,7 @@ impl<'s> Sweep<'s> {
         true
     }
 
-    fn compute(&self, granted: &Granted) -> Finding {
+    fn compute(&self, granted: &Granted) -> TaskResult {
         let (study, amplitude) = (self.study, self.study.plans[granted.level].amplitude.value);
         let mut forced = Forced::new(&study.model, &study.settings, study.reach, amplitude);
         let seeds = granted.work.seeds(forced.modal(), &study.backbones(), amplitude);
@@ -293,18 +293,18 @@ impl<'s> Sweep<'s> {
         let known: Vec<(BranchId, &Branch)> = known.map(|(id, task)| (*id, &self.branches[task])).collect();
         let landings = self.landings.get(&granted.level).map_or(&[][..], |landings| landings);
         let given = Given { seeds: &seeds, landings, known: &known, curves: &[] };
-        carry_out(&mut forced, &granted.work, &given, &mut quiet).unwrap()
+        execute(&mut forced, &granted.work, &given, &mut quiet).unwrap()
     }
 
     /// Takes down what became of a task: what is to be stored.
-    pub fn accept(&mut self, granted: &Granted, finding: Finding) -> Vec<Change> {
+    pub fn accept(&mut self, granted: &Granted, finding: TaskResult) -> Vec<Change> {
         let turn = &mut self.levels[granted.level];
         let outcome = turn.account.outcome(&finding.brought()).unwrap();
         turn.account.record(&granted.work, outcome);
         let (branch, landings) = match finding {
-            Finding::Landings(landings) => (None, Some(landings)),
-            Finding::Branch(branch) => (Some(branch), None),
-            Finding::Curve(_) | Finding::Nothing(_) => (None, None),
+            TaskResult::Landings(landings) => (None, Some(landings)),
+            TaskResult::Branch(branch) => (Some(branch), None),
+            TaskResult::Curve(_) | TaskResult::Nothing(_) => (None, None),
         };
         turn.next += 1;
         let name = match outcome {

@@ -4,7 +4,7 @@ use protocol::backbone::BackboneMessage;
 use protocol::digest::Digest;
 use protocol::ids::{Attempt, TaskId, WorkerId};
 use protocol::to_everyone::{Amplitude, Stage, StoredResult};
-use solver::response::forced::Reach;
+use solver::response::forced::SearchRange;
 use solver::response::modes::{LeftOut, ModesFollowed};
 use solver::response::task::{Brought, SeedOutcome, Task};
 use solver::response::windows::Window;
@@ -22,7 +22,7 @@ pub struct SweepPlan {
     /// Modes without a backbone, from 0, and why.
     pub left_out: Vec<(usize, LeftOut)>,
     /// Within which frequencies and amplitudes branches are followed.
-    pub reach: Reach,
+    pub reach: SearchRange,
     /// The work of every level.
     pub levels: Vec<LevelPlan>,
     /// Tasks that were added over all levels, to follow folds or to verify branches; none when a sweep begins.
@@ -96,7 +96,7 @@ pub struct Extension {
     pub amplitudes: Vec<Amplitude>,
     /// Within which frequencies and amplitudes branches are followed from now on, and the work of the levels that are added; none as
     /// long as the backbones are not known.
-    pub plan: Option<(Reach, Vec<LevelPlan>)>,
+    pub plan: Option<(SearchRange, Vec<LevelPlan>)>,
 }
 
 /// A computing thread of a worker.

@@ -28,9 +28,10 @@ fn polished(criterion: &mut Criterion) {
         let model = files::load_with(&folder, &[("contact.friction", friction)]).expect("the model is shipped");
         let [[state, before, after], [far, far_before, far_after]] = solutions(&model, forcing);
         let settings = PolishSettings::default();
-        let alone = polish(&model, &settings, &far, Around { way: Some([&far_before, &far_after]), neighbour: None });
+        let alone =
+            polish(&model, &settings, &far, Around { between: Some([&far_before, &far_after]), neighbour: None });
         let orbit = alone.polished.expect("it has an orbit nearby").orbit;
-        let around = Around { way: Some([&before, &after]), neighbour: Some((&far, &orbit)) };
+        let around = Around { between: Some([&before, &after]), neighbour: Some((&far, &orbit)) };
         let one = polish(&model, &settings, &state, around);
         assert!(one.polished.is_some(), "{name}: {:?}", one.reason);
         println!("{name}: {:?} after {:?} periods with and without tangent", one.verdict, one.periods);

@@ -72,7 +72,7 @@ pub use linalg::Matrix;
 pub use response::backbone::{Backbone, BackboneError, BackbonePoint};
 pub use response::branch::{Branch, BranchPoint, Outcome, SpecialKind, SpecialPoint};
 pub use response::folds::{Critical, CriticalCurve, CriticalEvent, CriticalKind, Extent, Quantity};
-pub use response::forced::{Forced, Reach};
+pub use response::forced::{Forced, SearchRange};
 pub use response::level::{BranchId, Level, LevelError};
 pub use response::modes::{Backbones, LeftOut, ModesFollowed};
 pub use response::windows::{Window, events, windows};

@@ -181,9 +181,6 @@ impl Default for BranchSettings {
     }
 }
 
-/// Eigenfrequencies below this share of the highest one are those of rigid-body modes.
-pub(crate) const RIGID: f64 = 1e-6;
-
 /// All numerical settings of a study.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -291,13 +288,14 @@ impl Settings {
         if numbers.is_empty() {
             return refuse("give at least one mode, or \"auto\"".into());
         }
-        let (modes, frequencies) = (model.size(), &model.modes().frequencies);
+        let modes = model.size();
+        let is_rigid = |mode: usize| model.modes().is_rigid(mode);
         for (i, &number) in numbers.iter().enumerate() {
             if !(1..=modes).contains(&number) {
                 return refuse(format!("the model has modes 1 to {modes}"));
             }
-            if frequencies[number - 1] <= RIGID * frequencies[modes - 1] {
-                let remedy = match frequencies.iter().position(|omega| *omega > RIGID * frequencies[modes - 1]) {
+            if is_rigid(number - 1) {
+                let remedy = match (0..modes).find(|&mode| !is_rigid(mode)) {
                     Some(elastic) => {
                         format!("choose modes that deform the structure, as in backbone.modes = [{}]", elastic + 1)
                     }

@@ -4,7 +4,7 @@ use solver::curve::continuation::{Corrector, Predictor};
 use solver::files;
 use solver::response::backbone::Backbone;
 use solver::response::branch::{Branch, BranchKind, BranchPoint, Outcome, Side, Stop};
-use solver::response::forced::{Forced, Reach};
+use solver::response::forced::{Forced, SearchRange};
 use solver::response::level::{Level, LevelError};
 use solver::settings::Settings;
 use solver::structure::Model;
@@ -53,7 +53,7 @@ fn main_branches_keep_their_symmetry_where_others_branch_off() {
         settings.harmonics.count = harmonics;
         settings.frequency.min = Some(0.2);
         let backbone = Backbone::compute(&model, &settings).unwrap();
-        let main = Forced::new(&model, &settings, Reach::new(&settings, &backbone).unwrap(), forcing)
+        let main = Forced::new(&model, &settings, SearchRange::new(&settings, &backbone).unwrap(), forcing)
             .main_branch(Side::Below, &mut |_| ControlFlow::Continue(()))
             .unwrap_or_else(|failure| panic!("{name}: {failure}"));
         assert_eq!(main.outcome, Outcome::Open(Stop::Start, Stop::FrequencyBound), "{name}");
@@ -78,7 +78,7 @@ fn a_walk_is_cancelled_between_points() {
         seen += 1;
         if seen == 7 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
-    let branch = Forced::new(&model, &settings, Reach::new(&settings, &backbone).unwrap(), 0.1)
+    let branch = Forced::new(&model, &settings, SearchRange::new(&settings, &backbone).unwrap(), 0.1)
         .main_branch(Side::Below, &mut observer)
         .unwrap();
     assert_eq!(seen, 7);
@@ -95,7 +95,7 @@ fn branches_end_exactly_at_the_frequency_bounds() {
     settings.frequency.max = Some(1.3);
     let go_on = &mut |_: &_| ControlFlow::Continue(());
     let backbone = Backbone::compute(&model, &settings).unwrap();
-    let branch = Forced::new(&model, &settings, Reach::new(&settings, &backbone).unwrap(), 0.05)
+    let branch = Forced::new(&model, &settings, SearchRange::new(&settings, &backbone).unwrap(), 0.05)
         .main_branch(Side::Below, go_on)
         .unwrap();
     let last = branch.points.last().unwrap();

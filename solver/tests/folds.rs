@@ -7,7 +7,7 @@ use solver::response::branch::Stop;
 use solver::response::folds::{Critical, CriticalCurve, CriticalKind, Extent, Quantity};
 use solver::response::windows::{EventKind, events};
 use solver::settings::Quadrature;
-use solver::{Backbone, Level, Outcome, Reach, Settings};
+use solver::{Backbone, Level, Outcome, SearchRange, Settings};
 use std::time::Instant;
 use support::fold_curves::{Study, all, assert_close, fold_miss, folds, quiet, report};
 use support::study::shipped;
@@ -139,7 +139,7 @@ fn an_isola_of_nonlinear_damping() {
 #[test]
 fn the_isolas_of_a_blade() {
     let model = shipped("rotor67", &[("contact.friction", "0")]);
-    let reach = Reach { frequency: (2000.0, 3600.0), amplitude: 4e-3, natural: None, forcing: None };
+    let reach = SearchRange { frequency: (2000.0, 3600.0), amplitude: 4e-3, natural: None, forcing: None };
     let study = Study { model, settings: Settings::default(), reach };
     let extent = Extent { forcing: (15.0, 300.0), frequency: (2000.0, 4000.0), points: 3000 };
     let since = Instant::now();
@@ -208,7 +208,7 @@ fn the_isolas_of_a_blade() {
 
 #[test]
 fn the_isola_of_a_blade_with_friction() {
-    let reach = Reach { frequency: (2000.0, 3600.0), amplitude: 4e-3, natural: None, forcing: None };
+    let reach = SearchRange { frequency: (2000.0, 3600.0), amplitude: 4e-3, natural: None, forcing: None };
     let study = Study { model: shipped("rotor67", &[]), settings: Settings::default(), reach };
     let extent = Extent { forcing: (10.0, 100.0), frequency: (2000.0, 4000.0), points: 3000 };
     let mut critical = study.folds(extent);

@@ -6,7 +6,7 @@ use solver::formulation::harmonics::evaluate;
 use solver::formulation::state::State;
 use solver::response::backbone::Backbone;
 use solver::response::branch::{Branch, BranchPoint, SpecialKind};
-use solver::response::forced::{Forced, Reach};
+use solver::response::forced::{Forced, SearchRange};
 use solver::response::level::{BranchId, Level};
 use solver::response::windows::{Event, EventKind, events};
 use solver::settings::Settings;
@@ -64,8 +64,12 @@ impl Study {
         );
         let isola = level.isolas().next().unwrap().clone();
         assert!(isola.is_closed(), "A = {amplitude}: {:?}", isola.outcome);
-        let mut forced =
-            Forced::new(&self.model, &self.settings, Reach::new(&self.settings, &self.backbone).unwrap(), amplitude);
+        let mut forced = Forced::new(
+            &self.model,
+            &self.settings,
+            SearchRange::new(&self.settings, &self.backbone).unwrap(),
+            amplitude,
+        );
         assert!(!forced.lies_on(&isola.peak().state, level.main()));
         isola
     }
@@ -127,7 +131,7 @@ fn states_at(study: &Study, branch: &Branch, omega: f64) -> Vec<State> {
     let mut forced = Forced::new(
         &study.model,
         &study.settings,
-        Reach::new(&study.settings, &study.backbone).unwrap(),
+        SearchRange::new(&study.settings, &study.backbone).unwrap(),
         branch.forcing,
     );
     let count = branch.points.len();
@@ -204,8 +208,8 @@ fn absorber() -> Vec<Study> {
     let study = Study::new("nltva", settings);
     let level = study.level(0.2);
     let main = level.main();
-    let resonances =
-        Forced::new(&study.model, &settings, Reach::new(&settings, &study.backbone).unwrap(), 0.2).resonances(main);
+    let resonances = Forced::new(&study.model, &settings, SearchRange::new(&settings, &study.backbone).unwrap(), 0.2)
+        .resonances(main);
     let through = resonances.iter().map(|near| Backbone::through(&study.model, &settings, near, &mut quiet).unwrap());
     through.map(|backbone| Study { model: study.model.clone(), settings, backbone }).collect()
 }

@@ -4,7 +4,7 @@
 mod support;
 
 use solver::response::branch::{BranchPoint, Side, SpecialKind};
-use solver::{CriticalCurve, CriticalKind, Forced, Model, Reach, Settings, State};
+use solver::{CriticalCurve, CriticalKind, Forced, Model, SearchRange, Settings, State};
 use std::ops::ControlFlow;
 use support::balance::Balance;
 use support::geometry::complaints;
@@ -62,7 +62,7 @@ impl Known {
 
     /// The branch through the point is the isola.
     fn assert_there(&self, model: &Model, settings: &Settings) {
-        let reach = Reach { frequency: (0.5, 2.5), amplitude: 10.0, natural: None, forcing: None };
+        let reach = SearchRange { frequency: (0.5, 2.5), amplitude: 10.0, natural: None, forcing: None };
         let mut forced = Forced::new(model, settings, reach, self.forcing);
         let what = format!("A = {}, {:?}", self.forcing, self.range);
         let start = forced.converge(&self.state(model, settings.harmonics.count));
@@ -195,7 +195,7 @@ fn folds_of_a_main_branch_lead_to_isolas_on_the_lower_side_of_another() {
     // At A = 0.06 all isolas of the second blade have merged with the main branch: its folds know them. Random starts find
     // none on the lower side at 0.036 and 0.06, and one at 0.04 and 0.056.
     let (model, settings) = (shipped("two_blades", &[]), with_harmonics(5));
-    let reach = Reach { frequency: (0.8, 2.0), amplitude: 10.0, natural: None, forcing: Some((0.01, 0.1)) };
+    let reach = SearchRange { frequency: (0.8, 2.0), amplitude: 10.0, natural: None, forcing: Some((0.01, 0.1)) };
     let mut forced = Forced::new(&model, &settings, reach, 0.06);
     let main = forced.main_branch(Side::Below, &mut quiet).unwrap();
     let mut critical = forced.folds().unwrap();

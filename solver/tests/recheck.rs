@@ -1,7 +1,7 @@
 //! What is a solution holds when it is checked again, what is none does not, and checking costs next to nothing.
 
 use solver::response::columns;
-use solver::response::forced::{Forced, Reach};
+use solver::response::forced::{Forced, SearchRange};
 use solver::response::recheck::{Recheck, Refutation};
 use solver::response::seeds::Landing;
 use solver::{Backbone, Branch, BranchPoint, Model, Settings, SpecialKind, files};
@@ -22,7 +22,7 @@ fn quiet(_: &BranchPoint) -> ControlFlow<()> {
 /// Main branch of the rotor blade, with friction, and the time that it took.
 fn traced(model: &Model, settings: &Settings) -> (Branch, Duration) {
     let backbone = Backbone::compute(model, settings).unwrap();
-    let reach = Reach::new(settings, &backbone).unwrap();
+    let reach = SearchRange::new(settings, &backbone).unwrap();
     let began = Instant::now();
     let branch = Forced::new(model, settings, reach, FORCING)
         .main_branch(solver::response::branch::Side::Below, &mut quiet)
@@ -108,7 +108,7 @@ fn landings_hold_and_what_is_near_them_does_not() {
 fn points_of_a_fold_curve_are_folds() {
     let (model, settings) = (load("nltva"), Settings::default());
     let backbone = Backbone::compute(&model, &settings).unwrap();
-    let reach = Reach::new(&settings, &backbone).unwrap();
+    let reach = SearchRange::new(&settings, &backbone).unwrap();
     let mut forced = Forced::new(&model, &settings, reach, 0.15);
     let branch = forced.main_branch(solver::response::branch::Side::Below, &mut quiet).unwrap();
     let fold = branch.special(SpecialKind::Fold).next().unwrap();

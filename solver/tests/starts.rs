@@ -7,10 +7,10 @@ use solver::response::critical::CriticalKind;
 use solver::response::scout::ScoutPlace;
 use solver::response::seeds::Landing;
 use solver::response::starts::{BATCH, StartPlace, batches, land, share};
-use solver::response::task::{Finding, FoldPlace, Task};
-use solver::response::trace::{Given, carry_out};
+use solver::response::task::{FoldPlace, Task, TaskResult};
+use solver::response::trace::{Given, execute};
 use solver::settings::Effort;
-use solver::{Forced, Reach, Settings, State};
+use solver::{Forced, SearchRange, Settings, State};
 use std::ops::ControlFlow;
 use support::balance::Balance;
 use support::study::{Kind, Study, shipped};
@@ -20,7 +20,7 @@ fn quiet(_: &BranchPoint) -> ControlFlow<()> {
 }
 
 fn forced(study: &Study, forcing: f64) -> Forced<'_> {
-    let reach = Reach::new(&study.settings, &study.backbones[0]).unwrap();
+    let reach = SearchRange::new(&study.settings, &study.backbones[0]).unwrap();
     Forced::new(&study.model, &study.settings, reach, forcing)
 }
 
@@ -74,10 +74,10 @@ fn a_scout_leads_back_to_where_an_isola_is_born() {
     let scout = ScoutPlace { number: 0, batches: 8 };
     let mut task = |task, landings: &[Landing]| {
         let given = Given { landings, ..Given::default() };
-        carry_out(&mut forced, &task, &given, &mut quiet).expect("it is not cancelled")
+        execute(&mut forced, &task, &given, &mut quiet).expect("it is not cancelled")
     };
-    let Finding::Landings(folds) = task(Task::Scout(scout), &[]) else { panic!("there are folds") };
-    assert_eq!(task(Task::Scout(scout), &[]), Finding::Landings(folds.clone()));
+    let TaskResult::Landings(folds) = task(Task::Scout(scout), &[]) else { panic!("there are folds") };
+    assert_eq!(task(Task::Scout(scout), &[]), TaskResult::Landings(folds.clone()));
     let balance = Balance::new(&study.model);
     for Landing { state, .. } in &folds {
         assert_eq!(state.forcing, 1.25 * 1.5);
@@ -85,7 +85,7 @@ fn a_scout_leads_back_to_where_an_isola_is_born() {
         assert!(residual < 1e-8, "{residual:e}");
     }
     let births = (0..folds.len()).filter_map(|fold| {
-        let Finding::Curve(curve) = task(Task::Fold(FoldPlace::Scout { scout, fold }), &folds) else { return None };
+        let TaskResult::Curve(curve) = task(Task::Fold(FoldPlace::Scout { scout, fold }), &folds) else { return None };
         let born = curve.events.iter().find(|event| event.kind == CriticalKind::Birth)?;
         Some(curve.points[born.index].state.forcing)
     });

@@ -3,7 +3,7 @@
 mod support;
 
 use solver::response::branch::SpecialKind;
-use solver::response::forced::Reach;
+use solver::response::forced::SearchRange;
 use solver::{BranchPoint, Settings};
 use support::study::{Kind, Listed, Study, shipped, why_unfinished, with_harmonics};
 
@@ -86,7 +86,7 @@ fn check(name: &str, settings: Settings, forcings: &[f64]) {
         largest.continuation.max_step *= factor;
         others.push((format!("largest step times {factor}"), study(largest)));
     }
-    let reach = Reach::new(&settings, &base.backbones[0]).unwrap();
+    let reach = SearchRange::new(&settings, &base.backbones[0]).unwrap();
     let mut wider = settings;
     (wider.frequency.min, wider.frequency.max) = (Some(0.95 * reach.frequency.0), Some(1.05 * reach.frequency.1));
     others.push(("bounds 5 % wider".into(), study(wider)));

@@ -16,7 +16,7 @@ use solver::formulation::unknown::Unknown;
 use solver::linalg::{Matrix, dot};
 use solver::response::backbone::Backbone;
 use solver::response::branch::{Branch, BranchPoint, Side};
-use solver::response::forced::{Forced, Reach};
+use solver::response::forced::{Forced, SearchRange};
 use solver::response::level::Level;
 use solver::settings::{HarmonicSettings, Settings};
 use solver::structure::laws::LawKind;
@@ -61,7 +61,7 @@ fn pressure_states(model: &Model, settings: &Settings, amplitude: f64) -> (Vec<S
     let mut silent = |_: &_| ControlFlow::Continue(());
     let backbone = Backbone::compute(model, settings).unwrap();
     let free = touching(backbone.points.iter().map(|point| &point.point));
-    let mut forced = Forced::new(model, settings, Reach::new(settings, &backbone).unwrap(), amplitude);
+    let mut forced = Forced::new(model, settings, SearchRange::new(settings, &backbone).unwrap(), amplitude);
     let branch = forced.main_branch(Side::Below, &mut silent).unwrap();
     (free, touching(branch.points.iter()))
 }
@@ -247,7 +247,7 @@ fn both_forms_trace_the_isola_of_rotor67() {
     let mut silent = |_: &_| ControlFlow::Continue(());
     let backbone = Backbone::compute(&model, &settings).unwrap();
     let level = Level::compute(&model, &settings, &backbone, 60.0).unwrap();
-    let reach = Reach::new(&settings, &backbone).unwrap();
+    let reach = SearchRange::new(&settings, &backbone).unwrap();
     let one = level.isolas().next().unwrap();
     let mut displacement = Forced::<DisplacementForm<'_>>::build(&model, &settings, reach, 60.0).unwrap();
     let other = displacement.branch_through(&one.points[0].state, &mut silent).unwrap();

@@ -4,7 +4,7 @@
 use crate::stand_in::StandIn;
 use crate::{DAMPER, LEVELS, LONG};
 use protocol::array::Array;
-use protocol::branch::{BranchMessage, FindingMessage};
+use protocol::branch::{BranchMessage, TaskResultMessage};
 use protocol::codec::{encode, encoding};
 use protocol::from_worker::{Lease, LeaseRequest, SubmitRequest};
 use protocol::ids::{Attempt, TaskId, WorkerId};
@@ -39,7 +39,7 @@ fn refusal(reply: SubmitReply) -> String {
 
 fn with_branch(genuine: &SubmitRequest, change: impl FnOnce(&mut BranchMessage)) -> SubmitRequest {
     let mut request = genuine.clone();
-    let FindingMessage::Branch(branch) = &mut request.finding else { panic!("a main branch") };
+    let TaskResultMessage::Branch(branch) = &mut request.finding else { panic!("a main branch") };
     change(branch);
     request
 }
@@ -96,7 +96,7 @@ fn what_is_not_true_is_not_stored() {
 
         // What was given, and numbers that cannot be true: each ends an attempt, three a worker's work.
         let points = match &genuine.finding {
-            FindingMessage::Branch(branch) => branch.points.len(),
+            TaskResultMessage::Branch(branch) => branch.points.len(),
             other => panic!("{other:?}"),
         };
         let not_a_number = with_branch(&genuine, |branch| changed(&mut branch.points.motions.omega, 3, |_| f64::NAN));

@@ -92,7 +92,7 @@ impl StandIn {
         let mut forced =
             solver::response::forced::Forced::new(&self.model, &self.settings, grant.reach, grant.amplitude);
         let observer = &mut |_: &_| std::ops::ControlFlow::Continue(());
-        let finding = solver::response::trace::carry_out(
+        let finding = solver::response::trace::execute(
             &mut forced,
             &grant.work,
             &solver::response::trace::Given::default(),

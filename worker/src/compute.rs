@@ -1,14 +1,14 @@
 //! The thread that computes: one task after the other, and nothing else.
 
-use protocol::branch::FindingMessage;
+use protocol::branch::TaskResultMessage;
 use protocol::codec::encode;
 use protocol::from_worker::{Lease, Progress, SubmitRequest};
 use solver::response::branch::{Branch, BranchPoint};
 use solver::response::critical::CriticalCurve;
-use solver::response::forced::{Forced, Reach};
+use solver::response::forced::{Forced, SearchRange};
 use solver::response::seeds::{Landing, Seed};
-use solver::response::task::{BranchId, DisturbPlace, Finding, MarchPlace, SeedOutcome, Task, VerifyPlace};
-use solver::response::trace::{Given, carry_out};
+use solver::response::task::{BranchId, DisturbPlace, MarchPlace, SeedOutcome, Task, TaskResult, VerifyPlace};
+use solver::response::trace::{Given, execute};
 use solver::settings::Settings;
 use solver::stability::disturbance::{DisturbSettings, disturb};
 use solver::stability::settling::{SettleSettings, settle};
@@ -29,7 +29,7 @@ pub struct Job {
     /// Forcing amplitude.
     pub amplitude: f64,
     /// Within which frequencies and amplitudes branches are followed.
-    pub reach: Reach,
+    pub reach: SearchRange,
     /// What is to be done.
     pub work: Task,
     /// Where from.
@@ -57,7 +57,7 @@ pub struct Finished {
     /// The message of the result, encoded.
     pub payload: Vec<u8>,
     /// What is new.
-    pub finding: Finding,
+    pub finding: TaskResult,
     /// In words.
     pub summary: String,
 }
@@ -166,15 +166,15 @@ fn compute(model: &Model, settings: &Settings, job: &Job, watch: &Watch) -> Comp
     let mut observer = |point: &BranchPoint| watch.visit(point);
     let curves: Vec<(usize, &CriticalCurve)> = job.curves.iter().map(|(number, curve)| (*number, &**curve)).collect();
     let given = Given { seeds: &job.seeds, landings: &job.landings, known: &known, curves: &curves };
-    let Some(finding) = carry_out(&mut forced, &job.work, &given, &mut observer) else {
+    let Some(finding) = execute(&mut forced, &job.work, &given, &mut observer) else {
         return Computed::Stopped;
     };
-    let payload = payload(job, started, FindingMessage::from(&finding));
+    let payload = payload(job, started, TaskResultMessage::from(&finding));
     let summary = match &finding {
-        Finding::Landings(landings) => format!("landed on {}", SeedOutcome::Landed(landings.len())),
-        Finding::Branch(branch) => format!("{} points, {}", branch.points.len(), branch.outcome),
-        Finding::Curve(curve) => format!("fold curve of {} points, {}", curve.points.len(), curve.outcome),
-        Finding::Nothing(outcome) => format!("nothing new: {outcome}"),
+        TaskResult::Landings(landings) => format!("landed on {}", SeedOutcome::Landed(landings.len())),
+        TaskResult::Branch(branch) => format!("{} points, {}", branch.points.len(), branch.outcome),
+        TaskResult::Curve(curve) => format!("fold curve of {} points, {}", curve.points.len(), curve.outcome),
+        TaskResult::Nothing(outcome) => format!("nothing new: {outcome}"),
     };
     Computed::Finished(Finished { payload, finding, summary })
 }
@@ -189,8 +189,8 @@ fn verified(model: &Model, job: &Job, place: &VerifyPlace, watch: &Watch) -> Com
         return Computed::Stopped;
     };
     let outcome = SeedOutcome::Verified(found.points.len());
-    let payload = payload(job, started, FindingMessage::Verification(found));
-    Computed::Finished(Finished { payload, finding: Finding::Nothing(outcome), summary: outcome.to_string() })
+    let payload = payload(job, started, TaskResultMessage::Verification(found));
+    Computed::Finished(Finished { payload, finding: TaskResult::Nothing(outcome), summary: outcome.to_string() })
 }
 
 /// Where pushes onto a branch end.
@@ -207,8 +207,8 @@ fn disturbed(model: &Model, job: &Job, place: &DisturbPlace, watch: &Watch) -> C
         return Computed::Stopped;
     };
     let outcome = SeedOutcome::Disturbed(found.endings.len());
-    let payload = payload(job, started, FindingMessage::Disturbance(found));
-    Computed::Finished(Finished { payload, finding: Finding::Nothing(outcome), summary: outcome.to_string() })
+    let payload = payload(job, started, TaskResultMessage::Disturbance(found));
+    Computed::Finished(Finished { payload, finding: TaskResult::Nothing(outcome), summary: outcome.to_string() })
 }
 
 /// What an unstable motion turns into.
@@ -224,12 +224,12 @@ fn marched(model: &Model, job: &Job, place: &MarchPlace, watch: &Watch) -> Compu
         return Computed::Stopped;
     };
     let outcome = SeedOutcome::Marched(found.periods);
-    let payload = payload(job, started, FindingMessage::Settling(found));
-    Computed::Finished(Finished { payload, finding: Finding::Nothing(outcome), summary: outcome.to_string() })
+    let payload = payload(job, started, TaskResultMessage::Settling(found));
+    Computed::Finished(Finished { payload, finding: TaskResult::Nothing(outcome), summary: outcome.to_string() })
 }
 
 /// The message of a result, encoded.
-fn payload(job: &Job, started: Instant, finding: FindingMessage) -> Vec<u8> {
+fn payload(job: &Job, started: Instant, finding: TaskResultMessage) -> Vec<u8> {
     encode(&SubmitRequest {
         lease: job.lease.clone(),
         program: protocol::PROGRAM.into(),
@@ -250,7 +250,7 @@ mod tests {
     use solver::files;
     use solver::formulation::state::State;
     use solver::response::branch::Side;
-    use solver::response::seeds::{Phase, Way};
+    use solver::response::seeds::{LandingMethod, Phase};
     use solver::response::task::SeedPlace;
     use solver::response::windows::Window;
     use std::path::Path;
@@ -265,7 +265,7 @@ mod tests {
         Job {
             lease: Lease { task, attempt: Attempt(1), worker, slot: 0 },
             amplitude: 0.01,
-            reach: Reach { frequency: (0.9, 1.1), amplitude: 10.0, natural: None, forcing: None },
+            reach: SearchRange { frequency: (0.9, 1.1), amplitude: 10.0, natural: None, forcing: None },
             work: Task::Main(Side::Below),
             seeds: Vec::new(),
             landings: [].into(),
@@ -278,7 +278,7 @@ mod tests {
     fn impossible() -> Job {
         let state = State { harmonics: 0, omega: 1.0, decay: 0.0, forcing: 1.0, arguments: vec![], modal: vec![] };
         let well = Window { mode: 0, first: 0, last: 0, best: 0, threshold: 0.0, omega: (1.0, 1.0) };
-        let place = SeedPlace { window: 0, well, phase: Phase::First, way: Way::FullForcing };
+        let place = SeedPlace { window: 0, well, phase: Phase::First, method: LandingMethod::FullForcing };
         Job { work: Task::Land(place), seeds: vec![Seed { state, place: 0.0, phase: Phase::First }], ..main() }
     }
 
@@ -290,7 +290,7 @@ mod tests {
             _ => panic!("carried out"),
         }
         let Computed::Finished(finished) = computer.compute(main(), Arc::default()).await else { panic!("failed") };
-        assert!(matches!(finished.finding, Finding::Branch(branch) if branch.points.len() > 10));
+        assert!(matches!(finished.finding, TaskResult::Branch(branch) if branch.points.len() > 10));
     }
 
     #[tokio::test]

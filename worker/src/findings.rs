@@ -15,7 +15,7 @@ use protocol::to_worker::{Grant, Known, KnownCurve};
 use solver::response::branch::Branch;
 use solver::response::critical::CriticalCurve;
 use solver::response::seeds::Landing;
-use solver::response::task::{BranchId, Finding, Task};
+use solver::response::task::{BranchId, Task, TaskResult};
 use std::collections::HashMap;
 use std::sync::Arc;
 use std::time::Duration;
@@ -56,22 +56,22 @@ impl Findings {
     }
 
     /// Takes what was found here.
-    pub fn add(&mut self, task: TaskId, finding: Finding) {
+    pub fn add(&mut self, task: TaskId, finding: TaskResult) {
         match finding {
-            Finding::Landings(landings) => {
+            TaskResult::Landings(landings) => {
                 // Their seeds may be somebody else's work.
                 if self.landings.len() >= LANDINGS {
                     self.landings.clear();
                 }
                 self.landings.insert(task, landings.into());
             }
-            Finding::Branch(branch) => {
+            TaskResult::Branch(branch) => {
                 self.branches.insert(task, Arc::new(branch));
             }
-            Finding::Curve(curve) => {
+            TaskResult::Curve(curve) => {
                 self.curves.insert(task, Arc::new(curve));
             }
-            Finding::Nothing(_) => {}
+            TaskResult::Nothing(_) => {}
         }
     }
 

@@ -10,7 +10,7 @@ use crate::shared::Shared;
 use crate::shutdown::Phase;
 use protocol::from_worker::Lease;
 use protocol::to_worker::{Grant, SubmitReply};
-use solver::response::task::{Finding, FoldPlace, Task};
+use solver::response::task::{FoldPlace, Task, TaskResult};
 use std::pin::{Pin, pin};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -37,12 +37,12 @@ impl Slot {
     /// Works until all is done, the run is cancelled, there is nothing to do for too long, or the worker is told to end.
     pub async fn run(mut self) -> Result<(), WorkerError> {
         while let Some(grant) = leasing::next(&self.shared, self.number).await? {
-            self.carry_out(grant).await?;
+            self.execute(grant).await?;
         }
         Ok(())
     }
 
-    async fn carry_out(&mut self, grant: Grant) -> Result<(), WorkerError> {
+    async fn execute(&mut self, grant: Grant) -> Result<(), WorkerError> {
         let shared = self.shared.clone();
         let _busy = shared.begin();
         let (lease, watch) = (lease_of(&self.shared, self.number, &grant), Arc::new(Watch::default()));
@@ -126,7 +126,7 @@ impl Slot {
         &mut self,
         lease: &Lease,
         payload: Vec<u8>,
-        finding: Finding,
+        finding: TaskResult,
         summary: &str,
     ) -> Result<Result<(), String>, OutOfPatience> {
         let (size, most) = (payload.len(), self.shared.max_result_bytes);

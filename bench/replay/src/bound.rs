@@ -3,7 +3,7 @@
 
 use crate::recording::{Recorded, Recording};
 use protocol::ids::TaskId;
-use solver::response::seeds::Way;
+use solver::response::seeds::LandingMethod;
 use solver::response::starts::StartPlace;
 use solver::response::task::{FoldPlace, SeedOutcome, SeedPlace, Task};
 use std::collections::HashMap;
@@ -86,8 +86,8 @@ impl Ends {
         };
         match task.work {
             Task::Main(_) => own,
-            Task::Land(place) if place.way == Way::SteppedForcing => {
-                landed(Task::Seed(SeedPlace { way: Way::FullForcing, ..place }))
+            Task::Land(place) if place.method == LandingMethod::SteppedForcing => {
+                landed(Task::Seed(SeedPlace { method: LandingMethod::FullForcing, ..place }))
             }
             Task::Land(_) | Task::Start(_) | Task::Scout(_) => 0.0,
             Task::Seed(place) => own.max(landed(Task::Land(place))),
@@ -138,25 +138,25 @@ impl Ends {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use protocol::branch::FindingMessage;
+    use protocol::branch::TaskResultMessage;
     use solver::response::branch::Side;
     use solver::response::seeds::{LandingFailure, Phase};
     use solver::response::windows::Window;
 
     fn task(name: &str, work: Task, seconds: f64) -> Recorded {
         let outcome = SeedOutcome::NotLanded(LandingFailure::Far(1.0));
-        let finding = FindingMessage::Nothing(outcome);
+        let finding = TaskResultMessage::Nothing(outcome);
         Recorded { id: TaskId::new(name).unwrap(), amplitude: 1.0, work, outcome, seconds, finding }
     }
 
-    fn place(way: Way) -> SeedPlace {
+    fn place(method: LandingMethod) -> SeedPlace {
         let well = Window { mode: 0, first: 0, last: 0, best: 0, threshold: 0.0, omega: (1.0, 1.0) };
-        SeedPlace { window: 0, well, phase: Phase::First, way }
+        SeedPlace { window: 0, well, phase: Phase::First, method }
     }
 
     #[test]
     fn a_chain_waits_for_landings_and_landings_in_steps_for_the_chain() {
-        let (full, steps) = (place(Way::FullForcing), place(Way::SteppedForcing));
+        let (full, steps) = (place(LandingMethod::FullForcing), place(LandingMethod::SteppedForcing));
         // As they came: not in the order in which they depend on each other.
         let tasks = [
             task("1-2", Task::Land(full), 5.0),

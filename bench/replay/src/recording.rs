@@ -1,6 +1,6 @@
 //! A run that is finished: what every task took and brought.
 
-use protocol::branch::FindingMessage;
+use protocol::branch::TaskResultMessage;
 use protocol::ids::TaskId;
 use protocol::to_everyone::StoredResult;
 use results::journal::TaskState;
@@ -28,7 +28,7 @@ pub struct Recorded {
     /// Computing time, s.
     pub seconds: f64,
     /// What it brought.
-    pub finding: FindingMessage,
+    pub finding: TaskResultMessage,
 }
 
 /// A run that is finished.
@@ -77,10 +77,10 @@ impl Recording {
     ///
     /// Many workers land seeds that fewer would not have come to before it was known that they are not needed. Nothing follows
     /// from what those land on: one takes as long as others do on average, and lands on nothing.
-    pub fn answer(&self, id: &TaskId, work: &Task) -> Option<(f64, FindingMessage)> {
+    pub fn answer(&self, id: &TaskId, work: &Task) -> Option<(f64, TaskResultMessage)> {
         match (self.task(id), work) {
             (Some(task), _) => Some((task.seconds, task.finding.clone())),
-            (None, Task::Land(_)) => Some((self.landing, FindingMessage::Nothing(NOT_LANDED))),
+            (None, Task::Land(_)) => Some((self.landing, TaskResultMessage::Nothing(NOT_LANDED))),
             (None, _) => None,
         }
     }
@@ -94,13 +94,13 @@ impl Recording {
 fn recorded(result: StoredResult, scale: f64) -> Result<Recorded, String> {
     let StoredResult { task: id, amplitude, work, outcome, name, seconds, .. } = result;
     let found = [
-        result.branch.filter(|_| name.is_some()).map(FindingMessage::Branch),
-        result.curve.map(FindingMessage::Curve),
-        result.landings.map(FindingMessage::Landings),
-        result.verification.map(FindingMessage::Verification),
-        result.disturbance.map(FindingMessage::Disturbance),
-        result.settling.map(FindingMessage::Settling),
+        result.branch.filter(|_| name.is_some()).map(TaskResultMessage::Branch),
+        result.curve.map(TaskResultMessage::Curve),
+        result.landings.map(TaskResultMessage::Landings),
+        result.verification.map(TaskResultMessage::Verification),
+        result.disturbance.map(TaskResultMessage::Disturbance),
+        result.settling.map(TaskResultMessage::Settling),
     ];
-    let finding = found.into_iter().flatten().next().unwrap_or(FindingMessage::Nothing(outcome));
+    let finding = found.into_iter().flatten().next().unwrap_or(TaskResultMessage::Nothing(outcome));
     Ok(Recorded { id, amplitude: amplitude.value, work, outcome, seconds: seconds * scale, finding })
 }

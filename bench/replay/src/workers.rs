@@ -97,12 +97,12 @@ impl Replayed {
         let _presence = self.shared.appear().await.map_err(|error| error.to_string())?;
         while let Some(grant) = next(&self.shared, 0).await.map_err(|error| error.to_string())? {
             self.replay.meter.granted();
-            self.carry_out(grant).await?;
+            self.execute(grant).await?;
         }
         Ok(())
     }
 
-    async fn carry_out(&mut self, grant: Grant) -> Result<(), String> {
+    async fn execute(&mut self, grant: Grant) -> Result<(), String> {
         let begun = Instant::now();
         let shared = self.shared.clone();
         let lease = lease_of(&shared, 0, &grant);

@@ -17,8 +17,6 @@ const ABSURD: (f64, f64) = (1e-3, 1e9);
 const SLOW: f64 = 0.1;
 /// Between these shares of the condensed stiffness the prediction of contact forces works well.
 const EPSILON: (f64, f64) = (0.1, 1e3);
-/// Eigenfrequencies below this share of the highest one are those of rigid-body modes.
-const RIGID: f64 = 1e-6;
 
 /// Where the linear structure touches first.
 pub(super) struct FirstTouch<'m> {
@@ -75,12 +73,11 @@ fn shape(model: &Model, contact: &ContactElement<'_>) -> Vec<f64> {
 /// Smallest and largest ratio of ε to the static stiffness of the structure at the contacts; `None` if the structure is
 /// free to move there.
 pub(super) fn epsilon_ratios(model: &Model) -> Option<(f64, f64)> {
-    let frequencies = &model.modes().frequencies;
-    let rigid = RIGID * frequencies.last()?;
+    let modes = model.modes();
     let ratio = |contact: ContactElement<'_>| {
         let shape = shape(model, &contact);
-        let is_free = shape.iter().zip(frequencies).any(|(b, omega)| *b != 0.0 && *omega <= rigid);
-        let compliance: f64 = shape.iter().zip(frequencies).map(|(b, omega)| (b / omega).powi(2)).sum();
+        let is_free = shape.iter().enumerate().any(|(j, b)| *b != 0.0 && modes.is_rigid(j));
+        let compliance: f64 = shape.iter().zip(&modes.frequencies).map(|(b, omega)| (b / omega).powi(2)).sum();
         (!is_free).then_some(contact.law.epsilon * compliance)
     };
     let ratios: Vec<f64> = model.contacts().filter_map(ratio).filter(|ratio| ratio.is_finite()).collect();
@@ -104,7 +101,7 @@ pub(super) fn warnings(study: &Study, touch: Option<&FirstTouch<'_>>) -> Vec<Str
 fn units(model: &Model) -> Option<String> {
     let frequencies = &model.modes().frequencies;
     let highest = *frequencies.last()?;
-    let lowest = *frequencies.iter().find(|omega| **omega > RIGID * highest)?;
+    let lowest = frequencies[(0..model.size()).find(|&j| !model.modes().is_rigid(j))?];
     let (low, high) = (number(lowest), number(highest));
     if highest < SLOW {
         let exchanged = format!("{} to {} rad/s", number(1.0 / highest), number(1.0 / lowest));

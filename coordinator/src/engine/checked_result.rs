@@ -1,7 +1,7 @@
 //! A result as it reaches the engine.
 
 use protocol::array::ArrayError;
-use protocol::branch::FindingMessage;
+use protocol::branch::TaskResultMessage;
 use protocol::curve::Size;
 use protocol::digest::HashedBranch;
 use protocol::from_worker::{Lease, SubmitRequest};
@@ -86,7 +86,7 @@ pub struct CheckedResult {
     /// The new branch, if it found one.
     pub branch: HashedBranch,
     /// What else it found, or why nothing.
-    pub found: Option<FindingMessage>,
+    pub found: Option<TaskResultMessage>,
     /// The new branch in numbers.
     pub extent: Option<Extent>,
     /// What the task brought.
@@ -114,19 +114,19 @@ impl CheckedResult {
         }
         let (size, recheck) = (Size::of(model), Recheck::new(model, settings, draw));
         match &finding {
-            FindingMessage::Landings(found) => {
+            TaskResultMessage::Landings(found) => {
                 recheck.landings(&found.landings(&size)?, expected.work.forcing(expected.amplitude))?;
             }
-            FindingMessage::Branch(found) => recheck.branch(&found.branch(&size)?, expected.amplitude)?,
-            FindingMessage::Curve(found) => recheck.curve(&found.curve(&size)?)?,
-            FindingMessage::Verification(found) => verifies(found, &size, expected)?,
-            FindingMessage::Disturbance(found) => disturbs(found, &size, expected)?,
-            FindingMessage::Settling(found) => settles(found, &size, expected)?,
-            FindingMessage::Nothing(_) => {}
+            TaskResultMessage::Branch(found) => recheck.branch(&found.branch(&size)?, expected.amplitude)?,
+            TaskResultMessage::Curve(found) => recheck.curve(&found.curve(&size)?)?,
+            TaskResultMessage::Verification(found) => verifies(found, &size, expected)?,
+            TaskResultMessage::Disturbance(found) => disturbs(found, &size, expected)?,
+            TaskResultMessage::Settling(found) => settles(found, &size, expected)?,
+            TaskResultMessage::Nothing(_) => {}
         }
         let brought = finding.brought();
         let (branch, found) = match finding {
-            FindingMessage::Branch(found) => (Some(found), None),
+            TaskResultMessage::Branch(found) => (Some(found), None),
             found => (None, Some(found)),
         };
         let extent = branch.as_ref().map(Extent::of);

@@ -4,7 +4,7 @@ use super::checked_result::{CheckedResult, Expected};
 use super::decision::{Answer, Decision, News, Offer};
 use super::event::Beginning;
 use crate::ledger::{Accepted, Leased, Ledger, Offered, Rules, Submitted};
-use protocol::branch::FindingMessage;
+use protocol::branch::TaskResultMessage;
 use protocol::from_worker::{Lease, Progress};
 use protocol::ids::{RunId, TaskId, WorkerId};
 use protocol::to_everyone::{Done, StoredResult};
@@ -115,7 +115,7 @@ impl Sweep {
             _ => None,
         };
         self.extents.extend(extent.map(|extent| (task.clone(), extent)));
-        if let Some(FindingMessage::Verification(found)) = &found {
+        if let Some(TaskResultMessage::Verification(found)) = &found {
             self.verifications.insert(task.clone(), found.clone());
         }
         let result = StoredResult {
@@ -164,7 +164,8 @@ impl Sweep {
         if !agrees {
             warn!(%task, %worker, "a second result disagrees with the stored one by more than {AGREEMENT:e}");
         }
-        let (Some(first), Some(FindingMessage::Verification(second))) = (self.verifications.get(task), &result.found)
+        let (Some(first), Some(TaskResultMessage::Verification(second))) =
+            (self.verifications.get(task), &result.found)
         else {
             return SubmitReply::Duplicate { agrees };
         };

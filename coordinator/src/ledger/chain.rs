@@ -10,7 +10,7 @@ use results::journal::{Change, Holder, LevelPlan, TaskState, Troubles};
 use solver::response::account::Account;
 use solver::response::critical::crossed;
 use solver::response::scout::ScoutPlace;
-use solver::response::seeds::Way;
+use solver::response::seeds::LandingMethod;
 use solver::response::starts::StartPlace;
 use solver::response::task::{BranchId, Brought, MarchPlace, SeedOutcome, SeedPlace, Task, VerifyPlace};
 use solver::settings::Stretch;
@@ -294,7 +294,9 @@ impl Chain {
         let task = &self.entries[e].task;
         let is_needed = |task| self.level().is_none_or(|level| level.account.needs(task));
         match task {
-            Task::Land(place) if place.way == Way::SteppedForcing && !self.is_decided(e, place) => Turn::Blocked,
+            Task::Land(place) if place.method == LandingMethod::SteppedForcing && !self.is_decided(e, place) => {
+                Turn::Blocked
+            }
             _ if !task.is_ordered() && is_needed(task) => Turn::Ready,
             _ if !task.is_ordered() => Turn::Needless,
             _ if taken => Turn::Blocked,
@@ -309,7 +311,7 @@ impl Chain {
 
     /// Whether it is known what became of a seed with the full forcing, of which entry `e` is the other way, or nothing will be.
     fn is_decided(&self, e: usize, place: &SeedPlace) -> bool {
-        let full = SeedPlace { way: Way::FullForcing, ..*place };
+        let full = SeedPlace { method: LandingMethod::FullForcing, ..*place };
         let mut before = self.entries[..e].iter();
         before.clone().filter(|entry| entry.task == Task::Seed(full)).all(TaskEntry::is_settled)
             || before.any(|entry| entry.task == Task::Land(full) && entry.state == TaskState::Dead)

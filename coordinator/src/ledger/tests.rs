@@ -18,7 +18,7 @@ use results::journal::{AddedTask, AttemptEnd, Change, Holder, LevelPlan, StoredT
 use solver::response::branch::{BranchKind, Side};
 use solver::response::forcing::Unreached;
 use solver::response::scout::ScoutPlace;
-use solver::response::seeds::{LandingFailure, Phase, Way};
+use solver::response::seeds::{LandingFailure, LandingMethod, Phase};
 use solver::response::starts::StartPlace;
 use solver::response::task::{
     BranchId, Brought, CrossingPlace, DisturbPlace, FoldPlace, SeedOutcome, SeedPlace, Task, Unfollowed,
@@ -43,10 +43,10 @@ fn window(number: usize) -> Window {
 fn plan(amplitude: f64, windows: usize) -> LevelPlan {
     let mut tasks = vec![Task::Main(Side::Below), Task::Main(Side::Above)];
     for window_number in 0..windows {
-        for way in [Way::FullForcing, Way::SteppedForcing] {
+        for method in [LandingMethod::FullForcing, LandingMethod::SteppedForcing] {
             for phase in [Phase::First, Phase::Second] {
                 let well = window(window_number);
-                let place = SeedPlace { window: window_number, well, phase, way };
+                let place = SeedPlace { window: window_number, well, phase, method };
                 tasks.extend([Task::Land(place), Task::Seed(place)]);
             }
         }
@@ -117,7 +117,7 @@ fn find(granted: &Granted) -> Brought {
         Task::Land(place) => {
             assert!(known.is_empty() && curves.is_empty(), "a landing does not depend on what is known");
             let failure = LandingFailure::NotConverged(Unreached::OutOfReach);
-            let lands = (place.window + amplitude as usize) % 4 == 1 || place.way == Way::SteppedForcing;
+            let lands = (place.window + amplitude as usize) % 4 == 1 || place.method == LandingMethod::SteppedForcing;
             return if lands { Brought::Landings(1) } else { Brought::Nothing(SeedOutcome::NotLanded(failure)) };
         }
         Task::Start(_) => {
@@ -136,11 +136,11 @@ fn find(granted: &Granted) -> Brought {
         }
     };
     let last = known.iter().rev().find(|known| known.branch.kind == BranchKind::Isola);
-    match ((place.window + amplitude as usize) % 4, place.way, place.phase) {
+    match ((place.window + amplitude as usize) % 4, place.method, place.phase) {
         (0, _, _) => main,
-        (1, Way::FullForcing, Phase::First) => Brought::Branch { kind: BranchKind::Isola, folds: 1 },
-        (1, Way::FullForcing, Phase::Second) => Brought::Nothing(SeedOutcome::Found(last.unwrap().branch)),
-        (2, Way::SteppedForcing, Phase::Second) => Brought::branch(BranchKind::Cut),
+        (1, LandingMethod::FullForcing, Phase::First) => Brought::Branch { kind: BranchKind::Isola, folds: 1 },
+        (1, LandingMethod::FullForcing, Phase::Second) => Brought::Nothing(SeedOutcome::Found(last.unwrap().branch)),
+        (2, LandingMethod::SteppedForcing, Phase::Second) => Brought::branch(BranchKind::Cut),
         _ => Brought::Nothing(SeedOutcome::NotLanded(LandingFailure::Far(0.5))),
     }
 }

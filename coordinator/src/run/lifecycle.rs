@@ -82,7 +82,7 @@ impl Interrupts {
 ///
 /// # Errors
 /// If the store cannot be written, or there is no backbone. What was accepted is stored; the run can be resumed.
-pub async fn carry_out(
+pub async fn drive(
     directory: &Path,
     store: Store,
     model: Model,

@@ -18,4 +18,4 @@ mod over_http;
 pub mod preparation;
 mod services;
 
-pub use lifecycle::{Ending, carry_out};
+pub use lifecycle::{Ending, drive};

@@ -14,7 +14,7 @@ use results::store::{RunHeader, Store};
 use solver::formulation::modal::Modal;
 use solver::response::backbone::Backbone;
 use solver::response::branch::BranchPoint;
-use solver::response::forced::Reach;
+use solver::response::forced::SearchRange;
 use solver::response::modes::Backbones;
 use solver::response::scout::scouts;
 use solver::response::starts;
@@ -99,7 +99,7 @@ pub fn extended(
     settings: &Settings,
     all: &[Amplitude],
     first: usize,
-) -> Result<Option<(Reach, Vec<LevelPlan>)>, Error> {
+) -> Result<Option<(SearchRange, Vec<LevelPlan>)>, Error> {
     let Some(primary) = store.backbone()? else { return Ok(None) };
     let further = store.further_backbones()?;
     let backbones = backbones(model, std::iter::once(&primary).chain(&further))?;
@@ -107,10 +107,10 @@ pub fn extended(
 }
 
 /// Within which frequencies and amplitudes the branches of all levels are followed.
-fn reach(settings: &Settings, backbones: &[Backbone], all: &[Amplitude]) -> Result<Reach, Error> {
+fn reach(settings: &Settings, backbones: &[Backbone], all: &[Amplitude]) -> Result<SearchRange, Error> {
     let values = || all.iter().map(|amplitude| amplitude.value);
     let highest = values().fold(0.0, f64::max);
-    Ok(Reach::over(settings, &backbones[0], &backbones[1..], highest)?.with_folds_of(values()))
+    Ok(SearchRange::over(settings, &backbones[0], &backbones[1..], highest)?.with_folds_of(values()))
 }
 
 /// Windows and tasks of the levels from `first` on.

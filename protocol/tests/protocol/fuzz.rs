@@ -4,7 +4,7 @@
 //! Half a minute in all; `ISOLA_FUZZ_SECONDS=3600` for an hour.
 
 use crate::samples::{self, SIZE, Visit};
-use protocol::branch::FindingMessage;
+use protocol::branch::TaskResultMessage;
 use protocol::codec::{Message, decode_stored, encode, encoding};
 use protocol::from_worker::SubmitRequest;
 use protocol::model::ModelMessage;
@@ -86,15 +86,15 @@ fn converted(bytes: &[u8]) {
     if let Ok(SubmitRequest { finding, .. }) = decode_stored(bytes) {
         let _ = finding.brought();
         match finding {
-            FindingMessage::Branch(branch) => drop(branch.branch(&SIZE)),
-            FindingMessage::Curve(curve) => drop(curve.curve(&SIZE)),
-            FindingMessage::Landings(landings) => drop(landings.landings(&SIZE)),
-            FindingMessage::Verification(verification) => {
+            TaskResultMessage::Branch(branch) => drop(branch.branch(&SIZE)),
+            TaskResultMessage::Curve(curve) => drop(curve.curve(&SIZE)),
+            TaskResultMessage::Landings(landings) => drop(landings.landings(&SIZE)),
+            TaskResultMessage::Verification(verification) => {
                 if verification.is_sound(SIZE.monitors) && verification.count < 1 << 16 {
                     assert_eq!(verification.verdicts().len(), verification.count);
                 }
             }
-            FindingMessage::Disturbance(_) | FindingMessage::Settling(_) | FindingMessage::Nothing(_) => {}
+            TaskResultMessage::Disturbance(_) | TaskResultMessage::Settling(_) | TaskResultMessage::Nothing(_) => {}
         }
     }
     if let Ok(StoredResult { branch, disturbance, settling, work, .. }) = decode_stored(bytes) {

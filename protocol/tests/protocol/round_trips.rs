@@ -4,7 +4,7 @@ use crate::samples::{self, SIZE};
 use proptest::prelude::*;
 use protocol::array::{Array, ArrayError};
 use protocol::backbone::BackboneMessage;
-use protocol::branch::{BranchMessage, FindingMessage};
+use protocol::branch::{BranchMessage, TaskResultMessage};
 use protocol::codec::{Message, decode, decode_stored, encode, encoding};
 use protocol::curve::{Points, Seeds, Size};
 use protocol::from_worker::{Lease, SubmitRequest};
@@ -17,7 +17,7 @@ use solver::response::backbone::Backbone;
 use solver::response::branch::{Branch, SpecialKind, SpecialPoint};
 use solver::response::columns;
 use solver::response::level::Level;
-use solver::response::task::{Finding, plan};
+use solver::response::task::{TaskResult, plan};
 use solver::settings::{FrequencySettings, Settings};
 use solver::structure::Model;
 use std::ops::ControlFlow;
@@ -94,9 +94,9 @@ fn branches() {
             },
             program: protocol::PROGRAM.into(),
             seconds: 0.5,
-            finding: (&Finding::Branch(branch.clone())).into(),
+            finding: (&TaskResult::Branch(branch.clone())).into(),
         };
-        let FindingMessage::Branch(message) = through_bytes(&submit).finding else { panic!("a branch was sent") };
+        let TaskResultMessage::Branch(message) = through_bytes(&submit).finding else { panic!("a branch was sent") };
         let stored = StoredResult { branch: Some(message), ..samples::result() };
         let read = through_bytes(&stored).branch.unwrap().branch(&damper.size).unwrap();
         assert_eq!(&read, branch);

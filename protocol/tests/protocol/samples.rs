@@ -12,7 +12,7 @@ pub use results::{
 use protocol::VERSION;
 use protocol::array::Array;
 use protocol::backbone::BackboneMessage;
-use protocol::branch::{BranchMessage, FindingMessage};
+use protocol::branch::{BranchMessage, TaskResultMessage};
 use protocol::codec::Message;
 use protocol::columns::Columns;
 use protocol::control::{ControlReply, ControlRequest};
@@ -28,9 +28,9 @@ use solver::curve::continuation::Rejection;
 use solver::curve::problem::Failure;
 use solver::response::branch::{BranchKind, Certificate, Outcome, SpecialKind, SpecialPoint, Standing, Stop};
 use solver::response::certificate::Doubled;
-use solver::response::forced::Reach;
+use solver::response::forced::SearchRange;
 use solver::response::modes::{LeftOut, ModesFollowed};
-use solver::response::seeds::{LandingFailure, Phase, Way};
+use solver::response::seeds::{LandingFailure, LandingMethod, Phase};
 use solver::response::task::{BranchId, SeedOutcome, SeedPlace, Task};
 use solver::response::windows::Window;
 use solver::settings::Settings;
@@ -64,8 +64,8 @@ pub fn all(visitor: &mut impl Visit) {
     visitor.visit("progress", &progress());
     visitor.visit("lease_request", &lease_request());
     visitor.visit("renew_request", &RenewRequest { lease: lease(), progress: Some(progress()) });
-    visitor.visit("submit_request", &submit_request(FindingMessage::Branch(branch())));
-    visitor.visit("submit_request_nothing", &submit_request(FindingMessage::Nothing(not_landed())));
+    visitor.visit("submit_request", &submit_request(TaskResultMessage::Branch(branch())));
+    visitor.visit("submit_request_nothing", &submit_request(TaskResultMessage::Nothing(not_landed())));
     visitor.visit("fail_request", &FailRequest { lease: lease(), reason: "out of memory".into() });
     visitor.visit("release_request", &ReleaseRequest { lease: lease() });
     visitor.visit("lease_reply-grant", &LeaseReply::Grant(grant()));
@@ -114,8 +114,8 @@ fn progress() -> Progress {
     Progress { points: 300, omega: 1.25, amplitude: 0.5 }
 }
 
-fn reach() -> Reach {
-    Reach { frequency: (0.75, 1.5), amplitude: 8.0, natural: None, forcing: None }
+fn reach() -> SearchRange {
+    SearchRange { frequency: (0.75, 1.5), amplitude: 8.0, natural: None, forcing: None }
 }
 
 fn modes() -> ModesFollowed {
@@ -271,7 +271,7 @@ fn windows() -> WindowsMessage {
 }
 
 fn place() -> SeedPlace {
-    SeedPlace { window: 0, well: window(), phase: Phase::Second, way: Way::SteppedForcing }
+    SeedPlace { window: 0, well: window(), phase: Phase::Second, method: LandingMethod::SteppedForcing }
 }
 
 fn work() -> Task {
@@ -317,7 +317,7 @@ fn lease_request() -> LeaseRequest {
     LeaseRequest { protocol: VERSION, program: program(), worker: worker(), slot: 1 }
 }
 
-fn submit_request(finding: FindingMessage) -> SubmitRequest {
+fn submit_request(finding: TaskResultMessage) -> SubmitRequest {
     SubmitRequest { lease: lease(), program: program(), seconds: 1.5, finding }
 }
 

@@ -38,11 +38,11 @@ pub fn marched(
 ) -> Result<MarchedPeriod, Reason> {
     let count = states.len();
     let has_neighbours = is_closed || (index > 0 && index + 1 < count);
-    let way = has_neighbours.then(|| [&states[(index + count - 1) % count], &states[(index + 1) % count]]);
+    let between = has_neighbours.then(|| [&states[(index + count - 1) % count], &states[(index + 1) % count]]);
     let polished = |around| polish(model, &PolishSettings::default(), &states[index], around);
     // At the same frequency if there is one: near folds the marched branch does not reach as far.
     let found = Some(polished(Around::default())).filter(|found| found.polished.is_some());
-    let found = found.unwrap_or_else(|| polished(Around { way, neighbour: None }));
+    let found = found.unwrap_or_else(|| polished(Around { between, neighbour: None }));
     let Some(polished) = found.polished else { return Err(found.reason.unwrap_or(Reason::NotConverged)) };
     let (times, displacements) = period(motions, model, &polished.orbit).ok_or(Reason::Failed)?;
     Ok(MarchedPeriod { omega: polished.orbit.omega, verdict: found.verdict, times, displacements })

@@ -15,7 +15,7 @@ use crate::store::{Reader, verdict_name};
 use protocol::ids::{Attempt, TaskId};
 use solver::curve::problem::Failure;
 use solver::response::columns::{Column, Csv, of_backbone, of_points};
-use solver::response::task::{BranchId, Finding, SeedOutcome};
+use solver::response::task::{BranchId, SeedOutcome, TaskResult};
 use solver::stability::multipliers::Verdict;
 use std::collections::HashMap;
 use std::fs;
@@ -184,7 +184,7 @@ fn failures_are_rows() {
     let (mut store, mut sweep) = study.begin(&dir.path().join("run"));
     // Of the larger level the main branch does not start, of the smaller one it is given up.
     let granted = sweep.lease(&mut store, 0).unwrap();
-    let changes = sweep.accept(&granted, Finding::Nothing(SeedOutcome::NotTraced(Failure::Diverged.into())));
+    let changes = sweep.accept(&granted, TaskResult::Nothing(SeedOutcome::NotTraced(Failure::Diverged.into())));
     store.commit(&changes).unwrap();
     let (task, attempt): (TaskId, _) = ("3e-3-0".parse().unwrap(), Attempt(1));
     let end = AttemptEnd::Failed("worker-1: out of memory".into());

@@ -14,10 +14,10 @@ const DECADES: f64 = 2.0;
 /// Points of a curve that have marks at most.
 const MARKED: usize = 60;
 
-/// A way to the largest response, and how it looks.
-struct Way<'w> {
+/// What one way of looking for the largest response finds, and how it is drawn.
+struct ResonanceCurve<'w> {
     name: &'w str,
-    curve: &'w Resonance,
+    resonance: &'w Resonance,
     style: Style,
 }
 
@@ -28,7 +28,7 @@ struct Way<'w> {
 pub fn figure(subject: &Subject<'_>, store: &mut ColumnStore) -> Result<Figure, String> {
     let monitor = subject.monitors.first().map_or("", |monitor| &monitor.name);
     let events = subject.backbone.map_or(&[][..], |backbone| &backbone.events);
-    drawn(&ways(subject), monitor, events, store)
+    drawn(&curves(subject), monitor, events, store)
 }
 
 /// The same of several runs: what each is called, its largest response, and how that looks.
@@ -40,12 +40,19 @@ pub(super) fn compared(
     monitor: &str,
     store: &mut ColumnStore,
 ) -> Result<Figure, String> {
-    let ways = runs.iter().map(|(name, curve, style)| Way { name, curve, style: style.clone() });
-    drawn(&ways.filter(|way| !way.curve.value.is_empty()).collect::<Vec<_>>(), monitor, &[], store)
+    let curves =
+        runs.iter().map(|(name, curve, style)| ResonanceCurve { name, resonance: curve, style: style.clone() });
+    drawn(&curves.filter(|curve| !curve.resonance.value.is_empty()).collect::<Vec<_>>(), monitor, &[], store)
 }
 
-fn drawn(ways: &[Way<'_>], monitor: &str, events: &[Event], store: &mut ColumnStore) -> Result<Figure, String> {
-    let values = |of: fn(&Resonance) -> &[f64]| ways.iter().flat_map(move |way| of(way.curve).iter().copied());
+fn drawn(
+    curves: &[ResonanceCurve<'_>],
+    monitor: &str,
+    events: &[Event],
+    store: &mut ColumnStore,
+) -> Result<Figure, String> {
+    let values =
+        |of: fn(&Resonance) -> &[f64]| curves.iter().flat_map(move |curve| of(curve.resonance).iter().copied());
     let amplitudes = values(|curve| &curve.amplitude);
     if values(|curve| &curve.value).next().is_none() {
         return Err("the run has neither a backbone nor a branch yet".into());
@@ -68,14 +75,15 @@ fn drawn(ways: &[Way<'_>], monitor: &str, events: &[Event], store: &mut ColumnSt
     let labels = shown.iter().map(|event| label(event, &frequency)).collect();
     let mut above = Panel { labels, ..panel(frequency, "Resonance over forcing: frequency") };
     let mut below = panel(amplitude, "Resonance over forcing: largest amplitude");
-    for way in ways {
-        let columns = [&way.curve.value, &way.curve.omega, &way.curve.amplitude];
+    for curve in curves {
+        let columns = [&curve.resonance.value, &curve.resonance.omega, &curve.resonance.amplitude];
         let [x, omega, amplitude] = columns.map(|values| store.exact(values.clone()));
-        above.series.push(series(way, &x, &omega, (&omega, &amplitude)));
-        below.series.push(series(way, &x, &amplitude, (&omega, &amplitude)));
+        above.series.push(series(curve, &x, &omega, (&omega, &amplitude)));
+        below.series.push(series(curve, &x, &amplitude, (&omega, &amplitude)));
     }
-    let entry = |way: &Way<'_>| Entry { text: way.name.into(), kind: Kind::Line, style: way.style.clone() };
-    let mut legend: Vec<Entry> = ways.iter().map(entry).collect();
+    let entry =
+        |curve: &ResonanceCurve<'_>| Entry { text: curve.name.into(), kind: Kind::Line, style: curve.style.clone() };
+    let mut legend: Vec<Entry> = curves.iter().map(entry).collect();
     for (kind, text) in [(EventKind::Birth, "▲ window born"), (EventKind::Merge, "▼ windows merge")] {
         let event = shown.iter().find(|event| event.kind == kind);
         legend.extend(event.map(|event| Entry { text: text.into(), kind: Kind::Line, style: span(event).style }));
@@ -91,21 +99,25 @@ fn drawn(ways: &[Way<'_>], monitor: &str, events: &[Event], store: &mut ColumnSt
     })
 }
 
-fn ways<'s>(subject: &Subject<'s>) -> Vec<Way<'s>> {
+fn curves<'s>(subject: &Subject<'s>) -> Vec<ResonanceCurve<'s>> {
     let resonance = subject.resonance;
     let line = |category| Style::line(Color::Category(category), MEDIUM);
     let circles = line(0).with_dash(2).with_marker(Shape::Circle, 0.9 * MARK, true);
-    let ways = [
-        Way { name: "energy balance alone", curve: &resonance.balance, style: line(2).with_dash(1) },
-        Way { name: "with isolas", curve: &resonance.isolas, style: line(1).with_marker(Shape::Square, MARK, false) },
-        Way { name: "main branches alone", curve: &resonance.continuation, style: circles },
+    let curves = [
+        ResonanceCurve { name: "energy balance alone", resonance: &resonance.balance, style: line(2).with_dash(1) },
+        ResonanceCurve {
+            name: "with isolas",
+            resonance: &resonance.isolas,
+            style: line(1).with_marker(Shape::Square, MARK, false),
+        },
+        ResonanceCurve { name: "main branches alone", resonance: &resonance.continuation, style: circles },
     ];
-    let is_there = |way: &Way<'_>| !way.curve.value.is_empty();
-    let unmarked = |way: Way<'s>| match way.curve.value.len() {
-        0..=MARKED => way,
-        _ => Way { style: Style { marker: None, ..way.style }, ..way },
+    let is_there = |curve: &ResonanceCurve<'_>| !curve.resonance.value.is_empty();
+    let unmarked = |curve: ResonanceCurve<'s>| match curve.resonance.value.len() {
+        0..=MARKED => curve,
+        _ => ResonanceCurve { style: Style { marker: None, ..curve.style }, ..curve },
     };
-    ways.into_iter().filter(is_there).map(unmarked).collect()
+    curves.into_iter().filter(is_there).map(unmarked).collect()
 }
 
 fn forcing(values: impl Iterator<Item = f64> + Clone) -> Axis {
@@ -118,12 +130,12 @@ fn forcing(values: impl Iterator<Item = f64> + Clone) -> Axis {
     }
 }
 
-fn series(way: &Way<'_>, x: &Ref, y: &Ref, (omega, amplitude): (&Ref, &Ref)) -> Series {
+fn series(curve: &ResonanceCurve<'_>, x: &Ref, y: &Ref, (omega, amplitude): (&Ref, &Ref)) -> Series {
     Series {
-        name: Some(way.name.into()),
+        name: Some(curve.name.into()),
         x: vec![x.clone()],
         y: vec![y.clone()],
-        style: way.style.clone(),
+        style: curve.style.clone(),
         details: vec![
             Detail::new("A", Format::Number, 4, x),
             Detail::new("frequency", Format::Frequency, 6, omega),

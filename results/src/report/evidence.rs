@@ -62,16 +62,11 @@ pub struct Structure {
     pub excited: Vec<usize>,
 }
 
-/// Eigenfrequencies below this share of the highest one are those of rigid-body modes, which are not damped.
-const RIGID: f64 = 1e-6;
-
 impl Structure {
     /// Of a model, amplitudes being those of this dof.
     pub fn new(model: &Model, monitor: &str, gap: Option<f64>) -> Self {
-        let frequencies = &model.modes().frequencies;
-        let rigid = RIGID * frequencies.last().copied().unwrap_or_default();
         let damped = |is_wanted: fn(f64) -> bool| {
-            let modes = (0..model.size()).filter(|&j| frequencies[j] > rigid);
+            let modes = (0..model.size()).filter(|&j| !model.modes().is_rigid(j));
             modes.filter(|&j| is_wanted(model.damping().diagonal(j))).map(|j| j + 1).collect()
         };
         Self {

@@ -14,9 +14,9 @@ use protocol::codec::{decode_stored, encode};
 use protocol::ids::TaskId;
 use rusqlite::{Connection, Row, params};
 use solver::response::columns::of_backbone_in_files;
-use solver::response::forced::Reach;
+use solver::response::forced::SearchRange;
 use solver::response::modes::{LeftOut, ModesFollowed};
-use solver::response::seeds::{Phase, Way};
+use solver::response::seeds::{LandingMethod, Phase};
 use solver::response::task::{CrossingPlace, FoldPlace, SeedPlace, Task, VerifyPlace};
 use solver::response::windows::Window;
 use solver::settings::Stretch;
@@ -48,7 +48,7 @@ pub(super) fn insert_plan(db: &Connection, file: &Path, plan: &SweepPlan, displa
 }
 
 /// Stores what follows from the backbones for levels that are added.
-pub(super) fn insert_more(db: &Connection, file: &Path, reach: &Reach, levels: &[LevelPlan]) -> Result<()> {
+pub(super) fn insert_more(db: &Connection, file: &Path, reach: &SearchRange, levels: &[LevelPlan]) -> Result<()> {
     let mut omega = HashMap::new();
     for backbone in read_backbone(db, file)?.into_iter().chain(read_further(db, file)?) {
         omega.insert(backbone.mode, frequencies(file, &backbone)?);
@@ -98,7 +98,7 @@ fn insert_mode(
 }
 
 /// Stores the reach that follows from the backbones.
-fn insert_reach(db: &Connection, file: &Path, reach: &Reach) -> Result<()> {
+fn insert_reach(db: &Connection, file: &Path, reach: &SearchRange) -> Result<()> {
     set(db, file, "reach", pack(reach))?;
     set(db, file, "omega_low", reach.frequency.0)?;
     set(db, file, "omega_high", reach.frequency.1)?;
@@ -185,7 +185,7 @@ pub(super) fn read_left_out(db: &Connection, file: &Path) -> Result<Option<Vec<(
 }
 
 /// The reach, once it is known.
-pub(super) fn read_reach(db: &Connection, file: &Path) -> Result<Option<Reach>> {
+pub(super) fn read_reach(db: &Connection, file: &Path) -> Result<Option<SearchRange>> {
     get::<Vec<u8>>(db, file, "reach")?.map(|bytes| unpack(file, &bytes)).transpose()
 }
 
@@ -294,9 +294,9 @@ fn phase_name(place: &SeedPlace) -> &'static str {
 }
 
 fn way_name(place: &SeedPlace) -> &'static str {
-    match place.way {
-        Way::FullForcing => "fixed_frequency",
-        Way::SteppedForcing => "stepped_forcing",
+    match place.method {
+        LandingMethod::FullForcing => "fixed_frequency",
+        LandingMethod::SteppedForcing => "stepped_forcing",
     }
 }
 

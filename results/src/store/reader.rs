@@ -18,7 +18,7 @@ use protocol::ids::{TaskId, WorkerId};
 use protocol::model::ModelMessage;
 use protocol::to_everyone::{Amplitude, Counts, Done, Stage, StoredResult};
 use rusqlite::{Connection, OptionalExtension, Params, Row, Transaction};
-use solver::response::forced::Reach;
+use solver::response::forced::SearchRange;
 use solver::response::modes::{LeftOut, ModesFollowed};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -132,7 +132,7 @@ impl Reader {
     }
 
     /// Within which frequencies and amplitudes branches are followed; known when the backbone is.
-    pub fn reach(&self) -> Result<Option<Reach>> {
+    pub fn reach(&self) -> Result<Option<SearchRange>> {
         read_reach(&self.db, &self.file)
     }
 

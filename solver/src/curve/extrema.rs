@@ -2,7 +2,7 @@
 
 use crate::curve::continuation::Continuation;
 use crate::curve::problem::Problem;
-use crate::curve::walk::{Evaluated, Visited};
+use crate::curve::walk::{Evaluated, TracedPoint};
 
 /// Indices of alternating minima and maxima (true) of a sequence, ignoring wiggles lower than `prominence`; the ends
 /// count as extrema.
@@ -34,7 +34,7 @@ pub fn turning_points(values: &[f64], prominence: f64) -> Vec<(usize, bool)> {
 }
 
 /// Something to maximise along a curve.
-pub type Measure<'f, P, T> = dyn Fn(&mut P, &Visited<T>) -> f64 + 'f;
+pub type Measure<'f, P, T> = dyn Fn(&mut P, &TracedPoint<T>) -> f64 + 'f;
 
 /// A maximum located along the arc.
 #[derive(Debug, Clone)]
@@ -42,7 +42,7 @@ pub struct Maximum<T> {
     /// Index of the visited point it was found from.
     pub anchor: usize,
     /// Arc length from there, and the point; `None` if the visited point itself is the maximum.
-    pub located: Option<(f64, Visited<T>)>,
+    pub located: Option<(f64, TracedPoint<T>)>,
 }
 
 /// Locates a maximum of `measure` near `visited[anchor]`, whose value `values[1]` is not below those of its neighbours,
@@ -50,7 +50,7 @@ pub struct Maximum<T> {
 /// changes by less than 1e-10 relative.
 pub fn locate_maximum<P: Problem, T: Evaluated<P>>(
     continuation: &mut Continuation<'_, P>,
-    visited: &[Visited<T>],
+    visited: &[TracedPoint<T>],
     anchor: usize,
     arcs: (f64, f64),
     values: [f64; 3],
@@ -77,7 +77,7 @@ pub fn locate_maximum<P: Problem, T: Evaluated<P>>(
             break;
         }
         let point = T::evaluate(continuation.problem(), &curve);
-        let trial_point = Visited { curve, point };
+        let trial_point = TracedPoint { curve, point };
         let trial = (s, measure(continuation.problem(), &trial_point));
         let better = trial.1 > best.1;
         match (better, s > best.0) {
@@ -95,18 +95,18 @@ pub fn locate_maximum<P: Problem, T: Evaluated<P>>(
 
 /// Inserts located maxima between the visited points (steps are kept consistent with the arc) and returns the index of
 /// each of them in the new list, in the order given.
-pub fn insert_maxima<T>(visited: Vec<Visited<T>>, maxima: Vec<Maximum<T>>) -> (Vec<Visited<T>>, Vec<usize>) {
+pub fn insert_maxima<T>(visited: Vec<TracedPoint<T>>, maxima: Vec<Maximum<T>>) -> (Vec<TracedPoint<T>>, Vec<usize>) {
     /// Where an entry of the new list comes from.
     #[derive(PartialEq)]
     enum Origin {
-        Visited(usize),
+        TracedPoint(usize),
         Located(usize),
     }
     let mut arc = 0.0;
-    let mut entries: Vec<(f64, Visited<T>, Origin)> = Vec::with_capacity(visited.len() + maxima.len());
+    let mut entries: Vec<(f64, TracedPoint<T>, Origin)> = Vec::with_capacity(visited.len() + maxima.len());
     for (i, v) in visited.into_iter().enumerate() {
         arc += v.curve.step;
-        entries.push((arc, v, Origin::Visited(i)));
+        entries.push((arc, v, Origin::TracedPoint(i)));
     }
     let mut origins = Vec::with_capacity(maxima.len());
     for (label, Maximum { anchor, located }) in maxima.into_iter().enumerate() {
@@ -115,7 +115,7 @@ pub fn insert_maxima<T>(visited: Vec<Visited<T>>, maxima: Vec<Maximum<T>>) -> (V
                 entries.push((entries[anchor].0 + offset, v, Origin::Located(label)));
                 Origin::Located(label)
             }
-            None => Origin::Visited(anchor),
+            None => Origin::TracedPoint(anchor),
         });
     }
     entries.sort_by(|a, b| a.0.total_cmp(&b.0));

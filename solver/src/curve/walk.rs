@@ -22,7 +22,7 @@ pub trait Evaluated<P>: Clone {
 pub type Observer<'o, T> = dyn FnMut(&T) -> ControlFlow<()> + 'o;
 
 /// Asked of every point a walk steps to: whether it ends there, for a reason of its own.
-pub type Ending<'e, P, T> = dyn FnMut(&mut P, &Visited<T>) -> Option<Stop> + 'e;
+pub type Ending<'e, P, T> = dyn FnMut(&mut P, &TracedPoint<T>) -> Option<Stop> + 'e;
 
 /// Where a walk ends.
 #[derive(Debug, Clone, Copy)]
@@ -51,7 +51,7 @@ impl Bounds {
 
 /// A point of a walk: as the continuation needs it and as people do.
 #[derive(Debug, Clone)]
-pub struct Visited<T> {
+pub struct TracedPoint<T> {
     /// Scaled state and tangent.
     pub curve: CurvePoint,
     /// Evaluated point.
@@ -64,11 +64,11 @@ pub fn walk<P: Problem, T: Evaluated<P>>(
     bounds: &Bounds,
     observer: &mut Observer<'_, T>,
     ending: &mut Ending<'_, P, T>,
-) -> (Vec<Visited<T>>, Stop) {
+) -> (Vec<TracedPoint<T>>, Stop) {
     let first = continuation.current().clone();
     let point = T::evaluate(continuation.problem(), &first);
     let stop = bounds.passed(point.omega(), point.amplitude());
-    let mut visited = vec![Visited { curve: first, point }];
+    let mut visited = vec![TracedPoint { curve: first, point }];
     let stop = stop.unwrap_or_else(|| walk_on(continuation, &mut visited, bounds, observer, ending));
     (visited, stop)
 }
@@ -76,7 +76,7 @@ pub fn walk<P: Problem, T: Evaluated<P>>(
 /// Walks on from the last point of `visited`, the continuation's current one.
 pub fn walk_on<P: Problem, T: Evaluated<P>>(
     continuation: &mut Continuation<'_, P>,
-    visited: &mut Vec<Visited<T>>,
+    visited: &mut Vec<TracedPoint<T>>,
     bounds: &Bounds,
     observer: &mut Observer<'_, T>,
     ending: &mut Ending<'_, P, T>,
@@ -93,7 +93,7 @@ pub fn walk_on<P: Problem, T: Evaluated<P>>(
         let point = T::evaluate(continuation.problem(), &curve);
         let cancelled = observer(&point).is_break();
         let passed = bounds.passed(point.omega(), point.amplitude());
-        visited.push(Visited { curve, point });
+        visited.push(TracedPoint { curve, point });
         if cancelled {
             return Stop::Cancelled;
         }
@@ -133,9 +133,9 @@ pub fn walk_on<P: Problem, T: Evaluated<P>>(
 }
 
 /// A curve walked to both of its ends.
-pub struct Walked<T> {
+pub struct TracedCurve<T> {
     /// Points in the order of the arc.
-    pub visited: Vec<Visited<T>>,
+    pub visited: Vec<TracedPoint<T>>,
     /// Index of the point where the walk started.
     pub start: usize,
     /// How the curve begins and ends.
@@ -157,13 +157,13 @@ pub fn walk_both<P: Problem, T: Evaluated<P>>(
     bounds: &Bounds,
     observer: &mut Observer<'_, T>,
     ending: &mut Ending<'_, P, T>,
-) -> Result<Walked<T>, Failure> {
+) -> Result<TracedCurve<T>, Failure> {
     let mut way = |continuation: &mut Continuation<'_, P>| walk(continuation, bounds, observer, ending);
     both_ways(problem, y, direction, settings, &mut way)
 }
 
 /// One way of a curve from a continuation's current point (included): its points and where it ends.
-pub type Way<'w, P, T> = dyn FnMut(&mut Continuation<'_, P>) -> (Vec<Visited<T>>, Stop) + 'w;
+pub type OneWay<'w, P, T> = dyn FnMut(&mut Continuation<'_, P>) -> (Vec<TracedPoint<T>>, Stop) + 'w;
 
 /// The same as [`walk_both`], each of the two ways walked by `way`.
 ///
@@ -174,14 +174,14 @@ pub fn both_ways<P: Problem, T: Evaluated<P>>(
     y: Vec<f64>,
     direction: &[f64],
     settings: &ContinuationSettings,
-    way: &mut Way<'_, P, T>,
-) -> Result<Walked<T>, Failure> {
+    one_way: &mut OneWay<'_, P, T>,
+) -> Result<TracedCurve<T>, Failure> {
     let mut continuation = Continuation::start(problem, y, direction, *settings)?;
-    let (visited, stop) = way(&mut continuation);
+    let (visited, stop) = one_way(&mut continuation);
     let mut rejections = continuation.rejections();
     if stop == Stop::Closed || stop == Stop::Cancelled {
         let outcome = if stop == Stop::Closed { Outcome::Closed } else { Outcome::Open(stop, stop) };
-        return Ok(Walked { visited, start: 0, outcome, rejections });
+        return Ok(TracedCurve { visited, start: 0, outcome, rejections });
     }
     let first = visited[0].curve.clone();
     let back: Vec<f64> = first.tangent.iter().map(|t| -t).collect();
@@ -189,24 +189,24 @@ pub fn both_ways<P: Problem, T: Evaluated<P>>(
         Ok(continuation) => continuation,
         Err(failure) => {
             let outcome = Outcome::Open(Stop::Stalled(Rejection::Newton(failure)), stop);
-            return Ok(Walked { visited, start: 0, outcome, rejections });
+            return Ok(TracedCurve { visited, start: 0, outcome, rejections });
         }
     };
-    let (backwards, other_stop) = way(&mut continuation);
+    let (backwards, other_stop) = one_way(&mut continuation);
     rejections += continuation.rejections();
     if other_stop == Stop::Closed {
         if !matches!(stop, Stop::FrequencyBound | Stop::AmplitudeBound | Stop::ForcingBound) {
-            return Ok(Walked { visited: backwards, start: 0, outcome: Outcome::Closed, rejections });
+            return Ok(TracedCurve { visited: backwards, start: 0, outcome: Outcome::Closed, rejections });
         }
         // What leaves through a bound is no loop: the way back was left for one.
-        return Ok(Walked { visited, start: 0, outcome: Outcome::Open(Stop::Reversed, stop), rejections });
+        return Ok(TracedCurve { visited, start: 0, outcome: Outcome::Open(Stop::Reversed, stop), rejections });
     }
     let start = backwards.len() - 1;
-    Ok(Walked { visited: join(backwards, visited), start, outcome: Outcome::Open(other_stop, stop), rejections })
+    Ok(TracedCurve { visited: join(backwards, visited), start, outcome: Outcome::Open(other_stop, stop), rejections })
 }
 
 /// One list in the direction of `forwards`; both start at the same point.
-fn join<T>(backwards: Vec<Visited<T>>, mut forwards: Vec<Visited<T>>) -> Vec<Visited<T>> {
+fn join<T>(backwards: Vec<TracedPoint<T>>, mut forwards: Vec<TracedPoint<T>>) -> Vec<TracedPoint<T>> {
     let steps: Vec<f64> = backwards.iter().map(|v| v.curve.step).collect();
     let mut joined = Vec::with_capacity(backwards.len() + forwards.len());
     for (i, mut visited) in backwards.into_iter().enumerate().skip(1).rev() {
@@ -223,7 +223,7 @@ fn join<T>(backwards: Vec<Visited<T>>, mut forwards: Vec<Visited<T>>) -> Vec<Vis
 /// its steps.
 pub fn end_at_bound<P: Problem, T: Evaluated<P>>(
     continuation: &mut Continuation<'_, P>,
-    visited: &mut [Visited<T>],
+    visited: &mut [TracedPoint<T>],
     bounds: (f64, f64),
 ) {
     let [.., before, last] = visited else { return };
@@ -236,7 +236,7 @@ pub fn end_at_bound<P: Problem, T: Evaluated<P>>(
 /// Replaces a first point beyond a frequency bound by the point at the bound.
 pub fn begin_at_bound<P: Problem, T: Evaluated<P>>(
     continuation: &mut Continuation<'_, P>,
-    visited: &mut [Visited<T>],
+    visited: &mut [TracedPoint<T>],
     bounds: (f64, f64),
 ) {
     let [first, next, ..] = visited else { return };
@@ -250,10 +250,10 @@ pub fn begin_at_bound<P: Problem, T: Evaluated<P>>(
 /// The point at the frequency bound that lies between an inner point and its neighbour beyond it, and its share of the way.
 fn point_at_bound<P: Problem, T: Evaluated<P>>(
     continuation: &mut Continuation<'_, P>,
-    inner_point: &Visited<T>,
-    beyond: &Visited<T>,
+    inner_point: &TracedPoint<T>,
+    beyond: &TracedPoint<T>,
     (low, high): (f64, f64),
-) -> Option<(Visited<T>, f64)> {
+) -> Option<(TracedPoint<T>, f64)> {
     let (from, to) = (inner_point.point.omega(), beyond.point.omega());
     let bound = if to > high { high } else { low };
     if (from - bound) * (to - bound) >= 0.0 {
@@ -271,7 +271,7 @@ fn point_at_bound<P: Problem, T: Evaluated<P>>(
         curve.tangent.iter_mut().for_each(|t| *t = -*t);
     }
     let point = T::evaluate(problem, &curve);
-    Some((Visited { curve, point }, share))
+    Some((TracedPoint { curve, point }, share))
 }
 
 /// Whether the last step passes the first point or an image of it, in the direction in which the walk left it: how many such
@@ -280,7 +280,7 @@ fn point_at_bound<P: Problem, T: Evaluated<P>>(
 fn rounds<P: Problem, T>(
     identity: &mut Identity,
     continuation: &mut Continuation<'_, P>,
-    visited: &[Visited<T>],
+    visited: &[TracedPoint<T>],
 ) -> Option<usize> {
     let [first, _, .., before, last] = visited else { return None };
     let newton = continuation.settings().newton;
@@ -299,7 +299,7 @@ const HALVINGS: usize = 8;
 
 /// Adds points to a curve that has closed until the piece that leads back to its first point arrives the way in which it began:
 /// the step that passed the first point may have led over a bend next to it.
-fn resolve_end<P: Problem, T: Evaluated<P>>(continuation: &mut Continuation<'_, P>, visited: &mut Vec<Visited<T>>) {
+fn resolve_end<P: Problem, T: Evaluated<P>>(continuation: &mut Continuation<'_, P>, visited: &mut Vec<TracedPoint<T>>) {
     let least = continuation.settings().min_cosine;
     for _ in 0..HALVINGS {
         let [first, .., last] = &visited[..] else { return };
@@ -309,7 +309,7 @@ fn resolve_end<P: Problem, T: Evaluated<P>>(continuation: &mut Continuation<'_, 
         let is_straight = inner(metric, &piece, &first.curve.tangent) >= least * length;
         let Some(Ok(curve)) = (!is_straight).then(|| continuation.probe(&end, 0.5 * length)) else { return };
         let point = T::evaluate(continuation.problem(), &curve);
-        visited.push(Visited { curve, point });
+        visited.push(TracedPoint { curve, point });
     }
 }
 
@@ -318,8 +318,8 @@ const SHOWN: f64 = 0.8;
 
 /// Whether a curve that leads back to its first point after so many rounds turns like one: a closed curve turns by 2π or more
 /// (W. Fenchel, Math. Ann. 101, 238–252, 1929). What comes back without has jumped, next to a branch point say.
-fn turns_round<P: Problem, T>(problem: &P, visited: &[Visited<T>], rounds: usize) -> bool {
-    let angle = |pair: &[Visited<T>]| {
+fn turns_round<P: Problem, T>(problem: &P, visited: &[TracedPoint<T>], rounds: usize) -> bool {
+    let angle = |pair: &[TracedPoint<T>]| {
         let [a, b] = [0, 1].map(|i| &pair[i].curve.tangent[..]);
         let metric = problem.metric();
         (inner(metric, a, b) / (norm(metric, a) * norm(metric, b))).clamp(-1.0, 1.0).acos()
@@ -343,7 +343,7 @@ enum Revisit {
 fn revisit<P: Problem, T: Evaluated<P>>(
     identity: &mut Identity,
     continuation: &mut Continuation<'_, P>,
-    visited: &[Visited<T>],
+    visited: &[TracedPoint<T>],
 ) -> Option<Revisit> {
     let (last, earlier) = visited.split_last()?;
     let newton = continuation.settings().newton;

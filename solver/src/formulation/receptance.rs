@@ -15,7 +15,7 @@ use std::sync::Arc;
 
 /// A kept modal amplitude: mode `mode` at harmonic `harmonic`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Kept {
+pub struct RetainedMode {
     /// Harmonic k.
     pub harmonic: usize,
     /// Mode index, from 0.
@@ -36,7 +36,7 @@ pub struct Receptance {
     damping: Damping,
     modal: Arc<Modal>,
     point: Parameters,
-    kept: Vec<Kept>,
+    kept: Vec<RetainedMode>,
     inverse: Vec<Inverse>,
 }
 
@@ -62,7 +62,7 @@ impl Receptance {
     }
 
     /// The kept modal amplitudes.
-    pub fn kept(&self) -> &[Kept] {
+    pub fn kept(&self) -> &[RetainedMode] {
         &self.kept
     }
 
@@ -101,7 +101,7 @@ impl Receptance {
                     (k as f64 * point.omega - omega_j).abs() < 0.02 * omega_j
                 };
                 if near || (k == 1 && j == tracked) {
-                    self.kept.push(Kept { harmonic: k, mode: j });
+                    self.kept.push(RetainedMode { harmonic: k, mode: j });
                 }
             }
             self.invert(k)?;

@@ -2,7 +2,7 @@
 
 use crate::response::branch::BranchKind;
 use crate::response::name::BranchId;
-use crate::response::seeds::{Phase, Way};
+use crate::response::seeds::{LandingMethod, Phase};
 use crate::response::starts::StartPlace;
 use crate::response::task::{Brought, CrossingPlace, SeedOutcome, SeedPlace, Task};
 use crate::response::windows::Window;
@@ -17,7 +17,8 @@ pub struct SeedAccount {
     /// Which of the two phases.
     pub phase: Phase,
     /// How it was landed.
-    pub way: Way,
+    #[serde(rename = "way")]
+    pub method: LandingMethod,
     /// What became of it.
     pub outcome: SeedOutcome,
 }
@@ -82,27 +83,27 @@ impl Account {
         match task {
             Task::Main(_) | Task::Fold(_) | Task::Start(_) | Task::Scout(_) => true,
             Task::Verify(_) | Task::Disturb(_) | Task::March(_) => true,
-            Task::Land(SeedPlace { way: Way::FullForcing, .. }) => true,
+            Task::Land(SeedPlace { method: LandingMethod::FullForcing, .. }) => true,
             Task::Crossing(_) => !is_without_main,
             Task::Begin(place) => !is_without_main && self.starts.iter().all(|(start, _)| start != place),
             Task::Land(place) => !is_without_main && !self.is_found(place),
             // What did not land has its outcome.
             Task::Seed(place) => {
-                !is_without_main && !self.is_found(place) && self.outcomes(place, place.way).count() == 0
+                !is_without_main && !self.is_found(place) && self.outcomes(place, place.method).count() == 0
             }
         }
     }
 
     /// What became of a seed, landed in one of the ways.
-    fn outcomes(&self, place: &SeedPlace, way: Way) -> impl Iterator<Item = SeedOutcome> {
+    fn outcomes(&self, place: &SeedPlace, method: LandingMethod) -> impl Iterator<Item = SeedOutcome> {
         let seeds = self.windows[place.window].seeds.iter();
         let (minimum, phase) = (place.well.best, place.phase);
-        seeds.filter(move |s| s.minimum == minimum && s.phase == phase && s.way == way).map(|seed| seed.outcome)
+        seeds.filter(move |s| s.minimum == minimum && s.phase == phase && s.method == method).map(|seed| seed.outcome)
     }
 
     /// Whether a seed has led to a branch with the full forcing.
     fn is_found(&self, place: &SeedPlace) -> bool {
-        let mut outcomes = self.outcomes(place, Way::FullForcing);
+        let mut outcomes = self.outcomes(place, LandingMethod::FullForcing);
         outcomes.any(|outcome| matches!(outcome, SeedOutcome::Found(_)))
     }
 
@@ -128,8 +129,14 @@ impl Account {
             Task::Main(_) => self.mains.push(outcome),
             // What is done with landings is known when their branches are.
             Task::Land(_) | Task::Start(_) if matches!(outcome, SeedOutcome::Landed(_)) => {}
-            Task::Land(SeedPlace { window, well, phase, way }) | Task::Seed(SeedPlace { window, well, phase, way }) => {
-                self.windows[*window].seeds.push(SeedAccount { minimum: well.best, phase: *phase, way: *way, outcome });
+            Task::Land(SeedPlace { window, well, phase, method })
+            | Task::Seed(SeedPlace { window, well, phase, method }) => {
+                self.windows[*window].seeds.push(SeedAccount {
+                    minimum: well.best,
+                    phase: *phase,
+                    method: *method,
+                    outcome,
+                });
             }
             Task::Crossing(place) => self.crossings.push((*place, outcome)),
             Task::Start(place) | Task::Begin(place) => self.starts.push((*place, outcome)),
@@ -151,7 +158,7 @@ mod tests {
     #[test]
     fn numbers_count_by_kind_and_seeds_need_a_main_branch() {
         let well = Window { mode: 0, first: 3, last: 9, best: 5, threshold: 0.5, omega: (1.0, 2.0) };
-        let place = SeedPlace { window: 0, well, phase: Phase::Second, way: Way::FullForcing };
+        let place = SeedPlace { window: 0, well, phase: Phase::Second, method: LandingMethod::FullForcing };
         let mut account = Account::new(vec![place.well]);
         let (below, above) = (Task::Main(Side::Below), Task::Main(Side::Above));
         account.record(&below, SeedOutcome::OutOfBounds);

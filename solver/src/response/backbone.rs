@@ -11,7 +11,7 @@ use crate::formulation::scales::Scales;
 use crate::formulation::state::State;
 use crate::formulation::unknown::Unknown;
 use crate::formulation::{Formulation, FormulationError};
-use crate::response::branch::{BranchPoint, Observer, Outcome, Stop, Visited};
+use crate::response::branch::{BranchPoint, Observer, Outcome, Stop, TracedPoint};
 use crate::response::columns::{self, OnBackbone, Row};
 use crate::response::melnikov::Energies;
 use crate::settings::{BackboneEquation, Criterion, Settings, SettingsError};
@@ -221,7 +221,7 @@ impl Backbone {
     fn assemble<'m, F: Formulation<'m>>(
         continuation: &mut Continuation<'_, F>,
         settings: &Settings,
-        visited: Vec<Visited>,
+        visited: Vec<TracedPoint>,
         outcome: Outcome,
     ) -> Self {
         let criterion = settings.backbone.criterion;
@@ -255,10 +255,10 @@ impl Backbone {
 /// Inserts the minima and maxima of the threshold curve, located along the arc.
 fn with_threshold_extrema<'m, F: Formulation<'m>>(
     continuation: &mut Continuation<'_, F>,
-    visited: Vec<Visited>,
+    visited: Vec<TracedPoint>,
     criterion: Criterion,
-) -> Vec<Visited> {
-    let log_threshold = |problem: &mut F, v: &Visited| {
+) -> Vec<TracedPoint> {
+    let log_threshold = |problem: &mut F, v: &TracedPoint| {
         Energies::evaluate(problem, &v.curve.y, &v.point.state).threshold(criterion).ln()
     };
     let values: Vec<f64> = visited.iter().map(|v| log_threshold(continuation.problem(), v)).collect();
@@ -272,13 +272,18 @@ fn with_threshold_extrema<'m, F: Formulation<'m>>(
         };
         let arcs = (visited[i].curve.step, visited[i + 1].curve.step);
         let values = [before, here, after].map(|v| sign * v);
-        let measure = move |problem: &mut F, v: &Visited| sign * log_threshold(problem, v);
+        let measure = move |problem: &mut F, v: &TracedPoint| sign * log_threshold(problem, v);
         maxima.push(locate_maximum(continuation, &visited, i, arcs, values, &measure));
     }
     insert_maxima(visited, maxima).0
 }
 
-fn evaluate<'m>(problem: &mut impl Formulation<'m>, visited: Visited, arc: f64, criterion: Criterion) -> BackbonePoint {
+fn evaluate<'m>(
+    problem: &mut impl Formulation<'m>,
+    visited: TracedPoint,
+    arc: f64,
+    criterion: Criterion,
+) -> BackbonePoint {
     let energies = Energies::evaluate(problem, &visited.curve.y, &visited.point.state);
     let (aft, state) = (problem.aft(), &visited.point.state);
     let values = Row::of_backbone(OnBackbone { aft, state, energies, criterion, arc });

@@ -20,7 +20,7 @@ pub struct BranchPoint {
 }
 
 /// A point of a walk: as the continuation needs it and as people do.
-pub type Visited = walk::Visited<BranchPoint>;
+pub type TracedPoint = walk::TracedPoint<BranchPoint>;
 
 /// Told of every point that continuation steps to (not of the first one); breaking cancels it.
 pub type Observer<'o> = walk::Observer<'o, BranchPoint>;

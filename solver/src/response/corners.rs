@@ -12,7 +12,7 @@ use crate::curve::walk::{self, Bounds, Evaluated};
 use crate::formulation::pressure::{PressureForm, Touch};
 use crate::formulation::state::State;
 use crate::linalg::dot;
-use crate::response::branch::{BranchPoint, Observer, Stop, Visited};
+use crate::response::branch::{BranchPoint, Observer, Stop, TracedPoint};
 use crate::response::critical::Corner;
 
 /// Extrema closer to the threshold than this share of the argument's range may be what stops a curve.
@@ -92,14 +92,14 @@ pub(super) fn walk_past<'m>(
     observer: &mut Observer<'_>,
     ending: &mut Ending<'_, 'm>,
     corners: &mut Corners,
-) -> (Vec<Visited>, Stop) {
+) -> (Vec<TracedPoint>, Stop) {
     let (mut visited, mut stop) = walk::walk(continuation, bounds, observer, ending);
     for _ in 0..MOST {
         let Stop::Stalled(_) = stop else { break };
         let Some(Passage { element, corner, beyond }) = pass(continuation, &visited) else { break };
         let [corner, beyond] = [corner, beyond].map(|curve| {
             let point = BranchPoint::evaluate(continuation.problem(), &curve);
-            Visited { curve, point }
+            TracedPoint { curve, point }
         });
         corners.add(&corner.point, element);
         let step = beyond.curve.step.max(100.0 * continuation.settings().min_step);
@@ -124,10 +124,10 @@ pub(super) fn walk_past<'m>(
 /// either side.
 pub(super) fn with_corners(
     continuation: &mut Continuation<'_, PressureForm<'_>>,
-    visited: Vec<Visited>,
+    visited: Vec<TracedPoint>,
     is_closed: bool,
     corners: &mut Corners,
-) -> Vec<Visited> {
+) -> Vec<TracedPoint> {
     let count = visited.len();
     let steps = if is_closed { count } else { count.saturating_sub(1) };
     let mut list = Vec::with_capacity(count);
@@ -147,7 +147,7 @@ fn split(
     [a, b]: [&CurvePoint; 2],
     depth: usize,
     corners: &mut Corners,
-    list: &mut Vec<Visited>,
+    list: &mut Vec<TracedPoint>,
 ) {
     if depth == 0 {
         return;
@@ -166,7 +166,7 @@ fn split(
     split(continuation, [a, &before], depth - 1, corners, list);
     for curve in [&before, &corner, &after] {
         let point = BranchPoint::evaluate(continuation.problem(), curve);
-        list.push(Visited { curve: curve.clone(), point });
+        list.push(TracedPoint { curve: curve.clone(), point });
     }
     corners.add(&list[list.len() - 2].point, element);
     split(continuation, [&after, b], depth - 1, corners, list);
@@ -196,20 +196,20 @@ struct Passage {
 }
 
 /// The way past the corner at which a curve has stalled; none if there is no corner, or the way is not certain.
-fn pass(continuation: &mut Continuation<'_, PressureForm<'_>>, visited: &[Visited]) -> Option<Passage> {
+fn pass(continuation: &mut Continuation<'_, PressureForm<'_>>, visited: &[TracedPoint]) -> Option<Passage> {
     let problem = continuation.problem();
     problem.linearise(&mut visited.last()?.curve.y.clone());
     let touches = problem.touches();
     let close = touches.into_iter().take_while(|touch| touch.distance() < CLOSE).take(CANDIDATES);
     close.into_iter().find_map(|touch| {
-        let mut way = Way::new(continuation, visited, touch)?;
-        let heights = if way.is_smooth { ARC } else { SMOOTH };
-        heights.into_iter().find_map(|height| way.past(height))
+        let mut passage = CornerPassage::new(continuation, visited, touch)?;
+        let heights = if passage.is_smooth { ARC } else { SMOOTH };
+        heights.into_iter().find_map(|height| passage.past(height))
     })
 }
 
 /// A corner about to be passed.
-struct Way<'w, 'c, 'm> {
+struct CornerPassage<'w, 'c, 'm> {
     height: Height<'w, 'c, 'm>,
     /// Where the curve stalled.
     last: &'w CurvePoint,
@@ -266,10 +266,10 @@ impl Between<'_, '_, '_> {
     }
 }
 
-impl<'w, 'c, 'm> Way<'w, 'c, 'm> {
+impl<'w, 'c, 'm> CornerPassage<'w, 'c, 'm> {
     fn new(
         continuation: &'w mut Continuation<'c, PressureForm<'m>>,
-        visited: &'w [Visited],
+        visited: &'w [TracedPoint],
         touch: Touch,
     ) -> Option<Self> {
         let problem = continuation.problem();

@@ -8,7 +8,7 @@ use crate::curve::problem::{Problem, inner};
 use crate::curve::walk::Evaluated;
 use crate::formulation::pressure::{Degeneracy, PressureForm};
 use crate::linalg::dot;
-use crate::response::branch::{BranchPoint, Visited};
+use crate::response::branch::{BranchPoint, TracedPoint};
 use crate::response::corners::Corners;
 use crate::response::critical::{CriticalEvent, CriticalKind, Quantity};
 
@@ -37,10 +37,10 @@ const BESIDE: f64 = 1e-3;
 /// The points of a curve with the extrema of A among them.
 pub(super) fn with_events(
     continuation: &mut Continuation<'_, PressureForm<'_>>,
-    visited: Vec<Visited>,
+    visited: Vec<TracedPoint>,
     is_closed: bool,
     corners: &Corners,
-) -> (Vec<Visited>, Vec<CriticalEvent>) {
+) -> (Vec<TracedPoint>, Vec<CriticalEvent>) {
     let count = visited.len();
     let steps = if is_closed { count } else { count.saturating_sub(1) };
     let mut located = Vec::new();
@@ -132,7 +132,7 @@ fn multiplier(continuation: &mut Continuation<'_, PressureForm<'_>>, point: &Cur
 /// folds meet there and vanish. What the signs on both sides do not tell is unknown.
 fn at_corner(
     continuation: &mut Continuation<'_, PressureForm<'_>>,
-    visited: &[Visited],
+    visited: &[TracedPoint],
     corner: usize,
 ) -> Vec<Located> {
     let count = visited.len();
@@ -177,11 +177,11 @@ struct Located {
     /// What it is.
     kind: CriticalKind,
     /// The extremum, if it was found between them.
-    point: Option<Visited>,
+    point: Option<TracedPoint>,
 }
 
 /// One list of points, and the extrema by their places in it. One that was not found is the point next to it.
-fn insert(visited: Vec<Visited>, located: Vec<Located>) -> (Vec<Visited>, Vec<CriticalEvent>) {
+fn insert(visited: Vec<TracedPoint>, located: Vec<Located>) -> (Vec<TracedPoint>, Vec<CriticalEvent>) {
     let place = |i: usize| i + located.iter().filter(|l| l.after < i && l.point.is_some()).count();
     let earlier = |k: usize, l: &Located| {
         located[..k].iter().filter(|other| other.after == l.after && other.point.is_some()).count()
@@ -231,7 +231,7 @@ impl<'s, 'c, 'm> Search<'s, 'c, 'm> {
     }
 
     /// The extremum of A and what it is.
-    fn locate(mut self) -> Option<(CriticalKind, Visited)> {
+    fn locate(mut self) -> Option<(CriticalKind, TracedPoint)> {
         let mut arc = 0.0;
         // Tangents of the walk are those of matrices nearby: an extremum may lie just beyond a point.
         let (mut low, mut high) = self.bracket()?;
@@ -256,7 +256,7 @@ impl<'s, 'c, 'm> Search<'s, 'c, 'm> {
         let curve = found.filter(|curve| slope(curve).abs() < CORNER)?;
         let kind = self.kind(arc, &curve, is_minimum)?;
         let point = BranchPoint::evaluate(self.continuation.problem(), &curve);
-        Some((kind, Visited { curve, point }))
+        Some((kind, TracedPoint { curve, point }))
     }
 
     /// Arc lengths with slopes of different signs.

@@ -8,13 +8,13 @@ use crate::curve::continuation::{Continuation, CurvePoint, weighted};
 use crate::curve::identity::Identity;
 use crate::curve::newton::{Constraint, Newton, NewtonSettings};
 use crate::curve::problem::{Failure, Problem, inner, norm};
-use crate::curve::walk::{Bounds, Evaluated, Walked, both_ways, interpolate, relative_distance};
+use crate::curve::walk::{Bounds, Evaluated, TracedCurve, both_ways, interpolate, relative_distance};
 use crate::formulation::Formulation;
 use crate::formulation::pressure::PressureForm;
 use crate::formulation::scales::Scales;
 use crate::formulation::state::State;
 use crate::formulation::unknown::Unknown;
-use crate::response::branch::{BranchPoint, Observer, Outcome, Stop, Visited};
+use crate::response::branch::{BranchPoint, Observer, Outcome, Stop, TracedPoint};
 use crate::response::corners::{Corners, walk_past, with_corners};
 use crate::response::critical::crossed;
 pub use crate::response::critical::{
@@ -77,7 +77,7 @@ impl<'m> Critical<'m> {
         let bounds =
             Bounds { frequency: extent.frequency, amplitude: f64::INFINITY, points: extent.points, closes: true };
         let (low, high) = extent.forcing;
-        let mut ending = |_: &mut PressureForm<'m>, last: &Visited| {
+        let mut ending = |_: &mut PressureForm<'m>, last: &TracedPoint| {
             let forcing = last.point.state.forcing;
             (forcing < low || forcing > high).then_some(Stop::ForcingBound)
         };
@@ -231,7 +231,7 @@ impl<'m> Critical<'m> {
     }
 
     /// Locates the extrema of A, and drops what only the continuation needs.
-    fn assemble(&mut self, walked: Walked<BranchPoint>, mut corners: Corners) -> CriticalCurve {
+    fn assemble(&mut self, walked: TracedCurve<BranchPoint>, mut corners: Corners) -> CriticalCurve {
         let (outcome, rejections) = (walked.outcome, walked.rejections);
         let settings = self.settings.continuation;
         let (visited, mut events) = match walked.visited.first().map(|first| first.curve.clone()) {

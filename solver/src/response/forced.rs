@@ -4,7 +4,7 @@ use crate::curve::continuation::Continuation;
 use crate::curve::identity::Identity;
 use crate::curve::newton::{Constraint, Newton, NewtonSettings};
 use crate::curve::problem::Failure;
-use crate::curve::walk::{Bounds, Walked, begin_at_bound, end_at_bound, relative_distance, walk, walk_both};
+use crate::curve::walk::{Bounds, TracedCurve, begin_at_bound, end_at_bound, relative_distance, walk, walk_both};
 use crate::formulation::harmonics::complex;
 use crate::formulation::linear::forced_response;
 use crate::formulation::modal::Modal;
@@ -13,10 +13,12 @@ use crate::formulation::scales::Scales;
 use crate::formulation::state::State;
 use crate::formulation::unknown::Unknown;
 use crate::formulation::{Formulation, FormulationError};
-use crate::response::branch::{Branch, BranchKind, BranchPoint, Certificate, Observer, Outcome, Side, Stop, Visited};
+use crate::response::branch::{
+    Branch, BranchKind, BranchPoint, Certificate, Observer, Outcome, Side, Stop, TracedPoint,
+};
 use crate::response::folds::{Critical, CriticalError, Extent, Quantity};
 use crate::response::forcing::{Unreached, from_rest};
-pub use crate::response::reach::Reach;
+pub use crate::response::search_range::SearchRange;
 use crate::response::special::with_special_points;
 use crate::response::truncation::certificate;
 use crate::settings::Settings;
@@ -45,14 +47,14 @@ pub struct Forced<'m, F = PressureForm<'m>> {
     /// The system, ω free.
     problem: F,
     settings: Settings,
-    reach: Reach,
+    reach: SearchRange,
     identity: Identity,
     forcing: f64,
 }
 
 impl<'m> Forced<'m> {
     /// Forced responses of `model` at forcing amplitude `forcing`, in pressure form.
-    pub fn new(model: &'m Model, settings: &Settings, reach: Reach, forcing: f64) -> Self {
+    pub fn new(model: &'m Model, settings: &Settings, reach: SearchRange, forcing: f64) -> Self {
         Self::build(model, settings, reach, forcing).expect("every model has a pressure form")
     }
 }
@@ -62,7 +64,12 @@ impl<'m, F: Formulation<'m>> Forced<'m, F> {
     ///
     /// # Errors
     /// If the formulation does not fit the model.
-    pub fn build(model: &'m Model, settings: &Settings, reach: Reach, forcing: f64) -> Result<Self, FormulationError> {
+    pub fn build(
+        model: &'m Model,
+        settings: &Settings,
+        reach: SearchRange,
+        forcing: f64,
+    ) -> Result<Self, FormulationError> {
         let scales = Scales::new(model, settings.tracked());
         let unknown = Unknown::Frequency { forcing };
         let problem = F::build(model, settings.harmonics, settings.tracked(), unknown, scales)?;
@@ -85,7 +92,7 @@ impl<'m, F: Formulation<'m>> Forced<'m, F> {
     }
 
     /// Within which frequencies and amplitudes branches are followed.
-    pub fn reach(&self) -> Reach {
+    pub fn reach(&self) -> SearchRange {
         self.reach
     }
 
@@ -139,7 +146,7 @@ impl<'m, F: Formulation<'m>> Forced<'m, F> {
         let (swept, study) = (self.reach.swept(), self.reach.frequency);
         let (newton, given) = (self.landing(), self.settings.frequency);
         let mut continuation = Continuation::start(&mut self.problem, y, &direction, self.settings.continuation)?;
-        let mut ending = |problem: &mut F, last: &Visited| {
+        let mut ending = |problem: &mut F, last: &TracedPoint| {
             let (omega, towards) = (last.point.omega(), last.curve.tangent[problem.len() - problem.parameters()]);
             let leaves = (omega < swept.0 && towards < 0.0) || (omega > swept.1 && towards > 0.0);
             (leaves && is_ordinary(problem, &newton, &last.point.state)).then_some(Stop::FrequencyBound)
@@ -154,7 +161,7 @@ impl<'m, F: Formulation<'m>> Forced<'m, F> {
             && end.is_some_and(|end| is_given(end.omega) || ends_ordinarily(continuation.problem(), &end));
         let visited = trimmed(&mut continuation, visited, study, may_end);
         let rejections = continuation.rejections();
-        let walked = Walked { visited, start: 0, outcome: Outcome::Open(Stop::Start, stop), rejections };
+        let walked = TracedCurve { visited, start: 0, outcome: Outcome::Open(Stop::Start, stop), rejections };
         Ok(self.finish(walked, BranchKind::Main))
     }
 
@@ -231,7 +238,7 @@ impl<'m, F: Formulation<'m>> Forced<'m, F> {
     }
 
     /// Whether a curve ends at a bound that the settings give.
-    fn is_cut(&self, walked: &Walked<BranchPoint>) -> bool {
+    fn is_cut(&self, walked: &TracedCurve<BranchPoint>) -> bool {
         let Outcome::Open(first, last) = walked.outcome else { return false };
         let (given, (low, high)) = (self.settings.frequency, self.reach.frequency);
         let ends = [(first, walked.visited.first()), (last, walked.visited.last())];
@@ -320,7 +327,7 @@ impl<'m, F: Formulation<'m>> Forced<'m, F> {
     }
 
     /// Locates folds and peak, and drops what only the continuation needs.
-    fn finish(&mut self, walked: Walked<BranchPoint>, kind: BranchKind) -> Branch {
+    fn finish(&mut self, walked: TracedCurve<BranchPoint>, kind: BranchKind) -> Branch {
         let (outcome, rejections) = (walked.outcome, walked.rejections);
         let (points, special) = with_special_points(&mut self.problem, self.settings.continuation, walked);
         let certificate = Certificate::default();
@@ -364,12 +371,12 @@ fn is_ordinary<'m, F: Formulation<'m>>(problem: &mut F, settings: &NewtonSetting
 /// keeps it as well.
 fn trimmed<'m, F: Formulation<'m>>(
     continuation: &mut Continuation<'_, F>,
-    mut visited: Vec<Visited>,
+    mut visited: Vec<TracedPoint>,
     (low, high): (f64, f64),
     may_end: bool,
-) -> Vec<Visited> {
+) -> Vec<TracedPoint> {
     let slack = 1e-9 * high;
-    let inside = |v: &Visited| (low - slack..=high + slack).contains(&v.point.omega());
+    let inside = |v: &TracedPoint| (low - slack..=high + slack).contains(&v.point.omega());
     let (Some(first), Some(last)) = (visited.iter().position(inside), visited.iter().rposition(inside)) else {
         return visited;
     };

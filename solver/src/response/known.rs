@@ -109,7 +109,7 @@ mod tests {
         let level = Level::compute(&model, &settings, &backbone, 0.016).unwrap();
         let isolas: Vec<(BranchId, &Branch)> = level.branches().filter(|(_, branch)| branch.is_closed()).collect();
         let [(first, isola), (second, other)] = isolas[..] else { panic!("two isolas") };
-        let reach = crate::response::forced::Reach::new(&settings, &backbone).unwrap();
+        let reach = crate::response::forced::SearchRange::new(&settings, &backbone).unwrap();
         let mut forced: Forced<'_, PressureForm<'_>> = Forced::build(&model, &settings, reach, 0.016).unwrap();
         let begin = isola.points[isola.points.len() / 3].state.clone();
         let again = forced.branch_through(&begin, &mut |_| ControlFlow::Continue(())).unwrap();

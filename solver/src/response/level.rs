@@ -3,12 +3,12 @@
 pub use crate::response::account::{Account, SeedAccount, WindowAccount};
 use crate::response::backbone::Backbone;
 use crate::response::branch::{Branch, BranchPoint, Observer};
-use crate::response::forced::{Forced, Reach};
+use crate::response::forced::{Forced, SearchRange};
 use crate::response::forcing::Unreached;
 pub use crate::response::name::BranchId;
 pub use crate::response::task::SeedOutcome;
-use crate::response::task::{Finding, Task, plan};
-use crate::response::trace::{Given, carry_out};
+use crate::response::task::{Task, TaskResult, plan};
+use crate::response::trace::{Given, execute};
 use crate::settings::{Settings, SettingsError};
 use crate::structure::Model;
 use serde::{Deserialize, Serialize};
@@ -87,7 +87,7 @@ impl Level {
             return Err(LevelError::Forcing(forcing));
         }
         let (primary, further) = backbones.as_ref().split_first().ok_or(LevelError::NoBackbone)?;
-        let mut forced = Forced::new(model, settings, Reach::over(settings, primary, further, forcing)?, forcing);
+        let mut forced = Forced::new(model, settings, SearchRange::over(settings, primary, further, forcing)?, forcing);
         let (windows, tasks) = plan(backbones, forcing, &settings.frequency, 0);
         let mut account = Account::new(windows);
         let mut branches: Vec<(BranchId, Branch)> = Vec::new();
@@ -99,12 +99,12 @@ impl Level {
             let seeds = task.seeds(forced.modal(), backbones, forcing);
             let known: Vec<(BranchId, &Branch)> = branches.iter().map(|(id, branch)| (*id, branch)).collect();
             let given = Given { seeds: &seeds, landings: &landings, known: &known, curves: &[] };
-            let finding = carry_out(&mut forced, &task, &given, observer).ok_or(LevelError::Cancelled)?;
+            let finding = execute(&mut forced, &task, &given, observer).ok_or(LevelError::Cancelled)?;
             let Some(outcome) = account.outcome(&finding.brought()) else { continue };
             account.record(&task, outcome);
             match (outcome, finding) {
-                (_, Finding::Landings(landed)) => landings = landed,
-                (SeedOutcome::Found(id), Finding::Branch(branch)) => branches.push((id, branch)),
+                (_, TaskResult::Landings(landed)) => landings = landed,
+                (SeedOutcome::Found(id), TaskResult::Branch(branch)) => branches.push((id, branch)),
                 (SeedOutcome::NotTraced(failure), _) if matches!(task, Task::Main(_)) => {
                     failed.get_or_insert(failure);
                 }

@@ -2,7 +2,7 @@
 
 use crate::response::backbone::{Backbone, BackboneError};
 use crate::response::branch::{BranchPoint, Observer};
-use crate::settings::{ModeChoice, RIGID, Settings};
+use crate::settings::{ModeChoice, Settings};
 use crate::structure::Model;
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
@@ -71,11 +71,9 @@ impl ModesFollowed {
         }
         let shares = shares(model);
         let largest = shares.iter().copied().fold(0.0, f64::max);
-        let frequencies = &model.modes().frequencies;
-        let rigid = RIGID * frequencies.last().copied().unwrap_or_default();
         for mode in (0..model.size()).filter(|&mode| mode != primary) {
             match () {
-                () if frequencies[mode] <= rigid => left_out.push((mode, LeftOut::RigidBody)),
+                () if model.modes().is_rigid(mode) => left_out.push((mode, LeftOut::RigidBody)),
                 () if !is_in_reach(model, settings, mode) => left_out.push((mode, LeftOut::OutOfRange)),
                 () => followed.push(mode),
             }

@@ -104,7 +104,7 @@ pub enum LandingFailure {
 /// How a seed is turned into a forced response.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Way {
+pub enum LandingMethod {
     /// With the full forcing, at whatever frequency is nearest. Runs and messages know it by what it once was.
     #[serde(rename = "fixed_frequency")]
     FullForcing,
@@ -119,15 +119,15 @@ pub fn candidates(
     backbone: &Backbone,
     well: &Window,
     phase: Phase,
-    way: Way,
+    method: LandingMethod,
     forcing: f64,
 ) -> Vec<Seed> {
     let seed_at = |place: f64| {
         let closing = || motion(backbone, place).1.abs().clamp(1e-3 * forcing, forcing);
-        let forcing = if way == Way::SteppedForcing { closing() } else { forcing };
+        let forcing = if method == LandingMethod::SteppedForcing { closing() } else { forcing };
         seed(modal, backbone, place, phase, forcing)
     };
-    places(backbone, well, way, forcing).into_iter().map(seed_at).collect()
+    places(backbone, well, method, forcing).into_iter().map(seed_at).collect()
 }
 
 /// Lands on forced responses from seeds of the backbone of mode `mode` (from 0), in their order. Steps in the forcing, which
@@ -138,15 +138,15 @@ pub fn candidates(
 pub fn land_all<'m, F: Formulation<'m>>(
     forced: &mut Forced<'m, F>,
     seeds: &[Seed],
-    way: Way,
+    method: LandingMethod,
     mode: usize,
 ) -> Result<Vec<Landing>, Unreached> {
     let mut failure = Failure::Diverged.into();
     let mut landings = Vec::with_capacity(seeds.len());
     for seed in seeds {
-        match land(forced, seed, way, mode) {
+        match land(forced, seed, method, mode) {
             Ok(landing) => {
-                let is_enough = way == Way::SteppedForcing && landing.is_near();
+                let is_enough = method == LandingMethod::SteppedForcing && landing.is_near();
                 landings.push(landing);
                 if is_enough {
                     break;
@@ -165,12 +165,12 @@ pub fn land_all<'m, F: Formulation<'m>>(
 pub fn land<'m, F: Formulation<'m>>(
     forced: &mut Forced<'m, F>,
     seed: &Seed,
-    way: Way,
+    method: LandingMethod,
     mode: usize,
 ) -> Result<Landing, Unreached> {
-    match way {
-        Way::FullForcing => land_nearby(forced, seed, mode),
-        Way::SteppedForcing => land_by_forcing(forced, seed, mode),
+    match method {
+        LandingMethod::FullForcing => land_nearby(forced, seed, mode),
+        LandingMethod::SteppedForcing => land_by_forcing(forced, seed, mode),
     }
 }
 
@@ -213,7 +213,7 @@ fn land_by_forcing<'m, F: Formulation<'m>>(
 /// Places to try. Near the edges of a window, where A* is close to A, the forced response crosses the backbone and the
 /// prediction is nearly exact; far inside, where the forcing exceeds what is dissipated many times, it is poor. Edges are
 /// interpolated: a window may hold no more than a point or two.
-fn places(backbone: &Backbone, window: &Window, way: Way, forcing: f64) -> Vec<f64> {
+fn places(backbone: &Backbone, window: &Window, method: LandingMethod, forcing: f64) -> Vec<f64> {
     let nearest = |indices: RangeInclusive<usize>, ratio: f64| {
         let distance = |i: usize| (backbone.points[i].threshold() / forcing - ratio).abs();
         indices.min_by(|&a, &b| distance(a).total_cmp(&distance(b))).unwrap_or(window.best)
@@ -228,11 +228,11 @@ fn places(backbone: &Backbone, window: &Window, way: Way, forcing: f64) -> Vec<f
     let edges = [edge(right, window.last, after), edge(left, window.first, window.first.checked_sub(1))];
     let span = (window.last - window.first) as f64;
     let between = [0.5, 0.25, 0.75].map(|share| (window.first as f64 + share * span).round());
-    let all: Vec<f64> = match way {
+    let all: Vec<f64> = match method {
         // A branch is followed from where the first of them lands: better not from its folds.
-        Way::FullForcing => [inner, window.best as f64].into_iter().chain(between).chain(edges).collect(),
+        LandingMethod::FullForcing => [inner, window.best as f64].into_iter().chain(between).chain(edges).collect(),
         // A walk in A passes through the motions of the others.
-        Way::SteppedForcing => [inner].into_iter().chain(edges).collect(),
+        LandingMethod::SteppedForcing => [inner].into_iter().chain(edges).collect(),
     };
     let mut list: Vec<f64> = Vec::new();
     for place in all {

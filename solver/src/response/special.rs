@@ -3,30 +3,30 @@
 use crate::curve::continuation::{Continuation, ContinuationSettings};
 use crate::curve::extrema::{Maximum, Measure, insert_maxima, locate_maximum, turning_points};
 use crate::curve::problem::{Problem, norm};
-use crate::curve::walk::{Evaluated, Walked};
-use crate::response::branch::{BranchPoint, Outcome, SpecialKind, SpecialPoint, Visited};
+use crate::curve::walk::{Evaluated, TracedCurve};
+use crate::response::branch::{BranchPoint, Outcome, SpecialKind, SpecialPoint, TracedPoint};
 
 /// The points of a branch that was walked, with its folds and its peak among them.
 pub(super) fn with_special_points<P: Problem>(
     problem: &mut P,
     settings: ContinuationSettings,
-    walked: Walked<BranchPoint>,
+    walked: TracedCurve<BranchPoint>,
 ) -> (Vec<BranchPoint>, Vec<SpecialPoint>)
 where
     BranchPoint: Evaluated<P>,
 {
-    let Walked { visited, start, outcome, .. } = walked;
+    let TracedCurve { visited, start, outcome, .. } = walked;
     let closed = outcome == Outcome::Closed;
     let mut maxima = vec![Maximum { anchor: start, located: None }];
     let mut kinds = vec![SpecialKind::Start];
     let first = visited[start].curve.clone();
     if let Ok(mut continuation) = Continuation::start(problem, first.y.clone(), &first.tangent, settings) {
         for (anchor, sign) in frequency_folds(&visited, closed) {
-            let measure = move |_: &mut P, v: &Visited| sign * v.point.omega();
+            let measure = move |_: &mut P, v: &TracedPoint| sign * v.point.omega();
             maxima.push(refine(&mut continuation, &visited, anchor, closed, &measure));
             kinds.resize(maxima.len(), SpecialKind::Fold);
         }
-        let measure = move |_: &mut P, v: &Visited| v.point.amplitude();
+        let measure = move |_: &mut P, v: &TracedPoint| v.point.amplitude();
         for anchor in highest_steps(&visited, closed) {
             maxima.push(refine(&mut continuation, &visited, anchor, closed, &measure));
             kinds.resize(maxima.len(), SpecialKind::Peak);
@@ -49,7 +49,7 @@ where
 const RIVAL: f64 = 0.95;
 
 /// Points that are local maxima of the amplitude, and high enough to lie next to the peak.
-fn highest_steps(visited: &[Visited], closed: bool) -> Vec<usize> {
+fn highest_steps(visited: &[TracedPoint], closed: bool) -> Vec<usize> {
     let (n, amplitude) = (visited.len(), |i: usize| visited[i].point.amplitude());
     let highest = (0..n).map(amplitude).fold(0.0, f64::max);
     let is_maximum = |&i: &usize| {
@@ -65,7 +65,7 @@ const SHALLOW: f64 = 1e-5;
 
 /// Turning points in frequency, (index, +1 for a maximum or −1 for a minimum); those that the sampled contact makes by
 /// changing one sample at a time are too shallow to count.
-fn frequency_folds(visited: &[Visited], closed: bool) -> Vec<(usize, f64)> {
+fn frequency_folds(visited: &[TracedPoint], closed: bool) -> Vec<(usize, f64)> {
     let omegas: Vec<f64> = visited.iter().map(|v| v.point.omega()).collect();
     let scale = omegas.iter().fold(0.0f64, |m, w| m.max(w.abs()));
     let n = omegas.len();
@@ -88,7 +88,7 @@ fn frequency_folds(visited: &[Visited], closed: bool) -> Vec<(usize, f64)> {
 
 fn refine<P: Problem>(
     continuation: &mut Continuation<'_, P>,
-    visited: &[Visited],
+    visited: &[TracedPoint],
     anchor: usize,
     closed: bool,
     measure: &Measure<'_, P, BranchPoint>,

@@ -9,7 +9,7 @@ use crate::response::forcing::Unreached;
 pub use crate::response::marched::{DisturbPlace, MarchPlace, VerifyPlace};
 pub use crate::response::name::BranchId;
 use crate::response::scout::ScoutPlace;
-use crate::response::seeds::{Landing, LandingFailure, Phase, Seed, Way, candidates};
+use crate::response::seeds::{Landing, LandingFailure, LandingMethod, Phase, Seed, candidates};
 use crate::response::starts::StartPlace;
 use crate::response::windows::{Window, windows};
 use crate::settings::FrequencySettings;
@@ -29,7 +29,8 @@ pub struct SeedPlace {
     /// Which of the two phases.
     pub phase: Phase,
     /// How it is landed.
-    pub way: Way,
+    #[serde(rename = "way")]
+    pub method: LandingMethod,
 }
 
 /// Where a fold curve starts.
@@ -97,9 +98,9 @@ impl Task {
     /// the backbone of the window's mode.
     pub fn seeds(&self, modal: &Modal, backbones: &(impl AsRef<[Backbone]> + ?Sized), forcing: f64) -> Vec<Seed> {
         match self {
-            Task::Land(SeedPlace { well, phase, way, .. }) => {
+            Task::Land(SeedPlace { well, phase, method, .. }) => {
                 let backbone = backbones.as_ref().iter().find(|backbone| backbone.mode == well.mode);
-                backbone.map_or_else(Vec::new, |backbone| candidates(modal, backbone, well, *phase, *way, forcing))
+                backbone.map_or_else(Vec::new, |backbone| candidates(modal, backbone, well, *phase, *method, forcing))
             }
             _ => Vec::new(),
         }
@@ -283,7 +284,7 @@ impl std::fmt::Display for SeedOutcome {
 /// The result of a task.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Finding {
+pub enum TaskResult {
     /// The forced responses that seeds landed on, in the order of the seeds; of a scout the folds.
     Landings(Vec<Landing>),
     /// A branch that was not known.
@@ -294,16 +295,16 @@ pub enum Finding {
     Nothing(SeedOutcome),
 }
 
-impl Finding {
+impl TaskResult {
     /// The same without the branch itself.
     pub fn brought(&self) -> Brought {
         match self {
-            Finding::Landings(landings) => Brought::Landings(landings.len()),
-            Finding::Branch(branch) => {
+            TaskResult::Landings(landings) => Brought::Landings(landings.len()),
+            TaskResult::Branch(branch) => {
                 Brought::Branch { kind: branch.kind, folds: branch.special(SpecialKind::Fold).count() }
             }
-            Finding::Curve(curve) => Brought::Curve(curve.forcing().collect()),
-            Finding::Nothing(outcome) => Brought::Nothing(*outcome),
+            TaskResult::Curve(curve) => Brought::Curve(curve.forcing().collect()),
+            TaskResult::Nothing(outcome) => Brought::Nothing(*outcome),
         }
     }
 }
@@ -359,9 +360,9 @@ pub fn plan(
         for window in windows(backbone, forcing).into_iter().filter(is_within) {
             let (number, wells) = (list.len(), window.wells(backbone));
             list.push(window);
-            for way in [Way::FullForcing, Way::SteppedForcing] {
+            for method in [LandingMethod::FullForcing, LandingMethod::SteppedForcing] {
                 for well in &wells {
-                    let place = |phase| SeedPlace { window: number, well: *well, phase, way };
+                    let place = |phase| SeedPlace { window: number, well: *well, phase, method };
                     let places = [Phase::First, Phase::Second].map(place);
                     tasks.extend(places.into_iter().flat_map(|place| [Task::Land(place), Task::Seed(place)]));
                 }
@@ -379,7 +380,7 @@ mod tests {
 
     fn seed() -> SeedPlace {
         let well = Window { mode: 0, first: 3, last: 9, best: 5, threshold: 0.5, omega: (1.0, 2.0) };
-        SeedPlace { window: 0, well, phase: Phase::Second, way: Way::FullForcing }
+        SeedPlace { window: 0, well, phase: Phase::Second, method: LandingMethod::FullForcing }
     }
 
     #[test]

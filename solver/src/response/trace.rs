@@ -13,7 +13,7 @@ use crate::response::scout::scout;
 use crate::response::seeds::{Landing, LandingFailure, Seed, land_all};
 use crate::response::starts;
 use crate::response::symmetry::{is_attached, symmetrised};
-use crate::response::task::{CrossingPlace, Finding, FoldPlace, SeedOutcome, Task, Unfollowed};
+use crate::response::task::{CrossingPlace, FoldPlace, SeedOutcome, Task, TaskResult, Unfollowed};
 
 use std::collections::VecDeque;
 use std::ops::ControlFlow;
@@ -32,33 +32,33 @@ pub struct Given<'g> {
 }
 
 /// Carries out a task; of one that marches nothing, which takes no balance. `None` if `observer` breaks.
-pub fn carry_out<'m, F: Formulation<'m>>(
+pub fn execute<'m, F: Formulation<'m>>(
     forced: &mut Forced<'m, F>,
     task: &Task,
     given: &Given<'_>,
     observer: &mut Observer<'_>,
-) -> Option<Finding> {
+) -> Option<TaskResult> {
     let Given { seeds, landings, known, .. } = *given;
     let finding = match task {
         Task::Main(side) => enter(forced, *side, known, observer)
-            .unwrap_or_else(|failure| Finding::Nothing(SeedOutcome::NotTraced(failure))),
-        Task::Land(place) => land_all(forced, seeds, place.way, place.well.mode).map_or_else(
-            |failure| Finding::Nothing(SeedOutcome::NotLanded(LandingFailure::NotConverged(failure))),
-            Finding::Landings,
+            .unwrap_or_else(|failure| TaskResult::Nothing(SeedOutcome::NotTraced(failure))),
+        Task::Land(place) => land_all(forced, seeds, place.method, place.well.mode).map_or_else(
+            |failure| TaskResult::Nothing(SeedOutcome::NotLanded(LandingFailure::NotConverged(failure))),
+            TaskResult::Landings,
         ),
         Task::Seed(_) => follow(forced, landings, known, observer),
         Task::Fold(place) => return unfold(forced, place, given, observer),
         Task::Crossing(place) => cross(forced, place, given, observer),
         Task::Start(place) => starts::land(forced, place).map_or_else(
-            |failure| Finding::Nothing(SeedOutcome::NotLanded(LandingFailure::NotConverged(failure.into()))),
-            Finding::Landings,
+            |failure| TaskResult::Nothing(SeedOutcome::NotLanded(LandingFailure::NotConverged(failure.into()))),
+            TaskResult::Landings,
         ),
         Task::Begin(_) => begin(forced, landings, known, observer),
         Task::Scout(place) => {
             let mut begin = |forced: &mut Forced<'m, F>, landings: &[Landing], known: &[(BranchId, &Branch)]| {
                 match begin(forced, landings, known, observer) {
-                    Finding::Branch(branch) if branch.is_cancelled() => ControlFlow::Break(()),
-                    Finding::Branch(branch) => ControlFlow::Continue(Some(branch)),
+                    TaskResult::Branch(branch) if branch.is_cancelled() => ControlFlow::Break(()),
+                    TaskResult::Branch(branch) => ControlFlow::Continue(Some(branch)),
                     // Starts that lead to nothing new take their time as well: a point that was told before is told again.
                     _ => match known.iter().find_map(|(_, branch)| branch.points.first()) {
                         Some(point) if observer(point).is_break() => ControlFlow::Break(()),
@@ -67,15 +67,15 @@ pub fn carry_out<'m, F: Formulation<'m>>(
                 }
             };
             match scout(forced, place, &mut begin)? {
-                folds if folds.is_empty() => Finding::Nothing(SeedOutcome::NoFold),
-                folds => Finding::Landings(folds),
+                folds if folds.is_empty() => TaskResult::Nothing(SeedOutcome::NoFold),
+                folds => TaskResult::Landings(folds),
             }
         }
-        Task::Verify(_) => Finding::Nothing(SeedOutcome::Verified(0)),
-        Task::Disturb(_) => Finding::Nothing(SeedOutcome::Disturbed(0)),
-        Task::March(_) => Finding::Nothing(SeedOutcome::Marched(0)),
+        Task::Verify(_) => TaskResult::Nothing(SeedOutcome::Verified(0)),
+        Task::Disturb(_) => TaskResult::Nothing(SeedOutcome::Disturbed(0)),
+        Task::March(_) => TaskResult::Nothing(SeedOutcome::Marched(0)),
     };
-    let Finding::Branch(mut branch) = finding else { return Some(finding) };
+    let TaskResult::Branch(mut branch) = finding else { return Some(finding) };
     if branch.is_cancelled() {
         return None;
     }
@@ -85,7 +85,7 @@ pub fn carry_out<'m, F: Formulation<'m>>(
         is_cancelled |= flow.is_break();
         flow
     });
-    (!is_cancelled).then_some(Finding::Branch(branch))
+    (!is_cancelled).then_some(TaskResult::Branch(branch))
 }
 
 /// Traces the main branch from a side, unless it is known.
@@ -94,10 +94,10 @@ fn enter<'m, F: Formulation<'m>>(
     side: Side,
     known: &[(BranchId, &Branch)],
     observer: &mut Observer<'_>,
-) -> Result<Finding, Unreached> {
+) -> Result<TaskResult, Unreached> {
     for (id, branch) in known.iter().filter(|(id, _)| id.is_main()) {
         if ends_ordinarily(forced, branch, side) {
-            return Ok(Finding::Nothing(SeedOutcome::Found(*id)));
+            return Ok(TaskResult::Nothing(SeedOutcome::Found(*id)));
         }
     }
     let branch = forced.main_branch(side, observer)?;
@@ -106,10 +106,10 @@ fn enter<'m, F: Formulation<'m>>(
     Ok(match unknown_part(forced, branch, known) {
         // Beyond the range the one that is known goes on as well; where they meet does not count.
         Ok(branch) if branch.is_joined() && !inner(&branch.points).iter().any(is_inside) => {
-            Finding::Nothing(SeedOutcome::Found(known[0].0))
+            TaskResult::Nothing(SeedOutcome::Found(known[0].0))
         }
-        Ok(branch) => Finding::Branch(branch),
-        Err(id) => Finding::Nothing(SeedOutcome::Found(id)),
+        Ok(branch) => TaskResult::Branch(branch),
+        Err(id) => TaskResult::Nothing(SeedOutcome::Found(id)),
     })
 }
 
@@ -124,8 +124,8 @@ fn unfold<'m, F: Formulation<'m>>(
     place: &FoldPlace,
     given: &Given<'_>,
     observer: &mut Observer<'_>,
-) -> Option<Finding> {
-    let nothing = |failure: Unfollowed| Some(Finding::Nothing(SeedOutcome::NotFollowed(failure)));
+) -> Option<TaskResult> {
+    let nothing = |failure: Unfollowed| Some(TaskResult::Nothing(SeedOutcome::NotFollowed(failure)));
     let state = match *place {
         FoldPlace::Branch { branch, fold } => {
             let branch = given.known.iter().find(|(id, _)| *id == branch).map(|(_, branch)| branch);
@@ -139,11 +139,11 @@ fn unfold<'m, F: Formulation<'m>>(
         Err(error) => return nothing(error.into()),
     };
     if let Some((number, _)) = given.curves.iter().find(|(_, curve)| critical.lies_on(state, curve)) {
-        return Some(Finding::Nothing(SeedOutcome::OnCurve(*number)));
+        return Some(TaskResult::Nothing(SeedOutcome::OnCurve(*number)));
     }
     match critical.curve(state, observer) {
         Ok(curve) if curve.is_cancelled() => None,
-        Ok(curve) => Some(Finding::Curve(curve)),
+        Ok(curve) => Some(TaskResult::Curve(curve)),
         Err(error) => nothing(error.into()),
     }
 }
@@ -154,7 +154,7 @@ fn cross<'m, F: Formulation<'m>>(
     place: &CrossingPlace,
     given: &Given<'_>,
     observer: &mut Observer<'_>,
-) -> Finding {
+) -> TaskResult {
     let forcing = forced.forcing();
     let curve = given.curves.iter().find(|(number, _)| *number == place.curve).map(|(_, curve)| *curve);
     let crossing = match (curve, forced.folds()) {
@@ -163,7 +163,7 @@ fn cross<'m, F: Formulation<'m>>(
     };
     match crossing {
         Ok(state) => branch_from(forced, &State { forcing, ..state }, given.known, observer),
-        Err(failure) => Finding::Nothing(SeedOutcome::NotLanded(LandingFailure::NotConverged(failure.into()))),
+        Err(failure) => TaskResult::Nothing(SeedOutcome::NotLanded(LandingFailure::NotConverged(failure.into()))),
     }
 }
 
@@ -174,7 +174,7 @@ fn branch_from<'m, F: Formulation<'m>>(
     state: &State,
     known: &[(BranchId, &Branch)],
     observer: &mut Observer<'_>,
-) -> Finding {
+) -> TaskResult {
     if forced.contains(state) {
         return branch_through(forced, state, known, observer);
     }
@@ -189,24 +189,24 @@ fn part_within<'m, F: Formulation<'m>>(
     known: &[(BranchId, &Branch)],
     walked: &mut Vec<Branch>,
     observer: &mut Observer<'_>,
-) -> Finding {
+) -> TaskResult {
     let mut nothing = SeedOutcome::OutOfBounds;
     if walked.iter().any(|branch| forced.lies_on(state, branch)) {
-        return Finding::Nothing(nothing);
+        return TaskResult::Nothing(nothing);
     }
     let branch = match forced.branch_beyond(state, observer) {
-        Ok(branch) if branch.is_cancelled() => return Finding::Branch(branch),
+        Ok(branch) if branch.is_cancelled() => return TaskResult::Branch(branch),
         Ok(branch) => branch,
-        Err(failure) => return Finding::Nothing(SeedOutcome::NotTraced(failure.into())),
+        Err(failure) => return TaskResult::Nothing(SeedOutcome::NotTraced(failure.into())),
     };
     for state in forced.within_range(&branch) {
         match branch_through(forced, &state, known, observer) {
-            Finding::Nothing(outcome) => nothing = outcome,
+            TaskResult::Nothing(outcome) => nothing = outcome,
             found => return found,
         }
     }
     walked.push(branch);
-    Finding::Nothing(nothing)
+    TaskResult::Nothing(nothing)
 }
 
 /// The branch through a converged state within the bounds of the study, unless it is known.
@@ -215,13 +215,13 @@ fn branch_through<'m, F: Formulation<'m>>(
     state: &State,
     known: &[(BranchId, &Branch)],
     observer: &mut Observer<'_>,
-) -> Finding {
+) -> TaskResult {
     if let Some(id) = identify(forced, state, known) {
-        return Finding::Nothing(SeedOutcome::Found(id));
+        return TaskResult::Nothing(SeedOutcome::Found(id));
     }
     let branch = match forced.branch_through(state, observer) {
         Ok(branch) => named(forced, branch, known),
-        Err(failure) => return Finding::Nothing(SeedOutcome::NotTraced(failure.into())),
+        Err(failure) => return TaskResult::Nothing(SeedOutcome::NotTraced(failure.into())),
     };
     new_part(forced, branch, known)
 }
@@ -231,20 +231,20 @@ fn new_part<'m, F: Formulation<'m>>(
     forced: &mut Forced<'m, F>,
     branch: Branch,
     known: &[(BranchId, &Branch)],
-) -> Finding {
+) -> TaskResult {
     let first = branch.points.first().filter(|_| branch.is_closed());
     if let Some(id) = first.and_then(|first| identify(forced, &first.state, known)) {
-        return Finding::Nothing(SeedOutcome::Found(id));
+        return TaskResult::Nothing(SeedOutcome::Found(id));
     }
     if is_attached(forced.problem(), &branch) {
-        return Finding::Nothing(SeedOutcome::Attached);
+        return TaskResult::Nothing(SeedOutcome::Attached);
     }
     if let Some(id) = retraced(forced, &branch, known) {
-        return Finding::Nothing(SeedOutcome::Found(id));
+        return TaskResult::Nothing(SeedOutcome::Found(id));
     }
     match unknown_part(forced, branch, known) {
-        Ok(branch) => Finding::Branch(branch),
-        Err(id) => Finding::Nothing(SeedOutcome::Found(id)),
+        Ok(branch) => TaskResult::Branch(branch),
+        Err(id) => TaskResult::Nothing(SeedOutcome::Found(id)),
     }
 }
 
@@ -320,7 +320,7 @@ fn follow<'m, F: Formulation<'m>>(
     landings: &[Landing],
     known: &[(BranchId, &Branch)],
     observer: &mut Observer<'_>,
-) -> Finding {
+) -> TaskResult {
     let mut nothing = SeedOutcome::NotLanded(LandingFailure::NotConverged(Failure::Diverged.into()));
     let (mut nearest, mut beyond) = (f64::INFINITY, Vec::new());
     for landing in landings {
@@ -332,7 +332,7 @@ fn follow<'m, F: Formulation<'m>>(
                 Ok(branch) => {
                     // Of a curve that was come upon by a wrong step nothing is known but that it is closed.
                     if branch.is_closed() && identify(forced, &branch.points[0].state, known).is_some() {
-                        return Finding::Nothing(SeedOutcome::NotLanded(LandingFailure::Far(landing.distance)));
+                        return TaskResult::Nothing(SeedOutcome::NotLanded(LandingFailure::Far(landing.distance)));
                     }
                     let branch = named(forced, branch, known);
                     return new_part(forced, branch, known);
@@ -341,7 +341,7 @@ fn follow<'m, F: Formulation<'m>>(
             },
             // What begins beyond the bounds may lead through them.
             None => match part_within(forced, &landing.state, known, &mut beyond, observer) {
-                Finding::Nothing(outcome) => outcome,
+                TaskResult::Nothing(outcome) => outcome,
                 found => return found,
             },
         };
@@ -349,7 +349,7 @@ fn follow<'m, F: Formulation<'m>>(
             (nothing, nearest) = (outcome, landing.distance);
         }
     }
-    Finding::Nothing(nothing)
+    TaskResult::Nothing(nothing)
 }
 
 /// Traces the first branch through what random starts led to that is neither known nor what a main branch is beyond the range in
@@ -359,7 +359,7 @@ fn begin<'m, F: Formulation<'m>>(
     landings: &[Landing],
     known: &[(BranchId, &Branch)],
     observer: &mut Observer<'_>,
-) -> Finding {
+) -> TaskResult {
     let mut nothing = SeedOutcome::OutOfBounds;
     let mut passed: Vec<Branch> = Vec::new();
     let mut states: VecDeque<State> = landings.iter().map(|landing| landing.state.clone()).collect();
@@ -379,14 +379,14 @@ fn begin<'m, F: Formulation<'m>>(
             }
         };
         if branch.is_cancelled() {
-            return Finding::Branch(branch);
+            return TaskResult::Branch(branch);
         }
         // A main branch that is whole goes on beyond the range; what is not on it is a loop that its steps have passed over.
         let whole = known.iter().find(|(id, main)| id.is_main() && !main.outcome.is_unfinished());
         nothing = match (branch.kind, whole) {
             (BranchKind::Main, Some((id, _))) => SeedOutcome::Found(*id),
             _ => match new_part(forced, branch.clone(), known) {
-                Finding::Nothing(outcome) => outcome,
+                TaskResult::Nothing(outcome) => outcome,
                 found => return found,
             },
         };
@@ -396,5 +396,5 @@ fn begin<'m, F: Formulation<'m>>(
         }
         passed.push(branch);
     }
-    Finding::Nothing(nothing)
+    TaskResult::Nothing(nothing)
 }

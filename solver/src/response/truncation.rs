@@ -3,7 +3,7 @@
 use crate::curve::continuation::{Continuation, ContinuationSettings, CurvePoint};
 use crate::curve::extrema::locate_maximum;
 use crate::curve::problem::norm;
-use crate::curve::walk::{Evaluated, Visited};
+use crate::curve::walk::{Evaluated, TracedPoint};
 use crate::formulation::Formulation;
 use crate::formulation::harmonics::{Transform, width};
 use crate::formulation::modal::Modal;
@@ -168,7 +168,7 @@ fn climb<'m, F: Formulation<'m>>(
             continue;
         }
         let arcs = (visited[top].curve.step, visited[n - 1].curve.step);
-        let measure = |_: &mut F, v: &Visited<BranchPoint>| v.point.amplitude();
+        let measure = |_: &mut F, v: &TracedPoint<BranchPoint>| v.point.amplitude();
         let maximum = locate_maximum(&mut continuation, &visited, top, arcs, values, &measure);
         return Some(maximum.located.map_or_else(|| visited[top].point.clone(), |(_, located)| located.point));
     }
@@ -178,9 +178,9 @@ fn climb<'m, F: Formulation<'m>>(
 fn evaluated<'m, F: Formulation<'m>>(
     continuation: &mut Continuation<'_, F>,
     curve: CurvePoint,
-) -> Visited<BranchPoint> {
+) -> TracedPoint<BranchPoint> {
     let point = BranchPoint::evaluate(continuation.problem(), &curve);
-    Visited { curve, point }
+    TracedPoint { curve, point }
 }
 
 #[cfg(test)]

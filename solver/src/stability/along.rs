@@ -185,12 +185,12 @@ impl Pass<'_> {
         let closed = self.branch.is_closed();
         let before = if index > 0 || closed { (index + count - 1) % count } else { index };
         let after = if index + 1 < count || closed { (index + 1) % count } else { index };
-        let way = (before != after).then(|| [self.state(before), self.state(after)]);
+        let between = (before != after).then(|| [self.state(before), self.state(after)]);
         let neighbour = self.neighbour(index).and_then(|near| {
             let polished = self.polished[&near].polished.as_ref()?;
             Some((self.state(near), &polished.orbit))
         });
-        let around = Around { way, neighbour };
+        let around = Around { between, neighbour };
         let polish = polish(self.model, &self.settings.polish, self.state(index), around);
         let point = PolishedPoint { index, polish };
         let flow = observer(&point);

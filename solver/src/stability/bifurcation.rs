@@ -2,7 +2,7 @@
 
 use super::crossing::{Crossing, Event};
 use super::multipliers::{Multiplier, Outside};
-use super::shooting::{Orbit, Period, Point, Shooting, Way};
+use super::shooting::{NewtonOptions, Orbit, Period, Point, Shooting};
 use crate::structure::Model;
 use serde::{Deserialize, Serialize};
 use std::rc::Rc;
@@ -232,10 +232,10 @@ impl Search<'_> {
         let mix = |(a, b): (&f64, &f64)| a + part * (b - a);
         let start = Point { x: a.x.iter().zip(&b.x).map(mix).collect(), w: mix((&a.w, &b.w)) };
         let share = low.share + part * (high.share - low.share);
-        let way = |searches| Way { plane: Some(&self.normal), searches, iterations: 10 };
-        let found = match self.shooting.solve(&start, &way(false)) {
+        let options = |searches| NewtonOptions { plane: Some(&self.normal), searches, iterations: 10 };
+        let found = match self.shooting.solve(&start, &options(false)) {
             Some(found) => found,
-            None => self.shooting.solve(&start, &way(true))?,
+            None => self.shooting.solve(&start, &options(true))?,
         };
         let multipliers = found.1.multipliers().ok()?;
         let margin = self.shooting.margin(&found.0, &found.1);

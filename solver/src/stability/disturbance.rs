@@ -9,7 +9,7 @@ use super::marching::{Marching, MarchingError, MarchingSettings};
 use super::multipliers::Verdict;
 use super::nearby::{distance, images, orbits, walk_to};
 use super::polish::Polished;
-use super::shooting::{Orbit, Shooting, Way};
+use super::shooting::{NewtonOptions, Orbit, Shooting};
 use super::verification::Verification;
 use crate::response::branch::Branch;
 use crate::response::task::DisturbPlace;
@@ -247,7 +247,8 @@ fn from_rest(model: &Model, forcing: f64, omega: f64, periods: usize) -> Option<
     let near = Orbit { omega, forcing, steps: marching.steps_per_period(), state: marching.state() };
     let mut shooting = Shooting::around(model, &near).ok()?;
     let start = shooting.point_at(&near);
-    let (point, period) = shooting.solve(&start, &Way { plane: None, searches: false, iterations: ITERATIONS })?;
+    let (point, period) =
+        shooting.solve(&start, &NewtonOptions { plane: None, searches: false, iterations: ITERATIONS })?;
     let verdict = Verdict::of(&period.multipliers().ok()?, shooting.margin(&point, &period));
     (verdict == Verdict::Stable).then(|| (shooting.orbit(&point), period.amplitudes))
 }

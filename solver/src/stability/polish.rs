@@ -6,7 +6,7 @@
 use super::basin::is_left_by_a_push;
 use super::marching::MarchingSettings;
 use super::multipliers::{Multiplier, Verdict};
-use super::shooting::{Orbit, Period, Point, Shooting, Way};
+use super::shooting::{NewtonOptions, Orbit, Period, Point, Shooting};
 use crate::formulation::harmonics::evaluate;
 use crate::formulation::state::State;
 use crate::structure::Model;
@@ -101,7 +101,7 @@ pub struct Polish {
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Around<'a> {
     /// Two solutions of the balance between which the branch passes the point.
-    pub way: Option<[&'a State; 2]>,
+    pub between: Option<[&'a State; 2]>,
     /// A solution nearby with the orbit that it was polished to.
     pub neighbour: Option<(&'a State, &'a Orbit)>,
 }
@@ -129,8 +129,8 @@ pub fn polish(model: &Model, settings: &PolishSettings, state: &State, around: A
     let normal = normal(&shooting, around);
     let mut reason = Reason::NotConverged;
     for (from, plane, searches) in attempts(&start, corrected.as_ref(), normal.as_deref()) {
-        let way = Way { plane, searches, iterations: ITERATIONS };
-        let Some((point, period)) = shooting.solve(from, &way) else { continue };
+        let options = NewtonOptions { plane, searches, iterations: ITERATIONS };
+        let Some((point, period)) = shooting.solve(from, &options) else { continue };
         match judge(&mut shooting, settings, state, &point, &period) {
             Ok(mut found) => {
                 found.periods = shooting.periods;
@@ -159,7 +159,7 @@ fn corrected(shooting: &Shooting<'_>, start: &Point, around: Around<'_>) -> Opti
 
 /// Normal of the plane across the branch.
 fn normal(shooting: &Shooting<'_>, around: Around<'_>) -> Option<Vec<f64>> {
-    let [a, b] = around.way?;
+    let [a, b] = around.between?;
     shooting.across(&shooting.point_of(a).ok()?, &shooting.point_of(b).ok()?)
 }
 

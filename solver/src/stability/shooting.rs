@@ -89,7 +89,7 @@ impl Period {
 }
 
 /// How Newton's method is led.
-pub struct Way<'w> {
+pub struct NewtonOptions<'w> {
     /// Normal of the plane that it stays in, scaled state and w; at fixed ω without.
     pub plane: Option<&'w [f64]>,
     /// Whether steps are shortened until the residual falls.
@@ -243,15 +243,15 @@ impl<'m> Shooting<'m> {
     }
 
     /// Newton's method from a point; the orbit's point and its last period, if it comes to one.
-    pub fn solve(&mut self, start: &Point, way: &Way<'_>) -> Option<(Point, Period)> {
+    pub fn solve(&mut self, start: &Point, options: &NewtonOptions<'_>) -> Option<(Point, Period)> {
         let mut at = start.clone();
         let mut period = self.period(&at).ok()?;
-        for _ in 0..way.iterations {
+        for _ in 0..options.iterations {
             if period.error() < TOLERANCE {
                 return Some((at, period));
             }
-            let step = self.newton_step(&at, &period, way.plane)?;
-            (at, period) = self.take(&at, &period, &step, way.searches)?;
+            let step = self.newton_step(&at, &period, options.plane)?;
+            (at, period) = self.take(&at, &period, &step, options.searches)?;
         }
         (period.error() < TOLERANCE).then_some((at, period))
     }

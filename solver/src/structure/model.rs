@@ -27,6 +27,19 @@ pub struct Modes {
     pub shapes: Matrix,
 }
 
+/// Eigenfrequencies below this share of the highest one are those of rigid-body modes.
+const RIGID: f64 = 1e-6;
+
+impl Modes {
+    /// Whether mode `j`, from 0, moves the structure without deforming it, as far as eigenfrequencies tell.
+    ///
+    /// # Panics
+    /// If there is no such mode.
+    pub fn is_rigid(&self, j: usize) -> bool {
+        self.frequencies[j] <= RIGID * self.frequencies[self.frequencies.len() - 1]
+    }
+}
+
 /// Damping in modal coordinates, Ĉ = Φᵀ C Φ.
 #[derive(Debug, Clone)]
 pub enum Damping {

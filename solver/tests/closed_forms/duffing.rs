@@ -3,7 +3,7 @@
 use crate::common::*;
 use solver::formulation::harmonics::evaluate;
 use solver::response::branch::{BranchPoint, Side, SpecialKind};
-use solver::response::forced::{Forced, Reach};
+use solver::response::forced::{Forced, SearchRange};
 use std::f64::consts::TAU;
 
 /// Damping of models/duffing, x'' + c x' + x + x³ = A cos ωt.
@@ -22,7 +22,7 @@ fn one_harmonic_of_a_duffing_oscillator() {
         assert!((w * w / (1.0 + 0.75 * a * a) - 1.0).abs() < 1e-9, "a = {a}: {w}");
     }
     for amplitude in [0.02, 0.1] {
-        let branch = Forced::new(&model, &settings, Reach::new(&settings, &backbone).unwrap(), amplitude)
+        let branch = Forced::new(&model, &settings, SearchRange::new(&settings, &backbone).unwrap(), amplitude)
             .main_branch(Side::Below, &mut quiet)
             .unwrap();
         for point in &branch.points {
@@ -66,7 +66,7 @@ fn a_duffing_response_with_many_harmonics_is_a_periodic_orbit() {
     let settings = with_harmonics(20);
     let backbone = backbone(&model, &settings);
     let (amplitude, omega) = (0.1, 1.8);
-    let mut forced = Forced::new(&model, &settings, Reach::new(&settings, &backbone).unwrap(), amplitude);
+    let mut forced = Forced::new(&model, &settings, SearchRange::new(&settings, &backbone).unwrap(), amplitude);
     let branch = forced.main_branch(Side::Below, &mut quiet).unwrap();
     let states = states_at(&mut forced, &branch, omega);
     assert_eq!(states.len(), 3, "upper, unstable, lower");

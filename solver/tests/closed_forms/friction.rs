@@ -3,7 +3,7 @@
 use crate::common::*;
 use solver::formulation::harmonics::complex;
 use solver::response::branch::Side;
-use solver::response::forced::{Forced, Reach};
+use solver::response::forced::{Forced, SearchRange};
 use solver::structure::laws::{Jenkins, LawKind, TanhFriction};
 use std::f64::consts::{PI, TAU};
 
@@ -15,7 +15,7 @@ fn an_elastic_friction_element_is_a_linear_spring() {
     settings.continuation.newton.tolerance = 1e-13;
     (settings.frequency.min, settings.frequency.max) = (Some(1.0), Some(2.5));
     let backbone = backbone(&model, &settings);
-    let branch = Forced::new(&model, &settings, Reach::new(&settings, &backbone).unwrap(), 0.1)
+    let branch = Forced::new(&model, &settings, SearchRange::new(&settings, &backbone).unwrap(), 0.1)
         .main_branch(Side::Below, &mut quiet)
         .unwrap();
     let (low, high) = branch.frequency_range();

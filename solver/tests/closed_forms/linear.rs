@@ -9,7 +9,7 @@ use solver::formulation::state::State;
 use solver::formulation::unknown::Unknown;
 use solver::linalg::Matrix;
 use solver::response::branch::Side;
-use solver::response::forced::{Forced, Reach};
+use solver::response::forced::{Forced, SearchRange};
 use solver::structure::Model;
 
 /// A chain of five masses between two walls; the dampers give modal damping or a C that no modes diagonalise.
@@ -120,7 +120,7 @@ fn a_main_branch_that_never_touches_is_that_of_a_dense_solve() {
         let frequencies = &model.modes().frequencies;
         (settings.frequency.min, settings.frequency.max) = (Some(0.5 * frequencies[0]), Some(1.2 * frequencies[4]));
         let backbone = backbone(&model, &settings);
-        let mut forced = Forced::new(&model, &settings, Reach::new(&settings, &backbone).unwrap(), 2.5);
+        let mut forced = Forced::new(&model, &settings, SearchRange::new(&settings, &backbone).unwrap(), 2.5);
         let branch = forced.main_branch(Side::Below, &mut quiet).unwrap();
         let (low, high) = branch.frequency_range();
         assert!(low < 0.51 * frequencies[0] && high > 1.19 * frequencies[4], "{low} {high} {:?}", branch.outcome);

@@ -7,7 +7,7 @@ use solver::formulation::harmonics::width;
 use solver::formulation::state::State;
 use solver::response::backbone::Backbone;
 use solver::response::branch::Side;
-use solver::response::forced::{Forced, Reach};
+use solver::response::forced::{Forced, SearchRange};
 use std::f64::consts::PI;
 
 /// Frequency of the undamped free motion before a rigid stop, a the excursion away from it: x = −a cos ω₀t from −a to the
@@ -64,11 +64,11 @@ fn contact_between_two_bodies_is_that_of_one_body_before_a_stop() {
     let one = oscillator(3.0, 0.005, contact(0.1 / 2f64.sqrt(), 6.0));
     let mut settings = with_harmonics(20);
     let reference = backbone(&one, &settings);
-    let branch = Forced::new(&one, &settings, Reach::new(&settings, &reference).unwrap(), 0.005)
+    let branch = Forced::new(&one, &settings, SearchRange::new(&settings, &reference).unwrap(), 0.005)
         .main_branch(Side::Below, &mut quiet)
         .unwrap();
     settings.backbone.modes = solver::ModeChoice::one(2);
-    let mut forced = Forced::new(&two, &settings, Reach::new(&settings, &reference).unwrap(), 0.005);
+    let mut forced = Forced::new(&two, &settings, SearchRange::new(&settings, &reference).unwrap(), 0.005);
     // The forcing shape M φ_2 follows the sign of φ_2 = ±(1, −1)/√2, and so does q.
     let sign = two.modes().shapes[(0, 1)].signum();
     let mut touching = 0;

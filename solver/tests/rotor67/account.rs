@@ -4,7 +4,7 @@ use crate::common::{AMPLITUDES, BACKWARD, FORWARD, FRICTIONLESS, Scenario, TUNED
 use solver::response::backbone::Backbone;
 use solver::response::branch::{Branch, Outcome, SpecialKind, Stop};
 use solver::response::level::{BranchId, Level, SeedOutcome};
-use solver::response::seeds::Way;
+use solver::response::seeds::LandingMethod;
 use solver::response::windows::windows;
 use solver::settings::Settings;
 
@@ -119,7 +119,8 @@ fn every_seed_lands_with_the_full_forcing() {
         for amplitude in AMPLITUDES {
             let level = scenario.level(amplitude);
             for seed in level.windows.iter().flat_map(|account| &account.seeds) {
-                let has_landed = seed.way == Way::FullForcing && matches!(seed.outcome, SeedOutcome::Found(_));
+                let has_landed =
+                    seed.method == LandingMethod::FullForcing && matches!(seed.outcome, SeedOutcome::Found(_));
                 assert!(has_landed, "{}, A = {amplitude}: {seed:?}", scenario.name);
             }
         }

@@ -7,7 +7,7 @@ use crate::common::{BACKWARD, FRICTIONLESS, Scenario, found_from_window};
 use solver::formulation::harmonics::evaluate;
 use solver::formulation::state::State;
 use solver::response::branch::Branch;
-use solver::response::forced::{Forced, Reach};
+use solver::response::forced::{Forced, SearchRange};
 use solver::settings::Settings;
 use solver::stability::marching::{Marching, MarchingSettings};
 use std::f64::consts::TAU;
@@ -22,8 +22,12 @@ fn leading_edge(scenario: &Scenario, state: &State) -> f64 {
 /// All solutions of a branch at exactly `omega`, the largest first: interpolated between its points, then converged.
 fn solutions(scenario: &Scenario, branch: &Branch, omega: f64) -> Vec<State> {
     let (model, backbone) = (scenario.model(), scenario.backbone());
-    let mut forced =
-        Forced::new(model, &Settings::default(), Reach::new(&Settings::default(), backbone).unwrap(), branch.forcing);
+    let mut forced = Forced::new(
+        model,
+        &Settings::default(),
+        SearchRange::new(&Settings::default(), backbone).unwrap(),
+        branch.forcing,
+    );
     let mut points: Vec<&State> = branch.points.iter().map(|p| &p.state).collect();
     if branch.is_closed() {
         points.push(points[0]);

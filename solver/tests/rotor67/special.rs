@@ -5,7 +5,7 @@
 
 use crate::common::{BACKWARD, FRICTIONLESS, Scenario, TUNED, found_from_window, quiet};
 use solver::response::branch::{Branch, SpecialKind};
-use solver::response::forced::{Forced, Reach};
+use solver::response::forced::{Forced, SearchRange};
 use solver::settings::{Quadrature, Settings};
 
 /// An isola, by the window it is found from.
@@ -32,7 +32,8 @@ impl Isola {
         let points = &level.branch(id).unwrap().points;
         let state = &points[(start * points.len() as f64) as usize].state;
         let (model, backbone) = (self.scenario.model(), self.scenario.backbone());
-        let mut forced = Forced::new(model, settings, Reach::new(settings, backbone).unwrap(), self.amplitude.into());
+        let mut forced =
+            Forced::new(model, settings, SearchRange::new(settings, backbone).unwrap(), self.amplitude.into());
         let branch = forced.branch_through(state, &mut quiet).unwrap();
         assert!(branch.is_closed(), "{}: {:?} from {start}", self.scenario.name, branch.outcome);
         branch

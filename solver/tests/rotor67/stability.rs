@@ -24,8 +24,8 @@ fn state(branch: &Branch, index: isize) -> &State {
 }
 
 pub fn polished(scenario: &Scenario, branch: &Branch, index: isize) -> Polish {
-    let way = Some([state(branch, index - 1), state(branch, index + 1)]);
-    polish(scenario.model(), &PolishSettings::default(), state(branch, index), Around { way, neighbour: None })
+    let between = Some([state(branch, index - 1), state(branch, index + 1)]);
+    polish(scenario.model(), &PolishSettings::default(), state(branch, index), Around { between, neighbour: None })
 }
 
 /// Number of the point at which the branch passes `omega`, on its highest (0), second, … part.
@@ -77,7 +77,7 @@ fn assert_between(scenario: &Scenario, branch: &Branch, omegas: &[f64], expected
     for &omega in omegas {
         let state = state(branch, passing(branch, omega, 0));
         let neighbour = orbits.last().map(|(state, known)| (*state, &known.orbit));
-        let around = Around { way: None, neighbour };
+        let around = Around { between: None, neighbour };
         orbits.push((state, known(polish(scenario.model(), &PolishSettings::default(), state, around))));
     }
     let all: Vec<_> = orbits.windows(2).flat_map(|pair| found(scenario, &pair[0].1, &pair[1].1)).collect();

@@ -1,13 +1,13 @@
 //! Branches of small models.
 
 use solver::response::branch::Side;
-use solver::{Backbone, Branch, Forced, Model, Reach, Settings};
+use solver::{Backbone, Branch, Forced, Model, SearchRange, Settings};
 use std::ops::ControlFlow;
 
 /// The main branch, entered from below.
 pub fn main_branch(model: &Model, settings: &Settings, forcing: f64) -> Branch {
     let backbone = Backbone::compute(model, settings).unwrap();
-    let reach = Reach::new(settings, &backbone).unwrap();
+    let reach = SearchRange::new(settings, &backbone).unwrap();
     let mut forced = Forced::new(model, settings, reach, forcing);
     forced.main_branch(Side::Below, &mut |_| ControlFlow::Continue(())).unwrap()
 }

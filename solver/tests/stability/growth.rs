@@ -11,8 +11,9 @@ fn compare(model: &Model, forcing: f64, periods: usize) {
     (settings.frequency.min, settings.frequency.max) = (Some(12.0), Some(30.0));
     let branch = main_branch(model, &settings, forcing);
     let at = branch.points.iter().position(|point| point == branch.peak()).unwrap();
-    let way = Some([&branch.points[at - 1].state, &branch.points[at + 1].state]);
-    let found = polish(model, &PolishSettings::default(), &branch.points[at].state, Around { way, neighbour: None });
+    let between = Some([&branch.points[at - 1].state, &branch.points[at + 1].state]);
+    let found =
+        polish(model, &PolishSettings::default(), &branch.points[at].state, Around { between, neighbour: None });
     println!("{:?} {:?} {:?}", found.verdict, found.reason, found.periods);
     let orbit = found.polished.unwrap();
     println!("{:?} distance {} impacts {}", orbit.multipliers[0], orbit.distance, orbit.impacts);

@@ -3,7 +3,7 @@
 use solver::formulation::state::State;
 use solver::response::branch::{BranchPoint, Side, SpecialKind};
 use solver::response::folds::{Critical, CriticalCurve, CriticalKind, Extent, Quantity};
-use solver::{Backbone, Branch, Forced, Model, Reach, Settings};
+use solver::{Backbone, Branch, Forced, Model, SearchRange, Settings};
 use std::ops::ControlFlow;
 use std::time::Instant;
 
@@ -15,13 +15,13 @@ pub fn quiet(_: &BranchPoint) -> ControlFlow<()> {
 pub struct Study {
     pub model: Model,
     pub settings: Settings,
-    pub reach: Reach,
+    pub reach: SearchRange,
 }
 
 impl Study {
     pub fn new(model: Model, settings: Settings) -> Self {
         let backbone = Backbone::compute(&model, &settings).unwrap();
-        let reach = Reach::new(&settings, &backbone).unwrap();
+        let reach = SearchRange::new(&settings, &backbone).unwrap();
         Self { model, settings, reach }
     }
 

@@ -2,7 +2,7 @@
 
 use crate::fake::{Answer, Asked, Fake, drained, fine, grant, hand_out, wait};
 use crate::study::{LONG_LEASE, Study};
-use protocol::branch::FindingMessage;
+use protocol::branch::TaskResultMessage;
 use protocol::from_worker::Progress;
 use protocol::ids::{Attempt, TaskId};
 use protocol::to_everyone::Stage;
@@ -121,7 +121,7 @@ async fn the_same_grant_twice() {
     let [first, second] = &submitted[..] else { panic!("{} results", submitted.len()) };
     assert_eq!(first.lease, second.lease);
     assert_eq!(first.finding, second.finding);
-    assert!(matches!(first.finding, FindingMessage::Branch(_)));
+    assert!(matches!(first.finding, TaskResultMessage::Branch(_)));
 }
 
 #[tokio::test(flavor = "multi_thread")]

@@ -2,7 +2,7 @@
 
 use crate::fake::{Answer, Asked, Fake, Seen, drained, fine, grant, hand_out, own_endpoint};
 use crate::study::Study;
-use protocol::branch::FindingMessage;
+use protocol::branch::TaskResultMessage;
 use protocol::curve::Size;
 use protocol::from_worker::SubmitRequest;
 use protocol::ids::TaskId;
@@ -51,11 +51,11 @@ impl Desk {
         let outcome = self.account.outcome(&request.finding.brought()).unwrap();
         self.account.record(&work, outcome);
         let branch = match &request.finding {
-            FindingMessage::Branch(branch) => Some(branch.clone()),
+            TaskResultMessage::Branch(branch) => Some(branch.clone()),
             _ => None,
         };
         let landings = match &request.finding {
-            FindingMessage::Landings(landings) => Some(landings.clone()),
+            TaskResultMessage::Landings(landings) => Some(landings.clone()),
             _ => None,
         };
         let name = match (outcome, &branch) {

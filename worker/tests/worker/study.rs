@@ -10,7 +10,7 @@ use solver::files;
 use solver::formulation::modal::Modal;
 use solver::response::backbone::Backbone;
 use solver::response::branch::Side;
-use solver::response::forced::Reach;
+use solver::response::forced::SearchRange;
 use solver::response::task::Task;
 use solver::settings::Settings;
 use solver::structure::Model;
@@ -50,8 +50,8 @@ impl Study {
         study
     }
 
-    pub fn reach(&self) -> Reach {
-        Reach::new(&self.settings, &self.backbone).unwrap()
+    pub fn reach(&self) -> SearchRange {
+        SearchRange::new(&self.settings, &self.backbone).unwrap()
     }
 
     pub fn model_message(&self) -> Vec<u8> {

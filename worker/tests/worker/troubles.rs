@@ -132,7 +132,7 @@ async fn a_known_branch_of_another_truncation() {
     let fake = Fake::start(&other, hand_out(vec![other.main()])).await;
     fake.work(&[]).await.unwrap();
     let main = fake.seen.submitted().remove(0);
-    let protocol::branch::FindingMessage::Branch(branch) = main.finding else { panic!("no branch") };
+    let protocol::branch::TaskResultMessage::Branch(branch) = main.finding else { panic!("no branch") };
 
     let known = Known { branch: BranchId::MAIN, task: main.lease.task.clone() };
     let grants = vec![study.grant(1, first_landing(&study), vec![known]), study.main()];

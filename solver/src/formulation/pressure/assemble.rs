@@ -140,10 +140,10 @@ impl PressureForm<'_> {
             let rows = Pair::of(k);
             let blocks = self.unknowns.blocks.iter().zip(&columns.unknowns.blocks);
             for ((block, narrow), jacobian) in blocks.zip(&columns.jacobians) {
-                let (slot, width) = (&self.slots[block.element], narrow.unknowns.len());
+                let (bound, width) = (&self.elements[block.element], narrow.unknowns.len());
                 for (i, _, start) in block.arguments() {
                     // Force i does not depend on the arguments from `reach` on.
-                    let reach = slot.reach[i] * (width / block.channels.len());
+                    let reach = bound.reach[i] * (width / block.channels.len());
                     let source = |part: usize| {
                         let begin = (i * nc + part) * width;
                         &jacobian[begin..begin + reach]
@@ -292,7 +292,7 @@ impl PressureForm<'_> {
     /// Entries of a linear form on modal amplitudes, those on the arguments of open nodes (a = s x − c) carried over to them.
     fn carried_over(&self, row: &[f64]) -> Vec<f64> {
         let mut modal = row[self.layout.modal()].to_vec();
-        for u in self.slots.iter().filter(|slot| !slot.active).flat_map(|slot| slot.channels.clone()) {
+        for u in self.elements.iter().filter(|bound| !bound.active).flat_map(|bound| bound.channels.clone()) {
             let (channel, series) = (self.channels[u], &row[self.layout.channel(u)]);
             if series.iter().all(|entry| *entry == 0.0) {
                 continue;

@@ -4,7 +4,7 @@ use super::PressureForm;
 use super::layout::Unknowns;
 use crate::formulation::aft::Rate;
 use crate::formulation::harmonics::complex;
-use crate::formulation::receptance::{Kept, gather, scatter};
+use crate::formulation::receptance::{RetainedMode, gather, scatter};
 use crate::structure::laws::with_law;
 use rustfft::num_complex::Complex64;
 
@@ -20,8 +20,8 @@ impl PressureForm<'_> {
             return f64::NAN;
         }
         self.mark_touching();
-        for e in 0..self.slots.len() {
-            if self.slots[e].active {
+        for e in 0..self.elements.len() {
+            if self.elements[e].active {
                 self.evaluate_element(e);
             }
         }
@@ -39,19 +39,19 @@ impl PressureForm<'_> {
 
     /// Elements other than contact always act; contact nodes act while their predicted pressure is positive somewhere.
     fn mark_touching(&mut self) {
-        for slot in &mut self.slots {
-            let series = &self.current.arguments[self.layout.channel(slot.channels.start)];
-            slot.active = !slot.is_contact || self.aft.touches(series);
+        for bound in &mut self.elements {
+            let series = &self.current.arguments[self.layout.channel(bound.channels.start)];
+            bound.active = !bound.is_contact || self.aft.touches(series);
         }
     }
 
     fn evaluate_element(&mut self, e: usize) {
-        let slot = &self.slots[e];
+        let bound = &self.elements[e];
         let rate = Rate { omega: self.current.omega, harmonic: self.system.model.forcing().harmonic as f64 };
         let out = &mut self.forces[e];
-        let arguments = &self.current.arguments[self.layout.element(&slot.channels)];
-        with_law!(&slot.law, law => self.aft.evaluate(law, arguments, rate, out));
-        let scales = &self.channels[slot.channels.clone()];
+        let arguments = &self.current.arguments[self.layout.element(&bound.channels)];
+        with_law!(&bound.law, law => self.aft.evaluate(law, arguments, rate, out));
+        let scales = &self.channels[bound.channels.clone()];
         for row in out.jacobian.chunks_mut(arguments.len()) {
             for (part, channel) in row.chunks_mut(self.layout.nc).zip(scales) {
                 part.iter_mut().for_each(|d| *d *= channel.scale);
@@ -67,8 +67,8 @@ impl PressureForm<'_> {
             let forcing = self.current.forcing;
             out.iter_mut().zip(modal.forcing()).for_each(|(o, s)| *o = Complex64::new(forcing * s, 0.0));
         }
-        for (slot, element) in self.slots.iter().zip(&self.forces).filter(|(slot, _)| slot.active) {
-            for (u, series) in slot.channels.clone().zip(element.force.chunks(self.layout.nc)) {
+        for (bound, element) in self.elements.iter().zip(&self.forces).filter(|(bound, _)| bound.active) {
+            for (u, series) in bound.channels.clone().zip(element.force.chunks(self.layout.nc)) {
                 let force = complex(series, k);
                 out.iter_mut().zip(modal.shape(u)).for_each(|(o, s)| *o -= force * s);
             }
@@ -107,11 +107,11 @@ impl PressureForm<'_> {
             self.receptance.modal().displacement(u, &self.current.modal, out);
         }
         let mut touched = false;
-        for e in 0..self.slots.len() {
-            if self.slots[e].active {
+        for e in 0..self.elements.len() {
+            if self.elements[e].active {
                 continue;
             }
-            let channels = self.slots[e].channels.clone();
+            let channels = self.elements[e].channels.clone();
             for u in channels.clone() {
                 let channel = self.channels[u];
                 let argument = &mut self.current.arguments[layout.channel(u)];
@@ -121,7 +121,7 @@ impl PressureForm<'_> {
                 argument[0] -= channel.offset;
             }
             if self.aft.touches(&self.current.arguments[layout.channel(channels.start)]) {
-                self.slots[e].active = true;
+                self.elements[e].active = true;
                 self.evaluate_element(e);
                 touched = true;
             }
@@ -143,8 +143,8 @@ impl PressureForm<'_> {
 
     /// Residuals in the order of the unknowns, which are those that are active and kept here.
     fn evaluate_residual(&mut self) {
-        let active = self.slots.iter().enumerate().filter(|(_, slot)| slot.active);
-        let active = active.map(|(e, slot)| (e, slot.channels.clone()));
+        let active = self.elements.iter().enumerate().filter(|(_, bound)| bound.active);
+        let active = active.map(|(e, bound)| (e, bound.channels.clone()));
         self.unknowns = Unknowns::new(active, self.receptance.kept(), &self.layout);
         let mut residual = std::mem::take(&mut self.residual);
         residual.clear();
@@ -210,7 +210,7 @@ impl PressureForm<'_> {
     }
 
     /// Scale of the equation of a kept amplitude: modal amplitude times the square of its eigenfrequency.
-    pub(super) fn kept_scale(&self, kept: &Kept) -> f64 {
+    pub(super) fn kept_scale(&self, kept: &RetainedMode) -> f64 {
         let omega = self.system.model.modes().frequencies[kept.mode];
         self.system.scales.modal * omega.max(self.system.scales.frequency).powi(2)
     }

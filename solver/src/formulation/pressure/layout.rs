@@ -1,6 +1,6 @@
 //! Where things stand: in the full state, and among the unknowns that are factorised.
 
-use crate::formulation::receptance::Kept;
+use crate::formulation::receptance::RetainedMode;
 use std::ops::Range;
 
 /// The full state: arguments of all channels, modal amplitudes (both by series of nc numbers), parameters.
@@ -97,7 +97,7 @@ impl Block {
 /// A kept modal amplitude among the unknowns.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct KeptAt {
-    pub kept: Kept,
+    pub kept: RetainedMode,
     /// Its places, rows and columns.
     pub at: Pair,
 }
@@ -113,7 +113,7 @@ pub(super) struct Unknowns {
 
 impl Unknowns {
     /// Of the elements that are active, numbered with their channels.
-    pub fn new(active: impl Iterator<Item = (usize, Range<usize>)>, kept: &[Kept], layout: &Layout) -> Self {
+    pub fn new(active: impl Iterator<Item = (usize, Range<usize>)>, kept: &[RetainedMode], layout: &Layout) -> Self {
         let active = active.map(|(element, channels)| (element, channels, layout.nc));
         Self::with_widths(active, kept.iter().copied(), layout.parameters)
     }
@@ -127,7 +127,7 @@ impl Unknowns {
 
     fn with_widths(
         active: impl Iterator<Item = (usize, Range<usize>, usize)>,
-        kept: impl Iterator<Item = Kept>,
+        kept: impl Iterator<Item = RetainedMode>,
         parameters: usize,
     ) -> Self {
         let mut end = 0;
@@ -162,7 +162,7 @@ impl Unknowns {
         self.blocks.iter().flat_map(|block| block.channels.clone())
     }
 
-    /// Kept amplitudes of harmonic k.
+    /// RetainedMode amplitudes of harmonic k.
     pub fn kept_at(&self, k: usize) -> impl Iterator<Item = &KeptAt> + '_ {
         self.kept.iter().filter(move |kept| kept.kept.harmonic == k)
     }

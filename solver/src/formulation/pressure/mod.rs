@@ -50,7 +50,7 @@ use std::ops::Range;
 pub use touch::Touch;
 
 /// A nonlinear element as the pressure form sees it.
-struct Slot {
+struct BoundElement {
     law: LawKind,
     /// Its channels.
     channels: Range<usize>,
@@ -77,7 +77,7 @@ struct Channel {
 pub struct PressureForm<'m> {
     system: System<'m>,
     layout: Layout,
-    slots: Vec<Slot>,
+    elements: Vec<BoundElement>,
     channels: Vec<Channel>,
     receptance: Receptance,
     aft: Aft,
@@ -125,7 +125,7 @@ impl<'m> PressureForm<'m> {
             modes: model.size(),
             parameters: unknown.parameters().len(),
         };
-        let (slots, channels) = slots(model, &modal, &scales);
+        let (elements, channels) = bound_elements(model, &modal, &scales);
         let mut metric = vec![0.0; layout.len()];
         metric[layout.modal().start..].fill(1.0);
         let Parameters { omega, decay, forcing } = unknown.fixed(&scales);
@@ -135,7 +135,7 @@ impl<'m> PressureForm<'m> {
             condition: Condition::new(unknown, &layout),
             receptance: Receptance::new(model, harmonics, modal, unknown.is_damped()),
             aft: Aft::new(truncation),
-            forces: slots.iter().map(|_| ElementForce::default()).collect(),
+            forces: elements.iter().map(|_| ElementForce::default()).collect(),
             displacement: arguments.clone(),
             unknowns: Unknowns::default(),
             residual: Vec::new(),
@@ -150,7 +150,7 @@ impl<'m> PressureForm<'m> {
             assembly: Work::default(),
             system,
             layout,
-            slots,
+            elements,
             channels,
             metric,
         }
@@ -181,13 +181,13 @@ impl<'m> PressureForm<'m> {
 
     /// Elements that carry a force at the state last linearised.
     pub fn active(&self) -> Vec<bool> {
-        self.slots.iter().map(|slot| slot.active).collect()
+        self.elements.iter().map(|bound| bound.active).collect()
     }
 }
 
 /// Elements and their channels as the pressure form sees them.
-fn slots(model: &Model, modal: &Modal, scales: &Scales) -> (Vec<Slot>, Vec<Channel>) {
-    let (mut slots, mut channels) = (Vec::new(), Vec::new());
+fn bound_elements(model: &Model, modal: &Modal, scales: &Scales) -> (Vec<BoundElement>, Vec<Channel>) {
+    let (mut elements, mut channels) = (Vec::new(), Vec::new());
     for element in model.elements() {
         let count = element.law.arguments();
         let is_contact = element.law.rigid().is_some();
@@ -200,9 +200,9 @@ fn slots(model: &Model, modal: &Modal, scales: &Scales) -> (Vec<Slot>, Vec<Chann
             let feedback = if is_contact && u == range.start { 1.0 } else { 0.0 };
             Channel { gain, feedback, offset, scale: gain * scales.length }
         }));
-        slots.push(Slot { law: element.law.clone(), channels: range, is_contact, reach, active: false });
+        elements.push(BoundElement { law: element.law.clone(), channels: range, is_contact, reach, active: false });
     }
-    (slots, channels)
+    (elements, channels)
 }
 
 /// Phase condition of a free motion, Re q = 0 of the tracked mode, or of a phase-resonant one, Re(X_m·s) = 0.

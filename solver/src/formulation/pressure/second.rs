@@ -135,7 +135,7 @@ impl PressureForm<'_> {
         let rate = Rate { omega: self.current.omega, harmonic: self.system.model.forcing().harmonic as f64 };
         let arguments = &self.current.arguments[range.clone()];
         let mut row = vec![0.0; range.len()];
-        let by_omega = with_law!(&self.slots[block.element].law, law =>
+        let by_omega = with_law!(&self.elements[block.element].law, law =>
             self.aft.second_derivative(law, arguments, rate, along, &mut row));
         scaled(&mut row);
         form[range].copy_from_slice(&row);

@@ -28,7 +28,7 @@ impl PressureForm<'_> {
             axpy(parameter / self.system.scales.modal, rate, modal);
         }
         let mut series = vec![0.0; nc];
-        for u in self.slots.iter().filter(|slot| !slot.active).flat_map(|slot| slot.channels.clone()) {
+        for u in self.elements.iter().filter(|bound| !bound.active).flat_map(|bound| bound.channels.clone()) {
             let channel = self.channels[u];
             self.receptance.modal().displacement(u, modal, &mut series);
             let factor = channel.gain * self.system.scales.modal / channel.scale;

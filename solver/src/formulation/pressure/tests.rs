@@ -1,7 +1,7 @@
 //! Derivatives of the pressure form against central differences, at states with contact partly open and several kept
 //! modal amplitudes; the model and the differences serve the other formulation's tests too.
 
-use super::{PressureForm, Slot};
+use super::{BoundElement, PressureForm};
 use crate::curve::problem::Problem;
 use crate::formulation::Formulation;
 use crate::formulation::scales::Scales;
@@ -161,19 +161,19 @@ pub(super) fn form<'m>(case: Case, model: &'m Model, seed: u64) -> (PressureForm
     let mut form = PressureForm::new(model, case.truncation(), TRACKED, case.unknown, scales);
     let (layout, mut next) = (form.layout, random(seed));
     let mut y = vec![0.0; form.len()];
-    for slot in &form.slots {
-        for (i, u) in slot.channels.clone().enumerate() {
+    for bound in &form.elements {
+        for (i, u) in bound.channels.clone().enumerate() {
             for (h, value) in y[layout.channel(u)].iter_mut().enumerate() {
-                let size = if h == 0 || (slot.is_contact && i > 0) { 0.3 } else { 1.0 };
+                let size = if h == 0 || (bound.is_contact && i > 0) { 0.3 } else { 1.0 };
                 *value = size * next() / (1 + h.div_ceil(2)) as f64;
             }
         }
     }
-    let normal = |slot: &Slot| layout.channel(slot.channels.start);
-    for slot in form.slots.iter().filter(|slot| slot.is_contact) {
-        y[normal(slot)][1] = 1.5;
+    let normal = |bound: &BoundElement| layout.channel(bound.channels.start);
+    for bound in form.elements.iter().filter(|bound| bound.is_contact) {
+        y[normal(bound)][1] = 1.5;
     }
-    y[normal(&form.slots[2])][0] = -40.0;
+    y[normal(&form.elements[2])][0] = -40.0;
     y[layout.modal()].iter_mut().for_each(|q| *q = next());
     for (p, parameter) in case.unknown.parameters().iter().enumerate() {
         let value = match parameter {
@@ -189,7 +189,7 @@ pub(super) fn form<'m>(case: Case, model: &'m Model, seed: u64) -> (PressureForm
     }
     assert_eq!(form.active()[..3], [true, true, false], "{case:?}");
     for e in 0..2 {
-        let share = form.aft.coverage(&form.current.arguments[normal(&form.slots[e])], 0.0).fraction();
+        let share = form.aft.coverage(&form.current.arguments[normal(&form.elements[e])], 0.0).fraction();
         assert!((0.1..0.95).contains(&share), "{case:?}: element {e} touches for {share} of the period");
     }
     (form, y)
@@ -204,8 +204,8 @@ pub(crate) fn random_state(case: Case, model: &Model, seed: u64) -> State {
 /// Positions in the full state of the unknowns that are factorised.
 fn unknowns(form: &PressureForm<'_>) -> Vec<usize> {
     let mut list = Vec::new();
-    for slot in form.slots.iter().filter(|slot| slot.active) {
-        list.extend(form.layout.element(&slot.channels));
+    for bound in form.elements.iter().filter(|bound| bound.active) {
+        list.extend(form.layout.element(&bound.channels));
     }
     for kept in form.receptance.kept() {
         let start = form.layout.mode(kept.mode).start;
@@ -364,8 +364,8 @@ fn a_node_that_touches_after_all_takes_its_place_in_the_state() {
     let scales = Scales::new(&model, TRACKED);
     let mut form = PressureForm::new(&model, case.truncation(), TRACKED, case.unknown, scales);
     let mut y = vec![0.0; form.len()];
-    for slot in &form.slots {
-        y[form.layout.channel(slot.channels.start)][0] = -1.0;
+    for bound in &form.elements {
+        y[form.layout.channel(bound.channels.start)][0] = -1.0;
     }
     y[form.layout.mode(TRACKED)][1] = 3.0;
     *y.last_mut().unwrap() = OMEGA / scales.frequency;

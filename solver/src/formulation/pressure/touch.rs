@@ -48,10 +48,10 @@ impl PressureForm<'_> {
     /// Extrema of all arguments that have a threshold at the state last linearised, the closest to it first.
     pub fn touches(&self) -> Vec<Touch> {
         let mut touches = Vec::new();
-        for (element, slot) in self.slots.iter().enumerate() {
-            let Some(threshold) = slot.law.threshold() else { continue };
-            let series = &self.current.arguments[self.layout.channel(slot.channels.start)];
-            let scale = self.channels[slot.channels.start].scale;
+        for (element, bound) in self.elements.iter().enumerate() {
+            let Some(threshold) = bound.law.threshold() else { continue };
+            let series = &self.current.arguments[self.layout.channel(bound.channels.start)];
+            let scale = self.channels[bound.channels.start].scale;
             let count = 16 * series.len();
             let values: Vec<f64> = (0..count).map(|i| evaluate(series, TAU * i as f64 / count as f64)[0]).collect();
             let (low, high) =
@@ -83,17 +83,17 @@ impl PressureForm<'_> {
 
     /// The same extremum at the state last linearised; none if it has left or turned.
     pub fn again(&self, touch: &Touch) -> Option<Touch> {
-        let slot = &self.slots[touch.element];
-        let series = &self.current.arguments[self.layout.channel(slot.channels.start)];
+        let bound = &self.elements[touch.element];
+        let series = &self.current.arguments[self.layout.channel(bound.channels.start)];
         let instant = extremum(series, touch.instant, TAU / (4 * series.len()) as f64)?;
         let [value, _, curvature] = evaluate(series, instant);
-        let excess = (value - slot.law.threshold()?) / self.channels[slot.channels.start].scale;
+        let excess = (value - bound.law.threshold()?) / self.channels[bound.channels.start].scale;
         (touch.sign() * curvature < 0.0).then_some(Touch { instant, height: touch.sign() * excess, ..*touch })
     }
 
     /// Gradient of the height as a linear form on the state: by the envelope theorem that at a fixed instant.
     pub fn height_form(&self, touch: &Touch) -> Vec<f64> {
-        let first = self.slots[touch.element].channels.start;
+        let first = self.elements[touch.element].channels.start;
         let mut form = vec![0.0; self.layout.len()];
         let height = &mut form[self.layout.channel(first)];
         harmonics::basis(touch.instant, height);

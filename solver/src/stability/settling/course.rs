@@ -7,7 +7,7 @@ use crate::response::task::BranchId;
 use crate::stability::marching::{Marching, MarchingError};
 use crate::stability::multipliers::Verdict;
 use crate::stability::nearby::{apart, distance, images, orbits};
-use crate::stability::shooting::{Orbit, Shooting, Way};
+use crate::stability::shooting::{NewtonOptions, Orbit, Shooting};
 use crate::structure::Model;
 
 /// Relative size of the push that makes a motion leave its orbit.
@@ -39,8 +39,6 @@ const LONGEST: usize = 2;
 const PATIENCE: usize = 50;
 /// It ends on a stable orbit if its way there since the last time is that of small deviations to this share.
 const AS_TOLD: f64 = 0.05;
-/// Eigenfrequencies below this share of the highest one are those of rigid-body modes.
-const RIGID: f64 = 1e-6;
 /// Newton iterations from where it has come to.
 const ITERATIONS: usize = 12;
 
@@ -118,7 +116,8 @@ impl<'m> Course<'m> {
         let near = orbit_of(self.state());
         let mut shooting = Shooting::around(self.model, &near).ok()?;
         let start = shooting.point_at(&near);
-        let (point, period) = shooting.solve(&start, &Way { plane: None, searches: false, iterations: ITERATIONS })?;
+        let (point, period) =
+            shooting.solve(&start, &NewtonOptions { plane: None, searches: false, iterations: ITERATIONS })?;
         let verdict = Verdict::of(&period.multipliers().ok()?, shooting.margin(&point, &period));
         if verdict != Verdict::Stable {
             return None;
@@ -181,9 +180,8 @@ impl<'m> Course<'m> {
 
     /// Share of its size that linear damping takes in a period from what rings in the mode that is damped least.
     fn loss(&self) -> f64 {
-        let frequencies = &self.model.modes().frequencies;
         // What does not deform the structure does not ring.
-        let rings = |j: &usize| frequencies[*j] > RIGID * frequencies[frequencies.len() - 1];
+        let rings = |j: &usize| !self.model.modes().is_rigid(*j);
         let rates = (0..self.model.size()).filter(rings).map(|j| 0.5 * self.model.damping().diagonal(j));
         rates.fold(f64::INFINITY, f64::min).max(0.0) * std::f64::consts::TAU / self.omega
     }

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 /// Within which frequencies and amplitudes branches are followed: settings, completed by the backbones.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Reach {
+pub struct SearchRange {
     /// Lowest and highest frequency of the study, rad/s.
     pub frequency: (f64, f64),
     /// Amplitude of the first monitored dof up to which responses are expected, m; a bound only if the settings give one.
@@ -21,7 +21,7 @@ pub struct Reach {
     pub forcing: Option<(f64, f64)>,
 }
 
-impl Reach {
+impl SearchRange {
     /// As set; where nothing is set, 10 % beyond the backbone's frequencies and three times its largest amplitude.
     ///
     /// # Errors
@@ -34,7 +34,7 @@ impl Reach {
     /// amplitude.
     ///
     /// # Errors
-    /// Those of [`Reach::new`].
+    /// Those of [`SearchRange::new`].
     pub fn over(
         settings: &Settings,
         backbone: &Backbone,
