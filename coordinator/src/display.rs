@@ -201,7 +201,7 @@ pub fn summary(status: &Status) -> String {
     }
     let dead = if tasks.dead > 0 { format!(", {} given up", tasks.dead) } else { String::new() };
     format!(
-        "{}: {} of {} levels, {} tasks done, {} under method, at most {} to come{dead}, {} branches, {} workers{}",
+        "{}: {} of {} levels, {} tasks done, {} under way, at most {} to come{dead}, {} branches, {} workers{}",
         status.stage.name(),
         status.levels_done,
         status.levels,

@@ -131,6 +131,8 @@ fn check(number: u64) -> Checked {
         Err(error) => return Checked::failed(format!("{description}: {error}")),
     };
     let balance = Balance::new(&study.model);
+    // What leaves through the widest bounds may be a part of a main branch that is not known to its end.
+    let is_open_ended = of_kind(&level, Kind::Main).iter().any(|listed| why_unfinished(&listed.branch).is_some());
     for listed in &level {
         let worst = listed.branch.points.iter().map(|point| (balance.residual(&point.state), point.omega()));
         let worst = worst.max_by(|a, b| a.0.relative().total_cmp(&b.0.relative()));
@@ -144,7 +146,8 @@ fn check(number: u64) -> Checked {
         }
         // No bounds are given, and those that are chosen must not cut off what is there: the main branch leads from below to
         // above in one piece, unless it says that it is unfinished.
-        if listed.kind == Kind::Cut || why_unfinished(&listed.branch) == Some(Stop::AmplitudeBound) {
+        let is_cut = listed.kind == Kind::Cut && !is_open_ended;
+        if is_cut || why_unfinished(&listed.branch) == Some(Stop::AmplitudeBound) {
             checked.wrong.push(format!("{} is cut off", listed.name));
         }
     }
@@ -207,13 +210,10 @@ fn unlisted_motions(
     }
 }
 
-#[test]
-fn what_is_listed_is_what_it_is_called() {
-    let read =
-        |name: &str, default: u64| std::env::var(name).ok().and_then(|text| text.parse().ok()).unwrap_or(default);
-    let (first, count) = (read("ISOLA_CHAINS_FROM", 7), read("ISOLA_CHAINS", 12));
+/// Checks chains one after the other; gives how many motions from rest were compared.
+fn assert_right(numbers: impl Iterator<Item = u64>) -> usize {
     let (mut wrong, mut settled) = (Vec::new(), 0);
-    for number in first..first + count {
+    for number in numbers {
         let begun = std::time::Instant::now();
         let checked = check(number);
         let (seconds, verdict) =
@@ -222,6 +222,23 @@ fn what_is_listed_is_what_it_is_called() {
         settled += checked.settled;
         wrong.extend(checked.wrong.into_iter().map(|failure| format!("chain {number}: {failure}")));
     }
-    assert!(wrong.is_empty(), "{} of {count} chains:\n{}", wrong.len(), wrong.join("\n"));
+    assert!(wrong.is_empty(), "{} chains:\n{}", wrong.len(), wrong.join("\n"));
+    settled
+}
+
+#[test]
+fn what_is_listed_is_what_it_is_called() {
+    let read =
+        |name: &str, default: u64| std::env::var(name).ok().and_then(|text| text.parse().ok()).unwrap_or(default);
+    let (first, count) = (read("ISOLA_CHAINS_FROM", 7), read("ISOLA_CHAINS", 12));
+    let settled = assert_right(first..first + count);
     assert!(settled as u64 >= count / 4, "{settled} motions of {count} chains were compared");
+}
+
+/// Chains of which something was wrong once: main branches in pieces that overlapped (140, 157, 174), that ended before they
+/// had come into the range (137, 881) or beyond it before their peak (149, 307, 684), arcs of contact that were not seen (120),
+/// steps across the gap between curves (709).
+#[test]
+fn chains_that_were_wrong_are_right() {
+    assert_right([120, 137, 140, 149, 157, 174, 307, 684, 709, 881].into_iter());
 }

@@ -40,7 +40,7 @@ pub struct ContinuationSettings {
     /// Smallest step: a branch that needs a smaller one has stalled. Default 1e-7. Where the problem itself allows no more
     /// than a shorter step than `max_step`, it is smaller by as much.
     pub min_step: f64,
-    /// Largest step. Default 0.1.
+    /// Largest step. Default 0.1. On forced responses larger than five times their scales it is longer by as much.
     pub max_step: f64,
     /// Factorisations a point that leave the step as it is. Default 2.
     pub target_factorisations: usize,
@@ -71,6 +71,15 @@ impl Default for ContinuationSettings {
 
 /// Cosine between a step and the tangent at its end below which the tangent is computed anew.
 const STALE: f64 = 0.97;
+
+/// Smallest cosine between a step longer than the largest one of the settings and the mean of the tangents at its ends, which on
+/// a smooth curve is next to 1 however much it turns. A step that has hopped across the gap between two curves that nearly meet,
+/// where both turn sharply, is not along it.
+const STRAIGHT: f64 = 0.996;
+
+/// Scaled size from which on the largest step grows with a state: of a motion many times as large as the reference length, steps
+/// that suit that length resolve more than anybody can see, and use up the points of a branch.
+const LARGE: f64 = 5.0;
 
 /// A converged point of the curve.
 #[derive(Debug, Clone)]
@@ -149,8 +158,7 @@ impl<'p, P: Problem> Continuation<'p, P> {
         let mut current = land(problem, &mut newton, y, &row, &settings)?;
         let symmetry = Stabiliser::of(problem, &current.y);
         symmetry.keep(problem, &mut current.y, &mut current.tangent);
-        let allowed = problem.longest_step(&current.y, &current.tangent);
-        let (longest, is_narrow) = (allowed.min(settings.max_step), allowed.is_finite());
+        let (longest, is_narrow) = longest_from(problem, &settings, &current);
         let step = settings.initial_step.min(longest);
         Ok(Self {
             problem,
@@ -187,7 +195,7 @@ impl<'p, P: Problem> Continuation<'p, P> {
 
     /// Goes on from a point of the curve beyond what no step passes, with a first step of this length.
     pub fn resume(&mut self, from: CurvePoint, step: f64) {
-        self.longest = self.problem.longest_step(&from.y, &from.tangent).min(self.settings.max_step);
+        (self.longest, self.is_narrow) = longest_from(self.problem, &self.settings, &from);
         (self.current, self.previous, self.step) = (from, None, step.min(self.longest));
         (self.refreshed, self.stalled) = (false, None);
     }
@@ -262,8 +270,11 @@ impl<'p, P: Problem> Continuation<'p, P> {
         let metric = self.problem.metric();
         let moved: Vec<f64> = point.y.iter().zip(&from.y).map(|(a, b)| a - b).collect();
         let cosine = inner(metric, &moved, &from.tangent) / norm(metric, &moved);
+        let mean: Vec<f64> = point.tangent.iter().zip(&from.tangent).map(|(a, b)| a + b).collect();
+        let straightness = inner(metric, &moved, &mean) / (norm(metric, &moved) * norm(metric, &mean));
         // A step that does not move has no angle.
-        let is_off = cosine.is_nan() || cosine < self.settings.min_cosine;
+        let is_bent = self.step > self.settings.max_step && straightness < STRAIGHT;
+        let is_off = cosine.is_nan() || cosine < self.settings.min_cosine || is_bent;
         let turns = point.orientation != from.orientation;
         if !self.problem.are_neighbours(&from.y, &point.y) {
             return Err(Rejection::Distance);
@@ -273,7 +284,7 @@ impl<'p, P: Problem> Continuation<'p, P> {
         if is_off || turns {
             let is_shortest = self.step <= 64.0 * self.shortest();
             if !(is_shortest && cosine > 0.0 && self.leads_back(&point, &from)) {
-                return Err(if is_off { Rejection::Angle(cosine) } else { Rejection::Orientation });
+                return Err(if is_off { Rejection::Angle(cosine.min(straightness)) } else { Rejection::Orientation });
             }
         }
         Ok(point)
@@ -323,13 +334,13 @@ impl<'p, P: Problem> Continuation<'p, P> {
         let by_effort = 2.0f64.powf(-0.5 * excess);
         let by_turn = if turn > 1e-12 { 0.3 / turn } else { f64::INFINITY };
         let factor = by_effort.min(by_turn).clamp(0.5, 2.0);
-        self.longest = self.problem.longest_step(&point.y, &point.tangent).min(self.settings.max_step);
+        (self.longest, self.is_narrow) = longest_from(self.problem, &self.settings, point);
         self.step = (self.step * factor).min(self.longest);
     }
 
     /// Below this length a step is given up.
     fn shortest(&self) -> f64 {
-        self.settings.min_step * (self.longest / self.settings.max_step)
+        self.settings.min_step * (self.longest / self.settings.max_step).min(1.0)
     }
 }
 
@@ -360,6 +371,15 @@ impl<P: Problem> Iterator for Continuation<'_, P> {
             }
         }
     }
+}
+
+/// Longest step from a point, and whether the problem limits it. Only where it says how far a step may go without passing over
+/// something, a step may be longer than the largest one of the settings.
+fn longest_from<P: Problem>(problem: &mut P, settings: &ContinuationSettings, point: &CurvePoint) -> (f64, bool) {
+    let allowed = problem.longest_step(&point.y, &point.tangent);
+    let is_narrow = allowed.is_finite();
+    let size = if is_narrow { norm(problem.metric(), &point.y) / LARGE } else { 1.0 };
+    (allowed.min(settings.max_step * size.max(1.0)), is_narrow)
 }
 
 /// Corrects `y` on the plane through it normal to `row`.

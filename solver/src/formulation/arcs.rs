@@ -40,6 +40,9 @@ pub fn positive_arcs(series: &[f64], threshold: f64, samples: &[f64]) -> Coverag
         let [value, slope, curvature] = evaluate(series, tau);
         (value - threshold, slope, curvature)
     };
+    // How far the function may rise between samples above the higher one of them.
+    let curvature: f64 = (1..=series.len() / 2).map(|k| (k * k) as f64 * series[2 * k - 1].hypot(series[2 * k])).sum();
+    let rise = 0.125 * step * step * curvature;
     // (instant, whether the function rises through the threshold there)
     let mut crossings: Vec<(f64, bool)> = Vec::new();
     for i in 0..n {
@@ -49,15 +52,15 @@ pub fn positive_arcs(series: &[f64], threshold: f64, samples: &[f64]) -> Coverag
         let sign = if positive { -1.0 } else { 1.0 };
         // An extremum between samples that may reach over the threshold.
         let is_extremum = sign * here >= sign * before && sign * here > sign * after;
-        if is_extremum && (before > 0.0) == positive && (after > 0.0) == positive {
-            let rise = 0.125 * (sign * (2.0 * here - before - after)).max(0.0);
-            if sign * here + 4.0 * rise >= 0.0
-                && let Some(top) = extremum(&height, tau - step, tau + step)
-                && sign * height(top).0 > 0.0
-            {
-                crossings.push((root(&height, (tau - step, top), 0.5 * (tau - step + top), positive), !positive));
-                crossings.push((root(&height, (top, tau + step), 0.5 * (top + tau + step), !positive), positive));
-            }
+        let is_between = is_extremum && (before > 0.0) == positive && (after > 0.0) == positive;
+        if is_between
+            && sign * here + rise >= 0.0
+            && let Some(top) = summit(&height, sign, tau, step)
+            && sign * height(top).0 > 0.0
+        {
+            let (begin, end) = if top > tau { (tau, tau + step) } else { (tau - step, tau) };
+            crossings.push((root(&height, (begin, top), 0.5 * (begin + top), positive), !positive));
+            crossings.push((root(&height, (top, end), 0.5 * (top + end), !positive), positive));
         }
         if positive != (after > 0.0) {
             let near = tau + step * here / (here - after);
@@ -113,6 +116,17 @@ fn root(
         tau = next;
     }
     tau
+}
+
+/// The highest point (for a negative `sign` the lowest) beside a sample that is higher than its neighbours, on the side to which
+/// the function rises there: the first one, as there may be others in the same cell.
+fn summit(height: &impl Fn(f64) -> (f64, f64, f64), sign: f64, tau: f64, step: f64) -> Option<f64> {
+    const PARTS: usize = 4;
+    let towards = if sign * height(tau).1 > 0.0 { 1.0 } else { -1.0 };
+    let at = |part: usize| tau + towards * step * part as f64 / PARTS as f64;
+    let beyond = (1..=PARTS).find(|&part| sign * towards * height(at(part)).1 <= 0.0)?;
+    let (from, to) = (at(beyond - 1), at(beyond));
+    extremum(height, from.min(to), from.max(to))
 }
 
 /// Zero of the slope between `low` and `high`, if it changes its sign there.
@@ -208,5 +222,24 @@ mod tests {
         assert_eq!(coarse.len(), fine.len());
         let total = |list: &[(f64, f64)]| list.iter().map(|(b, e)| e - b).sum::<f64>();
         assert!((total(&coarse) - total(&fine)).abs() < 1e-12);
+    }
+
+    /// A minimum just before a sample and an arc just after it, all within two cells.
+    #[test]
+    fn an_arc_beside_an_extremum_of_the_other_kind_is_found() {
+        let mut series = [
+            0.0, 0.476_317, 0.001_053, -0.155_254, -0.000_641, -0.008_653, -0.000_056, 0.019_558, 0.000_12, 0.002_997,
+            0.000_022,
+        ];
+        let at_sample = evaluate(&series, std::f64::consts::FRAC_PI_4)[0];
+        for above in [1e-4, 1e-6, 1e-9, 0.0, -1e-9, -1e-6, -3e-5] {
+            series[0] = above - at_sample;
+            let Coverage::Arcs(coarse) = arcs(&series, 64) else { panic!("no arcs") };
+            let Coverage::Arcs(fine) = arcs(&series, 8192) else { panic!("no arcs") };
+            assert_eq!(coarse.len(), fine.len(), "{above}: {coarse:?}, {fine:?}");
+            for (coarse, fine) in coarse.iter().zip(&fine) {
+                assert!((coarse.0 - fine.0).abs() + (coarse.1 - fine.1).abs() < 1e-9, "{above}: {coarse:?}, {fine:?}");
+            }
+        }
     }
 }

@@ -27,6 +27,10 @@ use crate::structure::Model;
 /// Beyond the frequencies swept, branches are followed down to a tenth of the lowest and up to ten times the highest.
 const WIDEST: (f64, f64) = (0.1, 10.0);
 
+/// Main branches are followed so many times further up, unless an upper bound is given: with hardly any damping, springs that
+/// harden lead a resonance that far before it turns back.
+const FARTHEST: f64 = 100.0;
+
 /// Where the response is not linear at the ends of the frequencies swept, main branches start at half the lowest or twice the
 /// highest.
 const OUTSIDE: (f64, f64) = (0.5, 2.0);
@@ -142,13 +146,18 @@ impl<'m, F: Formulation<'m>> Forced<'m, F> {
         if side == Side::Above {
             direction.iter_mut().for_each(|d| *d = -*d);
         }
-        let bounds = self.bounds(self.widest(), false);
+        let (lowest, highest) = self.widest();
+        let further = if self.settings.frequency.max.is_some() { 1.0 } else { FARTHEST };
+        let bounds = self.bounds((lowest, further * highest), false);
         let (swept, study) = (self.reach.swept(), self.reach.frequency);
         let (newton, given) = (self.landing(), self.settings.frequency);
         let mut continuation = Continuation::start(&mut self.problem, y, &direction, self.settings.continuation)?;
+        let mut has_entered = false;
         let mut ending = |problem: &mut F, last: &TracedPoint| {
             let (omega, towards) = (last.point.omega(), last.curve.tangent[problem.len() - problem.parameters()]);
-            let leaves = (omega < swept.0 && towards < 0.0) || (omega > swept.1 && towards > 0.0);
+            has_entered |= (swept.0..=swept.1).contains(&omega);
+            // One that turns before it has come into the range may yet do so.
+            let leaves = has_entered && ((omega < swept.0 && towards < 0.0) || (omega > swept.1 && towards > 0.0));
             (leaves && is_ordinary(problem, &newton, &last.point.state)).then_some(Stop::FrequencyBound)
         };
         let (visited, stop) = walk(&mut continuation, &bounds, observer, &mut ending);
@@ -314,16 +323,20 @@ impl<'m, F: Formulation<'m>> Forced<'m, F> {
 
     /// Whether a converged state, or a time shift of it that leaves the forcing unchanged, lies on `branch`.
     pub fn lies_on(&mut self, state: &State, branch: &Branch) -> bool {
+        self.position_on(state, branch).is_some()
+    }
+
+    /// Number of the point of a branch between which and the next one a converged state lies, if it lies on the branch.
+    pub fn position_on(&mut self, state: &State, branch: &Branch) -> Option<usize> {
         let newton = self.settings.continuation.newton;
         let target = self.problem.encode(state);
         let targets = self.problem.distinct_images(&target);
         let points: Vec<Vec<f64>> = branch.points.iter().map(|point| self.problem.encode(&point.state)).collect();
         let last = if branch.is_closed() { points.first() } else { None };
         let successors = points.iter().skip(1).chain(last);
-        points
-            .iter()
-            .zip(successors)
-            .any(|(a, b)| targets.iter().any(|target| self.identity.passes(&mut self.problem, &newton, [a, b], target)))
+        points.iter().zip(successors).position(|(a, b)| {
+            targets.iter().any(|target| self.identity.passes(&mut self.problem, &newton, [a, b], target))
+        })
     }
 
     /// Locates folds and peak, and drops what only the continuation needs.

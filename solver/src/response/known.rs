@@ -2,7 +2,7 @@
 
 use crate::formulation::Formulation;
 use crate::formulation::state::State;
-use crate::response::branch::{Branch, BranchKind};
+use crate::response::branch::{Branch, BranchKind, Outcome, SpecialKind, Stop};
 use crate::response::forced::Forced;
 use crate::response::name::BranchId;
 
@@ -48,6 +48,76 @@ pub(super) fn identify<'m, F: Formulation<'m>>(
     known: &[(BranchId, &Branch)],
 ) -> Option<BranchId> {
     known.iter().find(|(_, branch)| forced.lies_on(state, branch)).map(|(id, _)| *id)
+}
+
+/// What of an open branch is not part of known ones: from where it leaves one to where it comes to another, around the point
+/// from which it was followed if that is on none.
+///
+/// # Errors
+/// The known branch, if it lies on known ones from where it was followed to both ends.
+pub(super) fn unknown_part<'m, F: Formulation<'m>>(
+    forced: &mut Forced<'m, F>,
+    mut branch: Branch,
+    known: &[(BranchId, &Branch)],
+) -> Result<Branch, BranchId> {
+    let Outcome::Open(mut first, mut last) = branch.outcome else { return Ok(branch) };
+    if branch.is_cancelled() || branch.points.is_empty() {
+        return Ok(branch);
+    }
+    let mut probes = meetings(forced, &branch, known);
+    let mut at = |index: usize| identify(forced, &branch.points[index].state, known);
+    let count = branch.points.len();
+    let start = branch.special.iter().find(|special| special.kind == SpecialKind::Start).map(|special| special.index);
+    let (begin, end) = match (start.filter(|&start| at(start).is_none()), at(0), at(count - 1)) {
+        (Some(start), ..) => {
+            probes.retain(|&index| at(index).is_some());
+            let before = probes.iter().copied().filter(|&index| index < start).max();
+            let after = probes.iter().copied().filter(|&index| index > start).min();
+            let begin = before.map_or(0, |known| known + boundary(start - known, |step| at(known + step).is_some()));
+            (begin, after.map_or(count, |known| start + boundary(known - start, |step| at(start + step).is_none())))
+        }
+        (None, Some(id), Some(_)) => return Err(id),
+        (None, None, None) => return Ok(branch),
+        (None, Some(_), None) => (boundary(count, |index| at(index).is_some()), count),
+        (None, None, Some(_)) => (0, boundary(count, |index| at(index).is_none())),
+    };
+    if begin > 0 {
+        first = Stop::Joined;
+    }
+    if end < count {
+        last = Stop::Joined;
+    }
+    let kept = begin.saturating_sub(1)..(end + 1).min(count);
+    branch.keep(kept);
+    branch.outcome = Outcome::Open(first, last);
+    Ok(branch)
+}
+
+/// Numbers of the points of a branch where it may be on known ones: its ends, and those beside the ends of open ones that lie on
+/// it.
+fn meetings<'m, F: Formulation<'m>>(
+    forced: &mut Forced<'m, F>,
+    branch: &Branch,
+    known: &[(BranchId, &Branch)],
+) -> Vec<usize> {
+    let open = known.iter().filter(|(_, other)| !other.is_closed());
+    let ends = open.flat_map(|(_, other)| [other.points.first(), other.points.last()]).flatten();
+    let met = ends.filter_map(|end| forced.position_on(&end.state, branch)).flat_map(|before| [before, before + 1]);
+    met.chain([0, branch.points.len() - 1]).collect()
+}
+
+/// First of `count` indices for which a condition does not hold that holds up to there, for the first one at least.
+fn boundary(count: usize, mut holds: impl FnMut(usize) -> bool) -> usize {
+    let (mut low, mut high) = (0, count);
+    while high - low > 1 {
+        let middle = low + (high - low) / 2;
+        if holds(middle) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    high
 }
 
 /// The branch that a curve is, though no point that was looked at lies on it, if it is one: the closed curve with the same ends

@@ -7,7 +7,7 @@ use crate::response::branch::{Branch, BranchKind, BranchPoint, Observer, Outcome
 use crate::response::critical::CriticalCurve;
 use crate::response::forced::Forced;
 use crate::response::forcing::Unreached;
-use crate::response::known::{identify, named, retraced};
+use crate::response::known::{identify, named, retraced, unknown_part};
 use crate::response::name::BranchId;
 use crate::response::scout::scout;
 use crate::response::seeds::{Landing, LandingFailure, Seed, land_all};
@@ -248,70 +248,18 @@ fn new_part<'m, F: Formulation<'m>>(
     }
 }
 
-/// What of an open branch is not part of known ones: from where it leaves one to where it comes to another, around the point
-/// from which it was followed if that is on none.
-///
-/// # Errors
-/// The known branch, if it lies on known ones from where it was followed to both ends.
-fn unknown_part<'m, F: Formulation<'m>>(
-    forced: &mut Forced<'m, F>,
-    mut branch: Branch,
-    known: &[(BranchId, &Branch)],
-) -> Result<Branch, BranchId> {
-    let Outcome::Open(mut first, mut last) = branch.outcome else { return Ok(branch) };
-    if branch.is_cancelled() || branch.points.is_empty() {
-        return Ok(branch);
-    }
-    let mut at = |index: usize| identify(forced, &branch.points[index].state, known);
-    let count = branch.points.len();
-    let start = branch.special.iter().find(|special| special.kind == SpecialKind::Start).map(|special| special.index);
-    let (begin, end) = match (at(0), at(count - 1)) {
-        (Some(id), Some(_)) => match start {
-            Some(start) if at(start).is_none() => {
-                let begin = boundary(start + 1, |index| at(index).is_some());
-                (begin, start + boundary(count - start, |index| at(start + index).is_none()))
-            }
-            _ => return Err(id),
-        },
-        (None, None) => return Ok(branch),
-        (Some(_), None) => (boundary(count, |index| at(index).is_some()), count),
-        (None, Some(_)) => (0, boundary(count, |index| at(index).is_none())),
-    };
-    if begin > 0 {
-        first = Stop::Joined;
-    }
-    if end < count {
-        last = Stop::Joined;
-    }
-    let kept = begin.saturating_sub(1)..(end + 1).min(count);
-    branch.keep(kept);
-    branch.outcome = Outcome::Open(first, last);
-    Ok(branch)
-}
-
-/// First of `count` indices for which a condition does not hold that holds up to there, for the first one at least.
-fn boundary(count: usize, mut holds: impl FnMut(usize) -> bool) -> usize {
-    let (mut low, mut high) = (0, count);
-    while high - low > 1 {
-        let middle = low + (high - low) / 2;
-        if holds(middle) {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    high
-}
-
 /// Whether a main branch ends at the other side of the range with the response that one from there would begin with.
 fn ends_ordinarily<'m, F: Formulation<'m>>(forced: &mut Forced<'m, F>, branch: &Branch, side: Side) -> bool {
-    let (low, high) = forced.reach().frequency;
+    let ((low, high), given) = (forced.reach().frequency, forced.settings().frequency);
     let Some(last) = branch.points.last() else { return false };
-    let is_there = match side {
-        Side::Below => last.omega() < low * (1.0 + 1e-6),
-        Side::Above => last.omega() > high * (1.0 - 1e-6),
+    let (bound, is_given, beyond) = match side {
+        Side::Below => (low, given.min.is_some(), 1.0 - last.omega() / low),
+        Side::Above => (high, given.max.is_some(), last.omega() / high - 1.0),
     };
-    is_there && matches!(branch.outcome, Outcome::Open(_, Stop::FrequencyBound)) && forced.is_ordinary(&last.state)
+    let is_there = beyond > -1e-6 && matches!(branch.outcome, Outcome::Open(_, Stop::FrequencyBound));
+    // At a bound that nobody gave a main branch is cut only if it goes on to the ordinary response.
+    let is_cut = !is_given && (last.omega() - bound).abs() < 1e-6 * bound;
+    is_there && (is_cut || forced.is_ordinary(&last.state))
 }
 
 /// Traces the branch through the first landing that lies on no known one.

@@ -1,9 +1,11 @@
 //! Branches as curves in frequency and harmonics of all displacements.
 
 use super::study::Listed;
-use solver::{Branch, Model};
+use solver::curve::outcome::Stop;
+use solver::{Branch, Model, Outcome};
 
 /// A point of a curve: frequency, and harmonics of all displacements.
+#[derive(Clone)]
 pub struct Place {
     pub omega: f64,
     pub motion: Vec<f64>,
@@ -37,6 +39,8 @@ pub struct Curve {
     pub places: Vec<Place>,
     pub dofs: usize,
     pub is_closed: bool,
+    /// Whether its first and its last point are where it comes to another branch.
+    pub is_joined: [bool; 2],
 }
 
 impl Curve {
@@ -45,11 +49,15 @@ impl Curve {
             omega: point.omega(),
             motion: (0..model.size()).flat_map(|dof| point.state.displacement(model, dof)).collect(),
         };
-        Self { places: branch.points.iter().map(place).collect(), dofs: model.size(), is_closed: branch.is_closed() }
+        let is_joined = match branch.outcome {
+            Outcome::Open(first, last) => [first, last].map(|stop| stop == Stop::Joined),
+            Outcome::Closed => [false; 2],
+        };
+        let (places, dofs) = (branch.points.iter().map(place).collect(), model.size());
+        Self { places, dofs, is_closed: branch.is_closed(), is_joined }
     }
 
-    /// Relative distance of a place from the curve, that is from the cubic through the two points before and the two after
-    /// it, or from the chord if that is nearer; and how far cubic and chord are apart there.
+    /// Relative distance of a place from the curve, that is from the cubic through the four points around it, or from the chord if that is nearer; and how far cubic and chord are apart there.
     pub fn distance(&self, place: &Place) -> (f64, f64) {
         let chord = |i: usize| {
             let (a, b) = (&self.places[i], &self.places[i + 1]);
@@ -69,10 +77,11 @@ impl Curve {
         let Some((i, (rough, share))) = (0..last).map(|i| (i, chord(i))).min_by(|a, b| a.1.0.total_cmp(&b.1.0)) else {
             return (f64::INFINITY, 0.0);
         };
-        if i == 0 || i + 2 > last {
+        if last < 3 {
             return (rough, 0.0);
         }
-        let four = [i - 1, i, i + 1, i + 2].map(|j| &self.places[j]);
+        let first = i.saturating_sub(1).min(last - 3);
+        let (inside, four) = (i - first, [0, 1, 2, 3].map(|j| &self.places[first + j]));
         let mut at = [0.0; 4];
         for j in 1..4 {
             at[j] = at[j - 1] + four[j].distance(four[j - 1]).max(f64::MIN_POSITIVE);
@@ -82,22 +91,28 @@ impl Curve {
             Place::combined(&[0, 1, 2, 3].map(|j| (weight(j), four[j])))
         };
         let near = |t: f64| place.distance(&cubic(t));
-        let (mut low, mut high) = (at[1], at[2]);
+        let (mut low, mut high) = (at[inside], at[inside + 1]);
         for _ in 0..40 {
             let (a, b) = (low + (high - low) / 3.0, high - (high - low) / 3.0);
             if near(a) < near(b) { high = b } else { low = a }
         }
-        let chord_at = Place::combined(&[(1.0 - share, four[1]), (share, four[2])]);
-        let bulge = cubic(at[1] + share * (at[2] - at[1])).distance(&chord_at);
+        let chord_at = Place::combined(&[(1.0 - share, four[inside]), (share, four[inside + 1])]);
+        let bulge = cubic(at[inside] + share * (at[inside + 1] - at[inside])).distance(&chord_at);
         (near(0.5 * (low + high)).min(rough), bulge)
+    }
+
+    /// The same without the steps at whose ends it is said to come to another branch.
+    fn apart(&self) -> Self {
+        let own = usize::from(self.is_joined[0])..self.places.len() - usize::from(self.is_joined[1]);
+        Self { places: self.places[own].to_vec(), is_joined: [false; 2], ..*self }
     }
 
     /// Whether a stretch of `other` runs along this curve: a few successive points of it lie on it.
     pub fn shares_a_stretch_of(&self, other: &Curve) -> bool {
         const SAME: f64 = 1e-5;
-        let mut successive = 0;
-        other.places.iter().any(|place| {
-            let (distance, bulge) = self.distance(place);
+        let (mut successive, curve) = (0, self.apart());
+        other.apart().places.iter().any(|place| {
+            let (distance, bulge) = curve.distance(place);
             successive = if distance < SAME + 0.02 * bulge { successive + 1 } else { 0 };
             successive == 3 || distance < 0.1 * SAME
         })

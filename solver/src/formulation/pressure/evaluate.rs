@@ -158,19 +158,34 @@ impl PressureForm<'_> {
     }
 
     /// Rounding error of the residual, from the largest terms that it is the sum of: amplitudes within 2 % of a pole are
-    /// kept, so that the others are at most 50 times less exact than their forces.
+    /// kept, so that the others are at most 50 times less exact than their forces; and from the forces, whose largest harmonic
+    /// rounds them all, those as well to which the structure is more compliant.
     pub(super) fn rounding_error(&self) -> f64 {
         let size = |values: &[f64]| values.iter().fold(0.0f64, |m, v| m.max(v.abs()));
-        let layout = &self.layout;
+        let (layout, shape) = (&self.layout, |u: usize| self.receptance.modal().shape(u));
         let mut largest = size(&self.current.modal) / self.system.scales.modal;
+        let (mut channels, mut forces) = (Vec::new(), Vec::new());
         for block in &self.unknowns.blocks {
             for ((_, u, _), force) in block.arguments().zip(self.forces[block.element].force.chunks(layout.nc)) {
-                let channel = self.channels[u];
+                let (channel, force) = (self.channels[u], size(force));
                 let argument = size(&self.current.arguments[layout.channel(u)]);
-                let shape = self.receptance.modal().shape(u);
-                let displacement = size(shape) * size(&self.current.modal);
-                let terms = [argument, channel.feedback * size(force), channel.gain * displacement, channel.offset];
+                let displacement = size(shape(u)) * size(&self.current.modal);
+                let terms = [argument, channel.feedback * force, channel.gain * displacement, channel.offset];
                 largest = largest.max(size(&terms) / channel.scale);
+                for kept in self.receptance.kept() {
+                    largest = largest.max((shape(u)[kept.mode] * force).abs() / self.kept_scale(kept));
+                }
+                channels.push(u);
+                forces.push(force);
+            }
+        }
+        let count = channels.len();
+        let (mut work, mut re, mut im) = (Vec::new(), vec![0.0; count * count], vec![0.0; count * count]);
+        for k in 0..=self.system.harmonics {
+            self.receptance.matrix(k, &channels, &mut work, &mut re, &mut im);
+            for (i, (re, im)) in re.iter().zip(&im).enumerate() {
+                let channel = self.channels[channels[i / count]];
+                largest = largest.max(channel.gain * re.hypot(*im) * forces[i % count] / channel.scale);
             }
         }
         64.0 * f64::EPSILON * largest
