@@ -218,7 +218,7 @@ fn the_displacement_form_walks_the_curve_of_the_pressure_form() {
     let mut row = vec![0.0; pressure.len()];
     row[pressure.len() - 1] = 1.0;
     let mut touching = 0;
-    for (value, point) in points.iter().step_by(20) {
+    for (value, point) in points.iter().step_by(2) {
         let mut y = pressure.encode(&displacement.decode(&point.y).unwrap());
         let origin = y.clone();
         let constraint = Constraint::Hyperplane { row: &row, origin: &origin };

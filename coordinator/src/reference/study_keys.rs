@@ -121,7 +121,7 @@ pub(super) const NUMERICS: &[Key] = &[
         kind: POSITIVE,
         default: Value("0.1"),
         unit: "",
-        meaning: "Largest step, above min_step; on forced responses larger than five times their scales it is longer by as much.",
+        meaning: "Largest step, above min_step; where frequency or motion are more than five times their references, longer in proportion.",
         example: "0.05",
     },
     Key {

@@ -40,7 +40,8 @@ pub struct ContinuationSettings {
     /// Smallest step: a branch that needs a smaller one has stalled. Default 1e-7. Where the problem itself allows no more
     /// than a shorter step than `max_step`, it is smaller by as much.
     pub min_step: f64,
-    /// Largest step. Default 0.1. On forced responses larger than five times their scales it is longer by as much.
+    /// Largest step. Default 0.1. Of forced responses whose state, frequency and means included, is larger than five times its scales, a
+    /// fifth of that size times as much.
     pub max_step: f64,
     /// Factorisations a point that leave the step as it is. Default 2.
     pub target_factorisations: usize,
@@ -73,8 +74,8 @@ impl Default for ContinuationSettings {
 const STALE: f64 = 0.97;
 
 /// Smallest cosine between a step longer than the largest one of the settings and the mean of the tangents at its ends, which on
-/// a smooth curve is next to 1 however much it turns. A step that has hopped across the gap between two curves that nearly meet,
-/// where both turn sharply, is not along it.
+/// a smooth curve is next to 1. A step that has hopped across the gap between two curves that nearly meet, where both turn sharply,
+/// is not along it; nor is one whose tangents belong to points nearby, which is then taken shorter without need.
 const STRAIGHT: f64 = 0.996;
 
 /// Scaled size from which on the largest step grows with a state: of a motion many times as large as the reference length, steps
@@ -284,7 +285,11 @@ impl<'p, P: Problem> Continuation<'p, P> {
         if is_off || turns {
             let is_shortest = self.step <= 64.0 * self.shortest();
             if !(is_shortest && cosine > 0.0 && self.leads_back(&point, &from)) {
-                return Err(if is_off { Rejection::Angle(cosine.min(straightness)) } else { Rejection::Orientation });
+                return Err(if is_off {
+                    Rejection::Angle(if is_bent { straightness } else { cosine })
+                } else {
+                    Rejection::Orientation
+                });
             }
         }
         Ok(point)

@@ -99,14 +99,14 @@ pub fn insert_maxima<T>(visited: Vec<TracedPoint<T>>, maxima: Vec<Maximum<T>>) -
     /// Where an entry of the new list comes from.
     #[derive(PartialEq)]
     enum Origin {
-        TracedPoint(usize),
+        Visited(usize),
         Located(usize),
     }
     let mut arc = 0.0;
     let mut entries: Vec<(f64, TracedPoint<T>, Origin)> = Vec::with_capacity(visited.len() + maxima.len());
     for (i, v) in visited.into_iter().enumerate() {
         arc += v.curve.step;
-        entries.push((arc, v, Origin::TracedPoint(i)));
+        entries.push((arc, v, Origin::Visited(i)));
     }
     let mut origins = Vec::with_capacity(maxima.len());
     for (label, Maximum { anchor, located }) in maxima.into_iter().enumerate() {
@@ -115,7 +115,7 @@ pub fn insert_maxima<T>(visited: Vec<TracedPoint<T>>, maxima: Vec<Maximum<T>>) -
                 entries.push((entries[anchor].0 + offset, v, Origin::Located(label)));
                 Origin::Located(label)
             }
-            None => Origin::TracedPoint(anchor),
+            None => Origin::Visited(anchor),
         });
     }
     entries.sort_by(|a, b| a.0.total_cmp(&b.0));

@@ -158,14 +158,14 @@ pub fn walk_both<P: Problem, T: Evaluated<P>>(
     observer: &mut Observer<'_, T>,
     ending: &mut Ending<'_, P, T>,
 ) -> Result<TracedCurve<T>, Failure> {
-    let mut way = |continuation: &mut Continuation<'_, P>| walk(continuation, bounds, observer, ending);
-    both_ways(problem, y, direction, settings, &mut way)
+    let mut one_way = |continuation: &mut Continuation<'_, P>| walk(continuation, bounds, observer, ending);
+    both_ways(problem, y, direction, settings, &mut one_way)
 }
 
 /// One way of a curve from a continuation's current point (included): its points and where it ends.
 pub type OneWay<'w, P, T> = dyn FnMut(&mut Continuation<'_, P>) -> (Vec<TracedPoint<T>>, Stop) + 'w;
 
-/// The same as [`walk_both`], each of the two ways walked by `way`.
+/// The same as [`walk_both`], each of the two ways walked by `one_way`.
 ///
 /// # Errors
 /// If the first point does not converge.

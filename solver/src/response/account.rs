@@ -94,7 +94,7 @@ impl Account {
         }
     }
 
-    /// What became of a seed, landed in one of the ways.
+    /// What became of a seed, landed by one of the methods.
     fn outcomes(&self, place: &SeedPlace, method: LandingMethod) -> impl Iterator<Item = SeedOutcome> {
         let seeds = self.windows[place.window].seeds.iter();
         let (minimum, phase) = (place.well.best, place.phase);

@@ -86,10 +86,10 @@ impl<'m> Critical<'m> {
         let mut walked = Err(Failure::Singular);
         let mut corners = Corners::default();
         for direction in directions {
-            let mut way = |continuation: &mut Continuation<'_, PressureForm<'m>>| {
+            let mut one_way = |continuation: &mut Continuation<'_, PressureForm<'m>>| {
                 walk_past(continuation, &bounds, observer, &mut ending, &mut corners)
             };
-            walked = both_ways(&mut self.problem, y.clone(), &direction, &settings, &mut way);
+            walked = both_ways(&mut self.problem, y.clone(), &direction, &settings, &mut one_way);
             if walked.is_ok() {
                 break;
             }

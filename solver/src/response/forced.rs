@@ -110,7 +110,7 @@ impl<'m, F: Formulation<'m>> Forced<'m, F> {
         &self.settings
     }
 
-    /// Frequencies beyond which nothing is followed.
+    /// Frequencies beyond which nothing is followed but main branches up to [`FARTHEST`] times as high.
     fn widest(&self) -> (f64, f64) {
         let (low, high) = self.reach.swept();
         (WIDEST.0 * low, WIDEST.1 * high)

@@ -51,7 +51,7 @@ pub(super) fn identify<'m, F: Formulation<'m>>(
 }
 
 /// What of an open branch is not part of known ones: from where it leaves one to where it comes to another, around the point
-/// from which it was followed if that is on none.
+/// from which it was followed if that is on none. What it is beyond a known branch that it runs across is left to other seeds.
 ///
 /// # Errors
 /// The known branch, if it lies on known ones from where it was followed to both ends.

@@ -109,7 +109,7 @@ pub enum LandingMethod {
     #[serde(rename = "fixed_frequency")]
     FullForcing,
     /// By fold-safe steps in the forcing amplitude, from where the energy balance just closes: slower, for windows where
-    /// the other way finds nothing.
+    /// the other method finds nothing.
     SteppedForcing,
 }
 

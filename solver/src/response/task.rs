@@ -19,7 +19,7 @@ use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use thiserror::Error;
 
-/// Where a task starts from: a well of a window, with phase and way of landing.
+/// Where a task starts from: a well of a window, with phase and method of landing.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct SeedPlace {
     /// Number of the window within its level, from 0.

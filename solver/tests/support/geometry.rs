@@ -57,7 +57,8 @@ impl Curve {
         Self { places, dofs, is_closed: branch.is_closed(), is_joined }
     }
 
-    /// Relative distance of a place from the curve, that is from the cubic through the four points around it, or from the chord if that is nearer; and how far cubic and chord are apart there.
+    /// Relative distance of a place from the curve, that is from the cubic through the four points nearest to it along the curve, or
+    /// from the chord if that is nearer; and how far cubic and chord are apart there.
     pub fn distance(&self, place: &Place) -> (f64, f64) {
         let chord = |i: usize| {
             let (a, b) = (&self.places[i], &self.places[i + 1]);

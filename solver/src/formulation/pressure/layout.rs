@@ -162,7 +162,7 @@ impl Unknowns {
         self.blocks.iter().flat_map(|block| block.channels.clone())
     }
 
-    /// RetainedMode amplitudes of harmonic k.
+    /// Kept amplitudes of harmonic k.
     pub fn kept_at(&self, k: usize) -> impl Iterator<Item = &KeptAt> + '_ {
         self.kept.iter().filter(move |kept| kept.kept.harmonic == k)
     }
