@@ -38,23 +38,26 @@ export PATH="$tools/bin:$PATH"
 
 pass_or_fail "shellcheck: scripts" shellcheck ./*.sh slurm/*.sbatch ../tests/wheel/*.sh ../.ci/run
 pass_or_fail "hadolint: Dockerfiles" hadolint Dockerfile Dockerfile.release
-pass_or_fail "check-jsonschema: compose.yaml" check-jsonschema --builtin-schema vendor.compose-spec compose.yaml
+pass_or_fail "check-jsonschema: compose files" check-jsonschema --builtin-schema vendor.compose-spec compose.yaml compose.tls.yaml
 pass_or_fail "check-jsonschema: workflows" check-jsonschema --builtin-schema vendor.github-workflows ../.github/workflows/*.yml
 pass_or_fail "check-jsonschema: .gitlab-ci.yml" check-jsonschema --builtin-schema vendor.gitlab-ci ../.gitlab-ci.yml
 if docker compose version >/dev/null 2>&1; then
     pass_or_fail "docker compose: compose.yaml" docker compose -f compose.yaml config --quiet
+    pass_or_fail "docker compose: compose.tls.yaml" docker compose -f compose.yaml -f compose.tls.yaml config --quiet
 elif command -v docker-compose >/dev/null; then
     pass_or_fail "docker-compose: compose.yaml" docker-compose -f compose.yaml config --quiet
+    pass_or_fail "docker-compose: compose.tls.yaml" docker-compose -f compose.yaml -f compose.tls.yaml config --quiet
 else
     skip "docker compose: compose.yaml" "Docker Compose is not installed"
 fi
 
 # Everything that the folder says, as one file; and what KEDA starts, as the job that it becomes.
 kustomized() {
-    kubectl kustomize kubernetes >"$work/kubernetes.yaml" && kubernetes-validate --strict "$work/kubernetes.yaml"
+    kubectl kustomize "$1" >"$work/kubernetes.yaml" && kubernetes-validate --strict "$work/kubernetes.yaml"
 }
 if command -v kubectl >/dev/null; then
-    pass_or_fail "kubectl kustomize, kubernetes-validate: kubernetes/" kustomized
+    pass_or_fail "kubectl kustomize, kubernetes-validate: kubernetes/" kustomized kubernetes
+    pass_or_fail "kubectl kustomize, kubernetes-validate: kubernetes-tls/" kustomized kubernetes-tls
 else
     skip "kubectl kustomize: kubernetes/" "kubectl is not installed: apt-get install kubernetes-client"
     pass_or_fail "kubernetes-validate: kubernetes/" \
@@ -90,6 +93,7 @@ units() {
     for unit in systemd/*.service; do
         name=$(basename "$unit")
         sed "s|/usr/local/bin/|$bin/|" "$unit" >"$work/${name/@/@test}"
+        install -D -m 644 systemd/tls.conf "$work/${name/@/@test}.d/tls.conf"
     done
     if ! systemd-analyze verify --man=no "$work"/*.service >"$work/said" 2>&1; then
         cat "$work/said"

@@ -28,7 +28,7 @@ pub fn report(study: &Study) -> String {
     let choice = ModesFollowed::choose(model, &study.settings);
     let modes = (0..model.size().min(MODES)).map(|j| (if j == 0 { "modes" } else { "" }, mode(study, &choice, j)));
     lines.extend(modes);
-    lines.extend(modes::sentence(&choice).map(|_| ("followed", followed(&choice))));
+    lines.extend(modes::sentence(&choice, true).map(|_| ("followed", followed(&choice))));
     lines.push(("forcing", forcing(model)));
     lines.push(("contact", contact(model)));
     let touch = early::first_touch(study, &choice.followed);

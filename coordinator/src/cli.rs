@@ -1,10 +1,12 @@
 //! Command line of `isola`.
 
+mod certificates;
 mod first_steps;
 mod marched;
 mod remote;
 mod serving;
 
+pub use certificates::CertArgs;
 pub use first_steps::{NewArgs, SchemaArgs};
 pub use marched::{DisturbArgs, VerifyArgs};
 pub use remote::{RemoteArgs, StatusArgs};
@@ -120,6 +122,9 @@ Examples:
     /// Write the results of a run, at any stage, as files for spreadsheets, MATLAB or NumPy.
     #[command(after_help = "Examples:\n  isola export runs/NAME --to results\n  isola export runs/NAME --format mat")]
     Export(ExportArgs),
+    /// Make certificates for encrypted connections: of coordinator, workers and viewers, each with its rights.
+    #[command(after_help = certificates::CERT)]
+    Cert(CertArgs),
     /// Work for a run: the same as isola-worker.
     Worker(worker::Options),
     /// Print a completion script.
@@ -272,10 +277,10 @@ pub struct PlotArgs {
     #[arg(long, value_name = "QUANTITY", value_parser = quantities())]
     pub along: Option<Along>,
     /// Width, mm.
-    #[arg(long, value_name = "MM", default_value_t = 170.0, value_parser = millimetres)]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true, default_value_t = 170.0, value_parser = millimetres)]
     pub width: f64,
     /// Height, mm.
-    #[arg(long, value_name = "MM", default_value_t = 110.0, value_parser = millimetres)]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true, default_value_t = 110.0, value_parser = millimetres)]
     pub height: f64,
 }
 

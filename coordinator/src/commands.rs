@@ -9,7 +9,7 @@ use crate::run::directory::default_directory;
 use crate::run::endpoint::{Connection, open};
 use crate::run::{Ending, drive, preparation};
 use crate::study::Study;
-use crate::{check, exit, extension, outputs, reference, remote, watch};
+use crate::{certificates, check, exit, extension, outputs, reference, remote, watch};
 use clap::CommandFactory;
 use protocol::codec::{encode, sha256};
 use protocol::ids::RunId;
@@ -17,7 +17,7 @@ use protocol::model::ModelMessage;
 use protocol::to_everyone::Stage;
 use results::journal::Change;
 use results::resolved_study::differences;
-use results::store::{RunHeader, Store};
+use results::store::{RunHeader, Store, network_file_system};
 use solver::settings::VerifyEffort;
 use std::fmt::Display;
 use std::path::Path;
@@ -41,6 +41,7 @@ pub fn execute(cli: Cli) -> Result<ExitCode, Error> {
             show(args.template.told(&args.folder))
         }
         Command::Schema(args) => schema(&args),
+        Command::Cert(args) => show(certificates::make(&args)?),
         Command::Check(args) => show(check::report(&load(&args)?)),
         Command::Export(args) => outputs::export(&args),
         #[cfg(feature = "page")]
@@ -130,7 +131,7 @@ async fn sweep(args: SweepArgs) -> Result<Ending, Error> {
     let connection = open(&args.serve, None).await?;
     let header = header(&study, &args.study, &args.serve)?;
     let store = Store::create(&directory, &header)?;
-    terminal::note(format_args!("run {} in {}", header.run, directory.display()));
+    announce(&header, &directory);
     drive(&directory, store, study.model, connection, args.serve).await
 }
 
@@ -230,8 +231,20 @@ async fn go_on(directory: &Path, store: Store, connection: Connection, serve: Se
     let header = store.header()?;
     let model = preparation::model(&store)?;
     let serve = ServeArgs { namespace: header.namespace.clone(), ..serve };
-    terminal::note(format_args!("run {} in {}", header.run, directory.display()));
+    announce(&header, directory);
     drive(directory, store, model, connection, serve).await
+}
+
+/// Says where the run is, and what it lies on if that matters.
+fn announce(header: &RunHeader, directory: &Path) {
+    terminal::note(format_args!("run {} in {}", header.run, directory.display()));
+    if let Some(system) = network_file_system(directory) {
+        terminal::note(format_args!(
+            "{} is on a network file system ({system}): while the run goes on read its database on this machine only, elsewhere \
+             use `isola status` and `isola watch` with --connect; --out names a folder on a local disk, which is faster too",
+            directory.display()
+        ));
+    }
 }
 
 /// Refuses to go on with a study whose file or model has changed since.

@@ -2,10 +2,11 @@
 
 use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use protocol::from_worker::Progress;
-use protocol::to_everyone::{Stage, Status};
+use protocol::ids::{TaskId, WorkerId};
+use protocol::to_everyone::{Stage, StalledTask, Status};
 use results::journal::{LevelPlan, SweepPlan};
 use results::summary_table::{Layout, Units};
-use results::words::{count, duration, fixed_digits};
+use results::words::{count, duration, fixed_digits, length};
 use solver::response::seeds::LandingMethod;
 use solver::response::starts::BATCH;
 use solver::response::task::Task;
@@ -24,6 +25,8 @@ pub struct Display {
     bars: Option<Bars>,
     last_line: Option<(Instant, Stage, usize)>,
     is_seen: bool,
+    /// Tasks of which it was said that they do not get on, with who has them.
+    stalled: Vec<(TaskId, WorkerId)>,
 }
 
 struct Bars {
@@ -46,7 +49,7 @@ impl Display {
             let total = multi.add(ProgressBar::new(0).with_style(style("{wide_bar:.cyan} {pos}/{len} tasks  {msg}")));
             Bars { multi, total, levels: Vec::new(), workers: Vec::new() }
         });
-        Self { bars, last_line: None, is_seen: true }
+        Self { bars, last_line: None, is_seen: true, stalled: Vec::new() }
     }
 
     /// Shows a status.
@@ -54,6 +57,23 @@ impl Display {
         match &mut self.bars {
             Some(bars) => bars.update(status),
             None => self.line(status),
+        }
+        self.tell_stalls(status);
+    }
+
+    /// Says once of a task that it does not get on.
+    fn tell_stalls(&mut self, status: &Status) {
+        for stalled in &status.stalled {
+            let named = (stalled.task.clone(), stalled.worker.clone());
+            if self.stalled.contains(&named) {
+                continue;
+            }
+            self.stalled.push(named);
+            match &self.bars {
+                // A terminal that is gone need not be told.
+                Some(bars) => drop(bars.multi.println(stall(stalled))),
+                None => self.is_seen = terminal::note(stall(stalled)),
+            }
         }
     }
 
@@ -136,7 +156,15 @@ fn rows(multi: &MultiProgress, bars: &mut Vec<ProgressBar>, count: usize, templa
 }
 
 fn progress(progress: &Progress) -> String {
-    format!("{} points, {} rad/s, {:.3e} m", progress.points, fixed_digits(progress.omega, 6), progress.amplitude)
+    format!("{} points, {} rad/s, {}", progress.points, fixed_digits(progress.omega, 6), length(progress.amplitude))
+}
+
+/// That a task does not get on, and what to do about it.
+pub fn stall(StalledTask { task, worker, seconds }: &StalledTask) -> String {
+    format!(
+        "task {task} has not got on for {}: if that lasts, end worker {worker}; the task is then handed out again",
+        duration(*seconds)
+    )
 }
 
 fn eta(status: &Status) -> String {

@@ -2,8 +2,8 @@
 
 use crate::exit;
 use crate::study::StudyError;
+use protocol::credentials::CredentialsError;
 use protocol::follow::FollowError;
-use protocol::secret::SecretError;
 use protocol::session::{RequestError, SessionError};
 use results::store::StoreError;
 use solver::response::backbone::BackboneError;
@@ -25,7 +25,7 @@ pub enum Error {
     Session(#[from] SessionError),
     /// What should protect a run cannot be read.
     #[error(transparent)]
-    Secret(#[from] SecretError),
+    Credentials(#[from] CredentialsError),
     /// There is no backbone.
     #[error("{0}")]
     Backbone(#[from] BackboneError),
@@ -73,8 +73,8 @@ impl Error {
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Usage(_)
-            | Self::Secret(_)
-            | Self::Session(SessionError::Endpoint { .. })
+            | Self::Credentials(_)
+            | Self::Session(SessionError::Endpoint { .. } | SessionError::Encryption { .. })
             | Self::Results(results::error::Error::Usage(_)) => exit::USAGE,
             Self::Study(error) if error.is_typed() => exit::USAGE,
             _ => exit::ERROR,

@@ -5,6 +5,7 @@
 
 pub mod access;
 pub mod bus;
+pub mod certificates;
 pub mod check;
 pub mod cli;
 pub mod commands;

@@ -2,14 +2,15 @@
 
 use crate::access::known;
 use crate::cli::{RemoteArgs, StatusArgs};
-use crate::display::{layout, summary};
+use crate::display::{layout, stall, summary};
 use crate::error::Error;
 use crate::ledger::{Ledger, Rules};
 use crate::run::directory::read_address;
 use protocol::control::{ControlReply, ControlRequest};
+use protocol::credentials::{Credentials, CredentialsError};
 use protocol::ids::RunId;
 use protocol::keys::{Keys, all_runs};
-use protocol::secret::Secret;
+use protocol::role::Role;
 use protocol::session::{connect, fetch, fetch_all, request};
 use protocol::to_everyone::{Manifest, Status};
 use results::journal::{Change, TaskState};
@@ -31,37 +32,37 @@ pub struct RemoteRun {
     pub keys: Keys,
     /// What it is.
     pub manifest: Manifest,
+    credentials: Credentials,
 }
 
 impl RemoteRun {
     /// The run that `args` name; `None` if they name a folder that nobody serves.
     pub async fn find(args: &RemoteArgs) -> Result<Option<Self>, Error> {
+        let (secret, tls) = (args.secret_file.as_deref(), args.tls.as_deref());
         match (&args.directory, &args.connect) {
-            (Some(directory), _) => Self::of_directory(directory, args.secret_file.as_deref()).await,
+            (Some(directory), _) => {
+                let header = Reader::open(directory)?.header()?;
+                let Some(endpoint) = read_address(directory) else { return Ok(None) };
+                let credentials = known(Some(directory), secret, tls)?.for_endpoint(&endpoint);
+                // An address that was left behind by a crash leads nowhere, or to another run.
+                Ok(Self::at(&endpoint, credentials, &header.namespace, Some(&header.run)).await.ok())
+            }
             (None, Some(endpoint)) => {
-                let secret = known(None, args.secret_file.as_deref())?;
-                Self::at(endpoint, secret.as_ref(), &args.namespace, args.run.as_ref()).await.map(Some)
+                let credentials = known(None, secret, tls)?;
+                Self::at(endpoint, credentials, &args.namespace, args.run.as_ref()).await.map(Some)
             }
             (None, None) => Err(Error::Usage("name a run by its folder or by --connect".into())),
         }
     }
 
-    async fn of_directory(directory: &Path, secret_file: Option<&Path>) -> Result<Option<Self>, Error> {
-        let header = Reader::open(directory)?.header()?;
-        let Some(endpoint) = read_address(directory) else { return Ok(None) };
-        // An address that was left behind by a crash leads nowhere, or to another run.
-        let secret = known(Some(directory), secret_file)?;
-        Ok(Self::at(&endpoint, secret.as_ref(), &header.namespace, Some(&header.run)).await.ok())
-    }
-
     /// The only run at an endpoint, or the one wanted.
     async fn at(
         endpoint: &str,
-        secret: Option<&Secret>,
+        credentials: Credentials,
         namespace: &str,
         wanted: Option<&RunId>,
     ) -> Result<Self, Error> {
-        let session = connect(endpoint, secret).await?;
+        let session = connect(endpoint, &credentials).await?;
         let found: Vec<Manifest> = fetch_all(&session, &all_runs(namespace), TIMEOUT)
             .await
             .map_err(|source| Error::Request { what: format!("the runs at {endpoint}"), source })?;
@@ -79,10 +80,13 @@ impl RemoteRun {
             let wanted = wanted.map_or("run".to_string(), |run| format!("run {run}"));
             return Err(Error::Other(format!("no {wanted} at {endpoint} in namespace {namespace}{}", list())));
         };
-        Ok(Self { keys: Keys::new(namespace, &manifest.run), session, manifest: manifest.clone() })
+        Ok(Self { keys: Keys::new(namespace, &manifest.run), session, manifest: manifest.clone(), credentials })
     }
 
     async fn control(&self, order: ControlRequest) -> Result<String, Error> {
+        if let Some(certificate) = &self.credentials.certificate {
+            certificate.require(Role::Coordinator, "give orders to a run").map_err(CredentialsError::from)?;
+        }
         let reply: ControlReply = request(&self.session, &self.keys.control(), &order, TIMEOUT)
             .await
             .map_err(|source| Error::Request { what: "the order".into(), source })?;
@@ -143,6 +147,7 @@ pub async fn status(args: &StatusArgs) -> Result<String, Error> {
         let doing = if tasks.is_empty() { "waiting".into() } else { format!("task {}", tasks.join(", ")) };
         text += &format!("  {}: {} tasks done, {doing}\n", worker.worker, worker.done);
     }
+    text.extend(status.stalled.iter().map(|stalled| format!("  {}\n", stall(stalled))));
     Ok(text)
 }
 
@@ -181,6 +186,7 @@ fn stored_json(directory: &Path) -> Result<String, Error> {
         levels_done,
         active: ledger.active(),
         workers: Vec::new(),
+        stalled: Vec::new(),
         sequence: ledger.sequence(),
         elapsed: 0.0,
         eta: None,

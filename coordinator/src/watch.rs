@@ -18,7 +18,7 @@ pub async fn watch(args: &WatchArgs) -> Result<(), Error> {
     #[cfg(feature = "page")]
     if let Some(address) = &args.page {
         return match found {
-            Some(RemoteRun { session, keys, manifest }) => {
+            Some(RemoteRun { session, keys, manifest, .. }) => {
                 let shown = crate::live_page::Shown { session: &session, keys: &keys, manifest: &manifest };
                 crate::live_page::serve(shown, address).await
             }

@@ -92,8 +92,10 @@ impl Array {
     /// Array of `shape`, whose product is the number of values.
     pub fn new(shape: impl Into<Vec<usize>>, values: impl IntoIterator<Item = f64>) -> Self {
         let shape = shape.into();
-        let data: Vec<u8> = values.into_iter().flat_map(f64::to_le_bytes).collect();
-        debug_assert_eq!(data.len(), 8 * shape.iter().product::<usize>());
+        let size = 8 * shape.iter().product::<usize>();
+        let mut data = Vec::with_capacity(size);
+        values.into_iter().for_each(|value| data.extend_from_slice(&value.to_le_bytes()));
+        debug_assert_eq!(data.len(), size);
         Self { dtype: "<f8".into(), shape, data }
     }
 

@@ -92,7 +92,7 @@ pub enum TaskResultMessage {
     Landings(LandingsMessage),
     /// A branch that was not known.
     Branch(BranchMessage),
-    /// A fold curve that was not known.
+    /// A curve over the forcing amplitude that was not known.
     Curve(CriticalMessage),
     /// What marching says of a branch.
     Verification(Verification),

@@ -1,4 +1,4 @@
-//! A curve of folds or peaks over the forcing amplitude as a message.
+//! A curve over the forcing amplitude, of folds, peaks or responses at one frequency, as a message.
 
 use crate::array::ArrayError;
 use crate::curve::{Points, Size};
@@ -9,8 +9,8 @@ use solver::response::critical::{Corner, CriticalCurve, CriticalEvent, Quantity}
 /// Curve of p points.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct CriticalMessage {
-    /// What has an extremum at its points, along the branch at each point's own forcing amplitude.
-    pub quantity: Quantity,
+    /// What has an extremum at its points, along the branch at each point's own forcing amplitude; nothing at fixed frequency.
+    pub quantity: Option<Quantity>,
     /// How it begins and ends.
     pub outcome: Outcome,
     /// For both ends, if it stalled there: the element, by its number in the model, whose contact is about to begin or to end.

@@ -3,7 +3,8 @@
 use crate::array::{Array, ArrayError};
 use crate::columns::Columns;
 pub use crate::size::Size;
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::ser::SerializeMap;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use solver::formulation::harmonics::width;
 use solver::formulation::state::State;
 use solver::response::branch::BranchPoint;
@@ -84,13 +85,23 @@ impl Motions {
 }
 
 /// p points of a curve.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize)]
 pub struct Points {
     /// The motions.
     pub motions: Motions,
     /// What else is known of every point: [`columns::of_points`].
     #[serde(flatten, deserialize_with = "columns_of_points")]
     pub columns: Columns,
+}
+
+/// As with columns that are flattened, whose number is not known to those who derive it: all of them would be held in between.
+impl Serialize for Points {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(Some(1 + self.columns.iter().count()))?;
+        map.serialize_entry("motions", &self.motions)?;
+        self.columns.iter().try_for_each(|(name, array)| map.serialize_entry(name, array))?;
+        map.end()
+    }
 }
 
 fn columns_of_points<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Columns, D::Error> {

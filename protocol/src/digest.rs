@@ -4,7 +4,7 @@
 //! the encoding, so that it can be encoded and hashed beforehand: what the decision adds are a few hundred bytes.
 
 use crate::branch::BranchMessage;
-use crate::codec::{encode, encode_part, hexadecimal, sha256};
+use crate::codec::{encode, encode_onto, encode_part, hexadecimal, sha256};
 use crate::ids::{Attempt, TaskId, WorkerId};
 use crate::to_everyone::{Amplitude, StoredResult};
 use serde::Serialize;
@@ -28,8 +28,11 @@ pub struct Digest {
 impl Digest {
     /// Of a result.
     pub fn of(result: &StoredResult) -> Self {
-        let bytes = encode(result);
-        Self { size: bytes.len() as u64, sha256: sha256(&bytes) }
+        Self::of_bytes(&encode(result))
+    }
+
+    fn of_bytes(bytes: &[u8]) -> Self {
+        Self { size: bytes.len() as u64, sha256: sha256(bytes) }
     }
 }
 
@@ -37,16 +40,29 @@ impl Digest {
 #[derive(Debug, Clone)]
 pub struct HashedBranch {
     branch: Option<BranchMessage>,
-    size: u64,
+    /// The beginning of the encoding.
+    bytes: Vec<u8>,
     hash: Sha256,
+}
+
+/// A result with its encoding and the digest of that.
+#[derive(Debug)]
+pub struct Encoded {
+    /// The result.
+    pub result: StoredResult,
+    /// Its encoding.
+    pub bytes: Vec<u8>,
+    /// Size and SHA-256 of that.
+    pub digest: Digest,
 }
 
 impl HashedBranch {
     /// Encodes and hashes the beginning of a result.
     pub fn new(branch: Option<BranchMessage>) -> Self {
-        let bytes = encode_part(&branch);
-        let hash = Sha256::new().chain_update(HEAD).chain_update(&bytes);
-        Self { branch, size: (HEAD.len() + bytes.len()) as u64, hash }
+        let mut bytes = HEAD.to_vec();
+        encode_onto(&mut bytes, &branch);
+        let hash = Sha256::new_with_prefix(&bytes);
+        Self { branch, bytes, hash }
     }
 
     /// The branch.
@@ -54,18 +70,20 @@ impl HashedBranch {
         self.branch.as_ref()
     }
 
-    /// The result with this branch and everything else as in `rest`, and the digest of its encoding.
-    pub fn complete(self, rest: StoredResult) -> (StoredResult, Digest) {
+    /// The result with this branch and everything else as in `rest`.
+    pub fn complete(self, rest: StoredResult) -> Encoded {
         if !rest.is_plain() {
-            let digest = Digest::of(&rest);
-            return (rest, digest);
+            let bytes = encode(&rest);
+            let digest = Digest::of_bytes(&bytes);
+            return Encoded { result: rest, bytes, digest };
         }
         let rest = StoredResult { branch: None, ..rest };
-        let bytes = encode(&rest);
-        let bytes = &bytes[HEAD.len() + NO_BRANCH..];
-        let size = self.size + bytes.len() as u64;
-        let sha256 = hexadecimal(&self.hash.chain_update(bytes).finalize());
-        (StoredResult { branch: self.branch, ..rest }, Digest { size, sha256 })
+        let end = &encode(&rest)[HEAD.len() + NO_BRANCH..];
+        let mut bytes = self.bytes;
+        bytes.extend_from_slice(end);
+        let sha256 = hexadecimal(&self.hash.chain_update(end).finalize());
+        let digest = Digest { size: bytes.len() as u64, sha256 };
+        Encoded { result: StoredResult { branch: self.branch, ..rest }, bytes, digest }
     }
 }
 

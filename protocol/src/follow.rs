@@ -259,6 +259,7 @@ mod tests {
             levels_done: 0,
             active: Vec::new(),
             workers: Vec::new(),
+            stalled: Vec::new(),
             sequence,
             elapsed: 0.0,
             eta: None,

@@ -3,6 +3,8 @@
 use crate::branch::TaskResultMessage;
 use crate::codec::{CodecError, decode_part, messages};
 use crate::ids::{Attempt, TaskId, WorkerId};
+use crate::orbits::OrbitsMessage;
+use crate::steps::Steps;
 use serde::{Deserialize, Serialize};
 
 /// Asks for work, on `rpc/lease`. Asking again with the same worker and slot gives the same grant again.
@@ -60,6 +62,12 @@ pub struct SubmitRequest {
     pub program: String,
     /// Computing time, s.
     pub seconds: f64,
+    /// Whether the thread takes its next task with the acknowledgement.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub next: bool,
+    /// Of a verification the orbits that it was told of, if there are any: for whoever checks it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub orbits: Option<OrbitsMessage>,
     /// What was found; not converging is a finding.
     pub finding: TaskResultMessage,
 }
@@ -76,6 +84,15 @@ impl SubmitRequest {
         }
         decode_part::<Self, Head>(bytes, encoding).map(|head| head.lease)
     }
+}
+
+/// New steps of a task under way, on `rpc/checkpoint/<task>`: whoever is handed the task after this worker goes on from them.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct CheckpointRequest {
+    /// Which task.
+    pub lease: Lease,
+    /// The steps.
+    pub steps: Steps,
 }
 
 /// A task that could not be carried out (a panic, memory, an unusable model), on `rpc/fail`.
@@ -99,6 +116,7 @@ messages! {
     RenewRequest => "renew_request",
     Progress => "progress",
     SubmitRequest => "submit_request",
+    CheckpointRequest => "checkpoint_request",
     FailRequest => "fail_request",
     ReleaseRequest => "release_request",
 }

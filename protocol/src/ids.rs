@@ -1,7 +1,7 @@
 //! Names of runs, tasks and workers: one chunk of a key each.
 
 use serde::{Deserialize, Serialize};
-use solver::response::task::{DisturbPlace, MarchPlace, VerifyPlace};
+use solver::response::task::{DisturbPlace, MarchPlace, Origin, VerifyPlace};
 use solver::settings::Stretch;
 use std::fmt;
 use thiserror::Error;
@@ -93,9 +93,12 @@ impl TaskId {
         Self::new(&format!("{}-{index}", amplitude.replace('+', "")))
     }
 
-    /// Task number `index`, from 0, among those that follow folds over the levels.
-    pub fn of_fold(index: usize) -> Self {
-        Self(format!("fold-{index}"))
+    /// Task number `index`, from 0, among those that follow curves over the levels: this one from there.
+    pub fn of_curve(index: usize, origin: Origin) -> Self {
+        match origin {
+            Origin::Fold(_) => Self(format!("fold-{index}")),
+            Origin::Carry(_) => Self(format!("carry-{index}")),
+        }
     }
 
     /// The task that verifies a branch, or what is around its peak, of the level whose amplitude was typed as `amplitude`.

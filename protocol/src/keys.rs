@@ -1,4 +1,4 @@
-//! Key expressions: `<namespace>/v5/<run>/…`.
+//! Key expressions: `<namespace>/v6/<run>/…`.
 
 use crate::VERSION;
 use crate::ids::{NameError, RunId, TaskId, WorkerId};
@@ -94,6 +94,21 @@ impl Keys {
     /// Result of a task.
     pub fn submit(&self, task: &TaskId) -> String {
         self.at(&format!("rpc/submit/{task}"))
+    }
+
+    /// Steps of a task under way.
+    pub fn keep(&self, task: &TaskId) -> String {
+        self.at(&format!("rpc/checkpoint/{task}"))
+    }
+
+    /// Steps of a task that earlier attempts took: queryable.
+    pub fn checkpoint(&self, task: &TaskId) -> String {
+        self.at(&format!("checkpoint/{task}"))
+    }
+
+    /// The steps of all tasks.
+    pub fn checkpoints(&self) -> String {
+        self.at("checkpoint/*")
     }
 
     /// A task that cannot be carried out.

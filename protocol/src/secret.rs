@@ -8,6 +8,7 @@ use std::fs::OpenOptions;
 use std::io::{self, Write};
 use std::os::unix::fs::OpenOptionsExt;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
 use thiserror::Error;
 
 /// The file of a run that holds its secret, in its folder.
@@ -113,6 +114,30 @@ impl Secret {
     /// As text, for the environment of other processes of one's own.
     pub fn reveal(&self) -> &str {
         &self.0
+    }
+}
+
+/// A secret in a file, as long as a session is opened: Zenoh reads it from nowhere else.
+pub(crate) struct Dictionary(PathBuf);
+
+impl Dictionary {
+    pub(crate) fn of(secret: &Secret) -> io::Result<Self> {
+        static COUNT: AtomicUsize = AtomicUsize::new(0);
+        let number = COUNT.fetch_add(1, Ordering::Relaxed);
+        let file = std::env::temp_dir().join(format!("isola-{}-{number}", std::process::id()));
+        secret.write(&file)?;
+        Ok(Self(file))
+    }
+
+    pub(crate) fn file(&self) -> &Path {
+        &self.0
+    }
+}
+
+impl Drop for Dictionary {
+    fn drop(&mut self) {
+        // It was read, or nothing was.
+        let _ = std::fs::remove_file(&self.0);
     }
 }
 

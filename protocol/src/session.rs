@@ -1,10 +1,10 @@
 //! Zenoh sessions that open nothing but what they are told to, and requests that end.
 
 use crate::codec::{CodecError, Message, decode, encode, encoding};
-use crate::secret::{Secret, USER};
-use std::borrow::Cow;
-use std::path::PathBuf;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use crate::credentials::{Credentials, ENCRYPTED};
+use crate::handshake;
+use crate::role::access_control;
+use crate::secret::{Dictionary, USER};
 use std::time::Duration;
 use thiserror::Error;
 use zenoh::bytes::{Encoding, ZBytes};
@@ -38,6 +38,22 @@ pub enum SessionError {
         /// Whether a secret was given.
         is_secret: bool,
     },
+    /// The endpoint and what is shown there do not go together.
+    #[error("{endpoint}: {problem}")]
+    Encryption {
+        /// As given.
+        endpoint: String,
+        /// What is wrong.
+        problem: &'static str,
+    },
+    /// Somebody listens there, who and whose certificate are not accepted here, or does not accept the one of this side.
+    #[error("no encrypted connection to {endpoint}: {reason}")]
+    Refused {
+        /// Where.
+        endpoint: String,
+        /// Why.
+        reason: String,
+    },
     /// The address cannot be listened on.
     #[error("cannot listen on {endpoint}: {reason}; choose another port, or leave --listen out for a free one")]
     Listen {
@@ -65,10 +81,6 @@ const TRANSPORT_LEASE_MS: u64 = 5000;
 /// must not hold up others.
 const SEND_BUFFER: usize = 1 << 16;
 
-/// How long a message of a client may wait for the connection before that is given up, µs. It is told by the partner's silence whether there is
-/// one; a result of megabytes takes minutes on a slow connection.
-const LONGEST_MESSAGE_US: u64 = 3600 * 1_000_000;
-
 fn config(settings: &[(&str, String)]) -> Config {
     let mut config = Config::default();
     let common = [
@@ -92,16 +104,23 @@ fn endpoints(endpoint: &str) -> Result<String, SessionError> {
     Ok(format!("[{endpoint:?}]"))
 }
 
+fn encryption(endpoint: &str, credentials: &Credentials) -> Result<Vec<(&'static str, String)>, SessionError> {
+    let of_problem = |problem| SessionError::Encryption { endpoint: endpoint.to_string(), problem };
+    credentials.encryption(endpoint).map_err(of_problem)
+}
+
 /// Session of a coordinator: a router that listens on `endpoint` and nowhere else, and lets those in that have the secret if there
-/// is one.
+/// is one. On an encrypted endpoint it lets those in that have a certificate of the same authority, to do in this namespace what
+/// their [role](crate::role) may.
 ///
 /// # Errors
-/// If the endpoint is none, its port is in use, or the secret cannot be handed on.
-pub async fn listen(endpoint: &str, secret: Option<&Secret>) -> Result<Session, SessionError> {
-    let dictionary = secret.map(Dictionary::of).transpose().map_err(|error| SessionError::Listen {
-        endpoint: endpoint.to_string(),
-        reason: format!("the secret cannot be handed on: {error}"),
-    })?;
+/// If the endpoint is none, its port is in use, there is no certificate for it, or the secret cannot be handed on.
+pub async fn listen(endpoint: &str, credentials: &Credentials, namespace: &str) -> Result<Session, SessionError> {
+    let dictionary =
+        credentials.secret.as_ref().map(Dictionary::of).transpose().map_err(|error| SessionError::Listen {
+            endpoint: endpoint.to_string(),
+            reason: format!("the secret cannot be handed on: {error}"),
+        })?;
     let mut settings = vec![
         ("mode", "\"router\"".to_string()),
         ("listen/endpoints", endpoints(endpoint)?),
@@ -110,8 +129,13 @@ pub async fn listen(endpoint: &str, secret: Option<&Secret>) -> Result<Session, 
         ("transport/link/rx/max_message_size", MAX_MESSAGE_BYTES.to_string()),
         ("transport/unicast/max_sessions", MAX_SESSIONS.to_string()),
     ];
-    if let Some(Dictionary(file)) = &dictionary {
-        settings.push(("transport/auth/usrpwd/dictionary_file", format!("{:?}", file.display().to_string())));
+    settings.extend(encryption(endpoint, credentials)?);
+    if endpoint.starts_with(ENCRYPTED) {
+        settings.push(("access_control", access_control(namespace)));
+    }
+    if let Some(dictionary) = &dictionary {
+        let file = dictionary.file().display().to_string();
+        settings.push(("transport/auth/usrpwd/dictionary_file", format!("{file:?}")));
     }
     zenoh::open(config(&settings)).await.map_err(|error| SessionError::Listen {
         endpoint: endpoint.to_string(),
@@ -119,48 +143,44 @@ pub async fn listen(endpoint: &str, secret: Option<&Secret>) -> Result<Session, 
     })
 }
 
-/// A secret in a file, as long as a session is opened: Zenoh reads it from nowhere else.
-struct Dictionary(PathBuf);
-
-impl Dictionary {
-    fn of(secret: &Secret) -> std::io::Result<Self> {
-        static COUNT: AtomicUsize = AtomicUsize::new(0);
-        let number = COUNT.fetch_add(1, Ordering::Relaxed);
-        let file = std::env::temp_dir().join(format!("isola-{}-{number}", std::process::id()));
-        secret.write(&file)?;
-        Ok(Self(file))
-    }
-}
-
-impl Drop for Dictionary {
-    fn drop(&mut self) {
-        // It was read, or nothing was.
-        let _ = std::fs::remove_file(&self.0);
-    }
-}
-
-/// Session of a client of the router at `endpoint`, which asks for this secret if there is one; listens nowhere.
+/// Session of a client of the router at `endpoint`, which asks for this secret if there is one, and for a certificate if it is an
+/// encrypted one; listens nowhere.
 ///
 /// # Errors
-/// If the endpoint is none, or nobody is there who lets this secret in.
-pub async fn connect(endpoint: &str, secret: Option<&Secret>) -> Result<Session, SessionError> {
+/// If the endpoint is none, there is no certificate for it, or nobody is there who lets these credentials in.
+pub async fn connect(endpoint: &str, credentials: &Credentials) -> Result<Session, SessionError> {
+    let link =
+        if endpoint.starts_with(ENCRYPTED) { "transport/link/tls/so_sndbuf" } else { "transport/link/tcp/so_sndbuf" };
     let mut settings = vec![
         ("mode", "\"client\"".to_string()),
         ("connect/endpoints", endpoints(endpoint)?),
         ("connect/timeout_ms", CONNECT_MS.to_string()),
         ("connect/exit_on_failure", "true".to_string()),
         ("connect/retry", "{ period_init_ms: 200, period_max_ms: 1000 }".to_string()),
-        ("transport/link/tcp/so_sndbuf", SEND_BUFFER.to_string()),
-        ("transport/link/tx/queue/congestion_control/block/wait_before_close", LONGEST_MESSAGE_US.to_string()),
+        (link, SEND_BUFFER.to_string()),
     ];
-    if let Some(secret) = secret {
+    settings.extend(encryption(endpoint, credentials)?);
+    if let Some(secret) = &credentials.secret {
         settings.push(("transport/auth/usrpwd/user", format!("{USER:?}")));
         settings.push(("transport/auth/usrpwd/password", format!("{:?}", secret.reveal())));
     }
-    let is_secret = secret.is_some();
-    zenoh::open(config(&settings))
-        .await
-        .map_err(|_| SessionError::Unreachable { endpoint: endpoint.to_string(), is_secret })
+    match zenoh::open(config(&settings)).await {
+        Ok(session) => Ok(session),
+        Err(_) => Err(unreachable(endpoint, credentials).await),
+    }
+}
+
+/// Why there is no session, as far as this side can know: certificates that do not go together are told from everything else.
+pub async fn unreachable(endpoint: &str, credentials: &Credentials) -> SessionError {
+    let endpoint = endpoint.to_string();
+    let reason = match &credentials.certificate {
+        Some(certificate) => handshake::refusal(&endpoint, certificate).await,
+        None => None,
+    };
+    match reason {
+        Some(reason) => SessionError::Refused { endpoint, reason },
+        None => SessionError::Unreachable { endpoint, is_secret: credentials.secret.is_some() },
+    }
 }
 
 /// The last and most precise part of a chain of messages.
@@ -212,23 +232,22 @@ pub async fn request_encoded<R: Message>(
     encoding: &str,
     timeout: Duration,
 ) -> Result<R, RequestError> {
-    let replies = ask(session, key, Some((payload.into(), encoding)), Priority::DEFAULT, timeout).await?;
+    let question = Question { payload: payload.into(), encoding, attached: None };
+    let replies = ask(session, key, Some(question), Priority::DEFAULT, timeout).await?;
     first(&replies).await?.read()
 }
 
-/// [`request_encoded`] behind everything else that is to be sent: for results, which may take long.
-///
-/// # Errors
-/// Those of [`request`].
-pub async fn request_bulk<R: Message>(
+/// [`request_encoded`] behind everything else that is to be sent, with something attached if need be: the answer as it comes.
+pub(crate) async fn ask_in_background(
     session: &Session,
     key: &str,
-    payload: impl Into<ZBytes>,
+    payload: ZBytes,
     encoding: &str,
+    attached: Option<ZBytes>,
     timeout: Duration,
-) -> Result<R, RequestError> {
-    let replies = ask(session, key, Some((payload.into(), encoding)), Priority::Background, timeout).await?;
-    first(&replies).await?.read()
+) -> Result<Answer, RequestError> {
+    let question = Question { payload, encoding, attached };
+    first(&ask(session, key, Some(question), Priority::Background, timeout).await?).await
 }
 
 /// [`fetch`] behind everything else that is to be answered: for results, which may take long.
@@ -280,9 +299,9 @@ pub async fn fetch_answer(session: &Session, key: &str, timeout: Duration) -> Re
 type Replies = FifoChannelHandler<Reply>;
 
 /// An answer as it came.
-struct Answer {
+pub(crate) struct Answer {
     payload: ZBytes,
-    encoding: String,
+    pub(crate) encoding: String,
 }
 
 impl Answer {
@@ -290,21 +309,30 @@ impl Answer {
         Self { payload: sample.payload().clone(), encoding: sample.encoding().to_string() }
     }
 
-    fn read<R: Message>(&self) -> Result<R, RequestError> {
+    pub(crate) fn read<R: Message>(&self) -> Result<R, RequestError> {
         Ok(decode(&self.payload.to_bytes(), &self.encoding)?)
     }
+}
+
+/// What is asked, if more than a key.
+struct Question<'a> {
+    payload: ZBytes,
+    encoding: &'a str,
+    attached: Option<ZBytes>,
 }
 
 async fn ask(
     session: &Session,
     key: &str,
-    question: Option<(ZBytes, &str)>,
+    question: Option<Question<'_>>,
     priority: Priority,
     timeout: Duration,
 ) -> Result<Replies, RequestError> {
     let get = session.get(key).consolidation(ConsolidationMode::None).priority(priority).timeout(timeout);
     let get = match question {
-        Some((payload, encoding)) => get.payload(payload).encoding(Encoding::from(encoding)),
+        Some(Question { payload, encoding, attached }) => {
+            get.payload(payload).encoding(Encoding::from(encoding)).attachment(attached)
+        }
         None => get,
     };
     get.await.map_err(|error| RequestError::Closed(error.to_string()))
@@ -340,15 +368,13 @@ pub const REFUSAL: &str = "text/plain;isola.refusal";
 /// # Errors
 /// If there is none, or something else.
 pub fn question<Q: Message>(query: &Query) -> Result<Q, CodecError> {
-    let (bytes, encoding) = question_parts(query);
-    decode(&bytes, &encoding)
+    let payload = query.payload().map(|payload| payload.to_bytes()).unwrap_or_default();
+    decode(&payload, &encoding_of(query))
 }
 
-/// Bytes and encoding of the message that came with a query.
-pub fn question_parts(query: &Query) -> (Cow<'_, [u8]>, String) {
-    let bytes = query.payload().map(|payload| payload.to_bytes()).unwrap_or_default();
-    let encoding = query.encoding().map(|encoding| encoding.to_string()).unwrap_or_default();
-    (bytes, encoding)
+/// Encoding of the message that came with a query.
+pub fn encoding_of(query: &Query) -> String {
+    query.encoding().map(|encoding| encoding.to_string()).unwrap_or_default()
 }
 
 /// Answers a query. Waits for room on the way to whoever asked: not to be called where waiting hurts.
@@ -357,7 +383,7 @@ pub fn answer<R: Message>(query: &Query, key: &str, message: &R) {
 }
 
 /// [`answer`] with the payload at hand.
-pub fn answer_encoded(query: &Query, key: &str, payload: Vec<u8>, encoding: &str) {
+pub fn answer_encoded(query: &Query, key: &str, payload: impl Into<ZBytes>, encoding: &str) {
     use zenoh::Wait;
     if let Err(error) = query.reply(key, payload).encoding(Encoding::from(encoding)).wait() {
         tracing::debug!(key, %error, "whoever asked is gone");

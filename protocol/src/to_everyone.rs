@@ -142,7 +142,7 @@ pub struct Done {
 pub struct StoredResult {
     /// The new branch.
     pub branch: Option<BranchMessage>,
-    /// The new fold curve.
+    /// The new curve over the forcing amplitude.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub curve: Option<CriticalMessage>,
     /// What seeds landed on.
@@ -219,6 +219,9 @@ pub struct Status {
     pub active: Vec<LevelStatus>,
     /// Workers present.
     pub workers: Vec<WorkerStatus>,
+    /// Tasks that do not get on, though their workers give signs of life.
+    #[serde(default)]
+    pub stalled: Vec<StalledTask>,
     /// Number of announcements so far.
     pub sequence: u64,
     /// Time since the coordinator started, s.
@@ -257,6 +260,17 @@ pub struct LevelStatus {
     pub branches: usize,
     /// Where the branch under way is.
     pub progress: Option<Progress>,
+}
+
+/// A task under way of which nothing new has come for long.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct StalledTask {
+    /// Which.
+    pub task: TaskId,
+    /// Who has it.
+    pub worker: WorkerId,
+    /// For how long, s.
+    pub seconds: f64,
 }
 
 /// A worker.

@@ -1,8 +1,10 @@
 //! What the coordinator answers to workers.
 
-use crate::codec::messages;
+use crate::PROGRAM;
+use crate::codec::{encode_part, messages, sha256};
 use crate::curve::Seeds;
 use crate::ids::{Attempt, TaskId};
+use crate::steps::Steps;
 use serde::{Deserialize, Serialize};
 use solver::response::forced::SearchRange;
 use solver::response::task::{BranchId, Task};
@@ -50,8 +52,41 @@ pub struct Grant {
     /// Branches of this level found before: the stored results to fetch from `result/<task>`. Of a fold: the branch that it
     /// is of.
     pub known: Vec<Known>,
-    /// Curves found before, in stored results as well: those that a fold may lie on, or the one that crosses the level.
+    /// Curves found before, in stored results as well: those that a fold or response may lie on, or the one that crosses the level.
     pub curves: Vec<KnownCurve>,
+    /// Steps that earlier attempts took, on `checkpoint/<task>`; 0 if there are none.
+    pub checkpoint: usize,
+}
+
+impl Grant {
+    /// SHA-256 of everything that the steps of the task depend on beside the run's model and settings.
+    pub fn fingerprint(&self) -> String {
+        let Self { amplitude, reach, work, seeds, landing, known, curves, .. } = self;
+        sha256(&encode_part(&(PROGRAM, amplitude, reach, work, seeds, landing, known, curves)))
+    }
+}
+
+/// The steps that earlier attempts at a task took, on `checkpoint/<task>`: in the order in which they came.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Checkpoint {
+    /// The task.
+    pub task: TaskId,
+    /// The steps.
+    pub parts: Vec<Steps>,
+}
+
+/// Answer to new steps.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum CheckpointReply {
+    /// They are kept.
+    Kept,
+    /// No room for them now: to be sent again later.
+    Busy,
+    /// They do not follow those that are kept, or there would be too many: to send more of them will not help.
+    Enough,
+    /// The task is done or somebody else's.
+    Lost,
 }
 
 /// A branch found before.
@@ -63,7 +98,7 @@ pub struct Known {
     pub task: TaskId,
 }
 
-/// A fold curve found before.
+/// A curve over the forcing amplitude found before.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct KnownCurve {
     /// Its number, from 0.
@@ -85,11 +120,13 @@ pub enum RenewReply {
 }
 
 /// Answer to a result, given once it is on disk.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SubmitReply {
     /// Stored.
     Accepted,
+    /// Stored, and the thread's next task: only if it was asked for.
+    Next(Box<Grant>),
     /// Another result of this task was stored before.
     Duplicate {
         /// Whether range and peak agree to 1e-6.
@@ -122,4 +159,6 @@ messages! {
     RenewReply => "renew_reply",
     SubmitReply => "submit_reply",
     Acknowledgement => "acknowledgement",
+    Checkpoint => "checkpoint",
+    CheckpointReply => "checkpoint_reply",
 }

@@ -144,7 +144,7 @@ def test_announcement_and_result():
     assert "isola 1 at A = 2.5, 2 points" in repr(branch)
     assert branch.peak_standing == "at_least"
     assert branch.certificate == Certificate(
-        penetration=0.125, pressure_beyond=None, amplitude_2h=0.375, shift_2h=1e-3
+        penetration=0.125, pressure_beyond=None, amplitude_2h=0.375, shift_2h=1e-3, omega_min_2h=0.5, omega_max_2h=0.625
     )
 
 
@@ -155,7 +155,7 @@ def test_a_branch_of_the_first_programs():
     branch = Result.read(message, model()).branch
     assert branch is not None
     assert (branch.kind, branch.peak_standing) == ("isola", None)
-    assert branch.certificate == Certificate(None, None, None, None)
+    assert branch.certificate == Certificate(None, None, None, None, None, None)
 
 
 def test_nothing_found():
@@ -301,12 +301,20 @@ def test_every_field_and_variant_is_documented():
 
 def test_result_with_a_fold_curve():
     result = Result.read(sample("result_curve"), model())
-    assert result.branch is None and result.outcome == "fold curve 1"
+    assert result.branch is None and result.outcome == "curve 1"
     curve = result.curve
     assert curve is not None and len(curve) == 3 and not curve.closed
     assert curve.outcome == "open: forcing bound to point budget used up"
     assert [(event.kind, event.index) for event in curve.events] == [("birth", 1)]
+    assert curve.quantity == "frequency"
     assert Result.read(sample("result"), model()).curve is None
+
+
+def test_result_with_responses_of_an_open_branch():
+    result = Result.read(sample("result_carried"), model())
+    curve = result.curve
+    assert result.outcome == "curve 2" and result.work == {"carry": {"branch": {"open": 0}, "end": "last"}}
+    assert curve is not None and curve.quantity is None and len(curve) == 2 and not curve.events
 
 
 def test_result_of_a_landing():

@@ -58,7 +58,7 @@ def test_the_first_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None
     summary = (tmp_path / "runs" / "first" / "summary.csv").read_text("utf-8")
     assert len(rows) == 3
     for row in rows:
-        peak = float(re.findall(r"\d\.\d+e[-\d]+", row)[-1])
+        peak = float(re.findall(r"([\d.]+(?:e[-\d]+)?) at ", row)[-1])
         assert any(abs(float(number) / peak - 1) < 1e-4 for number in re.findall(r"\d\.\d+(?:e[-\d]+)?", summary)), row
 
 

@@ -25,7 +25,7 @@ pub struct SweepPlan {
     pub reach: SearchRange,
     /// The work of every level.
     pub levels: Vec<LevelPlan>,
-    /// Tasks that were added over all levels, to follow folds or to verify branches; none when a sweep begins.
+    /// Tasks that were added over all levels, to follow curves over the forcing or to verify branches; none when a sweep begins.
     pub added: Vec<AddedTask>,
 }
 
@@ -60,8 +60,8 @@ pub struct LevelPlan {
 }
 
 /// Kinds of tasks, as [`kind`] names them.
-pub const KINDS: [&str; 11] =
-    ["main", "land", "seed", "fold", "crossing", "start", "begin", "scout", "verify", "disturb", "march"];
+pub const KINDS: [&str; 12] =
+    ["main", "land", "seed", "fold", "crossing", "start", "begin", "scout", "verify", "disturb", "march", "carry"];
 
 /// What kind of task this is, in one word.
 pub fn kind(task: &Task) -> &'static str {
@@ -82,6 +82,7 @@ pub fn place_of_kind(task: &Task) -> usize {
         Task::Verify(_) => 8,
         Task::Disturb(_) => 9,
         Task::March(_) => 10,
+        Task::Carry(_) => 11,
     }
 }
 
@@ -162,6 +163,7 @@ impl Troubles {
     pub fn note(&mut self, worker: &WorkerId, end: &AttemptEnd) {
         match end {
             AttemptEnd::Released | AttemptEnd::Superseded => return,
+            AttemptEnd::Confirmed | AttemptEnd::Disputed(_) | AttemptEnd::Refuted(_) => return,
             AttemptEnd::Failed(_) => self.failures += 1,
             AttemptEnd::Refused(_) => drop(self.refused.insert(worker.clone())),
             AttemptEnd::Expired => self.lapses += 1,
@@ -197,7 +199,16 @@ pub enum Change {
         /// To whom.
         holder: Holder,
     },
-    /// An attempt ended without a result.
+    /// A task that is done was handed out once more, to compare its result.
+    Repeated {
+        /// Task.
+        task: TaskId,
+        /// Which attempt at it.
+        attempt: Attempt,
+        /// To whom.
+        holder: Holder,
+    },
+    /// An attempt ended without a result, or what became of one that has a result was judged again.
     Ended {
         /// Task.
         task: TaskId,
@@ -213,6 +224,17 @@ pub enum Change {
         /// Which attempt at it.
         attempt: Attempt,
     },
+    /// An attempt begins with steps of those before it.
+    HandedOn {
+        /// Task.
+        task: TaskId,
+        /// Which attempt at it.
+        attempt: Attempt,
+        /// Steps.
+        steps: usize,
+    },
+    /// A task under way has taken further steps.
+    Checkpoint(CheckpointPart),
     /// A result was accepted.
     Done {
         /// Task.
@@ -243,6 +265,43 @@ pub enum Change {
     },
 }
 
+impl Change {
+    /// The task whose steps are of no use from now on: it is settled, or they may be why its attempt has failed.
+    pub fn ends_checkpoint(&self) -> Option<&TaskId> {
+        match self {
+            Self::Done { task, .. } | Self::Skipped { task } | Self::Dead { task } => Some(task),
+            Self::Ended { task, end: AttemptEnd::Failed(_) | AttemptEnd::Refused(_), .. } => Some(task),
+            _ => None,
+        }
+    }
+}
+
+/// Steps of a task under way, for whoever is handed it after this attempt.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct CheckpointPart {
+    /// Task.
+    pub task: TaskId,
+    /// Which attempt at it.
+    pub attempt: Attempt,
+    /// Number of the first step, from 0: with that, what was kept before is dropped.
+    pub first: usize,
+    /// Number of steps.
+    pub steps: usize,
+    /// The steps, as they are stored.
+    pub payload: Vec<u8>,
+}
+
+/// What is kept of a task under way, in numbers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Kept {
+    /// Steps.
+    pub steps: usize,
+    /// Bytes.
+    pub bytes: usize,
+    /// The attempt that sent the last of them.
+    pub attempt: Attempt,
+}
+
 /// A result as it is stored and announced.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AcceptedResult {
@@ -254,7 +313,7 @@ pub struct AcceptedResult {
     pub digest: Digest,
 }
 
-/// How an attempt ended without a result.
+/// How an attempt ended without a result, or with one that is not stored.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum AttemptEnd {
     /// No sign of life in time.
@@ -267,6 +326,12 @@ pub enum AttemptEnd {
     Released,
     /// Somebody else's result came first.
     Superseded,
+    /// It repeated a task that was done, and came to the same.
+    Confirmed,
+    /// It repeated a task that was done, and came to something else.
+    Disputed(String),
+    /// Its result is not what two others come to.
+    Refuted(String),
 }
 
 impl AttemptEnd {
@@ -278,13 +343,19 @@ impl AttemptEnd {
             AttemptEnd::Refused(_) => "refused",
             AttemptEnd::Released => "released",
             AttemptEnd::Superseded => "superseded",
+            AttemptEnd::Confirmed => "confirmed",
+            AttemptEnd::Disputed(_) => "disputed",
+            AttemptEnd::Refuted(_) => "refuted",
         }
     }
 
     /// Why, if there is a reason to tell.
     pub fn reason(&self) -> Option<&str> {
         match self {
-            AttemptEnd::Failed(reason) | AttemptEnd::Refused(reason) => Some(reason),
+            AttemptEnd::Failed(reason)
+            | AttemptEnd::Refused(reason)
+            | AttemptEnd::Disputed(reason)
+            | AttemptEnd::Refuted(reason) => Some(reason),
             _ => None,
         }
     }
@@ -297,6 +368,9 @@ impl AttemptEnd {
             "refused" => Some(Self::Refused(reason.unwrap_or_default())),
             "released" => Some(Self::Released),
             "superseded" => Some(Self::Superseded),
+            "confirmed" => Some(Self::Confirmed),
+            "disputed" => Some(Self::Disputed(reason.unwrap_or_default())),
+            "refuted" => Some(Self::Refuted(reason.unwrap_or_default())),
             _ => None,
         }
     }

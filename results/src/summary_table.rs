@@ -7,7 +7,7 @@ mod units;
 
 pub use units::{FrequencyUnit, LengthUnit, Units};
 
-use crate::overview::{Level, Omissions, Overview, Rise, is_unconfirmed, is_untouched, modes, truncation};
+use crate::overview::{Level, Omissions, Overview, Rise, is_unconfirmed, is_untouched, modes, truncation, unfinished};
 use crate::store::{BranchRow, Reader, Result};
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets::UTF8_FULL_CONDENSED};
 use footnotes::{Footnotes, wrapped};
@@ -62,12 +62,16 @@ pub fn table(reader: &Reader, layout: Layout) -> Result<String> {
     if levels.len() > LEVELS {
         say(&format!("... and {} more levels: see summary.csv", levels.len() - LEVELS));
     }
+    let backbone = omissions.read("The backbone is", reader.backbone());
+    unfinished(levels, backbone.is_none_or(|backbone| backbone.is_some())).iter().for_each(|sentence| say(sentence));
     let contacts = overview.model.as_ref().and_then(|message| message.model().ok());
     if contacts.is_some_and(|model| model.contacts().count() > 0) && is_untouched(levels) {
         say("Nothing touched its stop at any level.");
     }
     let choice = omissions.read("Which modes were followed is", reader.modes()).flatten();
-    if let Some(sentence) = choice.as_ref().and_then(modes::sentence) {
+    if let Some(sentence) =
+        choice.as_ref().and_then(|choice| modes::sentence(choice, levels.iter().all(Level::is_complete)))
+    {
         say(&sentence);
     }
     let harmonics = overview.header.as_ref().map(|header| header.settings.harmonics.count);
@@ -86,10 +90,19 @@ pub fn table(reader: &Reader, layout: Layout) -> Result<String> {
     Ok(text)
 }
 
+/// A relative rise of a frequency that is not worth numbers.
+const NEGLIGIBLE: f64 = 1e-3;
+
 /// How the frequency of the largest response goes, as far as levels of which all is known tell.
 fn rise(overview: &Overview, units: Units) -> Option<String> {
     let unit = units.frequency;
     if let Some(Rise { amplitudes: (from, to), omega: (low, high) }) = overview.rise() {
+        if high - low < NEGLIGIBLE * high {
+            let percent = 100.0 * NEGLIGIBLE;
+            return Some(format!(
+                "From one level to the next the frequency of the largest computed response rises by less than {percent} %."
+            ));
+        }
         return Some(format!(
             "From one level to the next the frequency of the largest computed response rises by at most {} {unit}, to {} {unit} \
              (A = {from} to {to}).",
@@ -164,6 +177,9 @@ impl Rows<'_> {
         lines.extend((level.pending > 0).then(|| format!("{} to come", level.pending)));
         let given_up = || format!("A = {}: tasks given up: isola retry-dead tries them again", level.amplitude);
         lines.extend((level.dead > 0).then(|| format!("{} dead{}", level.dead, self.notes.mark(given_up()))));
+        let contradicted = || format!("A = {}: other workers came to something else", level.amplitude);
+        let results = level.refuted + level.disputed;
+        lines.extend((results > 0).then(|| format!("{results} doubtful{}", self.notes.mark(contradicted()))));
         lines.join("\n")
     }
 }

@@ -137,7 +137,7 @@ fn sizes() {
 #[test]
 fn entries() {
     let skew = "%%MatrixMarket matrix array real general\n2 2\n2\n-1\n-1.5\n2\n";
-    stiffness_refused(skew, &["`matrices.stiffness`", "not symmetric", "(2, 1) is -1e0", "(1, 2) is -1.5e0", "1e-8"]);
+    stiffness_refused(skew, &["`matrices.stiffness`", "not symmetric", "(2, 1) is -1.0", "(1, 2) is -1.5", "1e-8"]);
     stiffness_refused(&K.replace("-1\n", "inf\n"), &["line 4", "`inf`", "finite"]);
     refused("[[1, 0], [0, 1]]", "[[1, 0], [0, nan]]", &["`matrices.mass`", "(2, 2) is NaN", "finite"]);
     stiffness_refused(&K.replace("2 2 3", "2 2 4"), &["3 of 4 entries"]);
@@ -152,7 +152,7 @@ fn tiny_asymmetry_is_removed() {
 
 #[test]
 fn definiteness() {
-    let parts = ["`matrices.mass`", "positive definite", "`blade.theta`", "-1e0 kg", "massless dofs"];
+    let parts = ["`matrices.mass`", "positive definite", "`blade.theta`", "-1.0 kg", "massless dofs"];
     refused("[[1, 0], [0, 1]]", "[[1, 0], [0, -1]]", &parts);
     stiffness_refused(
         &K.replace("-1\n", "-3\n"),

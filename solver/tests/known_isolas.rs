@@ -4,7 +4,7 @@
 mod support;
 
 use solver::response::branch::{BranchPoint, Side, SpecialKind};
-use solver::{CriticalCurve, CriticalKind, Forced, Model, SearchRange, Settings, State};
+use solver::{CriticalCurve, CriticalKind, Forced, Model, Quantity, SearchRange, Settings, State};
 use std::ops::ControlFlow;
 use support::balance::Balance;
 use support::geometry::complaints;
@@ -198,7 +198,7 @@ fn folds_of_a_main_branch_lead_to_isolas_on_the_lower_side_of_another() {
     let reach = SearchRange { frequency: (0.8, 2.0), amplitude: 10.0, natural: None, forcing: Some((0.01, 0.1)) };
     let mut forced = Forced::new(&model, &settings, reach, 0.06);
     let main = forced.main_branch(Side::Below, &mut quiet).unwrap();
-    let mut critical = forced.folds().unwrap();
+    let mut critical = forced.extrema(Quantity::Frequency).unwrap();
     let mut curves: Vec<CriticalCurve> = Vec::new();
     for fold in main.special(SpecialKind::Fold) {
         if !curves.iter().any(|curve| critical.lies_on(&fold.state, curve)) {

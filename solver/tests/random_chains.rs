@@ -132,7 +132,7 @@ fn check(number: u64) -> Checked {
     };
     let balance = Balance::new(&study.model);
     // What leaves through the widest bounds may be a part of a main branch that is not known to its end.
-    let is_open_ended = of_kind(&level, Kind::Main).iter().any(|listed| why_unfinished(&listed.branch).is_some());
+    let is_open_ended = of_kind(&level, Kind::Main).iter().any(|listed| listed.branch.outcome.is_unfinished());
     for listed in &level {
         let worst = listed.branch.points.iter().map(|point| (balance.residual(&point.state), point.omega()));
         let worst = worst.max_by(|a, b| a.0.relative().total_cmp(&b.0.relative()));
@@ -173,7 +173,7 @@ fn unlisted_motions(
     checked: &mut Checked,
 ) {
     // Something may be missing, and the level says so.
-    let is_incomplete = |listed: &Listed| listed.kind == Kind::Unfinished || why_unfinished(&listed.branch).is_some();
+    let is_incomplete = |listed: &Listed| listed.branch.outcome.is_unfinished();
     if level.iter().any(is_incomplete) {
         return;
     }

@@ -4,7 +4,7 @@ use solver::response::columns;
 use solver::response::forced::{Forced, SearchRange};
 use solver::response::recheck::{Recheck, Refutation};
 use solver::response::seeds::Landing;
-use solver::{Backbone, Branch, BranchPoint, Model, Settings, SpecialKind, files};
+use solver::{Backbone, Branch, BranchPoint, Model, Quantity, Settings, SpecialKind, files};
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -112,7 +112,7 @@ fn points_of_a_fold_curve_are_folds() {
     let mut forced = Forced::new(&model, &settings, reach, 0.15);
     let branch = forced.main_branch(solver::response::branch::Side::Below, &mut quiet).unwrap();
     let fold = branch.special(SpecialKind::Fold).next().unwrap();
-    let curve = forced.folds().unwrap().curve(&fold.state, &mut quiet).unwrap();
+    let curve = forced.extrema(Quantity::Frequency).unwrap().curve(&fold.state, &mut quiet).unwrap();
     for draw in 0..100 {
         assert_eq!(Recheck::new(&model, &settings, draw).curve(&curve), Ok(()));
     }

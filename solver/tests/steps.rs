@@ -4,7 +4,7 @@ mod support;
 
 use solver::response::branch::SpecialKind;
 use solver::response::forced::SearchRange;
-use solver::{BranchPoint, Settings};
+use solver::{BranchPoint, Model, Settings};
 use support::study::{Kind, Listed, Study, shipped, why_unfinished, with_harmonics};
 
 /// Folds and peaks are located to this, relative.
@@ -75,7 +75,16 @@ fn difference(first: &[Listed], second: &[Listed]) -> Option<String> {
 
 /// Compares the levels of a shipped model with those that other steps and wider bounds give.
 fn check(name: &str, settings: Settings, forcings: &[f64]) {
-    let study = |settings: Settings| Study::new(shipped(name, &[]), settings);
+    compare(name, settings, forcings, Study::new);
+}
+
+/// The same with the backbones of all modes that are reached.
+fn check_all_modes(name: &str, settings: Settings, forcings: &[f64]) {
+    compare(name, settings, forcings, Study::of_modes);
+}
+
+fn compare(name: &str, settings: Settings, forcings: &[f64], study: fn(Model, Settings) -> Study) {
+    let study = |settings: Settings| study(shipped(name, &[]), settings);
     let base = study(settings);
     let mut others = Vec::new();
     for factor in [0.5, 2.0] {
@@ -141,4 +150,40 @@ fn friction_mass() {
     let mut settings = with_harmonics(3);
     settings.harmonics.samples = 4096;
     check("friction_mass", settings, &[0.2]);
+}
+
+#[test]
+fn two_dampers() {
+    check_all_modes("two_dampers", with_harmonics(5), &[0.05, 0.1]);
+}
+
+#[test]
+fn damper_two_isolas() {
+    check("damper_two_isolas", with_harmonics(7), &[0.0145, 0.018]);
+}
+
+#[test]
+fn two_blades() {
+    check_all_modes("two_blades", with_harmonics(5), &[0.015, 0.034]);
+}
+
+#[test]
+fn chain_subharmonic() {
+    let mut settings = with_harmonics(20);
+    (settings.frequency.min, settings.frequency.max) = (Some(1.1), Some(1.8));
+    check_all_modes("chain_subharmonic", settings, &[1.75, 2.25]);
+}
+
+#[test]
+fn duffing_subharmonic() {
+    let mut settings = with_harmonics(21);
+    (settings.frequency.min, settings.frequency.max) = (Some(0.2), Some(2.5));
+    check("duffing_subharmonic", settings, &[1.5]);
+}
+
+#[test]
+fn stop_subharmonic() {
+    let mut settings = with_harmonics(20);
+    (settings.frequency.min, settings.frequency.max) = (Some(0.8), Some(1.8));
+    check("stop_subharmonic", settings, &[0.7, 1.0]);
 }

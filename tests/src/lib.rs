@@ -158,12 +158,17 @@ impl System {
 
     /// Resumes the run, on another port.
     pub fn resume(&mut self, more: &[&str]) {
+        self.go_on("resume", more);
+    }
+
+    /// Goes on with the run by another command, on another port.
+    pub fn go_on(&mut self, command: &str, more: &[&str]) {
         // What an interrupted or cancelled run has left says nothing of this one.
         for file in ["address", "summary.csv"] {
             let _ = std::fs::remove_file(self.directory().join(file));
         }
         let run = self.directory();
-        let fixed = ["resume", run.to_str().expect("paths are text")];
+        let fixed = [command, run.to_str().expect("paths are text")];
         let log = self.folder.path().join("resumed.log");
         self.coordinator = Process::start(&program("isola"), &[&fixed, more].concat(), &log);
         self.wait_for_address();
@@ -280,7 +285,7 @@ impl System {
         let deadline = Instant::now() + PATIENCE;
         let key = protocol::keys::all_runs(protocol::keys::NAMESPACE);
         loop {
-            if let Ok(session) = connect(&self.address(), self.secret().as_ref()).await
+            if let Ok(session) = connect(&self.address(), &self.secret().into()).await
                 && let Ok(manifest) = fetch::<Manifest>(&session, &key, PATIENCE).await
             {
                 return (session, Keys::new(protocol::keys::NAMESPACE, &manifest.run), manifest);

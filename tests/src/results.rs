@@ -1,5 +1,6 @@
 //! What a run left on disk.
 
+use rusqlite::types::Value;
 use rusqlite::{Connection, OptionalExtension, Row};
 use std::path::Path;
 
@@ -118,6 +119,25 @@ pub fn assert_stored_once(directory: &Path) {
         0,
         "points do not belong to branches"
     );
+}
+
+/// Every number that is stored of the branch of a task, to the last bit.
+pub fn numbers_of(directory: &Path, task: &str) -> Vec<String> {
+    let store = store(directory);
+    let mut rows = Vec::new();
+    // Which number a branch has in the file depends on when it came.
+    for (sql, first) in [
+        ("SELECT points.* FROM points JOIN branches ON branches.id = points.branch WHERE task = ?1 ORDER BY i", 1),
+        ("SELECT name, shape, data FROM arrays WHERE owner = ?1 ORDER BY name", 0),
+        ("SELECT kind, number, status, points, rejections, special FROM branches WHERE task = ?1", 0),
+    ] {
+        let mut query = store.prepare(sql).expect("documented");
+        let columns = first..query.column_count();
+        let row = |row: &Row<'_>| columns.clone().map(|i| row.get::<_, Value>(i)).collect::<Result<Vec<_>, _>>();
+        let found = query.query_map([task], row).expect("documented");
+        rows.extend(found.map(|row| format!("{:?}", row.expect("documented"))));
+    }
+    rows
 }
 
 /// Time from the first grant to the last acceptance.

@@ -8,14 +8,17 @@ use protocol::branch::{BranchMessage, TaskResultMessage};
 use protocol::codec::{encode, encoding};
 use protocol::from_worker::{Lease, LeaseRequest, SubmitRequest};
 use protocol::ids::{Attempt, TaskId, WorkerId};
-use protocol::session::{RequestError, request, request_encoded};
+use protocol::session::{RequestError, fetch, request, request_encoded};
+use protocol::to_everyone::Status;
 use protocol::to_worker::{LeaseReply, RenewReply, SubmitReply};
+use solver::stability::verification::MarchedOrbit;
 use std::collections::BTreeMap;
 use std::path::Path;
+use std::time::{Duration, Instant};
 use tests::{PATIENCE, System, block_on};
 
 /// The files of a run that say what was found.
-fn files(directory: &Path) -> BTreeMap<String, Vec<u8>> {
+pub fn files(directory: &Path) -> BTreeMap<String, Vec<u8>> {
     let mut found = BTreeMap::new();
     for folder in [directory.to_path_buf(), directory.join("branches")] {
         for entry in std::fs::read_dir(folder).unwrap().flatten() {
@@ -180,4 +183,88 @@ fn a_worker_whose_results_do_not_hold() {
     });
     let _worker = system.worker();
     system.expect_complete();
+}
+
+/// Levels enough for somebody to be asked again.
+const MANY: &[&str] =
+    &["--amplitudes", "0.004:0.012:0.0002", "--set", "search.effort=none", "--verify", "none", "--stay"];
+
+/// Others may have nothing to do.
+const TURN: Duration = Duration::from_secs(2);
+
+/// Somebody who says that nothing is there, whatever is asked, is found out by two others who are asked again, told of and sent away.
+#[test]
+fn a_worker_that_finds_nothing() {
+    let mut system = System::sweep(DAMPER, MANY);
+    let _honest = [system.worker(), system.worker()];
+    let reason = block_on(async {
+        let liar = StandIn::of(&system).await;
+        let (session, keys, _) = system.viewer().await;
+        loop {
+            match liar.lease().await {
+                LeaseReply::Grant(grant) => {
+                    let reply = liar.deny(&grant).await;
+                    assert!(matches!(reply, SubmitReply::Accepted | SubmitReply::Duplicate { .. }), "{reply:?}");
+                    // Others have their turn: three of their results for one of these.
+                    let done = async || fetch::<Status>(&session, &keys.status(), PATIENCE).await.unwrap().tasks.done;
+                    let before = done().await;
+                    let deadline = Instant::now() + TURN;
+                    while done().await < before + 3 && Instant::now() < deadline {
+                        tokio::time::sleep(Duration::from_millis(20)).await;
+                    }
+                }
+                LeaseReply::Wait { .. } => tokio::time::sleep(Duration::from_millis(50)).await,
+                LeaseReply::Stop { reason } => break reason,
+                LeaseReply::Drained => panic!("it was not found out"),
+            }
+        }
+    });
+    assert!(reason.contains("of its results were refused") && reason.contains(": nothing, where "), "{reason}");
+    system.wait_until_finished();
+    assert!(system.attempts("ending = 'refuted' AND worker = 'stand-in'") >= 3);
+    assert_eq!(system.attempts("ending = 'refuted' AND worker <> 'stand-in'"), 0);
+    assert!(system.coordinator.output().contains("is wrong (stand-in: "), "{}", system.coordinator.output());
+}
+
+/// A verification that tells of orbits that are none is refused; what is true is stored.
+#[test]
+fn a_verification_that_does_not_hold() {
+    let mut system = System::sweep_with(DAMPER, &["--amplitudes", "0.007", "--verify", "none", "--workers", "1"]);
+    system.expect_complete();
+    system.go_on("verify", &[&["--workers", "0"], LONG].concat());
+    block_on(async {
+        let stand_in = StandIn::of(&system).await;
+        let honest = stand_in.verify(&stand_in.grant().await).await;
+        let orbits = honest.orbits.clone().unwrap();
+        let finding = |change: &dyn Fn(&mut MarchedOrbit)| {
+            let mut finding = honest.finding.clone();
+            let TaskResultMessage::Verification(found) = &mut finding else { panic!("a verification") };
+            found.points.iter_mut().filter_map(|point| point.orbit.as_mut()).for_each(change);
+            finding
+        };
+        let mut elsewhere = orbits.clone();
+        let numbers = elsewhere.states.data.len() / 8;
+        (0..numbers).for_each(|i| changed(&mut elsewhere.states, i, |x| x * (1.0 + 1e-4)));
+        let doctored = [
+            (SubmitRequest { orbits: None, ..honest.clone() }, "0 came with it"),
+            (SubmitRequest { orbits: Some(elsewhere), ..honest.clone() }, "does not come back after a period"),
+            (
+                SubmitRequest { finding: finding(&|orbit| orbit.amplitudes[0] *= 1.01), ..honest.clone() },
+                "its amplitude is ",
+            ),
+        ];
+        let task = honest.lease.task.clone();
+        for (number, (request, expected)) in doctored.into_iter().enumerate() {
+            let worker = WorkerId::new(&format!("liar-{number}")).unwrap();
+            let lease = if number == 0 {
+                honest.lease.clone()
+            } else {
+                let grant = stand_in.grant_of_for(task.as_str(), &worker).await;
+                Lease { task: grant.task, attempt: grant.attempt, worker, slot: stand_in.slot() }
+            };
+            let why = refusal(stand_in.submit(&SubmitRequest { lease, ..request }).await);
+            assert!(why.contains(expected), "{why}");
+        }
+        assert_eq!(system.number("SELECT count(*) FROM verifications"), 0);
+    });
 }

@@ -3,6 +3,8 @@
 //! Nothing here waits for seconds to pass: tests wait for states of the store, messages and ends of processes, however
 //! busy the machine is. Times are limits after which something has failed.
 
+mod certificates;
+mod checkpoints;
 mod control;
 mod extending;
 mod faults;
@@ -28,8 +30,10 @@ pub const DAMPER: &str = "models/nonlinear_damper/study.toml";
 /// Two of its levels, with an isola each.
 pub const LEVELS: &[&str] = &["--amplitudes", "0.007,0.009"];
 
-/// Branches that take a second or two each: small steps and many harmonics.
+/// Branches that take a second or two each: small steps and many harmonics. Without random starts, which would take minutes.
 pub const FINE: &[&str] = &[
+    "--set",
+    "search.effort=none",
     "--set",
     "harmonics.count=100",
     "--set",
@@ -56,6 +60,24 @@ pub const ENDLESS: &[&str] = &[
     "continuation.initial_step=1e-9",
     "--set",
     "continuation.min_step=1e-10",
+];
+
+/// A main branch that takes a while, after a backbone of a few points.
+pub const LASTING: &[&str] = &[
+    "--amplitudes",
+    "0.009",
+    "--verify",
+    "none",
+    "--set",
+    "backbone.max_points=10",
+    "--set",
+    "harmonics.count=60",
+    "--set",
+    "branch.max_points=1000000",
+    "--set",
+    "continuation.max_step=2e-4",
+    "--set",
+    "continuation.initial_step=2e-4",
 ];
 
 /// Leases that run out while a test waits for it, but not under a worker that has to share its core with others.

@@ -30,10 +30,10 @@ fn without_the_secret_there_is_nothing() {
     }
     block_on(async {
         let stranger: Secret = "0123456789abcdef0123456789abcdef".parse().unwrap();
-        for secret in [None, Some(&stranger)] {
-            assert!(connect(&address, secret).await.is_err(), "let in");
+        for secret in [None, Some(stranger)] {
+            assert!(connect(&address, &secret.into()).await.is_err(), "let in");
         }
-        let session = connect(&address, system.secret().as_ref()).await.unwrap();
+        let session = connect(&address, &system.secret().into()).await.unwrap();
         fetch::<Manifest>(&session, &all_runs(NAMESPACE), Duration::from_secs(60)).await.unwrap();
     });
     assert_eq!(system.number("SELECT count(*) FROM attempts"), 0);

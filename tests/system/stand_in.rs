@@ -1,10 +1,18 @@
 //! A worker that does what a test says: it may keep what it holds, and with it the run open.
 
+use protocol::branch::TaskResultMessage;
+use protocol::curve::Size;
 use protocol::from_worker::{FailRequest, Lease, LeaseRequest, ReleaseRequest, RenewRequest, SubmitRequest};
 use protocol::ids::WorkerId;
 use protocol::keys::Keys;
+use protocol::orbits::OrbitsMessage;
 use protocol::session::{fetch, request};
+use protocol::to_everyone::StoredResult;
 use protocol::to_worker::{Acknowledgement, Grant, LeaseReply, RenewReply, SubmitReply};
+use solver::response::forcing::Unreached;
+use solver::response::seeds::LandingFailure;
+use solver::response::task::{SeedOutcome, Task};
+use solver::stability::verification::verify_with_orbits;
 use std::cell::Cell;
 use std::time::Duration;
 use tests::{PATIENCE, System};
@@ -100,7 +108,31 @@ impl StandIn {
         )
         .unwrap();
         let (lease, program) = (self.held(grant), protocol::PROGRAM.to_string());
-        SubmitRequest { lease, program, seconds: 0.1, finding: (&finding).into() }
+        SubmitRequest { lease, program, seconds: 0.1, next: false, orbits: None, finding: (&finding).into() }
+    }
+
+    /// Verifies a branch.
+    pub async fn verify(&self, grant: &Grant) -> SubmitRequest {
+        let Task::Verify(place) = grant.work else { panic!("{:?}", grant.work) };
+        let found: StoredResult =
+            fetch(&self.session, &self.keys.result(&grant.known[0].task), PATIENCE).await.unwrap();
+        let branch = found.branch.unwrap().branch(&Size::of(&self.model)).unwrap();
+        let observer = &mut |_: &_| std::ops::ControlFlow::Continue(());
+        let (found, orbits) = verify_with_orbits(&self.model, &branch, place.stretch, observer).unwrap();
+        let (lease, program) = (self.held(grant), protocol::PROGRAM.to_string());
+        let (orbits, finding) = (OrbitsMessage::new(&orbits), TaskResultMessage::Verification(found));
+        SubmitRequest { lease, program, seconds: 0.1, next: false, orbits, finding }
+    }
+
+    /// Says that nothing is there.
+    pub async fn deny(&self, grant: &Grant) -> SubmitReply {
+        let outcome = match grant.work {
+            Task::Scout(_) => SeedOutcome::NoFold,
+            _ => SeedOutcome::NotLanded(LandingFailure::NotConverged(Unreached::OutOfReach)),
+        };
+        let (lease, program) = (self.held(grant), protocol::PROGRAM.to_string());
+        let finding = TaskResultMessage::Nothing(outcome);
+        self.submit(&SubmitRequest { lease, program, seconds: 0.1, next: false, orbits: None, finding }).await
     }
 
     pub async fn submit(&self, result: &SubmitRequest) -> SubmitReply {

@@ -5,28 +5,25 @@ use protocol::codec::{encode, encoding};
 use protocol::from_worker::{FailRequest, Lease, LeaseRequest, Progress, ReleaseRequest, RenewRequest, SubmitRequest};
 use protocol::ids::{RunId, TaskId, WorkerId};
 use protocol::keys::Keys;
-use protocol::session::{RequestError, fetch, fetch_bulk, request, request_bulk};
+use protocol::pieces::{PIECE, request_in_pieces};
+use protocol::session::{RequestError, fetch, fetch_bulk, request};
 use protocol::to_everyone::{Done, Manifest, StoredResult};
-use protocol::to_worker::{Acknowledgement, LeaseReply, RenewReply, SubmitReply};
+use protocol::to_worker::{Acknowledgement, Checkpoint, LeaseReply, RenewReply, SubmitReply};
 use std::time::Duration;
-use tokio::runtime::Handle;
-use tokio::sync::Semaphore;
-use tokio::task::spawn_blocking;
+use tokio::sync::{Semaphore, SemaphorePermit};
 use zenoh::Session;
 use zenoh::bytes::{Encoding, ZBytes};
 use zenoh::qos::CongestionControl;
 
 /// How long a small answer may take; it is asked for again afterwards.
-const ANSWER: Duration = Duration::from_secs(5);
+pub const ANSWER: Duration = Duration::from_secs(5);
 /// How long it may take besides until a result that has arrived is answered; it is sent again afterwards, and then waited for twice
 /// as long.
 const PATIENT: Duration = Duration::from_secs(30);
 /// The slowest connection that results are sent over once, bytes/s.
-const SLOWEST: u64 = 20_000;
+pub const SLOWEST: u64 = 20_000;
 /// A connection slower than that is not expected: whether a result has arrived is asked from then on.
 const USUAL: u64 = 1_000_000;
-/// Results larger than that are sent one after the other, bytes.
-const BULK: usize = 1 << 18;
 /// There is a result of this task, this one or one like it.
 const STORED: SubmitReply = SubmitReply::Duplicate { agrees: true };
 
@@ -44,7 +41,7 @@ pub struct Bus {
     pub worker: WorkerId,
     /// How long to go on without an answer.
     pub patience: Duration,
-    /// Whose turn it is to send a large result.
+    /// Whose turn it is to send something in pieces.
     pub bulk: Semaphore,
 }
 
@@ -70,21 +67,14 @@ impl Bus {
     /// takes minutes. What is on its way is not sent once more as long as the connection holds.
     pub async fn submit(&self, task: &TaskId, result: &ZBytes) -> Result<SubmitReply, OutOfPatience> {
         let (key, encoding) = (self.keys.submit(task), encoding::<SubmitRequest>());
-        let is_bulk = result.len() > BULK;
-        let _turn = if is_bulk { self.bulk.acquire().await.ok() } else { None };
+        let _turn = self.turn(result).await;
         let mut patience = Patience::new(self.patience);
         let mut timeout = PATIENT + transfer(result.len(), SLOWEST);
         loop {
             // At least as long as a small answer may take: nobody may be there, or only this one does not get through.
             let longest = timeout.min(patience.left().max(ANSWER));
-            let (session, key, payload, encoding) =
-                (self.session.clone(), key.clone(), result.clone(), encoding.clone());
-            // On a thread of its own: handing a large message over takes as long as sending it.
-            let send = spawn_blocking(move || {
-                Handle::current().block_on(request_bulk(&session, &key, payload, &encoding, longest))
-            });
             let reply = tokio::select! {
-                reply = send => reply.unwrap_or_else(|error| Err(RequestError::Closed(error.to_string()))),
+                reply = request_in_pieces(&self.session, &key, result, &encoding, longest) => reply,
                 () = self.stored(task, ANSWER + transfer(result.len(), USUAL)) => return Ok(STORED),
             };
             match reply {
@@ -101,10 +91,15 @@ impl Bus {
                     if self.is_stored(task).await {
                         return Ok(STORED);
                     }
-                    timeout *= 2;
+                    timeout = timeout.saturating_mul(2);
                 }
             }
         }
+    }
+
+    /// Waits until nothing else is sent in pieces, if this is to be.
+    pub async fn turn(&self, message: &ZBytes) -> Option<SemaphorePermit<'_>> {
+        if message.len() > PIECE { self.bulk.acquire().await.ok() } else { None }
     }
 
     /// Waits until a task is known to have a stored result; looks for it for the first time after so long, and less and less often.
@@ -153,6 +148,11 @@ impl Bus {
         fetch_bulk(&self.session, &self.keys.result(task), ANSWER + transfer(most, USUAL)).await
     }
 
+    /// The steps that earlier attempts at a task took, of at most so many bytes.
+    pub async fn checkpoint(&self, task: &TaskId, most: usize) -> Result<Checkpoint, RequestError> {
+        fetch_bulk(&self.session, &self.keys.checkpoint(task), ANSWER + transfer(most, USUAL)).await
+    }
+
     /// Tells people where a branch is; lost if there is no room on the way.
     pub async fn show(&self, task: &TaskId, progress: &Progress) {
         let put = self.session.put(self.keys.progress(task), encode(progress));
@@ -179,6 +179,6 @@ impl Bus {
 }
 
 /// How long so many bytes take at a speed, bytes/s.
-fn transfer(bytes: usize, speed: u64) -> Duration {
+pub fn transfer(bytes: usize, speed: u64) -> Duration {
     Duration::from_millis(1000 * bytes as u64 / speed)
 }

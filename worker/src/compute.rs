@@ -1,23 +1,27 @@
 //! The thread that computes: one task after the other, and nothing else.
 
+use crate::checkpoints::Unsent;
 use protocol::branch::TaskResultMessage;
 use protocol::codec::encode;
 use protocol::from_worker::{Lease, Progress, SubmitRequest};
+use protocol::orbits::OrbitsMessage;
+use solver::curve::record::{Recorder, Step};
 use solver::response::branch::{Branch, BranchPoint};
 use solver::response::critical::CriticalCurve;
 use solver::response::forced::{Forced, SearchRange};
+use solver::response::interrupt::Interrupt;
 use solver::response::seeds::{Landing, Seed};
 use solver::response::task::{BranchId, DisturbPlace, MarchPlace, SeedOutcome, Task, TaskResult, VerifyPlace};
 use solver::response::trace::{Given, execute};
 use solver::settings::Settings;
 use solver::stability::disturbance::{DisturbSettings, disturb};
 use solver::stability::settling::{SettleSettings, settle};
-use solver::stability::verification::verify;
+use solver::stability::shooting::Orbit;
+use solver::stability::verification::verify_with_orbits;
 use solver::structure::Model;
 use std::any::Any;
 use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError, mpsc};
 use std::time::Instant;
 use tokio::sync::oneshot;
@@ -40,12 +44,16 @@ pub struct Job {
     pub known: Vec<(BranchId, Arc<Branch>)>,
     /// Fold curves found before.
     pub curves: Vec<(usize, Arc<CriticalCurve>)>,
+    /// Steps that earlier attempts took.
+    pub before: Vec<Step>,
+    /// Most bytes of steps that are kept for later ones.
+    pub most: usize,
 }
 
 /// What comes of a job.
 pub enum Computed {
     /// A result.
-    Finished(Finished),
+    Finished(Box<Finished>),
     /// Stopped from outside.
     Stopped,
     /// It could not be carried out.
@@ -65,19 +73,25 @@ pub struct Finished {
 /// What a job under way shares with whoever waits for it.
 #[derive(Debug, Default)]
 pub struct Watch {
-    stop: AtomicBool,
+    stop: Interrupt,
     progress: Mutex<Option<Progress>>,
+    unsent: Arc<Unsent>,
 }
 
 impl Watch {
-    /// Asks the job to stop; heard at its next point.
+    /// Asks the job to stop; heard at its next point, and between the starts and steps of a landing.
     pub fn stop(&self) {
-        self.stop.store(true, Ordering::Relaxed);
+        self.stop.set();
     }
 
     /// Where its branch is.
     pub fn progress(&self) -> Option<Progress> {
         *self.progress.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Its steps that are still to be sent.
+    pub fn unsent(&self) -> &Arc<Unsent> {
+        &self.unsent
     }
 
     fn visit(&self, point: &BranchPoint) -> ControlFlow<()> {
@@ -89,7 +103,7 @@ impl Watch {
         let mut progress = self.progress.lock().unwrap_or_else(PoisonError::into_inner);
         let points = progress.map_or(0, |progress| progress.points) + 1;
         *progress = Some(Progress { points, omega, amplitude });
-        if self.stop.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        if self.stop.is_set() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 }
 
@@ -110,8 +124,8 @@ impl Computer {
         let run = move || {
             for order in inbox {
                 match order {
-                    Order::Compute(job, watch, reply) => {
-                        let _ = reply.send(guarded(&model, &settings, &job, &watch));
+                    Order::Compute(mut job, watch, reply) => {
+                        let _ = reply.send(guarded(&model, &settings, &mut job, &watch));
                     }
                     Order::Report(reply) => {
                         let _ = reply.send(());
@@ -144,13 +158,13 @@ impl Computer {
 }
 
 /// A panic is a failure of its job, not of the worker.
-fn guarded(model: &Model, settings: &Settings, job: &Job, watch: &Watch) -> Computed {
+fn guarded(model: &Model, settings: &Settings, job: &mut Job, watch: &Watch) -> Computed {
     catch_unwind(AssertUnwindSafe(|| compute(model, settings, job, watch)))
         .unwrap_or_else(|panic| Computed::Failed(format!("panicked: {}", message(&*panic))))
 }
 
-fn compute(model: &Model, settings: &Settings, job: &Job, watch: &Watch) -> Computed {
-    if watch.stop.load(Ordering::Relaxed) {
+fn compute(model: &Model, settings: &Settings, job: &mut Job, watch: &Watch) -> Computed {
+    if watch.stop.is_set() {
         return Computed::Stopped;
     }
     let started = Instant::now();
@@ -161,7 +175,11 @@ fn compute(model: &Model, settings: &Settings, job: &Job, watch: &Watch) -> Comp
         _ => {}
     }
     // New for every job: a result must not depend on what this thread computed before.
-    let mut forced = Forced::new(model, settings, job.reach, job.amplitude);
+    let (unsent, most) = (watch.unsent.clone(), job.most);
+    let keep = move |number, step| unsent.add(number, step, most);
+    let recorder = Recorder::new(std::mem::take(&mut job.before), keep);
+    let mut forced =
+        Forced::new(model, settings, job.reach, job.amplitude).recorded(recorder).interrupted_by(watch.stop.clone());
     let known: Vec<(BranchId, &Branch)> = job.known.iter().map(|(id, branch)| (*id, &**branch)).collect();
     let mut observer = |point: &BranchPoint| watch.visit(point);
     let curves: Vec<(usize, &CriticalCurve)> = job.curves.iter().map(|(number, curve)| (*number, &**curve)).collect();
@@ -173,10 +191,12 @@ fn compute(model: &Model, settings: &Settings, job: &Job, watch: &Watch) -> Comp
     let summary = match &finding {
         TaskResult::Landings(landings) => format!("landed on {}", SeedOutcome::Landed(landings.len())),
         TaskResult::Branch(branch) => format!("{} points, {}", branch.points.len(), branch.outcome),
-        TaskResult::Curve(curve) => format!("fold curve of {} points, {}", curve.points.len(), curve.outcome),
+        TaskResult::Curve(curve) => {
+            format!("curve of {}s, {} points, {}", curve.of(), curve.points.len(), curve.outcome)
+        }
         TaskResult::Nothing(outcome) => format!("nothing new: {outcome}"),
     };
-    Computed::Finished(Finished { payload, finding, summary })
+    Computed::Finished(Box::new(Finished { payload, finding, summary }))
 }
 
 /// The stability of a branch.
@@ -185,12 +205,17 @@ fn verified(model: &Model, job: &Job, place: &VerifyPlace, watch: &Watch) -> Com
     let Some((_, branch)) = job.known.iter().find(|(id, _)| *id == place.branch) else {
         return Computed::Failed(format!("the branch to verify, {}, is not among those named", place.branch));
     };
-    let Some(found) = verify(model, branch, place.stretch, &mut |point| watch.visit(point)) else {
+    let Some((found, orbits)) = verify_with_orbits(model, branch, place.stretch, &mut |point| watch.visit(point))
+    else {
         return Computed::Stopped;
     };
     let outcome = SeedOutcome::Verified(found.points.len());
-    let payload = payload(job, started, TaskResultMessage::Verification(found));
-    Computed::Finished(Finished { payload, finding: TaskResult::Nothing(outcome), summary: outcome.to_string() })
+    let payload = payload_with(job, started, TaskResultMessage::Verification(found), &orbits);
+    Computed::Finished(Box::new(Finished {
+        payload,
+        finding: TaskResult::Nothing(outcome),
+        summary: outcome.to_string(),
+    }))
 }
 
 /// Where pushes onto a branch end.
@@ -208,7 +233,11 @@ fn disturbed(model: &Model, job: &Job, place: &DisturbPlace, watch: &Watch) -> C
     };
     let outcome = SeedOutcome::Disturbed(found.endings.len());
     let payload = payload(job, started, TaskResultMessage::Disturbance(found));
-    Computed::Finished(Finished { payload, finding: TaskResult::Nothing(outcome), summary: outcome.to_string() })
+    Computed::Finished(Box::new(Finished {
+        payload,
+        finding: TaskResult::Nothing(outcome),
+        summary: outcome.to_string(),
+    }))
 }
 
 /// What an unstable motion turns into.
@@ -225,15 +254,26 @@ fn marched(model: &Model, job: &Job, place: &MarchPlace, watch: &Watch) -> Compu
     };
     let outcome = SeedOutcome::Marched(found.periods);
     let payload = payload(job, started, TaskResultMessage::Settling(found));
-    Computed::Finished(Finished { payload, finding: TaskResult::Nothing(outcome), summary: outcome.to_string() })
+    Computed::Finished(Box::new(Finished {
+        payload,
+        finding: TaskResult::Nothing(outcome),
+        summary: outcome.to_string(),
+    }))
 }
 
 /// The message of a result, encoded.
 fn payload(job: &Job, started: Instant, finding: TaskResultMessage) -> Vec<u8> {
+    payload_with(job, started, finding, &[])
+}
+
+/// The same with the orbits that it is told of.
+fn payload_with(job: &Job, started: Instant, finding: TaskResultMessage, orbits: &[Orbit]) -> Vec<u8> {
     encode(&SubmitRequest {
         lease: job.lease.clone(),
         program: protocol::PROGRAM.into(),
         seconds: started.elapsed().as_secs_f64(),
+        next: true,
+        orbits: OrbitsMessage::new(orbits),
         finding,
     })
 }
@@ -271,6 +311,8 @@ mod tests {
             landings: [].into(),
             known: Vec::new(),
             curves: Vec::new(),
+            before: Vec::new(),
+            most: usize::MAX,
         }
     }
 

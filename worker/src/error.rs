@@ -1,7 +1,7 @@
 //! Why a worker ends early.
 
+use protocol::credentials::CredentialsError;
 use protocol::ids::RunId;
-use protocol::secret::SecretError;
 use protocol::session::SessionError;
 use protocol::to_everyone::Manifest;
 use std::time::Duration;
@@ -15,7 +15,7 @@ pub enum WorkerError {
     Session(#[from] SessionError),
     /// What should let this worker in cannot be read.
     #[error(transparent)]
-    Secret(#[from] SecretError),
+    Credentials(#[from] CredentialsError),
     /// Somebody listens there, but has no run.
     #[error(
         "{endpoint} can be reached, but no run of namespace `{namespace}` was found there in {} s; start one with `isola \
@@ -109,7 +109,7 @@ impl WorkerError {
     /// Exit code: see the [library](crate).
     pub fn exit_code(&self) -> u8 {
         match self {
-            Self::Session(SessionError::Endpoint { .. }) | Self::Secret(_) => 2,
+            Self::Session(SessionError::Endpoint { .. } | SessionError::Encryption { .. }) | Self::Credentials(_) => 2,
             Self::Session(_)
             | Self::NoRun { .. }
             | Self::OtherRun { .. }

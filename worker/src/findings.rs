@@ -1,4 +1,4 @@
-//! What was found before: landings, branches, fold curves, each fetched once.
+//! What was found before: landings, branches, curves over the forcing, each fetched once.
 
 use crate::bus::Bus;
 use crate::patience::Patience;
@@ -166,7 +166,7 @@ impl Part for BranchMessage {
 }
 
 impl Part for CriticalMessage {
-    const NAME: &str = "fold curve";
+    const NAME: &str = "curve";
     type Value = CriticalCurve;
 
     fn of(result: StoredResult) -> Option<Self> {

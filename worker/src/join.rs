@@ -3,11 +3,13 @@
 use crate::error::WorkerError;
 use crate::options::Options;
 use protocol::codec::{decode, sha256};
+use protocol::credentials::{Credentials, CredentialsError};
 use protocol::ids::RunId;
 use protocol::keys::{Keys, all_runs, all_versions};
 use protocol::model::ModelMessage;
-use protocol::secret::{Secret, SecretError};
-use protocol::session::{SessionError, connect, fetch_all, fetch_answer};
+use protocol::role::Role;
+use protocol::secret::SecretError;
+use protocol::session::{SessionError, connect, fetch_all, fetch_answer, unreachable};
 use protocol::to_everyone::{Manifest, Stage};
 use solver::structure::Model;
 use std::time::Duration;
@@ -41,24 +43,26 @@ pub async fn open(options: &Options, deadline: Instant) -> Result<Session, Worke
     let endpoint = &options.connect;
     loop {
         // The run that it is the secret of may be about to begin.
-        let secret = match Secret::given(options.secret_file.as_deref()) {
-            Err(SecretError::Io { .. }) if Instant::now() + PAUSE < deadline => {
+        let credentials = match Credentials::given(options.secret_file.as_deref(), options.tls.as_deref()) {
+            Err(CredentialsError::Secret(SecretError::Io { .. })) if Instant::now() + PAUSE < deadline => {
                 sleep(PAUSE).await;
                 continue;
             }
-            secret => secret?,
+            credentials => credentials?,
         };
+        if let Some(certificate) = &credentials.certificate {
+            certificate.require(Role::Worker, "take tasks").map_err(CredentialsError::from)?;
+        }
         // On its own: an attempt that is dropped would be waited for.
-        let (endpoint_of_attempt, secret_of_attempt) = (endpoint.to_string(), secret.clone());
-        let attempt = tokio::spawn(async move { connect(&endpoint_of_attempt, secret_of_attempt.as_ref()).await });
+        let (endpoint_of_attempt, its_credentials) = (endpoint.to_string(), credentials.clone());
+        let attempt = tokio::spawn(async move { connect(&endpoint_of_attempt, &its_credentials).await });
         match timeout_at(deadline, async { attempt.await.expect("connecting does not panic") }).await {
             Ok(Ok(session)) => return Ok(session),
-            Ok(Err(error @ SessionError::Endpoint { .. })) => return Err(error.into()),
-            Ok(Err(error)) if Instant::now() + PAUSE >= deadline => return Err(error.into()),
-            Err(_) => {
-                let is_secret = secret.is_some();
-                return Err(SessionError::Unreachable { endpoint: endpoint.clone(), is_secret }.into());
+            Ok(Err(error @ (SessionError::Endpoint { .. } | SessionError::Encryption { .. }))) => {
+                return Err(error.into());
             }
+            Ok(Err(error)) if Instant::now() + PAUSE >= deadline => return Err(error.into()),
+            Err(_) => return Err(unreachable(endpoint, &credentials).await.into()),
             Ok(Err(_)) => sleep(PAUSE).await,
         }
     }

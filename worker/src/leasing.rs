@@ -32,10 +32,11 @@ pub async fn next(shared: &Shared, slot: u32) -> Result<Option<Grant>, WorkerErr
             () = shared.shutdown.reached_for(Phase::Finishing, LAST_WORDS) => break,
         };
         match reply {
-            Ok(LeaseReply::Grant(grant)) if shared.shutdown.phase() > Phase::Working => {
-                release(shared, &lease_of(shared, slot, &grant)).await;
+            Ok(LeaseReply::Grant(grant)) => {
+                if let Some(grant) = take(shared, slot, grant).await {
+                    return Ok(Some(grant));
+                }
             }
-            Ok(LeaseReply::Grant(grant)) => return Ok(Some(grant)),
             Ok(LeaseReply::Wait { retry_ms }) => {
                 patience.restore();
                 let pause = jittered(Duration::from_millis(retry_ms)).min(shared.note_idle());
@@ -55,6 +56,15 @@ pub async fn next(shared: &Shared, slot: u32) -> Result<Option<Grant>, WorkerErr
         }
     }
     Ok(None)
+}
+
+/// Takes a task that was handed out, or gives it back if the worker takes no more.
+pub async fn take(shared: &Shared, slot: u32, grant: Grant) -> Option<Grant> {
+    if shared.shutdown.phase() > Phase::Working {
+        release(shared, &lease_of(shared, slot, &grant)).await;
+        return None;
+    }
+    Some(grant)
 }
 
 /// A pause shortened by up to a quarter: workers that were told to wait at the same time do not come back at the same time.

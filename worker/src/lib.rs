@@ -29,6 +29,7 @@
 #![warn(clippy::print_stdout, clippy::print_stderr)]
 
 pub mod bus;
+mod checkpoints;
 pub mod compute;
 pub mod error;
 pub mod findings;

@@ -26,13 +26,18 @@ ISOLA_LOG sets what is logged to standard error, as in ISOLA_LOG=worker=debug,ze
 #[derive(Debug, Clone, clap::Args)]
 #[command(after_help = AFTER_HELP)]
 pub struct Options {
-    /// Where the coordinator, or a Zenoh router between, listens: tcp/HOST:PORT.
+    /// Where the coordinator, or a Zenoh router between, listens: tcp/HOST:PORT, or tls/HOST:PORT with --tls.
     #[arg(long, value_name = "ENDPOINT", env = "ISOLA_CONNECT", default_value = "tcp/127.0.0.1:7447")]
     pub connect: String,
 
     /// File with the secret of the run: `secret` in its folder, or a copy. Default: what ISOLA_SECRET holds, if anything.
     #[arg(long, value_name = "FILE", env = "ISOLA_SECRET_FILE")]
     pub secret_file: Option<PathBuf>,
+
+    /// Folder with the certificates of a worker, for endpoints that begin with tls/: ca.crt, tls.crt, tls.key. Default: what
+    /// ISOLA_TLS names.
+    #[arg(long, value_name = "DIR")]
+    pub tls: Option<PathBuf>,
 
     /// First part of every key on the bus, if several projects share one.
     #[arg(long, value_name = "NAME", default_value = protocol::keys::NAMESPACE, value_parser = protocol::keys::namespace)]
@@ -43,23 +48,23 @@ pub struct Options {
     pub run: Option<RunId>,
 
     /// Computing threads, each of which follows one branch at a time. Default: one per available core.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub slots: Option<NonZeroUsize>,
 
     /// How long to look for a coordinator and a run at the start, s.
-    #[arg(long, value_name = "SECONDS", default_value = "10", value_parser = seconds)]
+    #[arg(long, value_name = "SECONDS", default_value = "10", allow_negative_numbers = true, value_parser = seconds)]
     pub wait: Duration,
 
     /// How long to go on, and keep results, while the coordinator does not answer, s.
-    #[arg(long, value_name = "SECONDS", default_value = "600", value_parser = seconds)]
+    #[arg(long, value_name = "SECONDS", default_value = "600", allow_negative_numbers = true, value_parser = seconds)]
     pub patience: Duration,
 
     /// How long branches under way may go on after SIGTERM or SIGINT, before they are given back, s.
-    #[arg(long, value_name = "SECONDS", default_value = "0", value_parser = seconds)]
+    #[arg(long, value_name = "SECONDS", default_value = "0", allow_negative_numbers = true, value_parser = seconds)]
     pub grace: Duration,
 
     /// End, with exit code 0, when there has been nothing to do for so long, s. Default: stay until the run ends.
-    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, value_parser = seconds)]
     pub idle_exit: Option<Duration>,
 
     /// How lines on standard error are written.

@@ -1,5 +1,6 @@
 //! A computing thread's work: lease, trace, submit.
 
+use crate::checkpoints;
 use crate::compute::{Computed, Computer, Finished, Job, Watch};
 use crate::error::WorkerError;
 use crate::findings::{Findings, Found};
@@ -36,30 +37,42 @@ impl Slot {
 
     /// Works until all is done, the run is cancelled, there is nothing to do for too long, or the worker is told to end.
     pub async fn run(mut self) -> Result<(), WorkerError> {
-        while let Some(grant) = leasing::next(&self.shared, self.number).await? {
-            self.execute(grant).await?;
+        let mut next = None;
+        loop {
+            let grant = match next {
+                Some(grant) => leasing::take(&self.shared, self.number, grant).await,
+                None => leasing::next(&self.shared, self.number).await?,
+            };
+            let Some(grant) = grant else { return Ok(()) };
+            next = self.execute(grant).await?;
         }
-        Ok(())
     }
 
-    async fn execute(&mut self, grant: Grant) -> Result<(), WorkerError> {
+    /// Carries out a task; the next one may come with the acknowledgement.
+    async fn execute(&mut self, grant: Grant) -> Result<Option<Grant>, WorkerError> {
         let shared = self.shared.clone();
         let _busy = shared.begin();
         let (lease, watch) = (lease_of(&self.shared, self.number, &grant), Arc::new(Watch::default()));
         tracing::debug!(task = %lease.task, attempt = %lease.attempt, slot = self.number, "leased");
         let ttl = Duration::from_millis(grant.ttl_ms);
         let (hints, drained) = (shared.hints.subscribe(), shared.drained.subscribe());
+        // Only what walks has steps.
+        let given = grant.work.is_ordered() || matches!(grant.work, Task::Scout(_));
+        let given = if given { grant.fingerprint() } else { String::new() };
+        // Dropped with the computation, and with it its turn on the way that the result takes.
+        let send = async { after(pin!(checkpoints::send(&shared.bus, &lease, &given, watch.unsent()))).await };
         let mut keep = pin!(keep(&shared.bus, &lease, ttl, &watch, hints, drained));
         let computed = tokio::select! {
             // What is computed counts, even if it is interrupted at the same time.
             biased;
             computed = self.compute(grant, &lease, &watch) => Ok(computed),
             interruption = &mut keep => Err(interruption),
+            never = send => match never {},
             () = shared.shutdown.reached(Phase::Stopping) => Err(Interruption::Stopping),
         };
         let computed = match computed {
             Ok(computed) => computed,
-            Err(interruption) => return self.give_up(&lease, &watch, interruption).await,
+            Err(interruption) => return self.give_up(&lease, &watch, interruption).await.map(|()| None),
         };
         // What is computed is delivered, whatever becomes of the lease.
         tokio::select! {
@@ -67,7 +80,7 @@ impl Slot {
             never = after(keep) => match never {},
             () = shared.shutdown.reached_for(Phase::Stopping, LAST_WORDS) => {
                 tracing::warn!(task = %lease.task, "the result was not taken in time, the worker ends");
-                Ok(())
+                Ok(None)
             }
         }
     }
@@ -95,19 +108,22 @@ impl Slot {
             return Err("unusable task: there is no landing".into());
         }
         let Found { landings, branches: known, curves } = self.known.get(&shared.bus, lease, &grant).await?;
+        let most = shared.max_result_bytes;
+        let before = checkpoints::taken_before(&shared.bus, lease, &grant, most).await;
         let Grant { amplitude, reach, work, .. } = grant;
-        Ok(Job { lease: lease.clone(), amplitude, reach, work, seeds, landings, known, curves })
+        Ok(Job { lease: lease.clone(), amplitude, reach, work, seeds, landings, known, curves, before, most })
     }
 
-    async fn deliver(&mut self, lease: &Lease, computed: Computed) -> Result<(), WorkerError> {
+    async fn deliver(&mut self, lease: &Lease, computed: Computed) -> Result<Option<Grant>, WorkerError> {
         let patience = self.shared.bus.patience;
         let (reason, patience) = match computed {
-            Computed::Stopped => return Ok(()),
+            Computed::Stopped => return Ok(None),
             Computed::Failed(reason) => (reason, patience),
-            Computed::Finished(Finished { payload, finding, summary }) => {
+            Computed::Finished(finished) => {
+                let Finished { payload, finding, summary } = *finished;
                 let size = payload.len();
                 match self.submit(lease, payload, finding, &summary).await {
-                    Ok(Ok(())) => return Ok(()),
+                    Ok(Ok(next)) => return Ok(next),
                     Ok(Err(reason)) => (reason, patience),
                     // Nobody is there, or only this result does not get through: one more request tells.
                     Err(OutOfPatience) => {
@@ -118,37 +134,42 @@ impl Slot {
             }
         };
         tracing::warn!(task = %lease.task, attempt = %lease.attempt, reason, "failed");
-        self.shared.bus.fail(lease, &reason, patience).await.map_err(|OutOfPatience| self.shared.abandoned())
+        self.shared.bus.fail(lease, &reason, patience).await.map_err(|OutOfPatience| self.shared.abandoned())?;
+        Ok(None)
     }
 
-    /// Sends a result until it is answered; gives the reason if the task fails by the answer.
+    /// Sends a result until it is answered, maybe with the next task; gives the reason if the task fails by the answer.
     async fn submit(
         &mut self,
         lease: &Lease,
         payload: Vec<u8>,
         finding: TaskResult,
         summary: &str,
-    ) -> Result<Result<(), String>, OutOfPatience> {
+    ) -> Result<Result<Option<Grant>, String>, OutOfPatience> {
         let (size, most) = (payload.len(), self.shared.max_result_bytes);
         if size > most {
             return Ok(Err(format!("the result has {size} bytes, this run accepts {most}")));
         }
+        let mut next = None;
         match self.shared.bus.submit(&lease.task, &ZBytes::from(payload)).await? {
             SubmitReply::Rejected { why } => return Ok(Err(format!("the result was rejected: {why}"))),
             SubmitReply::Busy { .. } => unreachable!("sent again until there is room"),
-            SubmitReply::Accepted => {
+            reply @ (SubmitReply::Accepted | SubmitReply::Next(_)) => {
                 tracing::info!(task = %lease.task, "{summary}");
                 self.known.add(lease.task.clone(), finding);
+                if let SubmitReply::Next(grant) = reply {
+                    next = Some(*grant);
+                }
             }
             SubmitReply::Duplicate { agrees: true } => {
                 tracing::info!(task = %lease.task, "{summary}; there was a result already");
             }
             SubmitReply::Duplicate { agrees: false } => {
-                tracing::warn!(task = %lease.task, "{summary}; another worker was faster and found something else");
+                tracing::warn!(task = %lease.task, "{summary}; another result of this task says something else");
             }
         }
         self.shared.done.fetch_add(1, Ordering::Relaxed);
-        Ok(Ok(()))
+        Ok(Ok(next))
     }
 
     /// Stops computing a task that is no longer worth it, and waits until the thread is free.

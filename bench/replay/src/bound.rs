@@ -5,7 +5,7 @@ use crate::recording::{Recorded, Recording};
 use protocol::ids::TaskId;
 use solver::response::seeds::LandingMethod;
 use solver::response::starts::StartPlace;
-use solver::response::task::{FoldPlace, SeedOutcome, SeedPlace, Task};
+use solver::response::task::{CarryPlace, FoldPlace, SeedOutcome, SeedPlace, Task};
 use std::collections::HashMap;
 
 /// What a recording consists of.
@@ -45,7 +45,7 @@ fn longest_chain(tasks: &[Recorded]) -> f64 {
 fn stage(work: &Task) -> usize {
     match work {
         Task::Main(_) | Task::Land(_) | Task::Seed(_) | Task::Start(_) | Task::Begin(_) | Task::Scout(_) => 0,
-        Task::Fold(_) => 1,
+        Task::Fold(_) | Task::Carry(_) => 1,
         Task::Crossing(_) => 2,
         Task::Verify(_) | Task::Disturb(_) => 3,
         Task::March(_) => 4,
@@ -66,11 +66,11 @@ struct Ends {
     landings: Vec<(u64, Task, f64)>,
     /// Where a branch was found, as its level and name.
     branches: Vec<(u64, SeedOutcome, f64)>,
-    /// Number of a fold curve.
+    /// Number of a curve over the forcing.
     curves: HashMap<usize, f64>,
     /// Everything but what follows from curves and what is marched.
     search: f64,
-    /// The last of the folds, which follow each other.
+    /// The last of what is followed over the forcing, one after the other.
     folds: f64,
     last: f64,
 }
@@ -92,7 +92,7 @@ impl Ends {
             Task::Land(_) | Task::Start(_) | Task::Scout(_) => 0.0,
             Task::Seed(place) => own.max(landed(Task::Land(place))),
             Task::Begin(place) => own.max(landed(Task::Start(StartPlace { round: 0, ..place }))),
-            Task::Fold(FoldPlace::Branch { branch, .. }) => {
+            Task::Fold(FoldPlace::Branch { branch, .. }) | Task::Carry(CarryPlace { branch, .. }) => {
                 self.folds.max(self.found(level, SeedOutcome::Found(branch)))
             }
             Task::Fold(FoldPlace::Scout { scout, .. }) => self.folds.max(self.search).max(landed(Task::Scout(scout))),
@@ -115,14 +115,14 @@ impl Ends {
             self.search = self.search.max(end);
         }
         match task.work {
-            Task::Fold(_) => self.folds = end,
+            Task::Fold(_) | Task::Carry(_) => self.folds = end,
             // Forcing in steps waits for what became of a seed, which others follow on as well.
             Task::Land(_) | Task::Start(_) | Task::Scout(_) | Task::Seed(_) => {
                 self.landings.push((level, task.work, end))
             }
             _ => {}
         }
-        if task.work.is_ordered() && !matches!(task.work, Task::Fold(_)) {
+        if task.work.is_ordered() && task.work.origin().is_none() {
             self.levels.insert(level, end);
         }
         match task.outcome {

@@ -73,6 +73,7 @@ impl Coordinator {
         Ok(Options {
             connect: address.trim().to_string(),
             secret_file: Some(self.folder.join(protocol::secret::FILE)),
+            tls: None,
             namespace: self.namespace.clone(),
             run: None,
             slots: None,

@@ -18,7 +18,7 @@ use tokio::task::JoinSet;
 use tokio::time::{Instant, sleep_until};
 use worker::bus::Bus;
 use worker::compute::Watch;
-use worker::leasing::{lease_of, next};
+use worker::leasing::{lease_of, next, take};
 use worker::patience::OutOfPatience;
 use worker::renewal::keep;
 use worker::shared::Shared;
@@ -95,14 +95,20 @@ struct Replayed {
 impl Replayed {
     async fn run(mut self) -> Result<(), String> {
         let _presence = self.shared.appear().await.map_err(|error| error.to_string())?;
-        while let Some(grant) = next(&self.shared, 0).await.map_err(|error| error.to_string())? {
+        let mut at_hand = None;
+        loop {
+            let grant = match at_hand {
+                Some(grant) => take(&self.shared, 0, grant).await,
+                None => next(&self.shared, 0).await.map_err(|error| error.to_string())?,
+            };
+            let Some(grant) = grant else { return Ok(()) };
             self.replay.meter.granted();
-            self.execute(grant).await?;
+            at_hand = self.execute(grant).await?;
         }
-        Ok(())
     }
 
-    async fn execute(&mut self, grant: Grant) -> Result<(), String> {
+    /// Carries out a task; the next one may come with the acknowledgement.
+    async fn execute(&mut self, grant: Grant) -> Result<Option<Grant>, String> {
         let begun = Instant::now();
         let shared = self.shared.clone();
         let lease = lease_of(&shared, 0, &grant);
@@ -114,7 +120,8 @@ impl Replayed {
         let ttl = Duration::from_millis(grant.ttl_ms);
         let watch = Watch::default();
         let (hints, drained) = (shared.hints.subscribe(), shared.drained.subscribe());
-        let request = SubmitRequest { lease: lease.clone(), program: protocol::PROGRAM.into(), seconds, finding };
+        let program = protocol::PROGRAM.into();
+        let request = SubmitRequest { lease: lease.clone(), program, seconds, next: true, orbits: None, finding };
         let done = async {
             self.fetch(&grant).await;
             let payload = ZBytes::from(encode(&request));
@@ -129,13 +136,14 @@ impl Replayed {
             interruption = keep(&shared.bus, &lease, ttl, &watch, hints, drained) => {
                 return Err(format!("task {}: {interruption:?}", grant.task));
             }
-            () = shared.shutdown.reached(Phase::Stopping) => return Ok(()),
+            () = shared.shutdown.reached(Phase::Stopping) => return Ok(None),
         };
-        match shared.bus.submit(&grant.task, &payload).await {
-            Ok(SubmitReply::Accepted | SubmitReply::Duplicate { agrees: true }) => {}
+        let next = match shared.bus.submit(&grant.task, &payload).await {
+            Ok(SubmitReply::Next(next)) => Some(*next),
+            Ok(SubmitReply::Accepted | SubmitReply::Duplicate { agrees: true }) => None,
             Ok(reply) => return Err(format!("task {}: {reply:?}", grant.task)),
             Err(OutOfPatience) => return Err(format!("task {} was not answered", grant.task)),
-        }
+        };
         if recording.task(&grant.task).is_none() {
             meter.speculative.fetch_add(1, Ordering::Relaxed);
         }
@@ -144,7 +152,7 @@ impl Replayed {
             self.landed.clear();
         }
         if is_landing { &mut self.landed } else { &mut self.known }.insert(grant.task);
-        Ok(())
+        Ok(next)
     }
 
     /// Fetches what a real worker would not have at hand.

@@ -4,10 +4,11 @@ use super::announcements::put;
 use super::state::RunState;
 use crate::engine::{Answer, Responder};
 use crate::ledger::Granted;
+use protocol::codec::Message;
 use protocol::keys::Keys;
 use protocol::session::answer;
 use protocol::to_everyone::SeedMessage;
-use protocol::to_worker::{Grant, LeaseReply};
+use protocol::to_worker::{Grant, LeaseReply, SubmitReply};
 use std::sync::Arc;
 use tokio::runtime::Handle;
 use tokio::sync::watch;
@@ -22,6 +23,11 @@ pub(super) fn respond(runtime: Handle, answers: Arc<Answers>, query: Query, held
     })
 }
 
+/// Answers from the blocking pool: whoever asked may be frozen.
+pub(super) fn reply<R: Message + Send + 'static>(runtime: &Handle, query: Query, reply: R) {
+    runtime.spawn_blocking(move || answer(&query, query.key_expr(), &reply));
+}
+
 /// Turns decisions into answers.
 pub(super) struct Answers {
     pub session: Session,
@@ -33,13 +39,15 @@ impl Answers {
     fn give(&self, query: &Query, decided: Answer) {
         let key = query.key_expr().as_str();
         match decided {
-            Answer::Grant(granted) => self.grant(query, granted),
+            Answer::Grant(granted) => self.grant(query, granted, LeaseReply::Grant),
+            Answer::Next(granted) => self.grant(query, granted, |grant| SubmitReply::Next(Box::new(grant))),
             Answer::Wait(pause) => answer(query, key, &LeaseReply::Wait { retry_ms: pause.as_millis() as u64 }),
             Answer::Drained => answer(query, key, &LeaseReply::Drained),
             Answer::Stop(reason) => answer(query, key, &LeaseReply::Stop { reason }),
             Answer::Renew(reply) => answer(query, key, &reply),
             // Asked from within this process only.
             Answer::Offer(_) => {}
+            Answer::Checkpoint(reply) => answer(query, key, &reply),
             Answer::Submit(reply) => answer(query, key, &reply),
             Answer::Acknowledge(reply) => answer(query, key, &reply),
             Answer::Control(reply) => answer(query, key, &reply),
@@ -47,19 +55,19 @@ impl Answers {
     }
 
     /// Hands a task out with its seeds, and shows them to everybody.
-    fn grant(&self, query: &Query, granted: Granted) {
+    fn grant<R: Message>(&self, query: &Query, granted: Granted, reply: impl FnOnce(Grant) -> R) {
         let (sweep, ttl_ms) = {
             let state = self.state.borrow();
             (state.sweep.clone(), state.manifest.lease_ms)
         };
         // There is no task before there is a sweep.
         let Some(sweep) = sweep else { return };
-        let Granted { task, attempt, amplitude, work, landing, known, curves } = granted;
+        let Granted { task, attempt, amplitude, work, landing, known, curves, checkpoint } = granted;
         let seeds = sweep.seeds(&work, amplitude.value);
         let seed = SeedMessage { task: task.clone(), amplitude: amplitude.clone(), work, seeds: seeds.clone() };
         let (amplitude, reach) = (amplitude.value, sweep.plan.reach);
-        let grant = Grant { task, attempt, ttl_ms, amplitude, reach, work, seeds, landing, known, curves };
-        answer(query, query.key_expr().as_str(), &LeaseReply::Grant(grant));
+        let grant = Grant { task, attempt, ttl_ms, amplitude, reach, work, seeds, landing, known, curves, checkpoint };
+        answer(query, query.key_expr().as_str(), &reply(grant));
         put(&self.session, &self.keys.seed(&seed.task), &seed);
     }
 }

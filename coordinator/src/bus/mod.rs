@@ -5,15 +5,20 @@
 
 mod announcements;
 mod answers;
+mod checkpoints;
+mod held;
 mod intake;
+mod pieces;
 mod queries;
+mod recent;
 mod requests;
 mod state;
 
 pub use announcements::announce;
+pub use recent::Recent;
 pub use state::{PublishedSweep, RunState};
 
-use crate::engine::{Event, Meters, Reference, Request};
+use crate::engine::{Decider, Event, Meters, Reference};
 use answers::Answers;
 use protocol::codec::decode;
 use protocol::ids::{TaskId, WorkerId};
@@ -22,7 +27,6 @@ use queries::Queries;
 use requests::Requests;
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::sync::mpsc::Sender;
 use tokio::runtime::Handle;
 use tokio::sync::{Semaphore, watch};
 use zenoh::Session;
@@ -44,6 +48,8 @@ pub struct Served {
     pub reference: Reference,
     /// What is counted.
     pub meters: Meters,
+    /// Results stored lately.
+    pub recent: Arc<Recent>,
     /// The run as it is.
     pub state: watch::Receiver<RunState>,
 }
@@ -60,15 +66,15 @@ pub async fn serve(
     session: &Session,
     keys: &Keys,
     served: Served,
-    engine: Sender<Request>,
+    engine: Arc<Decider>,
 ) -> Result<Presence, zenoh::Error> {
-    let Served { directory, model_bytes, reference, meters, state } = served;
+    let Served { directory, model_bytes, reference, meters, recent, state } = served;
     let most = state.borrow().manifest.max_result_bytes;
     let answers = Answers { session: session.clone(), keys: keys.clone(), state: state.clone() };
     let requests = Requests::new(engine.clone(), keys.clone(), answers, (reference, meters), most);
     let take = move |query| requests.take(query);
     let mut queryables = vec![session.declare_queryable(keys.requests()).complete(true).callback(take).await?];
-    let queries = Arc::new(Queries::new(directory, keys.clone(), model_bytes, state));
+    let queries = Arc::new(Queries::new(directory, keys.clone(), model_bytes, recent, state));
     queryables.extend(declare_queries(session, keys, &queries).await?);
     let progress = session.declare_subscriber(keys.all_progress()).callback(progress(engine.clone())).await?;
     let workers = session.liveliness().declare_subscriber(keys.alive_workers()).callback(vanished(engine)).await?;
@@ -94,6 +100,7 @@ async fn declare_queries(
         (keys.all_done(), &small),
         // Whoever asks for many results and does not read them keeps nobody from the rest.
         (keys.results(), &large),
+        (keys.checkpoints(), &large),
     ] {
         let (queries, permits, runtime) = (queries.clone(), permits.clone(), Handle::current());
         let answer = move |query: Query| {
@@ -112,24 +119,24 @@ async fn declare_queries(
 }
 
 /// Hears where branches under way are.
-fn progress(engine: Sender<Request>) -> impl Fn(Sample) {
+fn progress(engine: Arc<Decider>) -> impl Fn(Sample) {
     move |sample| {
         if let Ok(task) = TaskId::new(last_chunk(sample.key_expr().as_str()))
             && let Ok(progress) = decode(&sample.payload().to_bytes(), &sample.encoding().to_string())
         {
             // The engine is gone only when the process ends.
-            let _ = engine.send(Event::Progress(task, progress).into());
+            engine.tell(Event::Progress(task, progress));
         }
     }
 }
 
 /// Hears of workers that vanish.
-fn vanished(engine: Sender<Request>) -> impl Fn(Sample) {
+fn vanished(engine: Arc<Decider>) -> impl Fn(Sample) {
     move |sample| {
         if sample.kind() == SampleKind::Delete
             && let Ok(worker) = WorkerId::new(last_chunk(sample.key_expr().as_str()))
         {
-            let _ = engine.send(Event::WorkerGone(worker).into());
+            engine.tell(Event::WorkerGone(worker));
         }
     }
 }

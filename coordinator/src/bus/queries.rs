@@ -1,5 +1,6 @@
 //! Queries of anyone: answered from what the run is now and from the store.
 
+use super::recent::Recent;
 use super::state::{PublishedSweep, RunState};
 use protocol::backbone::BackboneMessage;
 use protocol::codec::encoding;
@@ -10,8 +11,9 @@ use protocol::session::{answer, answer_encoded, refuse};
 use protocol::to_everyone::{StoredResult, WindowsMessage};
 use results::store::{Reader, StoreError};
 use std::path::PathBuf;
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 use tokio::sync::watch;
+use zenoh::bytes::ZBytes;
 use zenoh::key_expr::keyexpr;
 use zenoh::query::Query;
 
@@ -21,6 +23,7 @@ pub(super) struct Queries {
     keys: Keys,
     /// The `model` message.
     model_bytes: Vec<u8>,
+    recent: Arc<Recent>,
     state: watch::Receiver<RunState>,
     /// Open and not in use.
     readers: Mutex<Vec<Reader>>,
@@ -28,8 +31,14 @@ pub(super) struct Queries {
 
 impl Queries {
     /// Of the run in a folder.
-    pub fn new(directory: PathBuf, keys: Keys, model_bytes: Vec<u8>, state: watch::Receiver<RunState>) -> Self {
-        Self { directory, keys, model_bytes, state, readers: Mutex::new(Vec::new()) }
+    pub fn new(
+        directory: PathBuf,
+        keys: Keys,
+        model_bytes: Vec<u8>,
+        recent: Arc<Recent>,
+        state: watch::Receiver<RunState>,
+    ) -> Self {
+        Self { directory, keys, model_bytes, recent, state, readers: Mutex::new(Vec::new()) }
     }
 
     /// Answers a query. May wait for the disk, and for room on the way to whoever asked.
@@ -53,6 +62,8 @@ impl Queries {
                 Some(sweep) => self.answer_of_sweep(query, &sweep),
                 None => refuse(query, "the backbone is still being computed"),
             }
+        } else if let Some((task, bytes)) = self.recent_result(query) {
+            answer_encoded(query, &keys.result(&task), bytes, &encoding::<StoredResult>());
         } else if let Err(error) = self.answer_from_store(query) {
             tracing::error!(%error, "a stored result cannot be read");
             refuse(query, &error.to_string());
@@ -78,6 +89,14 @@ impl Queries {
         }
     }
 
+    /// The result that is asked for, if it is at hand.
+    fn recent_result(&self, query: &Query) -> Option<(TaskId, ZBytes)> {
+        let asked = query.key_expr().as_str();
+        let task = TaskId::new(last_chunk(asked)).ok().filter(|task| asked == self.keys.result(task))?;
+        let bytes = self.recent.get(&task)?;
+        Some((task, bytes))
+    }
+
     fn answer_from_store(&self, query: &Query) -> Result<(), StoreError> {
         let reader = self.readers.lock().expect("no holder of this lock panics").pop();
         let reader = reader.map_or_else(|| Reader::open(&self.directory), Ok)?;
@@ -95,18 +114,32 @@ impl Queries {
             }
             return Ok(());
         }
+        // Workers ask whether a result is stored that is not answered for long: where there is little time as it is.
+        if let Some(task) = one.as_ref().filter(|task| asked.as_str() == keys.done(task)) {
+            match reader.done_of(task)? {
+                Some(done) => answer(query, &keys.done(task), &done),
+                None => refuse(query, &format!("task {task} has no result yet")),
+            }
+            return Ok(());
+        }
+        if let Some(task) = one.as_ref().filter(|task| asked.as_str() == keys.checkpoint(task)) {
+            match reader.checkpoint(task)? {
+                Some(checkpoint) => answer(query, asked.as_str(), &checkpoint),
+                None => refuse(query, &format!("nothing is kept of task {task}")),
+            }
+            return Ok(());
+        }
+        if asked.as_str() == keys.checkpoints() {
+            refuse(query, "ask for the steps of one task: checkpoint/<task>");
+            return Ok(());
+        }
         let all_results = keyexpr::new(&keys.results()).is_ok_and(|own| own.intersects(asked));
-        let mut is_told = false;
         for done in reader.done()? {
             if all_results {
                 self.answer_result(reader, query, &done.task)?;
             } else if one.as_ref().is_none_or(|task| *task == done.task) {
                 answer(query, &keys.done(&done.task), &done);
-                is_told = true;
             }
-        }
-        if let Some(task) = one.filter(|task| !is_told && asked.as_str() == keys.done(task)) {
-            refuse(query, &format!("task {task} has no result yet"));
         }
         Ok(())
     }

@@ -3,14 +3,14 @@
 //! Results are taken in beside (`intake.rs`), and seeds are made when a task is handed out (`answers.rs`), on the blocking pool.
 
 use super::answers::{Answers, respond};
+use super::checkpoints::CheckpointIntake;
 use super::intake::Intake;
-use crate::engine::{Event, Meters, Reference, Request};
+use crate::engine::{Decider, Event, Meters, Reference};
 use protocol::codec::Message;
 use protocol::ids::TaskId;
 use protocol::keys::{Keys, last_chunk};
 use protocol::session::{question, refuse};
 use std::sync::Arc;
-use std::sync::mpsc::Sender;
 use tokio::runtime::Handle;
 use zenoh::query::Query;
 
@@ -19,25 +19,27 @@ const SMALL: usize = 1 << 16;
 
 /// Turns queries into requests to the engine.
 pub(super) struct Requests {
-    pub engine: Sender<Request>,
+    pub engine: Arc<Decider>,
     pub keys: Keys,
     pub runtime: Handle,
     pub answers: Arc<Answers>,
     intake: Arc<Intake>,
+    checkpoints: Arc<CheckpointIntake>,
 }
 
 impl Requests {
     /// Hands requests to the engine; results of at most so many bytes once they are checked against this, counted here.
     pub fn new(
-        engine: Sender<Request>,
+        engine: Arc<Decider>,
         keys: Keys,
         answers: Answers,
         (reference, meters): (Reference, Meters),
         most: usize,
     ) -> Self {
         let answers = Arc::new(answers);
+        let checkpoints = Arc::new(CheckpointIntake::new(engine.clone(), answers.clone(), most));
         let intake = Arc::new(Intake::new(engine.clone(), answers.clone(), reference, meters, most));
-        Self { engine, keys, runtime: Handle::current(), answers, intake }
+        Self { engine, keys, runtime: Handle::current(), answers, intake, checkpoints }
     }
 
     /// Takes a query; hands over whatever takes time.
@@ -56,6 +58,8 @@ impl Requests {
             self.ask(query, Event::Control);
         } else if let Some(task) = TaskId::new(last_chunk(&key)).ok().filter(|task| key == keys.submit(task)) {
             self.intake.take(query, task);
+        } else if let Some(task) = TaskId::new(last_chunk(&key)).ok().filter(|task| key == keys.keep(task)) {
+            self.checkpoints.take(query, task);
         } else {
             self.runtime.spawn_blocking(move || refuse(&query, &format!("there is no request `{key}`")));
         }
@@ -71,8 +75,7 @@ impl Requests {
         match question::<Q>(&query) {
             Ok(question) => {
                 let respond = respond(self.runtime.clone(), self.answers.clone(), query, ());
-                // The engine is gone only when the process ends.
-                let _ = self.engine.send(Request { event: event(question), respond: Some(respond) });
+                self.engine.ask(event(question), respond);
             }
             Err(error) => {
                 self.runtime.spawn_blocking(move || refuse(&query, &error.to_string()));

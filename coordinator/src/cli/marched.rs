@@ -28,7 +28,7 @@ pub struct DisturbArgs {
     /// Folder of the run.
     pub run: PathBuf,
     /// Modes that are pushed, one after the other: the first so many.
-    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, default_value_t = 3, value_parser = clap::value_parser!(u16).range(1..))]
     pub modes: u16,
     /// Go on with the study as it was when the run began, though its file or model has changed and the run is not finished.
     #[arg(long)]

@@ -11,12 +11,16 @@ pub struct RemoteArgs {
     /// Folder of the run.
     #[arg(required_unless_present = "connect", conflicts_with = "connect")]
     pub directory: Option<PathBuf>,
-    /// Where its coordinator or router listens.
+    /// Where its coordinator or router listens: tcp/HOST:PORT or tls/HOST:PORT.
     #[arg(long, value_name = "ENDPOINT")]
     pub connect: Option<String>,
     /// File with the secret of the run [default: what ISOLA_SECRET holds; of a folder, its own].
     #[arg(long, value_name = "FILE")]
     pub secret_file: Option<PathBuf>,
+    /// Folder with certificates, for endpoints that begin with tls/: ca.crt, tls.crt, tls.key; of a viewer at least, of the
+    /// coordinator to cancel and to retry [default: of a folder, those of its coordinator; else what ISOLA_TLS names].
+    #[arg(long, value_name = "DIR")]
+    pub tls: Option<PathBuf>,
     /// Which run, if there are several.
     #[arg(long, value_name = "RUN", requires = "connect")]
     pub run: Option<RunId>,

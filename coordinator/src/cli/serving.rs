@@ -11,9 +11,9 @@ use worker::LogFormat;
 #[derive(Debug, Clone, Args)]
 pub struct ServeArgs {
     /// Local worker processes; 0: only workers elsewhere [default: one a core].
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub workers: Option<usize>,
-    /// Listen here for workers and viewers, as tcp/ADDRESS:PORT [default: a free port on the loopback interface].
+    /// Listen here for workers and viewers, as tcp/ADDRESS:PORT, or tls/ADDRESS:PORT with --tls [default: a free port on the loopback interface].
     #[arg(long, value_name = "ENDPOINT", conflicts_with = "connect")]
     pub listen: Option<String>,
     /// Serve /healthz, /metrics (Prometheus) and the live page here, as HOST:PORT; port 0: a free one. Page and metrics are for

@@ -5,16 +5,21 @@ use protocol::branch::TaskResultMessage;
 use protocol::curve::Size;
 use protocol::digest::HashedBranch;
 use protocol::from_worker::{Lease, SubmitRequest};
+use protocol::orbits::OrbitsMessage;
 use results::store::Extent;
-use solver::response::recheck::{Recheck, Refutation};
+use solver::response::recheck::{Recheck, Refutation, drawn};
 use solver::response::task::{Brought, Task};
 use solver::settings::Settings;
 use solver::stability::disturbance::Disturbance;
+use solver::stability::recheck::{NoOrbit, recheck};
 use solver::stability::settling::Settling;
-use solver::stability::verification::Verification;
+use solver::stability::verification::{Verification, VerifiedPoint};
 use solver::structure::Model;
 use std::sync::Arc;
 use thiserror::Error;
+
+/// Of one in so many points that were verified the multipliers are computed again.
+const WITHOUT_TANGENT: usize = 20;
 
 /// Longest name of a version that a program may have, bytes.
 const PROGRAM: usize = 100;
@@ -48,6 +53,22 @@ pub enum Unsound {
     /// It does not solve the equations.
     #[error(transparent)]
     Equations(#[from] Refutation),
+    /// An orbit that it tells of is none.
+    #[error("what is told of point {point} is not so: {why}")]
+    Orbit {
+        /// Number of the point of its branch.
+        point: usize,
+        /// What does not hold.
+        why: NoOrbit,
+    },
+    /// A verification without the orbits that it tells of.
+    #[error("it tells of {told} orbits, and {given} came with it")]
+    Orbits {
+        /// How many it tells of.
+        told: usize,
+        /// How many came with it.
+        given: usize,
+    },
     /// A verification of another branch.
     #[error("it verifies a branch of {found} points, not one of {expected}")]
     OtherBranch {
@@ -83,6 +104,8 @@ pub struct CheckedResult {
     pub program: String,
     /// Computing time, s.
     pub seconds: f64,
+    /// Whether the thread takes its next task with the acknowledgement.
+    pub next: bool,
     /// The new branch, if it found one.
     pub branch: HashedBranch,
     /// What else it found, or why nothing.
@@ -99,7 +122,7 @@ impl CheckedResult {
     /// # Errors
     /// If it does not fit the run, or does not solve its equations.
     pub fn new(request: SubmitRequest, reference: &Reference, expected: &Expected, draw: u64) -> Result<Self, Unsound> {
-        let SubmitRequest { lease, program, seconds, finding } = request;
+        let SubmitRequest { lease, program, seconds, next, orbits, finding } = request;
         if program.len() > PROGRAM {
             return Err(Unsound::Program);
         }
@@ -119,7 +142,10 @@ impl CheckedResult {
             }
             TaskResultMessage::Branch(found) => recheck.branch(&found.branch(&size)?, expected.amplitude)?,
             TaskResultMessage::Curve(found) => recheck.curve(&found.curve(&size)?)?,
-            TaskResultMessage::Verification(found) => verifies(found, &size, expected)?,
+            TaskResultMessage::Verification(found) => {
+                verifies(found, &size, expected)?;
+                marches(model, found, orbits.as_ref(), expected.amplitude, draw)?;
+            }
             TaskResultMessage::Disturbance(found) => disturbs(found, &size, expected)?,
             TaskResultMessage::Settling(found) => settles(found, &size, expected)?,
             TaskResultMessage::Nothing(_) => {}
@@ -131,7 +157,7 @@ impl CheckedResult {
         };
         let extent = branch.as_ref().map(Extent::of);
         let branch = HashedBranch::new(branch);
-        Ok(Self { lease, program, seconds, branch, found, extent, brought })
+        Ok(Self { lease, program, seconds, next, branch, found, extent, brought })
     }
 }
 
@@ -149,6 +175,28 @@ fn settles(found: &Settling, size: &Size, expected: &Expected) -> Result<(), Uns
         Task::March(place) if found.is_sound(place, size.monitors) => Ok(()),
         _ => Err(Unsound::OtherMotion),
     }
+}
+
+/// Whether one of the orbits that a verification tells of, drawn, is what it is said to be: by a period, and for one in twenty of the
+/// points with its multipliers, which takes ten times as long.
+fn marches(
+    model: &Model,
+    found: &Verification,
+    orbits: Option<&OrbitsMessage>,
+    forcing: f64,
+    draw: u64,
+) -> Result<(), Unsound> {
+    let told: Vec<&VerifiedPoint> = found.points.iter().filter(|point| point.orbit.is_some()).collect();
+    let given = orbits.map_or(0, OrbitsMessage::len);
+    if given != told.len() {
+        return Err(Unsound::Orbits { told: told.len(), given });
+    }
+    let Some(orbits) = orbits.filter(|orbits| !orbits.is_empty()) else { return Ok(()) };
+    let number = drawn(draw, 0, given);
+    let (point, omega) = (told[number], told[number].orbit.as_ref().map_or(0.0, |orbit| orbit.omega));
+    let with_tangent = drawn(draw, 1, WITHOUT_TANGENT) < found.points.len();
+    let why = recheck(model, &orbits.orbit(number, omega, forcing)?, point, with_tangent);
+    why.map_err(|why| Unsound::Orbit { point: point.index, why })
 }
 
 /// Whether a verification is of the branch that was asked for.

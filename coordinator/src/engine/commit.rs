@@ -2,11 +2,11 @@
 
 use super::decision::News;
 use super::meters::Meters;
-use results::journal::{AcceptedResult, Change};
+use results::journal::{AcceptedResult, AttemptEnd, Change, CheckpointPart};
 use results::store::{Store, StoreError};
 use std::sync::mpsc::Receiver;
 use std::time::{Duration, Instant};
-use tracing::{info, warn};
+use tracing::{debug, info, warn};
 use worker::terminal;
 
 /// Most decisions that share a transaction.
@@ -89,6 +89,18 @@ fn commit_patiently(store: &mut Store, changes: &[Change]) -> Result<(), StoreEr
 fn log(change: &Change) {
     match change {
         Change::Granted { task, attempt, holder } => info!(%task, %attempt, worker = %holder.worker, "granted"),
+        Change::Ended { task, attempt, end: AttemptEnd::Released } => info!(%task, %attempt, "given back"),
+        Change::Repeated { task, attempt, holder } => info!(%task, %attempt, worker = %holder.worker, "repeated"),
+        Change::Ended { task, attempt, end: AttemptEnd::Confirmed } => info!(%task, %attempt, "came to the same"),
+        Change::Ended { task, attempt, end: AttemptEnd::Disputed(why) } => {
+            warn!(%task, %attempt, why, "two results disagree: a third worker decides, if there is one");
+        }
+        Change::Ended { task, attempt, end: AttemptEnd::Refuted(why) } => {
+            warn!(%task, %attempt, why, "a result is wrong");
+            terminal::note(format_args!(
+                "the result of task {task} is wrong ({why}): what that worker says is computed again"
+            ));
+        }
         Change::Ended { task, attempt, end } => {
             warn!(%task, %attempt, end = end.name(), reason = end.reason().unwrap_or(""), "attempt ended without a result");
         }
@@ -97,6 +109,10 @@ fn log(change: &Change) {
         Change::Result(AcceptedResult { result, digest, .. }) => {
             let (task, worker, seconds) = (&result.task, &result.worker, result.seconds);
             info!(%task, %worker, seconds, size = digest.size, "{}", result.outcome);
+        }
+        Change::HandedOn { task, attempt, steps } => info!(%task, %attempt, steps, "goes on from a checkpoint"),
+        Change::Checkpoint(CheckpointPart { task, attempt, first, steps, payload }) => {
+            debug!(%task, %attempt, first, steps, size = payload.len(), "checkpoint");
         }
         Change::Stage(stage) => info!("{}", stage.name()),
         Change::Added(tasks) => info!(count = tasks.len(), "tasks added"),

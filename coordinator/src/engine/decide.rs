@@ -1,10 +1,12 @@
-//! The thread that decides.
+//! Deciding: on the thread of whoever asks, one after the other.
 
 use super::commit::Decided;
-use super::decision::{Answer, Decision};
+use super::decision::{Answer, Decision, Offer};
 use super::event::Event;
 use super::machine::Engine;
-use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender};
+use protocol::from_worker::Lease;
+use std::sync::mpsc::Sender;
+use std::sync::{Arc, Mutex, PoisonError, Weak};
 use std::time::{Duration, Instant};
 
 /// Time between two looks at the clock.
@@ -12,56 +14,81 @@ const TICK: Duration = Duration::from_millis(100);
 /// A pause between two looks at the clock that is no ordinary one: this process was stopped, or its machine has no time for it.
 const GAP: Duration = Duration::from_secs(1);
 
-/// Most requests that are read while the next look at the clock is due.
-const BURST: usize = 1000;
-
 /// Sends an answer on its way. Dropped, there is none.
 pub type Responder = Box<dyn FnOnce(Answer) + Send>;
 
-/// An event, and whom to answer.
-pub struct Request {
-    /// What happened.
-    pub event: Event,
-    /// Who asked.
-    pub respond: Option<Responder>,
+/// An engine that many threads ask: a decision takes less time than it takes to wake another thread for it.
+///
+/// Time passes only as far as this process runs: nobody can be heard of by one that is stopped.
+pub struct Decider(Mutex<Option<Deciding>>);
+
+struct Deciding {
+    engine: Engine,
+    clock: Clock,
+    decided: Sender<Decided>,
 }
 
-impl From<Event> for Request {
-    fn from(event: Event) -> Self {
-        Self { event, respond: None }
+impl Decider {
+    /// Hands what an engine decides to whoever commits, in that order.
+    pub fn new(engine: Engine, decided: Sender<Decided>) -> Self {
+        let clock = Clock { last: Instant::now(), now: Duration::ZERO };
+        Self(Mutex::new(Some(Deciding { engine, clock, decided })))
+    }
+
+    /// Tells the engine something; false if nothing is decided any more.
+    pub fn tell(&self, event: Event) -> bool {
+        self.decide(event, None).is_some()
+    }
+
+    /// Asks the engine; without an answer nothing is decided any more, or it is not to be known now.
+    pub fn ask(&self, event: Event, respond: Responder) {
+        if let Some(Some((answer, respond))) = self.decide(event, Some(respond)) {
+            respond(answer);
+        }
+    }
+
+    /// What a result under this lease has to be of; `None` if that is not known now.
+    pub fn offer(&self, lease: Lease) -> Option<Offer> {
+        match self.decide(Event::Offer(lease), Some(Box::new(drop)))? {
+            Some((Answer::Offer(offer), _)) => Some(offer),
+            _ => None,
+        }
+    }
+
+    /// Decides. What follows is handed on in the order of the decisions; what tells of nothing that has to be on disk is given back.
+    fn decide(&self, event: Event, respond: Option<Responder>) -> Option<Option<(Answer, Responder)>> {
+        let mut place = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        // If the engine panics it is gone, and with it whoever commits: that ends the run in order.
+        let mut deciding = place.take()?;
+        if deciding.clock.advance() {
+            deciding.handle(Event::Stalled, None)?;
+        }
+        let immediate = deciding.handle(event, respond)?;
+        *place = Some(deciding);
+        Some(immediate)
     }
 }
 
-/// Decides until the senders of requests are gone, or whoever commits is.
-///
-/// What has come is read before leases run out: signs of life that wait here were given in time. And time passes only as far as
-/// this process runs: nobody can be heard of by one that is stopped.
-pub fn decide(mut engine: Engine, requests: &Receiver<Request>, decided: &Sender<Decided>) {
-    let mut clock = Clock { last: Instant::now(), now: Duration::ZERO };
-    let (mut next_tick, mut read) = (Duration::ZERO, 0);
-    loop {
-        let left = next_tick.saturating_sub(clock.now);
-        let is_due = left.is_zero();
-        let received =
-            if is_due && read == BURST { Err(RecvTimeoutError::Timeout) } else { requests.recv_timeout(left) };
-        if clock.advance() && !hand_on(engine.handle(Event::Stalled, clock.now), None, decided) {
-            return;
+impl Deciding {
+    /// `None` if nobody commits any more.
+    fn handle(&mut self, event: Event, respond: Option<Responder>) -> Option<Option<(Answer, Responder)>> {
+        let Decision { changes, answer, news } = self.engine.handle(event, self.clock.now);
+        let mut answer = answer.zip(respond);
+        let immediate = answer.take_if(|(answer, _)| answer.is_immediate());
+        if !(changes.is_empty() && answer.is_none() && news.is_empty()) {
+            let answer =
+                answer.map(|(answer, respond)| -> Box<dyn FnOnce() + Send> { Box::new(move || respond(answer)) });
+            self.decided.send(Decided { changes, answer, news }).ok()?;
         }
-        let (event, respond) = match received {
-            Ok(Request { event, respond }) => {
-                read += usize::from(is_due);
-                (event, respond)
-            }
-            Err(RecvTimeoutError::Disconnected) => return,
-            Err(RecvTimeoutError::Timeout) if !is_due => continue,
-            Err(RecvTimeoutError::Timeout) => {
-                (next_tick, read) = (clock.now + TICK, 0);
-                (Event::Tick, None)
-            }
-        };
-        if !hand_on(engine.handle(event, clock.now), respond, decided) {
-            return;
-        }
+        Some(immediate)
+    }
+}
+
+/// Lets the engine look at the clock, as long as there is one.
+pub async fn tick(decider: Weak<Decider>) {
+    let is_there = |decider: Arc<Decider>| decider.tell(Event::Tick);
+    while decider.upgrade().is_some_and(is_there) {
+        tokio::time::sleep(TICK).await;
     }
 }
 
@@ -79,18 +106,4 @@ impl Clock {
         self.now += passed.min(GAP);
         passed > GAP
     }
-}
-
-/// Hands a decision to whoever commits; false if there is nobody.
-fn hand_on(decision: Decision, respond: Option<Responder>, decided: &Sender<Decided>) -> bool {
-    let Decision { changes, answer, news } = decision;
-    let mut answer = answer.zip(respond);
-    if let Some((answer, respond)) = answer.take_if(|(answer, _)| answer.is_immediate()) {
-        respond(answer);
-    }
-    if changes.is_empty() && answer.is_none() && news.is_empty() {
-        return true;
-    }
-    let answer = answer.map(|(answer, respond)| -> Box<dyn FnOnce() + Send> { Box::new(move || respond(answer)) });
-    decided.send(Decided { changes, answer, news }).is_ok()
 }

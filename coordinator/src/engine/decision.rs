@@ -3,9 +3,9 @@
 use super::checked_result::Expected;
 use crate::ledger::{Granted, Load};
 use protocol::control::ControlReply;
-use protocol::ids::WorkerId;
+use protocol::ids::{TaskId, WorkerId};
 use protocol::to_everyone::{Done, Manifest, Status};
-use protocol::to_worker::{Acknowledgement, RenewReply, SubmitReply};
+use protocol::to_worker::{Acknowledgement, CheckpointReply, RenewReply, SubmitReply};
 use results::journal::Change;
 use std::time::Duration;
 
@@ -35,8 +35,12 @@ pub enum Answer {
     Renew(RenewReply),
     /// To the question what a result has to be of.
     Offer(Offer),
+    /// To steps of a task under way.
+    Checkpoint(CheckpointReply),
     /// To a result.
     Submit(SubmitReply),
+    /// To a result that is accepted: the next task, as that of a request for one.
+    Next(Granted),
     /// To a failure or a release.
     Acknowledge(Acknowledgement),
     /// To an order.
@@ -57,6 +61,8 @@ pub enum Offer {
 pub enum News {
     /// The run has changed.
     Manifest(Box<Manifest>),
+    /// A result that was stored, encoded: for whoever asks for it, not for the bus.
+    Result(TaskId, Vec<u8>),
     /// A result was stored.
     Done(Done),
     /// How the run is doing.

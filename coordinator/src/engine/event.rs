@@ -4,7 +4,7 @@ use super::checked_result::CheckedResult;
 use protocol::control::ControlRequest;
 use protocol::from_worker::{FailRequest, Lease, LeaseRequest, Progress, ReleaseRequest, RenewRequest};
 use protocol::ids::{TaskId, WorkerId};
-use results::journal::{StoredTask, SweepPlan};
+use results::journal::{CheckpointPart, Kept, StoredTask, SweepPlan};
 use results::store::Extent;
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -16,6 +16,8 @@ pub enum Event {
     Lease(LeaseRequest),
     /// A worker is alive.
     Renew(RenewRequest),
+    /// Steps of a task under way, and whose.
+    Checkpoint(Lease, CheckpointPart),
     /// A result under this lease has come, and is not looked at yet.
     Offer(Lease),
     /// A result that cannot be true: why.
@@ -60,4 +62,6 @@ pub struct Stored {
     pub tasks: Vec<StoredTask>,
     /// The branches found, in numbers, by task.
     pub extents: HashMap<TaskId, Extent>,
+    /// What is kept of tasks under way.
+    pub kept: HashMap<TaskId, Kept>,
 }

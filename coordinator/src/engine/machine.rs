@@ -1,5 +1,6 @@
 //! The state machine of a run.
 
+use super::checked_result::CheckedResult;
 use super::decision::{Answer, Decision, News};
 use super::event::{Beginning, Event};
 use super::parking::Parking;
@@ -8,6 +9,7 @@ use crate::ledger::{Ledger, Rules};
 use protocol::control::{ControlReply, ControlRequest};
 use protocol::from_worker::{FailRequest, Lease, LeaseRequest, Progress, ReleaseRequest, RenewRequest};
 use protocol::to_everyone::{Manifest, Stage, Status};
+use protocol::to_worker::SubmitReply;
 use results::journal::{Change, Holder};
 use std::time::Duration;
 
@@ -59,9 +61,12 @@ impl Engine {
             // Asked again without an answer: the sweep is about to begin.
             (_, None) => Decision::default(),
             (Event::Renew(RenewRequest { lease, progress }), Some(sweep)) => sweep.renew(&lease, progress, now),
+            (Event::Checkpoint(lease, part), Some(sweep)) => {
+                sweep.checkpoint(&lease, part, self.manifest.max_result_bytes)
+            }
             (Event::Offer(lease), Some(sweep)) => sweep.offer(&lease, &self.manifest.run),
             (Event::Refused(lease, why), Some(sweep)) => sweep.refuse(&lease, why, now),
-            (Event::Submit(result), Some(sweep)) => sweep.submit(*result, &self.manifest.run),
+            (Event::Submit(result), _) => self.submit(*result, now),
             (Event::Fail(FailRequest { lease, reason }), Some(sweep)) => sweep.fail(&lease, &reason, now),
             (Event::Release(ReleaseRequest { lease }), Some(sweep)) => sweep.release(&lease, now),
             (Event::WorkerGone(worker), Some(sweep)) => {
@@ -73,10 +78,13 @@ impl Engine {
                 Decision::default()
             }
             (Event::Progress(task, progress), Some(sweep)) => {
-                sweep.ledger.note(&task, progress);
+                sweep.ledger.note(&task, progress, now);
                 Decision::default()
             }
         };
+        if let Some(sweep) = &mut self.sweep {
+            sweep.checkpoints.follow(&decision.changes);
+        }
         let is_finished = self.sweep.as_ref().is_some_and(|sweep| sweep.ledger.is_finished());
         match self.manifest.stage {
             Stage::Sweep if is_finished => self.enter(Stage::Finished, now, &mut decision),
@@ -94,10 +102,7 @@ impl Engine {
             Event::Lease(LeaseRequest { worker, slot, .. }) => {
                 self.parking.leave(&Holder { worker: worker.clone(), slot: *slot });
             }
-            Event::Submit(result) => {
-                let Lease { worker, slot, .. } = &result.lease;
-                self.parking.expect(Holder { worker: worker.clone(), slot: *slot });
-            }
+            Event::Submit(result) => self.parking.expect(holder_of(&result.lease)),
             Event::WorkerGone(worker) => self.parking.forget(worker),
             Event::Tick => self.parking.give_up_on_woken(),
             _ => {}
@@ -136,6 +141,23 @@ impl Engine {
         let mut decision = sweep.lease(&request.worker, request.slot, CANCELLED, now);
         if matches!(decision.answer, Some(Answer::Wait(_))) {
             decision.answer = Some(self.park(request));
+        }
+        decision
+    }
+
+    /// A result; an accepted one is answered with the next task if the thread takes one and there is one.
+    fn submit(&mut self, result: CheckedResult, now: Duration) -> Decision {
+        // Asked again without an answer: the sweep is about to begin.
+        let Some(sweep) = &mut self.sweep else { return Decision::default() };
+        let (holder, takes_next) = (holder_of(&result.lease), result.next && !self.stopping);
+        let mut decision = sweep.submit(result, &self.manifest.run, now);
+        if takes_next && decision.answer == Some(Answer::Submit(SubmitReply::Accepted)) {
+            let Decision { changes, answer, .. } = sweep.lease(&holder.worker, holder.slot, CANCELLED, now);
+            decision.changes.extend(changes);
+            if let Some(Answer::Grant(granted)) = answer {
+                self.parking.leave(&holder);
+                decision.answer = Some(Answer::Next(granted));
+            }
         }
         decision
     }
@@ -221,11 +243,16 @@ impl Engine {
             levels_done,
             active: ledger.map(Ledger::active).unwrap_or_default(),
             workers: ledger.map(Ledger::workers).unwrap_or_default(),
+            stalled: ledger.map(|ledger| ledger.stalled(now)).unwrap_or_default(),
             sequence: ledger.map_or(0, Ledger::sequence),
             elapsed: now.as_secs_f64(),
             eta: ledger.and_then(Ledger::time_left),
         }
     }
+}
+
+fn holder_of(Lease { worker, slot, .. }: &Lease) -> Holder {
+    Holder { worker: worker.clone(), slot: *slot }
 }
 
 fn other_version(request: &LeaseRequest) -> String {

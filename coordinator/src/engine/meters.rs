@@ -41,7 +41,7 @@ impl Meters {
         self.commits.observe(took.as_secs_f64());
         for change in changes {
             let counter = match change {
-                Change::Granted { .. } => &self.granted,
+                Change::Granted { .. } | Change::Repeated { .. } => &self.granted,
                 Change::Result(_) => &self.stored,
                 Change::Ended { end: AttemptEnd::Expired, .. } => &self.expired,
                 Change::Ended { end: AttemptEnd::Released, .. } => &self.released,

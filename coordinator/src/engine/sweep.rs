@@ -1,15 +1,17 @@
 //! The sweep: a ledger, and what is compared with results that come twice.
 
 use super::checked_result::{CheckedResult, Expected};
+use super::checkpoints::Checkpoints;
 use super::decision::{Answer, Decision, News, Offer};
 use super::event::Beginning;
-use crate::ledger::{Accepted, Leased, Ledger, Offered, Rules, Submitted};
+use crate::ledger::{Accepted, Granted, Leased, Ledger, Offered, Rules, Submitted};
 use protocol::branch::TaskResultMessage;
+use protocol::digest::Encoded;
 use protocol::from_worker::{Lease, Progress};
 use protocol::ids::{RunId, TaskId, WorkerId};
 use protocol::to_everyone::{Done, StoredResult};
-use protocol::to_worker::{Acknowledgement, SubmitReply};
-use results::journal::{AcceptedResult, Change};
+use protocol::to_worker::{Acknowledgement, CheckpointReply, SubmitReply};
+use results::journal::{AcceptedResult, Change, CheckpointPart};
 use results::store::Extent;
 use solver::response::task::SeedOutcome;
 use solver::stability::verification::Verification;
@@ -25,6 +27,8 @@ const AGREEMENT: f64 = 1e-6;
 #[derive(Debug)]
 pub(super) struct Sweep {
     pub ledger: Ledger,
+    /// What is kept of tasks under way.
+    pub checkpoints: Checkpoints,
     /// Accepted branches in numbers.
     extents: HashMap<TaskId, Extent>,
     /// Verifications accepted since this process began.
@@ -42,14 +46,19 @@ impl Sweep {
         let stored = stored.unwrap_or_default();
         let (ledger, settled) = Ledger::restore(rules, plan.levels.clone(), &plan.added, stored.tasks, now);
         changes.extend(settled);
-        (Self { ledger, extents: stored.extents, verifications: HashMap::new() }, changes)
+        let checkpoints = Checkpoints::new(stored.kept);
+        (Self { ledger, checkpoints, extents: stored.extents, verifications: HashMap::new() }, changes)
     }
 
     /// A task for a computing thread. `cancelled`: what it is told if the run was cancelled.
     pub fn lease(&mut self, worker: &WorkerId, slot: u32, cancelled: &str, now: Duration) -> Decision {
-        let (leased, changes) = self.ledger.lease(worker, slot, now);
+        let (leased, mut changes) = self.ledger.lease(worker, slot, now);
         let answer = match leased {
-            Leased::Grant(granted) => Answer::Grant(granted),
+            Leased::Grant(mut granted) => {
+                granted.checkpoint = self.checkpoints.steps(&granted.task);
+                changes.extend(handed_on(&granted, &changes));
+                Answer::Grant(granted)
+            }
             Leased::Wait => Answer::Wait(Duration::ZERO),
             Leased::Drained => Answer::Drained,
             Leased::Stop => Answer::Stop(cancelled.into()),
@@ -66,6 +75,18 @@ impl Sweep {
     pub fn renew(&mut self, lease: &Lease, progress: Option<Progress>, now: Duration) -> Decision {
         let (reply, changes) = self.ledger.renew(lease, progress, now);
         Decision::new(Answer::Renew(reply), changes)
+    }
+
+    /// Steps of a task under way, of which no more than `most` bytes are kept.
+    pub fn checkpoint(&mut self, lease: &Lease, part: CheckpointPart, most: usize) -> Decision {
+        let (reply, changes) = if self.ledger.is_held(lease) {
+            self.checkpoints.add(part, most)
+        } else if self.ledger.is_repeat(lease) {
+            (CheckpointReply::Enough, Vec::new())
+        } else {
+            (CheckpointReply::Lost, Vec::new())
+        };
+        Decision::new(Answer::Checkpoint(reply), changes)
     }
 
     /// What a result under a lease has to be of.
@@ -90,12 +111,16 @@ impl Sweep {
     }
 
     /// A result of a task of `run`.
-    pub fn submit(&mut self, result: CheckedResult, run: &RunId) -> Decision {
+    pub fn submit(&mut self, result: CheckedResult, run: &RunId, now: Duration) -> Decision {
         let rejected = |why: String| Decision::new(Answer::Submit(SubmitReply::Rejected { why }), Vec::new());
         let task = &result.lease.task;
         let (submitted, changes) = self.ledger.submit(&result.lease, &result.brought);
         match submitted {
-            Submitted::Accepted(accepted) => self.accept(result, accepted, changes),
+            Submitted::Accepted(accepted) => self.accept(result, accepted, changes, now),
+            Submitted::Repeated { agrees, granted_at } => {
+                self.ledger.note_repeat(granted_at, result.seconds, now);
+                Decision::new(Answer::Submit(SubmitReply::Duplicate { agrees }), changes)
+            }
             Submitted::Duplicate => Decision::new(Answer::Submit(self.compare(&result)), changes),
             Submitted::Late => rejected(format!("task {task} was given up, and its level went on without it")),
             Submitted::Foreign => rejected(format!("that is not what task {task} is for")),
@@ -105,11 +130,12 @@ impl Sweep {
     }
 
     /// The first result of a task.
-    fn accept(&mut self, result: CheckedResult, accepted: Accepted, follow_up: Vec<Change>) -> Decision {
+    fn accept(&mut self, result: CheckedResult, accepted: Accepted, follow_up: Vec<Change>, now: Duration) -> Decision {
         let CheckedResult { lease, program, seconds, branch, found, extent, .. } = result;
-        let Lease { task, attempt, worker, .. } = lease;
         let Accepted { outcome, sequence, amplitude, work } = accepted;
         self.ledger.note_cost(&work, seconds);
+        self.ledger.note_claim(&lease, seconds, now);
+        let Lease { task, attempt, worker, .. } = lease;
         let name = match outcome {
             SeedOutcome::Found(id) if extent.is_some() => Some(id),
             _ => None,
@@ -135,7 +161,7 @@ impl Sweep {
             program,
             seconds,
         };
-        let (result, digest) = branch.complete(match found {
+        let Encoded { result, bytes, digest } = branch.complete(match found {
             Some(found) => result.with(found),
             None => result,
         });
@@ -150,7 +176,8 @@ impl Sweep {
         };
         let mut changes = vec![Change::Result(AcceptedResult { result: Box::new(result), sequence, digest })];
         changes.extend(follow_up);
-        Decision { changes, answer: Some(Answer::Submit(SubmitReply::Accepted)), news: vec![News::Done(done)] }
+        let news = vec![News::Result(done.task.clone(), bytes), News::Done(done)];
+        Decision { changes, answer: Some(Answer::Submit(SubmitReply::Accepted)), news }
     }
 
     /// A second result of a task should be the first one again.
@@ -190,6 +217,14 @@ impl Sweep {
         let answer = if was_held { Acknowledgement::Ok } else { Acknowledgement::Lost };
         Decision::new(Answer::Acknowledge(answer), changes)
     }
+}
+
+/// For the record: an attempt that has just been granted begins with steps of those before it.
+fn handed_on(granted: &Granted, changes: &[Change]) -> Option<Change> {
+    let Granted { task, attempt, checkpoint, .. } = granted;
+    let is_new = |change: &Change| matches!(change, Change::Granted { task: new, .. } if new == task);
+    let is_handed_on = *checkpoint > 0 && changes.iter().any(is_new);
+    is_handed_on.then(|| Change::HandedOn { task: task.clone(), attempt: *attempt, steps: *checkpoint })
 }
 
 fn never_granted(lease: &Lease) -> String {

@@ -1,11 +1,15 @@
 //! Every event has its decision.
 
+mod checkpoints;
+mod deciding;
+mod next;
 mod parking;
+mod repeats;
 
-use super::commit::Decided;
-use super::{Answer, Beginning, CheckedResult, Decision, Engine, Event, News, Request, Stored, decide};
+use super::{Answer, Beginning, CheckedResult, Decision, Engine, Event, News, Stored};
 use crate::ledger::{Granted, Rules};
 use crate::run::preparation::manifest;
+use protocol::codec::encode;
 use protocol::control::{ControlReply, ControlRequest};
 use protocol::digest::{Digest, HashedBranch};
 use protocol::from_worker::{FailRequest, Lease, LeaseRequest, ReleaseRequest, RenewRequest};
@@ -18,7 +22,6 @@ use results::store::Extent;
 use solver::curve::problem::Failure;
 use solver::response::branch::BranchKind;
 use solver::response::task::{BranchId, Brought, SeedOutcome};
-use std::sync::mpsc::channel;
 use std::sync::{Arc, LazyLock};
 use std::time::Duration;
 
@@ -36,7 +39,7 @@ fn at(seconds: u64) -> Duration {
 }
 
 fn waiting() -> Engine {
-    Engine::new(RUN.0.clone(), Rules::default())
+    Engine::new(RUN.0.clone(), Rules { repeated: 0.0, ..Rules::default() })
 }
 
 fn begin(stored: Option<Stored>) -> Event {
@@ -88,6 +91,7 @@ fn submit(lease: &Lease, extent: Option<Extent>, brought: Brought) -> Event {
         lease: lease.clone(),
         program: "0".into(),
         seconds: 1.0,
+        next: false,
         branch: HashedBranch::new(None),
         found: None,
         extent,
@@ -207,7 +211,8 @@ fn a_first_result_is_stored_and_announced_with_its_digest() {
     assert_eq!((*outcome, *sequence), (SeedOutcome::Found(BranchId::MAIN), 1));
     assert_eq!((&accepted.result.task, accepted.result.name), (&granted.task, Some(BranchId::MAIN)));
     assert_eq!(accepted.digest, Digest::of(&accepted.result));
-    let [News::Done(done)] = &decision.news[..] else { panic!("{:?}", decision.news) };
+    let [News::Result(task, bytes), News::Done(done)] = &decision.news[..] else { panic!("{:?}", decision.news) };
+    assert_eq!((task, bytes), (&granted.task, &encode(&*accepted.result)));
     assert_eq!((done.sequence, &done.task, done.branch), (1, &granted.task, Some(BranchId::MAIN)));
     assert_eq!((done.size, &done.sha256), (accepted.digest.size, &accepted.digest.sha256));
 }
@@ -226,7 +231,7 @@ fn a_second_result_is_compared_with_the_first_also_after_a_restart() {
     };
     let extents = [(granted.task, Extent::from(EXTENT))].into();
     let mut restarted = waiting();
-    restarted.handle(begin(Some(Stored { tasks: vec![done], extents })), at(0));
+    restarted.handle(begin(Some(Stored { tasks: vec![done], extents, ..Stored::default() })), at(0));
     for engine in [&mut engine, &mut restarted] {
         for (found, agrees) in [
             (Ok(EXTENT), true),
@@ -309,7 +314,10 @@ fn the_last_result_finishes_the_run() {
     assert!(matches!(&decision.changes[..], [Change::Result(_), Change::Done { .. }, Change::Skipped { .. }, ..]));
     assert_eq!((stages(&decision), told(&decision)), (vec![Stage::Finished], vec![Stage::Finished]));
     // Whoever landed seeds waits, and is told.
-    assert!(matches!(&decision.news[..], [News::Done(_), News::Manifest(_), News::Status(_), News::Hint]));
+    assert!(matches!(
+        &decision.news[..],
+        [News::Result(..), News::Done(_), News::Manifest(_), News::Status(_), News::Hint]
+    ));
     assert_eq!(ask(&mut engine, "a", at(2)).answer, Some(Answer::Drained));
 }
 
@@ -358,30 +366,4 @@ fn the_status_is_told_twice_a_second() {
         statuses
     };
     assert_eq!([0, 100, 499, 500, 900, 1000].map(&mut reports), [1, 0, 0, 1, 0, 1]);
-}
-
-/// Nobody commits here: whoever waits for that waits, and a sign of life is answered all the same.
-#[test]
-fn a_sign_of_life_does_not_wait_for_the_disk() {
-    let (requests, inbox) = channel();
-    let (decisions, decided) = channel::<Decided>();
-    let (answers, answered) = channel();
-    let deciding = std::thread::spawn(move || decide(waiting(), &inbox, &decisions));
-    let send = |event| {
-        let answers = answers.clone();
-        let respond = Some(Box::new(move |answer| drop(answers.send(answer))) as super::Responder);
-        requests.send(Request { event, respond }).unwrap();
-    };
-    requests.send(begin(None).into()).unwrap();
-    let lease = LeaseRequest { protocol: protocol::VERSION, program: "0".into(), worker: worker("a"), slot: 0 };
-    send(Event::Lease(lease));
-    let lease = Lease { task: TaskId::new("0.01-0").unwrap(), attempt: Attempt(1), worker: worker("a"), slot: 0 };
-    send(Event::Renew(RenewRequest { lease, progress: None }));
-    assert_eq!(answered.recv().unwrap(), Answer::Renew(RenewReply::Ok));
-    drop(requests);
-    deciding.join().unwrap();
-    let decided: Vec<Decided> = decided.iter().collect();
-    assert!(answered.try_recv().is_err());
-    decided.into_iter().filter_map(|decision| decision.answer).for_each(|answer| answer());
-    assert!(matches!(answered.recv().unwrap(), Answer::Grant(_)));
 }

@@ -131,6 +131,11 @@ impl Figures<'_> {
         self.gauge("levels_done", "Forcing levels whose tasks are all done", status.levels_done as f64)?;
         self.gauge("branches", "Branches found", status.tasks.branches as f64)?;
         self.gauge("workers", "Workers present", status.workers.len() as f64)?;
+        self.gauge(
+            "stalled_tasks",
+            "Tasks that do not get on, though there are signs of life",
+            status.stalled.len() as f64,
+        )?;
         self.seconds("eta", "Time to the end, without tasks that will turn out not to be needed", status.eta)
     }
 

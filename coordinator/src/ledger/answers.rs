@@ -4,6 +4,7 @@ use protocol::ids::{Attempt, TaskId};
 use protocol::to_everyone::Amplitude;
 use protocol::to_worker::{Known, KnownCurve};
 use solver::response::task::{SeedOutcome, Task};
+use std::time::Duration;
 
 /// Answer to a request for work.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,6 +38,8 @@ pub struct Granted {
     pub known: Vec<Known>,
     /// Curves found before: those that a fold may lie on, or the one that crosses the level.
     pub curves: Vec<KnownCurve>,
+    /// Steps kept of earlier attempts.
+    pub checkpoint: usize,
 }
 
 /// What a result has to be of, as far as the ledger knows.
@@ -64,6 +67,13 @@ pub enum Submitted {
     Accepted(Accepted),
     /// There is one already.
     Duplicate,
+    /// There is one already, and this was to be a second one.
+    Repeated {
+        /// Whether it came to the same.
+        agrees: bool,
+        /// When it was handed out.
+        granted_at: Duration,
+    },
     /// The task was given up and its level went on: its branch may have been found by another one.
     Late,
     /// Not what such a task brings.

@@ -8,11 +8,11 @@ use protocol::to_everyone::Amplitude;
 use protocol::to_worker::{Known, KnownCurve};
 use results::journal::{Change, Holder, LevelPlan, TaskState, Troubles};
 use solver::response::account::Account;
-use solver::response::critical::crossed;
+use solver::response::critical::{Quantity, crossed};
 use solver::response::scout::ScoutPlace;
 use solver::response::seeds::LandingMethod;
 use solver::response::starts::StartPlace;
-use solver::response::task::{BranchId, Brought, MarchPlace, SeedOutcome, SeedPlace, Task, VerifyPlace};
+use solver::response::task::{BranchId, Brought, MarchPlace, Origin, SeedOutcome, SeedPlace, Task, VerifyPlace};
 use solver::settings::Stretch;
 use std::sync::Arc;
 use std::time::Duration;
@@ -73,16 +73,18 @@ pub(super) struct Branch {
     pub folds: usize,
 }
 
-/// A fold curve that was found.
+/// A curve over the forcing that was found.
 #[derive(Debug)]
 pub(super) struct Curve {
     pub known: KnownCurve,
+    /// What has an extremum along it; nothing at fixed frequency.
+    pub quantity: Option<Quantity>,
     /// Forcing amplitudes of its points.
     pub forcing: Arc<[f64]>,
 }
 
 impl Curve {
-    /// Whether it may have a fold at a forcing amplitude.
+    /// Whether it may have a point at a forcing amplitude.
     pub fn reaches(&self, amplitude: f64) -> bool {
         let range = |(low, high): (f64, f64), a: &f64| (low.min(*a), high.max(*a));
         let (low, high) = self.forcing.iter().fold((f64::INFINITY, f64::NEG_INFINITY), range);
@@ -195,7 +197,7 @@ impl Chain {
         .filter(|outcome| match self.entries[e].task {
             Task::Land(_) | Task::Start(_) => matches!(outcome, SeedOutcome::Landed(_) | SeedOutcome::NotLanded(_)),
             Task::Scout(_) => matches!(outcome, SeedOutcome::Landed(_) | SeedOutcome::NoFold),
-            Task::Fold(_) => !matches!(outcome, SeedOutcome::Found(_)) && !is_of_others(outcome),
+            Task::Fold(_) | Task::Carry(_) => !matches!(outcome, SeedOutcome::Found(_)) && !is_of_others(outcome),
             Task::Main(_) | Task::Seed(_) | Task::Crossing(_) | Task::Begin(_) => {
                 !matches!(outcome, SeedOutcome::OnCurve(_)) && !is_of_others(outcome)
             }
@@ -238,7 +240,8 @@ impl Chain {
                 }
             }
             (Record::Curves(curves), SeedOutcome::OnCurve(number), Some(Brought::Curve(forcing))) => {
-                curves.push(Curve { known: KnownCurve { number, task }, forcing: forcing.clone() });
+                let quantity = entry.task.origin().and_then(Origin::quantity);
+                curves.push(Curve { known: KnownCurve { number, task }, quantity, forcing: forcing.clone() });
             }
             (Record::Marched, _, Some(Brought::Verification(_, unsettled))) => {
                 // What is around a peak is looked at again with all of the branch.

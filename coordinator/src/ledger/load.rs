@@ -72,6 +72,11 @@ impl Ledger {
                 }
             }
         }
+        for (holder, _) in self.repeats.holders() {
+            if let Some(worker) = self.workers.get_mut(&holder.worker).filter(|worker| !worker.gone) {
+                worker.busy += passed;
+            }
+        }
     }
 
     /// What computing the result of a task took.

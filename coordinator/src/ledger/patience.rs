@@ -12,6 +12,9 @@ impl Ledger {
     pub fn renew(&mut self, lease: &Lease, progress: Option<Progress>, now: Duration) -> (RenewReply, Vec<Change>) {
         let worker = self.workers.entry(lease.worker.clone()).or_default();
         worker.gone = false;
+        if self.renew_repeat(lease, now) {
+            return (if self.cancelled { RenewReply::Cancel } else { RenewReply::Ok }, Vec::new());
+        }
         let (place, changes) = match self.valid(lease) {
             Some(place) => (Some(place), Vec::new()),
             None => self.adopt(lease, now),
@@ -22,7 +25,7 @@ impl Ledger {
         }
         self.chains[c].entries[e].renew(now + self.rules.lease);
         if let Some(progress) = progress {
-            self.note(&lease.task, progress);
+            self.note(&lease.task, progress, now);
         }
         (RenewReply::Ok, changes)
     }
@@ -33,7 +36,8 @@ impl Ledger {
         let holder = Holder { worker: lease.worker.clone(), slot: lease.slot };
         let chain = &self.chains[c];
         let is_last = chain.entries[e].was_granted(lease) && chain.entries[e].attempts() == lease.attempt.0;
-        if !is_last || !chain.ready.contains(&e) || self.held_by(&holder).is_some() {
+        let is_busy = self.held_by(&holder).is_some() || self.repeats.holders().any(|(other, _)| *other == holder);
+        if !is_last || !chain.ready.contains(&e) || is_busy {
             return (None, Vec::new());
         }
         let chain = &mut self.chains[c];
@@ -48,9 +52,11 @@ impl Ledger {
     pub fn worker_gone(&mut self, worker: &WorkerId, now: Duration) {
         let Some(known) = self.workers.get_mut(worker) else { return };
         known.gone = true;
+        let grace = (now + self.rules.grace).max(self.forbearance);
+        self.move_repeats(|holder, deadline| if holder.worker == *worker { deadline.min(grace) } else { deadline });
         for chain in &mut self.chains {
             for &e in &chain.held {
-                chain.entries[e].shorten(worker, (now + self.rules.grace).max(self.forbearance));
+                chain.entries[e].shorten(worker, grace);
             }
         }
     }
@@ -58,6 +64,8 @@ impl Ledger {
     /// This side could not be reached, or did not run: everybody has the time from now to be heard of again.
     pub fn forbear(&mut self, now: Duration) {
         self.forbearance = now + self.rules.reconnection();
+        let until = self.forbearance;
+        self.move_repeats(|_, deadline| deadline.max(until));
         for chain in &mut self.chains {
             for &e in &chain.held {
                 chain.entries[e].extend(self.forbearance);
@@ -70,6 +78,12 @@ impl Ledger {
         let held = self.chains.iter().enumerate().flat_map(|(c, chain)| chain.held.iter().map(move |&e| (c, e)));
         let places: Vec<(usize, usize)> = held.filter(|&(c, e)| self.chains[c].entries[e].is_expired(now)).collect();
         let end = |orphaned| if orphaned { AttemptEnd::Released } else { AttemptEnd::Expired };
-        places.into_iter().flat_map(|(c, e)| self.end_at(c, e, end(self.chains[c].entries[e].orphaned), now)).collect()
+        let ended = places.into_iter().flat_map(|(c, e)| {
+            let end = end(self.chains[c].entries[e].orphaned);
+            self.end_at(c, e, end, now)
+        });
+        let mut changes: Vec<Change> = ended.collect();
+        changes.extend(self.expire_repeats(now));
+        changes
     }
 }

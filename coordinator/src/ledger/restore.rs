@@ -24,13 +24,12 @@ impl Ledger {
         let mut rest = HashMap::new();
         for task in stored {
             let Some(&(c, e)) = ledger.index.get(&task.id) else { continue };
-            let chain = &mut ledger.chains[c];
-            let entry = &mut chain.entries[e];
+            let entry = &mut ledger.chains[c].entries[e];
             (entry.holders, entry.troubles) = (task.holders, task.troubles);
             match task.state {
                 TaskState::Done(outcome) => {
                     ledger.sequence += 1;
-                    chain.finish(e, outcome, task.brought.as_ref());
+                    ledger.finish(c, e, outcome, task.brought.as_ref());
                 }
                 state => {
                     rest.insert((c, e), state);
@@ -59,11 +58,11 @@ impl Ledger {
     fn restore_added(&mut self, added: &[AddedTask]) {
         for AddedTask { id, amplitude, task } in added {
             let Some(l) = self.levels().position(|(_, level)| level.amplitude.text == *amplitude) else { continue };
+            if let Some(origin) = task.origin() {
+                self.followed.insert((l, origin));
+            }
             let c = match task {
-                Task::Fold(place) => {
-                    self.followed.insert((l, *place));
-                    self.curves()
-                }
+                Task::Fold(_) | Task::Carry(_) => self.curves(),
                 Task::Verify(place) => {
                     self.verified.insert((l, *place));
                     self.verifications()

@@ -22,6 +22,10 @@ pub struct Rules {
     pub most_folds: usize,
     /// What of the branches is verified.
     pub verify: VerifyEffort,
+    /// Share of the computing time for which results that cannot be checked are repeated.
+    pub repeated: f64,
+    /// What decides which: nobody else should know it.
+    pub draw: u64,
 }
 
 /// Time that a worker takes at most to notice that its connection is gone and to connect again.
@@ -45,6 +49,8 @@ impl Default for Rules {
             backoff: Duration::from_secs(1),
             most_folds: 0,
             verify: VerifyEffort::None,
+            repeated: 0.01,
+            draw: 0,
         }
     }
 }

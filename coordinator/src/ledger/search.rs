@@ -1,4 +1,5 @@
-//! What follows from what was found: curves from the folds of branches, and branches from where curves cross levels.
+//! What follows from what was found: curves from the folds of branches and from what is open, and branches from where curves
+//! cross levels.
 //!
 //! Which tasks there are does not depend on the order in which results come: the folds of a level are taken when it and those
 //! before it are done, crossings when everything is. Where everything is verified, unstable motions are followed.
@@ -8,7 +9,7 @@ use super::state::Ledger;
 use super::task::TaskEntry;
 use protocol::ids::TaskId;
 use results::journal::{AddedTask, Change, TaskState};
-use solver::response::task::{CrossingPlace, FoldPlace, SeedOutcome, Task, VerifyPlace};
+use solver::response::task::{CarryPlace, CrossingPlace, FoldPlace, Origin, SeedOutcome, Task, VerifyPlace};
 use solver::settings::{Stretch, VerifyEffort};
 
 impl Ledger {
@@ -18,7 +19,7 @@ impl Ledger {
         loop {
             let mut added = self.rounds();
             if added.is_empty() {
-                added = self.folds();
+                added = self.curves_over_forcing();
             }
             if added.is_empty() {
                 added = self.crossings();
@@ -65,27 +66,32 @@ impl Ledger {
         added
     }
 
-    /// Tasks for the folds of levels whose branches are known, and when everything is done at all levels for those that scouts met; as
-    /// many as are allowed that lie on no curve known by then.
-    fn folds(&mut self) -> Vec<(usize, TaskEntry)> {
+    /// Tasks for what is open and the folds of levels whose branches are known, and when everything is done at all levels for the
+    /// folds that scouts met; as many as are allowed that lie on no curve known by then.
+    fn curves_over_forcing(&mut self) -> Vec<(usize, TaskEntry)> {
+        if self.rules.most_folds == 0 {
+            return Vec::new();
+        }
         let c = self.curves();
         let mut levels = self.order.iter().copied().filter(|&l| l != c);
         let are_done = levels.all(|l| {
             let chain = &self.chains[l];
             let Some(level) = chain.level().filter(|_| chain.has_branches()) else { return chain.level().is_none() };
-            for Branch { known, folds } in &level.branches {
-                if self.unfolded.insert((l, known.branch)) {
-                    let places = (0..*folds).map(|fold| (l, FoldPlace::Branch { branch: known.branch, fold }));
-                    self.queue.extend(places.filter(|place| !self.followed.contains(place)));
-                }
+            for Branch { known, folds } in &level.branches[self.unfolded[l]..] {
+                let branch = known.branch;
+                let folds = (0..*folds).map(|fold| Origin::Fold(FoldPlace::Branch { branch, fold }));
+                let places = CarryPlace::of(branch).map(Origin::Carry).chain(folds).map(|origin| (l, origin));
+                self.queue.extend(places.filter(|place| !self.followed.contains(place)));
             }
+            self.unfolded[l] = level.branches.len();
             true
         });
         if are_done && self.levels().all(|(chain, _)| chain.is_finished()) {
             for (l, chain) in self.chains.iter_mut().enumerate() {
                 // Scouts end in any order.
                 chain.scouted.sort_by_key(|scouted| (scouted.0.number, scouted.1));
-                let places = chain.scouted.drain(..).map(|(scout, fold)| (l, FoldPlace::Scout { scout, fold }));
+                let place = |(scout, fold)| (l, Origin::Fold(FoldPlace::Scout { scout, fold }));
+                let places = chain.scouted.drain(..).map(place);
                 self.queue.extend(places.filter(|place| !self.followed.contains(place)));
             }
         }
@@ -97,9 +103,9 @@ impl Ledger {
         let room = self.rules.most_folds.saturating_sub(costly);
         let next = self.queue.drain(..room.min(self.queue.len()));
         let mut added = Vec::new();
-        for (i, (l, place)) in next.enumerate() {
-            self.followed.insert((l, place));
-            added.push((c, TaskEntry::new(TaskId::of_fold(known + i), l, Task::Fold(place))));
+        for (i, (l, origin)) in next.enumerate() {
+            self.followed.insert((l, origin));
+            added.push((c, TaskEntry::new(TaskId::of_curve(known + i, origin), l, origin.into())));
         }
         added
     }

@@ -1,8 +1,9 @@
 //! What every event changes.
 
 use super::answers::{Accepted, Granted, Leased, Submitted};
-use super::chain::{Chain, LevelRecord};
+use super::chain::{Chain, Curve, LevelRecord};
 use super::cost::Cost;
+use super::repeats::{Repeated, Repeats};
 use super::rules::Rules;
 use super::task::TaskEntry;
 use super::worker::Worker;
@@ -10,7 +11,9 @@ use protocol::from_worker::{Lease, Progress};
 use protocol::ids::{Attempt, TaskId, WorkerId};
 use protocol::to_worker::{Known, KnownCurve};
 use results::journal::{AttemptEnd, Change, Holder, KINDS, LevelPlan, TaskState};
-use solver::response::task::{BranchId, Brought, CrossingPlace, DisturbPlace, FoldPlace, Task, VerifyPlace};
+use solver::response::task::{
+    BranchId, Brought, CarryPlace, CrossingPlace, DisturbPlace, FoldPlace, Origin, SeedOutcome, Task, VerifyPlace,
+};
 use std::collections::{BTreeMap, HashMap, HashSet, VecDeque};
 use std::time::Duration;
 
@@ -25,12 +28,12 @@ pub struct Ledger {
     pub(super) order: Vec<usize>,
     pub(super) index: HashMap<TaskId, (usize, usize)>,
     pub(super) workers: BTreeMap<WorkerId, Worker>,
-    /// Branches, with their levels, whose folds were looked at.
-    pub(super) unfolded: HashSet<(usize, BranchId)>,
-    /// Folds, with their levels, that have tasks.
-    pub(super) followed: HashSet<(usize, FoldPlace)>,
-    /// Folds that wait for tasks.
-    pub(super) queue: VecDeque<(usize, FoldPlace)>,
+    /// Of every level the number of branches of which it was looked at what of them is followed over the forcing.
+    pub(super) unfolded: Vec<usize>,
+    /// Where curves over the forcing start, with their levels, that have tasks.
+    pub(super) followed: HashSet<(usize, Origin)>,
+    /// Where they start that wait for tasks.
+    pub(super) queue: VecDeque<(usize, Origin)>,
     /// Branches that have a task that verifies them, with their levels.
     pub(super) verified: HashSet<(usize, VerifyPlace)>,
     /// Points of branches from which unstable motions have a task that marches them, with the numbers of their levels.
@@ -44,6 +47,8 @@ pub struct Ledger {
     pub(super) cancelled: bool,
     /// Until when nobody is blamed for not being heard of: it is this side that could not be reached.
     pub(super) forbearance: Duration,
+    /// Results that are repeated.
+    pub(super) repeats: Repeats,
     /// What tasks have cost, by kind.
     pub(super) costs: [Cost; KINDS.len()],
     /// Until when it is added up how busy workers are.
@@ -63,8 +68,9 @@ impl Ledger {
             chain.entries.iter().enumerate().map(|(e, entry)| (entry.id.clone(), (c, e))).collect()
         };
         let index = chains.iter().enumerate().flat_map(place).collect();
-        let (workers, unfolded, followed, queue, verified, marched) = Default::default();
-        let (crossings, crossed, sequence, cancelled, forbearance, costs, measured) = Default::default();
+        let (workers, followed, queue, verified, marched) = Default::default();
+        let unfolded = vec![0; chains.len()];
+        let (crossings, crossed, sequence, cancelled, forbearance, repeats, costs, measured) = Default::default();
         Self {
             rules,
             chains,
@@ -81,6 +87,7 @@ impl Ledger {
             sequence,
             cancelled,
             forbearance,
+            repeats,
             costs,
             measured,
         }
@@ -101,22 +108,22 @@ impl Ledger {
         self.chains.len() - 1
     }
 
-    fn granted(&self, c: usize, e: usize) -> Granted {
+    /// What is handed out with entry `e` of chain `c`; of one that is done what was handed out then.
+    pub(super) fn granted(&self, c: usize, e: usize) -> Granted {
         let entry = &self.chains[c].entries[e];
         let level = self.chains[entry.level].level().expect("tasks are of levels");
-        let branches = level.branches.iter().map(|branch| &branch.known);
-        let curves = self.chains[self.curves()].curves().iter();
+        let (branches, curves) = entry.known.unwrap_or((usize::MAX, usize::MAX));
+        let branches = level.branches.iter().take(branches).map(|branch| &branch.known);
+        let curves = self.chains[self.curves()].curves().iter().take(curves);
         let (known, curves): (Vec<Known>, Vec<KnownCurve>) = match entry.task {
             Task::Land(_) | Task::Start(_) | Task::Scout(_) => Default::default(),
             Task::Main(_) | Task::Seed(_) | Task::Begin(_) | Task::March(_) => {
                 (branches.cloned().collect(), Vec::new())
             }
-            Task::Fold(place) => {
-                let forcing = entry.task.forcing(level.amplitude.value);
-                let near = curves.filter(|curve| curve.reaches(forcing)).map(|curve| curve.known.clone()).collect();
-                let is_own =
-                    |known: &&Known| matches!(place, FoldPlace::Branch { branch, .. } if branch == known.branch);
-                (branches.filter(is_own).cloned().collect(), near)
+            Task::Fold(FoldPlace::Scout { .. }) => (Vec::new(), near(curves, &entry.task, level)),
+            Task::Fold(FoldPlace::Branch { branch, .. }) | Task::Carry(CarryPlace { branch, .. }) => {
+                let own = branches.filter(|known| known.branch == branch).cloned().collect();
+                (own, near(curves, &entry.task, level))
             }
             Task::Verify(VerifyPlace { branch, .. }) => {
                 (branches.filter(|known| known.branch == branch).cloned().collect(), Vec::new())
@@ -138,6 +145,7 @@ impl Ledger {
             landing: self.landing(c, e),
             known,
             curves,
+            checkpoint: 0,
         }
     }
 
@@ -171,6 +179,10 @@ impl Ledger {
             self.chains[c].entries[e].renew(deadline);
             return (Leased::Grant(self.granted(c, e)), changes);
         }
+        if let Some((repeat, granted)) = self.repeat_for(&holder, now) {
+            changes.extend(granted);
+            return (Leased::Grant(repeat), changes);
+        }
         let Some((c, e)) = self.choose(&holder, now) else {
             let leased = if self.is_finished() { Leased::Drained } else { Leased::Wait };
             return (leased, changes);
@@ -195,10 +207,10 @@ impl Ledger {
             .or_else(|| offer(self.verifications(), false))
     }
 
-    /// Number of tasks that can be handed out.
+    /// Number of tasks that can be handed out, with those that are to be repeated once more since two results disagree.
     pub fn offered_now(&self, now: Duration) -> usize {
         let ready = self.chains.iter().flat_map(|chain| chain.ready.iter().map(|&e| &chain.entries[e]));
-        ready.filter(|entry| entry.not_before <= now).count()
+        ready.filter(|entry| entry.not_before <= now).count() + self.open_disputes()
     }
 
     /// What a thread holds: of the chain that it got its last task from.
@@ -214,13 +226,20 @@ impl Ledger {
         self.chains[c].entries[e].is_held(lease).then_some((c, e))
     }
 
+    /// Whether a task is under way under this lease.
+    pub fn is_held(&self, lease: &Lease) -> bool {
+        self.valid(lease).is_some()
+    }
+
     /// Where the branch of a task under way is: for people, no sign of life.
-    pub fn note(&mut self, task: &TaskId, progress: Progress) {
+    pub fn note(&mut self, task: &TaskId, progress: Progress, now: Duration) {
         let Some(&(c, e)) = self.index.get(task) else { return };
-        let holder = self.chains[c].entries[e].holder();
+        let entry = &mut self.chains[c].entries[e];
         let is_number = progress.omega.is_finite() && progress.amplitude.is_finite();
-        if let Some(worker) = holder.and_then(|holder| self.workers.get_mut(&holder.worker)).filter(|_| is_number) {
-            worker.progress.insert(task.clone(), progress);
+        let worker = entry.holder().and_then(|holder| self.workers.get_mut(&holder.worker)).filter(|_| is_number);
+        let Some(worker) = worker else { return };
+        if worker.progress.insert(task.clone(), progress) != Some(progress) {
+            entry.moved_at = now;
         }
     }
 
@@ -232,19 +251,23 @@ impl Ledger {
             return (Submitted::NeverGranted, Vec::new());
         }
         if matches!(chain.entries[e].state, TaskState::Done(_) | TaskState::Skipped) {
-            return (Submitted::Duplicate, Vec::new());
+            return match self.repeated(lease, brought) {
+                Some(Repeated { agrees, granted_at, changes }) => (Submitted::Repeated { agrees, granted_at }, changes),
+                None => (Submitted::Duplicate, Vec::new()),
+            };
         }
         if !chain.takes(e, lease) {
             return (Submitted::Late, Vec::new());
         }
         let Some(outcome) = chain.outcome(e, brought) else { return (Submitted::Foreign, Vec::new()) };
         let mut changes = chain.entries[e].supersede(lease);
-        chain.finish(e, outcome, Some(brought));
+        self.finish(c, e, outcome, Some(brought));
         self.sequence += 1;
         let (task, attempt) = (lease.task.clone(), lease.attempt);
         changes.push(Change::Done { task, attempt, outcome, sequence: self.sequence });
-        changes.extend(chain.settle());
-        let entry = &chain.entries[e];
+        self.claim((c, e), lease, brought);
+        changes.extend(self.chains[c].settle());
+        let entry = &self.chains[c].entries[e];
         let (work, level) = (entry.task, entry.level);
         let worker = self.workers.entry(lease.worker.clone()).or_default();
         worker.done += 1;
@@ -252,6 +275,15 @@ impl Ledger {
         changes.extend(self.extend());
         let amplitude = self.chains[level].level().expect("tasks are of levels").amplitude.clone();
         (Submitted::Accepted(Accepted { outcome, sequence: self.sequence, amplitude, work }), changes)
+    }
+
+    /// Takes down what became of entry `e` of chain `c`, and what was known then.
+    pub(super) fn finish(&mut self, c: usize, e: usize, outcome: SeedOutcome, brought: Option<&Brought>) {
+        let level = self.chains[c].entries[e].level;
+        let branches = self.chains[level].level().map_or(0, |level| level.branches.len());
+        let curves = self.chains[self.curves()].curves().len();
+        self.chains[c].entries[e].known = Some((branches, curves));
+        self.chains[c].finish(e, outcome, brought);
     }
 
     /// A task that could not be carried out. False if it was not this worker's any more.
@@ -265,7 +297,10 @@ impl Ledger {
     }
 
     pub(super) fn end(&mut self, lease: &Lease, end: AttemptEnd, now: Duration) -> (bool, Vec<Change>) {
-        let Some((c, e)) = self.valid(lease) else { return (false, Vec::new()) };
+        let Some((c, e)) = self.valid(lease) else {
+            let changes = self.end_repeat(lease, end);
+            return (changes.is_some(), changes.unwrap_or_default());
+        };
         let changes = self.end_at(c, e, end, now);
         (true, changes)
     }
@@ -291,8 +326,13 @@ impl Ledger {
         self.chains.iter_mut().flat_map(Chain::revive).collect()
     }
 
-    /// Whether no task is left to hand out or to wait for.
+    /// Whether no task is left to hand out or to wait for; what nobody repeats so far is not repeated any more.
     pub fn is_finished(&self) -> bool {
+        self.has_nothing_left() && self.repeats.holders().next().is_none()
+    }
+
+    /// Whether no task is left but what is being repeated.
+    pub(super) fn has_nothing_left(&self) -> bool {
         self.chains.iter().all(Chain::is_finished)
     }
 
@@ -310,4 +350,11 @@ impl Ledger {
         let dead = self.entries().filter(|entry| entry.state == TaskState::Dead);
         dead.map(|entry| (entry.id.clone(), entry.troubles.reasons.clone())).collect()
     }
+}
+
+/// The curves that what a task follows may lie on.
+fn near<'c>(curves: impl Iterator<Item = &'c Curve>, task: &Task, level: &LevelRecord) -> Vec<KnownCurve> {
+    let (forcing, quantity) = (task.forcing(level.amplitude.value), task.origin().map(Origin::quantity));
+    let near = curves.filter(|curve| Some(curve.quantity) == quantity && curve.reaches(forcing));
+    near.map(|curve| curve.known.clone()).collect()
 }

@@ -65,7 +65,9 @@ impl Ledger {
 
     fn worker_status(&self, id: &WorkerId, worker: &Worker) -> WorkerStatus {
         let held = self.entries().filter(|entry| entry.holder().is_some_and(|holder| holder.worker == *id));
-        let tasks: Vec<TaskId> = held.map(|entry| entry.id.clone()).collect();
+        let mut tasks: Vec<TaskId> = held.map(|entry| entry.id.clone()).collect();
+        let repeated = self.repeats.holders().filter(|(holder, _)| holder.worker == *id);
+        tasks.extend(repeated.map(|(_, (c, e))| self.chains[c].entries[e].id.clone()));
         let progress = tasks.first().and_then(|task| worker.progress.get(task).copied());
         WorkerStatus { worker: id.clone(), tasks, done: worker.done, progress }
     }

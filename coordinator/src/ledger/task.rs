@@ -24,8 +24,12 @@ pub(super) struct TaskEntry {
     pub ready_since: Option<Duration>,
     /// When it was last handed out.
     pub granted_at: Duration,
+    /// When it last got on, as far as its worker has told.
+    pub moved_at: Duration,
     /// Its last attempt ended because there was no sign of life.
     pub lapsed: bool,
+    /// Of one that is done: number of branches, and of curves, that were known.
+    pub known: Option<(usize, usize)>,
     /// Under way when the coordinator was interrupted, and not heard of since: if nothing comes, that is no failure.
     pub orphaned: bool,
 }
@@ -42,7 +46,9 @@ impl TaskEntry {
             not_before: Duration::ZERO,
             ready_since: None,
             granted_at: Duration::ZERO,
+            moved_at: Duration::ZERO,
             lapsed: false,
+            known: None,
             orphaned: false,
         }
     }
@@ -104,7 +110,7 @@ impl TaskEntry {
     pub fn grant(&mut self, holder: &Holder, now: Duration, deadline: Duration) -> Change {
         self.holders.push(holder.clone());
         (self.orphaned, self.lapsed) = (false, false);
-        (self.ready_since, self.granted_at) = (None, now);
+        (self.ready_since, self.granted_at, self.moved_at) = (None, now, now);
         self.state = TaskState::Leased { holder: holder.clone(), deadline };
         Change::Granted { task: self.id.clone(), attempt: Attempt(self.attempts()), holder: holder.clone() }
     }

@@ -21,7 +21,8 @@ use solver::response::scout::ScoutPlace;
 use solver::response::seeds::{LandingFailure, LandingMethod, Phase};
 use solver::response::starts::StartPlace;
 use solver::response::task::{
-    BranchId, Brought, CrossingPlace, DisturbPlace, FoldPlace, SeedOutcome, SeedPlace, Task, Unfollowed,
+    BranchEnd, BranchId, Brought, CarryPlace, CrossingPlace, DisturbPlace, FoldPlace, SeedOutcome, SeedPlace, Task,
+    Unfollowed,
 };
 use solver::response::windows::Window;
 use solver::settings::VerifyEffort;
@@ -88,6 +89,15 @@ fn find(granted: &Granted) -> Brought {
                 (BranchKind::Main, _) if amplitude < 2.0 => Brought::Curve(forcing(true)),
                 (BranchKind::Isola, 1) if number == 1 => Brought::Curve(forcing(false)),
                 _ => Brought::Nothing(SeedOutcome::NotFollowed(Unfollowed::Elsewhere)),
+            };
+        }
+        // What is cut is on one curve from either end, as at other levels; fold curves are none of its business.
+        Task::Carry(CarryPlace { branch, end }) => {
+            assert_eq!(known.iter().map(|known| known.branch).collect::<Vec<_>>(), [*branch], "what is carried");
+            return match (curves.first(), end) {
+                (Some(curve), _) => Brought::Nothing(SeedOutcome::OnCurve(curve.number)),
+                (None, BranchEnd::First) => Brought::Nothing(SeedOutcome::NotFollowed(Unfollowed::Elsewhere)),
+                (None, BranchEnd::Last) => Brought::Curve([0.25, 4.5].into()),
             };
         }
         Task::Crossing(CrossingPlace { curve, .. }) => {
@@ -168,7 +178,7 @@ fn plans(levels: usize) -> Vec<LevelPlan> {
 }
 
 fn rules(verify: VerifyEffort) -> Rules {
-    Rules { max_failures: 1000, max_lapses: 1000, most_folds: 20, verify, ..Rules::default() }
+    Rules { max_failures: 1000, max_lapses: 1000, most_folds: 20, verify, repeated: 1e9, ..Rules::default() }
 }
 
 /// One worker, no trouble.

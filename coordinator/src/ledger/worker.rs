@@ -14,6 +14,12 @@ pub(super) struct Worker {
     pub done: usize,
     /// Why results of it were refused.
     pub refusals: Vec<String>,
+    /// Results of it that others repeated, or were about to.
+    pub repeated: usize,
+    /// Results of it that two others contradict.
+    pub refuted: usize,
+    /// Results of it that were confirmed since the last one of these.
+    pub confirmed: usize,
     /// The chain that each computing thread worked on last.
     pub chains: HashMap<u32, usize>,
     /// Computing threads that have asked for work.

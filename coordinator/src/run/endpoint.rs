@@ -2,8 +2,8 @@
 
 use crate::cli::ServeArgs;
 use crate::error::Error;
+use protocol::credentials::Credentials;
 use protocol::keys::Keys;
-use protocol::secret::Secret;
 use protocol::session::{self, SessionError};
 use std::io;
 use std::net::{Ipv4Addr, SocketAddr};
@@ -23,8 +23,8 @@ pub struct Connection {
     pub endpoint: String,
     /// Where others on other machines connect to, as far as it is known here.
     pub elsewhere: String,
-    /// What lets others in, if anything has to.
-    pub secret: Option<Secret>,
+    /// What lets others in.
+    pub credentials: Credentials,
     /// Whether that is somebody else's router.
     pub is_over_router: bool,
     /// Where the run is served over HTTP, if it is.
@@ -36,35 +36,36 @@ pub struct Connection {
 /// # Errors
 /// If the endpoint is none, is in use or cannot be reached.
 pub async fn open(serve: &ServeArgs, directory: Option<&Path>) -> Result<Connection, Error> {
-    let secret = serve.access.secret(directory, serve.connect.is_some())?;
+    let chosen = serve.connect.as_deref().or(serve.listen.as_deref());
+    let credentials = serve.access.credentials(directory, chosen, serve.connect.is_some())?;
     let http = match &serve.http {
         Some(address) => Some(crate::http::bind(address).await?),
         None => None,
     };
     if let Some(router) = &serve.connect {
-        let session = session::connect(router, secret.as_ref()).await?;
+        let session = session::connect(router, &credentials).await?;
         return Ok(Connection {
             session,
             endpoint: router.clone(),
             elsewhere: router.clone(),
-            secret,
+            credentials,
             is_over_router: true,
             http,
         });
     }
     if let Some(listen) = &serve.listen {
         let listen = with_port(listen);
-        let session = session::listen(&listen, secret.as_ref()).await?;
+        let session = session::listen(&listen, &credentials, &serve.namespace).await?;
         let (endpoint, elsewhere) = (reachable(&listen), seen_from_elsewhere(&listen));
-        return Ok(Connection { session, endpoint, elsewhere, secret, is_over_router: false, http });
+        return Ok(Connection { session, endpoint, elsewhere, credentials, is_over_router: false, http });
     }
     let mut attempts = 0;
     loop {
         let endpoint = free_endpoint().map_err(Error::io("tcp/127.0.0.1"))?;
-        match session::listen(&endpoint, secret.as_ref()).await {
+        match session::listen(&endpoint, &credentials, &serve.namespace).await {
             Ok(session) => {
                 let elsewhere = endpoint.clone();
-                return Ok(Connection { session, endpoint, elsewhere, secret, is_over_router: false, http });
+                return Ok(Connection { session, endpoint, elsewhere, credentials, is_over_router: false, http });
             }
             // Somebody else took the port in between.
             Err(SessionError::Listen { .. }) if attempts < ATTEMPTS => attempts += 1,
@@ -91,11 +92,13 @@ fn free_endpoint() -> io::Result<String> {
 
 /// The endpoint with a port that is free now, if it leaves that open: others have to be told one.
 fn with_port(listen: &str) -> String {
-    let open = listen.strip_prefix("tcp/").and_then(|address| address.parse::<SocketAddr>().ok());
-    match open.filter(|address| address.port() == 0).and_then(|address| std::net::TcpListener::bind(address).ok()) {
-        Some(listener) => listener.local_addr().map_or_else(|_| listen.to_string(), |address| format!("tcp/{address}")),
-        None => listen.to_string(),
-    }
+    let free = || {
+        let (protocol, address) = listen.split_once('/')?;
+        let address = address.parse::<SocketAddr>().ok().filter(|address| address.port() == 0)?;
+        let bound = std::net::TcpListener::bind(address).and_then(|listener| listener.local_addr()).ok()?;
+        Some(format!("{protocol}/{bound}"))
+    };
+    free().unwrap_or_else(|| listen.to_string())
 }
 
 /// The endpoint to connect to from other machines, for one that is listened on.

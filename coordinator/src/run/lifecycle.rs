@@ -105,12 +105,13 @@ pub async fn drive(
             lease: Duration::from_secs_f64(options.lease),
             most_folds,
             verify: header.settings.verify.effort,
+            draw: uuid::Uuid::new_v4().as_u64_pair().0,
             ..Rules::default()
         },
         prepared,
     };
     let services = Services::start(start).await?;
-    access::keep(directory, connection.secret.as_ref())?;
+    access::keep(directory, &connection.credentials)?;
     let server = match connection.http.take() {
         Some(listener) => Some(over_http::serve(listener, directory, &header, &connection, services.shown())?),
         None => None,
@@ -204,19 +205,21 @@ impl Run {
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
         let count = self.options.workers.unwrap_or(cores);
         if count == 0 {
-            let secret = match &self.connection.secret {
+            let credentials = &self.connection.credentials;
+            let secret = match &credentials.secret {
                 Some(_) => format!(" --secret-file {}", self.directory.join(protocol::secret::FILE).display()),
                 None => String::new(),
             };
+            let tls = if credentials.certificate.is_some() { " --tls CERTIFICATES-OF-A-WORKER" } else { "" };
             terminal::note(format_args!(
-                "waiting for workers: isola worker --connect {}{secret}",
+                "waiting for workers: isola worker --connect {}{secret}{tls}",
                 self.connection.elsewhere
             ));
             return Ok(None);
         }
         let launch = Launch {
             endpoint: self.connection.endpoint.clone(),
-            secret: self.connection.secret.clone(),
+            credentials: self.connection.credentials.clone(),
             namespace: self.header.namespace.clone(),
             run: self.header.run.clone(),
             logs: self.directory.join("logs"),

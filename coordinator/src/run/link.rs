@@ -1,7 +1,7 @@
 //! Whether this process is connected, where it reaches its workers over somebody else's router.
 
-use crate::engine::{Event, Request};
-use std::sync::mpsc::Sender;
+use crate::engine::{Decider, Event};
+use std::sync::Arc;
 use std::time::Duration;
 use zenoh::Session;
 
@@ -10,12 +10,12 @@ const PERIOD: Duration = Duration::from_millis(200);
 
 /// Tells the engine as long as there is no router, and once more when there is one again: nobody can be heard of meanwhile. Ends
 /// with the engine.
-pub(super) async fn watch(session: Session, engine: Sender<Request>) {
+pub(super) async fn watch(session: Session, engine: Arc<Decider>) {
     let mut was_cut = false;
     loop {
         tokio::time::sleep(PERIOD).await;
         let is_cut = session.info().routers_zid().await.next().is_none();
-        if (is_cut || was_cut) && engine.send(Event::Stalled.into()).is_err() {
+        if (is_cut || was_cut) && !engine.tell(Event::Stalled) {
             return;
         }
         if is_cut != was_cut {

@@ -1,7 +1,9 @@
 //! Worker processes of a local sweep: the same executable, one a core.
 
+use protocol::certificate::{self, Certificate};
+use protocol::credentials::Credentials;
 use protocol::ids::RunId;
-use protocol::secret::{ENVIRONMENT, Secret};
+use protocol::secret::{self, Secret};
 use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -17,8 +19,8 @@ const RESTARTS: u32 = 10;
 pub struct Launch {
     /// Endpoint to connect to.
     pub endpoint: String,
-    /// What lets them in, if anything has to.
-    pub secret: Option<Secret>,
+    /// What lets them in: that of their coordinator.
+    pub credentials: Credentials,
     /// Namespace of the keys.
     pub namespace: String,
     /// Run to join.
@@ -116,7 +118,11 @@ impl Launch {
             .args(["--run", self.run.as_str()])
             // That of a run elsewhere would go before this run's own.
             .env_remove("ISOLA_SECRET_FILE")
-            .env(ENVIRONMENT, self.secret.as_ref().map_or("", Secret::reveal))
+            .env(secret::ENVIRONMENT, self.credentials.secret.as_ref().map_or("", Secret::reveal))
+            .env(
+                certificate::ENVIRONMENT,
+                self.credentials.certificate.as_ref().map_or(Path::new(""), Certificate::folder),
+            )
             .stdin(Stdio::piped())
             .stdout(Stdio::null())
             .stderr(append(&self.log(number))?)

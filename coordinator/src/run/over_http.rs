@@ -26,7 +26,7 @@ pub(super) fn serve(
 ) -> Result<Server, Error> {
     let url = http::url(&listener).map_err(Error::io("--http"))?;
     let page = page(header, connection, state.clone());
-    let secret = connection.secret.as_ref();
+    let secret = connection.credentials.secret.as_ref();
     let server = Server::start(listener, secret, Shown { run: header.run.clone(), state, meters, page });
     let token = secret.map(http::token);
     write_http(directory, &url, token.as_deref()).map_err(Error::io(directory))?;

@@ -1,7 +1,7 @@
 //! What a sweep needs beside the model: from the store, or computed.
 
 use crate::bus::PublishedSweep;
-use crate::engine::{Beginning, Event, Request, Stored};
+use crate::engine::{Beginning, Decider, Event, Stored};
 use crate::error::Error;
 use protocol::backbone::BackboneMessage;
 use protocol::curve::Size;
@@ -24,7 +24,6 @@ use solver::structure::Model;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::Sender;
 use std::time::{Duration, Instant};
 
 /// Time between two reports of where the backbone is.
@@ -77,7 +76,7 @@ pub fn stored(store: &Store, model: &Model) -> Result<Option<Prepared>, Error> {
     let backbones = backbones(model, std::iter::once(&message).chain(&further))?;
     let (levels, added) = (store.plans()?, store.added()?);
     let plan = Arc::new(SweepPlan { backbone: message, further, left_out, reach, levels, added });
-    let stored = Some(Stored { tasks: store.tasks()?, extents: store.extents()? });
+    let stored = Some(Stored { tasks: store.tasks()?, extents: store.extents()?, kept: store.kept()? });
     let sweep = Arc::new(PublishedSweep::new(Modal::new(model), backbones, plan.clone()));
     Ok(Some(Prepared { sweep, beginning: Beginning { plan, stored } }))
 }
@@ -144,7 +143,7 @@ fn levels(
 pub fn compute(
     header: &RunHeader,
     model: &Model,
-    engine: &Sender<Request>,
+    engine: &Decider,
     stop: &AtomicBool,
 ) -> Result<Option<Prepared>, Error> {
     let settings = &header.settings;
@@ -155,8 +154,7 @@ pub fn compute(
         if told.elapsed() > REPORT_PERIOD {
             told = Instant::now();
             let progress = Progress { points, omega: point.omega(), amplitude: point.amplitude() };
-            // If the engine has ended, that is noticed elsewhere.
-            let _ = engine.send(Event::Backbone(progress).into());
+            engine.tell(Event::Backbone(progress));
         }
         if stop.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };

@@ -3,8 +3,8 @@
 use super::endpoint::Connection;
 use super::link::watch as watch_link;
 use super::preparation::{Prepared, manifest};
-use crate::bus::{Presence, RunState, Served, announce, serve};
-use crate::engine::{Engine, Event, Meters, News, Reference, Request, commit, decide};
+use crate::bus::{Presence, Recent, RunState, Served, announce, serve};
+use crate::engine::{Decider, Engine, Event, Meters, News, Reference, commit, tick};
 use crate::error::Error;
 use crate::ledger::Rules;
 use protocol::codec::encode;
@@ -14,7 +14,7 @@ use results::store::{RunHeader, Store, StoreError};
 use solver::structure::Model;
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::sync::mpsc::{Sender, channel};
+use std::sync::mpsc::channel;
 use std::time::{Duration, Instant};
 use tokio::sync::{mpsc, watch};
 use tokio::task::{JoinError, JoinHandle, spawn_blocking};
@@ -24,14 +24,13 @@ use tokio::time::timeout;
 const LAST_COMMIT: Duration = Duration::from_secs(2);
 const LAST_NEWS: Duration = Duration::from_secs(1);
 
-/// Presence on the bus, and whoever decides, commits and announces.
+/// Presence on the bus, the engine, and whoever commits and announces.
 pub(super) struct Services {
-    engine: Sender<Request>,
+    engine: Arc<Decider>,
     state: Arc<watch::Sender<RunState>>,
     changes: watch::Receiver<RunState>,
     meters: Meters,
     presence: Presence,
-    deciding: JoinHandle<()>,
     committing: JoinHandle<Result<(), StoreError>>,
     announcing: JoinHandle<()>,
     /// Over a router.
@@ -57,10 +56,10 @@ impl Services {
         let (session, keys) = (&connection.session, Keys::new(&header.namespace, &header.run));
         let stage = if prepared.is_some() { Stage::Sweep } else { Stage::Backbone };
         let manifest = manifest(header, stage, rules.lease);
-        let (engine, requests) = channel();
         let (decisions, decided) = channel();
+        let engine = Arc::new(Decider::new(Engine::new(manifest.clone(), rules), decisions));
         let (news, told) = mpsc::unbounded_channel();
-        let (state, changes) = watch::channel(RunState::new(manifest.clone()));
+        let (state, changes) = watch::channel(RunState::new(manifest));
         let state = Arc::new(state);
         if let Some(prepared) = prepared {
             begin(prepared, &state, &engine);
@@ -68,23 +67,28 @@ impl Services {
         let model_bytes = encode(&header.model);
         let reference = Reference { model, settings: header.settings };
         let meters = Meters::default();
-        let served = Served { directory, model_bytes, reference, meters: meters.clone(), state: changes.clone() };
+        let recent = Arc::new(Recent::default());
+        let (counted, kept) = (meters.clone(), recent.clone());
+        let served =
+            Served { directory, model_bytes, reference, meters: meters.clone(), recent, state: changes.clone() };
         let presence = serve(session, &keys, served, engine.clone())
             .await
             .map_err(|error| Error::Other(format!("the run cannot be served on the bus: {error}")))?;
         let watching = connection.is_over_router.then(|| tokio::spawn(watch_link(session.clone(), engine.clone())));
         let announcing = tokio::spawn(announce(session.clone(), keys, told));
-        let machine = Engine::new(manifest, rules);
-        let deciding = spawn_blocking(move || decide(machine, &requests, &decisions));
-        let (updated, counted) = (state.clone(), meters.clone());
+        tokio::spawn(tick(Arc::downgrade(&engine)));
+        let updated = state.clone();
         let committing = spawn_blocking(move || {
-            commit(store, &decided, &counted, |item| {
-                update(&updated, &item);
-                // Without whoever announces, those who want to know can still ask.
-                let _ = news.send(item);
+            commit(store, &decided, &counted, |item| match item {
+                News::Result(task, bytes) => kept.keep(task, bytes),
+                item => {
+                    update(&updated, &item);
+                    // Without whoever announces, those who want to know can still ask.
+                    let _ = news.send(item);
+                }
             })
         });
-        Ok(Self { engine, state, changes, meters, presence, deciding, committing, announcing, watching })
+        Ok(Self { engine, state, changes, meters, presence, committing, announcing, watching })
     }
 
     /// Lets a sweep begin.
@@ -95,11 +99,11 @@ impl Services {
     /// Tells the engine something.
     pub fn send(&self, event: Event) {
         // If the engine has ended, it says why when changes are waited for.
-        let _ = self.engine.send(event.into());
+        self.engine.tell(event);
     }
 
     /// For whoever tells the engine something on the way.
-    pub fn engine(&self) -> Sender<Request> {
+    pub fn engine(&self) -> Arc<Decider> {
         self.engine.clone()
     }
 
@@ -143,7 +147,7 @@ impl Services {
     /// # Errors
     /// If what was decided last cannot be stored.
     pub async fn stop(self) -> Result<(), Error> {
-        // Without presence on the bus and this sender nothing is left to decide, and the store is closed.
+        // Without presence on the bus and this engine nothing is left to decide, and the store is closed.
         drop(self.presence);
         if let Some(watching) = self.watching {
             watching.abort();
@@ -152,16 +156,16 @@ impl Services {
         if let Ok(Ok(Err(error))) = timeout(LAST_COMMIT, self.committing).await {
             return Err(error.into());
         }
-        let _ = timeout(LAST_NEWS, async { tokio::join!(self.deciding, self.announcing) }).await;
+        let _ = timeout(LAST_NEWS, self.announcing).await;
         Ok(())
     }
 }
 
 /// Shows what is known when the sweep begins, and lets it begin.
-fn begin(prepared: Prepared, state: &watch::Sender<RunState>, engine: &Sender<Request>) {
+fn begin(prepared: Prepared, state: &watch::Sender<RunState>, engine: &Decider) {
     let Prepared { sweep, beginning } = prepared;
     state.send_modify(|state| state.sweep = Some(sweep));
-    let _ = engine.send(Event::Begin(Box::new(beginning)).into());
+    engine.tell(Event::Begin(Box::new(beginning)));
 }
 
 /// What is told is so from now on.
@@ -172,7 +176,7 @@ fn update(state: &watch::Sender<RunState>, news: &News) {
             (state.status, state.told) = (Some(status.clone()), Instant::now());
         }),
         News::Load(load) => state.send_modify(|state| state.load = Some(load.as_ref().clone())),
-        News::Done(_) | News::Hint | News::Wake(_) => {}
+        News::Result(..) | News::Done(_) | News::Hint | News::Wake(_) => {}
     }
 }
 

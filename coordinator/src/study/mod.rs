@@ -171,7 +171,11 @@ fn known_keys(study: &Layers) -> Result<(), ModelError> {
     let known = || OWN.into_iter().chain(NUMERICS).chain(config::KEYS.into_iter().filter(|key| is_scenario(key)));
     match study.table().keys().find(|key| !known().any(|name| name == *key)) {
         None => Ok(()),
-        Some(key) => Err(ModelError::unknown(study.place(key), key, known().chain(OFTEN))),
+        Some(key) => {
+            // Those of a section are meant where one has this very name.
+            let meant = OFTEN.into_iter().filter(|often| often.rsplit('.').next() == Some(key));
+            Err(ModelError::unknown(study.place(key), key, known().chain(meant)))
+        }
     }
 }
 

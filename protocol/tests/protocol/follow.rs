@@ -2,9 +2,10 @@
 
 use crate::samples;
 use protocol::codec::{encode, encoding, sha256};
+use protocol::credentials::Credentials;
 use protocol::follow::{FollowError, Follower, Update};
 use protocol::ids::TaskId;
-use protocol::keys::{Keys, last_chunk};
+use protocol::keys::{Keys, NAMESPACE, last_chunk};
 use protocol::session::{RequestError, answer, connect, listen, refuse};
 use protocol::to_everyone::{Done, Stage, Status, StoredResult};
 use std::sync::{Arc, Mutex};
@@ -41,7 +42,7 @@ fn done(sequence: u64) -> Done {
 
 impl Coordinator {
     async fn start(endpoint: &str, store: Arc<Mutex<Store>>) -> Self {
-        let session = listen(endpoint, None).await.unwrap();
+        let session = listen(endpoint, &Credentials::default(), NAMESPACE).await.unwrap();
         let keys = Keys::new("isola", &samples::manifest().run);
         let coordinator = Self { session, keys, store };
         for key in [coordinator.keys.status(), coordinator.keys.all_done(), coordinator.keys.results()] {
@@ -91,7 +92,7 @@ fn lend(query: &Query, keys: &Keys, store: &Store) {
 async fn pair(port: u16) -> (Coordinator, Follower) {
     let endpoint = own_endpoint(port);
     let coordinator = Coordinator::start(&endpoint, Arc::default()).await;
-    let session = connect(&endpoint, None).await.unwrap();
+    let session = connect(&endpoint, &Credentials::default()).await.unwrap();
     let follower = Follower::start(&session, &coordinator.keys, PATIENCE).await.unwrap();
     (coordinator, follower)
 }
@@ -161,7 +162,7 @@ async fn a_coordinator_that_is_gone() {
     let coordinator = Coordinator::start(&endpoint, Arc::default()).await;
     coordinator.enter(Stage::Sweep);
     coordinator.store(1);
-    let session = connect(&endpoint, None).await.unwrap();
+    let session = connect(&endpoint, &Credentials::default()).await.unwrap();
     let mut follower = Follower::start(&session, &coordinator.keys, Duration::from_secs(1)).await.unwrap();
     assert_eq!(heard(&mut follower, 1).await, [1]);
     coordinator.session.close().await.unwrap();

@@ -6,17 +6,17 @@
 use crate::samples::{self, SIZE, Visit};
 use protocol::branch::TaskResultMessage;
 use protocol::codec::{Message, decode_stored, encode, encoding};
-use protocol::from_worker::SubmitRequest;
+use protocol::from_worker::{CheckpointRequest, SubmitRequest};
 use protocol::model::ModelMessage;
 use protocol::to_everyone::StoredResult;
-use protocol::to_worker::LeaseReply;
+use protocol::to_worker::{Checkpoint, LeaseReply};
 use rand::{Rng, SeedableRng};
 use solver::response::task::Task;
 use std::fmt::Debug;
 use std::time::{Duration, Instant};
 
 /// Messages that samples are of.
-const SAMPLES: u32 = 45;
+const SAMPLES: u32 = 52;
 /// More than anything that the samples' bytes may become, kB.
 const MEMORY: u64 = 256 << 10;
 
@@ -105,6 +105,12 @@ fn converted(bytes: &[u8]) {
         if let (Some(settling), Task::March(place)) = (settling, work) {
             let _ = settling.is_sound(&place, SIZE.monitors);
         }
+    }
+    if let Ok(CheckpointRequest { steps, .. }) = decode_stored(bytes) {
+        let _ = steps.steps().is_ok();
+    }
+    if let Ok(Checkpoint { parts, .. }) = decode_stored(bytes) {
+        let _ = parts.iter().all(|part| part.steps().is_ok());
     }
     if let Ok(LeaseReply::Grant(grant)) = decode_stored(bytes) {
         let _ = grant.seeds.seeds(&SIZE);

@@ -58,6 +58,8 @@ fn keys_are_those_documented() {
         (keys.lease(), "rpc/lease"),
         (keys.renew(), "rpc/renew"),
         (keys.submit(&task), "rpc/submit/<task>"),
+        (keys.keep(&task), "rpc/checkpoint/<task>"),
+        (keys.checkpoint(&task), "checkpoint/<task>"),
         (keys.fail(), "rpc/fail"),
         (keys.release(), "rpc/release"),
         (keys.control(), "rpc/control"),
@@ -68,7 +70,7 @@ fn keys_are_those_documented() {
         (keys.alive_workers(), "alive/worker/*"),
     ] {
         let filled = name.replace("<task>", task.as_str()).replace("<worker>", worker.as_str()).replace("<mode>", "2");
-        assert_eq!(key, format!("isola/v5/damper-1/{filled}"));
+        assert_eq!(key, format!("isola/v6/damper-1/{filled}"));
         assert!(documented.contains(&format!("`{name}`")), "{name} is not in MESSAGES.md");
         zenoh::key_expr::KeyExpr::try_from(key.as_str()).unwrap();
         assert!(zenoh::key_expr::KeyExpr::autocanonize(key.clone()).is_ok_and(|canon| canon.as_str() == key));
@@ -84,8 +86,10 @@ fn wildcards_meet_what_they_are_for() {
     assert!(key(&all_runs(NAMESPACE)).includes(&key(&keys.run())));
     assert!(key(&all_versions(NAMESPACE)).includes(&key(&keys.run())));
     assert!(key(&all_versions(NAMESPACE)).includes(&key("isola/v2/b/run")));
-    assert!(!key(&all_runs(NAMESPACE)).intersects(&key("isola/v6/b/run")));
-    for request in [keys.lease(), keys.renew(), keys.submit(&task), keys.fail(), keys.release(), keys.control()] {
+    assert!(!key(&all_runs(NAMESPACE)).intersects(&key("isola/v7/b/run")));
+    for request in
+        [keys.lease(), keys.renew(), keys.submit(&task), keys.keep(&task), keys.fail(), keys.release(), keys.control()]
+    {
         assert!(key(&keys.requests()).includes(&key(&request)));
     }
     assert!(!key(&keys.requests()).intersects(&key(&keys.result(&task))));

@@ -7,10 +7,12 @@ use protocol::backbone::BackboneMessage;
 use protocol::branch::{BranchMessage, TaskResultMessage};
 use protocol::codec::{Message, decode, decode_stored, encode, encoding};
 use protocol::curve::{Points, Seeds, Size};
-use protocol::from_worker::{Lease, SubmitRequest};
+use protocol::from_worker::{CheckpointRequest, Lease, SubmitRequest};
 use protocol::ids::{Attempt, TaskId, WorkerId};
 use protocol::model::ModelMessage;
+use protocol::steps::Steps;
 use protocol::to_everyone::StoredResult;
+use protocol::to_worker::Grant;
 use solver::files;
 use solver::formulation::modal::Modal;
 use solver::response::backbone::Backbone;
@@ -94,6 +96,8 @@ fn branches() {
             },
             program: protocol::PROGRAM.into(),
             seconds: 0.5,
+            next: false,
+            orbits: None,
             finding: (&TaskResult::Branch(branch.clone())).into(),
         };
         let TaskResultMessage::Branch(message) = through_bytes(&submit).finding else { panic!("a branch was sent") };
@@ -332,4 +336,45 @@ proptest! {
             }
         }
     }
+}
+
+#[test]
+fn steps_keep_every_bit() {
+    let steps = samples::walked();
+    let message = Steps::new("0f".into(), 7, &steps);
+    assert_eq!((message.len(), message.first, message.is_empty()), (2, 7, false));
+    let request = CheckpointRequest { lease: samples::lease(), steps: message.clone() };
+    assert_identical(&through_bytes(&request).steps.steps().unwrap(), &steps);
+    // What is of another length is another message's.
+    let mut other = steps.clone();
+    other[1].memory.push(0.5);
+    assert_identical(&Steps::new("0f".into(), 7, &other).steps().unwrap(), &vec![other[0].clone()]);
+    assert_identical(&Steps::new("0f".into(), 7, &[]).steps().unwrap(), &[(); 0]);
+    let damage: [fn(&mut Steps); 6] = [
+        |steps| steps.walk.truncate(1),
+        |steps| steps.rejections.push(1),
+        |steps| steps.is_narrow.clear(),
+        |steps| steps.state = Array::new([2, 1], [0.0, f64::NAN]),
+        |steps| steps.tangent.shape = vec![2, usize::MAX],
+        |steps| steps.longest_step.data.truncate(3),
+    ];
+    for damage in damage {
+        let mut damaged = message.clone();
+        damage(&mut damaged);
+        assert!(damaged.steps().is_err());
+    }
+}
+
+/// Only what steps depend on tells checkpoints apart.
+#[test]
+fn a_fingerprint_is_of_what_steps_depend_on() {
+    let grant = samples::grant();
+    let later = Grant { attempt: Attempt(7), ttl_ms: 1, checkpoint: 99, ..grant.clone() };
+    assert_eq!(later.fingerprint(), grant.fingerprint());
+    let mut others = vec![grant.clone(); 4];
+    others[0].amplitude = 2.25;
+    others[1].known.pop();
+    others[2].reach.frequency.1 = 1.75;
+    others[3].landing = None;
+    assert!(others.iter().all(|other| other.fingerprint() != grant.fingerprint()));
 }

@@ -5,8 +5,8 @@ mod results;
 
 pub use endings::outcomes;
 pub use results::{
-    done, done_nothing, result, result_curve, result_disturbance, result_landings, result_nothing, result_settling,
-    result_verification,
+    done, done_nothing, result, result_carried, result_curve, result_disturbance, result_landings, result_nothing,
+    result_settling, result_verification,
 };
 
 use protocol::VERSION;
@@ -17,15 +17,24 @@ use protocol::codec::Message;
 use protocol::columns::Columns;
 use protocol::control::{ControlReply, ControlRequest};
 use protocol::curve::{Motions, Points, Seeds, Size};
-use protocol::from_worker::{FailRequest, Lease, LeaseRequest, Progress, ReleaseRequest, RenewRequest, SubmitRequest};
+use protocol::from_worker::{
+    CheckpointRequest, FailRequest, Lease, LeaseRequest, Progress, ReleaseRequest, RenewRequest, SubmitRequest,
+};
 use protocol::ids::{Attempt, RunId, TaskId, WorkerId};
 use protocol::model::{ElementMessage, ModelMessage};
+use protocol::orbits::OrbitsMessage;
+use protocol::pieces::{Piece, PieceReply};
+use protocol::steps::Steps;
 use protocol::to_everyone::{
-    Amplitude, Counts, LevelStatus, LevelWindows, Manifest, SeedMessage, Stage, Status, WindowsMessage, WorkerStatus,
+    Amplitude, Counts, LevelStatus, LevelWindows, Manifest, SeedMessage, Stage, StalledTask, Status, WindowsMessage,
+    WorkerStatus,
 };
-use protocol::to_worker::{Acknowledgement, Grant, Known, KnownCurve, LeaseReply, RenewReply, SubmitReply};
-use solver::curve::continuation::Rejection;
+use protocol::to_worker::{
+    Acknowledgement, Checkpoint, CheckpointReply, Grant, Known, KnownCurve, LeaseReply, RenewReply, SubmitReply,
+};
+use solver::curve::continuation::{CurvePoint, Rejection};
 use solver::curve::problem::Failure;
+use solver::curve::record::{Ahead, Step};
 use solver::response::branch::{BranchKind, Certificate, Outcome, SpecialKind, SpecialPoint, Standing, Stop};
 use solver::response::certificate::Doubled;
 use solver::response::forced::SearchRange;
@@ -34,6 +43,7 @@ use solver::response::seeds::{LandingFailure, LandingMethod, Phase};
 use solver::response::task::{BranchId, SeedOutcome, SeedPlace, Task};
 use solver::response::windows::Window;
 use solver::settings::Settings;
+use solver::stability::shooting::Orbit;
 use solver::structure::laws::{Contact, Friction, Jenkins, LawKind, PenaltySpring, PolynomialDamper, PolynomialSpring};
 use solver::structure::laws::{TanhFriction, Term};
 use std::fmt::Debug;
@@ -56,6 +66,7 @@ pub fn all(visitor: &mut impl Visit) {
     visitor.visit("result", &result());
     visitor.visit("result_nothing", &result_nothing());
     visitor.visit("result_curve", &result_curve());
+    visitor.visit("result_carried", &result_carried());
     visitor.visit("result_landings", &result_landings());
     visitor.visit("result_verification", &result_verification());
     visitor.visit("result_disturbance", &result_disturbance());
@@ -65,7 +76,25 @@ pub fn all(visitor: &mut impl Visit) {
     visitor.visit("lease_request", &lease_request());
     visitor.visit("renew_request", &RenewRequest { lease: lease(), progress: Some(progress()) });
     visitor.visit("submit_request", &submit_request(TaskResultMessage::Branch(branch())));
+    let next = SubmitRequest { next: true, ..submit_request(TaskResultMessage::Nothing(not_landed())) };
+    visitor.visit("submit_request_next", &next);
+    let orbits = Orbit { omega: 1.25, forcing: 60.0, steps: 4096, state: vec![0.5, -0.25] };
+    let orbits = OrbitsMessage::new(&[orbits.clone(), Orbit { steps: 4100, ..orbits }]);
+    let verification = result_verification().verification.expect("it is one");
+    let verified = SubmitRequest { orbits, ..submit_request(TaskResultMessage::Verification(verification)) };
+    visitor.visit("submit_request_verification", &verified);
     visitor.visit("submit_request_nothing", &submit_request(TaskResultMessage::Nothing(not_landed())));
+    visitor.visit("checkpoint_request", &CheckpointRequest { lease: lease(), steps: steps() });
+    visitor.visit("steps", &steps());
+    visitor.visit("checkpoint", &Checkpoint { task: task(), parts: vec![steps()] });
+    visitor.visit("checkpoint_reply-kept", &CheckpointReply::Kept);
+    visitor.visit("checkpoint_reply-busy", &CheckpointReply::Busy);
+    visitor.visit("checkpoint_reply-enough", &CheckpointReply::Enough);
+    visitor.visit("checkpoint_reply-lost", &CheckpointReply::Lost);
+    visitor.visit("piece", &Piece { message: "a1b2-0".into(), number: 2, size: 150_000 });
+    visitor.visit("piece_reply-taken", &PieceReply::Taken);
+    visitor.visit("piece_reply-busy", &PieceReply::Busy);
+    visitor.visit("piece_reply-missing", &PieceReply::Missing);
     visitor.visit("fail_request", &FailRequest { lease: lease(), reason: "out of memory".into() });
     visitor.visit("release_request", &ReleaseRequest { lease: lease() });
     visitor.visit("lease_reply-grant", &LeaseReply::Grant(grant()));
@@ -76,6 +105,7 @@ pub fn all(visitor: &mut impl Visit) {
     visitor.visit("renew_reply-lost", &RenewReply::Lost);
     visitor.visit("renew_reply-cancel", &RenewReply::Cancel);
     visitor.visit("submit_reply-accepted", &SubmitReply::Accepted);
+    visitor.visit("submit_reply-next", &SubmitReply::Next(Box::new(grant())));
     visitor.visit("submit_reply-duplicate", &SubmitReply::Duplicate { agrees: true });
     visitor.visit("submit_reply-busy", &SubmitReply::Busy { retry_ms: 500 });
     visitor.visit("submit_reply-rejected", &SubmitReply::Rejected { why: "no such task".into() });
@@ -106,7 +136,7 @@ fn program() -> String {
     "0.1.0".into()
 }
 
-fn lease() -> Lease {
+pub fn lease() -> Lease {
     Lease { task: task(), attempt: Attempt(2), worker: worker(), slot: 1 }
 }
 
@@ -182,7 +212,7 @@ pub fn branch() -> BranchMessage {
         certificate: Some(Certificate {
             penetration: Some(0.125),
             pressure_beyond: None,
-            doubled: Some(Doubled { amplitude: 0.375, shift: 1e-3 }),
+            doubled: Some(Doubled { amplitude: 0.375, shift: 1e-3, range: Some((0.5, 0.625)) }),
         }),
         points: points(2),
     }
@@ -307,6 +337,7 @@ pub fn status() -> Status {
             progress: Some(progress()),
         }],
         workers: vec![WorkerStatus { worker: worker(), tasks: vec![task()], done: 4, progress: None }],
+        stalled: vec![StalledTask { task: task(), worker: worker(), seconds: 900.0 }],
         sequence: 4,
         elapsed: 12.5,
         eta: Some(30.0),
@@ -318,12 +349,12 @@ fn lease_request() -> LeaseRequest {
 }
 
 fn submit_request(finding: TaskResultMessage) -> SubmitRequest {
-    SubmitRequest { lease: lease(), program: program(), seconds: 1.5, finding }
+    SubmitRequest { lease: lease(), program: program(), seconds: 1.5, next: false, orbits: None, finding }
 }
 
-fn grant() -> Grant {
+pub fn grant() -> Grant {
     Grant {
-        curves: vec![KnownCurve { number: 0, task: TaskId::of_fold(3) }],
+        curves: vec![KnownCurve { number: 0, task: TaskId::new("fold-3").unwrap() }],
         task: task(),
         attempt: Attempt(2),
         ttl_ms: 30_000,
@@ -336,5 +367,29 @@ fn grant() -> Grant {
             Known { branch: BranchId::MAIN, task: TaskId::of_level("2.5", 0).unwrap() },
             Known { branch: BranchId::isola(0), task: TaskId::of_level("2.5", 1).unwrap() },
         ],
+        checkpoint: 12,
     }
+}
+
+/// Two steps of a state of three numbers.
+pub fn walked() -> Vec<Step> {
+    let step = |i: usize| Step {
+        walk: 1,
+        point: CurvePoint {
+            y: vec![0.25, -0.5, 1.0 + i as f64],
+            tangent: vec![0.0, -0.0, 1.0],
+            iterations: 3,
+            factorisations: 1 + i,
+            residual: 5e-13,
+            orientation: -1.0,
+            step: 0.125,
+        },
+        ahead: Ahead { step: 0.25, longest: f64::INFINITY, is_narrow: i == 1, rejections: 4, is_refreshed: i == 0 },
+        memory: vec![0.75],
+    };
+    vec![step(0), step(1)]
+}
+
+fn steps() -> Steps {
+    Steps::new("0f".into(), 12, &walked())
 }

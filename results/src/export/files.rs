@@ -14,7 +14,7 @@ use protocol::curve::Size;
 use solver::response::windows::{Event, EventKind, events};
 use std::path::Path;
 
-const SUMMARY: [&str; 18] = [
+const SUMMARY: [&str; 20] = [
     "amplitude",
     "branch",
     "kind",
@@ -33,6 +33,8 @@ const SUMMARY: [&str; 18] = [
     "amplitude_2h",
     "shift_2h",
     "stable",
+    "omega_min_2h",
+    "omega_max_2h",
 ];
 const WINDOWS: [&str; 10] =
     ["amplitude", "window", "omega_min", "omega_max", "omega_best", "threshold", "outcome", "branch", "reason", "mode"];
@@ -231,8 +233,9 @@ fn write_summary(dir: &Path, levels: &[Level]) -> Result<(), ExportError> {
     table.finish()
 }
 
-fn summary_row(level: &Level, branch: &BranchRow) -> [String; 18] {
+fn summary_row(level: &Level, branch: &BranchRow) -> [String; 20] {
     let certificate = &branch.certificate;
+    let range = certificate.doubled.and_then(|doubled| doubled.range);
     [
         level.amplitude.clone(),
         branch.number.to_string(),
@@ -253,6 +256,8 @@ fn summary_row(level: &Level, branch: &BranchRow) -> [String; 18] {
         optional(certificate.doubled.map(|doubled| doubled.shift)),
         // Of what is around a peak no share of the branch follows.
         optional(branch.stability.as_ref().filter(|stability| stability.is_whole).map(|stability| stability.stable)),
+        optional(range.map(|(low, _)| low)),
+        optional(range.map(|(_, high)| high)),
     ]
 }
 

@@ -58,7 +58,7 @@ fn a_finished_run() {
     assert_eq!(
         columns,
         "amplitude,branch,kind,status,points,omega_min,omega_max,amplitude_max,omega_at_max,contact_omega_min,\
-         contact_omega_max,peak_standing,family,penetration,pressure_beyond,amplitude_2h,shift_2h,stable"
+         contact_omega_max,peak_standing,family,penetration,pressure_beyond,amplitude_2h,shift_2h,stable,omega_min_2h,omega_max_2h"
     );
     let keys: Vec<[&str; 3]> = rows.iter().map(|r| ["amplitude", "kind", "branch"].map(|c| r[c].as_str())).collect();
     assert_eq!(keys, [["3e-3", "main", "1"], ["0.006", "main", "1"], ["0.006", "isola", "1"]]);
@@ -69,7 +69,11 @@ fn a_finished_run() {
     let [peak, doubled, shift] =
         ["amplitude_max", "amplitude_2h", "shift_2h"].map(|c| rows[2][c].parse::<f64>().unwrap());
     assert!((doubled / peak - 1.0).abs() < 1e-2 && shift.abs() < 1e-2, "{doubled} for {peak}, {shift}");
-    assert_eq!(rows[2]["contact_omega_min"], "");
+    for [own, doubled] in [["omega_min", "omega_min_2h"], ["omega_max", "omega_max_2h"]] {
+        let [own, doubled] = [own, doubled].map(|column| rows[2][column].parse::<f64>().unwrap());
+        assert!((doubled / own - 1.0).abs() < 1e-2, "{doubled} for {own}");
+    }
+    assert_eq!([&rows[0]["omega_min_2h"], &rows[2]["contact_omega_min"]], ["", ""]);
 
     let (columns, rows) = table(&out.join("branches/0.006-isola-1.csv"));
     assert_eq!(

@@ -5,15 +5,15 @@ use super::data::{Axis, Direction, Entry, Figure, Kind, Label, Panel, Series, Si
 use super::folds::{EVENTS, event_label, of_kind};
 use super::style::{BOLD, Color, FINE, MARK, MEDIUM, Shape, Style};
 use super::subject::{BackboneColumns, Subject};
-use crate::curves::BackboneCurve;
 use crate::overview::{WindowOutcome, WindowRow};
 use crate::store::{BranchRow, CurvePoint};
 use crate::words::digits;
 use solver::response::branch::BranchKind;
 use solver::response::windows::{Event, EventKind};
 
-/// Thresholds within this factor of the levels are shown.
-const NEAR: f64 = 4.0;
+/// Thresholds are shown from the lowest level divided by the first of these to the highest one times the second, as far as folds are
+/// followed.
+const NEAR: (f64, f64) = (4.0, 2.0);
 /// Bars are thinner where there are many: their widths together, px, and those of the main branches, which are wide.
 const TOGETHER: (f64, f64) = (100.0, 30.0);
 
@@ -32,8 +32,16 @@ pub fn figure(
     let is_open = |(_, other): &(f64, &BranchRow)| other.kind == BranchKind::Open.name();
     let isolas = || others().filter(move |other| !is_open(other));
     let ends = isolas().flat_map(|(_, isola)| [isola.omega.0, isola.omega.1]);
-    let x = Axis::around("", Unit::none(), backbone.omega.values.iter().copied().chain(ends));
-    let y = Axis::logarithmic("forcing amplitude A, threshold A*", Unit::none(), thresholds(subject, backbone));
+    let is_near = near(subject);
+    let (omegas, thresholds) = (&backbone.omega.values, &backbone.threshold.values);
+    let shown = || thresholds.iter().zip(omegas).filter(|(threshold, _)| is_near(**threshold));
+    let levels = subject.levels.iter().map(|level| level.value);
+    let values = levels.chain(shown().map(|(threshold, _)| *threshold));
+    let y = Axis::logarithmic("forcing amplitude A, threshold A*", Unit::none(), values);
+    let is_any = shown().next().is_some();
+    let of_backbone = thresholds.iter().zip(omegas).filter(|(threshold, _)| !is_any || is_near(**threshold));
+    let events = EVENTS.iter().flat_map(|(kind, ..)| computed(subject, &y, kind)).map(|point| point.omega);
+    let x = Axis::around("", Unit::none(), of_backbone.map(|(_, omega)| *omega).chain(ends).chain(events));
 
     let mut drawing = Drawing { series: Vec::new(), legend: Vec::new(), store };
     let curve = Style::line(Color::Ink, MEDIUM);
@@ -166,12 +174,10 @@ fn computed<'s>(subject: &Subject<'s>, y: &'s Axis, wanted: &'s str) -> impl Ite
     of_kind(subject.curves, wanted).filter(|point| (0.0..=1.0).contains(&y.share(point.forcing)))
 }
 
-/// What the axis of A spans: all levels, and thresholds within a few times as much or as little.
-fn thresholds<'s>(subject: &'s Subject<'_>, backbone: &'s BackboneCurve) -> impl Iterator<Item = f64> + 's {
-    let levels = subject.levels.iter().map(|level| level.value);
-    let (low, high) = super::axis::bounds(levels.clone());
-    let is_near = move |value: &f64| (low / NEAR..=high * NEAR).contains(value);
-    levels.chain(backbone.threshold.values.iter().copied().filter(is_near))
+/// Whether a threshold is shown.
+fn near(subject: &Subject<'_>) -> impl Fn(f64) -> bool {
+    let (low, high) = super::axis::bounds(subject.levels.iter().map(|level| level.value));
+    move |threshold| (low / NEAR.0..=high * NEAR.1).contains(&threshold)
 }
 
 /// Windows of the levels with such an outcome, each with its forcing amplitude.

@@ -147,7 +147,7 @@ fn period() -> Axis {
 }
 
 fn displacements(nodes: &[Node], has_contact: bool) -> Panel {
-    let about = if has_contact { "Displacement towards the casing" } else { "Displacement" };
+    let about = if has_contact { "Displacement towards the stop" } else { "Displacement" };
     let mut gaps: Vec<f64> = nodes.iter().filter_map(|node| node.gap).collect();
     gaps.sort_by(f64::total_cmp);
     gaps.dedup();

@@ -44,7 +44,8 @@ pub fn doubts(reader: &Reader) -> Result<Option<String>> {
     let lost = [
         (search.unfollowed, "fold", "not followed over the forcing"),
         (search.left_out, "fold", "beyond the limit of the search"),
-        (search.lost, "crossing", "of a fold curve and a level, without a branch"),
+        (search.lost, "crossing", "of a curve and a level, without a branch"),
+        (search.uncarried, "open branch", "not followed to all levels"),
     ];
     let lost = lost.into_iter().filter(|(number, ..)| *number > 0);
     curves.extend(lost.map(|(number, what, why)| format!("{} ({why})", count(number, what))));

@@ -1,17 +1,23 @@
 //! Families: which branches of neighbouring levels are the same thing at another forcing.
 
 use super::level::Level;
-use crate::store::BranchRow;
+use crate::store::{BranchRow, CurveRow};
+
+/// How far from an end of an isola's range a fold curve may cross its level, as a share of its width: points of curves are joined by
+/// straight lines.
+const AT_END: f64 = 0.05;
 
 /// Numbers the branches beside the main ones by families, from 1 in the order in which they appear level by level: two of
-/// neighbouring levels are of one family if their frequency ranges overlap by more than half of the smaller one. Where
-/// families split or merge, the larger overlap keeps its number.
-pub(super) fn join(levels: &mut [Level]) {
+/// neighbouring levels are of one family if their frequency ranges overlap by more than half of the smaller one, or else if a
+/// fold curve leads from an end of the one to the same end of the other. Where families split or merge, the larger overlap
+/// keeps its number.
+pub(super) fn join(levels: &mut [Level], curves: &[CurveRow]) {
     let mut count = 0;
     for i in 0..levels.len() {
         let (before, rest) = levels.split_at_mut(i);
         let Some(level) = rest.first_mut() else { return };
         let earlier: Vec<&BranchRow> = before.last().map(|level| level.others().collect()).unwrap_or_default();
+        let passages = before.last().map(|lower| passages(curves, [lower.value, level.value])).unwrap_or_default();
         let mut now: Vec<&mut BranchRow> = level.branches.iter_mut().filter(|branch| !branch.is_main()).collect();
         let mut pairs: Vec<(f64, usize, usize)> = Vec::new();
         for (e, one) in earlier.iter().enumerate() {
@@ -28,11 +34,54 @@ pub(super) fn join(levels: &mut [Level]) {
                 now[n].family = earlier[e].family;
             }
         }
+        for [from, to] in passages {
+            let starts = |(e, row): (usize, &&BranchRow)| Some((e, end_at(row, from).filter(|_| !is_continued[e])?));
+            let Some((e, end)) = earlier.iter().enumerate().find_map(starts) else { continue };
+            let next = now.iter().position(|row| row.family.is_none() && end_at(row, to) == Some(end));
+            if let Some(n) = next {
+                is_continued[e] = true;
+                now[n].family = earlier[e].family;
+            }
+        }
         for branch in now.into_iter().filter(|branch| branch.family.is_none()) {
             count += 1;
             branch.family = Some(count);
         }
     }
+}
+
+/// Frequencies at two forcing amplitudes between which fold curves lead from the one to the other without leaving them.
+fn passages(curves: &[CurveRow], levels: [f64; 2]) -> Vec<[f64; 2]> {
+    let mut found = Vec::new();
+    for curve in curves {
+        // The level crossed last, and where.
+        let mut last: Option<(usize, f64)> = None;
+        for pair in curve.points.windows(2) {
+            let (a, b) = (&pair[0], &pair[1]);
+            let mut crossed: Vec<(f64, usize)> = Vec::new();
+            for (which, &level) in levels.iter().enumerate() {
+                if (a.forcing < level) != (b.forcing < level) {
+                    crossed.push(((level - a.forcing) / (b.forcing - a.forcing), which));
+                }
+            }
+            crossed.sort_by(|one, other| one.0.total_cmp(&other.0));
+            for (share, which) in crossed {
+                let omega = a.omega + share * (b.omega - a.omega);
+                if let Some((before, from)) = last.filter(|(before, _)| *before != which) {
+                    found.push(if before == 0 { [from, omega] } else { [omega, from] });
+                }
+                last = Some((which, omega));
+            }
+        }
+    }
+    found
+}
+
+/// Which end of an isola's range this is, 0 for the lower one.
+fn end_at(row: &BranchRow, omega: f64) -> Option<usize> {
+    let (low, high) = row.omega;
+    let is_at = |end: f64| (omega - end).abs() <= AT_END * (high - low);
+    [low, high].into_iter().position(is_at).filter(|_| row.is_isola())
 }
 
 /// Width of the overlap of two ranges, if it is more than half of the smaller one.
@@ -45,17 +94,29 @@ fn overlap(a: (f64, f64), b: (f64, f64)) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::store::CurvePoint;
 
-    /// Families of levels whose branches have these kinds and ranges.
-    fn families(levels: &[&[(&str, (f64, f64))]]) -> Vec<Vec<Option<usize>>> {
-        let branch =
-            |&(kind, omega): &(&str, (f64, f64))| BranchRow { kind: kind.into(), omega, ..BranchRow::default() };
-        let level = |branches: &&[(&str, (f64, f64))]| Level {
+    type Branches<'b> = &'b [(&'b str, (f64, f64))];
+
+    /// Families of levels, at A = 1, 2, …, whose branches have these kinds and ranges.
+    fn families(levels: &[Branches<'_>]) -> Vec<Vec<Option<usize>>> {
+        families_along(levels, &[])
+    }
+
+    fn families_along(levels: &[Branches<'_>], curves: &[CurveRow]) -> Vec<Vec<Option<usize>>> {
+        let branch = |&(kind, omega): &(&str, (f64, f64))| BranchRow {
+            kind: kind.into(),
+            closed: kind == "isola",
+            omega,
+            ..BranchRow::default()
+        };
+        let level = |(number, branches): (usize, &Branches<'_>)| Level {
+            value: number as f64 + 1.0,
             branches: branches.iter().map(branch).collect(),
             ..Level::default()
         };
-        let mut levels: Vec<Level> = levels.iter().map(level).collect();
-        join(&mut levels);
+        let mut levels: Vec<Level> = levels.iter().enumerate().map(level).collect();
+        join(&mut levels, curves);
         levels.iter().map(|level| level.branches.iter().map(|branch| branch.family).collect()).collect()
     }
 
@@ -80,6 +141,29 @@ mod tests {
         let gap = families(&[&[("isola", (1.0, 3.0))], &[], &[("isola", (1.0, 3.0))]]);
         assert_eq!(gap, [vec![Some(1)], vec![], vec![Some(2)]]);
         assert_eq!(families(&[&[("isola", (1.0, f64::NAN))], &[("isola", (1.0, 3.0))]]), [[Some(1)], [Some(2)]]);
+    }
+
+    #[test]
+    fn a_fold_curve_joins_what_has_moved_by_more_than_its_width() {
+        let curve = |points: &[(f64, f64)]| CurveRow {
+            number: 1,
+            origin: String::new(),
+            status: String::new(),
+            is_unfinished: false,
+            points: points
+                .iter()
+                .map(|&(forcing, omega)| CurvePoint { forcing, omega, amplitude: 1.0, event: None })
+                .collect(),
+        };
+        let levels: [Branches<'_>; 2] = [&[("isola", (1.0, 2.0))], &[("isola", (5.0, 7.0)), ("isola", (8.0, 9.0))]];
+        let joined = families_along(&levels, &[curve(&[(0.5, 1.5), (1.0, 2.01), (1.5, 5.0), (2.5, 13.0)])]);
+        assert_eq!(joined, [vec![Some(1)], vec![Some(2), Some(1)]]);
+        // The other way round as well; not from an upper end to a lower one, and not where it has left both levels between.
+        let backwards = families_along(&levels, &[curve(&[(2.5, 13.0), (1.5, 5.0), (0.9, 1.4)])]);
+        assert_eq!(backwards, joined);
+        for other in [[(0.5, 1.5), (1.0, 2.0), (2.0, 8.0)], [(1.5, 2.0), (0.5, 2.0), (0.9, 2.0)]] {
+            assert_eq!(families_along(&levels, &[curve(&other)]), [vec![Some(1)], vec![Some(2), Some(3)]]);
+        }
     }
 
     #[test]

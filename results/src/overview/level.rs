@@ -21,6 +21,12 @@ pub struct Level {
     pub pending: usize,
     /// Tasks given up.
     pub dead: usize,
+    /// Results that two others contradict.
+    #[serde(skip)]
+    pub refuted: usize,
+    /// Results that one other contradicts.
+    #[serde(skip)]
+    pub disputed: usize,
     /// Seeds of windows.
     #[serde(skip)]
     pub seeds: Seeds,
@@ -43,6 +49,8 @@ impl Level {
         let failure =
             omissions.read(format_args!("The failure of the main branch at A = {name} is"), reader.main_failure(level));
         let (pending, dead) = counts.unwrap_or_default();
+        let repeated = omissions.read(format_args!("What was repeated at A = {name} is"), reader.contradicted(level));
+        let (refuted, disputed) = repeated.unwrap_or_default();
         let seeds = omissions.read(format_args!("The number of seeds at A = {name} is"), reader.tried_seeds(level));
         let (tried, failed) = seeds.unwrap_or_default();
         Self {
@@ -53,6 +61,8 @@ impl Level {
             main_failure: failure.flatten(),
             pending,
             dead,
+            refuted,
+            disputed,
             seeds: Seeds { tried, failed },
         }
     }
@@ -97,9 +107,9 @@ impl Level {
         self.branches.is_empty()
     }
 
-    /// Whether nothing is left to be done, nothing was given up, and there is a main branch.
+    /// Whether nothing is left to be done, nothing was given up, nothing contradicted, and there is a main branch.
     pub fn is_complete(&self) -> bool {
-        self.pending == 0 && self.dead == 0 && self.main().is_some()
+        self.pending + self.dead + self.refuted + self.disputed == 0 && self.main().is_some()
     }
 
     /// Whether it is complete and every largest amplitude is that of a maximum.

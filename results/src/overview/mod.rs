@@ -61,7 +61,8 @@ impl Overview {
         let model = omissions.read("The model is", model);
         let levels = omissions.read("Levels and branches are", levels).unwrap_or_default();
         let mut levels: Vec<Level> = levels.into_iter().map(|row| Level::read(reader, row, omissions)).collect();
-        family::join(&mut levels);
+        let curves = omissions.read("What fold curves join is", reader.curves()).unwrap_or_default();
+        family::join(&mut levels, &curves);
         Ok(Self { header, model, levels })
     }
 

@@ -35,14 +35,16 @@ pub fn not_started(choice: &ModesFollowed) -> impl Iterator<Item = (usize, &str)
     })
 }
 
-/// What was followed and what not, in a sentence, unless it is the primary mode alone as it should be.
-pub fn sentence(choice: &ModesFollowed) -> Option<String> {
+/// What was followed and what not, in a sentence, unless it is the primary mode alone as it should be; of a run that is not done
+/// yet as well.
+pub fn sentence(choice: &ModesFollowed, is_done: bool) -> Option<String> {
     if choice.followed.len() < 2 && not_started(choice).next().is_none() {
         return None;
     }
     let rest = left_out(choice);
     let rest = if rest.is_empty() { String::new() } else { format!("; not {}", rest.join(", ")) };
-    Some(format!("Windows of {} were searched{rest}.", followed(choice)))
+    let were = if is_done { "were" } else { "are" };
+    Some(format!("Windows of {} {were} searched{rest}.", followed(choice)))
 }
 
 #[cfg(test)]
@@ -53,18 +55,18 @@ mod tests {
     fn modes_are_named_reason_by_reason() {
         let mut left_out: Vec<(usize, LeftOut)> = (3..39).map(|mode| (mode, LeftOut::TooMany)).collect();
         let alone = ModesFollowed { followed: vec![0], left_out: left_out.clone() };
-        assert_eq!(sentence(&alone), None);
+        assert_eq!(sentence(&alone, true), None);
         left_out.extend([(1, LeftOut::OutOfRange), (39, LeftOut::RigidBody)]);
         let choice = ModesFollowed { followed: vec![0, 2], left_out };
         assert_eq!(
-            sentence(&choice).unwrap(),
+            sentence(&choice, true).unwrap(),
             "Windows of modes 1 and 3 were searched; not mode 2 (out of reach of the frequency range), modes 4 to 39 (more \
              than are followed unless backbone.modes lists them)."
         );
         let lost = ModesFollowed { followed: vec![1], left_out: vec![(0, LeftOut::NotStarted("singular".into()))] };
         assert_eq!(
-            sentence(&lost).unwrap(),
-            "Windows of mode 2 were searched; not mode 1 (its backbone does not start)."
+            sentence(&lost, false).unwrap(),
+            "Windows of mode 2 are searched; not mode 1 (its backbone does not start)."
         );
         assert_eq!(not_started(&lost).collect::<Vec<_>>(), [(0, "singular")]);
     }

@@ -1,4 +1,4 @@
-//! Whether enough harmonics were kept: peaks of all branches against those with twice the harmonics.
+//! Whether enough harmonics were kept: peaks of all branches and ranges of isolas against those with twice the harmonics.
 
 use super::level::Level;
 use crate::store::{BranchRow, Stability};
@@ -8,19 +8,61 @@ use solver::response::certificate::Standing;
 /// A peak of which neither amplitude nor frequency changes by more than this with twice the harmonics is converged.
 const CONVERGED: f64 = 0.01;
 
+/// The same for the width of an isola.
+const SAME_WIDTH: f64 = 0.05;
+
 /// Most branches that are named.
 const NAMED: usize = 3;
 
-/// One sentence on the truncation to H harmonics: to what the peaks are converged, or which one is not and what to set. `None`
-/// as long as nothing is known of it.
+/// What is known of the truncation to H harmonics: to what the peaks are converged, or which one is not and what to set; the same
+/// for the widths of isolas. `None` as long as nothing is known of it.
 pub fn truncation(levels: &[Level], harmonics: usize) -> Option<String> {
     let rows = || levels.iter().flat_map(|level| level.branches.iter().map(move |row| (level, row)));
+    let remedy = format!("set harmonics.count = {}", 2 * harmonics);
+    let peaks = of_peaks(&rows, harmonics, &remedy)?;
+    // What to set is said once.
+    let remedy = if peaks.contains(&remedy) { String::new() } else { format!("; {remedy}") };
+    Some([Some(peaks), of_widths(&rows, harmonics, &remedy)].into_iter().flatten().collect::<Vec<String>>().join(" "))
+}
+
+fn of_widths<'l, I: Iterator<Item = (&'l Level, &'l BranchRow)>>(
+    rows: &impl Fn() -> I,
+    harmonics: usize,
+    remedy: &str,
+) -> Option<String> {
+    let width = |(low, high): (f64, f64)| high - low;
+    let change = |row: &BranchRow| {
+        let change = width(row.certificate.doubled?.range?) / width(row.omega) - 1.0;
+        (row.is_isola() && change.is_finite()).then_some(change)
+    };
+    let changes = rows().filter_map(|(level, row)| Some((level, row, change(row)?)));
+    let (level, row, largest) = changes.max_by(|a, b| a.2.abs().total_cmp(&b.2.abs()))?;
+    let is_lost =
+        |row: &BranchRow| row.is_isola() && row.certificate.doubled.is_some_and(|doubled| doubled.range.is_none());
+    let lost = match rows().filter(|(_, row)| is_lost(row)).count() {
+        0 => "",
+        1 => " With twice the harmonics the ends of one isola were not found.",
+        _ => " With twice the harmonics the ends of some isolas were not found.",
+    };
+    let percent = digits((100.0 * largest.abs()).max(0.01), 2);
+    if largest.abs() <= SAME_WIDTH {
+        return Some(format!("Widths of isolas are converged in H = {harmonics} to {percent} %.{lost}"));
+    }
+    let becomes = if largest < 0.0 { "narrower" } else { "wider" };
+    let at = &level.amplitude;
+    Some(format!("With twice the harmonics {} at A = {at} is {percent} % {becomes}{remedy}.{lost}", row.name()))
+}
+
+fn of_peaks<'l, I: Iterator<Item = (&'l Level, &'l BranchRow)>>(
+    rows: &impl Fn() -> I,
+    harmonics: usize,
+    remedy: &str,
+) -> Option<String> {
     let changes = rows().filter_map(|(level, row)| Some((level, row, change(row)?)));
     let (level, row, [change, shift]) = changes.max_by(|a, b| largest(a.2).total_cmp(&largest(b.2)))?;
     // Not computed where the peak is no maximum; otherwise nothing like it was found with more harmonics.
     let lost = rows().filter(|(_, row)| has_maximum(row) && row.certificate.doubled.is_none());
     let lost: Vec<String> = lost.map(|(level, row)| format!("{} at A = {}", row.name(), level.amplitude)).collect();
-    let remedy = format!("set harmonics.count = {}", 2 * harmonics);
     if !lost.is_empty() {
         let more = match lost.len().saturating_sub(NAMED) {
             0 => String::new(),
@@ -85,7 +127,7 @@ mod tests {
     use solver::response::certificate::{Certificate, Doubled};
 
     fn row(kind: &str, amplitude_2h: Option<f64>) -> BranchRow {
-        let doubled = amplitude_2h.map(|amplitude| Doubled { amplitude, shift: 0.0 });
+        let doubled = amplitude_2h.map(|amplitude| Doubled { amplitude, shift: 0.0, range: None });
         let certificate = Certificate { penetration: Some(0.13), pressure_beyond: None, doubled };
         BranchRow {
             kind: kind.into(),
@@ -156,5 +198,18 @@ mod tests {
             "Not converged in H: with twice the harmonics the peak of isola 1 at A = 60 changes by 0.1 % and its frequency by 1.7 %, \
              and its contact penetrates by 13 % of the gap; set harmonics.count = 20."
         );
+    }
+
+    #[test]
+    fn what_more_harmonics_would_change_of_a_width() {
+        let isola = |range| {
+            let mut isola = BranchRow { omega: (2.0, 2.1), ..row("isola", Some(1.0)) };
+            isola.certificate.doubled.as_mut().unwrap().range = Some(range);
+            truncation(&levels(vec![isola]), 10).unwrap()
+        };
+        let peaks = "Peaks are converged in H = 10 to 0.01 %.";
+        assert_eq!(isola((2.001, 2.101)), format!("{peaks} Widths of isolas are converged in H = 10 to 0.01 %."));
+        let narrower = "With twice the harmonics isola 1 at A = 60 is 40 % narrower; set harmonics.count = 20.";
+        assert_eq!(isola((2.02, 2.08)), format!("{peaks} {narrower}"));
     }
 }

@@ -12,12 +12,25 @@ pub fn unfinished(levels: &[Level], has_backbone: bool) -> Vec<String> {
     }
     let pending = count(levels, |level| level.pending);
     let dead = count(levels, |level| level.dead);
+    let refuted = count(levels, |level| level.refuted);
+    let disputed = count(levels, |level| level.disputed);
     let bare = count(levels, |level| usize::from(level.is_bare()));
     let sentences = [
         pending
             .map(|(tasks, list)| format!("{} still to be done, at A = {list}.", number(tasks, "task is", "tasks are"))),
         dead.map(|(tasks, list)| {
             format!("{} given up, at A = {list}: see `isola retry-dead`.", number(tasks, "task was", "tasks were"))
+        }),
+        refuted.map(|(results, list)| {
+            let results = number(results, "result is", "results are");
+            format!(
+                "{results} wrong, at A = {list}: two other workers came to something else. Compute these levels again in a run of \
+                 their own."
+            )
+        }),
+        disputed.map(|(results, list)| {
+            let results = number(results, "result is", "results are");
+            format!("{results} doubtful, at A = {list}: another worker came to something else, and no third one decided.")
         }),
         bare.map(|(_, list)| format!("There is no branch at A = {list}.")),
     ];

@@ -48,6 +48,11 @@ pub(super) fn losses(evidence: &Evidence<'_>) -> Vec<Loss> {
         let tasks = count(of.sum, "task");
         list.push(Loss::new(format!("{tasks} given up"), format!("{tasks} given up, at {}.", of.named)));
     }
+    if let Some(of) = Of::levels(levels, |level| level.refuted + level.disputed) {
+        let results = count(of.sum, "result");
+        let sentence = format!("{results} contradicted by other workers, at {}.", of.named);
+        list.push(Loss::new(format!("{results} contradicted"), sentence));
+    }
     for (level, reason) in levels.iter().filter_map(|level| Some((level, level.main_failure.as_deref()?))) {
         let at = &level.amplitude;
         list.push(match level.main() {
@@ -114,8 +119,13 @@ pub(super) fn losses(evidence: &Evidence<'_>) -> Vec<Loss> {
         list.push(Loss::new(brief, sentence));
     }
     if search.lost > 0 {
-        let brief = format!("{} of fold curves led nowhere", count(search.lost, "crossing"));
-        let sentence = format!("{brief}: the branches that turn there are missing.");
+        let brief = format!("{} of curves over the forcing led nowhere", count(search.lost, "crossing"));
+        let sentence = format!("{brief}: the branches there are missing.");
+        list.push(Loss::new(brief, sentence));
+    }
+    if search.uncarried > 0 {
+        let brief = format!("{} of open branches not followed over all levels", count(search.uncarried, "response"));
+        let sentence = format!("{brief}: where such branches are at other levels is not known.");
         list.push(Loss::new(brief, sentence));
     }
     if search.left_out > 0 && evidence.stage == Some(Stage::Finished) {

@@ -43,9 +43,10 @@ impl Evidence<'_> {
 
     /// Where isolas were looked for: `the windows of mode 1 at 7 levels (12 seeds tried, 2 led nowhere)`.
     pub(super) fn searched(&self) -> String {
-        let levels = self.levels.iter().filter(|level| level.is_complete()).count();
-        let tried: usize = self.levels.iter().map(|level| level.seeds.tried).sum();
-        let failed: usize = self.levels.iter().map(|level| level.seeds.failed).sum();
+        let complete = || self.levels.iter().filter(|level| level.is_complete());
+        let levels = complete().count();
+        let tried: usize = complete().map(|level| level.seeds.tried).sum();
+        let failed: usize = complete().map(|level| level.seeds.failed).sum();
         let harmonic = match self.structure.harmonic {
             0 | 1 => String::new(),
             m => format!(", the forcing acting on harmonic {m}"),
@@ -57,11 +58,20 @@ impl Evidence<'_> {
             0 => String::new(),
             number => format!(" and along {}", count(number, "fold curve")),
         };
+        let carried = match self.search.carried {
+            0 => String::new(),
+            number => {
+                format!("; responses of open branches were followed along {} at one frequency", count(number, "curve"))
+            }
+        };
         let starts = match self.search.starts {
             0 => String::new(),
             number => format!("{} from {}", if folds.is_empty() { " and" } else { "," }, count(number, "random start")),
         };
-        format!("the windows of {mode} at {levels} ({} tried{nowhere}{harmonic}){starts}{folds}", count(tried, "seed"))
+        format!(
+            "the windows of {mode} at {levels} ({} tried{nowhere}{harmonic}){starts}{folds}{carried}",
+            count(tried, "seed")
+        )
     }
 
     /// Where isolas are born and where branches merge, as fold curves say.

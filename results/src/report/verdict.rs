@@ -83,7 +83,7 @@ impl<'r> Evidence<'r> {
             parts.push("No branch has been computed yet.".into());
             return parts.join(" ");
         };
-        let casing = self.structure.gap.map(|gap| format!(" ({} to the casing)", length(gap))).unwrap_or_default();
+        let gap = self.structure.gap.map(|gap| format!(" (gap {})", length(gap))).unwrap_or_default();
         let at = |row: &BranchRow| format!("{} at {}", size(row), self.structure.monitor);
         let on = if largest.is_main() { "the main branch".to_string() } else { largest.name() };
         let place = format!("at {} and A = {}", frequency(largest.omega_at_max), level.amplitude);
@@ -103,7 +103,7 @@ impl<'r> Evidence<'r> {
         parts.extend(self.untouched().map(String::from));
         parts.extend(self.others());
         let stability = self.stability_of_peak(largest);
-        parts.push(format!("The largest computed response, {}{casing}, is on {on}, {place}{stability}.", at(largest)));
+        parts.push(format!("The largest computed response, {}{gap}, is on {on}, {place}{stability}.", at(largest)));
         parts.extend(truncation(self.levels, self.harmonics));
         parts.join(" ")
     }
@@ -185,6 +185,9 @@ impl<'r> Evidence<'r> {
         let Some((backbone, birth)) = first else {
             return if self.with_isolas().next().is_some() {
                 format!("; the energy balance of {mode} does not predict them")
+            } else if self.levels.iter().any(|level| level.not_found().next().is_some()) {
+                // What it predicts and was not found is among the losses.
+                String::new()
             } else {
                 format!("; the energy balance of {mode} predicts no separate response at the levels of the run")
             };

@@ -2,6 +2,7 @@
 
 use super::Result;
 use super::arrays::{empty_points, insert, insert_rest, of_points};
+use super::checkpoints::{forget, insert_part};
 use super::curves::insert_curve;
 use super::displacement::Displacements;
 use super::error::At;
@@ -17,7 +18,7 @@ use crate::journal::{AcceptedResult, AttemptEnd, Change, Holder};
 use protocol::branch::BranchMessage;
 use protocol::codec::encode;
 use protocol::ids::{Attempt, TaskId};
-use protocol::to_everyone::StoredResult;
+use protocol::to_everyone::{Stage, StoredResult};
 use rusqlite::{Connection, Params, params};
 use solver::response::branch::{Outcome, Standing};
 use solver::response::task::{BranchId, SeedOutcome, Task};
@@ -38,13 +39,24 @@ pub(super) struct Changes<'a> {
 impl Changes<'_> {
     /// Writes one change.
     pub fn write(&self, change: &Change) -> Result<()> {
+        if let Some(task) = change.ends_checkpoint() {
+            forget(self.db, self.file, task)?;
+        }
         match change {
-            Change::Stage(stage) => set_stage(self.db, self.file, *stage),
+            Change::Stage(stage) => {
+                if *stage == Stage::Sweep {
+                    self.end_repetitions()?;
+                }
+                set_stage(self.db, self.file, *stage)
+            }
             Change::Planned(plan) => insert_plan(self.db, self.file, plan, self.displacements),
             Change::Added(tasks) => insert_added(self.db, self.file, tasks),
             Change::Granted { task, attempt, holder } => self.granted(task, *attempt, holder),
+            Change::Repeated { task, attempt, holder } => self.attempted(task, *attempt, holder),
             Change::Ended { task, attempt, end } => self.ended(task, *attempt, end),
             Change::Adopted { task, attempt } => self.adopted(task, *attempt),
+            Change::HandedOn { task, attempt, steps } => self.handed_on(task, *attempt, *steps),
+            Change::Checkpoint(part) => insert_part(self.db, self.file, part),
             Change::Done { task, attempt, outcome, .. } => self.done(task, *attempt, outcome),
             Change::Result(accepted) => self.result(accepted),
             Change::Skipped { task } => self.state(task, "skipped"),
@@ -69,8 +81,19 @@ impl Changes<'_> {
             "UPDATE tasks SET state = 'leased', attempts = ?2 WHERE id = ?1",
             params![task.as_str(), attempt.0],
         )?;
+        self.attempted(task, attempt, holder)
+    }
+
+    fn attempted(&self, task: &TaskId, attempt: Attempt, holder: &Holder) -> Result<()> {
         let sql = "INSERT INTO attempts (task, attempt, worker, slot, granted_at) VALUES (?1, ?2, ?3, ?4, ?5)";
         self.execute(sql, params![task.as_str(), attempt.0, holder.worker.as_str(), holder.slot, self.now])
+    }
+
+    /// When a sweep begins, or goes on with another coordinator, nothing that is done is being repeated.
+    fn end_repetitions(&self) -> Result<()> {
+        let sql = "UPDATE attempts SET ended_at = ?1, \"end\" = 'released' \
+                   WHERE ended_at IS NULL AND task IN (SELECT id FROM tasks WHERE state = 'done')";
+        self.execute(sql, [&self.now])
     }
 
     fn ended(&self, task: &TaskId, attempt: Attempt, end: &AttemptEnd) -> Result<()> {
@@ -79,6 +102,11 @@ impl Changes<'_> {
                    WHERE task = ?1 AND attempt = ?2";
         self.execute(sql, params![task.as_str(), attempt.0, self.now, end.name(), end.reason()])?;
         self.execute("UPDATE tasks SET state = 'waiting' WHERE id = ?1 AND state = 'leased'", [task.as_str()])
+    }
+
+    fn handed_on(&self, task: &TaskId, attempt: Attempt, steps: usize) -> Result<()> {
+        let sql = "UPDATE attempts SET checkpoint = ?3 WHERE task = ?1 AND attempt = ?2";
+        self.execute(sql, params![task.as_str(), attempt.0, steps as i64])
     }
 
     fn adopted(&self, task: &TaskId, attempt: Attempt) -> Result<()> {
@@ -156,6 +184,7 @@ impl Changes<'_> {
     fn branch(&self, task: &TaskId, branch: &BranchMessage, name: BranchId) -> Result<()> {
         let points = Scalars::new(&branch.points).at(self.file)?;
         let certificate = branch.certificate.unwrap_or_default();
+        let range = certificate.doubled.and_then(|doubled| doubled.range);
         let (summary, contact) = (Extent::of_scalars(&points), contact_range(&points));
         let row = params![
             task.as_str(),
@@ -177,12 +206,14 @@ impl Changes<'_> {
             certificate.pressure_beyond,
             certificate.doubled.map(|doubled| doubled.amplitude),
             certificate.doubled.map(|doubled| doubled.shift),
+            range.map(|(low, _)| low),
+            range.map(|(_, high)| high),
         ];
         let sql = "INSERT INTO branches (task, level, amplitude, kind, number, status, closed, points, rejections, \
                    special, omega_min, omega_max, amplitude_max, omega_at_max, contact_omega_min, contact_omega_max, \
-                   peak_standing, penetration, pressure_beyond, amplitude_2h, shift_2h) \
+                   peak_standing, penetration, pressure_beyond, amplitude_2h, shift_2h, omega_min_2h, omega_max_2h) \
                    SELECT ?1, level, amplitude, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17, \
-                   ?18, ?19 \
+                   ?18, ?19, ?20, ?21 \
                    FROM tasks JOIN levels USING (level) WHERE tasks.id = ?1";
         self.execute(sql, row)?;
         let id = self.db.last_insert_rowid();

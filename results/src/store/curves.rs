@@ -1,4 +1,4 @@
-//! Fold curves: written with the results that found them, read as lists of points.
+//! Curves over the forcing amplitude: written with the results that found them, those of folds read as lists of points.
 
 use super::error::At;
 use super::number::number;
@@ -9,7 +9,7 @@ use protocol::ids::TaskId;
 use rusqlite::{Connection, Row, params};
 use serde::Serialize;
 use solver::response::branch::Outcome;
-use solver::response::critical::CriticalKind;
+use solver::response::critical::{CriticalKind, name};
 use solver::response::starts::BATCH;
 use std::collections::HashMap;
 use std::path::Path;
@@ -62,6 +62,10 @@ pub struct SearchCounts {
     pub left_out: usize,
     /// Folds from which no curve could be followed.
     pub unfollowed: usize,
+    /// Curves at one frequency, along which responses of open branches were carried over the forcing.
+    pub carried: usize,
+    /// Of these those that stopped before their ends, and responses that could not be carried.
+    pub uncarried: usize,
     /// Crossings of curves with levels.
     pub crossings: usize,
     /// Crossings that led to no branch, though they lie within the bounds.
@@ -78,10 +82,13 @@ pub struct SearchCounts {
     pub unverified: usize,
 }
 
+/// Whether it is a curve of folds or peaks, not of responses at one frequency, curve by curve.
+const IS_CRITICAL: &str = "SELECT kind <> 'response' FROM curves ORDER BY number";
+
 const ALL_FOLDS: &str =
     "SELECT count(*) FROM branches, json_each(branches.special) WHERE json_extract(json_each.value, '$.kind') = 'fold'";
 
-/// Stores a fold curve; its number is one more than that of the last.
+/// Stores a curve; its number is one more than that of the last.
 pub(super) fn insert_curve(
     db: &Connection,
     file: &Path,
@@ -94,7 +101,7 @@ pub(super) fn insert_curve(
     let row = params![
         number + 1,
         task.as_str(),
-        curve.quantity.extremum(),
+        name(curve.quantity),
         curve.outcome.to_string(),
         curve.outcome == Outcome::Closed,
         curve.outcome.is_unfinished(),
@@ -149,7 +156,13 @@ impl Reader {
             let first = curve.points.first().map(|first| CurvePoint { event: None, ..first.clone() });
             curve.points.extend(first);
         }
-        Ok(curves)
+        let is_critical = self.all(IS_CRITICAL, [], |row| row.get::<_, bool>(0))?;
+        Ok(curves
+            .into_iter()
+            .zip(is_critical)
+            .filter(|(_, is_critical)| *is_critical)
+            .map(|(curve, _)| curve)
+            .collect())
     }
 
     /// What became of random starts and of the tasks that follow from folds.
@@ -181,11 +194,15 @@ impl Reader {
         let sql = "SELECT count(*) FROM tasks JOIN levels ON levels.level = tasks.level WHERE kind = 'scout' AND state = 'done' \
                    AND value = (SELECT max(value) FROM levels)";
         counts.scouts = number(sql)?;
+        counts.carried = number("SELECT count(*) FROM curves WHERE kind = 'response'")?;
+        let stopped = number("SELECT count(*) FROM curves WHERE kind = 'response' AND unfinished")?;
+        counts.uncarried =
+            stopped + number("SELECT count(*) FROM tasks WHERE kind = 'carry' AND (state <> 'done' OR NOT found)")?;
         counts.unverified = number("SELECT count(*) FROM tasks WHERE kind = 'verify' AND state = 'dead'")?;
         Ok(counts)
     }
 
-    /// Forcing amplitudes of the points of fold curves, of closed ones the first again, by the tasks that found them.
+    /// Forcing amplitudes of the points of curves, of closed ones the first again, by the tasks that found them.
     pub(super) fn forcings(&self) -> Result<HashMap<String, Arc<[f64]>>> {
         if self.version()? < SINCE {
             return Ok(HashMap::new());

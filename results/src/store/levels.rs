@@ -11,8 +11,16 @@ use serde::Serialize;
 use solver::response::branch::{BranchKind, Certificate, Outcome, Standing};
 use solver::response::certificate::Doubled;
 
-/// Columns of branches that files of the first version are without.
-const LATER: [&str; 5] = ["peak_standing", "penetration", "pressure_beyond", "amplitude_2h", "shift_2h"];
+/// Columns of branches that files of earlier versions are without, and the first version that has them.
+const LATER: [(&str, i64); 7] = [
+    ("peak_standing", 2),
+    ("penetration", 2),
+    ("pressure_beyond", 2),
+    ("amplitude_2h", 2),
+    ("shift_2h", 2),
+    ("omega_min_2h", 6),
+    ("omega_max_2h", 6),
+];
 
 /// A branch of a level in numbers.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
@@ -117,16 +125,28 @@ impl Reader {
         Ok(self.one(sql, [level], |row| Ok((row.get(0)?, row.get(1)?)))?.unwrap_or_default())
     }
 
-    /// Seeds of a level that were tried, and those of them that led to no branch.
+    /// Results of a level that two others contradict, and those that one does.
+    pub(crate) fn contradicted(&self, level: i64) -> Result<(usize, usize)> {
+        let sql = "SELECT count(DISTINCT task) FILTER (WHERE \"end\" = 'refuted' AND attempts.attempt = results.attempt), \
+                   count(DISTINCT task) FILTER (WHERE \"end\" = 'disputed') \
+                   FROM attempts JOIN results USING (task) JOIN tasks ON tasks.id = task WHERE level = ?1";
+        Ok(self.one(sql, [level], |row| Ok((row.get(0)?, row.get(1)?)))?.unwrap_or_default())
+    }
+
+    /// Seeds of a level that were tried, in one way or more, and those of them that led to no branch.
     pub(crate) fn tried_seeds(&self, level: i64) -> Result<(usize, usize)> {
-        let sql = "SELECT count(*), count(*) FILTER (WHERE branch IS NULL) FROM tasks \
-                   WHERE level = ?1 AND state = 'done' AND (kind = 'seed' OR kind = 'land' AND NOT found)";
+        // A seed is one of a phase of a well; those of a window's wells stand in their order, for each way once.
+        let sql = "SELECT count(*), count(*) FILTER (WHERE branch IS NULL) FROM (SELECT max(branch) AS branch FROM (\
+                   SELECT *, row_number() OVER (PARTITION BY window, phase, way, kind ORDER BY position) AS well \
+                   FROM tasks WHERE level = ?1 AND kind IN ('land', 'seed')) \
+                   WHERE state = 'done' AND (kind = 'seed' OR NOT found) GROUP BY window, phase, well)";
         Ok(self.one(sql, [level], |row| Ok((row.get(0)?, row.get(1)?)))?.unwrap_or_default())
     }
 
     /// Branches of a level, kind by kind: main branches first.
     pub(crate) fn branches(&self, level: i64) -> Result<Vec<BranchRow>> {
-        let later = if self.version()? < 2 { LATER.map(|_| "NULL") } else { LATER }.join(", ");
+        let version = self.version()?;
+        let later = LATER.map(|(name, since)| if version < since { "NULL" } else { name }).join(", ");
         let sql = format!(
             "SELECT kind, number, status, closed, points, omega_min, omega_max, amplitude_max, omega_at_max, \
              contact_omega_min, contact_omega_max, id, task, {later} FROM branches WHERE level = ?1 ORDER BY number"
@@ -212,6 +232,8 @@ fn branch(row: &Row<'_>) -> rusqlite::Result<BranchRow> {
     let touching: (Option<f64>, Option<f64>) = (row.get(9)?, row.get(10)?);
     let standing: Option<String> = row.get(13)?;
     let doubled: (Option<f64>, Option<f64>) = (row.get(16)?, row.get(17)?);
+    let range: (Option<f64>, Option<f64>) = (row.get(18)?, row.get(19)?);
+    let range = range.0.zip(range.1);
     Ok(BranchRow {
         kind: row.get(0)?,
         number: row.get(1)?,
@@ -228,7 +250,7 @@ fn branch(row: &Row<'_>) -> rusqlite::Result<BranchRow> {
         certificate: Certificate {
             penetration: row.get(14)?,
             pressure_beyond: row.get(15)?,
-            doubled: doubled.0.zip(doubled.1).map(|(amplitude, shift)| Doubled { amplitude, shift }),
+            doubled: doubled.0.zip(doubled.1).map(|(amplitude, shift)| Doubled { amplitude, shift, range }),
         },
         stability: None,
         family: None,

@@ -17,7 +17,7 @@ use solver::response::columns::of_backbone_in_files;
 use solver::response::forced::SearchRange;
 use solver::response::modes::{LeftOut, ModesFollowed};
 use solver::response::seeds::{LandingMethod, Phase};
-use solver::response::task::{CrossingPlace, FoldPlace, SeedPlace, Task, VerifyPlace};
+use solver::response::task::{BranchEnd, CarryPlace, CrossingPlace, FoldPlace, SeedPlace, Task, VerifyPlace};
 use solver::response::windows::Window;
 use solver::settings::Stretch;
 use std::collections::HashMap;
@@ -212,16 +212,18 @@ fn number_of_level(db: &Connection, file: &Path, amplitude: &str) -> Result<i64>
     db.prepare_cached(sql).at(file)?.query_row([amplitude], |row| row.get(0)).at(file)
 }
 
-/// Stores tasks that were added, each after those of its kind.
+/// Stores tasks that were added, each after those of its chain or kind.
 pub(super) fn insert_added(db: &Connection, file: &Path, added: &[AddedTask]) -> Result<()> {
     for AddedTask { id, amplitude, task } in added {
         let level = number_of_level(db, file, amplitude)?;
         let sql = match task {
-            Task::Fold(_) => "SELECT count(*) FROM tasks WHERE kind = 'fold' AND ?1",
+            Task::Fold(_) | Task::Carry(_) => "SELECT count(*) FROM tasks WHERE kind IN ('fold', 'carry') AND ?1",
             Task::Verify(_) => "SELECT count(*) FROM tasks WHERE kind = 'verify' AND ?1",
             Task::Disturb(_) => "SELECT count(*) FROM tasks WHERE kind = 'disturb' AND ?1",
             Task::March(_) => "SELECT count(*) FROM tasks WHERE kind = 'march' AND ?1",
-            _ => "SELECT count(*) FROM tasks WHERE kind NOT IN ('fold', 'verify', 'disturb', 'march') AND level = ?1",
+            _ => {
+                "SELECT count(*) FROM tasks WHERE kind NOT IN ('fold', 'carry', 'verify', 'disturb', 'march') AND level = ?1"
+            }
         };
         let position: usize = db.prepare_cached(sql).at(file)?.query_row([level], |row| row.get(0)).at(file)?;
         insert_task(db, file, level, position, id, task)?;
@@ -256,7 +258,9 @@ fn insert_task(db: &Connection, file: &Path, level: i64, position: usize, id: &T
         Task::Fold(FoldPlace::Scout { scout, fold }) => {
             (None, Some(format!("scout {}, fold {}", scout.number + 1, fold + 1)))
         }
-        Task::Crossing(CrossingPlace { curve, .. }) => (None, Some(format!("fold curve {}", curve + 1))),
+        Task::Crossing(CrossingPlace { curve, .. }) => (None, Some(format!("curve {}", curve + 1))),
+        Task::Carry(CarryPlace { branch, end: BranchEnd::First }) => (None, Some(format!("{branch}, first end"))),
+        Task::Carry(CarryPlace { branch, end: BranchEnd::Last }) => (None, Some(format!("{branch}, last end"))),
         Task::Start(place) => (None, Some(format!("starts, batch {}", place.batch + 1))),
         Task::Begin(place) => (None, Some(format!("starts, batch {}", place.batch + 1))),
         Task::Scout(place) => (None, Some(format!("scout {}", place.number + 1))),
@@ -320,7 +324,8 @@ pub(super) fn read_plans(db: &Connection, file: &Path) -> Result<Vec<LevelPlan>>
         db,
         file,
         &mut plans,
-        "SELECT level, work FROM tasks WHERE kind NOT IN ('fold', 'verify', 'disturb', 'march') ORDER BY level, position",
+        "SELECT level, work FROM tasks WHERE kind NOT IN ('fold', 'carry', 'verify', 'disturb', 'march') \
+         ORDER BY level, position",
         |plan, row| {
             let work: Vec<u8> = row.get(1).at(file)?;
             plan.tasks.push(unpack(file, &work)?);
@@ -332,8 +337,9 @@ pub(super) fn read_plans(db: &Connection, file: &Path) -> Result<Vec<LevelPlan>>
 
 /// The tasks that were added over all levels, those of a kind in their order.
 pub(super) fn read_added(db: &Connection, file: &Path) -> Result<Vec<AddedTask>> {
-    let sql = "SELECT id, amplitude, work FROM tasks JOIN levels USING (level) WHERE kind IN ('fold', 'verify', 'disturb', 'march') \
-               ORDER BY kind, position";
+    let sql = "SELECT id, amplitude, work FROM tasks JOIN levels USING (level) \
+               WHERE kind IN ('fold', 'carry', 'verify', 'disturb', 'march') \
+               ORDER BY CASE kind WHEN 'carry' THEN 'fold' ELSE kind END, position";
     let mut statement = db.prepare_cached(sql).at(file)?;
     let mut rows = statement.query([]).at(file)?;
     let mut added = Vec::new();

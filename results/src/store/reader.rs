@@ -186,11 +186,14 @@ impl Reader {
 
     /// The announcements after number `sequence`, in order.
     pub fn done_since(&self, sequence: u64) -> Result<Vec<Done>> {
-        let sql = "SELECT sequence, results.task, levels.amplitude, levels.value, tasks.record, branches.kind, \
-                   branches.number, size, sha256 FROM results JOIN tasks ON tasks.id = results.task \
-                   JOIN levels USING (level) LEFT JOIN branches ON branches.task = results.task \
-                   WHERE sequence > ?1 ORDER BY sequence";
-        self.all(sql, [sequence as i64], DoneRow::read)?.into_iter().map(|row| row.done(&self.file)).collect()
+        let sql = format!("{DONE} WHERE sequence > ?1 ORDER BY sequence");
+        self.all(&sql, [sequence as i64], DoneRow::read)?.into_iter().map(|row| row.done(&self.file)).collect()
+    }
+
+    /// The announcement of the result of a task, if it has one.
+    pub fn done_of(&self, task: &TaskId) -> Result<Option<Done>> {
+        let sql = format!("{DONE} WHERE results.task = ?1");
+        self.one(&sql, [task.as_str()], DoneRow::read)?.map(|row| row.done(&self.file)).transpose()
     }
 
     /// The branches found so far in numbers, by the tasks that found them.
@@ -272,6 +275,11 @@ impl Reader {
         statement.query_row(params, |row| map(row)).optional().at(&self.file)
     }
 }
+
+/// What announcements say.
+const DONE: &str = "SELECT sequence, results.task, levels.amplitude, levels.value, tasks.record, branches.kind, \
+                    branches.number, size, sha256 FROM results JOIN tasks ON tasks.id = results.task \
+                    JOIN levels USING (level) LEFT JOIN branches ON branches.task = results.task";
 
 struct DoneRow {
     sequence: u64,

@@ -93,21 +93,22 @@ CREATE TABLE windows (
     PRIMARY KEY (level, window)
 ) WITHOUT ROWID;
 
--- Tasks: each lands a seed, or continues one branch or one fold curve at most, or verifies a branch.
+-- Tasks: each lands a seed, or continues one branch or one curve over the forcing at most, or verifies a branch.
 CREATE TABLE tasks (
     -- Name.
     id TEXT NOT NULL PRIMARY KEY,
-    -- Level; of a 'fold' the one that its curve starts from; of a 'scout', and of the folds that it met, the largest then.
+    -- Level; of a 'fold' and a 'carry' the one that its curve starts from; of a 'scout', and of the folds that it met, the largest then.
     level INTEGER NOT NULL REFERENCES levels (level),
-    -- Turn within the level, from 0; of a 'fold', a 'verify', a 'disturb' and a 'march' the turn among all of its kind.
+    -- Turn within the level, from 0; of a 'verify', a 'disturb' and a 'march' the turn among all of its kind, of a 'fold' and a 'carry' among all of both.
     position INTEGER NOT NULL,
+    -- 'carry' (follows a response of an open branch over the forcing at fixed frequency),
     -- 'main' (from a frequency bound), 'land' (lands a seed of a window), 'seed' (from what a seed landed on), 'fold'
-    -- (follows a fold of a branch over the forcing), 'crossing' (from where a fold curve crosses the level), 'start' (a
+    -- (follows a fold of a branch over the forcing), 'crossing' (from where a curve crosses the level), 'start' (a
     -- batch of random starts), 'begin' (from what they led to), 'scout' (random starts beyond the forcing amplitudes of
     -- the study, for the folds of what they lead to), 'verify' (the stability of a branch, by time marching) or
     -- 'disturb' (pushes that may end on a branch, by time marching) or 'march' (what an unstable motion turns into).
     kind TEXT NOT NULL,
-    -- What it follows from, if not a window: 'isola 1, fold 2', 'scout 1, fold 2', 'fold curve 3' or 'starts, batch 1'; of a 'verify' the branch, of
+    -- What it follows from, if not a window: 'isola 1, fold 2', 'scout 1, fold 2', 'curve 3' or 'starts, batch 1'; of a 'verify' the branch, of
     -- a 'disturb' with the mode, of a 'march' with the point.
     origin TEXT,
     -- Window the seed is from; NULL unless 'land' or 'seed', as the next two.
@@ -124,7 +125,7 @@ CREATE TABLE tasks (
     forgiven INTEGER NOT NULL DEFAULT 0,
     -- What became of it, in words; NULL unless done.
     outcome TEXT,
-    -- Whether it lies on a branch or, of a 'fold', on a fold curve, or whether it landed or marched; NULL unless done.
+    -- Whether it lies on a branch or, of a 'fold' or a 'carry', on a curve, or whether it landed or marched; NULL unless done.
     found INTEGER,
     -- That branch, 'main' or 'isola 1', …; NULL unless found.
     branch TEXT,
@@ -133,7 +134,7 @@ CREATE TABLE tasks (
     -- What became of it, msgpack.
     record BLOB
 );
-CREATE UNIQUE INDEX turns ON tasks (level, position) WHERE kind NOT IN ('fold', 'verify', 'disturb', 'march');
+CREATE UNIQUE INDEX turns ON tasks (level, position) WHERE kind NOT IN ('fold', 'carry', 'verify', 'disturb', 'march');
 
 -- Every time a task was handed out.
 CREATE TABLE attempts (
@@ -150,14 +151,34 @@ CREATE TABLE attempts (
     -- When it ended; NULL while it is under way.
     ended_at TEXT,
     -- 'done', 'failed', 'refused' (its result cannot be true), 'expired' (no sign of life; a result may have come all the same:
-    -- see `results`), 'released' (given back) or 'superseded' (another result came first).
+    -- see `results`), 'released' (given back) or 'superseded' (another result came first). Some tasks that brought no curve are handed
+    -- out once more when they are done: 'confirmed' (it came to the same) or 'disputed' (to something else). What two others
+    -- contradict is 'refuted': if it is the attempt of `results`, what is stored is wrong.
     "end" TEXT,
-    -- Why, if it failed, was refused or expired.
+    -- Why, if it failed, was refused, disputed or refuted, or expired.
     reason TEXT,
     -- How often there was no sign of life in time, and then it was heard of again before anybody else was given the task.
     lapses INTEGER NOT NULL DEFAULT 0,
+    -- Steps of attempts before it that it began with.
+    checkpoint INTEGER NOT NULL DEFAULT 0,
     PRIMARY KEY (task, attempt)
 ) WITHOUT ROWID;
+
+-- Steps along branches and curves under way, in parts as they come in, so that whoever is handed a task next goes on from them;
+-- none of tasks that are done.
+CREATE TABLE checkpoints (
+    -- Task.
+    task TEXT NOT NULL REFERENCES tasks (id),
+    -- Number of the first step of this part, from 0.
+    first INTEGER NOT NULL,
+    -- Number of steps.
+    steps INTEGER NOT NULL,
+    -- Attempt that took them.
+    attempt INTEGER NOT NULL,
+    -- The steps, msgpack.
+    payload BLOB NOT NULL,
+    PRIMARY KEY (task, first)
+);
 
 -- Results accepted, one a task at most, with and without a branch.
 CREATE TABLE results (
@@ -224,6 +245,9 @@ CREATE TABLE branches (
     -- The peak converged again with 2 H harmonics: its amplitude, and the relative shift of its frequency.
     amplitude_2h REAL,
     shift_2h REAL,
+    -- Lowest and highest frequency of a closed branch with 2 H harmonics.
+    omega_min_2h REAL,
+    omega_max_2h REAL,
     UNIQUE (level, kind, number)
 );
 
@@ -250,7 +274,7 @@ CREATE TABLE curves (
     number INTEGER NOT NULL PRIMARY KEY,
     -- Task that found it.
     task TEXT NOT NULL UNIQUE REFERENCES results (task),
-    -- 'fold'.
+    -- 'fold', or 'response': of responses at one frequency.
     kind TEXT NOT NULL,
     -- How it begins and ends, in words.
     status TEXT NOT NULL,
@@ -262,13 +286,13 @@ CREATE TABLE curves (
     rejections INTEGER NOT NULL
 );
 
--- Points of fold curves, in the order of the arc.
+-- Points of curves over the forcing, in the order of the arc.
 CREATE TABLE curve_points (
     -- Curve.
     curve INTEGER NOT NULL REFERENCES curves (number),
     -- Number of the point, from 0.
     i INTEGER NOT NULL,
-    -- Forcing amplitude at which a branch turns here.
+    -- Forcing amplitude, at which a branch turns here or has a response.
     forcing REAL,
     -- Frequency.
     omega REAL,

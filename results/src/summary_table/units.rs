@@ -40,12 +40,12 @@ impl LengthUnit {
     /// A length in metres, in this unit, with five digits.
     pub fn digits(self, metres: f64) -> String {
         let value = match self {
-            Self::Metre => return format!("{metres:.4e}"),
+            Self::Metre => metres,
             Self::Millimetre => 1e3 * metres,
             Self::Micrometre => 1e6 * metres,
         };
-        // Beyond that there are more zeros than digits.
-        if (1e-4..1e6).contains(&value.abs()) { fixed_digits(value, 5) } else { format!("{value:.4e}") }
+        // Beyond that zeros have to be counted.
+        if (1e-2..1e6).contains(&value.abs()) { fixed_digits(value, 5) } else { format!("{value:.4e}") }
     }
 }
 

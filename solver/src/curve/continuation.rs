@@ -4,71 +4,13 @@
 //! progress and cancelling belong to whoever drives it.
 
 use crate::curve::newton::{Constraint, Newton, NewtonSettings};
+pub use crate::curve::point::CurvePoint;
 use crate::curve::problem::{Failure, Problem, inner, norm};
+use crate::curve::record::{Ahead, Recorder, Step};
+pub use crate::curve::settings::{ContinuationSettings, Corrector, Predictor};
 use crate::curve::stabiliser::Stabiliser;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
-
-/// Direction in which the next point is predicted.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Predictor {
-    /// Tangent, from the Jacobian already factorised.
-    #[default]
-    Tangent,
-    /// Secant through the last two points (paper \[7\]).
-    Secant,
-}
-
-/// Scalar equation of the corrector.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Corrector {
-    /// Keller's hyperplane normal to the predictor.
-    #[default]
-    Hyperplane,
-    /// Sphere round the last point (paper \[8\]).
-    Sphere,
-}
-
-/// Settings of the continuation; steps are scaled arc lengths.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct ContinuationSettings {
-    /// First step. Default 0.02.
-    pub initial_step: f64,
-    /// Smallest step: a branch that needs a smaller one has stalled. Default 1e-7. Where the problem itself allows no more
-    /// than a shorter step than `max_step`, it is smaller by as much.
-    pub min_step: f64,
-    /// Largest step. Default 0.1. Of forced responses whose state, frequency and means included, is larger than five times its scales, a
-    /// fifth of that size times as much.
-    pub max_step: f64,
-    /// Factorisations a point that leave the step as it is. Default 2.
-    pub target_factorisations: usize,
-    /// Smallest cosine between a step and the tangent it started with. Default 0.9.
-    pub min_cosine: f64,
-    /// Predictor. Default tangent.
-    pub predictor: Predictor,
-    /// Corrector. Default hyperplane.
-    pub corrector: Corrector,
-    /// Newton's method.
-    pub newton: NewtonSettings,
-}
-
-impl Default for ContinuationSettings {
-    fn default() -> Self {
-        Self {
-            initial_step: 0.02,
-            min_step: 1e-7,
-            max_step: 0.1,
-            target_factorisations: 2,
-            min_cosine: 0.9,
-            predictor: Predictor::default(),
-            corrector: Corrector::default(),
-            newton: NewtonSettings { max_iterations: 10, ..NewtonSettings::default() },
-        }
-    }
-}
 
 /// Cosine between a step and the tangent at its end below which the tangent is computed anew.
 const STALE: f64 = 0.97;
@@ -81,25 +23,6 @@ const STRAIGHT: f64 = 0.996;
 /// Scaled size from which on the largest step grows with a state: of a motion many times as large as the reference length, steps
 /// that suit that length resolve more than anybody can see, and use up the points of a branch.
 const LARGE: f64 = 5.0;
-
-/// A converged point of the curve.
-#[derive(Debug, Clone)]
-pub struct CurvePoint {
-    /// Scaled state.
-    pub y: Vec<f64>,
-    /// Unit tangent in the direction of travel.
-    pub tangent: Vec<f64>,
-    /// Newton iterations.
-    pub iterations: usize,
-    /// Factorisations they needed.
-    pub factorisations: usize,
-    /// Largest scaled residual.
-    pub residual: f64,
-    /// Sign of the bordered Jacobian's determinant; a change between points marks a bifurcation.
-    pub orientation: f64,
-    /// Arc length of the step that led here.
-    pub step: f64,
-}
 
 /// Why a step was not accepted.
 #[derive(Debug, Clone, Copy, PartialEq, Error, Serialize, Deserialize)]
@@ -140,6 +63,7 @@ pub struct Continuation<'p, P: Problem> {
     stalled: Option<Rejection>,
     row: Vec<f64>,
     origin: Vec<f64>,
+    recorder: Recorder,
 }
 
 impl<'p, P: Problem> Continuation<'p, P> {
@@ -176,6 +100,7 @@ impl<'p, P: Problem> Continuation<'p, P> {
             stalled: None,
             row,
             origin: Vec::new(),
+            recorder: Recorder::default(),
         })
     }
 
@@ -194,8 +119,20 @@ impl<'p, P: Problem> Continuation<'p, P> {
         self.problem
     }
 
+    /// Has its steps recorded; those recorded before are taken as they were.
+    pub fn record(&mut self, recorder: &Recorder) {
+        recorder.begin();
+        self.recorder = recorder.clone();
+    }
+
+    /// Whether the next step was recorded before.
+    pub fn goes_on(&self) -> bool {
+        self.recorder.goes_on()
+    }
+
     /// Goes on from a point of the curve beyond what no step passes, with a first step of this length.
     pub fn resume(&mut self, from: CurvePoint, step: f64) {
+        self.recorder.begin();
         (self.longest, self.is_narrow) = longest_from(self.problem, &self.settings, &from);
         (self.current, self.previous, self.step) = (from, None, step.min(self.longest));
         (self.refreshed, self.stalled) = (false, None);
@@ -347,12 +284,23 @@ impl<'p, P: Problem> Continuation<'p, P> {
     fn shortest(&self) -> f64 {
         self.settings.min_step * (self.longest / self.settings.max_step).min(1.0)
     }
-}
 
-impl<P: Problem> Iterator for Continuation<'_, P> {
-    type Item = CurvePoint;
+    /// Takes a step that was taken before.
+    fn repeat(&mut self, Step { point, ahead, memory, .. }: Step) {
+        self.problem.recall(&memory);
+        (self.step, self.longest, self.is_narrow) = (ahead.step, ahead.longest, ahead.is_narrow);
+        (self.rejections, self.refreshed) = (ahead.rejections, ahead.is_refreshed);
+        self.previous = Some(std::mem::replace(&mut self.current, point).y);
+    }
 
-    fn next(&mut self) -> Option<CurvePoint> {
+    /// What the next step depends on beside the last two points.
+    fn ahead(&self) -> Ahead {
+        let (rejections, is_refreshed) = (self.rejections, self.refreshed);
+        Ahead { step: self.step, longest: self.longest, is_narrow: self.is_narrow, rejections, is_refreshed }
+    }
+
+    /// Steps on to the next point; whether there is one.
+    fn advance(&mut self) -> bool {
         loop {
             match self.attempt() {
                 Ok(point) => {
@@ -362,7 +310,7 @@ impl<P: Problem> Iterator for Continuation<'_, P> {
                     if self.has_stale_tangent() {
                         self.refresh_tangent();
                     }
-                    return Some(self.current.clone());
+                    return true;
                 }
                 Err(rejection) => {
                     self.rejections += 1;
@@ -370,11 +318,24 @@ impl<P: Problem> Iterator for Continuation<'_, P> {
                     self.step *= 0.5;
                     if self.step < self.shortest() {
                         self.stalled = Some(rejection);
-                        return None;
+                        return false;
                     }
                 }
             }
         }
+    }
+}
+
+impl<P: Problem> Iterator for Continuation<'_, P> {
+    type Item = CurvePoint;
+
+    fn next(&mut self) -> Option<CurvePoint> {
+        match self.recorder.next(self.problem.len()) {
+            Some(step) => self.repeat(step),
+            None if self.advance() => self.recorder.add(&self.current, self.ahead(), || self.problem.memory()),
+            None => return None,
+        }
+        Some(self.current.clone())
     }
 }
 

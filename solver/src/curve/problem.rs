@@ -49,6 +49,14 @@ pub trait Problem {
     /// metric measures, and on parameters. Only while [`Problem::is_factorisation_current`].
     fn solve_transposed(&mut self, form: &[f64]) -> Vec<f64>;
 
+    /// What solving at one state leaves behind that bears on the next one, a starting value say; empty if nothing does.
+    fn memory(&self) -> Vec<f64> {
+        Vec::new()
+    }
+
+    /// Takes up a [`Problem::memory`].
+    fn recall(&mut self, _memory: &[f64]) {}
+
     /// Longest step (arc length) along the unit tangent of a point that cannot pass over something narrow, a lightly damped
     /// resonance say. Infinite if nothing is known of such.
     fn longest_step(&mut self, _y: &[f64], _tangent: &[f64]) -> f64 {

@@ -82,6 +82,8 @@ pub fn walk_on<P: Problem, T: Evaluated<P>>(
     ending: &mut Ending<'_, P, T>,
 ) -> Stop {
     let mut identity = Identity::default();
+    // Side by side: every point is compared with all before it.
+    let mut omegas: Vec<f64> = visited.iter().map(|visited| visited.point.omega()).collect();
     loop {
         if visited.len() >= bounds.points {
             return Stop::PointBudget;
@@ -93,11 +95,14 @@ pub fn walk_on<P: Problem, T: Evaluated<P>>(
         let point = T::evaluate(continuation.problem(), &curve);
         let cancelled = observer(&point).is_break();
         let passed = bounds.passed(point.omega(), point.amplitude());
+        omegas.push(point.omega());
         visited.push(TracedPoint { curve, point });
         if cancelled {
             return Stop::Cancelled;
         }
-        let rounds = if bounds.closes { rounds(&mut identity, continuation, visited) } else { None };
+        // A walk that went on before did not come upon itself here.
+        let went_on = continuation.goes_on();
+        let rounds = if bounds.closes && !went_on { rounds(&mut identity, continuation, visited) } else { None };
         if let Some(rounds) = rounds {
             visited.pop();
             if !turns_round(continuation.problem(), visited, rounds) {
@@ -108,7 +113,8 @@ pub fn walk_on<P: Problem, T: Evaluated<P>>(
             }
             return Stop::Closed;
         }
-        match revisit(&mut identity, continuation, visited) {
+        let revisit = if went_on { None } else { revisit(&mut identity, continuation, visited, &omegas) };
+        match revisit {
             Some(Revisit::Backwards) => return Stop::Reversed,
             Some(Revisit::Forwards(earlier)) if bounds.closes => {
                 visited.pop();
@@ -339,23 +345,23 @@ enum Revisit {
     Forwards(usize),
 }
 
-/// Whether the last point lies on an earlier part of the curve.
+/// Whether the last point lies on an earlier part of the curve; `omegas`: the frequencies of the points.
 fn revisit<P: Problem, T: Evaluated<P>>(
     identity: &mut Identity,
     continuation: &mut Continuation<'_, P>,
     visited: &[TracedPoint<T>],
+    omegas: &[f64],
 ) -> Option<Revisit> {
     let (last, earlier) = visited.split_last()?;
     let newton = continuation.settings().newton;
     let problem = continuation.problem();
     let omega = last.point.omega();
     let keep_clear = earlier.len().saturating_sub(3);
-    for (index, pair) in earlier[..keep_clear].windows(2).enumerate() {
-        let (a, b) = (pair[0].point.omega(), pair[1].point.omega());
-        if (a - omega) * (b - omega) > 0.0 {
+    for (index, pair) in omegas[..keep_clear].windows(2).enumerate() {
+        if (pair[0] - omega) * (pair[1] - omega) > 0.0 {
             continue;
         }
-        let [a, b] = [&pair[0].curve, &pair[1].curve];
+        let [a, b] = [&earlier[index].curve, &earlier[index + 1].curve];
         let cosine = inner(problem.metric(), &a.tangent, &last.curve.tangent);
         if cosine.abs() > 0.9
             && is_beside(problem.metric(), &a.y, &b.y, &last.curve.y)

@@ -5,7 +5,7 @@
 //! quadrature the force is continuously differentiable and does not depend on the grid; the result is the limit of
 //! infinitely many samples.
 
-use crate::formulation::harmonics::evaluate;
+use crate::formulation::crossings::crossings;
 use std::f64::consts::{PI, TAU};
 
 /// Parts of a period on which a function is positive.
@@ -30,53 +30,19 @@ impl Coverage {
     }
 }
 
-/// Arcs on which `series` exceeds `threshold`, from its `samples` on the uniform grid. Arcs (and openings) shorter than
-/// a grid cell are found by refining the extrema that come close enough to the threshold.
+/// Arcs on which `series` exceeds `threshold`, from its `samples` on the uniform grid; arcs and openings shorter than a grid cell
+/// too.
 pub fn positive_arcs(series: &[f64], threshold: f64, samples: &[f64]) -> Coverage {
-    let n = samples.len();
-    let step = TAU / n as f64;
-    let at = |i: usize| samples[i % n] - threshold;
-    let height = |tau: f64| {
-        let [value, slope, curvature] = evaluate(series, tau);
-        (value - threshold, slope, curvature)
-    };
-    // How far the function may rise between samples above the higher one of them.
-    let curvature: f64 = (1..=series.len() / 2).map(|k| (k * k) as f64 * series[2 * k - 1].hypot(series[2 * k])).sum();
-    let rise = 0.125 * step * step * curvature;
-    // (instant, whether the function rises through the threshold there)
-    let mut crossings: Vec<(f64, bool)> = Vec::new();
-    for i in 0..n {
-        let (before, here, after) = (at(i + n - 1), at(i), at(i + 1));
-        let tau = i as f64 * step;
-        let positive = here > 0.0;
-        let sign = if positive { -1.0 } else { 1.0 };
-        // An extremum between samples that may reach over the threshold.
-        let is_extremum = sign * here >= sign * before && sign * here > sign * after;
-        let is_between = is_extremum && (before > 0.0) == positive && (after > 0.0) == positive;
-        if is_between
-            && sign * here + rise >= 0.0
-            && let Some(top) = summit(&height, sign, tau, step)
-            && sign * height(top).0 > 0.0
-        {
-            let (begin, end) = if top > tau { (tau, tau + step) } else { (tau - step, tau) };
-            crossings.push((root(&height, (begin, top), 0.5 * (begin + top), positive), !positive));
-            crossings.push((root(&height, (top, end), 0.5 * (top + end), !positive), positive));
-        }
-        if positive != (after > 0.0) {
-            let near = tau + step * here / (here - after);
-            crossings.push((root(&height, (tau, tau + step), near, positive), !positive));
-        }
-    }
+    let mut crossings = crossings(series, threshold, samples);
     if crossings.is_empty() {
         return if samples[0] > threshold { Coverage::Always } else { Coverage::Never };
     }
-    crossings.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let rising = crossings.iter().position(|c| c.1).unwrap_or(0);
+    let rising = crossings.iter().position(|crossing| crossing.is_rising).unwrap_or(0);
     crossings.rotate_left(rising);
     let arcs = crossings
         .chunks_exact(2)
         .map(|pair| {
-            let (begin, mut end) = (pair[0].0, pair[1].0);
+            let (begin, mut end) = (pair[0].tau, pair[1].tau);
             if end < begin {
                 end += TAU;
             }
@@ -84,60 +50,6 @@ pub fn positive_arcs(series: &[f64], threshold: f64, samples: &[f64]) -> Coverag
         })
         .collect();
     Coverage::Arcs(arcs)
-}
-
-/// What Newton's method may leave of an instant's error, rad.
-const ROUNDING: f64 = 1e-15;
-
-/// Root of a function with a sign change in a bracket, at whose begin it is positive or not: Newton's method from `near`, kept
-/// inside. The function gives its value and two derivatives.
-fn root(
-    function: &impl Fn(f64) -> (f64, f64, f64),
-    (mut low, mut high): (f64, f64),
-    near: f64,
-    is_positive: bool,
-) -> f64 {
-    let mut tau = near.clamp(low, high);
-    for _ in 0..60 {
-        let (value, slope, curvature) = function(tau);
-        if (value > 0.0) == is_positive {
-            low = tau;
-        } else {
-            high = tau;
-        }
-        let newton = tau - value / slope;
-        let is_inside = newton >= low && newton <= high;
-        let next = if is_inside { newton } else { 0.5 * (low + high) };
-        let step = next - tau;
-        let error = 0.5 * (curvature / slope).abs() * step * step;
-        if step.abs() < 1e-14 || (is_inside && error < ROUNDING) {
-            return next;
-        }
-        tau = next;
-    }
-    tau
-}
-
-/// The highest point (for a negative `sign` the lowest) beside a sample that is higher than its neighbours, on the side to which
-/// the function rises there: the first one, as there may be others in the same cell.
-fn summit(height: &impl Fn(f64) -> (f64, f64, f64), sign: f64, tau: f64, step: f64) -> Option<f64> {
-    const PARTS: usize = 4;
-    let towards = if sign * height(tau).1 > 0.0 { 1.0 } else { -1.0 };
-    let at = |part: usize| tau + towards * step * part as f64 / PARTS as f64;
-    let beyond = (1..=PARTS).find(|&part| sign * towards * height(at(part)).1 <= 0.0)?;
-    let (from, to) = (at(beyond - 1), at(beyond));
-    extremum(height, from.min(to), from.max(to))
-}
-
-/// Zero of the slope between `low` and `high`, if it changes its sign there.
-fn extremum(height: &impl Fn(f64) -> (f64, f64, f64), low: f64, high: f64) -> Option<f64> {
-    // Of the third derivative nothing is known: NaN lets no step be the last one before its time.
-    let slope = |tau: f64| {
-        let (_, slope, curvature) = height(tau);
-        (slope, curvature, f64::NAN)
-    };
-    let is_positive = slope(low).0 > 0.0;
-    (is_positive != (slope(high).0 > 0.0)).then(|| root(&slope, (low, high), 0.5 * (low + high), is_positive))
 }
 
 /// Nodes and weights of Gauss–Legendre quadrature on [−1, 1].
@@ -180,7 +92,8 @@ impl GaussLegendre {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::formulation::harmonics::Transform;
+    use crate::formulation::harmonics::{Transform, evaluate};
+    use crate::formulation::pressure::tests::random;
 
     #[test]
     fn gauss_rules_integrate_polynomials_exactly() {
@@ -239,6 +152,48 @@ mod tests {
             assert_eq!(coarse.len(), fine.len(), "{above}: {coarse:?}, {fine:?}");
             for (coarse, fine) in coarse.iter().zip(&fine) {
                 assert!((coarse.0 - fine.0).abs() + (coarse.1 - fine.1).abs() < 1e-9, "{above}: {coarse:?}, {fine:?}");
+            }
+        }
+    }
+
+    /// Two arcs in neighbouring cells, one of them far shorter than its cell, whose other neighbour is in contact.
+    #[test]
+    fn a_short_arc_beside_a_crossing_is_found() {
+        let series = [1.598_379_792e-4, 0.654_949_77, -0.347_767_56, 0.0, 0.0, 0.026_554_29, -0.248_585_74];
+        let Coverage::Arcs(list) = arcs(&series, 64) else { panic!("no arcs") };
+        assert_eq!(list.len(), 3, "{list:?}");
+    }
+
+    /// Random series lifted until an extremum just passes the threshold, against a grid on which nothing can be missed.
+    #[test]
+    fn grazing_is_seen_wherever_it_is() {
+        // Numbers between -1 and 1.
+        let mut next = random(7);
+        for case in 0..1500 {
+            let harmonics = 2 + (8.0 * next().abs()) as usize;
+            let decay = 0.3 * next().abs();
+            let mut coefficient = |k: usize| if next() < -0.5 { 0.0 } else { next() * (-decay * k as f64).exp() };
+            let mut series: Vec<f64> = (0..=2 * harmonics).map(|i| coefficient(i / 2)).collect();
+            let tau = TAU * next();
+            let extremum = (0..40).fold(tau, |tau, _| {
+                let [_, slope, curvature] = evaluate(&series, tau);
+                tau - (slope / curvature).clamp(-0.3, 0.3)
+            });
+            if evaluate(&series, extremum)[1].abs() > 1e-12 {
+                continue;
+            }
+            let above = next().signum() * 10f64.powf(-6.0 - 3.0 * next());
+            series[0] += above - evaluate(&series, extremum)[0];
+            let (coarse, fine) = (arcs(&series, 64), arcs(&series, 16384));
+            match (&coarse, &fine) {
+                (Coverage::Arcs(coarse), Coverage::Arcs(fine)) => {
+                    assert_eq!(coarse.len(), fine.len(), "{case}: {series:?}");
+                    for (coarse, fine) in coarse.iter().zip(fine) {
+                        let difference = (coarse.0 - fine.0).abs().max((coarse.1 - fine.1).abs());
+                        assert!(difference < 1e-9 || (difference - TAU).abs() < 1e-9, "{case}: {coarse:?}, {fine:?}");
+                    }
+                }
+                _ => assert_eq!(coarse, fine, "{case}: {series:?}"),
             }
         }
     }

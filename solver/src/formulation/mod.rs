@@ -2,6 +2,7 @@
 
 pub mod aft;
 pub mod arcs;
+mod crossings;
 pub mod displacement;
 pub mod harmonics;
 pub mod linear;

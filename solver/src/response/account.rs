@@ -55,7 +55,7 @@ pub struct Account {
     pub mains: Vec<SeedOutcome>,
     /// Every window with its seeds.
     pub windows: Vec<WindowAccount>,
-    /// What became of the crossings of fold curves.
+    /// What became of the crossings of curves over the forcing amplitude.
     pub crossings: Vec<(CrossingPlace, SeedOutcome)>,
     /// What became of the batches of random starts.
     pub starts: Vec<(StartPlace, SeedOutcome)>,
@@ -81,7 +81,7 @@ impl Account {
     pub fn needs(&self, task: &Task) -> bool {
         let is_without_main = !self.has_main() && !self.mains.is_empty();
         match task {
-            Task::Main(_) | Task::Fold(_) | Task::Start(_) | Task::Scout(_) => true,
+            Task::Main(_) | Task::Fold(_) | Task::Carry(_) | Task::Start(_) | Task::Scout(_) => true,
             Task::Verify(_) | Task::Disturb(_) | Task::March(_) => true,
             Task::Land(SeedPlace { method: LandingMethod::FullForcing, .. }) => true,
             Task::Crossing(_) => !is_without_main,
@@ -140,7 +140,8 @@ impl Account {
             }
             Task::Crossing(place) => self.crossings.push((*place, outcome)),
             Task::Start(place) | Task::Begin(place) => self.starts.push((*place, outcome)),
-            Task::Fold(_) | Task::Scout(_) | Task::Verify(_) | Task::Disturb(_) | Task::March(_) => {}
+            Task::Fold(_) | Task::Carry(_) | Task::Scout(_) => {}
+            Task::Verify(_) | Task::Disturb(_) | Task::March(_) => {}
         }
     }
 

@@ -51,17 +51,20 @@ pub struct Certificate {
     pub penetration: Option<f64>,
     /// Share (rms, over the whole branch) of the contact pressure beyond H.
     pub pressure_beyond: Option<f64>,
-    /// The peak, converged again with 2 H harmonics.
+    /// The peak and the ends of the range, converged again with 2 H harmonics.
     pub doubled: Option<Doubled>,
 }
 
-/// A peak converged again with twice the harmonics.
+/// What of a branch was converged again with twice the harmonics.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Doubled {
     /// Largest amplitude of the first monitored dof there, m.
     pub amplitude: f64,
     /// Relative shift of the peak's frequency.
     pub shift: f64,
+    /// Lowest and highest frequency of a closed curve there, its outermost folds, rad/s.
+    #[serde(default)]
+    pub range: Option<(f64, f64)>,
 }
 
 #[cfg(test)]

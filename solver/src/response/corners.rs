@@ -333,7 +333,7 @@ impl Height<'_, '_, '_> {
             // Steps at another height than the one asked for are those of another √h.
             let residual = self.raise(&mut y, height)?;
             let problem = self.continuation.problem();
-            if residual < SOLVED.max(problem.rounding()) {
+            if residual < SOLVED || residual < problem.rounding() {
                 return Some(y);
             }
             let touch = problem.again(&self.touch)?;

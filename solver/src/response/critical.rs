@@ -1,4 +1,5 @@
-//! What is known of fold and peak curves: their points, the extrema of A along them, how they end, and why there may be none.
+//! What is known of curves over the forcing amplitude, of folds, peaks or responses at fixed frequency: their points, the extrema
+//! of A along them, how they end, and why there may be none.
 
 use crate::curve::problem::Failure;
 use crate::formulation::FormulationError;
@@ -66,15 +67,15 @@ pub struct Corner {
     pub element: usize,
 }
 
-/// A curve of folds or peaks.
+/// A curve of folds or peaks, or of responses at fixed frequency.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct CriticalCurve {
-    /// What has an extremum at its points, along the branch at each point's own A.
-    pub quantity: Quantity,
+    /// What has an extremum at its points, along the branch at each point's own A; nothing at fixed frequency.
+    pub quantity: Option<Quantity>,
     /// Points in the order of the arc, extrema of A among them; a closed curve does not repeat its first point. Where the
     /// curve leaves the range of forcing amplitudes, its last point lies at the bound.
     pub points: Vec<BranchPoint>,
-    /// Extrema of A, in the order of the arc.
+    /// Extrema of A, in the order of the arc; none of a curve at fixed frequency, where branches turn in A and nothing is born.
     pub events: Vec<CriticalEvent>,
     /// Its corners, in the order of the arc: those at which it stalled and beyond which it was taken up again, and those that a
     /// step had led past. An extremum of A at a corner is a cusp: two folds meet there and vanish.
@@ -90,6 +91,11 @@ pub struct CriticalCurve {
 }
 
 impl CriticalCurve {
+    /// What its points are, in a word: `fold`, `peak` or `response`.
+    pub fn of(&self) -> &'static str {
+        name(self.quantity)
+    }
+
     /// Its events of one kind.
     pub fn events(&self, kind: CriticalKind) -> impl Iterator<Item = &BranchPoint> {
         self.events.iter().filter(move |event| event.kind == kind).map(|event| &self.points[event.index])
@@ -125,6 +131,14 @@ impl CriticalCurve {
     }
 }
 
+/// What the points of a curve are, in a word.
+pub const fn name(quantity: Option<Quantity>) -> &'static str {
+    match quantity {
+        Some(quantity) => quantity.extremum(),
+        None => "response",
+    }
+}
+
 /// Why there is no curve at all.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum CriticalError {
@@ -135,10 +149,10 @@ pub enum CriticalError {
     #[error(transparent)]
     Formulation(#[from] FormulationError),
     /// No point of the curve was found near the start.
-    #[error("no {} near {omega:.6} rad/s at A = {forcing}: {failure}", quantity.extremum())]
+    #[error("no {} near {omega:.6} rad/s at A = {forcing}: {failure}", name(*quantity))]
     Start {
-        /// What was looked for.
-        quantity: Quantity,
+        /// What was to have an extremum.
+        quantity: Option<Quantity>,
         /// Frequency of the start, rad/s.
         omega: f64,
         /// Its forcing amplitude.
@@ -147,10 +161,10 @@ pub enum CriticalError {
         failure: Failure,
     },
     /// What was found near the start is a different response.
-    #[error("no {} near {omega:.6} rad/s at A = {forcing}: the nearest is another response", quantity.extremum())]
+    #[error("no {} near {omega:.6} rad/s at A = {forcing}: the nearest is another response", name(*quantity))]
     Elsewhere {
-        /// What was looked for.
-        quantity: Quantity,
+        /// What was to have an extremum.
+        quantity: Option<Quantity>,
         /// Frequency of the start, rad/s.
         omega: f64,
         /// Its forcing amplitude.

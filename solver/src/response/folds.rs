@@ -1,4 +1,5 @@
-//! Fold curves and peak curves: the extrema of frequency or amplitude along the branches of all forcing amplitudes.
+//! Fold curves and peak curves: the extrema of frequency or amplitude along the branches of all forcing amplitudes; and the
+//! responses of all of them at one frequency, for branches that have no such extremum.
 //!
 //! Isolas are born and merge where the forcing amplitude A has an extremum along such a curve, so that a fold of a branch
 //! that is known leads to isolas that are not (T. Detroux, L. Renson, L. Masset & G. Kerschen, Comput. Methods Appl. Mech.
@@ -8,6 +9,7 @@ use crate::curve::continuation::{Continuation, CurvePoint, weighted};
 use crate::curve::identity::Identity;
 use crate::curve::newton::{Constraint, Newton, NewtonSettings};
 use crate::curve::problem::{Failure, Problem, inner, norm};
+use crate::curve::record::Recorder;
 use crate::curve::walk::{Bounds, Evaluated, TracedCurve, both_ways, interpolate, relative_distance};
 use crate::formulation::Formulation;
 use crate::formulation::pressure::PressureForm;
@@ -34,15 +36,16 @@ const DEPTH: usize = 8;
 /// A crossing may lie this share of a chord beyond its ends.
 const BEYOND: f64 = 1e-3;
 
-/// Follows the folds or the peaks of a model.
+/// Follows the folds, the peaks or the responses at one frequency of a model.
 pub struct Critical<'m> {
     model: &'m Model,
     settings: Settings,
-    quantity: Quantity,
+    quantity: Option<Quantity>,
     extent: Extent,
     problem: PressureForm<'m>,
     newton: Newton,
     identity: Identity,
+    recorder: Recorder,
 }
 
 impl<'m> Critical<'m> {
@@ -56,17 +59,45 @@ impl<'m> Critical<'m> {
         quantity: Quantity,
         extent: Extent,
     ) -> Result<Self, CriticalError> {
+        Self::build(model, settings, Some(quantity), Unknown::Extremum(quantity), extent)
+    }
+
+    /// Forced responses of `model` at frequency `omega`, rad/s, within `extent`.
+    ///
+    /// # Errors
+    /// If a setting is out of range.
+    pub fn at_frequency(
+        model: &'m Model,
+        settings: &Settings,
+        omega: f64,
+        extent: Extent,
+    ) -> Result<Self, CriticalError> {
+        Self::build(model, settings, None, Unknown::Forcing { omega }, extent)
+    }
+
+    fn build(
+        model: &'m Model,
+        settings: &Settings,
+        quantity: Option<Quantity>,
+        unknown: Unknown,
+        extent: Extent,
+    ) -> Result<Self, CriticalError> {
         settings.validate(model)?;
-        let (scales, unknown) = (Scales::new(model, settings.tracked()), Unknown::Extremum(quantity));
+        let scales = Scales::new(model, settings.tracked());
         let mut problem = PressureForm::build(model, settings.harmonics, settings.tracked(), unknown, scales)?;
         // Its scale, that of the linear resonance, is far below the forcing of isolas where the damping is weak.
         problem.measure_forcing_by(extent.forcing.1.max(scales.forcing));
-        let (newton, identity) = (Newton::default(), Identity::default());
-        Ok(Self { model, settings: *settings, quantity, extent, problem, newton, identity })
+        let (newton, identity, recorder) = Default::default();
+        Ok(Self { model, settings: *settings, quantity, extent, problem, newton, identity, recorder })
     }
 
-    /// The curve through a state near a fold (or peak) of a branch, at the state's own A, followed both ways, with the
-    /// extrema of A along it. `observer` is told of every point.
+    /// The same with the steps of its curves recorded; those recorded before are taken as they were.
+    pub fn recorded(self, recorder: Recorder) -> Self {
+        Self { recorder, ..self }
+    }
+
+    /// The curve through a state near a fold (or peak, or response) of a branch, at the state's own A, followed both ways, with
+    /// the extrema of A along it that are births, merges or cusps. `observer` is told of every point.
     ///
     /// # Errors
     /// If there is no point of the curve near the state. What stops the curve later is part of the result.
@@ -87,6 +118,7 @@ impl<'m> Critical<'m> {
         let mut corners = Corners::default();
         for direction in directions {
             let mut one_way = |continuation: &mut Continuation<'_, PressureForm<'m>>| {
+                continuation.record(&self.recorder);
                 walk_past(continuation, &bounds, observer, &mut ending, &mut corners)
             };
             walked = both_ways(&mut self.problem, y.clone(), &direction, &settings, &mut one_way);
@@ -145,6 +177,11 @@ impl<'m> Critical<'m> {
     /// Whether a fold (or peak) near `state`, or a time shift of it that leaves the forcing unchanged, lies on `curve`.
     pub fn lies_on(&mut self, state: &State, curve: &CriticalCurve) -> bool {
         let Ok(state) = self.locate(state) else { return false };
+        // Their frequency is none of the unknowns of responses at one.
+        let is_elsewhere = |first: &BranchPoint| self.quantity.is_none() && first.omega() != state.omega;
+        if curve.points.first().is_some_and(is_elsewhere) {
+            return false;
+        }
         let newton = self.settings.continuation.newton;
         let target = self.problem.encode(&state);
         let targets = self.problem.distinct_images(&target);
@@ -239,7 +276,10 @@ impl<'m> Critical<'m> {
                 Ok(mut continuation) => {
                     let is_closed = outcome == Outcome::Closed;
                     let visited = with_corners(&mut continuation, walked.visited, is_closed, &mut corners);
-                    with_events(&mut continuation, visited, is_closed, &corners)
+                    match self.quantity {
+                        Some(_) => with_events(&mut continuation, visited, is_closed, &corners),
+                        None => (visited, Vec::new()),
+                    }
                 }
                 Err(_) => (walked.visited, Vec::new()),
             },

@@ -2,9 +2,10 @@
 
 use crate::curve::continuation::Continuation;
 use crate::curve::identity::Identity;
-use crate::curve::newton::{Constraint, Newton, NewtonSettings};
+use crate::curve::newton::NewtonSettings;
 use crate::curve::problem::Failure;
-use crate::curve::walk::{Bounds, TracedCurve, begin_at_bound, end_at_bound, relative_distance, walk, walk_both};
+use crate::curve::record::Recorder;
+use crate::curve::walk::{Bounds, TracedCurve, both_ways, relative_distance, walk};
 use crate::formulation::harmonics::complex;
 use crate::formulation::linear::forced_response;
 use crate::formulation::modal::Modal;
@@ -16,8 +17,10 @@ use crate::formulation::{Formulation, FormulationError};
 use crate::response::branch::{
     Branch, BranchKind, BranchPoint, Certificate, Observer, Outcome, Side, Stop, TracedPoint,
 };
-use crate::response::folds::{Critical, CriticalError, Extent, Quantity};
+use crate::response::folds::{Critical, CriticalCurve, CriticalError, Extent, Quantity};
 use crate::response::forcing::{Unreached, from_rest};
+use crate::response::interrupt::Interrupt;
+use crate::response::ordinary::{LINEAR, converge, distance, is_ordinary, trimmed};
 pub use crate::response::search_range::SearchRange;
 use crate::response::special::with_special_points;
 use crate::response::truncation::certificate;
@@ -38,13 +41,6 @@ const OUTSIDE: (f64, f64) = (0.5, 2.0);
 /// No branch is followed beyond this multiple of the largest amplitude that backbone, scales and linear resonance suggest.
 const RUNAWAY: f64 = 1e4;
 
-/// Relative distance of a response from the linear one up to which it counts as linear.
-const LINEAR: f64 = 1e-3;
-
-/// Relative distance of a response from the linear one up to which it counts as the ordinary response, if Newton's method leads
-/// there from the linear one.
-const ORDINARY: f64 = 0.3;
-
 /// Forced responses at one forcing amplitude, by any formulation.
 pub struct Forced<'m, F = PressureForm<'m>> {
     model: &'m Model,
@@ -54,6 +50,8 @@ pub struct Forced<'m, F = PressureForm<'m>> {
     reach: SearchRange,
     identity: Identity,
     forcing: f64,
+    recorder: Recorder,
+    interrupt: Interrupt,
 }
 
 impl<'m> Forced<'m> {
@@ -77,7 +75,28 @@ impl<'m, F: Formulation<'m>> Forced<'m, F> {
         let scales = Scales::new(model, settings.tracked());
         let unknown = Unknown::Frequency { forcing };
         let problem = F::build(model, settings.harmonics, settings.tracked(), unknown, scales)?;
-        Ok(Self { model, problem, settings: *settings, reach, identity: Identity::default(), forcing })
+        let (identity, recorder, interrupt) = Default::default();
+        Ok(Self { model, problem, settings: *settings, reach, identity, forcing, recorder, interrupt })
+    }
+
+    /// The same with the steps of its branches and curves recorded; those recorded before are taken as they were.
+    pub fn recorded(self, recorder: Recorder) -> Self {
+        Self { recorder, ..self }
+    }
+
+    /// The same, asking whether to go on where it tells of no points.
+    pub fn interrupted_by(self, interrupt: Interrupt) -> Self {
+        Self { interrupt, ..self }
+    }
+
+    /// Who may ask to stop.
+    pub fn interrupt(&self) -> &Interrupt {
+        &self.interrupt
+    }
+
+    /// What records the steps.
+    pub fn recorder(&self) -> Recorder {
+        self.recorder.clone()
     }
 
     /// The structure.
@@ -152,6 +171,7 @@ impl<'m, F: Formulation<'m>> Forced<'m, F> {
         let (swept, study) = (self.reach.swept(), self.reach.frequency);
         let (newton, given) = (self.landing(), self.settings.frequency);
         let mut continuation = Continuation::start(&mut self.problem, y, &direction, self.settings.continuation)?;
+        continuation.record(&self.recorder);
         let mut has_entered = false;
         let mut ending = |problem: &mut F, last: &TracedPoint| {
             let (omega, towards) = (last.point.omega(), last.curve.tangent[problem.len() - problem.parameters()]);
@@ -184,8 +204,8 @@ impl<'m, F: Formulation<'m>> Forced<'m, F> {
                 _ => {}
             }
         }
-        let started = from_rest::<F>(self.model, &self.settings, self.forcing, far);
-        started.or_else(|_| from_rest::<F>(self.model, &self.settings, self.forcing, near))
+        let started = from_rest::<F>(self.model, &self.settings, self.forcing, far, &self.interrupt);
+        started.or_else(|_| from_rest::<F>(self.model, &self.settings, self.forcing, near, &self.interrupt))
     }
 
     /// Whether a response is what grows out of the linear one: linear, or not far from it and what Newton's method finds from
@@ -237,9 +257,11 @@ impl<'m, F: Formulation<'m>> Forced<'m, F> {
         let y = self.problem.encode(state);
         let (upwards, growth) = (self.problem.parameter_row(), self.problem.growth(&y));
         let (bounds, settings) = (self.bounds(frequency, true), self.settings.continuation);
-        let mut walk = |direction: &[f64]| {
-            walk_both(&mut self.problem, y.clone(), direction, &settings, &bounds, observer, &mut |_, _| None)
+        let mut one_way = |continuation: &mut Continuation<'_, F>| {
+            continuation.record(&self.recorder);
+            walk(continuation, &bounds, observer, &mut |_, _| None)
         };
+        let mut walk = |direction: &[f64]| both_ways(&mut self.problem, y.clone(), direction, &settings, &mut one_way);
         // At a fold the branch turns back in frequency.
         let walked = walk(&upwards).or_else(|_| walk(&growth))?;
         let kind = BranchKind::of_detached(&walked.outcome, self.is_cut(&walked));
@@ -266,14 +288,37 @@ impl<'m, F: Formulation<'m>> Forced<'m, F> {
         branch.certificate = certificate::<F>(self.model, &self.settings, branch, observer);
     }
 
-    /// Follows the folds of branches over the forcing amplitude.
+    /// Follows extrema of a quantity along branches over the forcing amplitude.
     ///
     /// # Errors
     /// If a law has no second derivatives.
-    pub fn folds(&self) -> Result<Critical<'m>, CriticalError> {
+    pub fn extrema(&self, quantity: Quantity) -> Result<Critical<'m>, CriticalError> {
+        Ok(Critical::new(self.model, &self.settings, quantity, self.extent())?.recorded(self.recorder()))
+    }
+
+    /// Follows responses at frequency `omega`, rad/s, over the forcing amplitude.
+    ///
+    /// # Errors
+    /// None that depends on the model.
+    pub fn responses_at(&self, omega: f64) -> Result<Critical<'m>, CriticalError> {
+        Ok(Critical::at_frequency(self.model, &self.settings, omega, self.extent())?.recorded(self.recorder()))
+    }
+
+    /// What follows curves of the kind that this one is of.
+    ///
+    /// # Errors
+    /// If a law has no second derivatives.
+    pub fn like(&self, curve: &CriticalCurve) -> Result<Critical<'m>, CriticalError> {
+        match (curve.quantity, curve.points.first()) {
+            (Some(quantity), _) => self.extrema(quantity),
+            (None, first) => self.responses_at(first.map_or(0.0, BranchPoint::omega)),
+        }
+    }
+
+    /// Within which forcing amplitudes and frequencies curves over the forcing amplitude are followed.
+    fn extent(&self) -> Extent {
         let forcing = self.reach.forcing_around(self.forcing);
-        let extent = Extent { forcing, frequency: self.widest(), points: self.settings.branch.max_points };
-        Critical::new(self.model, &self.settings, Quantity::Frequency, extent)
+        Extent { forcing, frequency: self.widest(), points: self.settings.branch.max_points }
     }
 
     /// Forced responses of a branch close to quadrature with the forcing, Re(X_m·s) = 0: the resonances.
@@ -346,60 +391,4 @@ impl<'m, F: Formulation<'m>> Forced<'m, F> {
         let certificate = Certificate::default();
         Branch { kind, forcing: self.forcing, points, special, outcome, rejections, certificate }
     }
-}
-
-/// See [`Forced::converge`].
-fn converge<'m, F: Formulation<'m>>(
-    problem: &mut F,
-    settings: &NewtonSettings,
-    state: &State,
-) -> Result<State, Failure> {
-    let mut y = problem.encode(state);
-    let origin = y.clone();
-    let row = problem.parameter_row();
-    let constraint = Constraint::Hyperplane { row: &row, origin: &origin };
-    Newton::default().solve(problem, &mut y, constraint, settings)?;
-    problem.decode(&y).map_err(|_| Failure::Singular)
-}
-
-/// See [`Forced::distance`].
-fn distance<'m, F: Formulation<'m>>(problem: &F, a: &State, b: &State) -> f64 {
-    let (from, target) = (problem.encode(a), problem.encode(b));
-    (0..problem.images())
-        .map(|index| relative_distance(problem.motion_metric(), &problem.image(&from, index), &target))
-        .fold(f64::INFINITY, f64::min)
-}
-
-/// See [`Forced::is_ordinary`].
-fn is_ordinary<'m, F: Formulation<'m>>(problem: &mut F, settings: &NewtonSettings, state: &State) -> bool {
-    let Ok(linear) = forced_response(problem, state.forcing, state.omega) else { return false };
-    let away = distance(problem, state, &linear);
-    away < LINEAR
-        || (away < ORDINARY
-            && converge(problem, settings, &linear).is_ok_and(|found| distance(problem, &found, state) < 1e-6))
-}
-
-/// What is left of a walk if it begins where it first enters a range of frequencies and ends where it last leaves it, with
-/// points at the bounds themselves. A walk that is never inside, or does not leave, keeps its end; one that may not end there
-/// keeps it as well.
-fn trimmed<'m, F: Formulation<'m>>(
-    continuation: &mut Continuation<'_, F>,
-    mut visited: Vec<TracedPoint>,
-    (low, high): (f64, f64),
-    may_end: bool,
-) -> Vec<TracedPoint> {
-    let slack = 1e-9 * high;
-    let inside = |v: &TracedPoint| (low - slack..=high + slack).contains(&v.point.omega());
-    let (Some(first), Some(last)) = (visited.iter().position(inside), visited.iter().rposition(inside)) else {
-        return visited;
-    };
-    if may_end && last + 1 < visited.len() {
-        visited.truncate(last + 2);
-        end_at_bound(continuation, &mut visited, (low, high));
-    }
-    if first > 0 {
-        visited.drain(..first - 1);
-        begin_at_bound(continuation, &mut visited, (low, high));
-    }
-    visited
 }

@@ -9,6 +9,7 @@ use crate::formulation::linear::{below_first_touch, forced_response};
 use crate::formulation::scales::Scales;
 use crate::formulation::state::State;
 use crate::formulation::unknown::Unknown;
+use crate::response::interrupt::Interrupt;
 use crate::settings::Settings;
 use crate::structure::Model;
 use serde::{Deserialize, Serialize};
@@ -46,6 +47,7 @@ pub(super) fn from_rest<'m, F: Formulation<'m>>(
     settings: &Settings,
     forcing: f64,
     omega: f64,
+    interrupt: &Interrupt,
 ) -> Result<State, Unreached> {
     let mut problem: F = system(model, settings, forcing, omega);
     let linear = forced_response(&problem, forcing, omega).map_err(|_| Failure::Singular)?;
@@ -58,7 +60,7 @@ pub(super) fn from_rest<'m, F: Formulation<'m>>(
         start.arguments = problem.modal().open_arguments(&start.modal);
     }
     let upwards = problem.parameter_row();
-    follow_to(&mut problem, settings, &start, &upwards, forcing)
+    follow_to(&mut problem, settings, &start, &upwards, forcing, interrupt)
 }
 
 /// States near forcing amplitude `forcing` on the curve in A through a predicted motion: the curve is entered at the
@@ -71,6 +73,7 @@ pub(super) fn through_motion<'m, F: Formulation<'m>>(
     settings: &Settings,
     forcing: f64,
     motion: &State,
+    interrupt: &Interrupt,
 ) -> Result<Vec<State>, Unreached> {
     let mut problem: F = system(model, settings, forcing, motion.omega);
     let y = problem.encode(motion);
@@ -79,7 +82,7 @@ pub(super) fn through_motion<'m, F: Formulation<'m>>(
     let mut found = Vec::new();
     let mut failure = Unreached::from(Failure::Diverged);
     for direction in [growth, shrink] {
-        match follow_to(&mut problem, settings, motion, &direction, forcing) {
+        match follow_to(&mut problem, settings, motion, &direction, forcing, interrupt) {
             Ok(state) => found.push(state),
             Err(error) => failure = error,
         }
@@ -101,6 +104,7 @@ fn follow_to<'m, F: Formulation<'m>>(
     start: &State,
     direction: &[f64],
     forcing: f64,
+    interrupt: &Interrupt,
 ) -> Result<State, Unreached> {
     let y = problem.encode(start);
     let steps = ContinuationSettings { max_step: LARGEST_STEP, ..settings.continuation };
@@ -109,6 +113,9 @@ fn follow_to<'m, F: Formulation<'m>>(
     let state_at = |problem: &mut F, y: &[f64]| problem.decode(y).map_err(|_| Failure::Singular);
     let mut before_forcing = state_at(continuation.problem(), &before.y)?.forcing;
     for _ in 0..BUDGET {
+        if interrupt.is_set() {
+            break;
+        }
         let Some(point) = continuation.next() else { break };
         let reached = state_at(continuation.problem(), &point.y)?.forcing;
         if (before_forcing - forcing) * (reached - forcing) <= 0.0 {

@@ -163,8 +163,8 @@ impl<'m> Recheck<'m> {
         chosen.into_iter().try_for_each(|point| self.state_solves(&mut problem, states[point], point))
     }
 
-    /// Whether the points of a curve of folds or peaks are some: by the balance and by the condition that makes them extrema. At
-    /// a corner that has no derivative; it is left to the points beside it.
+    /// Whether the points of a curve over the forcing amplitude are some: by the balance and by the condition that makes them
+    /// extrema, or at one frequency. At a corner that has no derivative; it is left to the points beside it.
     ///
     /// # Errors
     /// What is wrong with it.
@@ -180,7 +180,18 @@ impl<'m> Recheck<'m> {
         let listed = curve.events.iter().map(|event| event.index);
         let mut chosen = self.chosen(points, listed);
         chosen.retain(|index| curve.corners.iter().all(|corner| corner.index != *index));
-        let unknown = Unknown::Extremum(curve.quantity);
+        let unknown = match curve.quantity {
+            Some(quantity) => Unknown::Extremum(quantity),
+            None => Unknown::Forcing { omega: points[0].omega() },
+        };
+        if curve.quantity.is_none() {
+            if points.iter().any(|point| point.omega() != points[0].omega()) {
+                return Err(Refutation::Whole("its points are to be at one frequency, and are not"));
+            }
+            if !curve.events.is_empty() {
+                return Err(Refutation::Whole("nothing is born or merges along responses at one frequency"));
+            }
+        }
         let scales = Scales::new(self.model, self.settings.tracked());
         let problem =
             PressureForm::build(self.model, self.settings.harmonics, self.settings.tracked(), unknown, scales);
@@ -267,9 +278,13 @@ impl<'m> Recheck<'m> {
         let given = problem.encode(state);
         let mut completed = given.clone();
         let residual = problem.linearise(&mut completed);
-        let limit = SLACK * self.settings.continuation.newton.tolerance.max(problem.rounding());
-        if residual > limit || residual.is_nan() {
-            return Err(Refutation::Residual { point, residual, limit });
+        let tolerance = self.settings.continuation.newton.tolerance;
+        // What rounding leaves is asked of few points: it takes receptances of all harmonics.
+        if residual > SLACK * tolerance || residual.is_nan() {
+            let limit = SLACK * tolerance.max(problem.rounding());
+            if residual > limit || residual.is_nan() {
+                return Err(Refutation::Residual { point, residual, limit });
+            }
         }
         let motion = problem.motion_metric().len();
         let largest = given[..motion].iter().fold(0.0f64, |most, entry| most.max(entry.abs()));
@@ -338,8 +353,8 @@ fn special(branch: &Branch) -> Result<(), Refutation> {
 /// A fold is located to this share of its frequency: neighbours may be off its height by as much.
 const TURN: f64 = 1e-6;
 
-/// Draws one of `count`.
-fn drawn(draw: u64, number: usize, count: usize) -> usize {
+/// Draws one of `count` by a seed that whoever is checked does not know; draws of another number are others.
+pub fn drawn(draw: u64, number: usize, count: usize) -> usize {
     // Steele, Lea & Flood, Fast splittable pseudorandom number generators, 2014.
     let mut z = draw.wrapping_add((number as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15));
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);

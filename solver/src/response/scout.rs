@@ -54,9 +54,14 @@ pub(super) fn scout<'m, F: Formulation<'m>>(
 ) -> Option<Vec<Landing>> {
     let (model, forcing) = (forced.model(), place.forcing(forced.forcing()));
     let mut forced = Forced::<F>::build(model, forced.settings(), forced.reach(), forcing)
-        .expect("what can be built at one forcing amplitude can be at another");
+        .expect("what can be built at one forcing amplitude can be at another")
+        .recorded(forced.recorder())
+        .interrupted_by(forced.interrupt().clone());
     let mut known: Vec<Branch> = Vec::new();
     for batch in 0..place.batches {
+        if forced.interrupt().is_set() {
+            return None;
+        }
         let Ok(landings) = land(&mut forced, &StartPlace { batch, round: 0 }) else { continue };
         // Each landing leads to one branch at most that is new.
         for _ in &landings {

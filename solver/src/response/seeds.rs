@@ -144,6 +144,9 @@ pub fn land_all<'m, F: Formulation<'m>>(
     let mut failure = Failure::Diverged.into();
     let mut landings = Vec::with_capacity(seeds.len());
     for seed in seeds {
+        if forced.interrupt().is_set() {
+            break;
+        }
         match land(forced, seed, method, mode) {
             Ok(landing) => {
                 let is_enough = method == LandingMethod::SteppedForcing && landing.is_near();
@@ -199,7 +202,8 @@ fn land_by_forcing<'m, F: Formulation<'m>>(
     mode: usize,
 ) -> Result<Landing, Unreached> {
     let mut best: Result<Landing, Unreached> = Err(Unreached::OutOfReach);
-    for state in through_motion::<F>(forced.model(), forced.settings(), forced.forcing(), &seed.state)? {
+    let (model, settings, interrupt) = (forced.model(), forced.settings(), forced.interrupt());
+    for state in through_motion::<F>(model, settings, forced.forcing(), &seed.state, interrupt)? {
         let Ok(landed) = forced.converge(&state) else { continue };
         let distance = forced.motion_distance(&landed, &seed.state, mode);
         if best.as_ref().is_ok_and(|best| best.distance <= distance) {

@@ -150,6 +150,9 @@ impl<'m, C: Formulation<'m>> Tries<C> {
         let mut landings = Vec::new();
         let mut failure = Failure::Diverged;
         for number in 0..BATCH {
+            if forced.interrupt().is_set() {
+                break;
+            }
             let mut state = motion(&mut random, forced, &self.forced[0]);
             if number % 2 == 1 {
                 let order = if random.gen_bool(ORDINARY) { 1 } else { random.gen_range(2..=ORDERS) };

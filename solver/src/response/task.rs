@@ -8,6 +8,7 @@ use crate::response::critical::{CriticalCurve, CriticalError};
 use crate::response::forcing::Unreached;
 pub use crate::response::marched::{DisturbPlace, MarchPlace, VerifyPlace};
 pub use crate::response::name::BranchId;
+pub use crate::response::origin::{BranchEnd, CarryPlace, CrossingPlace, FoldPlace, Origin};
 use crate::response::scout::ScoutPlace;
 use crate::response::seeds::{Landing, LandingFailure, LandingMethod, Phase, Seed, candidates};
 use crate::response::starts::StartPlace;
@@ -33,39 +34,10 @@ pub struct SeedPlace {
     pub method: LandingMethod,
 }
 
-/// Where a fold curve starts.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(untagged)]
-pub enum FoldPlace {
-    /// At a fold of a branch of the task's level.
-    Branch {
-        /// The branch.
-        branch: BranchId,
-        /// Number of the fold along the branch, from 0.
-        fold: usize,
-    },
-    /// At a fold that a scout met.
-    Scout {
-        /// The scout.
-        scout: ScoutPlace,
-        /// Number of the fold among those that it met, from 0.
-        fold: usize,
-    },
-}
-
-/// Where a fold curve crosses a level.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub struct CrossingPlace {
-    /// Number of the curve, from 0.
-    pub curve: usize,
-    /// The crossing lies between this point of the curve and the next.
-    pub segment: usize,
-}
-
 /// One piece of work: continues one branch at one forcing amplitude, or one curve over the forcing amplitudes, or lands where
 /// one may begin, or verifies one. Messages say `"main"` for the main branch from below, `{"main": "above"}` for the one from above,
 /// `{"land": …}`, `{"seed": …}`, `{"fold": …}`, `{"crossing": …}`, `{"start": …}`, `{"begin": …}`, `{"scout": …}`,
-/// `{"verify": …}`, `{"disturb": …}` and `{"march": …}`.
+/// `{"verify": …}`, `{"disturb": …}`, `{"march": …}` and `{"carry": …}`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Task {
     /// The main branch, from one of the frequency bounds.
@@ -76,7 +48,7 @@ pub enum Task {
     Seed(SeedPlace),
     /// The curve that a fold follows over the forcing amplitude, unless it is known.
     Fold(FoldPlace),
-    /// The branch whose fold lies where a fold curve crosses the level, unless it is known.
+    /// The branch through where a curve crosses the level, unless it is known.
     Crossing(CrossingPlace),
     /// The forced responses that a batch of random starts leads to. They do not depend on what else is known.
     Start(StartPlace),
@@ -91,6 +63,8 @@ pub enum Task {
     Disturb(DisturbPlace),
     /// What an unstable motion turns into, by time marching: [`crate::stability::settling::settle`].
     March(MarchPlace),
+    /// The curve that a response of an open branch follows over the forcing amplitude at fixed frequency, unless it is known.
+    Carry(CarryPlace),
 }
 
 impl Task {
@@ -116,11 +90,29 @@ impl Task {
         !matches!(self, Task::Land(_) | Task::Start(_) | Task::Scout(_)) && !self.is_marched()
     }
 
+    /// Where the curve starts that it follows over all levels, if it follows one.
+    pub fn origin(&self) -> Option<Origin> {
+        match *self {
+            Task::Fold(place) => Some(Origin::Fold(place)),
+            Task::Carry(place) => Some(Origin::Carry(place)),
+            _ => None,
+        }
+    }
+
     /// Forcing amplitude of what it lands on or traces, of a task of the level at `level`.
     pub fn forcing(&self, level: f64) -> f64 {
         match self {
             Task::Scout(scout) | Task::Fold(FoldPlace::Scout { scout, .. }) => scout.forcing(level),
             _ => level,
+        }
+    }
+}
+
+impl From<Origin> for Task {
+    fn from(origin: Origin) -> Self {
+        match origin {
+            Origin::Fold(place) => Self::Fold(place),
+            Origin::Carry(place) => Self::Carry(place),
         }
     }
 }
@@ -140,6 +132,7 @@ impl Serialize for Task {
             Task::Verify(place) => serializer.serialize_newtype_variant("Task", 8, "verify", place),
             Task::Disturb(place) => serializer.serialize_newtype_variant("Task", 9, "disturb", place),
             Task::March(place) => serializer.serialize_newtype_variant("Task", 10, "march", place),
+            Task::Carry(place) => serializer.serialize_newtype_variant("Task", 11, "carry", place),
         }
     }
 }
@@ -166,6 +159,7 @@ enum TaskKind {
     Verify,
     Disturb,
     March,
+    Carry,
 }
 
 impl<'de> Visitor<'de> for TaskVisitor {
@@ -174,7 +168,7 @@ impl<'de> Visitor<'de> for TaskVisitor {
     fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(
             "\"main\", or a map of `main`, `land`, `seed`, `fold`, `crossing`, `start`, `begin`, `scout`, `verify`, \
-                     `disturb` or `march`",
+                     `disturb`, `march` or `carry`",
         )
     }
 
@@ -195,6 +189,7 @@ impl<'de> Visitor<'de> for TaskVisitor {
             Some(TaskKind::Verify) => Task::Verify(map.next_value()?),
             Some(TaskKind::Disturb) => Task::Disturb(map.next_value()?),
             Some(TaskKind::March) => Task::March(map.next_value()?),
+            Some(TaskKind::Carry) => Task::Carry(map.next_value()?),
             None => return Err(M::Error::invalid_length(0, &self)),
         };
         if map.next_key::<IgnoredAny>()?.is_some() {
@@ -222,9 +217,9 @@ pub enum SeedOutcome {
     OutOfBounds,
     /// A scout met no fold.
     NoFold,
-    /// It lies on the fold curve of this number, from 0.
+    /// It lies on the curve of this number, from 0.
     OnCurve(usize),
-    /// No fold curve starts there.
+    /// No curve starts there.
     NotFollowed(Unfollowed),
     /// So many of its points were verified.
     Verified(usize),
@@ -234,15 +229,15 @@ pub enum SeedOutcome {
     Marched(usize),
 }
 
-/// Why no fold curve starts at a fold.
+/// Why no curve over the forcing amplitude starts at a point.
 #[derive(Debug, Clone, Copy, PartialEq, Error, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Unfollowed {
     /// A law has no second derivatives.
     #[error("a law has no second derivatives; contact has them with harmonics.quadrature = \"arcs\"")]
     Unsupported,
-    /// The nearest fold is one of another response.
-    #[error("the nearest fold is one of another response")]
+    /// The nearest point of such a curve is one of another response.
+    #[error("the nearest one is one of another response")]
     Elsewhere,
     /// It could not be located.
     #[error(transparent)]
@@ -271,12 +266,12 @@ impl std::fmt::Display for SeedOutcome {
             SeedOutcome::Attached => write!(f, "on asymmetric motions that branch off symmetric ones"),
             SeedOutcome::OutOfBounds => write!(f, "outside the frequency or amplitude bounds"),
             SeedOutcome::NoFold => write!(f, "no fold was met"),
-            SeedOutcome::OnCurve(number) => write!(f, "fold curve {}", number + 1),
+            SeedOutcome::OnCurve(number) => write!(f, "curve {}", number + 1),
             SeedOutcome::Verified(1) => write!(f, "1 point verified"),
             SeedOutcome::Verified(count) => write!(f, "{count} points verified"),
             SeedOutcome::Disturbed(count) => write!(f, "{count} pushes marched"),
             SeedOutcome::Marched(count) => write!(f, "{count} periods marched"),
-            SeedOutcome::NotFollowed(failure) => write!(f, "no fold curve starts there: {failure}"),
+            SeedOutcome::NotFollowed(failure) => write!(f, "no curve starts there: {failure}"),
         }
     }
 }
@@ -289,7 +284,7 @@ pub enum TaskResult {
     Landings(Vec<Landing>),
     /// A branch that was not known.
     Branch(Branch),
-    /// A fold curve that was not known.
+    /// A curve over the forcing amplitude that was not known.
     Curve(CriticalCurve),
     /// No new branch, and why.
     Nothing(SeedOutcome),
@@ -321,7 +316,7 @@ pub enum Brought {
         /// Number of its folds.
         folds: usize,
     },
-    /// A fold curve that was not known: the forcing amplitudes of its points.
+    /// A curve that was not known: the forcing amplitudes of its points.
     Curve(Arc<[f64]>),
     /// What marching says of so many points of a branch, and the points of it whose unstable motions are worth following, with the
     /// frequencies of these.

@@ -3,35 +3,23 @@
 use crate::curve::problem::Failure;
 use crate::formulation::Formulation;
 use crate::formulation::state::State;
-use crate::response::branch::{Branch, BranchKind, BranchPoint, Observer, Outcome, Side, SpecialKind, Stop};
-use crate::response::critical::CriticalCurve;
+use crate::response::branch::{Branch, BranchKind, BranchPoint, Observer, Outcome, Side, Stop};
+use crate::response::follow::follow as follow_over_forcing;
 use crate::response::forced::Forced;
 use crate::response::forcing::Unreached;
+pub use crate::response::given::Given;
 use crate::response::known::{identify, named, retraced, unknown_part};
 use crate::response::name::BranchId;
 use crate::response::scout::scout;
-use crate::response::seeds::{Landing, LandingFailure, Seed, land_all};
+use crate::response::seeds::{Landing, LandingFailure, land_all};
 use crate::response::starts;
 use crate::response::symmetry::{is_attached, symmetrised};
-use crate::response::task::{CrossingPlace, FoldPlace, SeedOutcome, Task, TaskResult, Unfollowed};
-
+use crate::response::task::{CrossingPlace, SeedOutcome, Task, TaskResult};
 use std::collections::VecDeque;
 use std::ops::ControlFlow;
 
-/// What a task is given beside its level.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Given<'g> {
-    /// Those of [`Task::seeds`].
-    pub seeds: &'g [Seed],
-    /// Of a seed: what it landed on; of a fold that a scout met: all that it met.
-    pub landings: &'g [Landing],
-    /// The branches found at this level before it; of the fold of a branch, that branch.
-    pub known: &'g [(BranchId, &'g Branch)],
-    /// Fold curves found before: those that a fold may lie on, or the one that crosses the level.
-    pub curves: &'g [(usize, &'g CriticalCurve)],
-}
-
-/// Carries out a task; of one that marches nothing, which takes no balance. `None` if `observer` breaks.
+/// Carries out a task; of one that marches nothing, which takes no balance. `None` if `observer` breaks, or the
+/// task is interrupted.
 pub fn execute<'m, F: Formulation<'m>>(
     forced: &mut Forced<'m, F>,
     task: &Task,
@@ -47,7 +35,7 @@ pub fn execute<'m, F: Formulation<'m>>(
             TaskResult::Landings,
         ),
         Task::Seed(_) => follow(forced, landings, known, observer),
-        Task::Fold(place) => return unfold(forced, place, given, observer),
+        Task::Fold(_) | Task::Carry(_) => return follow_over_forcing(forced, task, given, observer),
         Task::Crossing(place) => cross(forced, place, given, observer),
         Task::Start(place) => starts::land(forced, place).map_or_else(
             |failure| TaskResult::Nothing(SeedOutcome::NotLanded(LandingFailure::NotConverged(failure.into()))),
@@ -75,6 +63,10 @@ pub fn execute<'m, F: Formulation<'m>>(
         Task::Disturb(_) => TaskResult::Nothing(SeedOutcome::Disturbed(0)),
         Task::March(_) => TaskResult::Nothing(SeedOutcome::Marched(0)),
     };
+    // What an interrupted landing has come to is no result.
+    if forced.interrupt().is_set() {
+        return None;
+    }
     let TaskResult::Branch(mut branch) = finding else { return Some(finding) };
     if branch.is_cancelled() {
         return None;
@@ -108,6 +100,10 @@ fn enter<'m, F: Formulation<'m>>(
         Ok(branch) if branch.is_joined() && !inner(&branch.points).iter().any(is_inside) => {
             TaskResult::Nothing(SeedOutcome::Found(known[0].0))
         }
+        // It turned back before it came into the range.
+        Ok(branch) if !branch.outcome.is_unfinished() && !branch.points.iter().any(is_inside) => {
+            TaskResult::Nothing(SeedOutcome::OutOfBounds)
+        }
         Ok(branch) => TaskResult::Branch(branch),
         Err(id) => TaskResult::Nothing(SeedOutcome::Found(id)),
     })
@@ -118,37 +114,7 @@ fn inner(points: &[BranchPoint]) -> &[BranchPoint] {
     points.get(1..points.len().saturating_sub(1)).unwrap_or_default()
 }
 
-/// Follows a fold over the forcing amplitude, unless it lies on a known curve. `None` if `observer` breaks.
-fn unfold<'m, F: Formulation<'m>>(
-    forced: &mut Forced<'m, F>,
-    place: &FoldPlace,
-    given: &Given<'_>,
-    observer: &mut Observer<'_>,
-) -> Option<TaskResult> {
-    let nothing = |failure: Unfollowed| Some(TaskResult::Nothing(SeedOutcome::NotFollowed(failure)));
-    let state = match *place {
-        FoldPlace::Branch { branch, fold } => {
-            let branch = given.known.iter().find(|(id, _)| *id == branch).map(|(_, branch)| branch);
-            branch.and_then(|branch| branch.special(SpecialKind::Fold).nth(fold)).map(|fold| &fold.state)
-        }
-        FoldPlace::Scout { fold, .. } => given.landings.get(fold).map(|landing| &landing.state),
-    };
-    let Some(state) = state else { return nothing(Unfollowed::Elsewhere) };
-    let mut critical = match forced.folds() {
-        Ok(critical) => critical,
-        Err(error) => return nothing(error.into()),
-    };
-    if let Some((number, _)) = given.curves.iter().find(|(_, curve)| critical.lies_on(state, curve)) {
-        return Some(TaskResult::Nothing(SeedOutcome::OnCurve(*number)));
-    }
-    match critical.curve(state, observer) {
-        Ok(curve) if curve.is_cancelled() => None,
-        Ok(curve) => Some(TaskResult::Curve(curve)),
-        Err(error) => nothing(error.into()),
-    }
-}
-
-/// Traces the branch that has a fold where a curve of folds crosses the level, unless it is known.
+/// Traces the branch through where a curve crosses the level, unless it is known.
 fn cross<'m, F: Formulation<'m>>(
     forced: &mut Forced<'m, F>,
     place: &CrossingPlace,
@@ -157,11 +123,11 @@ fn cross<'m, F: Formulation<'m>>(
 ) -> TaskResult {
     let forcing = forced.forcing();
     let curve = given.curves.iter().find(|(number, _)| *number == place.curve).map(|(_, curve)| *curve);
-    let crossing = match (curve, forced.folds()) {
-        (Some(curve), Ok(mut critical)) => critical.crossing_at(curve, place.segment, forcing),
-        _ => Err(Failure::Diverged),
-    };
-    match crossing {
+    let crossing = curve.and_then(|curve| {
+        let mut critical = forced.like(curve).ok()?;
+        Some(critical.crossing_at(curve, place.segment, forcing))
+    });
+    match crossing.unwrap_or(Err(Failure::Diverged)) {
         Ok(state) => branch_from(forced, &State { forcing, ..state }, given.known, observer),
         Err(failure) => TaskResult::Nothing(SeedOutcome::NotLanded(LandingFailure::NotConverged(failure.into()))),
     }

@@ -1,4 +1,5 @@
-//! What the harmonics that were left out would change: penetration, pressure beyond H, and the peak with twice the harmonics.
+//! What the harmonics that were left out would change: penetration, pressure beyond H, the peak and the ends of the range
+//! with twice the harmonics.
 
 use crate::curve::continuation::{Continuation, ContinuationSettings, CurvePoint};
 use crate::curve::extrema::locate_maximum;
@@ -15,10 +16,10 @@ use crate::settings::{HarmonicSettings, Settings};
 use crate::structure::Model;
 use crate::structure::laws::Law;
 
-/// Steps towards a peak that has moved, before giving up.
+/// Steps towards a maximum that has moved, before giving up.
 const STEPS: usize = 80;
 
-/// Points beside a peak from which it is climbed.
+/// Points beside a maximum from which it is climbed.
 const BESIDE: usize = 2;
 
 /// The certificate of a branch. The observer is told of every step; breaking leaves out what is missing.
@@ -98,18 +99,14 @@ impl Pressure {
     }
 }
 
-/// The peak converged again with 2 H harmonics, if it is a maximum of the branch and its like is found there.
+/// The peak converged again with 2 H harmonics, if it is a maximum of the branch and its like is found there; of a closed curve the
+/// ends of its range as well.
 fn doubled<'m, F: Formulation<'m>>(
     model: &'m Model,
     settings: &Settings,
     branch: &Branch,
     observer: &mut Observer<'_>,
 ) -> Option<Doubled> {
-    let (points, n) = (&branch.points, branch.points.len());
-    let peak = (0..n).max_by(|&a, &b| points[a].amplitude().total_cmp(&points[b].amplitude()))?;
-    if n < 3 || (!branch.is_closed() && (peak == 0 || peak + 1 == n)) {
-        return None;
-    }
     let truncation = HarmonicSettings {
         count: 2 * settings.harmonics.count,
         samples: settings.harmonics.samples.max(8 * settings.harmonics.count),
@@ -117,24 +114,47 @@ fn doubled<'m, F: Formulation<'m>>(
     };
     let unknown = Unknown::Frequency { forcing: branch.forcing };
     let scales = Scales::new(model, settings.tracked());
-    let mut problem = F::build(model, truncation, settings.tracked(), unknown, scales).ok()?;
-    // From a little before the peak, so that it lies ahead if it has not moved.
-    let (before, after) = if branch.is_closed() {
-        ((peak + n - BESIDE % n) % n, (peak + BESIDE) % n)
-    } else {
-        (peak.saturating_sub(BESIDE), (peak + BESIDE).min(n - 1))
-    };
-    let [before, after] = [before, after].map(|i| problem.encode(&points[i].state.with_harmonics(truncation.count)));
-    let found = climb(&mut problem, settings, [before, after], observer)?;
-    let omega = points[peak].omega();
-    Some(Doubled { amplitude: found.amplitude(), shift: found.omega() / omega - 1.0 })
+    let problem = F::build(model, truncation, settings.tracked(), unknown, scales).ok()?;
+    let mut refined = Refined { problem, settings, branch };
+    let peak = refined.maximum(&|point| point.amplitude(), observer)?;
+    let mut end = |sign: f64| refined.maximum(&|point| sign * point.omega(), observer).map(|point| point.omega());
+    let range = if branch.is_closed() { end(-1.0).zip(end(1.0)) } else { None };
+    Some(Doubled { amplitude: peak.amplitude(), shift: peak.omega() / branch.peak().omega() - 1.0, range })
 }
 
-/// The maximum of the amplitude on the curve near two states, uphill from either towards the other.
+/// A branch near which one is looked for with more harmonics.
+struct Refined<'b, F> {
+    problem: F,
+    settings: &'b Settings,
+    branch: &'b Branch,
+}
+
+impl<'m, F: Formulation<'m>> Refined<'_, F> {
+    /// The maximum of a measure near that of the branch, if that is one.
+    fn maximum(&mut self, measure: &dyn Fn(&BranchPoint) -> f64, observer: &mut Observer<'_>) -> Option<BranchPoint> {
+        let (points, n) = (&self.branch.points, self.branch.points.len());
+        let top = (0..n).max_by(|&a, &b| measure(&points[a]).total_cmp(&measure(&points[b])))?;
+        if n < 3 || (!self.branch.is_closed() && (top == 0 || top + 1 == n)) {
+            return None;
+        }
+        // From a little before it, so that it lies ahead if it has not moved.
+        let (before, after) = if self.branch.is_closed() {
+            ((top + n - BESIDE % n) % n, (top + BESIDE) % n)
+        } else {
+            (top.saturating_sub(BESIDE), (top + BESIDE).min(n - 1))
+        };
+        let harmonics = 2 * self.settings.harmonics.count;
+        let [before, after] = [before, after].map(|i| self.problem.encode(&points[i].state.with_harmonics(harmonics)));
+        climb(&mut self.problem, self.settings, [before, after], measure, observer)
+    }
+}
+
+/// The maximum of a measure on the curve near two states, uphill from either towards the other.
 fn climb<'m, F: Formulation<'m>>(
     problem: &mut F,
     settings: &Settings,
     [before, after]: [Vec<f64>; 2],
+    measure: &dyn Fn(&BranchPoint) -> f64,
     observer: &mut Observer<'_>,
 ) -> Option<BranchPoint> {
     for (from, to) in [(&before, &after), (&after, &before)] {
@@ -153,7 +173,7 @@ fn climb<'m, F: Formulation<'m>>(
             }
             visited.push(next);
             let [.., before, last] = visited.as_slice() else { break };
-            if last.point.amplitude() < before.point.amplitude() {
+            if measure(&last.point) < measure(&before.point) {
                 break;
             }
         }
@@ -163,12 +183,12 @@ fn climb<'m, F: Formulation<'m>>(
             continue;
         }
         let top = n - 2;
-        let values = [top - 1, top, n - 1].map(|i| visited[i].point.amplitude());
+        let values = [top - 1, top, n - 1].map(|i| measure(&visited[i].point));
         if values[1] < values[2] {
             continue;
         }
         let arcs = (visited[top].curve.step, visited[n - 1].curve.step);
-        let measure = |_: &mut F, v: &TracedPoint<BranchPoint>| v.point.amplitude();
+        let measure = |_: &mut F, v: &TracedPoint<BranchPoint>| measure(&v.point);
         let maximum = locate_maximum(&mut continuation, &visited, top, arcs, values, &measure);
         return Some(maximum.located.map_or_else(|| visited[top].point.clone(), |(_, located)| located.point));
     }

@@ -9,6 +9,7 @@ pub mod marching;
 pub mod multipliers;
 pub mod nearby;
 pub mod polish;
+pub mod recheck;
 pub mod settling;
 pub mod shooting;
 pub mod verification;

@@ -212,7 +212,7 @@ fn judge(
 }
 
 /// Share of the energy supplied in a period that impacts take, 0 to 1.
-fn share_of_impacts(period: &Period) -> f64 {
+pub(super) fn share_of_impacts(period: &Period) -> f64 {
     let account = &period.account;
     if account.impacts > 0.0 { account.impacts / account.supplied.max(account.impacts) } else { 0.0 }
 }

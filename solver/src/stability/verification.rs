@@ -4,6 +4,7 @@ use super::along::{AlongSettings, BranchStability, End, along};
 use super::bifurcation::{Bifurcation, BifurcationKind, Unresolved};
 use super::multipliers::{Multiplier, Verdict};
 use super::polish::{Polish, Reason};
+use super::shooting::Orbit;
 use crate::response::branch::{Branch, Observer};
 use crate::settings::Stretch;
 use crate::structure::Model;
@@ -106,10 +107,22 @@ pub struct Verification {
 /// Verifies a stretch of a branch by time marching: [`along`] it, without the orbits. `None` if `observer`, told of every
 /// point that was verified, breaks.
 pub fn verify(model: &Model, branch: &Branch, stretch: Stretch, observer: &mut Observer<'_>) -> Option<Verification> {
+    verify_with_orbits(model, branch, stretch, observer).map(|(verification, _)| verification)
+}
+
+/// The same with the orbits themselves: one for every point that has one, in their order.
+pub fn verify_with_orbits(
+    model: &Model,
+    branch: &Branch,
+    stretch: Stretch,
+    observer: &mut Observer<'_>,
+) -> Option<(Verification, Vec<Orbit>)> {
     let most = if stretch == Stretch::Peak { 0 } else { MOST };
     let settings = AlongSettings { stretch, points: POINTS, most, ..AlongSettings::default() };
     let found = along(model, &settings, branch, &mut |point| observer(&branch.points[point.index]));
-    (found.end != End::Cancelled).then(|| Verification::new(&settings, branch, &found))
+    let polished = found.points.iter().filter_map(|point| point.polish.polished.as_ref());
+    let orbits = polished.map(|polished| polished.orbit.clone()).collect();
+    (found.end != End::Cancelled).then(|| (Verification::new(&settings, branch, &found), orbits))
 }
 
 impl Verification {

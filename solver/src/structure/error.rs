@@ -125,7 +125,7 @@ pub enum ModelError {
     },
     /// A matrix is not symmetric.
     #[error(
-        "{place} is not symmetric: entry ({row}, {col}) is {value:e} but entry ({col}, {row}) is {mirrored:e}; M, K and \
+        "{place} is not symmetric: entry ({row}, {col}) is {value:?} but entry ({col}, {row}) is {mirrored:?}; M, K and \
          C must be symmetric to 1e-8 of their largest entry (gyroscopic and follower terms are not supported)"
     )]
     NotSymmetric {
@@ -143,7 +143,7 @@ pub enum ModelError {
     /// The mass matrix is not positive definite.
     #[error(
         "{place} is not positive definite: its leading {minor} × {minor} block, up to dof `{dof}` (diagonal entry \
-         {diagonal:e} kg), has no Cholesky factor; every motion needs a positive mass: condense massless dofs out, or \
+         {diagonal:?} kg), has no Cholesky factor; every motion needs a positive mass: condense massless dofs out, or \
          check that mass and stiffness are not exchanged"
     )]
     MassNotPositive {
@@ -158,7 +158,7 @@ pub enum ModelError {
     },
     /// The stiffness matrix has a negative eigenvalue.
     #[error(
-        "{place} has a negative eigenvalue: {value:e} (rad/s)², the largest being {largest:e}; the structure at rest \
+        "{place} has a negative eigenvalue: {value:?} (rad/s)², the largest being {largest:?}; the structure at rest \
          must be stable: put negative stiffness into a nonlinear law, or check signs and units"
     )]
     StiffnessNegative {

@@ -3,7 +3,11 @@
 use crate::common::main_branch;
 use crate::duffing::duffing;
 use solver::stability::bifurcation::BifurcationKind;
-use solver::stability::verification::{BifurcationPoint, MarchedOrbit, Verification, VerifiedPoint, verify};
+use solver::stability::recheck::{NoOrbit, recheck};
+use solver::stability::shooting::Orbit;
+use solver::stability::verification::{
+    BifurcationPoint, MarchedOrbit, Verification, VerifiedPoint, verify, verify_with_orbits,
+};
 use solver::{Branch, End, Multiplier, Obstacle, Settings, SpecialKind, Stretch, Unresolved, Verdict};
 use std::ops::ControlFlow;
 
@@ -171,4 +175,50 @@ fn verifications_that_cannot_be_are_not_sound() {
         outside: [0, 1],
         reason: Obstacle::Budget
     })));
+}
+
+/// What is told of an orbit is told of by a period that anybody can march.
+#[test]
+fn what_is_told_of_orbits_is_checked_by_a_period() {
+    let (model, branch) = (duffing(), branch());
+    let quiet = &mut |_: &_| ControlFlow::Continue(());
+    let (found, orbits) = verify_with_orbits(&model, &branch, Stretch::Whole, quiet).unwrap();
+    let told: Vec<&VerifiedPoint> = found.points.iter().filter(|point| point.orbit.is_some()).collect();
+    assert_eq!(told.len(), orbits.len());
+    assert!(told.len() >= 8);
+    for (point, orbit) in told.iter().zip(&orbits) {
+        for with_tangent in [false, true] {
+            assert_eq!(recheck(&model, orbit, point, with_tangent), Ok(()), "point {}", point.index);
+        }
+    }
+    let (point, orbit) = (told[0], &orbits[0]);
+    let differently = |change: fn(&mut VerifiedPoint)| {
+        let mut point = point.clone();
+        change(&mut point);
+        recheck(&model, orbit, &point, true).unwrap_err()
+    };
+    let amplitude = differently(|point| point.orbit.as_mut().unwrap().amplitudes[0] *= 1.0 + 1e-4);
+    assert!(matches!(amplitude, NoOrbit::Told { what: "amplitude", .. }), "{amplitude}");
+    let multiplier = differently(|point| point.orbit.as_mut().unwrap().multipliers[0].re += 0.01);
+    assert!(matches!(multiplier, NoOrbit::Told { what: "multiplier", .. }), "{multiplier}");
+    let impacts = differently(|point| point.orbit.as_mut().unwrap().impacts = 0.01);
+    assert!(matches!(impacts, NoOrbit::Told { .. }), "{impacts}");
+    let verdict = differently(|point| point.verdict = Verdict::Unstable);
+    assert!(matches!(verdict, NoOrbit::Verdict { own: Verdict::Stable, told: Verdict::Unstable }), "{verdict}");
+
+    let elsewhere = |change: fn(&mut Orbit)| {
+        let mut orbit = orbit.clone();
+        change(&mut orbit);
+        recheck(&model, &orbit, point, false).unwrap_err()
+    };
+    let open = elsewhere(|orbit| orbit.state[0] *= 1.0 + 1e-4);
+    assert!(matches!(open, NoOrbit::Open(_)), "{open}");
+    let detuned = elsewhere(|orbit| orbit.omega *= 1.0 + 1e-4);
+    assert!(matches!(detuned, NoOrbit::Open(_)), "{detuned}");
+    let rest = elsewhere(|orbit| orbit.state.fill(0.0));
+    assert!(matches!(rest, NoOrbit::Open(_)), "{rest}");
+    let short = elsewhere(|orbit| orbit.state.truncate(1));
+    assert!(matches!(short, NoOrbit::Size { numbers: 1, expected: 2 }), "{short}");
+    let coarse = elsewhere(|orbit| orbit.steps = 8);
+    assert!(matches!(coarse, NoOrbit::Steps { steps: 8, .. }), "{coarse}");
 }

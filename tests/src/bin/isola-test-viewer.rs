@@ -10,7 +10,7 @@ fn main() {
     let [address, secret] = [1, 2].map(|i| std::env::args().nth(i).expect(usage));
     let secret = Secret::read(secret.as_ref()).expect("the coordinator wrote it");
     tests::block_on(async {
-        let session = connect(&address, Some(&secret)).await.expect("the coordinator is there");
+        let session = connect(&address, &Some(secret).into()).await.expect("the coordinator is there");
         let key = format!("isola/v{}/*/result/*", protocol::VERSION);
         let everything = session.declare_subscriber("**").await.expect("anyone may listen");
         loop {

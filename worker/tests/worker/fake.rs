@@ -2,14 +2,16 @@
 
 use crate::study::Study;
 use clap::Parser;
-use protocol::codec::{Message, encode, encoding};
+use protocol::codec::{Message, decode, encode, encoding};
+use protocol::credentials::Credentials;
 use protocol::from_worker::{FailRequest, LeaseRequest, ReleaseRequest, RenewRequest, SubmitRequest};
 use protocol::ids::TaskId;
-use protocol::keys::{Keys, last_chunk};
-use protocol::session::{answer, answer_encoded, listen, question, refuse};
+use protocol::keys::{Keys, NAMESPACE, last_chunk};
+use protocol::pieces::{Piece, PieceReply};
+use protocol::session::{answer, answer_encoded, encoding_of, listen, question, refuse};
 use protocol::to_everyone::{Manifest, StoredResult};
 use protocol::to_worker::{Acknowledgement, LeaseReply, RenewReply, SubmitReply};
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::sync::atomic::{AtomicU16, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
@@ -163,7 +165,7 @@ impl Fake {
         study: &Study,
         answer: impl FnMut(&Asked) -> Answer + Send + 'static,
     ) -> Self {
-        let session = listen(endpoint, None).await.unwrap();
+        let session = listen(endpoint, &Credentials::default(), NAMESPACE).await.unwrap();
         let manifest = study.manifest();
         let keys = Keys::new("isola", &manifest.run);
         *seen.manifest.lock().unwrap() = Some(manifest);
@@ -226,6 +228,7 @@ async fn serve(
     queryable.callback(move |query| drop(inbox.send(query))).background().await.unwrap();
     let keys = keys.clone();
     std::thread::spawn(move || {
+        let mut pieces = Pieces::default();
         for query in queries {
             let key = query.key_expr().as_str().to_string();
             // Of a query for all runs this is one.
@@ -239,7 +242,7 @@ async fn serve(
                 if let Some(stored) = seen.results.lock().unwrap().get(&task) {
                     answer_encoded(&query, &key, encode(stored), &encoding::<StoredResult>());
                 }
-            } else if let Some(asked) = read(&query, &key, &keys) {
+            } else if let Some(asked) = read(&query, &key, &keys, &mut pieces) {
                 seen.log.lock().unwrap().push(asked.clone());
                 reply(&query, &key, &asked, decide(&asked));
             }
@@ -247,7 +250,7 @@ async fn serve(
     });
 }
 
-fn read(query: &Query, key: &str, keys: &Keys) -> Option<Asked> {
+fn read(query: &Query, key: &str, keys: &Keys, pieces: &mut Pieces) -> Option<Asked> {
     fn of<Q: Message>(query: &Query) -> Q {
         question(query).unwrap()
     }
@@ -256,10 +259,33 @@ fn read(query: &Query, key: &str, keys: &Keys) -> Option<Asked> {
         key if key == keys.renew() => Asked::Renew(of(query)),
         key if key == keys.fail() => Asked::Fail(of(query)),
         key if key == keys.release() => Asked::Release(of(query)),
-        key if key.contains("/rpc/submit/") => Asked::Submit(Box::new(of(query))),
+        key if key.contains("/rpc/submit/") => {
+            let payload = pieces.whole(query)?;
+            Asked::Submit(Box::new(decode(&payload, &encoding_of(query)).unwrap()))
+        }
         _ => return None,
     };
     Some(asked)
+}
+
+/// What has come of messages in pieces, by their names.
+#[derive(Default)]
+struct Pieces(HashMap<String, BTreeMap<usize, Vec<u8>>>);
+
+impl Pieces {
+    /// The message that a query brings, or completes; a piece after which others are to come is answered.
+    fn whole(&mut self, query: &Query) -> Option<Vec<u8>> {
+        let payload = query.payload().unwrap().to_bytes().into_owned();
+        let Some(attached) = query.attachment() else { return Some(payload) };
+        let piece = Piece::read(attached).unwrap();
+        let parts = self.0.entry(piece.message.clone()).or_default();
+        parts.insert(piece.number, payload);
+        if parts.len() < piece.count() {
+            answer(query, query.key_expr(), &PieceReply::Taken);
+            return None;
+        }
+        Some(self.0.remove(&piece.message)?.into_values().flatten().collect())
+    }
 }
 
 fn reply(query: &Query, key: &str, asked: &Asked, with: Answer) {

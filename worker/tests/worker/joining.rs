@@ -2,8 +2,9 @@
 
 use crate::fake::{Answer, Asked, Fake, drained, fine, hand_out, options, own_endpoint};
 use crate::study::Study;
+use protocol::credentials::Credentials;
 use protocol::ids::RunId;
-use protocol::keys::Keys;
+use protocol::keys::{Keys, NAMESPACE};
 use protocol::session::listen;
 use protocol::to_everyone::{Manifest, Stage};
 use protocol::to_worker::LeaseReply;
@@ -43,7 +44,7 @@ async fn an_endpoint_that_is_none() {
 #[tokio::test(flavor = "multi_thread")]
 async fn a_router_without_a_run() {
     let endpoint = own_endpoint();
-    let _router = listen(&endpoint, None).await.unwrap();
+    let _router = listen(&endpoint, &Credentials::default(), NAMESPACE).await.unwrap();
     let (code, message) = refusal(&options(&endpoint, &["--namespace", "mine", "--wait", "10"])).await;
     assert_eq!(code, 1);
     assert_says(&message, &[&endpoint, "namespace `mine`", "--wait"]);
@@ -105,7 +106,7 @@ async fn another_version_of_the_messages() {
 #[tokio::test(flavor = "multi_thread")]
 async fn another_version_in_the_keys() {
     let (endpoint, run) = (own_endpoint(), RunId::new("one").unwrap());
-    let router = listen(&endpoint, None).await.unwrap();
+    let router = listen(&endpoint, &Credentials::default(), NAMESPACE).await.unwrap();
     let [own_key, other] = [0, 1].map(|by| format!("/v{}/", protocol::VERSION + by));
     let key = Keys::new("isola", &run).run().replace(&own_key, &other);
     let reply = key.clone();

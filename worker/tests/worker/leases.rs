@@ -124,6 +124,50 @@ async fn the_same_grant_twice() {
     assert!(matches!(first.finding, TaskResultMessage::Branch(_)));
 }
 
+/// The first task is asked for, the next ones come with acknowledgements.
+#[tokio::test(flavor = "multi_thread")]
+async fn the_next_task_comes_with_the_acknowledgement() {
+    let study = Study::new(1);
+    let again = |attempt| Grant { attempt: Attempt(attempt), ..study.main() };
+    let mut grants = vec![study.main()].into_iter();
+    let mut next = vec![again(2), again(3)].into_iter();
+    let answer = move |asked: &Asked| match asked {
+        Asked::Lease(_) => grants.next().map_or_else(drained, grant),
+        Asked::Submit(request) if request.next => {
+            let next = next.next().map(|grant| SubmitReply::Next(Box::new(grant)));
+            Answer::Submit(next.unwrap_or(SubmitReply::Accepted))
+        }
+        _ => fine(asked),
+    };
+    let fake = Fake::start(&study, answer).await;
+    assert_eq!(fake.work(&[]).await.unwrap().done, 3);
+    let attempts: Vec<u32> = fake.seen.submitted().iter().map(|request| request.lease.attempt.0).collect();
+    assert_eq!(attempts, [1, 2, 3]);
+    assert_eq!(fake.seen.count(Asked::is_lease), 2);
+}
+
+/// A worker that was told to end gives back what comes with the last acknowledgement.
+#[tokio::test(flavor = "multi_thread")]
+async fn a_worker_that_ends_gives_the_next_task_back() {
+    let study = Study::new(1);
+    let shutdown = Shutdown::default();
+    let (told_to_end, runtime) = (shutdown.clone(), tokio::runtime::Handle::current());
+    let next = Grant { attempt: Attempt(2), ..study.main() };
+    let mut grants = vec![study.main()].into_iter();
+    let answer = move |asked: &Asked| match asked {
+        Asked::Lease(_) => grants.next().map_or_else(drained, grant),
+        Asked::Submit(_) => {
+            let _context = runtime.enter();
+            told_to_end.begin(Duration::from_secs(100));
+            Answer::Submit(SubmitReply::Next(Box::new(next.clone())))
+        }
+        _ => fine(asked),
+    };
+    let fake = Fake::start(&study, answer).await;
+    worker::work(&fake.options(&[]), &shutdown).await.unwrap();
+    assert_eq!((fake.seen.count(Asked::is_submit), fake.seen.count(Asked::is_release)), (1, 1));
+}
+
 #[tokio::test(flavor = "multi_thread")]
 async fn waits_for_work_and_hears_of_it() {
     let study = Study::new(1);

@@ -91,6 +91,7 @@ impl Study {
             known,
             landing: matches!(work, Task::Seed(_)).then(|| TaskId::of_level("0.008", index - 1).unwrap()),
             curves: Vec::new(),
+            checkpoint: 0,
         }
     }
 

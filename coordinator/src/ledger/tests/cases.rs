@@ -283,6 +283,45 @@ fn folds_are_followed_over_the_levels_and_lead_to_branches_where_they_cross() {
     assert_eq!((branches, curves), (3, 1));
 }
 
+/// No fold leads from an open branch to another level: a response of it is carried there, and its curve is no fold curve.
+#[test]
+fn open_branches_are_carried_over_the_levels() {
+    let rules = Rules { most_folds: 9, ..Rules::default() };
+    let mut ledger = Ledger::new(rules, vec![plan(1.0, 0), plan(2.0, 0)]);
+    let main = Brought::Branch { kind: BranchKind::Main, folds: 0 };
+    let open = Brought::branch(BranchKind::Open);
+    let fold = Brought::Branch { kind: BranchKind::Open, folds: 1 };
+    let on_curve = |number| Brought::Nothing(SeedOutcome::OnCurve(number));
+    let curve = Brought::Curve([0.5, 3.0].into());
+    let is_given = |granted: &Granted, curves: &[usize]| {
+        assert_eq!(granted.curves.iter().map(|curve| curve.number).collect::<Vec<_>>(), curves, "{}", granted.task);
+    };
+    let mut take = |expected: &str, curves: &[usize], brought: &Brought| {
+        let (Leased::Grant(granted), _) = ledger.lease(&name(0), 0, Duration::ZERO) else { panic!("no {expected}") };
+        assert_eq!(granted.task.as_str(), expected);
+        is_given(&granted, curves);
+        let lease = Lease { task: granted.task, attempt: granted.attempt, worker: name(0), slot: 0 };
+        assert!(matches!(ledger.submit(&lease, brought).0, Submitted::Accepted(_)), "{expected}");
+    };
+    for (task, brought) in [("2-0", &main), ("2-1", &fold), ("1-0", &main), ("1-1", &ON_MAIN)] {
+        take(task, &[], brought);
+    }
+    // From both ends, then along its folds.
+    take("carry-0", &[], &curve);
+    take("carry-1", &[0], &on_curve(0));
+    take("fold-2", &[], &curve);
+    // Both curves cross both levels.
+    let on_open = Brought::Nothing(SeedOutcome::Found(BranchId::new(BranchKind::Open, 0)));
+    take("2-2", &[0], &on_open);
+    take("2-3", &[1], &on_open);
+    take("1-2", &[0], &open);
+    take("1-3", &[1], &on_open);
+    // What was found so is carried as well, and is on the curve that led to it.
+    take("carry-3", &[0], &on_curve(0));
+    take("carry-4", &[0], &on_curve(0));
+    assert!(ledger.is_finished());
+}
+
 /// Verifications fill what time there is, and hold nobody up: whoever asks gets what others wait for first.
 #[test]
 fn branches_are_verified_once_and_last() {

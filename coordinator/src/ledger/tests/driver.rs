@@ -13,13 +13,15 @@ pub(super) struct Driver {
     /// New branches and curves.
     pub new: HashMap<TaskId, Brought>,
     pub changes: Vec<Change>,
+    /// How many results were repeated.
+    pub repeated: usize,
 }
 
 impl Driver {
     pub fn new(levels: usize, verify: VerifyEffort) -> Self {
         let ledger = Ledger::new(rules(verify), plans(levels));
-        let (held, accepted, new, changes) = Default::default();
-        Self { verify, ledger, now: Duration::ZERO, held, accepted, new, changes }
+        let (held, accepted, new, changes, repeated) = Default::default();
+        Self { verify, ledger, now: Duration::ZERO, held, accepted, new, changes, repeated }
     }
 
     /// An entry as the store has it.
@@ -95,9 +97,15 @@ impl Driver {
             Submitted::Accepted(_) => {
                 assert!(!self.accepted.contains(&lease.task), "{} was accepted twice", lease.task);
                 self.accepted.push(lease.task.clone());
+                self.ledger.note_claim(lease, 1.0, Duration::MAX);
                 if !matches!(brought, Brought::Nothing(_)) {
                     self.new.insert(lease.task.clone(), brought);
                 }
+            }
+            Submitted::Repeated { agrees, .. } => {
+                assert!(agrees, "{} is found again as it was", lease.task);
+                assert!(self.accepted.contains(&lease.task));
+                self.repeated += 1;
             }
             Submitted::Duplicate => assert!(self.accepted.contains(&lease.task)),
             Submitted::Late => panic!("nothing is given up here"),

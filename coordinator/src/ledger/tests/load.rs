@@ -3,6 +3,7 @@
 use super::cases::{MAIN, leased};
 use super::*;
 use crate::ledger::STATES;
+use protocol::from_worker::Progress;
 use results::journal::{KINDS, kind};
 
 fn at(seconds: u64) -> Duration {
@@ -89,4 +90,26 @@ fn the_first_of_a_kind_says_little() {
     let seed = ledger.chains[0].entries[3].task;
     ledger.note_cost(&seed, 100.0);
     assert!((before..0.3 * (before + 4.0 * 100.0)).contains(&ledger.time_left().unwrap()));
+}
+
+#[test]
+fn what_does_not_get_on_is_told() {
+    let mut ledger = Ledger::new(Rules::default(), vec![plan(1.0, 1)]);
+    let main = leased(&mut ledger, "a", at(0));
+    let seconds = |ledger: &Ledger, now: u64| ledger.stalled(at(now)).first().map(|stalled| stalled.seconds);
+    let point = |points: usize| Some(Progress { points, omega: 1.0, amplitude: 1.0 });
+    // A sign of life that says the same is none of getting on.
+    for (now, points) in [(5, 7), (300, 8), (700, 8)] {
+        ledger.renew(&main, point(points), at(now));
+    }
+    assert_eq!((seconds(&ledger, 899), seconds(&ledger, 900)), (None, Some(600.0)));
+    assert_eq!(ledger.stalled(at(900))[0].task, main.task);
+    ledger.renew(&main, point(9), at(950));
+    assert_eq!((seconds(&ledger, 960), seconds(&ledger, 1549), seconds(&ledger, 1550)), (None, None, Some(600.0)));
+    // Where tasks of its kind take long it may take longer.
+    ledger.note_cost(&Task::Main(Side::Below), 60.0);
+    assert_eq!((seconds(&ledger, 2149), seconds(&ledger, 2150)), (None, Some(1200.0)));
+    // Of a worker that is gone it is known why.
+    ledger.worker_gone(&main.worker, at(2200));
+    assert_eq!(seconds(&ledger, 2200), None);
 }

@@ -2,6 +2,7 @@
 
 use super::cases::{MAIN, leased};
 use super::*;
+use std::cell::RefCell;
 
 /// A lease that ran out is taken up again, unless somebody else has the task or its thread another one.
 #[test]
@@ -93,4 +94,133 @@ fn a_worker_whose_results_are_refused() {
     };
     assert_eq!(reasons, vec!["1-0: not finite".to_string(); 3]);
     assert_eq!(leased(&mut ledger, "b", now).task.as_str(), "1-0");
+}
+
+/// Lets workers carry out what they are given in turn, until nothing is handed out; `what` they come to, and how long it takes.
+fn in_turn(
+    ledger: &mut Ledger,
+    workers: &[&str],
+    what: impl Fn(&str, &Granted) -> Brought,
+    seconds: f64,
+) -> Vec<Change> {
+    let (mut all, mut now) = (Vec::new(), Duration::ZERO);
+    loop {
+        let mut is_idle = true;
+        for name in workers {
+            let worker = WorkerId::new(name).unwrap();
+            let (leased, changes) = ledger.lease(&worker, 0, now);
+            all.extend(changes);
+            let Leased::Grant(granted) = leased else { continue };
+            is_idle = false;
+            now += Duration::from_secs_f64(seconds);
+            let lease = Lease { task: granted.task.clone(), attempt: granted.attempt, worker, slot: 0 };
+            let (submitted, changes) = ledger.submit(&lease, &what(name, &granted));
+            all.extend(changes);
+            match submitted {
+                Submitted::Accepted(_) => ledger.note_claim(&lease, seconds, now),
+                Submitted::Repeated { granted_at, .. } => ledger.note_repeat(granted_at, seconds, now),
+                other => panic!("{other:?}"),
+            }
+        }
+        if is_idle {
+            return all;
+        }
+    }
+}
+
+fn number(changes: &[Change], is_it: impl Fn(&AttemptEnd) -> bool) -> usize {
+    changes.iter().filter(|change| matches!(change, Change::Ended { end, .. } if is_it(end))).count()
+}
+
+fn repeats(changes: &[Change]) -> usize {
+    changes.iter().filter(|change| matches!(change, Change::Repeated { .. })).count()
+}
+
+/// Honest workers: one in a hundred is repeated, never by who said it, and comes to the same.
+#[test]
+fn what_can_only_be_repeated_is_repeated_for_a_hundredth_of_the_time() {
+    let mut ledger = Ledger::new(Rules::default(), plans(24));
+    let changes = in_turn(&mut ledger, &["a", "b"], |_, granted| find(granted), 1.0);
+    assert!(ledger.is_finished());
+    let done = changes.iter().filter(|change| matches!(change, Change::Done { .. })).count();
+    assert!(done > 600, "{done}");
+    assert_eq!(repeats(&changes), (done - 1) / 100);
+    assert_eq!(number(&changes, |end| *end == AttemptEnd::Confirmed), repeats(&changes));
+    for change in &changes {
+        let Change::Repeated { task, holder, .. } = change else { continue };
+        let is_first = |change: &&Change| matches!(change, Change::Granted { task: granted, .. } if granted == task);
+        let Some(Change::Granted { holder: first, .. }) = changes.iter().find(is_first) else { panic!("{task}") };
+        assert_ne!(first.worker, holder.worker);
+    }
+    let mut expected = Ledger::new(Rules { repeated: 0.0, ..Rules::default() }, plans(24));
+    in_turn(&mut expected, &["a"], |_, granted| find(granted), 1.0);
+    assert_eq!(book(&ledger), book(&expected));
+}
+
+/// Who is alone is asked again.
+#[test]
+fn a_worker_that_is_alone_repeats_its_own_results() {
+    let mut ledger = Ledger::new(Rules::default(), plans(8));
+    let changes = in_turn(&mut ledger, &["a"], |_, granted| find(granted), 1.0);
+    assert!(repeats(&changes) > 0);
+    assert_eq!(number(&changes, |end| *end == AttemptEnd::Confirmed), repeats(&changes));
+}
+
+/// Says that nothing is there where something is, and nobody else has to know of it.
+fn deny(granted: &Granted) -> Option<Brought> {
+    let failure = LandingFailure::NotConverged(Unreached::OutOfReach);
+    let (can_lie, lie) = match granted.work {
+        Task::Scout(_) => (true, SeedOutcome::NoFold),
+        Task::Land(place) => {
+            let is_needed = place.phase == Phase::First && place.method == LandingMethod::FullForcing;
+            (!is_needed, SeedOutcome::NotLanded(failure))
+        }
+        work => (matches!(work, Task::Start(_)), SeedOutcome::NotLanded(failure)),
+    };
+    let is_there = can_lie && matches!(find(granted), Brought::Landings(_));
+    is_there.then_some(Brought::Nothing(lie))
+}
+
+/// Who says that nothing is there is found out by two others, and given nothing any more; nothing is held against them.
+#[test]
+fn a_worker_that_finds_nothing() {
+    let mut ledger = Ledger::new(Rules::default(), plans(40));
+    let denied = RefCell::new(Vec::new());
+    let what = |name: &str, granted: &Granted| {
+        let lie = deny(granted).filter(|_| name == "liar");
+        denied.borrow_mut().extend(lie.as_ref().map(|_| (granted.task.clone(), granted.attempt)));
+        lie.unwrap_or_else(|| find(granted))
+    };
+    let changes = in_turn(&mut ledger, &["a", "liar", "b"], what, 1.0);
+    let liar = WorkerId::new("liar").unwrap();
+    let Leased::Unwelcome(reasons) = ledger.lease(&liar, 0, Duration::MAX / 2).0 else { panic!("served") };
+    assert!(reasons.len() >= 3, "{reasons:?}");
+    assert!(reasons[0].contains("nothing, where "), "{reasons:?}");
+    let refuted: Vec<(TaskId, Attempt)> = changes
+        .iter()
+        .filter_map(|change| {
+            let Change::Ended { task, attempt, end: AttemptEnd::Refuted(why) } = change else { return None };
+            assert!(why.starts_with("liar: nothing, where "), "{why}");
+            Some((task.clone(), *attempt))
+        })
+        .collect();
+    for honest in ["a", "b"] {
+        assert_eq!(ledger.refusals(&WorkerId::new(honest).unwrap()), None);
+    }
+    // Once it was found out everything that it had said was repeated, however little time is left for that.
+    let mut denied = denied.into_inner();
+    denied.retain(|lie| !refuted.contains(lie));
+    assert_eq!(denied, []);
+}
+
+/// Of two that disagree nobody is believed more than the other.
+#[test]
+fn two_that_disagree_without_a_third() {
+    let mut ledger = Ledger::new(Rules { repeated: 1.0, ..Rules::default() }, plans(2));
+    let lie = |name: &str, granted: &Granted| deny(granted).filter(|_| name == "liar");
+    let what = |name: &str, granted: &Granted| lie(name, granted).unwrap_or_else(|| find(granted));
+    let changes = in_turn(&mut ledger, &["a", "liar"], what, 1.0);
+    assert!(number(&changes, |end| matches!(end, AttemptEnd::Disputed(_))) > 0);
+    assert_eq!(number(&changes, |end| matches!(end, AttemptEnd::Refuted(_))), 0);
+    assert!(ledger.is_finished());
 }

@@ -6,9 +6,11 @@ use protocol::critical::CriticalMessage;
 use protocol::ids::{Attempt, TaskId};
 use protocol::landings::LandingsMessage;
 use protocol::to_everyone::{Done, StoredResult};
-use solver::response::branch::{Outcome, Side, Stop};
+use solver::response::branch::{BranchKind, Outcome, Side, Stop};
 use solver::response::critical::{Corner, CriticalEvent, CriticalKind, Quantity};
-use solver::response::task::{BranchId, DisturbPlace, FoldPlace, MarchPlace, SeedOutcome, Task, VerifyPlace};
+use solver::response::task::{
+    BranchEnd, BranchId, CarryPlace, DisturbPlace, FoldPlace, MarchPlace, Origin, SeedOutcome, Task, VerifyPlace,
+};
 use solver::settings::Stretch;
 use solver::stability::disturbance::{Disturbance, Ending, Push};
 use solver::stability::polish::Reason;
@@ -85,7 +87,7 @@ pub fn result_nothing() -> StoredResult {
 pub fn result_curve() -> StoredResult {
     StoredResult {
         curve: Some(CriticalMessage {
-            quantity: Quantity::Frequency,
+            quantity: Some(Quantity::Frequency),
             outcome: Outcome::Open(Stop::ForcingBound, Stop::PointBudget),
             grazing: [None, Some(1)],
             rejections: 2,
@@ -97,7 +99,7 @@ pub fn result_curve() -> StoredResult {
         verification: None,
         disturbance: None,
         settling: None,
-        task: TaskId::of_fold(3),
+        task: TaskId::new("fold-3").unwrap(),
         attempt: Attempt(1),
         amplitude: amplitude(),
         work: Task::Fold(FoldPlace::Branch { branch: BranchId::isola(0), fold: 1 }),
@@ -107,6 +109,26 @@ pub fn result_curve() -> StoredResult {
         worker: worker(),
         program: program(),
         seconds: 0.5,
+    }
+}
+
+pub fn result_carried() -> StoredResult {
+    let place = CarryPlace { branch: BranchId::new(BranchKind::Open, 0), end: BranchEnd::Last };
+    let curve = CriticalMessage {
+        quantity: None,
+        outcome: Outcome::Open(Stop::ForcingBound, Stop::ForcingBound),
+        grazing: [None, None],
+        rejections: 1,
+        events: Vec::new(),
+        corners: Vec::new(),
+        points: points(2),
+    };
+    StoredResult {
+        curve: Some(curve),
+        task: TaskId::of_curve(4, Origin::Carry(place)),
+        work: Task::Carry(place),
+        outcome: SeedOutcome::OnCurve(1),
+        ..result_curve()
     }
 }
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 import os
 import re
+import socket
+import ssl
 import time
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
@@ -25,6 +27,8 @@ T = TypeVar("T")
 
 #: The one user, whose password the secret of a run is.
 SECRET_USER = "isola"
+#: Files of a folder of certificates: whom to trust, one's own certificate, and the key to it.
+CERTIFICATES = ("ca.crt", "tls.crt", "tls.key")
 #: How long a client tries to connect, ms.
 CONNECT_MS = 3000
 #: A partner that has been silent for so long is gone, ms.
@@ -95,23 +99,72 @@ def secret_of(where: str | os.PathLike[str], secret_file: str | os.PathLike[str]
     return text.strip().removeprefix(f"{SECRET_USER}:") or None
 
 
+def certificates_of(
+    where: str | os.PathLike[str], tls: str | os.PathLike[str] | None, endpoint: str
+) -> dict[str, str] | None:
+    """The files with certificates for an encrypted endpoint: of a folder, of the run directory, or of the environment."""
+    if not endpoint.startswith("tls/"):
+        if tls is not None:
+            raise Unreachable(f"{endpoint}: certificates were named, but only connections to tls/HOST:PORT are encrypted")
+        return None
+    own = Path(where) / "tls"
+    folder = tls or (own if own.is_dir() else os.environ.get("ISOLA_TLS"))
+    if not folder:
+        raise Unreachable(
+            f"{endpoint}: an encrypted connection needs certificates: name a folder of them as tls (or in ISOLA_TLS), "
+            "`isola cert` makes some"
+        )
+    files = {name: Path(folder).absolute() / name for name in CERTIFICATES}
+    for file in files.values():
+        with file.open("rb"):
+            pass
+    return {name: str(file) for name, file in files.items()}
+
+
+def refusal_of(endpoint: str, files: Mapping[str, str]) -> str | None:
+    """Why the certificates of both sides do not go together, as far as this side can know: an encrypted connection begun anew."""
+    host, port = endpoint.removeprefix("tls/").rsplit(":", 1)
+    host = host.strip("[]")
+    authority, own, key = (files[name] for name in CERTIFICATES)
+    try:
+        context = ssl.create_default_context(cafile=authority)
+        context.load_cert_chain(own, key)
+        with (
+            socket.create_connection((host, int(port)), timeout=1) as plain,
+            context.wrap_socket(plain, server_hostname=host) as encrypted,
+        ):
+            # What the other side has to say against the certificate comes first.
+            encrypted.recv(1)
+    except ssl.SSLCertVerificationError as error:
+        return f"the certificate that is shown there is not accepted here: {error.verify_message}"
+    except ssl.SSLError as error:
+        return f"this certificate is refused there: {error.reason or error}"
+    except (OSError, ValueError):
+        pass
+    return None
+
+
 def connect(
     where: str | os.PathLike[str],
     *,
     namespace: str = NAMESPACE,
     timeout: float = 10.0,
     secret_file: str | os.PathLike[str] | None = None,
+    tls: str | os.PathLike[str] | None = None,
     settings: Mapping[str, Any] | None = None,
 ) -> Bus:
     """Connects to a coordinator or a router.
 
     `where` is an endpoint (``tcp/127.0.0.1:7447``) or a run directory, whose file `address` holds one. `timeout` is how
     long requests are repeated, in s. `secret_file` holds the secret of the run: without it the file `secret` of the run
-    directory does, or the variable ISOLA_SECRET of the environment. `settings` are further settings of Zenoh by key, for
-    TLS or other passwords: ``{"transport/auth/usrpwd": {"user": "me", "password": "…"}}``.
+    directory does, or the variable ISOLA_SECRET of the environment. `tls` is a folder with the certificates of a viewer, for an
+    endpoint that begins with ``tls/``: without it those that the run directory leads to, or in the folder that ISOLA_TLS names.
+    `settings` are further settings of Zenoh by key, as for other passwords: ``{"transport/auth/usrpwd": {"user": "me",
+    "password": "…"}}``.
     """
     endpoint = endpoint_of(where)
     secret = secret_of(where, secret_file)
+    certificates = certificates_of(where, tls, endpoint)
     config = zenoh.Config()
     own: dict[str, Any] = {
         "mode": "client",
@@ -127,11 +180,21 @@ def connect(
     }
     if secret is not None:
         own["transport/auth/usrpwd"] = {"user": SECRET_USER, "password": secret}
+    if certificates is not None:
+        authority, certificate, key = (certificates[name] for name in CERTIFICATES)
+        own["transport/link/tls"] = {
+            "enable_mtls": True,
+            "root_ca_certificate": authority,
+            "connect_certificate": certificate,
+            "connect_private_key": key,
+        }
     for key, value in {**own, **(settings or {})}.items():
         config.insert_json5(key, json.dumps(value))
     try:
         session = zenoh.open(config)
     except zenoh.ZError as error:
+        if certificates is not None and (refusal := refusal_of(endpoint, certificates)) is not None:
+            raise Unreachable(f"no encrypted connection to {endpoint}: {refusal}") from error
         raise Unreachable(
             f"no coordinator or router can be reached at {endpoint}; check host, port and firewall; "
             + (

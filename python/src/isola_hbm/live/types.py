@@ -161,6 +161,18 @@ class WorkerStatus:
 
 
 @dataclass(frozen=True)
+class StalledTask:
+    """A task under way of which nothing new has come for long, though its worker gives signs of life."""
+
+    #: Which.
+    task: str
+    #: Who has it.
+    worker: str
+    #: For how long, s.
+    seconds: float
+
+
+@dataclass(frozen=True)
 class Status:
     """How a run is doing; new every second."""
 
@@ -177,6 +189,8 @@ class Status:
     levels_done: int
     active: tuple[LevelStatus, ...]
     workers: tuple[WorkerStatus, ...]
+    #: Tasks that do not get on, though their workers give signs of life.
+    stalled: tuple[StalledTask, ...]
     #: Number of announcements so far.
     sequence: int
     #: Time since the coordinator started, s.
@@ -206,6 +220,7 @@ class Status:
                 _plain(WorkerStatus, w, tasks=tuple(w["tasks"]), progress=progress(w))
                 for w in message["workers"]
             ),
+            stalled=tuple(_plain(StalledTask, s) for s in message.get("stalled", ())),
         )
 
 
@@ -470,17 +485,24 @@ class Certificate:
     amplitude_2h: float | None
     #: Relative shift of the peak's frequency then.
     shift_2h: float | None
+    #: Lowest frequency of an isola with its folds converged again at 2 H, rad/s.
+    omega_min_2h: float | None
+    #: Highest frequency then, rad/s.
+    omega_max_2h: float | None
 
     @classmethod
     def read(cls, message: dict[str, Any] | None) -> Certificate:
         """From the message; runs of the first programs have none."""
         message = message or {}
         doubled = message.get("doubled") or {}
+        low, high = doubled.get("range") or (None, None)
         return cls(
             penetration=message.get("penetration"),
             pressure_beyond=message.get("pressure_beyond"),
             amplitude_2h=doubled.get("amplitude"),
             shift_2h=doubled.get("shift"),
+            omega_min_2h=low,
+            omega_max_2h=high,
         )
 
 
@@ -529,10 +551,12 @@ class Branch(Curve):
 
 @dataclass(frozen=True, eq=False)
 class FoldCurve(Curve):
-    """Folds of branches followed over the forcing amplitude; a closed curve does not repeat its first point."""
+    """Folds of branches, or responses of open ones at one frequency, followed over the forcing amplitude; a closed curve does not repeat its first point."""
 
     #: Task that found it.
     task: str
+    #: What has an extremum along the branch at its points: ``"frequency"``, or nothing at one frequency.
+    quantity: str | None
     #: Whether it is a closed curve.
     closed: bool
     #: How it begins and ends, in words.
@@ -586,14 +610,14 @@ class Result:
     attempt: int
     amplitude: Amplitude
     #: What was to be done: ``"main"``, ``{"main": "above"}``, ``{"land": {…}}``, ``{"seed": {…}}``, ``{"fold": {…}}``,
-    #: ``{"crossing": {…}}``, ``{"start": {…}}``, ``{"begin": {…}}``, ``{"scout": {…}}``, ``{"verify": {…}}``, ``{"disturb": {…}}`` or
-    #: ``{"march": {…}}``.
+    #: ``{"crossing": {…}}``, ``{"start": {…}}``, ``{"begin": {…}}``, ``{"scout": {…}}``, ``{"verify": {…}}``, ``{"disturb": {…}}``,
+    #: ``{"march": {…}}`` or ``{"carry": {…}}``.
     work: Any
     #: What became of it, in words.
     outcome: str
     #: The new branch, if it found one.
     branch: Branch | None
-    #: The new fold curve, if it found one.
+    #: The new curve over the forcing, if it found one.
     curve: FoldCurve | None
     #: What marching says of a branch, as in the message, if the task verified one.
     verification: dict[str, Any] | None
@@ -634,6 +658,7 @@ class Result:
             curve = FoldCurve(
                 **curve_fields(part["points"], model),
                 task=message["task"],
+                quantity=part["quantity"],
                 closed=part["outcome"] == "closed",
                 outcome=words.outcome(part["outcome"]),
                 events=tuple(_plain(SpecialPoint, event) for event in part["events"]),

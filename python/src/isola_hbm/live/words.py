@@ -24,7 +24,7 @@ _FAILURES = {
 }
 _UNFOLLOWED = {
     "unsupported": 'a law has no second derivatives; contact has them with harmonics.quadrature = "arcs"',
-    "elsewhere": "the nearest fold is one of another response",
+    "elsewhere": "the nearest one is one of another response",
 }
 _LEFT_OUT = {
     "not_listed": "not in the list of modes",
@@ -113,8 +113,8 @@ def seed_outcome(value: Any) -> str:
     if name == "marched":
         return f"{content} periods marched"
     if name == "on_curve":
-        return f"fold curve {content + 1}"
+        return f"curve {content + 1}"
     if name == "not_followed":
         reason, _ = variant(content)
-        return f"no fold curve starts there: {_UNFOLLOWED.get(reason) or failure(content)}"
+        return f"no curve starts there: {_UNFOLLOWED.get(reason) or failure(content)}"
     return name

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+import math
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import TypeVar
 
 import msgpack
@@ -16,6 +18,8 @@ T = TypeVar("T")
 
 #: Kinds of branches in the order of tables.
 KINDS = ("main", "isola", "open", "cut", "unfinished")
+#: How far from an end of an isola's range a fold curve may cross its level, as a share of its width.
+AT_END = 0.05
 
 
 @dataclass
@@ -146,15 +150,15 @@ def primary_mode(reading: Reading) -> int:
         raise Damaged(reading.store.file, f"the backbone: {error}") from error
 
 
-def join_families(levels: list[Level]) -> dict[int, int]:
+def join_families(levels: list[Level], curves: list[list[Row]]) -> dict[int, int]:
     """Families of the branches beside the main ones, by their `id`: which of neighbouring levels are the same thing at
     another forcing, numbered from 1.
 
-    Two of neighbouring levels are of one family if their frequency ranges overlap by more than half of the smaller one.
-    Where families split or merge, the larger overlap keeps its number.
+    Two of neighbouring levels are of one family if their frequency ranges overlap by more than half of the smaller one,
+    or else if a fold curve (its points in order) leads from an end of the one to the same end of the other. Where families split or merge, the larger overlap keeps its number.
     """
     families: dict[int, int] = {}
-    count, earlier = 0, list[Row]()
+    count, earlier, value = 0, list[Row](), math.nan
     for level in levels:
         now = [branch for branch in level.branches if branch["kind"] != "main"]
         pairs = [(_overlap(one, other), one["id"], other["id"]) for one in earlier for other in now]
@@ -165,12 +169,45 @@ def join_families(levels: list[Level]) -> dict[int, int]:
             if width > 0 and one not in continued and other not in families:
                 continued.add(one)
                 families[other] = families[one]
+        for start, stop in _passages(curves, value, level.value):
+            ends = ((one["id"], _end_at(one, start)) for one in earlier if one["id"] not in continued)
+            one, end = next(((one, end) for one, end in ends if end is not None), (0, None))
+            free = (row["id"] for row in now if row["id"] not in families and _end_at(row, stop) == end)
+            other = None if end is None else next(free, None)
+            if other is not None:
+                continued.add(one)
+                families[other] = families[one]
         for branch in now:
             if branch["id"] not in families:
                 count += 1
                 families[branch["id"]] = count
-        earlier = now
+        earlier, value = now, level.value
     return families
+
+
+def _passages(curves: list[list[Row]], low: float, high: float) -> Iterator[tuple[float, float]]:
+    """Frequencies at two forcing amplitudes between which fold curves lead from the one to the other without leaving them."""
+    for points in curves:
+        last: tuple[int, float] | None = None
+        for a, b in pairwise(points):
+            crossed = sorted(
+                ((level - a["forcing"]) / (b["forcing"] - a["forcing"]), which)
+                for which, level in enumerate((low, high))
+                if (a["forcing"] < level) != (b["forcing"] < level)
+            )
+            for share, which in crossed:
+                omega = a["omega"] + share * (b["omega"] - a["omega"])
+                if last is not None and last[0] != which:
+                    yield (last[1], omega) if which else (omega, last[1])
+                last = which, omega
+
+
+def _end_at(row: Row, omega: float) -> int | None:
+    """Which end of an isola's range this is, 0 for the lower one."""
+    low, high = row["omega_min"], row["omega_max"]
+    if row["kind"] != "isola" or low is None or high is None:
+        return None
+    return next((i for i, end in enumerate((low, high)) if abs(omega - end) <= AT_END * (high - low)), None)
 
 
 def _overlap(a: Row, b: Row) -> float:

@@ -20,6 +20,7 @@ SUMMARY = [
     *("amplitude", "branch", "kind", "status", "points"),
     *("omega_min", "omega_max", "amplitude_max", "omega_at_max", "contact_omega_min", "contact_omega_max"),
     *("peak_standing", "family", "penetration", "pressure_beyond", "amplitude_2h", "shift_2h", "stable"),
+    *("omega_min_2h", "omega_max_2h"),
 ]
 WINDOWS = [
     *("amplitude", "window", "omega_min", "omega_max", "omega_best", "threshold"),
@@ -48,7 +49,8 @@ _PROMINENCE = 1e-3
 def summary(reading: Reading, omissions: Omissions) -> pd.DataFrame:
     """A row a branch, by its name in the run; as ``summary.csv``."""
     levels = of_levels.levels(reading, omissions)
-    families = join_families(levels)
+    curves = omissions.attempt("What fold curves join is", lambda: _curves(reading)) or []
+    families = join_families(levels, curves)
     stable = omissions.attempt("What is stable is", lambda: _stable(reading)) or {}
     rows: dict[str, Row] = {}
     for level in levels:
@@ -144,20 +146,26 @@ def windows(reading: Reading, omissions: Omissions) -> pd.DataFrame:
 
 def folds(reading: Reading) -> pd.DataFrame:
     """Points of fold curves; as ``folds.csv``. A closed curve ends with its first point again."""
+    return _frame(FOLDS, [row for points in _curves(reading) for row in points]).drop(columns="i", errors="ignore")
+
+
+def _curves(reading: Reading) -> list[list[Row]]:
+    """Points of fold curves, curve by curve; a closed one ends with its first point again."""
     if not reading.columns("curve_points"):
-        return _frame(FOLDS, [])
-    rows = reading.rows_of("curve_points", "ORDER BY curve, i")
+        return []
     closed = set(reading.column("SELECT number FROM curves WHERE closed"))
+    # Those of responses at one frequency are of no fold.
+    others = set(reading.column("SELECT number FROM curves WHERE kind = 'response'"))
     curves: dict[int, list[Row]] = {}
-    for row in rows:
+    for row in reading.rows_of("curve_points", "ORDER BY curve, i"):
+        if row["curve"] in others:
+            continue
         row["kind"] = row.pop("event") or "fold"
         curves.setdefault(row["curve"], []).append(row)
     for number, points in curves.items():
         if number in closed:
             points.append({**points[0], "kind": "fold"})
-    return _frame(FOLDS, [row for points in curves.values() for row in points]).drop(
-        columns="i", errors="ignore"
-    )
+    return list(curves.values())
 
 
 def events(reading: Reading, omissions: Omissions) -> pd.DataFrame:

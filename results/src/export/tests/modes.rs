@@ -57,5 +57,6 @@ fn what_was_searched_is_said_by_modes() {
     assert!(report.verdict.iter().any(|part| part.text.contains("the windows of modes 2 and 1 at 2 levels")));
     let said = summary_table::table(&store, Layout::default()).unwrap();
     assert!(said.contains("Windows of modes 2 and 1 were searched.\n"), "{said}");
-    assert_eq!(modes::sentence(&store.modes().unwrap().unwrap()).unwrap(), "Windows of modes 2 and 1 were searched.");
+    let choice = store.modes().unwrap().unwrap();
+    assert_eq!(modes::sentence(&choice, true).unwrap(), "Windows of modes 2 and 1 were searched.");
 }

@@ -4,7 +4,7 @@ use super::*;
 use crate::curves::BackboneCurve;
 use crate::overview::Seeds;
 use crate::report::evidence::Structure;
-use crate::store::{PeakOrbit, SearchCounts, Stability};
+use crate::store::{PeakOrbit, SearchCounts, Stability, WindowOutcome, WindowRow};
 use protocol::to_everyone::Stage;
 use solver::response::branch::{Outcome, Standing, Stop};
 use solver::response::modes::{LeftOut, ModesFollowed};
@@ -141,7 +141,7 @@ fn isolas_apart() {
         "Between 120 and 140 rad/s (19.1 and 22.28 Hz), or between 150 and 165 rad/s (23.87 and 26.26 Hz): there an \
          isola, a closed branch apart from the main one, is another periodic response at the same forcing, with up to \
          2 mm at tip; whether it is stable and what leads there was not verified. The largest computed response, 2.5 mm \
-         at tip (0.4 mm to the casing), is on the main branch, at 100 rad/s (15.92 Hz) and A = 4; whether it is stable was \
+         at tip (gap 0.4 mm), is on the main branch, at 100 rad/s (15.92 Hz) and A = 4; whether it is stable was \
          not verified."
     );
     // Found and not predicted is said as one thing.
@@ -172,6 +172,24 @@ fn none_was_found_where_it_was_looked_for() {
     });
     assert!(missed.contains("the forcing acting on harmonic 3)"), "{missed}");
     assert!(missed.contains("; isolas of other sub- and super-harmonics and those"), "{missed}");
+}
+
+#[test]
+fn a_prediction_that_was_not_found_is_one() {
+    let mut levels = [level(1.0, vec![main(1e-3)])];
+    levels[0].windows.push(WindowRow {
+        number: 1,
+        mode: 1,
+        points: [0, 2, 1],
+        omega: (90.0, 110.0),
+        omega_best: 100.0,
+        threshold: 0.5,
+        outcome: WindowOutcome::NotFound("no seed converged".into()),
+    });
+    let [danger, onset, _] = texts(&levels);
+    assert!(danger.starts_with("1 predicted response not found, at A = 1. No isola"), "{danger}");
+    assert!(onset.starts_with("Known only in part (1 predicted response not found)"), "{onset}");
+    assert!(!onset.contains("predicts no separate response"), "{onset}");
 }
 
 #[test]
@@ -246,6 +264,15 @@ fn losses_come_first() {
 }
 
 #[test]
+fn what_others_contradict_is_a_loss() {
+    let mut levels = [level(1.0, vec![main(1e-3)]), level(2.0, vec![main(1e-3)])];
+    (levels[0].refuted, levels[1].disputed) = (2, 1);
+    let [danger, onset, _] = texts(&levels);
+    assert!(danger.starts_with("3 results contradicted by other workers, at A = 1, 2. No isola was found"), "{danger}");
+    assert!(onset.starts_with("Known only in part (3 results contradicted). None was found"), "{onset}");
+}
+
+#[test]
 fn kinds_are_named_for_what_they_are() {
     let cut = at_least(branch("cut", 1, (120.0, 130.0), 2e-3));
     let open = branch("open", 1, (120.0, 130.0), 1.5e-3);
@@ -254,7 +281,7 @@ fn kinds_are_named_for_what_they_are() {
     let kinds = "1 branch, at A = 1, leaves through the widest bounds at both ends: detached, but not closed. 2 branches, \
                  at A = 1, 2, leave through bounds that were given: whether they are detached is not known.";
     assert!(danger.starts_with("No isola was found from") && danger.contains(kinds), "{danger}");
-    assert!(danger.contains(". The largest computed response, at least 2 mm at tip (0.4 mm to"), "{danger}");
+    assert!(danger.contains(". The largest computed response, at least 2 mm at tip (gap 0.4 mm)"), "{danger}");
     assert!(onset.starts_with("None was found from"), "{onset}");
     assert!(missed.ends_with(kinds), "{missed}");
     let unfinished = branch("unfinished", 1, (120.0, 130.0), 2e-3);

@@ -1,7 +1,9 @@
 //! What is stored comes back; what is not a run is told.
 
+mod checkpoints;
 mod columns;
 mod files;
+mod repeats;
 mod verifications;
 mod writing;
 
@@ -64,6 +66,7 @@ fn results_come_back_bit_for_bit() {
         assert_eq!(extents.get(&result.task).copied(), result.branch.as_ref().map(Extent::of));
     }
     assert_eq!(store.done_since(3).unwrap(), done[3..]);
+    assert_eq!(store.done_of(&done[2].task).unwrap().as_ref(), Some(&done[2]));
     assert!(store.result(&"0.006-99".parse().unwrap()).unwrap().is_none());
     let counts = store.counts().unwrap();
     assert_eq!((counts.done, counts.branches), (results.len(), 3));

@@ -117,6 +117,22 @@ impl Condition {
         8.0 * f64::EPSILON * rows.map(|(w, row)| w.abs() * product(row)).sum::<f64>()
     }
 
+    /// The borders, and where the largest |x| was: g and its gradient depend on them by rounding.
+    pub fn memory(&self) -> Vec<f64> {
+        let instant = self.instant.map_or([0.0; 2], |instant| [1.0, instant]);
+        [&self.column[..], &self.row[..], &instant].concat()
+    }
+
+    /// Takes up what [`Condition::memory`] gave; anything else changes nothing.
+    pub fn recall(&mut self, memory: &[f64]) {
+        let (columns, rows) = (self.column.len(), self.row.len());
+        if memory.len() == columns + rows + 2 {
+            self.column.copy_from_slice(&memory[..columns]);
+            self.row.copy_from_slice(&memory[columns..columns + rows]);
+            self.instant = (memory[columns + rows] != 0.0).then_some(memory[columns + rows + 1]);
+        }
+    }
+
     /// Takes the null vectors of the state last linearised as borders.
     pub fn renew(&mut self, metric: &[f64], layout: &Layout) {
         let length = norm(metric, &self.direction);

@@ -335,6 +335,16 @@ impl Problem for PressureForm<'_> {
         self.condition.as_ref().map_or(0.0, Condition::rounding).max(self.rounding_error())
     }
 
+    fn memory(&self) -> Vec<f64> {
+        self.condition.as_ref().map_or_else(Vec::new, Condition::memory)
+    }
+
+    fn recall(&mut self, memory: &[f64]) {
+        if let Some(condition) = &mut self.condition {
+            condition.recall(memory);
+        }
+    }
+
     fn longest_step(&mut self, y: &[f64], tangent: &[f64]) -> f64 {
         self.load(y);
         let (metric, at) = (&self.metric[..self.layout.modal().end], self.current.parameters());

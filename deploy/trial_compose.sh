@@ -1,0 +1,164 @@
+#!/usr/bin/env bash
+# The shipped Compose files for real, with secret and certificates: workers 1, 3, 1; one killed, one paused, one cut off and back,
+# the coordinator killed and restarted. Ends with 0 if every branch was stored once and the files are those of an undisturbed run.
+#
+#   deploy/trial_compose.sh [FOLDER WITH isola AND isola-worker]     default: target/release
+#
+# Needs Docker, Compose, Python and apt-get: the base image is made of Debian packages. Takes some minutes; leaves nothing behind.
+set -euo pipefail
+cd "$(dirname "$0")"
+
+programs=$(realpath "${1:-../target/release}")
+work=$(mktemp -d)
+name=isola-trial-$$
+# An address of its own on the loopback interface.
+address=127.88.$((RANDOM % 250 + 1)).1
+if docker compose version >/dev/null 2>&1; then
+    compose=(docker compose)
+else
+    compose=(docker-compose)
+fi
+export ISOLA_PUBLISH=$address ISOLA_PROTOCOL=tls ISOLA_CERTIFICATES=$work/certificates
+export ISOLA_STUDY=models/nonlinear_damper/study.toml ISOLA_CHANGES="--amplitudes 0.004:0.012:0.0005"
+export ISOLA_SERVING="--lease 5"
+compose+=(-p "$name" -f compose.yaml -f compose.tls.yaml -f "$work/image.yaml")
+
+ended() {
+    local code=$?
+    if [ "$code" -ne 0 ]; then
+        "${compose[@]}" logs --no-color --tail 20 || true
+    fi
+    "${compose[@]}" down --volumes --timeout 5 >/dev/null 2>&1 || true
+    docker rmi --force "$name" "$name-base" >/dev/null 2>&1 || true
+    rm -rf "$work"
+    exit "$code"
+}
+trap ended EXIT
+
+said() { echo "$(date +%T)  $*"; }
+
+# Waits, at most ten minutes, until something holds.
+until_holds() { # WHAT COMMAND...
+    local what=$1 deadline=$((SECONDS + 600))
+    shift
+    until "$@"; do
+        if [ "$SECONDS" -gt "$deadline" ]; then
+            echo "not in ten minutes: $what" >&2
+            return 1
+        fi
+        sleep 0.5
+    done
+    said "$what"
+}
+
+# The base: a C library, and a shell with the small commands, of Debian packages.
+(
+    cd "$work"
+    apt-get -o APT::Sandbox::User=root download -qq libc6 libgcc-s1 busybox-static ca-certificates >/dev/null
+    mkdir root
+    for package in *.deb; do dpkg-deb --extract "$package" root; done
+    mkdir -p root/bin root/etc
+    install -d -m 1777 root/tmp
+    for command in $(root/bin/busybox --list 2>/dev/null || root/usr/bin/busybox --list); do
+        [ -e "root/bin/$command" ] || ln -s busybox "root/bin/$command"
+    done
+    [ -e root/bin/busybox ] || cp root/usr/bin/busybox root/bin/busybox
+    printf 'isola:x:10001:10001::/:/bin/sh\n' >root/etc/passwd
+    tar -C root -c . | docker import - "$name-base" >/dev/null
+)
+mkdir -p "$work/image/bin" "$work/image/runs"
+install -m 755 "$programs/isola" "$programs/isola-worker" "$work/image/bin/"
+install -m 755 start.sh "$work/image/bin/isola-start"
+cp -r ../models "$work/image/models"
+docker build --quiet --build-arg "BASE=$name-base" --tag "$name" --file Dockerfile.release "$work/image" >/dev/null
+printf 'services:\n  coordinator:\n    image: %s\n  worker:\n    image: %s\n' "$name" "$name" >"$work/image.yaml"
+said "image of Debian packages"
+
+"$programs/isola" cert "$work/certificates" --name coordinator >/dev/null
+chown -R 10001 "$work/certificates"
+
+# shellcheck disable=SC2086 # words
+"$programs/isola" sweep "../$ISOLA_STUDY" $ISOLA_CHANGES --out "$work/undisturbed" >"$work/undisturbed.log" 2>&1
+said "undisturbed run"
+
+containers() { # SERVICE, and more options
+    docker ps --quiet --filter "label=com.docker.compose.project=$name" --filter "label=com.docker.compose.service=$1" "${@:2}"
+}
+coordinator() { containers coordinator --all; }
+workers() { containers worker; }
+one_of() { workers | sed -n "$1p"; }
+# A number of the status.
+status() { # EXPRESSION OF s
+    docker exec "$(coordinator)" isola status /runs/run --json 2>/dev/null |
+        python3 -c "import json, sys; s = json.load(sys.stdin); print(int($1))" 2>/dev/null || echo -1
+}
+has_workers() { [ "$(status 's["conducted"] and len(s["workers"])')" -eq "$1" ]; }
+has_done() { [ "$(status 's["conducted"] and s["tasks"]["done"]')" -ge "$1" ]; }
+goes_on() { # more is done than now
+    local now
+    now=$(status 's["tasks"]["done"]')
+    until_holds "$1: goes on after $now tasks" has_done $((now + 5))
+}
+expired() {
+    docker exec "$(coordinator)" sh -c \
+        'wget -q -O - --header "Authorization: Bearer $(cat /runs/run/http-token)" http://127.0.0.1:8080/metrics' |
+        sed -n 's/^isola_leases_expired_total //p' | cut -d. -f1
+}
+has_expired() { [ "$(expired)" -ge "$1" ]; }
+is_running() {
+    if [ "$(docker inspect --format '{{.State.Running}}' "$(coordinator)")" != true ]; then
+        echo "the run was over before $1: the study is too short" >&2
+        return 1
+    fi
+}
+scale() { "${compose[@]}" up --detach --no-build --no-recreate --scale "worker=$1" >/dev/null 2>&1; }
+
+scale 1
+until_holds "one worker" has_workers 1
+until_holds "tasks are done" has_done 20
+scale 3
+until_holds "three workers" has_workers 3
+goes_on "three workers"
+
+is_running "a worker was killed"
+docker kill "$(one_of 1)" >/dev/null
+goes_on "one killed"
+scale 3
+until_holds "three workers again" has_workers 3
+
+is_running "a worker was paused"
+before=$(expired) paused=$(one_of 1)
+docker pause "$paused" >/dev/null
+until_holds "a lease of the paused one expired" has_expired $((before + 1))
+goes_on "one paused"
+docker unpause "$paused" >/dev/null
+until_holds "the paused one is back" has_workers 3
+
+is_running "a worker was cut off"
+before=$(expired) cut=$(one_of 2)
+docker network disconnect --force "${name}_default" "$cut"
+until_holds "a lease of the one that was cut off expired" has_expired $((before + 1))
+docker network connect "${name}_default" "$cut"
+until_holds "the one that was cut off is back" has_workers 3
+goes_on "reconnected"
+
+is_running "the coordinator was killed"
+docker kill "$(coordinator)" >/dev/null
+docker start "$(coordinator)" >/dev/null
+until_holds "three workers after the coordinator was killed" has_workers 3
+is_running "the coordinator was restarted"
+docker restart "$(coordinator)" >/dev/null
+until_holds "three workers after the coordinator was restarted" has_workers 3
+
+is_running "it was scaled down"
+scale 1
+until_holds "one worker is left" has_workers 1
+
+has_ended() { [ "$(docker inspect --format '{{.State.Status}}' "$(coordinator)")" = exited ]; }
+until_holds "the run is over" has_ended
+container=$(coordinator)
+code=$(docker inspect --format '{{.State.ExitCode}}' "$container")
+[ "$code" -eq 0 ] || { echo "the coordinator ended with $code" >&2 && exit 1; }
+docker cp "$container:/runs/run" "$work/run" >/dev/null
+
+python3 same_results.py "$work/run" "$work/undisturbed"

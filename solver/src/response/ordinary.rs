@@ -1,0 +1,73 @@
+//! What grows out of the linear response, and what is left of a walk between responses like that.
+
+use crate::curve::continuation::Continuation;
+use crate::curve::newton::{Constraint, Newton, NewtonSettings};
+use crate::curve::problem::Failure;
+use crate::curve::walk::{begin_at_bound, end_at_bound, relative_distance};
+use crate::formulation::Formulation;
+use crate::formulation::linear::forced_response;
+use crate::formulation::state::State;
+use crate::response::branch::TracedPoint;
+
+/// Relative distance of a response from the linear one up to which it counts as linear.
+pub(super) const LINEAR: f64 = 1e-3;
+
+/// Relative distance of a response from the linear one up to which it counts as the ordinary response, if Newton's method leads
+/// there from the linear one.
+const ORDINARY: f64 = 0.3;
+
+/// See [`crate::response::forced::Forced::converge`].
+pub(super) fn converge<'m, F: Formulation<'m>>(
+    problem: &mut F,
+    settings: &NewtonSettings,
+    state: &State,
+) -> Result<State, Failure> {
+    let mut y = problem.encode(state);
+    let origin = y.clone();
+    let row = problem.parameter_row();
+    let constraint = Constraint::Hyperplane { row: &row, origin: &origin };
+    Newton::default().solve(problem, &mut y, constraint, settings)?;
+    problem.decode(&y).map_err(|_| Failure::Singular)
+}
+
+/// See [`crate::response::forced::Forced::distance`].
+pub(super) fn distance<'m, F: Formulation<'m>>(problem: &F, a: &State, b: &State) -> f64 {
+    let (from, target) = (problem.encode(a), problem.encode(b));
+    (0..problem.images())
+        .map(|index| relative_distance(problem.motion_metric(), &problem.image(&from, index), &target))
+        .fold(f64::INFINITY, f64::min)
+}
+
+/// See [`crate::response::forced::Forced::is_ordinary`].
+pub(super) fn is_ordinary<'m, F: Formulation<'m>>(problem: &mut F, settings: &NewtonSettings, state: &State) -> bool {
+    let Ok(linear) = forced_response(problem, state.forcing, state.omega) else { return false };
+    let away = distance(problem, state, &linear);
+    away < LINEAR
+        || (away < ORDINARY
+            && converge(problem, settings, &linear).is_ok_and(|found| distance(problem, &found, state) < 1e-6))
+}
+
+/// What is left of a walk if it begins where it first enters a range of frequencies and ends where it last leaves it, with
+/// points at the bounds themselves. A walk that is never inside, or does not leave, keeps its end; one that may not end there
+/// keeps it as well.
+pub(super) fn trimmed<'m, F: Formulation<'m>>(
+    continuation: &mut Continuation<'_, F>,
+    mut visited: Vec<TracedPoint>,
+    (low, high): (f64, f64),
+    may_end: bool,
+) -> Vec<TracedPoint> {
+    let slack = 1e-9 * high;
+    let inside = |v: &TracedPoint| (low - slack..=high + slack).contains(&v.point.omega());
+    let (Some(first), Some(last)) = (visited.iter().position(inside), visited.iter().rposition(inside)) else {
+        return visited;
+    };
+    if may_end && last + 1 < visited.len() {
+        visited.truncate(last + 2);
+        end_at_bound(continuation, &mut visited, (low, high));
+    }
+    if first > 0 {
+        visited.drain(..first - 1);
+        begin_at_bound(continuation, &mut visited, (low, high));
+    }
+    visited
+}
