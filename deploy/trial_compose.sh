@@ -21,7 +21,7 @@ else
     compose=(docker-compose)
 fi
 export ISOLA_PUBLISH=$address ISOLA_PROTOCOL=tls ISOLA_CERTIFICATES=$work/certificates
-export ISOLA_STUDY=models/nonlinear_damper/study.toml ISOLA_CHANGES="--amplitudes 0.004:0.012:0.0002"
+export ISOLA_STUDY=models/nonlinear_damper/study.toml ISOLA_CHANGES="--amplitudes 0.004:0.012:0.0001"
 export ISOLA_SERVING="--lease 5"
 compose+=(-p "$name" -f compose.yaml -f compose.tls.yaml -f "$work/image.yaml")
 
