@@ -35,7 +35,7 @@ mkdir -p "$out"
 export PATH="$tools/bin:$PATH"
 
 say "wheel with the program, for glibc ${glibc/_/.}"
-(cd python && maturin build --quiet --release --locked --zig --target "$target" --compatibility "manylinux_$glibc" --out "$out")
+(cd python && maturin build --quiet --profile dist --locked --zig --target "$target" --compatibility "manylinux_$glibc" --out "$out")
 wheel=$(ls "$out"/*.whl)
 size=$(stat --format %s "$wheel")
 [ "$size" -lt "$largest" ] || { echo "$wheel: $size bytes, more than $largest" >&2 && exit 1; }

@@ -7,6 +7,14 @@ use crate::orbits::OrbitsMessage;
 use crate::steps::Steps;
 use serde::{Deserialize, Serialize};
 
+/// Slots of a computing thread, which take turns: while the result of one is on its way, another one computes.
+pub const LANES: u32 = 2;
+
+/// The computing thread of a slot.
+pub fn thread_of(slot: u32) -> u32 {
+    slot / LANES
+}
+
 /// Asks for work, on `rpc/lease`. Asking again with the same worker and slot gives the same grant again.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct LeaseRequest {
@@ -16,7 +24,7 @@ pub struct LeaseRequest {
     pub program: String,
     /// Who asks.
     pub worker: WorkerId,
-    /// Which of its computing threads, from 0.
+    /// Which of its slots, from 0: [`LANES`] for each computing thread.
     pub slot: u32,
 }
 
@@ -29,7 +37,7 @@ pub struct Lease {
     pub attempt: Attempt,
     /// Who.
     pub worker: WorkerId,
-    /// Which of its computing threads.
+    /// Which of its slots.
     pub slot: u32,
 }
 

@@ -7,6 +7,7 @@ mod tests;
 
 use crate::compare::Comparison;
 use crate::report::Report;
+use miniz_oxide::inflate::decompress_to_vec_zlib;
 use serde::Serialize;
 
 /// Scripts one after the other; each uses what stands before it.
@@ -14,9 +15,8 @@ macro_rules! scripts {
     ($($name:literal)*) => { concat!($(include_str!(concat!("../page/js/", $name, ".js")), "\n"),*) };
 }
 
-/// Charts: BokehJS, BSD-3-Clause.
-const BOKEH: &str =
-    concat!(include_str!("../page/vendor/bokeh.min.js"), "\n", include_str!("../page/vendor/bokeh-api.min.js"));
+/// Charts: BokehJS, BSD-3-Clause; packed (`build.rs`).
+const BOKEH: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/bokeh.zlib"));
 
 const STYLE: &str = include_str!("../page/style.css");
 
@@ -63,12 +63,13 @@ pub fn live(name: &str) -> String {
 
 /// A page with this title and body, and with what the security policy allows it to connect to.
 fn framed(title: &str, body: &str, script: &str, connect: &str) -> String {
+    let bokeh = decompress_to_vec_zlib(BOKEH).expect("packed by `build.rs`");
     let parts = [
         ("title", title),
         ("connect", connect),
         ("style", STYLE),
         ("body", body),
-        ("bokeh", BOKEH),
+        ("bokeh", str::from_utf8(&bokeh).expect("a script")),
         ("script", script),
     ];
     filled(FRAME, &parts)

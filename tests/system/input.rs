@@ -8,6 +8,9 @@ use protocol::to_worker::LeaseReply;
 use std::net::TcpListener;
 use tests::{PATIENCE, System, block_on, complaint, isola, repository};
 
+/// A level of which only what is needed is computed.
+const QUICK: [&str; 6] = ["--amplitudes", "0.004", "--search", "none", "--verify", "none"];
+
 /// Ends with an error whose message has all of these parts.
 fn refused(arguments: &[&str], parts: &[&str]) {
     let output = isola(arguments);
@@ -83,7 +86,7 @@ fn folders_that_are_no_runs() {
 
 #[test]
 fn a_run_that_is_there_already() {
-    let mut system = System::sweep_with(DAMPER, &["--amplitudes", "0.004", "--workers", "1"]);
+    let mut system = System::sweep_with(DAMPER, &[&QUICK[..], &["--workers", "1"]].concat());
     system.expect_complete();
     let directory = system.directory_text();
     refused(&["sweep", &study(), "--out", &directory], &[&directory, "resume"]);
@@ -100,7 +103,7 @@ fn a_study_edited_between_run_and_resume() {
     }
     let study = model.join("study.toml").display().to_string();
     let run = folder.path().join("run").display().to_string();
-    let swept = isola(&["sweep", &study, "--out", &run, "--amplitudes", "0.004", "--workers", "1"]);
+    let swept = isola(&[&["sweep", &study, "--out", &run, "--workers", "1"], &QUICK[..]].concat());
     assert!(swept.status.success(), "{}", complaint(&swept));
     let edited = std::fs::read_to_string(model.join("model.toml")).unwrap().replace("default_ratio", "# default_ratio");
     std::fs::write(model.join("model.toml"), edited).unwrap();
@@ -111,14 +114,14 @@ fn a_study_edited_between_run_and_resume() {
 
 #[test]
 fn a_run_that_is_going_on() {
-    let system = System::sweep(DAMPER, &["--amplitudes", "0.004"]);
+    let system = System::sweep(DAMPER, &QUICK);
     let directory = system.directory_text();
     refused(&["resume", &directory], &[&directory]);
 }
 
 #[test]
 fn a_worker_of_another_run_or_version() {
-    let mut system = System::sweep(DAMPER, &["--amplitudes", "0.004"]);
+    let mut system = System::sweep(DAMPER, &QUICK);
     let (address, secret) = (system.address(), system.secret_file().display().to_string());
     let worker = ["worker", "--connect", &address, "--secret-file", &secret, "--wait", "15"];
     refused(&[&worker[..], &["--run", "elsewhere"]].concat(), &["elsewhere", &address]);
@@ -130,7 +133,7 @@ fn a_worker_of_another_run_or_version() {
 /// A worker of another version is told so, and gets no work.
 #[test]
 fn a_worker_that_speaks_another_version() {
-    let mut system = System::sweep(DAMPER, &["--amplitudes", "0.004"]);
+    let mut system = System::sweep(DAMPER, &QUICK);
     block_on(async {
         let (session, keys, _) = system.viewer().await;
         let question = LeaseRequest {

@@ -23,7 +23,7 @@ use std::time::Duration;
 /// How often a result may be missing while the coordinator answers other requests.
 const MISSES: usize = 4;
 
-/// Most seeds of which a slot keeps what they landed on.
+/// Most seeds of which a lane keeps what they landed on.
 const LANDINGS: usize = 64;
 
 /// What a grant names.
@@ -37,7 +37,7 @@ pub struct Found {
     pub curves: Vec<(usize, Arc<CriticalCurve>)>,
 }
 
-/// What a slot knows: what its last grant named and what it found itself since, and no more.
+/// What a lane knows: what its last grant named and what it found itself since, and no more.
 #[derive(Debug)]
 pub struct Findings {
     size: Size,

@@ -4,6 +4,7 @@ use crate::error::WorkerError;
 use crate::patience::{OutOfPatience, Patience};
 use crate::shared::Shared;
 use crate::shutdown::Phase;
+use crate::turns::Turns;
 use protocol::from_worker::Lease;
 use protocol::session::RequestError;
 use protocol::to_everyone::Stage;
@@ -17,11 +18,21 @@ pub const LAST_WORDS: Duration = Duration::from_secs(2);
 /// The shortest wait between two requests for work that was not there.
 const SHORTEST_WAIT: Duration = Duration::from_millis(5);
 
-/// Asks for work for computing thread `slot` until there is some; `None`: no more.
+/// What comes of asking for work.
+pub enum Next {
+    /// A task.
+    Task(Box<Grant>),
+    /// There is none yet, and another lane of the thread has one.
+    GiveWay,
+    /// There is no more, or the worker takes no more.
+    Over,
+}
+
+/// Asks for work for `slot`, whose turn it is, until there is some or somebody else wants the turn.
 ///
 /// # Errors
 /// If the coordinator has no work for this worker, ever, or is gone for longer than patience lasts.
-pub async fn next(shared: &Shared, slot: u32) -> Result<Option<Grant>, WorkerError> {
+pub async fn next(shared: &Shared, slot: u32, turns: &Turns) -> Result<Next, WorkerError> {
     let mut patience = Patience::new(shared.bus.patience);
     let mut wakes = shared.wakes.subscribe();
     while !shared.is_over() {
@@ -34,13 +45,16 @@ pub async fn next(shared: &Shared, slot: u32) -> Result<Option<Grant>, WorkerErr
         match reply {
             Ok(LeaseReply::Grant(grant)) => {
                 if let Some(grant) = take(shared, slot, grant).await {
-                    return Ok(Some(grant));
+                    return Ok(Next::Task(Box::new(grant)));
                 }
             }
             Ok(LeaseReply::Wait { retry_ms }) => {
                 patience.restore();
                 let pause = jittered(Duration::from_millis(retry_ms)).min(shared.note_idle());
-                shared.rest(pause.max(SHORTEST_WAIT), &mut wakes).await;
+                tokio::select! {
+                    () = shared.rest(pause.max(SHORTEST_WAIT), &mut wakes) => {}
+                    () = turns.is_wanted() => return Ok(Next::GiveWay),
+                }
             }
             Ok(LeaseReply::Drained) => {
                 shared.drained.send_replace(true);
@@ -55,7 +69,7 @@ pub async fn next(shared: &Shared, slot: u32) -> Result<Option<Grant>, WorkerErr
             }
         }
     }
-    Ok(None)
+    Ok(Next::Over)
 }
 
 /// Takes a task that was handed out, or gives it back if the worker takes no more.
@@ -90,7 +104,7 @@ pub async fn notice_cancelled(shared: &Shared) -> bool {
     cancelled
 }
 
-/// Whose the task of a grant is: of computing thread `slot`.
+/// Whose the task of a grant is: of `slot`.
 pub fn lease_of(shared: &Shared, slot: u32, grant: &Grant) -> Lease {
     Lease { task: grant.task.clone(), attempt: grant.attempt, worker: shared.bus.worker.clone(), slot }
 }

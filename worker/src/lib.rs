@@ -35,6 +35,7 @@ pub mod error;
 pub mod findings;
 pub mod identity;
 pub mod join;
+mod lane;
 pub mod leasing;
 pub mod log;
 pub mod options;
@@ -43,8 +44,8 @@ pub mod program;
 pub mod renewal;
 pub mod shared;
 pub mod shutdown;
-pub mod slot;
 pub mod terminal;
+pub mod turns;
 
 pub use error::WorkerError;
 pub use identity::host_name;

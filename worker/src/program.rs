@@ -4,11 +4,11 @@ use crate::bus::Bus;
 use crate::error::WorkerError;
 use crate::identity::worker_id;
 use crate::join;
+use crate::lane::work_with_thread;
 use crate::log;
 use crate::options::Options;
 use crate::shared::Shared;
 use crate::shutdown::{self, Phase, Shutdown};
-use crate::slot::Slot;
 use crate::terminal;
 use protocol::keys::Keys;
 use std::process::ExitCode;
@@ -126,7 +126,7 @@ async fn work_within(
     tracing::info!(%run, name, worker = %bus.worker, slots = options.threads(), "joined");
     let shared = Arc::new(Shared::new(bus, joined, shutdown.clone(), options.idle_exit));
     let _presence = shared.appear().await?;
-    run_slots(&shared, options.threads()).await?;
+    work_with_threads(&shared, options.threads()).await?;
     let ending = if shared.cancelled.load(Ordering::Relaxed) {
         Ending::Cancelled
     } else if *shared.drained.borrow() {
@@ -139,15 +139,15 @@ async fn work_within(
     Ok(Summary { ending, done: shared.done.load(Ordering::Relaxed) })
 }
 
-/// Runs every slot to its end; the first error counts, once the others have ended as well.
-async fn run_slots(shared: &Arc<Shared>, count: usize) -> Result<(), WorkerError> {
-    let mut slots = JoinSet::new();
+/// Works with every computing thread; the first error counts, once the others have ended as well.
+async fn work_with_threads(shared: &Arc<Shared>, count: usize) -> Result<(), WorkerError> {
+    let mut threads = JoinSet::new();
     for number in 0..count {
-        slots.spawn(Slot::start(shared.clone(), number as u32)?.run());
+        threads.spawn(work_with_thread(shared.clone(), number as u32));
     }
     let mut result = Ok(());
-    while let Some(slot) = slots.join_next().await {
-        let ended = slot.unwrap_or_else(|error| std::panic::resume_unwind(error.into_panic()));
+    while let Some(thread) = threads.join_next().await {
+        let ended = thread.unwrap_or_else(|error| std::panic::resume_unwind(error.into_panic()));
         result = result.and(ended);
     }
     result

@@ -4,7 +4,7 @@
 use crate::meter::Meter;
 use crate::recording::Recording;
 use protocol::codec::encode;
-use protocol::from_worker::SubmitRequest;
+use protocol::from_worker::{LANES, SubmitRequest};
 use protocol::ids::{TaskId, WorkerId};
 use protocol::keys::Keys;
 use protocol::to_worker::{Grant, SubmitReply};
@@ -15,14 +15,15 @@ use std::sync::atomic::Ordering;
 use std::time::Duration;
 use tokio::sync::Semaphore;
 use tokio::task::JoinSet;
-use tokio::time::{Instant, sleep_until};
+use tokio::time::sleep;
 use worker::bus::Bus;
 use worker::compute::Watch;
-use worker::leasing::{lease_of, next, take};
+use worker::leasing::{Next, lease_of, next, take};
 use worker::patience::OutOfPatience;
 use worker::renewal::keep;
 use worker::shared::Shared;
 use worker::shutdown::{Phase, Shutdown};
+use worker::turns::{Turn, Turns};
 use worker::{Options, join};
 use zenoh::Session;
 use zenoh::bytes::ZBytes;
@@ -65,8 +66,7 @@ pub async fn start(
         let session = sessions[number / A_SESSION].clone();
         let bus = bus(session, options, &joined.manifest.run, number)?;
         let shared = Arc::new(Shared::new(bus, joined.clone(), shutdown.clone(), None));
-        let worker = Replayed { replay: replay.clone(), shared, known: HashSet::new(), landed: HashSet::new() };
-        workers.spawn(worker.run());
+        workers.spawn(run(replay.clone(), shared));
     }
     Ok(workers)
 }
@@ -83,35 +83,55 @@ fn bus(session: Session, options: &Options, run: &protocol::ids::RunId, number: 
     })
 }
 
-struct Replayed {
+/// A worker with one computing thread.
+async fn run(replay: Arc<Replay>, shared: Arc<Shared>) -> Result<(), String> {
+    let _presence = shared.appear().await.map_err(|error| error.to_string())?;
+    let turns = Arc::new(Turns::default());
+    let mut lanes = JoinSet::new();
+    for slot in 0..LANES {
+        let (replay, shared, turns) = (replay.clone(), shared.clone(), turns.clone());
+        lanes.spawn(Lane { replay, shared, slot, turns, known: HashSet::new(), landed: HashSet::new() }.run());
+    }
+    lanes.join_all().await.into_iter().collect()
+}
+
+/// One of those that take turns on a computing thread.
+struct Lane {
     replay: Arc<Replay>,
     shared: Arc<Shared>,
+    slot: u32,
+    turns: Arc<Turns>,
     /// Branches and curves that a real worker would have at hand.
     known: HashSet<TaskId>,
     /// Landings likewise.
     landed: HashSet<TaskId>,
 }
 
-impl Replayed {
+impl Lane {
     async fn run(mut self) -> Result<(), String> {
-        let _presence = self.shared.appear().await.map_err(|error| error.to_string())?;
         let mut at_hand = None;
         loop {
-            let grant = match at_hand {
-                Some(grant) => take(&self.shared, 0, grant).await,
-                None => next(&self.shared, 0).await.map_err(|error| error.to_string())?,
+            let (grant, turn) = match at_hand {
+                Some(grant) => (take(&self.shared, self.slot, grant).await, None),
+                None => {
+                    let turn = self.turns.take().await;
+                    match next(&self.shared, self.slot, &self.turns).await.map_err(|error| error.to_string())? {
+                        Next::Task(grant) => (Some(*grant), Some(turn)),
+                        Next::GiveWay => continue,
+                        Next::Over => (None, None),
+                    }
+                }
             };
             let Some(grant) = grant else { return Ok(()) };
             self.replay.meter.granted();
-            at_hand = self.execute(grant).await?;
+            at_hand = self.execute(grant, turn).await?;
         }
     }
 
     /// Carries out a task; the next one may come with the acknowledgement.
-    async fn execute(&mut self, grant: Grant) -> Result<Option<Grant>, String> {
-        let begun = Instant::now();
+    async fn execute(&mut self, grant: Grant, turn: Option<Turn>) -> Result<Option<Grant>, String> {
         let shared = self.shared.clone();
-        let lease = lease_of(&shared, 0, &grant);
+        let lease = lease_of(&shared, self.slot, &grant);
         let (recording, meter) = (self.replay.recording.clone(), self.replay.meter.clone());
         let answer = recording.answer(&grant.task, &grant.work);
         let (seconds, finding) =
@@ -128,7 +148,11 @@ impl Replayed {
             if self.replay.idle {
                 std::future::pending::<()>().await;
             }
-            sleep_until(begun + Duration::from_secs_f64(seconds)).await;
+            let _turn = match turn {
+                Some(turn) => turn,
+                None => self.turns.take_with_task().await,
+            };
+            sleep(Duration::from_secs_f64(seconds)).await;
             payload
         };
         let payload = tokio::select! {

@@ -102,7 +102,6 @@ impl Engine {
             Event::Lease(LeaseRequest { worker, slot, .. }) => {
                 self.parking.leave(&Holder { worker: worker.clone(), slot: *slot });
             }
-            Event::Submit(result) => self.parking.expect(holder_of(&result.lease)),
             Event::WorkerGone(worker) => self.parking.forget(worker),
             Event::Tick => self.parking.give_up_on_woken(),
             _ => {}
@@ -145,17 +144,20 @@ impl Engine {
         decision
     }
 
-    /// A result; an accepted one is answered with the next task if the thread takes one and there is one.
+    /// A result; an accepted one is answered with the next task if the thread has nothing else to do, or there is plenty: the thread
+    /// has it at hand then when it is done with what it computes.
     fn submit(&mut self, result: CheckedResult, now: Duration) -> Decision {
         // Asked again without an answer: the sweep is about to begin.
         let Some(sweep) = &mut self.sweep else { return Decision::default() };
         let (holder, takes_next) = (holder_of(&result.lease), result.next && !self.stopping);
         let mut decision = sweep.submit(result, &self.manifest.run, now);
+        let waiting = self.parking.waiting_of(&holder).cloned();
+        let takes_next = takes_next && (waiting.is_some() || sweep.ledger.has_plenty(now));
         if takes_next && decision.answer == Some(Answer::Submit(SubmitReply::Accepted)) {
             let Decision { changes, answer, .. } = sweep.lease(&holder.worker, holder.slot, CANCELLED, now);
             decision.changes.extend(changes);
             if let Some(Answer::Grant(granted)) = answer {
-                self.parking.leave(&holder);
+                waiting.iter().for_each(|waiting| self.parking.leave(waiting));
                 decision.answer = Some(Answer::Next(granted));
             }
         }

@@ -1,6 +1,7 @@
 //! Computing threads for which there was no work: they wait to be woken, one for every task that can be handed out, and ask now and
 //! then in case that is lost on the way.
 
+use protocol::from_worker::thread_of;
 use protocol::ids::WorkerId;
 use results::journal::Holder;
 use std::collections::{HashSet, VecDeque};
@@ -18,7 +19,7 @@ const LONGEST: Duration = Duration::from_secs(10);
 pub(super) struct Parking {
     /// In the order in which they came.
     waiting: VecDeque<Holder>,
-    /// Woken, or about to ask anyway, and not heard of since: tasks are there for them.
+    /// Woken, and not heard of since: tasks are there for them.
     woken: HashSet<Holder>,
 }
 
@@ -36,9 +37,10 @@ impl Parking {
         }
     }
 
-    /// A thread is about to ask, as one does whose result has come.
-    pub fn expect(&mut self, holder: Holder) {
-        self.woken.insert(holder);
+    /// Who waits of the computing thread of a slot.
+    pub fn waiting_of(&self, holder: &Holder) -> Option<&Holder> {
+        let thread = thread_of(holder.slot);
+        self.waiting.iter().find(|waiting| waiting.worker == holder.worker && thread_of(waiting.slot) == thread)
     }
 
     /// A worker vanished.

@@ -58,7 +58,11 @@ fn worker(name: &str) -> WorkerId {
 }
 
 fn ask(engine: &mut Engine, name: &str, now: Duration) -> Decision {
-    let request = LeaseRequest { protocol: protocol::VERSION, program: "0".into(), worker: worker(name), slot: 0 };
+    ask_for(engine, name, 0, now)
+}
+
+fn ask_for(engine: &mut Engine, name: &str, slot: u32, now: Duration) -> Decision {
+    let request = LeaseRequest { protocol: protocol::VERSION, program: "0".into(), worker: worker(name), slot };
     engine.handle(Event::Lease(request), now)
 }
 
@@ -308,6 +312,7 @@ fn the_last_result_finishes_the_run() {
     let below = grant_landed(&mut engine, at(0));
     assert_eq!(stages(&engine.handle(result(&below, failed()), at(0))), []);
     let (_, above) = grant(&mut engine, "a", at(0));
+    ask(&mut engine, "b", at(0));
     // Without a main branch there is nothing that seeds could be compared with.
     let decision = engine.handle(result(&above, failed()), at(1));
     assert_eq!(decision.answer, submitted(SubmitReply::Accepted));

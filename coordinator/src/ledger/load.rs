@@ -2,10 +2,11 @@
 
 use super::cost::Cost;
 use super::state::Ledger;
+use protocol::from_worker::thread_of;
 use protocol::ids::WorkerId;
 use results::journal::{KINDS, TaskState, place_of_kind};
 use solver::response::task::Task;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::time::Duration;
 
 /// States of tasks, as [`Load::tasks`] counts them.
@@ -65,15 +66,13 @@ impl Ledger {
         for worker in self.workers.values_mut().filter(|worker| !worker.gone) {
             worker.present += passed * worker.threads.len() as u32;
         }
-        for chain in &self.chains {
-            for holder in chain.held.iter().filter_map(|&e| chain.entries[e].holder()) {
-                if let Some(worker) = self.workers.get_mut(&holder.worker).filter(|worker| !worker.gone) {
-                    worker.busy += passed;
-                }
-            }
-        }
-        for (holder, _) in self.repeats.holders() {
-            if let Some(worker) = self.workers.get_mut(&holder.worker).filter(|worker| !worker.gone) {
+        let held = self.chains.iter().flat_map(|chain| chain.held.iter().filter_map(|&e| chain.entries[e].holder()));
+        let holders = held.chain(self.repeats.holders().map(|(holder, _)| holder));
+        // A thread that has one task in the works and another one at hand is busy once.
+        let threads: HashSet<(WorkerId, u32)> =
+            holders.map(|holder| (holder.worker.clone(), thread_of(holder.slot))).collect();
+        for (worker, _) in threads {
+            if let Some(worker) = self.workers.get_mut(&worker).filter(|worker| !worker.gone) {
                 worker.busy += passed;
             }
         }
@@ -85,6 +84,18 @@ impl Ledger {
             let cost = &mut self.costs[place_of_kind(task)];
             *cost = cost.and(Cost { count: 1, seconds: seconds.max(0.0) });
         }
+    }
+
+    /// Computing threads of workers that are present.
+    fn threads(&self) -> usize {
+        self.workers.values().filter(|worker| !worker.gone).map(|worker| worker.threads.len()).sum()
+    }
+
+    /// Whether there are more tasks to be handed out than computing threads.
+    pub fn has_plenty(&self, now: Duration) -> bool {
+        let threads = self.threads();
+        let ready = self.chains.iter().flat_map(|chain| chain.ready.iter().map(|&e| &chain.entries[e]));
+        ready.filter(|entry| entry.not_before <= now).take(threads + 1).count() > threads
     }
 
     /// How busy everybody is.
@@ -151,8 +162,7 @@ impl Ledger {
             }
             longest = longest.max(row);
         }
-        let threads: usize =
-            self.workers.values().filter(|worker| !worker.gone).map(|worker| worker.threads.len()).sum();
+        let threads = self.threads();
         (threads > 0).then(|| longest.max(work / threads as f64))
     }
 }

@@ -7,7 +7,7 @@ use super::repeats::{Repeated, Repeats};
 use super::rules::Rules;
 use super::task::TaskEntry;
 use super::worker::Worker;
-use protocol::from_worker::{Lease, Progress};
+use protocol::from_worker::{Lease, Progress, thread_of};
 use protocol::ids::{Attempt, TaskId, WorkerId};
 use protocol::to_worker::{Known, KnownCurve};
 use results::journal::{AttemptEnd, Change, Holder, KINDS, LevelPlan, TaskState};
@@ -165,7 +165,7 @@ impl Ledger {
     pub fn lease(&mut self, worker: &WorkerId, slot: u32, now: Duration) -> (Leased, Vec<Change>) {
         let known = self.workers.entry(worker.clone()).or_default();
         known.gone = false;
-        known.threads.insert(slot);
+        known.threads.insert(thread_of(slot));
         if self.cancelled {
             return (Leased::Stop, Vec::new());
         }

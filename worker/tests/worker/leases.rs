@@ -3,7 +3,7 @@
 use crate::fake::{Answer, Asked, Fake, drained, fine, grant, hand_out, wait};
 use crate::study::{LONG_LEASE, Study};
 use protocol::branch::TaskResultMessage;
-use protocol::from_worker::Progress;
+use protocol::from_worker::{Progress, thread_of};
 use protocol::ids::{Attempt, TaskId};
 use protocol::to_everyone::Stage;
 use protocol::to_worker::{Grant, RenewReply, SubmitReply};
@@ -110,16 +110,24 @@ async fn the_same_grant_twice() {
     let study = Study::new(1);
     let mut grants = vec![study.main(), study.main()].into_iter();
     let mut replies = [SubmitReply::Accepted, SubmitReply::Duplicate { agrees: true }].into_iter();
+    let mut under_way = false;
     let answer = move |asked: &Asked| match asked {
-        Asked::Lease(_) => grants.next().map_or_else(drained, grant),
-        Asked::Submit(_) => Answer::Submit(replies.next().unwrap()),
+        Asked::Lease(_) if under_way => wait(),
+        Asked::Lease(_) => {
+            under_way = true;
+            grants.next().map_or_else(drained, grant)
+        }
+        Asked::Submit(_) => {
+            under_way = false;
+            Answer::Submit(replies.next().unwrap())
+        }
         _ => fine(asked),
     };
     let fake = Fake::start(&study, answer).await;
     assert_eq!(fake.work(&[]).await.unwrap().done, 2);
     let submitted = fake.seen.submitted();
     let [first, second] = &submitted[..] else { panic!("{} results", submitted.len()) };
-    assert_eq!(first.lease, second.lease);
+    assert_eq!((&first.lease.task, first.lease.attempt), (&second.lease.task, second.lease.attempt));
     assert_eq!(first.finding, second.finding);
     assert!(matches!(first.finding, TaskResultMessage::Branch(_)));
 }
@@ -186,7 +194,7 @@ async fn waits_for_work_and_hears_of_it() {
     assert_eq!(fake.seen.count(Asked::is_lease), 7);
 }
 
-/// Slots lease independently, and all of them end.
+/// Computing threads lease independently, and all of them end.
 #[tokio::test(flavor = "multi_thread")]
 async fn every_slot_has_its_own_lease() {
     let study = Study::new(1);
@@ -198,7 +206,7 @@ async fn every_slot_has_its_own_lease() {
     let fake = Fake::start(&study, hand_out(attempts.collect())).await;
     assert_eq!(fake.work(&["--slots", "2"]).await.unwrap().done, 3);
     for request in fake.seen.submitted() {
-        assert!(request.lease.slot < 2);
+        assert!(thread_of(request.lease.slot) < 2);
         assert_eq!(request.lease.task.as_str(), format!("0.008-{}", request.lease.attempt));
     }
 }

@@ -1,6 +1,6 @@
 //! A whole level, task by task.
 
-use crate::fake::{Answer, Asked, Fake, Seen, drained, fine, grant, hand_out, own_endpoint};
+use crate::fake::{Answer, Asked, Fake, Seen, drained, fine, grant, hand_out, own_endpoint, wait};
 use crate::study::Study;
 use protocol::branch::TaskResultMessage;
 use protocol::curve::Size;
@@ -20,6 +20,8 @@ use worker::Ending;
 struct Desk {
     study: Study,
     tasks: VecDeque<(usize, Task)>,
+    /// Whether the first task is under way.
+    handed_out: bool,
     account: Account,
     found: Vec<(Known, Branch)>,
 }
@@ -30,22 +32,29 @@ impl Desk {
         Self {
             study,
             tasks: tasks.into_iter().enumerate().collect(),
+            handed_out: false,
             account: Account::new(windows),
             found: Vec::new(),
         }
     }
 
+    /// The next task, once the one before is done.
     fn next(&mut self) -> Answer {
+        if self.handed_out {
+            return wait();
+        }
         while self.tasks.front().is_some_and(|(_, task)| !self.account.needs(task)) {
             self.tasks.pop_front();
         }
         let known = self.found.iter().map(|(known, _)| known.clone()).collect();
+        self.handed_out = !self.tasks.is_empty();
         self.tasks.front().map_or_else(drained, |&(index, task)| grant(self.study.grant(index, task, known)))
     }
 
     /// Records a result; gives the stored form.
     fn take(&mut self, request: &SubmitRequest) -> StoredResult {
         let (index, work) = self.tasks.pop_front().unwrap();
+        self.handed_out = false;
         let task = TaskId::of_level("0.008", index).unwrap();
         assert_eq!(request.lease.task, task);
         let outcome = self.account.outcome(&request.finding.brought()).unwrap();

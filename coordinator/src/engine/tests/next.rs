@@ -1,4 +1,4 @@
-//! An acknowledgement brings the next task to threads that take one.
+//! An acknowledgement brings the next task to threads that take one: if there is plenty, or they have nothing else to do.
 
 use super::*;
 
@@ -33,6 +33,7 @@ fn without_a_task_or_when_the_process_ends_a_result_is_acknowledged() {
     let mut engine = sweeping();
     let main = grant_landed(&mut engine, at(0));
     let failed = || Err(SeedOutcome::NotTraced(Failure::Diverged.into()));
+    ask_for(&mut engine, "a", 1, at(0));
     let decision = engine.handle(and_next(result(&main, failed())), at(1));
     let Some(Answer::Next(above)) = decision.answer else { panic!("{:?}", decision.answer) };
     let above = Lease { task: above.task, attempt: above.attempt, ..main };
@@ -40,14 +41,25 @@ fn without_a_task_or_when_the_process_ends_a_result_is_acknowledged() {
     assert_eq!(decision.answer, submitted(SubmitReply::Accepted));
 }
 
+/// Its other lane computes, and somebody else could begin at once.
 #[test]
-fn a_thread_that_has_its_next_task_is_not_expected_to_ask() {
+fn what_is_scarce_is_not_kept_at_hand() {
     let mut engine = sweeping();
     let main = grant_landed(&mut engine, at(0));
     let decision = engine.handle(and_next(result(&main, Ok(EXTENT))), at(1));
+    assert_eq!(decision.answer, submitted(SubmitReply::Accepted));
+    assert!(decision.news.contains(&News::Wake(worker("b"))), "{:?}", decision.news);
+}
+
+#[test]
+fn a_lane_that_waits_leaves_the_next_task_to_the_other_one() {
+    let mut engine = sweeping();
+    let main = grant_landed(&mut engine, at(0));
+    ask_for(&mut engine, "a", 1, at(0));
+    let decision = engine.handle(and_next(result(&main, Ok(EXTENT))), at(1));
     let Some(Answer::Next(next)) = decision.answer else { panic!("{:?}", decision.answer) };
-    // So that when it gives the task back somebody else is woken at once.
+    // It is not woken for what is given back.
     let lease = Lease { task: next.task, attempt: next.attempt, ..main };
     let released = engine.handle(Event::Release(ReleaseRequest { lease }), at(1));
-    assert_eq!(released.news, [News::Wake(worker("b"))]);
+    assert!(!released.news.contains(&News::Wake(worker("a"))), "{:?}", released.news);
 }

@@ -25,17 +25,6 @@ fn whoever_waits_is_woken_when_the_sweep_begins() {
 }
 
 #[test]
-fn a_task_is_left_to_the_thread_whose_result_it_follows_from_but_not_for_long() {
-    let mut engine = sweeping();
-    let lease = grant_landed(&mut engine, at(0));
-    ask(&mut engine, "c", at(0));
-    assert!(woken(&engine.handle(result(&lease, Ok(EXTENT)), at(1))).is_empty());
-    // It should have asked by now.
-    let next = engine.handle(Event::Tick, at(1));
-    assert_eq!(woken(&next).len(), 1);
-}
-
-#[test]
 fn a_task_that_is_given_back_wakes_somebody_else() {
     let mut engine = sweeping();
     let lease = grant_landed(&mut engine, at(0));

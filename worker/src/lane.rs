@@ -1,15 +1,17 @@
-//! A computing thread's work: lease, trace, submit.
+//! Half of a computing thread's work: lease, trace, submit. The other half goes on meanwhile: while the result of one lane is on its
+//! way, maybe a long one, and until it is stored, the other lane computes.
 
 use crate::checkpoints;
 use crate::compute::{Computed, Computer, Finished, Job, Watch};
 use crate::error::WorkerError;
 use crate::findings::{Findings, Found};
-use crate::leasing::{self, LAST_WORDS, lease_of, notice_cancelled, release};
+use crate::leasing::{self, LAST_WORDS, Next, lease_of, notice_cancelled, release};
 use crate::patience::OutOfPatience;
 use crate::renewal::{Interruption, keep};
 use crate::shared::Shared;
 use crate::shutdown::Phase;
-use protocol::from_worker::Lease;
+use crate::turns::{Turn, Turns};
+use protocol::from_worker::{LANES, Lease};
 use protocol::to_worker::{Grant, SubmitReply};
 use solver::response::task::{FoldPlace, Task, TaskResult};
 use std::pin::{Pin, pin};
@@ -18,42 +20,56 @@ use std::sync::atomic::Ordering;
 use std::time::Duration;
 use zenoh::bytes::ZBytes;
 
-/// One computing thread with what drives it.
-pub struct Slot {
+/// Works with computing thread `number` until all is done, the run is cancelled, there is nothing to do for too long, or the worker
+/// is told to end; the first error counts, once both lanes have ended.
+pub async fn work_with_thread(shared: Arc<Shared>, number: u32) -> Result<(), WorkerError> {
+    let computer = Computer::start(number, shared.model.clone(), shared.settings)
+        .map_err(|source| WorkerError::System { what: "start a computing thread", source })?;
+    let (computer, turns) = (Arc::new(computer), Arc::new(Turns::default()));
+    let [first, second] = [0, 1].map(|lane| {
+        let slot = LANES * number + lane;
+        let known = Findings::new(shared.size, shared.settings.harmonics.count, shared.max_result_bytes);
+        Lane { shared: shared.clone(), slot, computer: computer.clone(), turns: turns.clone(), known }.run()
+    });
+    let (first, second) = tokio::join!(first, second);
+    first.and(second)
+}
+
+/// One of those that take turns on a computing thread.
+struct Lane {
     shared: Arc<Shared>,
-    number: u32,
-    computer: Computer,
+    slot: u32,
+    computer: Arc<Computer>,
+    turns: Arc<Turns>,
     known: Findings,
 }
 
-impl Slot {
-    /// Starts the thread of slot `number`.
-    pub fn start(shared: Arc<Shared>, number: u32) -> Result<Self, WorkerError> {
-        let computer = Computer::start(number, shared.model.clone(), shared.settings)
-            .map_err(|source| WorkerError::System { what: "start a computing thread", source })?;
-        let known = Findings::new(shared.size, shared.settings.harmonics.count, shared.max_result_bytes);
-        Ok(Self { shared, number, computer, known })
-    }
-
-    /// Works until all is done, the run is cancelled, there is nothing to do for too long, or the worker is told to end.
-    pub async fn run(mut self) -> Result<(), WorkerError> {
-        let mut next = None;
+impl Lane {
+    async fn run(mut self) -> Result<(), WorkerError> {
+        let mut at_hand = None;
         loop {
-            let grant = match next {
-                Some(grant) => leasing::take(&self.shared, self.number, grant).await,
-                None => leasing::next(&self.shared, self.number).await?,
+            let (grant, turn) = match at_hand {
+                Some(grant) => (leasing::take(&self.shared, self.slot, grant).await, None),
+                None => {
+                    let turn = self.turns.take().await;
+                    match leasing::next(&self.shared, self.slot, &self.turns).await? {
+                        Next::Task(grant) => (Some(*grant), Some(turn)),
+                        Next::GiveWay => continue,
+                        Next::Over => (None, None),
+                    }
+                }
             };
             let Some(grant) = grant else { return Ok(()) };
-            next = self.execute(grant).await?;
+            at_hand = self.execute(grant, turn).await?;
         }
     }
 
-    /// Carries out a task; the next one may come with the acknowledgement.
-    async fn execute(&mut self, grant: Grant) -> Result<Option<Grant>, WorkerError> {
+    /// Carries out a task, once it is this lane's turn; the next one may come with the acknowledgement.
+    async fn execute(&mut self, grant: Grant, mut turn: Option<Turn>) -> Result<Option<Grant>, WorkerError> {
         let shared = self.shared.clone();
         let _busy = shared.begin();
-        let (lease, watch) = (lease_of(&self.shared, self.number, &grant), Arc::new(Watch::default()));
-        tracing::debug!(task = %lease.task, attempt = %lease.attempt, slot = self.number, "leased");
+        let (lease, watch) = (lease_of(&self.shared, self.slot, &grant), Arc::new(Watch::default()));
+        tracing::debug!(task = %lease.task, attempt = %lease.attempt, slot = self.slot, "leased");
         let ttl = Duration::from_millis(grant.ttl_ms);
         let (hints, drained) = (shared.hints.subscribe(), shared.drained.subscribe());
         // Only what walks has steps.
@@ -65,15 +81,19 @@ impl Slot {
         let computed = tokio::select! {
             // What is computed counts, even if it is interrupted at the same time.
             biased;
-            computed = self.compute(grant, &lease, &watch) => Ok(computed),
+            computed = self.compute(grant, &lease, &watch, &mut turn) => computed.ok_or(Interruption::Stopping),
             interruption = &mut keep => Err(interruption),
             never = send => match never {},
             () = shared.shutdown.reached(Phase::Stopping) => Err(Interruption::Stopping),
         };
         let computed = match computed {
             Ok(computed) => computed,
-            Err(interruption) => return self.give_up(&lease, &watch, interruption).await.map(|()| None),
+            Err(interruption) => {
+                self.give_up(&lease, &watch, interruption, turn.is_some()).await?;
+                return Ok(None);
+            }
         };
+        drop(turn);
         // What is computed is delivered, whatever becomes of the lease.
         tokio::select! {
             delivered = self.deliver(&lease, computed) => delivered,
@@ -85,11 +105,25 @@ impl Slot {
         }
     }
 
-    async fn compute(&mut self, grant: Grant, lease: &Lease, watch: &Arc<Watch>) -> Computed {
-        match self.prepare(grant, lease).await {
-            Ok(job) => self.computer.compute(job, watch.clone()).await,
-            Err(reason) => Computed::Failed(reason),
+    /// Computes a task, in its turn; `None` if the worker is told to end before that.
+    async fn compute(
+        &mut self,
+        grant: Grant,
+        lease: &Lease,
+        watch: &Arc<Watch>,
+        turn: &mut Option<Turn>,
+    ) -> Option<Computed> {
+        let job = match self.prepare(grant, lease).await {
+            Ok(job) => job,
+            Err(reason) => return Some(Computed::Failed(reason)),
+        };
+        if turn.is_none() {
+            tokio::select! {
+                taken = self.turns.take_with_task() => *turn = Some(taken),
+                () = self.shared.shutdown.reached(Phase::Finishing) => return None,
+            }
         }
+        Some(self.computer.compute(job, watch.clone()).await)
     }
 
     /// Everything that a task needs.
@@ -172,8 +206,14 @@ impl Slot {
         Ok(Ok(next))
     }
 
-    /// Stops computing a task that is no longer worth it, and waits until the thread is free.
-    async fn give_up(&self, lease: &Lease, watch: &Watch, interruption: Interruption) -> Result<(), WorkerError> {
+    /// Stops computing a task that is no longer worth it, and waits until the thread is free if it was begun.
+    async fn give_up(
+        &self,
+        lease: &Lease,
+        watch: &Watch,
+        interruption: Interruption,
+        is_begun: bool,
+    ) -> Result<(), WorkerError> {
         watch.stop();
         tracing::info!(task = %lease.task, attempt = %lease.attempt, reason = ?interruption, "given up");
         match interruption {
@@ -189,9 +229,11 @@ impl Slot {
                 release(&self.shared, lease).await;
             }
         }
-        tokio::select! {
-            () = self.computer.idle() => {}
-            () = self.shared.shutdown.reached(Phase::Stopping) => {}
+        if is_begun {
+            tokio::select! {
+                () = self.computer.idle() => {}
+                () = self.shared.shutdown.reached(Phase::Stopping) => {}
+            }
         }
         Ok(())
     }
