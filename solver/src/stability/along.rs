@@ -175,11 +175,6 @@ impl Pass<'_> {
         &self.branch.points[index].state
     }
 
-    /// The point after this one.
-    fn next(&self, index: usize) -> usize {
-        (index + 1) % self.branch.points.len()
-    }
-
     fn polish(&mut self, index: usize, observer: &mut PolishObserver<'_>) -> ControlFlow<()> {
         let count = self.branch.points.len();
         let closed = self.branch.is_closed();
@@ -243,6 +238,14 @@ impl Pass<'_> {
         let polished = polish.polished.as_ref().filter(|_| polish.verdict.is_known())?;
         let (orbit, multipliers) = (polished.orbit.clone(), polished.multipliers.clone());
         Some(Known { orbit, multipliers, margin: polished.margin })
+    }
+
+    /// What is known from one point to another one, both included.
+    fn path(&self, first: usize, last: usize) -> Vec<Numbered> {
+        let apart = self.apart((first, last));
+        let numbers = (0..=apart).map(|by| (first + by) % self.branch.points.len());
+        let polished = numbers.filter(|index| self.polished.contains_key(index));
+        polished.filter_map(|index| Some((index, self.known(index)?))).collect()
     }
 
     /// What happens along the branch, every change of the number of multipliers outside accounted for.
@@ -322,16 +325,19 @@ impl Account<'_> {
         }
     }
 
-    /// Locates what happens between two points that have all points between them polished.
+    /// Locates what happens between two points.
     fn locate(&mut self, first: &Numbered, last: &Numbered) {
-        let path = std::iter::successors(Some(self.pass.next(first.0)), |&index| Some(self.pass.next(index)));
-        let is_fine = path.take_while(|&index| index != last.0).all(|index| self.pass.polished.contains_key(&index));
+        let path = self.pass.path(first.0, last.0);
+        // Where nothing happens between points with others between them these are not asked.
+        let is_fine = path.windows(2).all(|pair| {
+            let ends = (pair[0].0, pair[1].0);
+            self.pass.middle(ends).is_none() || !self.pass.changes(ends)
+        });
         match self.end {
             End::Cancelled => self.leave(first, last, Obstacle::Cancelled),
             _ if !is_fine => self.leave(first, last, Obstacle::Budget),
             _ => {
-                let Changes { bifurcations, unresolved } =
-                    between(self.pass.model, &first.1, &last.1, [first.0, last.0]);
+                let Changes { bifurcations, unresolved } = between(self.pass.model, &path);
                 self.found.bifurcations.extend(bifurcations);
                 self.found.unresolved.extend(unresolved);
             }

@@ -134,14 +134,29 @@ pub struct Changes {
 /// An orbit on the way from one to another.
 #[derive(Clone)]
 struct Between {
-    /// Share of the way.
+    /// Known orbits up to it, and the share of the way to the next one.
     share: f64,
     /// What is taken to be outside.
     outside: Outside,
     multipliers: Vec<Multiplier>,
     /// Whether a multiplier is so near the circle that what is outside is not known.
     is_doubtful: bool,
-    found: Option<Rc<(Point, Period)>>,
+    point: Rc<Point>,
+    /// Its period, if that was marched here.
+    period: Option<Rc<Period>>,
+}
+
+impl Between {
+    fn new(share: f64, (multipliers, margin): (&[Multiplier], f64), point: Point, period: Option<Period>) -> Self {
+        Self {
+            share,
+            outside: Outside::of(multipliers, 0.0),
+            is_doubtful: multipliers.iter().any(|mu| mu.excess().abs() <= margin),
+            multipliers: multipliers.to_vec(),
+            point: point.into(),
+            period: period.map(Rc::new),
+        }
+    }
 }
 
 /// Most orbits that are computed to locate one bifurcation: twice as many as bisection to [`RESOLVED`] needs.
@@ -163,17 +178,13 @@ const JUMP: f64 = 0.02;
 /// Least distance of a multiplier from 1 where the direction of the branch is asked for: nearer to it, Φ − I is singular.
 const FIRM: f64 = 1e-3;
 
-/// The bifurcations between two orbits of a branch without another known one between them; `points` are their numbers on
-/// the branch.
-pub fn between(model: &Model, first: &Known, last: &Known, points: [usize; 2]) -> Changes {
-    let outside = [first.outside(), last.outside()];
+/// The bifurcations on the way along a branch from one orbit to another; `path`: both, and those that are known between them, with
+/// their numbers on the branch.
+pub fn between(model: &Model, path: &[(usize, Known)]) -> Changes {
     let mut changes = Changes::default();
-    let all = |reason| Unresolved {
-        first: points[0],
-        last: points[1],
-        outside: outside.map(|outside| outside.count()),
-        reason,
-    };
+    let [(from, first), .., (to, last)] = path else { return changes };
+    let outside = [first.outside(), last.outside()];
+    let all = |reason| Unresolved { first: *from, last: *to, outside: outside.map(|outside| outside.count()), reason };
     match first.event(last) {
         Some(Event::Nothing) => return changes,
         Some(_) => {}
@@ -182,74 +193,76 @@ pub fn between(model: &Model, first: &Known, last: &Known, points: [usize; 2]) -
             return changes;
         }
     }
-    // One grid for all of them: the finer one.
-    let steps = first.orbit.steps.max(last.orbit.steps);
-    let search = Shooting::around(model, &Orbit { steps, ..first.orbit.clone() }).ok().and_then(|shooting| {
-        let (a, b) = (shooting.point_at(&first.orbit), shooting.point_at(&last.orbit));
-        let normal = shooting.across(&a, &b)?;
-        Some(Search { shooting, ends: [a, b], normal, points, orbits: 0, found: Changes::default() })
-    });
-    let Some(mut search) = search else {
+    let Some(mut search) = Search::new(model, path) else {
         changes.unresolved.push(all(Obstacle::NotConverged));
         return changes;
     };
-    let end = |share, known: &Known, outside| Between {
-        share,
-        outside,
-        multipliers: known.multipliers.clone(),
-        is_doubtful: false,
-        found: None,
-    };
-    search.locate(end(0.0, first, outside[0]), end(1.0, last, outside[1]));
+    let end = |known: &Between, outside| Between { outside, is_doubtful: false, ..known.clone() };
+    let [low, .., high] = &search.path[..] else { return changes };
+    let (low, high) = (end(low, outside[0]), end(high, outside[1]));
+    search.locate(low, high);
     search.found
 }
 
 struct Search<'m> {
     shooting: Shooting<'m>,
-    ends: [Point; 2],
-    normal: Vec<f64>,
-    /// Numbers of both ends on the branch.
-    points: [usize; 2],
+    /// Orbits that were known before, in the order of the arc.
+    path: Vec<Between>,
+    /// From each of them to the next one.
+    normals: Vec<Vec<f64>>,
+    /// Their numbers on the branch.
+    numbers: Vec<usize>,
     /// Orbits that were looked for.
     orbits: usize,
     found: Changes,
 }
 
-impl Search<'_> {
-    /// Where an orbit is.
-    fn point<'b>(&'b self, orbit: &'b Between) -> &'b Point {
-        match &orbit.found {
-            Some(found) => &found.0,
-            None if orbit.share == 0.0 => &self.ends[0],
-            None => &self.ends[1],
-        }
+impl<'m> Search<'m> {
+    fn new(model: &'m Model, path: &[(usize, Known)]) -> Option<Self> {
+        // One grid for all of them: the finest one.
+        let steps = path.iter().map(|(_, known)| known.orbit.steps).max()?;
+        let shooting = Shooting::around(model, &Orbit { steps, ..path[0].1.orbit.clone() }).ok()?;
+        let numbers = path.iter().map(|(number, _)| *number).collect();
+        let known = |(i, (_, known)): (usize, &(usize, Known))| {
+            let point = shooting.point_at(&known.orbit);
+            Between::new(i as f64, (&known.multipliers, known.margin), point, None)
+        };
+        let path: Vec<Between> = path.iter().enumerate().map(known).collect();
+        let normals =
+            path.windows(2).map(|pair| shooting.across(&pair[0].point, &pair[1].point)).collect::<Option<_>>()?;
+        Some(Self { shooting, path, normals, numbers, orbits: 0, found: Changes::default() })
+    }
+
+    /// The interval between known orbits that a share of the way lies in.
+    fn interval(&self, share: f64) -> usize {
+        (share as usize).min(self.normals.len() - 1)
     }
 
     /// The orbit in the plane at a share of the way from one orbit to another.
     fn at(&mut self, low: &Between, high: &Between, part: f64) -> Option<Between> {
         self.orbits += 1;
-        let (a, b) = (self.point(low), self.point(high));
+        let (a, b) = (&low.point, &high.point);
         let mix = |(a, b): (&f64, &f64)| a + part * (b - a);
         let start = Point { x: a.x.iter().zip(&b.x).map(mix).collect(), w: mix((&a.w, &b.w)) };
         let share = low.share + part * (high.share - low.share);
-        let options = |searches| NewtonOptions { plane: Some(&self.normal), searches, iterations: 10 };
-        let found = match self.shooting.solve(&start, &options(false)) {
+        let normal = &self.normals[self.interval(share)];
+        let options = |searches| NewtonOptions { plane: Some(normal), searches, iterations: 10 };
+        let (point, period) = match self.shooting.solve(&start, &options(false)) {
             Some(found) => found,
             None => self.shooting.solve(&start, &options(true))?,
         };
-        let multipliers = found.1.multipliers().ok()?;
-        let margin = self.shooting.margin(&found.0, &found.1);
-        Some(Between {
-            share,
-            outside: Outside::of(&multipliers, 0.0),
-            is_doubtful: multipliers.iter().any(|mu| mu.excess().abs() <= margin),
-            multipliers,
-            found: Some(Rc::new(found)),
-        })
+        let multipliers = period.multipliers().ok()?;
+        let margin = self.shooting.margin(&point, &period);
+        Some(Between::new(share, (&multipliers, margin), point, Some(period)))
     }
 
-    /// An orbit between two, if possible at this share of the way between them.
+    /// An orbit between two: a known one, and otherwise if possible at this share of the way between them.
     fn inside(&mut self, low: &Between, high: &Between, share: f64) -> Option<Between> {
+        let known: Vec<&Between> =
+            self.path.iter().filter(|known| low.share < known.share && known.share < high.share).collect();
+        if let Some(known) = known.get(known.len() / 2) {
+            return Some((*known).clone());
+        }
         [share, 0.5, 0.35, 0.65, 0.1, 0.9].into_iter().find_map(|part| self.at(low, high, part))
     }
 
@@ -327,17 +340,18 @@ impl Search<'_> {
         let is_low_outer = outside[0] > outside[1];
         let at_outer = jumps || crossing.inner.is_none_or(|inner| outer < inner.excess().abs());
         let (near, far) = if is_low_outer == at_outer { (low, high) } else { (high, low) };
-        let middle = || self.at(&near, &far, 0.5).and_then(|between| between.found);
-        let Some(found) = near.found.clone().or(far.found.clone()).or_else(middle) else {
+        let is_marched = |orbit: &Between| orbit.period.is_some();
+        let marched = [near.clone(), far.clone()].into_iter().find(is_marched).or_else(|| self.at(&near, &far, 0.5));
+        let Some(Between { point, period: Some(period), .. }) = marched else {
             let (low, high) = if near.share < far.share { (near, far) } else { (far, near) };
             return self.give_up(&low, &high, Obstacle::NotConverged);
         };
-        let orbit = self.shooting.orbit(&found.0);
+        let orbit = self.shooting.orbit(&point);
         self.found.bifurcations.push(Bifurcation {
             kind,
             omega: orbit.omega,
-            amplitudes: found.1.amplitudes.clone(),
-            after: self.points[0],
+            amplitudes: period.amplitudes.clone(),
+            after: self.numbers[self.interval(near.share.min(far.share))],
             multiplier: crossing.inner.filter(|_| !at_outer).unwrap_or(crossing.outer),
             outside,
             width,
@@ -346,7 +360,7 @@ impl Search<'_> {
     }
 
     fn give_up(&mut self, low: &Between, high: &Between, reason: Obstacle) {
-        let [first, last] = self.points;
+        let (first, last) = (self.numbers[self.interval(low.share)], self.numbers[high.share.ceil() as usize]);
         let outside = [low, high].map(|end| end.outside.count());
         self.found.unresolved.push(Unresolved { first, last, outside, reason });
     }
@@ -355,8 +369,9 @@ impl Search<'_> {
     /// lower ones at the other.
     fn turns(&mut self, ends: [Between; 2]) -> Option<bool> {
         let [before, after] = ends.map(|end| {
-            let found = end.found.clone().or_else(|| self.at(&end, &end, 0.0)?.found)?;
-            self.shooting.advance(&found.0, &found.1, &self.normal)
+            let marched = if end.period.is_some() { end } else { self.at(&end, &end, 0.0)? };
+            let normal = &self.normals[self.interval(marched.share)];
+            self.shooting.advance(&marched.point, marched.period.as_ref()?, normal)
         });
         Some(before? * after? < 0.0)
     }

@@ -127,7 +127,7 @@ pub fn polish(model: &Model, settings: &PolishSettings, state: &State, around: A
     };
     let corrected = corrected(&shooting, &start, around);
     let normal = normal(&shooting, around);
-    let mut reason = Reason::NotConverged;
+    let (mut reason, mut is_lossy) = (Reason::NotConverged, false);
     for (from, plane, searches) in attempts(&start, corrected.as_ref(), normal.as_deref()) {
         let options = NewtonOptions { plane, searches, iterations: ITERATIONS };
         let Some((point, period)) = shooting.solve(from, &options) else { continue };
@@ -136,13 +136,16 @@ pub fn polish(model: &Model, settings: &PolishSettings, state: &State, around: A
                 found.periods = shooting.periods;
                 return found;
             }
-            Err(why) => reason = why,
+            Err(why) => {
+                is_lossy |= why == Reason::TooFar && share_of_impacts(&period) > settings.impacts;
+                reason = why;
+            }
         }
     }
-    // Another orbit than that of the balance: because of impacts, if the balance's motion would lose too much in them. Where
-    // Newton's method came to nothing, a motion that is no orbit says nothing.
+    // Another orbit than that of the balance: because of impacts, if it or the balance's motion would lose too much in them.
+    // Where Newton's method came to nothing, a motion that is no orbit says nothing.
     let impacts = |period: Period| share_of_impacts(&period) > settings.impacts;
-    if reason == Reason::TooFar && shooting.period(&start).is_ok_and(impacts) {
+    if reason == Reason::TooFar && (is_lossy || shooting.period(&start).is_ok_and(impacts)) {
         return nothing(Verdict::NotComparable, Reason::Impacts, shooting.periods);
     }
     nothing(Verdict::NoOrbitNearby, reason, shooting.periods)

@@ -155,6 +155,13 @@ impl Verification {
             *known = known.filter(|known| *known == verdict);
         };
         self.points.iter().for_each(|point| tell(&mut told, point.at, point.verdict));
+        // An end of an open branch was looked at itself, however far from it the frequency of its orbit is passed.
+        for end in [self.points.first(), self.points.last()].into_iter().flatten().filter(|_| !self.is_closed) {
+            if end.verdict.is_known() && [0, self.count - 1].contains(&end.index) {
+                let beyond = end.at.min(end.index)..=end.at.max(end.index);
+                beyond.filter(|&at| at != end.at).for_each(|at| tell(&mut told, at, end.verdict));
+            }
+        }
         // From where orbits that differ come together nothing follows.
         let is_clear = |told: &BTreeMap<usize, Option<Verdict>>, point: &VerifiedPoint| told[&point.at].is_some();
         let around = self.points.last().zip(self.points.first()).filter(|_| self.goes_round() && self.points.len() > 1);

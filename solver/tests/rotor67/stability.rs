@@ -44,7 +44,7 @@ fn known(polish: Polish) -> Known {
 
 /// Kinds and frequencies of the bifurcations between two orbits.
 fn found(scenario: &Scenario, first: &Known, last: &Known) -> Vec<(BifurcationKind, f64)> {
-    let changes = between(scenario.model(), first, last, [0, 1]);
+    let changes = between(scenario.model(), &[(0, first.clone()), (1, last.clone())]);
     assert_eq!(changes.unresolved, []);
     changes.bifurcations.into_iter().map(|found| (found.kind, found.omega)).collect()
 }
