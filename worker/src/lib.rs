@@ -9,7 +9,7 @@
 //! | [`terminal`], [`log`] | what people are told; what is logged |
 //! | [`shutdown`] | signals and lifeline |
 //! | [`join`], [`identity`] | finding the run and fetching its model; the worker's name |
-//! | [`shared`], [`slot`] | what the computing threads share; one of them: lease, trace, submit |
+//! | [`shared`], [`turns`] | what the computing threads share; the two lanes of one of them |
 //! | [`leasing`] | asking for work until there is some |
 //! | [`bus`], [`patience`] | requests to the coordinator; how long and how often they are repeated |
 //! | [`renewal`] | signs of life of a task under way |

@@ -58,9 +58,7 @@ mod tests {
     #[test]
     fn who_has_no_task_hears_of_one_that_waits() {
         let turns = Turns::default();
-        let mut first = pin!(turns.take());
-        assert!(is_ready(first.as_mut()));
-        drop(first);
+        assert!(is_ready(pin!(turns.take())));
         let turn = turns.turn.clone().try_lock_owned().unwrap();
         let mut wanted = pin!(turns.is_wanted());
         assert!(!is_ready(wanted.as_mut()));
