@@ -6,11 +6,11 @@
 #
 # Needs Docker, Compose, Python and apt-get: the base image is made of Debian packages. Takes some minutes; leaves nothing behind.
 set -euo pipefail
+programs=$(realpath "${1:-$(dirname "$0")/../target/release}")
 cd "$(dirname "$0")"
 # shellcheck source=deploy/trial_common.sh
 . ./trial_common.sh
 
-programs=$(realpath "${1:-../target/release}")
 work=$(mktemp -d)
 name=isola-trial-$$
 # An address of its own on the loopback interface.
@@ -21,7 +21,7 @@ else
     compose=(docker-compose)
 fi
 export ISOLA_PUBLISH=$address ISOLA_PROTOCOL=tls ISOLA_CERTIFICATES=$work/certificates
-export ISOLA_STUDY=models/nonlinear_damper/study.toml ISOLA_CHANGES="--amplitudes 0.004:0.012:0.0001"
+export ISOLA_STUDY=models/nonlinear_damper/study.toml ISOLA_CHANGES="--amplitudes 0.004:0.012:0.00004"
 export ISOLA_SERVING="--lease 5"
 compose+=(-p "$name" -f compose.yaml -f compose.tls.yaml -f "$work/image.yaml")
 

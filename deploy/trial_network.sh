@@ -7,11 +7,11 @@
 #
 # Needs root, ip, nft and Python; takes some minutes and leaves nothing behind.
 set -euo pipefail
+programs=$(realpath "${1:-$(dirname "$0")/../target/release}")
 cd "$(dirname "$0")"
 # shellcheck source=deploy/trial_common.sh
 . ./trial_common.sh
 
-programs=$(realpath "${1:-../target/release}")
 work=$(mktemp -d)
 name=isola-$$
 # Of a hundred packets so many are lost.
@@ -19,7 +19,7 @@ loss=3
 # Of sides that are not used otherwise: 0 the coordinator, 1 and 2 the workers.
 net=10.231
 study=../models/nonlinear_damper/study.toml
-changes=(--amplitudes 0.004:0.012:0.0002)
+changes=(--amplitudes 0.004:0.012:0.0001)
 started=()
 
 ended() {

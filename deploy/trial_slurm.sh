@@ -6,16 +6,16 @@
 #
 # Needs root, Python and, of Debian, slurmctld, slurmd, slurm-client and munge; takes some minutes and leaves nothing behind.
 set -euo pipefail
+programs=$(realpath "${1:-$(dirname "$0")/../target/release}")
 cd "$(dirname "$0")"
 # shellcheck source=deploy/trial_common.sh
 . ./trial_common.sh
 
-programs=$(realpath "${1:-../target/release}")
 work=$(mktemp -d)
 node=$(hostname -s)
 port=$((20000 + RANDOM % 10000))
 study=../models/nonlinear_damper/study.toml
-changes=(--amplitudes 0.004:0.012:0.0001)
+changes=(--amplitudes 0.004:0.012:0.00002)
 started=()
 
 ended() {
