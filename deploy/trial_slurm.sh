@@ -8,7 +8,7 @@
 set -euo pipefail
 programs=$(realpath "${1:-$(dirname "$0")/../target/release}")
 cd "$(dirname "$0")"
-# shellcheck source=deploy/trial_common.sh
+# shellcheck source=trial_common.sh
 . ./trial_common.sh
 
 work=$(mktemp -d)
