@@ -1,5 +1,6 @@
 # shellcheck shell=bash
-# What the trials share. Whoever reads this in defines `run_is_over`: a command that holds once the run has ended.
+# What the trials share. Whoever reads this in defines `run_is_over`, a command that holds once the run has ended, and
+# `status_json`, which prints the run's status.
 
 said() { echo "$(date +%T)  $*"; }
 
@@ -21,3 +22,11 @@ until_holds() { # WHAT COMMAND...
     done
     said "$what"
 }
+
+# A number of the status; -1 if there is none.
+status() { # EXPRESSION OF s
+    status_json 2>/dev/null |
+        python3 -c "import json, sys; s = json.load(sys.stdin); print(int($1))" 2>/dev/null || echo -1
+}
+has_workers() { [ "$(status 's["conducted"] and len(s["workers"])')" -eq "$1" ]; }
+has_done() { [ "$(status 's["conducted"] and s["tasks"]["done"]')" -ge "$1" ]; }

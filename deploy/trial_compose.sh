@@ -75,13 +75,7 @@ coordinator() { containers coordinator --all; }
 run_is_over() { [ "$(docker inspect --format '{{.State.Status}} {{.State.ExitCode}}' "$(coordinator)" 2>/dev/null)" = "exited 0" ]; }
 workers() { containers worker; }
 one_of() { workers | sed -n "$1p"; }
-# A number of the status.
-status() { # EXPRESSION OF s
-    docker exec "$(coordinator)" isola status /runs/run --json 2>/dev/null |
-        python3 -c "import json, sys; s = json.load(sys.stdin); print(int($1))" 2>/dev/null || echo -1
-}
-has_workers() { [ "$(status 's["conducted"] and len(s["workers"])')" -eq "$1" ]; }
-has_done() { [ "$(status 's["conducted"] and s["tasks"]["done"]')" -ge "$1" ]; }
+status_json() { docker exec "$(coordinator)" isola status /runs/run --json; }
 goes_on() { # more is done than now
     local now
     now=$(status 's["tasks"]["done"]')

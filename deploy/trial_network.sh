@@ -78,12 +78,7 @@ for side in 1 2; do
     started+=("$!")
 done
 
-status() { # EXPRESSION OF s
-    within 0 "$programs/isola" status "$work/run" --json 2>/dev/null |
-        python3 -c "import json, sys; s = json.load(sys.stdin); print(int($1))" 2>/dev/null || echo -1
-}
-has_workers() { [ "$(status 's["conducted"] and len(s["workers"])')" = "$1" ]; }
-has_done() { [ "$(status 's["conducted"] and s["tasks"]["done"]')" -ge "$1" ]; }
+status_json() { within 0 "$programs/isola" status "$work/run" --json; }
 
 until_holds "two workers" has_workers 2
 until_holds "tasks are done" has_done 20

@@ -90,12 +90,7 @@ ISOLA_CONNECT=$(cat "$work/run/address")
 job=$(PATH=$programs:$PATH sbatch --parsable --export=ALL,ISOLA_SECRET_FILE="$work/run/secret" --array=1-3 --cpus-per-task=1 \
     --output "$work/worker-%a.log" slurm/isola.sbatch)
 
-status() { # EXPRESSION OF s
-    "$programs/isola" status "$work/run" --json 2>/dev/null |
-        python3 -c "import json, sys; s = json.load(sys.stdin); print(int($1))" 2>/dev/null || echo -1
-}
-has_workers() { [ "$(status 's["conducted"] and len(s["workers"])')" -eq "$1" ]; }
-has_done() { [ "$(status 's["conducted"] and s["tasks"]["done"]')" -ge "$1" ]; }
+status_json() { "$programs/isola" status "$work/run" --json; }
 restarts() { [ "$(squeue --noheader --array --jobs "${job}_2" --Format RestartCnt | tr -d ' ')" = 1 ]; }
 
 until_holds "three workers" has_workers 3

@@ -14,7 +14,6 @@ use solver::{Backbone, Branch, Forced, Model, SearchRange, Settings};
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::{Arc, Mutex};
-use std::time::Instant;
 
 fn load(name: &str) -> Model {
     files::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../models").join(name)).unwrap()
@@ -159,28 +158,6 @@ fn an_isola_with_contact_and_the_curve_of_its_folds() {
 fn a_scout_that_walks_many_branches() {
     let study = Study::new("duffing", Settings::default(), 0.05);
     study.interrupt(&Task::Scout(ScoutPlace { number: 0, batches: 1 }), &Given::default());
-}
-
-/// How long the last tenth of a long branch takes, with what is done again of the steps before.
-#[test]
-#[ignore = "a measurement, of two minutes"]
-fn share_of_the_time_after_nine_tenths() {
-    for (name, forcing, step) in [("duffing", 0.05, 2e-4), ("impact_subharmonic", 0.5, 1e-3), ("rotor67", 40.0, 5e-4)] {
-        let mut settings = Settings::default();
-        settings.continuation.max_step = step;
-        settings.branch.max_points = 100_000;
-        let study = Study::new(name, settings, forcing);
-        let (task, given, began) = (Task::Main(Side::Below), Given::default(), Instant::now());
-        let whole = study.whole(&task, &given);
-        let (all, count) = (began.elapsed().as_secs_f64(), whole.steps.len());
-        for done in [count * 9 / 10, count] {
-            let (before, began) = (whole.steps[..done].to_vec(), Instant::now());
-            let rest = study.execute(&task, &given, before, usize::MAX);
-            assert!(rest.bits() == whole.bits());
-            let seconds = began.elapsed().as_secs_f64();
-            println!("{name}: {count} steps in {all:.2} s; after {done} of them {seconds:.2} s, {:.3}", seconds / all);
-        }
-    }
 }
 
 /// Steps of something else cost nothing but themselves: the result is the same, and nothing is recorded from there on.
