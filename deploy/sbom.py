@@ -18,6 +18,8 @@ from typing import Any
 
 ROOT = Path(__file__).resolve().parents[1]
 PROGRAM = "coordinator"
+#: Published packages with changes of ours.
+THIRD_PARTY = ROOT / "third_party"
 
 
 def bundled() -> list[dict[str, Any]]:
@@ -58,8 +60,12 @@ def main() -> int:
     for package in linked(metadata):
         name, version = package["name"], package["version"]
         component: dict[str, Any] = {"type": "library", "name": name, "version": version}
+        purl = f"pkg:cargo/{name}@{version}"
         if package["source"]:
-            component |= {"purl": f"pkg:cargo/{name}@{version}", "bom-ref": f"pkg:cargo/{name}@{version}"}
+            component |= {"purl": purl, "bom-ref": purl}
+        elif Path(package["manifest_path"]).is_relative_to(THIRD_PARTY):
+            ancestor = {key: component[key] for key in ("type", "name", "version")} | {"purl": purl}
+            component["pedigree"] = {"ancestors": [ancestor], "notes": "With the change that its README tells."}
         if package["license"]:
             # As packages write it: "MIT/Apache-2.0" is older than the expressions.
             component["licenses"] = [{"expression": package["license"].replace("/", " OR ")}]

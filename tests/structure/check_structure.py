@@ -21,6 +21,8 @@ Tests are free: code under `#[cfg(test)]`, modules called `tests`, and packages 
 
 Crates. `MUST_NOT_NAME` says what a crate must not name, in its code or as a dependency. SQL stands in `SQL_FOLDER`
 alone: rusqlite, and texts that begin like a statement.
+
+Patches. A package in `[patch.crates-io]` is what Cargo.lock says is built: of another version it would be passed over.
 """
 
 from __future__ import annotations
@@ -210,6 +212,18 @@ def check_crate(package: Path, top: Path) -> Iterator[str]:
                     yield f'{file}:{line}: SQL is for {SQL_FOLDER} alone ("{words} …")'
 
 
+def check_patches(top: Path) -> Iterator[str]:
+    """What of the patched packages is not built."""
+    patched = tomllib.loads((top / "Cargo.toml").read_text("utf-8")).get("patch", {}).get("crates-io", {})
+    if not patched:
+        return
+    locked = tomllib.loads((top / "Cargo.lock").read_text("utf-8"))["package"]
+    for name, entry in patched.items():
+        sources = [package.get("source") for package in locked if package["name"] == name]
+        if sources != [None]:
+            yield f"Cargo.toml: {name} is not built from {entry['path']}: another version is asked for (see Cargo.lock)"
+
+
 def check(top: Path, exceptions: dict[str, list[set[str]]] | None = None) -> list[str]:
     """Everything that is wrong in a workspace."""
     exceptions = EXCEPTIONS if exceptions is None else exceptions
@@ -222,6 +236,7 @@ def check(top: Path, exceptions: dict[str, list[set[str]]] | None = None) -> lis
                 else:
                     wrong.append(str(circle))
         wrong += check_crate(package, top)
+    wrong += check_patches(top)
     for folder, sets in exceptions.items():
         for modules in sets:
             if (folder, modules) not in known:

@@ -266,3 +266,17 @@ def test_the_exit_code(tmp_path, capsys, monkeypatch):
     (tmp_path / "k/src/b.rs").write_text("use crate::a;")
     assert check_structure.main([str(tmp_path)]) == 1
     assert capsys.readouterr().out.startswith(of("a", "b"))
+
+
+def test_a_patch_is_what_is_built(tmp_path):
+    top = workspace(tmp_path, {"k/src/lib.rs": ""})
+    with (top / "Cargo.toml").open("a") as manifest:
+        manifest.write('[patch.crates-io]\nlink = { path = "third_party/link" }\n')
+    lock = '[[package]]\nname = "link"\nversion = "1.0.0"\n'
+    (top / "Cargo.lock").write_text(lock)
+    assert check(top, {}) == []
+    passed_over = lock + 'source = "registry+https://example.org"\n'
+    for text in (passed_over, lock + passed_over, '[[package]]\nname = "k"\n'):
+        (top / "Cargo.lock").write_text(text)
+        (sentence,) = check(top, {})
+        assert sentence.startswith("Cargo.toml: link is not built from third_party/link")
