@@ -2,7 +2,7 @@
 //! told why as far as that can be known. The run's files are those of a run that nobody disturbed.
 
 use crate::hostile::files;
-use crate::{DAMPER, LEVELS, LONG};
+use crate::{BRIEF, DAMPER, LEVELS, LONG};
 use coordinator::certificates::{Authority, Validity, write};
 use protocol::certificate::{AUTHORITY, CERTIFICATE, Certificate, KEY};
 use protocol::control::{ControlReply, ControlRequest};
@@ -26,7 +26,6 @@ use tests::{PATIENCE, Process, System, block_on, complaint, isola, own_endpoint,
 const SILENCE: Duration = Duration::from_secs(2);
 
 /// Windows alone: what is looked for else takes a minute.
-const BRIEF: &[&str] = &["--set", "search.effort=none"];
 
 fn endpoint() -> String {
     own_endpoint().replace("tcp/", "tls/")
@@ -146,7 +145,7 @@ fn strangers_are_refused_with_a_reason() {
 
     let system = System::sweep(
         DAMPER,
-        &[LEVELS, LONG, &["--listen", &address, "--tls", text(&made.join("coordinator"))]].concat(),
+        &[LEVELS, BRIEF, LONG, &["--listen", &address, "--tls", text(&made.join("coordinator"))]].concat(),
     );
     let secret = system.secret_file();
     let run = |command: &[&str], endpoint: &str, tls: Option<&Path>| {

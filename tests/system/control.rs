@@ -1,7 +1,7 @@
 //! Orders of people: cancel, interrupt, resume; and what a run opens on the network.
 
 use crate::stand_in::StandIn;
-use crate::{DAMPER, ENDLESS, FINE, LONG, THIRD_OF_LONG};
+use crate::{BRIEF, DAMPER, ENDLESS, FINE, LONG, THIRD_OF_LONG};
 use rustix::process::Signal;
 use std::time::Instant;
 use tests::{System, block_on, complaint, isola};
@@ -35,7 +35,7 @@ fn cancel() {
 #[test]
 fn interrupt_and_resume() {
     let levels = ["--amplitudes", "0.006,0.007,0.009", "--workers", "2"];
-    let mut system = System::sweep_with(DAMPER, &[&levels, FINE, LONG].concat());
+    let mut system = System::sweep_with(DAMPER, &[&levels, FINE, BRIEF, LONG].concat());
     block_on(async {
         // Of three levels two workers have two: as long as the third one is held, the run goes on.
         let holder = StandIn::of(&system).await;

@@ -1,7 +1,7 @@
 //! Workers, coordinators and networks that fail: nothing is lost, nothing is stored twice.
 
 use crate::stand_in::StandIn;
-use crate::{DAMPER, ENDLESS, FINE, LEVELS, LONG, SHORT, THIRD_OF_LONG};
+use crate::{BRIEF, DAMPER, ENDLESS, FINE, LEVELS, LONG, SHORT, THIRD_OF_LONG};
 use protocol::to_everyone::Stage;
 use protocol::to_worker::{Acknowledgement, SubmitReply};
 use rustix::process::Signal;
@@ -15,7 +15,7 @@ use tests::{System, block_on, complaint, isola, own_endpoint};
 /// At least once, acknowledged late.
 #[test]
 fn a_worker_killed_in_the_middle_of_a_branch() {
-    let mut system = System::sweep(DAMPER, &[LEVELS, FINE, SHORT].concat());
+    let mut system = System::sweep(DAMPER, &[LEVELS, FINE, BRIEF, SHORT].concat());
     let _killed = system.expired_worker(|worker| worker.signal(Signal::KILL));
     let _second = system.worker();
     system.expect_complete();
@@ -24,7 +24,7 @@ fn a_worker_killed_in_the_middle_of_a_branch() {
 /// Stored once: whoever is frozen past its lease comes back too late, and notices.
 #[test]
 fn a_worker_frozen_past_its_lease() {
-    let mut system = System::sweep(DAMPER, &[LEVELS, FINE, SHORT, &["--stay"]].concat());
+    let mut system = System::sweep(DAMPER, &[LEVELS, FINE, BRIEF, SHORT, &["--stay"]].concat());
     let mut frozen = system.expired_worker(|_| {});
     let _second = system.worker();
     system.wait_until_finished();
@@ -41,7 +41,7 @@ fn a_worker_frozen_past_its_lease() {
 /// A second result of a task is compared with the first one, and not stored.
 #[test]
 fn a_result_that_comes_twice() {
-    let mut system = System::sweep(DAMPER, &[&["--amplitudes", "0.007", "--stay"], SHORT].concat());
+    let mut system = System::sweep(DAMPER, &[&["--amplitudes", "0.007", "--stay"], BRIEF, SHORT].concat());
     block_on(async {
         let tardy = StandIn::of(&system).await;
         let grant = tardy.grant().await;
@@ -61,7 +61,7 @@ fn a_result_that_comes_twice() {
 fn the_coordinator_killed_and_started_again() {
     let listen = own_endpoint();
     let serve = ["--listen", &listen, "--lease", "60"];
-    let mut system = System::sweep(DAMPER, &[LEVELS, FINE, &serve].concat());
+    let mut system = System::sweep(DAMPER, &[LEVELS, FINE, BRIEF, &serve].concat());
     let _worker = system.worker();
     system.freeze_coordinator(
         "SELECT EXISTS (SELECT * FROM results) AND EXISTS (SELECT * FROM tasks WHERE state = 'leased')",
@@ -105,7 +105,7 @@ fn the_coordinator_killed_while_branches_are_verified() {
 /// Verified afterwards, a run gains what it would have had, and keeps the rest.
 #[test]
 fn a_finished_run_that_is_verified_afterwards() {
-    let mut system = System::sweep_with(DAMPER, &[LEVELS, &["--verify", "none", "--workers", "1"]].concat());
+    let mut system = System::sweep_with(DAMPER, &[LEVELS, BRIEF, &["--workers", "1"]].concat());
     system.expect_complete();
     let before = system.done();
     assert_eq!(system.number("SELECT count(*) FROM verifications"), 0);
@@ -124,7 +124,7 @@ fn a_finished_run_that_is_verified_afterwards() {
 /// Pushed afterwards, a run says how hard a push throws its structure onto its isolas, though its coordinator was killed meanwhile.
 #[test]
 fn a_finished_run_that_is_pushed_afterwards() {
-    let mut system = System::sweep_with(DAMPER, &[LEVELS, &["--verify", "none", "--workers", "1"]].concat());
+    let mut system = System::sweep_with(DAMPER, &[LEVELS, BRIEF, &["--workers", "1"]].concat());
     system.expect_complete();
     let output = isola(&["disturb", &system.directory_text(), "--modes", "1", "--workers", "2"]);
     assert!(output.status.success(), "{}", complaint(&output));
@@ -144,7 +144,7 @@ fn a_finished_run_that_is_pushed_afterwards() {
 /// Elastic: who joins late gets work.
 #[test]
 fn a_worker_that_joins_late() {
-    let mut system = System::sweep(DAMPER, &[LEVELS, FINE, LONG].concat());
+    let mut system = System::sweep(DAMPER, &[LEVELS, FINE, BRIEF, LONG].concat());
     block_on(async {
         let holder = StandIn::of(&system).await;
         let held = holder.grant().await;
@@ -179,7 +179,7 @@ fn a_worker_told_to_end() {
 /// A partition: the network between a worker and the coordinator stops for longer than a lease.
 #[test]
 fn a_network_that_stops() {
-    let mut system = System::sweep(DAMPER, &[LEVELS, FINE, SHORT, &["--stay"]].concat());
+    let mut system = System::sweep(DAMPER, &[LEVELS, FINE, BRIEF, SHORT, &["--stay"]].concat());
     let proxy = Proxy::to(&system.address());
     let cut_off = system.worker_at(&proxy.address);
     loop {
@@ -203,7 +203,7 @@ fn a_network_that_stops() {
 /// A poison task ends on the dead list with its reasons; the rest finishes.
 #[test]
 fn a_task_that_always_fails() {
-    let mut system = System::sweep(DAMPER, &[LEVELS, LONG].concat());
+    let mut system = System::sweep(DAMPER, &[LEVELS, BRIEF, LONG].concat());
     block_on(async {
         let poisoned = StandIn::of(&system).await;
         for _ in 0..3 {

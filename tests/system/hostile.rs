@@ -2,7 +2,7 @@
 //! nobody disturbed.
 
 use crate::stand_in::StandIn;
-use crate::{DAMPER, LEVELS, LONG};
+use crate::{BRIEF, DAMPER, LEVELS, LONG};
 use protocol::array::Array;
 use protocol::branch::{BranchMessage, TaskResultMessage};
 use protocol::codec::{encode, encoding};
@@ -16,6 +16,9 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::{Duration, Instant};
 use tests::{PATIENCE, System, block_on};
+
+/// One level.
+const ONE: &[&str] = &["--amplitudes", "0.007"];
 
 /// The files of a run that say what was found.
 pub fn files(directory: &Path) -> BTreeMap<String, Vec<u8>> {
@@ -55,10 +58,10 @@ fn changed(array: &mut Array, index: usize, change: impl Fn(f64) -> f64) {
 
 #[test]
 fn what_is_not_true_is_not_stored() {
-    let mut undisturbed = System::sweep_with(DAMPER, &[LEVELS, &["--workers", "1"]].concat());
+    let mut undisturbed = System::sweep_with(DAMPER, &[LEVELS, BRIEF, &["--workers", "1"]].concat());
     undisturbed.expect_complete();
 
-    let mut system = System::sweep(DAMPER, &[LEVELS, LONG].concat());
+    let mut system = System::sweep(DAMPER, &[LEVELS, BRIEF, LONG].concat());
     block_on(async {
         let honest = StandIn::of(&system).await;
         let grant = honest.grant_of("0.009-0").await;
@@ -151,7 +154,7 @@ fn what_is_not_true_is_not_stored() {
 /// A result that was accepted is not replaced: it is compared, and the second one says whether it was the same.
 #[test]
 fn a_result_that_is_sent_again() {
-    let mut system = System::sweep(DAMPER, &[&["--amplitudes", "0.007"], LONG].concat());
+    let mut system = System::sweep(DAMPER, &[ONE, BRIEF, LONG].concat());
     block_on(async {
         let honest = StandIn::of(&system).await;
         let genuine = honest.compute(&honest.grant_of("0.007-0").await);
@@ -168,7 +171,7 @@ fn a_result_that_is_sent_again() {
 /// Bad memory, another build: a worker whose results do not hold is told to end, and why; the others go on.
 #[test]
 fn a_worker_whose_results_do_not_hold() {
-    let mut system = System::sweep(DAMPER, &[&["--amplitudes", "0.007"], LONG].concat());
+    let mut system = System::sweep(DAMPER, &[ONE, BRIEF, LONG].concat());
     block_on(async {
         let liar = StandIn::of(&system).await;
         for _ in 0..3 {
@@ -186,8 +189,7 @@ fn a_worker_whose_results_do_not_hold() {
 }
 
 /// Levels enough for somebody to be asked again.
-const MANY: &[&str] =
-    &["--amplitudes", "0.004:0.012:0.0002", "--set", "search.effort=none", "--verify", "none", "--stay"];
+const MANY: &[&str] = &["--amplitudes", "0.004:0.012:0.0002", "--search", "none", "--verify", "none", "--stay"];
 
 /// Others may have nothing to do.
 const TURN: Duration = Duration::from_secs(2);
@@ -229,7 +231,7 @@ fn a_worker_that_finds_nothing() {
 /// A verification that tells of orbits that are none is refused; what is true is stored.
 #[test]
 fn a_verification_that_does_not_hold() {
-    let mut system = System::sweep_with(DAMPER, &["--amplitudes", "0.007", "--verify", "none", "--workers", "1"]);
+    let mut system = System::sweep_with(DAMPER, &[ONE, BRIEF, &["--workers", "1"]].concat());
     system.expect_complete();
     system.go_on("verify", &[&["--workers", "0"], LONG].concat());
     block_on(async {

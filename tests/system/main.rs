@@ -30,6 +30,9 @@ pub const DAMPER: &str = "models/nonlinear_damper/study.toml";
 /// Two of its levels, with an isola each.
 pub const LEVELS: &[&str] = &["--amplitudes", "0.007,0.009"];
 
+/// What is found on the way from the backbone, as it was traced: for tests of something else than searching and marching.
+pub const BRIEF: &[&str] = &["--search", "none", "--verify", "none"];
+
 /// Branches that take a second or two each: small steps and many harmonics. Without random starts, which would take minutes.
 pub const FINE: &[&str] = &[
     "--set",
@@ -71,7 +74,7 @@ pub const LASTING: &[&str] = &[
     "--set",
     "backbone.max_points=10",
     "--set",
-    "harmonics.count=60",
+    "harmonics.count=40",
     "--set",
     "branch.max_points=1000000",
     "--set",

@@ -1,6 +1,6 @@
 //! Who reaches the port of a run without its secret can do nothing there, and is told what is missing.
 
-use crate::{DAMPER, LEVELS, LONG};
+use crate::{BRIEF, DAMPER, LEVELS, LONG};
 use protocol::keys::{NAMESPACE, all_runs};
 use protocol::secret::Secret;
 use protocol::session::{connect, fetch};
@@ -11,7 +11,7 @@ use tests::{System, block_on, complaint, isola, own_endpoint};
 
 #[test]
 fn without_the_secret_there_is_nothing() {
-    let mut system = System::sweep(DAMPER, &[LEVELS, LONG].concat());
+    let mut system = System::sweep(DAMPER, &[LEVELS, BRIEF, LONG].concat());
     let address = system.address();
     let mode = std::fs::metadata(system.secret_file()).unwrap().permissions().mode();
     assert_eq!(mode & 0o777, 0o600);
@@ -57,13 +57,14 @@ fn a_secret_that_is_given_and_none() {
     let secret: Secret = "a-secret-of-ones-own".parse().unwrap();
     secret.write(&own).unwrap();
     let own = own.display().to_string();
-    let system = System::sweep(DAMPER, &[LEVELS, &["--secret-file", &own, "--listen", &own_endpoint()]].concat());
+    let system =
+        System::sweep(DAMPER, &[LEVELS, BRIEF, &["--secret-file", &own, "--listen", &own_endpoint()]].concat());
     assert_eq!(system.secret(), Some(secret));
     let status = isola(&["status", "--connect", &system.address(), "--secret-file", &own]);
     assert!(status.status.success(), "{}", complaint(&status));
     drop(system);
 
-    let mut system = System::sweep(DAMPER, &[LEVELS, &["--insecure"]].concat());
+    let mut system = System::sweep(DAMPER, &[LEVELS, BRIEF, &["--insecure"]].concat());
     assert_eq!(system.secret(), None);
     let status = isola(&["status", "--connect", &system.address()]);
     assert!(status.status.success(), "{}", complaint(&status));
@@ -82,7 +83,7 @@ fn a_secret_that_is_given_and_none() {
 /// Port 0 is a free port: whoever is told where to connect to is told which.
 #[test]
 fn a_port_that_the_system_chooses() {
-    let mut system = System::sweep(DAMPER, &[LEVELS, &["--listen", "tcp/0.0.0.0:0"]].concat());
+    let mut system = System::sweep(DAMPER, &[LEVELS, BRIEF, &["--listen", "tcp/0.0.0.0:0"]].concat());
     let port = system.address().rsplit(':').next().unwrap().to_string();
     assert_ne!(port, "0");
     assert_eq!(tests::listening(system.coordinator.id()), [format!("0.0.0.0:{port}")]);

@@ -1,6 +1,6 @@
 //! What orchestrators, Prometheus and browsers are told: over HTTP, by `isola health`, as JSON.
 
-use crate::{DAMPER, FINE, LEVELS, LONG, SHORT};
+use crate::{BRIEF, DAMPER, FINE, LEVELS, LONG, SHORT};
 use rustix::process::Signal;
 use serde_json::Value;
 use std::io::{Read, Write};
@@ -78,7 +78,7 @@ fn metrics(system: &System, place: &str) -> String {
 /// Connections that ask nothing are closed, and do not keep others from being answered.
 #[test]
 fn connections_that_never_ask() {
-    let system = System::sweep(DAMPER, &[LEVELS, HTTP, LONG].concat());
+    let system = System::sweep(DAMPER, &[LEVELS, BRIEF, HTTP, LONG].concat());
     let place = place(&system);
     let silent: Vec<TcpStream> = (0..300).map(|_| TcpStream::connect(&place).unwrap()).collect();
     assert_eq!(get(&place, "/healthz", &[]).code, 200);
@@ -134,8 +134,9 @@ fn over_http_who_has_the_token_reads() {
     assert_eq!(metric(&before, "isola_leases", ""), Some(0.0), "{before}");
     let _worker = system.worker();
     system.wait_until_finished();
+    let carried_out = system.number("SELECT count(*) FROM tasks WHERE state = 'done'") as f64;
     system.eventually("the end in figures", |system| {
-        metric(&metrics(system, &place), "isola_tasks", "state=\"waiting\"") == Some(0.0)
+        metric(&metrics(system, &place), "isola_tasks", "state=\"done\"") == Some(carried_out)
     });
     let text = metrics(&system, &place);
     assert!(text.ends_with("# EOF\n"), "{text}");
@@ -172,7 +173,7 @@ fn over_http_who_has_the_token_reads() {
 /// A worker that vanishes is seen in the figures: what it held expires.
 #[test]
 fn what_expires_is_counted() {
-    let mut system = System::sweep(DAMPER, &[LEVELS, FINE, HTTP, SHORT].concat());
+    let mut system = System::sweep(DAMPER, &[LEVELS, FINE, BRIEF, HTTP, SHORT].concat());
     let place = place(&system);
     let _lost = system.expired_worker(|worker| worker.signal(Signal::KILL));
     let expired = |system: &System| metric(&metrics(system, &place), "isola_leases_expired_total", "");
@@ -185,7 +186,7 @@ fn what_expires_is_counted() {
 /// Where there is no secret there is no token, and no page under a name of somebody else's.
 #[test]
 fn without_a_secret_everybody_reads_by_an_address() {
-    let system = System::sweep(DAMPER, &[LEVELS, HTTP, LONG, &["--insecure"]].concat());
+    let system = System::sweep(DAMPER, &[LEVELS, BRIEF, HTTP, LONG, &["--insecure"]].concat());
     let place = place(&system);
     assert!(!system.directory().join("http-token").exists());
     assert!(get(&place, "/", &[]).body.contains("EventSource"));
@@ -202,7 +203,7 @@ fn without_a_secret_everybody_reads_by_an_address() {
 /// One line and an exit code, whatever there is to tell.
 #[test]
 fn health_and_status_for_programs() {
-    let mut system = System::sweep(DAMPER, &[LEVELS, &["--stay"]].concat());
+    let mut system = System::sweep(DAMPER, &[LEVELS, BRIEF, &["--stay"]].concat());
     let (directory, address) = (system.directory_text(), system.address());
     let secret = system.secret_file().display().to_string();
     let by_address = ["--connect", &address, "--secret-file", &secret];
@@ -248,9 +249,9 @@ fn logs_for_programs() {
     let run = folder.path().join("run");
     let study = tests::repository(DAMPER).display().to_string();
     let arguments = ["sweep", &study, "--out", run.to_str().unwrap(), "--workers", "1", "--log-format", "json"];
-    let sweep = isola(&[&arguments, LEVELS].concat());
+    let sweep = isola(&[&arguments, LEVELS, BRIEF].concat());
     assert!(sweep.status.success(), "{}", complaint(&sweep));
-    let refused = isola(&[&arguments, LEVELS].concat());
+    let refused = isola(&[&arguments, LEVELS, BRIEF].concat());
     assert_eq!(refused.status.code(), Some(1));
     let worker = std::fs::read_to_string(run.join("logs/worker-1.log")).unwrap();
     for (text, level, part) in [

@@ -1,6 +1,6 @@
 //! Stalls of the coordinator, of its disk and of the router between: nothing that a healthy worker does is thrown away.
 
-use crate::{DAMPER, ENDLESS, FINE, LEVELS, SHORT};
+use crate::{BRIEF, DAMPER, ENDLESS, FINE, LEVELS, SHORT};
 use protocol::credentials::Credentials;
 use protocol::keys::NAMESPACE;
 use rustix::process::Signal;
@@ -51,7 +51,7 @@ fn a_coordinator_frozen_for_longer_than_a_lease() {
 /// Another program writes, or only begins to, for longer than SQLite waits.
 #[test]
 fn a_store_that_another_program_has_locked() {
-    let mut system = System::sweep(DAMPER, &[LEVELS, FINE].concat());
+    let mut system = System::sweep(DAMPER, &[LEVELS, FINE, BRIEF].concat());
     let other = rusqlite::Connection::open(system.directory().join("run.sqlite")).unwrap();
     other.busy_timeout(PATIENCE).unwrap();
     let _worker = system.worker();

@@ -1,6 +1,6 @@
 //! Exit codes: 2 for wrong usage, an option's value included; 1 for everything else that goes wrong.
 
-use crate::{DAMPER, LEVELS};
+use crate::{BRIEF, DAMPER, LEVELS};
 use tests::{System, complaint, isola, repository};
 
 /// Exits with this code after one message that has these parts.
@@ -72,7 +72,7 @@ fn options_of_other_commands() {
 /// What only the run can tell.
 #[test]
 fn options_of_what_is_made_of_a_run() {
-    let mut system = System::sweep_with(DAMPER, &[LEVELS, &["--workers", "2"]].concat());
+    let mut system = System::sweep_with(DAMPER, &[LEVELS, BRIEF, &["--workers", "2"]].concat());
     system.expect_complete();
     let run = system.directory_text();
     let file = system.folder().join("figure.svg").display().to_string();

@@ -1,7 +1,7 @@
 //! Viewers: late, after the end, frozen.
 
 use crate::stand_in::StandIn;
-use crate::{DAMPER, FINE, LEVELS, LONG};
+use crate::{BRIEF, DAMPER, FINE, LEVELS, LONG};
 use protocol::codec::{encode, sha256};
 use protocol::follow::{Follower, Update};
 use protocol::ids::TaskId;
@@ -43,7 +43,7 @@ impl Viewer {
 /// One joins half way, one after the end: both hold every branch.
 #[test]
 fn late_viewers_see_all() {
-    let mut system = System::sweep(DAMPER, &[LEVELS, FINE, LONG, &["--stay"]].concat());
+    let mut system = System::sweep(DAMPER, &[LEVELS, FINE, BRIEF, LONG, &["--stay"]].concat());
     let (half_way, after) = block_on(async {
         let holder = StandIn::of(&system).await;
         let held = holder.grant().await;
@@ -79,7 +79,7 @@ async fn timed_status(session: &zenoh::Session, keys: &Keys) -> (Status, Duratio
 /// nobody wants anything, at the same time on the same machine.
 #[test]
 fn a_frozen_viewer() {
-    let quiet = System::sweep(DAMPER, LEVELS);
+    let quiet = System::sweep(DAMPER, &[LEVELS, BRIEF].concat());
     let rotor = ["--workers", "1", "--stay", "--amplitudes", "20,60"];
     let mut system = System::sweep_with("models/rotor67/study.toml", &rotor);
     system.wait_until("a result", |status| status.tasks.done > 0);
