@@ -51,7 +51,7 @@ pub enum Command {
     /// Write a small model with its study, every line commented, to start from.
     #[command(after_help = first_steps::NEW)]
     New(NewArgs),
-    /// Print what may stand in model.toml and study.toml: a JSON Schema for editors, or the meaning of one key.
+    /// Print what may stand in model.toml and study.toml: a JSON Schema for editors, or the meaning of one key or of all.
     #[command(after_help = first_steps::SCHEMA)]
     Schema(SchemaArgs),
     /// Validate a study; print its eigenfrequencies, gaps and size.

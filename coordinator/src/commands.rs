@@ -94,9 +94,10 @@ async fn health(args: &RemoteArgs) -> ExitCode {
     }
 }
 
-/// The schema of a file, or the meaning of a key.
+/// The schema of a file, or the meaning of a key or of all keys.
 fn schema(args: &SchemaArgs) -> Result<ExitCode, Error> {
     match &args.explain {
+        _ if args.all => show(reference::document()),
         Some(key) => show(reference::explain(key).map_err(Error::Usage)?),
         None => show(format_args!("{:#}\n", reference::schema(args.file))),
     }

@@ -12,7 +12,7 @@ use crate::store::{BranchRow, Reader, Result};
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets::UTF8_FULL_CONDENSED};
 use footnotes::{Footnotes, wrapped};
 use protocol::model::ModelMessage;
-use solver::response::branch::Outcome;
+use solver::response::branch::{BranchKind, Outcome};
 
 /// Levels shown at most; all of them are in summary.csv.
 const LEVELS: usize = 60;
@@ -59,6 +59,9 @@ pub fn table(reader: &Reader, layout: Layout) -> Result<String> {
     text += &table.to_string();
     text += &rows.notes.lines(layout.width).iter().map(|lines| format!("\n{lines}")).collect::<String>();
     let mut say = |sentence: &str| text += &format!("\n{}", wrapped(sentence, layout.width, ""));
+    if levels.iter().take(LEVELS).flat_map(|level| &level.branches).any(|row| !row.at_least().is_empty()) {
+        say("At least (≥): no more of the branch is known, and it may go on to larger responses.");
+    }
     if levels.len() > LEVELS {
         say(&format!("... and {} more levels: see summary.csv", levels.len() - LEVELS));
     }
@@ -161,7 +164,11 @@ impl Rows<'_> {
             let mark = if is_unconfirmed(row) { self.notes.mark(doubt.into()) } else { String::new() };
             return format!("{range}, {peak}{mark}");
         }
-        let mark = self.notes.mark(row.status.clone());
+        let meaning = match row.kind.as_str() {
+            kind if kind == BranchKind::Open.name() => "; detached, but not closed",
+            _ => "; whether it is detached is not known",
+        };
+        let mark = self.notes.mark(format!("{}{meaning}", row.status));
         format!("{}: {range}, {peak}{mark}", row.kind)
     }
 
@@ -169,11 +176,16 @@ impl Rows<'_> {
     fn windows(&mut self, level: &Level) -> String {
         let mut lines = vec![level.windows.len().to_string()];
         let unit = self.units.frequency;
-        lines.extend(level.not_found().map(|(window, reason)| {
+        let lost = level.not_found().map(|(window, reason)| {
             let (low, high) = (unit.digits(window.omega.0), unit.digits(window.omega.1));
-            let where_ = format!("A = {}, window {low}–{high}: not found: {}", level.amplitude, briefly(reason));
-            format!("lost{}", self.notes.mark(where_))
-        }));
+            self.notes.mark(format!(
+                "A = {}, window {low}–{high}: no branch was found: {}",
+                level.amplitude,
+                briefly(reason)
+            ))
+        });
+        let lost: Vec<String> = lost.collect();
+        lines.extend((!lost.is_empty()).then(|| format!("{} lost{}", lost.len(), lost.join(" "))));
         lines.extend((level.pending > 0).then(|| format!("{} to come", level.pending)));
         let given_up = || format!("A = {}: tasks given up: isola retry-dead tries them again", level.amplitude);
         lines.extend((level.dead > 0).then(|| format!("{} dead{}", level.dead, self.notes.mark(given_up()))));

@@ -116,6 +116,8 @@ fn wrong_types_and_missing_keys() {
         "[[]]",
         &["`laws[0].law.polynomial_spring`", "by their names"],
     );
+    let choices = ["`forcing.shape` = 3: choose `mode` or `", "`constant`"];
+    refused("{ mode = 1 }", "3", &choices);
     refused("normal = \"blade.r\"", "normal = 1", &["`contact.nodes[0].normal`", "dof name", "coefficients"]);
 }
 
@@ -188,7 +190,7 @@ fn contact_ranges() {
     refused("radius = 0.25", "radius = 0", &["`contact.nodes[0].radius` = 0", "positive", "in m"]);
     refused("radius = 0.25", "", &["`contact.nodes[0].radius`", "friction is 0.2", "set friction = 0"]);
     refused("tangential = [\"blade.theta\"]", "", &["`contact.nodes[0].tangential`", "friction is 0.2", "is needed"]);
-    refused("radius = 0.25", "radius = 0.25\ngap = -1", &["`contact.nodes[0].gap` = -1"]);
+    refused("radius = 0.25", "radius = 0.25\ngap = -1", &["entry 1 of contact.nodes: `contact.nodes[0].gap` = -1"]);
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use tests::{complaint, isola};
+use tests::{complaint, isola, repository};
 
 fn text(path: &Path) -> &str {
     path.to_str().expect("paths are text")
@@ -115,6 +115,7 @@ fn schemas_and_explanations() {
         assert!(text.starts_with("contact.nodes.radius ") && text.contains("  unit     m\n"), "{text}");
     }
     assert!(said(&["schema", "--explain", "harmonics"]).contains("keys     count, samples, quadrature\n"));
+    assert!(said(&["schema", "--all"]) == std::fs::read_to_string(repository("REFERENCE.md")).unwrap());
     let unknown = isola(&["schema", "--explain", "contact.gapp"]);
     assert_eq!(unknown.status.code(), Some(2));
     assert!(complaint(&unknown).contains("did you mean `contact.gap`?"), "{}", complaint(&unknown));

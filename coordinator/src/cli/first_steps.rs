@@ -19,7 +19,8 @@ pub(super) const SCHEMA: &str = "\
 Examples:
   isola schema model > model.schema.json        for an editor: `#:schema model.schema.json` in line 1 of model.toml
   isola schema --explain contact.gap
-  isola schema --explain harmonics";
+  isola schema --explain harmonics
+  isola schema --all                            every key in tables: a Markdown text";
 
 /// Arguments of `new`.
 #[derive(Debug, Args)]
@@ -41,6 +42,9 @@ pub struct SchemaArgs {
     /// Say what a key means, its unit, range and default, instead.
     #[arg(long, value_name = "KEY", conflicts_with = "file")]
     pub explain: Option<String>,
+    /// Every key of both files in tables, as Markdown, instead.
+    #[arg(long, conflicts_with_all = ["file", "explain"])]
+    pub all: bool,
 }
 
 fn templates() -> impl TypedValueParser<Value = &'static Template> {

@@ -8,7 +8,7 @@ const HEAD: &str = "\
 # Keys of model.toml and study.toml
 
 Written by the program: `UPDATE_DOCUMENTS=always cargo test -p coordinator --test reference`. `isola schema model` and `isola
-schema study` print the same for editors, `isola schema --explain KEY` explains one key.
+schema study` print the same for editors, `isola schema --explain KEY` explains one key, `isola schema --all` prints this text.
 
 SI units. Unknown keys are refused. Every key can be typed after `--set`, entries of lists counted from 0:
 `--set contact.nodes.0.gap=1e-4`.

@@ -26,9 +26,10 @@ _MARKS = {
     "death": ("x", "deaths"),
     "cusp": (".", "cusps"),
 }
-#: A main branch is shown at least where it is higher than this share of its peak; a threshold within this factor of the
-#: levels; and both with this room beside them, as a share of their width.
-_HIGH, _NEAR, _ROOM = 0.8, 4.0, 0.25
+#: A main branch is shown at least where it is higher than this share of its peak, with this room beside, as a share of the width.
+_HIGH, _ROOM = 0.8, 0.25
+#: Thresholds are shown from the lowest level divided by the first to the highest one times the second, as folds are followed.
+_NEAR = (4.0, 2.0)
 #: Most entries of a legend of levels.
 _NAMED = 12
 
@@ -188,16 +189,16 @@ class Plots:
         return axes
 
     def _draw_thresholds(self, axes: Axes, units: Units, levels: list[float]) -> Floats:
-        """The thresholds near the levels: elsewhere they say nothing. Their frequencies, rad/s, of the primary mode."""
+        """The thresholds near the levels: elsewhere they say nothing. Their frequencies, rad/s."""
         table = self._run.backbones
-        near = (min(levels) / _NEAR, max(levels) * _NEAR) if levels else (0.0, np.inf)
-        shown = np.zeros(0)
+        near = (min(levels) / _NEAR[0], max(levels) * _NEAR[1]) if levels else (0.0, np.inf)
+        shown = []
         for i, (_, curve) in enumerate(table.groupby("mode", sort=False)):
             threshold = curve["threshold"].where(curve["threshold"].between(*near))
             label = "threshold A*" if i == 0 else None
             axes.plot(units.frequencies(curve["omega"]), threshold, color=_INK, linewidth=1.2, label=label)
-            shown = shown if i else curve["omega"][threshold.notna()].to_numpy()
-        return shown
+            shown.append(curve["omega"][threshold.notna()].to_numpy())
+        return np.concatenate([np.zeros(0), *shown])
 
     def _draw_folds(self, axes: Axes, units: Units) -> None:
         low, high = axes.get_ylim()

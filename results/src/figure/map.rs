@@ -1,10 +1,11 @@
-//! Isola map: the threshold along the backbone, where windows are born and merge, and what every level has.
+//! Isola map: the thresholds along the backbones, where windows are born and merge, and what every level has.
 
 use super::column_store::ColumnStore;
 use super::data::{Axis, Direction, Entry, Figure, Kind, Label, Panel, Series, Side, Size, Span, Unit};
 use super::folds::{EVENTS, event_label, of_kind};
 use super::style::{BOLD, Color, FINE, MARK, MEDIUM, Shape, Style};
 use super::subject::{BackboneColumns, Subject};
+use crate::curves::BackboneCurve;
 use crate::overview::{WindowOutcome, WindowRow};
 use crate::store::{BranchRow, CurvePoint};
 use crate::words::digits;
@@ -33,15 +34,16 @@ pub fn figure(
     let isolas = || others().filter(move |other| !is_open(other));
     let ends = isolas().flat_map(|(_, isola)| [isola.omega.0, isola.omega.1]);
     let is_near = near(subject);
-    let (omegas, thresholds) = (&backbone.omega.values, &backbone.threshold.values);
-    let shown = || thresholds.iter().zip(omegas).filter(|(threshold, _)| is_near(**threshold));
+    let primary = || points(backbone);
+    let shown =
+        || primary().chain(subject.further.iter().flat_map(points)).filter(|(threshold, _)| is_near(*threshold));
     let levels = subject.levels.iter().map(|level| level.value);
-    let values = levels.chain(shown().map(|(threshold, _)| *threshold));
+    let values = levels.chain(shown().map(|(threshold, _)| threshold));
     let y = Axis::logarithmic("forcing amplitude A, threshold A*", Unit::none(), values);
     let is_any = shown().next().is_some();
-    let of_backbone = thresholds.iter().zip(omegas).filter(|(threshold, _)| !is_any || is_near(**threshold));
+    let of_backbones = shown().chain(primary().filter(|_| !is_any));
     let events = EVENTS.iter().flat_map(|(kind, ..)| computed(subject, &y, kind)).map(|point| point.omega);
-    let x = Axis::around("", Unit::none(), of_backbone.map(|(_, omega)| *omega).chain(ends).chain(events));
+    let x = Axis::around("", Unit::none(), of_backbones.map(|(_, omega)| omega).chain(ends).chain(events));
 
     let mut drawing = Drawing { series: Vec::new(), legend: Vec::new(), store };
     let curve = Style::line(Color::Ink, MEDIUM);
@@ -73,6 +75,7 @@ pub fn figure(
     drawing.bars("windows pending", shade, pending.map(|(value, window)| (value, window.omega)));
 
     drawing.folds(subject, &y);
+    drawing.further(subject, &y);
 
     let threshold = Series {
         name: Some("backbone".into()),
@@ -91,7 +94,8 @@ pub fn figure(
     };
     drawing.series.extend([below, threshold]);
     let is_shown = |event: &&Event| (0.0..=1.0).contains(&y.share(event.threshold));
-    let events = || backbone.events.iter().filter(is_shown);
+    let events =
+        || backbone.events.iter().chain(subject.further.iter().flat_map(|further| &further.events)).filter(is_shown);
     for (kind, shape, name) in [
         (EventKind::Birth, Shape::Triangle, "births, predicted"),
         (EventKind::Merge, Shape::InvertedTriangle, "merges, predicted"),
@@ -141,6 +145,18 @@ impl Drawing<'_> {
         self.points(Some(name), style, points);
     }
 
+    /// Thresholds of further modes, as far as the axis of A shows them.
+    fn further(&mut self, subject: &Subject<'_>, y: &Axis) {
+        let gap = (f64::NAN, f64::NAN);
+        let shown =
+            |(threshold, omega)| if (0.0..=1.0).contains(&y.share(threshold)) { (omega, threshold) } else { gap };
+        let curves = subject.further.iter().flat_map(|backbone| points(backbone).map(shown).chain([gap]));
+        let curves: Vec<(f64, f64)> = curves.collect();
+        if curves.iter().any(|(_, threshold)| threshold.is_finite()) {
+            self.points(Some("threshold A* of further modes"), Style::line(Color::Ink, FINE), curves.into_iter());
+        }
+    }
+
     /// Fold curves, and where isolas are born and branches merge on them.
     fn folds(&mut self, subject: &Subject<'_>, y: &Axis) {
         let gap = (f64::NAN, f64::NAN);
@@ -172,6 +188,11 @@ impl Drawing<'_> {
 /// Where this happens along fold curves, as far as the axis of A shows it.
 fn computed<'s>(subject: &Subject<'s>, y: &'s Axis, wanted: &'s str) -> impl Iterator<Item = &'s CurvePoint> {
     of_kind(subject.curves, wanted).filter(|point| (0.0..=1.0).contains(&y.share(point.forcing)))
+}
+
+/// Thresholds along a backbone, with their frequencies.
+fn points(backbone: &BackboneCurve) -> impl Iterator<Item = (f64, f64)> {
+    backbone.threshold.values.iter().copied().zip(backbone.omega.values.iter().copied())
 }
 
 /// Whether a threshold is shown.

@@ -23,6 +23,8 @@ pub struct Subject<'r> {
     pub monitors: &'r [Monitor],
     /// The backbone, once it is known.
     pub backbone: Option<&'r BackboneCurve>,
+    /// The backbones of further modes.
+    pub further: &'r [BackboneCurve],
     /// Fold curves.
     pub curves: &'r [CurveRow],
     /// Lowest and highest frequency of the sweep, rad/s.

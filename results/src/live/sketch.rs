@@ -99,6 +99,7 @@ impl Sketch {
             branches: &self.branches,
             monitors: &self.monitors,
             backbone: self.backbone.as_ref(),
+            further: &[],
             curves: &[],
             sweep: None,
             resonance: &self.resonance,

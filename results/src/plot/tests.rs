@@ -1,8 +1,10 @@
 //! What figures show of small runs, and what they say when they cannot.
 
 use super::*;
-use crate::figure::{LIGHT, run_points};
+use crate::curves::BackboneCurve;
+use crate::figure::{Figures, LIGHT, run_points};
 use crate::fixture::Study;
+use crate::report::{Report, Selection};
 use crate::store::Reader;
 use std::path::Path;
 use tempfile::{TempDir, tempdir};
@@ -103,6 +105,18 @@ fn map_and_resonance_show_levels() {
         ["threshold A* of the backbone", "main branches", "isolas", "births, predicted", "merges, predicted"]
     );
     assert_eq!(labels(&drawn, 0).len(), 2);
+    // Of further modes as well, where they are near the levels.
+    let mut report = Report::read(&Reader::open(&run).unwrap(), &Selection::All).unwrap();
+    let primary = report.backbone.clone().unwrap();
+    report.further = vec![BackboneCurve { mode: 1, ..primary.clone() }];
+    let map = Figures::new(&report.subject()).drawn.remove("map").unwrap();
+    assert!(map.legend.iter().any(|entry| entry.text == "threshold A* of further modes"), "{:?}", map.legend);
+    assert_eq!(map.panels[0].labels.len(), 4);
+    let mut far = primary;
+    far.threshold.values.iter_mut().for_each(|threshold| *threshold *= 1e6);
+    report.further = vec![BackboneCurve { events: Vec::new(), ..far }];
+    let map = Figures::new(&report.subject()).drawn.remove("map").unwrap();
+    assert!(!map.legend.iter().any(|entry| entry.text.contains("further")), "{:?}", map.legend);
     let drawn = sheet(&run, &["--figure", "resonance"]).unwrap();
     assert_eq!(drawn.figure.panels.iter().map(|panel| panel.series.len()).collect::<Vec<_>>(), [3, 3]);
 }

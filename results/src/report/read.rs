@@ -44,6 +44,8 @@ pub struct Report {
     pub branches: Vec<Curve>,
     /// The backbone, once it is known.
     pub backbone: Option<BackboneCurve>,
+    /// The backbones of further modes.
+    pub further: Vec<BackboneCurve>,
     /// Frequency and amplitude of the largest response, three ways.
     pub resonance: ResonanceComparison,
     /// Motions at chosen points.
@@ -155,6 +157,7 @@ impl Report {
             monitors,
             branches,
             backbone,
+            further,
             curves,
             motions,
             account,
@@ -172,6 +175,7 @@ impl Report {
             branches: &self.branches,
             monitors: &self.monitors,
             backbone: self.backbone.as_ref(),
+            further: &self.further,
             curves: &self.curves,
             sweep: self.sweep,
             resonance: &self.resonance,

@@ -164,13 +164,31 @@ impl Layers {
     /// # Errors
     /// Keys that the type does not know, and values of the wrong type.
     pub fn parsed<T: DeserializeOwned>(&self) -> Result<T, ModelError> {
-        serde_path_to_error::deserialize(Value::Table(self.table.clone()))
-            .map_err(|error| self.explain(&error.path().to_string(), error.inner().message()))
+        deserialized(self.table.clone())
+            .map_err(|(path, message)| self.no_choice::<T>(&path).unwrap_or_else(|| self.explain(&path, &message)))
+    }
+
+    /// If a choice is wanted at a path and what stands there names none: the choices. Serde tells them only of a wrong name.
+    fn no_choice<T: DeserializeOwned>(&self, path: &str) -> Option<ModelError> {
+        let segments: Vec<String> = dotted(path).split('.').map(str::to_string).collect();
+        let found = segments.iter().skip(1).try_fold(self.table.get(&segments[0])?, |value, segment| match value {
+            Value::Array(list) => list.get(segment.parse::<usize>().ok()?),
+            value => value.get(segment),
+        })?;
+        if found.is_str() || found.is_table() {
+            return None;
+        }
+        let mut table = self.table.clone();
+        set(&mut table, &segments, Value::String(String::new())).ok()?;
+        let (of, message) = deserialized::<T>(table).err()?;
+        let choices = message.trim_end().strip_prefix("unknown variant ``, expected ").filter(|_| of == path)?;
+        let remedy = format!("choose {}", choices.replace(", ", " or ").replace("one of ", ""));
+        Some(ModelError::value(self.place(path), found, remedy))
     }
 
     /// The last one who set this key, one above or one below.
     fn source(&self, key: &str) -> Option<&Source> {
-        let dotted = key.replace('[', ".").replace(']', "");
+        let dotted = dotted(key);
         let related = |set: &str| below(&dotted, set) || below(set, &dotted);
         self.set.iter().rev().find(|(set, _)| related(set)).map(|(_, source)| source)
     }
@@ -212,6 +230,17 @@ impl Layers {
         };
         ModelError::Type { place, message }
     }
+}
+
+/// Settings as a type, or the path of what does not fit, with serde's account of it.
+fn deserialized<T: DeserializeOwned>(table: Table) -> Result<T, (String, String)> {
+    serde_path_to_error::deserialize(Value::Table(table))
+        .map_err(|error| (error.path().to_string(), error.inner().message().to_string()))
+}
+
+/// A path with its positions in lists as parts like others.
+fn dotted(path: &str) -> String {
+    path.replace('[', ".").replace(']', "")
 }
 
 /// Dotted keys of a file: those of sections, and of values outside of sections.
@@ -315,7 +344,7 @@ mod tests {
         assert_eq!(place("contact.gap"), "model.toml: `contact.gap`");
         assert_eq!(place("contact.friction"), "study.toml: `contact.friction`");
         assert_eq!(place("contact.nodes[0].gap"), "--set contact.nodes.0.gap=5: `contact.nodes[0].gap`");
-        assert_eq!(place("contact.nodes[1].gap"), "model.toml: `contact.nodes[1].gap`");
+        assert_eq!(place("contact.nodes[1].gap"), "model.toml: entry 2 of contact.nodes: `contact.nodes[1].gap`");
         assert_eq!(place("contact.epsilon"), "model.toml: `contact.epsilon`");
         assert!(layers.given("contact") && !layers.given("contact.epsilon") && !layers.given("cont"));
         layers.set("--set", "matrices", "{mass = \"m.mtx\"}").unwrap();

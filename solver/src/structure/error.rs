@@ -9,7 +9,7 @@ use thiserror::Error;
 pub struct Place {
     /// The file, unless the value was typed or the model was built from matrices at hand.
     pub file: Option<PathBuf>,
-    /// Dotted key; entries of lists are counted from 0. Empty: the settings as a whole.
+    /// Dotted key; entries of lists are counted from 0, as in what is typed. Empty: the settings as a whole.
     pub key: String,
     /// What set the key, if not this file: an option as typed, or the settings that name this matrix.
     pub set_by: Option<Box<str>>,
@@ -25,7 +25,14 @@ impl Place {
 impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match (&self.file, &self.set_by) {
-            (Some(file), _) => write!(f, "{}: ", file.display())?,
+            (Some(file), None) => {
+                write!(f, "{}: ", file.display())?;
+                // Files do not number their entries.
+                if let Some((number, list)) = entry(&self.key) {
+                    write!(f, "entry {number} of {list}: ")?;
+                }
+            }
+            (Some(file), Some(_)) => write!(f, "{}: ", file.display())?,
             (None, Some(typed)) => write!(f, "{typed}: ")?,
             (None, None) => {}
         }
@@ -38,6 +45,13 @@ impl fmt::Display for Place {
             _ => Ok(()),
         }
     }
+}
+
+/// Which entry of which list a key is, or is below: its number from 1.
+fn entry(key: &str) -> Option<(usize, &str)> {
+    let (list, rest) = key.split_once('[')?;
+    let (index, _) = rest.split_once(']')?;
+    Some((index.parse::<usize>().ok()? + 1, list))
 }
 
 /// Why a model was refused.
@@ -250,13 +264,15 @@ impl ModelError {
             .filter(|(similarity, _)| *similarity > 0.7)
             .max_by(|a, b| a.0.total_cmp(&b.0))
             .map(|(_, name)| name.to_string());
-        if known.len() > SHOWN {
+        let more = known.len().saturating_sub(SHOWN);
+        if more > 0 {
             known.sort_by(|a, b| b.0.total_cmp(&a.0));
             known.truncate(SHOWN);
         }
         let known: Vec<String> = known.into_iter().map(|(_, known)| format!("`{known}`")).collect();
         let guess = nearest.map_or_else(String::new, |name| format!("did you mean `{name}`? "));
-        Self::Unknown { place, name: name.to_string(), hint: format!("{guess}known here: {}", known.join(", ")) }
+        let more = if more > 0 { format!(", … and {more} more") } else { String::new() };
+        Self::Unknown { place, name: name.to_string(), hint: format!("{guess}known here: {}{more}", known.join(", ")) }
     }
 }
 

@@ -12,7 +12,7 @@ struct Options {
     #[arg(long, default_value_t = 1)]
     from: u64,
     /// Number of structures.
-    #[arg(long, default_value_t = 80)]
+    #[arg(long, default_value_t = 110)]
     count: u64,
     /// Random starts of a batch; a forcing level has two to ten batches.
     #[arg(long, default_value_t = 1000)]
