@@ -106,6 +106,11 @@ impl Keys {
         self.at(&format!("checkpoint/{task}"))
     }
 
+    /// These from the one with this number on, from 0: as many as one answer holds.
+    pub fn checkpoint_from(&self, task: &TaskId, first: usize) -> String {
+        format!("{}?first={first}", self.checkpoint(task))
+    }
+
     /// The steps of all tasks.
     pub fn checkpoints(&self) -> String {
         self.at("checkpoint/*")

@@ -58,6 +58,14 @@ pub struct Manifest {
     pub max_result_bytes: usize,
 }
 
+impl Manifest {
+    /// Most bytes of steps that are kept of a task. Beside a state a step has its tangent: it takes twice as many as a point of a
+    /// result.
+    pub fn max_checkpoint_bytes(&self) -> usize {
+        self.max_result_bytes.saturating_mul(2)
+    }
+}
+
 /// Where a run is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]

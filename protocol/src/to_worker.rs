@@ -66,7 +66,8 @@ impl Grant {
     }
 }
 
-/// The steps that earlier attempts at a task took, on `checkpoint/<task>`: in the order in which they came.
+/// Steps that earlier attempts at a task took, on `checkpoint/<task>?first=<number>`: in the order in which they came, from a part that
+/// begins with this number on, as many as one answer holds.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Checkpoint {
     /// The task.

@@ -24,6 +24,8 @@ const PATIENT: Duration = Duration::from_secs(30);
 pub const SLOWEST: u64 = 20_000;
 /// A connection slower than that is not expected: whether a result has arrived is asked from then on.
 const USUAL: u64 = 1_000_000;
+/// More than the steps in one answer have, bytes.
+const PORTION: usize = 64 << 20;
 /// There is a result of this task, this one or one like it.
 const STORED: SubmitReply = SubmitReply::Duplicate { agrees: true };
 
@@ -148,9 +150,9 @@ impl Bus {
         fetch_bulk(&self.session, &self.keys.result(task), ANSWER + transfer(most, USUAL)).await
     }
 
-    /// The steps that earlier attempts at a task took, of at most so many bytes.
-    pub async fn checkpoint(&self, task: &TaskId, most: usize) -> Result<Checkpoint, RequestError> {
-        fetch_bulk(&self.session, &self.keys.checkpoint(task), ANSWER + transfer(most, USUAL)).await
+    /// The steps that earlier attempts at a task took from the one with this number on, as many as one answer holds.
+    pub async fn checkpoint(&self, task: &TaskId, first: usize) -> Result<Checkpoint, RequestError> {
+        fetch_bulk(&self.session, &self.keys.checkpoint_from(task, first), ANSWER + transfer(PORTION, USUAL)).await
     }
 
     /// Tells people where a branch is; lost if there is no room on the way.

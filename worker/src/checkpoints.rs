@@ -16,8 +16,11 @@ use zenoh::bytes::ZBytes;
 const PERIOD: Duration = Duration::from_secs(2);
 /// Of the time that a task has taken, the share that may be lost with a worker: so long between two parts.
 const LOST: u32 = 30;
-/// Between two parts it waits so many times as long as sending one took: on a slow connection signs of life and results come first.
+/// Between two parts it waits so many times as long as sending took beyond what a quick connection needs: on a slow one signs of life
+/// and results come first.
 const SENDING: u32 = 4;
+/// What a quick connection carries and a coordinator keeps, bytes/s.
+const QUICK: u64 = 10_000_000;
 /// Size of a part, bytes.
 const PART: usize = 1 << 20;
 /// How often steps that earlier attempts took are asked for.
@@ -100,23 +103,24 @@ pub async fn send(bus: &Bus, lease: &Lease, given: &str, unsent: &Unsent) {
     let mut pause = PERIOD;
     loop {
         tokio::time::sleep(pause).await;
-        let mut took = Duration::ZERO;
+        let mut slow = Duration::ZERO;
         while let Some(steps) = unsent.take(given) {
             let (first, count) = (steps.first, steps.len());
             let request = CheckpointRequest { lease: lease.clone(), steps };
-            let sent = Instant::now();
-            if !deliver(bus, lease, ZBytes::from(encode(&request))).await {
+            let (sent, payload) = (Instant::now(), ZBytes::from(encode(&request)));
+            let quick = transfer(payload.len(), QUICK);
+            if !deliver(bus, lease, payload).await {
                 unsent.close();
                 return;
             }
-            took += sent.elapsed();
+            slow += sent.elapsed().saturating_sub(quick);
             tracing::debug!(task = %lease.task, first, count, "checkpoint");
             // What has come meanwhile waits for its turn.
             if !unsent.fills_a_part() {
                 break;
             }
         }
-        pause = PERIOD.max(began.elapsed() / LOST).max(took * SENDING);
+        pause = PERIOD.max(began.elapsed() / LOST).max(slow * SENDING);
     }
 }
 
@@ -146,27 +150,26 @@ async fn deliver(bus: &Bus, lease: &Lease, payload: ZBytes) -> bool {
 
 /// The steps that earlier attempts at a task took; none if they are not to be had, or are of something else: then it begins at its
 /// beginning.
-pub async fn taken_before(bus: &Bus, lease: &Lease, grant: &Grant, most: usize) -> Vec<Step> {
-    if grant.checkpoint == 0 {
-        return Vec::new();
-    }
-    let task = &lease.task;
-    match fetch(bus, lease, most).await.and_then(|checkpoint| steps_of(&checkpoint, &grant.fingerprint())) {
-        Ok(steps) => {
-            tracing::info!(%task, attempt = %lease.attempt, steps = steps.len(), "goes on from a checkpoint");
-            steps
-        }
-        Err(why) => {
+pub async fn taken_before(bus: &Bus, lease: &Lease, grant: &Grant) -> Vec<Step> {
+    let (task, given) = (&lease.task, grant.fingerprint());
+    let mut steps = Vec::new();
+    while steps.len() < grant.checkpoint {
+        let portion = fetch(bus, lease, steps.len()).await;
+        if let Err(why) = portion.and_then(|portion| add_steps(&mut steps, &portion, &given)) {
             tracing::warn!(%task, attempt = %lease.attempt, why, "begins without its checkpoint");
-            Vec::new()
+            return Vec::new();
         }
     }
+    if !steps.is_empty() {
+        tracing::info!(%task, attempt = %lease.attempt, steps = steps.len(), "goes on from a checkpoint");
+    }
+    steps
 }
 
-async fn fetch(bus: &Bus, lease: &Lease, most: usize) -> Result<Checkpoint, String> {
+async fn fetch(bus: &Bus, lease: &Lease, first: usize) -> Result<Checkpoint, String> {
     let mut why = String::new();
     for _ in 0..ASKED {
-        match bus.checkpoint(&lease.task, most).await {
+        match bus.checkpoint(&lease.task, first).await {
             Ok(checkpoint) => return Ok(checkpoint),
             Err(error @ (RequestError::Refused(_) | RequestError::Codec(_))) => return Err(error.to_string()),
             Err(error) => why = error.to_string(),
@@ -175,10 +178,10 @@ async fn fetch(bus: &Bus, lease: &Lease, most: usize) -> Result<Checkpoint, Stri
     Err(why)
 }
 
-/// The steps of a checkpoint of a task that was given this.
-fn steps_of(checkpoint: &Checkpoint, given: &str) -> Result<Vec<Step>, String> {
-    let mut steps: Vec<Step> = Vec::new();
-    for part in &checkpoint.parts {
+/// Adds the steps of a portion that follow those before, of a task that was given this.
+fn add_steps(steps: &mut Vec<Step>, portion: &Checkpoint, given: &str) -> Result<(), String> {
+    let before = steps.len();
+    for part in &portion.parts {
         if part.given != given {
             return Err("it is of something else".into());
         }
@@ -187,7 +190,7 @@ fn steps_of(checkpoint: &Checkpoint, given: &str) -> Result<Vec<Step>, String> {
         }
         steps.extend(part.steps().map_err(|error| error.to_string())?);
     }
-    Ok(steps)
+    if steps.len() == before { Err(format!("there is no step {before}")) } else { Ok(()) }
 }
 
 #[cfg(test)]
@@ -234,12 +237,17 @@ mod tests {
     #[test]
     fn a_checkpoint_that_does_not_fit_is_dropped() {
         let part = |given: &str, first: usize| Steps::new(given.into(), first, &[step(first)]);
-        let of = |parts| steps_of(&Checkpoint { task: TaskId::new("1-0").unwrap(), parts }, "a");
-        assert_eq!(of(vec![part("a", 0), part("a", 1)]).unwrap(), [step(0), step(1)]);
+        let mut taken = Vec::new();
+        let mut add = |parts| add_steps(&mut taken, &Checkpoint { task: TaskId::new("1-0").unwrap(), parts }, "a");
+        add(vec![part("a", 0), part("a", 1)]).unwrap();
+        add(vec![part("a", 2)]).unwrap();
+        assert_eq!(taken, [step(0), step(1), step(2)]);
         let mut damaged = part("a", 0);
         damaged.iterations.clear();
-        for parts in [vec![part("b", 0)], vec![part("a", 1)], vec![part("a", 0), part("b", 1)], vec![damaged]] {
-            assert!(of(parts).is_err());
+        for parts in [vec![], vec![part("b", 0)], vec![part("a", 1)], vec![part("a", 0), part("b", 1)], vec![damaged]] {
+            let mut taken = Vec::new();
+            let portion = Checkpoint { task: TaskId::new("1-0").unwrap(), parts };
+            assert!(add_steps(&mut taken, &portion, "a").is_err());
         }
     }
 }

@@ -142,8 +142,8 @@ impl Lane {
             return Err("unusable task: there is no landing".into());
         }
         let Found { landings, branches: known, curves } = self.known.get(&shared.bus, lease, &grant).await?;
-        let most = shared.max_result_bytes;
-        let before = checkpoints::taken_before(&shared.bus, lease, &grant, most).await;
+        let most = shared.max_checkpoint_bytes;
+        let before = checkpoints::taken_before(&shared.bus, lease, &grant).await;
         let Grant { amplitude, reach, work, .. } = grant;
         Ok(Job { lease: lease.clone(), amplitude, reach, work, seeds, landings, known, curves, before, most })
     }

@@ -27,6 +27,8 @@ pub struct Shared {
     pub settings: Settings,
     /// Largest result accepted, bytes.
     pub max_result_bytes: usize,
+    /// Most steps kept of a task, bytes.
+    pub max_checkpoint_bytes: usize,
     /// Ending when told to.
     pub shutdown: Shutdown,
     /// The coordinator's hints to ask for orders.
@@ -82,6 +84,7 @@ impl Shared {
             model: Arc::new(model),
             settings: manifest.settings,
             max_result_bytes: manifest.max_result_bytes,
+            max_checkpoint_bytes: manifest.max_checkpoint_bytes(),
             shutdown,
             hints: watch::Sender::new(()),
             wakes: watch::Sender::new(()),

@@ -17,6 +17,9 @@ use zenoh::bytes::ZBytes;
 use zenoh::key_expr::keyexpr;
 use zenoh::query::Query;
 
+/// Bytes of the steps in one answer.
+const PORTION: usize = 32 << 20;
+
 /// Everything that anyone may ask for.
 pub(super) struct Queries {
     directory: PathBuf,
@@ -123,9 +126,14 @@ impl Queries {
             return Ok(());
         }
         if let Some(task) = one.as_ref().filter(|task| asked.as_str() == keys.checkpoint(task)) {
-            match reader.checkpoint(task)? {
+            let first = query.parameters().get("first").map_or(Ok(0), str::parse);
+            let Ok(first) = first else {
+                refuse(query, "ask for the steps from a number on: checkpoint/<task>?first=<number>");
+                return Ok(());
+            };
+            match reader.checkpoint(task, first, PORTION)? {
                 Some(checkpoint) => answer(query, asked.as_str(), &checkpoint),
-                None => refuse(query, &format!("nothing is kept of task {task}")),
+                None => refuse(query, &format!("nothing is kept of task {task} from step {first} on")),
             }
             return Ok(());
         }

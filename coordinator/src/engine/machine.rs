@@ -62,7 +62,7 @@ impl Engine {
             (_, None) => Decision::default(),
             (Event::Renew(RenewRequest { lease, progress }), Some(sweep)) => sweep.renew(&lease, progress, now),
             (Event::Checkpoint(lease, part), Some(sweep)) => {
-                sweep.checkpoint(&lease, part, self.manifest.max_result_bytes)
+                sweep.checkpoint(&lease, part, self.manifest.max_checkpoint_bytes())
             }
             (Event::Offer(lease), Some(sweep)) => sweep.offer(&lease, &self.manifest.run),
             (Event::Refused(lease, why), Some(sweep)) => sweep.refuse(&lease, why, now),

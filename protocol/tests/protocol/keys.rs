@@ -76,6 +76,9 @@ fn keys_are_those_documented() {
         assert!(zenoh::key_expr::KeyExpr::autocanonize(key.clone()).is_ok_and(|canon| canon.as_str() == key));
     }
     assert_eq!(last_chunk(&keys.done(&task)), task.as_str());
+    let steps = keys.checkpoint_from(&task, 17);
+    let asked = zenoh::query::Selector::try_from(steps.as_str()).unwrap();
+    assert_eq!((asked.key_expr().as_str(), asked.parameters().get("first")), (&*keys.checkpoint(&task), Some("17")));
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! Three answers that the store supports: where it is dangerous, from which forcing on, and what ordinary continuation
-//! would have missed. Each says first what is lost, then what was found, then what was and what was not looked for.
+//! would have missed. Each says first what is lost, then what was found; what was and what was not looked for stands once, in the first
+//! answer if nothing was found.
 
 #[cfg(test)]
 mod tests;
@@ -132,12 +133,11 @@ impl<'r> Evidence<'r> {
             return format!("Nothing is known yet: {} to come.", count(self.levels.len(), "forcing level"));
         }
         let prediction = self.prediction();
-        let (searched, not_searched) = (self.searched(), self.not_searched());
         let computed = self.computed_events().map(|sentence| format!(" {sentence}")).unwrap_or_default();
         let runs = runs(self.levels);
         let partly: Vec<&Level> = self.with_isolas().filter(|level| !level.is_complete()).collect();
         if runs.is_empty() && partly.is_empty() {
-            return format!("None was found from {searched}{prediction}; {not_searched}.{computed}");
+            return format!("None was found where it was looked for (see the first answer){prediction}.{computed}");
         }
         let mut found: Vec<String> = Vec::new();
         if !runs.is_empty() {
@@ -162,9 +162,11 @@ impl<'r> Evidence<'r> {
             )
         });
         format!(
-            "Isolas were found {}{prediction}.{computed}{} Looked for: {searched}; {not_searched}.",
+            "Isolas were found {}{prediction}.{computed}{} Looked for: {}; {}.",
             found.join(", and "),
-            end.unwrap_or_default()
+            end.unwrap_or_default(),
+            self.searched(),
+            self.not_searched()
         )
     }
 
@@ -210,7 +212,7 @@ impl<'r> Evidence<'r> {
         }
         if self.with_isolas().next().is_none() {
             let others: String = self.others().iter().map(|sentence| format!(" {sentence}")).collect();
-            return format!("No isola was found from {}; {}.{others}", self.searched(), self.not_searched());
+            return format!("No isola was found where it was looked for (see the first answer).{others}");
         }
         let gains = self.with_isolas().filter_map(|level| {
             let main = level.main().filter(|main| main.amplitude_max > 0.0)?;

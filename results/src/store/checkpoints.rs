@@ -42,13 +42,19 @@ impl Reader {
         self.all(sql, [], row)?.into_iter().map(|(task, kept)| Ok((self.task_id(&task)?, kept))).collect()
     }
 
-    /// The steps kept of a task; `None` if there are none.
+    /// Steps kept of a task from the one with number `from` on, of about `most` bytes but at least one part; `None` if no part begins
+    /// there.
     ///
     /// # Errors
     /// If the file cannot be read, or what is in it makes no sense.
-    pub fn checkpoint(&self, task: &TaskId) -> Result<Option<Checkpoint>> {
-        let sql = "SELECT payload FROM checkpoints WHERE task = ?1 ORDER BY first";
-        let payloads = self.all(sql, [task.as_str()], |row| row.get::<_, Vec<u8>>(0))?;
+    pub fn checkpoint(&self, task: &TaskId, from: usize, most: usize) -> Result<Option<Checkpoint>> {
+        // The sizes of blobs are known without reading them.
+        let sql = "WITH sized AS (SELECT first, sum(length(payload)) OVER (ORDER BY first) AS size FROM checkpoints \
+                   WHERE task = ?1 AND first >= ?2) \
+                   SELECT payload FROM checkpoints JOIN sized USING (first) \
+                   WHERE task = ?1 AND (size <= ?3 OR first = ?2) ORDER BY first";
+        let params = params![task.as_str(), from as i64, most as i64];
+        let payloads = self.all(sql, params, |row| row.get::<_, Vec<u8>>(0))?;
         let part = |bytes: Vec<u8>| decode_stored(&bytes).map_err(|error| self.corrupt(error));
         let parts = payloads.into_iter().map(part).collect::<Result<Vec<_>>>()?;
         Ok((!parts.is_empty()).then(|| Checkpoint { task: task.clone(), parts }))

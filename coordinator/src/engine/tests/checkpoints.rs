@@ -38,7 +38,7 @@ fn only_the_holder_adds_steps_that_follow() {
     assert_eq!(send(part(&lease, 10, 5)), KEPT);
     assert_eq!(send(part(&lease, 10, 5)), AGAIN);
     assert_eq!(send(part(&lease, 20, 5)), ENOUGH, "there is a gap");
-    let most = RUN.0.max_result_bytes;
+    let most = RUN.0.max_checkpoint_bytes();
     assert_eq!(send(sized(&lease, 15, 1, most - 100)), ENOUGH, "more than are kept of a task");
     for foreign in [
         Lease { worker: worker("b"), ..lease.clone() },

@@ -7,6 +7,9 @@ use protocol::steps::Steps;
 use solver::curve::continuation::CurvePoint;
 use solver::curve::record::{Ahead, Step};
 
+/// More bytes than anything here has.
+const ALL: usize = 1 << 20;
+
 fn step(i: usize) -> Step {
     let (iterations, factorisations, residual, orientation) = (2, 1, 1e-13, 1.0);
     let point = CurvePoint {
@@ -34,15 +37,21 @@ fn steps_are_kept_until_they_are_of_no_use() {
     let (mut store, mut sweep) = study.begin(dir.path());
     let granted = sweep.lease(&mut store, 0).unwrap();
     let task = granted.task;
-    assert!(store.kept().unwrap().is_empty() && store.checkpoint(&task).unwrap().is_none());
+    assert!(store.kept().unwrap().is_empty() && store.checkpoint(&task, 0, ALL).unwrap().is_none());
     let ((first, one), (second, other)) = (part(&task, 1, 0), part(&task, 2, 2));
     store.commit(&[one, other]).unwrap();
     let bytes = encode(&first).len() + encode(&second).len();
     assert_eq!(store.kept().unwrap(), [(task.clone(), Kept { steps: 4, bytes, attempt: Attempt(2) })].into());
-    assert_eq!(store.checkpoint(&task).unwrap().unwrap().parts, [first.clone(), second]);
+    let parts = |store: &Store, from, most| store.checkpoint(&task, from, most).unwrap().map(|kept| kept.parts);
+    assert_eq!(parts(&store, 0, ALL).unwrap(), [first.clone(), second.clone()]);
+    // As many as there is room for, and at least one.
+    assert_eq!(parts(&store, 0, bytes - 1).unwrap(), [first.clone()]);
+    assert_eq!(parts(&store, 0, 1).unwrap(), [first.clone()]);
+    assert_eq!(parts(&store, 2, 1).unwrap(), [second]);
+    assert!(parts(&store, 4, ALL).is_none());
     // The first ones replace all.
     store.commit(&[part(&task, 3, 0).1]).unwrap();
-    assert_eq!(store.checkpoint(&task).unwrap().unwrap().parts, [first]);
+    assert_eq!(parts(&store, 0, ALL).unwrap(), [first]);
     let attempt = granted.attempt;
     let ended = |end: AttemptEnd| Change::Ended { task: task.clone(), attempt, end };
     store.commit(&[ended(AttemptEnd::Expired), ended(AttemptEnd::Released)]).unwrap();
