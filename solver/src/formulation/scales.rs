@@ -30,13 +30,7 @@ impl Scales {
         // A monitored dof on a node of the mode would make the scale meaningless.
         let largest = shape.iter().fold(0.0f64, |m, s| m.max(s.abs()));
         let phi = shape[model.monitors()[0]].abs().max(1e-3 * largest);
-        let gaps = model.elements().iter().filter_map(|element| element.law.clearance());
-        let smallest = gaps.filter(|&g| g > 0.0).fold(f64::INFINITY, f64::min);
-        let length = if smallest.is_finite() {
-            smallest
-        } else {
-            characteristic_amplitude(model, tracked, &shape, frequency).unwrap_or(1.0) * phi
-        };
+        let length = smallest_gap(model).unwrap_or_else(|| nonlinear_amplitude(model, tracked).unwrap_or(1.0) * phi);
         let modal = length / phi;
         let damping = model.damping().diagonal(tracked);
         let projections = model.modes().shapes.transpose().mul_vec(&model.forcing().shape);
@@ -44,10 +38,25 @@ impl Scales {
         let forcing = modal * frequency * damping.max(1e-3 * frequency) / force;
         Self { length, frequency, modal, forcing }
     }
+
+    /// Modal amplitudes, kg^½·m, at which the structure becomes nonlinear in one of its modes or the other: that of these scales alone
+    /// where there is a gap, which is one length for all of them.
+    pub fn nonlinear_amplitudes(&self, model: &Model) -> Vec<f64> {
+        let of_modes = || (0..model.size()).filter_map(|mode| nonlinear_amplitude(model, mode)).collect::<Vec<f64>>();
+        let found = if smallest_gap(model).is_some() { Vec::new() } else { of_modes() };
+        if found.is_empty() { vec![self.modal] } else { found }
+    }
 }
 
-/// Largest modal amplitude at which the first harmonic of the nonlinear modal force is a tenth of the linear one.
-fn characteristic_amplitude(model: &Model, tracked: usize, shape: &[f64], frequency: f64) -> Option<f64> {
+/// The smallest positive gap of the contacts and stops, m.
+fn smallest_gap(model: &Model) -> Option<f64> {
+    let gaps = model.elements().iter().filter_map(|element| element.law.clearance());
+    gaps.filter(|&gap| gap > 0.0).reduce(f64::min)
+}
+
+/// Largest modal amplitude of a mode at which the first harmonic of its nonlinear modal force is a tenth of the linear one.
+fn nonlinear_amplitude(model: &Model, mode: usize) -> Option<f64> {
+    let (shape, frequency) = (model.modes().shapes.column(mode), model.modes().frequencies[mode]);
     let mut aft = Aft::new(HarmonicSettings { count: 1, samples: 64, quadrature: Quadrature::Samples });
     let nc = width(1);
     let ratio = |amplitude: f64, aft: &mut Aft| -> f64 {
@@ -73,7 +82,7 @@ fn characteristic_amplitude(model: &Model, tracked: usize, shape: &[f64], freque
                 force[1] += reach * series[2];
             }
         }
-        let linear = model.modes().frequencies[tracked].powi(2) * amplitude;
+        let linear = frequency.powi(2) * amplitude;
         force[0].hypot(force[1]) / linear
     };
     let mut above: Option<bool> = None;

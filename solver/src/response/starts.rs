@@ -31,7 +31,8 @@ const MOST: f64 = 16384.0;
 /// which has as many more shapes as it has periods of the forcing, so many times as many.
 const AFFORDED: f64 = 3.2e7;
 
-/// Of random motions, the sizes: between these multiples of the amplitude at which the structure becomes nonlinear.
+/// Of random motions, the sizes: between these multiples of the amplitude at which the structure becomes nonlinear in one of its modes,
+/// which is drawn: an absorber does so long before what it is fixed to.
 const SIZES: (f64, f64) = (0.03, 30.0);
 
 /// The smallest where nothing but rigid contact is nonlinear: what is smaller does not touch.
@@ -131,12 +132,16 @@ struct Tries<C> {
     forced: Vec<C>,
     /// Of free motions.
     free: C,
+    /// Modal amplitudes at which the structure becomes nonlinear, see [`Scales::nonlinear_amplitudes`].
+    sizes: Vec<f64>,
 }
 
 impl<'m, C: Formulation<'m>> Tries<C> {
     fn new(forcing: f64, form: impl Fn(Unknown) -> Result<C, FormulationError>) -> Result<Self, FormulationError> {
         let rungs = (0..=RUNGS).map(|rung| Unknown::Frequency { forcing: forcing * RUNG.powi(rung as i32) });
-        Ok(Self { forced: rungs.map(&form).collect::<Result<_, _>>()?, free: form(Unknown::Mode { damped: true })? })
+        let (forced, free) = (rungs.map(&form).collect::<Result<_, _>>()?, form(Unknown::Mode { damped: true })?);
+        let sizes = free.scales().nonlinear_amplitudes(free.system().model);
+        Ok(Self { forced, free, sizes })
     }
 
     fn land<F: Formulation<'m>>(
@@ -153,7 +158,7 @@ impl<'m, C: Formulation<'m>> Tries<C> {
             if forced.interrupt().is_set() {
                 break;
             }
-            let mut state = motion(&mut random, forced, &self.forced[0]);
+            let mut state = motion(&mut random, forced, &self.forced[0], &self.sizes);
             if number % 2 == 1 {
                 let order = if random.gen_bool(ORDINARY) { 1 } else { random.gen_range(2..=ORDERS) };
                 let quick = State { omega: state.omega * order as f64, ..state.clone() };
@@ -206,12 +211,14 @@ fn motion<'m, F: Formulation<'m>, C: Formulation<'m>>(
     random: &mut ChaCha8Rng,
     forced: &Forced<'m, F>,
     coarse: &C,
+    sizes: &[f64],
 ) -> State {
     let (model, harmonics) = (forced.model(), coarse.harmonics());
     let mut between = |(low, high): (f64, f64)| (low.ln() + random.gen_range(0.0..1.0) * (high / low).ln()).exp();
     let omega = between(forced.reach().frequency);
     let smallest = if is_linear_until_touched(model) { SMALLEST_TOUCHING } else { SIZES.0 };
-    let size = between((smallest, SIZES.1)) * coarse.scales().modal;
+    let size = between((smallest, SIZES.1));
+    let size = size * if let [only] = sizes { *only } else { sizes[random.gen_range(0..sizes.len())] };
     let fall = random.gen_range(FALLS.0..FALLS.1);
     // Newton's method does not leave the motions that are their own mirror images: half the unknowns, and most isolas are of them.
     let has_mirrored = coarse.system().is_symmetric && model.forcing().harmonic % 2 == 1;
