@@ -25,8 +25,6 @@ use tests::{PATIENCE, Process, System, block_on, complaint, isola, own_endpoint,
 /// How long somebody who is refused waits: nobody answers.
 const SILENCE: Duration = Duration::from_secs(2);
 
-/// Windows alone: what is looked for else takes a minute.
-
 fn endpoint() -> String {
     own_endpoint().replace("tcp/", "tls/")
 }
