@@ -6,6 +6,9 @@ use serde::{Deserialize, Serialize};
 use solver::curve::continuation::CurvePoint;
 use solver::curve::record::{Ahead, Step};
 
+/// Bytes of the steps in one answer: no more, unless the first part alone has more.
+pub const PORTION: usize = 32 << 20;
+
 /// p steps of one length of state n, one after the other.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Steps {

@@ -178,11 +178,7 @@ impl Rows<'_> {
         let unit = self.units.frequency;
         let lost = level.not_found().map(|(window, reason)| {
             let (low, high) = (unit.digits(window.omega.0), unit.digits(window.omega.1));
-            self.notes.mark(format!(
-                "A = {}, window {low}–{high}: no branch was found: {}",
-                level.amplitude,
-                briefly(reason)
-            ))
+            self.notes.mark(format!("A = {}, window {low}–{high}: not found: {}", level.amplitude, briefly(reason)))
         });
         let lost: Vec<String> = lost.collect();
         lines.extend((!lost.is_empty()).then(|| format!("{} lost{}", lost.len(), lost.join(" "))));

@@ -7,6 +7,7 @@ use protocol::ids::{RunId, TaskId, WorkerId};
 use protocol::keys::Keys;
 use protocol::pieces::{PIECE, request_in_pieces};
 use protocol::session::{RequestError, fetch, fetch_bulk, request};
+use protocol::steps::PORTION;
 use protocol::to_everyone::{Done, Manifest, StoredResult};
 use protocol::to_worker::{Acknowledgement, Checkpoint, LeaseReply, RenewReply, SubmitReply};
 use std::time::Duration;
@@ -24,8 +25,6 @@ const PATIENT: Duration = Duration::from_secs(30);
 pub const SLOWEST: u64 = 20_000;
 /// A connection slower than that is not expected: whether a result has arrived is asked from then on.
 const USUAL: u64 = 1_000_000;
-/// More than the steps in one answer have, bytes.
-const PORTION: usize = 64 << 20;
 /// There is a result of this task, this one or one like it.
 const STORED: SubmitReply = SubmitReply::Duplicate { agrees: true };
 
@@ -152,7 +151,7 @@ impl Bus {
 
     /// The steps that earlier attempts at a task took from the one with this number on, as many as one answer holds.
     pub async fn checkpoint(&self, task: &TaskId, first: usize) -> Result<Checkpoint, RequestError> {
-        fetch_bulk(&self.session, &self.keys.checkpoint_from(task, first), ANSWER + transfer(PORTION, USUAL)).await
+        fetch_bulk(&self.session, &self.keys.checkpoint_from(task, first), ANSWER + transfer(2 * PORTION, USUAL)).await
     }
 
     /// Tells people where a branch is; lost if there is no room on the way.

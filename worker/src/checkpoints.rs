@@ -151,6 +151,9 @@ async fn deliver(bus: &Bus, lease: &Lease, payload: ZBytes) -> bool {
 /// The steps that earlier attempts at a task took; none if they are not to be had, or are of something else: then it begins at its
 /// beginning.
 pub async fn taken_before(bus: &Bus, lease: &Lease, grant: &Grant) -> Vec<Step> {
+    if grant.checkpoint == 0 {
+        return Vec::new();
+    }
     let (task, given) = (&lease.task, grant.fingerprint());
     let mut steps = Vec::new();
     while steps.len() < grant.checkpoint {
@@ -160,9 +163,7 @@ pub async fn taken_before(bus: &Bus, lease: &Lease, grant: &Grant) -> Vec<Step> 
             return Vec::new();
         }
     }
-    if !steps.is_empty() {
-        tracing::info!(%task, attempt = %lease.attempt, steps = steps.len(), "goes on from a checkpoint");
-    }
+    tracing::info!(%task, attempt = %lease.attempt, steps = steps.len(), "goes on from a checkpoint");
     steps
 }
 

@@ -8,6 +8,7 @@ use protocol::ids::TaskId;
 use protocol::keys::{Keys, last_chunk};
 use protocol::model::ModelMessage;
 use protocol::session::{answer, answer_encoded, refuse};
+use protocol::steps::PORTION;
 use protocol::to_everyone::{StoredResult, WindowsMessage};
 use results::store::{Reader, StoreError};
 use std::path::PathBuf;
@@ -16,9 +17,6 @@ use tokio::sync::watch;
 use zenoh::bytes::ZBytes;
 use zenoh::key_expr::keyexpr;
 use zenoh::query::Query;
-
-/// Bytes of the steps in one answer.
-const PORTION: usize = 32 << 20;
 
 /// Everything that anyone may ask for.
 pub(super) struct Queries {

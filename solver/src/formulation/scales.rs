@@ -42,7 +42,9 @@ impl Scales {
     /// Modal amplitudes, kg^½·m, at which the structure becomes nonlinear in one of its modes or the other: that of these scales alone
     /// where there is a gap, which is one length for all of them.
     pub fn nonlinear_amplitudes(&self, model: &Model) -> Vec<f64> {
-        let of_modes = || (0..model.size()).filter_map(|mode| nonlinear_amplitude(model, mode)).collect::<Vec<f64>>();
+        // Without a linear force every motion of a rigid-body mode is nonlinear.
+        let elastic = (0..model.size()).filter(|&mode| !model.modes().is_rigid(mode));
+        let of_modes = || elastic.filter_map(|mode| nonlinear_amplitude(model, mode)).collect::<Vec<f64>>();
         let found = if smallest_gap(model).is_some() { Vec::new() } else { of_modes() };
         if found.is_empty() { vec![self.modal] } else { found }
     }

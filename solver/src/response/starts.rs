@@ -217,8 +217,9 @@ fn motion<'m, F: Formulation<'m>, C: Formulation<'m>>(
     let mut between = |(low, high): (f64, f64)| (low.ln() + random.gen_range(0.0..1.0) * (high / low).ln()).exp();
     let omega = between(forced.reach().frequency);
     let smallest = if is_linear_until_touched(model) { SMALLEST_TOUCHING } else { SIZES.0 };
-    let size = between((smallest, SIZES.1));
-    let size = size * if let [only] = sizes { *only } else { sizes[random.gen_range(0..sizes.len())] };
+    let multiple = between((smallest, SIZES.1));
+    let nonlinear = if let [only] = sizes { *only } else { sizes[random.gen_range(0..sizes.len())] };
+    let size = multiple * nonlinear;
     let fall = random.gen_range(FALLS.0..FALLS.1);
     // Newton's method does not leave the motions that are their own mirror images: half the unknowns, and most isolas are of them.
     let has_mirrored = coarse.system().is_symmetric && model.forcing().harmonic % 2 == 1;
