@@ -61,7 +61,10 @@ impl Evidence<'_> {
         let carried = match self.search.carried {
             0 => String::new(),
             number => {
-                format!("; responses of open branches were followed along {} at one frequency", count(number, "curve"))
+                format!(
+                    "; responses of branches that leave through bounds were followed along {} at one frequency",
+                    count(number, "curve")
+                )
             }
         };
         let starts = match self.search.starts {
