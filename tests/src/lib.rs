@@ -344,6 +344,16 @@ impl System {
         self.number(&format!("SELECT count(*) FROM ({attempts}) WHERE {condition}"))
     }
 
+    /// Attempts that brought nothing. One that repeats a task that is done is none, also if a coordinator that was killed has granted it and
+    /// the worker never heard of it.
+    pub fn attempts_in_vain(&self) -> i64 {
+        self.number(
+            r#"SELECT count(*) FROM attempts WHERE coalesce("end", '') NOT IN ('done', 'confirmed')
+               AND NOT ("end" = 'released' AND EXISTS (SELECT * FROM attempts AS first
+                        WHERE first.task = attempts.task AND first.attempt < attempts.attempt AND first."end" = 'done'))"#,
+        )
+    }
+
     /// Tasks that are done, in the order of their announcements.
     pub fn done(&self) -> Vec<String> {
         results::done(&self.directory())
