@@ -33,3 +33,6 @@ def test_a_notebook(file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     assert len(pictures) >= 3
     said = "".join(output.get("text", "") for output in outputs if output.get("name") == "stderr")
     assert "Warning" not in said, said
+    # Of a sweep's progress the last line is left, whole.
+    lines = [text for output in outputs if (text := output.get("data", {}).get("text/plain", "")).startswith("finished")]
+    assert len(lines) == 1 and " branches in " in lines[0], lines

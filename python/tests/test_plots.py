@@ -83,6 +83,10 @@ def test_map(damper: Path) -> None:
     assert len(mains.get_segments()) == 4
     heights = [segment[0][1] for segment in isolas.get_segments()]
     assert heights == [0.005, 0.006, 0.007]
+    axes.figure.canvas.draw()
+    low, high = axes.get_ylim()
+    ticks = [label.get_text() for label in axes.get_yticklabels()]
+    assert {"0.002", "0.005", "0.01"} <= set(ticks) and low < 0.005 < high, ticks
 
 
 def test_balance(damper: Path) -> None:

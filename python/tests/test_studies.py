@@ -79,7 +79,7 @@ def free(t, x, v, ratio=0.005):
 
 
 def impacts(forcing: float) -> tuple[float, float] | None:
-    """Range of frequencies of elastic orbits with one impact a period, from closed forms (`solver/tests/isolas.rs`)."""
+    """Range of frequencies of elastic orbits with one impact a period, from closed forms (`solver/tests/solver/isolas.rs`)."""
     omega = np.arange(1.0005, 1.9999, 1e-5)
     period = 2 * np.pi / omega
     (e11, e21), (e12, e22) = free(period, 1, 0), free(period, 0, 1)

@@ -7,7 +7,7 @@ use std::fmt::Write as _;
 const HEAD: &str = "\
 # Keys of model.toml and study.toml
 
-Written by the program: `UPDATE_DOCUMENTS=always cargo test -p coordinator --test reference`. `isola schema model` and `isola
+Written by the program: `UPDATE_DOCUMENTS=always cargo test -p coordinator --test coordinator reference`. `isola schema model` and `isola
 schema study` print the same for editors, `isola schema --explain KEY` explains one key, `isola schema --all` prints this text.
 
 SI units. Unknown keys are refused. Every key can be typed after `--set`, entries of lists counted from 0:

@@ -184,7 +184,8 @@ class Plots:
         shown = np.concatenate([shown, summary[~mains]["omega_min"], summary[~mains]["omega_max"]])
         if len(shown) and len(summary):
             axes.set_xlim(measured.frequencies(_around(shown, self._reach(summary))))
-        axes.set(xlabel=measured.of_frequency(), ylabel="forcing amplitude A, threshold A*", yscale="log")
+        axes.set(xlabel=measured.of_frequency(), ylabel="forcing amplitude A, threshold A*")
+        _logarithmic(axes)
         _legend(axes)
         return axes
 
@@ -250,7 +251,8 @@ class Plots:
             label="windows",
         )
         title = f"A = {_text(amplitude)}, mode {curve.attrs['mode']}"
-        axes.set(xlabel="arc length (scaled)", ylabel="energy a period (J)", yscale="log", title=title)
+        axes.set(xlabel="arc length (scaled)", ylabel="energy a period (J)", title=title)
+        _logarithmic(axes)
         _legend(axes)
         return axes
 
@@ -332,6 +334,17 @@ def _axes(ax: Axes | None) -> Axes:
     except ImportError as error:
         raise ImportError("figures need matplotlib: pip install 'isola-hbm[plot]'") from error
     return plt.subplots(layout="constrained")[1]
+
+
+def _logarithmic(axes: Axes) -> None:
+    """A logarithmic axis upwards whose ticks are plain numbers: 0.1, 0.2, 0.5 where it spans less than two decades."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+    axes.set_yscale("log")
+    low, high = axes.get_ylim()
+    axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if high < 100 * low else (1.0,)))
+    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: _text(value)))
+    axes.yaxis.set_minor_formatter(NullFormatter())
 
 
 def _around(shown: Floats, reach: tuple[float, float]) -> Floats:

@@ -155,14 +155,36 @@ def _shown(progress: bool | Callable[[str], None]) -> Callable[[str], None]:
     """What shows a line."""
     if callable(progress):
         return progress
-    if not progress or not (sys.stderr.isatty() or "ipykernel" in sys.modules):
+    if not progress:
+        return lambda line: None
+    if _in_notebook():
+        return _notebook_line()
+    if not sys.stderr.isatty():
         return lambda line: None
     width = shutil.get_terminal_size().columns - 1
 
     def show(line: str) -> None:
-        # A notebook returns to the beginning of a line as a terminal does.
         end = "\n" if line.endswith("\n") else ""
         print(f"\r{line.rstrip()[:width]:<{width}}", end=end, file=sys.stderr, flush=True)
+
+    return show
+
+
+def _in_notebook() -> bool:
+    ipython = sys.modules.get("IPython")
+    return ipython is not None and hasattr(ipython.get_ipython(), "kernel")
+
+
+def _notebook_line() -> Callable[[str], None]:
+    """What shows a line below a notebook's cell, in place of the last one."""
+    from IPython.display import DisplayHandle
+
+    handle, shown = DisplayHandle(), False
+
+    def show(line: str) -> None:
+        nonlocal shown
+        (handle.update if shown else handle.display)({"text/plain": line.rstrip()}, raw=True)
+        shown = True
 
     return show
 

@@ -1,0 +1,6 @@
+//! The coordinator's library from outside: one program, so that the compiler links it once.
+
+mod check;
+mod interrupted;
+mod reference;
+mod study;

@@ -1,0 +1,26 @@
+//! What the solver computes, against closed forms, publications, other formulations and time marching: one program, so that
+//! the compiler links the solver once.
+
+mod bad_input;
+mod balance;
+mod carried;
+mod cases;
+mod closed_forms;
+mod continuation;
+mod examples;
+mod folds;
+mod isolas;
+mod known_isolas;
+mod light_damping;
+mod marching;
+mod models;
+mod random_chains;
+mod recheck;
+mod resuming;
+mod rotor67;
+mod stability;
+mod starts;
+mod steps;
+mod subharmonics;
+mod support;
+mod two_formulations;

@@ -1,0 +1,113 @@
+//! Pushes onto an isola, against a program of its own: a Runge–Kutta integration of the equation of motion.
+
+use super::lasting::{level, model};
+use solver::response::branch::Observer;
+use solver::response::task::{BranchId, DisturbPlace};
+use solver::stability::disturbance::{DisturbSettings, Disturbance, Ending, Unpushed, disturb};
+use solver::{Branch, Level, Model, Stretch, verify};
+use std::f64::consts::TAU;
+use std::ops::ControlFlow;
+
+const FORCING: f64 = 0.007;
+
+/// Frequency in the middle of what is stable of the isola, and what pushes do there.
+fn pushed(model: &Model, level: &Level, settings: &DisturbSettings, omega: Option<f64>) -> Disturbance {
+    let quiet: &mut Observer<'_> = &mut |_| ControlFlow::Continue(());
+    let isola = level.isolas().next().unwrap();
+    let found = verify(model, isola, Stretch::Whole, quiet).unwrap();
+    let settled = found.settled().unwrap();
+    let (low, high) = isola.frequency_range();
+    assert!(low < settled && settled < high, "{settled} of {low} to {high}");
+    let place = DisturbPlace { branch: BranchId::isola(0), mode: 0, omega: omega.unwrap_or(settled) };
+    let mains: Vec<&Branch> = level.branches().filter(|(id, _)| id.is_main()).map(|(_, branch)| branch).collect();
+    let pushed = disturb(model, settings, &mains, isola, &place, &mut |_| ControlFlow::Continue(())).unwrap();
+    assert!(pushed.is_sound(&place, 1) && !pushed.is_sound(&DisturbPlace { mode: 1, ..place }, 1));
+    pushed
+}
+
+/// Largest |x| in the last period of a motion of ẍ + 0.018 ẋ − 0.01 ẋ³ + 0.00144 ẋ⁵ + x = A cos ωt that was at rest 400 periods
+/// before a push at a phase, and 400 periods after it.
+fn amplitude_after(omega: f64, phase: f64, push: f64) -> f64 {
+    const STEPS: usize = 256;
+    let h = TAU / omega / STEPS as f64;
+    let rate = |t: f64, [x, v]: [f64; 2]| {
+        [v, FORCING * (omega * t).cos() - x - v * (0.018 + v * v * (-0.01 + 0.00144 * v * v))]
+    };
+    let mut z = [0.0, 0.0];
+    let mut largest = 0.0f64;
+    for i in 0..800 * STEPS {
+        if i == 400 * STEPS + (phase * STEPS as f64).round() as usize {
+            z[1] += push;
+        }
+        let t = i as f64 * h;
+        let moved = |by: f64, r: [f64; 2]| [z[0] + by * r[0], z[1] + by * r[1]];
+        let a = rate(t, z);
+        let b = rate(t + 0.5 * h, moved(0.5 * h, a));
+        let c = rate(t + 0.5 * h, moved(0.5 * h, b));
+        let d = rate(t + h, moved(h, c));
+        z = std::array::from_fn(|j| z[j] + h / 6.0 * (a[j] + 2.0 * (b[j] + c[j]) + d[j]));
+        largest = if i >= 799 * STEPS { largest.max(z[0].abs()) } else { 0.0 };
+    }
+    largest
+}
+
+#[test]
+fn the_smallest_push_onto_an_isola_is_that_of_another_integration() {
+    let model = model("nonlinear_damper");
+    let level = level(&model, FORCING);
+    let found = pushed(&model, &level, &DisturbSettings::default(), None);
+    let push = found.push.unwrap();
+    assert!(push.is_confirmed && push.size - push.below <= 0.01 * push.size, "{push:?}");
+    assert_eq!((found.reason, found.monitor, found.shape), (None, 0, 1.0));
+    let [main, isola] = [found.amplitudes[0][0], found.amplitudes[1][0]];
+    assert!(isola > 2.0 * main, "{main} {isola}");
+    // 2 % beyond either side the integration ends where the scan says, to what the scheme's step leaves of the amplitude.
+    let phase = push.phase as f64 / found.phases as f64;
+    for (size, expected) in [(1.02 * push.size, isola), (0.98 * push.below, main)] {
+        let amplitude = amplitude_after(found.omega, phase, size);
+        assert!((amplitude / expected - 1.0).abs() < 0.01, "{size}: {amplitude} for {expected}");
+    }
+    // No smaller one that was scanned does, at whatever phase.
+    let row = found.sizes.iter().position(|size| *size > push.below).unwrap();
+    assert!(found.endings[..row * found.phases].iter().all(|ending| *ending != Ending::Onto));
+    assert!(found.endings[row * found.phases..].contains(&Ending::Onto));
+}
+
+#[test]
+fn nothing_is_pushed_where_there_is_nothing_to_end_on() {
+    let model = model("nonlinear_damper");
+    let level = level(&model, FORCING);
+    let beyond = 1.05 * level.isolas().next().unwrap().frequency_range().1;
+    let found = pushed(&model, &level, &DisturbSettings::default(), Some(beyond));
+    assert_eq!((found.reason, found.push, found.sizes.len()), (Some(Unpushed::NoTarget), None, 0));
+}
+
+#[test]
+fn a_scan_that_is_broken_off_says_nothing() {
+    let model = model("nonlinear_damper");
+    let level = level(&model, FORCING);
+    let isola = level.isolas().next().unwrap();
+    let place = DisturbPlace { branch: BranchId::isola(0), mode: 0, omega: isola.peak().omega() };
+    let settings = DisturbSettings::default();
+    let mut left = 5;
+    let found = disturb(&model, &settings, &[level.main()], isola, &place, &mut |_| {
+        left -= 1;
+        if left == 0 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    });
+    assert_eq!((found, left), (None, 0));
+}
+
+#[test]
+fn without_a_main_branch_the_motion_from_rest_is_pushed() {
+    let model = model("nonlinear_damper");
+    let level = level(&model, FORCING);
+    let isola = level.isolas().next().unwrap();
+    let known = pushed(&model, &level, &DisturbSettings::default(), None);
+    let place = DisturbPlace { branch: BranchId::isola(0), mode: 0, omega: known.omega };
+    let settings = DisturbSettings::default();
+    let found = disturb(&model, &settings, &[], isola, &place, &mut |_| ControlFlow::Continue(())).unwrap();
+    let [with, without] = [&known, &found].map(|found| found.push.unwrap());
+    assert_eq!((with.phase, with.ends), (without.phase, without.ends));
+    assert!((with.size / without.size - 1.0).abs() < 1e-6, "{with:?} {without:?}");
+    assert!((known.amplitudes[0][0] / found.amplitudes[0][0] - 1.0).abs() < 1e-6);
+}
