@@ -153,21 +153,66 @@ impl<'m, F: Formulation<'m>> Forced<'m, F> {
     }
 
     /// The main branch: what ordinary continuation from below or from above reaches. It starts where the response is linear, at
-    /// the end of the range or beyond, and otherwise where continuation in the forcing amplitude leads from the linear range at
-    /// the widest bound; it is followed beyond the study's bounds until the response there is the ordinary one.
+    /// the end of the range or beyond, and otherwise where continuation in the forcing amplitude leads from rest; it is followed
+    /// beyond the study's bounds until the response there is the ordinary one.
     ///
     /// # Errors
-    /// If there is no first point.
+    /// If there is no first point, or only such that lie on closed curves.
     pub fn main_branch(&mut self, side: Side, observer: &mut Observer<'_>) -> Result<Branch, Unreached> {
-        let start = self.main_start(side)?;
-        let y = self.problem.encode(&start);
+        if let Some(start) = self.linear_start(side)? {
+            return self.main_from(side, &start, observer);
+        }
+        let [near, far] = self.entries(side);
+        let (lowest, highest) = self.widest();
+        let farthest = if side == Side::Below { lowest } else { highest };
+        let (mut unreached, mut unfinished) = (Unreached::OutOfReach, None);
+        for omega in [far, farthest, near] {
+            let start = from_rest::<F>(self.model, &self.settings, self.forcing, omega, &self.interrupt);
+            match start.and_then(|start| self.main_from(side, &start, observer)) {
+                // What a growing forcing leads to may lie on an isola.
+                Ok(branch) if branch.is_closed() => {}
+                Ok(branch) if branch.is_cancelled() || !branch.outcome.is_unfinished() => return Ok(branch),
+                Ok(branch) => unfinished = unfinished.or(Some(branch)),
+                Err(failure) => unreached = failure,
+            }
+        }
+        unfinished.ok_or(unreached)
+    }
+
+    /// A linear response at the end of the frequency range on this side, or beyond.
+    fn linear_start(&mut self, side: Side) -> Result<Option<State>, Failure> {
+        for omega in self.entries(side) {
+            let linear = forced_response(&self.problem, self.forcing, omega).map_err(|_| Failure::Singular)?;
+            match self.converge(&linear) {
+                Ok(state) if self.distance(&state, &linear) < LINEAR => return Ok(Some(state)),
+                _ => {}
+            }
+        }
+        Ok(None)
+    }
+
+    /// What a growing forcing leads to from rest on this side of the frequency range, if the response there is not linear: it need
+    /// not lie on a main branch.
+    pub fn grown_from_rest(&mut self, side: Side) -> Option<State> {
+        if !matches!(self.linear_start(side), Ok(None)) {
+            return None;
+        }
+        let [_, far] = self.entries(side);
+        let state = from_rest::<F>(self.model, &self.settings, self.forcing, far, &self.interrupt).ok()?;
+        let state = self.converge(&state).ok()?;
+        self.contains(&state).then_some(state)
+    }
+
+    /// The curve through the first state of a main branch, into the range of the study and on; closed if it comes back.
+    fn main_from(&mut self, side: Side, start: &State, observer: &mut Observer<'_>) -> Result<Branch, Unreached> {
+        let y = self.problem.encode(start);
         let mut direction = self.problem.parameter_row();
         if side == Side::Above {
             direction.iter_mut().for_each(|d| *d = -*d);
         }
         let (lowest, highest) = self.widest();
         let further = if self.settings.frequency.max.is_some() { 1.0 } else { FARTHEST };
-        let bounds = self.bounds((lowest, further * highest), false);
+        let bounds = self.bounds((lowest, further * highest), true);
         let (swept, study) = (self.reach.swept(), self.reach.frequency);
         let (newton, given) = (self.landing(), self.settings.frequency);
         let mut continuation = Continuation::start(&mut self.problem, y, &direction, self.settings.continuation)?;
@@ -180,32 +225,20 @@ impl<'m, F: Formulation<'m>> Forced<'m, F> {
             let leaves = has_entered && ((omega < swept.0 && towards < 0.0) || (omega > swept.1 && towards > 0.0));
             (leaves && is_ordinary(problem, &newton, &last.point.state)).then_some(Stop::FrequencyBound)
         };
-        let (visited, stop) = walk(&mut continuation, &bounds, observer, &mut ending);
-        // Beyond bounds that nobody gave, what is not the ordinary response belongs to the branch.
-        let is_given =
-            |omega: f64| (given.min.is_some() && omega < study.0) || (given.max.is_some() && omega > study.1);
-        let ends_ordinarily = |problem: &mut F, end: &State| is_ordinary(problem, &newton, end);
-        let end = visited.last().map(|last| last.point.state.clone());
-        let may_end = stop == Stop::FrequencyBound
-            && end.is_some_and(|end| is_given(end.omega) || ends_ordinarily(continuation.problem(), &end));
-        let visited = trimmed(&mut continuation, visited, study, may_end);
-        let rejections = continuation.rejections();
-        let walked = TracedCurve { visited, start: 0, outcome: Outcome::Open(Stop::Start, stop), rejections };
-        Ok(self.finish(walked, BranchKind::Main))
-    }
-
-    /// First state of a main branch.
-    fn main_start(&mut self, side: Side) -> Result<State, Unreached> {
-        let [near, far] = self.entries(side);
-        for omega in [near, far] {
-            let linear = forced_response(&self.problem, self.forcing, omega).map_err(|_| Failure::Singular)?;
-            match self.converge(&linear) {
-                Ok(state) if self.distance(&state, &linear) < LINEAR => return Ok(state),
-                _ => {}
-            }
+        let (mut visited, stop) = walk(&mut continuation, &bounds, observer, &mut ending);
+        let mut outcome = Outcome::Closed;
+        if stop != Stop::Closed {
+            let begins_ordinarily = is_ordinary(continuation.problem(), &newton, &visited[0].point.state);
+            outcome = Outcome::Open(if begins_ordinarily { Stop::Start } else { Stop::FrequencyBound }, stop);
+            let is_given =
+                |omega: f64| (given.min.is_some() && omega < study.0) || (given.max.is_some() && omega > study.1);
+            let mut is_spare = |problem: &mut F, end: &TracedPoint, turns: bool| {
+                is_given(end.point.omega()) || (!turns && is_ordinary(problem, &newton, &end.point.state))
+            };
+            visited = trimmed(&mut continuation, visited, study, stop, &mut is_spare);
         }
-        let started = from_rest::<F>(self.model, &self.settings, self.forcing, far, &self.interrupt);
-        started.or_else(|_| from_rest::<F>(self.model, &self.settings, self.forcing, near, &self.interrupt))
+        let rejections = continuation.rejections();
+        Ok(self.finish(TracedCurve { visited, start: 0, outcome, rejections }, BranchKind::Main))
     }
 
     /// Whether a response is what grows out of the linear one: linear, or not far from it and what Newton's method finds from

@@ -7,7 +7,7 @@ use crate::curve::walk::{begin_at_bound, end_at_bound, relative_distance};
 use crate::formulation::Formulation;
 use crate::formulation::linear::forced_response;
 use crate::formulation::state::State;
-use crate::response::branch::TracedPoint;
+use crate::response::branch::{Stop, TracedPoint};
 
 /// Relative distance of a response from the linear one up to which it counts as linear.
 pub(super) const LINEAR: f64 = 1e-3;
@@ -47,27 +47,43 @@ pub(super) fn is_ordinary<'m, F: Formulation<'m>>(problem: &mut F, settings: &Ne
             && converge(problem, settings, &linear).is_ok_and(|found| distance(problem, &found, state) < 1e-6))
 }
 
-/// What is left of a walk if it begins where it first enters a range of frequencies and ends where it last leaves it, with
-/// points at the bounds themselves. A walk that is never inside, or does not leave, keeps its end; one that may not end there
-/// keeps it as well.
+/// Whether what lies beyond a range may be left out of a branch that ends with this point there; told as well whether it turns
+/// back in frequency on the way.
+pub(super) type IsSpare<'s, F> = dyn FnMut(&mut F, &TracedPoint, bool) -> bool + 's;
+
+/// What is left of a walk that ended so if it begins where it first enters a range of frequencies and ends where it last leaves
+/// it, with points at the bounds themselves. A walk that is never inside keeps its ends, and so does one that does not leave, or
+/// of which what lies beyond may not be left out.
 pub(super) fn trimmed<'m, F: Formulation<'m>>(
     continuation: &mut Continuation<'_, F>,
     mut visited: Vec<TracedPoint>,
     (low, high): (f64, f64),
-    may_end: bool,
+    stop: Stop,
+    is_spare: &mut IsSpare<'_, F>,
 ) -> Vec<TracedPoint> {
     let slack = 1e-9 * high;
     let inside = |v: &TracedPoint| (low - slack..=high + slack).contains(&v.point.omega());
     let (Some(first), Some(last)) = (visited.iter().position(inside), visited.iter().rposition(inside)) else {
         return visited;
     };
-    if may_end && last + 1 < visited.len() {
+    let (begin, end) = (&visited[..=first], &visited[last..]);
+    let begins = first > 0 && is_spare(continuation.problem(), &begin[0], turns(begin));
+    let ends = stop == Stop::FrequencyBound
+        && end.len() > 1
+        && is_spare(continuation.problem(), &end[end.len() - 1], turns(end));
+    if ends {
         visited.truncate(last + 2);
         end_at_bound(continuation, &mut visited, (low, high));
     }
-    if first > 0 {
+    if begins {
         visited.drain(..first - 1);
         begin_at_bound(continuation, &mut visited, (low, high));
     }
     visited
+}
+
+/// Whether a piece of a curve turns back in frequency.
+fn turns(piece: &[TracedPoint]) -> bool {
+    let rises = |pair: &[TracedPoint]| pair[1].point.omega() > pair[0].point.omega();
+    piece.windows(2).any(|pair| rises(pair) != rises(&piece[..2]))
 }

@@ -80,17 +80,23 @@ pub fn execute<'m, F: Formulation<'m>>(
     (!is_cancelled).then_some(TaskResult::Branch(branch))
 }
 
-/// Traces the main branch from a side, unless it is known.
+/// Traces the main branch from a side; if that is known, what a growing forcing leads to from rest, if it is something else.
 fn enter<'m, F: Formulation<'m>>(
     forced: &mut Forced<'m, F>,
     side: Side,
     known: &[(BranchId, &Branch)],
     observer: &mut Observer<'_>,
 ) -> Result<TaskResult, Unreached> {
-    for (id, branch) in known.iter().filter(|(id, _)| id.is_main()) {
-        if ends_ordinarily(forced, branch, side) {
-            return Ok(TaskResult::Nothing(SeedOutcome::Found(*id)));
-        }
+    let is_whole = |(id, branch): &&(BranchId, &Branch)| id.is_main() && ends_ordinarily(forced, branch, side);
+    if let Some((id, _)) = known.iter().find(is_whole) {
+        // What the main branch was not entered by, since it lies on a curve that closes.
+        let grown = forced.grown_from_rest(Side::Below);
+        return Ok(match grown.map(|state| branch_through(forced, &state, known, observer)) {
+            Some(TaskResult::Branch(branch)) if branch.is_closed() || branch.is_cancelled() => {
+                TaskResult::Branch(branch)
+            }
+            _ => TaskResult::Nothing(SeedOutcome::Found(*id)),
+        });
     }
     let branch = forced.main_branch(side, observer)?;
     let (low, high) = forced.reach().frequency;

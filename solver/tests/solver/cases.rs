@@ -230,3 +230,45 @@ fn friction_that_sticks_is_a_spring() {
         }
     }
 }
+
+#[test]
+fn a_curve_that_closes_is_no_main_branch_though_a_growing_forcing_leads_to_it() {
+    let mut settings = Settings::default();
+    settings.backbone.modes = ModeChoice::one(2);
+    let study = Study::new(own("energy_sink"), settings);
+    // Far below the resonances, in the range of frequencies that is given.
+    let wide = Study::new(own("energy_sink"), within(settings, 0.2, 1.6));
+    for forcing in [0.19, 0.195] {
+        let (level, known) = (study.level(forcing), wide.level(forcing));
+        assert_sound(&study.model, &level, 1e-7, "energy sink");
+        let (mains, isolas) = (of_kind(&level, Kind::Main), of_kind(&level, Kind::Isola));
+        assert_eq!((mains.len(), why_unfinished(&mains[0].branch)), (1, None), "{level:#?}");
+        assert!((main_peak(&level).1 / main_peak(&known).1 - 1.0).abs() < 1e-6, "{level:#?}");
+        let ranges = |list: &[&Listed]| list.iter().map(|listed| listed.branch.frequency_range()).collect::<Vec<_>>();
+        let expected = ranges(&of_kind(&known, Kind::Isola));
+        assert_eq!(isolas.len(), 1, "{level:#?}");
+        let (found, (low, high)) = (ranges(&isolas)[0], expected[0]);
+        assert_close(found.0, low, 1e-6, "lower end");
+        assert_close(found.1, high, 1e-6, "upper end");
+    }
+}
+
+#[test]
+fn folds_beyond_bounds_that_nobody_gave_belong_to_a_main_branch() {
+    let mut settings = Settings::default();
+    settings.backbone.modes = ModeChoice::one(2);
+    let folds = |settings: Settings, above: f64| {
+        let level = Study::new(own("energy_sink"), settings).level(0.14);
+        let main = &of_kind(&level, Kind::Main)[0].branch;
+        let omegas: Vec<f64> = main.folds().map(|fold| main.points[fold].omega()).filter(|at| *at > above).collect();
+        (main.frequency_range().0, omegas)
+    };
+    let (lowest, found) = folds(settings, 0.0);
+    let (_, expected) = folds(within(settings, 0.1, 4.4), lowest);
+    // Two of them lie below nine tenths of the backbone's lowest frequency.
+    assert_eq!(expected.iter().filter(|at| **at < 0.89).count(), 2, "{expected:?}");
+    assert_eq!(found.len(), expected.len(), "{found:?}, {expected:?}");
+    for (found, expected) in found.iter().zip(&expected) {
+        assert_close(*found, *expected, 1e-6, "fold");
+    }
+}
