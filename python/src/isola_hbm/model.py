@@ -176,7 +176,9 @@ class Model:
         for i, node in enumerate(self.sections["contact"]["nodes"]):
             sliding = node.get("tangential", [])
             if isinstance(sliding, (str, Mapping)) or not isinstance(sliding, Iterable):
-                raise BadModel(f"contacts[{i}]: tangential = {sliding!r}: a list of one or two directions is needed")
+                raise BadModel(
+                    f"contacts[{i}]: tangential = {sliding!r}: a list of one or two directions is needed"
+                )
             for direction in [node.get("normal"), *sliding]:
                 for dof in direction if isinstance(direction, Mapping) else [direction]:
                     self._known(f"contacts[{i}]", dof)
@@ -192,12 +194,16 @@ class Model:
         try:
             content = tomllib.loads((path / "model.toml").read_text(encoding="utf-8"))
         except FileNotFoundError:
-            raise BadModel(f"{path / 'model.toml'}: there is no such file; name the folder of a model") from None
+            raise BadModel(
+                f"{path / 'model.toml'}: there is no such file; name the folder of a model"
+            ) from None
         except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
             raise BadModel(f"{path / 'model.toml'}: {error}") from None
         # What is not known here would be lost when the model is saved.
         if unknown := sorted(content.keys() - _KEYS):
-            raise BadModel(f"{path / 'model.toml'}: there is no `{unknown[0]}`; known here: {', '.join(sorted(_KEYS))}")
+            raise BadModel(
+                f"{path / 'model.toml'}: there is no `{unknown[0]}`; known here: {', '.join(sorted(_KEYS))}"
+            )
         matrices, contact = (_section(key, content.get(key, {})) for key in ("matrices", "contact"))
         files = {"mass": "M.mtx", "stiffness": "K.mtx", **matrices}
         mass, stiffness, damping = (_read(path, files.get(key)) for key in ("mass", "stiffness", "damping"))
@@ -346,7 +352,9 @@ def _require_toml(what: str, given: Mapping[str, Any]) -> None:
         try:
             toml.literal(value)
         except TypeError as error:
-            raise BadModel(f"{what}: {key} = {error}; numbers, texts, lists and dicts can be written") from None
+            raise BadModel(
+                f"{what}: {key} = {error}; numbers, texts, lists and dicts can be written"
+            ) from None
 
 
 def _read(folder: Path, matrix: Any) -> Any:

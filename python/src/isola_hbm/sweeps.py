@@ -76,7 +76,9 @@ def sweep(
         )
     options = study.options(amplitudes, workers, settings)
     program.find()
-    if file := next((path for path in (folder, *folder.parents) if path.exists() and not path.is_dir()), None):
+    if file := next(
+        (path for path in (folder, *folder.parents) if path.exists() and not path.is_dir()), None
+    ):
         raise FolderInUse(f"{file}: a file, where the folder of the run is to be; name another folder")
     file = _study(model, folder, amplitudes)
     process = program.start(["sweep", str(file), "--out", str(folder), *options])
