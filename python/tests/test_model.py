@@ -124,8 +124,13 @@ def test_elements_are_written_as_the_file_wants_them(tmp_path: Path) -> None:
         ({"K": scipy.sparse.csr_array([[1, 0], [0, np.inf]])}, r"K\[1, 1\] = inf"),
         ({"K": [[2, 1], [1.001, 2]]}, r"K: not symmetric \(K\[0, 1\] = 1, K\[1, 0\] = 1.001\)"),
         ({"K": [[1j, 0], [0, 1]]}, "K: complex numbers"),
-        ({"K": [["a", 0], [0, 1]]}, "K: no matrix of real numbers"),
-        ({"K": [[1, 0], [1]]}, "K: no matrix of real numbers"),
+        ({"K": [["a", 0], [0, 1]]}, r"K\[0, 0\] = 'a': a finite number is needed"),
+        ({"K": [[1, 0], [0, 1j, 2]]}, r"K\[1\] has 3 entries; rows of 2 are needed"),
+        ({"M": [[1, 0], [0.1]]}, r"^M\[1\] has 1 entry; rows of 2 are needed, as many as there are rows$"),
+        ({"M": [[1, 0], 3]}, r"M\[1\] = 3: a row of 2 numbers is needed"),
+        ({"K": {"x1": 1}}, "K: no matrix of real numbers"),
+        ({"K": "K.mtx"}, r"K = 'K.mtx': an array \[n, n\] is needed; Model.load reads the folder of a model, scipy.io.mmread"),
+        ({"C": Path("C.mtx")}, r"C = 'C.mtx': an array"),
         (
             {"M": [[1, 0], [0, 0]]},
             r"M: not positive definite \(smallest eigenvalue 0\); are M and K exchanged",
@@ -136,8 +141,19 @@ def test_elements_are_written_as_the_file_wants_them(tmp_path: Path) -> None:
         ({"laws": [Law("jenkins", between=["x1", "z"])]}, r"laws\[0\]: no dof `z`"),
         ({"contacts": [Contact("x1", tangential=["t"])]}, r"contacts\[0\]: no dof `t`"),
         ({"forcing": [1.0]}, r"forcing: shape \(1,\); 2 finite numbers are needed"),
-        ({"forcing": ["left", "right"]}, "forcing: no list of numbers"),
-        ({"forcing": [1.0, np.nan]}, "2 finite numbers are needed, a force for each dof"),
+        ({"forcing": ["left", "right"]}, r"forcing\[0\] = 'left': a finite number is needed"),
+        ({"forcing": [1.0, [2.0]]}, r"forcing\[1\] = \[2.0\]: a finite number is needed"),
+        ({"forcing": [1.0, np.nan]}, r"^forcing\[1\] = nan: a finite number is needed$"),
+        ({"forcing": [1.0, 1j]}, "forcing: complex numbers; real ones are needed"),
+        ({"forcing": "x1"}, "forcing = 'x1': a list of 2 numbers is needed, a force for each dof"),
+        ({"forcing": {1, 2}}, "forcing: no list of real numbers"),
+        ({"forcing": {"shape": {"dofs": {"z": 1.0}}}}, "forcing: no dof `z`; there are x1, x2"),
+        ({"forcing": {"shape": None}}, r"forcing: shape = None \(NoneType\)"),
+        (
+            {"dofs": ["main", "nes"], "forcing": {"shape": {"dofs": {"mian": 1.0}}}},
+            "forcing: no dof `mian`; did you mean `main`[?] there are main, nes",
+        ),
+        ({"dofs": ["tip", "root"], "monitors": ["tipp"]}, "monitors: no dof `tipp`; did you mean `tip`[?] there are"),
         ({"forcing": [0.0, 0.0]}, "all forces are zero"),
         ({"C": np.eye(2), "damping": {"default_ratio": 1e-3}}, "two ways to give the damping"),
         ({"dofs": "ab"}, "dofs = 'ab': a list of names of dofs is needed"),
@@ -160,6 +176,7 @@ def test_bad_models_are_refused(changes: dict[str, object], message: str) -> Non
     with pytest.raises(BadModel, match=message) as caught:
         Model(**{"M": np.eye(2), "K": np.eye(2), **changes})  # type: ignore[arg-type]
     assert isinstance(caught.value, ValueError)
+    assert caught.value.__cause__ is None and (caught.value.__suppress_context__ or not caught.value.__context__)
 
 
 @pytest.mark.parametrize(
@@ -237,7 +254,7 @@ def test_a_sweep_is_the_one_of_the_command_line(tmp_path: Path) -> None:
     counts = run.counts
     assert (counts.branches, counts.running, counts.waiting, counts.dead) == (3, 0, 0, 0)
     text = (tmp_path / "mine" / "model" / "model.toml").read_text()
-    with pytest.raises(isola_hbm.FolderInUse, match="this folder holds a run already; name another folder"):
+    with pytest.raises(isola_hbm.FolderInUse, match="holds a run already, .* give another `out`, or remove"):
         isola_hbm.sweep(Model([[2]], [[3]]), [1], out=tmp_path / "mine")
     assert (tmp_path / "mine" / "model" / "model.toml").read_text() == text
     # The study stays beside the run, which goes on with it.
@@ -269,9 +286,10 @@ def test_studies_and_models_by_their_files(tmp_path: Path, monkeypatch: pytest.M
             {},
             "nowhere: no such file; give a study file, or a folder that holds a study.toml",
         ),
-        ((MODELS / "duffing", [-1]), {}, "-1: a forcing amplitude is a finite number above zero"),
+        ((MODELS / "duffing", [-1]), {}, "amplitudes: `amplitudes` = -1: a forcing amplitude is a finite number above zero"),
         ((MODELS / "duffing", [0.1]), {"contact": {"gapp": 1}}, "there is no `gapp`; did you mean `gap`?"),
-        ((MODELS / "duffing", [0.1]), {"harmonics.count": 0}, "`harmonics.count` = 0"),
+        ((MODELS / "duffing", [0.1]), {"harmonics.count": 0}, "harmonics.count = 0: `harmonics.count` = 0"),
+        ((MODELS / "duffing", [0.1]), {"harmonic": 5}, "harmonic = 5: `harmonic`: there is no `harmonic`; did you"),
         ((MODELS / "duffing", [0.1]), {"search": "hard"}, "hard"),
     ],
 )
@@ -281,7 +299,56 @@ def test_the_program_says_what_is_wrong(
     with pytest.raises(isola_hbm.ProgramFailed, match=re.escape(message)) as caught:
         isola_hbm.sweep(*arguments, out=tmp_path / "run", progress=False, **settings)  # type: ignore[arg-type]
     assert caught.value.code in (1, 2)
-    assert not str(caught.value).startswith("error")
+    assert not str(caught.value).startswith(("error", "--"))
+
+
+@pytest.mark.needs_program
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"laws": [Law("cubic", dof="x1")]}, "the model given: `laws[0].law`: there is no `cubic`; known here: "),
+        (
+            {"laws": [CUBIC, Law("polynomial_spring", dof="x1", terms=[{"power": 3, "coeff": 1}])]},
+            "the model given: `laws[1].law.polynomial_spring.terms[0].coeff`: there is no `coeff`; did you mean",
+        ),
+        ({"damping": {"ratio": 0.01}}, "the model given: `damping.ratio`: there is no `ratio`; did you mean `ratios`?"),
+        ({"K": [[0]], "laws": [CUBIC]}, "the model given: `backbone.modes` (set by default) = auto: mode 1 is a rigid"),
+    ],
+)
+def test_the_program_speaks_of_the_model_given(
+    changes: dict[str, object], message: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    model = Model(**{"M": [[1]], "K": [[1]], **changes})  # type: ignore[arg-type]
+    monkeypatch.chdir(tmp_path)
+    for out in ("run", tmp_path / "absolute", None):
+        with pytest.raises(isola_hbm.ProgramFailed) as caught:
+            isola_hbm.sweep(model, [0.1], out=out, progress=False)
+        assert str(caught.value).startswith(message)
+    with pytest.raises(isola_hbm.ProgramFailed) as checked:
+        model.check()
+    assert str(checked.value) == str(caught.value)
+
+
+@pytest.mark.needs_program
+def test_a_model_is_checked_without_a_sweep(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    model = Model([[1]], [[4]], laws=[CUBIC], name="mine")
+    said = model.check()
+    assert said.startswith("size        1 dof, 0 contact elements, 1 other law")
+    assert "2 rad/s" in said and "monitored   x1" in said
+    assert "harmonics   3," in model.check(harmonics={"count": 3})
+    with pytest.raises(isola_hbm.BadStudy, match="search: None"):
+        model.check(search=None)
+    with pytest.raises(isola_hbm.ProgramFailed, match="^harmonics.cuont = 3: "):
+        model.check(**{"harmonics.cuont": 3})
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("given", [np.eye(2), None, 3, [[1.0]]])
+def test_what_is_no_model(given: object, tmp_path: Path) -> None:
+    message = r"model: \w+ given; a Model is needed, as Model\(M, K\) of matrices, or the path of a model or a study"
+    with pytest.raises(BadModel, match=message):
+        isola_hbm.sweep(given, [0.1], out=tmp_path / "run")  # type: ignore[arg-type]
 
 
 @pytest.mark.needs_program
@@ -394,6 +461,10 @@ def test_progress_is_one_line_of_a_terminal(monkeypatch: pytest.MonkeyPatch) -> 
     show("finished\n")
     assert terminal.getvalue() == "\rrunning: 1 of 20 levels, 300 \rfinished" + 21 * " " + "\n"
     monkeypatch.setattr(sys, "stderr", file := io.StringIO())
-    _shown(True)("running")
+    _shown(None)("running")
     _shown(False)("running")
     assert file.getvalue() == ""
+    # Asked for, a file has what the program says, line by line.
+    _shown(True)("running: 1 of 20 levels, 300 tasks done")
+    _shown(True)("finished\n")
+    assert file.getvalue() == "running: 1 of 20 levels, 300 tasks done\nfinished\n"

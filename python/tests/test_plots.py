@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -12,9 +13,10 @@ mpl.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
-from runs import change
+from runs import MODELS, change, isola
 
 import isola_hbm
+from isola_hbm.drawing import spread
 
 
 @pytest.fixture(autouse=True)
@@ -36,7 +38,7 @@ def test_response(damper: Path) -> None:
     run = isola_hbm.load(damper)
     axes = run.plot.response(units="mm,Hz")
     # What is unstable is dashed, as backbones are.
-    drawn = [line for line in axes.get_lines() if line.get_linestyle() == "-"]
+    drawn = [line for line in axes.get_lines() if line.get_linestyle() == "-" and len(line.get_xdata())]
     assert len(drawn) == len(run)
     isola = run["0.006/isola 1"]
     line = drawn[list(run).index("0.006/isola 1")]
@@ -48,9 +50,13 @@ def test_response(damper: Path) -> None:
     unstable = run.columns("stable").query("name == '0.006/isola 1'")["stable"].to_numpy() == "unstable"
     unstable = np.append(unstable, unstable[0])
     assert np.isnan(line.get_xdata()).sum() == (unstable[1:] & unstable[:-1]).sum()
-    assert labels(axes) == ["A = 0.004", "A = 0.005", "A = 0.006", "A = 0.007", UNSTABLE, "backbone"]
+    levels = ["A = 0.004", "A = 0.005", "A = 0.006", "A = 0.007"]
+    assert labels(axes) == [*levels, "main branch", "isola", UNSTABLE, "backbone"]
+    widths = {line.get_label(): line.get_linewidth() for line in axes.get_lines()}
+    assert widths["A = 0.006"] == widths["main branch"] < widths["isola"] == line.get_linewidth()
+    assert list(axes.texts) == []
     assert axes.get_xlabel() == "frequency f (Hz)"
-    assert axes.get_ylabel() == "largest |x1| (mm)"
+    assert axes.get_ylabel() == "amplitude of x1 (mm)"
     low, high = axes.get_xlim()
     assert low < float(isola["omega"].min()) / (2 * np.pi) < float(isola["omega"].max()) / (2 * np.pi) < high
 
@@ -61,11 +67,74 @@ def test_levels_are_chosen_and_axes_given(damper: Path) -> None:
     assert labels(run.plot.response(0.006)) == labels(run.plot.response(["0.006"]))
     axes = run.plot.response(["0.006", 0.007], ax=mine, backbone=False)
     assert axes is mine
-    assert labels(axes) == ["A = 0.006", "A = 0.007", UNSTABLE]
+    assert labels(axes) == ["A = 0.006", "A = 0.007", "main branch", "isola", UNSTABLE]
+    # Of main branches alone none need be told from others.
+    assert labels(run.plot.response(0.004, backbone=False)) == ["A = 0.004"]
     with pytest.raises(ValueError, match=r"no branch at A = 0.3; there are branches at A = 0.004, 0.005"):
         run.plot.response([0.3])
     with pytest.raises(ValueError, match="one of m, mm, um and one of rad/s, Hz"):
         run.plot.response(units="mm,inch")
+    for amplitudes, what in (("x", "'x'"), (["0.006", "x"], "['0.006', 'x']"), ([None], "None"), ("0.1:0.2:0.1", "")):
+        message = rf"amplitudes = {re.escape(what)}.*: give a number or a list of them; there are branches at A = 0.004, "
+        with pytest.raises(ValueError, match=message) as caught:
+            run.plot.response(amplitudes)
+        assert caught.value.__suppress_context__
+
+
+def test_response_of_another_dof(tmp_path: Path) -> None:
+    study = MODELS / "two_masses_stop" / "study.toml"
+    options = ("--amplitudes", "0.005,0.01", "--search", "none", "--verify", "none", "--workers", 1)
+    isola("sweep", study, "--out", tmp_path / "run", *options, "--set", 'monitors=["x2","x1"]')
+    run = isola_hbm.load(tmp_path / "run")
+    axes = run.plot.response(monitor="x1", units="um")
+    assert axes.get_ylabel() == "amplitude of x1 (um)"
+    drawn = {line.get_label(): line.get_ydata() for line in axes.get_lines()}
+    for name in run:
+        amplitude = run[name]["amplitude"].sel(monitor="x1")
+        np.testing.assert_allclose(drawn[f"A = {name.removesuffix('/main')}"], 1e6 * amplitude)
+    backbone = 1e6 * run.backbone(2)["amplitude"].sel(monitor="x1").to_numpy()
+    shown = np.isfinite(drawn["backbone of mode 2"])
+    assert shown.any()
+    np.testing.assert_allclose(drawn["backbone of mode 2"][shown], backbone[shown])
+    first, same = (run.plot.response(monitor=monitor) for monitor in (None, "x2"))
+    assert first.get_ylabel() == same.get_ylabel() == "amplitude of x2 (m)"
+    np.testing.assert_array_equal(first.get_lines()[0].get_ydata(), same.get_lines()[0].get_ydata())
+    with pytest.raises(ValueError, match="monitor = 'x3': the run monitors no such dof, but x2, x1$"):
+        run.plot.response(monitor="x3")
+    # What is damaged is left out, as in figures of the first dof.
+    damage = "UPDATE arrays SET data = substr(data, 9) WHERE owner IN ('backbone', '0.01-0') AND name = 'amplitude'"
+    change(tmp_path / "run", damage)
+    with pytest.warns(isola_hbm.LeftOut, match="is left out: ") as warned:
+        axes = isola_hbm.load(tmp_path / "run").plot.response(monitor="x1")
+    assert any("0.01/main" in str(warning.message) for warning in warned)
+    assert "A = 0.005" in labels(axes) and "A = 0.01" not in labels(axes)
+
+
+def test_many_levels_are_named_at_their_peaks(damper: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    study = MODELS / "duffing" / "study.toml"
+    options = ("--amplitudes", "0.01:0.08:0.01", "--search", "none", "--workers", 1, "--set", "harmonics.count=3")
+    isola("sweep", study, "--out", tmp_path / "run", *options)
+    run = isola_hbm.load(tmp_path / "run")
+    axes = run.plot.response()
+    assert "A = 0.01" not in labels(axes)
+    names = [text for text in axes.texts if text.get_text()]
+    assert {text.get_text() for text in names} == {f"A = 0.0{i}" for i in range(1, 9)}
+    boxes = [text.get_window_extent() for text in names]
+    assert not any(box.count_overlaps([*boxes[:i], axes.get_legend().get_window_extent()]) for i, box in enumerate(boxes))
+    for text in names:
+        branch = run[f"{text.get_text().removeprefix('A = ')}/main"]
+        assert text.xy == (branch["omega"][branch.attrs["peak"]], branch["amplitude"][branch.attrs["peak"], 0])
+    # Isolas are named as well, in figures with parts of their own, too.
+    monkeypatch.setattr("isola_hbm.plots._NAMED", 2)
+    part = plt.figure(figsize=(12, 5)).subfigures(1, 2)[0].subplots()
+    axes = isola_hbm.load(damper).plot.response(ax=part)
+    assert {"A = 0.007", "isola 1, A = 0.006"} <= {text.get_text() for text in axes.texts}
+
+
+@pytest.mark.parametrize(("count", "order"), [(0, []), (1, [0]), (2, [1, 0]), (5, [4, 0, 2, 1, 3])])
+def test_levels_are_named_from_the_ends_inwards(count: int, order: list[int]) -> None:
+    assert spread(count) == order
+    assert sorted(spread(12)) == list(range(12))
 
 
 def test_map(damper: Path) -> None:

@@ -51,7 +51,7 @@ class NoProgram(IsolaError):
 
 
 class ProgramFailed(IsolaError):
-    """The program ended with an error: the message is its own."""
+    """The program ended with an error: the message is its own, in which options are called what they are in Python."""
 
     def __init__(self, message: str, code: int) -> None:
         super().__init__(message)

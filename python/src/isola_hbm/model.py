@@ -2,27 +2,31 @@
 
 from __future__ import annotations
 
+import difflib
 import os
+import subprocess
 import sys
+import tempfile
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
-
-import numpy as np
 
 if sys.version_info >= (3, 11):
     import tomllib
 else:
     import tomli as tomllib
 
-from . import toml
+from . import program, study, toml
 from .errors import BadModel, FolderInUse
 from .live.wire import Floats
+from .matrices import forces, matrix_market, require_definite, symmetric
 
-#: Entries whose difference from those across the diagonal is below this share of the largest entry count as symmetric.
-_SYMMETRIC = 1e-8
 #: What stands in a model file.
 _KEYS = {"name", "description", "dofs", "monitors", "matrices", "damping", "forcing", "contact", "laws"}
+
+
+#: Lines of ``isola check`` that are not of the model.
+_OF_STUDY = (["study"], ["file"], ["model"], ["amplitudes"])
 
 
 class Law(dict[str, Any]):
@@ -134,13 +138,13 @@ class Model:
         description: str = "",
     ) -> None:
         #: Mass [n, n], kg.
-        self.M = _matrix("M", M)
+        self.M = symmetric("M", M)
         n = len(self.M)
         #: Stiffness [n, n], N/m.
-        self.K = _matrix("K", K, n)
+        self.K = symmetric("K", K, n)
         #: Damping [n, n], N·s/m; None if it is given in another way.
-        self.C = None if C is None else _matrix("C", C, n)
-        _require_definite(self.M)
+        self.C = None if C is None else symmetric("C", C, n)
+        require_definite(self.M)
         if self.C is not None and damping is not None:
             raise BadModel("C and damping are two ways to give the damping; give one of them")
         #: Names of the dofs.
@@ -172,7 +176,9 @@ class Model:
         for i, node in enumerate(self.sections["contact"]["nodes"]):
             sliding = node.get("tangential", [])
             if isinstance(sliding, (str, Mapping)) or not isinstance(sliding, Iterable):
-                raise BadModel(f"contacts[{i}]: tangential = {sliding!r}: a list of one or two directions is needed")
+                raise BadModel(
+                    f"contacts[{i}]: tangential = {sliding!r}: a list of one or two directions is needed"
+                )
             for direction in [node.get("normal"), *sliding]:
                 for dof in direction if isinstance(direction, Mapping) else [direction]:
                     self._known(f"contacts[{i}]", dof)
@@ -187,13 +193,17 @@ class Model:
         path = Path(folder)
         try:
             content = tomllib.loads((path / "model.toml").read_text(encoding="utf-8"))
-        except FileNotFoundError as error:
-            raise BadModel(f"{path / 'model.toml'}: there is no such file; name the folder of a model") from error
+        except FileNotFoundError:
+            raise BadModel(
+                f"{path / 'model.toml'}: there is no such file; name the folder of a model"
+            ) from None
         except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-            raise BadModel(f"{path / 'model.toml'}: {error}") from error
+            raise BadModel(f"{path / 'model.toml'}: {error}") from None
         # What is not known here would be lost when the model is saved.
         if unknown := sorted(content.keys() - _KEYS):
-            raise BadModel(f"{path / 'model.toml'}: there is no `{unknown[0]}`; known here: {', '.join(sorted(_KEYS))}")
+            raise BadModel(
+                f"{path / 'model.toml'}: there is no `{unknown[0]}`; known here: {', '.join(sorted(_KEYS))}"
+            )
         matrices, contact = (_section(key, content.get(key, {})) for key in ("matrices", "contact"))
         files = {"mass": "M.mtx", "stiffness": "K.mtx", **matrices}
         mass, stiffness, damping = (_read(path, files.get(key)) for key in ("mass", "stiffness", "damping"))
@@ -225,9 +235,36 @@ class Model:
         matrices = {"mass": ("M.mtx", self.M), "stiffness": ("K.mtx", self.K), "damping": ("C.mtx", self.C)}
         given = {key: (name, matrix) for key, (name, matrix) in matrices.items() if matrix is not None}
         for name, matrix in given.values():
-            (path / name).write_text(_matrix_market(matrix), encoding="ascii")
+            (path / name).write_text(matrix_market(matrix), encoding="ascii")
         file.write_text(self._toml({key: name for key, (name, _) in given.items()}), encoding="utf-8")
         return path
+
+    def check(self, **settings: Any) -> str:
+        """What the program says of the model, as ``isola check``: size, modes, forcing, contact, monitored dofs. Computes no
+        response.
+
+        >>> print(model.check())
+
+        Args:
+            settings: Keys of a study, as those of :func:`sweep`.
+
+        Raises:
+            BadStudy: Settings are not what can be given to the program at all.
+            NoProgram: The program is not there.
+            ProgramFailed: It refuses the model: with its own message.
+        """
+        options = study.options(None, None, settings)
+        with tempfile.TemporaryDirectory() as scratch:
+            folder = Path(scratch)
+            self.save(folder / study.MODEL)
+            file = study.write(folder, study.MODEL, "1")
+            with program.start(["check", str(file), *options], stdout=subprocess.PIPE) as process:
+                found, said = process.communicate()
+            if process.returncode != 0:
+                raise study.failure([said], process.returncode, file, is_written=True)
+        # What is of the study here is this method's.
+        lines = found.splitlines()
+        return "\n".join(line for line in lines if line.split(maxsplit=1)[:1] not in _OF_STUDY)
 
     def _toml(self, matrices: dict[str, str]) -> str:
         """The text of ``model.toml``."""
@@ -254,25 +291,25 @@ class Model:
     def _forcing(self, given: Mapping[str, Any] | Sequence[float] | Floats) -> dict[str, Any]:
         """The section of the forcing."""
         if isinstance(given, Mapping):
-            return dict(given)
-        try:
-            forces = np.array(given, dtype=np.float64)
-        except (TypeError, ValueError) as error:
-            raise BadModel(f"forcing: no list of numbers ({error})") from error
-        if forces.shape != (self.size,) or not np.isfinite(forces).all():
-            raise BadModel(
-                f"forcing: shape {forces.shape}; {self.size} finite numbers are needed, a force for each dof"
-            )
-        if not forces.any():
+            section = _section("forcing", given)
+            shape = section.get("shape")
+            driven = shape.get("dofs") if isinstance(shape, Mapping) else None
+            for dof in driven if isinstance(driven, Mapping) else ():
+                self._known("forcing", dof)
+            return section
+        on_dofs = forces("forcing", given, self.size)
+        if not on_dofs.any():
             raise BadModel("forcing: all forces are zero; at least one dof must be driven")
         return {
-            "shape": {"dofs": {dof: force for dof, force in zip(self.dofs, forces.tolist()) if force != 0.0}}
+            "shape": {"dofs": {dof: force for dof, force in zip(self.dofs, on_dofs.tolist()) if force != 0.0}}
         }
 
     def _known(self, where: str, dof: Any) -> str:
         if dof not in self.dofs:
+            nearest = difflib.get_close_matches(str(dof), self.dofs, 1)
+            guess = f"did you mean `{nearest[0]}`? " if nearest else ""
             known = ", ".join(self.dofs[:12]) + (", …" if self.size > 12 else "")
-            raise BadModel(f"{where}: no dof `{dof}`; there are {known}")
+            raise BadModel(f"{where}: no dof `{dof}`; {guess}there are {known}")
         return str(dof)
 
 
@@ -315,7 +352,9 @@ def _require_toml(what: str, given: Mapping[str, Any]) -> None:
         try:
             toml.literal(value)
         except TypeError as error:
-            raise BadModel(f"{what}: {key} = {error}; numbers, texts, lists and dicts can be written") from None
+            raise BadModel(
+                f"{what}: {key} = {error}; numbers, texts, lists and dicts can be written"
+            ) from None
 
 
 def _read(folder: Path, matrix: Any) -> Any:
@@ -329,7 +368,7 @@ def _read(folder: Path, matrix: Any) -> Any:
     try:
         return mmread(folder / matrix, spmatrix=False)
     except (OSError, ValueError) as error:
-        raise BadModel(f"{folder / matrix}: {error}") from error
+        raise BadModel(f"{folder / matrix}: {error}") from None
 
 
 def _dofs_of_law(where: str, law: Mapping[str, Any]) -> list[Any]:
@@ -344,52 +383,3 @@ def _dofs_of_law(where: str, law: Mapping[str, Any]) -> list[Any]:
 
 def _entries(section: Mapping[str, Any]) -> list[str]:
     return [f"{toml.key(key)} = {toml.literal(value)}" for key, value in section.items()]
-
-
-def _matrix(name: str, given: Any, size: int | None = None) -> Floats:
-    """A symmetric matrix, dense."""
-    dense = given.toarray() if hasattr(given, "toarray") else given
-    try:
-        is_complex = np.iscomplexobj(dense)
-        matrix = np.array(dense, dtype=np.complex128 if is_complex else np.float64).real
-    except (TypeError, ValueError) as error:
-        raise BadModel(f"{name}: no matrix of real numbers ({error})") from error
-    if is_complex:
-        raise BadModel(f"{name}: complex numbers; a matrix of real ones is needed")
-    if matrix.ndim != 2 or matrix.shape[0] != matrix.shape[1] or not matrix.size:
-        raise BadModel(f"{name}: shape {matrix.shape}; a square matrix [n, n] is needed")
-    if size is not None and len(matrix) != size:
-        raise BadModel(f"{name}: shape {matrix.shape}, but M has {(size, size)}")
-    wrong = np.argwhere(~np.isfinite(matrix))
-    if len(wrong):
-        i, j = wrong[0]
-        raise BadModel(f"{name}[{i}, {j}] = {matrix[i, j]}: a finite number is needed")
-    difference = np.abs(matrix - matrix.T)
-    if difference.max() > _SYMMETRIC * np.abs(matrix).max():
-        i, j = sorted(int(index) for index in np.unravel_index(difference.argmax(), matrix.shape))
-        entries = f"{name}[{i}, {j}] = {matrix[i, j]:g}, {name}[{j}, {i}] = {matrix[j, i]:g}"
-        raise BadModel(f"{name}: not symmetric ({entries}); (X + X.T) / 2 is, if the difference is rounding")
-    return matrix
-
-
-def _require_definite(mass: Floats) -> None:
-    try:
-        np.linalg.cholesky(mass)
-    except np.linalg.LinAlgError:
-        lowest = np.linalg.eigvalsh(mass)[0]
-        raise BadModel(
-            f"M: not positive definite (smallest eigenvalue {lowest:g}); are M and K exchanged?"
-        ) from None
-
-
-def _matrix_market(matrix: Floats) -> str:
-    """A matrix in Matrix Market format, every number in the shortest form that reads back the same."""
-    is_symmetric = bool((matrix == matrix.T).all())
-    rows, columns = np.nonzero(np.tril(matrix) if is_symmetric else matrix)
-    kind = "symmetric" if is_symmetric else "general"
-    entries = [f"{i + 1} {j + 1} {float(matrix[i, j])!r}" for i, j in zip(rows, columns)]
-    n = len(matrix)
-    return (
-        "\n".join([f"%%MatrixMarket matrix coordinate real {kind}", f"{n} {n} {len(entries)}", *entries])
-        + "\n"
-    )

@@ -2,22 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+import warnings
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 import pandas as pd
 
+from .drawing import along_ramp, around, axes_of, legend, logarithmic, name_curves, spread, text
+from .errors import Damaged, LeftOut
 from .live.wire import Floats
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+    from .stored.motions import Motions
     from .stored.run import Key, StoredRun
 
-#: Colours as in the figures of the program: levels from the lowest to the highest, and what is not a branch.
-_RAMP = ["#e08a2e", "#d9604f", "#bc3a72", "#8c1f8a", "#561a8f", "#1c0f63"]
+#: Colours as in the figures of the program, of what is not a branch.
 _INK, _SHADE, _ISOLA, _FOLDS, _WORK = "#1a2027", "#8b96a1", "#d55e00", "#b0508a", "#7a3300"
 #: Marks of events by kind.
 _MARKS = {
@@ -26,12 +29,14 @@ _MARKS = {
     "death": ("x", "deaths"),
     "cusp": (".", "cusps"),
 }
-#: A main branch is shown at least where it is higher than this share of its peak, with this room beside, as a share of the width.
-_HIGH, _ROOM = 0.8, 0.25
+#: A main branch is shown at least where it is higher than this share of its peak.
+_HIGH = 0.8
 #: Thresholds are shown from the lowest level divided by the first to the highest one times the second, as folds are followed.
 _NEAR = (4.0, 2.0)
-#: Most entries of a legend of levels.
-_NAMED = 12
+#: Widths of main branches and of others.
+_THIN, _BOLD = 1.0, 2.2
+#: Of more levels, neighbours cannot be told apart by their colours: they are named at their peaks, not in the legend.
+_NAMED = 6
 
 
 @dataclass(frozen=True)
@@ -77,73 +82,115 @@ class Plots:
         self,
         amplitudes: Iterable[str | float] | str | float | None = None,
         *,
+        monitor: str | None = None,
         ax: Axes | None = None,
         units: str = "m,rad/s",
         backbone: bool = True,
     ) -> Axes:
-        """Amplitude of the first monitored dof over frequency: main branches thin, isolas and others bold, what time marching
-        found unstable dashed.
+        """Amplitude of a monitored dof over frequency: main branches thin, isolas and others bold, what time marching found
+        unstable dashed. More than six levels are named at their peaks.
 
         Args:
             amplitudes: Forcing amplitudes shown; by default all.
+            monitor: Monitored dof whose amplitude is shown; by default the first one.
             ax: Axes to draw on.
             units: ``m``, ``mm`` or ``um`` and ``rad/s`` or ``Hz``, as in ``"mm,Hz"``.
             backbone: Whether the backbone is drawn as well.
+
+        Raises:
+            ValueError: There is no branch at these amplitudes, no such monitored dof or unit: with those there are.
         """
-        measured, axes = Units.read(units), _axes(ax)
-        summary = self._branches(amplitudes)
-        points = self._points().groupby("name", sort=False)
+        measured, number, summary = Units.read(units), self._number(monitor), self._branches(amplitudes)
+        axes = axes_of(ax)
+        points = self._points(number).groupby("name", sort=False)
         levels = sorted(summary["amplitude"].unique())
-        colors = dict(zip(levels, _along_ramp(len(levels))))
-        shown, has_unstable = [], False
+        colors = dict(zip(levels, along_ramp(len(levels))))
+        rank = {levels[place]: i for i, place in enumerate(spread(len(levels)))}
+        shown, peaks, has_unstable = [], [], False
         for name, row in summary.iterrows():
             if name not in points.groups:
                 continue  # its points are damaged: reading them has warned
             curve = points.get_group(name)
             is_high = curve["amplitude"] >= _HIGH * curve["amplitude"].max()
-            shown.append(curve["omega"][is_high] if row["kind"] == "main" else curve["omega"])
+            is_main, level = row["kind"] == "main", row["amplitude"]
+            shown.append(curve["omega"][is_high] if is_main else curve["omega"])
             if row["closed"]:
                 curve = pd.concat([curve, curve.iloc[:1]])
-            is_main = row["kind"] == "main"
-            label = f"A = {_text(row['amplitude'])}" if is_main and len(levels) <= _NAMED else None
             style = {
-                "color": colors[row["amplitude"]],
-                "linewidth": 1.0 if is_main else 2.2,
+                "color": colors[level],
+                "linewidth": _THIN if is_main else _BOLD,
                 # What a lower level has lies inside of what a higher one has.
-                "zorder": 3.0 - levels.index(row["amplitude"]) / len(levels),
+                "zorder": 3.0 - levels.index(level) / len(levels),
             }
             at = measured.frequencies(curve["omega"]).to_numpy()
             height = measured.lengths(curve["amplitude"]).to_numpy()
+            forcing, top = f"A = {text(level)}", height.argmax()
+            called = forcing if is_main else f"{str(name).partition('/')[2]}, {forcing}"
+            peaks.append((rank[level], is_main, (called, at[top], height[top], colors[level])))
             unstable = (curve["stable"] == "unstable").to_numpy()
             # From one unstable point to the next the solid line has a gap, and there are dashes.
             gaps = np.flatnonzero(unstable[1:] & unstable[:-1]) + 1
+            label = forcing if is_main and len(levels) <= _NAMED else None
             axes.plot(np.insert(at, gaps, np.nan), np.insert(height, gaps, np.nan), label=label, **style)
             if unstable.any():
                 axes.plot(at, np.where(unstable, height, np.nan), linestyle=(0, (2.5, 1.5)), **style)
                 has_unstable = True
-        if has_unstable:
-            label = "unstable (solid: stable, or not known)"
-            axes.plot([], [], color=_SHADE, linestyle=(0, (2.5, 1.5)), label=label)
+        curves = axes.get_lines()
+        others = set(summary["kind"]) - {"main"}
+        for wanted, label, how in (
+            (others, "main branch", {"linewidth": _THIN}),
+            (others, "isola" if others == {"isola"} else "isola or other", {"linewidth": _BOLD}),
+            (has_unstable, "unstable (solid: stable, or not known)", {"linestyle": (0, (2.5, 1.5))}),
+        ):
+            if wanted:
+                axes.plot([], [], color=_SHADE, label=label, **how)
         if shown:
-            axes.set_xlim(measured.frequencies(_around(np.concatenate(shown), self._reach(summary))))
-        self._draw_backbone(axes, measured, backbone)
-        monitor = self._run.model.dofs[self._run.model.monitors[0]]
-        axes.set(xlabel=measured.of_frequency(), ylabel=f"largest |{monitor}| ({measured.length})")
-        _legend(axes)
+            axes.set_xlim(measured.frequencies(around(np.concatenate(shown), self._reach(summary))))
+        self._draw_backbone(axes, measured, number, backbone)
+        axes.set(
+            xlabel=measured.of_frequency(),
+            ylabel=f"amplitude of {self._monitors()[number]} ({measured.length})",
+        )
+        legend(axes)
+        if len(levels) > _NAMED:
+            name_curves(axes, curves, [name for *_, name in sorted(peaks, key=lambda peak: peak[:2])])
         return axes
 
-    def _points(self) -> pd.DataFrame:
+    def _monitors(self) -> list[str]:
+        """Names of the monitored dofs."""
+        return [self._run.model.dofs[dof] for dof in self._run.model.monitors]
+
+    def _number(self, monitor: str | None) -> int:
+        """Which of the monitored dofs this is."""
+        names = self._monitors()
+        if monitor is not None and monitor not in names:
+            raise ValueError(f"monitor = {monitor!r}: the run monitors no such dof, but {', '.join(names)}")
+        return 0 if monitor is None else names.index(monitor)
+
+    def _points(self, monitor: int) -> pd.DataFrame:
         """Points of all branches, with what is known of their stability: nothing in runs of the first programs."""
         try:
-            return self._run.columns("omega", "amplitude", "stable")
+            points = self._run.columns("omega", "amplitude", "stable")
         except KeyError:
-            return self._run.columns("omega", "amplitude").assign(stable="")
+            points = self._run.columns("omega", "amplitude").assign(stable="")
+        return self._of(monitor, points, "name", lambda name: self._run[name])
 
-    def _draw_backbone(self, axes: Axes, units: Units, wanted: bool) -> None:
+    @staticmethod
+    def _of(monitor: int, table: pd.DataFrame, by: str, read: Callable[[Any], Motions]) -> pd.DataFrame:
+        """The table with the amplitude of this monitored dof: tables of points have that of the first one alone."""
+        for name, rows in table.groupby(by, sort=False).groups.items() if monitor else ():
+            try:
+                table.loc[rows, "amplitude"] = read(name)["amplitude"].values[:, monitor]
+            except Damaged as damage:
+                warnings.warn(f"{by} {name} is left out: {damage.detail}.", LeftOut, stacklevel=4)
+                table = table.drop(rows)
+        return table
+
+    def _draw_backbone(self, axes: Axes, units: Units, monitor: int, wanted: bool) -> None:
         """The backbones as far up as there are branches: they need not set the scale."""
-        table = self._run.backbones
-        if not wanted or table.empty:
+        if not wanted:
             return
+        table = self._of(monitor, self._run.backbones, "mode", lambda mode: self._run.backbone(int(mode)))
         (left, right), top = axes.get_xlim(), axes.get_ylim()[1]
         for mode, curve in table.groupby("mode", sort=False):
             label = f"backbone of mode {mode}" if table["mode"].nunique() > 1 else "backbone"
@@ -168,7 +215,7 @@ class Plots:
             ax: Axes to draw on.
             units: ``rad/s`` or ``Hz``.
         """
-        measured, axes = Units.read(units), _axes(ax)
+        measured, axes = Units.read(units), axes_of(ax)
         summary = self._branches(None)
         mains = summary["kind"] == "main"
         for rows, label, color, width in (
@@ -183,10 +230,10 @@ class Plots:
         self._draw_folds(axes, measured)
         shown = np.concatenate([shown, summary[~mains]["omega_min"], summary[~mains]["omega_max"]])
         if len(shown) and len(summary):
-            axes.set_xlim(measured.frequencies(_around(shown, self._reach(summary))))
+            axes.set_xlim(measured.frequencies(around(shown, self._reach(summary))))
         axes.set(xlabel=measured.of_frequency(), ylabel="forcing amplitude A, threshold A*")
-        _logarithmic(axes)
-        _legend(axes)
+        logarithmic(axes)
+        legend(axes)
         return axes
 
     def _draw_thresholds(self, axes: Axes, units: Units, levels: list[float]) -> Floats:
@@ -226,7 +273,7 @@ class Plots:
             mode: Mode of the backbone, from 1; by default the primary one.
             ax: Axes to draw on.
         """
-        axes, curve = _axes(ax), self._run.backbone(mode)
+        axes, curve = axes_of(ax), self._run.backbone(mode)
         if amplitude is None:
             summary = self._run.summary
             isolas = summary[summary["kind"] == "isola"]
@@ -250,10 +297,10 @@ class Plots:
             alpha=0.2,
             label="windows",
         )
-        title = f"A = {_text(amplitude)}, mode {curve.attrs['mode']}"
+        title = f"A = {text(amplitude)}, mode {curve.attrs['mode']}"
         axes.set(xlabel="arc length (scaled)", ylabel="energy a period (J)", title=title)
-        _logarithmic(axes)
-        _legend(axes)
+        logarithmic(axes)
+        legend(axes)
         return axes
 
     def motion(
@@ -281,7 +328,7 @@ class Plots:
             IndexError: It has no such point.
             KeyError: There is no such dof.
         """
-        measured, axes, curve = Units.read(units), _axes(ax), self._run[branch]
+        measured, axes, curve = Units.read(units), axes_of(ax), self._run[branch]
         count = curve.sizes["point"]
         index = curve.attrs.get(point) if isinstance(point, str) else point
         if index is None or not -count <= index < count:
@@ -290,9 +337,15 @@ class Plots:
         along = next(str(axis) for axis in series.dims if axis != "time")
         is_length = variable == "displacement"
         there = [str(name) for name in series[along].values]
-        shown = [dofs] if isinstance(dofs, str) else list(dofs or (curve["monitor"].values if is_length else there))
+        shown = (
+            [dofs]
+            if isinstance(dofs, str)
+            else list(dofs or (curve["monitor"].values if is_length else there))
+        )
         if unknown := [name for name in shown if name not in there]:
-            raise KeyError(f"no `{unknown[0]}` among what is stored of a motion; there are {', '.join(there)}")
+            raise KeyError(
+                f"no `{unknown[0]}` among what is stored of a motion; there are {', '.join(there)}"
+            )
         for name in shown:
             values = series.sel({along: name})
             axes.plot(series["time"], measured.lengths(values) if is_length else values, label=str(name))
@@ -302,7 +355,7 @@ class Plots:
         at = f"{measured.frequencies(float(curve['omega'][index])):.6g} {measured.frequency}"
         title = f"A = {curve.attrs['level']}, {curve.attrs['name']}, point {index}, {at}"
         axes.set(xlabel="time (periods)", ylabel=quantity, title=title)
-        _legend(axes)
+        legend(axes)
         return axes
 
     @staticmethod
@@ -318,54 +371,15 @@ class Plots:
             return summary
         if isinstance(amplitudes, str) or not isinstance(amplitudes, Iterable):
             amplitudes = [amplitudes]
-        chosen = {float(amplitude) for amplitude in amplitudes}
-        unknown = chosen - set(summary["amplitude"])
-        if unknown:
-            there = ", ".join(_text(value) for value in sorted(summary["amplitude"].unique()))
-            raise ValueError(f"no branch at A = {_text(min(unknown))}; there are branches at A = {there}")
+        there = ", ".join(text(value) for value in sorted(summary["amplitude"].unique()))
+        given = list(amplitudes)
+        try:
+            chosen = {float(amplitude) for amplitude in given}
+        except (TypeError, ValueError):
+            what = repr(given[0] if len(given) == 1 else given)
+            raise ValueError(
+                f"amplitudes = {what}: give a number or a list of them; there are branches at A = {there}"
+            ) from None
+        if unknown := chosen - set(summary["amplitude"]):
+            raise ValueError(f"no branch at A = {text(min(unknown))}; there are branches at A = {there}")
         return summary[summary["amplitude"].isin(chosen)]
-
-
-def _axes(ax: Axes | None) -> Axes:
-    if ax is not None:
-        return ax
-    try:
-        import matplotlib.pyplot as plt
-    except ImportError as error:
-        raise ImportError("figures need matplotlib: pip install 'isola-hbm[plot]'") from error
-    return plt.subplots(layout="constrained")[1]
-
-
-def _logarithmic(axes: Axes) -> None:
-    """A logarithmic axis upwards whose ticks are plain numbers: 0.1, 0.2, 0.5 where it spans less than two decades."""
-    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
-
-    axes.set_yscale("log")
-    low, high = axes.get_ylim()
-    axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if high < 100 * low else (1.0,)))
-    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: _text(value)))
-    axes.yaxis.set_minor_formatter(NullFormatter())
-
-
-def _around(shown: Floats, reach: tuple[float, float]) -> Floats:
-    """Limits around what is shown, with room beside it, within reach."""
-    low, high = float(np.min(shown)), float(np.max(shown))
-    room = _ROOM * (high - low)
-    limits = np.array([max(low - room, reach[0]), min(high + room, reach[1])])
-    return limits if limits[1] > limits[0] else np.array(reach)
-
-
-def _along_ramp(count: int) -> list[Any]:
-    from matplotlib.colors import LinearSegmentedColormap
-
-    ramp = LinearSegmentedColormap.from_list("levels", _RAMP)
-    return [ramp(share) for share in np.linspace(0.0, 1.0, count)] if count > 1 else [_RAMP[-1]] * count
-
-
-def _legend(axes: Axes) -> None:
-    if axes.get_legend_handles_labels()[1]:
-        axes.legend(fontsize="small")
-
-
-def _text(value: float) -> str:
-    return f"{value:g}"

@@ -41,7 +41,7 @@ def find() -> str:
     return found
 
 
-def start(arguments: Sequence[str]) -> subprocess.Popen[str]:
+def start(arguments: Sequence[str], *, stdout: int = subprocess.DEVNULL) -> subprocess.Popen[str]:
     """Starts the program with its messages in a pipe, out of reach of Ctrl-C in this terminal.
 
     Raises:
@@ -52,7 +52,7 @@ def start(arguments: Sequence[str]) -> subprocess.Popen[str]:
         return subprocess.Popen(
             command,
             stdin=subprocess.DEVNULL,
-            stdout=subprocess.DEVNULL,
+            stdout=stdout,
             stderr=subprocess.PIPE,
             text=True,
             encoding="utf-8",

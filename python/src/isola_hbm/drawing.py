@@ -1,0 +1,116 @@
+"""What figures share: axes, limits, colours, legends and names beside curves."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .live.wire import Floats
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.lines import Line2D
+
+#: Colours of levels from the lowest to the highest, as in the figures of the program.
+_RAMP = ["#e08a2e", "#d9604f", "#bc3a72", "#8c1f8a", "#561a8f", "#1c0f63"]
+#: Room beside what is shown, as a share of its width.
+_ROOM = 0.25
+#: Where the name of a curve may stand beside its peak, points: above it, else at the end of a line to one side.
+_PLACES = [((0, 3), "center")] + [
+    ((way * far, 0), align) for far in (8, 20, 36, 60) for way, align in ((1, "left"), (-1, "right"))
+]
+
+
+def axes_of(ax: Axes | None) -> Axes:
+    """The axes to draw on; new ones if there are none."""
+    if ax is not None:
+        return ax
+    try:
+        import matplotlib.pyplot as plt
+    except ImportError as error:
+        raise ImportError("figures need matplotlib: pip install 'isola-hbm[plot]'") from error
+    return plt.subplots(layout="constrained")[1]
+
+
+def logarithmic(axes: Axes) -> None:
+    """A logarithmic axis upwards whose ticks are plain numbers: 0.1, 0.2, 0.5 where it spans less than two decades."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+    axes.set_yscale("log")
+    low, high = axes.get_ylim()
+    axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if high < 100 * low else (1.0,)))
+    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: text(value)))
+    axes.yaxis.set_minor_formatter(NullFormatter())
+
+
+def around(shown: Floats, reach: tuple[float, float]) -> Floats:
+    """Limits around what is shown, with room beside it, within reach."""
+    low, high = float(np.min(shown)), float(np.max(shown))
+    room = _ROOM * (high - low)
+    limits = np.array([max(low - room, reach[0]), min(high + room, reach[1])])
+    return limits if limits[1] > limits[0] else np.array(reach)
+
+
+def along_ramp(count: int) -> list[Any]:
+    """Colours of so many levels."""
+    from matplotlib.colors import LinearSegmentedColormap
+
+    ramp = LinearSegmentedColormap.from_list("levels", _RAMP)
+    return [ramp(share) for share in np.linspace(0.0, 1.0, count)] if count > 1 else [_RAMP[-1]] * count
+
+
+def legend(axes: Axes) -> None:
+    """A legend, if there is anything to tell."""
+    if axes.get_legend_handles_labels()[1]:
+        axes.legend(fontsize="small")
+
+
+def spread(count: int) -> list[int]:
+    """The order in which so many levels are named: last, first, middle, quarters, …"""
+    order = [count - 1, 0] if count > 1 else list(range(count))
+    parts = 2
+    while len(order) < count:
+        places = [k * count // parts for k in range(1, parts)]
+        order += [place for place in dict.fromkeys(places) if place not in order]
+        parts *= 2
+    return order
+
+
+def name_curves(axes: Axes, curves: Iterable[Line2D], names: Iterable[tuple[str, float, float, Any]]) -> None:
+    """Names at points, each with its place and its colour, where they cover neither these curves nor the legend nor each other: the
+    first ones first."""
+    from matplotlib.patheffects import withStroke
+
+    # Places are known once all else is laid out; the root of subfigures does that.
+    axes.figure.canvas.figure.draw_without_rendering()
+    left, right = axes.get_xlim()
+    paths = [line.get_path().transformed(line.get_transform()) for line in curves]
+    halo = [withStroke(linewidth=2, foreground="white")]
+    legend = axes.get_legend()
+    taken: list[Any] = [legend.get_window_extent()] if legend else []
+    for name, x, y, color in names:
+        for offset, align in _PLACES if left <= x <= right else ():
+            vertical = "baseline" if align == "center" else "center"
+            place: dict[str, Any] = {"xy": (x, y), "xytext": offset, "textcoords": "offset points"}
+            written = axes.annotate(name, **place, color=color, fontsize="small", ha=align, va=vertical)
+            written.set(in_layout=False, path_effects=halo)
+            box = written.get_window_extent().padded(1)
+            is_inside = axes.bbox.x0 < box.x0 and box.x1 < axes.bbox.x1
+            is_free = not box.count_overlaps(taken) and not any(
+                path.intersects_bbox(box, filled=False) for path in paths
+            )
+            if is_inside and is_free:
+                taken.append(box)
+                if align != "center":
+                    axes.annotate(
+                        "", **place, arrowprops={"arrowstyle": "-", "color": color, "linewidth": 0.5}
+                    )
+                break
+            written.remove()
+
+
+def text(value: float) -> str:
+    """A number as people write it."""
+    return f"{value:g}"

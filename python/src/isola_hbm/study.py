@@ -1,0 +1,82 @@
+"""A study as the program is told it from Python: its file, the options, and what the program says of them."""
+
+from __future__ import annotations
+
+import numbers
+import re
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any, TypeAlias
+
+from . import program, toml
+from .errors import BadStudy, ProgramFailed
+
+#: Amplitudes: a list, or a text as ``"20:140:20"``.
+Amplitudes: TypeAlias = "str | float | Iterable[str | float]"
+
+#: Folder of a model made in Python, beside its study.
+MODEL = "model"
+
+
+def options(amplitudes: Amplitudes | None, workers: int | None, settings: dict[str, Any]) -> list[str]:
+    """The command line."""
+    command = []
+    if amplitudes is not None:
+        # Not after a space: what begins with a minus sign is refused by the program in better words.
+        command.append(f"--amplitudes={typed(amplitudes)}")
+    if workers is not None:
+        if not isinstance(workers, numbers.Integral) or workers < 0:
+            raise BadStudy(f"workers = {workers!r}: a number of processes is needed, 0 or more")
+        command += ["--workers", str(workers)]
+    for name in ("search", "verify"):
+        if isinstance(settings.get(name), str):
+            command.append(f"--{name}={settings.pop(name)}")
+    try:
+        for key, value in toml.dotted(settings):
+            command += ["--set", f"{key}={value}"]
+    except TypeError as error:
+        given = ", ".join(settings)
+        raise BadStudy(f"{given}: {error}; leave a key out and it has its default") from None
+    return command
+
+
+def typed(amplitudes: Amplitudes) -> str:
+    """As they are typed: levels have their names from this."""
+    if isinstance(amplitudes, str):
+        return amplitudes
+    values = amplitudes if isinstance(amplitudes, Iterable) else [amplitudes]
+    try:
+        return ",".join(value if isinstance(value, str) else _shortest(float(value)) for value in values)
+    except (TypeError, ValueError):
+        raise BadStudy(
+            f'amplitudes = {amplitudes!r}: give a list of numbers, as [20, 60], or a text, as "20:140:20"'
+        ) from None
+
+
+def _shortest(value: float) -> str:
+    """A number in the shortest form that reads back the same."""
+    text = f"{value:g}"
+    return text if float(text) == value else repr(value)
+
+
+def write(folder: Path, model: str, amplitudes: Amplitudes) -> Path:
+    """The file of a study in `folder`, of a model whose folder is named as seen from there."""
+    file = folder / "study.toml"
+    levels = toml.literal(typed(amplitudes))
+    file.write_text(f"model = {toml.literal(model)}\namplitudes = {levels}\n", encoding="utf-8")
+    return file
+
+
+def failure(said: Sequence[str], code: int, file: Path, *, is_written: bool) -> ProgramFailed:
+    """Why the program failed, as it says itself; what Python wrote (`is_written`: of a model that was given) and options are
+    called what they are in Python."""
+    reason = program.message(said) or f"isola ended with {code}"
+    if is_written:
+        for written in (file, file.parent / MODEL / "model.toml"):
+            if reason.startswith(f"{written}: "):
+                said_of_it = reason.removeprefix(f"{written}: ")
+                # The key numbers its entry as Python does.
+                reason = f"the model given: {re.sub(r'^entry [0-9]+ of [a-z.]+: ', '', said_of_it)}"
+    reason = re.sub(r"^--set ([^=\s]+)=", r"\1 = ", reason)
+    reason = re.sub(r"^--(\w+): ", r"\1: ", reason)
+    return ProgramFailed(reason, code)
