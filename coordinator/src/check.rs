@@ -131,9 +131,11 @@ fn frequency(study: &Study) -> String {
     let range = study.settings.frequency;
     let bound = |omega: f64| format!("{} rad/s ({} Hz)", number(omega), number(omega / TAU));
     match (range.min, range.max) {
-        (None, None) => "from the backbone".into(),
-        (Some(min), None) => format!("{} to the end of the backbone", bound(min)),
-        (None, Some(max)) => format!("start of the backbone to {}", bound(max)),
+        (None, None) => {
+            "10 % beyond those of the backbones, which the sweep computes; branches are followed on from there".into()
+        }
+        (Some(min), None) => format!("{} to 10 % above the backbones", bound(min)),
+        (None, Some(max)) => format!("10 % below the backbones to {}", bound(max)),
         (Some(min), Some(max)) => format!("{} to {}", bound(min), bound(max)),
     }
 }

@@ -57,7 +57,7 @@ pub fn report(args: &crate::cli::ReportArgs) -> Result<ExitCode, Error> {
     let file = args.out.clone().unwrap_or_else(|| run.join("report.html"));
     export::write_atomically(&file, results::page::report(&report).as_bytes())?;
     let verdict: String =
-        report.verdict.iter().map(|sentence| format!("{} {}\n", sentence.title, sentence.text)).collect();
+        report.verdict.iter().map(|sentence| format!("{} {}\n", sentence.title, sentence.whole())).collect();
     told(format_args!("{verdict}{}\n", file.display()), &report.omissions)
 }
 

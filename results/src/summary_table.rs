@@ -7,7 +7,9 @@ mod units;
 
 pub use units::{FrequencyUnit, LengthUnit, Units};
 
-use crate::overview::{Level, Omissions, Overview, Rise, is_unconfirmed, is_untouched, modes, truncation, unfinished};
+use crate::overview::{
+    Level, Omissions, Overview, Shift, events_sentence, is_unconfirmed, is_untouched, modes, truncation, unfinished,
+};
 use crate::store::{BranchRow, Reader, Result};
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets::UTF8_FULL_CONDENSED};
 use footnotes::{Footnotes, wrapped};
@@ -81,9 +83,8 @@ pub fn table(reader: &Reader, layout: Layout) -> Result<String> {
     if let Some(sentence) = harmonics.and_then(|count| truncation(levels, count)) {
         say(&sentence);
     }
-    if let Some(sentence) = rise(&overview, layout.units) {
-        say(&sentence);
-    }
+    let curves = omissions.read("The list of fold curves is", reader.curves()).unwrap_or_default();
+    [events_sentence(&curves), shift(&overview, layout.units)].iter().flatten().for_each(|sentence| say(sentence));
     let motions = omissions.read("The list of motions is", reader.motions()).unwrap_or_default();
     motions::sentences(&motions, layout.units).iter().for_each(|sentence| say(sentence));
     let pushes = omissions.read("The list of pushes is", reader.pushes()).unwrap_or_default();
@@ -93,29 +94,25 @@ pub fn table(reader: &Reader, layout: Layout) -> Result<String> {
     Ok(text)
 }
 
-/// A relative rise of a frequency that is not worth numbers.
+/// A relative change of a frequency that is not worth numbers.
 const NEGLIGIBLE: f64 = 1e-3;
 
 /// How the frequency of the largest response goes, as far as levels of which all is known tell.
-fn rise(overview: &Overview, units: Units) -> Option<String> {
-    let unit = units.frequency;
-    if let Some(Rise { amplitudes: (from, to), omega: (low, high) }) = overview.rise() {
-        if high - low < NEGLIGIBLE * high {
-            let percent = 100.0 * NEGLIGIBLE;
-            return Some(format!(
-                "From one level to the next the frequency of the largest computed response rises by less than {percent} %."
-            ));
-        }
+fn shift(overview: &Overview, units: Units) -> Option<String> {
+    let (unit, shift) = (units.frequency, overview.shift()?);
+    let Shift { amplitudes: (from, to), omega: (before, after) } = &shift;
+    if shift.size() < NEGLIGIBLE * after {
+        let percent = 100.0 * NEGLIGIBLE;
         return Some(format!(
-            "From one level to the next the frequency of the largest computed response rises by at most {} {unit}, to {} {unit} \
-             (A = {from} to {to}).",
-            unit.digits(high - low),
-            unit.digits(high)
+            "From one level to the next the frequency of the largest computed response changes by less than {percent} %."
         ));
     }
-    let levels = &overview.levels;
-    (levels.len() > 1 && levels.iter().all(Level::is_known))
-        .then(|| "The frequency of the largest computed response never rises from one level to the next.".into())
+    let goes = if after > before { "rises" } else { "falls" };
+    Some(format!(
+        "The frequency of the largest computed response changes most from A = {from} to {to}: it {goes} by {} {unit}, to {} {unit}.",
+        unit.digits(shift.size()),
+        unit.digits(*after)
+    ))
 }
 
 /// Makes the rows.

@@ -15,6 +15,8 @@ use solver::structure::{ContactElement, Model};
 const ABSURD: (f64, f64) = (1e-3, 1e9);
 /// Structures are rarely slower than this, rad/s; if all modes are, and none would be with K and M exchanged, they are.
 const SLOW: f64 = 0.1;
+/// A force that does less work than this share on all modes that vibrate drives none of them.
+const DRIVEN: f64 = 1e-9;
 /// Between these shares of the condensed stiffness the prediction of contact forces works well.
 const EPSILON: (f64, f64) = (0.1, 1e3);
 
@@ -90,6 +92,8 @@ pub(super) fn warnings(study: &Study, touch: Option<&FirstTouch<'_>>) -> Vec<Str
     let mut list = Vec::new();
     list.extend(units(&study.model));
     list.extend(negative_damping(&study.model));
+    list.extend(nothing_nonlinear(&study.model));
+    list.extend(nothing_driven(&study.model));
     list.extend(touch.and_then(|touch| nothing_touches(study, touch)));
     list.extend(epsilon_ratios(&study.model).and_then(epsilon));
     list.extend(study.without_effect.iter().map(|key| {
@@ -122,6 +126,25 @@ fn negative_damping(model: &Model) -> Option<String> {
     let modes = if list.len() == 1 { "mode" } else { "modes" };
     (!list.is_empty()).then(|| {
         format!("{modes} {}: negative damping, so that the structure can vibrate by itself from rest", list.join(", "))
+    })
+}
+
+fn nothing_nonlinear(model: &Model) -> Option<String> {
+    model
+        .elements()
+        .is_empty()
+        .then(|| "nothing is nonlinear: neither contact nor laws are given, and there can be no isola".into())
+}
+
+/// Of a force that drives no mode that vibrates.
+fn nothing_driven(model: &Model) -> Option<String> {
+    let (modes, shape) = (model.modes(), &model.forcing().shape);
+    let work = |j: usize| (0..model.size()).map(|dof| modes.shapes[(dof, j)] * shape[dof]).sum::<f64>().abs();
+    let largest =
+        |is_rigid: bool| (0..model.size()).filter(|&j| modes.is_rigid(j) == is_rigid).map(work).fold(0.0, f64::max);
+    (largest(false) < DRIVEN * largest(true)).then(|| {
+        "the force drives rigid-body motions alone; forcing.shape = {mode = N} or {dofs = {NAME = 1}} gives another"
+            .into()
     })
 }
 

@@ -101,3 +101,25 @@ fn what_touches_first_in_any_of_the_modes_followed() {
     );
     assert!(warnings.is_empty(), "{text}");
 }
+
+#[test]
+fn nothing_to_find() {
+    let (warnings, text) = checked(MODEL.split("[contact]").next().unwrap(), "0.3", &[]);
+    assert_eq!(warnings.len(), 1, "{text}");
+    assert!(warnings[0].starts_with("nothing is nonlinear"), "{text}");
+}
+
+#[test]
+fn a_force_on_rigid_bodies_alone() {
+    let free = MODEL
+        .replace("[\"x\"]", "[\"x\", \"y\"]")
+        .replace("[[1]]", "[[1, 0], [0, 1]]")
+        .replace("[[1e4]]", "[[1e4, -1e4], [-1e4, 1e4]]")
+        .replace("modes = \"1\"", "modes = \"2\"");
+    let both = free.replace("{ x = 1 }", "{ x = 1, y = 1 }");
+    for (model, is_driven) in [(&free, true), (&both, false)] {
+        let (warnings, text) = checked(model, "0.3", &[("contact.epsilon", "2e4"), ("backbone.modes", "[2]")]);
+        let told = warnings.iter().any(|warning| warning.starts_with("the force drives rigid-body motions alone"));
+        assert_eq!(told, !is_driven, "{text}");
+    }
+}

@@ -390,7 +390,7 @@ fn the_report_says_what_will_be_computed() {
         "amplitudes  7: 20 … 140\n",
         "harmonics   10, 512 samples a period, contact over its exact arcs\n",
         "unknowns    at most 567 (27 channels × 21 coefficients)",
-        "frequency   from the backbone\n",
+        "frequency   10 % beyond those of the backbones",
     ];
     for line in lines {
         assert!(blade.contains(line), "{blade}\ndoes not say {line:?}");

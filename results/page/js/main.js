@@ -69,7 +69,11 @@ function fillHeader({ run, verdict }) {
   document.querySelector("#missing").hidden = run.missing.length === 0;
   document.querySelector("#missing ul").replaceChildren(...run.missing.map((sentence) => element("li", {}, sentence)));
   document.querySelector("#verdict").replaceChildren(
-    ...verdict.map(({ title, text }) => element("div", {}, element("h2", {}, title), element("p", {}, text))),
+    ...verdict.map(({ title, text, reach }) => element("div", {},
+      element("h2", {}, title),
+      element("p", {}, text),
+      ...(reach ? [details("What was looked for", element("p", {}, reach))] : []),
+    )),
   );
 }
 

@@ -65,12 +65,12 @@ impl Comparison {
     }
 }
 
-/// What runs are called.
+/// What runs are called: as their studies, or as their folders where studies share a name.
 fn names(runs: &[(String, Report)]) -> Vec<String> {
     let is_alone = |name: &str| runs.iter().filter(|(_, report)| report.run.name == name).count() == 1;
     let name = |(folder, report): &(String, Report)| match &report.run.name {
         name if is_alone(name) => name.clone(),
-        name => format!("{name} ({folder})"),
+        _ => folder.clone(),
     };
     runs.iter().map(name).collect()
 }

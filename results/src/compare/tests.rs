@@ -26,7 +26,7 @@ fn compared() -> Comparison {
 fn what_differs() {
     let compared = compared();
     // Both studies have one name, so that folders tell them apart.
-    assert_eq!(compared.names, ["test (three)", "test (five)"]);
+    assert_eq!(compared.names, ["three", "five"]);
     let levels: Vec<&str> = compared.levels.iter().map(|level| level.amplitude.as_str()).collect();
     assert_eq!(levels, ["3e-3", "0.006", "0.007"]);
     let keys: Vec<(&str, &str)> =
@@ -73,13 +73,13 @@ fn curves_of_all_runs_are_over_each_other() {
     let figure = &compared.figures.drawn["response"];
     let names: Vec<&str> = figure.panels[0].series.iter().filter_map(|series| series.name.as_deref()).collect();
     let expected = [
-        "test (three): A = 3e-3, main",
-        "test (three): A = 0.006, main",
-        "test (three): A = 0.006, isola 1",
-        "test (five): A = 0.006, main",
-        "test (five): A = 0.006, isola 1",
-        "test (five): A = 0.007, main",
-        "test (five): A = 0.007, isola 1",
+        "three: A = 3e-3, main",
+        "three: A = 0.006, main",
+        "three: A = 0.006, isola 1",
+        "five: A = 0.006, main",
+        "five: A = 0.006, isola 1",
+        "five: A = 0.007, main",
+        "five: A = 0.007, isola 1",
     ];
     assert_eq!(names, expected);
     let levels: Vec<Option<usize>> =
@@ -88,7 +88,7 @@ fn curves_of_all_runs_are_over_each_other() {
     let styles: Vec<_> = figure.panels[0].series.iter().map(|series| series.style.color).collect();
     assert!(styles[0] != styles[styles.len() - 1]);
     let legend: Vec<&str> = figure.legend.iter().map(|entry| entry.text.as_str()).collect();
-    assert_eq!(legend, ["test (three)", "test (five)", "main branch", "isola and others"]);
+    assert_eq!(legend, ["three", "five", "main branch", "isola and others"]);
     // The axis holds the largest of both.
     let [low, high] = [0, 1].map(|run| compared.reports[run].figures.drawn["response"].panels[0].y[0].range.1);
     assert_eq!(figure.panels[0].y[0].range.1, low.max(high));

@@ -156,7 +156,7 @@ fn before_the_backbone() {
     assert!(rows.is_empty());
     let overview = Overview::read(&store, &mut Omissions::default()).unwrap();
     assert!(
-        overview.rise().is_none() && overview.levels.iter().all(|level| level.main().is_none() && level.pending == 0)
+        overview.shift().is_none() && overview.levels.iter().all(|level| level.main().is_none() && level.pending == 0)
     );
 }
 
@@ -225,11 +225,8 @@ fn levels_in_numbers() {
     }
     assert_eq!(overview.levels.iter().map(|level| level.isolas().count()).collect::<Vec<_>>(), [0, 1, 1]);
     let peaks: Vec<f64> = overview.levels.iter().map(|level| level.peak().unwrap().omega_at_max).collect();
-    let largest = peaks.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
-    match overview.rise() {
-        Some(rise) => assert_eq!(rise.omega.1 - rise.omega.0, largest),
-        None => assert_eq!(largest, 0.0),
-    }
+    let largest = peaks.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max);
+    assert_eq!(overview.shift().unwrap().size(), largest);
 }
 
 #[test]

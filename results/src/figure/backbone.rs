@@ -40,7 +40,7 @@ pub fn figure(subject: &Subject<'_>, columns: Option<&BackboneColumns>) -> Resul
         columns: 1,
         choice: "Amplitude of",
         linked_x: false,
-        legend: vec![entry("backbone", thin), entry("window", bold)],
+        legend: vec![entry("backbone", thin), entry("windows, a colour each", Style { color: Color::Soft, ..bold })],
         panels: vec![panel],
     })
 }

@@ -59,7 +59,7 @@ pub fn figure(subject: &Subject<'_>, store: &ColumnStore, columns: Option<&Backb
         legend: vec![
             entry("to be supplied, A*·W", Kind::Line, needed),
             entry("supplied, A·W", Kind::Line, supplied),
-            entry("supply is larger: window", Kind::Band, Style::area(Color::Category(1))),
+            entry("supply is larger: windows, a colour each", Kind::Band, Style::area(Color::Soft)),
         ],
         panels: vec![panel],
     })

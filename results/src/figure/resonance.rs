@@ -11,6 +11,8 @@ use solver::response::windows::{Event, EventKind};
 
 /// Levels that span more than so many decades are shown logarithmically.
 const DECADES: f64 = 2.0;
+/// Of what the energy balance predicts below the lowest level, this factor is shown.
+const NEAR: f64 = 4.0;
 /// Points of a curve that have marks at most.
 const MARKED: usize = 60;
 
@@ -28,7 +30,9 @@ struct ResonanceCurve<'w> {
 pub fn figure(subject: &Subject<'_>, store: &mut ColumnStore) -> Result<Figure, String> {
     let monitor = subject.monitors.first().map_or("", |monitor| &monitor.name);
     let events = subject.backbone.map_or(&[][..], |backbone| &backbone.events);
-    drawn(&curves(subject), monitor, events, store)
+    let levels = || subject.levels.iter().map(|level| level.value);
+    let lowest = if has_branches(subject) { levels().fold(f64::INFINITY, f64::min) / NEAR } else { 0.0 };
+    drawn(&curves(subject), (monitor, events), lowest, store)
 }
 
 /// The same of several runs: what each is called, its largest response, and how that looks.
@@ -42,13 +46,20 @@ pub(super) fn compared(
 ) -> Result<Figure, String> {
     let curves =
         runs.iter().map(|(name, curve, style)| ResonanceCurve { name, resonance: curve, style: style.clone() });
-    drawn(&curves.filter(|curve| !curve.resonance.value.is_empty()).collect::<Vec<_>>(), monitor, &[], store)
+    let curves: Vec<_> = curves.filter(|curve| !curve.resonance.value.is_empty()).collect();
+    drawn(&curves, (monitor, &[]), 0.0, store)
 }
 
+/// Whether there is anything but what the energy balance predicts.
+fn has_branches(subject: &Subject<'_>) -> bool {
+    !subject.resonance.continuation.value.is_empty()
+}
+
+/// The figure, of the forcing amplitudes from `lowest` on.
 fn drawn(
     curves: &[ResonanceCurve<'_>],
-    monitor: &str,
-    events: &[Event],
+    (monitor, events): (&str, &[Event]),
+    lowest: f64,
     store: &mut ColumnStore,
 ) -> Result<Figure, String> {
     let values =
@@ -57,7 +68,7 @@ fn drawn(
     if values(|curve| &curve.value).next().is_none() {
         return Err("the run has neither a backbone nor a branch yet".into());
     }
-    let x = forcing(values(|curve| &curve.value));
+    let x = forcing(values(|curve| &curve.value).filter(|&value| value >= lowest));
     let frequency = Axis::around("frequency ω", Unit::si("rad/s"), values(|curve| &curve.omega));
     let unit = Unit::of_lengths(largest(amplitudes.clone()));
     let amplitude = Axis::around(format!("largest |{monitor}|"), unit, amplitudes.chain([0.0]));

@@ -25,6 +25,8 @@ const LABELLED: usize = 40;
 const HIGH: f64 = 0.8;
 /// Room beside what is shown at least, as a share of its width.
 const ROOM: f64 = 0.25;
+/// The page begins with the whole sweep if it is no more than so many times as wide as what files show.
+const WIDE: f64 = 3.0;
 /// Branches that leave through the widest bounds are beyond what is shown where they are higher all along than so many times the
 /// highest of the others: parts that are pressed against each other for ever, say.
 const BEYOND: f64 = 2.0;
@@ -141,7 +143,7 @@ impl<'r> Outline<'r> {
     }
 
     /// In files, where something happens: all isolas and the upper parts of all main branches, with room beside them. On the
-    /// page at first, the whole sweep, and isolas that go farther.
+    /// page at first, the whole sweep, and isolas that go farther, unless that is so much more that nothing could be told apart.
     fn frequencies(&self) -> Axis {
         let all = self.branches.iter().flat_map(|branch| branch.omega.values.iter().copied());
         let backbone = self.subject.backbone.filter(|_| self.branches.is_empty());
@@ -158,7 +160,9 @@ impl<'r> Outline<'r> {
         let part = ((low - room).max(ends.0), (high + room).min(ends.1));
         let range = if part.1 > part.0 { part } else { ends };
         let farther = if self.branches.is_empty() { whole } else { (whole.0.min(low), whole.1.max(high)) };
-        Axis { whole: Some(super::axis::bounds([farther.0, farther.1])), ..Axis::of_frequencies(range) }
+        let is_near = farther.1 - farther.0 <= WIDE * (range.1 - range.0);
+        let whole = is_near.then(|| super::axis::bounds([farther.0, farther.1]));
+        Axis { whole, ..Axis::of_frequencies(range) }
     }
 
     fn legend(&self, has_backbone: bool) -> Vec<Entry> {

@@ -1,5 +1,7 @@
-//! Whether folds can be followed.
+//! Whether folds can be followed, and what happens along their curves.
 
+use crate::store::CurveRow;
+use crate::words::digits;
 use solver::response::folds::{Critical, Extent, Quantity};
 use solver::settings::Settings;
 use solver::structure::Model;
@@ -13,4 +15,43 @@ pub fn most_folds(model: &Model, settings: &Settings) -> usize {
 pub fn why_no_folds(model: &Model, settings: &Settings) -> Option<String> {
     let extent = Extent { forcing: (1.0, 2.0), frequency: (1.0, 2.0), points: 1 };
     Critical::new(model, settings, Quantity::Frequency, extent).err().map(|error| error.to_string())
+}
+
+/// Births or merges that a sentence names.
+const EVENTS: usize = 6;
+
+fn is_same(a: f64, b: f64) -> bool {
+    (a - b).abs() <= 1e-6 * a.abs().max(b.abs())
+}
+
+/// Where isolas are born and where branches merge, as fold curves say.
+pub fn events_sentence(curves: &[CurveRow]) -> Option<String> {
+    let of = |wanted: &str| -> Vec<String> {
+        let points = curves.iter().flat_map(CurveRow::events).filter(|(kind, _)| *kind == wanted);
+        let mut points: Vec<(f64, f64)> = points.map(|(_, point)| (point.forcing, point.omega)).collect();
+        points.sort_by(|a, b| a.0.total_cmp(&b.0));
+        // Where a curve stops at grazing, another one may begin on it again.
+        points.dedup_by(|a, b| is_same(a.0, b.0) && is_same(a.1, b.1));
+        points
+            .into_iter()
+            .map(|(forcing, omega)| format!("{} ({} rad/s)", digits(forcing, 5), digits(omega, 5)))
+            .collect()
+    };
+    let part = |wanted: &str, one: &str, many: &str| {
+        let list = of(wanted);
+        let verb = if list.len() == 1 { one } else { many };
+        let more = list.len().saturating_sub(EVENTS);
+        let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+        let named: Vec<String> = list.iter().take(EVENTS).cloned().collect();
+        (!list.is_empty()).then(|| format!("{verb} at A = {}{more}", named.join(", ")))
+    };
+    let parts: Vec<String> = [
+        part("birth", "an isola is born", "isolas are born"),
+        part("death", "an isola vanishes", "isolas vanish"),
+        part("merge", "two branches merge or part", "branches merge or part"),
+    ]
+    .into_iter()
+    .flatten()
+    .collect();
+    (!parts.is_empty()).then(|| format!("Computed along fold curves: {}.", parts.join("; ")))
 }

@@ -12,7 +12,7 @@ mod unfinished;
 mod verified;
 
 pub use doubts::doubts;
-pub use folds::{most_folds, why_no_folds};
+pub use folds::{events_sentence, most_folds, why_no_folds};
 pub use level::{Level, Seeds, highest, is_untouched};
 pub use omissions::Omissions;
 pub use truncation::{is_unconfirmed, truncation};
@@ -38,13 +38,20 @@ pub struct Overview {
     pub levels: Vec<Level>,
 }
 
-/// The peak moves up in frequency from one level to the next.
+/// How far the peak moves in frequency from one level to the next.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Rise {
+pub struct Shift {
     /// Lower forcing amplitude and the next one, as typed.
     pub amplitudes: (String, String),
     /// Frequencies of the points of largest amplitude over all branches, rad/s.
     pub omega: (f64, f64),
+}
+
+impl Shift {
+    /// By how much the frequency changes, rad/s.
+    pub fn size(&self) -> f64 {
+        (self.omega.1 - self.omega.0).abs()
+    }
 }
 
 impl Overview {
@@ -91,14 +98,13 @@ impl Overview {
         Ok(())
     }
 
-    /// The largest rise in frequency of the peak between neighbouring levels of which all is known; `None` if it never
-    /// rises.
-    pub fn rise(&self) -> Option<Rise> {
-        let rises = self.levels.windows(2).filter(|pair| pair.iter().all(Level::is_known)).filter_map(|pair| {
+    /// The largest change in frequency of the peak between neighbouring levels of which all is known, up or down; `None` if there
+    /// are no such levels.
+    pub fn shift(&self) -> Option<Shift> {
+        let shifts = self.levels.windows(2).filter(|pair| pair.iter().all(Level::is_known)).filter_map(|pair| {
             let omega = (pair[0].peak()?.omega_at_max, pair[1].peak()?.omega_at_max);
-            let amplitudes = (pair[0].amplitude.clone(), pair[1].amplitude.clone());
-            (omega.1 > omega.0).then_some(Rise { amplitudes, omega })
+            Some(Shift { amplitudes: (pair[0].amplitude.clone(), pair[1].amplitude.clone()), omega })
         });
-        rises.max_by(|a, b| (a.omega.1 - a.omega.0).total_cmp(&(b.omega.1 - b.omega.0)))
+        shifts.max_by(|a, b| a.size().total_cmp(&b.size()))
     }
 }

@@ -2,15 +2,7 @@
 
 use super::evidence::{Evidence, Structure};
 use crate::overview::modes;
-use crate::store::CurveRow;
-use crate::words::{self, count, digits};
-
-/// Births or merges that a sentence names.
-const EVENTS: usize = 6;
-
-fn is_same(a: f64, b: f64) -> bool {
-    (a - b).abs() <= 1e-6 * a.abs().max(b.abs())
-}
+use crate::words::{self, count};
 
 impl Evidence<'_> {
     /// What vibrates without being forced, or without being damped.
@@ -77,38 +69,6 @@ impl Evidence<'_> {
         )
     }
 
-    /// Where isolas are born and where branches merge, as fold curves say.
-    pub(super) fn computed_events(&self) -> Option<String> {
-        let of = |wanted: &str| -> Vec<String> {
-            let points = self.curves.iter().flat_map(CurveRow::events).filter(|(kind, _)| *kind == wanted);
-            let mut points: Vec<(f64, f64)> = points.map(|(_, point)| (point.forcing, point.omega)).collect();
-            points.sort_by(|a, b| a.0.total_cmp(&b.0));
-            // Where a curve stops at grazing, another one may begin on it again.
-            points.dedup_by(|a, b| is_same(a.0, b.0) && is_same(a.1, b.1));
-            points
-                .into_iter()
-                .map(|(forcing, omega)| format!("{} ({} rad/s)", digits(forcing, 5), digits(omega, 5)))
-                .collect()
-        };
-        let part = |wanted: &str, one: &str, many: &str| {
-            let list = of(wanted);
-            let verb = if list.len() == 1 { one } else { many };
-            let more = list.len().saturating_sub(EVENTS);
-            let more = if more > 0 { format!(" and {more} more") } else { String::new() };
-            let named: Vec<String> = list.iter().take(EVENTS).cloned().collect();
-            (!list.is_empty()).then(|| format!("{verb} at A = {}{more}", named.join(", ")))
-        };
-        let parts: Vec<String> = [
-            part("birth", "an isola is born", "isolas are born"),
-            part("death", "an isola vanishes", "isolas vanish"),
-            part("merge", "two branches merge or part", "branches merge or part"),
-        ]
-        .into_iter()
-        .flatten()
-        .collect();
-        (!parts.is_empty()).then(|| format!("Computed along fold curves: {}.", parts.join("; ")))
-    }
-
     /// What was not looked for.
     pub(super) fn not_searched(&self) -> String {
         let modes = match self.modes.map(modes::left_out) {
@@ -141,7 +101,7 @@ impl Evidence<'_> {
                 let starts = count(starts, "random start");
                 let scouts = match self.search.scouts {
                     0 => String::new(),
-                    scouts => format!(" and others at {}", count(scouts, "larger forcing amplitude")),
+                    scouts => format!(", beside others at {}", count(scouts, "larger forcing amplitude")),
                 };
                 format!(
                     "isolas of other periods were not looked for, and {led} by {starts} only ({at_least}){scouts}{folds}"

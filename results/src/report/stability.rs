@@ -35,7 +35,7 @@ impl Evidence<'_> {
         let least =
             self.pushes.iter().filter_map(|push| Some((push, push.impulse?))).min_by(|a, b| a.1.total_cmp(&b.1));
         match least {
-            None if self.pushes.is_empty() => "what leads there was not looked for".into(),
+            None if self.pushes.is_empty() => "what leads there was not looked for (isola disturb does)".into(),
             None => "no push that leads there was found".into(),
             Some((push, impulse)) => format!(
                 "the smallest impulse found that leads there from the main motion is {} N s in mode {} ({} at A = {}, {})",

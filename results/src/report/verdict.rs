@@ -8,7 +8,7 @@ mod tests;
 use super::evidence::Evidence;
 use super::losses::{Loss, losses, named};
 use crate::curves::BackboneCurve;
-use crate::overview::{BranchRow, Level, highest, truncation};
+use crate::overview::{BranchRow, Level, events_sentence, highest, truncation};
 use crate::words::{self, count, digits, frequency, length, range};
 use serde::Serialize;
 use solver::response::branch::BranchKind;
@@ -21,6 +21,19 @@ pub struct Sentence {
     pub title: &'static str,
     /// The answer.
     pub text: String,
+    /// How far it reaches: what was looked for, if that does not stand in the answer.
+    pub reach: Option<String>,
+}
+
+impl Sentence {
+    fn new(title: &'static str, text: String) -> Self {
+        Self { title, text, reach: None }
+    }
+
+    /// All of the answer.
+    pub fn whole(&self) -> String {
+        [Some(&self.text), self.reach.as_ref()].into_iter().flatten().map(String::as_str).collect::<Vec<_>>().join(" ")
+    }
 }
 
 /// The three answers.
@@ -29,9 +42,12 @@ pub fn verdict(evidence: &Evidence<'_>) -> [Sentence; 3] {
     let brief: Vec<&str> = losses.iter().map(|loss| loss.brief.as_str()).collect();
     let caveat = if brief.is_empty() { String::new() } else { format!("Known only in part ({}). ", brief.join("; ")) };
     [
-        Sentence { title: "Where is it dangerous?", text: evidence.danger(&losses) },
-        Sentence { title: "From which forcing on?", text: caveat.clone() + &evidence.onset() },
-        Sentence { title: "Would ordinary continuation have missed it?", text: caveat + &evidence.missed() },
+        Sentence::new("Where is it dangerous?", evidence.danger(&losses)),
+        Sentence {
+            reach: evidence.with_isolas().next().map(|_| evidence.reach()),
+            ..Sentence::new("From which forcing on?", caveat.clone() + &evidence.onset())
+        },
+        Sentence::new("Would ordinary continuation have missed it?", caveat + &evidence.missed()),
     ]
 }
 
@@ -133,7 +149,7 @@ impl<'r> Evidence<'r> {
             return format!("Nothing is known yet: {} to come.", count(self.levels.len(), "forcing level"));
         }
         let prediction = self.prediction();
-        let computed = self.computed_events().map(|sentence| format!(" {sentence}")).unwrap_or_default();
+        let computed = events_sentence(self.curves).map(|sentence| format!(" {sentence}")).unwrap_or_default();
         let runs = runs(self.levels);
         let partly: Vec<&Level> = self.with_isolas().filter(|level| !level.is_complete()).collect();
         if runs.is_empty() && partly.is_empty() {
@@ -161,13 +177,12 @@ impl<'r> Evidence<'r> {
                 size(main)
             )
         });
-        format!(
-            "Isolas were found {}{prediction}.{computed}{} Looked for: {}; {}.",
-            found.join(", and "),
-            end.unwrap_or_default(),
-            self.searched(),
-            self.not_searched()
-        )
+        format!("Isolas were found {}{prediction}.{computed}{}", found.join(", and "), end.unwrap_or_default())
+    }
+
+    /// What was looked for, and what was not.
+    fn reach(&self) -> String {
+        format!("Looked for: {}; {}.", self.searched(), self.not_searched())
     }
 
     /// From where on the energy balance alone says that there is more than the main response. A window that is born and

@@ -82,7 +82,12 @@ fn matrix(dir: &Path, source: &MatrixConfig, origin: &Layers, key: &str) -> Resu
             let text = std::fs::read_to_string(&file).map_err(|source| ModelError::Read {
                 place: place.clone(),
                 source,
-                remedy: format!("put `{name}` beside model.toml, or name another Matrix Market file there"),
+                remedy: match origin.given(key) {
+                    true => format!("put `{name}` beside model.toml, or name another Matrix Market file there"),
+                    false => {
+                        format!("{key} is not given, and this is its default: give its rows, or the name of a file")
+                    }
+                },
             })?;
             Ok((place, matrix_market::parse(&file, &text)?))
         }
@@ -90,9 +95,11 @@ fn matrix(dir: &Path, source: &MatrixConfig, origin: &Layers, key: &str) -> Resu
             let place = origin.place(key);
             let cols = rows.first().map_or(0, Vec::len);
             if let Some(i) = rows.iter().position(|row| row.len() != cols) {
-                let remedy =
-                    format!("has {} entries but row 1 has {cols}; give rows of the same length", rows[i].len());
-                return Err(ModelError::value(place, format!("row {}", i + 1), remedy));
+                let has =
+                    |row: &[f64]| if row.len() == 1 { "1 entry".into() } else { format!("{} entries", row.len()) };
+                let (first, other, number) = (has(&rows[0]), has(&rows[i]), i + 1);
+                let message = format!("row {number} has {other}, but row 1 has {first}; give rows of the same length");
+                return Err(ModelError::Type { place, message });
             }
             let matrix = Matrix::from_fn(rows.len(), cols, |i, j| rows[i][j]);
             Ok((place, matrix))
@@ -107,7 +114,10 @@ struct Builder<'a> {
 
 impl Builder<'_> {
     fn dof(&self, name: &str, key: impl Fn() -> String) -> Result<usize, ModelError> {
-        self.structure.dof(name, key).map_err(|error| error.located(|key| self.origin.place(key)))
+        self.structure.dof(name, key).map_err(|error| {
+            let error = error.located(|key| self.origin.place(key));
+            if self.origin.given("dofs") { error } else { error.hinted("`dofs` is not given: it names them") }
+        })
     }
 
     fn combination(&self, terms: &BTreeMap<String, f64>, key: &str) -> Result<Direction, ModelError> {
@@ -294,11 +304,18 @@ impl Builder<'_> {
                 return Err(ModelError::value(self.origin.place(key("between")), format!("[{a}, {a}]"), remedy));
             }
             (None, None, Some(terms)) => self.combination(terms, &key("coefficients"))?,
-            _ => {
-                let given = [config.dof.is_some(), config.between.is_some(), config.coefficients.is_some()];
-                let value = format!("{} of dof, between, coefficients", given.iter().filter(|given| **given).count());
-                let remedy = "say what the law acts on by exactly one of them";
-                return Err(ModelError::value(self.origin.place(format!("laws[{i}]")), value, remedy));
+            (None, None, None) => {
+                let remedy = "say what the law acts on, by `dof`, `between` or `coefficients`";
+                return Err(ModelError::value(self.origin.place(key("dof")), "(not given)", remedy));
+            }
+            (dof, between, _) => {
+                let (first, second) = match (dof, between) {
+                    (Some(_), Some(_)) => ("dof", "between"),
+                    (Some(_), None) => ("dof", "coefficients"),
+                    _ => ("between", "coefficients"),
+                };
+                let remedy = format!("`{first}` says what the law acts on already; remove one of the two");
+                return Err(ModelError::value(self.origin.place(key(second)), "given", remedy));
             }
         };
         if config.law.rigid().is_some() {

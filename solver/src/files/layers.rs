@@ -47,8 +47,12 @@ impl Layers {
     /// # Errors
     /// A text that is not TOML.
     pub fn parse(file: &Path, text: &str) -> Result<Self, ModelError> {
-        let syntax =
-            |e: toml::de::Error| ModelError::Syntax { file: file.into(), message: e.to_string().trim_end().into() };
+        let syntax = |e: toml::de::Error| {
+            let line = e.span().and_then(|span| text.get(..span.start)?.lines().count().checked_sub(1));
+            let has_comma = line.and_then(|line| text.lines().nth(line)).is_some_and(has_decimal_comma);
+            let hint = if has_comma { "\nnumbers have a decimal point, as in 0.1" } else { "" };
+            ModelError::Syntax { file: file.into(), message: format!("{}{hint}", e.to_string().trim_end()) }
+        };
         let table: Table = text.parse().map_err(syntax)?;
         let source = Source::File(file.to_path_buf());
         let set = leaves(&table).into_iter().map(|key| (key, source.clone())).collect();
@@ -215,11 +219,15 @@ impl Layers {
         if message.starts_with("unknown field") || message.starts_with("unknown variant") {
             let mut names = message.split('`').skip(1).step_by(2);
             if let Some(name) = names.next() {
-                let known: Vec<&str> = names.collect();
+                // Contacts are laws that have a section of their own.
+                let known: Vec<&str> = names.filter(|known| *known != "contact" || !path.starts_with("laws")).collect();
                 return ModelError::unknown(place, name, known);
             }
         }
-        let message = if message.starts_with("wanted exactly 1 element") {
+        let message = if let Some(key) = message.strip_prefix("missing field `").and_then(|rest| rest.strip_suffix('`'))
+        {
+            format!("`{key}` is missing, and it has no default")
+        } else if message.starts_with("wanted exactly 1 element") {
             "give exactly one choice, like `{mode = 1}` for a forcing shape".to_string()
         } else if let Some((found, _)) = message.split_once("expected struct ") {
             format!("{found}expected a section or a table of keys")
@@ -227,6 +235,7 @@ impl Layers {
             message
                 .replace("expected f64", "expected a number")
                 .replace("expected usize", "expected a whole number, 0 or more")
+                .replace("expected u32", "expected a whole number, 0 or more")
         };
         ModelError::Type { place, message }
     }
@@ -253,6 +262,15 @@ fn leaves(table: &Table) -> Vec<String> {
         }
     }
     keys
+}
+
+/// Whether a line of a file gives a key a number with a decimal comma.
+fn has_decimal_comma(line: &str) -> bool {
+    line.split('=').skip(1).any(|value| {
+        let rest = value.trim_start().trim_start_matches(['+', '-']).trim_start_matches(|c: char| c.is_ascii_digit());
+        let begins = value.trim_start().starts_with(|c: char| c.is_ascii_digit() || "+-".contains(c));
+        begins && rest.strip_prefix(',').is_some_and(|rest| rest.starts_with(|c: char| c.is_ascii_digit()))
+    })
 }
 
 /// Whether a dotted key is `root` or below it.

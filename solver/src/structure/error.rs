@@ -250,6 +250,14 @@ impl ModelError {
         self
     }
 
+    /// The same error; of an unknown name with another hint as well.
+    pub(crate) fn hinted(mut self, more: &str) -> Self {
+        if let Self::Unknown { hint, .. } = &mut self {
+            *hint = format!("{hint}; {more}");
+        }
+        self
+    }
+
     fn place_mut(&mut self) -> Option<&mut Place> {
         place_of!(self)
     }

@@ -129,7 +129,11 @@ fn sizes() {
     stiffness_refused(oblong, &["`matrices.stiffness`", "2 × 1"]);
     refused("[[1, 0], [0, 1]]", "[[1, 0]]", &["`matrices.mass`", "1 × 2", "square"]);
     refused("[[1, 0], [0, 1]]", "[]", &["`matrices.mass`", "0 × 0", "at least one dof"]);
-    refused("[[1, 0], [0, 1]]", "[[1, 0], [1]]", &["`matrices.mass`", "row 2", "same length"]);
+    refused(
+        "[[1, 0], [0, 1]]",
+        "[[1, 0], [1]]",
+        &["`matrices.mass`: row 2 has 1 entry, but row 1 has 2 entries", "same length"],
+    );
     refused("\"blade.theta\"]", "\"blade.theta\", \"z\"]", &["`dofs`", "3 names for 2 dofs", "one name per row"]);
     let with_c = "stiffness = \"K.mtx\"\ndamping = [[1]]";
     let dir = folder(&GOOD.replace("stiffness = \"K.mtx\"", with_c).replace("ratios =", "#"), K);
@@ -233,12 +237,38 @@ fn dof_names() {
     refused("normal = \"blade.r\"", "normal = { blade = 1 }", &["contact.nodes[0].normal.blade", "`blade.r`"]);
     refused("{ mode = 1 }", "{ dofs = { blader = 1 } }", &["forcing.shape.dofs.blader", "did you mean `blade.r`"]);
     refused("dof = \"blade.r\"", "dof = \"x1\"", &["`laws[0].dof`", "`x1`", "known here: `blade.r`, `blade.theta`"]);
+    let unnamed = "known here: `x1`, `x2`; `dofs` is not given: it names them";
+    refused("dofs = [\"blade.r\", \"blade.theta\"]", "", &["`blade.r`", unnamed]);
+}
+
+#[test]
+fn what_stands_for_a_matrix_that_is_not_given() {
+    let settings = GOOD.replace("mass = [[1, 0], [0, 1]]", "");
+    let error = files::load(folder(&settings, K).path()).unwrap_err().to_string();
+    says(&error, &["M.mtx", "matrices.mass is not given, and this is its default", "give its rows"]);
+}
+
+#[test]
+fn a_decimal_comma() {
+    for (wrong, is_told) in [("gap = 0,1", true), ("gap = -1,5", true), ("gap = [1,2", false)] {
+        let error = files::load(folder(&GOOD.replace("gap = 0.1", wrong), K).path()).unwrap_err().to_string();
+        assert_eq!(error.contains("numbers have a decimal point, as in 0.1"), is_told, "{error}");
+    }
+    let inline = GOOD.replace("coefficient = 1.0", "coefficient = 1,0");
+    let error = files::load(folder(&inline, K).path()).unwrap_err().to_string();
+    assert!(error.contains("numbers have a decimal point"), "{error}");
 }
 
 #[test]
 fn laws() {
     refused("coefficient = 1.0", "coefficient = inf", &["`laws[0].law.terms.coefficient` = inf", "finite"]);
-    refused("dof = \"blade.r\"", "", &["`laws[0]`", "0 of dof, between, coefficients", "exactly one"]);
+    refused("dof = \"blade.r\"", "", &["`laws[0].dof` = (not given)", "by `dof`, `between` or `coefficients`"]);
+    let twice = "dof = \"blade.r\"\ncoefficients = { \"blade.r\" = 1 }";
+    refused("dof = \"blade.r\"", twice, &["`laws[0].coefficients` = given", "`dof` says", "remove one"]);
+    refused("power = 3", "power = 2.5", &["`laws[0].law", "2.5", "a whole number"]);
+    refused("power = 3, ", "", &["`laws[0].law", "`power` is missing"]);
+    refused("terms = [{ power = 3, coefficient = 1.0 }]", "terms = []", &["`laws[0].law.terms` = 0", "at least one"]);
+    refused("polynomial_spring", "cubic_spring", &["`cubic_spring`", "known here: `penalty_spring`"]);
     let same = "between = [\"blade.r\", \"blade.r\"]";
     refused("dof = \"blade.r\"", same, &["`laws[0].between`", "[blade.r, blade.r]", "two different dofs"]);
     refused("dof = \"blade.r\"", "coefficients = {}", &["`laws[0].coefficients`", "at least one dof"]);

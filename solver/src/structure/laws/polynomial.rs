@@ -61,7 +61,7 @@ fn is_odd(terms: &[Term]) -> bool {
 }
 
 fn validate(terms: &[Term]) -> Result<(), ParameterError> {
-    require("terms (number of)", terms.len() as f64, !terms.is_empty(), "at least one term")?;
+    require("terms", terms.len() as f64, !terms.is_empty(), "at least one term")?;
     for &Term { power, coefficient } in terms {
         require("terms.power", f64::from(power), (1..=MAX_POWER).contains(&power), "1 to 15")?;
         require("terms.coefficient", coefficient, coefficient.is_finite(), "a finite number")?;
