@@ -1,14 +1,15 @@
 //! What goes wrong before anything is computed: units that slipped, matrices exchanged, levels at which nothing touches.
 
 use crate::study::Study;
+use protocol::session::MAX_RESULT_BYTES;
 use results::words::{count, number};
 use solver::formulation::Formulation;
-use solver::formulation::harmonics::complex;
+use solver::formulation::harmonics::{complex, width};
 use solver::formulation::linear::forced_response;
 use solver::formulation::pressure::PressureForm;
 use solver::formulation::scales::Scales;
 use solver::formulation::unknown::Unknown;
-use solver::settings::FrequencySettings;
+use solver::settings::{FrequencySettings, Settings};
 use solver::structure::{ContactElement, Model};
 
 /// Eigenfrequencies that no structure has, rad/s: all of them below or above.
@@ -17,6 +18,8 @@ const ABSURD: (f64, f64) = (1e-3, 1e9);
 const SLOW: f64 = 0.1;
 /// A force that does less work than this share on all modes that vibrate drives none of them.
 const DRIVEN: f64 = 1e-9;
+/// Numbers that a point of a branch has beside its state, about.
+const BESIDE: usize = 64;
 /// Between these shares of the condensed stiffness the prediction of contact forces works well.
 const EPSILON: (f64, f64) = (0.1, 1e3);
 
@@ -96,6 +99,7 @@ pub(super) fn warnings(study: &Study, touch: Option<&FirstTouch<'_>>) -> Vec<Str
     list.extend(nothing_driven(&study.model));
     list.extend(touch.and_then(|touch| nothing_touches(study, touch)));
     list.extend(epsilon_ratios(&study.model).and_then(epsilon));
+    list.extend(large_results(study));
     list.extend(study.without_effect.iter().map(|key| {
         format!("{key} has no effect any more: branches close by convergence onto their first points; leave it out")
     }));
@@ -121,7 +125,7 @@ fn units(model: &Model) -> Option<String> {
 }
 
 fn negative_damping(model: &Model) -> Option<String> {
-    let modes = (0..model.size()).filter(|&j| model.damping().diagonal(j) < 0.0);
+    let modes = (0..model.size()).filter(|&j| model.damping().rate(j) < 0.0);
     let list: Vec<String> = modes.map(|j| (j + 1).to_string()).collect();
     let modes = if list.len() == 1 { "mode" } else { "modes" };
     (!list.is_empty()).then(|| {
@@ -157,6 +161,22 @@ fn nothing_touches(study: &Study, touch: &FirstTouch<'_>) -> Option<String> {
             count(study.amplitudes.len(), "level"),
             number(highest),
             number(touch.forcing)
+        )
+    })
+}
+
+/// Of branches that would be too large to be sent if they used up their points.
+fn large_results(study: &Study) -> Option<String> {
+    let Settings { harmonics, branch, .. } = study.settings;
+    let numbers = (study.model.size() + study.model.arguments()) * width(harmonics.count) + BESIDE;
+    let bytes = size_of::<f64>() * numbers;
+    // Each way from where it begins.
+    let most = MAX_RESULT_BYTES / (2 * bytes);
+    (branch.max_points > most).then(|| {
+        let (each, limit) = (number(bytes as f64 / 1e3), number(MAX_RESULT_BYTES as f64 / 1e6));
+        format!(
+            "branch.max_points = {} is more than can be sent: a point has {each} kB, a branch at most {limit} MB; use at most {most}",
+            branch.max_points
         )
     })
 }

@@ -78,7 +78,7 @@ pub(super) const SCENARIO: &[Key] = &[
         kind: Table,
         default: Nothing,
         unit: "",
-        meaning: "Linear damping: ratios of the modes, or proportional to the matrices. Of several ways to give it, the one of the study replaces that of the model.",
+        meaning: "Linear damping: ratios of the modes, or proportional to the matrices; a matrix of it is matrices.damping. Of several ways to give it, the one of the study replaces that of the model.",
         example: "",
     },
     Key {

@@ -67,7 +67,7 @@ impl Structure {
     pub fn new(model: &Model, monitor: &str, gap: Option<f64>) -> Self {
         let damped = |is_wanted: fn(f64) -> bool| {
             let modes = (0..model.size()).filter(|&j| !model.modes().is_rigid(j));
-            modes.filter(|&j| is_wanted(model.damping().diagonal(j))).map(|j| j + 1).collect()
+            modes.filter(|&j| is_wanted(model.damping().rate(j))).map(|j| j + 1).collect()
         };
         Self {
             monitor: monitor.into(),

@@ -79,7 +79,7 @@ pub enum BackboneError {
     #[error(transparent)]
     Formulation(#[from] FormulationError),
     /// Not even the first point, close to the linear mode, converged.
-    #[error("the backbone of mode {mode} does not start near its linear range ({omega:.6} rad/s): {failure}")]
+    #[error("the backbone of mode {mode} does not start near its linear range ({omega:.6} rad/s): {failure}{}", free(.drifting))]
     Start {
         /// Mode, from 1.
         mode: usize,
@@ -87,6 +87,8 @@ pub enum BackboneError {
         omega: f64,
         /// Why.
         failure: Failure,
+        /// A rigid-body mode, from 1, that nothing resists: where the structure is on average is not determined.
+        drifting: Option<usize>,
     },
     /// The forced response given is not close to quadrature with the forcing.
     #[error("no phase-resonant response near {omega:.6} rad/s: {failure}")]
@@ -96,6 +98,27 @@ pub enum BackboneError {
         /// Why.
         failure: Failure,
     },
+}
+
+fn free(drifting: &Option<usize>) -> String {
+    drifting.map_or(String::new(), |mode| {
+        format!(
+            "; nothing resists the rigid-body motion of mode {mode}, so that the mean position is not determined: hold it by a \
+             soft spring, or by a law"
+        )
+    })
+}
+
+/// The first rigid-body mode, from 1, that no nonlinear element feels.
+fn drifting(model: &Model) -> Option<usize> {
+    let feels = |j: usize, channel: &Vec<(usize, f64)>| {
+        let terms = channel.iter().map(|&(dof, b)| b * model.modes().shapes[(dof, j)]);
+        let (sum, size) = terms.fold((0.0, 0.0), |(sum, size), term: f64| (sum + term, size + term.abs()));
+        sum.abs() > 1e-9 * size
+    };
+    let is_felt =
+        |j: usize| model.elements().iter().flat_map(|element| &element.channels).any(|channel| feels(j, channel));
+    (0..model.size()).find(|&j| model.modes().is_rigid(j) && !is_felt(j)).map(|j| j + 1)
 }
 
 fn system<'m, F: Formulation<'m>>(
@@ -164,7 +187,7 @@ impl Backbone {
         settings.validate(model)?;
         let mode = settings.tracked();
         let omega = model.modes().frequencies[mode];
-        let not_started = |failure| BackboneError::Start { mode: mode + 1, omega, failure };
+        let not_started = |failure| BackboneError::Start { mode: mode + 1, omega, failure, drifting: drifting(model) };
         let equation = settings.backbone.equation;
         let mut problem: F = system(model, settings, equation)?;
         let start = match equation {

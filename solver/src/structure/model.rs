@@ -49,6 +49,9 @@ pub enum Damping {
     Full(Matrix),
 }
 
+/// Share of the largest entry of a matrix that is rounding.
+const ROUNDING: f64 = 1e-12;
+
 impl Damping {
     /// The diagonal of Ĉ, if nothing couples the modes.
     pub fn uncoupled(&self) -> Option<&[f64]> {
@@ -61,6 +64,12 @@ impl Damping {
     /// Ĉ_jj, 1/s.
     pub fn diagonal(&self, j: usize) -> f64 {
         self.entry(j, j)
+    }
+
+    /// Ĉ_jj, 1/s; zero where it is no more than rounding of the largest entry.
+    pub fn rate(&self, j: usize) -> f64 {
+        let largest = self.entries().map(|(_, _, entry)| entry.abs()).fold(0.0, f64::max);
+        Some(self.diagonal(j)).filter(|rate| rate.abs() > ROUNDING * largest).unwrap_or(0.0)
     }
 
     /// Ĉ_ij, 1/s.

@@ -414,3 +414,13 @@ fn forcing_amplitudes() {
         says(&refused.to_string(), &[&amplitude.to_string(), "above zero"]);
     }
 }
+
+#[test]
+fn a_structure_that_drifts() {
+    let stiffness = Matrix::from_fn(2, 2, |i, j| if i == j { 1.0 } else { -1.0 });
+    let free = Model::builder("free").mass(Matrix::diagonal(&[1.0, 1.0])).stiffness(stiffness).force(0, 1.0);
+    let mut settings = Settings::default();
+    settings.backbone.modes = ModeChoice::These(ModeList::new(&[2]).unwrap());
+    let error = Backbone::compute(&free.build().unwrap(), &settings).unwrap_err().to_string();
+    says(&error, &["backbone of mode 2", "nothing resists the rigid-body motion of mode 1", "soft spring"]);
+}
