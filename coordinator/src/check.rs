@@ -70,7 +70,7 @@ fn mode(study: &Study, choice: &ModesFollowed, j: usize) -> String {
     if model.modes().is_rigid(j) {
         return format!("{:>2}  rigid body{followed}", j + 1);
     }
-    let (hertz, ratio) = (number(omega / TAU), number(model.damping().diagonal(j) / (2.0 * omega)));
+    let (hertz, ratio) = (number(omega / TAU), number(model.damping().rates()[j] / (2.0 * omega)));
     format!("{:>2}  {:>10} rad/s  {hertz:>10} Hz  damping ratio {ratio}{followed}", j + 1, number(omega))
 }
 

@@ -84,7 +84,9 @@ pub fn table(reader: &Reader, layout: Layout) -> Result<String> {
         say(&sentence);
     }
     let curves = omissions.read("The list of fold curves is", reader.curves()).unwrap_or_default();
-    [events_sentence(&curves), shift(&overview, layout.units)].iter().flatten().for_each(|sentence| say(sentence));
+    let unit = layout.units.frequency;
+    let events = events_sentence(&curves, |omega| format!("{} {unit}", unit.digits(omega)));
+    [events, shift(&overview, layout.units)].iter().flatten().for_each(|sentence| say(sentence));
     let motions = omissions.read("The list of motions is", reader.motions()).unwrap_or_default();
     motions::sentences(&motions, layout.units).iter().for_each(|sentence| say(sentence));
     let pushes = omissions.read("The list of pushes is", reader.pushes()).unwrap_or_default();

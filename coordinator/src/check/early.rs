@@ -125,7 +125,8 @@ fn units(model: &Model) -> Option<String> {
 }
 
 fn negative_damping(model: &Model) -> Option<String> {
-    let modes = (0..model.size()).filter(|&j| model.damping().rate(j) < 0.0);
+    let rates = model.damping().rates();
+    let modes = (0..model.size()).filter(|&j| rates[j] < 0.0);
     let list: Vec<String> = modes.map(|j| (j + 1).to_string()).collect();
     let modes = if list.len() == 1 { "mode" } else { "modes" };
     (!list.is_empty()).then(|| {
@@ -175,7 +176,8 @@ fn large_results(study: &Study) -> Option<String> {
     (branch.max_points > most).then(|| {
         let (each, limit) = (number(bytes as f64 / 1e3), number(MAX_RESULT_BYTES as f64 / 1e6));
         format!(
-            "branch.max_points = {} is more than can be sent: a point has {each} kB, a branch at most {limit} MB; use at most {most}",
+            "a branch that used up branch.max_points = {} would be too large to be sent: a point has {each} kB, a branch at most \
+             {limit} MB; use at most {most}",
             branch.max_points
         )
     })

@@ -128,7 +128,12 @@ fn a_force_on_rigid_bodies_alone() {
 fn branches_too_large_to_be_sent() {
     let (warnings, text) = checked(MODEL, "0.3", &[("branch.max_points", "200000")]);
     assert_eq!(warnings.len(), 1, "{text}");
-    assert!(warnings[0].starts_with("branch.max_points = 200000 is more than can be sent: a point has "), "{text}");
+    assert!(
+        warnings[0].starts_with(
+            "a branch that used up branch.max_points = 200000 would be too large to be sent: a point has "
+        ),
+        "{text}"
+    );
     let most = warnings[0].rsplit(' ').next().unwrap();
     assert!(checked(MODEL, "0.3", &[("branch.max_points", most)]).0.is_empty(), "{most}");
 }

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -24,9 +25,8 @@ from .matrices import forces, matrix_market, require_definite, symmetric
 #: What stands in a model file.
 _KEYS = {"name", "description", "dofs", "monitors", "matrices", "damping", "forcing", "contact", "laws"}
 
-
-#: Lines of ``isola check`` that are not of the model.
-_OF_STUDY = (["study"], ["file"], ["model"], ["amplitudes"])
+#: How lines of ``isola check`` begin that are not of the model.
+_OF_STUDY = re.compile(r"(study|file|model|amplitudes) |warning +nothing will touch")
 
 
 class Law(dict[str, Any]):
@@ -179,7 +179,8 @@ class Model:
                 raise BadModel(
                     f"contacts[{i}]: tangential = {sliding!r}: a list of one or two directions is needed"
                 )
-            for direction in [node.get("normal"), *sliding]:
+            # That a normal is missing is the program's to say.
+            for direction in filter(None, [node.get("normal"), *sliding]):
                 for dof in direction if isinstance(direction, Mapping) else [direction]:
                     self._known(f"contacts[{i}]", dof)
 
@@ -264,7 +265,7 @@ class Model:
                 raise study.failure([said], process.returncode, file, is_written=True)
         # What is of the study here is this method's.
         lines = found.splitlines()
-        return "\n".join(line for line in lines if line.split(maxsplit=1)[:1] not in _OF_STUDY)
+        return "\n".join(line for line in lines if not _OF_STUDY.match(line))
 
     def _toml(self, matrices: dict[str, str]) -> str:
         """The text of ``model.toml``."""

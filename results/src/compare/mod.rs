@@ -18,7 +18,7 @@ const NAMES: [&str; 2] = ["name", "model"];
 /// Runs that are compared, the first one being what others are measured by.
 #[derive(Debug, Clone)]
 pub struct Comparison {
-    /// What each run is called: the name of its study, with its folder where two have the same.
+    /// What each run is called: as its study, or as its folder where studies share a name, with its number where folders do too.
     pub names: Vec<String>,
     /// The runs.
     pub reports: Vec<Report>,
@@ -65,14 +65,17 @@ impl Comparison {
     }
 }
 
-/// What runs are called: as their studies, or as their folders where studies share a name.
+/// What runs are called: see [`Comparison::names`].
 fn names(runs: &[(String, Report)]) -> Vec<String> {
-    let is_alone = |name: &str| runs.iter().filter(|(_, report)| report.run.name == name).count() == 1;
-    let name = |(folder, report): &(String, Report)| match &report.run.name {
-        name if is_alone(name) => name.clone(),
-        _ => folder.clone(),
+    let once = |names: &[String], name: &String| names.iter().filter(|other| *other == name).count() == 1;
+    let studies: Vec<String> = runs.iter().map(|(_, report)| report.run.name.clone()).collect();
+    let called = |(study, (folder, _)): (&String, &(String, Report))| {
+        if once(&studies, study) { study.clone() } else { folder.clone() }
     };
-    runs.iter().map(name).collect()
+    let names: Vec<String> = studies.iter().zip(runs).map(called).collect();
+    let number =
+        |(k, name): (usize, &String)| if once(&names, name) { name.clone() } else { format!("{name} ({})", k + 1) };
+    names.iter().enumerate().map(number).collect()
 }
 
 fn levels(reports: &[Report]) -> Vec<ComparedLevel> {

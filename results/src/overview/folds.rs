@@ -25,17 +25,14 @@ fn is_same(a: f64, b: f64) -> bool {
 }
 
 /// Where isolas are born and where branches merge, as fold curves say.
-pub fn events_sentence(curves: &[CurveRow]) -> Option<String> {
+pub fn events_sentence(curves: &[CurveRow], frequency: impl Fn(f64) -> String) -> Option<String> {
     let of = |wanted: &str| -> Vec<String> {
         let points = curves.iter().flat_map(CurveRow::events).filter(|(kind, _)| *kind == wanted);
         let mut points: Vec<(f64, f64)> = points.map(|(_, point)| (point.forcing, point.omega)).collect();
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
         // Where a curve stops at grazing, another one may begin on it again.
         points.dedup_by(|a, b| is_same(a.0, b.0) && is_same(a.1, b.1));
-        points
-            .into_iter()
-            .map(|(forcing, omega)| format!("{} ({} rad/s)", digits(forcing, 5), digits(omega, 5)))
-            .collect()
+        points.into_iter().map(|(forcing, omega)| format!("{} ({})", digits(forcing, 5), frequency(omega))).collect()
     };
     let part = |wanted: &str, one: &str, many: &str| {
         let list = of(wanted);

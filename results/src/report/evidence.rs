@@ -65,9 +65,10 @@ pub struct Structure {
 impl Structure {
     /// Of a model, amplitudes being those of this dof.
     pub fn new(model: &Model, monitor: &str, gap: Option<f64>) -> Self {
+        let rates = model.damping().rates();
         let damped = |is_wanted: fn(f64) -> bool| {
             let modes = (0..model.size()).filter(|&j| !model.modes().is_rigid(j));
-            modes.filter(|&j| is_wanted(model.damping().rate(j))).map(|j| j + 1).collect()
+            modes.filter(|&j| is_wanted(rates[j])).map(|j| j + 1).collect()
         };
         Self {
             monitor: monitor.into(),

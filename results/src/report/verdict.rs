@@ -149,7 +149,9 @@ impl<'r> Evidence<'r> {
             return format!("Nothing is known yet: {} to come.", count(self.levels.len(), "forcing level"));
         }
         let prediction = self.prediction();
-        let computed = events_sentence(self.curves).map(|sentence| format!(" {sentence}")).unwrap_or_default();
+        let computed = events_sentence(self.curves, |omega| format!("{} rad/s", digits(omega, 5)))
+            .map(|sentence| format!(" {sentence}"))
+            .unwrap_or_default();
         let runs = runs(self.levels);
         let partly: Vec<&Level> = self.with_isolas().filter(|level| !level.is_complete()).collect();
         if runs.is_empty() && partly.is_empty() {

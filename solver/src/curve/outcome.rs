@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Stop {
-    /// It began here, in the linear range.
+    /// It began here, where it grows out of the linear response.
     Start,
     /// It came back to its first point.
     Closed,

@@ -48,7 +48,7 @@ impl Layers {
     /// A text that is not TOML.
     pub fn parse(file: &Path, text: &str) -> Result<Self, ModelError> {
         let syntax = |e: toml::de::Error| {
-            let line = e.span().and_then(|span| text.get(..span.start)?.lines().count().checked_sub(1));
+            let line = e.span().and_then(|span| Some(text.get(..span.start)?.matches('\n').count()));
             let has_comma = line.and_then(|line| text.lines().nth(line)).is_some_and(has_decimal_comma);
             let hint = if has_comma { "\nnumbers have a decimal point, as in 0.1" } else { "" };
             ModelError::Syntax { file: file.into(), message: format!("{}{hint}", e.to_string().trim_end()) }

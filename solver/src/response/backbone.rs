@@ -187,7 +187,10 @@ impl Backbone {
         settings.validate(model)?;
         let mode = settings.tracked();
         let omega = model.modes().frequencies[mode];
-        let not_started = |failure| BackboneError::Start { mode: mode + 1, omega, failure, drifting: drifting(model) };
+        let not_started = |failure| {
+            let drifting = if failure == Failure::Singular { drifting(model) } else { None };
+            BackboneError::Start { mode: mode + 1, omega, failure, drifting }
+        };
         let equation = settings.backbone.equation;
         let mut problem: F = system(model, settings, equation)?;
         let start = match equation {

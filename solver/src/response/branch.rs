@@ -185,6 +185,12 @@ impl Branch {
         matches!(self.outcome, Outcome::Open(first, last) if [first, last].contains(&Stop::Joined))
     }
 
+    /// Whether continuation failed at an end, or turned back along the curve there.
+    pub(super) fn goes_no_further(&self) -> bool {
+        let fails = |stop: Stop| matches!(stop, Stop::Stalled(_) | Stop::Reversed);
+        matches!(self.outcome, Outcome::Open(first, last) if fails(first) || fails(last))
+    }
+
     /// Whether whoever observed it asked to stop.
     pub fn is_cancelled(&self) -> bool {
         matches!(self.outcome, Outcome::Open(first, last) if [first, last].contains(&Stop::Cancelled))

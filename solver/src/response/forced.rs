@@ -156,27 +156,30 @@ impl<'m, F: Formulation<'m>> Forced<'m, F> {
     /// the end of the range or beyond, and otherwise where continuation in the forcing amplitude leads from rest; it is followed
     /// beyond the study's bounds until the response there is the ordinary one.
     ///
+    /// If all that a growing forcing leads to from rest lies on curves that close, it is one of these, an isola.
+    ///
     /// # Errors
-    /// If there is no first point, or only such that lie on closed curves.
+    /// If there is no first point.
     pub fn main_branch(&mut self, side: Side, observer: &mut Observer<'_>) -> Result<Branch, Unreached> {
         if let Some(start) = self.linear_start(side)? {
-            return self.main_from(side, &start, observer);
+            return self.main_from(side, &start, false, observer);
         }
         let [near, far] = self.entries(side);
         let (lowest, highest) = self.widest();
         let farthest = if side == Side::Below { lowest } else { highest };
-        let (mut unreached, mut unfinished) = (Unreached::OutOfReach, None);
+        let (mut closed, mut unfinished, mut failure) = (None, None, None);
         for omega in [far, farthest, near] {
             let start = from_rest::<F>(self.model, &self.settings, self.forcing, omega, &self.interrupt);
-            match start.and_then(|start| self.main_from(side, &start, observer)) {
+            match start.and_then(|start| self.main_from(side, &start, true, observer)) {
                 // What a growing forcing leads to may lie on an isola.
-                Ok(branch) if branch.is_closed() => {}
-                Ok(branch) if branch.is_cancelled() || !branch.outcome.is_unfinished() => return Ok(branch),
-                Ok(branch) => unfinished = unfinished.or(Some(branch)),
-                Err(failure) => unreached = failure,
+                Ok(branch) if branch.is_closed() => closed = closed.or(Some(branch)),
+                Ok(branch) if branch.goes_no_further() => unfinished = unfinished.or(Some(branch)),
+                Ok(branch) => return Ok(branch),
+                Err(why) => failure = failure.or(Some(why)),
             }
         }
-        unfinished.ok_or(unreached)
+        let closed = closed.map(|branch| Branch { kind: BranchKind::Isola, ..branch });
+        unfinished.or(closed).ok_or(failure.unwrap_or(Unreached::OutOfReach))
     }
 
     /// A linear response at the end of the frequency range on this side, or beyond.
@@ -199,12 +202,18 @@ impl<'m, F: Formulation<'m>> Forced<'m, F> {
         }
         let [_, far] = self.entries(side);
         let state = from_rest::<F>(self.model, &self.settings, self.forcing, far, &self.interrupt).ok()?;
-        let state = self.converge(&state).ok()?;
-        self.contains(&state).then_some(state)
+        self.converge(&state).ok()
     }
 
-    /// The curve through the first state of a main branch, into the range of the study and on; closed if it comes back.
-    fn main_from(&mut self, side: Side, start: &State, observer: &mut Observer<'_>) -> Result<Branch, Unreached> {
+    /// The curve through the first state of a main branch, into the range of the study and on; if it may close, closed if it comes
+    /// back.
+    fn main_from(
+        &mut self,
+        side: Side,
+        start: &State,
+        closes: bool,
+        observer: &mut Observer<'_>,
+    ) -> Result<Branch, Unreached> {
         let y = self.problem.encode(start);
         let mut direction = self.problem.parameter_row();
         if side == Side::Above {
@@ -212,7 +221,7 @@ impl<'m, F: Formulation<'m>> Forced<'m, F> {
         }
         let (lowest, highest) = self.widest();
         let further = if self.settings.frequency.max.is_some() { 1.0 } else { FARTHEST };
-        let bounds = self.bounds((lowest, further * highest), true);
+        let bounds = self.bounds((lowest, further * highest), closes);
         let (swept, study) = (self.reach.swept(), self.reach.frequency);
         let (newton, given) = (self.landing(), self.settings.frequency);
         let mut continuation = Continuation::start(&mut self.problem, y, &direction, self.settings.continuation)?;

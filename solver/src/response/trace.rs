@@ -91,14 +91,15 @@ fn enter<'m, F: Formulation<'m>>(
     if let Some((id, _)) = known.iter().find(is_whole) {
         // What the main branch was not entered by, since it lies on a curve that closes.
         let grown = forced.grown_from_rest(Side::Below);
-        return Ok(match grown.map(|state| branch_through(forced, &state, known, observer)) {
-            Some(TaskResult::Branch(branch)) if branch.is_closed() || branch.is_cancelled() => {
-                TaskResult::Branch(branch)
-            }
+        return Ok(match grown.map(|state| branch_from(forced, &state, known, observer)) {
+            Some(TaskResult::Branch(branch)) if branch.kind != BranchKind::Main => TaskResult::Branch(branch),
             _ => TaskResult::Nothing(SeedOutcome::Found(*id)),
         });
     }
     let branch = forced.main_branch(side, observer)?;
+    if branch.kind != BranchKind::Main {
+        return Ok(new_part(forced, branch, known));
+    }
     let (low, high) = forced.reach().frequency;
     let is_inside = |point: &BranchPoint| point.omega() > low * (1.0 + 1e-6) && point.omega() < high * (1.0 - 1e-6);
     Ok(match unknown_part(forced, branch, known) {

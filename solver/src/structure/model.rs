@@ -66,10 +66,16 @@ impl Damping {
         self.entry(j, j)
     }
 
-    /// Ĉ_jj, 1/s; zero where it is no more than rounding of the largest entry.
-    pub fn rate(&self, j: usize) -> f64 {
-        let largest = self.entries().map(|(_, _, entry)| entry.abs()).fold(0.0, f64::max);
-        Some(self.diagonal(j)).filter(|rate| rate.abs() > ROUNDING * largest).unwrap_or(0.0)
+    /// Ĉ_jj of every mode, 1/s; of a matrix zero where that is no more than rounding of its largest entry.
+    pub fn rates(&self) -> Vec<f64> {
+        match self {
+            Self::Modal(rates) => rates.clone(),
+            Self::Full(matrix) => {
+                let largest = self.entries().map(|(_, _, entry)| entry.abs()).fold(0.0, f64::max);
+                let rounded = |rate: f64| if rate.abs() > ROUNDING * largest { rate } else { 0.0 };
+                (0..matrix.rows()).map(|j| rounded(matrix[(j, j)])).collect()
+            }
+        }
     }
 
     /// Ĉ_ij, 1/s.

@@ -250,6 +250,10 @@ fn a_curve_that_closes_is_no_main_branch_though_a_growing_forcing_leads_to_it() 
         let (found, (low, high)) = (ranges(&isolas)[0], expected[0]);
         assert_close(found.0, low, 1e-6, "lower end");
         assert_close(found.1, high, 1e-6, "upper end");
+        // Beyond bounds that are given it is none of the study's, and the main branch is the same.
+        let above = Study::new(own("energy_sink"), within(settings, 0.9, 1.6)).level(forcing);
+        assert_main_only(&above, "above the isola");
+        assert!((main_peak(&above).1 / main_peak(&known).1 - 1.0).abs() < 1e-6, "{above:#?}");
     }
 }
 
