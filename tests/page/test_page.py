@@ -102,7 +102,7 @@ def test_every_figure_is_drawn(run, browser, width, height, scheme):
             assert all(colours(chart) > EMPTY for chart in charts), figure
         assert page.get_by_text("cannot be shown").count() == 0
         assert page.evaluate("document.documentElement.scrollWidth") <= width
-        assert page.locator("#verdict p").count() == 3
+        assert page.locator("#verdict > div > p").count() == 3 and page.locator("#verdict details").count() == 1
         assert page.locator("#missing").is_hidden()
         assert "0.9481 mm" in page.locator("#verdict").inner_text()
 
