@@ -79,7 +79,7 @@ pub enum BackboneError {
     #[error(transparent)]
     Formulation(#[from] FormulationError),
     /// Not even the first point, close to the linear mode, converged.
-    #[error("the backbone of mode {mode} does not start near its linear range ({omega:.6} rad/s): {failure}{}", free(.drifting))]
+    #[error("the backbone of mode {mode} does not start near its linear range ({omega:.6} rad/s): {failure}{}", what_is_missing(.drifting))]
     Start {
         /// Mode, from 1.
         mode: usize,
@@ -100,7 +100,8 @@ pub enum BackboneError {
     },
 }
 
-fn free(drifting: &Option<usize>) -> String {
+/// What would be right where a structure drifts, for its message.
+fn what_is_missing(drifting: &Option<usize>) -> String {
     drifting.map_or(String::new(), |mode| {
         format!(
             "; nothing resists the rigid-body motion of mode {mode}, so that the mean position is not determined: hold it by a \

@@ -186,7 +186,7 @@ impl Branch {
     }
 
     /// Whether continuation failed at an end, or turned back along the curve there.
-    pub(super) fn goes_no_further(&self) -> bool {
+    pub(super) fn breaks_off(&self) -> bool {
         let fails = |stop: Stop| matches!(stop, Stop::Stalled(_) | Stop::Reversed);
         matches!(self.outcome, Outcome::Open(first, last) if fails(first) || fails(last))
     }

@@ -173,7 +173,7 @@ impl<'m, F: Formulation<'m>> Forced<'m, F> {
             match start.and_then(|start| self.main_from(side, &start, true, observer)) {
                 // What a growing forcing leads to may lie on an isola.
                 Ok(branch) if branch.is_closed() => closed = closed.or(Some(branch)),
-                Ok(branch) if branch.goes_no_further() => unfinished = unfinished.or(Some(branch)),
+                Ok(branch) if branch.breaks_off() => unfinished = unfinished.or(Some(branch)),
                 Ok(branch) => return Ok(branch),
                 Err(why) => failure = failure.or(Some(why)),
             }
