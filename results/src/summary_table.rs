@@ -165,6 +165,9 @@ impl Rows<'_> {
         }
         let meaning = match row.kind.as_str() {
             kind if kind == BranchKind::Open.name() => "; detached, but not closed",
+            kind if kind == BranchKind::Branched.name() => {
+                "; less symmetric than what it branches off, or of a longer period"
+            }
             _ => "; whether it is detached is not known",
         };
         let mark = self.notes.mark(format!("{}{meaning}", row.status));

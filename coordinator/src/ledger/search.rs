@@ -79,7 +79,7 @@ impl Ledger {
             let Some(level) = chain.level().filter(|_| chain.has_branches()) else { return chain.level().is_none() };
             for Branch { known, folds } in &level.branches[self.unfolded[l]..] {
                 let branch = known.branch;
-                let folds = (0..*folds).map(|fold| Origin::Fold(FoldPlace::Branch { branch, fold }));
+                let folds = FoldPlace::of(branch, *folds).map(Origin::Fold);
                 let places = CarryPlace::of(branch).map(Origin::Carry).chain(folds).map(|origin| (l, origin));
                 self.queue.extend(places.filter(|place| !self.followed.contains(place)));
             }

@@ -181,6 +181,7 @@ impl<'r> Outline<'r> {
             (has(BranchKind::Isola), "isola", line, Style::line(color, BOLD)),
             (has(BranchKind::Open), open, line, Style::line(color, BOLD)),
             (has(BranchKind::Cut), "cut off by a bound", line, Style::line(color, BOLD)),
+            (has(BranchKind::Branched), "branches off another", line, Style::line(color, BOLD)),
             (has(BranchKind::Unfinished), "unfinished", line, Style::line(color, BOLD)),
             (
                 self.branches.iter().any(|branch| branch.unstable.contains(&true)),

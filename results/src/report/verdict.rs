@@ -130,13 +130,18 @@ impl<'r> Evidence<'r> {
         let kinds = [
             (BranchKind::Open, "leave through the widest bounds at both ends: detached, but not closed"),
             (BranchKind::Cut, "leave through bounds that were given: whether they are detached is not known"),
+            (BranchKind::Branched, "branch off other responses, less symmetric than those or of a longer period"),
             (BranchKind::Unfinished, "are unfinished: whether they are detached is not known"),
         ];
         let sentence = |(kind, many): (BranchKind, &str)| {
             let number = |level: &Level| level.others().filter(|row| row.kind == kind.name()).count();
             let levels: Vec<&Level> = self.levels.iter().filter(|level| number(level) > 0).collect();
             let branches: usize = levels.iter().map(|level| number(level)).sum();
-            let one = many.replace("leave", "leaves").replace("they are", "it is").replacen("are ", "is ", 1);
+            let one = many
+                .replace("leave", "leaves")
+                .replace("branch off", "branches off")
+                .replace("they are", "it is")
+                .replacen("are ", "is ", 1);
             let (list, at) = (if branches == 1 { "branch" } else { "branches" }, named(&levels));
             let what = if branches == 1 { one.as_str() } else { many };
             (branches > 0).then(|| format!("{branches} {list}, at {at}, {what}."))

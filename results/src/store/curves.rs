@@ -85,8 +85,9 @@ pub struct SearchCounts {
 /// Whether it is a curve of folds or peaks, not of responses at one frequency, curve by curve.
 const IS_CRITICAL: &str = "SELECT kind <> 'response' FROM curves ORDER BY number";
 
-const ALL_FOLDS: &str =
-    "SELECT count(*) FROM branches, json_each(branches.special) WHERE json_extract(json_each.value, '$.kind') = 'fold'";
+/// Folds that are followed if there is room (`FoldPlace::of`).
+const ALL_FOLDS: &str = "SELECT count(*) FROM branches, json_each(branches.special) \
+     WHERE json_extract(json_each.value, '$.kind') = 'fold' AND branches.kind <> 'branched'";
 
 /// Stores a curve; its number is one more than that of the last.
 pub(super) fn insert_curve(

@@ -213,7 +213,7 @@ CREATE TABLE branches (
     -- Forcing amplitude as typed.
     amplitude TEXT NOT NULL,
     -- 'main', 'isola' (closed), 'open' (detached, from frequency bound to frequency bound), 'cut' (at a bound that was
-    -- given) or 'unfinished'.
+    -- given), 'branched' (branches off others, less symmetric or of a longer period) or 'unfinished'.
     kind TEXT NOT NULL,
     -- Number within level and kind, from 1.
     number INTEGER NOT NULL,

@@ -23,6 +23,8 @@ pub enum Stop {
     Reversed,
     /// It came to a branch that was known: what follows is part of that.
     Joined,
+    /// It branches off another curve here.
+    Branching,
     /// Whoever drives it asked to stop.
     Cancelled,
     /// It left the range of forcing amplitudes.
@@ -40,6 +42,7 @@ impl std::fmt::Display for Stop {
             Stop::Stalled(rejection) => write!(f, "stalled at the smallest step: {rejection}"),
             Stop::Reversed => write!(f, "turned back along itself"),
             Stop::Joined => write!(f, "known branch"),
+            Stop::Branching => write!(f, "branch point"),
             Stop::Cancelled => write!(f, "cancelled"),
             Stop::ForcingBound => write!(f, "forcing bound"),
         }
@@ -57,6 +60,11 @@ pub enum Outcome {
 }
 
 impl Outcome {
+    /// Whether the curve ends where it branches off another.
+    pub fn is_branched(&self) -> bool {
+        matches!(self, Outcome::Open(first, last) if [first, last].contains(&&Stop::Branching))
+    }
+
     /// Whether the curve goes on where it ends: it stalled, turned back along itself, used up its points or was cancelled.
     pub fn is_unfinished(&self) -> bool {
         let is_unfinished =

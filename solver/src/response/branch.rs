@@ -80,19 +80,22 @@ pub enum BranchKind {
     Open,
     /// Leaves through bounds that were given: whether it is detached is not known.
     Cut,
+    /// Branches off other responses, of higher symmetry or shorter period: one of asymmetric motions, or a period-doubled one, say.
+    Branched,
     /// Stalled, turned back along itself, used up its points or was cancelled: it goes on where it ends.
     Unfinished,
 }
 
 impl BranchKind {
     /// All kinds, in the order in which they are listed.
-    pub const ALL: [Self; 5] = [Self::Main, Self::Isola, Self::Open, Self::Cut, Self::Unfinished];
+    pub const ALL: [Self; 6] = [Self::Main, Self::Isola, Self::Open, Self::Cut, Self::Branched, Self::Unfinished];
 
     /// The kind of a branch that was not reached from the linear range; `is_cut` tells whether it ends at a bound that was given.
     pub fn of_detached(outcome: &Outcome, is_cut: bool) -> Self {
         let is_bound = |stop: &Stop| matches!(stop, Stop::FrequencyBound | Stop::AmplitudeBound);
         match outcome {
             Outcome::Closed => Self::Isola,
+            Outcome::Open(..) if outcome.is_branched() && !outcome.is_unfinished() => Self::Branched,
             Outcome::Open(first, last) if !(is_bound(first) && is_bound(last)) => Self::Unfinished,
             Outcome::Open(..) if is_cut => Self::Cut,
             Outcome::Open(Stop::FrequencyBound, Stop::FrequencyBound) => Self::Open,
@@ -107,6 +110,7 @@ impl BranchKind {
             Self::Isola => "isola",
             Self::Open => "open",
             Self::Cut => "cut",
+            Self::Branched => "branched",
             Self::Unfinished => "unfinished",
         }
     }
@@ -178,6 +182,11 @@ impl Branch {
     /// Whether the branch is a closed curve.
     pub fn is_closed(&self) -> bool {
         self.outcome == Outcome::Closed
+    }
+
+    /// Whether it ends where it branches off others.
+    pub fn is_branched(&self) -> bool {
+        self.outcome.is_branched()
     }
 
     /// Whether it ends at a branch that was known before it.

@@ -17,7 +17,9 @@ impl Standing {
     /// Of the peak at point `peak` of so many points of a curve that ends so.
     pub fn of_peak(outcome: &Outcome, peak: usize, points: usize) -> Self {
         let Outcome::Open(first, last) = outcome else { return Self::At };
-        let is_end = peak == 0 || peak + 1 >= points;
+        // At a branch point what it branches off goes on, not the branch.
+        let is_end = [(peak == 0, first), (peak + 1 >= points, last)];
+        let is_end = is_end.into_iter().any(|(is_there, stop)| is_there && *stop != Stop::Branching);
         if is_end || [first, last].into_iter().any(goes_on_higher) { Self::AtLeast } else { Self::At }
     }
 
@@ -39,7 +41,9 @@ impl Standing {
 fn goes_on_higher(stop: &Stop) -> bool {
     match stop {
         Stop::AmplitudeBound => true,
-        Stop::Start | Stop::Closed | Stop::FrequencyBound | Stop::ForcingBound | Stop::Joined => false,
+        Stop::Start | Stop::Closed | Stop::FrequencyBound | Stop::ForcingBound | Stop::Joined | Stop::Branching => {
+            false
+        }
         Stop::PointBudget | Stop::Stalled(_) | Stop::Reversed | Stop::Cancelled => true,
     }
 }

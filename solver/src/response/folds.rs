@@ -24,6 +24,7 @@ pub use crate::response::critical::{
 };
 use crate::response::critical_events::with_events;
 use crate::response::grazing::grazing;
+use crate::response::symmetry::{Asymmetry, BranchPoints};
 use crate::settings::Settings;
 use crate::structure::Model;
 
@@ -108,10 +109,6 @@ impl<'m> Critical<'m> {
         let bounds =
             Bounds { frequency: extent.frequency, amplitude: f64::INFINITY, points: extent.points, closes: true };
         let (low, high) = extent.forcing;
-        let mut ending = |_: &mut PressureForm<'m>, last: &TracedPoint| {
-            let forcing = last.point.state.forcing;
-            (forcing < low || forcing > high).then_some(Stop::ForcingBound)
-        };
         let settings = self.settings.continuation;
         let directions = [self.forcing_row(), self.problem.parameter_row()];
         let mut walked = Err(Failure::Singular);
@@ -119,7 +116,19 @@ impl<'m> Critical<'m> {
         for direction in directions {
             let mut one_way = |continuation: &mut Continuation<'_, PressureForm<'m>>| {
                 continuation.record(&self.recorder);
-                walk_past(continuation, &bounds, observer, &mut ending, &mut corners)
+                let mut branch_points = BranchPoints::from(continuation);
+                let mut ending = |problem: &mut PressureForm<'m>, last: &TracedPoint| {
+                    let forcing = last.point.state.forcing;
+                    let is_met = branch_points.meets(problem, &last.curve.y);
+                    (forcing < low || forcing > high)
+                        .then_some(Stop::ForcingBound)
+                        .or_else(|| is_met.then_some(Stop::Branching))
+                };
+                let (mut visited, stop) = walk_past(continuation, &bounds, observer, &mut ending, &mut corners);
+                if stop == Stop::Branching {
+                    branch_points.resolve(continuation, &mut visited);
+                }
+                (visited, stop)
             };
             walked = both_ways(&mut self.problem, y.clone(), &direction, &settings, &mut one_way);
             if walked.is_ok() {
@@ -295,6 +304,14 @@ impl<'m> Critical<'m> {
         events.retain(|event| event.index >= gone);
         events.iter_mut().for_each(|event| event.index -= gone);
         events.retain(|event| event.index < points.len());
+        let asymmetry = Asymmetry::along(&self.problem, points.iter().map(|point| &point.state), outcome);
+        let outcome = asymmetry.outcome();
+        let is_turn = |event: &CriticalEvent| asymmetry.turns(event.index);
+        let kept = asymmetry.kept(|index| events.iter().any(|event| event.index == index && is_turn(event)));
+        events.retain(|event| kept.contains(&event.index) && !is_turn(event));
+        events.iter_mut().for_each(|event| event.index -= kept.start);
+        points.truncate(kept.end);
+        points.drain(..kept.start);
         let grazing = match outcome {
             Outcome::Open(first, last) => [(first, points.first()), (last, points.last())].map(|(stop, point)| {
                 let is_stalled = matches!(stop, Stop::Stalled(_));

@@ -23,6 +23,7 @@ use crate::response::interrupt::Interrupt;
 use crate::response::ordinary::{LINEAR, converge, distance, is_ordinary, trimmed};
 pub use crate::response::search_range::SearchRange;
 use crate::response::special::with_special_points;
+use crate::response::symmetry::{Asymmetry, BranchPoints, symmetrised};
 use crate::response::truncation::certificate;
 use crate::settings::Settings;
 use crate::structure::Model;
@@ -296,12 +297,37 @@ impl<'m, F: Formulation<'m>> Forced<'m, F> {
         state: &State,
         observer: &mut Observer<'_>,
     ) -> Result<Branch, Failure> {
-        let y = self.problem.encode(state);
+        let mut branch = self.walked_within(frequency, state, observer)?;
+        let mut asymmetry = Asymmetry::of(&self.problem, &branch);
+        if let Some(farther) = asymmetry.farther(&branch).filter(|_| !branch.is_cancelled()) {
+            branch = self.walked_within(frequency, &branch.points[farther].state, observer)?;
+            asymmetry = Asymmetry::of(&self.problem, &branch);
+        }
+        asymmetry.end(&mut branch);
+        Ok(branch)
+    }
+
+    /// The branch through a converged state, one way and the other, up to where it branches off others.
+    fn walked_within(
+        &mut self,
+        frequency: (f64, f64),
+        state: &State,
+        observer: &mut Observer<'_>,
+    ) -> Result<Branch, Failure> {
+        let y = symmetrised(&self.problem, &self.problem.encode(state));
         let (upwards, growth) = (self.problem.parameter_row(), self.problem.growth(&y));
         let (bounds, settings) = (self.bounds(frequency, true), self.settings.continuation);
         let mut one_way = |continuation: &mut Continuation<'_, F>| {
             continuation.record(&self.recorder);
-            walk(continuation, &bounds, observer, &mut |_, _| None)
+            let mut branch_points = BranchPoints::from(continuation);
+            let mut ending = |problem: &mut F, last: &TracedPoint| {
+                branch_points.meets(problem, &last.curve.y).then_some(Stop::Branching)
+            };
+            let (mut visited, stop) = walk(continuation, &bounds, observer, &mut ending);
+            if stop == Stop::Branching {
+                branch_points.resolve(continuation, &mut visited);
+            }
+            (visited, stop)
         };
         let mut walk = |direction: &[f64]| both_ways(&mut self.problem, y.clone(), direction, &settings, &mut one_way);
         // At a fold the branch turns back in frequency.

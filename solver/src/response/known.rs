@@ -22,7 +22,7 @@ pub(super) fn named<'m, F: Formulation<'m>>(
     branch: Branch,
     known: &[(BranchId, &Branch)],
 ) -> Branch {
-    if branch.is_cancelled() || branch.is_closed() {
+    if branch.is_cancelled() || branch.is_closed() || branch.is_branched() {
         return branch;
     }
     let ends = |branch: &Branch| [branch.points.first(), branch.points.last()].map(|end| end.map(|p| p.state.clone()));
@@ -65,8 +65,12 @@ pub(super) fn unknown_part<'m, F: Formulation<'m>>(
         return Ok(branch);
     }
     let mut probes = meetings(forced, &branch, known);
-    let mut at = |index: usize| identify(forced, &branch.points[index].state, known);
     let count = branch.points.len();
+    let mut at = |index: usize| {
+        // A branch point lies on what the branch branches off.
+        let is_branching = (index == 0 && first == Stop::Branching) || (index + 1 == count && last == Stop::Branching);
+        if is_branching { None } else { identify(forced, &branch.points[index].state, known) }
+    };
     let start = branch.special.iter().find(|special| special.kind == SpecialKind::Start).map(|special| special.index);
     let (begin, end) = match (start.filter(|&start| at(start).is_none()), at(0), at(count - 1)) {
         (Some(start), ..) => {
@@ -121,7 +125,7 @@ fn boundary(count: usize, mut holds: impl FnMut(usize) -> bool) -> usize {
 }
 
 /// The branch that a curve is, though no point that was looked at lies on it, if it is one: the closed curve with the same ends
-/// and the same peak (a very narrow one turns too much from point to point to be met between them), or the main branch that an
+/// and the same peak (a very narrow one turns too much from point to point to be met between them), such a branched one, or the main branch that an
 /// open curve runs along from end to end and is no higher than within its range (what the steps of one of the two have passed
 /// over is no branch of its own).
 pub(super) fn retraced<'m, F: Formulation<'m>>(
@@ -134,12 +138,17 @@ pub(super) fn retraced<'m, F: Formulation<'m>>(
     }
     let is_it = |(_, other): &&(BranchId, &Branch)| match (branch.is_closed(), other.is_closed()) {
         (true, true) => is_same_loop(forced, branch, other),
+        (false, false) if branch.is_branched() || other.is_branched() => {
+            branch.is_branched() && other.is_branched() && is_same_loop(forced, branch, other)
+        }
         (false, false) => runs_along(forced, branch, other),
         _ => false,
     };
     known
         .iter()
-        .filter(|(id, other)| other.is_closed() || (id.is_main() && !other.outcome.is_unfinished()))
+        .filter(|(id, other)| {
+            other.is_closed() || other.is_branched() || (id.is_main() && !other.outcome.is_unfinished())
+        })
         .find(is_it)
         .map(|(id, _)| *id)
 }

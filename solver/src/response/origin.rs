@@ -26,6 +26,15 @@ pub enum FoldPlace {
     },
 }
 
+impl FoldPlace {
+    /// Of a branch with so many folds those that are followed: not of one that branches off others, whose fold curves end where they
+    /// meet those branch points over the forcing, or run along them.
+    pub fn of(branch: BranchId, folds: usize) -> impl Iterator<Item = Self> {
+        let is_followed = branch.kind != BranchKind::Branched;
+        (0..folds).filter(move |_| is_followed).map(move |fold| Self::Branch { branch, fold })
+    }
+}
+
 /// What is carried over the forcing amplitude at fixed frequency: where an open branch enters the frequencies of the study.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct CarryPlace {

@@ -74,6 +74,7 @@ pub(super) fn scout<'m, F: Formulation<'m>>(
             }
         }
     }
-    let folds = known.iter().flat_map(|branch| branch.special(SpecialKind::Fold));
+    let followed = known.iter().filter(|branch| !branch.is_branched());
+    let folds = followed.flat_map(|branch| branch.special(SpecialKind::Fold));
     Some(folds.map(|fold| Landing { state: fold.state.clone(), distance: 0.0 }).collect())
 }

@@ -1,77 +1,235 @@
-//! Structures whose laws are all odd: with every motion its mirror image, half a period of the forcing later, is a response.
-//! Most motions are their own images; those that are not branch off them, or are isolas of their own.
+//! Motions and their images: with every motion that has m periods of the forcing in its own, the same motion some periods of the
+//! forcing later is a response; where all laws are odd, so is its mirror image, half a period later. Most motions are their own
+//! images; those that are not branch off them, or are isolas of their own.
 
-use crate::curve::problem::{Failure, inner};
-use crate::curve::walk::{interpolate, relative_distance};
+use crate::curve::continuation::Continuation;
+use crate::curve::problem::{Problem, inner, norm};
+use crate::curve::walk::{Evaluated, TracedPoint, relative_distance};
 use crate::formulation::Formulation;
 use crate::formulation::state::State;
-use crate::response::branch::{Branch, BranchPoint, Outcome, Stop};
-use crate::response::forced::Forced;
+use crate::response::branch::{Branch, BranchKind, Outcome, SpecialKind, Stop};
+use std::ops::Range;
 
-/// Relative distance of a motion from its mirror image from which on it is asymmetric.
-const ASYMMETRIC: f64 = 1e-6;
+/// Relative distance of a motion from its image from which on it is another motion.
+const OTHER: f64 = 1e-6;
 
-/// Of the largest asymmetry along a branch, the share below which its end lies next to a symmetric motion.
+/// Of the largest distance from an image along a branch, the share below which its end lies next to a motion that is its own image.
 const NEXT_TO: f64 = 0.05;
 
-/// The mirror images among the images of a state.
-fn mirrors<'m, F: Formulation<'m>>(problem: &F) -> impl Iterator<Item = usize> + use<'m, F> {
-    let is_symmetric = problem.system().is_symmetric;
-    (0..problem.images()).filter(move |index| is_symmetric && index % 2 == 1)
+/// The same share below which a curve turns because of that: with a motion its image is at the same frequency or forcing, which is
+/// why they hardly change there.
+const TURNS: f64 = 0.1;
+
+/// How many points from a branch point the turn may be found that it makes: Newton's method fails next to it.
+const TURN: usize = 2;
+
+/// Cosine between the differences of two neighbouring motions from their images, below which one in between is its own image.
+const FLIPPED: f64 = -0.9;
+
+/// Most probes for where exactly a walk has come to a motion that is its own image.
+const HALVINGS: usize = 20;
+
+/// What tells a walk along motions that are not their own images that it has come to one that is: what follows is the same curve
+/// again, or that which it branches off.
+pub(super) struct BranchPoints {
+    /// Numbers of the images, and how far the last motion was from each.
+    away: Vec<(usize, Vec<f64>)>,
 }
 
-/// A state and that of its mirror images which it is nearest to, with their relative distance; none without symmetry.
-fn mirrored<'m, F: Formulation<'m>>(problem: &F, state: &State) -> Option<(Vec<f64>, Vec<f64>, f64)> {
-    let (y, metric) = (problem.encode(state), problem.motion_metric());
-    let images = mirrors(problem).map(|index| problem.image(&y, index));
-    let images = images.map(|image| (relative_distance(metric, &image, &y), image));
-    let (distance, image) = images.min_by(|a, b| a.0.total_cmp(&b.0))?;
-    Some((y, image, distance))
-}
-
-/// Relative distance of a motion from its nearest mirror image.
-fn asymmetry<'m, F: Formulation<'m>>(problem: &F, state: &State) -> f64 {
-    mirrored(problem, state).map_or(0.0, |(_, _, distance)| distance)
-}
-
-/// Whether a branch of asymmetric motions branches off others: it passes through a symmetric motion to its own mirror image, or
-/// stops next to one, where it cannot be followed.
-pub(super) fn is_attached<'m, F: Formulation<'m>>(problem: &F, branch: &Branch) -> bool {
-    let (Some(first), Some(last)) = (branch.points.first(), branch.points.last()) else { return false };
-    let largest = branch.points.iter().map(|point| asymmetry(problem, &point.state)).fold(0.0, f64::max);
-    if largest < ASYMMETRIC || branch.is_cancelled() {
-        return false;
+impl BranchPoints {
+    /// From the current point of a walk on.
+    pub(super) fn from<P: Problem>(continuation: &mut Continuation<'_, P>) -> Self {
+        let y = continuation.current().y.clone();
+        let problem = continuation.problem();
+        let metric = problem.motion_metric();
+        let list = (1..problem.images()).map(|index| (index, away(problem, &y, index)));
+        Self { away: list.filter(|(_, away)| norm(metric, away) > OTHER * norm(metric, &y)).collect() }
     }
-    let stops = match branch.outcome {
-        Outcome::Open(from, to) => [(from, first), (to, last)].map(|(stop, end)| (is_stop(stop), end)),
-        Outcome::Closed => [(false, first), (false, last)],
-    };
-    let is_next_to = |end: &BranchPoint| asymmetry(problem, &end.state) < NEXT_TO * largest;
-    if stops.into_iter().any(|(is_stop, end)| is_stop && is_next_to(end)) {
-        return true;
+
+    /// Whether the next motion, or one between it and the last, is its own image.
+    pub(super) fn meets<P: Problem>(&mut self, problem: &P, y: &[f64]) -> bool {
+        let next: Vec<Vec<f64>> = self.away.iter().map(|(index, _)| away(problem, y, *index)).collect();
+        let is_met = self.is_passed(problem, y, &next);
+        self.away.iter_mut().zip(next).for_each(|((_, last), next)| *last = next);
+        is_met
     }
-    mirrors(problem).any(|index| {
-        let away = |point: &BranchPoint| -> Vec<f64> {
-            let y = problem.encode(&point.state);
-            problem.image(&y, index).iter().zip(&y).map(|(image, y)| image - y).collect()
+
+    fn is_passed<P: Problem>(&self, problem: &P, y: &[f64], next: &[Vec<f64>]) -> bool {
+        let metric = problem.motion_metric();
+        self.away.iter().zip(next).any(|((_, last), next)| {
+            let (length, before) = (norm(metric, next), norm(metric, last));
+            length < OTHER * norm(metric, y) || inner(metric, next, last) < FLIPPED * length * before
+        })
+    }
+
+    /// Puts points before the last one of a walk that has come to a motion which is its own image by a step along what it
+    /// branches off, up to where that is, instead of it.
+    pub(super) fn resolve<P: Problem, T: Evaluated<P>>(
+        mut self,
+        continuation: &mut Continuation<'_, P>,
+        visited: &mut Vec<TracedPoint<T>>,
+    ) {
+        let [.., before, last] = &visited[..] else { return };
+        let (mut from, end) = (before.curve.clone(), last.curve.y.clone());
+        let problem = continuation.problem();
+        let metric = problem.motion_metric();
+        let is_own =
+            |(index, _): &(usize, Vec<f64>)| norm(metric, &away(problem, &end, *index)) < OTHER * norm(metric, &end);
+        if !self.away.iter().any(is_own) {
+            return;
+        }
+        let piece: Vec<f64> = end.iter().zip(&from.y).map(|(end, from)| end - from).collect();
+        let mut step = norm(problem.metric(), &piece);
+        visited.pop();
+        self.meets(continuation.problem(), &from.y);
+        for _ in 0..HALVINGS {
+            step *= 0.5;
+            let Ok(curve) = continuation.probe(&from, step) else { continue };
+            let problem = continuation.problem();
+            let next: Vec<Vec<f64>> = self.away.iter().map(|(index, _)| away(problem, &curve.y, *index)).collect();
+            if self.is_passed(problem, &curve.y, &next) {
+                continue;
+            }
+            self.away.iter_mut().zip(next).for_each(|((_, last), next)| *last = next);
+            let point = T::evaluate(continuation.problem(), &curve);
+            visited.push(TracedPoint { curve: curve.clone(), point });
+            from = curve;
+        }
+    }
+}
+
+/// A motion, made its own image where it is nearly so: what Newton's method has left over would grow next to branch points.
+pub(super) fn symmetrised<P: Problem>(problem: &P, y: &[f64]) -> Vec<f64> {
+    let metric = problem.motion_metric();
+    let images = (0..problem.images()).map(|index| problem.image(y, index));
+    let same: Vec<Vec<f64>> = images.filter(|image| relative_distance(metric, image, y) < OTHER).collect();
+    mean(&same)
+}
+
+fn mean(states: &[Vec<f64>]) -> Vec<f64> {
+    let mut mean = vec![0.0; states.first().map_or(0, Vec::len)];
+    for state in states {
+        mean.iter_mut().zip(state).for_each(|(mean, entry)| *mean += entry / states.len() as f64);
+    }
+    mean
+}
+
+/// From a motion to its image.
+fn away<P: Problem>(problem: &P, y: &[f64], index: usize) -> Vec<f64> {
+    problem.image(y, index).iter().zip(y).map(|(image, y)| image - y).collect()
+}
+
+/// How far the states of a curve are from states that are their own images, as shares of the farthest; none where all are.
+pub(super) struct Asymmetry {
+    shares: Vec<f64>,
+    outcome: Outcome,
+}
+
+impl Asymmetry {
+    /// Along a branch.
+    pub(super) fn of<'m, F: Formulation<'m>>(problem: &F, branch: &Branch) -> Self {
+        Self::along(problem, branch.points.iter().map(|point| &point.state), branch.outcome)
+    }
+
+    /// Along a curve through these states that ends so.
+    pub(super) fn along<'m, 's, F: Formulation<'m>>(
+        problem: &F,
+        states: impl Iterator<Item = &'s State>,
+        outcome: Outcome,
+    ) -> Self {
+        let metric = problem.motion_metric();
+        let motions: Vec<Vec<f64>> = states.map(|state| problem.encode(state)).collect();
+        let mut shares = vec![1.0_f64; motions.len()];
+        for index in 1..problem.images() {
+            let distance = |y: &Vec<f64>| relative_distance(metric, &problem.image(y, index), y);
+            let distances: Vec<f64> = motions.iter().map(distance).collect();
+            let largest = distances.iter().copied().fold(0.0, f64::max);
+            if largest > OTHER {
+                shares.iter_mut().zip(distances).for_each(|(share, distance)| *share = share.min(distance / largest));
+            }
+        }
+        let outcome = match (outcome, &shares[..]) {
+            (Outcome::Open(first, last), [begins, .., ends]) => Outcome::Open(at(first, *begins), at(last, *ends)),
+            _ => outcome,
         };
-        let list: Vec<Vec<f64>> = branch.points.iter().map(away).collect();
-        list.windows(2).any(|pair| inner(problem.motion_metric(), &pair[0], &pair[1]) < 0.0)
-    })
+        Self { shares, outcome }
+    }
+
+    /// The point of a branch that is farthest from its images, if the one where it was entered lies next to one that is its own image:
+    /// from there a walk leads along what it branches off as well, or along its own image.
+    pub(super) fn farther(&self, branch: &Branch) -> Option<usize> {
+        let entered = branch.special.iter().find(|special| special.kind == SpecialKind::Start)?;
+        let farthest = (0..self.shares.len()).max_by(|&a, &b| self.shares[a].total_cmp(&self.shares[b]));
+        farthest.filter(|_| self.shares[entered.index] < NEXT_TO)
+    }
+
+    /// How the curve ends: where continuation fails next to a motion that is its own image, it is that which it fails at.
+    pub(super) fn outcome(&self) -> Outcome {
+        self.outcome
+    }
+
+    /// Whether the curve turns at a point because of a branch point next to it.
+    pub(super) fn turns(&self, index: usize) -> bool {
+        let is_last = |stop: Stop, points: usize| stop == Stop::Branching && points <= TURN;
+        match self.outcome {
+            Outcome::Open(first, last) if self.outcome.is_branched() => {
+                self.shares[index] < TURNS
+                    || is_last(first, index)
+                    || is_last(last, self.shares.len().saturating_sub(index + 1))
+            }
+            _ => false,
+        }
+    }
+
+    /// Lets a branch that branches off others end there, where it turns in frequency but has no fold.
+    pub(super) fn end(&self, branch: &mut Branch) {
+        branch.outcome = self.outcome;
+        if !branch.is_branched() {
+            return;
+        }
+        branch.kind = BranchKind::of_detached(&branch.outcome, false);
+        let (folds, turns): (Vec<usize>, Vec<usize>) = branch.folds().partition(|&index| !self.turns(index));
+        branch.special.retain(|special| special.kind != SpecialKind::Fold || folds.contains(&special.index));
+        branch.keep(self.kept(|index| turns.contains(&index)));
+    }
+
+    /// Which points are to be kept: at a branch point the curve turns, and one point follows, of its image.
+    pub(super) fn kept(&self, is_turn: impl Fn(usize) -> bool) -> Range<usize> {
+        let count = self.shares.len();
+        let Outcome::Open(first, last) = self.outcome else { return 0..count };
+        let begins = first == Stop::Branching && count > 2 && is_turn(1);
+        let ends = last == Stop::Branching && count > 3 && is_turn(count - 2);
+        usize::from(begins)..count - usize::from(ends)
+    }
 }
 
-/// Whether a curve goes on where it ends like this.
-fn is_stop(stop: Stop) -> bool {
-    matches!(stop, Stop::Stalled(_) | Stop::Reversed | Stop::Joined)
+/// How a curve ends that stops so, at a motion with this share of the largest asymmetry.
+fn at(stop: Stop, share: f64) -> Stop {
+    let fails = matches!(stop, Stop::Stalled(_) | Stop::Reversed);
+    if fails && share < NEXT_TO { Stop::Branching } else { stop }
 }
 
-/// The response halfway between an asymmetric motion and its nearest mirror image, at its own frequency.
-///
-/// # Errors
-/// If Newton's method fails, or there is no mirror image.
-pub(super) fn symmetrised<'m, F: Formulation<'m>>(forced: &mut Forced<'m, F>, state: &State) -> Result<State, Failure> {
-    let problem = forced.problem();
-    let (y, image, _) = mirrored(problem, state).ok_or(Failure::Diverged)?;
-    let middle = problem.decode(&interpolate(&y, &image, 0.5)).map_err(|_| Failure::Singular)?;
-    forced.converge(&middle)
+/// The motions that a branch branches off, nearly: of each of its branch points the mean of its images.
+pub(super) fn parents<'m, F: Formulation<'m>>(problem: &mut F, branch: &Branch) -> Vec<State> {
+    let Outcome::Open(first, last) = branch.outcome else { return Vec::new() };
+    let ends = [(first, branch.points.first()), (last, branch.points.last())];
+    let ends = ends.into_iter().filter(|(stop, _)| *stop == Stop::Branching).filter_map(|(_, end)| end);
+    let middle = problem.encode(&branch.points[branch.points.len() / 2].state);
+    let of = |problem: &F, y: &[f64]| {
+        let metric = problem.motion_metric();
+        let distance = |y: &[f64], index: usize| relative_distance(metric, &problem.image(y, index), y);
+        let others = (1..problem.images()).filter(|&index| distance(&middle, index) > OTHER);
+        let nearest = others.min_by(|&a, &b| distance(y, a).total_cmp(&distance(y, b)))?;
+        Some(mean_of_images(problem, y, nearest))
+    };
+    let means: Vec<Vec<f64>> = ends.filter_map(|end| of(problem, &problem.encode(&end.state))).collect();
+    means.iter().filter_map(|mean| problem.decode(mean).ok()).collect()
+}
+
+/// Mean of a motion, its image of this number, the image of that, and so on: it is its own image.
+fn mean_of_images<'m, F: Formulation<'m>>(problem: &F, y: &[f64], index: usize) -> Vec<f64> {
+    let images = problem.images();
+    let count = (1..=images).find(|count| (count * index).is_multiple_of(images)).unwrap_or(1);
+    let all: Vec<Vec<f64>> = (0..count).map(|number| problem.image(y, number * index % images)).collect();
+    mean(&all)
 }

@@ -13,9 +13,8 @@ use crate::response::name::BranchId;
 use crate::response::scout::scout;
 use crate::response::seeds::{Landing, LandingFailure, land_all};
 use crate::response::starts;
-use crate::response::symmetry::{is_attached, symmetrised};
+use crate::response::symmetry::parents;
 use crate::response::task::{CrossingPlace, SeedOutcome, Task, TaskResult};
-use std::collections::VecDeque;
 use std::ops::ControlFlow;
 
 /// Carries out a task; of one that marches nothing, which takes no balance. `None` if `observer` breaks, or the
@@ -98,7 +97,7 @@ fn enter<'m, F: Formulation<'m>>(
     }
     let branch = forced.main_branch(side, observer)?;
     if branch.kind != BranchKind::Main {
-        return Ok(new_part(forced, branch, known));
+        return Ok(new_part(forced, branch, known, observer));
     }
     let (low, high) = forced.reach().frequency;
     let is_inside = |point: &BranchPoint| point.omega() > low * (1.0 + 1e-6) && point.omega() < high * (1.0 - 1e-6);
@@ -196,7 +195,7 @@ fn branch_through<'m, F: Formulation<'m>>(
         Ok(branch) => named(forced, branch, known),
         Err(failure) => return TaskResult::Nothing(SeedOutcome::NotTraced(failure.into())),
     };
-    new_part(forced, branch, known)
+    new_part(forced, branch, known, observer)
 }
 
 /// What is new of a branch. Of a closed curve that was come upon by a wrong step nothing is known but that it is closed.
@@ -204,14 +203,30 @@ fn new_part<'m, F: Formulation<'m>>(
     forced: &mut Forced<'m, F>,
     branch: Branch,
     known: &[(BranchId, &Branch)],
+    observer: &mut Observer<'_>,
 ) -> TaskResult {
     let first = branch.points.first().filter(|_| branch.is_closed());
     if let Some(id) = first.and_then(|first| identify(forced, &first.state, known)) {
         return TaskResult::Nothing(SeedOutcome::Found(id));
     }
-    if is_attached(forced.problem(), &branch) {
-        return TaskResult::Nothing(SeedOutcome::Attached);
+    // What it branches off comes first: it may be an isola.
+    if let Some(parent) = parent(forced, &branch, known, observer) {
+        if parent.is_cancelled() {
+            return TaskResult::Branch(parent);
+        }
+        if let TaskResult::Branch(parent) = unlisted(forced, parent, known) {
+            return TaskResult::Branch(parent);
+        }
     }
+    unlisted(forced, branch, known)
+}
+
+/// What is not known of a branch.
+fn unlisted<'m, F: Formulation<'m>>(
+    forced: &mut Forced<'m, F>,
+    branch: Branch,
+    known: &[(BranchId, &Branch)],
+) -> TaskResult {
     if let Some(id) = retraced(forced, &branch, known) {
         return TaskResult::Nothing(SeedOutcome::Found(id));
     }
@@ -219,6 +234,33 @@ fn new_part<'m, F: Formulation<'m>>(
         Ok(branch) => TaskResult::Branch(branch),
         Err(id) => TaskResult::Nothing(SeedOutcome::Found(id)),
     }
+}
+
+/// What a branch branches off, if that is not known either.
+fn parent<'m, F: Formulation<'m>>(
+    forced: &mut Forced<'m, F>,
+    branch: &Branch,
+    known: &[(BranchId, &Branch)],
+    observer: &mut Observer<'_>,
+) -> Option<Branch> {
+    for motion in parents(forced.problem(), branch) {
+        let Ok(state) = forced.converge(&motion) else { continue };
+        if identify(forced, &state, known).is_some() {
+            continue;
+        }
+        let Ok(branch) = forced.branch_through(&state, observer) else { continue };
+        let branch = named(forced, branch, known);
+        let is_spare = branch.kind == BranchKind::Main && whole_main(known).is_some();
+        if branch.is_cancelled() || !(is_spare || branch.is_branched()) {
+            return Some(branch);
+        }
+    }
+    None
+}
+
+/// A main branch that is whole: it goes on beyond the range, and what is not on it is a loop that its steps have passed over.
+fn whole_main(known: &[(BranchId, &Branch)]) -> Option<BranchId> {
+    known.iter().find(|(id, main)| id.is_main() && !main.outcome.is_unfinished()).map(|(id, _)| *id)
 }
 
 /// Whether a main branch ends at the other side of the range with the response that one from there would begin with.
@@ -256,7 +298,7 @@ fn follow<'m, F: Formulation<'m>>(
                         return TaskResult::Nothing(SeedOutcome::NotLanded(LandingFailure::Far(landing.distance)));
                     }
                     let branch = named(forced, branch, known);
-                    return new_part(forced, branch, known);
+                    return new_part(forced, branch, known, observer);
                 }
                 Err(failure) => SeedOutcome::NotTraced(failure.into()),
             },
@@ -283,16 +325,15 @@ fn begin<'m, F: Formulation<'m>>(
 ) -> TaskResult {
     let mut nothing = SeedOutcome::OutOfBounds;
     let mut passed: Vec<Branch> = Vec::new();
-    let mut states: VecDeque<State> = landings.iter().map(|landing| landing.state.clone()).collect();
-    while let Some(state) = states.pop_front() {
-        if let Some(id) = identify(forced, &state, known) {
+    for Landing { state, .. } in landings {
+        if let Some(id) = identify(forced, state, known) {
             nothing = SeedOutcome::Found(id);
             continue;
         }
-        if passed.iter().any(|branch| forced.lies_on(&state, branch)) {
+        if passed.iter().any(|branch| forced.lies_on(state, branch)) {
             continue;
         }
-        let branch = match forced.branch_through(&state, observer) {
+        let branch = match forced.branch_through(state, observer) {
             Ok(branch) => named(forced, branch, known),
             Err(failure) => {
                 nothing = SeedOutcome::NotTraced(failure.into());
@@ -302,19 +343,13 @@ fn begin<'m, F: Formulation<'m>>(
         if branch.is_cancelled() {
             return TaskResult::Branch(branch);
         }
-        // A main branch that is whole goes on beyond the range; what is not on it is a loop that its steps have passed over.
-        let whole = known.iter().find(|(id, main)| id.is_main() && !main.outcome.is_unfinished());
-        nothing = match (branch.kind, whole) {
-            (BranchKind::Main, Some((id, _))) => SeedOutcome::Found(*id),
-            _ => match new_part(forced, branch.clone(), known) {
+        nothing = match (branch.kind, whole_main(known)) {
+            (BranchKind::Main, Some(id)) => SeedOutcome::Found(id),
+            _ => match new_part(forced, branch.clone(), known, observer) {
                 TaskResult::Nothing(outcome) => outcome,
                 found => return found,
             },
         };
-        if nothing == SeedOutcome::Attached {
-            // What it branches off may not be known either.
-            states.extend(symmetrised(forced, &state));
-        }
         passed.push(branch);
     }
     TaskResult::Nothing(nothing)

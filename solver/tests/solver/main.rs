@@ -3,6 +3,7 @@
 
 mod bad_input;
 mod balance;
+mod branching;
 mod carried;
 mod cases;
 mod closed_forms;

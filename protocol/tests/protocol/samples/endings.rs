@@ -27,6 +27,7 @@ pub fn outcomes() -> (Vec<Outcome>, Vec<SeedOutcome>) {
         Stop::PointBudget,
         Stop::Reversed,
         Stop::Joined,
+        Stop::Branching,
         Stop::Cancelled,
     ];
     let open = others.into_iter().chain(stalled).map(|stop| Outcome::Open(Stop::Start, stop));

@@ -517,7 +517,8 @@ class Branch(Curve):
     #: A as typed.
     amplitude_text: str
     #: ``main`` (ordinary continuation reaches it), ``isola`` (closed), ``open`` (detached, from frequency bound to
-    #: frequency bound), ``cut`` (leaves through a bound that was given) or ``unfinished``.
+    #: frequency bound), ``cut`` (leaves through a bound that was given), ``branched`` (branches off others, less symmetric or of
+    #: a longer period) or ``unfinished``.
     kind: str
     #: Number within its level and kind, from 1; 0 for the first main branch.
     number: int

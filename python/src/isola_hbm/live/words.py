@@ -14,6 +14,7 @@ _STOPS = {
     "point_budget": "point budget used up",
     "reversed": "turned back along itself",
     "joined": "known branch",
+    "branching": "branch point",
     "forcing_bound": "forcing bound",
     "cancelled": "cancelled",
 }
@@ -98,8 +99,6 @@ def seed_outcome(value: Any) -> str:
         return f"no seed of the window converged: {failure(content)}"
     if name == "not_traced":
         return f"landed, but no branch starts there: {failure(content)}"
-    if name == "attached":
-        return "on asymmetric motions that branch off symmetric ones"
     if name == "out_of_bounds":
         return "outside the frequency or amplitude bounds"
     if name == "no_fold":

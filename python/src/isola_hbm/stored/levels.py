@@ -17,7 +17,7 @@ from .verified import name_of
 T = TypeVar("T")
 
 #: Kinds of branches in the order of tables.
-KINDS = ("main", "isola", "open", "cut", "unfinished")
+KINDS = ("main", "isola", "open", "cut", "branched", "unfinished")
 #: How far from an end of an isola's range a fold curve may cross its level, as a share of its width.
 AT_END = 0.05
 

@@ -285,6 +285,12 @@ fn kinds_are_named_for_what_they_are() {
     assert!(danger.contains(". The largest computed response, at least 2 mm at tip (gap 0.4 mm)"), "{danger}");
     assert!(onset.starts_with("None was found where"), "{onset}");
     assert!(missed.ends_with(kinds), "{missed}");
+    let branched = branch("branched", 1, (92.0, 95.0), 2e-3);
+    let [danger, ..] = texts(&[level(1.0, vec![main(1e-3), branched.clone()])]);
+    let kind = " 1 branch, at A = 1, branches off other responses, less symmetric than those or of a longer period.";
+    assert!(danger.contains(kind) && danger.contains("2 mm at tip (gap 0.4 mm), is on branched 1, at"), "{danger}");
+    let [danger, ..] = texts(&[level(1.0, vec![main(1e-3), branched.clone(), branched])]);
+    assert!(danger.contains(" 2 branches, at A = 1, branch off other responses, "), "{danger}");
     let unfinished = branch("unfinished", 1, (120.0, 130.0), 2e-3);
     let [danger, ..] = texts(&[level(1.0, vec![main(1e-3), unfinished])]);
     assert!(danger.contains(" 1 branch, at A = 1, is unfinished: whether it is detached is not known."), "{danger}");

@@ -1,0 +1,136 @@
+//! Branches that branch off others, against the multipliers of those by Runge–Kutta integration of the equation of motion linearised
+//! about them: of one mass, where all is known that is needed for it.
+
+use crate::support::study::{Kind, Study, of_kind, with_harmonics};
+use solver::curve::outcome::{Outcome, Stop};
+use solver::laws::{PenaltySpring, PolynomialSpring, Term};
+use solver::response::branch::Standing;
+use solver::response::starts::{StartPlace, land};
+use solver::{Branch, Forced, Matrix, Model, ModelBuilder, SearchRange, Settings, State};
+use std::f64::consts::TAU;
+use std::ops::ControlFlow;
+
+const RATIO: f64 = 0.02;
+/// Points over the period of a response.
+const SAMPLES: usize = 40_000;
+/// Relative difference of frequencies: the branches have as many harmonics as the settings say, the multipliers all.
+const CLOSE: f64 = 1e-5;
+
+/// A mass of 1 kg on a spring of 1 N/m, driven at a multiple of the frequency of its response.
+fn mass(harmonic: usize) -> ModelBuilder {
+    let model = Model::builder("one mass")
+        .mass(Matrix::diagonal(&[1.0]))
+        .stiffness(Matrix::diagonal(&[1.0]))
+        .damping_ratio(RATIO);
+    model.force(0, 1.0).harmonic(harmonic).monitor(0)
+}
+
+fn settings(harmonics: usize, low: f64, high: f64) -> Settings {
+    let mut settings = with_harmonics(harmonics);
+    (settings.frequency.min, settings.frequency.max) = (Some(low), Some(high));
+    settings
+}
+
+fn forced(study: &Study, forcing: f64) -> Forced<'_> {
+    let range = SearchRange::new(&study.settings, &study.backbones[0]).unwrap();
+    Forced::new(&study.model, &study.settings, range, forcing)
+}
+
+/// A mass with its spring, and the multiplier over half the period of a response with which motions of less symmetry branch off: −1
+/// if the response may have two periods of the forcing in its own, of which motions of one are twice through; 1 if the structure is
+/// symmetric, and half a period later the motion is its mirror image.
+struct Case<'c> {
+    study: &'c Study,
+    slope: fn(f64) -> f64,
+    multiplier: f64,
+}
+
+/// det(Φ − μI) over half the period of the response.
+fn characteristic(case: &Case<'_>, state: &State) -> f64 {
+    let motion = state.over_period(&case.study.model, 0, SAMPLES);
+    let h = 2.0 * TAU / state.omega / SAMPLES as f64;
+    let rate = |u: [f64; 2], at: usize| [u[1], -2.0 * RATIO * u[1] - (1.0 + (case.slope)(motion[at][0])) * u[0]];
+    let columns = [[1.0, 0.0], [0.0, 1.0]].map(|mut u: [f64; 2]| {
+        for at in (0..SAMPLES / 2).step_by(2) {
+            let moved = |by: f64, r: [f64; 2]| [u[0] + by * r[0], u[1] + by * r[1]];
+            let r1 = rate(u, at);
+            let r2 = rate(moved(0.5 * h, r1), at + 1);
+            let r3 = rate(moved(0.5 * h, r2), at + 1);
+            let r4 = rate(moved(h, r3), at + 2);
+            u = [0, 1].map(|i| u[i] + h / 6.0 * (r1[i] + 2.0 * r2[i] + 2.0 * r3[i] + r4[i]));
+        }
+        u
+    });
+    let [[a, c], [b, d]] = columns;
+    (a - case.multiplier) * (d - case.multiplier) - b * c
+}
+
+/// Frequencies at which it passes through zero along a branch.
+fn passages(case: &Case<'_>, branch: &Branch) -> Vec<f64> {
+    let mut forced = forced(case.study, branch.forcing);
+    let values: Vec<f64> = branch.points.iter().map(|point| characteristic(case, &point.state)).collect();
+    let mut list = Vec::new();
+    for i in (1..values.len()).filter(|&i| values[i - 1] * values[i] < 0.0) {
+        let [mut low, mut high] = [i - 1, i].map(|i| branch.points[i].state.clone());
+        while (low.omega / high.omega - 1.0).abs() > 1e-8 {
+            let middle = forced.converge(&low.interpolate(&high, 0.5)).unwrap();
+            let is_beyond = characteristic(case, &middle) * values[i] > 0.0;
+            *(if is_beyond { &mut high } else { &mut low }) = middle;
+        }
+        list.push(high.omega);
+    }
+    list
+}
+
+/// A branch leads from one of these frequencies to the other, and no farther.
+fn assert_between(branch: &Branch, ends: &[f64]) {
+    let (low, high) = branch.frequency_range();
+    let is_close = |a: f64, b: f64| (a / b - 1.0).abs() < CLOSE;
+    assert_eq!(branch.kind, Kind::Branched);
+    assert_eq!(branch.outcome, Outcome::Open(Stop::Branching, Stop::Branching));
+    assert_eq!(branch.peak_standing(), Standing::At);
+    let at_ends = [branch.points.first(), branch.points.last()].map(|end| end.unwrap().omega());
+    assert!(at_ends.iter().all(|end| is_close(*end, low) || is_close(*end, high)), "{at_ends:?} of {low} to {high}");
+    assert!(
+        ends.len() == 2 && is_close(ends[0].min(ends[1]), low) && is_close(ends[0].max(ends[1]), high),
+        "{ends:?}, {low} to {high}"
+    );
+}
+
+#[test]
+fn a_period_doubled_branch_goes_from_one_multiplier_of_minus_one_to_the_other() {
+    let stop = PenaltySpring { stiffness: 2.0, gap: 0.5 };
+    let model = mass(2).element("stop", stop, [vec![(0, 1.0)]]).build().unwrap();
+    let study = Study::of_modes(model, settings(20, 0.9, 1.6));
+    let level = study.level(3.0);
+    let (mains, branched) = (of_kind(&level, Kind::Main), of_kind(&level, Kind::Branched));
+    assert!(mains.len() == 1 && branched.len() == 1 && level.len() == 2, "{level:#?}");
+    let (main, branched) = (&mains[0].branch, &branched[0].branch);
+    let case = Case { study: &study, slope: |x| if x > 0.5 { 2.0 } else { 0.0 }, multiplier: -1.0 };
+    assert_between(branched, &passages(&case, main));
+    // It is what the structure moves by: several times as much as the motions that it branches off.
+    assert!(branched.peak().amplitude() > 5.0 * main.peak().amplitude(), "{level:#?}");
+}
+
+#[test]
+fn asymmetric_motions_of_a_symmetric_structure_branch_off_where_symmetric_ones_lose_their_stability() {
+    let spring = PolynomialSpring { terms: vec![Term { power: 3, coefficient: 1.0 }] };
+    let model = mass(1).element("spring", spring, [vec![(0, 1.0)]]).build().unwrap();
+    let study = Study::of_modes(model, settings(21, 0.8, 1.4));
+    let level = study.level(5.0);
+    let main = &of_kind(&level, Kind::Main)[0].branch;
+    let mut forced = forced(&study, 5.0);
+    let ends = passages(&Case { study: &study, slope: |x| 3.0 * x * x, multiplier: 1.0 }, main);
+    let mut found = 0;
+    for batch in 0..32 {
+        for state in
+            land(&mut forced, &StartPlace { batch, round: 0 }).unwrap_or_default().iter().map(|landing| &landing.state)
+        {
+            if found < 8 && !forced.lies_on(state, main) {
+                assert_between(&forced.branch_through(state, &mut |_| ControlFlow::Continue(())).unwrap(), &ends);
+                found += 1;
+            }
+        }
+    }
+    assert!(found > 1, "{found} starts led there");
+}
