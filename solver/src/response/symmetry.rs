@@ -103,7 +103,8 @@ pub(super) fn symmetrised<P: Problem>(problem: &P, y: &[f64]) -> Vec<f64> {
     let metric = problem.motion_metric();
     let images = (0..problem.images()).map(|index| problem.image(y, index));
     let same: Vec<Vec<f64>> = images.filter(|image| relative_distance(metric, image, y) < OTHER).collect();
-    mean(&same)
+    // Of no motion at all no distance is a share.
+    if same.is_empty() { y.to_vec() } else { mean(&same) }
 }
 
 fn mean(states: &[Vec<f64>]) -> Vec<f64> {

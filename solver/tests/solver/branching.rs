@@ -25,7 +25,12 @@ fn mass(harmonic: usize) -> ModelBuilder {
     model.force(0, 1.0).harmonic(harmonic).monitor(0)
 }
 
-fn settings(harmonics: usize, low: f64, high: f64) -> Settings {
+/// The same before an elastic stop.
+pub fn before_a_stop(harmonic: usize, gap: f64, stiffness: f64) -> Model {
+    mass(harmonic).element("stop", PenaltySpring { stiffness, gap }, [vec![(0, 1.0)]]).build().unwrap()
+}
+
+pub fn settings(harmonics: usize, low: f64, high: f64) -> Settings {
     let mut settings = with_harmonics(harmonics);
     (settings.frequency.min, settings.frequency.max) = (Some(low), Some(high));
     settings
@@ -99,9 +104,7 @@ fn assert_between(branch: &Branch, ends: &[f64]) {
 
 #[test]
 fn a_period_doubled_branch_goes_from_one_multiplier_of_minus_one_to_the_other() {
-    let stop = PenaltySpring { stiffness: 2.0, gap: 0.5 };
-    let model = mass(2).element("stop", stop, [vec![(0, 1.0)]]).build().unwrap();
-    let study = Study::of_modes(model, settings(20, 0.9, 1.6));
+    let study = Study::of_modes(before_a_stop(2, 0.5, 2.0), settings(20, 0.9, 1.6));
     let level = study.level(3.0);
     let (mains, branched) = (of_kind(&level, Kind::Main), of_kind(&level, Kind::Branched));
     assert!(mains.len() == 1 && branched.len() == 1 && level.len() == 2, "{level:#?}");

@@ -1,5 +1,7 @@
 //! Tasks that are interrupted and go on from their recorded steps: the same result to the last bit, for its share of the work.
 
+use crate::branching::{before_a_stop, settings};
+use crate::support::study::own;
 use solver::curve::record::{Recorder, Step};
 use solver::files;
 use solver::response::branch::{BranchPoint, Side};
@@ -10,7 +12,7 @@ use solver::response::starts::StartPlace;
 use solver::response::task::{BranchId, FoldPlace, SeedPlace, Task, TaskResult};
 use solver::response::trace::{Given, execute};
 use solver::response::windows::Window;
-use solver::{Backbone, Branch, Forced, Model, SearchRange, Settings};
+use solver::{Backbone, Branch, Forced, ModeChoice, Model, SearchRange, Settings};
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::{Arc, Mutex};
@@ -55,7 +57,10 @@ impl Outcome {
 
 impl Study {
     fn new(name: &str, settings: Settings, forcing: f64) -> Self {
-        let model = load(name);
+        Self::of(load(name), settings, forcing)
+    }
+
+    fn of(model: Model, settings: Settings, forcing: f64) -> Self {
         // More steps than anybody needs.
         let mut settings = settings;
         settings.continuation.max_step = settings.continuation.max_step.min(0.04);
@@ -152,6 +157,27 @@ fn an_isola_with_contact_and_the_curve_of_its_folds() {
     let known = [(id, isola)];
     let given = Given { known: &known, ..Given::default() };
     study.interrupt(&Task::Fold(FoldPlace::Branch { branch: id, fold: 0 }), &given);
+}
+
+/// Its first walk leads round an isola, where a growing forcing leads to from rest; another enters the main branch elsewhere.
+#[test]
+fn a_main_branch_that_is_entered_twice() {
+    let mut settings = Settings::default();
+    settings.backbone.modes = ModeChoice::one(2);
+    let study = Study::of(own("energy_sink"), settings, 0.19);
+    let (task, given) = (Task::Main(Side::Below), Given::default());
+    assert!(study.whole(&task, &given).steps.iter().any(|step| step.walk > 1));
+    study.interrupt(&task, &given);
+}
+
+#[test]
+fn a_branch_up_to_where_it_branches_off_the_main_one() {
+    let study = Study::of(before_a_stop(2, 0.5, 2.0), settings(10, 0.9, 1.6), 3.0);
+    let backbone = Backbone::compute(&study.model, &study.settings).unwrap();
+    let level = solver::Level::compute(&study.model, &study.settings, &backbone, study.forcing).unwrap();
+    let branched = level.branches().map(|(_, branch)| branch).find(|branch| branch.is_branched()).unwrap();
+    let (landings, known) = ([landing(branched)], [(BranchId::MAIN, level.main())]);
+    study.interrupt(&seed(), &Given { landings: &landings, known: &known, ..Given::default() });
 }
 
 #[test]
