@@ -75,7 +75,7 @@ pub fn table(reader: &Reader, layout: Layout) -> Result<String> {
     }
     let choice = omissions.read("Which modes were followed is", reader.modes()).flatten();
     if let Some(sentence) =
-        choice.as_ref().and_then(|choice| modes::sentence(choice, levels.iter().all(Level::is_complete)))
+        choice.as_ref().and_then(|choice| modes::sentence(choice, levels.iter().all(|level| level.pending == 0)))
     {
         say(&sentence);
     }

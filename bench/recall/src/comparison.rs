@@ -1,7 +1,7 @@
 //! What the product lists against the truth.
 
 use crate::product::Row;
-use crate::record::{Isola, Level};
+use crate::record::{Isola, Level, Standing};
 
 /// Largest relative difference of peaks.
 const PEAK: f64 = 0.01;
@@ -29,7 +29,11 @@ pub struct Compared<'r> {
 pub fn compare<'r>(level: &'r Level, rows: &'r [Row]) -> Compared<'r> {
     let of_level = |row: &&Row| (row.amplitude - level.forcing).abs() <= SAME_LEVEL * level.forcing;
     let mut left: Vec<&Row> = rows.iter().filter(of_level).filter(|row| row.kind == "isola").collect();
+    let branched: Vec<&Row> = rows.iter().filter(of_level).filter(|row| row.kind == "branched").collect();
     let mut take = |isola: &Isola| {
+        if isola.standing == Standing::Attached {
+            return branched.iter().find(|row| is_listed_as(isola, row)).copied();
+        }
         let at = left.iter().position(|row| is_listed_as(isola, row))?;
         Some(left.swap_remove(at))
     };

@@ -51,7 +51,7 @@ pub struct Row {
     pub amplitude: f64,
     /// Number of the branch within its kind.
     pub branch: usize,
-    /// main, isola, open, cut or unfinished.
+    /// main, isola, open, cut, branched or unfinished.
     pub kind: String,
     /// Lowest frequency, rad/s.
     pub omega_min: Option<f64>,

@@ -16,6 +16,7 @@ use protocol::keys::Keys;
 use protocol::to_everyone::Stage;
 use results::overview::{doubts, most_folds};
 use results::store::{Reader, RunHeader, Store};
+use results::words::count;
 use results::{export, summary_table};
 use solver::structure::Model;
 use std::path::{Path, PathBuf};
@@ -320,7 +321,8 @@ impl Run {
         let directory = self.directory.display();
         if ending == Ending::Incomplete && dead > 0 {
             terminal::note(format_args!(
-                "{dead} tasks were given up: isola retry-dead {directory}, then isola resume {directory}"
+                "given up: {}; isola retry-dead {directory}, then isola resume {directory}",
+                count(dead, "task")
             ));
         } else if matches!(ending, Ending::Incomplete | Ending::Interrupted) {
             terminal::note(format_args!("to go on: isola resume {directory}"));

@@ -16,7 +16,7 @@ use solver::stability::verification::Verification;
 pub struct Curve {
     /// Its level, by index.
     pub level: usize,
-    /// `main`, `isola`, `open`, `cut` or `unfinished`.
+    /// `main`, `isola`, `open`, `cut`, `branched` or `unfinished`.
     pub kind: &'static str,
     /// Number from 1 within level and kind.
     pub number: usize,

@@ -21,8 +21,9 @@ pub(super) fn join(levels: &mut [Level], curves: &[CurveRow]) {
         let mut now: Vec<&mut BranchRow> = level.branches.iter_mut().filter(|branch| !branch.is_main()).collect();
         let mut pairs: Vec<(f64, usize, usize)> = Vec::new();
         for (e, one) in earlier.iter().enumerate() {
-            let overlaps =
-                now.iter().enumerate().filter_map(|(n, other)| Some((overlap(one.omega, other.omega)?, e, n)));
+            // What branches off another lies within its range.
+            let alike = now.iter().enumerate().filter(|(_, other)| one.is_branched() == other.is_branched());
+            let overlaps = alike.filter_map(|(n, other)| Some((overlap(one.omega, other.omega)?, e, n)));
             pairs.extend(overlaps);
         }
         // The sort is stable: of equal overlaps the first counts.

@@ -104,9 +104,9 @@ pub fn is_unconfirmed(row: &BranchRow) -> bool {
     row.is_isola() && row.certificate.doubled.is_none() && row.stability.as_ref().is_some_and(is_unmatched)
 }
 
-/// Whether the largest amplitude of a branch is that of a maximum.
+/// Whether the largest amplitude of a branch is that of a maximum. Of one that branches off another it may be at a branch point.
 fn has_maximum(row: &BranchRow) -> bool {
-    row.is_isola() || row.peak_standing == Some(Standing::At)
+    row.is_isola() || (row.peak_standing == Some(Standing::At) && !row.is_branched())
 }
 
 /// Relative changes of the amplitude and of the frequency of a peak with twice the harmonics.

@@ -25,7 +25,7 @@ const LATER: [(&str, i64); 7] = [
 /// A branch of a level in numbers.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct BranchRow {
-    /// `main`, `isola`, `open`, `cut` or `unfinished`.
+    /// `main`, `isola`, `open`, `cut`, `branched` or `unfinished`.
     pub kind: String,
     /// Number from 1 within its kind, as in names of files.
     pub number: usize,
@@ -72,6 +72,11 @@ impl BranchRow {
     /// Whether it is a closed curve apart from the main branch.
     pub fn is_isola(&self) -> bool {
         self.closed && self.kind == BranchKind::Isola.name()
+    }
+
+    /// Whether it branches off another.
+    pub fn is_branched(&self) -> bool {
+        self.kind == BranchKind::Branched.name()
     }
 
     /// `≥ ` if the response may be larger than the largest amplitude that is known.

@@ -201,10 +201,11 @@ pub fn both_ways<P: Problem, T: Evaluated<P>>(
     let (backwards, other_stop) = one_way(&mut continuation);
     rejections += continuation.rejections();
     if other_stop == Stop::Closed {
-        if !matches!(stop, Stop::FrequencyBound | Stop::AmplitudeBound | Stop::ForcingBound) {
+        let leaves = matches!(stop, Stop::FrequencyBound | Stop::AmplitudeBound | Stop::ForcingBound | Stop::Branching);
+        if !leaves {
             return Ok(TracedCurve { visited: backwards, start: 0, outcome: Outcome::Closed, rejections });
         }
-        // What leaves through a bound is no loop: the way back was left for one.
+        // What leaves through a bound, or branches off, is no loop: the way back was left for one.
         return Ok(TracedCurve { visited, start: 0, outcome: Outcome::Open(Stop::Reversed, stop), rejections });
     }
     let start = backwards.len() - 1;

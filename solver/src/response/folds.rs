@@ -24,9 +24,12 @@ pub use crate::response::critical::{
 };
 use crate::response::critical_events::with_events;
 use crate::response::grazing::grazing;
-use crate::response::symmetry::{Asymmetry, BranchPoints};
+use crate::response::symmetry::{Asymmetry, BranchPoints, symmetrised};
 use crate::settings::Settings;
 use crate::structure::Model;
+
+/// Largest scaled residual of a point of a curve, evaluated anew.
+const SOLVED: f64 = 1e-6;
 
 /// A start moves by no more than this share of its motion when it is located.
 const NEAR: f64 = 0.1;
@@ -105,7 +108,7 @@ impl<'m> Critical<'m> {
     pub fn curve(&mut self, near: &State, observer: &mut Observer<'_>) -> Result<CriticalCurve, CriticalError> {
         let extent = self.extent;
         let start = self.locate(near)?;
-        let y = self.problem.encode(&start);
+        let y = symmetrised(&self.problem, &self.problem.encode(&start));
         let bounds =
             Bounds { frequency: extent.frequency, amplitude: f64::INFINITY, points: extent.points, closes: true };
         let (low, high) = extent.forcing;
@@ -297,7 +300,8 @@ impl<'m> Critical<'m> {
         let mut points: Vec<BranchPoint> = visited.into_iter().map(|v| v.point).collect();
         self.end_at_bounds(&mut points, &outcome);
         // An end that is not met at the bound may lie where no forcing is left, and the curve turns into its own image.
-        let is_there = |point: &BranchPoint| point.state.forcing > 0.0;
+        // Nor need a last step that converged be a point of it: beyond the last touch of a stop there are no folds.
+        let is_there = |point: &BranchPoint| point.state.forcing > 0.0 && point.residual() < SOLVED;
         while points.pop_if(|last| !is_there(last)).is_some() {}
         let gone = points.iter().take_while(|point| !is_there(point)).count();
         points.drain(..gone);
@@ -306,9 +310,10 @@ impl<'m> Critical<'m> {
         events.retain(|event| event.index < points.len());
         let asymmetry = Asymmetry::along(&self.problem, points.iter().map(|point| &point.state), outcome);
         let outcome = asymmetry.outcome();
-        let is_turn = |event: &CriticalEvent| asymmetry.turns(event.index);
-        let kept = asymmetry.kept(|index| events.iter().any(|event| event.index == index && is_turn(event)));
-        events.retain(|event| kept.contains(&event.index) && !is_turn(event));
+        let turns: Vec<usize> =
+            events.iter().map(|event| event.index).filter(|&index| asymmetry.turns(index)).collect();
+        let kept = asymmetry.kept(&turns);
+        events.retain(|event| kept.contains(&event.index) && !turns.contains(&event.index));
         events.iter_mut().for_each(|event| event.index -= kept.start);
         points.truncate(kept.end);
         points.drain(..kept.start);

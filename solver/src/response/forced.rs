@@ -299,8 +299,10 @@ impl<'m, F: Formulation<'m>> Forced<'m, F> {
     ) -> Result<Branch, Failure> {
         let mut branch = self.walked_within(frequency, state, observer)?;
         let mut asymmetry = Asymmetry::of(&self.problem, &branch);
-        if let Some(farther) = asymmetry.farther(&branch).filter(|_| !branch.is_cancelled()) {
-            branch = self.walked_within(frequency, &branch.points[farther].state, observer)?;
+        if let Some(farther) = asymmetry.farther(&branch).filter(|_| !branch.is_cancelled())
+            && let Ok(again) = self.walked_within(frequency, &branch.points[farther].state, observer)
+        {
+            branch = again;
             asymmetry = Asymmetry::of(&self.problem, &branch);
         }
         asymmetry.end(&mut branch);

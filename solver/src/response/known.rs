@@ -81,7 +81,10 @@ pub(super) fn unknown_part<'m, F: Formulation<'m>>(
             (begin, after.map_or(count, |known| start + boundary(known - start, |step| at(start + step).is_none())))
         }
         (None, Some(id), Some(_)) => return Err(id),
-        (None, None, None) => return Ok(branch),
+        (None, None, None) => match start.and_then(at) {
+            Some(id) => return Err(id),
+            None => return Ok(branch),
+        },
         (None, Some(_), None) => (boundary(count, |index| at(index).is_some()), count),
         (None, None, Some(_)) => (0, boundary(count, |index| at(index).is_none())),
     };

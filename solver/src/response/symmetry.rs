@@ -24,13 +24,16 @@ const TURNS: f64 = 0.1;
 const TURN: usize = 2;
 
 /// Cosine between the differences of two neighbouring motions from their images, below which one in between is its own image.
-const FLIPPED: f64 = -0.9;
+const FLIPPED: f64 = -0.5;
+
+/// Least cosine between a probe and the tangent.
+const AHEAD: f64 = 0.9;
 
 /// Most probes for where exactly a walk has come to a motion that is its own image.
 const HALVINGS: usize = 20;
 
 /// What tells a walk along motions that are not their own images that it has come to one that is: what follows is the same curve
-/// again, or that which it branches off.
+/// again, its continuation if there are more than two images, or that which it branches off.
 pub(super) struct BranchPoints {
     /// Numbers of the images, and how far the last motion was from each.
     away: Vec<(usize, Vec<f64>)>,
@@ -87,7 +90,10 @@ impl BranchPoints {
             let Ok(curve) = continuation.probe(&from, step) else { continue };
             let problem = continuation.problem();
             let next: Vec<Vec<f64>> = self.away.iter().map(|(index, _)| away(problem, &curve.y, *index)).collect();
-            if self.is_passed(problem, &curve.y, &next) {
+            let moved: Vec<f64> = curve.y.iter().zip(&from.y).map(|(y, from)| y - from).collect();
+            let cosine = inner(problem.metric(), &moved, &from.tangent) / norm(problem.metric(), &moved);
+            let is_next = cosine > AHEAD && problem.are_neighbours(&from.y, &curve.y);
+            if !is_next || self.is_passed(problem, &curve.y, &next) {
                 continue;
             }
             self.away.iter_mut().zip(next).for_each(|((_, last), next)| *last = next);
@@ -169,17 +175,22 @@ impl Asymmetry {
         self.outcome
     }
 
+    /// How many points at the beginning, and at the end, lie next to a branch point there.
+    fn next_to_branch_points(&self) -> [usize; 2] {
+        let Outcome::Open(first, last) = self.outcome else { return [0; 2] };
+        let is_next_to = |share: &&f64| **share < TURNS;
+        let count = |stop: Stop, points: usize| if stop == Stop::Branching { points.max(1 + TURN) } else { 0 };
+        [
+            count(first, self.shares.iter().take_while(is_next_to).count()),
+            count(last, self.shares.iter().rev().take_while(is_next_to).count()),
+        ]
+    }
+
     /// Whether the curve turns at a point because of a branch point next to it.
     pub(super) fn turns(&self, index: usize) -> bool {
-        let is_last = |stop: Stop, points: usize| stop == Stop::Branching && points <= TURN;
-        match self.outcome {
-            Outcome::Open(first, last) if self.outcome.is_branched() => {
-                self.shares[index] < TURNS
-                    || is_last(first, index)
-                    || is_last(last, self.shares.len().saturating_sub(index + 1))
-            }
-            _ => false,
-        }
+        let [begins, ends] = self.next_to_branch_points();
+        let count = self.shares.len();
+        index < begins.min(count / 2) || index >= count - ends.min(count / 2)
     }
 
     /// Lets a branch that branches off others end there, where it turns in frequency but has no fold.
@@ -191,16 +202,15 @@ impl Asymmetry {
         branch.kind = BranchKind::of_detached(&branch.outcome, false);
         let (folds, turns): (Vec<usize>, Vec<usize>) = branch.folds().partition(|&index| !self.turns(index));
         branch.special.retain(|special| special.kind != SpecialKind::Fold || folds.contains(&special.index));
-        branch.keep(self.kept(|index| turns.contains(&index)));
+        branch.keep(self.kept(&turns));
     }
 
-    /// Which points are to be kept: at a branch point the curve turns, and one point follows, of its image.
-    pub(super) fn kept(&self, is_turn: impl Fn(usize) -> bool) -> Range<usize> {
-        let count = self.shares.len();
-        let Outcome::Open(first, last) = self.outcome else { return 0..count };
-        let begins = first == Stop::Branching && count > 2 && is_turn(1);
-        let ends = last == Stop::Branching && count > 3 && is_turn(count - 2);
-        usize::from(begins)..count - usize::from(ends)
+    /// Which points are to be kept: where the curve turns at a branch point, what follows is its image.
+    pub(super) fn kept(&self, turns: &[usize]) -> Range<usize> {
+        let middle = self.shares.len() / 2;
+        let begin = turns.iter().copied().filter(|&turn| turn < middle).min();
+        let end = turns.iter().copied().filter(|&turn| turn >= middle).max();
+        begin.unwrap_or(0)..end.map_or(self.shares.len(), |turn| turn + 1)
     }
 }
 

@@ -209,8 +209,8 @@ pub enum SeedOutcome {
     NotLanded(LandingFailure),
     /// It landed on so many forced responses: where the branches through them begin is another task's work.
     Landed(usize),
-    /// It lies on a branch of asymmetric motions that leaves one of symmetric motions at a point of it. So in earlier runs; such
-    /// branches are listed now ([`BranchKind::Branched`]).
+    /// It lies on a branch of asymmetric motions that leaves one of symmetric motions at a point of it. So in runs of
+    /// stores up to version 6; such branches are listed now ([`BranchKind::Branched`]).
     Attached,
     /// It landed, but no branch could be started there.
     NotTraced(Unreached),

@@ -17,6 +17,9 @@ use crate::response::symmetry::parents;
 use crate::response::task::{CrossingPlace, SeedOutcome, Task, TaskResult};
 use std::ops::ControlFlow;
 
+/// Relative distance of a response from where it is looked for, up to which it is that.
+const BESIDE: f64 = 0.05;
+
 /// Carries out a task; of one that marches nothing, which takes no balance. `None` if `observer` breaks, or the
 /// task is interrupted.
 pub fn execute<'m, F: Formulation<'m>>(
@@ -97,7 +100,7 @@ fn enter<'m, F: Formulation<'m>>(
     }
     let branch = forced.main_branch(side, observer)?;
     if branch.kind != BranchKind::Main {
-        return Ok(new_part(forced, branch, known, observer));
+        return Ok(new_part(forced, branch, known));
     }
     let (low, high) = forced.reach().frequency;
     let is_inside = |point: &BranchPoint| point.omega() > low * (1.0 + 1e-6) && point.omega() < high * (1.0 - 1e-6);
@@ -195,7 +198,7 @@ fn branch_through<'m, F: Formulation<'m>>(
         Ok(branch) => named(forced, branch, known),
         Err(failure) => return TaskResult::Nothing(SeedOutcome::NotTraced(failure.into())),
     };
-    new_part(forced, branch, known, observer)
+    new_part(forced, branch, known)
 }
 
 /// What is new of a branch. Of a closed curve that was come upon by a wrong step nothing is known but that it is closed.
@@ -203,30 +206,11 @@ fn new_part<'m, F: Formulation<'m>>(
     forced: &mut Forced<'m, F>,
     branch: Branch,
     known: &[(BranchId, &Branch)],
-    observer: &mut Observer<'_>,
 ) -> TaskResult {
     let first = branch.points.first().filter(|_| branch.is_closed());
     if let Some(id) = first.and_then(|first| identify(forced, &first.state, known)) {
         return TaskResult::Nothing(SeedOutcome::Found(id));
     }
-    // What it branches off comes first: it may be an isola.
-    if let Some(parent) = parent(forced, &branch, known, observer) {
-        if parent.is_cancelled() {
-            return TaskResult::Branch(parent);
-        }
-        if let TaskResult::Branch(parent) = unlisted(forced, parent, known) {
-            return TaskResult::Branch(parent);
-        }
-    }
-    unlisted(forced, branch, known)
-}
-
-/// What is not known of a branch.
-fn unlisted<'m, F: Formulation<'m>>(
-    forced: &mut Forced<'m, F>,
-    branch: Branch,
-    known: &[(BranchId, &Branch)],
-) -> TaskResult {
     if let Some(id) = retraced(forced, &branch, known) {
         return TaskResult::Nothing(SeedOutcome::Found(id));
     }
@@ -236,7 +220,7 @@ fn unlisted<'m, F: Formulation<'m>>(
     }
 }
 
-/// What a branch branches off, if that is not known either.
+/// What a branch branches off, if that is not known either; not if it branches off itself.
 fn parent<'m, F: Formulation<'m>>(
     forced: &mut Forced<'m, F>,
     branch: &Branch,
@@ -245,7 +229,8 @@ fn parent<'m, F: Formulation<'m>>(
 ) -> Option<Branch> {
     for motion in parents(forced.problem(), branch) {
         let Ok(state) = forced.converge(&motion) else { continue };
-        if identify(forced, &state, known).is_some() {
+        let is_it = forced.distance(&state, &motion) < BESIDE;
+        if !is_it || identify(forced, &state, known).is_some() {
             continue;
         }
         let Ok(branch) = forced.branch_through(&state, observer) else { continue };
@@ -298,7 +283,7 @@ fn follow<'m, F: Formulation<'m>>(
                         return TaskResult::Nothing(SeedOutcome::NotLanded(LandingFailure::Far(landing.distance)));
                     }
                     let branch = named(forced, branch, known);
-                    return new_part(forced, branch, known, observer);
+                    return new_part(forced, branch, known);
                 }
                 Err(failure) => SeedOutcome::NotTraced(failure.into()),
             },
@@ -345,9 +330,17 @@ fn begin<'m, F: Formulation<'m>>(
         }
         nothing = match (branch.kind, whole_main(known)) {
             (BranchKind::Main, Some(id)) => SeedOutcome::Found(id),
-            _ => match new_part(forced, branch.clone(), known, observer) {
+            _ => match new_part(forced, branch.clone(), known) {
                 TaskResult::Nothing(outcome) => outcome,
-                found => return found,
+                // What it branches off comes first: it may be an isola, and a further round brings the branch itself.
+                found => match parent(forced, &branch, known, observer) {
+                    Some(parent) if parent.is_cancelled() => return TaskResult::Branch(parent),
+                    Some(parent) => match new_part(forced, parent, known) {
+                        TaskResult::Nothing(_) => return found,
+                        parent => return parent,
+                    },
+                    None => return found,
+                },
             },
         };
         passed.push(branch);

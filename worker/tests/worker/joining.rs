@@ -97,10 +97,10 @@ fn own() -> String {
 #[tokio::test(flavor = "multi_thread")]
 async fn another_version_of_the_messages() {
     let fake = Fake::start(&Study::new(1), hand_out(Vec::new())).await;
-    fake.change(|manifest| manifest.protocol = 7);
+    fake.change(|manifest| manifest.protocol = 99);
     let (code, message) = refusal(&fake.options(&[])).await;
     assert_eq!(code, 3);
-    assert_says(&message, &[&fake.endpoint, "version 7", &own(), "install the same version"]);
+    assert_says(&message, &[&fake.endpoint, "version 99", &own(), "install the same version"]);
 }
 
 #[tokio::test(flavor = "multi_thread")]

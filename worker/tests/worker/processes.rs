@@ -239,7 +239,7 @@ async fn exit_codes_and_messages() {
     let (code, log) = Process::start("somewhere", &[]).end().await;
     assert_eq!(code, Some(2), "{log}");
     assert!(log.starts_with("error: ") && log.contains("tcp/HOST:7447"), "{log}");
-    fake.change(|manifest| manifest.protocol = 7);
+    fake.change(|manifest| manifest.protocol = 99);
     let (code, log) = Process::start(&fake.endpoint, &["--wait", "100"]).end().await;
     assert_eq!(code, Some(3), "{log}");
 }
