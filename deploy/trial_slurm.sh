@@ -15,7 +15,8 @@ work=$(mktemp -d)
 node=$(hostname -s)
 port=$((20000 + RANDOM % 10000))
 study=../models/nonlinear_damper/study.toml
-changes=(--amplitudes 0.004:0.012:0.00002)
+# Long enough: a requeued task comes back after half a minute.
+changes=(--amplitudes 0.004:0.012:0.00001)
 started=()
 
 ended() {
