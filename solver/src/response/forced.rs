@@ -1,11 +1,13 @@
-//! Forced responses: the linear start, tracing a branch to both ends, its special points, identity of branches.
+//! Forced responses: the linear start, tracing a main branch, special points, identity of branches.
+
+mod detached;
 
 use crate::curve::continuation::Continuation;
 use crate::curve::identity::Identity;
 use crate::curve::newton::NewtonSettings;
 use crate::curve::problem::Failure;
 use crate::curve::record::Recorder;
-use crate::curve::walk::{Bounds, TracedCurve, both_ways, relative_distance, walk};
+use crate::curve::walk::{Bounds, TracedCurve, relative_distance, walk};
 use crate::formulation::harmonics::complex;
 use crate::formulation::linear::forced_response;
 use crate::formulation::modal::Modal;
@@ -23,7 +25,6 @@ use crate::response::interrupt::Interrupt;
 use crate::response::ordinary::{LINEAR, converge, distance, is_ordinary, trimmed};
 pub use crate::response::search_range::SearchRange;
 use crate::response::special::with_special_points;
-use crate::response::symmetry::{Asymmetry, BranchPoints, symmetrised};
 use crate::response::truncation::certificate;
 use crate::settings::Settings;
 use crate::structure::Model;
@@ -258,99 +259,11 @@ impl<'m, F: Formulation<'m>> Forced<'m, F> {
         is_ordinary(&mut self.problem, &newton, state)
     }
 
-    /// The branch through a converged state: forwards, and if it does not close, backwards as well. Bounds that the settings
-    /// give end it; others do not.
-    ///
-    /// # Errors
-    /// If the state does not converge again.
-    pub fn branch_through(&mut self, state: &State, observer: &mut Observer<'_>) -> Result<Branch, Failure> {
-        self.branch_within(self.given(), state, observer)
-    }
-
-    /// The branch through a converged state, whatever bounds the settings give.
-    ///
-    /// # Errors
-    /// If the state does not converge again.
-    pub fn branch_beyond(&mut self, state: &State, observer: &mut Observer<'_>) -> Result<Branch, Failure> {
-        self.branch_within(self.widest(), state, observer)
-    }
-
-    /// A response of every part of a branch that lies within the range of the study.
-    pub fn within_range(&mut self, branch: &Branch) -> Vec<State> {
-        let (low, high) = self.reach.frequency;
-        let is_inside = |point: &BranchPoint| (low..=high).contains(&point.omega());
-        let parts = branch.points.chunk_by(|a, b| is_inside(a) == is_inside(b)).filter(|part| is_inside(&part[0]));
-        let middles: Vec<State> = parts.map(|part| part[part.len() / 2].state.clone()).collect();
-        middles.into_iter().filter(|state| self.contains(state)).collect()
-    }
-
     /// The frequencies that the settings give; the widest ones where they give none.
     fn given(&self) -> (f64, f64) {
         let (widest, study, given) = (self.widest(), self.reach.frequency, self.settings.frequency);
         let low = if given.min.is_some() { study.0 } else { widest.0 };
         (low, if given.max.is_some() { study.1 } else { widest.1 })
-    }
-
-    fn branch_within(
-        &mut self,
-        frequency: (f64, f64),
-        state: &State,
-        observer: &mut Observer<'_>,
-    ) -> Result<Branch, Failure> {
-        let mut branch = self.walked_within(frequency, state, observer)?;
-        let mut asymmetry = Asymmetry::of(&self.problem, &branch);
-        if let Some(farther) = asymmetry.farther(&branch).filter(|_| !branch.is_cancelled())
-            && let Ok(again) = self.walked_within(frequency, &branch.points[farther].state, observer)
-        {
-            branch = again;
-            asymmetry = Asymmetry::of(&self.problem, &branch);
-        }
-        asymmetry.end(&mut branch);
-        Ok(branch)
-    }
-
-    /// The branch through a converged state, one way and the other, up to where it branches off others.
-    fn walked_within(
-        &mut self,
-        frequency: (f64, f64),
-        state: &State,
-        observer: &mut Observer<'_>,
-    ) -> Result<Branch, Failure> {
-        let y = symmetrised(&self.problem, &self.problem.encode(state));
-        let (upwards, growth) = (self.problem.parameter_row(), self.problem.growth(&y));
-        let (bounds, settings) = (self.bounds(frequency, true), self.settings.continuation);
-        let mut one_way = |continuation: &mut Continuation<'_, F>| {
-            continuation.record(&self.recorder);
-            let mut branch_points = BranchPoints::from(continuation);
-            let mut ending = |problem: &mut F, last: &TracedPoint| {
-                branch_points.meets(problem, &last.curve.y).then_some(Stop::Branching)
-            };
-            let (mut visited, stop) = walk(continuation, &bounds, observer, &mut ending);
-            if stop == Stop::Branching {
-                branch_points.resolve(continuation, &mut visited);
-            }
-            (visited, stop)
-        };
-        let mut walk = |direction: &[f64]| both_ways(&mut self.problem, y.clone(), direction, &settings, &mut one_way);
-        // At a fold the branch turns back in frequency.
-        let walked = walk(&upwards).or_else(|_| walk(&growth))?;
-        let kind = BranchKind::of_detached(&walked.outcome, self.is_cut(&walked));
-        Ok(self.finish(walked, kind))
-    }
-
-    /// Whether a curve ends at a bound that the settings give.
-    fn is_cut(&self, walked: &TracedCurve<BranchPoint>) -> bool {
-        let Outcome::Open(first, last) = walked.outcome else { return false };
-        let (given, (low, high)) = (self.settings.frequency, self.reach.frequency);
-        let ends = [(first, walked.visited.first()), (last, walked.visited.last())];
-        ends.into_iter().any(|(stop, end)| match (stop, end) {
-            (Stop::FrequencyBound, Some(end)) => {
-                let at = end.point.omega();
-                (given.min.is_some() && at <= low * (1.0 + 1e-6)) || (given.max.is_some() && at >= high * (1.0 - 1e-6))
-            }
-            (Stop::AmplitudeBound, _) => self.settings.branch.max_amplitude.is_some(),
-            _ => false,
-        })
     }
 
     /// Computes what the certificate of a branch says: how much its truncation to H harmonics leaves open.

@@ -128,9 +128,9 @@ fn boundary(count: usize, mut holds: impl FnMut(usize) -> bool) -> usize {
 }
 
 /// The branch that a curve is, though no point that was looked at lies on it, if it is one: the closed curve with the same ends
-/// and the same peak (a very narrow one turns too much from point to point to be met between them), such a branched one, or the main branch that an
-/// open curve runs along from end to end and is no higher than within its range (what the steps of one of the two have passed
-/// over is no branch of its own).
+/// and the same peak (a very narrow one turns too much from point to point to be met between them), such a one between branch
+/// points, or the main branch that an open curve runs along from end to end and is no higher than within its range (what the steps
+/// of one of the two have passed over is no branch of its own).
 pub(super) fn retraced<'m, F: Formulation<'m>>(
     forced: &mut Forced<'m, F>,
     branch: &Branch,
