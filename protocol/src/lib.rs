@@ -47,7 +47,7 @@ pub mod to_everyone;
 pub mod to_worker;
 
 /// Version of the messages, the `v7` of keys and encodings. Workers of another version are refused.
-pub const VERSION: u32 = 7;
+pub const VERSION: u32 = 8;
 
 /// Version of the program, for the record of who computed what.
 pub const PROGRAM: &str = env!("CARGO_PKG_VERSION");

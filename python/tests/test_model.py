@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import io
+import json
 import os
 import re
 import signal
+import subprocess
 import sys
 import threading
 from pathlib import Path
@@ -19,6 +21,7 @@ import isola_hbm
 from isola_hbm import BadModel, Contact, Law, Model
 from isola_hbm import program as of_program
 from isola_hbm import toml as of_toml
+from isola_hbm.model import _LAWS
 from isola_hbm.sweeps import _shown
 
 CUBIC = Law("polynomial_spring", dof="x1", terms=[{"power": 3, "coefficient": 1}])
@@ -218,6 +221,25 @@ def test_a_law_acts_in_one_place(tmp_path: Path) -> None:
         Model.load(tmp_path)
 
 
+def test_a_law_is_one_that_there_is() -> None:
+    for kind, parameters, message in (
+        ("cubic", {}, "there is no law `cubic`; known: jenkins, penalty_spring, "),
+        ("penalty", {"gap": 1}, "there is no law `penalty`; did you mean `penalty_spring`? known: "),
+        ("jenkins", {"limt": 1}, "there is no parameter of law `jenkins` `limt`; did you mean `limit`? known: limit, "),
+    ):
+        with pytest.raises(BadModel, match=f"^{re.escape(message)}"):
+            Law(kind, dof="x1", **parameters)
+
+
+@pytest.mark.needs_program
+def test_laws_are_those_of_the_program() -> None:
+    said = subprocess.run([of_program.find(), "schema", "model"], check=True, capture_output=True, text=True).stdout
+    laws = json.loads(said)["properties"]["laws"]["items"]["properties"]["law"]["oneOf"]
+    properties = [law["properties"] for law in laws]
+    known = {kind: set(law["properties"]) for kinds in properties for kind, law in kinds.items()}
+    assert known == _LAWS
+
+
 @pytest.mark.needs_program
 def test_a_sweep_is_the_one_of_the_command_line(tmp_path: Path) -> None:
     said: list[str] = []
@@ -306,7 +328,7 @@ def test_the_program_says_what_is_wrong(
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"laws": [Law("cubic", dof="x1")]}, "the model given: `laws[0].law`: there is no `cubic`; known here: "),
+        ({"laws": [{"dof": "x1", "law": {"cubic": {}}}]}, "the model given: `laws[0].law`: there is no `cubic`; known here: "),
         (
             {"laws": [CUBIC, Law("polynomial_spring", dof="x1", terms=[{"power": 3, "coeff": 1}])]},
             "the model given: `laws[1].law.polynomial_spring.terms[0].coeff`: there is no `coeff`; did you mean",

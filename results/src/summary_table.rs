@@ -8,13 +8,19 @@ mod units;
 pub use units::{FrequencyUnit, LengthUnit, Units};
 
 use crate::overview::{
-    Level, Omissions, Overview, Shift, events_sentence, is_unconfirmed, is_untouched, modes, truncation, unfinished,
+    Level, Omissions, Overview, Shift, events_sentence, is_unconfirmed, is_untouched, later_birth, modes, truncation,
+    unfinished,
 };
-use crate::store::{BranchRow, Reader, Result};
+use crate::store::{BranchRow, CurveRow, Reader, Result};
+use crate::words::{count, digits};
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets::UTF8_FULL_CONDENSED};
 use footnotes::{Footnotes, wrapped};
 use protocol::model::ModelMessage;
 use solver::response::branch::{BranchKind, Outcome};
+use solver::settings::FrequencySettings;
+
+/// Relative distance from a bound up to which a peak counts as at it.
+const BESIDE: f64 = 1e-6;
 
 /// Levels shown at most; all of them are in summary.csv.
 const LEVELS: usize = 60;
@@ -44,12 +50,14 @@ pub fn table(reader: &Reader, layout: Layout) -> Result<String> {
     let mut omissions = Omissions::default();
     let overview = Overview::read(reader, &mut omissions)?;
     let mains = omissions.read("How main branches end is", reader.main_outcomes()).unwrap_or_default();
-    let mut rows = Rows { units: layout.units, mains: &mains, notes: Footnotes::default() };
+    let curves = omissions.read("The list of fold curves is", reader.curves()).unwrap_or_default();
+    let given = overview.header.as_ref().map(|header| header.settings.frequency).unwrap_or_default();
+    let mut rows = Rows { units: layout.units, mains: &mains, curves: &curves, given, notes: Footnotes::default() };
     let levels = &overview.levels;
     let mut table = Table::new();
     table.load_preset(UTF8_FULL_CONDENSED);
     table.set_content_arrangement(ContentArrangement::Dynamic).set_width(layout.width);
-    table.set_header(["A", "main peak", "isolas and others: range, peak", "windows"]);
+    table.set_header(["A", "main peak", "isolas and others: range, peak", "windows, tasks"]);
     for level in levels.iter().take(LEVELS) {
         table.add_row(rows.of(level));
     }
@@ -83,7 +91,6 @@ pub fn table(reader: &Reader, layout: Layout) -> Result<String> {
     if let Some(sentence) = harmonics.and_then(|count| truncation(levels, count)) {
         say(&sentence);
     }
-    let curves = omissions.read("The list of fold curves is", reader.curves()).unwrap_or_default();
     let unit = layout.units.frequency;
     let events = events_sentence(&curves, |omega| format!("{} {unit}", unit.digits(omega)));
     [events, shift(&overview, layout.units)].iter().flatten().for_each(|sentence| say(sentence));
@@ -122,6 +129,10 @@ struct Rows<'r> {
     units: Units,
     /// How main branches end, with their amplitudes as typed.
     mains: &'r [(String, Outcome)],
+    /// Fold curves.
+    curves: &'r [CurveRow],
+    /// Bounds of the frequency that were given.
+    given: FrequencySettings,
     notes: Footnotes,
 }
 
@@ -148,9 +159,18 @@ impl Rows<'_> {
         let peaks = level.mains().enumerate().map(|(i, row)| {
             let end = ends.get(i).filter(|end| end.is_unfinished());
             let mark = end.map(|end| self.notes.mark(format!("known only in part: {end}"))).unwrap_or_default();
-            format!("{}{mark}", self.peak(row))
+            format!("{}{mark}{}", self.peak(row), self.outside(row))
         });
         peaks.collect::<Vec<_>>().join("\n")
+    }
+
+    /// A mark at a peak outside of the bounds that were given.
+    fn outside(&mut self, row: &BranchRow) -> String {
+        let FrequencySettings { min, max, .. } = self.given;
+        let below = min.filter(|min| row.omega_at_max < min * (1.0 - BESIDE)).map(|_| "below frequency.min");
+        let above = max.filter(|max| row.omega_at_max > max * (1.0 + BESIDE)).map(|_| "above frequency.max");
+        let note = |where_: &str| self.notes.mark(format!("{where_}: the branch goes there and comes back"));
+        below.or(above).map(note).unwrap_or_default()
     }
 
     fn other(&mut self, row: &BranchRow) -> String {
@@ -178,15 +198,21 @@ impl Rows<'_> {
     fn windows(&mut self, level: &Level) -> String {
         let mut lines = vec![level.windows.len().to_string()];
         let unit = self.units.frequency;
-        let lost = level.not_found().map(|(window, reason)| {
+        let missed = level.not_found().map(|(window, reason)| {
             let (low, high) = (unit.digits(window.omega.0), unit.digits(window.omega.1));
-            self.notes.mark(format!("A = {}, window {low}–{high}: not found: {}", level.amplitude, briefly(reason)))
+            let why = match later_birth(self.curves, level.value, window) {
+                Some(birth) => format!("an isola is born there at A = {} only", digits(birth.forcing, 5)),
+                None => briefly(reason),
+            };
+            self.notes.mark(format!("A = {}, window {low}–{high}: not found: {why}", level.amplitude))
         });
-        let lost: Vec<String> = lost.collect();
-        lines.extend((!lost.is_empty()).then(|| format!("{} lost{}", lost.len(), lost.join(" "))));
-        lines.extend((level.pending > 0).then(|| format!("{} to come", level.pending)));
+        let missed: Vec<String> = missed.collect();
+        lines.extend((!missed.is_empty()).then(|| format!("{} not found{}", missed.len(), missed.join(" "))));
+        lines.extend((level.pending > 0).then(|| format!("{} to come", count(level.pending, "task"))));
         let given_up = || format!("A = {}: tasks given up: isola retry-dead tries them again", level.amplitude);
-        lines.extend((level.dead > 0).then(|| format!("{} dead{}", level.dead, self.notes.mark(given_up()))));
+        lines.extend(
+            (level.dead > 0).then(|| format!("{} given up{}", count(level.dead, "task"), self.notes.mark(given_up()))),
+        );
         let contradicted = || format!("A = {}: other workers came to something else", level.amplitude);
         let results = level.refuted + level.disputed;
         lines.extend((results > 0).then(|| format!("{results} doubtful{}", self.notes.mark(contradicted()))));

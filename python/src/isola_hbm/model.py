@@ -8,7 +8,7 @@ import re
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +24,15 @@ from .matrices import forces, matrix_market, require_definite, symmetric
 
 #: What stands in a model file.
 _KEYS = {"name", "description", "dofs", "monitors", "matrices", "damping", "forcing", "contact", "laws"}
+
+#: Kinds of laws with their parameters.
+_LAWS = {
+    "penalty_spring": {"stiffness", "gap"},
+    "polynomial_spring": {"terms"},
+    "polynomial_damper": {"terms"},
+    "tanh_friction": {"limit", "velocity"},
+    "jenkins": {"stiffness", "limit"},
+}
 
 #: How lines of ``isola check`` begin that are not of the model.
 _OF_STUDY = re.compile(r"(study|file|model|amplitudes) |warning +nothing will touch")
@@ -44,6 +53,9 @@ class Law(dict[str, Any]):
         coefficients: dofs with factors, the law acting on the sum.
         name: Name shown to people.
         parameters: Those of the law.
+
+    Raises:
+        BadModel: There is no such law, it has no such parameter, or it does not say where it acts, or more than once.
     """
 
     def __init__(
@@ -56,6 +68,9 @@ class Law(dict[str, Any]):
         name: str | None = None,
         **parameters: Any,
     ) -> None:
+        _require_known("law", kind, _LAWS)
+        for parameter in parameters:
+            _require_known(f"parameter of law `{kind}`", parameter, _LAWS[kind])
         where = {"name": name, "dof": dof, "between": between, "coefficients": coefficients}
         given = {key: value for key, value in where.items() if value is not None}
         if len(given.keys() - {"name"}) != 1:
@@ -307,11 +322,21 @@ class Model:
 
     def _known(self, where: str, dof: Any) -> str:
         if dof not in self.dofs:
-            nearest = difflib.get_close_matches(str(dof), self.dofs, 1)
-            guess = f"did you mean `{nearest[0]}`? " if nearest else ""
+            guess = _guess(dof, self.dofs)
             known = ", ".join(self.dofs[:12]) + (", …" if self.size > 12 else "")
             raise BadModel(f"{where}: no dof `{dof}`; {guess}there are {known}")
         return str(dof)
+
+
+def _guess(given: Any, known: Iterable[str]) -> str:
+    """What may have been meant."""
+    nearest = difflib.get_close_matches(str(given), list(known), 1)
+    return f"did you mean `{nearest[0]}`? " if nearest else ""
+
+
+def _require_known(what: str, given: Any, known: Collection[str]) -> None:
+    if given not in known:
+        raise BadModel(f"there is no {what} `{given}`; {_guess(given, known)}known: {', '.join(sorted(known))}")
 
 
 def _names(what: str, given: Any) -> list[str]:

@@ -61,16 +61,18 @@ function branchTable({ branches, levels }) {
   const largest = branches.map((branch) => branch.amplitude_at_peak ?? NaN);
   const unit = lengthUnit(Math.max(...largest.filter(Number.isFinite), 0));
   const size = `largest amplitude, ${unit.name}`;
-  const heads = ["A", "branch", "points", size, "at, rad/s", "how it ends", "time, s", "steps repeated", "worker"];
+  const heads = ["A", "branch", "found by", "points", size, "at, rad/s", "how it ends", "time, s", "worker"];
+  const origin = (branch) =>
+    levels[branch.level].branches.find(({ kind, number }) => kind === branch.kind && number === branch.number)?.found_by;
   let rows = branches.map((branch, k) => [
     levels[branch.level].value,
     branch.name,
+    origin(branch) ?? NOT_KNOWN,
     branch.size,
     branch.peak_standing === "at_least" ? new AtLeast(rounded(largest[k] * unit.factor, 5)) : rounded(largest[k] * unit.factor, 5),
     rounded(branch.omega_at_peak, 6),
     branch.status,
     rounded(branch.seconds, 3),
-    branch.rejections ?? NaN,
     branch.worker ?? NOT_KNOWN,
   ]);
   const holder = tableOf("Branches (press a head to sort)", heads, rows, "No branch has been computed yet.");

@@ -1,7 +1,8 @@
 //! Whether folds can be followed, and what happens along their curves.
 
-use crate::store::CurveRow;
+use crate::store::{CurvePoint, CurveRow, WindowRow};
 use crate::words::digits;
+use solver::response::critical::CriticalKind;
 use solver::response::folds::{Critical, Extent, Quantity};
 use solver::settings::Settings;
 use solver::structure::Model;
@@ -15,6 +16,15 @@ pub fn most_folds(model: &Model, settings: &Settings) -> usize {
 pub fn why_no_folds(model: &Model, settings: &Settings) -> Option<String> {
     let extent = Extent { forcing: (1.0, 2.0), frequency: (1.0, 2.0), points: 1 };
     Critical::new(model, settings, Quantity::Frequency, extent).err().map(|error| error.to_string())
+}
+
+/// Where fold curves have an isola born in the frequency range of a window, at a larger forcing than the window's: there the
+/// balance predicts it too early.
+pub fn later_birth<'c>(curves: &'c [CurveRow], forcing: f64, window: &WindowRow) -> Option<&'c CurvePoint> {
+    let births = curves.iter().flat_map(CurveRow::events).filter(|(kind, _)| *kind == CriticalKind::Birth.name());
+    let is_later =
+        |point: &&CurvePoint| point.forcing > forcing && (window.omega.0..=window.omega.1).contains(&point.omega);
+    births.map(|(_, point)| point).filter(is_later).min_by(|a, b| a.forcing.total_cmp(&b.forcing))
 }
 
 /// Births or merges that a sentence names.

@@ -12,13 +12,13 @@ mod unfinished;
 mod verified;
 
 pub use doubts::doubts;
-pub use folds::{events_sentence, most_folds, why_no_folds};
+pub use folds::{events_sentence, later_birth, most_folds, why_no_folds};
 pub use level::{Level, Seeds, highest, is_untouched};
 pub use omissions::Omissions;
 pub use truncation::{is_unconfirmed, truncation};
 pub use unfinished::unfinished;
 
-pub use crate::store::{BranchRow, WindowOutcome, WindowRow};
+pub use crate::store::{BranchRow, Origin, WindowOutcome, WindowRow};
 
 pub(crate) use omissions::detail;
 pub(crate) use verified::verified_result;

@@ -5,7 +5,7 @@ use crate::store::{BranchRow, Stability};
 use crate::words::digits;
 use solver::response::certificate::Standing;
 
-/// A peak of which neither amplitude nor frequency changes by more than this with twice the harmonics is converged.
+/// A peak of which neither amplitude nor frequency changes by more than this with twice the harmonics is taken to be converged.
 const CONVERGED: f64 = 0.01;
 
 /// The same for the width of an isola.
@@ -14,20 +14,19 @@ const SAME_WIDTH: f64 = 0.05;
 /// Most branches that are named.
 const NAMED: usize = 3;
 
-/// What is known of the truncation to H harmonics: to what the peaks are converged, or which one is not and what to set; the same
-/// for the widths of isolas. `None` as long as nothing is known of it.
+/// What is known of the truncation to H harmonics: by what twice as many change the peaks, or which one is not converged and what to
+/// set; the same for the widths of isolas. What still more would change is not known. `None` as long as nothing is known of it.
 pub fn truncation(levels: &[Level], harmonics: usize) -> Option<String> {
     let rows = || levels.iter().flat_map(|level| level.branches.iter().map(move |row| (level, row)));
     let remedy = format!("set harmonics.count = {}", 2 * harmonics);
     let peaks = of_peaks(&rows, harmonics, &remedy)?;
     // What to set is said once.
     let remedy = if peaks.contains(&remedy) { String::new() } else { format!("; {remedy}") };
-    Some([Some(peaks), of_widths(&rows, harmonics, &remedy)].into_iter().flatten().collect::<Vec<String>>().join(" "))
+    Some([Some(peaks), of_widths(&rows, &remedy)].into_iter().flatten().collect::<Vec<String>>().join(" "))
 }
 
 fn of_widths<'l, I: Iterator<Item = (&'l Level, &'l BranchRow)>>(
     rows: &impl Fn() -> I,
-    harmonics: usize,
     remedy: &str,
 ) -> Option<String> {
     let width = |(low, high): (f64, f64)| high - low;
@@ -46,7 +45,7 @@ fn of_widths<'l, I: Iterator<Item = (&'l Level, &'l BranchRow)>>(
     };
     let percent = digits((100.0 * largest.abs()).max(0.01), 2);
     if largest.abs() <= SAME_WIDTH {
-        return Some(format!("Widths of isolas are converged in H = {harmonics} to {percent} %.{lost}"));
+        return Some(format!("Widths of isolas change by {percent} % at most with twice the harmonics.{lost}"));
     }
     let becomes = if largest < 0.0 { "narrower" } else { "wider" };
     let at = &level.amplitude;
@@ -76,7 +75,7 @@ fn of_peaks<'l, I: Iterator<Item = (&'l Level, &'l BranchRow)>>(
     }
     if largest([change, shift]) <= CONVERGED {
         let to = digits((100.0 * largest([change, shift])).max(0.01), 1);
-        return Some(format!("Peaks are converged in H = {harmonics} to {to} %."));
+        return Some(format!("Peaks change by {to} % at most with twice the harmonics (H = {}).", 2 * harmonics));
     }
     let moves = if shift.abs() > CONVERGED {
         format!(" and its frequency by {} %", digits(100.0 * shift, 2))
@@ -148,7 +147,7 @@ mod tests {
         let main = |standing| BranchRow { peak_standing: Some(standing), ..row("main", None) };
         let said = |standing| truncation(&levels(vec![main(standing), row("isola", Some(1.0))]), 10).unwrap();
         assert!(said(Standing::At).contains("no peak was found near that of main at A = 60"), "{}", said(Standing::At));
-        assert_eq!(said(Standing::AtLeast), "Peaks are converged in H = 10 to 0.01 %.");
+        assert_eq!(said(Standing::AtLeast), "Peaks change by 0.01 % at most with twice the harmonics (H = 20).");
     }
 
     #[test]
@@ -175,7 +174,10 @@ mod tests {
     fn what_more_harmonics_would_change() {
         assert_eq!(truncation(&levels(vec![row("main", None), row("isola", None)]), 10), None);
         let converged = levels(vec![row("main", Some(1.004)), row("isola", Some(0.9999))]);
-        assert_eq!(truncation(&converged, 10).unwrap(), "Peaks are converged in H = 10 to 0.4 %.");
+        assert_eq!(
+            truncation(&converged, 10).unwrap(),
+            "Peaks change by 0.4 % at most with twice the harmonics (H = 20)."
+        );
         let moved = levels(vec![row("main", Some(1.004)), row("isola", Some(0.8))]);
         assert_eq!(
             truncation(&moved, 10).unwrap(),
@@ -207,8 +209,11 @@ mod tests {
             isola.certificate.doubled.as_mut().unwrap().range = Some(range);
             truncation(&levels(vec![isola]), 10).unwrap()
         };
-        let peaks = "Peaks are converged in H = 10 to 0.01 %.";
-        assert_eq!(isola((2.001, 2.101)), format!("{peaks} Widths of isolas are converged in H = 10 to 0.01 %."));
+        let peaks = "Peaks change by 0.01 % at most with twice the harmonics (H = 20).";
+        assert_eq!(
+            isola((2.001, 2.101)),
+            format!("{peaks} Widths of isolas change by 0.01 % at most with twice the harmonics.")
+        );
         let narrower = "With twice the harmonics isola 1 at A = 60 is 40 % narrower; set harmonics.count = 20.";
         assert_eq!(isola((2.02, 2.08)), format!("{peaks} {narrower}"));
     }

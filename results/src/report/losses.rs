@@ -139,10 +139,6 @@ pub(super) fn losses(evidence: &Evidence<'_>) -> Vec<Loss> {
         let brief = format!("{} given up", count(search.unverified, "verification"));
         list.push(Loss::new(brief.clone(), format!("{brief}: whether these branches are stable is not known.")));
     }
-    if let Some(of) = Of::levels(levels, |level| level.not_found().count()) {
-        let windows = count(of.sum, "predicted response");
-        list.push(Loss::new(format!("{windows} not found"), format!("{windows} not found, at {}.", of.named)));
-    }
     list
 }
 

@@ -3,6 +3,7 @@
 mod account;
 mod evidence;
 mod losses;
+mod predictions;
 mod read;
 mod search;
 mod stability;

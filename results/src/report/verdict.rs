@@ -1,6 +1,6 @@
 //! Three answers that the store supports: where it is dangerous, from which forcing on, and what ordinary continuation
 //! would have missed. Each says first what is lost, then what was found; what was and what was not looked for stands once, in the first
-//! answer if nothing was found.
+//! answer.
 
 #[cfg(test)]
 mod tests;
@@ -8,7 +8,7 @@ mod tests;
 use super::evidence::Evidence;
 use super::losses::{Loss, losses, named};
 use crate::curves::BackboneCurve;
-use crate::overview::{BranchRow, Level, events_sentence, highest, truncation};
+use crate::overview::{BranchRow, Level, Origin, events_sentence, highest, truncation};
 use crate::words::{self, count, digits, frequency, length, range};
 use serde::Serialize;
 use solver::response::branch::BranchKind;
@@ -21,18 +21,17 @@ pub struct Sentence {
     pub title: &'static str,
     /// The answer.
     pub text: String,
-    /// How far it reaches: what was looked for, if that does not stand in the answer.
+    /// What else is known, sentence by sentence.
+    pub details: Vec<String>,
+    /// How far it reaches: what was looked for, and what was not.
     pub reach: Option<String>,
 }
 
 impl Sentence {
-    fn new(title: &'static str, text: String) -> Self {
-        Self { title, text, reach: None }
-    }
-
     /// All of the answer.
     pub fn whole(&self) -> String {
-        [Some(&self.text), self.reach.as_ref()].into_iter().flatten().map(String::as_str).collect::<Vec<_>>().join(" ")
+        let all = std::iter::once(&self.text).chain(&self.details).chain(&self.reach);
+        all.map(String::as_str).collect::<Vec<_>>().join(" ")
     }
 }
 
@@ -41,13 +40,27 @@ pub fn verdict(evidence: &Evidence<'_>) -> [Sentence; 3] {
     let losses = losses(evidence);
     let brief: Vec<&str> = losses.iter().map(|loss| loss.brief.as_str()).collect();
     let caveat = if brief.is_empty() { String::new() } else { format!("Known only in part ({}). ", brief.join("; ")) };
+    let is_known = evidence.largest().is_some();
+    let further = |details: Vec<String>| if is_known { details } else { Vec::new() };
     [
-        Sentence::new("Where is it dangerous?", evidence.danger(&losses)),
         Sentence {
-            reach: evidence.with_isolas().next().map(|_| evidence.reach()),
-            ..Sentence::new("From which forcing on?", caveat.clone() + &evidence.onset())
+            title: "Where is it dangerous?",
+            text: evidence.danger(&losses),
+            details: further(evidence.details()),
+            reach: is_known.then(|| evidence.reach()),
         },
-        Sentence::new("Would ordinary continuation have missed it?", caveat + &evidence.missed()),
+        Sentence {
+            title: "From which forcing on?",
+            text: caveat.clone() + &evidence.onset(),
+            details: Vec::new(),
+            reach: None,
+        },
+        Sentence {
+            title: "Would ordinary continuation have missed it?",
+            text: caveat + &evidence.missed(),
+            details: if evidence.with_isolas().next().is_none() { further(evidence.others()) } else { Vec::new() },
+            reach: None,
+        },
     ]
 }
 
@@ -115,14 +128,20 @@ impl<'r> Evidence<'r> {
                     self.stability_of_isolas()
                 ));
             }
-            None => parts.push(format!("No isola was found from {}; {}.", self.searched(), self.not_searched())),
+            None => parts.push("No isola was found where it was looked for.".into()),
         }
-        parts.extend(self.untouched().map(String::from));
-        parts.extend(self.others());
         let stability = self.stability_of_peak(largest);
         parts.push(format!("The largest computed response, {}{gap}, is on {on}, {place}{stability}.", at(largest)));
-        parts.extend(truncation(self.levels, self.harmonics));
         parts.join(" ")
+    }
+
+    /// What else is known.
+    fn details(&self) -> Vec<String> {
+        let mut list: Vec<String> = self.untouched().map(String::from).into_iter().collect();
+        list.extend(self.others());
+        list.extend(self.not_found());
+        list.extend(truncation(self.levels, self.harmonics));
+        list
     }
 
     /// Branches that are neither main ones nor isolas, for what they are.
@@ -208,9 +227,9 @@ impl<'r> Evidence<'r> {
         let first = births.filter(is_separate).min_by(|(_, a), (_, b)| a.threshold.total_cmp(&b.threshold));
         let Some((backbone, birth)) = first else {
             return if self.with_isolas().next().is_some() {
-                format!("; the energy balance of {mode} does not predict them")
+                format!("; the energy balance of {mode} does not predict them{}", self.found_otherwise())
             } else if self.levels.iter().any(|level| level.not_found().next().is_some()) {
-                // What it predicts and was not found is among the losses.
+                // What it predicts and was not found is among the details.
                 String::new()
             } else {
                 format!("; the energy balance of {mode} predicts no separate response at the levels of the run")
@@ -228,13 +247,28 @@ impl<'r> Evidence<'r> {
         format!("; the energy balance of {mode} predicts separate responses from A = {threshold} on, near {near}")
     }
 
+    /// What led to isolas beside the energy balance.
+    fn found_otherwise(&self) -> String {
+        let isolas = self.levels.iter().flat_map(Level::isolas);
+        let mut origins: Vec<Origin> = isolas.filter_map(|isola| isola.found_by).collect();
+        origins.sort_unstable();
+        origins.dedup();
+        let ways = origins.iter().filter_map(|origin| match origin {
+            Origin::Curve => Some("along curves over the forcing"),
+            Origin::Start => Some("from random starts"),
+            Origin::Continuation => Some("where a growing forcing leads from rest"),
+            Origin::Balance => None,
+        });
+        let ways: Vec<&str> = ways.collect();
+        if ways.is_empty() { String::new() } else { format!(": they were found {}", ways.join(" and ")) }
+    }
+
     fn missed(&self) -> String {
         if self.is_empty() {
             return "Nothing is known yet.".into();
         }
         if self.with_isolas().next().is_none() {
-            let others: String = self.others().iter().map(|sentence| format!(" {sentence}")).collect();
-            return format!("No isola was found where it was looked for (see the first answer).{others}");
+            return "No isola was found where it was looked for (see the first answer).".into();
         }
         let gains = self.with_isolas().filter_map(|level| {
             let main = level.main().filter(|main| main.amplitude_max > 0.0)?;
@@ -263,11 +297,11 @@ impl<'r> Evidence<'r> {
         let amplitude = &level.amplitude;
         match gain.ratio() {
             ratio if ratio >= 2.0 => format!(
-                "Yes. At A = {amplitude} it stops at {stops}, but an isola goes up to {goes}, {} times as much.",
+                "Yes. At A = {amplitude} it goes up to {stops}, an isola up to {goes}, {} times as much.",
                 digits(ratio, 2)
             ),
             ratio if ratio >= 1.0 => format!(
-                "Yes. At A = {amplitude} it stops at {stops}, but an isola goes up to {goes}, {:.0} % more.",
+                "Yes. At A = {amplitude} it goes up to {stops}, an isola up to {goes}, {:.0} % more.",
                 (ratio - 1.0) * 100.0
             ),
             ratio => format!(

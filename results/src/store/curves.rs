@@ -19,7 +19,7 @@ use std::sync::Arc;
 const SINCE: i64 = 3;
 
 /// A fold curve in numbers.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct CurveRow {
     /// Number, from 1.
     pub number: usize,

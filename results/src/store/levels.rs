@@ -51,6 +51,8 @@ pub struct BranchRow {
     pub stability: Option<Stability>,
     /// Number, from 1, of what it is one forcing level of; none for main branches.
     pub family: Option<usize>,
+    /// What led to it.
+    pub found_by: Option<Origin>,
     #[serde(skip)]
     pub(crate) id: i64,
     #[serde(skip)]
@@ -82,6 +84,36 @@ impl BranchRow {
     /// `≥ ` if the response may be larger than the largest amplitude that is known.
     pub fn at_least(&self) -> &'static str {
         if self.peak_standing == Some(Standing::AtLeast) { "≥ " } else { "" }
+    }
+}
+
+/// What led to a branch.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+pub enum Origin {
+    /// Ordinary continuation.
+    #[serde(rename = "continuation")]
+    Continuation,
+    /// A window of the energy balance.
+    #[serde(rename = "energy balance")]
+    Balance,
+    /// A curve over the forcing, of folds as a rule.
+    #[serde(rename = "fold curve")]
+    Curve,
+    /// A random start.
+    #[serde(rename = "random start")]
+    Start,
+}
+
+impl Origin {
+    /// Of what a task of this kind found.
+    fn of(kind: &str) -> Option<Self> {
+        match kind {
+            "main" => Some(Self::Continuation),
+            "seed" => Some(Self::Balance),
+            "crossing" => Some(Self::Curve),
+            "begin" => Some(Self::Start),
+            _ => None,
+        }
     }
 }
 
@@ -154,7 +186,8 @@ impl Reader {
         let later = LATER.map(|(name, since)| if version < since { "NULL" } else { name }).join(", ");
         let sql = format!(
             "SELECT kind, number, status, closed, points, omega_min, omega_max, amplitude_max, omega_at_max, \
-             contact_omega_min, contact_omega_max, id, task, {later} FROM branches WHERE level = ?1 ORDER BY number"
+             contact_omega_min, contact_omega_max, id, task, {later}, \
+             (SELECT tasks.kind FROM tasks WHERE tasks.id = task) FROM branches WHERE level = ?1 ORDER BY number"
         );
         let mut list = self.all(&sql, [level], branch)?;
         let mut stability = self.stability(level)?;
@@ -259,6 +292,7 @@ fn branch(row: &Row<'_>) -> rusqlite::Result<BranchRow> {
         },
         stability: None,
         family: None,
+        found_by: row.get::<_, Option<String>>(13 + LATER.len())?.as_deref().and_then(Origin::of),
     })
 }
 

@@ -44,7 +44,7 @@ pub use verifications::{BifurcationRow, PeakOrbit, Stability, verdict_name};
 
 #[cfg(any(feature = "figures", feature = "page"))]
 pub use account::{TaskRow, WorkerCost};
-pub use levels::{BranchRow, WindowOutcome, WindowRow};
+pub use levels::{BranchRow, Origin, WindowOutcome, WindowRow};
 
 pub(crate) use branch_id::branch_id;
 pub(crate) use displacement::Displacements;

@@ -9,6 +9,9 @@ use serde::{Deserialize, Serialize};
 pub enum Stop {
     /// It began here, where it grows out of the linear response.
     Start,
+    /// It began here, where a forcing that grows from zero leads: the response is not the linear one, and what is beyond was not
+    /// followed.
+    Rest,
     /// It came back to its first point.
     Closed,
     /// It reached a frequency bound.
@@ -35,6 +38,7 @@ impl std::fmt::Display for Stop {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Stop::Start => write!(f, "linear range"),
+            Stop::Rest => write!(f, "forcing grown from zero"),
             Stop::Closed => write!(f, "closed"),
             Stop::FrequencyBound => write!(f, "frequency bound"),
             Stop::AmplitudeBound => write!(f, "amplitude bound"),

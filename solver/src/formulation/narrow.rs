@@ -24,6 +24,15 @@ const APPROACH: f64 = 0.5;
 /// those of other harmonics, which only nonlinear forces excite.
 const NEGLIGIBLE: [f64; 2] = [1e-3, 5e-2];
 
+/// Harmonics below this share of the motion are not looked at.
+const SEEN: f64 = 1e-3;
+
+/// A harmonic that changes by more than so many times its own size turns round: within a step that only a resonance does.
+const TURNED: f64 = 1.2;
+
+/// How far, relative to the frequency, laws may shift a resonance.
+const SHIFTED: f64 = 0.25;
+
 /// Size of the oscillation in a state: its series (nc numbers each) without their means.
 fn oscillation(metric: &[f64], nc: usize, y: &[f64]) -> f64 {
     difference(metric, nc, y, None)
@@ -42,7 +51,31 @@ pub(super) fn are_neighbours(system: &System<'_>, metric: &[f64], from: &[f64], 
     }
     let nc = width(system.harmonics);
     let size = oscillation(metric, nc, from).max(oscillation(metric, nc, to));
-    difference(metric, nc, from, Some(to)) <= ALLOWED * size
+    difference(metric, nc, from, Some(to)) <= ALLOWED * size && !hops(system, metric, [from, to], size)
+}
+
+/// Whether a harmonic that the forcing does not act on turns round between two states, farther apart in frequency than the width
+/// of a resonance of its that laws may have shifted to between them.
+fn hops(system: &System<'_>, metric: &[f64], [from, to]: [&[f64]; 2], size: f64) -> bool {
+    let nc = width(system.harmonics);
+    let of_harmonic = |k: usize, value: &dyn Fn(usize) -> f64| {
+        let entries = (0..metric.len() / nc).flat_map(|series| [series * nc + 2 * k - 1, series * nc + 2 * k]);
+        entries.map(|i| metric[i] * value(i).powi(2)).sum::<f64>().sqrt()
+    };
+    let omega = [from, to].map(|y| y[metric.len()] * system.scales.frequency);
+    let others = (1..=system.harmonics).filter(|k| *k != system.modal.harmonic());
+    let mut turned = others.filter(|&k| {
+        let largest = of_harmonic(k, &|i| from[i]).max(of_harmonic(k, &|i| to[i]));
+        largest > SEEN * size && of_harmonic(k, &|i| to[i] - from[i]) > TURNED * largest
+    });
+    turned.any(|k| {
+        (0..system.model.size()).any(|j| {
+            let resonance = system.model.modes().frequencies[j] / k as f64;
+            let half_width = 0.5 * system.model.damping().diagonal(j).abs() / k as f64;
+            let moved = (omega[1] - omega[0]).abs();
+            (resonance - omega[0]).abs() <= SHIFTED * omega[0] && moved > half_width.max(1e-9 * omega[0])
+        })
+    })
 }
 
 /// Longest step from a state of a frequency response along its unit tangent; `modal` has its modal amplitudes (modes × nc).

@@ -41,9 +41,13 @@ impl Standing {
 fn goes_on_higher(stop: &Stop) -> bool {
     match stop {
         Stop::AmplitudeBound => true,
-        Stop::Start | Stop::Closed | Stop::FrequencyBound | Stop::ForcingBound | Stop::Joined | Stop::Branching => {
-            false
-        }
+        Stop::Start
+        | Stop::Rest
+        | Stop::Closed
+        | Stop::FrequencyBound
+        | Stop::ForcingBound
+        | Stop::Joined
+        | Stop::Branching => false,
         Stop::PointBudget | Stop::Stalled(_) | Stop::Reversed | Stop::Cancelled => true,
     }
 }
@@ -84,6 +88,8 @@ mod tests {
             (Outcome::Open(bound, bound), 4, Standing::At),
             (Outcome::Open(bound, bound), 0, Standing::AtLeast),
             (Outcome::Open(Stop::Start, bound), 8, Standing::AtLeast),
+            (Outcome::Open(Stop::Rest, bound), 4, Standing::At),
+            (Outcome::Open(Stop::Rest, bound), 0, Standing::AtLeast),
             (Outcome::Open(Stop::Start, Stop::AmplitudeBound), 4, Standing::AtLeast),
             (Outcome::Open(Stop::Reversed, bound), 4, Standing::AtLeast),
             (Outcome::Open(Stop::Start, Stop::PointBudget), 4, Standing::AtLeast),

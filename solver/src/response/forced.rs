@@ -22,7 +22,7 @@ use crate::response::branch::{
 use crate::response::folds::{Critical, CriticalCurve, CriticalError, Extent, Quantity};
 use crate::response::forcing::{Unreached, from_rest};
 use crate::response::interrupt::Interrupt;
-use crate::response::ordinary::{LINEAR, converge, distance, is_ordinary, trimmed};
+use crate::response::ordinary::{LINEAR, converge, distance, is_ordinary, trimmed, turns};
 pub use crate::response::search_range::SearchRange;
 use crate::response::special::with_special_points;
 use crate::response::truncation::certificate;
@@ -228,25 +228,40 @@ impl<'m, F: Formulation<'m>> Forced<'m, F> {
         let (newton, given) = (self.landing(), self.settings.frequency);
         let mut continuation = Continuation::start(&mut self.problem, y, &direction, self.settings.continuation)?;
         continuation.record(&self.recorder);
-        let mut has_entered = false;
+        let (mut has_entered, mut reached) = (false, swept);
         let mut ending = |problem: &mut F, last: &TracedPoint| {
             let (omega, towards) = (last.point.omega(), last.curve.tangent[problem.len() - problem.parameters()]);
             has_entered |= (swept.0..=swept.1).contains(&omega);
-            // One that turns before it has come into the range may yet do so.
-            let leaves = has_entered && ((omega < swept.0 && towards < 0.0) || (omega > swept.1 && towards > 0.0));
+            // One that turns before it has come into the range may yet do so. Where its own resonance has led it beyond, the
+            // ordinary response is wanted as far.
+            let leaves = has_entered && ((omega < reached.0 && towards < 0.0) || (omega > reached.1 && towards > 0.0));
+            if has_entered {
+                reached.0 = if given.min.is_none() { reached.0.min(omega) } else { reached.0 };
+                reached.1 = if given.max.is_none() { reached.1.max(omega) } else { reached.1 };
+            }
             (leaves && is_ordinary(problem, &newton, &last.point.state)).then_some(Stop::FrequencyBound)
         };
         let (mut visited, stop) = walk(&mut continuation, &bounds, observer, &mut ending);
         let mut outcome = Outcome::Closed;
         if stop != Stop::Closed {
             let begins_ordinarily = is_ordinary(continuation.problem(), &newton, &visited[0].point.state);
-            outcome = Outcome::Open(if begins_ordinarily { Stop::Start } else { Stop::FrequencyBound }, stop);
+            let beginning = visited[0].point.omega();
             let is_given =
                 |omega: f64| (given.min.is_some() && omega < study.0) || (given.max.is_some() && omega > study.1);
-            let mut is_spare = |problem: &mut F, end: &TracedPoint, turns: bool| {
-                is_given(end.point.omega()) || (!turns && is_ordinary(problem, &newton, &end.point.state))
+            let mut is_spare = |problem: &mut F, end: &TracedPoint| {
+                is_given(end.point.omega()) || is_ordinary(problem, &newton, &end.point.state)
             };
-            visited = trimmed(&mut continuation, visited, study, stop, &mut is_spare);
+            let (first_turn, last_turn) = turns(&visited);
+            let low = if given.min.is_some() { study.0 } else { study.0.min(first_turn) };
+            let high = if given.max.is_some() { study.1 } else { study.1.max(last_turn) };
+            visited = trimmed(&mut continuation, visited, (low, high), stop, &mut is_spare);
+            let is_trimmed = visited[0].point.omega() != beginning;
+            let begin = match (begins_ordinarily, is_trimmed) {
+                (true, _) => Stop::Start,
+                (_, true) => Stop::FrequencyBound,
+                (_, false) => Stop::Rest,
+            };
+            outcome = Outcome::Open(begin, stop);
         }
         let rejections = continuation.rejections();
         Ok(self.finish(TracedCurve { visited, start: 0, outcome, rejections }, BranchKind::Main))

@@ -47,9 +47,8 @@ pub(super) fn is_ordinary<'m, F: Formulation<'m>>(problem: &mut F, settings: &Ne
             && converge(problem, settings, &linear).is_ok_and(|found| distance(problem, &found, state) < 1e-6))
 }
 
-/// Whether what lies beyond a range may be left out of a branch that ends with this point there; told as well whether it turns
-/// back in frequency on the way.
-pub(super) type IsSpare<'s, F> = dyn FnMut(&mut F, &TracedPoint, bool) -> bool + 's;
+/// Whether what lies beyond a range may be left out of a branch that ends with this point there.
+pub(super) type IsSpare<'s, F> = dyn FnMut(&mut F, &TracedPoint) -> bool + 's;
 
 /// What is left of a walk that ended so if it begins where it first enters a range of frequencies and ends where it last leaves
 /// it, with points at the bounds themselves. A walk that is never inside keeps its ends, and so does one that does not leave, or
@@ -67,10 +66,8 @@ pub(super) fn trimmed<'m, F: Formulation<'m>>(
         return visited;
     };
     let (begin, end) = (&visited[..=first], &visited[last..]);
-    let begins = first > 0 && is_spare(continuation.problem(), &begin[0], turns(begin));
-    let ends = stop == Stop::FrequencyBound
-        && end.len() > 1
-        && is_spare(continuation.problem(), &end[end.len() - 1], turns(end));
+    let begins = first > 0 && is_spare(continuation.problem(), &begin[0]);
+    let ends = stop == Stop::FrequencyBound && end.len() > 1 && is_spare(continuation.problem(), &end[end.len() - 1]);
     if ends {
         visited.truncate(last + 2);
         end_at_bound(continuation, &mut visited, (low, high));
@@ -82,8 +79,9 @@ pub(super) fn trimmed<'m, F: Formulation<'m>>(
     visited
 }
 
-/// Whether a piece of a curve turns back in frequency.
-fn turns(piece: &[TracedPoint]) -> bool {
-    let rises = |pair: &[TracedPoint]| pair[1].point.omega() > pair[0].point.omega();
-    piece.windows(2).any(|pair| rises(pair) != rises(&piece[..2]))
+/// Lowest and highest frequency at which a curve turns back; infinite and zero if it does not.
+pub(super) fn turns(visited: &[TracedPoint]) -> (f64, f64) {
+    let omega: Vec<f64> = visited.iter().map(|v| v.point.omega()).collect();
+    let turning = omega.windows(3).filter(|three| (three[1] > three[0]) != (three[2] > three[1])).map(|three| three[1]);
+    turning.fold((f64::INFINITY, 0.0), |(low, high): (f64, f64), omega| (low.min(omega), high.max(omega)))
 }

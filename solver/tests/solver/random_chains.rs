@@ -234,9 +234,10 @@ fn what_is_listed_is_what_it_is_called() {
 }
 
 /// Chains of which something was wrong once: main branches in pieces that overlapped (140, 157, 174), that ended before they
-/// had come into the range (137, 881) or beyond it before their peak (149, 307, 684), arcs of contact that were not seen (120),
-/// steps across the gap between curves (709).
+/// had come into the range (137, 881) or beyond it before their peak (149, 307, 684), or that did not lead as far as their own
+/// peak on the other side of it (1007, 1247), arcs of contact that were not seen (120), steps across the gap between curves (709), or
+/// across a superharmonic resonance (1115, 2543), which made isolas of its flanks.
 #[test]
 fn chains_that_were_wrong_are_right() {
-    assert_right([120, 137, 140, 149, 157, 174, 307, 684, 709, 881].into_iter());
+    assert_right([120, 137, 140, 149, 157, 174, 307, 684, 709, 881, 1007, 1115, 1247, 2543].into_iter());
 }

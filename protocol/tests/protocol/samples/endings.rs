@@ -20,6 +20,7 @@ pub fn outcomes() -> (Vec<Outcome>, Vec<SeedOutcome>) {
         rejections.chain([Rejection::Angle(0.876), Rejection::Orientation, Rejection::Distance]).map(Stop::Stalled);
     let others = [
         Stop::Start,
+        Stop::Rest,
         Stop::Closed,
         Stop::FrequencyBound,
         Stop::AmplitudeBound,

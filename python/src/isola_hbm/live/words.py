@@ -8,6 +8,7 @@ from .wire import variant
 
 _STOPS = {
     "start": "linear range",
+    "rest": "forcing grown from zero",
     "closed": "closed",
     "frequency_bound": "frequency bound",
     "amplitude_bound": "amplitude bound",

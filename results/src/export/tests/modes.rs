@@ -54,7 +54,7 @@ fn what_was_searched_is_said_by_modes() {
     let (store, _) = study.finished(dir.path());
     let report = Report::read(&store, &Selection::Fitting).unwrap();
     assert!(report.run.missing.is_empty(), "{:?}", report.run.missing);
-    assert!(report.verdict.iter().any(|part| part.text.contains("the windows of modes 2 and 1 at 2 levels")));
+    assert!(report.verdict.iter().any(|part| part.whole().contains("the windows of modes 2 and 1 at 2 levels")));
     let said = summary_table::table(&store, Layout::default()).unwrap();
     assert!(said.contains("Windows of modes 2 and 1 were searched.\n"), "{said}");
     let choice = store.modes().unwrap().unwrap();

@@ -4,7 +4,7 @@ use super::*;
 use crate::curves::BackboneCurve;
 use crate::overview::Seeds;
 use crate::report::evidence::Structure;
-use crate::store::{PeakOrbit, SearchCounts, Stability, WindowOutcome, WindowRow};
+use crate::store::{CurvePoint, CurveRow, PeakOrbit, SearchCounts, Stability, WindowOutcome, WindowRow};
 use protocol::to_everyone::Stage;
 use solver::response::branch::{Outcome, Standing, Stop};
 use solver::response::modes::{LeftOut, ModesFollowed};
@@ -142,17 +142,12 @@ fn isolas_apart() {
          isola, a closed branch apart from the main one, is another periodic response at the same forcing, with up to \
          2 mm at tip; whether it is stable and what leads there was not verified. The largest computed response, 2.5 mm \
          at tip (gap 0.4 mm), is on the main branch, at 100 rad/s (15.92 Hz) and A = 4; whether it is stable was \
-         not verified."
+         not verified. Looked for: the windows of mode 1 at 5 levels (10 seeds tried); isolas of other modes, of sub- \
+         and super-harmonics and those that no energy balance of mode 1 leads to were not looked for."
     );
     // Found and not predicted is said as one thing.
-    assert_eq!(
-        onset,
-        format!(
-            "Isolas were found at A = 2 to 3, 5; the energy balance of mode 1 does not predict them. Looked for: the \
-             windows of mode 1 at 5 levels (10 seeds tried); {NOT_SEARCHED}"
-        )
-    );
-    assert!(missed.starts_with("Yes. At A = 2 it stops at 1 mm at 100 rad/s"), "{missed}");
+    assert_eq!(onset, "Isolas were found at A = 2 to 3, 5; the energy balance of mode 1 does not predict them.");
+    assert!(missed.starts_with("Yes. At A = 2 it goes up to 1 mm at 100 rad/s"), "{missed}");
     assert!(missed.ends_with("up to 2 mm at 130 rad/s (20.69 Hz), 2 times as much."), "{missed}");
 }
 
@@ -162,7 +157,8 @@ fn none_was_found_where_it_was_looked_for() {
     levels[1].seeds.failed = 1;
     let [danger, onset, missed] = texts(&levels);
     let searched = "the windows of mode 1 at 2 levels (4 seeds tried, 1 led nowhere)";
-    assert!(danger.starts_with(&format!("No isola was found from {searched}; {NOT_SEARCHED}")), "{danger}");
+    assert!(danger.starts_with("No isola was found where it was looked for. The largest"), "{danger}");
+    assert!(danger.ends_with(&format!("Looked for: {searched}; {NOT_SEARCHED}")), "{danger}");
     // What it was looked for with is said once.
     assert_eq!(missed, "No isola was found where it was looked for (see the first answer).");
     let balance = "the energy balance of mode 1 predicts no separate response at the levels of the run";
@@ -188,9 +184,33 @@ fn a_prediction_that_was_not_found_is_one() {
         outcome: WindowOutcome::NotFound("no seed converged".into()),
     });
     let [danger, onset, _] = texts(&levels);
-    assert!(danger.starts_with("1 predicted response not found, at A = 1. No isola"), "{danger}");
-    assert!(onset.starts_with("Known only in part (1 predicted response not found)"), "{onset}");
+    let estimate =
+        "1 response that the energy balance predicts, which is an estimate, not found at A = 1: none of their seeds";
+    assert!(danger.contains(estimate), "{danger}");
+    assert!(onset.starts_with("None was found where"), "{onset}");
     assert!(!onset.contains("predicts no separate response"), "{onset}");
+    // Fold curves may have an isola born there, but later.
+    let birth = |forcing, omega| CurveRow {
+        points: vec![CurvePoint { forcing, omega, amplitude: 1e-3, event: Some("birth".into()) }],
+        ..CurveRow::default()
+    };
+    for (curve, is_later) in [(birth(1.25, 105.0), true), (birth(1.25, 115.0), false), (birth(0.75, 105.0), false)] {
+        let curves = [curve];
+        let [danger, ..] = told(&levels, |evidence| evidence.curves = &curves);
+        let later = "At A = 1 the energy balance predicts a response in a range of frequencies in which, along fold curves, \
+                     an isola is born at A = 1.25 only: none was found there.";
+        assert_eq!([danger.contains(later), danger.contains(estimate)], [is_later, !is_later], "{danger}");
+    }
+}
+
+#[test]
+fn what_led_to_isolas_is_told() {
+    let found = |found_by| BranchRow { found_by: Some(found_by), ..isola(2e-3) };
+    let levels =
+        [level(1.0, vec![main(1e-3), found(Origin::Start)]), level(2.0, vec![main(1e-3), found(Origin::Curve)])];
+    let [_, onset, _] = texts(&levels);
+    let expected = "does not predict them: they were found along curves over the forcing and from random starts.";
+    assert!(onset.ends_with(expected), "{onset}");
 }
 
 #[test]
@@ -236,7 +256,7 @@ fn a_cancelled_run_says_so_first() {
         onset.starts_with(&format!("{caveat}Isolas were found at A = 1 to 2, and at A = 3, of which not all is known")),
         "{onset}"
     );
-    assert!(onset.contains("the windows of mode 1 at 2 complete levels"), "{onset}");
+    assert!(danger.contains("the windows of mode 1 at 2 complete levels"), "{danger}");
     assert!(missed.starts_with(&format!("{caveat}Yes. At A = ")), "{missed}");
     assert!(!missed.contains("A = 3"), "{missed}");
     // One that goes on is not finished, whatever it has.
@@ -254,11 +274,12 @@ fn losses_come_first() {
     assert!(
         danger.starts_with(
             "1 task given up, at A = 1. There is no main branch at A = 2: it did not converge. The backbone of mode 1 \
-             stopped early (open: linear range to stalled): the energy balance beyond is not known. No isola was found from the \
-             windows of mode 1 at 0 complete levels"
+             stopped early (open: linear range to stalled): the energy balance beyond is not known. No isola was found where it \
+             was looked for."
         ),
         "{danger}"
     );
+    assert!(danger.contains("Looked for: the windows of mode 1 at 0 complete levels"), "{danger}");
     let caveat =
         "Known only in part (1 task given up; no main branch at A = 2; backbone stopped early). None was found";
     assert!(onset.starts_with(caveat), "{onset}");
@@ -281,8 +302,8 @@ fn kinds_are_named_for_what_they_are() {
     let [danger, onset, missed] = texts(&levels);
     let kinds = "1 branch, at A = 1, leaves through the widest bounds at both ends: detached, but not closed. 2 branches, \
                  at A = 1, 2, leave through bounds that were given: whether they are detached is not known.";
-    assert!(danger.starts_with("No isola was found from") && danger.contains(kinds), "{danger}");
-    assert!(danger.contains(". The largest computed response, at least 2 mm at tip (gap 0.4 mm)"), "{danger}");
+    assert!(danger.starts_with("No isola was found where") && danger.contains(kinds), "{danger}");
+    assert!(danger.contains(" The largest computed response, at least 2 mm at tip (gap 0.4 mm)"), "{danger}");
     assert!(onset.starts_with("None was found where"), "{onset}");
     assert!(missed.ends_with(kinds), "{missed}");
     let branched = branch("branched", 1, (92.0, 95.0), 2e-3);
@@ -314,7 +335,7 @@ fn a_main_branch_known_in_part_is_no_measure() {
 fn what_the_structure_does_of_itself() {
     let levels = [level(1.0, vec![BranchRow { contact_omega: None, ..main(1e-3) }])];
     let [danger, ..] = texts(&levels);
-    assert!(danger.contains(" Nothing touched its stop at any level. The largest"), "{danger}");
+    assert!(danger.contains(" Nothing touched its stop at any level. Looked"), "{danger}");
     let [danger, ..] = told(&levels, |evidence| evidence.structure.stops = 0);
     assert!(!danger.contains("touched"), "{danger}");
     let [danger, ..] = told(&levels, |evidence| evidence.structure.excited = vec![2]);

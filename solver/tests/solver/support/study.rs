@@ -97,7 +97,7 @@ pub fn main_peak(level: &[Listed]) -> (f64, f64) {
 /// Why a branch ends where its curve does not, if it does: at neither a bound nor its start.
 pub fn why_unfinished(branch: &Branch) -> Option<Stop> {
     let Outcome::Open(first, last) = branch.outcome else { return None };
-    let is_end = |stop: &Stop| matches!(stop, Stop::Start | Stop::FrequencyBound);
+    let is_end = |stop: &Stop| matches!(stop, Stop::Start | Stop::Rest | Stop::FrequencyBound);
     [first, last].into_iter().find(|stop| !is_end(stop))
 }
 
