@@ -46,7 +46,7 @@ pub mod steps;
 pub mod to_everyone;
 pub mod to_worker;
 
-/// Version of the messages, the `v7` of keys and encodings. Workers of another version are refused.
+/// Version of the messages, the `v8` of keys and encodings. Workers of another version are refused.
 pub const VERSION: u32 = 8;
 
 /// Version of the program, for the record of who computed what.

@@ -8,7 +8,7 @@ mod units;
 pub use units::{FrequencyUnit, LengthUnit, Units};
 
 use crate::overview::{
-    Level, Omissions, Overview, Shift, events_sentence, is_unconfirmed, is_untouched, later_birth, modes, truncation,
+    Level, Omissions, Overview, Shift, WindowOutcome, events_sentence, is_unconfirmed, is_untouched, later_birth, modes, truncation,
     unfinished,
 };
 use crate::store::{BranchRow, CurveRow, Reader, Result};
@@ -57,7 +57,7 @@ pub fn table(reader: &Reader, layout: Layout) -> Result<String> {
     let mut table = Table::new();
     table.load_preset(UTF8_FULL_CONDENSED);
     table.set_content_arrangement(ContentArrangement::Dynamic).set_width(layout.width);
-    table.set_header(["A", "main peak", "isolas and others: range, peak", "windows, tasks"]);
+    table.set_header(["A", "main peak", "isolas and others: range, peak", "windows\nfound"]);
     for level in levels.iter().take(LEVELS) {
         table.add_row(rows.of(level));
     }
@@ -194,9 +194,8 @@ impl Rows<'_> {
         format!("{}: {range}, {peak}{mark}", row.kind)
     }
 
-    /// How many windows, and what is missing of them.
+    /// How many windows led to branches, of how many, and what is missing of the level.
     fn windows(&mut self, level: &Level) -> String {
-        let mut lines = vec![level.windows.len().to_string()];
         let unit = self.units.frequency;
         let missed = level.not_found().map(|(window, reason)| {
             let (low, high) = (unit.digits(window.omega.0), unit.digits(window.omega.1));
@@ -207,7 +206,11 @@ impl Rows<'_> {
             self.notes.mark(format!("A = {}, window {low}–{high}: not found: {why}", level.amplitude))
         });
         let missed: Vec<String> = missed.collect();
-        lines.extend((!missed.is_empty()).then(|| format!("{} not found{}", missed.len(), missed.join(" "))));
+        let found = level.windows.iter().filter(|window| matches!(window.outcome, WindowOutcome::Found(_))).count();
+        let mut lines = vec![match level.windows.len() {
+            0 => "no window".into(),
+            all => format!("{found} of {all}{}", missed.join(" ")),
+        }];
         lines.extend((level.pending > 0).then(|| format!("{} to come", count(level.pending, "task"))));
         let given_up = || format!("A = {}: tasks given up: isola retry-dead tries them again", level.amplitude);
         lines.extend(

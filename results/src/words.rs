@@ -4,7 +4,12 @@ use std::f64::consts::TAU;
 
 /// A length with four digits: `0.948 mm`.
 pub fn length(metres: f64) -> String {
-    let (factor, unit) = length_unit(metres);
+    length_among(metres, metres)
+}
+
+/// A length with four digits in the unit in which those up to `largest` are read best, m: so that what is compared has one unit.
+pub fn length_among(metres: f64, largest: f64) -> String {
+    let (factor, unit) = length_unit(largest);
     format!("{} {unit}", digits(metres * factor, 4))
 }
 

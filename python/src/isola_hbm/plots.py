@@ -22,19 +22,20 @@ if TYPE_CHECKING:
 
 #: Colours as in the figures of the program, of what is not a branch.
 _INK, _SHADE, _ISOLA, _FOLDS, _WORK = "#1a2027", "#8b96a1", "#d55e00", "#b0508a", "#7a3300"
-#: Marks of events by kind.
+#: Marks of events by kind, as in the figures of the program: mark, whether it is hollow, name. Cusps are not marked.
 _MARKS = {
-    "birth": ("^", "births"),
-    "merge": ("v", "merges"),
-    "death": ("x", "deaths"),
-    "cusp": (".", "cusps"),
+    "birth": ("^", False, "births"),
+    "merge": ("v", True, "merges"),
+    "death": ("x", False, "ends of isolas"),
 }
+#: Two events of one kind that are no farther apart are one, found along two curves.
+_SAME = 1e-5
 #: A main branch is shown at least where it is higher than this share of its peak.
 _HIGH = 0.8
 #: Thresholds are shown from the lowest level divided by the first to the highest one times the second, as folds are followed.
 _NEAR = (4.0, 2.0)
-#: Widths of main branches and of others.
-_THIN, _BOLD = 1.0, 2.2
+#: Widths of main branches, of those that branch off others, and of isolas and others.
+_THIN, _MEDIUM, _BOLD = 1.0, 1.6, 2.2
 #: Of more levels, neighbours cannot be told apart by their colours: they are named at their peaks, not in the legend.
 _NAMED = 6
 
@@ -70,6 +71,13 @@ class Units:
     def of_frequency(self) -> str:
         """The label of an axis."""
         return f"frequency {'ω' if self.frequency == 'rad/s' else 'f'} ({self.frequency})"
+
+
+def _once(events: pd.DataFrame) -> pd.DataFrame:
+    """Events by forcing without those that stand beside their predecessor."""
+    places = events[["forcing", "omega"]]
+    is_same = (places.diff().abs() <= _SAME * places.abs()).all(axis="columns")
+    return events[~is_same]
 
 
 class Plots:
@@ -118,7 +126,7 @@ class Plots:
                 curve = pd.concat([curve, curve.iloc[:1]])
             style = {
                 "color": colors[level],
-                "linewidth": _THIN if is_main else _BOLD,
+                "linewidth": _THIN if is_main else _MEDIUM if row["kind"] == "branched" else _BOLD,
                 # What a lower level has lies inside of what a higher one has.
                 "zorder": 3.0 - levels.index(level) / len(levels),
             }
@@ -136,10 +144,12 @@ class Plots:
                 axes.plot(at, np.where(unstable, height, np.nan), linestyle=(0, (2.5, 1.5)), **style)
                 has_unstable = True
         curves = axes.get_lines()
-        others = set(summary["kind"]) - {"main"}
+        others = set(summary["kind"]) - {"main", "branched"}
+        has_branched = (summary["kind"] == "branched").any()
         for wanted, label, how in (
-            (others, "main branch", {"linewidth": _THIN}),
+            (others or has_branched, "main branch", {"linewidth": _THIN}),
             (others, "isola" if others == {"isola"} else "isola or other", {"linewidth": _BOLD}),
+            (has_branched, "branches off another", {"linewidth": _MEDIUM}),
             (has_unstable, "unstable (solid: stable, or not known)", {"linestyle": (0, (2.5, 1.5))}),
         ):
             if wanted:
@@ -243,8 +253,10 @@ class Plots:
         shown = []
         for i, (_, curve) in enumerate(table.groupby("mode", sort=False)):
             threshold = curve["threshold"].where(curve["threshold"].between(*near))
-            label = "threshold A*" if i == 0 else None
-            axes.plot(units.frequencies(curve["omega"]), threshold, color=_INK, linewidth=1.2, label=label)
+            # The primary mode comes first; the others stand back.
+            label = ("threshold A*", "threshold A* of further modes", None)[min(i, 2)]
+            width = 0.75 if i else 1.2
+            axes.plot(units.frequencies(curve["omega"]), threshold, color=_INK, linewidth=width, label=label)
             shown.append(curve["omega"][threshold.notna()].to_numpy())
         return np.concatenate([np.zeros(0), *shown])
 
@@ -257,10 +269,19 @@ class Plots:
             axes.plot(units.frequencies(curve["omega"]), forcing, color=_FOLDS, linewidth=1.2, label=label)
         shown = events[events["forcing"].between(low, high)]
         for (source, kind), group in shown.groupby(["source", "kind"], sort=False):
-            mark, name = _MARKS.get(str(kind), ("o", str(kind)))
+            if kind not in _MARKS:
+                continue
+            mark, is_hollow, name = _MARKS[str(kind)]
             color = _FOLDS if source == "computed" else _INK
-            at = units.frequencies(group["omega"])
-            axes.plot(at, group["forcing"], mark, color=color, label=f"{name}, {source}")
+            group = _once(group.sort_values("forcing"))
+            axes.plot(
+                units.frequencies(group["omega"]),
+                group["forcing"],
+                mark,
+                color=color,
+                markerfacecolor="none" if is_hollow else color,
+                label=f"{name}, {source}",
+            )
 
     def balance(
         self, amplitude: float | None = None, *, mode: int | None = None, ax: Axes | None = None

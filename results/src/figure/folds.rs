@@ -5,7 +5,8 @@ use super::column_store::ColumnStore;
 use super::data::{Axis, Detail, Entry, Figure, Format, Kind, Label, Panel, Series, Side, Size, Unit};
 use super::style::{Color, MARK, MEDIUM, Shape, Style};
 use super::subject::Subject;
-use crate::store::{CurvePoint, CurveRow};
+use crate::overview::events_of;
+use crate::store::CurvePoint;
 use crate::words::digits;
 
 /// How what happens along a curve is marked: kind, mark, whether it is hollow, name in the legend, word on the label.
@@ -34,7 +35,7 @@ pub fn figure(subject: &Subject<'_>, store: &mut ColumnStore) -> Result<Figure, 
     let mut series: Vec<Series> = subject.curves.iter().map(|curve| of_points(&curve.points, &line, store)).collect();
     let mut labels = Vec::new();
     for (wanted, shape, is_hollow, name, word) in EVENTS {
-        let found: Vec<CurvePoint> = of_kind(subject.curves, wanted).cloned().collect();
+        let found: Vec<CurvePoint> = events_of(subject.curves, wanted).into_iter().cloned().collect();
         if found.is_empty() {
             continue;
         }
@@ -55,11 +56,6 @@ pub fn figure(subject: &Subject<'_>, store: &mut ColumnStore) -> Result<Figure, 
         ..Panel::default()
     };
     Ok(Figure { name: "folds", title: None, columns: 1, choice: "", linked_x: false, legend, panels: vec![panel] })
-}
-
-/// Points of all curves at which this happens.
-pub fn of_kind<'c>(curves: &'c [CurveRow], wanted: &'c str) -> impl Iterator<Item = &'c CurvePoint> {
-    curves.iter().flat_map(CurveRow::events).filter(move |(kind, _)| *kind == wanted).map(|(_, point)| point)
 }
 
 fn of_points(points: &[CurvePoint], style: &Style, store: &mut ColumnStore) -> Series {

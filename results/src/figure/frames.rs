@@ -60,7 +60,13 @@ impl Frame {
             run.name = name(row(run), k + 1);
         }
         paint(&mut runs);
-        let sentences = runs.iter().enumerate().map(|(k, run)| sentence(backbone, k + 1, run, level)).collect();
+        let numbered = |(k, run): (usize, &Run)| sentence(backbone, row(run).map_or(k + 1, |row| row.number), run, level);
+        let mut sentences: Vec<String> = runs.iter().enumerate().map(numbered).collect();
+        let elsewhere = level.map_or(0, |(_, level)| level.windows.iter().filter(|w| w.mode != backbone.mode + 1).count());
+        if elsewhere > 0 {
+            let windows = count(elsewhere, "window");
+            sentences.push(format!("Of other modes, which are not drawn here, {windows} more: see the account (table 7)."));
+        }
         let name = level.map_or_else(|| digits(amplitude, 4), |(_, level)| level.amplitude.clone());
         let note = if level.is_some() { "" } else { " (not a level of this run)" };
         let what = match runs.len() {
@@ -69,7 +75,7 @@ impl Frame {
         };
         Self {
             amplitude,
-            words: format!("At A = {name}{note} the balance predicts {what}"),
+            words: format!("At A = {name}{note} the balance of mode {} predicts {what}", backbone.mode + 1),
             name: format!("A = {name}"),
             level: level.map(|(index, _)| index),
             runs,

@@ -2,11 +2,11 @@
 
 use super::column_store::ColumnStore;
 use super::data::{Axis, Direction, Entry, Figure, Kind, Label, Panel, Series, Side, Size, Span, Unit};
-use super::folds::{EVENTS, event_label, of_kind};
+use super::folds::{EVENTS, event_label};
 use super::style::{BOLD, Color, FINE, MARK, MEDIUM, Shape, Style};
 use super::subject::{BackboneColumns, Subject};
 use crate::curves::BackboneCurve;
-use crate::overview::{WindowOutcome, WindowRow};
+use crate::overview::{WindowOutcome, WindowRow, events_of};
 use crate::store::{BranchRow, CurvePoint};
 use crate::words::digits;
 use solver::response::branch::BranchKind;
@@ -186,8 +186,8 @@ impl Drawing<'_> {
 }
 
 /// Where this happens along fold curves, as far as the axis of A shows it.
-fn computed<'s>(subject: &Subject<'s>, y: &'s Axis, wanted: &'s str) -> impl Iterator<Item = &'s CurvePoint> {
-    of_kind(subject.curves, wanted).filter(|point| (0.0..=1.0).contains(&y.share(point.forcing)))
+fn computed<'s>(subject: &Subject<'s>, y: &'s Axis, wanted: &str) -> impl Iterator<Item = &'s CurvePoint> {
+    events_of(subject.curves, wanted).into_iter().filter(|point| (0.0..=1.0).contains(&y.share(point.forcing)))
 }
 
 /// Thresholds along a backbone, with their frequencies.

@@ -5,7 +5,7 @@ use super::bands::bands;
 use super::column_store::{ColumnStore, Ref};
 use super::data::{Axis, Detail, Direction, Entry, Figure, Format, Kind, Label, Panel, Series, Side, Size, Span};
 use super::smooth::smooth;
-use super::style::{BOLD, Color, FINE, MARK, Shape, Style, THIN};
+use super::style::{BOLD, Color, FINE, MARK, MEDIUM, Shape, Style, THIN};
 use super::subject::{BackboneColumns, Subject, level_colors};
 use crate::curves::{Beyond, Column, Curve, Monitor};
 use solver::response::branch::{BranchKind, SpecialKind};
@@ -25,6 +25,8 @@ const LABELLED: usize = 40;
 const HIGH: f64 = 0.8;
 /// Room beside what is shown at least, as a share of its width.
 const ROOM: f64 = 0.25;
+/// Room beside ends of branches, as a share of the same width.
+const EDGE: f64 = 0.03;
 /// The page begins with the whole sweep if it is no more than so many times as wide as what files show.
 const WIDE: f64 = 3.0;
 /// Branches that leave through the widest bounds are beyond what is shown where they are higher all along than so many times the
@@ -157,9 +159,11 @@ impl<'r> Outline<'r> {
         });
         let (low, high) = super::axis::bounds(shown);
         let room = ROOM * (high - low);
-        let part = ((low - room).max(ends.0), (high + room).min(ends.1));
+        // What ends somewhere does so a little inside of the figure.
+        let edge = EDGE * (high - low);
+        let part = ((low - room).max(ends.0 - edge), (high + room).min(ends.1 + edge));
         let range = if part.1 > part.0 { part } else { ends };
-        let farther = if self.branches.is_empty() { whole } else { (whole.0.min(low), whole.1.max(high)) };
+        let farther = if self.branches.is_empty() { whole } else { (whole.0.min(low - edge), whole.1.max(high + edge)) };
         let is_near = farther.1 - farther.0 <= WIDE * (range.1 - range.0);
         let whole = is_near.then(|| super::axis::bounds([farther.0, farther.1]));
         Axis { whole, ..Axis::of_frequencies(range) }
@@ -181,7 +185,7 @@ impl<'r> Outline<'r> {
             (has(BranchKind::Isola), "isola", line, Style::line(color, BOLD)),
             (has(BranchKind::Open), open, line, Style::line(color, BOLD)),
             (has(BranchKind::Cut), "cut off by a bound", line, Style::line(color, BOLD)),
-            (has(BranchKind::Branched), "branches off another", line, Style::line(color, BOLD)),
+            (has(BranchKind::Branched), "branches off another", line, Style::line(color, MEDIUM)),
             (has(BranchKind::Unfinished), "unfinished", line, Style::line(color, BOLD)),
             (
                 self.branches.iter().any(|branch| branch.unstable.contains(&true)),
@@ -268,7 +272,11 @@ pub fn branch_series(
     }
     let is_main = branch.kind == "main";
     let is_loop = !is_main && branch.closed;
-    let width = if is_main || is_crowded { THIN } else { BOLD };
+    let width = match branch.kind {
+        _ if is_main || is_crowded => THIN,
+        kind if kind == BranchKind::Branched.name() => MEDIUM,
+        _ => BOLD,
+    };
     Series {
         kind: if is_loop { Kind::Closed } else { Kind::Line },
         name: Some(format!("A = {amplitude}, {}", branch.name)),

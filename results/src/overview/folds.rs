@@ -21,28 +21,33 @@ pub fn why_no_folds(model: &Model, settings: &Settings) -> Option<String> {
 /// Where fold curves have an isola born in the frequency range of a window, at a larger forcing than the window's: there the
 /// balance predicts it too early.
 pub fn later_birth<'c>(curves: &'c [CurveRow], forcing: f64, window: &WindowRow) -> Option<&'c CurvePoint> {
-    let births = curves.iter().flat_map(CurveRow::events).filter(|(kind, _)| *kind == CriticalKind::Birth.name());
-    let is_later =
-        |point: &&CurvePoint| point.forcing > forcing && (window.omega.0..=window.omega.1).contains(&point.omega);
-    births.map(|(_, point)| point).filter(is_later).min_by(|a, b| a.forcing.total_cmp(&b.forcing))
+    let (low, high) = window.omega;
+    let mut births = events_of(curves, CriticalKind::Birth.name()).into_iter();
+    births.find(|birth| birth.forcing > forcing && (low..=high).contains(&birth.omega))
 }
 
 /// Births or merges that a sentence names.
 const EVENTS: usize = 6;
 
-fn is_same(a: f64, b: f64) -> bool {
-    (a - b).abs() <= 1e-6 * a.abs().max(b.abs())
+/// Relative distance up to which what happens along two curves is one thing: where a curve stops at grazing, another one may
+/// begin on it again.
+const SAME: f64 = 1e-5;
+
+/// Points of all curves at which this happens, by forcing; what two curves share once.
+pub fn events_of<'c>(curves: &'c [CurveRow], wanted: &str) -> Vec<&'c CurvePoint> {
+    let is_same = |a: f64, b: f64| (a - b).abs() <= SAME * a.abs().max(b.abs());
+    let points = curves.iter().flat_map(CurveRow::events).filter(|(kind, _)| *kind == wanted);
+    let mut points: Vec<&CurvePoint> = points.map(|(_, point)| point).collect();
+    points.sort_by(|a, b| a.forcing.total_cmp(&b.forcing));
+    points.dedup_by(|a, b| is_same(a.forcing, b.forcing) && is_same(a.omega, b.omega));
+    points
 }
 
 /// Where isolas are born and where branches merge, as fold curves say.
 pub fn events_sentence(curves: &[CurveRow], frequency: impl Fn(f64) -> String) -> Option<String> {
     let of = |wanted: &str| -> Vec<String> {
-        let points = curves.iter().flat_map(CurveRow::events).filter(|(kind, _)| *kind == wanted);
-        let mut points: Vec<(f64, f64)> = points.map(|(_, point)| (point.forcing, point.omega)).collect();
-        points.sort_by(|a, b| a.0.total_cmp(&b.0));
-        // Where a curve stops at grazing, another one may begin on it again.
-        points.dedup_by(|a, b| is_same(a.0, b.0) && is_same(a.1, b.1));
-        points.into_iter().map(|(forcing, omega)| format!("{} ({})", digits(forcing, 5), frequency(omega))).collect()
+        let word = |point: &CurvePoint| format!("{} ({})", digits(point.forcing, 5), frequency(point.omega));
+        events_of(curves, wanted).into_iter().map(word).collect()
     };
     let part = |wanted: &str, one: &str, many: &str| {
         let list = of(wanted);

@@ -3,15 +3,15 @@
 use super::evidence::Evidence;
 use crate::overview::{BranchRow, Level};
 use crate::store::Stability;
-use crate::words::{count, digits, frequency, length};
+use crate::words::{count, digits, frequency};
 
 impl Evidence<'_> {
-    /// Whether isolas can be settled on, as a clause about one of them and all of them.
+    /// Whether isolas can be settled on, of one of them and all of them.
     pub(super) fn stability_of_isolas(&self) -> String {
         let isolas: Vec<&BranchRow> = self.levels.iter().flat_map(Level::isolas).collect();
         let verified: Vec<&Stability> = isolas.iter().filter_map(|isola| isola.stability.as_ref()).collect();
         if verified.is_empty() {
-            return "whether it is stable and what leads there was not verified".into();
+            return "Whether isolas are stable and what leads there was not verified.".into();
         }
         let is_stable = |stability: &&&Stability| stability.stable > 0.0;
         let is_unknown = |stability: &&&Stability| stability.stable == 0.0 && stability.unstable == 0.0;
@@ -19,15 +19,23 @@ impl Evidence<'_> {
         let unstable = verified.len() - stable - unknown;
         let found = match [stable, unstable, unknown] {
             [1, 0, 0] if isolas.len() == 1 => {
-                format!("time marching found parts of it stable: there the structure can settle{}", up_to(&verified))
+                format!("Time marching found parts of the isola stable: there the structure can settle{}", self.up_to(&verified))
             }
             [0, 1, 0] if isolas.len() == 1 => {
-                "time marching found it unstable where it could tell: it separates, but nothing was seen to settle there".into()
+                "Time marching found the isola unstable where it could tell: it separates, but nothing was seen to settle there".into()
             }
-            [0, 0, 1] if isolas.len() == 1 => "time marching could not tell whether any of it is stable".into(),
-            _ => self.several(isolas.len(), [stable, unstable, unknown], &up_to(&verified)),
+            [0, 0, 1] if isolas.len() == 1 => "Time marching could not tell whether any of the isola is stable".into(),
+            _ => self.several(isolas.len(), [stable, unstable, unknown], &self.up_to(&verified)),
         };
-        format!("{found}; {}", self.what_leads_there())
+        format!("{found}; {}.", self.what_leads_there())
+    }
+
+    /// The largest response that was found stable, as an addition to what is said of where the structure can settle.
+    fn up_to(&self, verified: &[&Stability]) -> String {
+        let largest = verified.iter().filter_map(|stability| stability.largest).max_by(|a, b| a.1.total_cmp(&b.1));
+        largest.map_or_else(String::new, |(omega, amplitude)| {
+            format!(", up to {} at {}", self.length(amplitude), frequency(omega))
+        })
     }
 
     /// The smallest push found that leads to an isola, if pushes were marched.
@@ -58,37 +66,31 @@ impl Evidence<'_> {
             (all - stable - unstable - unknown, "not verified"),
         ];
         let said: Vec<String> = parts.iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!("{n} {what}")).collect();
-        format!("of {} {}", count(all, "isola"), said.join(", "))
+        format!("Of {} {}", count(all, "isola"), said.join(", "))
     }
 
     /// What is known of the stability of the largest response: of the motion that marching has near it, which may be a little
     /// lower and at another frequency.
     pub(super) fn stability_of_peak(&self, largest: &BranchRow) -> String {
         let Some(peak) = largest.stability.as_ref().and_then(|stability| stability.peak.as_ref()) else {
-            return "; whether it is stable was not verified".into();
+            return "Whether the largest response is stable was not verified.".into();
         };
         let motion = peak.at.map_or_else(String::new, |(omega, amplitude)| {
             format!(
-                "; the periodic motion that time marching has near it, {} at {},",
-                length(amplitude),
+                "The periodic motion that time marching has near the largest response, {} at {},",
+                self.length(amplitude),
                 frequency(omega)
             )
         });
         match peak.verdict.as_str() {
-            "stable" => motion + " is stable",
-            "unstable" => motion + " is unstable",
-            "marginal" => motion + " is at the edge of stability",
-            "not_comparable" => {
-                "; whether it is stable is not known: marching loses impact energy that the balance keeps".into()
-            }
-            _ => "; time marching found no periodic motion near it".into(),
+            "stable" => motion + " is stable.",
+            "unstable" => motion + " is unstable.",
+            "marginal" => motion + " is at the edge of stability.",
+            "not_comparable" => "Whether the largest response is stable is not known: marching loses impact energy that the \
+                                 balance keeps."
+                .into(),
+            _ => "Time marching found no periodic motion near the largest response.".into(),
         }
     }
 }
 
-/// The largest response that was found stable, as an addition to what is said of where the structure can settle.
-fn up_to(verified: &[&Stability]) -> String {
-    let largest = verified.iter().filter_map(|stability| stability.largest).max_by(|a, b| a.1.total_cmp(&b.1));
-    largest
-        .map_or_else(String::new, |(omega, amplitude)| format!(", up to {} at {}", length(amplitude), frequency(omega)))
-}

@@ -9,7 +9,7 @@ use super::evidence::Evidence;
 use super::losses::{Loss, losses, named};
 use crate::curves::BackboneCurve;
 use crate::overview::{BranchRow, Level, Origin, events_sentence, highest, truncation};
-use crate::words::{self, count, digits, frequency, length, range};
+use crate::words::{self, count, digits, frequency, range};
 use serde::Serialize;
 use solver::response::branch::BranchKind;
 use solver::response::windows::{Event, EventKind};
@@ -77,13 +77,19 @@ impl Gain<'_> {
     }
 }
 
-/// `2 mm`, or `at least 2 mm`.
-fn size(row: &BranchRow) -> String {
-    let at_least = if row.at_least().is_empty() { "" } else { "at least " };
-    format!("{at_least}{}", length(row.amplitude_max))
-}
-
 impl<'r> Evidence<'r> {
+    /// `2 mm`, or `at least 2 mm`.
+    fn size(&self, row: &BranchRow) -> String {
+        let at_least = if row.at_least().is_empty() { "" } else { "at least " };
+        format!("{at_least}{}", self.length(row.amplitude_max))
+    }
+
+    /// A length, m, in the unit of the largest response.
+    pub(super) fn length(&self, metres: f64) -> String {
+        let largest = self.largest().map_or(metres, |(_, largest)| largest.amplitude_max);
+        words::length_among(metres, largest)
+    }
+
     fn with_isolas(&self) -> impl DoubleEndedIterator<Item = &'r Level> + Clone {
         self.levels.iter().filter(|level| level.highest_isola().is_some())
     }
@@ -113,8 +119,8 @@ impl<'r> Evidence<'r> {
             parts.push("No branch has been computed yet.".into());
             return parts.join(" ");
         };
-        let gap = self.structure.gap.map(|gap| format!(" (gap {})", length(gap))).unwrap_or_default();
-        let at = |row: &BranchRow| format!("{} at {}", size(row), self.structure.monitor);
+        let gap = self.structure.gap.map(|gap| format!(" (gap {})", self.length(gap))).unwrap_or_default();
+        let at = |row: &BranchRow| format!("{} at {}", self.size(row), self.structure.monitor);
         let on = if largest.is_main() { "the main branch".to_string() } else { largest.name() };
         let place = format!("at {} and A = {}", frequency(largest.omega_at_max), level.amplitude);
         match highest(self.with_isolas().flat_map(Level::isolas)) {
@@ -122,22 +128,22 @@ impl<'r> Evidence<'r> {
                 let ranges = joined(self.with_isolas().flat_map(Level::isolas).map(|isola| isola.omega));
                 parts.push(format!(
                     "Between {}: there an isola, a closed branch apart from the main one, is another periodic response at \
-                     the same forcing, with up to {}; {}.",
+                     the same forcing, with up to {}.",
                     in_words(&ranges),
-                    at(highest),
-                    self.stability_of_isolas()
+                    at(highest)
                 ));
             }
             None => parts.push("No isola was found where it was looked for.".into()),
         }
-        let stability = self.stability_of_peak(largest);
-        parts.push(format!("The largest computed response, {}{gap}, is on {on}, {place}{stability}.", at(largest)));
+        parts.push(format!("The largest computed response, {}{gap}, is on {on}, {place}.", at(largest)));
         parts.join(" ")
     }
 
     /// What else is known.
     fn details(&self) -> Vec<String> {
-        let mut list: Vec<String> = self.untouched().map(String::from).into_iter().collect();
+        let mut list: Vec<String> = self.with_isolas().next().map(|_| self.stability_of_isolas()).into_iter().collect();
+        list.extend(self.largest().map(|(_, largest)| self.stability_of_peak(largest)));
+        list.extend(self.untouched().map(String::from));
         list.extend(self.others());
         list.extend(self.not_found());
         list.extend(truncation(self.levels, self.harmonics));
@@ -200,7 +206,7 @@ impl<'r> Evidence<'r> {
             let (amplitude, omega) = (&level.amplitude, frequency(main.omega_at_max));
             format!(
                 " At A = {amplitude} none was found any more: the main branch goes up to {} at {omega}.",
-                size(main)
+                self.size(main)
             )
         });
         format!("Isolas were found {}{prediction}.{computed}{}", found.join(", and "), end.unwrap_or_default())
@@ -283,16 +289,16 @@ impl<'r> Evidence<'r> {
                     "The isolas, yes; by how much is not known: at A = {} the main branch goes up to at least {}, an isola \
                      up to {} at {}.",
                     level.amplitude,
-                    length(main.amplitude_max),
-                    size(isola),
+                    self.length(main.amplitude_max),
+                    self.size(isola),
                     frequency(isola.omega_at_max)
                 ),
             };
         };
         let Gain { level, isola, main } = &gain;
         let (stops, goes) = (
-            format!("{} at {}", size(main), frequency(main.omega_at_max)),
-            format!("{} at {}", size(isola), frequency(isola.omega_at_max)),
+            format!("{} at {}", self.size(main), frequency(main.omega_at_max)),
+            format!("{} at {}", self.size(isola), frequency(isola.omega_at_max)),
         );
         let amplitude = &level.amplitude;
         match gain.ratio() {

@@ -94,19 +94,19 @@ fn what_can_settle_is_told() {
     let cases = [
         (
             vec![verified(0.5, 0.5, "unstable", isola(2e-3))],
-            "time marching found parts of it stable: there the structure can settle, up to 1.8 mm at 115 rad/s (18.3 Hz);",
+            "Time marching found parts of the isola stable: there the structure can settle, up to 1.8 mm at 115 rad/s (18.3 Hz);",
         ),
-        (vec![verified(0.0, 1.0, "unstable", isola(2e-3))], "found it unstable where it could tell: it separates"),
-        (vec![verified(0.0, 0.9, "none", isola(2e-3))], "found it unstable where it could tell: it separates"),
-        (vec![verified(0.0, 0.0, "not_comparable", isola(2e-3))], "could not tell whether any of it is stable;"),
+        (vec![verified(0.0, 1.0, "unstable", isola(2e-3))], "found the isola unstable where it could tell: it separates"),
+        (vec![verified(0.0, 0.9, "none", isola(2e-3))], "found the isola unstable where it could tell: it separates"),
+        (vec![verified(0.0, 0.0, "not_comparable", isola(2e-3))], "could not tell whether any of the isola is stable;"),
         (
             vec![verified(0.5, 0.5, "stable", isola(2e-3)), verified(0.0, 1.0, "unstable", isola(1e-3)), isola(1e-3)],
-            "of 3 isolas 1 stable in parts, where the structure can settle, up to 1.8 mm at 115 rad/s (18.3 Hz), 1 unstable wherever time marching could tell, 1 not \
+            "Of 3 isolas 1 stable in parts, where the structure can settle, up to 1.8 mm at 115 rad/s (18.3 Hz), 1 unstable wherever time marching could tell, 1 not \
              verified;",
         ),
         (
             vec![verified(0.0, 0.0, "none", isola(2e-3)), verified(0.0, 0.0, "none", isola(1e-3))],
-            "of 2 isolas 2 beyond what time marching could tell;",
+            "Of 2 isolas 2 beyond what time marching could tell;",
         ),
     ];
     for (isolas, expected) in cases {
@@ -115,11 +115,11 @@ fn what_can_settle_is_told() {
         assert!(said.contains("; what leads there was not looked for (isola disturb does)."), "{said}");
     }
     for (peak, expected) in [
-        ("stable", "near it, 1.5 mm at 120 rad/s (19.1 Hz), is stable."),
-        ("unstable", "near it, 1.5 mm at 120 rad/s (19.1 Hz), is unstable."),
-        ("marginal", "near it, 1.5 mm at 120 rad/s (19.1 Hz), is at the edge of stability."),
-        ("none", "; time marching found no periodic motion near it."),
-        ("not_comparable", "; whether it is stable is not known: marching loses impact energy that the balance keeps."),
+        ("stable", "near the largest response, 1.5 mm at 120 rad/s (19.1 Hz), is stable."),
+        ("unstable", "near the largest response, 1.5 mm at 120 rad/s (19.1 Hz), is unstable."),
+        ("marginal", "near the largest response, 1.5 mm at 120 rad/s (19.1 Hz), is at the edge of stability."),
+        ("none", "Time marching found no periodic motion near the largest response."),
+        ("not_comparable", "Whether the largest response is stable is not known: marching loses impact energy that the balance keeps."),
     ] {
         let said = danger(vec![verified(0.0, 0.5, peak, isola(2e-3))]);
         assert!(said.contains(expected), "{peak}: {said}");
@@ -140,9 +140,9 @@ fn isolas_apart() {
         danger,
         "Between 120 and 140 rad/s (19.1 and 22.28 Hz), or between 150 and 165 rad/s (23.87 and 26.26 Hz): there an \
          isola, a closed branch apart from the main one, is another periodic response at the same forcing, with up to \
-         2 mm at tip; whether it is stable and what leads there was not verified. The largest computed response, 2.5 mm \
-         at tip (gap 0.4 mm), is on the main branch, at 100 rad/s (15.92 Hz) and A = 4; whether it is stable was \
-         not verified. Looked for: the windows of mode 1 at 5 levels (10 seeds tried); isolas of other modes, of sub- \
+         2 mm at tip. The largest computed response, 2.5 mm at tip (gap 0.4 mm), is on the main branch, at 100 rad/s \
+         (15.92 Hz) and A = 4. Whether isolas are stable and what leads there was not verified. Whether the largest \
+         response is stable was not verified. Looked for: the windows of mode 1 at 5 levels (10 seeds tried); isolas of other modes, of sub- \
          and super-harmonics and those that no energy balance of mode 1 leads to were not looked for."
     );
     // Found and not predicted is said as one thing.
