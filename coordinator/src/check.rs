@@ -1,6 +1,7 @@
 //! What `isola check` says of a study before anything is computed.
 
 mod early;
+mod touch;
 
 use crate::study::Study;
 use protocol::to_everyone::Amplitude;
@@ -31,7 +32,7 @@ pub fn report(study: &Study) -> String {
     lines.extend(modes::sentence(&choice, true).map(|_| ("followed", followed(&choice))));
     lines.push(("forcing", forcing(model)));
     lines.push(("contact", contact(model)));
-    let touch = early::first_touch(study, &choice.followed);
+    let touch = touch::first_touch(study, &choice.followed);
     lines.extend(touch.as_ref().map(|touch| ("touches", touch.to_string())));
     let ratios = early::epsilon_ratios(model).map(|(low, high)| span([low, high].into_iter()));
     lines.extend(ratios.map(|ratio| ("epsilon", format!("{ratio} times the stiffness of the structure there"))));

@@ -98,6 +98,7 @@ async fn health(args: &RemoteArgs) -> ExitCode {
 fn schema(args: &SchemaArgs) -> Result<ExitCode, Error> {
     match &args.explain {
         _ if args.all => show(reference::document()),
+        _ if args.columns => show(results::export::COLUMNS),
         Some(key) => show(reference::explain(key).map_err(Error::Usage)?),
         None => show(format_args!("{:#}\n", reference::schema(args.file))),
     }

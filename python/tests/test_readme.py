@@ -50,11 +50,12 @@ def test_the_first_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None
     model, study = blocks(readme, "A first isola", "toml")
     assert (tmp_path / "first" / "model.toml").read_text("utf-8") == model
     assert (tmp_path / "first" / "study.toml").read_text("utf-8") == study
-    (example,) = blocks(readme, "From Python", "python")
-    subprocess.run([sys.executable, "-c", example], cwd=tmp_path, check=True, timeout=300)
+    loaded, made = blocks(readme, "From Python", "python")
+    subprocess.run([sys.executable, "-c", f"{loaded}\n{made}"], cwd=tmp_path, check=True, timeout=300)
+    assert "0.7/isola 1" in isola_hbm.load(tmp_path / "runs" / "python")
     assert (tmp_path / "response.png").stat().st_size > 1000
     # The table is that of the sweep.
-    rows = [line for text in blocks(readme, "A first isola", "text") for line in text.splitlines() if "┆ 2 " in line]
+    rows = [line for text in blocks(readme, "A first isola", "text") for line in text.splitlines() if " of 2" in line]
     summary = (tmp_path / "runs" / "first" / "summary.csv").read_text("utf-8")
     assert len(rows) == 3
     for row in rows:

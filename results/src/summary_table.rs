@@ -8,8 +8,8 @@ mod units;
 pub use units::{FrequencyUnit, LengthUnit, Units};
 
 use crate::overview::{
-    Level, Omissions, Overview, Shift, WindowOutcome, events_sentence, is_unconfirmed, is_untouched, later_birth, modes, truncation,
-    unfinished,
+    Level, Omissions, Overview, Shift, WindowOutcome, events_sentence, is_unconfirmed, is_untouched, later_birth,
+    modes, truncation, unfinished,
 };
 use crate::store::{BranchRow, CurveRow, Reader, Result};
 use crate::words::{count, digits};
@@ -212,7 +212,7 @@ impl Rows<'_> {
             all => format!("{found} of {all}{}", missed.join(" ")),
         }];
         lines.extend((level.pending > 0).then(|| format!("{} to come", count(level.pending, "task"))));
-        let given_up = || format!("A = {}: tasks given up: isola retry-dead tries them again", level.amplitude);
+        let given_up = || format!("A = {}: tasks given up: isola retry-dead RUN tries them again", level.amplitude);
         lines.extend(
             (level.dead > 0).then(|| format!("{} given up{}", count(level.dead, "task"), self.notes.mark(given_up()))),
         );

@@ -1,15 +1,11 @@
 //! What goes wrong before anything is computed: units that slipped, matrices exchanged, levels at which nothing touches.
 
+use super::touch::{FirstTouch, Place, shape};
 use crate::study::Study;
 use protocol::session::MAX_RESULT_BYTES;
 use results::words::{count, number};
-use solver::formulation::Formulation;
-use solver::formulation::harmonics::{complex, width};
-use solver::formulation::linear::forced_response;
-use solver::formulation::pressure::PressureForm;
-use solver::formulation::scales::Scales;
-use solver::formulation::unknown::Unknown;
-use solver::settings::{FrequencySettings, Settings};
+use solver::formulation::harmonics::width;
+use solver::settings::Settings;
 use solver::structure::{ContactElement, Model};
 
 /// Eigenfrequencies that no structure has, rad/s: all of them below or above.
@@ -23,64 +19,12 @@ const BESIDE: usize = 64;
 /// Between these shares of the condensed stiffness the prediction of contact forces works well.
 const EPSILON: (f64, f64) = (0.1, 1e3);
 
-/// Where the linear structure touches first.
-pub(super) struct FirstTouch<'m> {
-    /// Forcing amplitude A.
-    forcing: f64,
-    /// The contact.
-    name: &'m str,
-    /// Mode (from 0) in whose resonance this is.
-    mode: usize,
-}
-
-impl std::fmt::Display for FirstTouch<'_> {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Self { forcing, name, mode } = self;
-        write!(f, "from A = {} on, {name} first, at the linear resonance of mode {}", number(*forcing), mode + 1)
-    }
-}
-
-/// Where contacts touch first, the forcing growing at the resonances of the modes that are followed, those beyond the bounds of
-/// the study left out unless all are. `None` without contacts, or where linear response has no bound.
-pub(super) fn first_touch<'s>(study: &'s Study, followed: &[usize]) -> Option<FirstTouch<'s>> {
-    let (model, settings) = (&study.model, &study.settings);
-    let (unknown, scales) = (Unknown::Frequency { forcing: 1.0 }, Scales::new(model, settings.tracked()));
-    let problem = PressureForm::build(model, settings.harmonics, settings.tracked(), unknown, scales).ok()?;
-    let resonance = |mode: usize| model.modes().frequencies[mode] / model.forcing().harmonic as f64;
-    let FrequencySettings { min, max, .. } = settings.frequency;
-    let is_within =
-        |mode: &usize| min.is_none_or(|min| resonance(*mode) >= min) && max.is_none_or(|max| resonance(*mode) <= max);
-    let first = |modes: Vec<usize>| {
-        let touches = modes.into_iter().filter_map(|mode| touch_of(&problem, model, mode, resonance(mode)));
-        touches.min_by(|a, b| a.forcing.total_cmp(&b.forcing))
-    };
-    first(followed.iter().copied().filter(is_within).collect()).or_else(|| first(followed.to_vec()))
-}
-
-/// Where contacts touch first at a resonance.
-fn touch_of<'m>(problem: &PressureForm<'_>, model: &'m Model, mode: usize, omega: f64) -> Option<FirstTouch<'m>> {
-    let response = forced_response(problem, 1.0, omega).ok()?;
-    let touch = |contact: ContactElement<'_>| {
-        let displacement = complex(&response.combine(shape(model, &contact)), model.forcing().harmonic).norm();
-        contact.law.gap.max(0.0) / displacement
-    };
-    let contacts = model.contacts().map(|contact| (touch(contact), contact));
-    let first = contacts.filter(|(forcing, _)| forcing.is_finite()).min_by(|a, b| a.0.total_cmp(&b.0));
-    first.map(|(forcing, contact)| FirstTouch { forcing, name: &contact.element.name, mode })
-}
-
-/// Displacement of a contact along its normal in every mode.
-fn shape(model: &Model, contact: &ContactElement<'_>) -> Vec<f64> {
-    let along = |j| contact.element.channels[0].iter().map(move |&(dof, b)| b * model.modes().shapes[(dof, j)]);
-    (0..model.size()).map(|j| along(j).sum()).collect()
-}
-
 /// Smallest and largest ratio of ε to the static stiffness of the structure at the contacts; `None` if the structure is
 /// free to move there.
 pub(super) fn epsilon_ratios(model: &Model) -> Option<(f64, f64)> {
     let modes = model.modes();
     let ratio = |contact: ContactElement<'_>| {
-        let shape = shape(model, &contact);
+        let shape = shape(model, contact.element);
         let is_free = shape.iter().enumerate().any(|(j, b)| *b != 0.0 && modes.is_rigid(j));
         let compliance: f64 = shape.iter().zip(&modes.frequencies).map(|(b, omega)| (b / omega).powi(2)).sum();
         (!is_free).then_some(contact.law.epsilon * compliance)
@@ -155,10 +99,12 @@ fn nothing_driven(model: &Model) -> Option<String> {
 
 fn nothing_touches(study: &Study, touch: &FirstTouch<'_>) -> Option<String> {
     let highest = study.amplitudes.iter().map(|amplitude| amplitude.value).reduce(f64::max)?;
+    // Where the study leaves out all resonances, isolas may touch long before the linear response does.
+    let Place::Resonance(mode) = touch.place else { return None };
     (highest < touch.forcing).then(|| {
         format!(
             "nothing will touch at the resonance of mode {}: {} up to A = {}, the first touch at A = {}",
-            touch.mode + 1,
+            mode + 1,
             count(study.amplitudes.len(), "level"),
             number(highest),
             number(touch.forcing)

@@ -20,7 +20,8 @@ Examples:
   isola schema model > model.schema.json        for an editor: `#:schema model.schema.json` in line 1 of model.toml
   isola schema --explain contact.gap
   isola schema --explain harmonics
-  isola schema --all                            every key in tables: a Markdown text";
+  isola schema --all                            every key in tables: a Markdown text
+  isola schema --columns                        what words and columns of results mean";
 
 /// Arguments of `new`.
 #[derive(Debug, Args)]
@@ -45,6 +46,9 @@ pub struct SchemaArgs {
     /// Every key of both files in tables, as Markdown, instead.
     #[arg(long, conflicts_with_all = ["file", "explain"])]
     pub all: bool,
+    /// What the words and columns of results mean, as Markdown, instead.
+    #[arg(long, conflicts_with_all = ["file", "explain", "all"])]
+    pub columns: bool,
 }
 
 fn templates() -> impl TypedValueParser<Value = &'static Template> {

@@ -50,6 +50,23 @@ fn where_the_linear_structure_touches() {
     assert_eq!(warnings, [nothing]);
 }
 
+/// An elastic stop touches where a rigid one does; beyond the resonance, at 200 rad/s, that is A = 3e4 c.
+#[test]
+fn where_an_elastic_stop_touches() {
+    let elastic = MODEL.split("[contact]").next().unwrap().to_string()
+        + "[[laws]]\nname = \"stop\"\ndof = \"x\"\nlaw = { penalty_spring = { stiffness = 1e4, gap = 1e-3 } }\n";
+    let (warnings, text) = checked(&elastic, "0.1,0.3", &[]);
+    assert!(warnings.is_empty(), "{text}");
+    assert!(text.contains("touches     from A = 0.2 on, stop first, at the linear resonance of mode 1\n"), "{text}");
+    let bounds = [("frequency.min", "200"), ("frequency.max", "400")];
+    let (warnings, text) = checked(&elastic, "0.1,0.3", &bounds);
+    assert!(warnings.is_empty(), "{text}");
+    assert!(text.contains("touches     from A = 30.0027 on, stop first, at 200 rad/s, as far as"), "{text}");
+    // One that is pressed at rest has nothing to touch.
+    let pressed = elastic.replace("gap = 1e-3", "gap = -1e-3");
+    assert!(!checked(&pressed, "0.1,0.3", &[]).1.contains("touches"));
+}
+
 #[test]
 fn matrices_exchanged() {
     let exchanged = MODEL.replace("[[1]]", "[[1e4]]").replace("stiffness = [[1e4]]", "stiffness = [[1]]");

@@ -23,8 +23,8 @@ from .study import Amplitudes
 
 #: How long the program is given to end when it is asked to, s.
 PATIENCE = 30.0
-#: Lines of the program that say how far it is.
-_PROGRESS = re.compile(r"(run \w+ in |computing |backbone|running: |finished: |\d+ levels?, )")
+#: Lines of the program that say how far it is, and those of its log, whose sum its last line tells.
+_PROGRESS = re.compile(r"(run \w+ in |computing |backbone|running: |finished: |\d+ levels?, |\d{4}-\d\d-\d\dT\d\d:)")
 
 
 def sweep(

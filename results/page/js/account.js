@@ -8,6 +8,7 @@ function accountSection(place, run) {
     workerTable(account),
     taskDetails(run),
     details("Settings", tableOf("Settings of the computation", ["setting", "value"], account.settings)),
+    details("Words of this page", tableOf("Words of this page", ["word", "what it means"], run.words)),
     details("Versions and sizes", tableOf("Versions and sizes", ["what", "value"], factsOf(run))),
     details("Study as it was run", element("pre", {}, account.study)),
   );

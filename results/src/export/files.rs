@@ -14,7 +14,7 @@ use protocol::curve::Size;
 use solver::response::windows::{Event, EventKind, events};
 use std::path::Path;
 
-const SUMMARY: [&str; 20] = [
+pub(super) const SUMMARY: [&str; 20] = [
     "amplitude",
     "branch",
     "kind",
@@ -36,18 +36,18 @@ const SUMMARY: [&str; 20] = [
     "omega_min_2h",
     "omega_max_2h",
 ];
-const WINDOWS: [&str; 10] =
+pub(super) const WINDOWS: [&str; 10] =
     ["amplitude", "window", "omega_min", "omega_max", "omega_best", "threshold", "outcome", "branch", "reason", "mode"];
 
-const FOLDS: [&str; 5] = ["curve", "forcing", "omega", "amplitude", "kind"];
-const EVENTS: [&str; 7] = ["kind", "source", "forcing", "omega", "amplitude", "mode", "curve"];
+pub(super) const FOLDS: [&str; 5] = ["curve", "forcing", "omega", "amplitude", "kind"];
+pub(super) const EVENTS: [&str; 7] = ["kind", "source", "forcing", "omega", "amplitude", "mode", "curve"];
 
-const BIFURCATIONS: [&str; 5] = ["forcing", "branch", "kind", "omega", "amplitude"];
+pub(super) const BIFURCATIONS: [&str; 5] = ["forcing", "branch", "kind", "omega", "amplitude"];
 
-const MOTIONS: [&str; 10] =
+pub(super) const MOTIONS: [&str; 10] =
     ["forcing", "branch", "point", "omega", "motion", "repeats", "onto", "amplitude_min", "amplitude_max", "growth"];
 
-const PUSHES: [&str; 12] = [
+pub(super) const PUSHES: [&str; 12] = [
     "forcing",
     "branch",
     "mode",

@@ -20,6 +20,16 @@ use std::path::{Path, PathBuf};
 use thiserror::Error;
 use value::Record;
 
+/// What words and columns mean, Markdown.
+pub const COLUMNS: &str = include_str!("../../COLUMNS.md");
+
+/// The words among them, with what they mean.
+pub fn words() -> impl Iterator<Item = (&'static str, &'static str)> {
+    let section = COLUMNS.split("\n## ").find(|text| text.starts_with("Words\n")).unwrap_or_default();
+    let rows = section.lines().filter_map(|line| line.strip_prefix("| ")?.strip_suffix(" |")?.split_once(" | "));
+    rows.filter(|(word, _)| !matches!(*word, "word" | "---"))
+}
+
 /// Format of exported files.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Format {

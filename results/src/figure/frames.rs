@@ -60,12 +60,15 @@ impl Frame {
             run.name = name(row(run), k + 1);
         }
         paint(&mut runs);
-        let numbered = |(k, run): (usize, &Run)| sentence(backbone, row(run).map_or(k + 1, |row| row.number), run, level);
+        let numbered =
+            |(k, run): (usize, &Run)| sentence(backbone, row(run).map_or(k + 1, |row| row.number), run, level);
         let mut sentences: Vec<String> = runs.iter().enumerate().map(numbered).collect();
-        let elsewhere = level.map_or(0, |(_, level)| level.windows.iter().filter(|w| w.mode != backbone.mode + 1).count());
+        let elsewhere =
+            level.map_or(0, |(_, level)| level.windows.iter().filter(|w| w.mode != backbone.mode + 1).count());
         if elsewhere > 0 {
             let windows = count(elsewhere, "window");
-            sentences.push(format!("Of other modes, which are not drawn here, {windows} more: see the account (table 7)."));
+            sentences
+                .push(format!("Of other modes, which are not drawn here, {windows} more: see the account (table 7)."));
         }
         let name = level.map_or_else(|| digits(amplitude, 4), |(_, level)| level.amplitude.clone());
         let note = if level.is_some() { "" } else { " (not a level of this run)" };

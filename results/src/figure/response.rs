@@ -163,7 +163,8 @@ impl<'r> Outline<'r> {
         let edge = EDGE * (high - low);
         let part = ((low - room).max(ends.0 - edge), (high + room).min(ends.1 + edge));
         let range = if part.1 > part.0 { part } else { ends };
-        let farther = if self.branches.is_empty() { whole } else { (whole.0.min(low - edge), whole.1.max(high + edge)) };
+        let farther =
+            if self.branches.is_empty() { whole } else { (whole.0.min(low - edge), whole.1.max(high + edge)) };
         let is_near = farther.1 - farther.0 <= WIDE * (range.1 - range.0);
         let whole = is_near.then(|| super::axis::bounds([farther.0, farther.1]));
         Axis { whole, ..Axis::of_frequencies(range) }

@@ -49,6 +49,8 @@ pub fn doubts(reader: &Reader) -> Result<Option<String>> {
     ];
     let lost = lost.into_iter().filter(|(number, ..)| *number > 0);
     curves.extend(lost.map(|(number, what, why)| format!("{} ({why})", count(number, what))));
+    // A level may have two main branches that end alike.
+    curves.dedup();
     if curves.is_empty() {
         return Ok(None);
     }

@@ -19,7 +19,7 @@ pub fn unfinished(levels: &[Level], has_backbone: bool) -> Vec<String> {
         pending
             .map(|(tasks, list)| format!("{} still to be done, at A = {list}.", number(tasks, "task is", "tasks are"))),
         dead.map(|(tasks, list)| {
-            format!("{} given up, at A = {list}: see `isola retry-dead`.", number(tasks, "task was", "tasks were"))
+            format!("{} given up, at A = {list}: `isola retry-dead RUN` tries them again.", number(tasks, "task was", "tasks were"))
         }),
         refuted.map(|(results, list)| {
             let results = number(results, "result is", "results are");

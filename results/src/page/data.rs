@@ -5,6 +5,7 @@ use crate::figure::{
     Color, ColumnStore, Figure, Font, Frame, MotionAxis, PALETTE, Palette, ladder, level_colors, motion_axes,
     place_for_page,
 };
+use crate::export;
 use crate::overview::Level;
 use crate::report::{CostAccount, Report, RunFacts, Sentence};
 use crate::words::{digits, length};
@@ -28,6 +29,7 @@ pub struct PageData<'r> {
     nothing: &'r BTreeMap<&'static str, String>,
     motions: Option<MotionData<'r>>,
     account: &'r CostAccount,
+    words: Vec<(&'static str, &'static str)>,
 }
 
 /// The motions that the page has.
@@ -76,6 +78,7 @@ impl<'r> PageData<'r> {
             figures,
             nothing: &report.figures.nothing,
             account: &report.account,
+            words: export::words().collect(),
         }
     }
 }

@@ -86,11 +86,12 @@ impl Evidence<'_> {
             "stable" => motion + " is stable.",
             "unstable" => motion + " is unstable.",
             "marginal" => motion + " is at the edge of stability.",
-            "not_comparable" => "Whether the largest response is stable is not known: marching loses impact energy that the \
+            "not_comparable" => {
+                "Whether the largest response is stable is not known: marching loses impact energy that the \
                                  balance keeps."
-                .into(),
+                    .into()
+            }
             _ => "Time marching found no periodic motion near the largest response.".into(),
         }
     }
 }
-

@@ -69,3 +69,51 @@ fn tables_of_columns_are_those_of_the_list() {
         with_rows(&document, ("| `points` | *points* | |", "\n"), &sent(of_backbone()))
     });
 }
+
+/// Names in the first column of the tables of a section of `COLUMNS.md`.
+fn documented(section: &str) -> Vec<&'static str> {
+    let text = crate::export::COLUMNS.split("\n## ").find(|text| text.starts_with(section));
+    let rows = text.unwrap_or_else(|| panic!("no section {section}")).lines().filter(|line| line.starts_with("| `"));
+    rows.flat_map(|row| row.split('|').nth(1).unwrap_or_default().split('`').skip(1).step_by(2)).collect()
+}
+
+#[test]
+fn words_have_a_meaning() {
+    let words: Vec<(&str, &str)> = crate::export::words().collect();
+    assert!(words.len() > 15 && words.iter().all(|(word, what)| !word.is_empty() && what.len() > 10), "{words:?}");
+    assert!(words.iter().any(|(word, _)| *word == "main branch"));
+}
+
+#[test]
+fn columns_of_files_are_explained() {
+    use crate::export::files::{BIFURCATIONS, EVENTS, FOLDS, MOTIONS, PUSHES, SUMMARY, WINDOWS};
+    let sections: [(&str, Vec<&[&str]>); 4] = [
+        ("`summary.csv`", vec![&SUMMARY]),
+        ("`windows.csv`", vec![&WINDOWS]),
+        ("`folds.csv`, `events.csv`, `bifurcations.csv`", vec![&FOLDS, &EVENTS, &BIFURCATIONS]),
+        ("`motions.csv`, `pushes.csv`", vec![&MOTIONS, &PUSHES]),
+    ];
+    for (section, files) in sections {
+        let mut told = documented(section);
+        let mut written = files.concat();
+        for list in [&mut told, &mut written] {
+            list.sort_unstable();
+            list.dedup();
+        }
+        assert_eq!(told, written, "{section}");
+    }
+    let told = documented("`branches/A-KIND-N.csv`, `backbone.csv`");
+    let (study, dir) = (crate::fixture::Study::damper(), tempfile::tempdir().unwrap());
+    let (store, _) = study.finished(&dir.path().join("run"));
+    super::csv(&store, dir.path()).unwrap();
+    let head = |path: &Path| {
+        let text = fs::read_to_string(path).unwrap();
+        text.lines().next().unwrap_or_default().split(',').map(String::from).collect::<Vec<_>>()
+    };
+    let branch = fs::read_dir(dir.path().join("branches")).unwrap().next().unwrap().unwrap().path();
+    for name in head(&dir.path().join("backbone.csv")).into_iter().chain(head(&branch)) {
+        let is_told =
+            told.contains(&name.as_str()) || name.starts_with("contribution_") || name.starts_with("amplitude_");
+        assert!(is_told, "{name} is not explained");
+    }
+}

@@ -96,7 +96,10 @@ fn what_can_settle_is_told() {
             vec![verified(0.5, 0.5, "unstable", isola(2e-3))],
             "Time marching found parts of the isola stable: there the structure can settle, up to 1.8 mm at 115 rad/s (18.3 Hz);",
         ),
-        (vec![verified(0.0, 1.0, "unstable", isola(2e-3))], "found the isola unstable where it could tell: it separates"),
+        (
+            vec![verified(0.0, 1.0, "unstable", isola(2e-3))],
+            "found the isola unstable where it could tell: it separates",
+        ),
         (vec![verified(0.0, 0.9, "none", isola(2e-3))], "found the isola unstable where it could tell: it separates"),
         (vec![verified(0.0, 0.0, "not_comparable", isola(2e-3))], "could not tell whether any of the isola is stable;"),
         (
@@ -119,7 +122,10 @@ fn what_can_settle_is_told() {
         ("unstable", "near the largest response, 1.5 mm at 120 rad/s (19.1 Hz), is unstable."),
         ("marginal", "near the largest response, 1.5 mm at 120 rad/s (19.1 Hz), is at the edge of stability."),
         ("none", "Time marching found no periodic motion near the largest response."),
-        ("not_comparable", "Whether the largest response is stable is not known: marching loses impact energy that the balance keeps."),
+        (
+            "not_comparable",
+            "Whether the largest response is stable is not known: marching loses impact energy that the balance keeps.",
+        ),
     ] {
         let said = danger(vec![verified(0.0, 0.5, peak, isola(2e-3))]);
         assert!(said.contains(expected), "{peak}: {said}");

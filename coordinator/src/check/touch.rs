@@ -1,0 +1,94 @@
+//! From which forcing on something touches.
+
+use crate::study::Study;
+use results::words::number;
+use solver::formulation::Formulation;
+use solver::formulation::harmonics::complex;
+use solver::formulation::linear::forced_response;
+use solver::formulation::pressure::PressureForm;
+use solver::formulation::scales::Scales;
+use solver::formulation::unknown::Unknown;
+use solver::settings::FrequencySettings;
+use solver::structure::laws::{Law, LawKind};
+use solver::structure::{Element, Model};
+
+/// Where the linear structure touches first.
+pub(super) struct FirstTouch<'m> {
+    /// Forcing amplitude A.
+    pub forcing: f64,
+    /// The contact or elastic stop.
+    pub name: &'m str,
+    /// At which frequency.
+    pub place: Place,
+}
+
+/// A frequency that stands out.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Place {
+    /// Linear resonance of a mode, from 0.
+    Resonance(usize),
+    /// A bound of the study, rad/s.
+    Bound(f64),
+}
+
+impl std::fmt::Display for FirstTouch<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "from A = {} on, {} first, ", number(self.forcing), self.name)?;
+        match self.place {
+            Place::Resonance(mode) => write!(f, "at the linear resonance of mode {}", mode + 1),
+            Place::Bound(omega) => {
+                write!(
+                    f,
+                    "at {} rad/s, as far as the linear response tells, of which no resonance lies within the bounds: isolas may \
+                     touch much earlier",
+                    number(omega)
+                )
+            }
+        }
+    }
+}
+
+/// Where contacts and elastic stops touch first, the forcing growing at the resonances of the modes that are followed or, if none
+/// lies within the bounds of the study, at these. `None` if nothing has a gap, or where linear response has no bound.
+pub(super) fn first_touch<'s>(study: &'s Study, followed: &[usize]) -> Option<FirstTouch<'s>> {
+    let (model, settings) = (&study.model, &study.settings);
+    let (unknown, scales) = (Unknown::Frequency { forcing: 1.0 }, Scales::new(model, settings.tracked()));
+    let problem = PressureForm::build(model, settings.harmonics, settings.tracked(), unknown, scales).ok()?;
+    let resonance = |mode: usize| model.modes().frequencies[mode] / model.forcing().harmonic as f64;
+    let FrequencySettings { min, max, .. } = settings.frequency;
+    let is_within =
+        |mode: &usize| min.is_none_or(|min| resonance(*mode) >= min) && max.is_none_or(|max| resonance(*mode) <= max);
+    let modes = followed.iter().copied().filter(is_within);
+    let mut places: Vec<(Place, f64)> = modes.map(|mode| (Place::Resonance(mode), resonance(mode))).collect();
+    if places.is_empty() {
+        places.extend([min, max].into_iter().flatten().map(|omega| (Place::Bound(omega), omega)));
+    }
+    let touches = places.into_iter().filter_map(|(place, omega)| touch_at(&problem, model, place, omega));
+    touches.min_by(|a, b| a.forcing.total_cmp(&b.forcing))
+}
+
+/// What touches first at a frequency.
+fn touch_at<'m>(problem: &PressureForm<'_>, model: &'m Model, place: Place, omega: f64) -> Option<FirstTouch<'m>> {
+    let response = forced_response(problem, 1.0, omega).ok()?;
+    let touch = |(element, gap): (&'m Element, f64)| {
+        let displacement = complex(&response.combine(shape(model, element)), model.forcing().harmonic).norm();
+        (gap / displacement, element)
+    };
+    let first = stops(model).map(touch).filter(|(forcing, _)| forcing.is_finite()).min_by(|a, b| a.0.total_cmp(&b.0));
+    first.map(|(forcing, element)| FirstTouch { forcing, name: &element.name, place })
+}
+
+/// Elements that act once a gap is closed, with their gaps; none that is pressed at rest.
+fn stops(model: &Model) -> impl Iterator<Item = (&Element, f64)> {
+    model.elements().iter().filter_map(|element| match (&element.law, element.law.rigid()) {
+        (_, Some(contact)) => Some((element, contact.gap.max(0.0))),
+        (LawKind::PenaltySpring(spring), _) => (spring.gap > 0.0).then_some((element, spring.gap)),
+        _ => None,
+    })
+}
+
+/// Displacement of an element along its first argument in every mode.
+pub(super) fn shape(model: &Model, element: &Element) -> Vec<f64> {
+    let along = |j| element.channels[0].iter().map(move |&(dof, b)| b * model.modes().shapes[(dof, j)]);
+    (0..model.size()).map(|j| along(j).sum()).collect()
+}
