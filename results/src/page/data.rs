@@ -1,11 +1,11 @@
 //! What the page is given: all that it shows, as JSON.
 
 use crate::curves::{Curve, Motion, Node};
+use crate::export;
 use crate::figure::{
     Color, ColumnStore, Figure, Font, Frame, MotionAxis, PALETTE, Palette, ladder, level_colors, motion_axes,
     place_for_page,
 };
-use crate::export;
 use crate::overview::Level;
 use crate::report::{CostAccount, Report, RunFacts, Sentence};
 use crate::words::{digits, length};
