@@ -83,7 +83,7 @@ fn forcing(model: &Model) -> String {
 fn contact(model: &Model) -> String {
     let contacts: Vec<RigidContact<'_>> = model.contacts().map(|contact| contact.law).collect();
     if contacts.is_empty() {
-        return "none".into();
+        return "no rigid contact".into();
     }
     let gap = span(contacts.iter().map(|contact| 1e3 * contact.gap));
     let epsilon = span(contacts.iter().map(|contact| contact.epsilon));

@@ -229,7 +229,7 @@ pub fn summary(status: &Status) -> String {
     }
     let dead = if tasks.dead > 0 { format!(", {} given up", tasks.dead) } else { String::new() };
     format!(
-        "{}: {} of {} levels open, {} tasks done, {} under way, at most {} to come{dead}, {} branches, {} workers{}",
+        "{}: {} of {} levels open, {} tasks done, {} under way, {} known to come{dead}, {} branches, {} workers{}",
         status.stage.name(),
         // Verifications and what curves lead to open levels again that had been done.
         status.levels.saturating_sub(status.levels_done),

@@ -1,15 +1,15 @@
 //! The closing table of a run: what was found at every forcing level, no line longer than its reader's terminal.
 
 mod footnotes;
-mod motions;
+pub(crate) mod motions;
 mod pushes;
 mod units;
 
 pub use units::{FrequencyUnit, LengthUnit, Units};
 
 use crate::overview::{
-    Level, Omissions, Overview, Shift, WindowOutcome, events_sentence, is_unconfirmed, is_untouched, later_birth,
-    modes, truncation, unfinished,
+    Level, Omissions, Overview, Shift, WindowOutcome, briefly, events_sentence, is_unconfirmed, is_untouched,
+    later_birth, modes, truncation, unfinished,
 };
 use crate::store::{BranchRow, CurveRow, Reader, Result};
 use crate::words::{count, digits};
@@ -78,7 +78,7 @@ pub fn table(reader: &Reader, layout: Layout) -> Result<String> {
     let backbone = omissions.read("The backbone is", reader.backbone());
     unfinished(levels, backbone.is_none_or(|backbone| backbone.is_some())).iter().for_each(|sentence| say(sentence));
     let contacts = overview.model.as_ref().and_then(|message| message.model().ok());
-    if contacts.is_some_and(|model| model.contacts().count() > 0) && is_untouched(levels) {
+    if contacts.as_ref().is_some_and(|model| model.contacts().count() > 0) && is_untouched(levels) {
         say("Nothing touched its stop at any level.");
     }
     let choice = omissions.read("Which modes were followed is", reader.modes()).flatten();
@@ -86,6 +86,15 @@ pub fn table(reader: &Reader, layout: Layout) -> Result<String> {
         choice.as_ref().and_then(|choice| modes::sentence(choice, levels.iter().all(|level| level.pending == 0)))
     {
         say(&sentence);
+    }
+    if let Some(model) = &contacts
+        && levels.iter().all(|level| level.is_complete() && level.highest_isola().is_none())
+    {
+        let periods = model.forcing().harmonic + 1;
+        say(&format!(
+            "No isola was found. Responses of other periods were not looked for: forcing.harmonic = {periods} does so for those that \
+             last {periods} periods of the force."
+        ));
     }
     let harmonics = overview.header.as_ref().map(|header| header.settings.harmonics.count);
     if let Some(sentence) = harmonics.and_then(|count| truncation(levels, count)) {
@@ -220,36 +229,5 @@ impl Rows<'_> {
         let results = level.refuted + level.disputed;
         lines.extend((results > 0).then(|| format!("{results} doubtful{}", self.notes.mark(contradicted()))));
         lines.join("\n")
-    }
-}
-
-/// Reasons, of those that differ in their last number alone the one where it is smallest.
-fn briefly(reasons: &str) -> String {
-    let number = |word: &str| word.trim_matches(|c: char| !c.is_ascii_digit()).parse::<f64>().ok();
-    let mut kept: Vec<(String, f64, &str)> = Vec::new();
-    for reason in reasons.split("; ") {
-        let last = reason.split(' ').rev().find_map(|word| Some((word, number(word)?)));
-        let (word, value) = last.unwrap_or(("", 0.0));
-        let rest = if word.is_empty() { reason.into() } else { reason.replace(word, "") };
-        match kept.iter_mut().find(|(known, ..)| *known == rest) {
-            Some(known) if value < known.1 => *known = (rest, value, reason),
-            Some(_) => {}
-            None => kept.push((rest, value, reason)),
-        }
-    }
-    kept.into_iter().map(|(_, _, reason)| reason).collect::<Vec<_>>().join("; ")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::briefly;
-
-    #[test]
-    fn reasons_that_differ_in_a_number_are_one() {
-        let far = |distance| format!("every seed ended far away (relative distance {distance} or more)");
-        let none = |residual| format!("no convergence in 20 iterations (scaled residual {residual})");
-        let all = [far("0.78"), none("4.8e2"), far("0.75"), none("6.0e-1"), "the iteration diverged".into()];
-        assert_eq!(briefly(&all.join("; ")), [far("0.75"), none("6.0e-1"), "the iteration diverged".into()].join("; "));
-        assert_eq!(briefly(""), "");
     }
 }

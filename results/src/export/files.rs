@@ -5,13 +5,14 @@ use super::atomic::branches_folder;
 use super::contents::{backbone, further, monitors};
 use super::csv_columns::CsvColumns;
 use super::table::{Table, optional, text};
+use crate::curves::BackboneCurve;
 use crate::overview::Omissions;
 use crate::overview::{BranchRow, Level, Overview, unfinished};
 use crate::store::{BifurcationRow, CurveRow, MotionRow, PushRow, Reader};
 use protocol::array::ArrayError;
 use protocol::backbone::BackboneMessage;
 use protocol::curve::Size;
-use solver::response::windows::{Event, EventKind, events};
+use solver::response::windows::{Event, EventKind};
 use std::path::Path;
 
 pub(super) const SUMMARY: [&str; 20] = [
@@ -40,7 +41,7 @@ pub(super) const WINDOWS: [&str; 10] =
     ["amplitude", "window", "omega_min", "omega_max", "omega_best", "threshold", "outcome", "branch", "reason", "mode"];
 
 pub(super) const FOLDS: [&str; 5] = ["curve", "forcing", "omega", "amplitude", "kind"];
-pub(super) const EVENTS: [&str; 7] = ["kind", "source", "forcing", "omega", "amplitude", "mode", "curve"];
+pub(super) const EVENTS: [&str; 8] = ["kind", "source", "forcing", "omega", "amplitude", "mode", "curve", "backbone"];
 
 pub(super) const BIFURCATIONS: [&str; 5] = ["forcing", "branch", "kind", "omega", "amplitude"];
 
@@ -77,8 +78,12 @@ pub(super) fn write(reader: &Reader, dir: &Path, omissions: &mut Omissions) -> R
     let backbone = omissions.take("The backbone is", backbone(reader));
     let further = omissions.take("Further backbones are", further(reader)).unwrap_or_default();
     omissions.missing.extend(unfinished(&overview.levels, backbone.as_ref().is_none_or(Option::is_some)));
-    let predicted =
-        backbone.iter().flatten().flat_map(|backbone| predicted(&overview, backbone)).collect::<Vec<Event>>();
+    let predicted = backbone
+        .iter()
+        .flatten()
+        .chain(&further)
+        .flat_map(|backbone| predicted(&overview, backbone))
+        .collect::<Vec<_>>();
     if let Some(backbone) = backbone {
         let all: Vec<&BackboneMessage> = backbone.iter().chain(&further).collect();
         let columns = if all.is_empty() { Ok(CsvColumns::without_backbone()) } else { CsvColumns::of_backbones(&all) };
@@ -113,11 +118,14 @@ pub(super) fn write(reader: &Reader, dir: &Path, omissions: &mut Omissions) -> R
     write_summary(dir, &overview.levels)
 }
 
-/// Births and merges that the energy balance predicts.
-fn predicted(overview: &Overview, backbone: &BackboneMessage) -> Vec<Event> {
-    let model = overview.model.as_ref().and_then(|model| model.model().ok());
-    let backbone = model.and_then(|model| backbone.backbone(&Size::of(&model)).ok());
-    backbone.map_or_else(Vec::new, |backbone| events(&backbone))
+/// Births and merges that the energy balance predicts along a backbone, as far as they mean something for the levels, with the mode
+/// of the backbone.
+fn predicted(overview: &Overview, backbone: &BackboneMessage) -> Vec<(usize, Event)> {
+    let Some(model) = overview.model.as_ref().and_then(|model| model.model().ok()) else { return Vec::new() };
+    let Ok(backbone) = backbone.backbone(&Size::of(&model)) else { return Vec::new() };
+    let mut curve = BackboneCurve::new(&backbone, &model);
+    curve.keep_events_near(overview.levels.iter().map(|level| level.value));
+    curve.events.into_iter().map(|event| (curve.mode, event)).collect()
 }
 
 /// Writes the points of fold curves; `kind` is `fold` or what happens there.
@@ -134,22 +142,22 @@ fn write_folds(dir: &Path, curves: &[CurveRow]) -> Result<(), ExportError> {
 }
 
 /// Writes births and merges, those that were computed and those that the energy balance predicts.
-fn write_events(dir: &Path, curves: &[CurveRow], predicted: &[Event]) -> Result<(), ExportError> {
+fn write_events(dir: &Path, curves: &[CurveRow], predicted: &[(usize, Event)]) -> Result<(), ExportError> {
     let mut table = Table::create(dir, "events.csv", &names(&EVENTS))?;
     for curve in curves {
         for (kind, point) in curve.events() {
             let [forcing, omega, amplitude] = [point.forcing, point.omega, point.amplitude].map(text);
-            table.row([kind, "computed", &forcing, &omega, &amplitude, "", &curve.number.to_string()])?;
+            table.row([kind, "computed", &forcing, &omega, &amplitude, "", &curve.number.to_string(), ""])?;
         }
     }
-    for event in predicted {
+    for (backbone, event) in predicted {
         let kind = match event.kind {
             EventKind::Birth => "birth",
             EventKind::Merge => "merge",
         };
         let [forcing, omega, amplitude] = [event.threshold, event.omega, event.amplitude].map(text);
         let mode = event.mode.map_or_else(String::new, |mode| (mode + 1).to_string());
-        table.row([kind, "predicted", &forcing, &omega, &amplitude, &mode, ""])?;
+        table.row([kind, "predicted", &forcing, &omega, &amplitude, &mode, "", &(backbone + 1).to_string()])?;
     }
     table.finish()
 }

@@ -4,7 +4,7 @@
 use super::style::Color;
 use super::subject::Subject;
 use crate::curves::BackboneCurve;
-use crate::overview::{Level, WindowOutcome, WindowRow};
+use crate::overview::{Level, WindowOutcome, WindowRow, briefly};
 use crate::words::{count, digits};
 use serde::Serialize;
 
@@ -162,11 +162,14 @@ fn sentence(backbone: &BackboneCurve, number: usize, run: &Run, level: Option<(u
         (_, None) => " Not among the windows of this level.".into(),
         (_, Some(WindowOutcome::Found(branches))) => format!(" Computed: {branches}."),
         (_, Some(WindowOutcome::Pending(_))) => " Not computed yet.".into(),
-        (_, Some(WindowOutcome::NotFound(reason))) => format!(" Computed, not found: {reason}."),
+        (_, Some(WindowOutcome::NotFound(reasons))) => format!(" Computed, not found: {}.", briefly(reasons)),
     };
+    // The same numbers as in the account.
+    let (low, high) = window.map_or((low, high), |window| window.omega);
     let threshold = digits(backbone.threshold.values[run.best], 4);
+    let begins = if run.first == 0.0 { "A* at least" } else { "born at A* =" };
     let (low, high) = (digits(low, 5), digits(high, 5));
-    format!("Window {number}: {low} to {high} rad/s, born at A* = {threshold}; {which}.{outcome}")
+    format!("Window {number}: {low} to {high} rad/s, {begins} {threshold}; {which}.{outcome}")
 }
 
 /// A column at a place between its points.

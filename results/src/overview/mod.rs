@@ -7,6 +7,7 @@ mod folds;
 mod level;
 pub mod modes;
 mod omissions;
+mod reasons;
 mod truncation;
 mod unfinished;
 mod verified;
@@ -15,6 +16,7 @@ pub use doubts::doubts;
 pub use folds::{events_of, events_sentence, later_birth, most_folds, why_no_folds};
 pub use level::{Level, Seeds, highest, is_untouched};
 pub use omissions::Omissions;
+pub use reasons::briefly;
 pub use truncation::{is_unconfirmed, truncation};
 pub use unfinished::unfinished;
 

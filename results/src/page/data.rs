@@ -6,7 +6,7 @@ use crate::figure::{
     Color, ColumnStore, Figure, Font, Frame, MotionAxis, PALETTE, Palette, ladder, level_colors, motion_axes,
     place_for_page,
 };
-use crate::overview::Level;
+use crate::overview::{Level, WindowOutcome, briefly};
 use crate::report::{CostAccount, Report, RunFacts, Sentence};
 use crate::words::{digits, length};
 use serde::Serialize;
@@ -20,7 +20,7 @@ pub struct PageData<'r> {
     verdict: &'r [Sentence],
     palette: Palette,
     columns: &'r ColumnStore,
-    levels: &'r [Level],
+    levels: Vec<Level>,
     level_colors: Vec<Color>,
     branches: &'r [Curve],
     frames: Vec<Frame>,
@@ -69,7 +69,7 @@ impl<'r> PageData<'r> {
             verdict: &report.verdict,
             palette: PALETTE,
             columns: &report.figures.columns,
-            levels,
+            levels: levels.iter().map(in_brief).collect(),
             level_colors: level_colors(&levels.iter().map(|level| level.value).collect::<Vec<f64>>()),
             branches: &report.branches,
             motions: figures.get("motion").map(|figure| MotionData::new(report, figure)),
@@ -93,6 +93,17 @@ impl<'r> MotionData<'r> {
         };
         Self { harmonics: motions.harmonics, nodes: &motions.nodes, points: motions.points.iter().map(point).collect() }
     }
+}
+
+/// A level whose windows tell each reason once.
+fn in_brief(level: &Level) -> Level {
+    let mut level = level.clone();
+    for window in &mut level.windows {
+        if let WindowOutcome::NotFound(reasons) = &mut window.outcome {
+            *reasons = briefly(reasons);
+        }
+    }
+    level
 }
 
 /// Which motion it is.

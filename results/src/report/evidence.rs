@@ -2,7 +2,7 @@
 
 use crate::curves::BackboneCurve;
 use crate::overview::Level;
-use crate::store::{CurveRow, PushRow, SearchCounts};
+use crate::store::{CurveRow, MotionRow, PushRow, SearchCounts};
 use protocol::to_everyone::Stage;
 use solver::response::branch::Outcome;
 use solver::response::modes::ModesFollowed;
@@ -24,6 +24,8 @@ pub struct Evidence<'r> {
     pub curves: &'r [CurveRow],
     /// What became of the tasks that follow from folds.
     pub search: SearchCounts,
+    /// What unstable motions turn into.
+    pub motions: &'r [MotionRow],
     /// Pushes that were marched.
     pub pushes: &'r [PushRow],
     /// Why folds cannot be followed, if so.

@@ -102,10 +102,16 @@ pub(super) fn losses(evidence: &Evidence<'_>) -> Vec<Loss> {
         events().any(|(kind, point)| !is_unknown(kind) && is_there(point))
     };
     let unknown = events().filter(|(kind, point)| is_unknown(kind) && !is_told(point));
-    let unknown: Vec<f64> = unknown.map(|(_, point)| point.forcing).collect();
+    // Beyond the levels it is none of the study.
+    let (low, high) = levels
+        .iter()
+        .fold((f64::INFINITY, 0.0_f64), |(low, high), level| (low.min(level.value), high.max(level.value)));
+    let unknown: Vec<&CurvePoint> =
+        unknown.map(|(_, point)| point).filter(|point| (low..=high).contains(&point.forcing)).collect();
     if !unknown.is_empty() {
         let places = count(unknown.len(), "event");
-        let at: Vec<String> = unknown.iter().take(NAMED).map(|forcing| digits(*forcing, 5)).collect();
+        let place = |point: &&CurvePoint| format!("{} ({} rad/s)", digits(point.forcing, 5), digits(point.omega, 5));
+        let at: Vec<String> = unknown.iter().take(NAMED).map(place).collect();
         let more = if unknown.len() > NAMED { ", …" } else { "" };
         let at = at.join(", ");
         let sentence =

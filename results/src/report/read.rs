@@ -134,7 +134,9 @@ impl Report {
         mains.retain(|(amplitude, _)| overview.levels.iter().any(|level| level.amplitude == *amplitude));
         let curves = omissions.read("The list of fold curves is", reader.curves()).unwrap_or_default();
         let pushes = omissions.read("The list of pushes is", reader.pushes()).unwrap_or_default();
+        let turned = omissions.read("The list of motions is", reader.motions()).unwrap_or_default();
         let evidence = Evidence {
+            motions: &turned,
             pushes: &pushes,
             levels: &overview.levels,
             backbone: backbone.as_ref(),

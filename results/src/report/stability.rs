@@ -46,7 +46,7 @@ impl Evidence<'_> {
             None if self.pushes.is_empty() => "what leads there was not looked for (isola disturb does)".into(),
             None => "no push that leads there was found".into(),
             Some((push, impulse)) => format!(
-                "the smallest impulse found that leads there from the main motion is {} N s in mode {} ({} at A = {}, {})",
+                "the smallest push found that leads there from the main motion, all dofs at once, has {} N s in mode {} alone ({} at A = {}, {})",
                 digits(impulse, 3),
                 push.mode,
                 push.branch,

@@ -9,6 +9,7 @@ use super::evidence::Evidence;
 use super::losses::{Loss, losses, named};
 use crate::curves::BackboneCurve;
 use crate::overview::{BranchRow, Level, Origin, events_sentence, highest, truncation};
+use crate::summary_table::{Units, motions};
 use crate::words::{self, count, digits, frequency, range};
 use serde::Serialize;
 use solver::response::branch::BranchKind;
@@ -141,12 +142,20 @@ impl<'r> Evidence<'r> {
 
     /// What else is known.
     fn details(&self) -> Vec<String> {
-        let mut list: Vec<String> = self.with_isolas().next().map(|_| self.stability_of_isolas()).into_iter().collect();
+        let mut list: Vec<String> = Vec::new();
+        if self.structure.harmonic > 1 {
+            list.push(format!(
+                "Frequencies are those of the response: the force has {} times as much.",
+                self.structure.harmonic
+            ));
+        }
+        list.extend(self.with_isolas().next().map(|_| self.stability_of_isolas()));
         list.extend(self.largest().map(|(_, largest)| self.stability_of_peak(largest)));
         list.extend(self.untouched().map(String::from));
         list.extend(self.others());
         list.extend(self.not_found());
         list.extend(truncation(self.levels, self.harmonics));
+        list.extend(motions::sentences(self.motions, Units::default()));
         list
     }
 
@@ -263,7 +272,7 @@ impl<'r> Evidence<'r> {
             Origin::Curve => Some("along curves over the forcing"),
             Origin::Start => Some("from random starts"),
             Origin::Continuation => Some("where a growing forcing leads from rest"),
-            Origin::Balance => None,
+            Origin::Balance => Some("from seeds of windows of other responses"),
         });
         let ways: Vec<&str> = ways.collect();
         if ways.is_empty() { String::new() } else { format!(": they were found {}", ways.join(" and ")) }

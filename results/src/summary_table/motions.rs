@@ -34,7 +34,9 @@ fn kind(row: &MotionRow) -> String {
     match (row.motion.as_str(), row.repeats, &row.onto) {
         ("periodic", Some(1), Some(branch)) if *branch == row.branch => "the same branch".into(),
         ("periodic", Some(1), Some(branch)) => branch.clone(),
-        ("periodic", Some(1), None) => "a periodic motion that is on no marched orbit of the branches found".into(),
+        ("periodic", Some(1), None) => {
+            "a periodic motion that is on no marched orbit of the branches found (the search may have missed it)".into()
+        }
         ("periodic", Some(repeats), _) => format!("motions that repeat after {repeats} periods"),
         ("quasi_periodic", ..) => "quasi-periodic motions".into(),
         ("chaotic", ..) => "chaotic motions".into(),

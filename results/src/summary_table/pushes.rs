@@ -43,8 +43,8 @@ fn sentence(rows: &[PushRow], monitors: &[String], units: Units) -> String {
     let [size, velocity] = [least.impulse, least.velocity].map(|value| digits(value.unwrap_or_default(), DIGITS));
     let doubt = if least.confirmed == Some(true) { "" } else { "; not confirmed by longer marching" };
     format!(
-        "Smallest impulse found from the main motion that ends on {onto}: {size} N s in mode {} as it acts at {monitor} ({velocity} \
-         m/s there), of pushes in {}{doubt}.",
+        "Smallest push found from the main motion that ends on {onto}: all dofs at once in the shape of mode {}, {velocity} m/s at \
+         {monitor} ({size} N s for that mode alone), of pushes in {}{doubt}.",
         least.mode,
         tried(&all)
     )
@@ -81,8 +81,8 @@ mod tests {
         let said = told(&[row(1, Some(4.66), None), row(2, None, None), row(3, Some(8.0), None)]);
         assert_eq!(
             said,
-            "Smallest impulse found from the main motion that ends on isola 1 at A = 60 and 2665.46 rad/s: 4.66 N s in mode 1 as it \
-             acts at tip (2.33 m/s there), of pushes in modes 1 to 3."
+            "Smallest push found from the main motion that ends on isola 1 at A = 60 and 2665.46 rad/s: all dofs at once in the shape \
+             of mode 1, 2.33 m/s at tip (4.66 N s for that mode alone), of pushes in modes 1 to 3."
         );
         let doubtful = PushRow { confirmed: Some(false), ..row(1, Some(4.66), None) };
         assert!(told(&[doubtful]).ends_with("of pushes in mode 1; not confirmed by longer marching."));

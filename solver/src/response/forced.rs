@@ -244,7 +244,6 @@ impl<'m, F: Formulation<'m>> Forced<'m, F> {
         let (mut visited, stop) = walk(&mut continuation, &bounds, observer, &mut ending);
         let mut outcome = Outcome::Closed;
         if stop != Stop::Closed {
-            let begins_ordinarily = is_ordinary(continuation.problem(), &newton, &visited[0].point.state);
             let beginning = visited[0].point.omega();
             let is_given =
                 |omega: f64| (given.min.is_some() && omega < study.0) || (given.max.is_some() && omega > study.1);
@@ -256,6 +255,7 @@ impl<'m, F: Formulation<'m>> Forced<'m, F> {
             let high = if given.max.is_some() { study.1 } else { study.1.max(last_turn) };
             visited = trimmed(&mut continuation, visited, (low, high), stop, &mut is_spare);
             let is_trimmed = visited[0].point.omega() != beginning;
+            let begins_ordinarily = is_ordinary(continuation.problem(), &newton, &visited[0].point.state);
             let begin = match (begins_ordinarily, is_trimmed) {
                 (true, _) => Stop::Start,
                 (_, true) => Stop::FrequencyBound,

@@ -161,7 +161,14 @@ def join_families(levels: list[Level], curves: list[list[Row]]) -> dict[int, int
     count, earlier, value = 0, list[Row](), math.nan
     for level in levels:
         now = [branch for branch in level.branches if branch["kind"] != "main"]
-        pairs = [(_overlap(one, other), one["id"], other["id"]) for one in earlier for other in now]
+        # What branches off another lies within its range.
+        alike = (
+            (one, other)
+            for one in earlier
+            for other in now
+            if (one["kind"] == "branched") == (other["kind"] == "branched")
+        )
+        pairs = [(_overlap(one, other), one["id"], other["id"]) for one, other in alike]
         # The sort is stable: of equal overlaps the first counts.
         pairs.sort(key=lambda pair: -pair[0])
         continued: set[int] = set()

@@ -118,7 +118,7 @@ class StoredRun(Mapping[str, Motions]):
     @property
     def events(self) -> pd.DataFrame:
         """Births, deaths and merges of isolas, `computed` along fold curves and `predicted` by the energy balance: the
-        columns of ``events.csv`` (rad/s, m). `mode` is the one that contributes most beside the one whose backbone it is."""
+        columns of ``events.csv`` (rad/s, m). `mode` is the one that contributes most beside that of the `backbone`."""
         return self._read(tables.events)
 
     @property

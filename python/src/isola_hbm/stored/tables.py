@@ -36,14 +36,17 @@ PUSHES = [
     "confirmed",
 ]
 FOLDS = ["curve", "forcing", "omega", "amplitude", "kind"]
-EVENTS = ["kind", "source", "forcing", "omega", "amplitude", "mode", "curve"]
+EVENTS = ["kind", "source", "forcing", "omega", "amplitude", "mode", "curve", "backbone"]
 #: Columns of the table of branches that say where something is in the file, or stand under another name.
 _INTERNAL = {"id", "level", "special", "number"}
 #: Columns of text; integers that may be missing; all others are real.
 _TEXTS = {"kind", "status", "peak_standing", "outcome", "reason", "source", "task"}
-_INTEGERS = {"points", "family", "window", "mode", "first", "last", "best", "rejections", "curve"}
+_INTEGERS = {"points", "family", "window", "mode", "first", "last", "best", "rejections", "curve", "backbone"}
 #: Relative height below which an extremum of the threshold curve is noise.
 _PROMINENCE = 1e-3
+#: Thresholds below the first of these are rounding, those farther from the levels than the second factor are not theirs, and a
+#: balance of energies this much smaller than the dissipation is rounding again; as the program has it.
+_NOTHING, _FAR, _ROUND_OFF = 1e-9, 1e3, 1e-6
 
 
 def summary(reading: Reading, omissions: Omissions) -> pd.DataFrame:
@@ -170,7 +173,7 @@ def _curves(reading: Reading) -> list[list[Row]]:
 
 def events(reading: Reading, omissions: Omissions) -> pd.DataFrame:
     """Births, deaths and merges of isolas, computed along fold curves and predicted by the energy balance; as
-    ``events.csv``: `mode` is the one that contributes most beside the one followed."""
+    ``events.csv``: `mode` is the one that contributes most beside that of the `backbone`."""
     rows: list[Row] = []
     if reading.columns("curve_points"):
         sql = (
@@ -178,35 +181,51 @@ def events(reading: Reading, omissions: Omissions) -> pd.DataFrame:
         )
         sql += "WHERE event IS NOT NULL ORDER BY curve, i"
         rows = omissions.attempt("Computed events are", lambda: reading.rows(sql)) or []
-    rows += omissions.attempt("Predicted events are", lambda: _predicted(reading)) or []
+    for mode in modes(reading):
+        what = f"Events predicted along the backbone of mode {mode['mode']} are"
+        rows += omissions.attempt(what, partial(_predicted, reading, mode)) or []
     return _frame(EVENTS, rows)
 
 
-def _predicted(reading: Reading) -> list[Row]:
-    """Births and merges along the backbone of the primary mode: extrema of its threshold A*."""
-    mode = primary_mode(reading)
-    points = table(reading, "backbone", "mode", mode, ["threshold", "omega", "amplitude"])
+def _predicted(reading: Reading, row: Row) -> list[Row]:
+    """Births and merges along a backbone: extrema of its threshold A*, as far as they mean something for the levels."""
+    mode = row["mode"]
+    columns = ["threshold", "omega", "amplitude", "r_lin", "r_nl"]
+    points = table(reading, "backbone", "mode", mode, columns)
     if not len(points["omega"]):
         return []
-    contributions = reading.array("backbone", "contributions").copy()
+    contributions = reading.array(row["owner"], "contributions").copy()
     if len(contributions) != len(points["omega"]):
         raise Damaged(reading.store.file, f"contributions of {len(contributions)} points of the backbone")
     contributions[:, mode - 1] = -np.inf
     # The last one of equals, as the program has it.
     others = contributions.shape[1] - np.argmax(contributions[:, ::-1], axis=1)
+    threshold = points["threshold"]
     with np.errstate(divide="ignore"):
-        extrema = turning_points(np.log(points["threshold"]), _PROMINENCE)
+        extrema = turning_points(np.log(threshold), _PROMINENCE)
     inner = [extremum for extremum in extrema if 0 < extremum[0] < len(contributions) - 1]
+    levels = [float(value) for value in reading.column("SELECT value FROM levels")]
+    low, high = max(_NOTHING, min(levels) / _FAR), max(levels) * _FAR
+    linear, balance = points["r_lin"], points["r_lin"] + points["r_nl"]
+
+    def cancels(index: int, is_maximum: bool) -> bool:
+        """Whether a threshold is so small since energies that are more than rounding cancel."""
+        near = balance[index - 1 : index + 2]
+        is_real = (np.abs(near[[0, 2]]) > _ROUND_OFF * linear[index]).all()
+        return bool(not is_maximum and linear[index] > 0.0 and near.min() < 0.0 <= near.max() and is_real)
+
     return [
         {
             "kind": "merge" if is_maximum else "birth",
             "source": "predicted",
-            "forcing": points["threshold"][index],
+            "forcing": threshold[index],
             "omega": points["omega"][index],
             "amplitude": points["amplitude"][index],
             "mode": int(others[index]) if contributions.shape[1] > 1 else None,
+            "backbone": mode,
         }
         for index, is_maximum in inner
+        if low <= threshold[index] <= high or cancels(index, is_maximum)
     ]
 
 

@@ -60,6 +60,7 @@ fn told<'r>(levels: &'r [Level], change: impl FnOnce(&mut Evidence<'r>)) -> [Str
         mains: &[],
         curves: &[],
         search: SearchCounts::default(),
+        motions: &[],
         pushes: &[],
         why_no_folds: None,
         stage: Some(Stage::Finished),
