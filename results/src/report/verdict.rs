@@ -268,13 +268,13 @@ impl<'r> Evidence<'r> {
         let mut origins: Vec<Origin> = isolas.filter_map(|isola| isola.found_by).collect();
         origins.sort_unstable();
         origins.dedup();
-        let ways = origins.iter().filter_map(|origin| match origin {
-            Origin::Curve => Some("along curves over the forcing"),
-            Origin::Start => Some("from random starts"),
-            Origin::Continuation => Some("where a growing forcing leads from rest"),
-            Origin::Balance => Some("from seeds of windows of other responses"),
-        });
-        let ways: Vec<&str> = ways.collect();
+        let way = |origin: &Origin| match origin {
+            Origin::Curve => "along curves over the forcing",
+            Origin::Start => "from random starts",
+            Origin::Continuation => "where a growing forcing leads from rest",
+            Origin::Balance => "from seeds of windows of other responses",
+        };
+        let ways: Vec<&str> = origins.iter().map(way).collect();
         if ways.is_empty() { String::new() } else { format!(": they were found {}", ways.join(" and ")) }
     }
 
