@@ -77,7 +77,7 @@ def test_a_model_of_your_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
     assert list(run) == ["0.4/main", "0.7/main", "0.7/isola 1", "1/main", "1/isola 1"]
     peaks = run.summary["amplitude_max"]
     assert 11.5 < peaks["1/isola 1"] / peaks["1/main"] < 12.5
-    born = run.events.query("kind == 'birth'").set_index("source")["forcing"]
+    born = run.events.query("kind == 'birth'").groupby("source")["forcing"].min()
     assert abs(born["computed"] - 0.455) < 1e-3 and abs(born["predicted"] - 0.453) < 1e-3
     for picture in ("own.png", "map.png"):
         assert (tmp_path / picture).stat().st_size > 1000

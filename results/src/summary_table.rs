@@ -88,6 +88,7 @@ pub fn table(reader: &Reader, layout: Layout) -> Result<String> {
         say(&sentence);
     }
     if let Some(model) = &contacts
+        && !levels.is_empty()
         && levels.iter().all(|level| level.is_complete() && level.highest_isola().is_none())
     {
         let periods = model.forcing().harmonic + 1;
@@ -178,7 +179,8 @@ impl Rows<'_> {
         let FrequencySettings { min, max, .. } = self.given;
         let below = min.filter(|min| row.omega_at_max < min * (1.0 - BESIDE)).map(|_| "below frequency.min");
         let above = max.filter(|max| row.omega_at_max > max * (1.0 + BESIDE)).map(|_| "above frequency.max");
-        let note = |where_: &str| self.notes.mark(format!("{where_}: the branch goes there and comes back"));
+        let comes_back = if row.at_least().is_empty() { ": the branch goes there and comes back" } else { "" };
+        let note = |bound: &str| self.notes.mark(format!("{bound}{comes_back}"));
         below.or(above).map(note).unwrap_or_default()
     }
 
@@ -208,7 +210,7 @@ impl Rows<'_> {
         let unit = self.units.frequency;
         let missed = level.not_found().map(|(window, reason)| {
             let (low, high) = (unit.digits(window.omega.0), unit.digits(window.omega.1));
-            let why = match later_birth(self.curves, level.value, window) {
+            let why = match later_birth(self.curves, level, window) {
                 Some(birth) => format!("an isola is born there at A = {} only", digits(birth.forcing, 5)),
                 None => briefly(reason),
             };

@@ -58,8 +58,16 @@ pub(super) fn first_touch<'s>(study: &'s Study, followed: &[usize]) -> Option<Fi
     let FrequencySettings { min, max, .. } = settings.frequency;
     let is_within =
         |mode: &usize| min.is_none_or(|min| resonance(*mode) >= min) && max.is_none_or(|max| resonance(*mode) <= max);
+    // A stop that is pressed at rest changes the linear response.
+    let is_pressed = |element: &Element| matches!(&element.law, LawKind::PenaltySpring(spring) if spring.gap < 0.0);
+    if model.elements().iter().any(is_pressed) {
+        return None;
+    }
     let modes = followed.iter().copied().filter(is_within);
     let mut places: Vec<(Place, f64)> = modes.map(|mode| (Place::Resonance(mode), resonance(mode))).collect();
+    if places.is_empty() && (0..model.size()).any(|mode| !model.modes().is_rigid(mode) && is_within(&mode)) {
+        return None;
+    }
     if places.is_empty() {
         places.extend([min, max].into_iter().flatten().map(|omega| (Place::Bound(omega), omega)));
     }

@@ -74,10 +74,13 @@ class Units:
 
 
 def _once(events: pd.DataFrame) -> pd.DataFrame:
-    """Events by forcing without those that stand beside their predecessor."""
-    places = events[["forcing", "omega"]]
-    is_same = (places.diff().abs() <= _SAME * places.abs()).all(axis="columns")
-    return events[~is_same]
+    """Events by forcing, those that two curves share once."""
+    kept: list[int] = []
+    places = events[["forcing", "omega"]].to_numpy(float)
+    for i, place in enumerate(places):
+        if not any((abs(place - places[k]) <= _SAME * abs(place)).all() for k in kept):
+            kept.append(i)
+    return events.iloc[kept]
 
 
 class Plots:
@@ -273,7 +276,7 @@ class Plots:
                 continue
             mark, is_hollow, name = _MARKS[str(kind)]
             color = _FOLDS if source == "computed" else _INK
-            group = _once(group.sort_values("forcing"))
+            group = _once(group.sort_values("forcing")) if source == "computed" else group
             axes.plot(
                 units.frequencies(group["omega"]),
                 group["forcing"],

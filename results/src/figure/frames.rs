@@ -167,7 +167,8 @@ fn sentence(backbone: &BackboneCurve, number: usize, run: &Run, level: Option<(u
     // The same numbers as in the account.
     let (low, high) = window.map_or((low, high), |window| window.omega);
     let threshold = digits(backbone.threshold.values[run.best], 4);
-    let begins = if run.first == 0.0 { "A* at least" } else { "born at A* =" };
+    let is_inside = run.best > 0 && run.best + 1 < backbone.threshold.values.len();
+    let begins = if is_inside { "born at A* =" } else { "A* down to" };
     let (low, high) = (digits(low, 5), digits(high, 5));
     format!("Window {number}: {low} to {high} rad/s, {begins} {threshold}; {which}.{outcome}")
 }

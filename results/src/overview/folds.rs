@@ -1,6 +1,7 @@
 //! Whether folds can be followed, and what happens along their curves.
 
-use crate::store::{CurvePoint, CurveRow, WindowRow};
+use super::level::Level;
+use crate::store::{BranchRow, CurvePoint, CurveRow, WindowRow};
 use crate::words::digits;
 use solver::response::critical::CriticalKind;
 use solver::response::folds::{Critical, Extent, Quantity};
@@ -18,12 +19,21 @@ pub fn why_no_folds(model: &Model, settings: &Settings) -> Option<String> {
     Critical::new(model, settings, Quantity::Frequency, extent).err().map(|error| error.to_string())
 }
 
-/// Where fold curves have an isola born in the frequency range of a window, at a larger forcing than the window's: there the
-/// balance predicts it too early.
-pub fn later_birth<'c>(curves: &'c [CurveRow], forcing: f64, window: &WindowRow) -> Option<&'c CurvePoint> {
+/// Where fold curves have the first isola born in the frequency range of a window of a level, if that is at a larger forcing and no
+/// isola is there at the level: the balance predicts it too early.
+pub fn later_birth<'c>(curves: &'c [CurveRow], level: &Level, window: &WindowRow) -> Option<&'c CurvePoint> {
+    if level.isolas().any(|isola| overlaps(isola, window)) {
+        return None;
+    }
     let (low, high) = window.omega;
-    let mut births = events_of(curves, CriticalKind::Birth.name()).into_iter();
-    births.find(|birth| birth.forcing > forcing && (low..=high).contains(&birth.omega))
+    let births = events_of(curves, CriticalKind::Birth.name());
+    let first = births.into_iter().find(|birth| (low..=high).contains(&birth.omega));
+    first.filter(|birth| birth.forcing > level.value)
+}
+
+/// Whether a branch has frequencies of a window.
+pub fn overlaps(branch: &BranchRow, window: &WindowRow) -> bool {
+    branch.omega.0 <= window.omega.1 && branch.omega.1 >= window.omega.0
 }
 
 /// Births or merges that a sentence names.
@@ -39,8 +49,14 @@ pub fn events_of<'c>(curves: &'c [CurveRow], wanted: &str) -> Vec<&'c CurvePoint
     let points = curves.iter().flat_map(CurveRow::events).filter(|(kind, _)| *kind == wanted);
     let mut points: Vec<&CurvePoint> = points.map(|(_, point)| point).collect();
     points.sort_by(|a, b| a.forcing.total_cmp(&b.forcing));
-    points.dedup_by(|a, b| is_same(a.forcing, b.forcing) && is_same(a.omega, b.omega));
-    points
+    let mut kept: Vec<&CurvePoint> = Vec::new();
+    for point in points {
+        let mut near = kept.iter().rev().take_while(|earlier| is_same(earlier.forcing, point.forcing));
+        if !near.any(|earlier| is_same(earlier.omega, point.omega)) {
+            kept.push(point);
+        }
+    }
+    kept
 }
 
 /// Where isolas are born and where branches merge, as fold curves say.

@@ -13,7 +13,7 @@ mod unfinished;
 mod verified;
 
 pub use doubts::doubts;
-pub use folds::{events_of, events_sentence, later_birth, most_folds, why_no_folds};
+pub use folds::{events_of, events_sentence, later_birth, most_folds, overlaps, why_no_folds};
 pub use level::{Level, Seeds, highest, is_untouched};
 pub use omissions::Omissions;
 pub use reasons::briefly;

@@ -92,31 +92,10 @@ pub(super) fn losses(evidence: &Evidence<'_>) -> Vec<Loss> {
         let sentence = format!("{curves} stopped early: births, merges and isolas beyond are not known.");
         list.push(Loss::new(format!("{curves} stopped early"), sentence));
     }
-    let events = || evidence.curves.iter().flat_map(CurveRow::events);
-    let is_unknown = |kind: &str| kind == CriticalKind::Unknown.name();
-    // The same extremum may be known: what is unknown is not located to rounding.
-    let is_told = |place: &CurvePoint| {
-        let is_close = |a: f64, b: f64| (a / b - 1.0).abs() < UNLOCATED;
-        let is_there =
-            |point: &CurvePoint| is_close(point.forcing, place.forcing) && is_close(point.omega, place.omega);
-        events().any(|(kind, point)| !is_unknown(kind) && is_there(point))
-    };
-    let unknown = events().filter(|(kind, point)| is_unknown(kind) && !is_told(point));
-    // Beyond the levels it is none of the study.
-    let (low, high) = levels
-        .iter()
-        .fold((f64::INFINITY, 0.0_f64), |(low, high), level| (low.min(level.value), high.max(level.value)));
-    let unknown: Vec<&CurvePoint> =
-        unknown.map(|(_, point)| point).filter(|point| (low..=high).contains(&point.forcing)).collect();
-    if !unknown.is_empty() {
-        let places = count(unknown.len(), "event");
-        let place = |point: &&CurvePoint| format!("{} ({} rad/s)", digits(point.forcing, 5), digits(point.omega, 5));
-        let at: Vec<String> = unknown.iter().take(NAMED).map(place).collect();
-        let more = if unknown.len() > NAMED { ", …" } else { "" };
-        let at = at.join(", ");
-        let sentence =
-            format!("What happens along fold curves at A = {at}{more} is not known: a birth, a merge or neither.");
-        list.push(Loss::new(format!("{places} of unknown kind"), sentence));
+    let (among, _) = unknown_events(evidence);
+    if !among.is_empty() {
+        let brief = format!("{} of unknown kind", count(among.len(), "event"));
+        list.push(Loss::new(brief, unknown_kind(&among)));
     }
     let search = &evidence.search;
     if search.unfollowed > 0 {
@@ -146,6 +125,37 @@ pub(super) fn losses(evidence: &Evidence<'_>) -> Vec<Loss> {
         list.push(Loss::new(brief.clone(), format!("{brief}: whether these branches are stable is not known.")));
     }
     list
+}
+
+/// What happens along fold curves of which it is not known what it is: among the levels, and beyond them.
+fn unknown_events<'r>(evidence: &Evidence<'r>) -> (Vec<&'r CurvePoint>, Vec<&'r CurvePoint>) {
+    let events = || evidence.curves.iter().flat_map(CurveRow::events);
+    let is_unknown = |kind: &str| kind == CriticalKind::Unknown.name();
+    // The same extremum may be known: what is unknown is not located to rounding.
+    let is_told = |place: &CurvePoint| {
+        let is_close = |a: f64, b: f64| (a / b - 1.0).abs() < UNLOCATED;
+        let is_there =
+            |point: &CurvePoint| is_close(point.forcing, place.forcing) && is_close(point.omega, place.omega);
+        events().any(|(kind, point)| !is_unknown(kind) && is_there(point))
+    };
+    let unknown = events().filter(|(kind, point)| is_unknown(kind) && !is_told(point)).map(|(_, point)| point);
+    let values = || evidence.levels.iter().map(|level| level.value);
+    let (low, high) = (values().fold(f64::INFINITY, f64::min), values().fold(0.0, f64::max));
+    unknown.partition(|point| (low..=high).contains(&point.forcing))
+}
+
+/// The same beyond the levels, in a sentence.
+pub(super) fn unknown_beyond(evidence: &Evidence<'_>) -> Option<String> {
+    let (_, beyond) = unknown_events(evidence);
+    (!beyond.is_empty()).then(|| format!("Beyond the levels: {}", unknown_kind(&beyond)))
+}
+
+fn unknown_kind(events: &[&CurvePoint]) -> String {
+    let place = |point: &&CurvePoint| format!("{} ({} rad/s)", digits(point.forcing, 5), digits(point.omega, 5));
+    let at: Vec<String> = events.iter().take(NAMED).map(place).collect();
+    let more = if events.len() > NAMED { ", …" } else { "" };
+    let at = at.join(", ");
+    format!("What happens along fold curves at A = {at}{more} is not known: a birth, a merge or neither.")
 }
 
 /// Something that levels have.

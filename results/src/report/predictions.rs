@@ -2,53 +2,59 @@
 
 use super::evidence::Evidence;
 use super::losses::named;
-use crate::overview::{Level, later_birth};
+use crate::overview::{Level, later_birth, overlaps};
 use crate::words::{count, digits};
 
 impl Evidence<'_> {
-    /// Windows that led to no branch: those where fold curves have an isola born at a larger forcing, birth by birth, and the
-    /// others together.
+    /// Windows that led to no branch: those where fold curves have an isola born at a larger forcing, birth by birth, those in whose
+    /// range something was found otherwise, and the others.
     pub(super) fn not_found(&self) -> Vec<String> {
         let mut births: Vec<(f64, Vec<&Level>)> = Vec::new();
-        let mut others: Vec<&Level> = Vec::new();
+        let (mut met, mut others): (Vec<&Level>, Vec<&Level>) = (Vec::new(), Vec::new());
         for level in self.levels {
             for (window, _) in level.not_found() {
-                let levels = match later_birth(self.curves, level.value, window) {
-                    None => &mut others,
-                    Some(birth) => match births.iter().position(|(forcing, _)| *forcing == birth.forcing) {
-                        Some(place) => &mut births[place].1,
-                        None => {
-                            births.push((birth.forcing, Vec::new()));
-                            &mut births.last_mut().expect("one was pushed").1
-                        }
+                match later_birth(self.curves, level, window) {
+                    Some(birth) => match births.iter_mut().find(|(forcing, _)| *forcing == birth.forcing) {
+                        Some((_, levels)) => levels.push(level),
+                        None => births.push((birth.forcing, vec![level])),
                     },
-                };
-                levels.push(level);
+                    None if level.others().any(|row| overlaps(row, window)) => met.push(level),
+                    None => others.push(level),
+                }
             }
         }
-        let early = births.into_iter().map(|(forcing, mut levels)| {
-            levels.dedup_by(|a, b| a.amplitude == b.amplitude);
+        let early = births.into_iter().map(|(forcing, levels)| {
             let forcing = digits(forcing, 5);
             format!(
                 "At {} the energy balance predicts a response in a range of frequencies in which, along fold curves, an isola \
                  is born at A = {forcing} only: none was found there.",
-                named(&levels)
+                named(&once(levels))
             )
         });
         let mut sentences: Vec<String> = early.collect();
-        if !others.is_empty() {
-            let windows = count(others.len(), "response");
-            others.dedup_by(|a, b| a.amplitude == b.amplitude);
-            let starts = match self.search.fewest {
-                0 => String::new(),
-                fewest => format!(", nor did {} a level", count(fewest, "random start")),
+        for (levels, more) in [(met, ", though branches found otherwise lie in its range of frequencies"), (others, "")]
+        {
+            if levels.is_empty() {
+                continue;
+            }
+            let responses = count(levels.len(), "response");
+            let (whose, more) = if levels.len() == 1 {
+                ("its", more.to_string())
+            } else {
+                ("their", more.replace("its range", "their ranges"))
             };
             sentences.push(format!(
-                "{windows} that the energy balance predicts, which is an estimate, not found at {}: none of their seeds led to a \
-                 response near{starts}.",
-                named(&others)
+                "{responses} that the energy balance predicts, which is an estimate, not found at {}: none of {whose} seeds led to a \
+                 branch near{more}.",
+                named(&once(levels))
             ));
         }
         sentences
     }
+}
+
+/// Levels by forcing, each once.
+fn once(mut levels: Vec<&Level>) -> Vec<&Level> {
+    levels.dedup_by(|a, b| a.amplitude == b.amplitude);
+    levels
 }

@@ -6,7 +6,7 @@
 mod tests;
 
 use super::evidence::Evidence;
-use super::losses::{Loss, losses, named};
+use super::losses::{Loss, losses, named, unknown_beyond};
 use crate::curves::BackboneCurve;
 use crate::overview::{BranchRow, Level, Origin, events_sentence, highest, truncation};
 use crate::summary_table::{Units, motions};
@@ -154,6 +154,7 @@ impl<'r> Evidence<'r> {
         list.extend(self.untouched().map(String::from));
         list.extend(self.others());
         list.extend(self.not_found());
+        list.extend(unknown_beyond(self));
         list.extend(truncation(self.levels, self.harmonics));
         list.extend(motions::sentences(self.motions, Units::default()));
         list

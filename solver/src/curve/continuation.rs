@@ -214,7 +214,7 @@ impl<'p, P: Problem> Continuation<'p, P> {
         let is_bent = self.step > self.settings.max_step && straightness < STRAIGHT;
         let is_off = cosine.is_nan() || cosine < self.settings.min_cosine || is_bent;
         let turns = point.orientation != from.orientation;
-        if !self.problem.are_neighbours(&from.y, &point.y) {
+        if !self.problem.are_neighbours(&from.y, &point.y) || self.problem.hops(&from.y, &point.y) {
             return Err(Rejection::Distance);
         }
         // Corners (a law that changes its slope) and crossings stay what they are however short the step. So does the way back:

@@ -69,6 +69,11 @@ pub trait Problem {
         true
     }
 
+    /// Whether a step between two solutions has led over a resonance, from one of its flanks to the other.
+    fn hops(&self, _from: &[f64], _to: &[f64]) -> bool {
+        false
+    }
+
     /// Number of states that are the same solution: itself and what symmetries of the problem make of it.
     fn images(&self) -> usize {
         1

@@ -229,22 +229,33 @@ impl<'m, F: Formulation<'m>> Forced<'m, F> {
         let mut continuation = Continuation::start(&mut self.problem, y, &direction, self.settings.continuation)?;
         continuation.record(&self.recorder);
         let (mut has_entered, mut reached) = (false, swept);
+        // The point at which the branch would have ended without regard to how far it had been.
+        let (mut count, mut spare_end): (usize, Option<(usize, f64)>) = (0, None);
         let mut ending = |problem: &mut F, last: &TracedPoint| {
             let (omega, towards) = (last.point.omega(), last.curve.tangent[problem.len() - problem.parameters()]);
+            count += 1;
             has_entered |= (swept.0..=swept.1).contains(&omega);
             // One that turns before it has come into the range may yet do so. Where its own resonance has led it beyond, the
             // ordinary response is wanted as far.
-            let leaves = has_entered && ((omega < reached.0 && towards < 0.0) || (omega > reached.1 && towards > 0.0));
+            let leaves = |(low, high): (f64, f64)| (omega < low && towards < 0.0) || (omega > high && towards > 0.0);
+            let (is_beyond, leaves) = (has_entered && leaves(swept), has_entered && leaves(reached));
             if has_entered {
                 reached.0 = if given.min.is_none() { reached.0.min(omega) } else { reached.0 };
                 reached.1 = if given.max.is_none() { reached.1.max(omega) } else { reached.1 };
             }
-            (leaves && is_ordinary(problem, &newton, &last.point.state)).then_some(Stop::FrequencyBound)
+            spare_end = spare_end.filter(|(_, way)| way * towards > 0.0);
+            let is_known = spare_end.is_some() && !leaves;
+            let is_ordinary = is_beyond && !is_known && is_ordinary(problem, &newton, &last.point.state);
+            spare_end = spare_end.or(is_ordinary.then_some((count, towards)));
+            (leaves && is_ordinary).then_some(Stop::FrequencyBound)
         };
-        let (mut visited, stop) = walk(&mut continuation, &bounds, observer, &mut ending);
+        let (mut visited, mut stop) = walk(&mut continuation, &bounds, observer, &mut ending);
+        if let (Some((index, _)), Stop::PointBudget | Stop::Stalled(_) | Stop::AmplitudeBound) = (spare_end, stop) {
+            visited.truncate(index + 1);
+            stop = Stop::FrequencyBound;
+        }
         let mut outcome = Outcome::Closed;
         if stop != Stop::Closed {
-            let beginning = visited[0].point.omega();
             let is_given =
                 |omega: f64| (given.min.is_some() && omega < study.0) || (given.max.is_some() && omega > study.1);
             let mut is_spare = |problem: &mut F, end: &TracedPoint| {
@@ -253,10 +264,16 @@ impl<'m, F: Formulation<'m>> Forced<'m, F> {
             let (first_turn, last_turn) = turns(&visited);
             let low = if given.min.is_some() { study.0 } else { study.0.min(first_turn) };
             let high = if given.max.is_some() { study.1 } else { study.1.max(last_turn) };
-            visited = trimmed(&mut continuation, visited, (low, high), stop, &mut is_spare);
-            let is_trimmed = visited[0].point.omega() != beginning;
-            let begins_ordinarily = is_ordinary(continuation.problem(), &newton, &visited[0].point.state);
-            let begin = match (begins_ordinarily, is_trimmed) {
+            let grows = is_ordinary(continuation.problem(), &newton, &visited[0].point.state);
+            let (kept, is_cut) = trimmed(&mut continuation, visited, (low, high), stop, &mut is_spare);
+            visited = kept;
+            let is_bound_given = if side == Side::Below { given.min.is_some() } else { given.max.is_some() };
+            // At a bound that was given the response may be another one than where it began.
+            let begins_ordinarily = match is_cut && is_bound_given {
+                true => is_ordinary(continuation.problem(), &newton, &visited[0].point.state),
+                false => grows,
+            };
+            let begin = match (begins_ordinarily, is_cut) {
                 (true, _) => Stop::Start,
                 (_, true) => Stop::FrequencyBound,
                 (_, false) => Stop::Rest,

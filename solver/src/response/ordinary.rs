@@ -52,18 +52,18 @@ pub(super) type IsSpare<'s, F> = dyn FnMut(&mut F, &TracedPoint) -> bool + 's;
 
 /// What is left of a walk that ended so if it begins where it first enters a range of frequencies and ends where it last leaves
 /// it, with points at the bounds themselves. A walk that is never inside keeps its ends, and so does one that does not leave, or
-/// of which what lies beyond may not be left out.
+/// of which what lies beyond may not be left out. Told as well whether its beginning was left out.
 pub(super) fn trimmed<'m, F: Formulation<'m>>(
     continuation: &mut Continuation<'_, F>,
     mut visited: Vec<TracedPoint>,
     (low, high): (f64, f64),
     stop: Stop,
     is_spare: &mut IsSpare<'_, F>,
-) -> Vec<TracedPoint> {
+) -> (Vec<TracedPoint>, bool) {
     let slack = 1e-9 * high;
     let inside = |v: &TracedPoint| (low - slack..=high + slack).contains(&v.point.omega());
     let (Some(first), Some(last)) = (visited.iter().position(inside), visited.iter().rposition(inside)) else {
-        return visited;
+        return (visited, false);
     };
     let (begin, end) = (&visited[..=first], &visited[last..]);
     let begins = first > 0 && is_spare(continuation.problem(), &begin[0]);
@@ -76,7 +76,7 @@ pub(super) fn trimmed<'m, F: Formulation<'m>>(
         visited.drain(..first - 1);
         begin_at_bound(continuation, &mut visited, (low, high));
     }
-    visited
+    (visited, begins)
 }
 
 /// Lowest and highest frequency at which a curve turns back; infinite and zero if it does not.

@@ -257,8 +257,11 @@ fn ends_ordinarily<'m, F: Formulation<'m>>(forced: &mut Forced<'m, F>, branch: &
         Side::Above => (high, given.max.is_some(), last.omega() / high - 1.0),
     };
     let is_there = beyond > -1e-6 && matches!(branch.outcome, Outcome::Open(_, Stop::FrequencyBound));
-    // At a bound that nobody gave a main branch is cut only if it goes on to the ordinary response.
-    let is_cut = !is_given && (last.omega() - bound).abs() < 1e-6 * bound;
+    // At a bound that nobody gave, or as far beyond as it has been before, a main branch is cut only if it goes on to the ordinary
+    // response.
+    let earlier = &branch.points[..branch.points.len().saturating_sub(2)];
+    let is_at = |omega: f64| (last.omega() - omega).abs() < 1e-6 * omega;
+    let is_cut = !is_given && (is_at(bound) || earlier.iter().any(|point| is_at(point.omega())));
     is_there && (is_cut || forced.is_ordinary(&last.state))
 }
 

@@ -205,7 +205,8 @@ def _predicted(reading: Reading, row: Row) -> list[Row]:
         extrema = turning_points(np.log(threshold), _PROMINENCE)
     inner = [extremum for extremum in extrema if 0 < extremum[0] < len(contributions) - 1]
     levels = [float(value) for value in reading.column("SELECT value FROM levels")]
-    low, high = max(_NOTHING, min(levels) / _FAR), max(levels) * _FAR
+    low = max(_NOTHING, min(levels, default=np.inf) / _FAR)
+    high = max(levels, default=0.0) * _FAR
     linear, balance = points["r_lin"], points["r_lin"] + points["r_nl"]
 
     def cancels(index: int, is_maximum: bool) -> bool:

@@ -191,8 +191,8 @@ fn a_prediction_that_was_not_found_is_one() {
         outcome: WindowOutcome::NotFound("no seed converged".into()),
     });
     let [danger, onset, _] = texts(&levels);
-    let estimate =
-        "1 response that the energy balance predicts, which is an estimate, not found at A = 1: none of their seeds";
+    let estimate = "1 response that the energy balance predicts, which is an estimate, not found at A = 1: none of its seeds \
+                    led to a branch near.";
     assert!(danger.contains(estimate), "{danger}");
     assert!(onset.starts_with("None was found where"), "{onset}");
     assert!(!onset.contains("predicts no separate response"), "{onset}");
@@ -208,6 +208,15 @@ fn a_prediction_that_was_not_found_is_one() {
                      an isola is born at A = 1.25 only: none was found there.";
         assert_eq!([danger.contains(later), danger.contains(estimate)], [is_later, !is_later], "{danger}");
     }
+    // Nor if one was born earlier there, or is there at this level.
+    let both = [birth(1.25, 105.0), birth(0.75, 100.0)];
+    let [danger, ..] = told(&levels, |evidence| evidence.curves = &both);
+    assert!(danger.contains(estimate), "{danger}");
+    let later = [birth(1.25, 105.0)];
+    levels[0].branches.push(branch("isola", 1, (108.0, 112.0), 2e-3));
+    let [danger, ..] = told(&levels, |evidence| evidence.curves = &later);
+    let met = "led to a branch near, though branches found otherwise lie in its range of frequencies.";
+    assert!(danger.contains(met) && !danger.contains("is born at"), "{danger}");
 }
 
 #[test]

@@ -355,6 +355,10 @@ impl Problem for PressureForm<'_> {
         narrow::are_neighbours(&self.system, self.motion_metric(), from, to)
     }
 
+    fn hops(&self, from: &[f64], to: &[f64]) -> bool {
+        narrow::hops(&self.system, self.motion_metric(), [from, to])
+    }
+
     fn images(&self) -> usize {
         self.system.images()
     }
