@@ -131,3 +131,67 @@ fn distance_allowed(system: &System<'_>, modal: &[f64], omega: f64) -> f64 {
     }
     allowed
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::curve::problem::Problem;
+    use crate::formulation::Formulation;
+    use crate::formulation::harmonics::width;
+    use crate::formulation::pressure::PressureForm;
+    use crate::formulation::scales::Scales;
+    use crate::formulation::unknown::Unknown;
+    use crate::linalg::Matrix;
+    use crate::settings::Settings;
+    use crate::structure::Model;
+    use crate::structure::laws::{PolynomialSpring, Term};
+
+    /// Two states of a mass on a cubic spring (ω₁ = 1 rad/s), each by its frequency and the third harmonic of a motion of 1.
+    fn hops(ratio: f64, from: (f64, f64), to: (f64, f64)) -> bool {
+        let spring = PolynomialSpring { terms: vec![Term { power: 3, coefficient: 1.0 }] };
+        let model = Model::builder("mass")
+            .mass(Matrix::diagonal(&[1.0]))
+            .stiffness(Matrix::diagonal(&[1.0]))
+            .damping_ratio(ratio)
+            .force(0, 1.0)
+            .element("spring", spring, [vec![(0, 1.0)]])
+            .build()
+            .unwrap();
+        let harmonics = Settings::default().harmonics;
+        let (unknown, scales) = (Unknown::Frequency { forcing: 1.0 }, Scales::new(&model, 0));
+        let frequency = scales.frequency;
+        let problem = PressureForm::build(&model, harmonics, 0, unknown, scales).unwrap();
+        let state = |(omega, third): (f64, f64)| {
+            let mut y = vec![0.0; problem.len()];
+            let end = problem.motion_metric().len();
+            // Modal amplitudes come last.
+            let modal = end - width(harmonics.count);
+            (y[modal + 1], y[modal + 5], y[end]) = (1.0, third, omega / frequency);
+            y
+        };
+        problem.hops(&state(from), &state(to))
+    }
+
+    #[test]
+    fn a_harmonic_that_turns_round_near_a_resonance_has_hopped() {
+        // The third harmonic of 0.35 rad/s is near the resonance; the half-width of which is 1e-5/3 rad/s.
+        let cases = [
+            ((0.35, 0.05), (0.351, -0.05), true),
+            // Small as it decreases, or on one side.
+            ((0.35, 0.05), (0.351, 0.001), false),
+            ((0.35, 0.05), (0.351, 0.02), false),
+            // Too small to be seen, narrower than the resonance, or far from it.
+            ((0.35, 5e-4), (0.351, -5e-4), false),
+            ((0.35, 0.05), (0.350001, -0.05), false),
+            ((0.9, 0.05), (0.901, -0.05), false),
+            // Over a resonance that is near neither end.
+            ((0.2, 0.05), (0.6, -0.05), true),
+        ];
+        for (from, to, expected) in cases {
+            assert_eq!(hops(1e-5, from, to), expected, "{from:?} to {to:?}");
+            assert_eq!(hops(1e-5, to, from), expected, "{to:?} to {from:?}");
+        }
+        // Without damping as well; with much of it the resonance is wider than the step.
+        assert!(hops(0.0, (0.35, 0.05), (0.351, -0.05)));
+        assert!(!hops(0.05, (0.35, 0.05), (0.351, -0.05)));
+    }
+}
