@@ -8,7 +8,7 @@ mod units;
 pub use units::{FrequencyUnit, LengthUnit, Units};
 
 use crate::overview::{
-    Level, Omissions, Overview, Shift, WindowOutcome, briefly, events_sentence, is_unconfirmed, is_untouched,
+    Lesser, Level, Omissions, Overview, Shift, WindowOutcome, briefly, events_sentence, is_unconfirmed, is_untouched,
     later_birth, modes, truncation, unfinished,
 };
 use crate::store::{BranchRow, CurveRow, Reader, Result};
@@ -52,7 +52,10 @@ pub fn table(reader: &Reader, layout: Layout) -> Result<String> {
     let mains = omissions.read("How main branches end is", reader.main_outcomes()).unwrap_or_default();
     let curves = omissions.read("The list of fold curves is", reader.curves()).unwrap_or_default();
     let given = overview.header.as_ref().map(|header| header.settings.frequency).unwrap_or_default();
-    let mut rows = Rows { units: layout.units, mains: &mains, curves: &curves, given, notes: Footnotes::default() };
+    let model = overview.model.as_ref().and_then(|message| message.model().ok());
+    let lesser = model.as_ref().map(Lesser::of).unwrap_or_default();
+    let notes = Footnotes::default();
+    let mut rows = Rows { units: layout.units, mains: &mains, curves: &curves, lesser, given, notes };
     let levels = &overview.levels;
     let mut table = Table::new();
     table.load_preset(UTF8_FULL_CONDENSED);
@@ -77,8 +80,7 @@ pub fn table(reader: &Reader, layout: Layout) -> Result<String> {
     }
     let backbone = omissions.read("The backbone is", reader.backbone());
     unfinished(levels, backbone.is_none_or(|backbone| backbone.is_some())).iter().for_each(|sentence| say(sentence));
-    let contacts = overview.model.as_ref().and_then(|message| message.model().ok());
-    if contacts.as_ref().is_some_and(|model| model.contacts().count() > 0) && is_untouched(levels) {
+    if model.as_ref().is_some_and(|model| model.contacts().count() > 0) && is_untouched(levels) {
         say("Nothing touched its stop at any level.");
     }
     let choice = omissions.read("Which modes were followed is", reader.modes()).flatten();
@@ -87,7 +89,7 @@ pub fn table(reader: &Reader, layout: Layout) -> Result<String> {
     {
         say(&sentence);
     }
-    if let Some(model) = &contacts
+    if let Some(model) = &model
         && !levels.is_empty()
         && levels.iter().all(|level| level.is_complete() && level.highest_isola().is_none())
     {
@@ -141,6 +143,8 @@ struct Rows<'r> {
     mains: &'r [(String, Outcome)],
     /// Fold curves.
     curves: &'r [CurveRow],
+    /// What motions that branch off others have lost.
+    lesser: Lesser,
     /// Bounds of the frequency that were given.
     given: FrequencySettings,
     notes: Footnotes,
@@ -196,9 +200,7 @@ impl Rows<'_> {
         }
         let meaning = match row.kind.as_str() {
             kind if kind == BranchKind::Open.name() => "; detached, but not closed",
-            kind if kind == BranchKind::Branched.name() => {
-                "; less symmetric than what it branches off, or of a longer period"
-            }
+            kind if kind == BranchKind::Branched.name() => &format!("; {}", self.lesser.than("what it branches off")),
             _ => "; whether it is detached is not known",
         };
         let mark = self.notes.mark(format!("{}{meaning}", row.status));

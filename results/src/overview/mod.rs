@@ -4,6 +4,7 @@
 mod doubts;
 mod family;
 mod folds;
+mod lesser;
 mod level;
 pub mod modes;
 mod omissions;
@@ -14,6 +15,7 @@ mod verified;
 
 pub use doubts::doubts;
 pub use folds::{events_of, events_sentence, later_birth, most_folds, overlaps, why_no_folds};
+pub use lesser::Lesser;
 pub use level::{Level, Seeds, highest, is_untouched};
 pub use omissions::Omissions;
 pub use reasons::briefly;

@@ -1,7 +1,7 @@
 //! What the answers of a report are drawn from.
 
 use crate::curves::BackboneCurve;
-use crate::overview::Level;
+use crate::overview::{Lesser, Level};
 use crate::store::{CurveRow, MotionRow, PushRow, SearchCounts};
 use protocol::to_everyone::Stage;
 use solver::response::branch::Outcome;
@@ -56,6 +56,8 @@ pub struct Structure {
     pub modes: usize,
     /// Harmonic m of the response that the forcing acts on.
     pub harmonic: usize,
+    /// What motions that branch off others have lost.
+    pub lesser: Lesser,
     /// Number of stops (rigid contacts).
     pub stops: usize,
     /// Modes (from 1) that deform the structure and that no damping, or a negative one, acts on.
@@ -77,6 +79,7 @@ impl Structure {
             gap,
             modes: model.size(),
             harmonic: model.forcing().harmonic,
+            lesser: Lesser::of(model),
             stops: model.contacts().count(),
             undamped: damped(|rate| rate == 0.0),
             excited: damped(|rate| rate < 0.0),

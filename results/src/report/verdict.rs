@@ -162,10 +162,11 @@ impl<'r> Evidence<'r> {
 
     /// Branches that are neither main ones nor isolas, for what they are.
     fn others(&self) -> Vec<String> {
+        let branched = format!("branch off other responses, {}", self.structure.lesser.than("those"));
         let kinds = [
             (BranchKind::Open, "leave through the widest bounds at both ends: detached, but not closed"),
             (BranchKind::Cut, "leave through bounds that were given: whether they are detached is not known"),
-            (BranchKind::Branched, "branch off other responses, less symmetric than those or of a longer period"),
+            (BranchKind::Branched, branched.as_str()),
             (BranchKind::Unfinished, "are unfinished: whether they are detached is not known"),
         ];
         let sentence = |(kind, many): (BranchKind, &str)| {
