@@ -22,7 +22,7 @@ use crate::response::branch::{
 use crate::response::folds::{Critical, CriticalCurve, CriticalError, Extent, Quantity};
 use crate::response::forcing::{Unreached, from_rest};
 use crate::response::interrupt::Interrupt;
-use crate::response::ordinary::{LINEAR, converge, distance, is_ordinary, trimmed, turns};
+use crate::response::ordinary::{Departure, LINEAR, converge, distance, is_ordinary, trimmed, turns};
 pub use crate::response::search_range::SearchRange;
 use crate::response::special::with_special_points;
 use crate::response::truncation::certificate;
@@ -228,32 +228,12 @@ impl<'m, F: Formulation<'m>> Forced<'m, F> {
         let (newton, given) = (self.landing(), self.settings.frequency);
         let mut continuation = Continuation::start(&mut self.problem, y, &direction, self.settings.continuation)?;
         continuation.record(&self.recorder);
-        let (mut has_entered, mut reached) = (false, swept);
-        // The point at which the branch would have ended without regard to how far it had been.
-        let (mut count, mut spare_end): (usize, Option<(usize, f64)>) = (0, None);
+        let mut departure = Departure::new(swept, given);
         let mut ending = |problem: &mut F, last: &TracedPoint| {
-            let (omega, towards) = (last.point.omega(), last.curve.tangent[problem.len() - problem.parameters()]);
-            count += 1;
-            has_entered |= (swept.0..=swept.1).contains(&omega);
-            // One that turns before it has come into the range may yet do so. Where its own resonance has led it beyond, the
-            // ordinary response is wanted as far.
-            let leaves = |(low, high): (f64, f64)| (omega < low && towards < 0.0) || (omega > high && towards > 0.0);
-            let (is_beyond, leaves) = (has_entered && leaves(swept), has_entered && leaves(reached));
-            if has_entered {
-                reached.0 = if given.min.is_none() { reached.0.min(omega) } else { reached.0 };
-                reached.1 = if given.max.is_none() { reached.1.max(omega) } else { reached.1 };
-            }
-            spare_end = spare_end.filter(|(_, way)| way * towards > 0.0);
-            let is_known = spare_end.is_some() && !leaves;
-            let is_ordinary = is_beyond && !is_known && is_ordinary(problem, &newton, &last.point.state);
-            spare_end = spare_end.or(is_ordinary.then_some((count, towards)));
-            (leaves && is_ordinary).then_some(Stop::FrequencyBound)
+            departure.is_final(problem, &newton, last).then_some(Stop::FrequencyBound)
         };
-        let (mut visited, mut stop) = walk(&mut continuation, &bounds, observer, &mut ending);
-        if let (Some((index, _)), Stop::PointBudget | Stop::Stalled(_) | Stop::AmplitudeBound) = (spare_end, stop) {
-            visited.truncate(index + 1);
-            stop = Stop::FrequencyBound;
-        }
+        let (mut visited, stop) = walk(&mut continuation, &bounds, observer, &mut ending);
+        let stop = departure.settled(&mut visited, stop);
         let mut outcome = Outcome::Closed;
         if stop != Stop::Closed {
             let is_given =

@@ -8,6 +8,7 @@ use crate::formulation::Formulation;
 use crate::formulation::linear::forced_response;
 use crate::formulation::state::State;
 use crate::response::branch::{Stop, TracedPoint};
+use crate::settings::FrequencySettings;
 
 /// Relative distance of a response from the linear one up to which it counts as linear.
 pub(super) const LINEAR: f64 = 1e-3;
@@ -45,6 +46,66 @@ pub(super) fn is_ordinary<'m, F: Formulation<'m>>(problem: &mut F, settings: &Ne
     away < LINEAR
         || (away < ORDINARY
             && converge(problem, settings, &linear).is_ok_and(|found| distance(problem, &found, state) < 1e-6))
+}
+
+/// Where a main branch leaves the frequencies swept for good: with the ordinary response, as far beyond them as its own resonance
+/// has led it before, unless a bound was given on that side.
+pub(super) struct Departure {
+    swept: (f64, f64),
+    given: FrequencySettings,
+    /// The frequencies that it has been at since it has entered those swept, and these.
+    reached: (f64, f64),
+    has_entered: bool,
+    points: usize,
+    /// The first point of the ordinary response beyond the frequencies swept, and which way it goes from there.
+    first: Option<(usize, f64)>,
+}
+
+impl Departure {
+    /// From frequencies swept, with the bounds that were given.
+    pub(super) fn new(swept: (f64, f64), given: FrequencySettings) -> Self {
+        Self { swept, given, reached: swept, has_entered: false, points: 0, first: None }
+    }
+
+    /// Whether it leaves at the point that a walk has stepped to; asked of every one.
+    pub(super) fn is_final<'m, F: Formulation<'m>>(
+        &mut self,
+        problem: &mut F,
+        newton: &NewtonSettings,
+        last: &TracedPoint,
+    ) -> bool {
+        let (omega, towards) = (last.point.omega(), last.curve.tangent[problem.len() - problem.parameters()]);
+        self.points += 1;
+        self.has_entered |= (self.swept.0..=self.swept.1).contains(&omega);
+        // One that turns before it has come into the range may yet do so.
+        if !self.has_entered {
+            return false;
+        }
+        let leaves = |(low, high): (f64, f64)| (omega < low && towards < 0.0) || (omega > high && towards > 0.0);
+        let (is_beyond, is_farthest) = (leaves(self.swept), leaves(self.reached));
+        if self.given.min.is_none() {
+            self.reached.0 = self.reached.0.min(omega);
+        }
+        if self.given.max.is_none() {
+            self.reached.1 = self.reached.1.max(omega);
+        }
+        self.first = self.first.filter(|(_, way)| way * towards > 0.0);
+        let is_asked = is_farthest || (is_beyond && self.first.is_none());
+        let is_ordinary = is_asked && is_ordinary(problem, newton, &last.point.state);
+        self.first = self.first.or(is_ordinary.then_some((self.points, towards)));
+        is_farthest && is_ordinary
+    }
+
+    /// How a walk ends that stopped so: one that has not come as far beyond ends with the first point of the ordinary response there.
+    pub(super) fn settled(&self, visited: &mut Vec<TracedPoint>, stop: Stop) -> Stop {
+        match (self.first, stop) {
+            (Some((index, _)), Stop::PointBudget | Stop::Stalled(_) | Stop::AmplitudeBound) => {
+                visited.truncate(index + 1);
+                Stop::FrequencyBound
+            }
+            _ => stop,
+        }
+    }
 }
 
 /// Whether what lies beyond a range may be left out of a branch that ends with this point there.
