@@ -67,17 +67,18 @@ pub struct Continuation<'p, P: Problem> {
 }
 
 impl<'p, P: Problem> Continuation<'p, P> {
-    /// Starts from a point near the curve, which is first corrected on the plane normal to `direction` through it; the
-    /// walk goes the way of `direction`.
+    /// Starts from a point near the curve, which is made symmetric where it nearly is and corrected on the plane normal to
+    /// `direction` through it; the walk goes the way of `direction`.
     ///
     /// # Errors
     /// If the corrector fails at the first point.
     pub fn start(
         problem: &'p mut P,
-        y: Vec<f64>,
+        mut y: Vec<f64>,
         direction: &[f64],
         settings: ContinuationSettings,
     ) -> Result<Self, Failure> {
+        Stabiliser::of(problem, &y).project(problem, &mut y);
         let mut newton = Newton::default();
         let row = weighted(problem.metric(), &unit(problem.metric(), direction.to_vec()));
         let mut current = land(problem, &mut newton, y, &row, &settings)?;

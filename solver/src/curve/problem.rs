@@ -4,6 +4,10 @@ use crate::linalg::LinalgError;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+/// Largest relative distance of a state from an image of it that is the same: what Newton's method has left over would grow next to
+/// branch points.
+pub const SAME_IMAGE: f64 = 1e-6;
+
 /// A system of equations with one unknown more than equations.
 ///
 /// `y` is the full scaled state: the unknowns proper and what depends on them explicitly (contact nodes that do not
@@ -92,7 +96,7 @@ pub trait Problem {
             let metric = self.motion_metric();
             let is_same = |other: &Vec<f64>| {
                 let difference: Vec<f64> = image.iter().zip(other).map(|(a, b)| a - b).collect();
-                norm(metric, &difference) <= 1e-9 * norm(metric, y)
+                norm(metric, &difference) <= SAME_IMAGE * norm(metric, y)
             };
             if !list.iter().any(is_same) {
                 list.push(image);

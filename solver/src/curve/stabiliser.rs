@@ -1,9 +1,6 @@
 //! Symmetries that a curve keeps.
 
-use crate::curve::problem::{Problem, norm};
-
-/// Largest relative distance of a state from an image of it that is the same.
-const SAME: f64 = 1e-9;
+use crate::curve::problem::{Problem, SAME_IMAGE, norm};
 
 /// The images of a problem that leave a state as it is, besides the state itself. All of the curve through it has them, up to
 /// where others branch off: there the tangent is undetermined in their direction, and a walk that is not kept from it goes on
@@ -17,7 +14,7 @@ impl Stabiliser {
         let metric = problem.motion_metric();
         let is_same = |index: &usize| {
             let apart: Vec<f64> = problem.image(y, *index).iter().zip(y).map(|(a, b)| a - b).collect();
-            norm(metric, &apart) <= SAME * norm(metric, y)
+            norm(metric, &apart) <= SAME_IMAGE * norm(metric, y)
         };
         Self((1..problem.images()).filter(is_same).collect())
     }
@@ -33,8 +30,8 @@ impl Stabiliser {
         tangent.iter_mut().for_each(|t| *t /= length);
     }
 
-    /// The mean of the images.
-    fn project<P: Problem>(&self, problem: &P, y: &mut [f64]) {
+    /// Makes of a state, or a direction, the mean of its images.
+    pub fn project<P: Problem>(&self, problem: &P, y: &mut [f64]) {
         let images: Vec<Vec<f64>> = self.0.iter().map(|&index| problem.image(y, index)).collect();
         let share = 1.0 / (images.len() + 1) as f64;
         for (i, y) in y.iter_mut().enumerate() {

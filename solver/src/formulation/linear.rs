@@ -52,7 +52,7 @@ pub fn mode_motion<'m>(problem: &impl Formulation<'m>, mode: usize) -> State {
 
 /// Scales a linear motion (and its forcing) to 99 % of the first touch; where a law acts at any amplitude, to a thousandth
 /// of the reference length.
-pub fn below_first_touch<'m>(problem: &impl Formulation<'m>, mut state: State) -> State {
+pub fn below_first_touch<'m>(problem: &impl Formulation<'m>, state: State) -> State {
     let nc = width(state.harmonics);
     let largest = state.modal.iter().fold(0.0f64, |m, q| m.max(q.abs()));
     let mut factor = f64::INFINITY;
@@ -67,6 +67,11 @@ pub fn below_first_touch<'m>(problem: &impl Formulation<'m>, mut state: State) -
     if !factor.is_finite() {
         factor = problem.scales().modal / largest;
     }
+    times(problem, state, factor)
+}
+
+/// A linear motion (and its forcing) so many times as large.
+pub fn times<'m>(problem: &impl Formulation<'m>, mut state: State, factor: f64) -> State {
     state.modal.iter_mut().for_each(|q| *q *= factor);
     state.forcing *= factor;
     state.arguments = problem.modal().open_arguments(&state.modal);

@@ -4,7 +4,7 @@
 use crate::curve::continuation::Continuation;
 use crate::curve::extrema::{insert_maxima, locate_maximum};
 use crate::curve::problem::Failure;
-use crate::curve::walk::{Bounds, walk, walk_both};
+use crate::curve::walk::{Bounds, relative_distance, walk, walk_both};
 use crate::formulation::linear;
 use crate::formulation::pressure::PressureForm;
 use crate::formulation::scales::Scales;
@@ -122,6 +122,13 @@ fn drifting(model: &Model) -> Option<usize> {
     (0..model.size()).find(|&j| model.modes().is_rigid(j) && !is_felt(j)).map(|j| j + 1)
 }
 
+/// How many times as large as in the linear range the motion may be that a backbone starts with: dry friction may keep smaller ones
+/// from swinging.
+const LARGER: [f64; 3] = [10.0, 100.0, 1000.0];
+
+/// Relative distance of the first motion from the linear one, at most, if that is larger.
+const ALIKE: f64 = 0.5;
+
 fn system<'m, F: Formulation<'m>>(
     model: &'m Model,
     settings: &Settings,
@@ -212,10 +219,35 @@ impl Backbone {
                 if start.omega < low { ("backbone.min_frequency", low) } else { ("backbone.max_frequency", high) };
             return Err(SettingsError { key, value: value.to_string(), remedy }.into());
         }
-        let mut continuation =
-            Continuation::start(&mut problem, y, &direction, settings.continuation).map_err(not_started)?;
-        let (visited, stop) = walk(&mut continuation, &bounds, observer, &mut |_, _| None);
-        Ok(Self::assemble(&mut continuation, settings, visited, Outcome::Open(Stop::Start, stop)))
+        let is_inside =
+            |problem: &mut F, y: &[f64]| problem.decode(y).is_ok_and(|state| (low..=high).contains(&state.omega));
+        let begin = |problem: &mut F, observer: &mut Observer<'_>| {
+            let mut continuation = Continuation::start(problem, y.clone(), &direction, settings.continuation)?;
+            let (visited, stop) = walk(&mut continuation, &bounds, observer, &mut |_, _| None);
+            Ok(Self::assemble(&mut continuation, settings, visited, Outcome::Open(Stop::Start, stop)))
+        };
+        let first = Continuation::start(&mut problem, y.clone(), &direction, settings.continuation);
+        let failure = match first.map(|started| started.current().y.clone()) {
+            Ok(first) if is_inside(&mut problem, &first) => return begin(&mut problem, observer).map_err(not_started),
+            Ok(_) => None,
+            Err(failure) => Some(failure),
+        };
+        for factor in LARGER {
+            let y = problem.encode(&linear::times(&problem, start.clone(), factor));
+            let Ok(started) = Continuation::start(&mut problem, y.clone(), &direction, settings.continuation) else {
+                continue;
+            };
+            let first = started.current().y.clone();
+            let is_alike = relative_distance(problem.motion_metric(), &first, &y) < ALIKE;
+            if is_alike
+                && is_inside(&mut problem, &first)
+                && let Ok(backbone) = Self::both_ways(&mut problem, settings, first, &bounds, observer)
+            {
+                return Ok(backbone);
+            }
+        }
+        // All there is begins beyond the bounds of its frequency.
+        failure.map_or_else(|| begin(&mut problem, observer), Err).map_err(not_started)
     }
 
     /// The phase-resonance backbone through a forced response near quadrature (see [`crate::response::forced::Forced::resonances`]),
@@ -232,14 +264,23 @@ impl Backbone {
         settings.validate(model)?;
         let mut problem: PressureForm<'_> = system(model, settings, BackboneEquation::PhaseResonance)?;
         let y = problem.encode(near);
-        let direction = problem.growth(&y);
         let bounds = Bounds { closes: true, ..bounds(settings, problem.scales()) };
-        let walked =
-            walk_both(&mut problem, y, &direction, &settings.continuation, &bounds, observer, &mut |_, _| None)
-                .map_err(|failure| BackboneError::Resonance { omega: near.omega, failure })?;
+        Self::both_ways(&mut problem, settings, y, &bounds, observer)
+            .map_err(|failure| BackboneError::Resonance { omega: near.omega, failure })
+    }
+
+    /// The curve through a state near it, towards larger motions and towards smaller ones.
+    fn both_ways<'m, F: Formulation<'m>>(
+        problem: &mut F,
+        settings: &Settings,
+        y: Vec<f64>,
+        bounds: &Bounds,
+        observer: &mut Observer<'_>,
+    ) -> Result<Self, Failure> {
+        let direction = problem.growth(&y);
+        let walked = walk_both(problem, y, &direction, &settings.continuation, bounds, observer, &mut |_, _| None)?;
         let first = walked.visited[walked.start].curve.clone();
-        let mut continuation = Continuation::start(&mut problem, first.y, &first.tangent, settings.continuation)
-            .map_err(|failure| BackboneError::Resonance { omega: near.omega, failure })?;
+        let mut continuation = Continuation::start(problem, first.y, &first.tangent, settings.continuation)?;
         let backbone = Self::assemble(&mut continuation, settings, walked.visited, walked.outcome);
         Ok(Self { rejections: walked.rejections, ..backbone })
     }

@@ -24,7 +24,7 @@ pub use crate::response::critical::{
 };
 use crate::response::critical_events::with_events;
 use crate::response::grazing::grazing;
-use crate::response::symmetry::{Asymmetry, BranchPoints, symmetrised};
+use crate::response::symmetry::{Asymmetry, BranchPoints};
 use crate::settings::Settings;
 use crate::structure::Model;
 
@@ -108,7 +108,7 @@ impl<'m> Critical<'m> {
     pub fn curve(&mut self, near: &State, observer: &mut Observer<'_>) -> Result<CriticalCurve, CriticalError> {
         let extent = self.extent;
         let start = self.locate(near)?;
-        let y = symmetrised(&self.problem, &self.problem.encode(&start));
+        let y = self.problem.encode(&start);
         let bounds =
             Bounds { frequency: extent.frequency, amplitude: f64::INFINITY, points: extent.points, closes: true };
         let (low, high) = extent.forcing;

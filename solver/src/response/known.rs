@@ -15,6 +15,9 @@ const SAME_ENDS: f64 = 1e-2;
 /// Relative distance of the largest motions of a closed curve that is traced twice.
 const SAME_PEAK: f64 = 1e-3;
 
+/// Places along a branch that are looked at where something breaks off.
+const PLACES: usize = 24;
+
 /// A new branch, of the kind that it has in view of those known: a piece of a main branch is main, and as long as a known branch
 /// goes on where it ends, nobody knows whether an open curve is detached from it.
 pub(super) fn named<'m, F: Formulation<'m>>(
@@ -101,7 +104,8 @@ pub(super) fn unknown_part<'m, F: Formulation<'m>>(
 }
 
 /// Numbers of the points of a branch where it may be on known ones: its ends, and those beside the ends of open ones that lie on
-/// it.
+/// it. Where one of them breaks off, its end need not lie on the other, which may have passed over the place: then places all along
+/// the branch as well.
 fn meetings<'m, F: Formulation<'m>>(
     forced: &mut Forced<'m, F>,
     branch: &Branch,
@@ -110,7 +114,10 @@ fn meetings<'m, F: Formulation<'m>>(
     let open = known.iter().filter(|(_, other)| !other.is_closed());
     let ends = open.flat_map(|(_, other)| [other.points.first(), other.points.last()]).flatten();
     let met = ends.filter_map(|end| forced.position_on(&end.state, branch)).flat_map(|before| [before, before + 1]);
-    met.chain([0, branch.points.len() - 1]).collect()
+    let last = branch.points.len() - 1;
+    let breaks_off = branch.outcome.is_unfinished() || known.iter().any(|(_, other)| other.outcome.is_unfinished());
+    let along = (1..PLACES).map(|place| place * last / PLACES).filter(|_| breaks_off);
+    met.chain(along).chain([0, last]).collect()
 }
 
 /// First of `count` indices for which a condition does not hold that holds up to there, for the first one at least.

@@ -3,15 +3,12 @@
 //! images; those that are not branch off them, or are isolas of their own.
 
 use crate::curve::continuation::Continuation;
-use crate::curve::problem::{Problem, inner, norm};
+use crate::curve::problem::{Problem, SAME_IMAGE, inner, norm};
 use crate::curve::walk::{Evaluated, TracedPoint, relative_distance};
 use crate::formulation::Formulation;
 use crate::formulation::state::State;
 use crate::response::branch::{Branch, BranchKind, Outcome, SpecialKind, Stop};
 use std::ops::Range;
-
-/// Relative distance of a motion from its image from which on it is another motion.
-const OTHER: f64 = 1e-6;
 
 /// Of the largest distance from an image along a branch, the share below which its end lies next to a motion that is its own image.
 const NEXT_TO: f64 = 0.05;
@@ -46,7 +43,7 @@ impl BranchPoints {
         let problem = continuation.problem();
         let metric = problem.motion_metric();
         let list = (1..problem.images()).map(|index| (index, away(problem, &y, index)));
-        Self { away: list.filter(|(_, away)| norm(metric, away) > OTHER * norm(metric, &y)).collect() }
+        Self { away: list.filter(|(_, away)| norm(metric, away) > SAME_IMAGE * norm(metric, &y)).collect() }
     }
 
     /// Whether the next motion, or one between it and the last, is its own image.
@@ -61,7 +58,7 @@ impl BranchPoints {
         let metric = problem.motion_metric();
         self.away.iter().zip(next).any(|((_, last), next)| {
             let (length, before) = (norm(metric, next), norm(metric, last));
-            length < OTHER * norm(metric, y) || inner(metric, next, last) < FLIPPED * length * before
+            length < SAME_IMAGE * norm(metric, y) || inner(metric, next, last) < FLIPPED * length * before
         })
     }
 
@@ -76,8 +73,9 @@ impl BranchPoints {
         let (mut from, end) = (before.curve.clone(), last.curve.y.clone());
         let problem = continuation.problem();
         let metric = problem.motion_metric();
-        let is_own =
-            |(index, _): &(usize, Vec<f64>)| norm(metric, &away(problem, &end, *index)) < OTHER * norm(metric, &end);
+        let is_own = |(index, _): &(usize, Vec<f64>)| {
+            norm(metric, &away(problem, &end, *index)) < SAME_IMAGE * norm(metric, &end)
+        };
         if !self.away.iter().any(is_own) {
             return;
         }
@@ -102,15 +100,6 @@ impl BranchPoints {
             from = curve;
         }
     }
-}
-
-/// A motion, made its own image where it is nearly so: what Newton's method has left over would grow next to branch points.
-pub(super) fn symmetrised<P: Problem>(problem: &P, y: &[f64]) -> Vec<f64> {
-    let metric = problem.motion_metric();
-    let images = (0..problem.images()).map(|index| problem.image(y, index));
-    let same: Vec<Vec<f64>> = images.filter(|image| relative_distance(metric, image, y) < OTHER).collect();
-    // Of no motion at all no distance is a share.
-    if same.is_empty() { y.to_vec() } else { mean(&same) }
 }
 
 fn mean(states: &[Vec<f64>]) -> Vec<f64> {
@@ -151,7 +140,7 @@ impl Asymmetry {
             let distance = |y: &Vec<f64>| relative_distance(metric, &problem.image(y, index), y);
             let distances: Vec<f64> = motions.iter().map(distance).collect();
             let largest = distances.iter().copied().fold(0.0, f64::max);
-            if largest > OTHER {
+            if largest > SAME_IMAGE {
                 shares.iter_mut().zip(distances).for_each(|(share, distance)| *share = share.min(distance / largest));
             }
         }
@@ -229,7 +218,7 @@ pub(super) fn parents<'m, F: Formulation<'m>>(problem: &mut F, branch: &Branch) 
     let of = |problem: &F, y: &[f64]| {
         let metric = problem.motion_metric();
         let distance = |y: &[f64], index: usize| relative_distance(metric, &problem.image(y, index), y);
-        let others = (1..problem.images()).filter(|&index| distance(&middle, index) > OTHER);
+        let others = (1..problem.images()).filter(|&index| distance(&middle, index) > SAME_IMAGE);
         let nearest = others.min_by(|&a, &b| distance(y, a).total_cmp(&distance(y, b)))?;
         Some(mean_of_images(problem, y, nearest))
     };

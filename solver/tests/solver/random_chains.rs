@@ -6,7 +6,7 @@ use crate::support::geometry::{Curve, Place, complaints};
 use crate::support::march::March;
 use crate::support::study::{Kind, Listed, Study, of_kind, why_unfinished, with_harmonics};
 use solver::curve::outcome::Stop;
-use solver::laws::{PenaltySpring, PolynomialDamper, PolynomialSpring, Term};
+use solver::laws::{Contact, Jenkins, LawKind, PenaltySpring, PolynomialDamper, PolynomialSpring, TanhFriction, Term};
 use solver::{Backbone, Matrix, Model};
 use std::f64::consts::TAU;
 
@@ -39,6 +39,26 @@ impl Random {
     }
 }
 
+/// What chains have one or two of.
+#[derive(Debug, Clone, Copy)]
+enum Element {
+    CubicSpring,
+    Stop,
+    Damper,
+    /// A spring in series with a slider.
+    Slider,
+    DryFriction,
+    /// A rigid stop.
+    Contact,
+}
+
+/// Laws that are smooth, or have one kink.
+const SMOOTH: &[Element] = &[Element::CubicSpring, Element::Stop, Element::Damper];
+
+/// All of them.
+const ALL: &[Element] =
+    &[Element::CubicSpring, Element::Stop, Element::Damper, Element::Slider, Element::DryFriction, Element::Contact];
+
 /// A chain with a forcing amplitude and what of it is worth saying.
 struct Case {
     model: Model,
@@ -48,7 +68,7 @@ struct Case {
 }
 
 /// A chain of one to four masses, each on a spring to its neighbour and perhaps to the ground, with one or two laws.
-fn case(number: u64) -> Case {
+fn case(number: u64, elements: &[Element]) -> Case {
     let mut random = Random(number);
     let n = 1 + random.below(4);
     let masses: Vec<f64> = (0..n).map(|_| random.between(0.5, 2.0)).collect();
@@ -73,31 +93,36 @@ fn case(number: u64) -> Case {
         .force(driven, 1.0)
         .monitor(driven);
     let mut description = format!("{n} masses, ratio {ratio:.2e}, A = {forcing:.3e}");
-    for element in 0..1 + random.below(2) {
+    for count in 0..1 + random.below(2) {
         let at = random.below(n);
         let channel = if at > 0 && random.below(2) == 0 { vec![(at, 1.0), (at - 1, -1.0)] } else { vec![(at, 1.0)] };
-        let name = format!("law {element}");
-        let kind = random.below(3);
-        description += &format!(", {} on {at}", ["cubic spring", "stop", "damper"][kind]);
-        model = match kind {
-            0 => {
-                let terms = vec![Term { power: 3, coefficient: random.decades(0.1, 2.0) }];
-                model.element(name, PolynomialSpring { terms }, [channel])
-            }
-            1 => {
-                let law = PenaltySpring { stiffness: random.decades(0.5, 20.0), gap: random.between(0.1, 1.0) };
-                model.element(name, law, [channel])
-            }
-            _ => {
-                // Weaker at moderate velocities, but never a source of energy: 3z² < 4·2·(2ξ)c₅ with z = c₃.
-                let fifth = random.decades(1e-3, 1e-1);
-                let third = -random.between(0.0, 0.9) * (8.0 / 3.0 * ratio * masses[at].min(1.0) * fifth).sqrt();
-                let terms = vec![Term { power: 3, coefficient: third }, Term { power: 5, coefficient: fifth }];
-                model.element(name, PolynomialDamper { terms }, [channel])
-            }
-        };
+        let element = elements[random.below(elements.len())];
+        description += &format!(", {element:?} on {at}");
+        model = model.element(format!("law {count}"), law(element, ratio, masses[at], &mut random), [channel]);
     }
     Case { model: model.build().expect("chains are models"), forcing, ratio, description }
+}
+
+/// Such a law on a mass.
+fn law(element: Element, ratio: f64, mass: f64, random: &mut Random) -> LawKind {
+    let cubic = |coefficient: f64| Term { power: 3, coefficient };
+    match element {
+        Element::CubicSpring => PolynomialSpring { terms: vec![cubic(random.decades(0.1, 2.0))] }.into(),
+        Element::Stop => PenaltySpring { stiffness: random.decades(0.5, 20.0), gap: random.between(0.1, 1.0) }.into(),
+        Element::Damper => {
+            // Weaker at moderate velocities, but never a source of energy: 3z² < 4·2·(2ξ)c₅ with z = c₃.
+            let fifth = random.decades(1e-3, 1e-1);
+            let third = -random.between(0.0, 0.9) * (8.0 / 3.0 * ratio * mass.min(1.0) * fifth).sqrt();
+            PolynomialDamper { terms: vec![cubic(third), Term { power: 5, coefficient: fifth }] }.into()
+        }
+        Element::Slider => Jenkins { stiffness: random.decades(0.1, 5.0), limit: random.decades(1e-3, 1.0) }.into(),
+        Element::DryFriction => {
+            TanhFriction { limit: random.decades(1e-3, 1.0), velocity: random.decades(1e-2, 1.0) }.into()
+        }
+        Element::Contact => {
+            Contact { gap: random.between(0.1, 1.0), epsilon: random.decades(1.0, 10.0), friction: None }.into()
+        }
+    }
 }
 
 /// What is known of the responses of a chain.
@@ -115,8 +140,14 @@ impl Checked {
     }
 }
 
-fn check(number: u64) -> Checked {
-    let Case { model, forcing, ratio, description } = case(number);
+/// What branch points may leave of the balance: laws that are sampled in time are as exact as that.
+fn tolerance(model: &Model) -> f64 {
+    let is_sampled = |law: &LawKind| matches!(law, LawKind::Jenkins(_) | LawKind::TanhFriction(_));
+    if model.elements().iter().any(|element| is_sampled(&element.law)) { 1e-4 } else { 1e-7 }
+}
+
+fn check(number: u64, elements: &[Element]) -> Checked {
+    let Case { model, forcing, ratio, description } = case(number, elements);
     let mut settings = with_harmonics(HARMONICS);
     settings.branch.max_points = 4000;
     let mut checked = Checked::default();
@@ -128,13 +159,13 @@ fn check(number: u64) -> Checked {
         Ok(level) => level,
         Err(error) => return Checked::failed(format!("{description}: {error}")),
     };
-    let balance = Balance::new(&study.model);
+    let (balance, tolerance) = (Balance::new(&study.model), tolerance(&study.model));
     // What leaves through the widest bounds may be a part of a main branch that is not known to its end.
     let is_open_ended = of_kind(&level, Kind::Main).iter().any(|listed| listed.branch.outcome.is_unfinished());
     for listed in &level {
         let worst = listed.branch.points.iter().map(|point| (balance.residual(&point.state), point.omega()));
         let worst = worst.max_by(|a, b| a.0.relative().total_cmp(&b.0.relative()));
-        if let Some((residual, omega)) = worst.filter(|(residual, _)| residual.relative() > 1e-7) {
+        if let Some((residual, omega)) = worst.filter(|(residual, _)| residual.relative() > tolerance) {
             let relative = residual.relative();
             checked.wrong.push(format!("{} at {omega:.9} rad/s leaves {relative:.1e} of the balance", listed.name));
         }
@@ -172,7 +203,7 @@ fn unlisted_motions(
 ) {
     // Something may be missing, and the level says so.
     let is_incomplete = |listed: &Listed| listed.branch.outcome.is_unfinished();
-    if level.iter().any(is_incomplete) {
+    if level.iter().any(is_incomplete) || !March::fits(&study.model) {
         return;
     }
     let (low, high) = level
@@ -209,11 +240,11 @@ fn unlisted_motions(
 }
 
 /// Checks chains one after the other; gives how many motions from rest were compared.
-fn assert_right(numbers: impl Iterator<Item = u64>) -> usize {
+fn assert_right(numbers: impl Iterator<Item = u64>, elements: &[Element]) -> usize {
     let (mut wrong, mut settled) = (Vec::new(), 0);
     for number in numbers {
         let begun = std::time::Instant::now();
-        let checked = check(number);
+        let checked = check(number, elements);
         let (seconds, verdict) =
             (begun.elapsed().as_secs_f64(), if checked.wrong.is_empty() { "right" } else { "wrong" });
         println!("chain {number}: {seconds:.2} s, {} motions from rest, {verdict}", checked.settled);
@@ -224,20 +255,34 @@ fn assert_right(numbers: impl Iterator<Item = u64>) -> usize {
     settled
 }
 
-#[test]
-fn what_is_listed_is_what_it_is_called() {
+/// From `ISOLA_CHAINS_FROM` or this one on so many chains as `ISOLA_CHAINS` or this says.
+fn chosen(first: u64, count: u64) -> std::ops::Range<u64> {
     let read =
         |name: &str, default: u64| std::env::var(name).ok().and_then(|text| text.parse().ok()).unwrap_or(default);
-    let (first, count) = (read("ISOLA_CHAINS_FROM", 7), read("ISOLA_CHAINS", 12));
-    let settled = assert_right(first..first + count);
+    let (first, count) = (read("ISOLA_CHAINS_FROM", first), read("ISOLA_CHAINS", count));
+    first..first + count
+}
+
+#[test]
+fn what_is_listed_is_what_it_is_called() {
+    let numbers = chosen(7, 12);
+    let count = numbers.end - numbers.start;
+    let settled = assert_right(numbers, SMOOTH);
     assert!(settled as u64 >= count / 4, "{settled} motions of {count} chains were compared");
+}
+
+#[test]
+fn with_friction_and_rigid_stops_as_well() {
+    assert_right(chosen(0, 12), ALL);
 }
 
 /// Chains of which something was wrong once: main branches in pieces that overlapped (140, 157, 174), that ended before they
 /// had come into the range (137, 881) or beyond it before their peak (149, 307, 684), or that did not lead as far as their own
 /// peak on the other side of it (1007, 1247), arcs of contact that were not seen (120), steps across the gap between curves (709), or
-/// across a superharmonic resonance (1115, 2543), which made isolas of its flanks.
+/// across a superharmonic resonance (1115, 2543), which made isolas of its flanks, or two main branches out of points that had passed
+/// over each other's ends (1652).
 #[test]
 fn chains_that_were_wrong_are_right() {
-    assert_right([120, 137, 140, 149, 157, 174, 307, 684, 709, 881, 1007, 1115, 1247, 2543].into_iter());
+    let numbers = [120, 137, 140, 149, 157, 174, 307, 684, 709, 881, 1007, 1115, 1247, 1652, 2543];
+    assert_right(numbers.into_iter(), SMOOTH);
 }

@@ -8,7 +8,7 @@ use crate::curve::walk::{TracedCurve, both_ways, walk};
 use crate::formulation::Formulation;
 use crate::formulation::state::State;
 use crate::response::branch::{Branch, BranchKind, BranchPoint, Observer, Outcome, Stop, TracedPoint};
-use crate::response::symmetry::{Asymmetry, BranchPoints, symmetrised};
+use crate::response::symmetry::{Asymmetry, BranchPoints};
 
 impl<'m, F: Formulation<'m>> Forced<'m, F> {
     /// The branch through a converged state: forwards, and if it does not close, backwards as well. Bounds that the settings
@@ -64,7 +64,7 @@ impl<'m, F: Formulation<'m>> Forced<'m, F> {
         state: &State,
         observer: &mut Observer<'_>,
     ) -> Result<Branch, Failure> {
-        let y = symmetrised(&self.problem, &self.problem.encode(state));
+        let y = self.problem.encode(state);
         let (upwards, growth) = (self.problem.parameter_row(), self.problem.growth(&y));
         let (bounds, settings) = (self.bounds(frequency, true), self.settings.continuation);
         let mut one_way = |continuation: &mut Continuation<'_, F>| {

@@ -94,3 +94,29 @@ fn rubbing_dissipates_the_area_of_its_loop() {
     }
     assert!(slow > 0 && fast > 10, "{slow} {fast}");
 }
+
+/// At rest the friction is a damper of 100 N s/m, and nothing swings; its backbone is that of larger motions.
+#[test]
+fn a_backbone_begins_where_friction_lets_the_mass_swing() {
+    let (limit, velocity, ratio) = (1.0, 0.01, 0.001);
+    let model = oscillator(1.0, ratio, LawKind::TanhFriction(TanhFriction { limit, velocity }));
+    let mut settings = with_harmonics(1);
+    settings.harmonics.samples = 4096;
+    settings.backbone.max_amplitude = Some(100.0);
+    let curve = backbone(&model, &settings);
+    let large: Vec<_> = curve.points.iter().filter(|point| point.point.amplitude() > 5.0 * limit).collect();
+    for point in &large {
+        let (a, omega) = (point.point.amplitude(), point.point.omega());
+        // What keeps it going against friction shifts it by the square of the ratio that this makes, (2F/πa)²/2.
+        assert!((omega - 1.0).abs() < (2.0 * limit / (PI * a)).powi(2), "{omega} rad/s at {a}");
+        // A π a = 4 F a + π c ω a², c = 2ξ: the work of the forcing is what friction and damping take.
+        let expected = 4.0 * limit / PI + 2.0 * ratio * omega * a;
+        assert!((point.threshold() / expected - 1.0).abs() < 1e-4, "a = {a}: {} against {expected}", point.threshold());
+    }
+    println!(
+        "{} {:?}",
+        curve.outcome,
+        curve.points.iter().map(|p| (p.point.amplitude(), p.point.omega())).collect::<Vec<_>>()
+    );
+    assert!(large.len() > 5 && curve.max_amplitude() > 99.0, "{} {}", large.len(), curve.max_amplitude());
+}

@@ -39,9 +39,12 @@ pub struct Curve {
     pub places: Vec<Place>,
     pub dofs: usize,
     pub is_closed: bool,
-    /// Whether its first and its last point are where it comes to another branch.
-    pub is_joined: [bool; 2],
+    /// Why its first and its last point are where it ends, unless it is closed.
+    ends: [Option<Stop>; 2],
 }
+
+/// Relative distance from a branch point within which what branches off may run along what it branches off.
+const NEXT_TO: f64 = 1e-4;
 
 impl Curve {
     pub fn of(model: &Model, branch: &Branch) -> Self {
@@ -49,12 +52,12 @@ impl Curve {
             omega: point.omega(),
             motion: (0..model.size()).flat_map(|dof| point.state.displacement(model, dof)).collect(),
         };
-        let is_joined = match branch.outcome {
-            Outcome::Open(first, last) => [first, last].map(|stop| stop == Stop::Joined),
-            Outcome::Closed => [false; 2],
+        let ends = match branch.outcome {
+            Outcome::Open(first, last) => [Some(first), Some(last)],
+            Outcome::Closed => [None; 2],
         };
         let (places, dofs) = (branch.points.iter().map(place).collect(), model.size());
-        Self { places, dofs, is_closed: branch.is_closed(), is_joined }
+        Self { places, dofs, is_closed: branch.is_closed(), ends }
     }
 
     /// Relative distance of a place from the curve, that is from the cubic through the four points nearest to it along the curve, or
@@ -102,10 +105,21 @@ impl Curve {
         (near(0.5 * (low + high)).min(rough), bulge)
     }
 
-    /// The same without the steps at whose ends it is said to come to another branch.
+    /// The same without the steps at whose ends it is said to come to another branch, and without what is next to where it branches
+    /// off one.
     fn apart(&self) -> Self {
-        let own = usize::from(self.is_joined[0])..self.places.len() - usize::from(self.is_joined[1]);
-        Self { places: self.places[own].to_vec(), is_joined: [false; 2], ..*self }
+        let count = self.places.len();
+        let spare = |end: usize, along: &mut dyn Iterator<Item = &Place>| match self.ends[end] {
+            Some(Stop::Joined) => 1,
+            Some(Stop::Branching) => {
+                let branch_point = &self.places[end * (count - 1)];
+                along.take_while(|place| branch_point.distance(place) < NEXT_TO).count()
+            }
+            _ => 0,
+        };
+        let (first, last) = (spare(0, &mut self.places.iter()), spare(1, &mut self.places.iter().rev()));
+        let own = first..(count - last).max(first);
+        Self { places: self.places[own].to_vec(), ends: [None; 2], ..*self }
     }
 
     /// Whether a stretch of `other` runs along this curve: a few successive points of it lie on it.

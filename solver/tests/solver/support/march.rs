@@ -27,6 +27,11 @@ impl<'m> March<'m> {
         Self { model, matrices: Matrices::of(model), inverse: shapes.matmul(&shapes.transpose()) }
     }
 
+    /// Whether all laws of a model have no memory.
+    pub fn fits(model: &Model) -> bool {
+        model.elements().iter().all(|element| scalar_force(&element.law, 0.0, 0.0).is_some())
+    }
+
     fn acceleration(&self, x: &[f64], v: &[f64], forcing: f64) -> Vec<f64> {
         let (damped, held) = (self.matrices.damping.mul_vec(v), self.matrices.stiffness.mul_vec(x));
         let shape = &self.model.forcing().shape;
