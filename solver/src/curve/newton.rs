@@ -50,8 +50,8 @@ impl Constraint<'_> {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct NewtonSettings {
-    /// Largest scaled residual of a converged point. Default 1e-12. Where rounding alone leaves more, what cannot be
-    /// improved any more is converged.
+    /// Largest scaled residual of a converged point, of its largest term if that is smaller than one. Default 1e-12. Where rounding
+    /// alone leaves more, what cannot be improved any more is converged.
     pub tolerance: f64,
     /// Iterations before giving up. Default 10.
     pub max_iterations: usize,
@@ -68,6 +68,10 @@ impl Default for NewtonSettings {
 /// Largest error of a converged motion, relative, as estimated from the last step. Near a lightly damped resonance a small
 /// residual alone does not make a small error.
 const ACCURACY: f64 = 1e-7;
+
+/// What [`Problem::rounding`] is of a residual whose largest term is one. Residuals of smaller motions have to be smaller in
+/// proportion: beyond the tip of a resonance next to nothing may be left of a balance that nothing fulfils.
+const ROUNDED: f64 = 64.0 * f64::EPSILON;
 
 /// What a step leaves of the error at least, as far as can be told: after a new factorisation, and after one that was used
 /// again, where what falls slowly may be hidden behind what falls fast.
@@ -133,8 +137,9 @@ impl Newton {
                 let metric = problem.motion_metric();
                 let left = f64::max(contraction, LEFT[usize::from(is_simplified)]);
                 let is_accurate = || left * norm(metric, &self.step) <= ACCURACY * norm(metric, y);
+                let is_small = || residual <= settings.tolerance / ROUNDED * problem.rounding();
                 let cannot_improve = || contraction > STAGNATION && residual <= problem.rounding();
-                if (residual < settings.tolerance && is_accurate()) || cannot_improve() {
+                if (residual < settings.tolerance && is_accurate() && is_small()) || cannot_improve() {
                     return Ok(Convergence { iterations, factorisations, residual });
                 }
             }

@@ -143,7 +143,7 @@ impl Checked {
 /// What branch points may leave of the balance: laws that are sampled in time are as exact as that.
 fn tolerance(model: &Model) -> f64 {
     let is_sampled = |law: &LawKind| matches!(law, LawKind::Jenkins(_) | LawKind::TanhFriction(_));
-    if model.elements().iter().any(|element| is_sampled(&element.law)) { 1e-4 } else { 1e-7 }
+    if model.elements().iter().any(|element| is_sampled(&element.law)) { 1e-3 } else { 1e-7 }
 }
 
 fn check(number: u64, elements: &[Element]) -> Checked {
@@ -280,9 +280,11 @@ fn with_friction_and_rigid_stops_as_well() {
 /// had come into the range (137, 881) or beyond it before their peak (149, 307, 684), or that did not lead as far as their own
 /// peak on the other side of it (1007, 1247), arcs of contact that were not seen (120), steps across the gap between curves (709), or
 /// across a superharmonic resonance (1115, 2543), which made isolas of its flanks, or two main branches out of points that had passed
-/// over each other's ends (1652).
+/// over each other's ends (1652), tips beyond which next to nothing was left of the balance (61); and with friction, which let nothing
+/// swing where backbones were to begin (54, 151).
 #[test]
 fn chains_that_were_wrong_are_right() {
-    let numbers = [120, 137, 140, 149, 157, 174, 307, 684, 709, 881, 1007, 1115, 1247, 1652, 2543];
+    let numbers = [61, 120, 137, 140, 149, 157, 174, 307, 684, 709, 881, 1007, 1115, 1247, 1652, 2543];
     assert_right(numbers.into_iter(), SMOOTH);
+    assert_right([54, 151].into_iter(), ALL);
 }
