@@ -205,7 +205,7 @@ impl<'r> Outline<'r> {
             (marked(SpecialKind::Fold), "fold", line, mark(SpecialKind::Fold, color)),
         ];
         let shown = entries.into_iter().filter(|(is_shown, ..)| *is_shown);
-        shown.map(|(_, text, kind, style)| Entry { text: text.into(), kind, style }).collect()
+        shown.map(|(_, text, kind, style)| Entry::new(text, kind, style)).collect()
     }
 
     /// The gap, then branches at their peaks: isolas before main branches, the highest level, the lowest one, and those
