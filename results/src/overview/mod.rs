@@ -2,10 +2,12 @@
 //! is missing.
 
 mod doubts;
+mod events;
 mod family;
 mod folds;
 mod lesser;
 mod level;
+mod merges;
 pub mod modes;
 mod omissions;
 mod reasons;
@@ -14,7 +16,8 @@ mod unfinished;
 mod verified;
 
 pub use doubts::doubts;
-pub use folds::{events_of, events_sentence, later_birth, most_folds, overlaps, why_no_folds};
+pub use events::events_sentence;
+pub use folds::{events_of, later_birth, most_folds, overlaps, why_no_folds};
 pub use lesser::Lesser;
 pub use level::{Level, Seeds, highest, is_untouched};
 pub use omissions::Omissions;
