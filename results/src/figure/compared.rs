@@ -2,8 +2,9 @@
 
 use super::column_store::ColumnStore;
 use super::data::{Axis, Entry, Figure, Kind, Label};
-use super::response::{Outline, branch_series, is_crowd, unstable};
+use super::response::{Outline, branch_series, is_crowd};
 use super::smooth::smooth;
+use super::stability::unstable;
 use super::style::{BOLD, Color, MEDIUM, Shape, Style};
 use super::subject::Subject;
 use super::{resonance, style};
