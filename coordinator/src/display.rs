@@ -46,7 +46,8 @@ impl Display {
         let has_bars = std::io::stderr().is_terminal() && !terminal::is_json();
         let bars = has_bars.then(|| {
             let multi = MultiProgress::with_draw_target(ProgressDrawTarget::stderr());
-            let total = multi.add(ProgressBar::new(0).with_style(style("{wide_bar:.cyan} {pos}/{len} tasks  {msg}")));
+            let total =
+                multi.add(ProgressBar::new(0).with_style(style("{wide_bar:.cyan} {pos}/{len} tasks so far  {msg}")));
             Bars { multi, total, levels: Vec::new(), workers: Vec::new() }
         });
         Self { bars, last_line: None, is_seen: true, stalled: Vec::new() }
@@ -111,6 +112,7 @@ impl Default for Display {
 impl Bars {
     fn update(&mut self, status: &Status) {
         let tasks = status.tasks;
+        // What is found asks for more: the length is that of now.
         self.total.set_length((tasks.done + tasks.skipped + tasks.running + tasks.waiting + tasks.dead) as u64);
         self.total.set_position((tasks.done + tasks.skipped + tasks.dead) as u64);
         self.total.set_message(match (status.stage, &status.backbone) {
@@ -220,6 +222,11 @@ fn is_seed(task: &Task) -> bool {
     matches!(task, Task::Land(place) if place.method == LandingMethod::FullForcing)
 }
 
+/// How many tasks are still to be handed out: while a sweep goes on no total, for what is found asks for more.
+fn waiting(stage: Stage, tasks: usize) -> String {
+    format!("{tasks} waiting{}", if stage == Stage::Sweep { " (more may follow)" } else { "" })
+}
+
 /// A status in one line.
 pub fn summary(status: &Status) -> String {
     let tasks = status.tasks;
@@ -229,16 +236,27 @@ pub fn summary(status: &Status) -> String {
     }
     let dead = if tasks.dead > 0 { format!(", {} given up", tasks.dead) } else { String::new() };
     format!(
-        "{}: {} of {} levels open, {} tasks done, {} under way, {} known to come{dead}, {} branches, {} workers{}",
+        "{}: {} of {} levels open, {} tasks done, {} under way, {}{dead}, {} branches, {} workers{}",
         status.stage.name(),
         // Verifications and what curves lead to open levels again that had been done.
         status.levels.saturating_sub(status.levels_done),
         status.levels,
         tasks.done + tasks.skipped,
         tasks.running,
-        tasks.waiting,
+        waiting(status.stage, tasks.waiting),
         tasks.branches,
         status.workers.len(),
         if status.stage == Stage::Sweep { eta(status) } else { String::new() }
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_waits_is_no_total() {
+        assert_eq!(waiting(Stage::Sweep, 12), "12 waiting (more may follow)");
+        assert_eq!(waiting(Stage::Finished, 0), "0 waiting");
+    }
 }

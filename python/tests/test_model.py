@@ -358,10 +358,22 @@ def test_a_model_is_checked_without_a_sweep(tmp_path: Path, monkeypatch: pytest.
     assert said.startswith("size        1 dof, 0 contact elements, 1 other law")
     assert "2 rad/s" in said and "monitored   x1" in said
     assert "harmonics   3," in model.check(harmonics={"count": 3})
+    assert "\namplitudes  " not in said and "\namplitudes  2: 0.1 … 0.2\n" in model.check([0.1, 0.2])
+    assert model.check(amplitudes=[0.1, 0.2]) == model.check("0.1:0.2:0.1")
     with pytest.raises(isola_hbm.BadStudy, match="search: None"):
         model.check(search=None)
     with pytest.raises(isola_hbm.ProgramFailed, match="^harmonics.cuont = 3: "):
         model.check(**{"harmonics.cuont": 3})
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("typed", ["amplitude", "amplitudess", "worker", "outs"])
+def test_a_keyword_that_is_mistyped(typed: str, tmp_path: Path) -> None:
+    model = Model([[1]], [[4]], laws=[CUBIC])
+    meant = {"amplitude": "amplitudes", "amplitudess": "amplitudes", "worker": "workers", "outs": "out"}[typed]
+    for given in (model, tmp_path):
+        with pytest.raises(isola_hbm.BadStudy, match=f"^{typed}: .*did you mean `{meant}`"):
+            isola_hbm.sweep(given, out=tmp_path / "run", **{typed: 1})
     assert list(tmp_path.iterdir()) == []
 
 

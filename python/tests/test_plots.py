@@ -141,7 +141,7 @@ def test_map(damper: Path) -> None:
     axes = isola_hbm.load(damper).plot.map()
     expected = {
         "main branches",
-        "isolas and others",
+        "isolas",
         "threshold A*",
         "folds",
         "births, computed",
@@ -156,6 +156,22 @@ def test_map(damper: Path) -> None:
     low, high = axes.get_ylim()
     ticks = [label.get_text() for label in axes.get_yticklabels()]
     assert {"0.002", "0.005", "0.01"} <= set(ticks) and low < 0.005 < high, ticks
+    # No bar of an isola ends at the edge.
+    ends = np.concatenate([segment[:, 0] for segment in isolas.get_segments()])
+    left, right = axes.get_xlim()
+    assert left < ends.min() - 0.04 * (right - left) and ends.max() + 0.04 * (right - left) < right
+
+
+def test_kinds_of_branches_differ_on_the_map(copy: Path) -> None:
+    kinds = {"0.005": "branched", "0.006": "cut", "0.007": "unfinished"}
+    for level, kind in kinds.items():
+        change(copy, f"UPDATE branches SET kind = '{kind}' WHERE kind = 'isola' AND amplitude = '{level}'")
+    axes = isola_hbm.load(copy).plot.map()
+    drawn = {bars.get_label(): bars for bars in axes.collections}
+    assert list(drawn) == ["main branches", "cut off by a bound", "unfinished", "branches off another"]
+    looks = {label: (bars.get_linewidth()[0], bars.get_linestyle()[0][1]) for label, bars in drawn.items()}
+    assert looks["branches off another"][1] is None and looks["cut off by a bound"][1] is not None
+    assert looks["unfinished"][1] not in (None, looks["cut off by a bound"][1])
 
 
 def test_balance(damper: Path) -> None:

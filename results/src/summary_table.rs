@@ -3,6 +3,7 @@
 mod footnotes;
 pub(crate) mod motions;
 mod pushes;
+mod stability;
 mod units;
 
 pub use units::{FrequencyUnit, LengthUnit, Units};
@@ -103,6 +104,7 @@ pub fn table(reader: &Reader, layout: Layout) -> Result<String> {
     if let Some(sentence) = harmonics.and_then(|count| truncation(levels, count)) {
         say(&sentence);
     }
+    stability::sentences(levels, layout.units).iter().for_each(|sentence| say(sentence));
     let unit = layout.units.frequency;
     let events = events_sentence(&curves, |omega| format!("{} {unit}", unit.digits(omega)));
     [events, shift(&overview, layout.units)].iter().flatten().for_each(|sentence| say(sentence));

@@ -2,6 +2,7 @@
 
 use super::File;
 use super::key::{Absent, Key, Kind};
+use results::export::COLUMNS;
 use std::fmt::Write as _;
 
 /// What a key means: its place, kind, unit, range and default, and the keys below it. Positions in lists are passed over.
@@ -15,11 +16,24 @@ pub fn explain(asked: &str) -> Result<String, String> {
     let whole: Vec<_> = files.iter().filter(|(key, _)| key.path == wanted).collect();
     let found = if whole.is_empty() { files.iter().filter(|(key, _)| key.name() == wanted).collect() } else { whole };
     if found.is_empty() {
+        if is_word_of_results(asked) {
+            let what = "no key of a model or a study, but a word of results or a column of theirs";
+            return Err(format!("--explain: `{}`: {what}: `isola schema --columns` explains it", asked.trim()));
+        }
         let place = solver::structure::Place { file: None, key: wanted.clone(), set_by: Some("--explain".into()) };
         let known = files.iter().map(|(key, _)| key.path);
         return Err(solver::structure::ModelError::unknown(place, &wanted, known).to_string());
     }
     Ok(found.iter().map(|(key, files)| of_key(key, files)).collect::<Vec<_>>().join("\n"))
+}
+
+/// Whether the text about words and columns explains it: a word of its own, or a column or a value.
+fn is_word_of_results(asked: &str) -> bool {
+    let asked = asked.trim().trim_matches('`').to_lowercase();
+    let words = COLUMNS.lines().filter_map(|line| line.strip_prefix("| ")?.split(" | ").next());
+    let mut words = words.flat_map(|words| words.split(", ")).map(|word| word.trim().to_lowercase());
+    let is_head = ["word", "column"].contains(&asked.as_str());
+    !asked.is_empty() && !is_head && (words.any(|word| word == asked) || COLUMNS.contains(&format!("`{asked}`")))
 }
 
 /// Without positions in lists, in whichever way they are written, and without quotes.
@@ -74,4 +88,21 @@ fn of_key(key: &Key, files: &[File]) -> String {
 
 fn example(key: &Key) -> String {
     if key.example.is_empty() { String::new() } else { format!("{} = {}", key.name(), key.example) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_of_results_are_explained_elsewhere() {
+        for word in ["status", "family", "main branch", "Fold", "merge", "branched", " omega_min "] {
+            let said = explain(word).unwrap_err();
+            assert!(said.ends_with("`isola schema --columns` explains it") && said.contains(word.trim()), "{said}");
+        }
+        assert!(explain("gap").is_ok() && explain("harmonics.count").is_ok());
+        for word in ["gpa", "", "what", "word"] {
+            assert!(explain(word).is_err_and(|said| !said.contains("--columns")), "{word}");
+        }
+    }
 }

@@ -208,6 +208,16 @@ fn an_interrupted_search_goes_on() {
         }
     }
 
+    // Where curves cross levels, the branches that turn back there are known.
+    let rows = store.curves().unwrap();
+    let crossings: Vec<_> =
+        rows.iter().flat_map(|row| row.crossings.iter().map(move |crossing| (row, crossing))).collect();
+    assert!(crossings.iter().any(|(_, crossing)| crossing.branch == "isola 1" && crossing.amplitude == "0.006"));
+    for (row, crossing) in crossings {
+        let [a, b] = [0, 1].map(|k| row.points[crossing.segment + k].forcing);
+        assert!((a.min(b)..=a.max(b)).contains(&crossing.forcing), "{crossing:?} between {a} and {b}");
+    }
+
     let report = Report::read(&store, &Selection::Fitting).unwrap();
     assert!(report.figures.drawn.contains_key("folds"), "{:?}", report.figures.nothing);
     let onset = &report.verdict[1].text;

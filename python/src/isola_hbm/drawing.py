@@ -1,9 +1,10 @@
-"""What figures share: axes, limits, colours, legends and names beside curves."""
+"""What figures share: units, axes, limits, colours, legends and names beside curves."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -13,14 +14,51 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.lines import Line2D
 
+#: Colours as in the figures of the program, of what is not a branch.
+INK, SHADE, ISOLA, FOLDS, WORK = "#1a2027", "#8b96a1", "#d55e00", "#b0508a", "#7a3300"
 #: Colours of levels from the lowest to the highest, as in the figures of the program.
 _RAMP = ["#e08a2e", "#d9604f", "#bc3a72", "#8c1f8a", "#561a8f", "#1c0f63"]
 #: Room beside what is shown, as a share of its width.
 _ROOM = 0.25
+#: The same where the figure goes on there, as that of the map does.
+_MARGIN = 0.05
 #: Where the name of a curve may stand beside its peak, points: above it, else at the end of a line to one side.
 _PLACES = [((0, 3), "center")] + [
     ((way * far, 0), align) for far in (8, 20, 36, 60) for way, align in ((1, "left"), (-1, "right"))
 ]
+
+
+@dataclass(frozen=True)
+class Units:
+    """Units of lengths and frequencies, as of ``isola sweep --units``."""
+
+    length: str = "m"
+    frequency: str = "rad/s"
+
+    LENGTHS: ClassVar = {"m": 1.0, "mm": 1e3, "um": 1e6}
+    FREQUENCIES: ClassVar = {"rad/s": 1.0, "Hz": 0.5 / np.pi}
+
+    @classmethod
+    def read(cls, text: str) -> Units:
+        """``mm,Hz``, ``mm`` or ``Hz``; what is not named is SI."""
+        chosen = [part.strip() for part in text.split(",")]
+        lengths = [part for part in chosen if part in cls.LENGTHS]
+        frequencies = [part for part in chosen if part in cls.FREQUENCIES]
+        if len(lengths) > 1 or len(frequencies) > 1 or len(lengths) + len(frequencies) < len(chosen):
+            raise ValueError(f"units = {text!r}: one of m, mm, um and one of rad/s, Hz, as in 'mm,Hz'")
+        return cls(*(lengths or ["m"]), *(frequencies or ["rad/s"]))
+
+    def lengths(self, values: Any) -> Any:
+        """Lengths in m in these units."""
+        return values * self.LENGTHS[self.length]
+
+    def frequencies(self, values: Any) -> Any:
+        """Frequencies in rad/s in these units."""
+        return values * self.FREQUENCIES[self.frequency]
+
+    def of_frequency(self) -> str:
+        """The label of an axis."""
+        return f"frequency {'ω' if self.frequency == 'rad/s' else 'f'} ({self.frequency})"
 
 
 def axes_of(ax: Axes | None) -> Axes:
@@ -51,6 +89,14 @@ def around(shown: Floats, reach: tuple[float, float]) -> Floats:
     room = _ROOM * (high - low)
     limits = np.array([max(low - room, reach[0]), min(high + room, reach[1])])
     return limits if limits[1] > limits[0] else np.array(reach)
+
+
+def beside(shown: Floats) -> Floats:
+    """Limits around what is shown, with as much room beside it as in figures of the program."""
+    low, high = float(np.min(shown)), float(np.max(shown))
+    # One frequency alone has a figure around it as well.
+    room = _MARGIN * ((high - low) or abs(high) or 1.0)
+    return np.array([low - room, high + room])
 
 
 def along_ramp(count: int) -> list[Any]:

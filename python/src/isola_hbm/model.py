@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import difflib
 import os
-import re
-import subprocess
 import sys
 import tempfile
 from collections.abc import Collection, Iterable, Mapping, Sequence
@@ -17,7 +15,7 @@ if sys.version_info >= (3, 11):
 else:
     import tomli as tomllib
 
-from . import program, study, toml
+from . import study, toml
 from .errors import BadModel, FolderInUse
 from .live.wire import Floats
 from .matrices import forces, matrix_market, require_definite, symmetric
@@ -33,9 +31,6 @@ _LAWS = {
     "tanh_friction": {"limit", "velocity"},
     "jenkins": {"stiffness", "limit"},
 }
-
-#: How lines of ``isola check`` begin that are not of the model.
-_OF_STUDY = re.compile(r"(study|file|model|amplitudes) |warning +nothing will touch")
 
 
 class Law(dict[str, Any]):
@@ -255,32 +250,24 @@ class Model:
         file.write_text(self._toml({key: name for key, (name, _) in given.items()}), encoding="utf-8")
         return path
 
-    def check(self, **settings: Any) -> str:
-        """What the program says of the model, as ``isola check``: size, modes, forcing, contact, monitored dofs. Computes no
-        response.
+    def check(self, amplitudes: study.Amplitudes | None = None, **settings: Any) -> str:
+        """What the program says of the model, as ``isola check``: size, modes, forcing, contact, monitored dofs, and the
+        amplitudes, if they are given. Computes no response.
 
         >>> print(model.check())
 
         Args:
+            amplitudes: Forcing amplitudes A, as of :func:`sweep`.
             settings: Keys of a study, as those of :func:`sweep`.
 
         Raises:
-            BadStudy: Settings are not what can be given to the program at all.
+            BadStudy: Amplitudes or settings are not what can be given to the program at all.
             NoProgram: The program is not there.
             ProgramFailed: It refuses the model: with its own message.
         """
-        options = study.options(None, None, settings)
         with tempfile.TemporaryDirectory() as scratch:
-            folder = Path(scratch)
-            self.save(folder / study.MODEL)
-            file = study.write(folder, study.MODEL, "1")
-            with program.start(["check", str(file), *options], stdout=subprocess.PIPE) as process:
-                found, said = process.communicate()
-            if process.returncode != 0:
-                raise study.failure([said], process.returncode, file, is_written=True)
-        # What is of the study here is this method's.
-        lines = found.splitlines()
-        return "\n".join(line for line in lines if not _OF_STUDY.match(line))
+            self.save(Path(scratch) / study.MODEL)
+            return study.check(Path(scratch), amplitudes, settings)
 
     def _toml(self, matrices: dict[str, str]) -> str:
         """The text of ``model.toml``."""

@@ -4,15 +4,28 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
 
-from .drawing import along_ramp, around, axes_of, legend, logarithmic, name_curves, spread, text
+from .drawing import (
+    INK,
+    ISOLA,
+    SHADE,
+    WORK,
+    Units,
+    along_ramp,
+    around,
+    axes_of,
+    legend,
+    logarithmic,
+    name_curves,
+    spread,
+    text,
+)
 from .errors import Damaged, LeftOut
-from .live.wire import Floats
+from .maps import isola_map
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -20,67 +33,12 @@ if TYPE_CHECKING:
     from .stored.motions import Motions
     from .stored.run import Key, StoredRun
 
-#: Colours as in the figures of the program, of what is not a branch.
-_INK, _SHADE, _ISOLA, _FOLDS, _WORK = "#1a2027", "#8b96a1", "#d55e00", "#b0508a", "#7a3300"
-#: Marks of events by kind, as in the figures of the program: mark, whether it is hollow, name. Cusps are not marked.
-_MARKS = {
-    "birth": ("^", False, "births"),
-    "merge": ("v", True, "merges"),
-    "death": ("x", False, "ends of isolas"),
-}
-#: Two events of one kind that are no farther apart are one, found along two curves.
-_SAME = 1e-5
 #: A main branch is shown at least where it is higher than this share of its peak.
 _HIGH = 0.8
-#: Thresholds are shown from the lowest level divided by the first to the highest one times the second, as folds are followed.
-_NEAR = (4.0, 2.0)
 #: Widths of main branches, of those that branch off others, and of isolas and others.
 _THIN, _MEDIUM, _BOLD = 1.0, 1.6, 2.2
 #: Of more levels, neighbours cannot be told apart by their colours: they are named at their peaks, not in the legend.
 _NAMED = 6
-
-
-@dataclass(frozen=True)
-class Units:
-    """Units of lengths and frequencies, as of ``isola sweep --units``."""
-
-    length: str = "m"
-    frequency: str = "rad/s"
-
-    LENGTHS: ClassVar = {"m": 1.0, "mm": 1e3, "um": 1e6}
-    FREQUENCIES: ClassVar = {"rad/s": 1.0, "Hz": 0.5 / np.pi}
-
-    @classmethod
-    def read(cls, text: str) -> Units:
-        """``mm,Hz``, ``mm`` or ``Hz``; what is not named is SI."""
-        chosen = [part.strip() for part in text.split(",")]
-        lengths = [part for part in chosen if part in cls.LENGTHS]
-        frequencies = [part for part in chosen if part in cls.FREQUENCIES]
-        if len(lengths) > 1 or len(frequencies) > 1 or len(lengths) + len(frequencies) < len(chosen):
-            raise ValueError(f"units = {text!r}: one of m, mm, um and one of rad/s, Hz, as in 'mm,Hz'")
-        return cls(*(lengths or ["m"]), *(frequencies or ["rad/s"]))
-
-    def lengths(self, values: Any) -> Any:
-        """Lengths in m in these units."""
-        return values * self.LENGTHS[self.length]
-
-    def frequencies(self, values: Any) -> Any:
-        """Frequencies in rad/s in these units."""
-        return values * self.FREQUENCIES[self.frequency]
-
-    def of_frequency(self) -> str:
-        """The label of an axis."""
-        return f"frequency {'ω' if self.frequency == 'rad/s' else 'f'} ({self.frequency})"
-
-
-def _once(events: pd.DataFrame) -> pd.DataFrame:
-    """Events by forcing, those that two curves share once."""
-    kept: list[int] = []
-    places = events[["forcing", "omega"]].to_numpy(float)
-    for i, place in enumerate(places):
-        if not any((abs(place - places[k]) <= _SAME * abs(place)).all() for k in kept):
-            kept.append(i)
-    return events.iloc[kept]
 
 
 class Plots:
@@ -156,7 +114,7 @@ class Plots:
             (has_unstable, "unstable (solid: stable, or not known)", {"linestyle": (0, (2.5, 1.5))}),
         ):
             if wanted:
-                axes.plot([], [], color=_SHADE, label=label, **how)
+                axes.plot([], [], color=SHADE, label=label, **how)
         if shown:
             axes.set_xlim(measured.frequencies(around(np.concatenate(shown), self._reach(summary))))
         self._draw_backbone(axes, measured, number, backbone)
@@ -213,7 +171,7 @@ class Plots:
             axes.plot(
                 at,
                 height.where(height <= top),
-                color=_SHADE,
+                color=SHADE,
                 linestyle="--",
                 linewidth=1.0,
                 zorder=1,
@@ -228,63 +186,7 @@ class Plots:
             ax: Axes to draw on.
             units: ``rad/s`` or ``Hz``.
         """
-        measured, axes = Units.read(units), axes_of(ax)
-        summary = self._branches(None)
-        mains = summary["kind"] == "main"
-        for rows, label, color, width in (
-            (summary[mains], "main branches", _SHADE, 0.6),
-            (summary[~mains], "isolas and others", _ISOLA, 3.0),
-        ):
-            ends = measured.frequencies(rows[["omega_min", "omega_max"]]).to_numpy(float).T
-            levels = rows["amplitude"].to_numpy(float)
-            if len(rows):
-                axes.hlines(levels, *ends, color=color, linewidth=width, label=label)
-        shown = self._draw_thresholds(axes, measured, list(summary["amplitude"]))
-        self._draw_folds(axes, measured)
-        shown = np.concatenate([shown, summary[~mains]["omega_min"], summary[~mains]["omega_max"]])
-        if len(shown) and len(summary):
-            axes.set_xlim(measured.frequencies(around(shown, self._reach(summary))))
-        axes.set(xlabel=measured.of_frequency(), ylabel="forcing amplitude A, threshold A*")
-        logarithmic(axes)
-        legend(axes)
-        return axes
-
-    def _draw_thresholds(self, axes: Axes, units: Units, levels: list[float]) -> Floats:
-        """The thresholds near the levels: elsewhere they say nothing. Their frequencies, rad/s."""
-        table = self._run.backbones
-        near = (min(levels) / _NEAR[0], max(levels) * _NEAR[1]) if levels else (0.0, np.inf)
-        shown = []
-        for i, (_, curve) in enumerate(table.groupby("mode", sort=False)):
-            threshold = curve["threshold"].where(curve["threshold"].between(*near))
-            # The primary mode comes first; the others stand back.
-            label = ("threshold A*", "threshold A* of further modes", None)[min(i, 2)]
-            width = 0.75 if i else 1.2
-            axes.plot(units.frequencies(curve["omega"]), threshold, color=_INK, linewidth=width, label=label)
-            shown.append(curve["omega"][threshold.notna()].to_numpy())
-        return np.concatenate([np.zeros(0), *shown])
-
-    def _draw_folds(self, axes: Axes, units: Units) -> None:
-        low, high = axes.get_ylim()
-        folds, events = self._run.folds, self._run.events
-        for i, (_, curve) in enumerate(folds.groupby("curve", sort=False)):
-            forcing = curve["forcing"].where(curve["forcing"].between(low, high))
-            label = "folds" if i == 0 else None
-            axes.plot(units.frequencies(curve["omega"]), forcing, color=_FOLDS, linewidth=1.2, label=label)
-        shown = events[events["forcing"].between(low, high)]
-        for (source, kind), group in shown.groupby(["source", "kind"], sort=False):
-            if kind not in _MARKS:
-                continue
-            mark, is_hollow, name = _MARKS[str(kind)]
-            color = _FOLDS if source == "computed" else _INK
-            group = _once(group.sort_values("forcing")) if source == "computed" else group
-            axes.plot(
-                units.frequencies(group["omega"]),
-                group["forcing"],
-                mark,
-                color=color,
-                markerfacecolor="none" if is_hollow else color,
-                label=f"{name}, {source}",
-            )
+        return isola_map(self._run, self._branches(None), axes_of(ax), Units.read(units))
 
     def balance(
         self, amplitude: float | None = None, *, mode: int | None = None, ax: Axes | None = None
@@ -307,8 +209,8 @@ class Plots:
         # A* is infinite where the forcing does no work.
         with np.errstate(invalid="ignore"):
             needed = (curve["threshold"] * curve["work_per_amplitude"]).to_numpy()
-        axes.plot(arc, needed, color=_INK, label="to be supplied, A*·W")
-        axes.plot(arc, work, color=_WORK, linestyle="--", label="supplied, A·W")
+        axes.plot(arc, needed, color=INK, label="to be supplied, A*·W")
+        axes.plot(arc, work, color=WORK, linestyle="--", label="supplied, A·W")
         # Windows of one or two points have a width as well.
         is_window = (work > needed).tolist()
         axes.fill_between(
@@ -317,7 +219,7 @@ class Plots:
             work,
             where=is_window,
             interpolate=True,
-            color=_ISOLA,
+            color=ISOLA,
             alpha=0.2,
             label="windows",
         )

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import difflib
 import numbers
 import re
+import subprocess
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -13,6 +15,10 @@ from .errors import BadStudy, ProgramFailed
 
 #: Amplitudes: a list, or a text as ``"20:140:20"``.
 Amplitudes: TypeAlias = "str | float | Iterable[str | float]"
+
+#: How lines of ``isola check`` begin that are of the study, and of its amplitudes, not of the model.
+_OF_STUDY = {"study ", "file ", "model "}
+_OF_AMPLITUDES = {"amplitudes ", "warning     nothing will touch"}
 
 #: Folder of a model made in Python, beside its study.
 MODEL = "model"
@@ -65,6 +71,26 @@ def write(folder: Path, model: str, amplitudes: Amplitudes) -> Path:
     levels = toml.literal(typed(amplitudes))
     file.write_text(f"model = {toml.literal(model)}\namplitudes = {levels}\n", encoding="utf-8")
     return file
+
+
+def check(folder: Path, amplitudes: Amplitudes | None, settings: dict[str, Any]) -> str:
+    """What the program says of the model in `folder`, and of its forcing amplitudes if they are given."""
+    command = options(amplitudes, None, settings)
+    file = write(folder, MODEL, "1" if amplitudes is None else amplitudes)
+    with program.start(["check", str(file), *command], stdout=subprocess.PIPE) as process:
+        found, said = process.communicate()
+    if process.returncode != 0:
+        raise failure([said], process.returncode, file, is_written=True)
+    # What is of the study here is that of this function.
+    hidden = _OF_STUDY if amplitudes is not None else _OF_STUDY | _OF_AMPLITUDES
+    return "\n".join(line for line in found.splitlines() if not line.startswith(tuple(hidden)))
+
+
+def require_meant(settings: dict[str, Any], keywords: Iterable[str]) -> None:
+    """Refuses settings that are keywords of a function but for a letter or two."""
+    for key in settings:
+        if meant := difflib.get_close_matches(key, keywords, n=1, cutoff=0.75):
+            raise BadStudy(f"{key}: neither a key of a study nor a keyword; did you mean `{meant[0]}`?")
 
 
 def failure(said: Sequence[str], code: int, file: Path, *, is_written: bool) -> ProgramFailed:

@@ -55,7 +55,7 @@ def sweep(
 
     Raises:
         FolderInUse: There is a run in `out`, or a file in its place.
-        BadStudy: Amplitudes, settings or `workers` are not what can be given to the program at all.
+        BadStudy: Amplitudes, settings or `workers` are not what can be given to the program at all, or a keyword is mistyped.
         BadModel: It is no model, or has no study, and no amplitudes are given.
         NoProgram: The program is not there.
         ProgramFailed: It refuses the study, or fails: with its own message.
@@ -74,6 +74,7 @@ def sweep(
             f"{folder}: this folder holds a run already, perhaps one that failed; give another `out`, or remove the folder;"
             f" `isola resume {folder}` goes on with the run"
         )
+    study.require_meant(settings, ("amplitudes", "out", "workers", "progress"))
     options = study.options(amplitudes, workers, settings)
     program.find()
     if file := next(

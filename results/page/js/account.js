@@ -37,12 +37,14 @@ function windowTable({ levels }) {
     const remark = remarks.length > 0 ? [[level.value, NOT_KNOWN, NOT_KNOWN, NOT_KNOWN, NOT_KNOWN, word, remarks.join("; ")]] : [];
     return [...remark, ...level.windows.map((window) => windowRow(level, window))];
   });
-  return tableOf(
+  const holder = tableOf(
     "Windows of every level",
     ["A", "window", "mode", "frequencies, rad/s", "threshold A*", "outcome", "branches, or why not"],
     rows,
     "No window is predicted, or the backbone is not there yet.",
   );
+  holder.classList.add("stacked");
+  return holder;
 }
 
 /** What became of a window comes with the branches that it led to, or with the reason why there are none. */

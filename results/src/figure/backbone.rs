@@ -21,7 +21,7 @@ pub fn figure(subject: &Subject<'_>, columns: Option<&BackboneColumns>) -> Resul
         Series { along_runs: true, ..line(bold.clone()) },
         Series { name: Some("backbone".into()), details: columns.details(), ..line(thin.clone()) },
     ];
-    let entry = |text: &str, style| Entry { text: text.into(), kind: Kind::Line, style };
+    let entry = |text: &str, style| Entry::new(text, Kind::Line, style);
     let panel = Panel {
         title: Some("Where that is on the backbone"),
         about: "Backbone with the windows of the chosen forcing amplitude",

@@ -39,7 +39,7 @@ pub fn figure(subject: &Subject<'_>, store: &ColumnStore, columns: Option<&Backb
         line(columns.work.by_amplitude(), supplied.clone()),
         Series { name, details: columns.details(), ..line(columns.needed.clone(), needed.clone()) },
     ];
-    let entry = |text: &str, kind, style| Entry { text: text.into(), kind, style };
+    let entry = Entry::new;
     let panel = Panel {
         title: Some("Energy per period"),
         about: "Energy balance along the backbone",

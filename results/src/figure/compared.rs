@@ -2,8 +2,9 @@
 
 use super::column_store::ColumnStore;
 use super::data::{Axis, Entry, Figure, Kind, Label};
-use super::response::{Outline, branch_series, is_crowd, unstable};
+use super::response::{Outline, branch_series, is_crowd};
 use super::smooth::smooth;
+use super::stability::unstable;
 use super::style::{BOLD, Color, MEDIUM, Shape, Style};
 use super::subject::Subject;
 use super::{resonance, style};
@@ -92,13 +93,13 @@ fn response(runs: &[Compared<'_>], levels: &[f64], store: &mut ColumnStore) -> R
     panel.labels = gap.into_iter().chain(labels).collect();
     figure.choice = "";
     figure.legend = entries(runs, |k| Style::line(color(k), BOLD));
-    let thin = Entry { text: "main branch".into(), kind: Kind::Line, style: Style::line(Color::Ink, style::THIN) };
-    let bold = Entry { text: "isola and others".into(), kind: Kind::Line, style: Style::line(Color::Ink, BOLD) };
+    let thin = Entry::new("main branch", Kind::Line, Style::line(Color::Ink, style::THIN));
+    let bold = Entry::new("isola and others", Kind::Line, Style::line(Color::Ink, BOLD));
     figure.legend.extend([thin, bold]);
     let is_unstable = |run: &Compared<'_>| run.subject.branches.iter().any(|branch| branch.unstable.contains(&true));
     if runs.iter().any(is_unstable) {
         let style = Style::line(Color::Ink, BOLD).with_dash(1);
-        figure.legend.push(Entry { text: "unstable (solid: stable, or not known)".into(), kind: Kind::Line, style });
+        figure.legend.push(Entry::new("unstable (solid: stable, or not known)", Kind::Line, style));
     }
     Ok(figure)
 }
@@ -128,6 +129,6 @@ fn resonances(runs: &[Compared<'_>], store: &mut ColumnStore) -> Result<Figure, 
 }
 
 fn entries(runs: &[Compared<'_>], style: impl Fn(usize) -> Style) -> Vec<Entry> {
-    let entry = |(k, run): (usize, &Compared<'_>)| Entry { text: run.name.into(), kind: Kind::Line, style: style(k) };
+    let entry = |(k, run): (usize, &Compared<'_>)| Entry::new(run.name, Kind::Line, style(k));
     runs.iter().enumerate().map(entry).collect()
 }

@@ -35,6 +35,9 @@ pub struct Entry {
     pub kind: Kind,
     /// How that looks.
     pub style: Style,
+    /// Whether it is drawn only where a forcing amplitude is looked at: always on the page, in files of some figures.
+    #[serde(skip)]
+    pub by_amplitude: bool,
 }
 
 /// A panel.
@@ -313,6 +316,13 @@ pub enum Side {
 /// The one that is chosen among several, or the only one.
 pub fn chosen<T>(options: &[T], choice: usize) -> Option<&T> {
     options.get(choice).or_else(|| options.first())
+}
+
+impl Entry {
+    /// Of what is drawn in every case.
+    pub fn new(text: impl Into<String>, kind: Kind, style: Style) -> Self {
+        Self { text: text.into(), kind, style, by_amplitude: false }
+    }
 }
 
 impl Panel {

@@ -31,7 +31,7 @@ pub fn figure(subject: &Subject<'_>, store: &mut ColumnStore) -> Result<Figure, 
     let y = Axis::exact(format!("amplitude of {monitor}"), Unit::of_lengths(highest), (0.0, 1.08 * highest));
 
     let line = Style::line(Color::Category(3), MEDIUM);
-    let mut legend = vec![Entry { text: "folds, computed".into(), kind: Kind::Line, style: line.clone() }];
+    let mut legend = vec![Entry::new("folds, computed", Kind::Line, line.clone())];
     let mut series: Vec<Series> = subject.curves.iter().map(|curve| of_points(&curve.points, &line, store)).collect();
     let mut labels = Vec::new();
     for (wanted, shape, is_hollow, name, word) in EVENTS {
@@ -40,7 +40,7 @@ pub fn figure(subject: &Subject<'_>, store: &mut ColumnStore) -> Result<Figure, 
             continue;
         }
         let style = Style::marks(Color::Category(3), shape, 1.4 * MARK, is_hollow);
-        legend.push(Entry { text: name.into(), kind: Kind::Line, style: style.clone() });
+        legend.push(Entry::new(name, Kind::Line, style.clone()));
         let named = |point| event_label(word, point, (point.forcing, point.amplitude), Side::Right);
         labels.extend(found.iter().map(named));
         series.push(of_points(&found, &style, store));

@@ -7,7 +7,7 @@ use super::style::{BOLD, Color, FINE, MARK, MEDIUM, Shape, Style};
 use super::subject::{BackboneColumns, Subject};
 use crate::curves::BackboneCurve;
 use crate::overview::{WindowOutcome, WindowRow, events_of};
-use crate::store::{BranchRow, CurvePoint};
+use crate::store::CurvePoint;
 use crate::words::digits;
 use solver::response::branch::BranchKind;
 use solver::response::windows::{Event, EventKind};
@@ -30,9 +30,8 @@ pub fn figure(
     let backbone = subject.backbone()?;
     let columns = columns.ok_or("the run has no backbone yet")?;
     let others = || subject.levels.iter().flat_map(|level| level.others().map(move |other| (level.value, other)));
-    let is_open = |(_, other): &(f64, &BranchRow)| other.kind == BranchKind::Open.name();
-    let isolas = || others().filter(move |other| !is_open(other));
-    let ends = isolas().flat_map(|(_, isola)| [isola.omega.0, isola.omega.1]);
+    let detached = others().filter(|(_, other)| other.kind != BranchKind::Open.name());
+    let ends = detached.flat_map(|(_, other)| [other.omega.0, other.omega.1]);
     let is_near = near(subject);
     let primary = || points(backbone);
     let shown =
@@ -48,20 +47,27 @@ pub fn figure(
     let mut drawing = Drawing { series: Vec::new(), legend: Vec::new(), store };
     let curve = Style::line(Color::Ink, MEDIUM);
     drawing.name("threshold A* of the backbone", curve.clone());
+    drawing.of_the_amplitude();
     let levels = subject.levels.len().max(1) as f64;
     let thin = (TOGETHER.0 / levels).max(0.5 * FINE);
     let mains = subject.levels.iter().flat_map(|level| level.mains().map(|main| (level.value, main.omega)));
-    drawing.bars("main branches", Style::line(Color::Shade, FINE.min(TOGETHER.1 / levels)), mains);
+    let of_kind = |kind: BranchKind| {
+        let of_kind = others().filter(move |(_, other)| other.kind == kind.name());
+        of_kind.map(|(value, other)| (value, other.omega))
+    };
+    let across = FINE.min(TOGETHER.1 / levels);
+    drawing.bars("main branches", Style::line(Color::Shade, across), mains);
     let color = Color::Category(1);
-    // These go from one end to the other.
-    let open = others().filter(is_open).map(|(value, other)| (value, other.omega));
-    drawing.bars("open branches", Style::line(color, FINE.min(TOGETHER.1 / levels)).with_dash(1), open);
-    let are_isolas = isolas().all(|(_, other)| other.closed);
-    drawing.bars(
-        if are_isolas { "isolas" } else { "isolas and others" },
-        Style::line(color, (1.3 * BOLD).min(thin)),
-        isolas().map(|(value, other)| (value, other.omega)),
-    );
+    // Open branches go from one end to the other; what branches off an isola lies within its bar.
+    for (kind, name, style) in [
+        (BranchKind::Open, "open branches", Style::line(color, across).with_dash(1)),
+        (BranchKind::Isola, "isolas", Style::line(color, (1.3 * BOLD).min(thin))),
+        (BranchKind::Cut, "cut off by a bound", Style::line(color, BOLD.min(thin)).with_dash(4)),
+        (BranchKind::Unfinished, "unfinished", Style::line(color, BOLD.min(thin)).with_dash(2)),
+        (BranchKind::Branched, "branches off another", Style::line(Color::Category(4), (0.8 * MEDIUM).min(0.6 * thin))),
+    ] {
+        drawing.bars(name, style, of_kind(kind));
+    }
     let missed = windows(subject, |outcome| matches!(outcome, WindowOutcome::NotFound(_)));
     let alert = Style::line(Color::Alert, MEDIUM.min(thin)).with_dash(1);
     drawing.bars("windows not found", alert, missed.clone().map(|(value, window)| (value, window.omega)));
@@ -85,13 +91,8 @@ pub fn figure(
         details: columns.details(),
         ..Series::default()
     };
-    let below = Series {
-        along_runs: true,
-        name: None,
-        details: Vec::new(),
-        style: Style::line(Color::Category(1), 1.6 * BOLD),
-        ..threshold.clone()
-    };
+    let below =
+        Series { along_runs: true, name: None, details: Vec::new(), style: below_chosen(), ..threshold.clone() };
     drawing.series.extend([below, threshold]);
     let is_shown = |event: &&Event| (0.0..=1.0).contains(&y.share(event.threshold));
     let events =
@@ -112,14 +113,13 @@ pub fn figure(
         );
     }
     let Drawing { series, legend, .. } = drawing;
-    let line = Style::line(Color::Category(2), FINE).with_dash(4);
     let panel = Panel {
         about: "Isola map: threshold of the forcing amplitude over frequency. Drag the line to move A.",
         size: Size::Tall,
         x: vec![Axis::of_frequencies(x.range)],
         y: vec![y],
         series,
-        spans: vec![Span { axis: Direction::Y, at: Vec::new(), by_amplitude: true, style: line }],
+        spans: vec![Span { axis: Direction::Y, at: Vec::new(), by_amplitude: true, style: chosen() }],
         labels,
         has_leaders: true,
         ..Panel::default()
@@ -136,7 +136,15 @@ struct Drawing<'s> {
 
 impl Drawing<'_> {
     fn name(&mut self, text: &str, style: Style) {
-        self.legend.push(Entry { text: text.into(), kind: Kind::Line, style });
+        self.legend.push(Entry::new(text, Kind::Line, style));
+    }
+
+    /// What is drawn of the forcing amplitude looked at, where one is chosen.
+    fn of_the_amplitude(&mut self) {
+        let below = Style { color: Color::Soft, ..below_chosen() };
+        let entries = [("amplitude chosen: drag the line", chosen()), ("windows there, a colour each", below)];
+        let entry = |(text, style)| Entry { by_amplitude: true, ..Entry::new(text, Kind::Line, style) };
+        self.legend.extend(entries.map(entry));
     }
 
     /// Level lines with gaps between them.
@@ -183,6 +191,16 @@ impl Drawing<'_> {
         let (x, y) = (vec![self.store.exact(x)], vec![self.store.exact(y)]);
         self.series.push(Series { x, y, style, ..Series::default() });
     }
+}
+
+/// The line of the amplitude looked at.
+fn chosen() -> Style {
+    Style::line(Color::Category(2), FINE).with_dash(4)
+}
+
+/// The threshold where it lies below that line; each window has its own colour.
+fn below_chosen() -> Style {
+    Style::line(Color::Category(1), 1.6 * BOLD)
 }
 
 /// Where this happens along fold curves, as far as the axis of A shows it.

@@ -21,6 +21,7 @@ mod places;
 mod resonance;
 mod response;
 mod smooth;
+mod stability;
 mod style;
 mod subject;
 mod text;
@@ -37,7 +38,8 @@ pub use motion::{
 };
 pub use palette::{Colors, LIGHT, PALETTE, Palette, Rgb};
 pub use placement::{place, place_for_page, point as label_point, run_points};
-pub use response::{FEW, Outline, backbone_series, branch_series, is_crowd, special_points, straight_gaps};
+pub use response::{FEW, Outline, backbone_series, branch_series, is_crowd, special_points};
+pub use stability::straight_gaps;
 pub use style::{Color, Marker, Shape, Style};
 pub use subject::{BackboneColumns, Subject, level_colors};
 pub use text::{CAPITALS, Font, LINE};

@@ -68,7 +68,7 @@ pub fn figure(
         has_leaders: true,
         ..Panel::default()
     };
-    let entry = |(i, mode): (usize, &ModeShare)| Entry { text: legend(mode), kind: Kind::Line, style: look(i) };
+    let entry = |(i, mode): (usize, &ModeShare)| Entry::new(legend(mode), Kind::Line, look(i));
     Ok(Figure {
         name: "modes",
         title: None,

@@ -49,8 +49,7 @@ pub fn template(motions: &Motions) -> Figure {
     panels.extend(has_contact.then(|| pressures(nodes)));
     panels.push(spectrum(nodes, motions.harmonics));
     panels.extend((nodes.len() > 1).then(|| shapes(nodes)));
-    let entry =
-        |(k, node): (usize, &Node)| Entry { text: node.name.clone(), kind: Kind::Line, style: look(k, nodes.len()) };
+    let entry = |(k, node): (usize, &Node)| Entry::new(node.name.clone(), Kind::Line, look(k, nodes.len()));
     let legend = nodes.iter().enumerate().map(entry).filter(|_| nodes.len() > 1).collect();
     Figure { name: "motion", title: None, columns: panels.len().min(2), choice: "", linked_x: false, legend, panels }
 }
@@ -96,7 +95,7 @@ pub fn with_marched(mut figure: Figure, marched: &MarchedPeriod, store: &mut Col
         panel.series.push(Series { x: vec![x.clone()], y, style: style.clone(), ..Series::default() });
     }
     let text = format!("marched in time ({})", word(marched.verdict));
-    figure.legend.push(Entry { text, kind: Kind::Line, style });
+    figure.legend.push(Entry::new(text, Kind::Line, style));
     figure
 }
 

@@ -92,12 +92,11 @@ fn drawn(
         above.series.push(series(curve, &x, &omega, (&omega, &amplitude)));
         below.series.push(series(curve, &x, &amplitude, (&omega, &amplitude)));
     }
-    let entry =
-        |curve: &ResonanceCurve<'_>| Entry { text: curve.name.into(), kind: Kind::Line, style: curve.style.clone() };
+    let entry = |curve: &ResonanceCurve<'_>| Entry::new(curve.name, Kind::Line, curve.style.clone());
     let mut legend: Vec<Entry> = curves.iter().map(entry).collect();
     for (kind, text) in [(EventKind::Birth, "▲ window born"), (EventKind::Merge, "▼ windows merge")] {
         let event = shown.iter().find(|event| event.kind == kind);
-        legend.extend(event.map(|event| Entry { text: text.into(), kind: Kind::Line, style: span(event).style }));
+        legend.extend(event.map(|event| Entry::new(text, Kind::Line, span(event).style)));
     }
     Ok(Figure {
         name: "resonance",

@@ -105,6 +105,7 @@ mod tests {
             status: String::new(),
             is_unfinished: true,
             points: vec![point(first), point(30.0), point(last)],
+            ..CurveRow::default()
         };
         for (first, last, matters) in [(1.0, 60.0, true), (24.0, 100.0, true), (1.0, 13.0, false), (70.0, 15.9, false)]
         {

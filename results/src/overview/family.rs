@@ -155,6 +155,7 @@ mod tests {
                 .iter()
                 .map(|&(forcing, omega)| CurvePoint { forcing, omega, amplitude: 1.0, event: None })
                 .collect(),
+            ..CurveRow::default()
         };
         let levels: [Branches<'_>; 2] = [&[("isola", (1.0, 2.0))], &[("isola", (5.0, 7.0)), ("isola", (8.0, 9.0))]];
         let joined = families_along(&levels, &[curve(&[(0.5, 1.5), (1.0, 2.01), (1.5, 5.0), (2.5, 13.0)])]);

@@ -2,7 +2,6 @@
 
 use super::level::Level;
 use crate::store::{BranchRow, CurvePoint, CurveRow, WindowRow};
-use crate::words::digits;
 use solver::response::critical::CriticalKind;
 use solver::response::folds::{Critical, Extent, Quantity};
 use solver::settings::Settings;
@@ -36,50 +35,30 @@ pub fn overlaps(branch: &BranchRow, window: &WindowRow) -> bool {
     branch.omega.0 <= window.omega.1 && branch.omega.1 >= window.omega.0
 }
 
-/// Births or merges that a sentence names.
-const EVENTS: usize = 6;
-
 /// Relative distance up to which what happens along two curves is one thing: where a curve stops at grazing, another one may
 /// begin on it again.
 const SAME: f64 = 1e-5;
 
 /// Points of all curves at which this happens, by forcing; what two curves share once.
 pub fn events_of<'c>(curves: &'c [CurveRow], wanted: &str) -> Vec<&'c CurvePoint> {
-    let is_same = |a: f64, b: f64| (a - b).abs() <= SAME * a.abs().max(b.abs());
     let points = curves.iter().flat_map(CurveRow::events).filter(|(kind, _)| *kind == wanted);
     let mut points: Vec<&CurvePoint> = points.map(|(_, point)| point).collect();
     points.sort_by(|a, b| a.forcing.total_cmp(&b.forcing));
     let mut kept: Vec<&CurvePoint> = Vec::new();
     for point in points {
-        let mut near = kept.iter().rev().take_while(|earlier| is_same(earlier.forcing, point.forcing));
-        if !near.any(|earlier| is_same(earlier.omega, point.omega)) {
+        let mut near = kept.iter().rev().take_while(|earlier| is_near(earlier.forcing, point.forcing));
+        if !near.any(|earlier| is_same(earlier, point)) {
             kept.push(point);
         }
     }
     kept
 }
 
-/// Where isolas are born and where branches merge, as fold curves say.
-pub fn events_sentence(curves: &[CurveRow], frequency: impl Fn(f64) -> String) -> Option<String> {
-    let of = |wanted: &str| -> Vec<String> {
-        let word = |point: &CurvePoint| format!("{} ({})", digits(point.forcing, 5), frequency(point.omega));
-        events_of(curves, wanted).into_iter().map(word).collect()
-    };
-    let part = |wanted: &str, one: &str, many: &str| {
-        let list = of(wanted);
-        let verb = if list.len() == 1 { one } else { many };
-        let more = list.len().saturating_sub(EVENTS);
-        let more = if more > 0 { format!(" and {more} more") } else { String::new() };
-        let named: Vec<String> = list.iter().take(EVENTS).cloned().collect();
-        (!list.is_empty()).then(|| format!("{verb} at A = {}{more}", named.join(", ")))
-    };
-    let parts: Vec<String> = [
-        part("birth", "an isola is born", "isolas are born"),
-        part("death", "an isola vanishes", "isolas vanish"),
-        part("merge", "two branches merge or part", "branches merge or part"),
-    ]
-    .into_iter()
-    .flatten()
-    .collect();
-    (!parts.is_empty()).then(|| format!("Computed along fold curves: {}.", parts.join("; ")))
+/// Whether what happens at two points is one thing.
+pub(super) fn is_same(one: &CurvePoint, other: &CurvePoint) -> bool {
+    is_near(one.forcing, other.forcing) && is_near(one.omega, other.omega)
+}
+
+fn is_near(a: f64, b: f64) -> bool {
+    (a - b).abs() <= SAME * a.abs().max(b.abs())
 }

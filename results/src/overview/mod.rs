@@ -2,11 +2,14 @@
 //! is missing.
 
 mod doubts;
+mod events;
 mod family;
 mod folds;
 mod lesser;
 mod level;
+mod merges;
 pub mod modes;
+mod near_largest;
 mod omissions;
 mod reasons;
 mod truncation;
@@ -14,9 +17,11 @@ mod unfinished;
 mod verified;
 
 pub use doubts::doubts;
-pub use folds::{events_of, events_sentence, later_birth, most_folds, overlaps, why_no_folds};
+pub use events::events_sentence;
+pub use folds::{events_of, later_birth, most_folds, overlaps, why_no_folds};
 pub use lesser::Lesser;
 pub use level::{Level, Seeds, highest, is_untouched};
+pub use near_largest::near_largest;
 pub use omissions::Omissions;
 pub use reasons::briefly;
 pub use truncation::{is_unconfirmed, truncation};

@@ -39,6 +39,7 @@ pub fn compose(reader: &Reader, request: &Request) -> Result<(Sheet, Omissions),
         let Some(mut figure) = report.figures.drawn.remove(name) else {
             return Err(Error::Other(format!("nothing to draw: the run has no figure {name}")));
         };
+        figure.legend.retain(|entry| frame.is_some() || !entry.by_amplitude);
         figure.title = frame.as_ref().map(|frame| format!("windows at {}", frame.name));
         let choice = choice(request, monitor);
         Sheet { figure, columns: std::mem::take(&mut report.figures.columns), choice, frame }

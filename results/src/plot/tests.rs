@@ -2,10 +2,11 @@
 
 use super::*;
 use crate::curves::BackboneCurve;
-use crate::figure::{Figures, LIGHT, run_points};
+use crate::figure::{Figures, LIGHT, Style, run_points};
 use crate::fixture::Study;
 use crate::report::{Report, Selection};
-use crate::store::Reader;
+use crate::store::{BranchRow, Reader};
+use solver::response::branch::BranchKind;
 use std::path::Path;
 use tempfile::{TempDir, tempdir};
 
@@ -73,7 +74,7 @@ fn what_is_cut_is_no_isola() {
     let drawn = sheet(&run, &["--figure", "response"]).unwrap();
     assert_eq!(legend(&drawn)[..2], ["main branch", "cut off by a bound"]);
     assert_eq!(labels(&drawn, 0)[0], "cut 1, A = 0.006");
-    assert_eq!(legend(&sheet(&run, &["--figure", "map"]).unwrap())[2], "isolas and others");
+    assert_eq!(legend(&sheet(&run, &["--figure", "map"]).unwrap())[2], "cut off by a bound");
     assert!(sheet(&run, &["--figure", "motion", "--at", "0.006/cut 1/3"]).is_ok());
 }
 
@@ -105,6 +106,22 @@ fn map_and_resonance_show_levels() {
         ["threshold A* of the backbone", "main branches", "isolas", "births, predicted", "merges, predicted"]
     );
     assert_eq!(labels(&drawn, 0).len(), 2);
+    // Every kind has its own look and name; what hangs on the amplitude looked at is named where one is, on the page.
+    let mut report = Report::read(&Reader::open(&run).unwrap(), &Selection::All).unwrap();
+    let isola = report.overview.levels[1].others().next().unwrap().clone();
+    for kind in BranchKind::ALL.into_iter().skip(2) {
+        let other = BranchRow { kind: kind.name().into(), closed: false, ..isola.clone() };
+        report.overview.levels[1].branches.push(other);
+    }
+    let map = Figures::new(&report.subject()).drawn.remove("map").unwrap();
+    let names: Vec<&str> = map.legend.iter().map(|entry| entry.text.as_str()).collect();
+    assert_eq!(names[1..3], ["amplitude chosen: drag the line", "windows there, a colour each"]);
+    let kinds =
+        ["main branches", "open branches", "isolas", "cut off by a bound", "unfinished", "branches off another"];
+    assert_eq!(names[3..9], kinds);
+    let looks: Vec<&Style> = map.legend[3..9].iter().map(|entry| &entry.style).collect();
+    assert!((1..looks.len()).all(|i| !looks[..i].contains(&looks[i])), "{looks:?}");
+    assert!(looks[2].dash.is_empty() && looks[2].width > looks[5].width, "{looks:?}");
     // Of further modes as well, where they are near the levels.
     let mut report = Report::read(&Reader::open(&run).unwrap(), &Selection::All).unwrap();
     let primary = report.backbone.clone().unwrap();

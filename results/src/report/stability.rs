@@ -1,7 +1,7 @@
 //! What time marching says of isolas and of the largest response.
 
 use super::evidence::Evidence;
-use crate::overview::{BranchRow, Level};
+use crate::overview::{BranchRow, Level, near_largest};
 use crate::store::Stability;
 use crate::words::{count, digits, frequency};
 
@@ -69,29 +69,11 @@ impl Evidence<'_> {
         format!("Of {} {}", count(all, "isola"), said.join(", "))
     }
 
-    /// What is known of the stability of the largest response: of the motion that marching has near it, which may be a little
-    /// lower and at another frequency.
+    /// What is known of the stability of the largest response.
     pub(super) fn stability_of_peak(&self, largest: &BranchRow) -> String {
-        let Some(peak) = largest.stability.as_ref().and_then(|stability| stability.peak.as_ref()) else {
-            return "Whether the largest response is stable was not verified.".into();
-        };
-        let motion = peak.at.map_or_else(String::new, |(omega, amplitude)| {
-            format!(
-                "The periodic motion that time marching has near the largest response, {} at {},",
-                self.length(amplitude),
-                frequency(omega)
-            )
-        });
-        match peak.verdict.as_str() {
-            "stable" => motion + " is stable.",
-            "unstable" => motion + " is unstable.",
-            "marginal" => motion + " is at the edge of stability.",
-            "not_comparable" => {
-                "Whether the largest response is stable is not known: marching loses impact energy that the \
-                                 balance keeps."
-                    .into()
-            }
-            _ => "Time marching found no periodic motion near the largest response.".into(),
-        }
+        let peak = largest.stability.as_ref().and_then(|stability| stability.peak.as_ref());
+        let place = |omega, amplitude| format!("{} at {}", self.length(amplitude), frequency(omega));
+        let unknown = || "Whether the largest response is stable was not verified.".into();
+        peak.map_or_else(unknown, |peak| near_largest(peak, place))
     }
 }

@@ -1,6 +1,7 @@
 //! Curves over the forcing amplitude: written with the results that found them, those of folds read as lists of points.
 
 use super::error::At;
+use super::header::unpack;
 use super::number::number;
 use super::scalars::Scalars;
 use super::{Reader, Result};
@@ -11,6 +12,7 @@ use serde::Serialize;
 use solver::response::branch::Outcome;
 use solver::response::critical::{CriticalKind, name};
 use solver::response::starts::BATCH;
+use solver::response::task::{CrossingPlace, Task};
 use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;
@@ -31,6 +33,22 @@ pub struct CurveRow {
     pub is_unfinished: bool,
     /// Points in the order of the arc; a closed curve ends with its first one again.
     pub points: Vec<CurvePoint>,
+    /// Where it crosses levels, as far as the branch that turns back there is known.
+    #[serde(skip)]
+    pub crossings: Vec<Crossing>,
+}
+
+/// A level that a fold curve crosses, and the branch that turns back there.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Crossing {
+    /// The point of the curve before it.
+    pub segment: usize,
+    /// Forcing amplitude A.
+    pub forcing: f64,
+    /// The same, as typed.
+    pub amplitude: String,
+    /// `main`, `isola 1`, …
+    pub branch: String,
 }
 
 impl CurveRow {
@@ -140,7 +158,7 @@ impl Reader {
                 },
                 status: row.get(3)?,
                 is_unfinished: row.get(4)?,
-                points: Vec::new(),
+                ..CurveRow::default()
             })
         })?;
         let sql = "SELECT curve, forcing, omega, amplitude, event FROM curve_points ORDER BY curve, i";
@@ -157,6 +175,10 @@ impl Reader {
             let first = curve.points.first().map(|first| CurvePoint { event: None, ..first.clone() });
             curve.points.extend(first);
         }
+        for (number, crossing) in self.crossings()? {
+            let Some(curve) = curves.get_mut(number) else { continue };
+            curve.crossings.push(crossing);
+        }
         let is_critical = self.all(IS_CRITICAL, [], |row| row.get::<_, bool>(0))?;
         Ok(curves
             .into_iter()
@@ -164,6 +186,22 @@ impl Reader {
             .filter(|(_, is_critical)| *is_critical)
             .map(|(curve, _)| curve)
             .collect())
+    }
+
+    /// Crossings of curves with levels that led to a branch, each with the index of its curve.
+    fn crossings(&self) -> Result<Vec<(usize, Crossing)>> {
+        let sql = "SELECT work, levels.value, levels.amplitude, branch FROM tasks JOIN levels USING (level) \
+                   WHERE kind = 'crossing' AND found AND branch IS NOT NULL ORDER BY levels.value, position";
+        let rows = self.all(sql, [], |row| {
+            let crossing =
+                Crossing { segment: 0, forcing: number(row, 1)?, amplitude: row.get(2)?, branch: row.get(3)? };
+            Ok((row.get::<_, Vec<u8>>(0)?, crossing))
+        })?;
+        let place = |(work, crossing): (Vec<u8>, Crossing)| match unpack(self.file(), &work).ok()? {
+            Task::Crossing(CrossingPlace { curve, segment }) => Some((curve, Crossing { segment, ..crossing })),
+            _ => None,
+        };
+        Ok(rows.into_iter().filter_map(place).collect())
     }
 
     /// What became of random starts and of the tasks that follow from folds.

@@ -32,7 +32,7 @@ mod tasks;
 mod tests;
 mod verifications;
 
-pub use curves::{CurvePoint, CurveRow, SearchCounts};
+pub use curves::{Crossing, CurvePoint, CurveRow, SearchCounts};
 pub use error::StoreError;
 pub use extent::Extent;
 pub use file_system::network_file_system;

@@ -1,0 +1,110 @@
+"""The isola map: which responses exist at which forcing."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pandas as pd
+
+from .drawing import FOLDS, INK, ISOLA, SHADE, WORK, Units, beside, legend, logarithmic
+from .live.wire import Floats
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from .stored.run import StoredRun
+
+#: Marks of events by kind, as in the figures of the program: mark, whether it is hollow, name. Cusps are not marked.
+_MARKS = {
+    "birth": ("^", False, "births"),
+    "merge": ("v", True, "merges"),
+    "death": ("x", False, "ends of isolas"),
+}
+#: Two events of one kind that are no farther apart are one, found along two curves.
+_SAME = 1e-5
+#: Thresholds are shown from the lowest level divided by the first to the highest one times the second, as folds are followed.
+_NEAR = (4.0, 2.0)
+#: How the map draws branches of each kind, as that of the program: what branches off an isola lies within its bar.
+_BARS: tuple[tuple[str, str, dict[str, Any]], ...] = (
+    ("main", "main branches", {"color": SHADE, "linewidth": 0.6}),
+    ("open", "open branches", {"color": ISOLA, "linewidth": 0.6, "linestyle": "--"}),
+    ("isola", "isolas", {"color": ISOLA, "linewidth": 3.0}),
+    ("cut", "cut off by a bound", {"color": ISOLA, "linewidth": 2.2, "linestyle": (0, (4.0, 1.5))}),
+    ("unfinished", "unfinished", {"color": ISOLA, "linewidth": 2.2, "linestyle": ":"}),
+    ("branched", "branches off another", {"color": WORK, "linewidth": 1.3}),
+)
+
+
+def isola_map(run: StoredRun, summary: pd.DataFrame, axes: Axes, units: Units) -> Axes:
+    """Draws branches of every level, which are these rows of the summary, thresholds along the backbones, fold curves and
+    events."""
+    for kind, label, look in _BARS:
+        rows = summary[summary["kind"] == kind]
+        ends = units.frequencies(rows[["omega_min", "omega_max"]]).to_numpy(float).T
+        if len(rows):
+            axes.hlines(rows["amplitude"].to_numpy(float), *ends, label=label, **look)
+    shown = _draw_thresholds(run, axes, units, list(summary["amplitude"]))
+    events = _draw_folds(run, axes, units)
+    # Main and open branches go from one end of the frequencies to the other.
+    others = summary[~summary["kind"].isin(["main", "open"])]
+    shown = np.concatenate([shown, events, others["omega_min"], others["omega_max"]])
+    shown = shown[np.isfinite(shown)]
+    if len(shown):
+        axes.set_xlim(units.frequencies(beside(shown)))
+    axes.set(xlabel=units.of_frequency(), ylabel="forcing amplitude A, threshold A*")
+    logarithmic(axes)
+    legend(axes)
+    return axes
+
+
+def _draw_thresholds(run: StoredRun, axes: Axes, units: Units, levels: list[float]) -> Floats:
+    """The thresholds near the levels: elsewhere they say nothing. Their frequencies, rad/s."""
+    table = run.backbones
+    near = (min(levels) / _NEAR[0], max(levels) * _NEAR[1]) if levels else (0.0, np.inf)
+    shown = []
+    for i, (_, curve) in enumerate(table.groupby("mode", sort=False)):
+        threshold = curve["threshold"].where(curve["threshold"].between(*near))
+        # The primary mode comes first; the others stand back.
+        label = ("threshold A*", "threshold A* of further modes", None)[min(i, 2)]
+        width = 0.75 if i else 1.2
+        axes.plot(units.frequencies(curve["omega"]), threshold, color=INK, linewidth=width, label=label)
+        shown.append(curve["omega"][threshold.notna()].to_numpy())
+    return np.concatenate([np.zeros(0), *shown])
+
+
+def _draw_folds(run: StoredRun, axes: Axes, units: Units) -> Floats:
+    """Fold curves and events, where they are near the levels. Frequencies of the computed ones, rad/s."""
+    low, high = axes.get_ylim()
+    folds, events = run.folds, run.events
+    for i, (_, curve) in enumerate(folds.groupby("curve", sort=False)):
+        forcing = curve["forcing"].where(curve["forcing"].between(low, high))
+        label = "folds" if i == 0 else None
+        axes.plot(units.frequencies(curve["omega"]), forcing, color=FOLDS, linewidth=1.2, label=label)
+    shown = events[events["forcing"].between(low, high)]
+    for (source, kind), group in shown.groupby(["source", "kind"], sort=False):
+        if kind not in _MARKS:
+            continue
+        mark, is_hollow, name = _MARKS[str(kind)]
+        color = FOLDS if source == "computed" else INK
+        group = _once(group.sort_values("forcing")) if source == "computed" else group
+        axes.plot(
+            units.frequencies(group["omega"]),
+            group["forcing"],
+            mark,
+            color=color,
+            markerfacecolor="none" if is_hollow else color,
+            label=f"{name}, {source}",
+        )
+    is_marked = (shown["source"] == "computed") & shown["kind"].isin(list(_MARKS))
+    return shown["omega"][is_marked].to_numpy(float)
+
+
+def _once(events: pd.DataFrame) -> pd.DataFrame:
+    """Events by forcing, those that two curves share once."""
+    kept: list[int] = []
+    places = events[["forcing", "omega"]].to_numpy(float)
+    for i, place in enumerate(places):
+        if not any((abs(place - places[k]) <= _SAME * abs(place)).all() for k in kept):
+            kept.append(i)
+    return events.iloc[kept]

@@ -1,0 +1,298 @@
+//! Which branches merge and part along fold curves.
+
+use super::folds::{events_of, is_same};
+use crate::store::{CurvePoint, CurveRow};
+use crate::words::digits;
+use solver::response::branch::BranchKind;
+use solver::response::critical::CriticalKind;
+use std::cmp::Ordering;
+
+/// Where branches merge or part.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Merge<'c> {
+    /// The point of a fold curve.
+    pub point: &'c CurvePoint,
+    /// Which branches do what there as the forcing grows, if that is known for sure.
+    pub what: Option<String>,
+}
+
+/// Merges along fold curves, by forcing; what two curves share once.
+pub fn merges(curves: &[CurveRow]) -> Vec<Merge<'_>> {
+    let merge = |point| {
+        let places = curves.iter().flat_map(|curve| {
+            let here = move |(_, other): &(usize, &CurvePoint)| is_merge(other) && is_same(point, other);
+            curve.points.iter().enumerate().filter(here).map(move |(i, _)| (curve, i))
+        });
+        Merge { point, what: places.into_iter().find_map(|(curve, i)| words(curves, curve, i)) }
+    };
+    events_of(curves, CriticalKind::Merge.name()).into_iter().map(merge).collect()
+}
+
+/// What turns back along a fold curve beside a merge.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Party<'c> {
+    /// A branch of a level, by name, with the level as typed; of the main branch, which all have, without.
+    Branch(&'c str, &'c str),
+    /// The isola that is born at this forcing amplitude, or, if the second is set, ends there.
+    Isola(f64, bool),
+}
+
+fn words(curves: &[CurveRow], curve: &CurveRow, merge: usize) -> Option<String> {
+    let (first, from) = beside(curve, merge, false)?;
+    let (second, to) = beside(curve, merge, true)?;
+    let point = &curve.points[merge];
+    let side = from.total_cmp(&point.forcing);
+    // Two folds on different sides are those of a cusp.
+    if side == Ordering::Equal || side != to.total_cmp(&point.forcing) || is_disturbed(curves, point, [from, to]) {
+        return None;
+    }
+    // Branches of two levels may be one, and so may one of a level and an isola that is born before it.
+    let is_nearer = |near: f64, far: f64| (near - point.forcing).abs() < (far - point.forcing).abs();
+    let is_told = match (first, second) {
+        (Party::Branch(_, ""), _) | (_, Party::Branch(_, "")) | (Party::Isola(..), Party::Isola(..)) => true,
+        (Party::Branch(_, level), Party::Branch(_, other)) => level == other,
+        (Party::Isola(..), Party::Branch(..)) => is_nearer(from, to),
+        (Party::Branch(..), Party::Isola(..)) => is_nearer(to, from),
+    };
+    if !is_told {
+        return None;
+    }
+    let is_below = side == Ordering::Less;
+    let mut parties = [first, second];
+    parties.sort_by_key(Party::is_main);
+    let kinds = parties.map(|party| party.kind());
+    // What is not known to its ends, or is one with its image, may be more than one branch, or less.
+    let is_known = |kind: &Option<BranchKind>| {
+        kind.is_some_and(|kind| !matches!(kind, BranchKind::Unfinished | BranchKind::Branched))
+    };
+    if !kinds.iter().all(is_known) {
+        return None;
+    }
+    let [one, other] = parties;
+    // Of two main branches none is told from the same one at another level.
+    if one != other && one.is_main() {
+        return None;
+    }
+    if one == other {
+        // Two strands of one curve: beside what goes from bound to bound there is a closed one on the other side.
+        let (it, is_closed) = (one.name(), one.kind() == Some(BranchKind::Isola));
+        return Some(match (is_below, is_closed) {
+            (true, true) => format!("{it} parts in two"),
+            (true, false) => format!("an isola parts from {it}"),
+            (false, true) => format!("two isolas merge into {it}"),
+            (false, false) => format!("an isola merges into {it}"),
+        });
+    }
+    let verb = match kinds.contains(&Some(BranchKind::Isola)) {
+        true if is_below => "merge",
+        true => "part",
+        // Of two that go from bound to bound two are left, too.
+        false => "exchange ends",
+    };
+    let names = match (one, other) {
+        (Party::Branch(one, level), Party::Branch(_, same)) if level == same => format!("{one} and {}", other.name()),
+        _ => format!("{} and {}", one.name(), other.name()),
+    };
+    Some(format!("{names} {verb}"))
+}
+
+/// What turns back along a curve on one side of a merge: the branch of the first level that the curve comes to, or an isola that
+/// begins or ends there before. With it comes the forcing amplitude of the way there that is farthest from the merge.
+fn beside(curve: &CurveRow, merge: usize, is_onwards: bool) -> Option<(Party<'_>, f64)> {
+    let points = &curve.points;
+    let is_closed = points.len() > 2 && is_same(points.first()?, points.last()?);
+    let next = |i: usize| match (is_onwards, i) {
+        (true, i) if i + 1 < points.len() => Some((i, i + 1)),
+        (true, _) if is_closed => Some((0, 1)),
+        (false, 0) if is_closed => Some((points.len() - 2, points.len() - 2)),
+        (false, i) => Some((i.checked_sub(1)?, i - 1)),
+        _ => None,
+    };
+    let start = points[merge].forcing;
+    let is_below = points[next(merge)?.1].forcing < start;
+    let (mut i, mut is_rising, mut farthest) = (merge, !is_below, start);
+    for _ in 0..points.len() {
+        let (segment, j) = next(i)?;
+        let (here, there) = (points[i].forcing, points[j].forcing);
+        if (there > here) != is_rising {
+            let event = points[i].event.as_deref()?;
+            let end = if is_below { CriticalKind::Birth } else { CriticalKind::Death };
+            if event == end.name() {
+                return Some((Party::Isola(here, !is_below), farthest));
+            }
+            // At a cusp two folds of one branch meet.
+            if event != CriticalKind::Cusp.name() {
+                return None;
+            }
+            is_rising = !is_rising;
+        }
+        if (there < start) != is_below || there == start {
+            return None;
+        }
+        let crossed = curve.crossings.iter().filter(|crossing| crossing.segment == segment);
+        let distance = |forcing: f64| (forcing - here).abs();
+        let nearest = crossed.min_by(|a, b| distance(a.forcing).total_cmp(&distance(b.forcing)));
+        let reached = nearest.map_or(there, |crossing| crossing.forcing);
+        farthest = if is_below { farthest.min(reached) } else { farthest.max(reached) };
+        if let Some(crossing) = nearest {
+            let level = if crossing.branch == BranchKind::Main.name() { "" } else { crossing.amplitude.as_str() };
+            return Some((Party::Branch(&crossing.branch, level), farthest));
+        }
+        i = j;
+    }
+    None
+}
+
+/// Whether branches merge or part elsewhere between a merge and where its parties are known: they may be others by then.
+fn is_disturbed(curves: &[CurveRow], merge: &CurvePoint, known: [f64; 2]) -> bool {
+    let (low, high) =
+        known.iter().fold((merge.forcing, merge.forcing), |(low, high), at| (low.min(*at), high.max(*at)));
+    let mut others = curves.iter().flat_map(|curve| &curve.points).filter(|point| {
+        let is_unknown = point.event.as_deref() == Some(CriticalKind::Unknown.name());
+        (is_unknown || is_merge(point)) && !is_same(merge, point)
+    });
+    others.any(|point| (low..=high).contains(&point.forcing))
+}
+
+fn is_merge(point: &CurvePoint) -> bool {
+    point.event.as_deref() == Some(CriticalKind::Merge.name())
+}
+
+impl Party<'_> {
+    fn kind(&self) -> Option<BranchKind> {
+        match self {
+            Party::Branch(name, _) => BranchKind::named(name.split(' ').next()?),
+            Party::Isola(..) => Some(BranchKind::Isola),
+        }
+    }
+
+    fn is_main(&self) -> bool {
+        self.kind() == Some(BranchKind::Main)
+    }
+
+    fn name(&self) -> String {
+        match self {
+            Party::Branch(_, "") => "the main branch".into(),
+            // Numbers are those of a level.
+            Party::Branch(name, level) => format!("{name} of A = {level}"),
+            Party::Isola(forcing, false) => format!("the isola born at A = {}", digits(*forcing, 5)),
+            Party::Isola(forcing, true) => format!("the isola that ends at A = {}", digits(*forcing, 5)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::store::Crossing;
+
+    /// A fold curve through these forcing amplitudes, with events and with crossings: segment, level, branch.
+    fn curve(forcings: &[f64], events: &[(usize, &str)], crossings: &[(usize, &str, &str)]) -> CurveRow {
+        let event = |i| events.iter().find(|(at, _)| *at == i).map(|(_, event)| event.to_string());
+        let point = |(i, &forcing): (usize, &f64)| CurvePoint {
+            forcing,
+            omega: 1.0 + i as f64,
+            amplitude: 1.0,
+            event: event(i),
+        };
+        let crossing = |&(segment, level, branch): &(usize, &str, &str)| Crossing {
+            segment,
+            forcing: level.parse().unwrap(),
+            amplitude: level.into(),
+            branch: branch.into(),
+        };
+        CurveRow {
+            points: forcings.iter().enumerate().map(point).collect(),
+            crossings: crossings.iter().map(crossing).collect(),
+            ..CurveRow::default()
+        }
+    }
+
+    /// What happens at the only merge, if it is known.
+    fn told(curves: &[CurveRow]) -> Option<String> {
+        let found = merges(curves);
+        assert_eq!(found.len(), 1, "{found:?}");
+        found[0].what.clone()
+    }
+
+    /// Two branches of a level turn back along the two sides of a merge above it, or, mirrored, below it.
+    fn beside_level(branches: [&str; 2], is_above: bool) -> Option<String> {
+        let forcings = if is_above { [1.0, 3.0, 4.0, 3.0, 1.0] } else { [6.0, 5.0, 4.0, 5.0, 6.0] };
+        let level = if is_above { "2" } else { "5.5" };
+        told(&[curve(&forcings, &[(2, "merge")], &[(0, level, branches[0]), (3, level, branches[1])])])
+    }
+
+    #[test]
+    fn branches_of_the_nearest_level() {
+        let pair = |one, other, is_above| beside_level([one, other], is_above).unwrap();
+        assert_eq!(pair("main", "isola 1", true), "isola 1 of A = 2 and the main branch merge");
+        assert_eq!(pair("isola 2", "isola 1", true), "isola 2 and isola 1 of A = 2 merge");
+        assert_eq!(pair("isola 1", "main", false), "isola 1 of A = 5.5 and the main branch part");
+        assert_eq!(pair("isola 1", "isola 1", true), "isola 1 of A = 2 parts in two");
+        assert_eq!(pair("main", "main", false), "an isola merges into the main branch");
+        assert_eq!(pair("main", "main", true), "an isola parts from the main branch");
+        assert_eq!(pair("isola 1", "isola 1", false), "two isolas merge into isola 1 of A = 5.5");
+        assert_eq!(pair("open 1", "main", true), "open 1 of A = 2 and the main branch exchange ends");
+        for unsure in ["branched 1", "unfinished 1", "something 1"] {
+            assert_eq!(beside_level([unsure, "main"], true), None);
+        }
+    }
+
+    #[test]
+    fn isolas_that_no_level_has() {
+        let born = curve(&[2.0, 1.0, 3.0, 1.5, 2.0], &[(1, "birth"), (2, "merge"), (3, "birth")], &[]);
+        assert_eq!(told(&[born]).unwrap(), "the isola born at A = 1 and the isola born at A = 1.5 merge");
+        let events = [(2, "merge"), (3, "birth")];
+        let main = curve(&[0.0, 2.0, 3.0, 1.5, 2.0], &events, &[(0, "1", "main")]);
+        assert_eq!(told(&[main]).unwrap(), "the isola born at A = 1.5 and the main branch merge");
+        let isola = |level| curve(&[0.0, 2.0, 3.0, 1.5, 2.0], &events, &[(0, level, "isola 1")]);
+        let both = "isola 1 of A = 1 and the isola born at A = 1.5 merge";
+        assert_eq!(told(&[isola("1")]).unwrap(), both);
+        // It may be the one that is born before the level.
+        assert_eq!(told(&[isola("1.75")]), None);
+        let end = curve(&[5.0, 2.0, 3.5, 3.0], &[(1, "merge"), (2, "death")], &[(0, "4", "main")]);
+        assert_eq!(told(&[end]).unwrap(), "the isola that ends at A = 3.5 and the main branch part");
+    }
+
+    #[test]
+    fn what_is_not_known_for_sure() {
+        let crossings = [(0, "2", "isola 1"), (3, "2", "main")];
+        let merge = curve(&[1.0, 3.0, 4.0, 3.0, 1.0], &[(2, "merge")], &crossings);
+        assert!(told(std::slice::from_ref(&merge)).is_some());
+        // Something else may have happened between.
+        for event in ["merge", "unknown"] {
+            let other = |forcing| curve(&[forcing + 1.0, forcing, forcing + 1.0], &[(1, event)], &[]);
+            let what = |forcing| {
+                let curves = [merge.clone(), other(forcing)];
+                let mut all = merges(&curves).into_iter();
+                all.find(|merge| merge.point.forcing == 4.0).unwrap().what
+            };
+            assert_eq!(what(2.5), None);
+            assert!(what(4.5).is_some() && what(1.5).is_some());
+        }
+        // No branch was found on one side; the curve turns, comes back beyond the merge or ends before it comes to a level.
+        assert_eq!(told(&[CurveRow { crossings: merge.crossings[..1].to_vec(), ..merge.clone() }]), None);
+        let turns = [1.0, 3.0, 4.0, 3.0, 3.5, 1.0];
+        let turning = |event, high| {
+            let points = turns.map(|forcing| if forcing == 3.5 { high } else { forcing });
+            told(&[curve(&points, &[(2, "merge"), (3, event), (4, event)], &[crossings[0], (4, "2", "main")])])
+        };
+        assert_eq!([turning("unknown", 3.5), turning("death", 3.5), turning("cusp", 4.5)], [None, None, None]);
+        assert!(turning("cusp", 3.5).is_some(), "at a cusp it goes on along the same branch");
+        assert_eq!(told(&[curve(&turns[..3], &[(2, "merge")], &crossings[..1])]), None);
+        let levels = [crossings[0], (3, "1.5", "isola 1")];
+        assert_eq!(told(&[curve(&[1.0, 3.0, 4.0, 3.0, 1.0], &[(2, "merge")], &levels)]), None);
+    }
+
+    #[test]
+    fn along_a_closed_curve_and_twice() {
+        let mut closed = curve(&[4.0, 1.0, 0.5, 1.0], &[(0, "merge"), (2, "birth")], &[(0, "2", "isola 1")]);
+        closed.points.push(CurvePoint { event: None, ..closed.points[0].clone() });
+        closed.crossings.push(Crossing { segment: 3, branch: "main".into(), ..closed.crossings[0].clone() });
+        let expected = "isola 1 of A = 2 and the main branch merge";
+        assert_eq!(told(&[closed.clone()]).unwrap(), expected);
+        // Another curve has it at its end.
+        let end = curve(&[4.0, 3.0], &[(0, "merge")], &[]);
+        assert_eq!(told(&[end, closed]).unwrap(), expected);
+    }
+}

@@ -1,0 +1,121 @@
+//! What time marching says of branches, in a sentence or two.
+
+use super::Units;
+use crate::overview::{BranchRow, Level, highest, near_largest};
+use crate::store::Stability;
+
+/// What may be known of a branch.
+const CLASSES: [&str; 5] = [
+    "stable wherever it could tell",
+    "stable in parts",
+    "unstable wherever it could tell",
+    "beyond what it could tell",
+    "not verified",
+];
+const UNVERIFIED: usize = 4;
+
+/// What is known of the stability of branches and of the largest response. `None` if nothing was verified.
+pub(super) fn sentences(levels: &[Level], units: Units) -> Option<String> {
+    let (length, frequency) = (units.length, units.frequency);
+    let rows = || levels.iter().flat_map(|level| &level.branches);
+    let isolas: Vec<&BranchRow> = rows().filter(|row| row.is_isola()).collect();
+    let mains: Vec<&BranchRow> = rows().filter(|row| row.is_main()).collect();
+    let others: Vec<&BranchRow> = rows().filter(|row| !row.is_main() && !row.is_isola()).collect();
+    let place =
+        |omega, amplitude| format!("{} {length} at {} {frequency}", length.digits(amplitude), frequency.digits(omega));
+    let largest = isolas.iter().filter_map(|row| row.stability.as_ref()?.largest);
+    let largest = largest.max_by(|a, b| a.1.total_cmp(&b.1));
+    let up_to =
+        largest.map_or_else(String::new, |(omega, amplitude)| format!(" (stable up to {})", place(omega, amplitude)));
+    let is_part = |row: &&BranchRow| row.stability.as_ref().is_some_and(|stability| !stability.is_whole);
+    let around = match mains.iter().any(is_part) {
+        true if mains.len() == 1 => ", around its peak,",
+        true => ", around their peaks,",
+        false => "",
+    };
+    let groups = [
+        of(&isolas, ["isola", "isolas"], "").map(|found| found + &up_to),
+        of(&mains, ["main branch", "main branches"], around),
+        of(&others, ["other branch", "other branches"], ""),
+    ];
+    let groups: Vec<String> = groups.into_iter().flatten().collect();
+    if groups.is_empty() {
+        return None;
+    }
+    let peak = highest(rows()).and_then(|row| row.stability.as_ref()?.peak.as_ref());
+    let peak = peak
+        .map_or("Whether the largest response is stable was not verified.".into(), |peak| near_largest(peak, place));
+    Some(format!("By time marching, {}. {peak}", groups.join("; ")))
+}
+
+/// How many branches of a kind are stable and unstable, of those that were verified; `around`: what of them alone was.
+fn of(rows: &[&BranchRow], [one, several]: [&str; 2], around: &str) -> Option<String> {
+    let class = |row: &&BranchRow| {
+        let Some(Stability { stable, unstable, .. }) = row.stability.as_ref() else { return UNVERIFIED };
+        match (*stable > 0.0, *unstable > 0.0) {
+            (true, false) => 0,
+            (true, true) => 1,
+            (false, true) => 2,
+            (false, false) => 3,
+        }
+    };
+    let mut counts = [0; CLASSES.len()];
+    rows.iter().for_each(|row| counts[class(row)] += 1);
+    if counts[UNVERIFIED] == rows.len() {
+        return None;
+    }
+    let found = counts.iter().zip(CLASSES).filter(|(count, _)| **count > 0);
+    Some(match rows {
+        [_] => format!("the {one}{around} is {}", found.map(|(_, class)| class).collect::<String>()),
+        _ => {
+            let said: Vec<String> = found.map(|(count, class)| format!("{count} {class}")).collect();
+            format!("of {} {several}{around} {}", rows.len(), said.join(", "))
+        }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::store::PeakOrbit;
+
+    fn branch(kind: &str, [stable, unstable]: [f64; 2], amplitude: f64) -> BranchRow {
+        let peak = Some(PeakOrbit { verdict: "unstable".into(), at: Some((2.5, amplitude)) });
+        let largest = (stable > 0.0).then_some((2.0, 0.5 * amplitude));
+        BranchRow {
+            kind: kind.into(),
+            number: 1,
+            closed: kind == "isola",
+            amplitude_max: amplitude,
+            stability: Some(Stability { is_whole: kind != "main", stable, unstable, peak, largest }),
+            ..BranchRow::default()
+        }
+    }
+
+    fn told(branches: Vec<BranchRow>) -> Option<String> {
+        sentences(&[Level { branches, ..Level::default() }], Units::default())
+    }
+
+    #[test]
+    fn every_kind_has_its_counts() {
+        let isolas = [branch("isola", [0.5, 0.5], 2.0), branch("isola", [0.0, 0.1], 3.0)];
+        let others = vec![branch("main", [0.2, 0.0], 1.0), branch("cut", [0.0, 0.0], 0.5)];
+        assert_eq!(
+            told([isolas.to_vec(), others].concat()).unwrap(),
+            "By time marching, of 2 isolas 1 stable in parts, 1 unstable wherever it could tell (stable up to 1.0000 m at 2.00000 \
+             rad/s); the main branch, around its peak, is stable wherever it could tell; the other branch is beyond what it could \
+             tell. The periodic motion that time marching has near the largest response, 3.0000 m at 2.50000 rad/s, is unstable."
+        );
+    }
+
+    #[test]
+    fn what_was_not_verified_is_told_beside_what_was() {
+        let bare = |kind| BranchRow { stability: None, ..branch(kind, [0.0; 2], 4.0) };
+        assert_eq!(told(vec![bare("main"), bare("isola")]), None);
+        assert_eq!(
+            told(vec![bare("main"), bare("isola"), branch("isola", [1.0, 0.0], 2.0)]).unwrap(),
+            "By time marching, of 2 isolas 1 stable wherever it could tell, 1 not verified (stable up to 1.0000 m at 2.00000 \
+             rad/s). Whether the largest response is stable was not verified."
+        );
+    }
+}
