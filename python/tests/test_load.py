@@ -333,5 +333,5 @@ def test_studies_with_a_failure_of_the_main_branch(copy: Path) -> None:
     with sqlite3.connect(copy / "run.sqlite") as db:
         assert db.execute("SELECT count(*) FROM branches WHERE level = 1").fetchone() == (0,)
     assert any("given up" in sentence for sentence in run.check())
-    assert "There is no branch at A = 0.004." in run.check()
+    assert "No branch is known at A = 0.004." in run.check()
     assert MODELS.is_dir()

@@ -225,6 +225,11 @@ def test_a_law_is_one_that_there_is() -> None:
     for kind, parameters, message in (
         ("cubic", {}, "there is no law `cubic`; known: jenkins, penalty_spring, "),
         ("penalty", {"gap": 1}, "there is no law `penalty`; did you mean `penalty_spring`? known: "),
+        (
+            "polynomial_spring",
+            {"terms": [{"power": 3, "coeficient": 1}]},
+            "there is no key of a term of law `polynomial_spring` `coeficient`; did you mean `coefficient`? known: ",
+        ),
         ("jenkins", {"limt": 1}, "there is no parameter of law `jenkins` `limt`; did you mean `limit`? known: limit, "),
     ):
         with pytest.raises(BadModel, match=f"^{re.escape(message)}"):

@@ -208,7 +208,9 @@ pub(super) const NUMERICS: &[Key] = &[
     Key {
         path: "backbone.max_amplitude",
         kind: POSITIVE,
-        default: Words("8 reference lengths (gaps)"),
+        default: Words(
+            "8 reference lengths (gaps), and farther where the threshold A* is below twice the largest forcing",
+        ),
         unit: "m",
         meaning: "Largest amplitude of the first monitored dof: how far free motion is followed.",
         example: "2.5",

@@ -123,7 +123,7 @@ fn levels(
     let batches = starts::batches(model, settings);
     // They bring nothing but folds.
     let follows_folds = most_folds(model, settings) > 0;
-    let largest = all.iter().map(|amplitude| amplitude.value).fold(0.0, f64::max);
+    let largest = largest(all);
     let level = |(index, amplitude): (usize, &Amplitude)| {
         let share = starts::share(batches, index, all.len());
         let (windows, mut tasks) = plan(backbones, amplitude.value, &settings.frequency, share);
@@ -133,6 +133,10 @@ fn levels(
         LevelPlan { amplitude: amplitude.clone(), windows, tasks }
     };
     all.iter().enumerate().skip(first).map(level).collect()
+}
+
+fn largest(amplitudes: &[Amplitude]) -> f64 {
+    amplitudes.iter().map(|amplitude| amplitude.value).fold(0.0, f64::max)
 }
 
 /// Computes the backbones, and from them the tasks of every level; `None` if `stop` was set meanwhile. Tells the engine where
@@ -158,7 +162,8 @@ pub fn compute(
         }
         if stop.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
-    let Backbones { list: backbones, left_out } = Backbones::compute_with(model, settings, &mut observer, stop)?;
+    let largest = largest(&header.amplitudes);
+    let Backbones { list: backbones, left_out } = Backbones::reaching(model, settings, largest, &mut observer, stop)?;
     if stop.load(Ordering::Relaxed) {
         return Ok(None);
     }

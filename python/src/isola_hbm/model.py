@@ -32,6 +32,9 @@ _LAWS = {
     "jenkins": {"stiffness", "limit"},
 }
 
+#: What a term of a polynomial has.
+_TERM = {"power", "coefficient"}
+
 
 class Law(dict[str, Any]):
     """A nonlinear element, as under ``[[laws]]`` of a model file.
@@ -66,6 +69,8 @@ class Law(dict[str, Any]):
         _require_known("law", kind, _LAWS)
         for parameter in parameters:
             _require_known(f"parameter of law `{kind}`", parameter, _LAWS[kind])
+        for key in (key for term in parameters.get("terms", ()) for key in term):
+            _require_known(f"key of a term of law `{kind}`", key, _TERM)
         where = {"name": name, "dof": dof, "between": between, "coefficients": coefficients}
         given = {key: value for key, value in where.items() if value is not None}
         if len(given.keys() - {"name"}) != 1:

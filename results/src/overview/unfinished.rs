@@ -32,7 +32,7 @@ pub fn unfinished(levels: &[Level], has_backbone: bool) -> Vec<String> {
             let results = number(results, "result is", "results are");
             format!("{results} doubtful, at A = {list}: another worker came to something else, and no third one decided.")
         }),
-        bare.map(|(_, list)| format!("There is no branch at A = {list}.")),
+        bare.map(|(_, list)| format!("No branch is known at A = {list}.")),
     ];
     sentences.into_iter().flatten().collect()
 }

@@ -1,8 +1,9 @@
 //! What was looked for, what was not, and what the structure does of itself.
 
 use super::evidence::{Evidence, Structure};
+use crate::curves::BackboneCurve;
 use crate::overview::modes;
-use crate::words::{self, count};
+use crate::words::{self, count, digits};
 
 impl Evidence<'_> {
     /// What vibrates without being forced, or without being damped.
@@ -88,6 +89,7 @@ impl Evidence<'_> {
             Some(why) => format!("; folds were not followed ({why})"),
             None => String::new(),
         };
+        let folds = folds + &self.beyond_backbones();
         match self.search.starts {
             0 => format!("isolas {modes}of {harmonics} and {led} were not looked for{folds}"),
             starts => {
@@ -108,6 +110,17 @@ impl Evidence<'_> {
                 )
             }
         }
+    }
+
+    /// Which backbones end, at bounds of theirs, before their threshold is beyond the levels: there are no windows beyond.
+    fn beyond_backbones(&self) -> String {
+        let highest = self.levels.iter().map(|level| level.value).fold(0.0, f64::max);
+        let end = |backbone: &BackboneCurve| {
+            let last = backbone.threshold.values.last().copied().filter(|last| *last < highest)?;
+            let (mode, threshold) = (words::modes(&[backbone.mode]), digits(last, 3));
+            Some(format!("; the backbone of {mode} ends at A* = {threshold}, and no window beyond was looked for"))
+        };
+        self.backbones().filter_map(end).collect()
     }
 
     /// Says so if there are stops and no branch of any level touches one.

@@ -11,6 +11,7 @@ use crate::curves::BackboneCurve;
 use crate::overview::{BranchRow, Level, Origin, events_sentence, highest, truncation};
 use crate::summary_table::{Units, motions};
 use crate::words::{self, count, digits, frequency, range};
+use protocol::to_everyone::Stage;
 use serde::Serialize;
 use solver::response::branch::BranchKind;
 use solver::response::windows::{Event, EventKind};
@@ -99,6 +100,11 @@ impl<'r> Evidence<'r> {
         self.levels.iter().all(|level| level.peak().is_none())
     }
 
+    /// Whether nothing is left to be done.
+    fn is_over(&self) -> bool {
+        self.stage == Some(Stage::Finished) && self.levels.iter().all(|level| level.pending == 0)
+    }
+
     /// Whether the main branches of a level are known to their ends.
     fn has_whole_main(&self, level: &Level) -> bool {
         let ends = || self.mains.iter().filter(|(amplitude, _)| *amplitude == level.amplitude);
@@ -117,7 +123,8 @@ impl<'r> Evidence<'r> {
         let mut parts: Vec<String> = losses.iter().map(|loss| loss.sentence.clone()).collect();
         parts.extend(self.self_excitation());
         let Some((level, largest)) = self.largest() else {
-            parts.push("No branch has been computed yet.".into());
+            let nothing = if self.is_over() { "No branch was found." } else { "No branch has been computed yet." };
+            parts.push(nothing.into());
             return parts.join(" ");
         };
         let gap = self.structure.gap.map(|gap| format!(" (gap {})", self.length(gap))).unwrap_or_default();
@@ -186,6 +193,9 @@ impl<'r> Evidence<'r> {
     }
 
     fn onset(&self) -> String {
+        if self.is_empty() && self.is_over() {
+            return "Not known: no branch was found.".into();
+        }
         if self.is_empty() {
             return format!("Nothing is known yet: {} to come.", count(self.levels.len(), "forcing level"));
         }
@@ -282,7 +292,11 @@ impl<'r> Evidence<'r> {
 
     fn missed(&self) -> String {
         if self.is_empty() {
-            return "Nothing is known yet.".into();
+            return if self.is_over() {
+                "Not known: no branch was found.".into()
+            } else {
+                "Nothing is known yet.".into()
+            };
         }
         if self.with_isolas().next().is_none() {
             return "No isola was found where it was looked for (see the first answer).".into();

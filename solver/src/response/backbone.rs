@@ -126,6 +126,15 @@ fn drifting(model: &Model) -> Option<usize> {
 /// from swinging.
 const LARGER: [f64; 3] = [10.0, 100.0, 1000.0];
 
+/// Amplitude up to which a backbone is followed, reference lengths, unless the settings say so.
+const FOLLOWED: f64 = 8.0;
+
+/// How many times as far it is followed again where that is not far enough for the forcing, and how often.
+const FARTHER: (f64, usize) = (4.0, 5);
+
+/// It is far enough once its threshold is this many times the forcing.
+const ENOUGH: f64 = 2.0;
+
 /// Relative distance of the first motion from the linear one, at most, if that is larger.
 const ALIKE: f64 = 0.5;
 
@@ -148,7 +157,7 @@ fn bounds(settings: &Settings, scales: &Scales) -> Bounds {
     let omega = scales.frequency;
     Bounds {
         frequency: (limits.min_frequency.unwrap_or(0.25 * omega), limits.max_frequency.unwrap_or(4.0 * omega)),
-        amplitude: limits.max_amplitude.unwrap_or(8.0 * scales.length),
+        amplitude: limits.max_amplitude.unwrap_or(FOLLOWED * scales.length),
         points: limits.max_points,
         closes: false,
     }
@@ -181,6 +190,34 @@ impl Backbone {
         observer: &mut Observer<'_>,
     ) -> Result<Self, BackboneError> {
         Self::compute_in::<PressureForm<'_>>(model, settings, observer)
+    }
+
+    /// The same, as far as responses to forcing amplitudes up to `forcing` go: unless the settings give a largest amplitude, a backbone
+    /// whose threshold is not beyond that where it ends is followed farther.
+    ///
+    /// # Errors
+    /// Those of [`Backbone::compute`].
+    pub fn reaching(
+        model: &Model,
+        settings: &Settings,
+        forcing: f64,
+        observer: &mut Observer<'_>,
+    ) -> Result<Self, BackboneError> {
+        let mut backbone = Self::compute_with(model, settings, observer)?;
+        let (farther, times) = FARTHER;
+        let mut wider = *settings;
+        let mut bound = FOLLOWED * Scales::new(model, settings.tracked()).length;
+        for _ in 0..times {
+            let is_at_bound = matches!(backbone.outcome, Outcome::Open(_, Stop::AmplitudeBound));
+            let is_enough = backbone.points.last().is_none_or(|last| last.threshold() > ENOUGH * forcing);
+            if settings.backbone.max_amplitude.is_some() || !is_at_bound || is_enough {
+                break;
+            }
+            bound *= farther;
+            wider.backbone.max_amplitude = Some(bound);
+            backbone = Self::compute_with(model, &wider, observer)?;
+        }
+        Ok(backbone)
     }
 
     /// Computes the backbone of the primary mode in any formulation, telling `observer` of every point.

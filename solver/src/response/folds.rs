@@ -24,7 +24,7 @@ pub use crate::response::critical::{
 };
 use crate::response::critical_events::with_events;
 use crate::response::grazing::grazing;
-use crate::response::symmetry::{Asymmetry, BranchPoints};
+use crate::response::symmetry::{Asymmetry, up_to_branch_point};
 use crate::settings::Settings;
 use crate::structure::Model;
 
@@ -119,19 +119,14 @@ impl<'m> Critical<'m> {
         for direction in directions {
             let mut one_way = |continuation: &mut Continuation<'_, PressureForm<'m>>| {
                 continuation.record(&self.recorder);
-                let mut branch_points = BranchPoints::from(continuation);
-                let mut ending = |problem: &mut PressureForm<'m>, last: &TracedPoint| {
-                    let forcing = last.point.state.forcing;
-                    let is_met = branch_points.meets(problem, &last.curve.y);
-                    (forcing < low || forcing > high)
-                        .then_some(Stop::ForcingBound)
-                        .or_else(|| is_met.then_some(Stop::Branching))
-                };
-                let (mut visited, stop) = walk_past(continuation, &bounds, observer, &mut ending, &mut corners);
-                if stop == Stop::Branching {
-                    branch_points.resolve(continuation, &mut visited);
-                }
-                (visited, stop)
+                up_to_branch_point(continuation, |continuation, meets| {
+                    let mut ending = |problem: &mut PressureForm<'m>, last: &TracedPoint| {
+                        let is_beyond = !(low..=high).contains(&last.point.state.forcing);
+                        let is_met = meets(problem, last);
+                        if is_beyond { Some(Stop::ForcingBound) } else { is_met }
+                    };
+                    walk_past(continuation, &bounds, observer, &mut ending, &mut corners)
+                })
             };
             walked = both_ways(&mut self.problem, y.clone(), &direction, &settings, &mut one_way);
             if walked.is_ok() {

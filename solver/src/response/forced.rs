@@ -22,7 +22,7 @@ use crate::response::branch::{
 use crate::response::folds::{Critical, CriticalCurve, CriticalError, Extent, Quantity};
 use crate::response::forcing::{Unreached, from_rest};
 use crate::response::interrupt::Interrupt;
-use crate::response::ordinary::{Departure, LINEAR, converge, distance, is_ordinary, trimmed, turns};
+use crate::response::ordinary::{Departure, LINEAR, Study, converge, distance, is_ordinary, main_part};
 pub use crate::response::search_range::SearchRange;
 use crate::response::special::with_special_points;
 use crate::response::truncation::certificate;
@@ -234,32 +234,10 @@ impl<'m, F: Formulation<'m>> Forced<'m, F> {
         };
         let (mut visited, stop) = walk(&mut continuation, &bounds, observer, &mut ending);
         let stop = departure.settled(&mut visited, stop);
-        let mut outcome = Outcome::Closed;
-        if stop != Stop::Closed {
-            let is_given =
-                |omega: f64| (given.min.is_some() && omega < study.0) || (given.max.is_some() && omega > study.1);
-            let mut is_spare = |problem: &mut F, end: &TracedPoint| {
-                is_given(end.point.omega()) || is_ordinary(problem, &newton, &end.point.state)
-            };
-            let (first_turn, last_turn) = turns(&visited);
-            let low = if given.min.is_some() { study.0 } else { study.0.min(first_turn) };
-            let high = if given.max.is_some() { study.1 } else { study.1.max(last_turn) };
-            let grows = is_ordinary(continuation.problem(), &newton, &visited[0].point.state);
-            let (kept, is_cut) = trimmed(&mut continuation, visited, (low, high), stop, &mut is_spare);
-            visited = kept;
-            let is_bound_given = if side == Side::Below { given.min.is_some() } else { given.max.is_some() };
-            // At a bound that was given the response may be another one than where it began.
-            let begins_ordinarily = match is_cut && is_bound_given {
-                true => is_ordinary(continuation.problem(), &newton, &visited[0].point.state),
-                false => grows,
-            };
-            let begin = match (begins_ordinarily, is_cut) {
-                (true, _) => Stop::Start,
-                (_, true) => Stop::FrequencyBound,
-                (_, false) => Stop::Rest,
-            };
-            outcome = Outcome::Open(begin, stop);
-        }
+        let (visited, outcome) = match stop {
+            Stop::Closed => (visited, Outcome::Closed),
+            _ => main_part(&mut continuation, &newton, (visited, stop), side, Study { frequency: study, given }),
+        };
         let rejections = continuation.rejections();
         Ok(self.finish(TracedCurve { visited, start: 0, outcome, rejections }, BranchKind::Main))
     }

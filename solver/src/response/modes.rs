@@ -108,7 +108,7 @@ fn is_in_reach(model: &Model, settings: &Settings, mode: usize) -> bool {
 /// The backbones of all modes followed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Backbones {
-    /// That of the primary mode first; each of a mode of its own.
+    /// That of the primary mode first, if it starts; each of a mode of its own.
     pub list: Vec<Backbone>,
     /// Modes without a backbone, and why.
     pub left_out: Vec<(usize, LeftOut)>,
@@ -121,23 +121,24 @@ impl AsRef<[Backbone]> for Backbones {
 }
 
 impl Backbones {
-    /// Computes the backbone of every mode that the settings choose.
+    /// Computes the backbone of every mode that the settings choose, not farther than they say whatever the forcing.
     ///
     /// # Errors
-    /// If a setting is out of range, or the backbone of the primary mode does not start. One of a further mode that does not
-    /// start is left out.
+    /// If a setting is out of range, or no backbone starts. One that does not start is left out, but for that of a primary mode
+    /// which is asked for.
     pub fn compute(model: &Model, settings: &Settings) -> Result<Self, BackboneError> {
-        Self::compute_with(model, settings, &mut |_| ControlFlow::Continue(()), &AtomicBool::new(false))
+        Self::reaching(model, settings, 0.0, &mut |_| ControlFlow::Continue(()), &AtomicBool::new(false))
     }
 
-    /// The same, each in a thread of its own; `observer` is told of every point of the primary one, and `stop` cancels the
-    /// others.
+    /// The same as far as forcing amplitudes up to `forcing` need ([`Backbone::reaching`]), each in a thread of its own; `observer` is
+    /// told of every point of the primary one, and `stop` cancels the others.
     ///
     /// # Errors
     /// Those of [`Backbones::compute`].
-    pub fn compute_with(
+    pub fn reaching(
         model: &Model,
         settings: &Settings,
+        forcing: f64,
         observer: &mut Observer<'_>,
         stop: &AtomicBool,
     ) -> Result<Self, BackboneError> {
@@ -148,20 +149,28 @@ impl Backbones {
                 true => ControlFlow::Break(()),
                 false => ControlFlow::Continue(()),
             };
-            Backbone::compute_with(model, &settings.tracking(mode), &mut observer)
+            Backbone::reaching(model, &settings.tracking(mode), forcing, &mut observer)
         };
         thread::scope(|scope| {
             let threads: Vec<_> = followed[1..].iter().map(|&mode| scope.spawn(move || further(mode))).collect();
-            let primary = Backbone::compute_with(model, settings, observer);
-            if primary.is_err() {
+            let primary = Backbone::reaching(model, settings, forcing, observer);
+            let is_asked_for = matches!(settings.backbone.modes, ModeChoice::These(_));
+            if primary.is_err() && is_asked_for {
                 stop.store(true, Ordering::Relaxed);
             }
-            let mut list = vec![primary?];
+            let mut list: Vec<Backbone> = Vec::new();
+            let primary = primary.map(|backbone| list.push(backbone));
             for (&mode, thread) in followed[1..].iter().zip(threads) {
                 match thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)) {
                     Ok(backbone) => list.push(backbone),
                     Err(error) => left_out.push((mode, LeftOut::NotStarted(error.to_string()))),
                 }
+            }
+            if let Err(error) = primary {
+                if is_asked_for || list.is_empty() || !matches!(error, BackboneError::Start { .. }) {
+                    return Err(error);
+                }
+                left_out.push((followed[0], LeftOut::NotStarted(error.to_string())));
             }
             left_out.sort_by_key(|(mode, _)| *mode);
             Ok(Self { list, left_out })

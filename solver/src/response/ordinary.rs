@@ -7,7 +7,7 @@ use crate::curve::walk::{begin_at_bound, end_at_bound, relative_distance};
 use crate::formulation::Formulation;
 use crate::formulation::linear::forced_response;
 use crate::formulation::state::State;
-use crate::response::branch::{Stop, TracedPoint};
+use crate::response::branch::{Outcome, Side, Stop, TracedPoint};
 use crate::settings::FrequencySettings;
 
 /// Relative distance of a response from the linear one up to which it counts as linear.
@@ -108,13 +108,52 @@ impl Departure {
     }
 }
 
+/// The frequencies of a study, and which of their bounds were given.
+pub(super) struct Study {
+    /// Lowest and highest, rad/s.
+    pub(super) frequency: (f64, f64),
+    pub(super) given: FrequencySettings,
+}
+
+/// What of a walk from a side that ended so belongs to a main branch, and how that begins and ends: what lies within the study's
+/// frequencies, or within those up to which its own resonance leads where no bound was given, and on to the ordinary response.
+pub(super) fn main_part<'m, F: Formulation<'m>>(
+    continuation: &mut Continuation<'_, F>,
+    newton: &NewtonSettings,
+    (visited, stop): (Vec<TracedPoint>, Stop),
+    side: Side,
+    Study { frequency: (low, high), given }: Study,
+) -> (Vec<TracedPoint>, Outcome) {
+    let is_given = |omega: f64| (given.min.is_some() && omega < low) || (given.max.is_some() && omega > high);
+    let mut is_spare = |problem: &mut F, end: &TracedPoint| {
+        is_given(end.point.omega()) || is_ordinary(problem, newton, &end.point.state)
+    };
+    let (first_turn, last_turn) = turns(&visited);
+    let lowest = if given.min.is_some() { low } else { low.min(first_turn) };
+    let highest = if given.max.is_some() { high } else { high.max(last_turn) };
+    let grows = is_ordinary(continuation.problem(), newton, &visited[0].point.state);
+    let (kept, is_cut) = trimmed(continuation, visited, (lowest, highest), stop, &mut is_spare);
+    let is_bound_given = if side == Side::Below { given.min.is_some() } else { given.max.is_some() };
+    // At a bound that was given the response may be another one than where it began.
+    let begins_ordinarily = match is_cut && is_bound_given {
+        true => is_ordinary(continuation.problem(), newton, &kept[0].point.state),
+        false => grows,
+    };
+    let begin = match (begins_ordinarily, is_cut) {
+        (true, _) => Stop::Start,
+        (_, true) => Stop::FrequencyBound,
+        (_, false) => Stop::Rest,
+    };
+    (kept, Outcome::Open(begin, stop))
+}
+
 /// Whether what lies beyond a range may be left out of a branch that ends with this point there.
-pub(super) type IsSpare<'s, F> = dyn FnMut(&mut F, &TracedPoint) -> bool + 's;
+type IsSpare<'s, F> = dyn FnMut(&mut F, &TracedPoint) -> bool + 's;
 
 /// What is left of a walk that ended so if it begins where it first enters a range of frequencies and ends where it last leaves
 /// it, with points at the bounds themselves. A walk that is never inside keeps its ends, and so does one that does not leave, or
 /// of which what lies beyond may not be left out. Told as well whether its beginning was left out.
-pub(super) fn trimmed<'m, F: Formulation<'m>>(
+fn trimmed<'m, F: Formulation<'m>>(
     continuation: &mut Continuation<'_, F>,
     mut visited: Vec<TracedPoint>,
     (low, high): (f64, f64),
@@ -141,7 +180,7 @@ pub(super) fn trimmed<'m, F: Formulation<'m>>(
 }
 
 /// Lowest and highest frequency at which a curve turns back; infinite and zero if it does not.
-pub(super) fn turns(visited: &[TracedPoint]) -> (f64, f64) {
+fn turns(visited: &[TracedPoint]) -> (f64, f64) {
     let omega: Vec<f64> = visited.iter().map(|v| v.point.omega()).collect();
     let turning = omega.windows(3).filter(|three| (three[1] > three[0]) != (three[2] > three[1])).map(|three| three[1]);
     turning.fold((f64::INFINITY, 0.0), |(low, high): (f64, f64), omega| (low.min(omega), high.max(omega)))

@@ -4,7 +4,7 @@
 
 use crate::curve::continuation::Continuation;
 use crate::curve::problem::{Problem, SAME_IMAGE, inner, norm};
-use crate::curve::walk::{Evaluated, TracedPoint, relative_distance};
+use crate::curve::walk::{Ending, Evaluated, TracedPoint, relative_distance};
 use crate::formulation::Formulation;
 use crate::formulation::state::State;
 use crate::response::branch::{Branch, BranchKind, Outcome, SpecialKind, Stop};
@@ -29,16 +29,32 @@ const AHEAD: f64 = 0.9;
 /// Most probes for where exactly a walk has come to a motion that is its own image.
 const HALVINGS: usize = 20;
 
+/// One way of a curve, walked by `go` with what ends it where motions are met that are their own images; there, the points up to where
+/// that is are told.
+pub(super) fn up_to_branch_point<'c, P: Problem, T: Evaluated<P>>(
+    continuation: &mut Continuation<'c, P>,
+    go: impl FnOnce(&mut Continuation<'c, P>, &mut Ending<'_, P, T>) -> (Vec<TracedPoint<T>>, Stop),
+) -> (Vec<TracedPoint<T>>, Stop) {
+    let mut branch_points = BranchPoints::from(continuation);
+    let mut ending =
+        |problem: &mut P, last: &TracedPoint<T>| branch_points.meets(problem, &last.curve.y).then_some(Stop::Branching);
+    let (mut visited, stop) = go(continuation, &mut ending);
+    if stop == Stop::Branching {
+        branch_points.resolve(continuation, &mut visited);
+    }
+    (visited, stop)
+}
+
 /// What tells a walk along motions that are not their own images that it has come to one that is: what follows is the same curve
 /// again, its continuation if there are more than two images, or that which it branches off.
-pub(super) struct BranchPoints {
+struct BranchPoints {
     /// Numbers of the images, and how far the last motion was from each.
     away: Vec<(usize, Vec<f64>)>,
 }
 
 impl BranchPoints {
     /// From the current point of a walk on.
-    pub(super) fn from<P: Problem>(continuation: &mut Continuation<'_, P>) -> Self {
+    fn from<P: Problem>(continuation: &mut Continuation<'_, P>) -> Self {
         let y = continuation.current().y.clone();
         let problem = continuation.problem();
         let metric = problem.motion_metric();
@@ -47,7 +63,7 @@ impl BranchPoints {
     }
 
     /// Whether the next motion, or one between it and the last, is its own image.
-    pub(super) fn meets<P: Problem>(&mut self, problem: &P, y: &[f64]) -> bool {
+    fn meets<P: Problem>(&mut self, problem: &P, y: &[f64]) -> bool {
         let next: Vec<Vec<f64>> = self.away.iter().map(|(index, _)| away(problem, y, *index)).collect();
         let is_met = self.is_passed(problem, y, &next);
         self.away.iter_mut().zip(next).for_each(|((_, last), next)| *last = next);
@@ -64,7 +80,7 @@ impl BranchPoints {
 
     /// Puts points before the last one of a walk that has come to a motion which is its own image by a step along what it
     /// branches off, up to where that is, instead of it.
-    pub(super) fn resolve<P: Problem, T: Evaluated<P>>(
+    fn resolve<P: Problem, T: Evaluated<P>>(
         mut self,
         continuation: &mut Continuation<'_, P>,
         visited: &mut Vec<TracedPoint<T>>,

@@ -104,13 +104,15 @@ fn enter<'m, F: Formulation<'m>>(
     }
     let (low, high) = forced.reach().frequency;
     let is_inside = |point: &BranchPoint| point.omega() > low * (1.0 + 1e-6) && point.omega() < high * (1.0 - 1e-6);
+    // One step may lead from bound to bound.
+    let is_within = |point: &BranchPoint| (low * (1.0 - 1e-6)..=high * (1.0 + 1e-6)).contains(&point.omega());
     Ok(match unknown_part(forced, branch, known) {
         // Beyond the range the one that is known goes on as well; where they meet does not count.
         Ok(branch) if branch.is_joined() && !inner(&branch.points).iter().any(is_inside) => {
             TaskResult::Nothing(SeedOutcome::Found(known[0].0))
         }
         // It turned back before it came into the range.
-        Ok(branch) if !branch.outcome.is_unfinished() && !branch.points.iter().any(is_inside) => {
+        Ok(branch) if !branch.outcome.is_unfinished() && !branch.points.iter().any(is_within) => {
             TaskResult::Nothing(SeedOutcome::OutOfBounds)
         }
         Ok(branch) => TaskResult::Branch(branch),

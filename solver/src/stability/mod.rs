@@ -12,4 +12,5 @@ pub mod polish;
 pub mod recheck;
 pub mod settling;
 pub mod shooting;
+mod symmetry;
 pub mod verification;

@@ -7,6 +7,7 @@ use super::basin::is_left_by_a_push;
 use super::marching::MarchingSettings;
 use super::multipliers::{Multiplier, Verdict};
 use super::shooting::{NewtonOptions, Orbit, Period, Point, Shooting};
+use super::symmetry;
 use crate::formulation::harmonics::evaluate;
 use crate::formulation::state::State;
 use crate::structure::Model;
@@ -131,7 +132,7 @@ pub fn polish(model: &Model, settings: &PolishSettings, state: &State, around: A
     for (from, plane, searches) in attempts(&start, corrected.as_ref(), normal.as_deref()) {
         let options = NewtonOptions { plane, searches, iterations: ITERATIONS };
         let Some((point, period)) = shooting.solve(from, &options) else { continue };
-        match judge(&mut shooting, settings, state, &point, &period) {
+        match judge(model, &mut shooting, settings, state, &point, &period) {
             Ok(mut found) => {
                 found.periods = shooting.periods;
                 return found;
@@ -189,6 +190,7 @@ fn attempts<'a>(
 
 /// What an orbit says, if it is near enough.
 fn judge(
+    model: &Model,
     shooting: &mut Shooting<'_>,
     settings: &PolishSettings,
     state: &State,
@@ -196,8 +198,10 @@ fn judge(
     period: &Period,
 ) -> Result<Polish, Reason> {
     let orbit = shooting.orbit(point);
-    let distance = distance(state, &period.path, period.stride as f64 / orbit.steps as f64);
-    if !(distance < settings.distance && (orbit.omega / state.omega - 1.0).abs() < settings.detuning) {
+    let share = period.stride as f64 / orbit.steps as f64;
+    let distance = distance(state, &period.path, share);
+    let is_near = distance < settings.distance && (orbit.omega / state.omega - 1.0).abs() < settings.detuning;
+    if !is_near || symmetry::is_lost(model, state, &period.path, share) {
         return Err(Reason::TooFar);
     }
     let multipliers = period.multipliers().map_err(|_| Reason::Failed)?;

@@ -114,5 +114,5 @@ def _open(reading: Reading, found: list[Level]) -> list[str]:
                 f"{number(count, 'task was', 'tasks were')} given up, at A = {at}: see `isola retry-dead`."
             ),
         ),
-        *counted(lambda level: not level.branches, lambda _, at: f"There is no branch at A = {at}."),
+        *counted(lambda level: not level.branches, lambda _, at: f"No branch is known at A = {at}."),
     ]

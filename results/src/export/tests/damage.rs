@@ -139,6 +139,6 @@ fn what_is_not_there_yet() {
         assert!(omissions.damaged.is_empty());
         let tasks = store.counts().unwrap();
         assert_eq!(omissions.missing[0], format!("{} tasks are still to be done, at A = 3e-3, 0.006.", tasks.waiting));
-        assert!(omissions.missing[1].starts_with("There is no branch at A = "), "{omissions:?}");
+        assert!(omissions.missing[1].starts_with("No branch is known at A = "), "{omissions:?}");
     }
 }

@@ -365,11 +365,29 @@ fn what_the_structure_does_of_itself() {
 }
 
 #[test]
+fn a_backbone_that_ends_among_the_levels() {
+    let levels = [level(1.0, vec![main(1e-3)])];
+    let mut short = BACKBONE.clone();
+    for (end, is_short) in [(0.5, true), (2.0, false)] {
+        *short.threshold.values.last_mut().unwrap() = end;
+        let [danger, ..] = told(&levels, |evidence| evidence.backbone = Some(&short));
+        let sentence = "; the backbone of mode 1 ends at A* = 0.5, and no window beyond was looked for";
+        assert_eq!(danger.contains(sentence), is_short, "{danger}");
+    }
+}
+
+#[test]
 fn numbers_that_cannot_be_read() {
     let levels = [level(1.0, vec![main(1e-3), isola(f64::NAN)])];
     assert!(texts(&levels).iter().all(|text| !text.contains("NaN")), "{:?}", texts(&levels));
     assert!(texts(&[level(1.0, vec![isola(1e-3)])])[2].starts_with("Ordinary continuation has no main branch"));
-    assert_eq!(texts(&[level(1.0, Vec::new())])[1], "Nothing is known yet: 1 forcing level to come.");
+    let bare = level(1.0, Vec::new());
+    let over = texts(std::slice::from_ref(&bare));
+    assert!(over[0].ends_with("No branch was found."), "{over:?}");
+    assert!(over[1..].iter().all(|text| text == "Not known: no branch was found."), "{over:?}");
+    let begun = texts(&[Level { pending: 3, ..bare }]);
+    assert!(begun[0].ends_with("No branch has been computed yet."), "{begun:?}");
+    assert!(begun[1].ends_with("Nothing is known yet: 1 forcing level to come."), "{begun:?}");
 }
 
 #[test]

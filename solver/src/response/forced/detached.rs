@@ -7,8 +7,8 @@ use crate::curve::problem::Failure;
 use crate::curve::walk::{TracedCurve, both_ways, walk};
 use crate::formulation::Formulation;
 use crate::formulation::state::State;
-use crate::response::branch::{Branch, BranchKind, BranchPoint, Observer, Outcome, Stop, TracedPoint};
-use crate::response::symmetry::{Asymmetry, BranchPoints};
+use crate::response::branch::{Branch, BranchKind, BranchPoint, Observer, Outcome, Stop};
+use crate::response::symmetry::{Asymmetry, up_to_branch_point};
 
 impl<'m, F: Formulation<'m>> Forced<'m, F> {
     /// The branch through a converged state: forwards, and if it does not close, backwards as well. Bounds that the settings
@@ -69,15 +69,7 @@ impl<'m, F: Formulation<'m>> Forced<'m, F> {
         let (bounds, settings) = (self.bounds(frequency, true), self.settings.continuation);
         let mut one_way = |continuation: &mut Continuation<'_, F>| {
             continuation.record(&self.recorder);
-            let mut branch_points = BranchPoints::from(continuation);
-            let mut ending = |problem: &mut F, last: &TracedPoint| {
-                branch_points.meets(problem, &last.curve.y).then_some(Stop::Branching)
-            };
-            let (mut visited, stop) = walk(continuation, &bounds, observer, &mut ending);
-            if stop == Stop::Branching {
-                branch_points.resolve(continuation, &mut visited);
-            }
-            (visited, stop)
+            up_to_branch_point(continuation, |continuation, ending| walk(continuation, &bounds, observer, ending))
         };
         let mut walk = |direction: &[f64]| both_ways(&mut self.problem, y.clone(), direction, &settings, &mut one_way);
         // At a fold the branch turns back in frequency.
