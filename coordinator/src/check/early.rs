@@ -7,6 +7,7 @@ use results::words::{count, number};
 use solver::formulation::harmonics::width;
 use solver::settings::Settings;
 use solver::structure::{ContactElement, Model};
+use std::f64::consts::TAU;
 
 /// Eigenfrequencies that no structure has, rad/s: all of them below or above.
 const ABSURD: (f64, f64) = (1e-3, 1e9);
@@ -14,6 +15,8 @@ const ABSURD: (f64, f64) = (1e-3, 1e9);
 const SLOW: f64 = 0.1;
 /// A force that does less work than this share on all modes that vibrate drives none of them.
 const DRIVEN: f64 = 1e-9;
+/// Orders of superharmonic resonances that a study may be of.
+const ORDERS: usize = 5;
 /// Numbers that a point of a branch has beside its state, about.
 const BESIDE: usize = 64;
 /// Between these shares of the condensed stiffness the prediction of contact forces works well.
@@ -38,6 +41,7 @@ pub(super) fn epsilon_ratios(model: &Model) -> Option<(f64, f64)> {
 pub(super) fn warnings(study: &Study, touch: Option<&FirstTouch<'_>>) -> Vec<String> {
     let mut list = Vec::new();
     list.extend(units(&study.model));
+    list.extend(hertz(study));
     list.extend(negative_damping(&study.model));
     list.extend(nothing_nonlinear(&study.model));
     list.extend(nothing_driven(&study.model));
@@ -66,6 +70,30 @@ fn units(model: &Model) -> Option<String> {
     (lowest > ABSURD.1).then(|| {
         format!("no structure has only modes from {low} to {high} rad/s: are K and M exchanged, or their units others than N/m and kg?")
     })
+}
+
+/// Of bounds between which no mode resonates, but would if they were Hz.
+fn hertz(study: &Study) -> Option<String> {
+    let given = study.settings.frequency;
+    let (low, high) = (given.min?, given.max?);
+    let modes = study.model.modes();
+    let mut resonances = (0..study.model.size()).filter(|&j| !modes.is_rigid(j)).map(|j| modes.frequencies[j]);
+    let is_between = |omega: f64, unit: f64| (unit * low..=unit * high).contains(&omega);
+    let orders = 1..=ORDERS.max(study.model.forcing().harmonic);
+    if resonances.clone().any(|omega| orders.clone().any(|order| is_between(omega / order as f64, 1.0))) {
+        return None;
+    }
+    let m = study.model.forcing().harmonic as f64;
+    let meant = resonances.find(|omega| is_between(omega / m, TAU))?;
+    Some(format!(
+        "no mode resonates between frequency.min = {} and frequency.max = {} rad/s, but one does at {} Hz: if Hz are meant, they are {} \
+         and {} rad/s",
+        number(low),
+        number(high),
+        number(meant / m / TAU),
+        number(TAU * low),
+        number(TAU * high)
+    ))
 }
 
 fn negative_damping(model: &Model) -> Option<String> {

@@ -79,6 +79,18 @@ fn matrices_exchanged() {
 }
 
 #[test]
+fn bounds_in_hertz() {
+    let within = |low: &str, high: &str| checked(MODEL, "0.3", &[("frequency.min", low), ("frequency.max", high)]).0;
+    let warnings = within("15", "17");
+    let said = "no mode resonates between frequency.min = 15 and frequency.max = 17 rad/s, but one does at 15.9";
+    assert!(warnings.len() == 1 && warnings[0].starts_with(said), "{warnings:?}");
+    // Around the resonance, around its third, and where nothing resonates in either unit.
+    for (low, high) in [("90", "110"), ("30", "40"), ("200", "400")] {
+        assert!(within(low, high).is_empty(), "{low} to {high}");
+    }
+}
+
+#[test]
 fn damping_epsilon_and_keys_without_effect() {
     let damping = "[damping]\nratios = [{ modes = \"1\", ratio = 1e-2 }]";
     let negative = MODEL.replace(damping, "damping = [[-2]]");

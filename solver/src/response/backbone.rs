@@ -1,6 +1,8 @@
 //! Backbone: the nonlinear normal mode of one mode, or its resonances in quadrature with the forcing, with energies and
 //! modal contributions (paper [20–26]).
 
+mod error;
+
 use crate::curve::continuation::Continuation;
 use crate::curve::extrema::{insert_maxima, locate_maximum};
 use crate::curve::problem::Failure;
@@ -16,9 +18,10 @@ use crate::response::columns::{self, OnBackbone, Row};
 use crate::response::melnikov::Energies;
 use crate::settings::{BackboneEquation, Criterion, Settings, SettingsError};
 use crate::structure::Model;
+pub use error::BackboneError;
+use error::drifting;
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
-use thiserror::Error;
 
 /// A point of the backbone.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -69,59 +72,6 @@ pub struct Backbone {
     pub rejections: usize,
 }
 
-/// Why there is no backbone at all.
-#[derive(Debug, Clone, PartialEq, Error)]
-pub enum BackboneError {
-    /// A setting is out of its range.
-    #[error(transparent)]
-    Settings(#[from] SettingsError),
-    /// The formulation does not have this backbone.
-    #[error(transparent)]
-    Formulation(#[from] FormulationError),
-    /// Not even the first point, close to the linear mode, converged.
-    #[error("the backbone of mode {mode} does not start near its linear range ({omega:.6} rad/s): {failure}{}", what_is_missing(.drifting))]
-    Start {
-        /// Mode, from 1.
-        mode: usize,
-        /// Its eigenfrequency, rad/s.
-        omega: f64,
-        /// Why.
-        failure: Failure,
-        /// A rigid-body mode, from 1, that nothing resists: where the structure is on average is not determined.
-        drifting: Option<usize>,
-    },
-    /// The forced response given is not close to quadrature with the forcing.
-    #[error("no phase-resonant response near {omega:.6} rad/s: {failure}")]
-    Resonance {
-        /// Frequency of the forced response, rad/s.
-        omega: f64,
-        /// Why.
-        failure: Failure,
-    },
-}
-
-/// What would be right where a structure drifts, for its message.
-fn what_is_missing(drifting: &Option<usize>) -> String {
-    drifting.map_or(String::new(), |mode| {
-        format!(
-            "; nothing resists the rigid-body motion of mode {mode}, so that the mean position is not determined: hold it by a \
-             soft spring, or by a law"
-        )
-    })
-}
-
-/// The first rigid-body mode, from 1, that no nonlinear element feels.
-fn drifting(model: &Model) -> Option<usize> {
-    let feels = |j: usize, channel: &Vec<(usize, f64)>| {
-        let terms = channel.iter().map(|&(dof, b)| b * model.modes().shapes[(dof, j)]);
-        let (sum, size) = terms.fold((0.0, 0.0), |(sum, size), term: f64| (sum + term, size + term.abs()));
-        sum.abs() > 1e-9 * size
-    };
-    let is_felt =
-        |j: usize| model.elements().iter().flat_map(|element| &element.channels).any(|channel| feels(j, channel));
-    (0..model.size()).find(|&j| model.modes().is_rigid(j) && !is_felt(j)).map(|j| j + 1)
-}
-
 /// How many times as large as in the linear range the motion may be that a backbone starts with: dry friction may keep smaller ones
 /// from swinging.
 const LARGER: [f64; 3] = [10.0, 100.0, 1000.0];
@@ -161,6 +111,12 @@ fn bounds(settings: &Settings, scales: &Scales) -> Bounds {
         points: limits.max_points,
         closes: false,
     }
+}
+
+/// Whether the frequency of a state is within bounds.
+fn is_within<'m, F: Formulation<'m>>(problem: &mut F, y: &[f64], bounds: &Bounds) -> bool {
+    let (low, high) = bounds.frequency;
+    problem.decode(y).is_ok_and(|state| (low..=high).contains(&state.omega))
 }
 
 /// One backbone where several may be.
@@ -256,8 +212,6 @@ impl Backbone {
                 if start.omega < low { ("backbone.min_frequency", low) } else { ("backbone.max_frequency", high) };
             return Err(SettingsError { key, value: value.to_string(), remedy }.into());
         }
-        let is_inside =
-            |problem: &mut F, y: &[f64]| problem.decode(y).is_ok_and(|state| (low..=high).contains(&state.omega));
         let begin = |problem: &mut F, observer: &mut Observer<'_>| {
             let mut continuation = Continuation::start(problem, y.clone(), &direction, settings.continuation)?;
             let (visited, stop) = walk(&mut continuation, &bounds, observer, &mut |_, _| None);
@@ -265,26 +219,38 @@ impl Backbone {
         };
         let first = Continuation::start(&mut problem, y.clone(), &direction, settings.continuation);
         let failure = match first.map(|started| started.current().y.clone()) {
-            Ok(first) if is_inside(&mut problem, &first) => return begin(&mut problem, observer).map_err(not_started),
+            Ok(first) if is_within(&mut problem, &first, &bounds) => {
+                return begin(&mut problem, observer).map_err(not_started);
+            }
             Ok(_) => None,
             Err(failure) => Some(failure),
         };
-        for factor in LARGER {
-            let y = problem.encode(&linear::times(&problem, start.clone(), factor));
-            let Ok(started) = Continuation::start(&mut problem, y.clone(), &direction, settings.continuation) else {
-                continue;
-            };
-            let first = started.current().y.clone();
-            let is_alike = relative_distance(problem.motion_metric(), &first, &y) < ALIKE;
-            if is_alike
-                && is_inside(&mut problem, &first)
-                && let Ok(backbone) = Self::both_ways(&mut problem, settings, first, &bounds, observer)
-            {
-                return Ok(backbone);
-            }
+        if let Some(backbone) = Self::of_larger(&mut problem, settings, &start, &bounds, observer) {
+            return Ok(backbone);
         }
         // All there is begins beyond the bounds of its frequency.
         failure.map_or_else(|| begin(&mut problem, observer), Err).map_err(not_started)
+    }
+
+    /// The curve through a motion that is larger than `start` and like it otherwise, if there is one within the bounds.
+    fn of_larger<'m, F: Formulation<'m>>(
+        problem: &mut F,
+        settings: &Settings,
+        start: &State,
+        bounds: &Bounds,
+        observer: &mut Observer<'_>,
+    ) -> Option<Self> {
+        LARGER.into_iter().find_map(|factor| {
+            let y = problem.encode(&linear::times(problem, start.clone(), factor));
+            let direction = problem.growth(&y);
+            let started = Continuation::start(problem, y.clone(), &direction, settings.continuation).ok()?;
+            let first = started.current().y.clone();
+            let is_alike = relative_distance(problem.motion_metric(), &first, &y) < ALIKE;
+            if !is_alike || !is_within(problem, &first, bounds) {
+                return None;
+            }
+            Self::both_ways(problem, settings, first, bounds, observer).ok()
+        })
     }
 
     /// The phase-resonance backbone through a forced response near quadrature (see [`crate::response::forced::Forced::resonances`]),
