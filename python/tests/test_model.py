@@ -334,7 +334,7 @@ def test_the_program_says_what_is_wrong(
     [
         ({"laws": [{"dof": "x1", "law": {"cubic": {}}}]}, "the model given: `laws[0].law`: there is no `cubic`; known here: "),
         (
-            {"laws": [CUBIC, Law("polynomial_spring", dof="x1", terms=[{"power": 3, "coeff": 1}])]},
+            {"laws": [CUBIC, {"dof": "x1", "law": {"polynomial_spring": {"terms": [{"power": 3, "coeff": 1}]}}}]},
             "the model given: `laws[1].law.polynomial_spring.terms[0].coeff`: there is no `coeff`; did you mean",
         ),
         ({"damping": {"ratio": 0.01}}, "the model given: `damping.ratio`: there is no `ratio`; did you mean `ratios`?"),

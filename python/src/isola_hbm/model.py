@@ -69,8 +69,10 @@ class Law(dict[str, Any]):
         _require_known("law", kind, _LAWS)
         for parameter in parameters:
             _require_known(f"parameter of law `{kind}`", parameter, _LAWS[kind])
-        for key in (key for term in parameters.get("terms", ()) for key in term):
-            _require_known(f"key of a term of law `{kind}`", key, _TERM)
+        terms = parameters.get("terms")
+        for term in terms if isinstance(terms, Iterable) else ():
+            for key in term if isinstance(term, Mapping) else ():
+                _require_known(f"key of a term of law `{kind}`", key, _TERM)
         where = {"name": name, "dof": dof, "between": between, "coefficients": coefficients}
         given = {key: value for key, value in where.items() if value is not None}
         if len(given.keys() - {"name"}) != 1:
