@@ -1,16 +1,13 @@
 //! Isolas that follow from a backbone alone, without any guess, and where they are born and merge: predicted by the energy
 //! balance of the backbone and computed from the branches themselves, side by side.
 
-use crate::support::study;
 use solver::files;
 use solver::formulation::harmonics::evaluate;
 use solver::formulation::state::State;
-use solver::laws::{PolynomialSpring, Term};
 use solver::response::backbone::Backbone;
 use solver::response::branch::{Branch, BranchPoint, SpecialKind};
 use solver::response::forced::{Forced, SearchRange};
 use solver::response::level::{BranchId, Level};
-use solver::response::modes::Backbones;
 use solver::response::windows::{Event, EventKind, events};
 use solver::settings::Settings;
 use solver::stability::marching::{Marching, MarchingSettings};
@@ -18,7 +15,6 @@ use solver::structure::Model;
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
 
 fn load(name: &str) -> Model {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models").join(name);
@@ -405,49 +401,4 @@ fn a_cantilever_before_a_stop_has_an_isola_of_ten_harmonics() {
         println!("cantilever, {:.3} rad/s: {expected:.3e} m, marched {:.3e}", upper.omega, marched[199]);
         assert!(marched[199] < 0.1 * expected, "time marching stays on the isola after all: say so here");
     }
-}
-
-/// Two masses with a cubic spring between them, whose isola lies beyond eight reference lengths: the backbone has to go on for the
-/// forcing. Runge–Kutta and a shooting on it have a stable orbit of 0.29152 m at 29.259 rad/s, another one than the main response.
-#[test]
-fn an_isola_beyond_where_backbones_end_by_themselves() {
-    let spring = PolynomialSpring { terms: vec![Term { power: 3, coefficient: 2e6 }] };
-    let model = Model::builder("softening pair")
-        .dofs(["base", "tip"])
-        .mass([[2.0, 0.0], [0.0, 0.3]])
-        .stiffness([[2600.0, -600.0], [-600.0, 600.0]])
-        .damping_matrix([[0.5, -0.2], [-0.2, 0.22]])
-        .force("base", 1.0)
-        .monitor("tip")
-        .element("spring", spring, [[("tip", 1.0), ("base", -1.0)]])
-        .build()
-        .unwrap();
-    let settings = with_harmonics(10);
-    let reaching = |forcing: f64| {
-        let all = Backbones::reaching(
-            &model,
-            &settings,
-            forcing,
-            &mut |_| ControlFlow::Continue(()),
-            &AtomicBool::new(false),
-        );
-        all.unwrap().list
-    };
-    let highest = |list: &[Backbone]| list[0].points.iter().map(|point| point.threshold()).fold(0.0, f64::max);
-    let (by_itself, backbones) = (reaching(0.0), reaching(2.55));
-    assert!(highest(&by_itself) < 2.5 && highest(&backbones) > 5.1, "{} {}", highest(&by_itself), highest(&backbones));
-    let study = study::Study { model, settings, backbones };
-    let level = study.level(2.55);
-    let isolas = study::of_kind(&level, study::Kind::Isola);
-    let [isola] = isolas[..] else { panic!("{level:#?}") };
-    let (low, high) = isola.branch.frequency_range();
-    assert!((low - 29.2418).abs() < 1e-3 && (high - 29.2800).abs() < 1e-3, "{low} {high}");
-    // Between its points, linearly; twice the harmonics change its peak by 1e-3.
-    let pairs = isola.branch.points.windows(2).filter(|pair| (pair[0].omega() < 29.259) != (pair[1].omega() < 29.259));
-    let amplitudes = pairs.map(|pair| {
-        let share = (29.259 - pair[0].omega()) / (pair[1].omega() - pair[0].omega());
-        pair[0].amplitude() + share * (pair[1].amplitude() - pair[0].amplitude())
-    });
-    let nearest = amplitudes.map(|amplitude| (amplitude / 0.29152 - 1.0).abs()).fold(f64::INFINITY, f64::min);
-    assert!(nearest < 2e-3, "{nearest:.1e}");
 }

@@ -9,6 +9,7 @@ mod cases;
 mod closed_forms;
 mod continuation;
 mod examples;
+mod far_backbones;
 mod folds;
 mod isolas;
 mod known_isolas;
