@@ -31,15 +31,23 @@ pub struct HarmonicSettings {
     pub count: usize,
     /// Instants a period N_t, at least 4 H. Default 512 (the paper's).
     pub samples: usize,
-    /// How unilateral laws are integrated over a period. Default arcs.
+    /// How laws that switch are integrated over a period. Default arcs.
     pub quadrature: Quadrature,
 }
 
-/// How unilateral laws are integrated over a period.
+impl HarmonicSettings {
+    /// Twice as many harmonics, and enough samples for them: what they change is what was left out.
+    pub fn doubled(self) -> Self {
+        Self { count: 2 * self.count, samples: self.samples.max(8 * self.count), ..self }
+    }
+}
+
+/// How laws that switch are integrated over a period.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Quadrature {
-    /// Over the exact arcs of contact: smooth, independent of the number of samples. Where friction nearly stops or
+    /// From one switch to the next: over the exact arcs of contact, of sticking and of sliding, and as finely as regularised
+    /// friction turns over. Smooth, independent of the number of samples. Where the friction of a contact nearly stops or
     /// reverses its sliding its direction is not smooth: use samples there.
     #[default]
     Arcs,

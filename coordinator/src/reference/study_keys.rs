@@ -62,21 +62,24 @@ pub(super) const NUMERICS: &[Key] = &[
         kind: Whole(Range::within(4.0, 1_048_576.0)),
         default: Value("512"),
         unit: "",
-        meaning: "Instants a period at which laws are evaluated, at least 4 H.",
+        meaning: "Instants a period at which laws that do not switch are evaluated, at least 4 H.",
         example: "1024",
     },
     Key {
         path: "harmonics.quadrature",
         kind: Word(&[
-            ("arcs", "over the exact arcs of contact: smooth, independent of the number of samples"),
+            (
+                "arcs",
+                "from one switch to the next (the exact arcs of contact, of sticking and of sliding): smooth, independent of the number of samples",
+            ),
             (
                 "samples",
-                "by the samples, as the paper does; where friction nearly stops or reverses its sliding, this is right",
+                "by the samples, as the paper does; where the friction of a contact nearly stops or reverses its sliding, this is right",
             ),
         ]),
         default: Value("\"arcs\""),
         unit: "",
-        meaning: "How laws that act beyond a gap only are integrated over a period.",
+        meaning: "How laws that switch, stops and dry friction, are integrated over a period.",
         example: "\"samples\"",
     },
     section(

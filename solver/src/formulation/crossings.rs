@@ -152,7 +152,7 @@ impl Search<'_> {
 
 /// Root of a function with a sign change in a bracket, at whose begin it is positive or not: Newton's method from `near`, kept
 /// inside. The function gives its value and two derivatives.
-fn root(
+pub(super) fn root(
     function: &impl Fn(f64) -> (f64, f64, f64),
     (mut low, mut high): (f64, f64),
     near: f64,

@@ -8,9 +8,11 @@ pub mod harmonics;
 pub mod linear;
 pub mod modal;
 mod narrow;
+mod panels;
 pub mod pressure;
 pub mod receptance;
 pub mod scales;
+mod slider;
 mod span;
 pub mod state;
 pub mod unknown;
@@ -51,8 +53,8 @@ pub enum FormulationError {
     Unsupported,
     /// Fold and peak curves need second derivatives that some laws do not have.
     #[error(
-        "fold and peak curves need second derivatives, which {} do not have: laws with memory have none, unilateral laws only \
-         by arcs (harmonics.quadrature = arcs)", names.join(", ")
+        "fold and peak curves need second derivatives, which {} have by arcs only (harmonics.quadrature = \
+         arcs): by samples their derivatives jump", names.join(", ")
     )]
     Rough {
         /// Names of the elements.

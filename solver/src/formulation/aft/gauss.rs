@@ -1,4 +1,4 @@
-//! Unilateral laws at the Gauss points of their arcs.
+//! Laws at the Gauss points of arcs or panels of the period.
 
 use super::{Aft, ElementForce, Rate, Target, scatter, signal, targets};
 use crate::formulation::arcs::GaussLegendre;
@@ -21,10 +21,15 @@ pub(super) struct ArcWork {
 
 /// Points of a rule on an arc of half-length `half` for a law of `arguments` arguments: a linear law's integrand has
 /// harmonics up to 3H (second derivatives 4H, but those of a linear law vanish): half its phase over the arc, and a margin,
-/// are enough. The direction of sliding v/|v| is no polynomial: twice as many.
-pub(super) fn points(harmonics: usize, half: f64, arguments: usize) -> usize {
+/// are enough. The direction of sliding v/|v| is no polynomial: twice as many. Nor is regularised friction, on panels that
+/// keep their distance from its singularities: with four more its error is that of rounding.
+pub(super) fn points<L: Law>(harmonics: usize, half: f64, law: &L) -> usize {
     let exact = (1.5 * harmonics as f64 * half).ceil() as usize + 8;
-    if arguments > 1 { 2 * exact } else { exact }
+    match law.arguments() {
+        1 if law.turnover().is_some() => exact + 4,
+        1 => exact,
+        _ => 2 * exact,
+    }
 }
 
 impl ArcWork {
@@ -59,7 +64,7 @@ impl ArcWork {
 }
 
 impl Aft {
-    /// Forces and derivatives of a law that acts on `arcs` only.
+    /// Forces and derivatives of a law on the parts of the period given.
     pub(super) fn evaluate_arcs<L: Law>(
         &mut self,
         law: &L,
@@ -83,7 +88,7 @@ impl Aft {
         linalg::vectorised(|| {
             for &(begin, end) in arcs {
                 let (centre, half) = (0.5 * (begin + end), 0.5 * (end - begin));
-                let rule = work.rule(points(harmonics, half, c)).clone();
+                let rule = work.rule(points(harmonics, half, law)).clone();
                 for (node, weight) in rule.nodes.iter().zip(&rule.weights) {
                     work.fill_basis(centre + half * node);
                     let mut now = Instant { speed: rate.omega * rate.harmonic, ..Instant::default() };

@@ -1,9 +1,13 @@
 //! Alternating frequency–time: from the harmonics of a law's arguments to those of its forces, with the exact Jacobian.
 //!
-//! Laws are evaluated on a uniform grid and transformed by FFT; unilateral laws by default at the Gauss points of the
-//! arcs on which they act (see [`crate::formulation::arcs`]).
+//! Laws are evaluated on a uniform grid and transformed by FFT. By default those that switch are integrated between their
+//! switches instead: unilateral laws at the Gauss points of the arcs on which they act ([`crate::formulation::arcs`]),
+//! regularised friction at those of [`crate::formulation::panels`], sliders by [`crate::formulation::slider`].
 
 mod gauss;
+mod hysteresis;
+#[cfg(test)]
+mod limit_tests;
 mod samples;
 mod second;
 
@@ -11,8 +15,9 @@ use crate::formulation::arcs::{Coverage, positive_arcs};
 use crate::formulation::harmonics::{
     self, Transform, add_product_matrix, differentiate, series_from_coefficients, width,
 };
+use crate::formulation::panels::{is_sampled_well, panels};
 use crate::settings::{HarmonicSettings, Quadrature};
-use crate::structure::laws::{Instant, Law, MAX_ARGUMENTS, Response};
+use crate::structure::laws::{Instant, Law, MAX_ARGUMENTS, Response, Slider};
 use gauss::ArcWork;
 use rustfft::num_complex::Complex64;
 pub use second::Along;
@@ -54,6 +59,20 @@ pub struct Aft {
     quadrature: Quadrature,
     arcs: ArcWork,
     basis: Basis,
+}
+
+/// What the forces of a law are summed over.
+enum Parts {
+    /// It does not act.
+    None,
+    /// The arcs on which it acts.
+    Arcs(Vec<(f64, f64)>),
+    /// Parts of the whole period on each of which it is smooth.
+    Panels(Vec<(f64, f64)>),
+    /// The phases of a slider.
+    Slider(Slider),
+    /// A uniform grid.
+    Samples,
 }
 
 /// What a sampled signal of the law stands for in the frequency domain.
@@ -120,23 +139,46 @@ impl Aft {
         out.jacobian.clear();
         out.jacobian.resize(c * nc * c * nc, 0.0);
         out.arcs.clear();
-        if let (Some(threshold), Quadrature::Arcs) = (law.threshold(), self.quadrature) {
-            match self.coverage(&arguments[..nc], threshold) {
-                Coverage::Never => return,
-                Coverage::Arcs(arcs) => {
-                    self.evaluate_arcs(law, arguments, &arcs, rate, out);
-                    out.arcs = arcs;
-                    return;
-                }
-                // A force that never vanishes is smooth: samples converge as fast as anything.
-                Coverage::Always => {}
+        match self.parts(law, &arguments[..nc], rate) {
+            Parts::None => return,
+            Parts::Arcs(arcs) => {
+                self.evaluate_arcs(law, arguments, &arcs, rate, out);
+                out.arcs = arcs;
+                return;
             }
+            Parts::Panels(panels) => return self.evaluate_arcs(law, arguments, &panels, rate, out),
+            Parts::Slider(slider) => return self.evaluate_slider(slider, arguments, out),
+            Parts::Samples => {}
         }
         self.sample_arguments(law, arguments, rate.omega);
         if law.has_memory() {
             self.evaluate_with_memory(law, rate, out);
         } else {
             self.evaluate_samples(law, rate, out);
+        }
+    }
+
+    /// What the forces of a law are summed over; `argument` is its first one.
+    fn parts<L: Law>(&mut self, law: &L, argument: &[f64], rate: Rate) -> Parts {
+        if self.quadrature == Quadrature::Samples {
+            return Parts::Samples;
+        }
+        if let Some(threshold) = law.threshold() {
+            match self.coverage(argument, threshold) {
+                Coverage::Never => Parts::None,
+                Coverage::Arcs(arcs) => Parts::Arcs(arcs),
+                // A force that never vanishes is smooth: samples converge as fast as anything.
+                Coverage::Always => Parts::Samples,
+            }
+        } else if let Some(velocity) = law.turnover() {
+            differentiate(argument, &mut self.slope[0]);
+            let (slope, width) = (&self.slope[0], velocity / rate.omega);
+            let is_gentle = is_sampled_well(slope, width, self.transform.samples());
+            if is_gentle { Parts::Samples } else { Parts::Panels(panels(slope, width)) }
+        } else if let Some(slider) = law.slider() {
+            Parts::Slider(slider)
+        } else {
+            Parts::Samples
         }
     }
 

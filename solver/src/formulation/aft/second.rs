@@ -1,8 +1,7 @@
 //! Second derivatives of a law's force harmonics in one direction, weighed: what the gradients of the conditions of fold
 //! and peak curves are made of.
 
-use super::{Aft, Rate};
-use crate::formulation::arcs::Coverage;
+use super::{Aft, Parts, Rate};
 use crate::formulation::harmonics::width;
 use crate::linalg::{self, axpy, dot};
 use crate::settings::Quadrature;
@@ -114,9 +113,9 @@ impl<L: Law> Bend<'_, L> {
 }
 
 impl Aft {
-    /// Whether the force of `law` has second derivatives: not with memory, nor where samples tell when it acts.
+    /// Whether the force of `law` has second derivatives: not where samples tell when it acts, sticks or slides.
     pub fn has_second_derivatives<L: Law>(law: &L, quadrature: Quadrature) -> bool {
-        !law.has_memory() && (law.threshold().is_none() || quadrature == Quadrature::Arcs)
+        quadrature == Quadrature::Arcs || (!law.has_memory() && law.threshold().is_none())
     }
 
     /// Second derivatives Σ weights · ∂²force\[along, ·\] of the force harmonics of `law` at `arguments` (c × nc): adds
@@ -134,17 +133,19 @@ impl Aft {
         let nc = width(harmonics);
         let weights = along.weights.iter().enumerate().map(|(h, w)| if h % nc == 0 { *w } else { 2.0 * w }).collect();
         let bend = Bend { law, arguments, rate, along, weights };
-        let coverage = match (law.threshold(), self.quadrature) {
-            (Some(threshold), Quadrature::Arcs) => self.coverage(&arguments[..nc], threshold),
-            _ => Coverage::Always,
-        };
+        let parts = self.parts(law, &arguments[..nc], rate);
         let mut basis = std::mem::take(&mut self.basis);
         basis.value.resize(nc, 0.0);
         basis.slope.resize(nc, 0.0);
-        let by_omega = match coverage {
-            Coverage::Never => 0.0,
-            Coverage::Always => self.over_samples(&bend, &mut basis, row),
-            Coverage::Arcs(arcs) => {
+        let by_omega = match parts {
+            Parts::None => 0.0,
+            Parts::Samples => self.over_samples(&bend, &mut basis, row),
+            Parts::Panels(panels) => self.over_arcs(&bend, &panels, &mut basis, row),
+            Parts::Slider(slider) => {
+                self.second_of_slider(slider, arguments, along, row);
+                0.0
+            }
+            Parts::Arcs(arcs) => {
                 let threshold = law.threshold().unwrap_or_default();
                 for instant in arcs.iter().flat_map(|&(begin, end)| [begin, end]) {
                     basis.fill(instant);
@@ -179,7 +180,7 @@ impl Aft {
         let mut by_omega = 0.0;
         for &(begin, end) in arcs {
             let (centre, half) = (0.5 * (begin + end), 0.5 * (end - begin));
-            let points = super::gauss::points(self.transform.harmonics(), half, bend.law.arguments());
+            let points = super::gauss::points(self.transform.harmonics(), half, bend.law);
             let rule = self.arcs.rule(points).clone();
             by_omega += linalg::vectorised(|| {
                 let mut by_omega = 0.0;

@@ -1,6 +1,6 @@
 //! Elastic dry friction: the Jenkins element.
 
-use super::{Before, Instant, Law, ParameterError, Pattern, Response, require_positive};
+use super::{Before, Instant, Law, ParameterError, Pattern, Response, Slider, require_positive};
 use serde::{Deserialize, Serialize};
 
 /// A spring in series with a Coulomb slider: f = clip(f₋ + k (u − u₋), ±F), where f₋ and u₋ are those of the instant
@@ -25,6 +25,10 @@ impl Law for Jenkins {
 
     fn has_memory(&self) -> bool {
         true
+    }
+
+    fn slider(&self) -> Option<Slider> {
+        Some(Slider { stiffness: self.stiffness, limit: self.limit })
     }
 
     fn validate(&self) -> Result<(), ParameterError> {

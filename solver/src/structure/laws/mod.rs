@@ -111,6 +111,15 @@ pub struct RigidContact<'l> {
     pub friction: Option<&'l Friction>,
 }
 
+/// A spring in series with a slider.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Slider {
+    /// Stiffness of the spring, N/m.
+    pub stiffness: f64,
+    /// Force at which it slides, N.
+    pub limit: f64,
+}
+
 /// A nonlinear law.
 pub trait Law {
     /// Number of arguments (and of forces), 1 to [`MAX_ARGUMENTS`].
@@ -123,6 +132,15 @@ pub trait Law {
     }
     /// For unilateral laws the value of argument 0 below which nothing acts.
     fn threshold(&self) -> Option<f64> {
+        None
+    }
+    /// For a law whose force turns over between the signs of the velocity within a small change of it: that change v₀, m/s. It
+    /// is analytic in v/v₀ but for imaginary parts of ±π/2 and beyond.
+    fn turnover(&self) -> Option<f64> {
+        None
+    }
+    /// For a law that is a slider behind a spring: both.
+    fn slider(&self) -> Option<Slider> {
         None
     }
     /// Whether the forces do not change when all velocities and the rotor speed are multiplied by one factor: then they
@@ -221,6 +239,14 @@ impl Law for LawKind {
 
     fn threshold(&self) -> Option<f64> {
         with_law!(self, law => law.threshold())
+    }
+
+    fn turnover(&self) -> Option<f64> {
+        with_law!(self, law => law.turnover())
+    }
+
+    fn slider(&self) -> Option<Slider> {
+        with_law!(self, law => law.slider())
     }
 
     fn is_homogeneous_in_rate(&self) -> bool {

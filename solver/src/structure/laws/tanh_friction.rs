@@ -22,6 +22,10 @@ impl Law for TanhFriction {
         Pattern::scalar(false, true)
     }
 
+    fn turnover(&self) -> Option<f64> {
+        Some(self.velocity)
+    }
+
     fn is_odd(&self) -> bool {
         true
     }
