@@ -68,7 +68,8 @@ pub fn figure(
     ] {
         drawing.bars(name, style, of_kind(kind));
     }
-    let missed = windows(subject, |outcome| matches!(outcome, WindowOutcome::NotFound(_)));
+    let missed =
+        windows(subject, |outcome| matches!(outcome, WindowOutcome::NotFound(_) | WindowOutcome::Elsewhere(_)));
     let alert = Style::line(Color::Alert, MEDIUM.min(thin)).with_dash(1);
     drawing.bars("windows not found", alert, missed.clone().map(|(value, window)| (value, window.omega)));
     drawing.points(
