@@ -6,7 +6,7 @@ use super::folds::{EVENTS, event_label};
 use super::style::{BOLD, Color, FINE, MARK, MEDIUM, Shape, Style};
 use super::subject::{BackboneColumns, Subject};
 use crate::curves::BackboneCurve;
-use crate::overview::{WindowOutcome, WindowRow, events_of};
+use crate::overview::{Level, WindowOutcome, WindowRow, events_of};
 use crate::store::CurvePoint;
 use crate::words::digits;
 use solver::response::branch::BranchKind;
@@ -15,6 +15,9 @@ use solver::response::windows::{Event, EventKind};
 /// Thresholds are shown from the lowest level divided by the first of these to the highest one times the second, as far as folds are
 /// followed.
 const NEAR: (f64, f64) = (4.0, 2.0);
+/// Curves are shown this far on each side of the branches that the figure is about, as a share of the range of these: those of other
+/// modes may go much farther.
+const BESIDE: f64 = 1.0;
 /// Bars are thinner where there are many: their widths together, px, and those of the main branches, which are wide.
 const TOGETHER: (f64, f64) = (100.0, 30.0);
 
@@ -30,8 +33,6 @@ pub fn figure(
     let backbone = subject.backbone()?;
     let columns = columns.ok_or("the run has no backbone yet")?;
     let others = || subject.levels.iter().flat_map(|level| level.others().map(move |other| (level.value, other)));
-    let detached = others().filter(|(_, other)| other.kind != BranchKind::Open.name());
-    let ends = detached.flat_map(|(_, other)| [other.omega.0, other.omega.1]);
     let is_near = near(subject);
     let primary = || points(backbone);
     let shown =
@@ -40,9 +41,8 @@ pub fn figure(
     let values = levels.chain(shown().map(|(threshold, _)| threshold));
     let y = Axis::logarithmic("forcing amplitude A, threshold A*", Unit::none(), values);
     let is_any = shown().next().is_some();
-    let of_backbones = shown().chain(primary().filter(|_| !is_any));
-    let events = EVENTS.iter().flat_map(|(kind, ..)| computed(subject, &y, kind)).map(|point| point.omega);
-    let x = Axis::around("", Unit::none(), of_backbones.map(|(_, omega)| omega).chain(ends).chain(events));
+    let thresholds = shown().chain(primary().filter(|_| !is_any)).map(|(_, omega)| omega);
+    let x = Axis::around("", Unit::none(), frequencies(subject, &y, thresholds));
 
     let mut drawing = Drawing { series: Vec::new(), legend: Vec::new(), store };
     let curve = Style::line(Color::Ink, MEDIUM);
@@ -207,6 +207,27 @@ fn below_chosen() -> Style {
 /// Where this happens along fold curves, as far as the axis of A shows it.
 fn computed<'s>(subject: &Subject<'s>, y: &'s Axis, wanted: &str) -> impl Iterator<Item = &'s CurvePoint> {
     events_of(subject.curves, wanted).into_iter().filter(|point| (0.0..=1.0).contains(&y.share(point.forcing)))
+}
+
+/// Frequencies that the figure is drawn around: of branches apart from the main ones; else of what happens along fold curves; of folds,
+/// thresholds and what happens elsewhere as far as they lie beside these. Without any, of thresholds.
+fn frequencies(subject: &Subject<'_>, y: &Axis, thresholds: impl Iterator<Item = f64>) -> Vec<f64> {
+    // Main and open branches go from one end of the frequencies to the other.
+    let detached = subject.levels.iter().flat_map(Level::others).filter(|other| other.kind != BranchKind::Open.name());
+    let ends: Vec<f64> = detached.flat_map(|other| [other.omega.0, other.omega.1]).collect();
+    let happens = || EVENTS.iter().flat_map(|(kind, ..)| computed(subject, y, kind)).map(|point| point.omega);
+    let core: Vec<f64> = if ends.is_empty() { happens().collect() } else { ends };
+    let levels = super::axis::bounds(subject.levels.iter().map(|level| level.value));
+    let folds = subject.curves.iter().flat_map(|curve| &curve.points);
+    let folds = folds.filter(|point| (levels.0..=levels.1).contains(&point.forcing)).map(|point| point.omega);
+    let beside = happens().chain(folds).chain(thresholds);
+    if core.is_empty() {
+        return beside.collect();
+    }
+    let (low, high) = super::axis::bounds(core.iter().copied());
+    let room = BESIDE * (high - low);
+    let beside = beside.map(|omega| omega.clamp(low - room, high + room));
+    beside.chain(core).collect()
 }
 
 /// Thresholds along a backbone, with their frequencies.
