@@ -27,6 +27,7 @@ from .drawing import (
 )
 from .errors import Damaged, LeftOut
 from .maps import isola_map
+from .stored.motions import index_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -276,10 +277,7 @@ class Plots:
             KeyError: There is no such dof.
         """
         measured, axes, curve = Units.read(units), axes_of(ax), self._run[branch]
-        count = curve.sizes["point"]
-        index = curve.attrs.get(point) if isinstance(point, str) else point
-        if index is None or not -count <= index < count:
-            raise IndexError(f"point {point!r} of {count}: give an index from 0, 'peak' or 'start'")
+        index = index_of(curve, point)
         series = curve.isel(point=index).time(variable, samples=512).load()
         along = next(str(axis) for axis in series.dims if axis != "time")
         is_length = variable == "displacement"
