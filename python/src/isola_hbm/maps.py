@@ -23,7 +23,9 @@ _MARKS = {
 }
 #: Thresholds are shown from the lowest level divided by the first to the highest one times the second, as folds are followed.
 _NEAR = (4.0, 2.0)
-#: Curves are shown this far on each side of the branches that the map is about, as a share of their range.
+#: What happens from the lowest level divided by the first of these to the highest one times the second is what the map is about.
+_AMONG = (2.0, 1.25)
+#: Curves are shown this far on each side of that, as a share of its range.
 _BESIDE = 1.0
 #: How the map draws branches of each kind, as that of the program: what branches off an isola lies within its bar.
 _BARS: tuple[tuple[str, str, dict[str, Any]], ...] = (
@@ -52,7 +54,10 @@ def isola_map(
     # Main and open branches go from one end of the frequencies to the other.
     others = summary[~summary["kind"].isin(["main", "open"])]
     ends = np.concatenate([others["omega_min"], others["omega_max"]])
-    shown = _around(ends if len(ends) else events, np.concatenate([events, folds, thresholds]))
+    happens = run.events[run.events["kind"].isin(list(_MARKS))] if levels else run.events[:0]
+    among = happens["forcing"].between(min(levels) / _AMONG[0], max(levels) * _AMONG[1]) if levels else []
+    core = np.concatenate([ends, happens["omega"][among].to_numpy(float)])
+    shown = _around(core, np.concatenate([events, folds, thresholds]))
     if limits is not None:
         axes.set_xlim(limits)
     elif len(shown):
@@ -82,6 +87,8 @@ def _draw_thresholds(run: StoredRun, axes: Axes, units: Units, levels: list[floa
     shown = []
     for i, (_, curve) in enumerate(table.groupby("mode", sort=False)):
         threshold = curve["threshold"].where(curve["threshold"].between(*near))
+        if i and not threshold.notna().any():
+            continue
         # The primary mode comes first; the others stand back.
         label = ("threshold A*", "threshold A* of further modes", None)[min(i, 2)]
         width = 0.75 if i else 1.2

@@ -15,8 +15,9 @@ use solver::response::windows::{Event, EventKind};
 /// Thresholds are shown from the lowest level divided by the first of these to the highest one times the second, as far as folds are
 /// followed.
 const NEAR: (f64, f64) = (4.0, 2.0);
-/// Curves are shown this far on each side of the branches that the figure is about, as a share of the range of these: those of other
-/// modes may go much farther.
+/// What happens from the lowest level divided by the first of these to the highest one times the second is what the figure is about.
+const AMONG: (f64, f64) = (2.0, 1.25);
+/// Curves are shown this far on each side of what the figure is about, as a share of its range: those of other modes may go much farther.
 const BESIDE: f64 = 1.0;
 /// Bars are thinner where there are many: their widths together, px, and those of the main branches, which are wide.
 const TOGETHER: (f64, f64) = (100.0, 30.0);
@@ -209,25 +210,28 @@ fn computed<'s>(subject: &Subject<'s>, y: &'s Axis, wanted: &str) -> impl Iterat
     events_of(subject.curves, wanted).into_iter().filter(|point| (0.0..=1.0).contains(&y.share(point.forcing)))
 }
 
-/// Frequencies that the figure is drawn around: of branches apart from the main ones; else of what happens along fold curves; of folds,
-/// thresholds and what happens elsewhere as far as they lie beside these. Without any, of thresholds.
+/// Frequencies that the figure is drawn around: of branches apart from the main ones, and of what happens beside the levels; of folds,
+/// thresholds and what happens elsewhere as far as they lie beside these. Without any, of all of them.
 fn frequencies(subject: &Subject<'_>, y: &Axis, thresholds: impl Iterator<Item = f64>) -> Vec<f64> {
+    let (low, high) = super::axis::bounds(subject.levels.iter().map(|level| level.value));
+    let is_beside = |forcing: &f64| (low / AMONG.0..=high * AMONG.1).contains(forcing);
     // Main and open branches go from one end of the frequencies to the other.
     let detached = subject.levels.iter().flat_map(Level::others).filter(|other| other.kind != BranchKind::Open.name());
-    let ends: Vec<f64> = detached.flat_map(|other| [other.omega.0, other.omega.1]).collect();
-    let happens = || EVENTS.iter().flat_map(|(kind, ..)| computed(subject, y, kind)).map(|point| point.omega);
-    let core: Vec<f64> = if ends.is_empty() { happens().collect() } else { ends };
-    let levels = super::axis::bounds(subject.levels.iter().map(|level| level.value));
+    let ends = detached.flat_map(|other| [other.omega.0, other.omega.1]);
+    let computed = || EVENTS.iter().flat_map(|(kind, ..)| computed(subject, y, kind));
+    let predicted = subject.backbone.into_iter().chain(subject.further).flat_map(|backbone| &backbone.events);
+    let events = computed().map(|point| (point.forcing, point.omega));
+    let events = events.chain(predicted.map(|event| (event.threshold, event.omega)));
+    let core: Vec<f64> = events.filter(|(forcing, _)| is_beside(forcing)).map(|(_, omega)| omega).chain(ends).collect();
     let folds = subject.curves.iter().flat_map(|curve| &curve.points);
-    let folds = folds.filter(|point| (levels.0..=levels.1).contains(&point.forcing)).map(|point| point.omega);
-    let beside = happens().chain(folds).chain(thresholds);
+    let folds = folds.filter(|point| (low..=high).contains(&point.forcing)).map(|point| point.omega);
+    let beside = computed().map(|point| point.omega).chain(folds).chain(thresholds);
     if core.is_empty() {
         return beside.collect();
     }
     let (low, high) = super::axis::bounds(core.iter().copied());
     let room = BESIDE * (high - low);
-    let beside = beside.map(|omega| omega.clamp(low - room, high + room));
-    beside.chain(core).collect()
+    beside.map(|omega| omega.clamp(low - room, high + room)).chain(core).collect()
 }
 
 /// Thresholds along a backbone, with their frequencies.
