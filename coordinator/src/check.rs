@@ -46,6 +46,11 @@ pub fn report(study: &Study) -> String {
     lines.into_iter().map(|(what, text)| format!("{what:<12}{text}\n")).collect()
 }
 
+/// What is probably not meant of the bounds of the frequency, which a sweep says as well: sentences.
+pub fn of_bounds(study: &Study) -> Vec<String> {
+    early::bounds(study)
+}
+
 fn size(model: &Model) -> String {
     let contacts = model.contacts().count();
     let others = model.elements().iter().filter(|element| element.law.rigid().is_none());

@@ -116,6 +116,7 @@ Examples:
     #[command(after_help = "\
 Examples:
   isola plot runs/NAME --figure response -o response.pdf
+  isola plot runs/NAME --figure map --frequency 2400 2500 -o map.png
   isola plot runs/NAME --figure balance --amplitude 60 --width 85 --height 70 -o balance.svg
   isola plot runs/NAME --figure motion --at \"20/isola 1/43\" -o motion.png")]
     Plot(PlotArgs),
@@ -276,6 +277,9 @@ pub struct PlotArgs {
     /// What balance and modes are drawn over [default: arc].
     #[arg(long, value_name = "QUANTITY", value_parser = quantities())]
     pub along: Option<Along>,
+    /// Show these frequencies only, rad/s [default: where something happens] (response, map, backbone).
+    #[arg(long, num_args = 2, value_names = ["MIN", "MAX"], allow_negative_numbers = true)]
+    pub frequency: Option<Vec<f64>>,
     /// Width, mm.
     #[arg(long, value_name = "MM", allow_negative_numbers = true, default_value_t = 170.0, value_parser = millimetres)]
     pub width: f64,

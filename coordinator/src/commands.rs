@@ -128,6 +128,9 @@ async fn sweep(args: SweepArgs) -> Result<Ending, Error> {
     for key in &study.without_effect {
         terminal::note(format_args!("{key} has no effect any more: branches close by convergence"));
     }
+    for warning in check::of_bounds(&study) {
+        terminal::note(format_args!("warning: {warning}"));
+    }
     let directory = args.out.unwrap_or_else(|| default_directory(&study.name));
     // What is in use is said before a folder is made.
     let connection = open(&args.serve, None).await?;

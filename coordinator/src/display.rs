@@ -227,6 +227,16 @@ fn waiting(stage: Stage, tasks: usize) -> String {
     format!("{tasks} waiting{}", if stage == Stage::Sweep { " (more may follow)" } else { "" })
 }
 
+/// Where the levels are: while a sweep goes on how many have tasks at this moment, for what fold curves lead to, and verifications, bring
+/// more to those that had none; afterwards how many are done.
+fn levels(stage: Stage, all: usize, done: usize) -> String {
+    match (stage, all.saturating_sub(done)) {
+        (Stage::Sweep, 0) => "no level has tasks right now".into(),
+        (Stage::Sweep, busy) => format!("{busy} of {all} levels have tasks right now"),
+        _ => format!("{done} of {all} levels done"),
+    }
+}
+
 /// A status in one line.
 pub fn summary(status: &Status) -> String {
     let tasks = status.tasks;
@@ -236,11 +246,9 @@ pub fn summary(status: &Status) -> String {
     }
     let dead = if tasks.dead > 0 { format!(", {} given up", tasks.dead) } else { String::new() };
     format!(
-        "{}: {} of {} levels open, {} tasks done, {} under way, {}{dead}, {} branches, {} workers{}",
+        "{}: {}, {} tasks done, {} under way, {}{dead}, {} branches, {} workers{}",
         status.stage.name(),
-        // Verifications and what curves lead to open levels again that had been done.
-        status.levels.saturating_sub(status.levels_done),
-        status.levels,
+        levels(status.stage, status.levels, status.levels_done),
         tasks.done + tasks.skipped,
         tasks.running,
         waiting(status.stage, tasks.waiting),
@@ -258,5 +266,13 @@ mod tests {
     fn what_waits_is_no_total() {
         assert_eq!(waiting(Stage::Sweep, 12), "12 waiting (more may follow)");
         assert_eq!(waiting(Stage::Finished, 0), "0 waiting");
+    }
+
+    #[test]
+    fn levels_without_tasks_are_not_called_done_while_more_may_come() {
+        assert_eq!(levels(Stage::Sweep, 8, 8), "no level has tasks right now");
+        assert_eq!(levels(Stage::Sweep, 8, 4), "4 of 8 levels have tasks right now");
+        assert_eq!(levels(Stage::Finished, 8, 8), "8 of 8 levels done");
+        assert_eq!(levels(Stage::Cancelled, 8, 5), "5 of 8 levels done");
     }
 }

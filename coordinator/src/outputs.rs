@@ -102,6 +102,7 @@ pub fn plot(args: &crate::cli::PlotArgs) -> Result<ExitCode, Error> {
         amplitude: args.amplitude.clone(),
         at: args.at.clone(),
         along: args.along,
+        frequency: args.frequency.as_deref().map(|ends| (ends[0], ends[1])),
     };
     let (sheet, omissions) = match &runs[..] {
         [(_, reader)] => compose(reader, &request).map(|(sheet, omissions)| (sheet, vec![omissions]))?,

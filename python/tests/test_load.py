@@ -182,6 +182,90 @@ def test_one_period(blade: Path) -> None:
         branch.time(samples=0)
 
 
+def test_a_state_to_integrate_from(blade: Path, damper: Path) -> None:
+    run = isola_hbm.load(blade)
+    branch, start = run["20/main"], run.state("20/main", 7)
+    assert start["displacement"].attrs["units"] == "m" and start["velocity"].attrs["units"] == "m/s"
+    assert list(start["dof"].values) == list(run.model.dofs)
+    # At t = 0 that is what `time` has of some dofs, and its slope there.
+    stored = branch["dof"].values
+    series = branch.isel(point=7).time(samples=4096).transpose("dof", "time")
+    np.testing.assert_allclose(start["displacement"].sel(dof=stored), series.isel(time=0), rtol=1e-9, atol=1e-15)
+    step = 2 * np.pi / float(branch["omega"][7]) / 4096
+    slope = (series.isel(time=1) - series.isel(time=-1)) / (2 * step)
+    size = float(abs(start["velocity"]).max())
+    assert size > 0.0
+    np.testing.assert_allclose(start["velocity"].sel(dof=stored), slope, rtol=0, atol=1e-5 * size)
+    assert run.state((20, "main"), "peak").attrs["point"] == branch.attrs["peak"]
+    assert float(start["omega"]) == float(branch["omega"][7])
+    with pytest.raises(IndexError, match="point 'top' of"):
+        run.state("20/main", "top")
+
+    # Marched over a period, the damper comes back to where it began: x'' + 0.018 x' + x - 0.01 x'^3 + 0.00144 x'^5 = A cos ωt.
+    run = isola_hbm.load(damper)
+    start = run.state("0.006/isola 1")
+    omega, forcing = float(start["omega"]), start.attrs["forcing"]
+
+    def rate(t: float, y: np.ndarray) -> np.ndarray:
+        x, v = y
+        return np.array([v, forcing * np.cos(omega * t) - x - 0.018 * v + 0.01 * v**3 - 0.00144 * v**5])
+
+    y = begun = np.array([float(start["displacement"][0]), float(start["velocity"][0])])
+    steps = 2000
+    h = 2 * np.pi / omega / steps
+    for i in range(steps):
+        k1 = rate(i * h, y)
+        k2 = rate((i + 0.5) * h, y + 0.5 * h * k1)
+        k3 = rate((i + 0.5) * h, y + 0.5 * h * k2)
+        k4 = rate((i + 1) * h, y + h * k3)
+        y = y + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
+    # As far as the harmonics that were left out allow.
+    np.testing.assert_allclose(y, begun, rtol=0, atol=1e-3 * abs(begun).max())
+
+
+def test_multipliers_are_those_of_verified_points(damper: Path) -> None:
+    run = isola_hbm.load(damper)
+    branch = run["0.006/isola 1"]
+    known = branch.verified()
+    assert 0 < known.sizes["point"] < branch.sizes["point"] and isinstance(known, type(branch))
+    assert np.isfinite(known["multiplier"]).all()
+    rest = np.setdiff1d(branch["omega"], known["omega"])
+    assert np.isnan(branch["multiplier"][np.isin(branch["omega"], rest)]).all()
+    assert branch["multiplier"].attrs["comment"].startswith("NaN at points whose frequency no marched orbit has")
+    assert set(known["stable"].values) <= {"stable", "unstable", "marginal"}
+    assert run.backbone().verified().sizes["point"] == 0
+
+
+def test_an_event_that_two_curves_share_stands_once(copy: Path) -> None:
+    before = isola_hbm.load(copy).events
+    assert (before["source"] == "computed").any()
+    change(
+        copy,
+        "INSERT INTO curve_points SELECT curve + 100, i, "
+        + ", ".join(
+            f"{name} * (1 + 1e-7)" if name == "forcing" else name
+            for name in isola_hbm.load(copy).table("curve_points").columns[2:]
+        )
+        + " FROM curve_points",
+    )
+    pd.testing.assert_frame_equal(isola_hbm.load(copy).events, before)
+
+
+def test_windows_that_led_elsewhere(copy: Path, tmp_path: Path) -> None:
+    before = isola_hbm.load(copy).windows
+    led = before["branch"].str.contains("isola")
+    assert led.any() and (before["outcome"][led] == "found").all()
+    # An isola that lies elsewhere: the numbers of its points are not looked at.
+    change(copy, "UPDATE branches SET omega_min = 7, omega_max = 8 WHERE kind = 'isola'")
+    run = isola_hbm.load(copy)
+    after = run.windows
+    only = led & ~before["branch"].str.contains("main")
+    assert only.any() and (after["outcome"][only] == "elsewhere").all()
+    assert (after["outcome"][~only] == before["outcome"][~only]).all()
+    isola("export", copy, "--to", tmp_path / "csv", code=3)
+    assert_is_file(after, tmp_path / "csv" / "windows.csv", {"outcome", "reason", "branch"})
+
+
 def test_every_dof_follows_from_shapes_and_modal_amplitudes(blade: Path) -> None:
     run = isola_hbm.load(blade)
     branch = run["20/main"]

@@ -495,14 +495,14 @@ def test_progress_is_one_line_of_a_terminal(monkeypatch: pytest.MonkeyPatch) -> 
     monkeypatch.setenv("COLUMNS", "30")
     monkeypatch.setattr(sys, "stderr", terminal := Terminal())
     show = _shown(True)
-    show("running: 1 of 20 levels open, 300 tasks done")
+    show("sweep: no level has tasks right now, 300 tasks done")
     show("finished\n")
-    assert terminal.getvalue() == "\rrunning: 1 of 20 levels open,\rfinished" + 21 * " " + "\n"
+    assert terminal.getvalue() == "\rsweep: no level has tasks rig\rfinished" + 21 * " " + "\n"
     monkeypatch.setattr(sys, "stderr", file := io.StringIO())
     _shown(None)("running")
     _shown(False)("running")
     assert file.getvalue() == ""
     # Asked for, a file has what the program says, line by line.
-    _shown(True)("running: 1 of 20 levels open, 300 tasks done")
+    _shown(True)("sweep: no level has tasks right now, 300 tasks done")
     _shown(True)("finished\n")
-    assert file.getvalue() == "running: 1 of 20 levels open, 300 tasks done\nfinished\n"
+    assert file.getvalue() == "sweep: no level has tasks right now, 300 tasks done\nfinished\n"

@@ -162,6 +162,53 @@ def test_map(damper: Path) -> None:
     assert left < ends.min() - 0.04 * (right - left) and ends.max() + 0.04 * (right - left) < right
 
 
+def test_the_map_is_about_isolas(copy: Path) -> None:
+    run = isola_hbm.load(copy)
+    before, rows = run.plot.map().get_xlim(), run.summary.query("kind == 'isola'")
+    low, high = rows["omega_min"].min(), rows["omega_max"].max()
+    change(copy, "UPDATE curve_points SET omega = 9 * omega WHERE event IS NULL")
+    left, right = isola_hbm.load(copy).plot.map().get_xlim()
+    assert left <= before[0] < low < high < before[1] <= right
+    assert right - left < 3.5 * (high - low)
+
+
+def test_frequencies_are_chosen(damper: Path) -> None:
+    run = isola_hbm.load(damper)
+    assert run.plot.map(frequency=(0.9, 1.1)).get_xlim() == (0.9, 1.1)
+    assert run.plot.map(units="Hz", frequency=(0.15, 0.16)).get_xlim() == (0.15, 0.16)
+    whole, beside = run.plot.response(), run.plot.response(frequency=(1.05, 1.1))
+    assert beside.get_xlim() == (1.05, 1.1)
+    points = run.points[run.points["omega"].between(1.05, 1.1)]
+    assert len(points) and beside.get_ylim()[1] < whole.get_ylim()[1]
+    assert beside.get_ylim() == (0.0, pytest.approx(1.08 * points["amplitude"].max()))
+    for wrong in [(2.0, 1.0), (1.0,), "all", (0.0, float("inf"))]:
+        with pytest.raises(ValueError, match="the lowest and the highest one shown"):
+            run.plot.map(frequency=wrong)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("layout", ["constrained", None])
+def test_legends_cover_no_curve(damper: Path, layout: str | None) -> None:
+    run = isola_hbm.load(damper)
+    draws = [
+        lambda ax: run.plot.response(ax=ax),
+        lambda ax: run.plot.response(frequency=(0.99, 1.01), ax=ax),
+        lambda ax: run.plot.map(ax=ax),
+        lambda ax: run.plot.balance(ax=ax),
+        lambda ax: run.plot.motion("0.006/isola 1", ax=ax),
+    ]
+    for i, draw in enumerate(draws):
+        axes = draw(plt.subplots(figsize=(5, 3.5), layout=layout)[1])
+        axes.figure.draw_without_rendering()
+        box = axes.get_legend().get_window_extent()
+        lines = [line for line in axes.get_lines() if line.get_linestyle() != "None"]
+        covered = [
+            line for line in lines if line.get_path().transformed(line.get_transform()).intersects_bbox(box, filled=False)
+        ]
+        # What leaves the axes is cut there.
+        inside = box.y0 < axes.bbox.y1 and box.x0 < axes.bbox.x1
+        assert not (inside and covered), (i, layout, covered)
+
+
 def test_kinds_of_branches_differ_on_the_map(copy: Path) -> None:
     kinds = {"0.005": "branched", "0.006": "cut", "0.007": "unfinished"}
     for level, kind in kinds.items():

@@ -9,7 +9,7 @@ mod units;
 pub use units::{FrequencyUnit, LengthUnit, Units};
 
 use crate::overview::{
-    Lesser, Level, Omissions, Overview, Shift, WindowOutcome, briefly, events_sentence, is_unconfirmed, is_untouched,
+    Lesser, Level, Omissions, Overview, Shift, WindowOutcome, events_sentence, is_unconfirmed, is_untouched,
     later_birth, modes, truncation, unfinished,
 };
 use crate::store::{BranchRow, CurveRow, Reader, Result};
@@ -209,14 +209,14 @@ impl Rows<'_> {
         format!("{}: {range}, {peak}{mark}", row.kind)
     }
 
-    /// How many windows led to branches, of how many, and what is missing of the level.
+    /// In how many windows their seeds led to a branch, of how many, and what is missing of the level.
     fn windows(&mut self, level: &Level) -> String {
         let unit = self.units.frequency;
         let missed = level.not_found().map(|(window, reason)| {
             let (low, high) = (unit.digits(window.omega.0), unit.digits(window.omega.1));
             let why = match later_birth(self.curves, level, window) {
                 Some(birth) => format!("an isola is born there at A = {} only", digits(birth.forcing, 5)),
-                None => briefly(reason),
+                None => reason,
             };
             self.notes.mark(format!("A = {}, window {low}–{high}: not found: {why}", level.amplitude))
         });

@@ -3,7 +3,7 @@
 use super::touch::{FirstTouch, Place, shape};
 use crate::study::Study;
 use protocol::session::MAX_RESULT_BYTES;
-use results::words::{count, number};
+use results::words::{count, digits, number};
 use solver::formulation::harmonics::width;
 use solver::settings::Settings;
 use solver::structure::{ContactElement, Model};
@@ -15,6 +15,10 @@ const ABSURD: (f64, f64) = (1e-3, 1e9);
 const SLOW: f64 = 0.1;
 /// A force that does less work than this share on all modes that vibrate drives none of them.
 const DRIVEN: f64 = 1e-9;
+/// Bounds nearer to a resonance than so many of its half-widths ζω cut it: there it has a fifth of its height.
+const FLANK: f64 = 5.0;
+/// Resonances whose flanks reach farther than this share of their frequency are too wide to be told from what is beside them.
+const SHARP: f64 = 0.25;
 /// Orders of superharmonic resonances that a study may be of.
 const ORDERS: usize = 5;
 /// Numbers that a point of a branch has beside its state, about.
@@ -41,7 +45,7 @@ pub(super) fn epsilon_ratios(model: &Model) -> Option<(f64, f64)> {
 pub(super) fn warnings(study: &Study, touch: Option<&FirstTouch<'_>>) -> Vec<String> {
     let mut list = Vec::new();
     list.extend(units(&study.model));
-    list.extend(hertz(study));
+    list.extend(bounds(study));
     list.extend(negative_damping(&study.model));
     list.extend(nothing_nonlinear(&study.model));
     list.extend(nothing_driven(&study.model));
@@ -52,6 +56,11 @@ pub(super) fn warnings(study: &Study, touch: Option<&FirstTouch<'_>>) -> Vec<Str
         format!("{key} has no effect any more: branches close by convergence onto their first points; leave it out")
     }));
     list
+}
+
+/// Sentences about bounds of the frequency that are probably not meant.
+pub(super) fn bounds(study: &Study) -> Vec<String> {
+    hertz(study).into_iter().chain(flanks(study)).collect()
 }
 
 fn units(model: &Model) -> Option<String> {
@@ -96,6 +105,43 @@ fn hertz(study: &Study) -> Option<String> {
     ))
 }
 
+/// Of bounds that lie on the flank of a resonance that the force drives, so that what responds there is known in part.
+fn flanks(study: &Study) -> Vec<String> {
+    let (model, given) = (&study.model, study.settings.frequency);
+    let (modes, rates, m) = (model.modes(), model.damping().rates(), model.forcing().harmonic as f64);
+    let largest = (0..model.size()).map(|j| work(model, j)).fold(0.0, f64::max);
+    let is_driven = |j: &usize| !modes.is_rigid(*j) && rates[*j] > 0.0 && work(model, *j) > DRIVEN * largest;
+    // In frequencies of the response, of which the force has m times as much.
+    let resonance = |j: usize| (j, modes.frequencies[j] / m, 0.5 * rates[j] / m);
+    let is_sharp = |(_, omega, half): &(usize, f64, f64)| FLANK * half < SHARP * omega;
+    let resonances: Vec<_> = (0..model.size()).filter(is_driven).map(resonance).filter(is_sharp).collect();
+    let cut = |(key, bound): (&str, f64)| {
+        let distance = |(_, omega, half): &(usize, f64, f64)| (bound - omega).abs() / half;
+        let nearest = resonances.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
+        let (j, omega, half) = *nearest;
+        (distance(nearest) < FLANK).then(|| {
+            format!(
+                "{key} = {} rad/s cuts through the resonance of mode {} at {} rad/s, {} of its half-widths from it: branches end on its \
+                 flank, and their peaks may lie beyond; a bound below {} or above {} rad/s does not",
+                number(bound),
+                j + 1,
+                number(omega),
+                digits(distance(nearest), 2),
+                number(omega - FLANK * half),
+                number(omega + FLANK * half)
+            )
+        })
+    };
+    let bounds = [("frequency.min", given.min), ("frequency.max", given.max)];
+    bounds.into_iter().filter_map(|(key, bound)| cut((key, bound?))).collect()
+}
+
+/// What a force of its shape does on a mode: its share of modal amplitude.
+fn work(model: &Model, j: usize) -> f64 {
+    let (modes, shape) = (model.modes(), &model.forcing().shape);
+    (0..model.size()).map(|dof| modes.shapes[(dof, j)] * shape[dof]).sum::<f64>().abs()
+}
+
 fn negative_damping(model: &Model) -> Option<String> {
     let rates = model.damping().rates();
     let modes = (0..model.size()).filter(|&j| rates[j] < 0.0);
@@ -115,10 +161,11 @@ fn nothing_nonlinear(model: &Model) -> Option<String> {
 
 /// Of a force that drives no mode that vibrates.
 fn nothing_driven(model: &Model) -> Option<String> {
-    let (modes, shape) = (model.modes(), &model.forcing().shape);
-    let work = |j: usize| (0..model.size()).map(|dof| modes.shapes[(dof, j)] * shape[dof]).sum::<f64>().abs();
-    let largest =
-        |is_rigid: bool| (0..model.size()).filter(|&j| modes.is_rigid(j) == is_rigid).map(work).fold(0.0, f64::max);
+    let modes = model.modes();
+    let largest = |is_rigid: bool| {
+        let of_kind = (0..model.size()).filter(|&j| modes.is_rigid(j) == is_rigid);
+        of_kind.map(|j| work(model, j)).fold(0.0, f64::max)
+    };
     (largest(false) < DRIVEN * largest(true)).then(|| {
         "the force drives rigid-body motions alone; forcing.shape = {mode = N} or {dofs = {NAME = 1}} gives another"
             .into()

@@ -7,8 +7,8 @@ use std::fmt::Write as _;
 const HEAD: &str = "\
 # Keys of model.toml and study.toml
 
-Written by the program: `UPDATE_DOCUMENTS=always cargo test -p coordinator --test coordinator reference`. `isola schema model` and `isola
-schema study` print the same for editors, `isola schema --explain KEY` explains one key, `isola schema --all` prints this text.
+`isola schema --all` prints this text, `isola schema --explain KEY` explains one key; `isola schema model` and `isola schema study` print
+the same for editors.
 
 SI units. Unknown keys are refused. Every key can be typed after `--set`, entries of lists counted from 0:
 `--set contact.nodes.0.gap=1e-4`.
@@ -17,7 +17,17 @@ A study may have all keys of a model but `name`; they come over those of `model.
 or an inline table is replaced as a whole. Values typed on the command line come last and reach into lists.
 ";
 
-/// The document.
+/// At the end of the file alone, for whoever changes it.
+const WRITTEN: &str = "
+<!-- Written by the program: `UPDATE_DOCUMENTS=always cargo test -p coordinator --test coordinator reference`. -->
+";
+
+/// The file: what `isola schema --all` prints, and where it comes from.
+pub fn file() -> String {
+    document() + WRITTEN
+}
+
+/// What `isola schema --all` prints.
 pub fn document() -> String {
     let mut text = String::from(HEAD);
     let shared = |key: &&Key| File::Model.keys().any(|other| std::ptr::eq(other, *key));

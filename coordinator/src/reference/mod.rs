@@ -9,7 +9,7 @@ mod model_keys;
 mod schema;
 mod study_keys;
 
-pub use document::document;
+pub use document::{document, file};
 pub use explain::explain;
 pub use key::{Absent, Key, Kind, List, Range, Tables};
 pub use schema::schema;

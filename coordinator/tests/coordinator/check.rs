@@ -90,6 +90,27 @@ fn bounds_in_hertz() {
     }
 }
 
+/// The resonance at 100 rad/s has a half-width of ζω = 1 rad/s.
+#[test]
+fn bounds_on_the_flank_of_a_resonance() {
+    let within = |low: &str, high: &str| checked(MODEL, "0.3", &[("frequency.min", low), ("frequency.max", high)]).0;
+    let cut = |key: &str, bound: &str, widths: &str| {
+        format!(
+            "{key} = {bound} rad/s cuts through the resonance of mode 1 at 100 rad/s, {widths} of its half-widths from it: branches end \
+             on its flank, and their peaks may lie beyond; a bound below 95 or above 105 rad/s does not"
+        )
+    };
+    assert_eq!(within("50", "102"), [cut("frequency.max", "102", "2")]);
+    assert_eq!(within("98.5", "150"), [cut("frequency.min", "98.5", "1.5")]);
+    assert_eq!(within("101", "104.5").len(), 2);
+    assert!(within("94.9", "105.1").is_empty());
+    // Of a force on the second harmonic the response resonates at half of it.
+    let twice = MODEL.replace("[forcing]", "[forcing]\nharmonic = 2");
+    let (warnings, text) = checked(&twice, "0.3", &[("frequency.min", "40"), ("frequency.max", "50.25")]);
+    assert!(warnings.len() == 1 && warnings[0].contains("of mode 1 at 50 rad/s, 0.5 of its half-widths"), "{text}");
+    assert!(checked(&twice, "0.3", &[("frequency.min", "40"), ("frequency.max", "101")]).0.is_empty());
+}
+
 #[test]
 fn damping_epsilon_and_keys_without_effect() {
     let damping = "[damping]\nratios = [{ modes = \"1\", ratio = 1e-2 }]";

@@ -22,6 +22,10 @@ _RAMP = ["#e08a2e", "#d9604f", "#bc3a72", "#8c1f8a", "#561a8f", "#1c0f63"]
 _ROOM = 0.25
 #: The same where the figure goes on there, as that of the map does.
 _MARGIN = 0.05
+#: Where a legend may stand inside of the axes, the first that is free.
+_FREE = ("upper right", "upper left", "lower left", "lower right", "center right", "center left")
+#: How far marks reach, pixels; a share of the height that curves have at least below a legend.
+_MARK, _LEAST = 6.0, 0.3
 #: Where the name of a curve may stand beside its peak, points: above it, else at the end of a line to one side.
 _PLACES = [((0, 3), "center")] + [
     ((way * far, 0), align) for far in (8, 20, 36, 60) for way, align in ((1, "left"), (-1, "right"))
@@ -91,6 +95,23 @@ def around(shown: Floats, reach: tuple[float, float]) -> Floats:
     return limits if limits[1] > limits[0] else np.array(reach)
 
 
+def limits_of(frequency: tuple[float, float] | None) -> tuple[float, float] | None:
+    """The limits of an axis of frequencies that were asked for.
+
+    Raises:
+        ValueError: They are no range.
+    """
+    if frequency is None:
+        return None
+    try:
+        low, high = (float(end) for end in frequency)
+    except (TypeError, ValueError):
+        low = high = np.nan
+    if not (np.isfinite([low, high]).all() and low < high):
+        raise ValueError(f"frequency = {frequency!r}: the lowest and the highest one shown, as in (2400.0, 2500.0)")
+    return low, high
+
+
 def beside(shown: Floats) -> Floats:
     """Limits around what is shown, with as much room beside it as in figures of the program."""
     low, high = float(np.min(shown)), float(np.max(shown))
@@ -108,9 +129,54 @@ def along_ramp(count: int) -> list[Any]:
 
 
 def legend(axes: Axes) -> None:
-    """A legend, if there is anything to tell."""
-    if axes.get_legend_handles_labels()[1]:
-        axes.legend(fontsize="small")
+    """A legend, if there is anything to tell: inside of the axes where it covers nothing, else beside them where the figure makes
+    room for what stands there, else above all curves, which then end below it."""
+    handles, labels = axes.get_legend_handles_labels()
+    if not labels:
+        return
+    # Places are known once all else is laid out; the root of subfigures does that.
+    root = axes.figure.canvas.figure
+    drawn = _Drawn(axes)
+    for place in _FREE:
+        found = axes.legend(handles, labels, fontsize="small", loc=place)
+        root.draw_without_rendering()
+        if drawn.is_free(found.get_window_extent()):
+            return
+    if axes.figure.get_layout_engine() is not None:
+        if axes.get_title():
+            beside = {"loc": "upper left", "bbox_to_anchor": (1.0, 1.0)}
+        else:
+            beside = {"loc": "lower center", "bbox_to_anchor": (0.5, 1.0), "ncols": 2 if len(labels) < 7 else 3}
+        axes.legend(handles, labels, fontsize="small", **beside)
+        return
+    found = axes.legend(handles, labels, fontsize="small", loc="upper center", ncols=2)
+    root.draw_without_rendering()
+    share = 1.0 - (found.get_window_extent().height + 2.0) / axes.bbox.height
+    if share > _LEAST:
+        low, high = axes.transData.inverted().transform(axes.transAxes.transform([(0.0, 0.0), (0.0, 1.0 / share)]))[:, 1]
+        axes.set_ylim(low, high)
+
+
+class _Drawn:
+    """What is drawn on axes, where a legend would cover it."""
+
+    def __init__(self, axes: Axes) -> None:
+        self._axes = axes
+
+    def is_free(self, box: Any) -> bool:
+        """Whether nothing is drawn in a box, in pixels."""
+        for line in self._axes.get_lines():
+            path = line.get_path().transformed(line.get_transform())
+            if line.get_linestyle() != "None" and path.intersects_bbox(box, filled=False):
+                return False
+            if line.get_marker() not in ("None", "", None) and box.padded(_MARK).count_contains(path.vertices):
+                return False
+        for collection in self._axes.collections:
+            for path in collection.get_paths():
+                outline = path.transformed(collection.get_transform())
+                if outline.intersects_bbox(box, filled=bool(len(collection.get_facecolor()))):
+                    return False
+        return True
 
 
 def spread(count: int) -> list[int]:

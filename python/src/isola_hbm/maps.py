@@ -21,10 +21,12 @@ _MARKS = {
     "merge": ("v", True, "merges"),
     "death": ("x", False, "ends of isolas"),
 }
-#: Two events of one kind that are no farther apart are one, found along two curves.
-_SAME = 1e-5
 #: Thresholds are shown from the lowest level divided by the first to the highest one times the second, as folds are followed.
 _NEAR = (4.0, 2.0)
+#: What happens from the lowest level divided by the first of these to the highest one times the second is what the map is about.
+_AMONG = (2.0, 1.25)
+#: Curves are shown this far on each side of that, as a share of its range.
+_BESIDE = 1.0
 #: How the map draws branches of each kind, as that of the program: what branches off an isola lies within its bar.
 _BARS: tuple[tuple[str, str, dict[str, Any]], ...] = (
     ("main", "main branches", {"color": SHADE, "linewidth": 0.6}),
@@ -36,26 +38,46 @@ _BARS: tuple[tuple[str, str, dict[str, Any]], ...] = (
 )
 
 
-def isola_map(run: StoredRun, summary: pd.DataFrame, axes: Axes, units: Units) -> Axes:
+def isola_map(
+    run: StoredRun, summary: pd.DataFrame, axes: Axes, units: Units, limits: tuple[float, float] | None
+) -> Axes:
     """Draws branches of every level, which are these rows of the summary, thresholds along the backbones, fold curves and
-    events."""
+    events, between these frequencies of the axis or, without, around what happens."""
     for kind, label, look in _BARS:
         rows = summary[summary["kind"] == kind]
         ends = units.frequencies(rows[["omega_min", "omega_max"]]).to_numpy(float).T
         if len(rows):
             axes.hlines(rows["amplitude"].to_numpy(float), *ends, label=label, **look)
-    shown = _draw_thresholds(run, axes, units, list(summary["amplitude"]))
-    events = _draw_folds(run, axes, units)
+    levels = list(summary["amplitude"])
+    thresholds = _draw_thresholds(run, axes, units, levels)
+    events, folds = _draw_folds(run, axes, units, levels)
     # Main and open branches go from one end of the frequencies to the other.
     others = summary[~summary["kind"].isin(["main", "open"])]
-    shown = np.concatenate([shown, events, others["omega_min"], others["omega_max"]])
-    shown = shown[np.isfinite(shown)]
-    if len(shown):
+    ends = np.concatenate([others["omega_min"], others["omega_max"]])
+    happens = run.events[run.events["kind"].isin(list(_MARKS))] if levels else run.events[:0]
+    among = happens["forcing"].between(min(levels) / _AMONG[0], max(levels) * _AMONG[1]) if levels else []
+    core = np.concatenate([ends, happens["omega"][among].to_numpy(float)])
+    shown = _around(core, np.concatenate([events, folds, thresholds]))
+    if limits is not None:
+        axes.set_xlim(limits)
+    elif len(shown):
         axes.set_xlim(units.frequencies(beside(shown)))
     axes.set(xlabel=units.of_frequency(), ylabel="forcing amplitude A, threshold A*")
     logarithmic(axes)
     legend(axes)
     return axes
+
+
+def _around(core: Floats, others: Floats) -> Floats:
+    """Frequencies of what the map is about, and others as far as they lie beside these; without any, the others."""
+    core, others = core[np.isfinite(core)], others[np.isfinite(others)]
+    if not len(core):
+        return others
+    # One frequency alone has a figure around it as well, as in the program.
+    low, high = core.min(), core.max()
+    low, high = (low, high) if high - low > 1e-9 * high else (0.95 * low, 1.05 * high)
+    room = _BESIDE * (high - low)
+    return np.concatenate([core, np.clip(others, low - room, high + room)])
 
 
 def _draw_thresholds(run: StoredRun, axes: Axes, units: Units, levels: list[float]) -> Floats:
@@ -65,6 +87,8 @@ def _draw_thresholds(run: StoredRun, axes: Axes, units: Units, levels: list[floa
     shown = []
     for i, (_, curve) in enumerate(table.groupby("mode", sort=False)):
         threshold = curve["threshold"].where(curve["threshold"].between(*near))
+        if i and not threshold.notna().any():
+            continue
         # The primary mode comes first; the others stand back.
         label = ("threshold A*", "threshold A* of further modes", None)[min(i, 2)]
         width = 0.75 if i else 1.2
@@ -73,8 +97,8 @@ def _draw_thresholds(run: StoredRun, axes: Axes, units: Units, levels: list[floa
     return np.concatenate([np.zeros(0), *shown])
 
 
-def _draw_folds(run: StoredRun, axes: Axes, units: Units) -> Floats:
-    """Fold curves and events, where they are near the levels. Frequencies of the computed ones, rad/s."""
+def _draw_folds(run: StoredRun, axes: Axes, units: Units, levels: list[float]) -> tuple[Floats, Floats]:
+    """Fold curves and events, where they are near the levels. Frequencies, rad/s: of computed events, and of folds among the levels."""
     low, high = axes.get_ylim()
     folds, events = run.folds, run.events
     for i, (_, curve) in enumerate(folds.groupby("curve", sort=False)):
@@ -87,7 +111,6 @@ def _draw_folds(run: StoredRun, axes: Axes, units: Units) -> Floats:
             continue
         mark, is_hollow, name = _MARKS[str(kind)]
         color = FOLDS if source == "computed" else INK
-        group = _once(group.sort_values("forcing")) if source == "computed" else group
         axes.plot(
             units.frequencies(group["omega"]),
             group["forcing"],
@@ -97,14 +120,5 @@ def _draw_folds(run: StoredRun, axes: Axes, units: Units) -> Floats:
             label=f"{name}, {source}",
         )
     is_marked = (shown["source"] == "computed") & shown["kind"].isin(list(_MARKS))
-    return shown["omega"][is_marked].to_numpy(float)
-
-
-def _once(events: pd.DataFrame) -> pd.DataFrame:
-    """Events by forcing, those that two curves share once."""
-    kept: list[int] = []
-    places = events[["forcing", "omega"]].to_numpy(float)
-    for i, place in enumerate(places):
-        if not any((abs(place - places[k]) <= _SAME * abs(place)).all() for k in kept):
-            kept.append(i)
-    return events.iloc[kept]
+    among = folds["forcing"].between(min(levels), max(levels)) if levels else folds["forcing"].isna()
+    return shown["omega"][is_marked].to_numpy(float), folds["omega"][among].to_numpy(float)

@@ -19,6 +19,7 @@ from .drawing import (
     around,
     axes_of,
     legend,
+    limits_of,
     logarithmic,
     name_curves,
     spread,
@@ -26,9 +27,11 @@ from .drawing import (
 )
 from .errors import Damaged, LeftOut
 from .maps import isola_map
+from .stored.motions import index_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.lines import Line2D
 
     from .stored.motions import Motions
     from .stored.run import Key, StoredRun
@@ -55,6 +58,7 @@ class Plots:
         ax: Axes | None = None,
         units: str = "m,rad/s",
         backbone: bool = True,
+        frequency: tuple[float, float] | None = None,
     ) -> Axes:
         """Amplitude of a monitored dof over frequency: main branches thin, isolas and others bold, what time marching found
         unstable dashed. More than six levels are named at their peaks.
@@ -65,10 +69,13 @@ class Plots:
             ax: Axes to draw on.
             units: ``m``, ``mm`` or ``um`` and ``rad/s`` or ``Hz``, as in ``"mm,Hz"``.
             backbone: Whether the backbone is drawn as well.
+            frequency: Lowest and highest frequency shown, in the unit of the axis; by default where something happens.
 
         Raises:
-            ValueError: There is no branch at these amplitudes, no such monitored dof or unit: with those there are.
+            ValueError: There is no branch at these amplitudes, no such monitored dof or unit: with those there are. The
+                frequencies are no range.
         """
+        limits = limits_of(frequency)
         measured, number, summary = Units.read(units), self._number(monitor), self._branches(amplitudes)
         axes = axes_of(ax)
         points = self._points(number).groupby("name", sort=False)
@@ -115,7 +122,10 @@ class Plots:
         ):
             if wanted:
                 axes.plot([], [], color=SHADE, label=label, **how)
-        if shown:
+        if limits is not None:
+            axes.set_xlim(limits)
+            _fit_height(axes, curves, limits)
+        elif shown:
             axes.set_xlim(measured.frequencies(around(np.concatenate(shown), self._reach(summary))))
         self._draw_backbone(axes, measured, number, backbone)
         axes.set(
@@ -178,15 +188,27 @@ class Plots:
                 label=label,
             )
 
-    def map(self, *, ax: Axes | None = None, units: str = "m,rad/s") -> Axes:
+    def map(
+        self,
+        *,
+        ax: Axes | None = None,
+        units: str = "m,rad/s",
+        frequency: tuple[float, float] | None = None,
+    ) -> Axes:
         """Which responses exist at which forcing: branches of every level, the threshold A* along the backbones, fold
-        curves, births and merges as predicted and as computed.
+        curves, births and merges as predicted and as computed. Drawn around the branches apart from the main ones; curves of other
+        modes may go on beyond.
 
         Args:
             ax: Axes to draw on.
             units: ``rad/s`` or ``Hz``.
+            frequency: Lowest and highest frequency shown, in the unit of the axis; by default where something happens.
+
+        Raises:
+            ValueError: There is no such unit, or the frequencies are no range.
         """
-        return isola_map(self._run, self._branches(None), axes_of(ax), Units.read(units))
+        limits = limits_of(frequency)
+        return isola_map(self._run, self._branches(None), axes_of(ax), Units.read(units), limits)
 
     def balance(
         self, amplitude: float | None = None, *, mode: int | None = None, ax: Axes | None = None
@@ -255,10 +277,7 @@ class Plots:
             KeyError: There is no such dof.
         """
         measured, axes, curve = Units.read(units), axes_of(ax), self._run[branch]
-        count = curve.sizes["point"]
-        index = curve.attrs.get(point) if isinstance(point, str) else point
-        if index is None or not -count <= index < count:
-            raise IndexError(f"point {point!r} of {count}: give an index from 0, 'peak' or 'start'")
+        index = index_of(curve, point)
         series = curve.isel(point=index).time(variable, samples=512).load()
         along = next(str(axis) for axis in series.dims if axis != "time")
         is_length = variable == "displacement"
@@ -309,3 +328,12 @@ class Plots:
         if unknown := chosen - set(summary["amplitude"]):
             raise ValueError(f"no branch at A = {text(min(unknown))}; there are branches at A = {there}")
         return summary[summary["amplitude"].isin(chosen)]
+
+
+def _fit_height(axes: Axes, curves: Sequence[Line2D], limits: tuple[float, float]) -> None:
+    """The axis upwards as far as curves go between these limits."""
+    heights = [line.get_ydata()[(line.get_xdata() >= limits[0]) & (line.get_xdata() <= limits[1])] for line in curves]
+    shown = np.concatenate([np.zeros(0), *heights])
+    shown = shown[np.isfinite(shown)]
+    if len(shown) and shown.max() > 0.0:
+        axes.set_ylim(0.0, 1.08 * shown.max())

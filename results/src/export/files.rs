@@ -6,8 +6,7 @@ use super::contents::{backbone, further, monitors};
 use super::csv_columns::CsvColumns;
 use super::table::{Table, optional, text};
 use crate::curves::BackboneCurve;
-use crate::overview::Omissions;
-use crate::overview::{BranchRow, Level, Overview, unfinished};
+use crate::overview::{BranchRow, CurveEvent, Level, Omissions, Overview, curve_events, unfinished};
 use crate::store::{BifurcationRow, CurveRow, MotionRow, PushRow, Reader};
 use protocol::array::ArrayError;
 use protocol::backbone::BackboneMessage;
@@ -141,14 +140,12 @@ fn write_folds(dir: &Path, curves: &[CurveRow]) -> Result<(), ExportError> {
     table.finish()
 }
 
-/// Writes births and merges, those that were computed and those that the energy balance predicts.
+/// Writes births and merges, those that were computed, each once, and those that the energy balance predicts.
 fn write_events(dir: &Path, curves: &[CurveRow], predicted: &[(usize, Event)]) -> Result<(), ExportError> {
     let mut table = Table::create(dir, "events.csv", &names(&EVENTS))?;
-    for curve in curves {
-        for (kind, point) in curve.events() {
-            let [forcing, omega, amplitude] = [point.forcing, point.omega, point.amplitude].map(text);
-            table.row([kind, "computed", &forcing, &omega, &amplitude, "", &curve.number.to_string(), ""])?;
-        }
+    for CurveEvent { curve, kind, point } in curve_events(curves) {
+        let [forcing, omega, amplitude] = [point.forcing, point.omega, point.amplitude].map(text);
+        table.row([kind, "computed", &forcing, &omega, &amplitude, "", &curve.to_string(), ""])?;
     }
     for (backbone, event) in predicted {
         let kind = match event.kind {

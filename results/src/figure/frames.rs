@@ -4,7 +4,7 @@
 use super::style::Color;
 use super::subject::Subject;
 use crate::curves::BackboneCurve;
-use crate::overview::{Level, WindowOutcome, WindowRow, briefly};
+use crate::overview::{Level, WindowOutcome, WindowRow, briefly, elsewhere};
 use crate::words::{count, digits};
 use serde::Serialize;
 
@@ -124,7 +124,9 @@ fn window_of<'l>(level: &'l Level, backbone: &BackboneCurve, run: &Run) -> Optio
 fn name(window: Option<&WindowRow>, number: usize) -> String {
     match window.map(|window| (window.number, &window.outcome)) {
         Some((_, WindowOutcome::Found(branches))) => branches.clone(),
-        Some((number, WindowOutcome::NotFound(_))) => format!("window {number}, not found"),
+        Some((number, WindowOutcome::NotFound(_) | WindowOutcome::Elsewhere(_))) => {
+            format!("window {number}, not found")
+        }
         Some((number, WindowOutcome::Pending(_))) => format!("window {number}, pending"),
         None => format!("window {number}"),
     }
@@ -163,6 +165,7 @@ fn sentence(backbone: &BackboneCurve, number: usize, run: &Run, level: Option<(u
         (_, Some(WindowOutcome::Found(branches))) => format!(" Computed: {branches}."),
         (_, Some(WindowOutcome::Pending(_))) => " Not computed yet.".into(),
         (_, Some(WindowOutcome::NotFound(reasons))) => format!(" Computed, not found: {}.", briefly(reasons)),
+        (_, Some(WindowOutcome::Elsewhere(branches))) => format!(" Computed, not found: {}.", elsewhere(branches)),
     };
     // The same numbers as in the account.
     let (low, high) = window.map_or((low, high), |window| window.omega);

@@ -6,7 +6,7 @@ use super::folds::{EVENTS, event_label};
 use super::style::{BOLD, Color, FINE, MARK, MEDIUM, Shape, Style};
 use super::subject::{BackboneColumns, Subject};
 use crate::curves::BackboneCurve;
-use crate::overview::{WindowOutcome, WindowRow, events_of};
+use crate::overview::{Level, WindowOutcome, WindowRow, events_of};
 use crate::store::CurvePoint;
 use crate::words::digits;
 use solver::response::branch::BranchKind;
@@ -15,6 +15,10 @@ use solver::response::windows::{Event, EventKind};
 /// Thresholds are shown from the lowest level divided by the first of these to the highest one times the second, as far as folds are
 /// followed.
 const NEAR: (f64, f64) = (4.0, 2.0);
+/// What happens from the lowest level divided by the first of these to the highest one times the second is what the figure is about.
+const AMONG: (f64, f64) = (2.0, 1.25);
+/// Curves are shown this far on each side of what the figure is about, as a share of its range: those of other modes may go much farther.
+const BESIDE: f64 = 1.0;
 /// Bars are thinner where there are many: their widths together, px, and those of the main branches, which are wide.
 const TOGETHER: (f64, f64) = (100.0, 30.0);
 
@@ -30,8 +34,6 @@ pub fn figure(
     let backbone = subject.backbone()?;
     let columns = columns.ok_or("the run has no backbone yet")?;
     let others = || subject.levels.iter().flat_map(|level| level.others().map(move |other| (level.value, other)));
-    let detached = others().filter(|(_, other)| other.kind != BranchKind::Open.name());
-    let ends = detached.flat_map(|(_, other)| [other.omega.0, other.omega.1]);
     let is_near = near(subject);
     let primary = || points(backbone);
     let shown =
@@ -40,9 +42,8 @@ pub fn figure(
     let values = levels.chain(shown().map(|(threshold, _)| threshold));
     let y = Axis::logarithmic("forcing amplitude A, threshold A*", Unit::none(), values);
     let is_any = shown().next().is_some();
-    let of_backbones = shown().chain(primary().filter(|_| !is_any));
-    let events = EVENTS.iter().flat_map(|(kind, ..)| computed(subject, &y, kind)).map(|point| point.omega);
-    let x = Axis::around("", Unit::none(), of_backbones.map(|(_, omega)| omega).chain(ends).chain(events));
+    let thresholds = shown().chain(primary().filter(|_| !is_any)).map(|(_, omega)| omega);
+    let x = Axis::around("", Unit::none(), frequencies(subject, &y, thresholds));
 
     let mut drawing = Drawing { series: Vec::new(), legend: Vec::new(), store };
     let curve = Style::line(Color::Ink, MEDIUM);
@@ -68,7 +69,8 @@ pub fn figure(
     ] {
         drawing.bars(name, style, of_kind(kind));
     }
-    let missed = windows(subject, |outcome| matches!(outcome, WindowOutcome::NotFound(_)));
+    let missed =
+        windows(subject, |outcome| matches!(outcome, WindowOutcome::NotFound(_) | WindowOutcome::Elsewhere(_)));
     let alert = Style::line(Color::Alert, MEDIUM.min(thin)).with_dash(1);
     drawing.bars("windows not found", alert, missed.clone().map(|(value, window)| (value, window.omega)));
     drawing.points(
@@ -206,6 +208,30 @@ fn below_chosen() -> Style {
 /// Where this happens along fold curves, as far as the axis of A shows it.
 fn computed<'s>(subject: &Subject<'s>, y: &'s Axis, wanted: &str) -> impl Iterator<Item = &'s CurvePoint> {
     events_of(subject.curves, wanted).into_iter().filter(|point| (0.0..=1.0).contains(&y.share(point.forcing)))
+}
+
+/// Frequencies that the figure is drawn around: of branches apart from the main ones, and of what happens beside the levels; of folds,
+/// thresholds and what happens elsewhere as far as they lie beside these. Without any, of all of them.
+fn frequencies(subject: &Subject<'_>, y: &Axis, thresholds: impl Iterator<Item = f64>) -> Vec<f64> {
+    let (low, high) = super::axis::bounds(subject.levels.iter().map(|level| level.value));
+    let is_beside = |forcing: &f64| (low / AMONG.0..=high * AMONG.1).contains(forcing);
+    // Main and open branches go from one end of the frequencies to the other.
+    let detached = subject.levels.iter().flat_map(Level::others).filter(|other| other.kind != BranchKind::Open.name());
+    let ends = detached.flat_map(|other| [other.omega.0, other.omega.1]);
+    let computed = || EVENTS.iter().flat_map(|(kind, ..)| computed(subject, y, kind));
+    let predicted = subject.backbone.into_iter().chain(subject.further).flat_map(|backbone| &backbone.events);
+    let events = computed().map(|point| (point.forcing, point.omega));
+    let events = events.chain(predicted.map(|event| (event.threshold, event.omega)));
+    let core: Vec<f64> = events.filter(|(forcing, _)| is_beside(forcing)).map(|(_, omega)| omega).chain(ends).collect();
+    let folds = subject.curves.iter().flat_map(|curve| &curve.points);
+    let folds = folds.filter(|point| (low..=high).contains(&point.forcing)).map(|point| point.omega);
+    let beside = computed().map(|point| point.omega).chain(folds).chain(thresholds);
+    if core.is_empty() {
+        return beside.collect();
+    }
+    let (low, high) = super::axis::bounds(core.iter().copied());
+    let room = BESIDE * (high - low);
+    beside.map(|omega| omega.clamp(low - room, high + room)).chain(core).collect()
 }
 
 /// Thresholds along a backbone, with their frequencies.

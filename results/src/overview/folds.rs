@@ -1,7 +1,8 @@
 //! Whether folds can be followed, and what happens along their curves.
 
 use super::level::Level;
-use crate::store::{BranchRow, CurvePoint, CurveRow, WindowRow};
+use super::windows::overlaps;
+use crate::store::{CurvePoint, CurveRow, WindowRow};
 use solver::response::critical::CriticalKind;
 use solver::response::folds::{Critical, Extent, Quantity};
 use solver::settings::Settings;
@@ -30,28 +31,41 @@ pub fn later_birth<'c>(curves: &'c [CurveRow], level: &Level, window: &WindowRow
     first.filter(|birth| birth.forcing > level.value)
 }
 
-/// Whether a branch has frequencies of a window.
-pub fn overlaps(branch: &BranchRow, window: &WindowRow) -> bool {
-    branch.omega.0 <= window.omega.1 && branch.omega.1 >= window.omega.0
-}
-
 /// Relative distance up to which what happens along two curves is one thing: where a curve stops at grazing, another one may
 /// begin on it again.
 const SAME: f64 = 1e-5;
 
-/// Points of all curves at which this happens, by forcing; what two curves share once.
-pub fn events_of<'c>(curves: &'c [CurveRow], wanted: &str) -> Vec<&'c CurvePoint> {
-    let points = curves.iter().flat_map(CurveRow::events).filter(|(kind, _)| *kind == wanted);
-    let mut points: Vec<&CurvePoint> = points.map(|(_, point)| point).collect();
-    points.sort_by(|a, b| a.forcing.total_cmp(&b.forcing));
-    let mut kept: Vec<&CurvePoint> = Vec::new();
-    for point in points {
-        let mut near = kept.iter().rev().take_while(|earlier| is_near(earlier.forcing, point.forcing));
-        if !near.any(|earlier| is_same(earlier, point)) {
-            kept.push(point);
+/// What happens along a fold curve.
+#[derive(Debug, Clone, Copy)]
+pub struct CurveEvent<'c> {
+    /// Number of the curve, from 1.
+    pub curve: usize,
+    /// `birth`, `merge`, …
+    pub kind: &'c str,
+    /// Where.
+    pub point: &'c CurvePoint,
+}
+
+/// What happens along the curves, one after the other; what two curves share stands once, at the first of them.
+pub fn curve_events(curves: &[CurveRow]) -> Vec<CurveEvent<'_>> {
+    let all = curves
+        .iter()
+        .flat_map(|curve| curve.events().map(|(kind, point)| CurveEvent { curve: curve.number, kind, point }));
+    let mut kept: Vec<CurveEvent<'_>> = Vec::new();
+    for event in all {
+        if !kept.iter().any(|earlier| earlier.kind == event.kind && is_same(earlier.point, event.point)) {
+            kept.push(event);
         }
     }
     kept
+}
+
+/// Points at which this happens, by forcing; what two curves share once.
+pub fn events_of<'c>(curves: &'c [CurveRow], wanted: &str) -> Vec<&'c CurvePoint> {
+    let found = curve_events(curves).into_iter().filter(|event| event.kind == wanted);
+    let mut points: Vec<&CurvePoint> = found.map(|event| event.point).collect();
+    points.sort_by(|a, b| a.forcing.total_cmp(&b.forcing));
+    points
 }
 
 /// Whether what happens at two points is one thing.
@@ -61,4 +75,30 @@ pub(super) fn is_same(one: &CurvePoint, other: &CurvePoint) -> bool {
 
 fn is_near(a: f64, b: f64) -> bool {
     (a - b).abs() <= SAME * a.abs().max(b.abs())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_two_curves_share_is_one_event() {
+        let point = |forcing, omega, event: &str| CurvePoint {
+            forcing,
+            omega,
+            amplitude: 1.0,
+            event: (!event.is_empty()).then(|| event.into()),
+        };
+        let curve = |number, points| CurveRow { number, points, ..CurveRow::default() };
+        let curves = [
+            curve(1, vec![point(3.0, 2.0, "merge"), point(2.0, 2.0, ""), point(1.0, 2.0, "birth")]),
+            // The same birth but for rounding, a merge where the birth is, and another birth at the same forcing.
+            curve(2, vec![point(1.0 + 1e-6, 2.0, "birth"), point(1.0, 2.0, "merge"), point(1.0, 2.1, "birth")]),
+        ];
+        let found: Vec<(usize, &str)> = curve_events(&curves).iter().map(|event| (event.curve, event.kind)).collect();
+        assert_eq!(found, [(1, "merge"), (1, "birth"), (2, "merge"), (2, "birth")]);
+        let forcings = |kind| events_of(&curves, kind).iter().map(|point| point.forcing).collect::<Vec<_>>();
+        assert_eq!(forcings("birth"), [1.0, 1.0]);
+        assert_eq!(forcings("merge"), [1.0, 3.0]);
+    }
 }

@@ -1,6 +1,8 @@
 //! A forcing level: what was found there.
 
 use super::omissions::Omissions;
+use super::reasons::briefly;
+use super::windows::{elsewhere, tell_elsewhere};
 use crate::store::{BranchRow, Reader, WindowOutcome, WindowRow};
 use serde::Serialize;
 
@@ -53,11 +55,13 @@ impl Level {
         let (refuted, disputed) = repeated.unwrap_or_default();
         let seeds = omissions.read(format_args!("The number of seeds at A = {name} is"), reader.tried_seeds(level));
         let (tried, failed) = seeds.unwrap_or_default();
+        let mut windows = windows.unwrap_or_default();
+        windows.iter_mut().for_each(|window| tell_elsewhere(window, branches.as_deref().unwrap_or_default()));
         Self {
             amplitude: name,
             value,
             branches: branches.unwrap_or_default(),
-            windows: windows.unwrap_or_default(),
+            windows,
             main_failure: failure.flatten(),
             pending,
             dead,
@@ -122,11 +126,12 @@ impl Level {
         self.is_complete() && self.not_found().next().is_none()
     }
 
-    /// Windows that led to no branch, with the reasons.
-    pub fn not_found(&self) -> impl Iterator<Item = (&WindowRow, &str)> {
+    /// Windows in whose range of frequencies their seeds led to no branch, with the reasons in few words.
+    pub fn not_found(&self) -> impl Iterator<Item = (&WindowRow, String)> {
         self.windows.iter().filter_map(|window| match &window.outcome {
-            WindowOutcome::NotFound(reasons) => Some((window, reasons.as_str())),
-            _ => None,
+            WindowOutcome::NotFound(reasons) => Some((window, briefly(reasons))),
+            WindowOutcome::Elsewhere(branches) => Some((window, elsewhere(branches))),
+            WindowOutcome::Found(_) | WindowOutcome::Pending(_) => None,
         })
     }
 }

@@ -15,10 +15,11 @@ mod reasons;
 mod truncation;
 mod unfinished;
 mod verified;
+mod windows;
 
 pub use doubts::doubts;
 pub use events::events_sentence;
-pub use folds::{events_of, later_birth, most_folds, overlaps, why_no_folds};
+pub use folds::{CurveEvent, curve_events, events_of, later_birth, most_folds, why_no_folds};
 pub use lesser::Lesser;
 pub use level::{Level, Seeds, highest, is_untouched};
 pub use near_largest::near_largest;
@@ -26,6 +27,7 @@ pub use omissions::Omissions;
 pub use reasons::briefly;
 pub use truncation::{is_unconfirmed, truncation};
 pub use unfinished::unfinished;
+pub use windows::{elsewhere, overlaps};
 
 pub use crate::store::{BranchRow, Origin, WindowOutcome, WindowRow};
 

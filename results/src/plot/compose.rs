@@ -2,6 +2,7 @@
 
 use super::motion;
 use super::named::{level, monitor};
+use super::part::cut;
 use super::request::{Along, FigureName, Request};
 use super::sheet::Sheet;
 use crate::compare::Comparison;
@@ -41,6 +42,9 @@ pub fn compose(reader: &Reader, request: &Request) -> Result<(Sheet, Omissions),
         };
         figure.legend.retain(|entry| frame.is_some() || !entry.by_amplitude);
         figure.title = frame.as_ref().map(|frame| format!("windows at {}", frame.name));
+        if let Some(range) = request.frequency {
+            cut(&mut figure, &report.figures.columns, range);
+        }
         let choice = choice(request, monitor);
         Sheet { figure, columns: std::mem::take(&mut report.figures.columns), choice, frame }
     };
@@ -66,10 +70,13 @@ pub fn compose_several(runs: &[(String, Reader)], request: &Request) -> Result<(
     };
     let mut comparison = Comparison::new(runs.iter().map(read).collect::<Result<_, _>>()?);
     let name = request.figure.name();
-    let Some(figure) = comparison.figures.drawn.remove(name) else {
+    let Some(mut figure) = comparison.figures.drawn.remove(name) else {
         let why = comparison.figures.nothing.remove(name).unwrap_or_default();
         return Err(Error::Other(format!("nothing to draw: {why}")));
     };
+    if let Some(range) = request.frequency {
+        cut(&mut figure, &comparison.figures.columns, range);
+    }
     let sheet = Sheet { figure, columns: std::mem::take(&mut comparison.figures.columns), choice: 0, frame: None };
     Ok((sheet, comparison.reports.into_iter().map(|report| report.omissions).collect()))
 }

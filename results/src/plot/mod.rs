@@ -6,6 +6,7 @@ mod file;
 mod layout;
 mod motion;
 mod named;
+mod part;
 mod request;
 mod sheet;
 mod sizes;

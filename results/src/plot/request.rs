@@ -50,6 +50,8 @@ pub struct Request {
     pub at: Option<String>,
     /// What balance and modes are drawn over.
     pub along: Option<Along>,
+    /// Frequencies that are shown, rad/s, lowest and highest; not for every figure. Where something happens if `None`.
+    pub frequency: Option<(f64, f64)>,
 }
 
 impl FigureName {
@@ -93,21 +95,29 @@ impl FigureName {
         }
     }
 
-    /// Refuses options that mean nothing for this figure.
+    /// Refuses options that mean nothing for this figure, and frequencies that are no range.
     ///
     /// # Errors
-    /// With the figures that take the option.
+    /// With the figures that take the option, or what it has to be.
     pub(super) fn accepts(self, request: &Request) -> Result<(), Error> {
         use FigureName::{Backbone, Balance, Map, Modes, Motion, Resonance, Response};
-        let options: [(&str, bool, &[Self]); 5] = [
+        let options: [(&str, bool, &[Self]); 6] = [
             ("--levels", request.levels.is_some(), &[Response, Map, Resonance]),
             ("--monitor", request.monitor.is_some(), &[Response, Backbone, Motion, Balance, Modes]),
             ("--amplitude", request.amplitude.is_some(), &[Balance, Backbone]),
             ("--at", request.at.is_some(), &[Motion]),
             ("--along", request.along.is_some(), &[Balance, Modes]),
+            ("--frequency", request.frequency.is_some(), &[Response, Map, Backbone]),
         ];
         match options.into_iter().find(|(_, is_given, figures)| *is_given && !figures.contains(&self)) {
-            None => Ok(()),
+            None => match request.frequency {
+                Some((low, high)) if !(low.is_finite() && high.is_finite() && low < high) => {
+                    Err(Error::Usage(format!(
+                        "--frequency {low} {high}: the lowest and the highest frequency shown, rad/s, the first below the second"
+                    )))
+                }
+                _ => Ok(()),
+            },
             Some((option, _, figures)) => {
                 let names: Vec<String> = figures.iter().map(|figure| figure.to_string()).collect();
                 Err(Error::Usage(format!("{option}: not for the figure {self}, but for {}", names.join(", "))))

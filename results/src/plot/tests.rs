@@ -5,7 +5,7 @@ use crate::curves::BackboneCurve;
 use crate::figure::{Figures, LIGHT, Style, run_points};
 use crate::fixture::Study;
 use crate::report::{Report, Selection};
-use crate::store::{BranchRow, Reader};
+use crate::store::{BranchRow, CurvePoint, CurveRow, Reader};
 use solver::response::branch::BranchKind;
 use std::path::Path;
 use tempfile::{TempDir, tempdir};
@@ -13,7 +13,8 @@ use tempfile::{TempDir, tempdir};
 /// A request as `isola plot` would make it of these options.
 fn request(options: &[&str]) -> Request {
     let figure = FigureName::Response;
-    let mut request = Request { figure, levels: None, monitor: None, amplitude: None, at: None, along: None };
+    let mut request =
+        Request { figure, levels: None, monitor: None, amplitude: None, at: None, along: None, frequency: None };
     for pair in options.chunks(2) {
         let value = || Some(pair[1].to_string());
         match pair[0] {
@@ -22,6 +23,10 @@ fn request(options: &[&str]) -> Request {
             "--amplitude" => request.amplitude = value(),
             "--at" => request.at = value(),
             "--along" => request.along = Some(if pair[1] == "omega" { Along::Omega } else { Along::Amplitude }),
+            "--frequency" => {
+                let (low, high) = pair[1].split_once(' ').unwrap();
+                request.frequency = Some((low.parse().unwrap(), high.parse().unwrap()));
+            }
             option => panic!("{option}"),
         }
     }
@@ -136,6 +141,47 @@ fn map_and_resonance_show_levels() {
     assert!(!map.legend.iter().any(|entry| entry.text.contains("further")), "{:?}", map.legend);
     let drawn = sheet(&run, &["--figure", "resonance"]).unwrap();
     assert_eq!(drawn.figure.panels.iter().map(|panel| panel.series.len()).collect::<Vec<_>>(), [3, 3]);
+}
+
+/// The map is drawn around the isola, however far curves of another mode go, and shows what lies beside it.
+#[test]
+fn the_map_is_about_isolas_and_frequencies_are_chosen() {
+    let dir = damper();
+    let run = dir.path().join("run");
+    let mut report = Report::read(&Reader::open(&run).unwrap(), &Selection::All).unwrap();
+    let isola = report.overview.levels[1].others().next().unwrap().omega;
+    let range = |report: &Report| Figures::new(&report.subject()).drawn["map"].panels[0].x[0].range;
+    let (before, width) = (range(&report), isola.1 - isola.0);
+    assert!(before.0 < isola.0 && isola.1 < before.1, "{before:?} around {isola:?}");
+    let mut other = report.backbone.clone().unwrap();
+    other.omega.values.iter_mut().for_each(|omega| *omega *= 7.0);
+    report.further = vec![BackboneCurve { mode: 1, ..other }];
+    let fold = |omega| CurvePoint { forcing: 0.005, omega, amplitude: 1.0, event: None };
+    report.curves = vec![CurveRow { points: vec![fold(0.1), fold(9.0)], ..CurveRow::default() }];
+    let (low, high) = range(&report);
+    assert!(low <= before.0 && before.1 <= high && high - low < 3.5 * width, "{low} to {high}, {before:?}");
+    // Where nothing is there but main branches, and nothing happens, folds and thresholds are what it is about.
+    report.overview.levels[1].branches.retain(BranchRow::is_main);
+    report.further[0].events.clear();
+    report.backbone.iter_mut().for_each(|backbone| backbone.events.clear());
+    let (low, high) = range(&report);
+    assert!(low < 0.1 && 9.0 < high, "{low} to {high}");
+
+    let cut = |figure| sheet(&run, &["--figure", figure, "--frequency", "0.99 1.005"]).unwrap();
+    for figure in ["map", "response", "backbone"] {
+        assert_eq!(cut(figure).figure.panels[0].x[0].range, (0.99, 1.005), "{figure}");
+    }
+    // Beside the peaks amplitudes are smaller.
+    let top = |sheet: Sheet| sheet.figure.panels[0].y[0].range.1;
+    let beside = sheet(&run, &["--figure", "response", "--frequency", "0.5 0.9"]).unwrap();
+    assert!(0.0 < top(beside.clone()) && top(beside) < 0.5 * top(cut("response")));
+    let error = |options: &[&str]| sheet(&run, options).unwrap_err();
+    assert_eq!(
+        error(&["--figure", "map", "--frequency", "2 1"]),
+        "--frequency 2 1: the lowest and the highest frequency shown, rad/s, the first below the second"
+    );
+    let elsewhere = error(&["--figure", "resonance", "--frequency", "1 2"]);
+    assert_eq!(elsewhere, "--frequency: not for the figure resonance, but for response, map, backbone");
 }
 
 #[test]

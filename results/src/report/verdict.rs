@@ -135,9 +135,10 @@ impl<'r> Evidence<'r> {
             Some(highest) => {
                 let ranges = joined(self.with_isolas().flat_map(Level::isolas).map(|isola| isola.omega));
                 parts.push(format!(
-                    "Between {}: there an isola, a closed branch apart from the main one, is another periodic response at \
+                    "Between {}{}: there an isola, a closed branch apart from the main one, is another periodic response at \
                      the same forcing, with up to {}.",
                     in_words(&ranges),
+                    over(&self.with_isolas().collect::<Vec<_>>()),
                     at(highest)
                 ));
             }
@@ -336,8 +337,8 @@ impl<'r> Evidence<'r> {
                 (ratio - 1.0) * 100.0
             ),
             ratio => format!(
-                "Yes, though the main branch goes higher: at A = {amplitude} up to {stops}, an isola up to {goes}, {:.0} % \
-                 less.",
+                "Yes, the isolas, but not the largest response: at A = {amplitude} the main branch goes up to {stops}, an isola \
+                 up to {goes}, {:.0} % less.",
                 (1.0 - ratio) * 100.0
             ),
         }
@@ -364,6 +365,21 @@ fn joined(ranges: impl Iterator<Item = (f64, f64)>) -> Vec<(f64, f64)> {
         }
     }
     list
+}
+
+/// Of which levels the ranges of isolas are: at one of them alone, or of all together, each of which has a part of them.
+fn over(levels: &[&Level]) -> String {
+    match levels {
+        [] => String::new(),
+        [only] => format!(", at A = {}", only.amplitude),
+        [first, last] => {
+            format!(", taken over both levels with isolas (A = {} and {})", first.amplitude, last.amplitude)
+        }
+        [first, .., last] => {
+            let (first, last) = (&first.amplitude, &last.amplitude);
+            format!(", taken over all {} levels with isolas (A = {first} to {last})", levels.len())
+        }
+    }
 }
 
 /// Ranges that a sentence names; the others are only counted.

@@ -140,8 +140,10 @@ pub struct WindowRow {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum WindowOutcome {
-    /// It led to these branches.
+    /// It led to these branches, of which one at least has frequencies of it.
     Found(String),
+    /// It led to these branches alone, which have other frequencies.
+    Elsewhere(String),
     /// Every seed was tried, none led to a branch, for these reasons.
     NotFound(String),
     /// Seeds are left to be tried; reasons why some were given up.
@@ -221,7 +223,7 @@ impl Reader {
         })
     }
 
-    /// Windows of a level, in the order of the backbones.
+    /// Windows of a level, in the order of the backbones; those are found that led to a branch, wherever it lies.
     pub(crate) fn windows(&self, level: i64) -> Result<Vec<WindowRow>> {
         let seeds = self.seeds(level)?;
         let mode = self.mode_of_windows()?;
@@ -305,6 +307,7 @@ impl WindowOutcome {
     pub fn words(&self) -> [&str; 3] {
         match self {
             WindowOutcome::Found(branches) => ["found", branches, ""],
+            WindowOutcome::Elsewhere(branches) => ["elsewhere", branches, ""],
             WindowOutcome::NotFound(reasons) => ["not_found", "", reasons],
             WindowOutcome::Pending(reasons) => ["pending", "", reasons],
         }

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from .store import Reading
 
 #: A column of a table with its comment, as the program writes them.
-_COLUMN = re.compile(r"((?:[ \t]*--[^\n]*\n)+)[ \t]*\"?(\w+)\"?[ \t]+(?:REAL|INTEGER)")
+_COLUMN = re.compile(r"((?:[ \t]*--[^\n]*\n)+)[ \t]*\"?(\w+)\"?[ \t]+(?:REAL|INTEGER|TEXT)")
 #: What a comment says if the array of the same name has a number for each of them: axis.
 _OF_EACH = {"of the first monitored dof": "monitor", "the largest over the contact elements": "element"}
 #: The units that end a comment.
@@ -25,11 +25,14 @@ class Column:
     unit: str = "1"
     #: Axes of the array after that of the points; None: as far as it is known, one number a point.
     axes: tuple[str, ...] | None = None
+    #: What else has to be known of the numbers.
+    comment: str = ""
 
     @property
     def attributes(self) -> dict[str, str]:
         """As xarray wants them."""
-        return {"long_name": self.meaning, "units": self.unit}
+        comment = {"comment": self.comment} if self.comment else {}
+        return {"long_name": self.meaning, "units": self.unit, **comment}
 
 
 #: What tables of points do not document: arrays that have no column of their own.
@@ -44,6 +47,11 @@ ARRAYS = {
     "displacement": Column("Displacements", "m", ("dof",)),
     "contributions": Column("Modal contributions, summing to 1", "1", ("mode",)),
 }
+#: What the attribute `comment` says of columns that are known at some points only.
+_COMMENTS = {
+    "multiplier": "NaN at points whose frequency no marched orbit has, and so of all points that were not verified: verified() has the others",
+    "stable": "stable, unstable, marginal, none (no periodic motion near) or not_comparable; empty where nothing was verified",
+}
 #: Those of them that are complex harmonics, axis k last.
 HARMONIC = ("argument", "modal", "displacement")
 
@@ -53,7 +61,7 @@ def documented(reading: Reading, table: str) -> dict[str, Column]:
     found = {}
     for comment, name in _COLUMN.findall(reading.definition(table)):
         text = " ".join(line.strip().removeprefix("--").strip() for line in comment.splitlines())
-        found[name] = _column(text.removesuffix("."))
+        found[name] = replace(_column(text.removesuffix(".")), comment=_COMMENTS.get(name, ""))
     return {**found, **ARRAYS}
 
 

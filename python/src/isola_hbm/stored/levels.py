@@ -105,9 +105,20 @@ def windows(reading: Reading, level: Level) -> list[Row]:
     for row in rows:
         of_window = [seed for seed in seeds if seed["window"] == row["window"]]
         row["outcome"], row["branch"], row["reason"] = _outcome(of_window)
+        if row["outcome"] == "found" and not any(_is_there(level, row, name) for name in row["branch"].split("; ")):
+            row["outcome"] = "elsewhere"
         # Runs of earlier programs followed one mode.
         row.setdefault("mode", primary_mode(reading))
     return rows
+
+
+def _is_there(level: Level, window: Row, name: str) -> bool:
+    """Whether a branch to which a window led has frequencies of it, as far as is known. Main branches go past all frequencies."""
+    row = next((row for row in level.branches if name_of(row) == name), None)
+    if row is None or row["kind"] == "main":
+        return True
+    ends = [row["omega_min"], row["omega_max"], window["omega_min"], window["omega_max"]]
+    return None not in ends and bool(ends[0] <= ends[3] and ends[1] >= ends[2])
 
 
 def _seeds(reading: Reading, level: int) -> list[Row]:
@@ -122,7 +133,7 @@ def _seeds(reading: Reading, level: int) -> list[Row]:
 
 
 def _outcome(seeds: list[Row]) -> tuple[str, str, str]:
-    """What became of a window, the branches found there, the reasons why not."""
+    """What became of a window, the branches that its seeds led to, the reasons why to none."""
     found = _distinct(seed["branch"] for seed in seeds)
     if found:
         return "found", found, ""

@@ -61,6 +61,29 @@ class Motions(xr.Dataset):
         return xr.Dataset({variable: values}, {**coordinates, "time": instants})[variable]
 
 
+    def verified(self) -> Motions:
+        """The points of which the Floquet multipliers are known: those whose frequency a marched orbit has. Everywhere else
+        `multiplier` is NaN, and of branches that were not verified there are none.
+
+        >>> branch.verified()["multiplier"].plot(x="omega")
+        """
+        known = np.isfinite(self["multiplier"].to_numpy()) if "multiplier" in self else np.zeros(0, dtype=bool)
+        return self.isel(point=np.flatnonzero(known))
+
+
+def index_of(curve: Motions, point: int | str) -> int:
+    """The index of a point of a branch: from 0 (from the end, if negative), or of ``"peak"`` or ``"start"``.
+
+    Raises:
+        IndexError: There is no such point.
+    """
+    count = curve.sizes["point"]
+    index = curve.attrs.get(point) if isinstance(point, str) else operator.index(point)
+    if index is None or not -count <= index < count:
+        raise IndexError(f"point {point!r} of {count}: give an index from 0, 'peak' or 'start'")
+    return int(index)
+
+
 class _Series(BackendArray):
     """A sum of harmonics over a period, of what is asked for."""
 

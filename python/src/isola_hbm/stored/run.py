@@ -17,7 +17,7 @@ from ..live import types
 from ..program import Page, page
 from . import check, curves, tables
 from .levels import Omissions, levels, named
-from .motions import Motions
+from .motions import Motions, index_of
 from .names import Names, model
 from .store import Reading, Row, Store
 from .verified import name_of
@@ -106,8 +106,9 @@ class StoredRun(Mapping[str, Motions]):
 
     @property
     def windows(self) -> pd.DataFrame:
-        """Every window that the energy balance predicts, with the branch found there or the reason why not: the columns of
-        ``windows.csv`` (rad/s; modes from 1; points of the backbone from 0)."""
+        """Every window that the energy balance predicts, with the branches that its seeds led to or the reason why
+        to none: the columns of ``windows.csv`` (rad/s; modes from 1; points of the backbone from 0). `outcome` is ``found``,
+        ``elsewhere`` (none of the branches has its frequencies), ``not_found`` or ``pending``."""
         return self._read(tables.windows)
 
     @property
@@ -210,6 +211,42 @@ class StoredRun(Mapping[str, Motions]):
             )
 
         return self._read(read)
+
+    def state(self, branch: Key, point: int | str = "peak") -> xr.Dataset:
+        """The motion at a point of a branch at t = 0, of all dofs: `displacement` x(0) in m and `velocity` v(0) in m/s. From there
+        M x'' + C x' + K x + f(x, x') = A s cos(m ω t) can be integrated in time, f being the laws, A the forcing amplitude
+        (`attrs["forcing"]`), s the shape of the forcing and m its harmonic (``run.model``), ω the coordinate `omega`.
+
+        >>> start = run.state("60/isola 1")
+        >>> start["displacement"].sel(dof="b0.r"), start["velocity"].values, float(start["omega"])
+
+        Args:
+            branch: Name of the branch, ``"60/isola 1"``.
+            point: Index of the point from 0, ``"peak"`` or ``"start"``.
+
+        Raises:
+            NoSuchBranch: There is no such branch.
+            IndexError: It has no such point.
+            Damaged: Its harmonics cannot be read.
+        """
+        curve, shapes = self[branch], self.shapes
+        index = index_of(curve, point)
+        at = curve.isel(point=index)
+        # x(t) = Re Σ_k X_k exp(i k ω t), and so is its derivative.
+        harmonics = xr.dot(shapes, at["modal"].load(), dim="mode")
+        rates = 1j * at["omega"] * at["harmonic"]
+        displacement = harmonics.sum("harmonic").real.drop_vars("omega", errors="ignore")
+        velocity = (rates * harmonics).sum("harmonic").real.drop_vars("omega", errors="ignore")
+        attributes = {name: curve.attrs[name] for name in ("name", "level")}
+        attributes |= {"forcing": curve.attrs["level_value"], "point": index}
+        return xr.Dataset(
+            {
+                "displacement": ("dof", displacement.values, {"long_name": "Displacements at t = 0", "units": "m"}),
+                "velocity": ("dof", velocity.values, {"long_name": "Velocities at t = 0", "units": "m/s"}),
+            },
+            {"dof": shapes["dof"], "omega": at["omega"].drop_vars("omega", errors="ignore").variable},
+            attributes,
+        )
 
     def check(self) -> list[str]:
         """Everything that is damaged, gone or not there yet, in sentences; none of a finished run that is whole.

@@ -42,6 +42,8 @@ _INTERNAL = {"id", "level", "special", "number"}
 #: Columns of text; integers that may be missing; all others are real.
 _TEXTS = {"kind", "status", "peak_standing", "outcome", "reason", "source", "task"}
 _INTEGERS = {"points", "family", "window", "mode", "first", "last", "best", "rejections", "curve", "backbone"}
+#: Relative distance up to which what happens along two curves is one thing, as the program has it.
+_SAME = 1e-5
 #: Relative height below which an extremum of the threshold curve is noise.
 _PROMINENCE = 1e-3
 #: Thresholds below the first of these are rounding, those farther from the levels than the second factor are not theirs, and a
@@ -180,11 +182,30 @@ def events(reading: Reading, omissions: Omissions) -> pd.DataFrame:
             "SELECT event AS kind, 'computed' AS source, forcing, omega, amplitude, curve FROM curve_points "
         )
         sql += "WHERE event IS NOT NULL ORDER BY curve, i"
-        rows = omissions.attempt("Computed events are", lambda: reading.rows(sql)) or []
+        rows = _once(omissions.attempt("Computed events are", lambda: reading.rows(sql)) or [])
     for mode in modes(reading):
         what = f"Events predicted along the backbone of mode {mode['mode']} are"
         rows += omissions.attempt(what, partial(_predicted, reading, mode)) or []
     return _frame(EVENTS, rows)
+
+
+def _once(events: list[Row]) -> list[Row]:
+    """Computed events; what two curves share stands once, at the first of them."""
+
+    def is_near(one: Row, other: Row, name: str) -> bool:
+        a, b = one[name], other[name]
+        return a is not None and b is not None and abs(a - b) <= _SAME * max(abs(a), abs(b))
+
+    kept: list[Row] = []
+    for event in events:
+        if not any(
+            event["kind"] == other["kind"]
+            and is_near(event, other, "forcing")
+            and is_near(event, other, "omega")
+            for other in kept
+        ):
+            kept.append(event)
+    return kept
 
 
 def _predicted(reading: Reading, row: Row) -> list[Row]:

@@ -145,13 +145,18 @@ fn isolas_apart() {
     let [danger, onset, missed] = texts(&levels);
     assert_eq!(
         danger,
-        "Between 120 and 140 rad/s (19.1 and 22.28 Hz), or between 150 and 165 rad/s (23.87 and 26.26 Hz): there an \
-         isola, a closed branch apart from the main one, is another periodic response at the same forcing, with up to \
+        "Between 120 and 140 rad/s (19.1 and 22.28 Hz), or between 150 and 165 rad/s (23.87 and 26.26 Hz), taken over \
+         all 3 levels with isolas (A = 2 to 5): there an isola, a closed branch apart from the main one, is another periodic response at the same forcing, with up to \
          2 mm at tip. The largest computed response, 2.5 mm at tip (gap 0.4 mm), is on the main branch, at 100 rad/s \
          (15.92 Hz) and A = 4. Whether isolas are stable and what leads there was not verified. Whether the largest \
          response is stable was not verified. Looked for: the windows of mode 1 at 5 levels (10 seeds tried); isolas of other modes, of sub- \
          and super-harmonics and those that no energy balance of mode 1 leads to were not looked for."
     );
+    let [danger, ..] = texts(&levels[..3]);
+    assert!(danger.contains(", taken over both levels with isolas (A = 2 and 3): there an isola"), "{danger}");
+    // Of one level they are its own.
+    let [danger, ..] = texts(&levels[..2]);
+    assert!(danger.contains("(23.87 and 25.46 Hz), at A = 2: there an isola"), "{danger}");
     // Found and not predicted is said as one thing.
     assert_eq!(onset, "Isolas were found at A = 2 to 3, 5; the energy balance of mode 1 does not predict them.");
     assert!(missed.starts_with("Yes. At A = 2 it goes up to 1 mm at 100 rad/s"), "{missed}");
@@ -235,7 +240,10 @@ fn where_the_last_one_ends() {
     let [_, onset, missed] = texts(&levels);
     let end = "At A = 2 none was found any more: the main branch goes up to 3 mm at 100 rad/s (15.92 Hz).";
     assert!(onset.contains(end), "{onset}");
-    assert!(missed.starts_with("Yes, though the main branch goes higher: at A = 1 up to 1 mm"), "{missed}");
+    assert!(
+        missed.starts_with("Yes, the isolas, but not the largest response: at A = 1 the main branch goes up to 1 mm"),
+        "{missed}"
+    );
     assert!(missed.ends_with("10 % less."), "{missed}");
     // Where tasks are left, where the main branch stalled, where a branch is not known for what it is: nobody knows.
     let stalled = [("2".to_string(), Outcome::Open(Stop::FrequencyBound, Stop::Reversed))];
