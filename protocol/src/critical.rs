@@ -60,6 +60,11 @@ impl CriticalMessage {
         if last >= points.len() {
             return Err(ArrayError::Special { index: last, points: points.len() });
         }
+        let is_number =
+            |(forcing, omega): (f64, f64)| forcing > 0.0 && omega > 0.0 && forcing.is_finite() && omega.is_finite();
+        if let Some(event) = self.events.iter().find(|event| !event.doubled.is_none_or(is_number)) {
+            return Err(ArrayError::Forcing { index: event.index });
+        }
         // What crosses a level is told by the forcing.
         let is_none = |point: &BranchPoint| !(point.state.forcing > 0.0 && point.state.forcing.is_finite());
         if let Some(index) = points.iter().position(is_none) {

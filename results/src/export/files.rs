@@ -40,7 +40,8 @@ pub(super) const WINDOWS: [&str; 10] =
     ["amplitude", "window", "omega_min", "omega_max", "omega_best", "threshold", "outcome", "branch", "reason", "mode"];
 
 pub(super) const FOLDS: [&str; 5] = ["curve", "forcing", "omega", "amplitude", "kind"];
-pub(super) const EVENTS: [&str; 8] = ["kind", "source", "forcing", "omega", "amplitude", "mode", "curve", "backbone"];
+pub(super) const EVENTS: [&str; 10] =
+    ["kind", "source", "forcing", "omega", "amplitude", "mode", "curve", "backbone", "forcing_2h", "omega_2h"];
 
 pub(super) const BIFURCATIONS: [&str; 5] = ["forcing", "branch", "kind", "omega", "amplitude"];
 
@@ -145,7 +146,9 @@ fn write_events(dir: &Path, curves: &[CurveRow], predicted: &[(usize, Event)]) -
     let mut table = Table::create(dir, "events.csv", &names(&EVENTS))?;
     for CurveEvent { curve, kind, point } in curve_events(curves) {
         let [forcing, omega, amplitude] = [point.forcing, point.omega, point.amplitude].map(text);
-        table.row([kind, "computed", &forcing, &omega, &amplitude, "", &curve.to_string(), ""])?;
+        let [forcing_2h, omega_2h] = point.doubled.map_or([const { String::new() }; 2], |(a, w)| [text(a), text(w)]);
+        let curve = curve.to_string();
+        table.row([kind, "computed", &forcing, &omega, &amplitude, "", &curve, "", &forcing_2h, &omega_2h])?;
     }
     for (backbone, event) in predicted {
         let kind = match event.kind {
@@ -154,7 +157,7 @@ fn write_events(dir: &Path, curves: &[CurveRow], predicted: &[(usize, Event)]) -
         };
         let [forcing, omega, amplitude] = [event.threshold, event.omega, event.amplitude].map(text);
         let mode = event.mode.map_or_else(String::new, |mode| (mode + 1).to_string());
-        table.row([kind, "predicted", &forcing, &omega, &amplitude, &mode, "", &(backbone + 1).to_string()])?;
+        table.row([kind, "predicted", &forcing, &omega, &amplitude, &mode, "", &(backbone + 1).to_string(), "", ""])?;
     }
     table.finish()
 }

@@ -98,7 +98,7 @@ mod tests {
 
     #[test]
     fn a_fold_curve_matters_where_it_may_come_back_to_a_level() {
-        let point = |forcing| CurvePoint { forcing, omega: 1.0, amplitude: 1.0, event: None };
+        let point = |forcing| CurvePoint { forcing, omega: 1.0, amplitude: 1.0, ..CurvePoint::default() };
         let curve = |first, last| CurveRow {
             number: 1,
             origin: String::new(),

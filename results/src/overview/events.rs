@@ -12,9 +12,27 @@ const NAMED: usize = 6;
 /// Of merges whose branches are not known, after others: they may be the same branches.
 const ALSO: &str = "branches also merge or part";
 
+/// Most digits of a forcing amplitude.
+const DIGITS: i32 = 5;
+
+/// Fewest digits to which a forcing amplitude and that with twice the harmonics have to agree: fewer are told with both.
+const AGREED: i32 = 3;
+
+/// The forcing amplitude of what happens at a point, with `most` digits at most, and no more than those that twice the harmonics
+/// leave as they are; where these are too few, with that of twice the harmonics.
+pub fn forcing_text(point: &CurvePoint, most: i32) -> String {
+    let own = |count| digits(point.forcing, count);
+    let Some((doubled, _)) = point.doubled else { return own(most) };
+    let agreed = (AGREED..=most).rev().map(|count| (own(count), digits(doubled, count))).find(|(a, b)| a == b);
+    match agreed {
+        Some((text, _)) => text,
+        None => format!("{}, with twice the harmonics {}", own(AGREED + 1), digits(doubled, AGREED + 1)),
+    }
+}
+
 /// Where isolas are born and where branches merge, as fold curves say; which branches, where that is known for sure.
 pub fn events_sentence(curves: &[CurveRow], frequency: impl Fn(f64) -> String) -> Option<String> {
-    let place = |point: &CurvePoint| format!("{} ({})", digits(point.forcing, 5), frequency(point.omega));
+    let place = |point: &CurvePoint| format!("{} ({})", forcing_text(point, DIGITS), frequency(point.omega));
     let part = |points: &[&CurvePoint], one: &str, many: &str| {
         let verb = if points.len() == 1 { one } else { many };
         let more = points.len().saturating_sub(NAMED);
@@ -26,8 +44,9 @@ pub fn events_sentence(curves: &[CurveRow], frequency: impl Fn(f64) -> String) -
     let deaths = events_of(curves, CriticalKind::Death.name());
     let mut told = Vec::new();
     let mut others = Vec::new();
-    for merge in merges(curves) {
-        match merge.what {
+    let merged = merges(curves);
+    for merge in &merged {
+        match &merge.what {
             Some(what) if told.len() < NAMED => told.push(format!("{what} at A = {}", place(merge.point))),
             _ => others.push(merge.point),
         }
@@ -42,7 +61,15 @@ pub fn events_sentence(curves: &[CurveRow], frequency: impl Fn(f64) -> String) -
         .chain(told)
         .chain(others)
         .collect();
-    (!parts.is_empty()).then(|| format!("Computed along fold curves: {}.", parts.join("; ")))
+    let all = || births.iter().chain(&deaths).copied().chain(merged.iter().map(|merge| merge.point));
+    let (count, unchecked) = (all().count(), all().filter(|point| point.doubled.is_none()).count());
+    let doubt = match unchecked {
+        0 => String::new(),
+        1 if count == 1 => " It was not found with twice the harmonics.".into(),
+        1 => format!(" 1 of these {count} was not found with twice the harmonics."),
+        _ => format!(" {unchecked} of these {count} were not found with twice the harmonics."),
+    };
+    (!parts.is_empty()).then(|| format!("Computed along fold curves: {}.{doubt}", parts.join("; ")))
 }
 
 #[cfg(test)]
@@ -57,6 +84,8 @@ mod tests {
             omega: 2.0 * forcing,
             amplitude: 1.0,
             event: (!event.is_empty()).then(|| event.to_string()),
+            doubled: Some((1.000_01 * forcing, 2.0 * forcing)),
+            ..CurvePoint::default()
         };
         let curve =
             |points: &[(f64, &str)]| CurveRow { points: points.iter().map(point).collect(), ..CurveRow::default() };
@@ -74,5 +103,31 @@ mod tests {
         let others = "branches also merge or part at A = 7 (14 rad/s).";
         assert_eq!(say(&[known, other]).unwrap(), format!("{before}{told}; {others}"));
         assert_eq!(say(&[]), None);
+    }
+
+    #[test]
+    fn a_forcing_has_the_digits_that_twice_the_harmonics_leave() {
+        let text = |forcing, doubled: Option<f64>| {
+            let doubled = doubled.map(|doubled| (doubled, 1.0));
+            forcing_text(&CurvePoint { forcing, doubled, ..CurvePoint::default() }, 5)
+        };
+        assert_eq!(text(5.13781, None), "5.1378");
+        assert_eq!(text(5.13781, Some(5.13779)), "5.1378");
+        assert_eq!(text(5.13781, Some(5.1362)), "5.14");
+        assert_eq!(text(5.13781, Some(4.85491)), "5.138, with twice the harmonics 4.855");
+    }
+
+    #[test]
+    fn what_twice_the_harmonics_do_not_have_is_said() {
+        let point = |doubled| CurvePoint {
+            forcing: 2.0,
+            omega: if doubled { 1.0 } else { 3.0 },
+            event: Some("birth".into()),
+            doubled: doubled.then_some((2.0, 1.0)),
+            ..CurvePoint::default()
+        };
+        let curve = CurveRow { points: vec![point(true), point(false)], ..CurveRow::default() };
+        let said = events_sentence(&[curve], |omega| omega.to_string()).unwrap();
+        assert!(said.ends_with("(3). 1 of these 2 was not found with twice the harmonics."), "{said}");
     }
 }

@@ -153,7 +153,7 @@ mod tests {
             is_unfinished: false,
             points: points
                 .iter()
-                .map(|&(forcing, omega)| CurvePoint { forcing, omega, amplitude: 1.0, event: None })
+                .map(|&(forcing, omega)| CurvePoint { forcing, omega, amplitude: 1.0, ..CurvePoint::default() })
                 .collect(),
             ..CurveRow::default()
         };

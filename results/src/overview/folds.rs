@@ -88,6 +88,7 @@ mod tests {
             omega,
             amplitude: 1.0,
             event: (!event.is_empty()).then(|| event.into()),
+            ..CurvePoint::default()
         };
         let curve = |number, points| CurveRow { number, points, ..CurveRow::default() };
         let curves = [

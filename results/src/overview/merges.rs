@@ -194,6 +194,7 @@ mod tests {
             omega: 1.0 + i as f64,
             amplitude: 1.0,
             event: event(i),
+            ..CurvePoint::default()
         };
         let crossing = |&(segment, level, branch): &(usize, &str, &str)| Crossing {
             segment,

@@ -156,7 +156,7 @@ fn the_map_is_about_isolas_and_frequencies_are_chosen() {
     let mut other = report.backbone.clone().unwrap();
     other.omega.values.iter_mut().for_each(|omega| *omega *= 7.0);
     report.further = vec![BackboneCurve { mode: 1, ..other }];
-    let fold = |omega| CurvePoint { forcing: 0.005, omega, amplitude: 1.0, event: None };
+    let fold = |omega| CurvePoint { forcing: 0.005, omega, amplitude: 1.0, ..CurvePoint::default() };
     report.curves = vec![CurveRow { points: vec![fold(0.1), fold(9.0)], ..CurveRow::default() }];
     let (low, high) = range(&report);
     assert!(low <= before.0 && before.1 <= high && high - low < 3.5 * width, "{low} to {high}, {before:?}");

@@ -19,6 +19,8 @@ use std::sync::Arc;
 
 /// First version of the schema that has fold curves.
 const SINCE: i64 = 3;
+/// First version whose curves have births and merges with twice the harmonics.
+const SINCE_DOUBLED: i64 = 9;
 
 /// A fold curve in numbers.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
@@ -59,7 +61,7 @@ impl CurveRow {
 }
 
 /// A point of a fold curve.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct CurvePoint {
     /// Forcing amplitude.
     pub forcing: f64,
@@ -69,6 +71,9 @@ pub struct CurvePoint {
     pub amplitude: f64,
     /// `birth`, `death`, `merge`, `cusp` or `unknown`.
     pub event: Option<String>,
+    /// Of a birth, death or merge: forcing amplitude and frequency, rad/s, with twice the harmonics. Nothing if it was not found there,
+    /// or in a run of an earlier program.
+    pub doubled: Option<(f64, f64)>,
 }
 
 /// What became of random starts and of the tasks that follow from folds.
@@ -129,13 +134,17 @@ pub(super) fn insert_curve(
     db.prepare_cached(sql).at(file)?.execute(row).at(file)?;
     let points = Scalars::new(&curve.points).at(file)?;
     let (forcing, amplitude) = (curve.forcing(), points.get("amplitude"));
-    let sql = "INSERT INTO curve_points (curve, i, forcing, omega, amplitude, event) VALUES (?1, ?2, ?3, ?4, ?5, ?6)";
+    let sql = "INSERT INTO curve_points (curve, i, forcing, omega, amplitude, event, forcing_2h, omega_2h) \
+               VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)";
     let mut statement = db.prepare_cached(sql).at(file)?;
     for (i, (forcing, omega)) in forcing.iter().zip(&points.omega).enumerate() {
-        let here = curve.events.iter().filter(|event| event.index == i).map(|event| event.kind);
+        let here = curve.events.iter().filter(|event| event.index == i);
         // Of two at one point the one that is more than a cusp.
-        let event = here.max_by_key(|kind| *kind != CriticalKind::Cusp).map(CriticalKind::name);
-        statement.execute(params![number + 1, i, forcing, omega, amplitude.get(i), event]).at(file)?;
+        let event = here.max_by_key(|event| event.kind != CriticalKind::Cusp);
+        let (kind, (forcing_2h, omega_2h)) =
+            (event.map(|event| event.kind.name()), event.and_then(|event| event.doubled).unzip());
+        let row = params![number + 1, i, forcing, omega, amplitude.get(i), kind, forcing_2h, omega_2h];
+        statement.execute(row).at(file)?;
     }
     Ok(())
 }
@@ -161,18 +170,21 @@ impl Reader {
                 ..CurveRow::default()
             })
         })?;
-        let sql = "SELECT curve, forcing, omega, amplitude, event FROM curve_points ORDER BY curve, i";
+        let doubled = if self.version()? < SINCE_DOUBLED { "NULL, NULL" } else { "forcing_2h, omega_2h" };
+        let sql =
+            format!("SELECT curve, forcing, omega, amplitude, event, {doubled} FROM curve_points ORDER BY curve, i");
         let point = |row: &Row<'_>| {
             let (forcing, omega, amplitude) = (number(row, 1)?, number(row, 2)?, number(row, 3)?);
-            Ok((row.get::<_, usize>(0)?, CurvePoint { forcing, omega, amplitude, event: row.get(4)? }))
+            let doubled = row.get::<_, Option<f64>>(5)?.zip(row.get(6)?);
+            Ok((row.get::<_, usize>(0)?, CurvePoint { forcing, omega, amplitude, event: row.get(4)?, doubled }))
         };
-        for (curve, point) in self.all(sql, [], point)? {
+        for (curve, point) in self.all(&sql, [], point)? {
             let row = curves.get_mut(curve.wrapping_sub(1));
             row.ok_or_else(|| self.corrupt(format!("there is no fold curve {curve}")))?.points.push(point);
         }
         for number in self.all("SELECT number FROM curves WHERE closed", [], |row| row.get::<_, usize>(0))? {
             let Some(curve) = curves.get_mut(number.wrapping_sub(1)) else { continue };
-            let first = curve.points.first().map(|first| CurvePoint { event: None, ..first.clone() });
+            let first = curve.points.first().map(|first| CurvePoint { event: None, doubled: None, ..first.clone() });
             curve.points.extend(first);
         }
         for (number, crossing) in self.crossings()? {

@@ -10,11 +10,12 @@ use std::time::Duration;
 /// Marks files of this program: "ISOL".
 pub(super) const APPLICATION: i64 = 0x4953_4F4C;
 /// Version of the schema. Earlier ones are read; runs of theirs do not go on.
-pub(super) const VERSION: i64 = 8;
+pub(super) const VERSION: i64 = 9;
 /// The first one: `branches` ends with the range of contact, branches that are not main ones are all called isolas. The second
 /// one knows the backbone of one mode, and no fold curves. The third one has no verifications. The
 /// fifth one keeps no steps of tasks under way, and no ranges with twice the harmonics. The sixth one lists no branches that branch off
-/// others. The seventh one says of a main branch that begins where the response is not linear that it does so at a bound.
+/// others. The seventh one says of a main branch that begins where the response is not linear that it does so at a bound. The eighth
+/// one has no births and merges with twice the harmonics.
 const FIRST: i64 = 1;
 /// How long a connection waits for another one.
 const PATIENCE: Duration = Duration::from_secs(10);

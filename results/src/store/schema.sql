@@ -301,6 +301,9 @@ CREATE TABLE curve_points (
     -- 'birth' (an isola appears as the forcing grows), 'death' (it vanishes), 'merge' (two branches become one, or one
     -- two), 'cusp' (two folds of a branch appear or vanish) or 'unknown' (one of these); NULL elsewhere.
     event TEXT,
+    -- Forcing amplitude and frequency of a birth, death or merge with twice the harmonics; NULL if it was not found there.
+    forcing_2h REAL,
+    omega_2h REAL,
     PRIMARY KEY (curve, i)
 ) WITHOUT ROWID;
 

@@ -50,12 +50,15 @@ impl CriticalKind {
 }
 
 /// An extremum of A along a fold or peak curve, located to rounding unless its kind is unknown.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct CriticalEvent {
     /// What it is.
     pub kind: CriticalKind,
     /// Index into [`CriticalCurve::points`].
     pub index: usize,
+    /// Of a birth, death or merge on a curve of folds: A and ω, rad/s, with twice the harmonics. Nothing if it was not found there.
+    #[serde(default)]
+    pub doubled: Option<(f64, f64)>,
 }
 
 /// A corner of a fold or peak curve: there a contact begins or ends (grazing). The curve is continuous, its tangent is not.

@@ -188,7 +188,7 @@ fn insert(visited: Vec<TracedPoint>, located: Vec<Located>) -> (Vec<TracedPoint>
     };
     let event = |(k, l): (usize, &Located)| {
         let index = if l.point.is_some() { place(l.after) + 1 + earlier(k, l) } else { place(l.nearest) };
-        CriticalEvent { kind: l.kind, index }
+        CriticalEvent { kind: l.kind, index, doubled: None }
     };
     let events = located.iter().enumerate().map(event).collect();
     let mut points = Vec::with_capacity(visited.len() + located.len());

@@ -22,6 +22,7 @@ use crate::response::critical::crossed;
 pub use crate::response::critical::{
     Corner, CriticalCurve, CriticalError, CriticalEvent, CriticalKind, Extent, Quantity,
 };
+use crate::response::critical_doubled::certify;
 use crate::response::critical_events::with_events;
 use crate::response::grazing::grazing;
 use crate::response::symmetry::{Asymmetry, up_to_branch_point};
@@ -134,7 +135,9 @@ impl<'m> Critical<'m> {
             }
         }
         let walked = walked.map_err(|failure| self.quantity_not_found(near, failure))?;
-        Ok(self.assemble(walked, corners))
+        let mut curve = self.assemble(walked, corners);
+        certify(self.model, &self.settings, extent, &mut curve, observer);
+        Ok(curve)
     }
 
     /// The fold (or peak) near a state, at its own A; where A is close to an extremum along the curve, at its own ω.

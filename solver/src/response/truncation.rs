@@ -1,10 +1,6 @@
 //! What the harmonics that were left out would change: penetration, pressure beyond H, the peak and the ends of the range
 //! with twice the harmonics.
 
-use crate::curve::continuation::{Continuation, ContinuationSettings, CurvePoint};
-use crate::curve::extrema::locate_maximum;
-use crate::curve::problem::norm;
-use crate::curve::walk::{Evaluated, TracedPoint};
 use crate::formulation::Formulation;
 use crate::formulation::harmonics::{Transform, width};
 use crate::formulation::modal::Modal;
@@ -12,15 +8,10 @@ use crate::formulation::scales::Scales;
 use crate::formulation::unknown::Unknown;
 use crate::response::branch::{Branch, BranchPoint, Observer};
 use crate::response::certificate::{Certificate, Doubled};
+use crate::response::climb::maximum_near;
 use crate::settings::{HarmonicSettings, Settings};
 use crate::structure::Model;
 use crate::structure::laws::Law;
-
-/// Steps towards a maximum that has moved, before giving up.
-const STEPS: usize = 80;
-
-/// Points beside a maximum from which it is climbed.
-const BESIDE: usize = 2;
 
 /// The certificate of a branch. The observer is told of every step; breaking leaves out what is missing.
 pub(super) fn certificate<'m, F: Formulation<'m>>(
@@ -107,100 +98,19 @@ fn doubled<'m, F: Formulation<'m>>(
     branch: &Branch,
     observer: &mut Observer<'_>,
 ) -> Option<Doubled> {
-    let truncation = HarmonicSettings {
-        count: 2 * settings.harmonics.count,
-        samples: settings.harmonics.samples.max(8 * settings.harmonics.count),
-        ..settings.harmonics
-    };
     let unknown = Unknown::Frequency { forcing: branch.forcing };
     let scales = Scales::new(model, settings.tracked());
-    let problem = F::build(model, truncation, settings.tracked(), unknown, scales).ok()?;
-    let mut refined = Refined { problem, settings, branch };
-    let peak = refined.maximum(&|point| point.amplitude(), observer)?;
-    let mut end = |sign: f64| refined.maximum(&|point| sign * point.omega(), observer).map(|point| point.omega());
+    let mut problem = F::build(model, settings.harmonics.doubled(), settings.tracked(), unknown, scales).ok()?;
+    let points = &branch.points;
+    let mut maximum = |measure: &dyn Fn(&BranchPoint) -> f64| {
+        let top = (0..points.len()).max_by(|&a, &b| measure(&points[a]).total_cmp(&measure(&points[b])))?;
+        let curve = (points.as_slice(), branch.is_closed());
+        maximum_near(&mut problem, settings.continuation, curve, top, measure, observer)
+    };
+    let peak = maximum(&|point| point.amplitude())?;
+    let mut end = |sign: f64| maximum(&|point| sign * point.omega()).map(|point| point.omega());
     let range = if branch.is_closed() { end(-1.0).zip(end(1.0)) } else { None };
     Some(Doubled { amplitude: peak.amplitude(), shift: peak.omega() / branch.peak().omega() - 1.0, range })
-}
-
-/// A branch near which one is looked for with more harmonics.
-struct Refined<'b, F> {
-    problem: F,
-    settings: &'b Settings,
-    branch: &'b Branch,
-}
-
-impl<'m, F: Formulation<'m>> Refined<'_, F> {
-    /// The maximum of a measure near that of the branch, if that is one.
-    fn maximum(&mut self, measure: &dyn Fn(&BranchPoint) -> f64, observer: &mut Observer<'_>) -> Option<BranchPoint> {
-        let (points, n) = (&self.branch.points, self.branch.points.len());
-        let top = (0..n).max_by(|&a, &b| measure(&points[a]).total_cmp(&measure(&points[b])))?;
-        if n < 3 || (!self.branch.is_closed() && (top == 0 || top + 1 == n)) {
-            return None;
-        }
-        // From a little before it, so that it lies ahead if it has not moved.
-        let (before, after) = if self.branch.is_closed() {
-            ((top + n - BESIDE % n) % n, (top + BESIDE) % n)
-        } else {
-            (top.saturating_sub(BESIDE), (top + BESIDE).min(n - 1))
-        };
-        let harmonics = 2 * self.settings.harmonics.count;
-        let [before, after] = [before, after].map(|i| self.problem.encode(&points[i].state.with_harmonics(harmonics)));
-        climb(&mut self.problem, self.settings, [before, after], measure, observer)
-    }
-}
-
-/// The maximum of a measure on the curve near two states, uphill from either towards the other.
-fn climb<'m, F: Formulation<'m>>(
-    problem: &mut F,
-    settings: &Settings,
-    [before, after]: [Vec<f64>; 2],
-    measure: &dyn Fn(&BranchPoint) -> f64,
-    observer: &mut Observer<'_>,
-) -> Option<BranchPoint> {
-    for (from, to) in [(&before, &after), (&after, &before)] {
-        let direction: Vec<f64> = to.iter().zip(from).map(|(to, from)| to - from).collect();
-        // The peak lies between the two: no step may pass over it.
-        let initial_step = settings.continuation.initial_step.min(0.25 * norm(problem.metric(), &direction));
-        let steps = ContinuationSettings { initial_step, ..settings.continuation };
-        let Ok(mut continuation) = Continuation::start(problem, from.clone(), &direction, steps) else { continue };
-        let first = continuation.current().clone();
-        let mut visited = vec![evaluated(&mut continuation, first)];
-        for _ in 0..STEPS {
-            let Some(curve) = continuation.next() else { break };
-            let next = evaluated(&mut continuation, curve);
-            if observer(&next.point).is_break() {
-                return None;
-            }
-            visited.push(next);
-            let [.., before, last] = visited.as_slice() else { break };
-            if measure(&last.point) < measure(&before.point) {
-                break;
-            }
-        }
-        // Downhill at once: uphill is the other way.
-        let n = visited.len();
-        if n < 3 {
-            continue;
-        }
-        let top = n - 2;
-        let values = [top - 1, top, n - 1].map(|i| measure(&visited[i].point));
-        if values[1] < values[2] {
-            continue;
-        }
-        let arcs = (visited[top].curve.step, visited[n - 1].curve.step);
-        let measure = |_: &mut F, v: &TracedPoint<BranchPoint>| measure(&v.point);
-        let maximum = locate_maximum(&mut continuation, &visited, top, arcs, values, &measure);
-        return Some(maximum.located.map_or_else(|| visited[top].point.clone(), |(_, located)| located.point));
-    }
-    None
-}
-
-fn evaluated<'m, F: Formulation<'m>>(
-    continuation: &mut Continuation<'_, F>,
-    curve: CurvePoint,
-) -> TracedPoint<BranchPoint> {
-    let point = BranchPoint::evaluate(continuation.problem(), &curve);
-    TracedPoint { curve, point }
 }
 
 #[cfg(test)]

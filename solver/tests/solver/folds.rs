@@ -67,6 +67,31 @@ fn the_absorber_s_isola_from_the_folds_of_the_main_branch() {
     assert_close(study.main(merge * (1.0 + 1e-4)).peak().amplitude(), large.peak().amplitude(), 1e-3);
 }
 
+/// With two harmonics the third is left out, which moves birth and merge; what is said of twice as many is what they have on their own.
+#[test]
+fn what_twice_the_harmonics_change_is_what_they_have_on_their_own() {
+    let curve = |count: usize| {
+        let mut settings = Settings::default();
+        settings.harmonics.count = count;
+        let study = Study::new(shipped("nltva", &[]), settings);
+        let extent = Extent { forcing: (0.01, 0.5), frequency: (0.2, 10.0), points: 5000 };
+        let main = study.main(0.13);
+        let curves: Vec<CriticalCurve> =
+            folds(&main).iter().map(|fold| study.folds(extent).curve(fold, &mut quiet).unwrap()).collect();
+        curves.into_iter().max_by_key(|curve| curve.events.len()).unwrap()
+    };
+    let (coarse, fine) = (curve(2), curve(4));
+    for kind in [CriticalKind::Birth, CriticalKind::Merge] {
+        let event = coarse.events.iter().find(|event| event.kind == kind).unwrap();
+        let (forcing, omega) = event.doubled.unwrap();
+        let expected = fine.events(kind).next().unwrap();
+        assert_close(forcing, expected.state.forcing, 1e-7);
+        assert_close(omega, expected.omega(), 1e-5);
+        assert!((forcing / all(&coarse, kind)[0] - 1.0).abs() > 1e-5);
+    }
+    assert!(coarse.events.iter().all(|event| (event.kind == CriticalKind::Cusp) == event.doubled.is_none()));
+}
+
 #[test]
 fn the_absorber_s_isola_from_its_linear_peaks() {
     let study = Study::new(shipped("nltva", &[]), Settings::default());

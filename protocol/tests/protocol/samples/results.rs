@@ -91,7 +91,7 @@ pub fn result_curve() -> StoredResult {
             outcome: Outcome::Open(Stop::ForcingBound, Stop::PointBudget),
             grazing: [None, Some(1)],
             rejections: 2,
-            events: vec![CriticalEvent { kind: CriticalKind::Birth, index: 1 }],
+            events: vec![CriticalEvent { kind: CriticalKind::Birth, index: 1, doubled: Some((0.25, 1.5)) }],
             corners: vec![Corner { index: 2, element: 1 }],
             points: points(3),
         }),

@@ -36,7 +36,10 @@ PUSHES = [
     "confirmed",
 ]
 FOLDS = ["curve", "forcing", "omega", "amplitude", "kind"]
-EVENTS = ["kind", "source", "forcing", "omega", "amplitude", "mode", "curve", "backbone"]
+EVENTS = [
+    *("kind", "source", "forcing", "omega", "amplitude", "mode", "curve", "backbone"),
+    *("forcing_2h", "omega_2h"),
+]
 #: Columns of the table of branches that say where something is in the file, or stand under another name.
 _INTERNAL = {"id", "level", "special", "number"}
 #: Columns of text; integers that may be missing; all others are real.
@@ -177,11 +180,12 @@ def events(reading: Reading, omissions: Omissions) -> pd.DataFrame:
     """Births, deaths and merges of isolas, computed along fold curves and predicted by the energy balance; as
     ``events.csv``: `mode` is the one that contributes most beside that of the `backbone`."""
     rows: list[Row] = []
-    if reading.columns("curve_points"):
-        sql = (
-            "SELECT event AS kind, 'computed' AS source, forcing, omega, amplitude, curve FROM curve_points "
+    if known := reading.columns("curve_points"):
+        doubled = [name for name in ("forcing_2h", "omega_2h") if name in known]
+        sql = "SELECT event AS kind, 'computed' AS source, " + ", ".join(
+            ["forcing", "omega", "amplitude", "curve", *doubled]
         )
-        sql += "WHERE event IS NOT NULL ORDER BY curve, i"
+        sql += " FROM curve_points WHERE event IS NOT NULL ORDER BY curve, i"
         rows = _once(omissions.attempt("Computed events are", lambda: reading.rows(sql)) or [])
     for mode in modes(reading):
         what = f"Events predicted along the backbone of mode {mode['mode']} are"

@@ -203,7 +203,13 @@ fn a_prediction_that_was_not_found_is_one() {
     assert!(!onset.contains("predicts no separate response"), "{onset}");
     // Fold curves may have an isola born there, but later.
     let birth = |forcing, omega| CurveRow {
-        points: vec![CurvePoint { forcing, omega, amplitude: 1e-3, event: Some("birth".into()) }],
+        points: vec![CurvePoint {
+            forcing,
+            omega,
+            amplitude: 1e-3,
+            event: Some("birth".into()),
+            ..CurvePoint::default()
+        }],
         ..CurveRow::default()
     };
     for (curve, is_later) in [(birth(1.25, 105.0), true), (birth(1.25, 115.0), false), (birth(0.75, 105.0), false)] {

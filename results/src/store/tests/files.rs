@@ -35,7 +35,7 @@ fn what_is_no_run_is_refused() {
 
     drop(Store::create(dir.path(), &header()).unwrap());
     Connection::open(&file).unwrap().execute_batch("PRAGMA user_version = 99").unwrap();
-    assert_refused(dir.path(), "version 99 of the format, this program knows version 8; use a newer `isola`");
+    assert_refused(dir.path(), "version 99 of the format, this program knows version 9; use a newer `isola`");
 }
 
 #[test]
@@ -56,7 +56,7 @@ fn a_run_of_the_first_programs_is_read_but_does_not_go_on() {
     db.execute_batch(one_mode).unwrap();
     drop(db);
     let error = Store::open(dir.path()).unwrap_err();
-    assert!(matches!(error, StoreError::Older { found: 1, known: 8, .. }), "{error}");
+    assert!(matches!(error, StoreError::Older { found: 1, known: 9, .. }), "{error}");
     assert!(error.to_string().contains("`isola sweep` computes the study again"), "{error}");
 
     let reader = Reader::open(dir.path()).unwrap();
@@ -133,6 +133,21 @@ fn one_coordinator_at_a_time() {
     assert!(Reader::open(dir.path()).is_ok());
     drop(store);
     assert!(Store::open(dir.path()).is_ok());
+}
+
+#[test]
+fn a_run_of_the_last_version_is_read() {
+    let (study, dir) = (Study::damper(), tempdir().unwrap());
+    drop(study.finished(dir.path()));
+    let db = Connection::open(dir.path().join(FILE)).unwrap();
+    let older = "ALTER TABLE curve_points DROP COLUMN forcing_2h; ALTER TABLE curve_points DROP COLUMN omega_2h; \
+                 UPDATE tasks SET origin = 'fold'; INSERT INTO curves SELECT 1, min(id), 'fold', 'closed', 0, 0, 0 FROM tasks; \
+                 INSERT INTO curve_points VALUES (1, 0, 0.5, 1.5, 2.5, 'birth'); PRAGMA user_version = 8";
+    db.execute_batch(older).unwrap();
+    drop(db);
+    let curves = Reader::open(dir.path()).unwrap().curves().unwrap();
+    let event = Some("birth".into());
+    assert_eq!(curves[0].points, [CurvePoint { forcing: 0.5, omega: 1.5, amplitude: 2.5, event, doubled: None }]);
 }
 
 #[test]

@@ -1,0 +1,93 @@
+//! A maximum of a measure on a curve near one that is known, with more harmonics.
+
+use crate::curve::continuation::{Continuation, ContinuationSettings, CurvePoint};
+use crate::curve::extrema::locate_maximum;
+use crate::curve::problem::norm;
+use crate::curve::walk::{Evaluated, TracedPoint};
+use crate::formulation::Formulation;
+use crate::response::branch::{BranchPoint, Observer};
+
+/// Steps towards a maximum that has moved, before giving up.
+const STEPS: usize = 80;
+
+/// Points beside a maximum from which it is climbed.
+const BESIDE: usize = 2;
+
+/// The maximum of a measure on the curve of `problem` near the point `top` of `points`, where that of a curve with fewer harmonics
+/// is; nothing at an end of an open curve. The observer is told of every step; breaking gives it up.
+pub(super) fn maximum_near<'m, F: Formulation<'m>>(
+    problem: &mut F,
+    steps: ContinuationSettings,
+    (points, is_closed): (&[BranchPoint], bool),
+    top: usize,
+    measure: &dyn Fn(&BranchPoint) -> f64,
+    observer: &mut Observer<'_>,
+) -> Option<BranchPoint> {
+    let n = points.len();
+    if n < 3 || (!is_closed && (top == 0 || top + 1 == n)) {
+        return None;
+    }
+    // From a little before it, so that it lies ahead if it has not moved.
+    let (before, after) = if is_closed {
+        ((top + n - BESIDE % n) % n, (top + BESIDE) % n)
+    } else {
+        (top.saturating_sub(BESIDE), (top + BESIDE).min(n - 1))
+    };
+    let harmonics = problem.system().harmonics;
+    let ends = [before, after].map(|i| problem.encode(&points[i].state.with_harmonics(harmonics)));
+    climb(problem, steps, ends, measure, observer)
+}
+
+/// The maximum of a measure on the curve near two states, uphill from either towards the other.
+fn climb<'m, F: Formulation<'m>>(
+    problem: &mut F,
+    settings: ContinuationSettings,
+    [before, after]: [Vec<f64>; 2],
+    measure: &dyn Fn(&BranchPoint) -> f64,
+    observer: &mut Observer<'_>,
+) -> Option<BranchPoint> {
+    for (from, to) in [(&before, &after), (&after, &before)] {
+        let direction: Vec<f64> = to.iter().zip(from).map(|(to, from)| to - from).collect();
+        // The maximum lies between the two: no step may pass over it.
+        let initial_step = settings.initial_step.min(0.25 * norm(problem.metric(), &direction));
+        let steps = ContinuationSettings { initial_step, ..settings };
+        let Ok(mut continuation) = Continuation::start(problem, from.clone(), &direction, steps) else { continue };
+        let first = continuation.current().clone();
+        let mut visited = vec![evaluated(&mut continuation, first)];
+        for _ in 0..STEPS {
+            let Some(curve) = continuation.next() else { break };
+            let next = evaluated(&mut continuation, curve);
+            if observer(&next.point).is_break() {
+                return None;
+            }
+            visited.push(next);
+            let [.., before, last] = visited.as_slice() else { break };
+            if measure(&last.point) < measure(&before.point) {
+                break;
+            }
+        }
+        // Downhill at once: uphill is the other way.
+        let n = visited.len();
+        if n < 3 {
+            continue;
+        }
+        let top = n - 2;
+        let values = [top - 1, top, n - 1].map(|i| measure(&visited[i].point));
+        if values[1] < values[2] {
+            continue;
+        }
+        let arcs = (visited[top].curve.step, visited[n - 1].curve.step);
+        let measure = |_: &mut F, v: &TracedPoint<BranchPoint>| measure(&v.point);
+        let maximum = locate_maximum(&mut continuation, &visited, top, arcs, values, &measure);
+        return Some(maximum.located.map_or_else(|| visited[top].point.clone(), |(_, located)| located.point));
+    }
+    None
+}
+
+fn evaluated<'m, F: Formulation<'m>>(
+    continuation: &mut Continuation<'_, F>,
+    curve: CurvePoint,
+) -> TracedPoint<BranchPoint> {
+    let point = BranchPoint::evaluate(continuation.problem(), &curve);
+    TracedPoint { curve, point }
+}
