@@ -117,7 +117,7 @@ impl Bars {
         self.total.set_position((tasks.done + tasks.skipped + tasks.dead) as u64);
         self.total.set_message(match (status.stage, &status.backbone) {
             (Stage::Backbone, Some(backbone)) => format!("backbone: {}", progress(backbone)),
-            (Stage::Sweep, _) => format!("{} branches{}", tasks.branches, eta(status)),
+            (Stage::Sweep, _) => format!("{}{}", count(tasks.branches, "branch"), eta(status)),
             (stage, _) => stage.name().to_string(),
         });
         rows(&self.multi, &mut self.levels, status.active.len(), "  {prefix:>12} {bar:20.green} {pos}/{len}  {msg}");
@@ -246,14 +246,14 @@ pub fn summary(status: &Status) -> String {
     }
     let dead = if tasks.dead > 0 { format!(", {} given up", tasks.dead) } else { String::new() };
     format!(
-        "{}: {}, {} tasks done, {} under way, {}{dead}, {} branches, {} workers{}",
+        "{}: {}, {} done, {} under way, {}{dead}, {}, {}{}",
         status.stage.name(),
         levels(status.stage, status.levels, status.levels_done),
-        tasks.done + tasks.skipped,
+        count(tasks.done + tasks.skipped, "task"),
         tasks.running,
         waiting(status.stage, tasks.waiting),
-        tasks.branches,
-        status.workers.len(),
+        count(tasks.branches, "branch"),
+        count(status.workers.len(), "worker"),
         if status.stage == Stage::Sweep { eta(status) } else { String::new() }
     )
 }

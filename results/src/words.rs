@@ -120,9 +120,10 @@ pub fn scientific(value: f64) -> String {
     if leading == 1.0 { format!("10{raised}") } else { format!("{leading}·10{raised}") }
 }
 
-/// A count with its noun: `1 window`, `3 windows`.
+/// A count with its noun: `1 window`, `3 windows`, `2 branches`.
 pub fn count(number: usize, noun: &str) -> String {
-    if number == 1 { format!("1 {noun}") } else { format!("{number} {noun}s") }
+    let ending = if noun.ends_with("ch") { "es" } else { "s" };
+    if number == 1 { format!("1 {noun}") } else { format!("{number} {noun}{ending}") }
 }
 
 #[cfg(test)]

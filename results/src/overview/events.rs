@@ -85,7 +85,6 @@ mod tests {
             amplitude: 1.0,
             event: (!event.is_empty()).then(|| event.to_string()),
             doubled: Some((1.000_01 * forcing, 2.0 * forcing)),
-            ..CurvePoint::default()
         };
         let curve =
             |points: &[(f64, &str)]| CurveRow { points: points.iter().map(point).collect(), ..CurveRow::default() };
