@@ -5,7 +5,7 @@ use super::column_store::ColumnStore;
 use super::data::{Axis, Detail, Entry, Figure, Format, Kind, Label, Panel, Series, Side, Size, Unit};
 use super::style::{Color, MARK, MEDIUM, Shape, Style};
 use super::subject::Subject;
-use crate::overview::{events_of, forcing_text};
+use crate::overview::{events_of, forcing_label};
 use crate::store::CurvePoint;
 
 /// How what happens along a curve is marked: kind, mark, whether it is hollow, name in the legend, word on the label.
@@ -76,7 +76,7 @@ fn of_points(points: &[CurvePoint], style: &Style, store: &mut ColumnStore) -> S
 /// Names a computed event of a fold curve at its place in a figure.
 pub(super) fn event_label(word: &str, point: &CurvePoint, (x, y): (f64, f64), side: Side) -> Label {
     Label {
-        text: format!("{word} at {}", forcing_text(point, 4)),
+        text: format!("{word} at {}", forcing_label(point, 4)),
         x: vec![Some(x)],
         y: vec![Some(y)],
         color: Color::Category(3),

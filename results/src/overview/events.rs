@@ -12,6 +12,9 @@ const NAMED: usize = 6;
 /// Of merges whose branches are not known, after others: they may be the same branches.
 const ALSO: &str = "branches also merge or part";
 
+/// Marks what was not found with twice the harmonics.
+const UNKNOWN: &str = "*";
+
 /// Most digits of a forcing amplitude.
 const DIGITS: i32 = 5;
 
@@ -19,20 +22,28 @@ const DIGITS: i32 = 5;
 const AGREED: i32 = 3;
 
 /// The forcing amplitude of what happens at a point, with `most` digits at most, and no more than those that twice the harmonics
-/// leave as they are; where these are too few, with that of twice the harmonics.
-pub fn forcing_text(point: &CurvePoint, most: i32) -> String {
+/// leave as they are; where these are too few, that with twice the harmonics as well.
+fn forcing_digits(point: &CurvePoint, most: i32) -> (String, Option<String>) {
     let own = |count| digits(point.forcing, count);
-    let Some((doubled, _)) = point.doubled else { return own(most) };
+    let Some((doubled, _)) = point.doubled else { return (own(most), None) };
     let agreed = (AGREED..=most).rev().map(|count| (own(count), digits(doubled, count))).find(|(a, b)| a == b);
-    match agreed {
-        Some((text, _)) => text,
-        None => format!("{}, with twice the harmonics {}", own(AGREED + 1), digits(doubled, AGREED + 1)),
-    }
+    agreed.map_or_else(|| (own(AGREED + 1), Some(digits(doubled, AGREED + 1))), |(text, _)| (text, None))
+}
+
+/// The same for the label of a figure.
+pub fn forcing_label(point: &CurvePoint, most: i32) -> String {
+    let (own, doubled) = forcing_digits(point, most);
+    doubled.map_or_else(|| own.clone(), |doubled| format!("{own} (2H: {doubled})"))
 }
 
 /// Where isolas are born and where branches merge, as fold curves say; which branches, where that is known for sure.
 pub fn events_sentence(curves: &[CurveRow], frequency: impl Fn(f64) -> String) -> Option<String> {
-    let place = |point: &CurvePoint| format!("{} ({})", forcing_text(point, DIGITS), frequency(point.omega));
+    let place = |point: &CurvePoint| {
+        let (own, doubled) = forcing_digits(point, DIGITS);
+        let mark = if point.doubled.is_none() { UNKNOWN } else { "" };
+        let doubled = doubled.map_or_else(String::new, |doubled| format!("{doubled} with twice the harmonics; "));
+        format!("{own}{mark} ({doubled}{})", frequency(point.omega))
+    };
     let part = |points: &[&CurvePoint], one: &str, many: &str| {
         let verb = if points.len() == 1 { one } else { many };
         let more = points.len().saturating_sub(NAMED);
@@ -61,14 +72,9 @@ pub fn events_sentence(curves: &[CurveRow], frequency: impl Fn(f64) -> String) -
         .chain(told)
         .chain(others)
         .collect();
-    let all = || births.iter().chain(&deaths).copied().chain(merged.iter().map(|merge| merge.point));
-    let (count, unchecked) = (all().count(), all().filter(|point| point.doubled.is_none()).count());
-    let doubt = match unchecked {
-        0 => String::new(),
-        1 if count == 1 => " It was not found with twice the harmonics.".into(),
-        1 => format!(" 1 of these {count} was not found with twice the harmonics."),
-        _ => format!(" {unchecked} of these {count} were not found with twice the harmonics."),
-    };
+    let mut all = births.iter().chain(&deaths).copied().chain(merged.iter().map(|merge| merge.point));
+    let is_doubtful = all.any(|point| point.doubled.is_none());
+    let doubt = if is_doubtful { format!(" ({UNKNOWN} Not known with twice the harmonics.)") } else { String::new() };
     (!parts.is_empty()).then(|| format!("Computed along fold curves: {}.{doubt}", parts.join("; ")))
 }
 
@@ -108,25 +114,29 @@ mod tests {
     fn a_forcing_has_the_digits_that_twice_the_harmonics_leave() {
         let text = |forcing, doubled: Option<f64>| {
             let doubled = doubled.map(|doubled| (doubled, 1.0));
-            forcing_text(&CurvePoint { forcing, doubled, ..CurvePoint::default() }, 5)
+            forcing_label(&CurvePoint { forcing, doubled, ..CurvePoint::default() }, 5)
         };
         assert_eq!(text(5.13781, None), "5.1378");
         assert_eq!(text(5.13781, Some(5.13779)), "5.1378");
         assert_eq!(text(5.13781, Some(5.1362)), "5.14");
-        assert_eq!(text(5.13781, Some(4.85491)), "5.138, with twice the harmonics 4.855");
+        assert_eq!(text(5.13781, Some(4.85491)), "5.138 (2H: 4.855)");
     }
 
     #[test]
-    fn what_twice_the_harmonics_do_not_have_is_said() {
-        let point = |doubled| CurvePoint {
-            forcing: 2.0,
-            omega: if doubled { 1.0 } else { 3.0 },
+    fn what_twice_the_harmonics_change_or_do_not_have_is_said() {
+        let point = |forcing, doubled: Option<f64>| CurvePoint {
+            forcing,
+            omega: forcing,
             event: Some("birth".into()),
-            doubled: doubled.then_some((2.0, 1.0)),
+            doubled: doubled.map(|doubled| (doubled, 1.0)),
             ..CurvePoint::default()
         };
-        let curve = CurveRow { points: vec![point(true), point(false)], ..CurveRow::default() };
-        let said = events_sentence(&[curve], |omega| omega.to_string()).unwrap();
-        assert!(said.ends_with("(3). 1 of these 2 was not found with twice the harmonics."), "{said}");
+        let said = |second| {
+            let curve = CurveRow { points: vec![point(2.0, Some(2.1)), point(3.0, second)], ..CurveRow::default() };
+            events_sentence(&[curve], |omega| omega.to_string()).unwrap()
+        };
+        let first = "Computed along fold curves: isolas are born at A = 2 (2.1 with twice the harmonics; 2)";
+        assert_eq!(said(Some(3.0)), format!("{first}, 3 (3)."));
+        assert_eq!(said(None), format!("{first}, 3* (3). (* Not known with twice the harmonics.)"));
     }
 }

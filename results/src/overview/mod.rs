@@ -18,7 +18,7 @@ mod verified;
 mod windows;
 
 pub use doubts::doubts;
-pub use events::{events_sentence, forcing_text};
+pub use events::{events_sentence, forcing_label};
 pub use folds::{CurveEvent, curve_events, events_of, later_birth, most_folds, why_no_folds};
 pub use lesser::Lesser;
 pub use level::{Level, Seeds, highest, is_untouched};

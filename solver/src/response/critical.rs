@@ -56,7 +56,7 @@ pub struct CriticalEvent {
     pub kind: CriticalKind,
     /// Index into [`CriticalCurve::points`].
     pub index: usize,
-    /// Of a birth, death or merge on a curve of folds: A and ω, rad/s, with twice the harmonics. Nothing if it was not found there.
+    /// Of a birth, death or merge on a curve of folds: A and ω, rad/s, with twice the harmonics. Nothing if it was not found near there.
     #[serde(default)]
     pub doubled: Option<(f64, f64)>,
 }

@@ -10,6 +10,9 @@ use crate::response::critical::{CriticalCurve, CriticalEvent, CriticalKind, Exte
 use crate::settings::Settings;
 use crate::structure::Model;
 
+/// Relative change of A beyond which what was found with twice the harmonics may be another birth or merge.
+const NEAR: f64 = 0.2;
+
 /// Looks for the births, deaths and merges of a curve of folds with twice the harmonics. The observer is told of every step;
 /// breaking leaves out what is missing.
 pub(super) fn certify(
@@ -39,6 +42,8 @@ pub(super) fn certify(
         let measure = |point: &BranchPoint| side * point.state.forcing;
         let curve = (points.as_slice(), is_closed);
         let found = maximum_near(&mut problem, settings.continuation, curve, event.index, &measure, observer);
-        event.doubled = found.map(|point| (point.state.forcing, point.omega()));
+        event.doubled = found
+            .map(|point| (point.state.forcing, point.omega()))
+            .filter(|(forcing, _)| (forcing / here - 1.0).abs() < NEAR);
     }
 }
