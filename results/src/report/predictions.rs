@@ -1,11 +1,33 @@
-//! What the energy balance predicts, as an estimate, and was not found.
+//! What was not found: isolas, and what the energy balance predicts, as an estimate.
 
 use super::evidence::Evidence;
 use super::losses::named;
-use crate::overview::{Level, later_birth, overlaps};
+use crate::overview::{Level, events_of, later_birth, overlaps};
+use crate::store::CurvePoint;
 use crate::words::{count, digits};
+use solver::response::critical::CriticalKind;
+
+/// Largest forcing, in highest levels, at which an isola is born just above them.
+const JUST_ABOVE: f64 = 1.25;
 
 impl Evidence<'_> {
+    /// That there is no isola, and the birth just above the levels, if fold curves have one.
+    pub(super) fn no_isola(&self) -> String {
+        let highest = self.levels.iter().map(|level| level.value).fold(0.0, f64::max);
+        let births = events_of(self.curves, CriticalKind::Birth.name());
+        let is_near = |birth: &&&CurvePoint| (highest..=JUST_ABOVE * highest).contains(&birth.forcing);
+        let none = "No isola was found where it was looked for";
+        match births.iter().find(is_near) {
+            Some(birth) => {
+                let [forcing, omega] = [birth.forcing, birth.omega].map(|value| digits(value, 4));
+                format!(
+                    "{none}, but along fold curves one is born just above the highest level, at A = {forcing} ({omega} rad/s)."
+                )
+            }
+            None => format!("{none}."),
+        }
+    }
+
     /// Windows that led to no branch: those where fold curves have an isola born at a larger forcing, birth by birth, those in whose
     /// range something was found otherwise, and the others.
     pub(super) fn not_found(&self) -> Vec<String> {

@@ -142,7 +142,7 @@ impl<'r> Evidence<'r> {
                     at(highest)
                 ));
             }
-            None => parts.push("No isola was found where it was looked for.".into()),
+            None => parts.push(self.no_isola()),
         }
         parts.push(format!("The largest computed response, {}{gap}, is on {on}, {place}.", at(largest)));
         parts.join(" ")

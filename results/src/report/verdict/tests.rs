@@ -219,6 +219,13 @@ fn a_prediction_that_was_not_found_is_one() {
                      an isola is born at A = 1.25 only: none was found there.";
         assert_eq!([danger.contains(later), danger.contains(estimate)], [is_later, !is_later], "{danger}");
     }
+    for (forcing, is_near) in [(1.25, true), (1.26, false), (0.75, false)] {
+        let curves = [birth(forcing, 105.0)];
+        let [danger, ..] = told(&levels, |evidence| evidence.curves = &curves);
+        let above =
+            "looked for, but along fold curves one is born just above the highest level, at A = 1.25 (105 rad/s).";
+        assert_eq!(danger.contains(above), is_near, "{danger}");
+    }
     // Nor if one was born earlier there, or is there at this level.
     let both = [birth(1.25, 105.0), birth(0.75, 100.0)];
     let [danger, ..] = told(&levels, |evidence| evidence.curves = &both);

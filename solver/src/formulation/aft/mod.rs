@@ -2,7 +2,7 @@
 //!
 //! Laws are evaluated on a uniform grid and transformed by FFT. By default those that switch are integrated between their
 //! switches instead: unilateral laws at the Gauss points of the arcs on which they act ([`crate::formulation::arcs`]),
-//! regularised friction at those of [`crate::formulation::panels`], sliders by [`crate::formulation::slider`].
+//! regularised friction at those of `panels.rs`, sliders by their phases (`slider.rs`).
 
 mod gauss;
 mod hysteresis;
