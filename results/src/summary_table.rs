@@ -9,11 +9,11 @@ mod units;
 pub use units::{FrequencyUnit, LengthUnit, Units};
 
 use crate::overview::{
-    Lesser, Level, Omissions, Overview, Shift, WindowOutcome, events_sentence, is_unconfirmed, is_untouched,
-    later_birth, modes, truncation, unfinished,
+    Lesser, Level, Omissions, Overview, Shift, WindowOutcome, events_sentence, forcing_label, is_unconfirmed,
+    is_untouched, later_birth, modes, truncation, unfinished,
 };
 use crate::store::{BranchRow, CurveRow, Reader, Result};
-use crate::words::{count, digits};
+use crate::words::count;
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets::UTF8_FULL_CONDENSED};
 use footnotes::{Footnotes, wrapped};
 use protocol::model::ModelMessage;
@@ -215,7 +215,7 @@ impl Rows<'_> {
         let missed = level.not_found().map(|(window, reason)| {
             let (low, high) = (unit.digits(window.omega.0), unit.digits(window.omega.1));
             let why = match later_birth(self.curves, level, window) {
-                Some(birth) => format!("an isola is born there at A = {} only", digits(birth.forcing, 5)),
+                Some(birth) => format!("an isola is born there at A = {} only", forcing_label(birth, 5)),
                 None => reason,
             };
             self.notes.mark(format!("A = {}, window {low}–{high}: not found: {why}", level.amplitude))

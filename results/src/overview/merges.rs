@@ -7,6 +7,9 @@ use solver::response::branch::BranchKind;
 use solver::response::critical::CriticalKind;
 use std::cmp::Ordering;
 
+/// Digits of the forcing that an isola is called by: fewer than are claimed where the birth itself is told.
+const NAME: i32 = 4;
+
 /// Where branches merge or part.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Merge<'c> {
@@ -175,8 +178,8 @@ impl Party<'_> {
             Party::Branch(_, "") => "the main branch".into(),
             // Numbers are those of a level.
             Party::Branch(name, level) => format!("{name} of A = {level}"),
-            Party::Isola(forcing, false) => format!("the isola born at A = {}", digits(*forcing, 5)),
-            Party::Isola(forcing, true) => format!("the isola that ends at A = {}", digits(*forcing, 5)),
+            Party::Isola(forcing, false) => format!("the isola born at A = {}", digits(*forcing, NAME)),
+            Party::Isola(forcing, true) => format!("the isola that ends at A = {}", digits(*forcing, NAME)),
         }
     }
 }

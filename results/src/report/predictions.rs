@@ -2,7 +2,7 @@
 
 use super::evidence::Evidence;
 use super::losses::named;
-use crate::overview::{Level, events_of, later_birth, overlaps};
+use crate::overview::{Level, events_of, forcing_label, later_birth, overlaps};
 use crate::store::CurvePoint;
 use crate::words::{count, digits};
 use solver::response::critical::CriticalKind;
@@ -19,7 +19,7 @@ impl Evidence<'_> {
         let none = "No isola was found where it was looked for";
         match births.iter().find(is_near) {
             Some(birth) => {
-                let [forcing, omega] = [birth.forcing, birth.omega].map(|value| digits(value, 4));
+                let (forcing, omega) = (forcing_label(birth, 4), digits(birth.omega, 4));
                 format!(
                     "{none}, but along fold curves one is born just above the highest level, at A = {forcing} ({omega} rad/s)."
                 )
@@ -31,22 +31,22 @@ impl Evidence<'_> {
     /// Windows that led to no branch: those where fold curves have an isola born at a larger forcing, birth by birth, those in whose
     /// range something was found otherwise, and the others.
     pub(super) fn not_found(&self) -> Vec<String> {
-        let mut births: Vec<(f64, Vec<&Level>)> = Vec::new();
+        let mut births: Vec<(&CurvePoint, Vec<&Level>)> = Vec::new();
         let (mut met, mut others): (Vec<&Level>, Vec<&Level>) = (Vec::new(), Vec::new());
         for level in self.levels {
             for (window, _) in level.not_found() {
                 match later_birth(self.curves, level, window) {
-                    Some(birth) => match births.iter_mut().find(|(forcing, _)| *forcing == birth.forcing) {
+                    Some(birth) => match births.iter_mut().find(|(other, _)| std::ptr::eq(*other, birth)) {
                         Some((_, levels)) => levels.push(level),
-                        None => births.push((birth.forcing, vec![level])),
+                        None => births.push((birth, vec![level])),
                     },
                     None if level.others().any(|row| overlaps(row, window)) => met.push(level),
                     None => others.push(level),
                 }
             }
         }
-        let early = births.into_iter().map(|(forcing, levels)| {
-            let forcing = digits(forcing, 5);
+        let early = births.into_iter().map(|(birth, levels)| {
+            let forcing = forcing_label(birth, 5);
             format!(
                 "At {} the energy balance predicts a response in a range of frequencies in which, along fold curves, an isola \
                  is born at A = {forcing} only: none was found there.",

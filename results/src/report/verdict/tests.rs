@@ -1,5 +1,7 @@
 //! Sentence by sentence: nothing that is said is more than what is known.
 
+mod predictions;
+
 use super::*;
 use crate::curves::BackboneCurve;
 use crate::overview::Seeds;
@@ -161,80 +163,6 @@ fn isolas_apart() {
     assert_eq!(onset, "Isolas were found at A = 2 to 3, 5; the energy balance of mode 1 does not predict them.");
     assert!(missed.starts_with("Yes. At A = 2 it goes up to 1 mm at 100 rad/s"), "{missed}");
     assert!(missed.ends_with("up to 2 mm at 130 rad/s (20.69 Hz), 2 times as much."), "{missed}");
-}
-
-#[test]
-fn none_was_found_where_it_was_looked_for() {
-    let mut levels = [level(1.0, vec![main(1e-3)]), level(2.0, vec![main(3e-3)])];
-    levels[1].seeds.failed = 1;
-    let [danger, onset, missed] = texts(&levels);
-    let searched = "the windows of mode 1 at 2 levels (4 seeds tried, 1 led nowhere)";
-    assert!(danger.starts_with("No isola was found where it was looked for. The largest"), "{danger}");
-    assert!(danger.ends_with(&format!("Looked for: {searched}; {NOT_SEARCHED}")), "{danger}");
-    // What it was looked for with is said once.
-    assert_eq!(missed, "No isola was found where it was looked for (see the first answer).");
-    let balance = "the energy balance of mode 1 predicts no separate response at the levels of the run";
-    assert_eq!(onset, format!("None was found where it was looked for (see the first answer); {balance}."));
-    // One mode has no others; a forcing on the third harmonic is a search for one subharmonic.
-    let [danger, ..] = told(&levels, |evidence| {
-        (evidence.structure.modes, evidence.structure.harmonic) = (1, 3);
-    });
-    assert!(danger.contains("the forcing acting on harmonic 3)"), "{danger}");
-    assert!(danger.contains("; isolas of other sub- and super-harmonics and those"), "{danger}");
-}
-
-#[test]
-fn a_prediction_that_was_not_found_is_one() {
-    let mut levels = [level(1.0, vec![main(1e-3)])];
-    levels[0].windows.push(WindowRow {
-        number: 1,
-        mode: 1,
-        points: [0, 2, 1],
-        omega: (90.0, 110.0),
-        omega_best: 100.0,
-        threshold: 0.5,
-        outcome: WindowOutcome::NotFound("no seed converged".into()),
-    });
-    let [danger, onset, _] = texts(&levels);
-    let estimate = "1 response that the energy balance predicts, which is an estimate, not found at A = 1: none of its seeds \
-                    led to a branch near.";
-    assert!(danger.contains(estimate), "{danger}");
-    assert!(onset.starts_with("None was found where"), "{onset}");
-    assert!(!onset.contains("predicts no separate response"), "{onset}");
-    // Fold curves may have an isola born there, but later.
-    let birth = |forcing, omega| CurveRow {
-        points: vec![CurvePoint {
-            forcing,
-            omega,
-            amplitude: 1e-3,
-            event: Some("birth".into()),
-            ..CurvePoint::default()
-        }],
-        ..CurveRow::default()
-    };
-    for (curve, is_later) in [(birth(1.25, 105.0), true), (birth(1.25, 115.0), false), (birth(0.75, 105.0), false)] {
-        let curves = [curve];
-        let [danger, ..] = told(&levels, |evidence| evidence.curves = &curves);
-        let later = "At A = 1 the energy balance predicts a response in a range of frequencies in which, along fold curves, \
-                     an isola is born at A = 1.25 only: none was found there.";
-        assert_eq!([danger.contains(later), danger.contains(estimate)], [is_later, !is_later], "{danger}");
-    }
-    for (forcing, is_near) in [(1.25, true), (1.26, false), (0.75, false)] {
-        let curves = [birth(forcing, 105.0)];
-        let [danger, ..] = told(&levels, |evidence| evidence.curves = &curves);
-        let above =
-            "looked for, but along fold curves one is born just above the highest level, at A = 1.25 (105 rad/s).";
-        assert_eq!(danger.contains(above), is_near, "{danger}");
-    }
-    // Nor if one was born earlier there, or is there at this level.
-    let both = [birth(1.25, 105.0), birth(0.75, 100.0)];
-    let [danger, ..] = told(&levels, |evidence| evidence.curves = &both);
-    assert!(danger.contains(estimate), "{danger}");
-    let later = [birth(1.25, 105.0)];
-    levels[0].branches.push(branch("isola", 1, (108.0, 112.0), 2e-3));
-    let [danger, ..] = told(&levels, |evidence| evidence.curves = &later);
-    let met = "led to a branch near, though branches found otherwise lie in its range of frequencies.";
-    assert!(danger.contains(met) && !danger.contains("is born at"), "{danger}");
 }
 
 #[test]
@@ -409,56 +337,4 @@ fn numbers_that_cannot_be_read() {
     let begun = texts(&[Level { pending: 3, ..bare }]);
     assert!(begun[0].ends_with("No branch has been computed yet."), "{begun:?}");
     assert!(begun[1].ends_with("Nothing is known yet: 1 forcing level to come."), "{begun:?}");
-}
-
-#[test]
-fn births_that_round_off_made() {
-    let study = crate::fixture::Study::damper();
-    let of = |threshold: f64| {
-        let mut curve = BackboneCurve::new(&study.backbone, &study.model);
-        let event = *curve.events.iter().find(|event| event.kind == EventKind::Birth).unwrap();
-        curve.events = vec![Event { threshold, ..event }];
-        curve
-    };
-    let is_kept = |threshold: f64| {
-        let mut curve = of(threshold);
-        curve.keep_events_near([0.003, 0.006].into_iter());
-        !curve.events.is_empty()
-    };
-    assert!(is_kept(0.0048) && is_kept(1e-5) && is_kept(5.0));
-    assert!(!is_kept(1e-18) && !is_kept(1e-6) && !is_kept(1e14) && !is_kept(f64::NAN));
-    // Where the nonlinear forces feed in what the damping takes, A* does go to zero.
-    let mut curve = of(1e-7);
-    let index = curve.events[0].index;
-    curve.r_nl.values[index] = -1.1 * curve.r_lin.values[index];
-    curve.r_nl.values[index + 1] = -0.5 * curve.r_lin.values[index + 1];
-    curve.r_nl.values[index - 1] = -1.2 * curve.r_lin.values[index];
-    curve.keep_events_near([0.003, 0.006].into_iter());
-    assert_eq!(curve.events.len(), 1);
-}
-
-#[test]
-fn modes_without_windows_are_named_with_the_reason() {
-    let levels = [level(1.0, vec![main(1e-3)])];
-    let lost = LeftOut::NotStarted("singular".into());
-    let left_out = vec![(1, LeftOut::NotListed), (2, LeftOut::OutOfRange), (3, lost), (4, LeftOut::RigidBody)];
-    let modes = ModesFollowed { followed: vec![0], left_out };
-    let [danger, _, missed] = told(&levels, |evidence| evidence.modes = Some(&modes));
-    let named = "; isolas of mode 2 (not in the list of modes), of mode 3 (out of reach of the frequency range), of mode \
-                 4 (its backbone does not start), of sub- and super-harmonics and those that no energy balance of mode 1";
-    assert!(danger.contains(named), "{danger}");
-    assert!(missed.starts_with("Known only in part (no backbone of mode 4). "), "{missed}");
-    let loss = "There is no backbone of mode 4, nor are there windows of it: singular.";
-    assert!(danger.starts_with(loss), "{danger}");
-}
-
-#[test]
-fn the_first_prediction_of_all_modes_is_told() {
-    let study = crate::fixture::Study::damper();
-    let with_events = BackboneCurve::new(&study.backbone, &study.model);
-    let further = [BackboneCurve { mode: 1, ..with_events }];
-    let levels = [level(0.006, vec![main(1e-3)])];
-    let [_, onset, _] = told(&levels, |evidence| evidence.further = &further);
-    let predicted = "(see the first answer); the energy balance of mode 2 predicts separate";
-    assert!(onset.contains(predicted), "{onset}");
 }
