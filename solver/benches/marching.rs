@@ -40,7 +40,7 @@ fn chain(damping: impl Fn(Vec<f64>) -> Damping) -> Model {
 }
 
 fn marching(criterion: &mut Criterion) {
-    let settings = MarchingSettings { min_steps_per_period: 7500, ..MarchingSettings::default() };
+    let settings = MarchingSettings { min_steps_per_period: Some(7500), ..MarchingSettings::default() };
     let modal = chain(Damping::Modal);
     let full = chain(|rates| Damping::Full(Matrix::diagonal(&rates)));
     let omega = 1.2 * modal.modes().frequencies[0];

@@ -10,10 +10,10 @@
 
 use super::inverse::Inverse;
 use super::lanes::{LANES, Lane, add, combine, gather, more, rows, scatter, scatter_and_add};
-use super::local::LocalLaw;
+use super::local::{Action, LocalLaw};
 use super::tape::{Bound, Move, Tape};
 use crate::linalg::Matrix;
-use crate::structure::laws::{MAX_ARGUMENTS, Response};
+use crate::structure::laws::MAX_ARGUMENTS;
 use pulp::{Arch, Simd, WithSimd};
 
 /// [`LANES`] deviations: numbers of each, row after row.
@@ -238,9 +238,9 @@ impl<S: Simd, const R: usize> Lanes<'_, '_, S, R> {
         let (simd, n) = (self.simd, self.eta.len());
         // Everything explicit is of the old motion, and acts on the new one: forces first, then the prediction.
         let (mut explicit, mut at) = (0, 0);
-        for (law, response) in self.linear.laws.iter().zip(&tape.responses[step.laws..]) {
+        for (law, action) in self.linear.laws.iter().zip(&tape.actions[step.laws..]) {
             let count = law.rows.rows();
-            forces[explicit..explicit + count].copy_from_slice(&self.law_forces(law, response, at)[..count]);
+            forces[explicit..explicit + count].copy_from_slice(&self.law_forces(law, action, at)[..count]);
             explicit += count;
             at += law.memory_size();
         }
@@ -271,15 +271,19 @@ impl<S: Simd, const R: usize> Lanes<'_, '_, S, R> {
 
     /// Deviations of a law's forces; its memory, which begins at `at`, goes on by a step.
     #[inline(always)]
-    fn law_forces(&mut self, law: &LocalLaw<'_>, response: &Response, at: usize) -> [Lane<S, R>; MAX_ARGUMENTS] {
+    fn law_forces(&mut self, law: &LocalLaw<'_>, action: &Action, at: usize) -> [Lane<S, R>; MAX_ARGUMENTS] {
         let (simd, count, rate) = (self.simd, law.rows.rows(), 1.0 / self.linear.step);
         let zero = [[simd.splat_f64s(0.0); R]; MAX_ARGUMENTS];
-        let (mut u, mut v, mut moved) = (zero, zero, zero);
+        let response = &action.response;
+        let (mut u, mut v, mut moved, mut change) = (zero, zero, zero, zero[0]);
         gather(simd, law.rows.entries(), self.eta, &mut u[..count]);
         gather(simd, law.rows.entries(), self.delta, &mut moved[..count]);
         if law.has_rate() {
             for i in 0..count {
                 let before = &mut self.memory[at + i];
+                if i == 0 {
+                    change = combine(simd, (rate, &moved[0]), (-1.0, before));
+                }
                 v[i] = combine(simd, (1.5 * rate, &moved[i]), (-0.5, before));
                 *before = combine(simd, (rate, &moved[i]), (0.0, &zero[0]));
             }
@@ -294,6 +298,7 @@ impl<S: Simd, const R: usize> Lanes<'_, '_, S, R> {
                 more(simd, force, dv[j], &v[j]);
             }
         }
+        more(simd, &mut forces[0], action.by_change, &change);
         if law.has_memory() {
             let memory = &mut self.memory[at + law.memory_size() - 1];
             more(simd, &mut forces[0], response.du_before, &u[0]);

@@ -4,7 +4,27 @@ use super::inverse::Inverse;
 use super::{dot, modal_rows};
 use crate::linalg::{Matrix, axpy};
 use crate::structure::Element;
-use crate::structure::laws::{Before, Instant, Law, LawKind, MAX_ARGUMENTS, Response};
+use crate::structure::laws::{Before, Instant, Law, LawKind, MAX_ARGUMENTS, MeanForce, Response};
+
+/// Forces of a law in a step, with their derivatives.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Action {
+    /// By the arguments, and by their velocities extrapolated to t_n.
+    pub response: Response,
+    /// ∂force[0]/∂(change of velocity 0 in the step), N·s/m.
+    pub by_change: f64,
+}
+
+impl From<MeanForce> for Action {
+    /// Of a law whose force may turn over within a step: the velocity changes by as much as in the step before, from t_n − h/2,
+    /// where it is known, to t_n + h/2.
+    fn from(MeanForce { force, by_velocity: [first, last] }: MeanForce) -> Self {
+        let mut response = Response::default();
+        response.force[0] = force;
+        response.dv[0][0] = first + last;
+        Self { response, by_change: 0.5 * (last - first) }
+    }
+}
 
 /// A law of the model with what it remembers of the step before.
 pub struct LocalLaw<'m> {
@@ -22,7 +42,7 @@ pub struct LocalLaw<'m> {
     slopes: [f64; MAX_ARGUMENTS],
     /// What the last forces were computed from, and what they are.
     used: (Before, [f64; MAX_ARGUMENTS]),
-    response: Response,
+    action: Action,
 }
 
 impl<'m> LocalLaw<'m> {
@@ -36,7 +56,7 @@ impl<'m> LocalLaw<'m> {
             before: Before::default(),
             slopes: [0.0; MAX_ARGUMENTS],
             used: (Before::default(), [0.0; MAX_ARGUMENTS]),
-            response: Response::default(),
+            action: Action::default(),
         }
     }
 
@@ -78,7 +98,7 @@ impl<'m> LocalLaw<'m> {
 
     /// Whether a slider did not slip: its force goes on from that of the step before.
     pub fn sticks(&self) -> bool {
-        self.response.dforce_before == 1.0
+        self.action.response.dforce_before == 1.0
     }
 
     /// Numbers that the law carries from step to step beside the motion: the slopes of the arguments one step earlier if
@@ -125,8 +145,8 @@ impl<'m> LocalLaw<'m> {
     }
 
     /// The last forces with their derivatives.
-    pub fn response(&self) -> &Response {
-        &self.response
+    pub fn action(&self) -> &Action {
+        &self.action
     }
 
     /// Forces of the start: `velocity` is known there. A law with memory starts without force.
@@ -142,6 +162,7 @@ impl<'m> LocalLaw<'m> {
     pub fn act(&mut self, y: &[f64], increment: &[f64], scale: f64, force: &mut [f64]) {
         let mut now = Instant { speed: self.speed, ..Instant::default() };
         self.used = (self.before, self.slopes);
+        let slope_before = self.slopes[0];
         for i in 0..self.rows.rows() {
             let slope = scale * dot(self.rows.row(i), increment);
             now.u[i] = dot(self.rows.row(i), y);
@@ -150,13 +171,16 @@ impl<'m> LocalLaw<'m> {
             self.slopes[i] = slope;
         }
         let [u, slope] = [now.u[0], self.slopes[0]];
-        self.response = match self.law.threshold() {
+        self.action = match self.law.threshold() {
             Some(threshold) if !self.has_rate && 2.0 * (u - threshold).abs() < self.step * slope.abs() => {
-                self.mean(&mut now, threshold)
+                Action { response: self.mean(&mut now, threshold), by_change: 0.0 }
             }
-            _ => self.law.respond(&now, &self.before),
+            _ => match self.law.mean_force([slope, 2.0 * slope - slope_before]) {
+                Some(mean) => Action::from(mean),
+                None => Action { response: self.law.respond(&now, &self.before), by_change: 0.0 },
+            },
         };
-        let force_now = &self.response.force;
+        let force_now = &self.action.response.force;
         self.before = Before { u, force: force_now[0] };
         for (i, component) in force_now.iter().enumerate().take(self.rows.rows()) {
             axpy(-component, self.rows.row(i), force);

@@ -1,8 +1,7 @@
 //! What steps do to small deviations, recorded until all columns are taken through them at once.
 
-use super::local::LocalLaw;
+use super::local::{Action, LocalLaw};
 use super::{Contacts, Marching};
-use crate::structure::laws::Response;
 
 /// One or several time steps, linearised.
 pub enum Move {
@@ -12,9 +11,9 @@ pub enum Move {
     Bound(Bound),
 }
 
-/// A step with forces that depend on the motion. Offsets are into [`Tape::rows`], [`Tape::responses`].
+/// A step with forces that depend on the motion. Offsets are into [`Tape::rows`], [`Tape::actions`].
 pub struct Bound {
-    /// First of the responses of the laws, in the order of the laws.
+    /// First of the actions of the laws, in the order of the laws.
     pub laws: usize,
     /// Number of nodes that rub, and the offset of their rows q (first all of them) and g:
     /// δ̂ ← δ̂ − Σ g (q·δ).
@@ -29,7 +28,7 @@ pub struct Bound {
 pub struct Tape {
     pub moves: Vec<Move>,
     pub rows: Vec<f64>,
-    pub responses: Vec<Response>,
+    pub actions: Vec<Action>,
     /// Nodes that touched in the step before, and the offset of their rows: without friction they stay as they are.
     last: (Vec<usize>, usize),
 }
@@ -39,19 +38,19 @@ const FULL: usize = 40_000;
 
 impl Tape {
     pub fn is_full(&self) -> bool {
-        self.rows.len() + 27 * self.responses.len() > FULL
+        self.rows.len() + 28 * self.actions.len() > FULL
     }
 
     pub fn clear(&mut self) {
         self.moves.clear();
         self.rows.clear();
-        self.responses.clear();
+        self.actions.clear();
         self.last.0.clear();
     }
 
     /// Adds the step that was made ready last. `has_laws`: whether any law acts with a slope.
     pub fn record(&mut self, contacts: &mut Contacts, laws: &[LocalLaw<'_>], slope: f64) {
-        let acts = laws.iter().any(|law| law.memory_size() > 0 || law.response().du != [[0.0; 3]; 3]);
+        let acts = laws.iter().any(|law| law.memory_size() > 0 || law.action().response.du != [[0.0; 3]; 3]);
         let touching = contacts.touching().len();
         if !acts && touching == 0 {
             match self.moves.last_mut() {
@@ -60,8 +59,8 @@ impl Tape {
             }
             return;
         }
-        let first = self.responses.len();
-        self.responses.extend(laws.iter().map(|law| *law.response()));
+        let first = self.actions.len();
+        self.actions.extend(laws.iter().map(|law| *law.action()));
         let mut bound = Bound { laws: first, friction: (0, 0), contact: (touching, 0) };
         if touching > 0 {
             if contacts.has_friction() {

@@ -120,6 +120,15 @@ pub struct Slider {
     pub limit: f64,
 }
 
+/// Mean force of a law while its velocity changes evenly, with its derivatives.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MeanForce {
+    /// Mean of force 0, N.
+    pub force: f64,
+    /// Its derivatives by the velocities before and after, N·s/m.
+    pub by_velocity: [f64; 2],
+}
+
 /// A nonlinear law.
 pub trait Law {
     /// Number of arguments (and of forces), 1 to [`MAX_ARGUMENTS`].
@@ -137,6 +146,10 @@ pub trait Law {
     /// For a law whose force turns over between the signs of the velocity within a small change of it: that change v₀, m/s. It
     /// is analytic in v/v₀ but for imaginary parts of ±π/2 and beyond.
     fn turnover(&self) -> Option<f64> {
+        None
+    }
+    /// Of such a law: the mean of force 0 while its velocity changes evenly from the first to the second value, m/s.
+    fn mean_force(&self, _velocities: [f64; 2]) -> Option<MeanForce> {
         None
     }
     /// For a law that is a slider behind a spring: both.
@@ -243,6 +256,10 @@ impl Law for LawKind {
 
     fn turnover(&self) -> Option<f64> {
         with_law!(self, law => law.turnover())
+    }
+
+    fn mean_force(&self, velocities: [f64; 2]) -> Option<MeanForce> {
+        with_law!(self, law => law.mean_force(velocities))
     }
 
     fn slider(&self) -> Option<Slider> {

@@ -183,7 +183,7 @@ fn margins_cover_what_the_grid_of_time_steps_leaves_uncertain() {
         for index in [at, at + 6] {
             let on = |steps: usize| {
                 let mut settings = PolishSettings::default();
-                settings.marching.min_steps_per_period = steps;
+                settings.marching.min_steps_per_period = Some(steps);
                 polish(&model, &settings, &branch.points[index].state, Around::default()).polished.unwrap()
             };
             let found: Vec<_> = (0..8).map(|i| on(1200 + 8 * i)).collect();

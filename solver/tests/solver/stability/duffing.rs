@@ -32,7 +32,7 @@ fn a_duffing_oscillator_is_unstable_between_its_folds_and_only_there() {
     let folds: Vec<usize> = branch.special.iter().filter(|s| s.kind == SpecialKind::Fold).map(|s| s.index).collect();
     assert_eq!(folds.len(), 2);
     let mut settings = AlongSettings::default();
-    settings.polish.marching.min_steps_per_period = 2048;
+    settings.polish.marching.min_steps_per_period = Some(2048);
     let found = along(&model, &settings, &branch, &mut |_| ControlFlow::Continue(()));
 
     let kinds: Vec<_> = found.bifurcations.iter().map(|b| b.kind).collect();

@@ -67,7 +67,7 @@ fn hills_matrix_direct_integration_and_the_marched_orbit_agree_on_smooth_motions
     (settings.frequency.min, settings.frequency.max) = (Some(0.6), Some(3.0));
     let branch = main_branch(&model, &settings, 0.2);
     let mut fine = PolishSettings::default();
-    fine.marching.min_steps_per_period = 8192;
+    fine.marching.min_steps_per_period = Some(8192);
     let (mut unstable, mut compared) = (0, 0);
     for index in (0..branch.points.len()).step_by(branch.points.len() / 12) {
         let state: &State = &branch.points[index].state;

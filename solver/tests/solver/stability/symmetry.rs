@@ -39,7 +39,7 @@ fn branch_points_of_a_symmetric_structure_are_no_folds() {
     (settings.frequency.min, settings.frequency.max) = (Some(0.7), Some(2.5));
     let branch = main_branch(&model, &settings, 0.1);
     let mut settings = AlongSettings::default();
-    settings.polish.marching.min_steps_per_period = 2048;
+    settings.polish.marching.min_steps_per_period = Some(2048);
     let found = along(&model, &settings, &branch, &mut |_| ControlFlow::Continue(()));
 
     // Where the balance says that deviations out of phase pass 1, and where it turns back.
