@@ -13,7 +13,7 @@ pub struct CriticalMessage {
     pub quantity: Option<Quantity>,
     /// How it begins and ends.
     pub outcome: Outcome,
-    /// For both ends, if it stalled there: the element, by its number in the model, whose contact is about to begin or to end.
+    /// For both ends, if it stalled there: the element, by its number in the model, that is about to act or to cease.
     pub grazing: [Option<usize>; 2],
     /// Steps refused and repeated shorter.
     pub rejections: usize,

@@ -74,6 +74,6 @@ impl Evidence<'_> {
         let peak = largest.stability.as_ref().and_then(|stability| stability.peak.as_ref());
         let place = |omega, amplitude| format!("{} at {}", self.length(amplitude), frequency(omega));
         let unknown = || "Whether the largest response is stable was not verified.".into();
-        peak.map_or_else(unknown, |peak| near_largest(peak, place))
+        peak.map_or_else(unknown, |peak| near_largest(peak, largest.amplitude_max, place))
     }
 }

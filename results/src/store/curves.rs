@@ -112,6 +112,12 @@ const IS_CRITICAL: &str = "SELECT kind <> 'response' FROM curves ORDER BY number
 const ALL_FOLDS: &str = "SELECT count(*) FROM branches, json_each(branches.special) \
      WHERE json_extract(json_each.value, '$.kind') = 'fold' AND branches.kind <> 'branched'";
 
+/// How a curve begins and ends, in words.
+fn status(curve: &CriticalMessage) -> String {
+    let why = if curve.grazing == [None; 2] { "" } else { ", where an element begins or ceases to act" };
+    format!("{}{why}", curve.outcome)
+}
+
 /// Stores a curve; its number is one more than that of the last.
 pub(super) fn insert_curve(
     db: &Connection,
@@ -126,7 +132,7 @@ pub(super) fn insert_curve(
         number + 1,
         task.as_str(),
         name(curve.quantity),
-        curve.outcome.to_string(),
+        status(curve),
         curve.outcome == Outcome::Closed,
         curve.outcome.is_unfinished(),
         curve.rejections,

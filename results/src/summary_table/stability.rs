@@ -42,9 +42,10 @@ pub(super) fn sentences(levels: &[Level], units: Units) -> Option<String> {
     if groups.is_empty() {
         return None;
     }
-    let peak = highest(rows()).and_then(|row| row.stability.as_ref()?.peak.as_ref());
-    let peak = peak
-        .map_or("Whether the largest response is stable was not verified.".into(), |peak| near_largest(peak, place));
+    let peak = highest(rows()).and_then(|row| Some((row.stability.as_ref()?.peak.as_ref()?, row.amplitude_max)));
+    let peak = peak.map_or("Whether the largest response is stable was not verified.".into(), |(peak, amplitude)| {
+        near_largest(peak, amplitude, place)
+    });
     Some(format!("By time marching, {}. {peak}", groups.join("; ")))
 }
 

@@ -86,8 +86,8 @@ pub struct CriticalCurve {
     pub corners: Vec<Corner>,
     /// How it begins and ends.
     pub outcome: Outcome,
-    /// For both ends, if the curve stalled there: the element, by its number in the model, whose contact is about to begin or
-    /// to end (grazing). There the first derivatives vary like a square root, and no way past it was found.
+    /// For both ends, if the curve stalled there: the element, by its number in the model, that is about to act or to cease
+    /// (grazing). There first derivatives vary like a square root or jump, and no way past it was found.
     pub grazing: [Option<usize>; 2],
     /// Steps refused and repeated shorter.
     pub rejections: usize,
