@@ -6,11 +6,16 @@ use crate::store::PeakOrbit;
 const TOLD: f64 = 1e-3;
 
 /// What is known of the stability of the largest response, of amplitude `largest` (m): of the motion that marching has near it, which
-/// may be a little lower and at another frequency. `place` writes its frequency (rad/s) and amplitude (m).
-pub fn near_largest(peak: &PeakOrbit, largest: f64, place: impl Fn(f64, f64) -> String) -> String {
+/// may be another one in amplitude and frequency. `length` and `frequency` write these, of m and rad/s.
+pub fn near_largest(
+    peak: &PeakOrbit,
+    largest: f64,
+    length: impl Fn(f64) -> String,
+    frequency: impl Fn(f64) -> String,
+) -> String {
     let motion = peak.at.map_or_else(String::new, |(omega, amplitude)| {
-        let motion = "The periodic motion that time marching has near the largest response";
-        format!("{motion}, {}{},", place(omega, amplitude), beside(amplitude / largest - 1.0))
+        let (size, place) = (length(amplitude) + &beside(amplitude / largest - 1.0), frequency(omega));
+        format!("The periodic motion that time marching has near the largest response, {size} at {place},")
     });
     match peak.verdict.as_str() {
         "stable" => motion + " is stable.",
@@ -42,10 +47,10 @@ mod tests {
     fn another_amplitude_is_told_where_it_matters() {
         let told = |amplitude| {
             let peak = PeakOrbit { verdict: "stable".into(), at: Some((2.0, amplitude)) };
-            near_largest(&peak, 2.0, |omega, amplitude| format!("{amplitude} m at {omega} rad/s"))
+            near_largest(&peak, 2.0, |amplitude| format!("{amplitude} m"), |omega| format!("{omega} rad/s"))
         };
         assert!(told(2.001).ends_with("largest response, 2.001 m at 2 rad/s, is stable."), "{}", told(2.001));
-        assert!(told(1.98).ends_with(", 1.98 m at 2 rad/s (1.0 % less), is stable."), "{}", told(1.98));
-        assert!(told(2.4).ends_with(", 2.4 m at 2 rad/s (20 % more), is stable."), "{}", told(2.4));
+        assert!(told(1.98).ends_with(", 1.98 m (1.0 % less) at 2 rad/s, is stable."), "{}", told(1.98));
+        assert!(told(2.4).ends_with(", 2.4 m (20 % more) at 2 rad/s, is stable."), "{}", told(2.4));
     }
 }

@@ -72,8 +72,7 @@ impl Evidence<'_> {
     /// What is known of the stability of the largest response.
     pub(super) fn stability_of_peak(&self, largest: &BranchRow) -> String {
         let peak = largest.stability.as_ref().and_then(|stability| stability.peak.as_ref());
-        let place = |omega, amplitude| format!("{} at {}", self.length(amplitude), frequency(omega));
         let unknown = || "Whether the largest response is stable was not verified.".into();
-        peak.map_or_else(unknown, |peak| near_largest(peak, largest.amplitude_max, place))
+        peak.map_or_else(unknown, |peak| near_largest(peak, largest.amplitude_max, |x| self.length(x), frequency))
     }
 }

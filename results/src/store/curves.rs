@@ -9,7 +9,7 @@ use protocol::critical::CriticalMessage;
 use protocol::ids::TaskId;
 use rusqlite::{Connection, Row, params};
 use serde::Serialize;
-use solver::response::branch::Outcome;
+use solver::response::branch::{Outcome, Stop};
 use solver::response::critical::{CriticalKind, name};
 use solver::response::starts::BATCH;
 use solver::response::task::{CrossingPlace, Task};
@@ -113,9 +113,14 @@ const ALL_FOLDS: &str = "SELECT count(*) FROM branches, json_each(branches.speci
      WHERE json_extract(json_each.value, '$.kind') = 'fold' AND branches.kind <> 'branched'";
 
 /// How a curve begins and ends, in words.
-fn status(curve: &CriticalMessage) -> String {
-    let why = if curve.grazing == [None; 2] { "" } else { ", where an element begins or ceases to act" };
-    format!("{}{why}", curve.outcome)
+fn status(outcome: Outcome, grazing: [Option<usize>; 2]) -> String {
+    let Outcome::Open(first, last) = outcome else { return outcome.to_string() };
+    let end = |(stop, grazes): (Stop, Option<usize>)| {
+        let why = if grazes.is_some() { " next to where an element begins or ceases to act" } else { "" };
+        format!("{stop}{why}")
+    };
+    let [first, last] = [(first, grazing[0]), (last, grazing[1])].map(end);
+    format!("open: {first} to {last}")
 }
 
 /// Stores a curve; its number is one more than that of the last.
@@ -132,7 +137,7 @@ pub(super) fn insert_curve(
         number + 1,
         task.as_str(),
         name(curve.quantity),
-        status(curve),
+        status(curve.outcome, curve.grazing),
         curve.outcome == Outcome::Closed,
         curve.outcome.is_unfinished(),
         curve.rejections,
@@ -274,5 +279,20 @@ impl Reader {
             forcing.extend(forcing.first().copied());
         }
         Ok(forcings.into_iter().map(|(task, forcing)| (task, forcing.into())).collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_end_tells_where_an_element_begins_to_act() {
+        let outcome = Outcome::Open(Stop::Cancelled, Stop::ForcingBound);
+        let told = |grazing| status(outcome, grazing);
+        assert_eq!(told([None; 2]), outcome.to_string());
+        let expected = "open: cancelled next to where an element begins or ceases to act to forcing bound";
+        assert_eq!(told([Some(3), None]), expected);
+        assert_eq!(status(Outcome::Closed, [None; 2]), "closed");
     }
 }

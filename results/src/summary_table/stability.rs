@@ -21,12 +21,13 @@ pub(super) fn sentences(levels: &[Level], units: Units) -> Option<String> {
     let isolas: Vec<&BranchRow> = rows().filter(|row| row.is_isola()).collect();
     let mains: Vec<&BranchRow> = rows().filter(|row| row.is_main()).collect();
     let others: Vec<&BranchRow> = rows().filter(|row| !row.is_main() && !row.is_isola()).collect();
-    let place =
-        |omega, amplitude| format!("{} {length} at {} {frequency}", length.digits(amplitude), frequency.digits(omega));
+    let size = |amplitude| format!("{} {length}", length.digits(amplitude));
+    let rate = |omega| format!("{} {frequency}", frequency.digits(omega));
     let largest = isolas.iter().filter_map(|row| row.stability.as_ref()?.largest);
     let largest = largest.max_by(|a, b| a.1.total_cmp(&b.1));
-    let up_to =
-        largest.map_or_else(String::new, |(omega, amplitude)| format!(" (stable up to {})", place(omega, amplitude)));
+    let up_to = largest.map_or_else(String::new, |(omega, amplitude)| {
+        format!(" (stable up to {} at {})", size(amplitude), rate(omega))
+    });
     let is_part = |row: &&BranchRow| row.stability.as_ref().is_some_and(|stability| !stability.is_whole);
     let around = match mains.iter().any(is_part) {
         true if mains.len() == 1 => ", around its peak,",
@@ -44,7 +45,7 @@ pub(super) fn sentences(levels: &[Level], units: Units) -> Option<String> {
     }
     let peak = highest(rows()).and_then(|row| Some((row.stability.as_ref()?.peak.as_ref()?, row.amplitude_max)));
     let peak = peak.map_or("Whether the largest response is stable was not verified.".into(), |(peak, amplitude)| {
-        near_largest(peak, amplitude, place)
+        near_largest(peak, amplitude, size, rate)
     });
     Some(format!("By time marching, {}. {peak}", groups.join("; ")))
 }

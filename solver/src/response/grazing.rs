@@ -10,7 +10,7 @@ use std::f64::consts::TAU;
 const GRAZING: f64 = 1e-2;
 
 /// The element that is closest to beginning or ceasing to act, if one is about to: of a law with a threshold an extremum of the
-/// argument comes close to it; of a slider behind a spring, its spring is moved by as much as it takes at its limit.
+/// argument comes close to it; a slider behind a spring that has stuck so far is about to slide in every period.
 pub(super) fn grazing(model: &Model, state: &State) -> Option<usize> {
     let nc = width(state.harmonics);
     let mut closest: Option<(f64, usize)> = None;

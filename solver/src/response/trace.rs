@@ -11,10 +11,10 @@ pub use crate::response::given::Given;
 use crate::response::known::{identify, named, retraced, unknown_part};
 use crate::response::name::BranchId;
 use crate::response::scout::scout;
-use crate::response::seeds::{Landing, LandingFailure, LandingMethod, land_all};
+use crate::response::seeds::{Landing, LandingFailure, land_all};
 use crate::response::starts;
 use crate::response::symmetry::parents;
-use crate::response::task::{CrossingPlace, SeedOutcome, SeedPlace, Task, TaskResult};
+use crate::response::task::{CrossingPlace, SeedOutcome, Task, TaskResult};
 use std::ops::ControlFlow;
 
 /// Relative distance of a response from where it is looked for, up to which it is that.
@@ -36,7 +36,7 @@ pub fn execute<'m, F: Formulation<'m>>(
             |failure| TaskResult::Nothing(SeedOutcome::NotLanded(LandingFailure::NotConverged(failure))),
             TaskResult::Landings,
         ),
-        Task::Seed(place) => follow(forced, place, landings, known, observer),
+        Task::Seed(_) => follow(forced, landings, known, observer),
         Task::Fold(_) | Task::Carry(_) => return follow_over_forcing(forced, task, given, observer),
         Task::Crossing(place) => cross(forced, place, given, observer),
         Task::Start(place) => starts::land(forced, place).map_or_else(
@@ -268,23 +268,18 @@ fn ends_ordinarily<'m, F: Formulation<'m>>(forced: &mut Forced<'m, F>, branch: &
 }
 
 /// Traces the branch through the first landing that lies on no known one.
-///
-/// At the foot of a backbone, in the linear range, the response predicted is the main one, however far from it an estimate with
-/// one mode is: a well there for which no better is found has led to it.
 fn follow<'m, F: Formulation<'m>>(
     forced: &mut Forced<'m, F>,
-    place: &SeedPlace,
     landings: &[Landing],
     known: &[(BranchId, &Branch)],
     observer: &mut Observer<'_>,
 ) -> TaskResult {
     let mut nothing = SeedOutcome::NotLanded(LandingFailure::NotConverged(Failure::Diverged.into()));
     let (mut nearest, mut beyond) = (f64::INFINITY, Vec::new());
-    let is_foot = place.well.first == 0 && place.method == LandingMethod::SteppedForcing;
     for landing in landings {
         // What is not known yet is what seeds are for, wherever it lies.
         let outcome = match identify(forced, &landing.state, known) {
-            Some(id) if landing.is_near() || (is_foot && id.is_main()) => SeedOutcome::Found(id),
+            Some(id) if landing.is_near() => SeedOutcome::Found(id),
             Some(_) => SeedOutcome::NotLanded(LandingFailure::Far(landing.distance)),
             None if forced.contains(&landing.state) => match forced.branch_through(&landing.state, observer) {
                 Ok(branch) => {

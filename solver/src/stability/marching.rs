@@ -47,17 +47,21 @@ use thiserror::Error;
 pub struct MarchingSettings {
     /// Time step over the stability limit 2/ω_max, in (0, 1).
     pub step_fraction: f64,
-    /// Least number of steps in one period of the response; without one, 2048, before rigid stops 512.
+    /// Least number of steps in one period of the response; without one, what [`least_steps`] has for the model.
     pub min_steps_per_period: Option<usize>,
 }
 
 /// Least number of steps in one period of the response. Where forces are functions of the motion errors fall with the square of
 /// the step, and folds a thousandth above the birth of their isola need them small. Before rigid stops the impacts of the marcher
-/// are others than those of the balance whatever the step, and on finer grids Newton's method comes to fewer orbits.
+/// are others than those of the balance whatever the step, and on finer grids Newton's method comes to fewer orbits; of models of
+/// more than [`LARGE`] modes a period takes its time.
 fn least_steps(model: &Model) -> usize {
     let is_rigid = model.elements().iter().any(|element| element.law.rigid().is_some());
-    if is_rigid { 512 } else { 2048 }
+    if is_rigid || model.size() > LARGE { 512 } else { 2048 }
 }
+
+/// See [`least_steps`].
+const LARGE: usize = 150;
 
 impl Default for MarchingSettings {
     fn default() -> Self {

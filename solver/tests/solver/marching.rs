@@ -160,16 +160,22 @@ fn smooth_laws_converge_at_second_order() {
 
 #[test]
 fn friction_that_turns_within_a_step_is_that_of_coulomb() {
-    // The amplitude falls by 2F/k in each half cycle; regularisation and steps leave a part of that, whatever the phase.
-    let (limit, count) = (0.02, 500);
-    let model = with_law(oscillator(1.0, 1.0, 0.0), LawKind::TanhFriction(TanhFriction { limit, velocity: 1e-3 }));
-    for start in [1.0, 1.0371, 0.9843, 1.0113] {
-        let mut marching = Marching::new(&model, &steps(count), 0.0, 1.0).unwrap();
-        marching.set_state(&[start], &[0.0]).unwrap();
-        run(&mut marching, 5 * count);
-        let left = marching.displacements()[0];
-        assert!((left - (start - 20.0 * limit)).abs() < 1e-4, "{start}: {left}");
-    }
+    // From the middle on: it turns at R − F after t₁, with R = √(1 + F²), and every half cycle takes 2F.
+    let limit = 0.02;
+    let model = with_law(oscillator(1.0, 1.0, 0.0), LawKind::TanhFriction(TanhFriction { limit, velocity: 1e-4 }));
+    let (radius, turn) = (1.0f64.hypot(limit), 1.0f64.atan2(limit));
+    let off = [401, 402, 403, 404, 405].map(|count| {
+        let mut marching = Marching::with_steps(&model, count, 0.0, 1.0).unwrap();
+        marching.set_state(&[0.0], &[1.0]).unwrap();
+        let step = TAU / count as f64;
+        let steps = ((turn + TAU + 1.3) / step).round() as usize;
+        run(&mut marching, steps);
+        let phase = steps as f64 * step - turn - TAU;
+        marching.displacements()[0] - limit - (radius - 6.0 * limit) * phase.cos()
+    });
+    // Steps change frequencies by (ωh)²/24, whatever part of one lies before a turn.
+    let phase = (TAU / 401.0).powi(2) / 24.0 * (turn + TAU + 1.3);
+    assert!(off.iter().all(|off| off.abs() < 1.5 * phase), "{off:?}, {phase}");
 }
 
 #[test]

@@ -121,11 +121,11 @@ fn what_can_settle_is_told() {
         assert!(said.contains("; what leads there was not looked for (isola disturb does)."), "{said}");
     }
     for (peak, expected) in [
-        ("stable", "near the largest response, 1.5 mm at 120 rad/s (19.1 Hz) (25 % less), is stable."),
-        ("unstable", "near the largest response, 1.5 mm at 120 rad/s (19.1 Hz) (25 % less), is unstable."),
+        ("stable", "near the largest response, 1.5 mm (25 % less) at 120 rad/s (19.1 Hz), is stable."),
+        ("unstable", "near the largest response, 1.5 mm (25 % less) at 120 rad/s (19.1 Hz), is unstable."),
         (
             "marginal",
-            "near the largest response, 1.5 mm at 120 rad/s (19.1 Hz) (25 % less), is at the edge of stability.",
+            "near the largest response, 1.5 mm (25 % less) at 120 rad/s (19.1 Hz), is at the edge of stability.",
         ),
         ("none", "Time marching found no periodic motion near the largest response."),
         (

@@ -47,6 +47,10 @@ pub struct LocalLaw<'m> {
 
 impl<'m> LocalLaw<'m> {
     pub fn new(element: &'m Element, shapes: &Matrix, speed: f64, step: f64) -> Self {
+        let (law, pattern) = (&element.law, element.law.pattern());
+        let is_of_velocity = law.arguments() == 1 && !law.has_memory() && !pattern.du[0][0];
+        debug_assert!(law.turnover().is_some() == law.mean_force([0.0; 2]).is_some(), "{law:?}");
+        debug_assert!(law.turnover().is_none() || is_of_velocity, "{law:?}");
         Self {
             law: &element.law,
             rows: modal_rows(&element.channels, shapes),

@@ -38,7 +38,7 @@ const FULL: usize = 40_000;
 
 impl Tape {
     pub fn is_full(&self) -> bool {
-        self.rows.len() + 28 * self.actions.len() > FULL
+        self.rows.len() + size_of::<Action>() / size_of::<f64>() * self.actions.len() > FULL
     }
 
     pub fn clear(&mut self) {

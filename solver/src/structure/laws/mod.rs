@@ -148,7 +148,8 @@ pub trait Law {
     fn turnover(&self) -> Option<f64> {
         None
     }
-    /// Of such a law: the mean of force 0 while its velocity changes evenly from the first to the second value, m/s.
+    /// Of such a law, which has one argument and depends on its velocity alone: the mean of the force while the velocity changes
+    /// evenly from the first to the second value, m/s.
     fn mean_force(&self, _velocities: [f64; 2]) -> Option<MeanForce> {
         None
     }

@@ -136,7 +136,7 @@ fn beyond_its_bifurcations_a_motion_is_what_direct_integration_makes_of_it() {
     let inside = &verification.points[1..verification.points.len() - 1];
     let stable = inside.iter().filter(|point| point.verdict == Verdict::Stable);
     places.extend(stable.map(|point| (point.index, branch.points[point.index].omega())));
-    let mut counts = [0; 4];
+    let (mut counts, mut others) = ([0; 4], 0);
     for (number, (index, omega)) in places.into_iter().enumerate() {
         let found = settled(&model, &[(BranchId::MAIN, &branch)], &branch, index, omega);
         let motion = found.motion.map_or(0, |motion| match motion {
@@ -152,18 +152,23 @@ fn beyond_its_bifurcations_a_motion_is_what_direct_integration_makes_of_it() {
             let law = masses_before_a_stop(found.omega);
             // Near a bifurcation all takes its time.
             let periods = [800.max(4 * found.periods), 32];
-            // Of several motions the sign of the first deviation decides.
-            let ranges = [0.0, 1e-5, -1e-5].map(|by| {
+            let integrated = |by: f64| {
                 let mut start = start(&model, &branch, index, omega);
                 start[0][0] += by;
                 direct(&law, found.omega, periods, start).0
-            });
-            let apart = |range: &[f64; 2]| (range[0] - found.amplitudes[0][0]).abs();
-            assert_range(&found, ranges.into_iter().min_by(|a, b| apart(a).total_cmp(&apart(b))).unwrap());
+            };
+            let range = integrated(0.0);
+            if (range[0] - found.amplitudes[0][0]).abs() < GRID {
+                assert_range(&found, range);
+            } else {
+                // Two motions are there, and the sign of the first deviation decides which of them comes.
+                others += 1;
+                assert_range(&found, integrated(-1e-5));
+            }
         }
     }
     println!("{counts:?}");
-    assert!(counts[1] > 5 && counts[2] > 5 && counts[0] <= 3, "{counts:?}");
+    assert!(counts[1] > 5 && counts[2] > 5 && counts[0] <= 3 && others <= 1, "{counts:?}, {others}");
 }
 
 #[track_caller]

@@ -33,11 +33,9 @@ pub fn two_masses_double_their_period_and_turn_quasi_periodic_where_direct_integ
     let settings = AlongSettings { points: 60, ..AlongSettings::default() };
     let found = along(&model, &settings, &branch, &mut |_| ControlFlow::Continue(()));
     let kinds: Vec<_> = found.bifurcations.iter().map(|b| (b.kind, b.outside)).collect();
-    // Behind a touch of an elastic stop multipliers change like a square root: it may be that the crossing itself is found.
-    let touches = [BifurcationKind::Grazing, BifurcationKind::NeimarkSacker];
-    assert!(touches.contains(&kinds[0].0), "{kinds:?}");
+    // Behind a touch of an elastic stop multipliers change like a square root; here the crossing itself is found.
     let expected = [
-        (kinds[0].0, [0, 2]),
+        (BifurcationKind::NeimarkSacker, [0, 2]),
         (BifurcationKind::NeimarkSacker, [2, 0]),
         (BifurcationKind::PeriodDoubling, [0, 1]),
         (BifurcationKind::PeriodDoubling, [1, 0]),
