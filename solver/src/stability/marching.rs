@@ -47,7 +47,7 @@ use thiserror::Error;
 pub struct MarchingSettings {
     /// Time step over the stability limit 2/ω_max, in (0, 1).
     pub step_fraction: f64,
-    /// Least number of steps in one period of the response; without one, what [`least_steps`] has for the model.
+    /// Least number of steps in one period of the response; without one, as many as suit the model.
     pub min_steps_per_period: Option<usize>,
 }
 
