@@ -116,7 +116,7 @@ const ALL_FOLDS: &str = "SELECT count(*) FROM branches, json_each(branches.speci
 fn status(outcome: Outcome, grazing: [Option<usize>; 2]) -> String {
     let Outcome::Open(first, last) = outcome else { return outcome.to_string() };
     let end = |(stop, grazes): (Stop, Option<usize>)| {
-        let why = if grazes.is_some() { " next to where an element begins or ceases to act" } else { "" };
+        let why = if grazes.is_some() { " (next to where an element begins or ceases to act)" } else { "" };
         format!("{stop}{why}")
     };
     let [first, last] = [(first, grazing[0]), (last, grazing[1])].map(end);
@@ -291,7 +291,7 @@ mod tests {
         let outcome = Outcome::Open(Stop::Cancelled, Stop::ForcingBound);
         let told = |grazing| status(outcome, grazing);
         assert_eq!(told([None; 2]), outcome.to_string());
-        let expected = "open: cancelled next to where an element begins or ceases to act to forcing bound";
+        let expected = "open: cancelled (next to where an element begins or ceases to act) to forcing bound";
         assert_eq!(told([Some(3), None]), expected);
         assert_eq!(status(Outcome::Closed, [None; 2]), "closed");
     }
