@@ -49,6 +49,9 @@ pub struct Stability {
     pub stable: f64,
     /// Share of its points that are known to be unstable.
     pub unstable: f64,
+    /// Number of points that were marched, if these were not all that were to be looked at: two changes between neighbours among
+    /// them that undo each other are not seen.
+    pub sampled: Option<usize>,
     /// What is near its point of largest amplitude, if that was looked at.
     pub peak: Option<PeakOrbit>,
     /// Frequency and amplitude of its largest response that is known to be stable, rad/s and m.
@@ -173,7 +176,8 @@ impl Reader {
         if self.version()? < SINCE {
             return Ok(HashMap::new());
         }
-        let sql = "SELECT branch, stretch = 'whole', verifications.stable, unstable, point.verdict, point.omega, point.amplitude \
+        let sql = "SELECT branch, stretch = 'whole', verifications.stable, unstable, point.verdict, point.omega, point.amplitude, \
+                   (SELECT count(*) FROM verified_points AS each WHERE each.task = verifications.task), points \
                    FROM verifications JOIN branches ON branches.id = branch \
                    LEFT JOIN verified_points AS point ON point.task = verifications.task AND point.i = peak \
                    WHERE level = ?1 ORDER BY stretch = 'whole'";
@@ -181,7 +185,9 @@ impl Reader {
             let at = row.get::<_, Option<f64>>(5)?.zip(row.get(6)?);
             let peak = row.get::<_, Option<String>>(4)?.map(|verdict| PeakOrbit { verdict, at });
             let (is_whole, stable, unstable) = (row.get(1)?, row.get(2)?, row.get(3)?);
-            Ok((row.get(0)?, Stability { is_whole, stable, unstable, peak, largest: None }))
+            let (marched, points): (usize, usize) = (row.get(6)?, row.get(7)?);
+            let sampled = (is_whole && marched < points).then_some(marched);
+            Ok((row.get(0)?, Stability { is_whole, stable, unstable, sampled, peak, largest: None }))
         };
         let mut found: HashMap<i64, Stability> = self.all(sql, [level], row)?.into_iter().collect();
         let sql = "SELECT branch, points.omega, max(points.amplitude) FROM points JOIN branches ON branches.id = branch \

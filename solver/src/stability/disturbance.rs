@@ -1,6 +1,7 @@
 //! How hard a push throws a structure from its main motion onto a detached branch.
 //!
-//! An impulse p = M φ_j s changes the velocity of one mode by s and of no other. It acts on the main motion at a phase of the
+//! An impulse p = M φ_j s changes the velocity of one mode by s and of no other; φ_j is taken with the sign that lets it move the
+//! monitored dof forward that it moves most. It acts on the main motion at a phase of the
 //! forcing; marching says where the motion ends. Sizes are scanned upwards, at every phase, until a push of that size ends on the
 //! branch; between it and the size before the first change is bisected. Boundaries of basins need not be simple: a smaller push
 //! between sizes that were scanned may do the same.
@@ -63,7 +64,7 @@ pub enum Ending {
 pub struct Push {
     /// Number of the phase, of as many as were scanned: t = number/phases of a period after the forcing is largest.
     pub phase: usize,
-    /// Change of the modal velocity that ends on the branch, kg^½·m/s.
+    /// Change of the modal velocity that ends on the branch, kg^½·m/s, in the sense that moves the monitored dof forward.
     pub size: f64,
     /// The largest smaller one at this phase that was seen not to.
     pub below: f64,
@@ -196,13 +197,13 @@ pub fn disturb(
     let target = stable(branch).max_by(|a, b| height(a).total_cmp(&height(b))).map(of);
     let main = main.map(of).or_else(|| from_rest(model, branch.forcing, place.omega, settings.periods));
     let main = main.filter(|(main, _)| target.as_ref().is_none_or(|(target, _)| are_apart(model, main, target)));
-    let shapes = model.monitors().iter().map(|&dof| model.modes().shapes[(dof, place.mode)].abs()).enumerate();
-    let (monitor, shape) = shapes.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or_default();
+    let shapes = model.monitors().iter().map(|&dof| model.modes().shapes[(dof, place.mode)]).enumerate();
+    let (monitor, shape) = shapes.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs())).unwrap_or_default();
     let mut found = Disturbance {
         omega: place.omega,
         mode: place.mode,
         monitor,
-        shape,
+        shape: shape.abs(),
         phases: settings.phases,
         amplitudes: [&main, &target].map(|found| found.as_ref().map_or_else(Vec::new, |found| found.1.clone())),
         sizes: Vec::new(),
@@ -215,7 +216,7 @@ pub fn disturb(
         (None, _) => return Some(Disturbance { reason: Some(Unpushed::NoMain), ..found }),
         (_, None) => return Some(Disturbance { reason: Some(Unpushed::NoTarget), ..found }),
     };
-    let Ok(scan) = Scan::new(model, settings, place.mode, &main, &target) else {
+    let Ok(scan) = Scan::new(model, settings, (place.mode, shape.signum()), &main, &target) else {
         return Some(Disturbance { reason: Some(Unpushed::Failed), ..found });
     };
     let (count, ratio) = settings.sizes;
@@ -264,6 +265,8 @@ struct Scan<'m, 's> {
     model: &'m Model,
     settings: &'s DisturbSettings,
     mode: usize,
+    /// Of the modal velocity that moves the monitored dof forward.
+    sign: f64,
     omega: f64,
     main: Orbit,
     /// States of the main motion at the phases, with their steps.
@@ -280,7 +283,7 @@ impl<'m, 's> Scan<'m, 's> {
     fn new(
         model: &'m Model,
         settings: &'s DisturbSettings,
-        mode: usize,
+        (mode, sign): (usize, f64),
         main: &Orbit,
         target: &Orbit,
     ) -> Result<Self, MarchingError> {
@@ -300,7 +303,7 @@ impl<'m, 's> Scan<'m, 's> {
         let between = distance(model, main.omega, &main.state, &ends[1]);
         // (2 v)²/2 is four times the energy v²/2; √2 v has twice of it.
         let largest = (2.0 * largest).sqrt();
-        Ok(Self { model, settings, mode, omega: main.omega, main: main.clone(), starts, ends, between, largest })
+        Ok(Self { model, settings, mode, sign, omega: main.omega, main: main.clone(), starts, ends, between, largest })
     }
 
     /// Where pushes of a size end, phase by phase.
@@ -352,7 +355,7 @@ impl<'m, 's> Scan<'m, 's> {
     fn march(&self, phase: usize, size: f64, near: f64) -> Result<(Ending, f64), MarchingError> {
         let (step, state) = &self.starts[phase];
         let mut state = state.clone();
-        state[self.model.size() + self.mode] += size;
+        state[self.model.size() + self.mode] += self.sign * size;
         let mut marching = Marching::with_steps(self.model, self.main.steps, self.main.forcing, self.omega)?;
         marching.restart_at(&state, *step)?;
         walk_to(&mut marching, self.main.steps)?;

@@ -3,11 +3,14 @@
 //! Unknowns are the state of the marcher, scaled, and the frequency; the number of steps in a period is fixed, so that the
 //! map is smooth in ω as long as no contact grazes.
 
+mod newton;
+
 use super::marching::{Account, Marching, MarchingError, MarchingSettings, Offset, reduced};
 use super::multipliers::{Multiplier, margin, multipliers};
 use crate::formulation::state::State;
 use crate::linalg::{LinalgError, Lu, Matrix, dot};
 use crate::structure::Model;
+pub use newton::NewtonOptions;
 use serde::{Deserialize, Serialize};
 
 /// A periodic orbit of the time marcher: enough to march on it.
@@ -37,12 +40,6 @@ impl Orbit {
 
 /// Instants of a period at which a motion is compared.
 const INSTANTS: usize = 256;
-
-/// Largest scaled residual of an orbit: rounding of thousands of steps is far below, what matters far above.
-const TOLERANCE: f64 = 1e-9;
-
-/// Relative step of ω for the derivative of the map.
-const NUDGE: f64 = 1e-6;
 
 /// Scaled state and scaled frequency.
 #[derive(Debug, Clone)]
@@ -86,16 +83,6 @@ impl Period {
     pub fn multipliers(&self) -> Result<Vec<Multiplier>, LinalgError> {
         multipliers(&reduced(&self.monodromy, &self.offsets))
     }
-}
-
-/// How Newton's method is led.
-pub struct NewtonOptions<'w> {
-    /// Normal of the plane that it stays in, scaled state and w; at fixed ω without.
-    pub plane: Option<&'w [f64]>,
-    /// Whether steps are shortened until the residual falls.
-    pub searches: bool,
-    /// Most iterations.
-    pub iterations: usize,
 }
 
 /// Orbits at one forcing amplitude near one frequency.
@@ -240,109 +227,5 @@ impl<'m> Shooting<'m> {
         let scaled = |i: usize, j: usize| monodromy[(i, j)] * self.scales[j] / self.scales[i];
         let monodromy = Matrix::from_fn(point.x.len(), point.x.len(), scaled);
         Ok(Period { residual, monodromy, path, stride, amplitudes, account, is_smooth, offsets })
-    }
-
-    /// Newton's method from a point; the orbit's point and its last period, if it comes to one.
-    pub fn solve(&mut self, start: &Point, options: &NewtonOptions<'_>) -> Option<(Point, Period)> {
-        let mut at = start.clone();
-        let mut period = self.period(&at).ok()?;
-        for _ in 0..options.iterations {
-            if period.error() < TOLERANCE {
-                return Some((at, period));
-            }
-            let step = self.newton_step(&at, &period, options.plane)?;
-            (at, period) = self.take(&at, &period, &step, options.searches)?;
-        }
-        (period.error() < TOLERANCE).then_some((at, period))
-    }
-
-    /// The step to the zero of the linearised residual, in the plane or at fixed ω: scaled state, then w.
-    fn newton_step(&mut self, at: &Point, period: &Period, plane: Option<&[f64]>) -> Option<Vec<f64>> {
-        let slope = if plane.is_some() { self.slope(at, period)? } else { vec![0.0; at.x.len()] };
-        let fixed = |n: usize| (0..=n).map(|i| if i == n { 1.0 } else { 0.0 }).collect::<Vec<f64>>();
-        let row = plane.map_or_else(|| fixed(at.x.len()), <[f64]>::to_vec);
-        let mut step: Vec<f64> = period.residual.iter().map(|r| -r).collect();
-        step.push(0.0);
-        self.solve_bordered(period, &slope, &row, &mut step)?;
-        Some(step)
-    }
-
-    /// How far the branch goes on across the plane of this normal while w grows by 1: it changes sign through infinity
-    /// where the branch turns in frequency.
-    pub fn advance(&mut self, at: &Point, period: &Period, normal: &[f64]) -> Option<f64> {
-        let n = at.x.len();
-        let slope = self.central_slope(at)?;
-        let mut way = vec![0.0; n];
-        way.push(1.0);
-        let fixed = way.clone();
-        self.solve_bordered(period, &slope, &fixed, &mut way)?;
-        Some(dot(&way, normal))
-    }
-
-    /// Solves [Φ − I, slope; row] z = b in place. In the row of a slider that sticks all the time, where this is singular, the
-    /// offset stays as it is.
-    fn solve_bordered(&mut self, period: &Period, slope: &[f64], row: &[f64], b: &mut [f64]) -> Option<()> {
-        let n = slope.len();
-        let matrix = self.lu.reset(n + 1);
-        for i in 0..n {
-            let target = &mut matrix[i * (n + 1)..(i + 1) * (n + 1)];
-            target[..n].copy_from_slice(period.monodromy.row(i));
-            target[i] -= 1.0;
-            target[n] = slope[i];
-        }
-        for offset in &period.offsets {
-            matrix[offset.force * (n + 1)..][..=n].copy_from_slice(&offset.form);
-            b[offset.force] = 0.0;
-        }
-        matrix[n * (n + 1)..].copy_from_slice(row);
-        self.lu.factor().ok()?;
-        self.lu.solve(b);
-        b.iter().all(|entry| entry.is_finite()).then_some(())
-    }
-
-    /// Derivative of the scaled map by w, by a difference: what it errs by, Newton's method makes good.
-    fn slope(&mut self, at: &Point, period: &Period) -> Option<Vec<f64>> {
-        let after = self.residual(&Point { x: at.x.clone(), w: at.w + NUDGE }).ok()?;
-        Some(after.iter().zip(&period.residual).map(|(a, b)| (a - b) / NUDGE).collect())
-    }
-
-    /// The same by a central difference, where nothing makes good what it errs by.
-    fn central_slope(&mut self, at: &Point) -> Option<Vec<f64>> {
-        let mut beside = |by: f64| self.residual(&Point { x: at.x.clone(), w: at.w + by }).ok();
-        let (after, before) = (beside(NUDGE)?, beside(-NUDGE)?);
-        Some(after.iter().zip(&before).map(|(a, b)| (a - b) / (2.0 * NUDGE)).collect())
-    }
-
-    /// The point at the end of a step, or of a part of it that lessens the residual.
-    fn take(&mut self, at: &Point, period: &Period, step: &[f64], searches: bool) -> Option<(Point, Period)> {
-        let (motion, turn) = step.split_at(at.x.len());
-        let part = |share: f64| {
-            let x = at.x.iter().zip(motion).map(|(x, s)| x + share * s).collect();
-            Point { x, w: at.w + share * turn[0] }
-        };
-        let full = part(1.0);
-        let size = |r: &[f64]| dot(r, r).sqrt();
-        let before = size(&period.residual);
-        // A point far off its orbit is of no use, and may not be marchable at all.
-        let sound = |point: &Point| point.w > 0.5 && point.w < 2.0 && point.x.iter().all(|x| x.abs() < 1e3);
-        if sound(&full) {
-            match self.period(&full) {
-                Ok(period) if !searches || size(&period.residual) < 0.9 * before => return Some((full, period)),
-                Err(_) if !searches => return None,
-                _ => {}
-            }
-        }
-        if !searches {
-            return None;
-        }
-        for halvings in 1..=4 {
-            let share = 0.5f64.powi(halvings);
-            let shorter = part(share);
-            if sound(&shorter) && self.residual(&shorter).is_ok_and(|r| size(&r) < (1.0 - 0.1 * share) * before) {
-                let period = self.period(&shorter).ok()?;
-                return Some((shorter, period));
-            }
-        }
-        None
     }
 }

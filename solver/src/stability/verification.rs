@@ -4,18 +4,26 @@ use super::along::{AlongSettings, BranchStability, End, along};
 use super::bifurcation::{Bifurcation, BifurcationKind, Unresolved};
 use super::multipliers::{Multiplier, Verdict};
 use super::polish::{Polish, Reason};
-use super::shooting::Orbit;
+use super::shooting::{Orbit, Shooting};
 use crate::response::branch::{Branch, Observer};
 use crate::settings::Stretch;
 use crate::structure::Model;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// Points of a first pass along a whole branch, special ones besides: an isola of a blade has four to eight bifurcations.
+/// Least number of points of a first pass along a whole branch, special ones besides: an isola of a blade has four to eight
+/// bifurcations.
 const POINTS: usize = 12;
 
-/// Most points of a whole branch that are verified. Around a peak changes are not located.
-const MOST: usize = 96;
+/// Points of a whole branch that are verified at most besides those of the first pass. Around a peak changes are not located.
+const MORE: usize = 84;
+
+/// Work of one period with its tangent at every point of a first pass ([`Shooting::work`]): what is cheap is looked
+/// at point by point, so that nothing between points is left to guess.
+const WORK: f64 = 2e8;
+
+/// Points between which orbits may be told of that are neighbours on a branch: they pass a little off their own.
+const OFF: usize = 4;
 
 /// Multipliers that are kept of an orbit: what of them is outside the unit circle, and what comes next.
 const LEADING: usize = 4;
@@ -117,12 +125,24 @@ pub fn verify_with_orbits(
     stretch: Stretch,
     observer: &mut Observer<'_>,
 ) -> Option<(Verification, Vec<Orbit>)> {
-    let most = if stretch == Stretch::Peak { 0 } else { MOST };
-    let settings = AlongSettings { stretch, points: POINTS, most, ..AlongSettings::default() };
+    let settings = settings(model, branch, stretch);
     let found = along(model, &settings, branch, &mut |point| observer(&branch.points[point.index]));
     let polished = found.points.iter().filter_map(|point| point.polish.polished.as_ref());
     let orbits = polished.map(|polished| polished.orbit.clone()).collect();
     (found.end != End::Cancelled).then(|| (Verification::new(&settings, branch, &found), orbits))
+}
+
+/// How finely a branch is looked at: all of its points where periods are cheap, and a few of a large model's.
+fn settings(model: &Model, branch: &Branch, stretch: Stretch) -> AlongSettings {
+    let settings = AlongSettings { stretch, points: POINTS, most: 0, ..AlongSettings::default() };
+    if stretch == Stretch::Peak {
+        return settings;
+    }
+    let work = branch.points.iter().map(|point| &point.state).min_by(|a, b| a.omega.total_cmp(&b.omega));
+    let work = work.and_then(|slowest| Shooting::new(model, &settings.polish.marching, slowest).ok());
+    let affordable = work.map_or(0, |shooting| (WORK / shooting.work()) as usize);
+    let points = affordable.clamp(POINTS, branch.points.len().max(POINTS));
+    AlongSettings { points, most: points + MORE, ..settings }
 }
 
 impl Verification {
@@ -224,15 +244,15 @@ impl Verification {
         !bifurcations.any(|found| matters(found.outside))
             && !unresolved.any(|ends| self.overlap([a.index, b.index], ends))
             && !self.folds.iter().any(is_fold_between)
-            // Orbits are told of a little off the points of the first pass.
-            && self.from(a.at, b.at) <= self.spacing + self.spacing / 2
+            && self.from(a.at, b.at) <= (self.spacing + self.spacing / 2).max(OFF)
     }
 
     /// Whether a fold of the marched orbits was found near one of the balance.
     fn is_accounted_for(&self, fold: usize) -> bool {
         let folds = self.bifurcations.iter().filter(|found| found.kind == BifurcationKind::Fold);
         let off = |at: usize| self.from(at, fold).min(self.from(fold, at));
-        folds.map(|found| off(found.at).min(off(found.after))).any(|off| off <= self.spacing)
+        let coarsest = self.count.div_ceil(POINTS - 1);
+        folds.map(|found| off(found.at).min(off(found.after))).any(|off| off <= coarsest)
     }
 
     /// Whether two stretches of the arc, each from its first point to its last one, have points in common.

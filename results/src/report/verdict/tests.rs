@@ -84,7 +84,10 @@ const NOT_SEARCHED: &str = "isolas of other modes, of sub- and super-harmonics a
 fn verified(stable: f64, unstable: f64, peak: &str, branch: BranchRow) -> BranchRow {
     let peak = Some(PeakOrbit { verdict: peak.into(), at: Some((120.0, 1.5e-3)) });
     let largest = (stable > 0.0 && !branch.is_main()).then_some((115.0, 1.8e-3));
-    BranchRow { stability: Some(Stability { is_whole: !branch.is_main(), stable, unstable, peak, largest }), ..branch }
+    BranchRow {
+        stability: Some(Stability { is_whole: !branch.is_main(), stable, unstable, sampled: None, peak, largest }),
+        ..branch
+    }
 }
 
 #[test]

@@ -4,7 +4,8 @@ use super::lasting::{level, model};
 use solver::response::branch::Observer;
 use solver::response::task::{BranchId, DisturbPlace};
 use solver::stability::disturbance::{DisturbSettings, Disturbance, Ending, Unpushed, disturb};
-use solver::{Branch, Level, Model, Stretch, verify};
+use solver::structure::laws::{PolynomialDamper, Term};
+use solver::{Backbone, Branch, Level, Model, Settings, Stretch, verify};
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
@@ -71,6 +72,57 @@ fn the_smallest_push_onto_an_isola_is_that_of_another_integration() {
     let row = found.sizes.iter().position(|size| *size > push.below).unwrap();
     assert!(found.endings[..row * found.phases].iter().all(|ending| *ending != Ending::Onto));
     assert!(found.endings[row * found.phases..].contains(&Ending::Onto));
+}
+
+/// Two masses that swing against each other as that of `nonlinear_damper` does: x1 = x, x2 = −x.
+fn opposed(monitored: [&str; 2]) -> Model {
+    let term = |power, coefficient: f64| Term { power, coefficient: coefficient / 2f64.powi(power as i32) };
+    let damper = PolynomialDamper { terms: vec![term(3, -0.01), term(5, 0.00144)] };
+    Model::builder("opposed")
+        .mass([[1.0, 0.0], [0.0, 1.0]])
+        .stiffness([[0.65, -0.35], [-0.35, 0.65]])
+        .damping_ratio(0.009)
+        .force("x1", 1.0)
+        .force("x2", -1.0)
+        .element("damper", damper, [[("x1", 1.0), ("x2", -1.0)]])
+        .monitor(monitored[0])
+        .monitor(monitored[1])
+        .build()
+        .unwrap()
+}
+
+#[test]
+fn a_push_moves_the_monitored_dof_forward_whatever_the_sign_of_the_mode() {
+    let quiet: &mut Observer<'_> = &mut |_| ControlFlow::Continue(());
+    let mut signs = Vec::new();
+    for monitored in [["x1", "x2"], ["x2", "x1"]] {
+        let model = opposed(monitored);
+        let modes = solver::settings::BackboneSettings { modes: solver::ModeChoice::one(2), ..Default::default() };
+        let settings = Settings { backbone: modes, ..Settings::default() };
+        let backbone = Backbone::compute(&model, &settings).unwrap();
+        let level = Level::compute(&model, &settings, &backbone, FORCING).unwrap();
+        let isola = level.isolas().next().unwrap();
+        let omega = verify(&model, isola, Stretch::Whole, quiet).unwrap().settled().unwrap();
+        let place = DisturbPlace { branch: BranchId::isola(0), mode: 1, omega };
+        let mains = [level.main()];
+        let found =
+            disturb(&model, &DisturbSettings::default(), &mains, isola, &place, &mut |_| ControlFlow::Continue(()))
+                .unwrap();
+        let push = found.push.unwrap();
+        let dof = model.monitors()[found.monitor];
+        let velocity = if dof == 0 { 1.0 } else { -1.0 } * push.size * found.shape;
+        let phase = push.phase as f64 / found.phases as f64;
+        let [main, isola] = [found.amplitudes[0][0], found.amplitudes[1][0]];
+        for (velocity, expected) in [(1.02 * velocity, isola), (0.98 * velocity * push.below / push.size, main)] {
+            let amplitude = amplitude_after(omega, phase, velocity);
+            assert!((amplitude / expected - 1.0).abs() < 0.01, "{monitored:?}: {amplitude} for {expected}");
+        }
+        // The other way it would lead nowhere: the test can fail.
+        let amplitude = amplitude_after(omega, phase, -1.02 * velocity);
+        assert!((amplitude / main - 1.0).abs() < 0.01, "{monitored:?}: {amplitude} for {main}");
+        signs.push(model.modes().shapes[(dof, 1)].signum());
+    }
+    assert!(signs.contains(&-1.0), "{signs:?}");
 }
 
 #[test]
