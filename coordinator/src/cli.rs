@@ -271,6 +271,10 @@ pub struct PlotArgs {
     /// Forcing amplitude of balance and backbone [default: the lowest with an isola, else the middle one].
     #[arg(long, value_name = "A")]
     pub amplitude: Option<String>,
+    /// Mode whose backbone is drawn, from 1 (balance, backbone, modes) [default: one whose window at this amplitude led to an isola, else
+    /// the first one that was followed].
+    #[arg(long, value_name = "NUMBER")]
+    pub mode: Option<usize>,
     /// Point of motion: amplitude, branch and index from 0, or peak [default: peak of the highest isola].
     #[arg(long, value_name = "A/BRANCH/INDEX")]
     pub at: Option<String>,

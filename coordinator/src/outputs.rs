@@ -100,6 +100,7 @@ pub fn plot(args: &crate::cli::PlotArgs) -> Result<ExitCode, Error> {
         levels: chosen_levels(&runs[0].1, args.levels.as_deref())?,
         monitor: args.monitor.clone(),
         amplitude: args.amplitude.clone(),
+        mode: args.mode,
         at: args.at.clone(),
         along: args.along,
         frequency: args.frequency.as_deref().map(|ends| (ends[0], ends[1])),

@@ -123,7 +123,7 @@ const NEGLIGIBLE: f64 = 1e-3;
 /// How the frequency of the largest response goes, as far as levels of which all is known tell.
 fn shift(overview: &Overview, units: Units) -> Option<String> {
     let (unit, shift) = (units.frequency, overview.shift()?);
-    let Shift { amplitudes: (from, to), omega: (before, after) } = &shift;
+    let Shift { amplitudes: (from, to), omega: (before, after), branches } = &shift;
     if shift.size() < NEGLIGIBLE * after {
         let percent = 100.0 * NEGLIGIBLE;
         return Some(format!(
@@ -131,11 +131,15 @@ fn shift(overview: &Overview, units: Units) -> Option<String> {
         ));
     }
     let goes = if after > before { "rises" } else { "falls" };
-    Some(format!(
-        "The frequency of the largest computed response changes most from A = {from} to {to}: it {goes} by {} {unit}, to {} {unit}.",
-        unit.digits(shift.size()),
-        unit.digits(*after)
-    ))
+    let size = unit.digits(shift.size());
+    let at = format!("to {} {unit}", unit.digits(*after));
+    let how = match branches {
+        None => format!("it {goes} by {size} {unit}, {at}"),
+        Some((one, other)) => {
+            format!("from {one} to {other}{}, by {size} {unit}, {at}", if one == other { ", another one" } else { "" })
+        }
+    };
+    Some(format!("The frequency of the largest computed response changes most from A = {from} to {to}: {how}."))
 }
 
 /// Makes the rows.

@@ -86,7 +86,7 @@ fn curves_that_stop_before_their_ends() {
     let study = repository(DAMPER).display().to_string();
     for (name, key, curve) in [
         ("main", "branch.max_points=12", "the main branch at A = 0.004 (point budget used up)"),
-        ("backbone", "backbone.max_points=10", "the backbone (point budget used up)"),
+        ("backbone", "backbone.max_points=10", "the backbone of mode 1 (point budget used up)"),
     ] {
         let run = folder.path().join(name).display().to_string();
         let workers = ["--workers", "1"];

@@ -26,8 +26,7 @@ pub fn doubts(reader: &Reader) -> Result<Option<String>> {
     let highest = levels.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let stopped =
         |backbone: &BackboneMessage| unfinished(&backbone.outcome).filter(|_| !is_far_beyond(backbone, FAR * highest));
-    curves.extend(reader.backbone()?.as_ref().and_then(stopped).map(|stop| format!("the backbone ({stop})")));
-    for backbone in reader.further_backbones()? {
+    for backbone in reader.backbone()?.into_iter().chain(reader.further_backbones()?) {
         let stop = stopped(&backbone);
         curves.extend(stop.map(|stop| format!("the backbone of mode {} ({stop})", backbone.mode + 1)));
     }

@@ -56,6 +56,8 @@ pub struct Shift {
     pub amplitudes: (String, String),
     /// Frequencies of the points of largest amplitude over all branches, rad/s.
     pub omega: (f64, f64),
+    /// The branches that these are of, `None` where both are of one family or both main.
+    pub branches: Option<(String, String)>,
 }
 
 impl Shift {
@@ -113,8 +115,13 @@ impl Overview {
     /// are no such levels.
     pub fn shift(&self) -> Option<Shift> {
         let shifts = self.levels.windows(2).filter(|pair| pair.iter().all(Level::is_known)).filter_map(|pair| {
-            let omega = (pair[0].peak()?.omega_at_max, pair[1].peak()?.omega_at_max);
-            Some(Shift { amplitudes: (pair[0].amplitude.clone(), pair[1].amplitude.clone()), omega })
+            let (a, b) = (pair[0].peak()?, pair[1].peak()?);
+            let is_one = a.is_main() && b.is_main() || a.family.is_some() && a.family == b.family;
+            Some(Shift {
+                amplitudes: (pair[0].amplitude.clone(), pair[1].amplitude.clone()),
+                omega: (a.omega_at_max, b.omega_at_max),
+                branches: (!is_one).then(|| (a.name(), b.name())),
+            })
         });
         shifts.max_by(|a, b| a.size().total_cmp(&b.size()))
     }

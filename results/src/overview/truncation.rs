@@ -11,6 +11,9 @@ const CONVERGED: f64 = 0.01;
 /// The same for the width of an isola.
 const SAME_WIDTH: f64 = 0.05;
 
+/// Changes below this are not told with a number.
+const NEGLIGIBLE: f64 = 1e-4;
+
 /// Most branches that are named.
 const NAMED: usize = 3;
 
@@ -43,7 +46,10 @@ fn of_widths<'l, I: Iterator<Item = (&'l Level, &'l BranchRow)>>(
         1 => " With twice the harmonics the ends of one isola were not found.",
         _ => " With twice the harmonics the ends of some isolas were not found.",
     };
-    let percent = digits((100.0 * largest.abs()).max(0.01), 2);
+    let percent = digits(100.0 * largest.abs(), 2);
+    if largest.abs() < NEGLIGIBLE {
+        return Some(format!("Widths of isolas change by less than 0.01 % with twice the harmonics.{lost}"));
+    }
     if largest.abs() <= SAME_WIDTH {
         return Some(format!("Widths of isolas change by {percent} % at most with twice the harmonics.{lost}"));
     }
@@ -74,8 +80,13 @@ fn of_peaks<'l, I: Iterator<Item = (&'l Level, &'l BranchRow)>>(
         ));
     }
     if largest([change, shift]) <= CONVERGED {
-        let to = digits((100.0 * largest([change, shift])).max(0.01), 1);
-        return Some(format!("Peaks change by {to} % at most with twice the harmonics (H = {}).", 2 * harmonics));
+        let most = largest([change, shift]);
+        let to = if most < NEGLIGIBLE {
+            "less than 0.01 %".into()
+        } else {
+            format!("{} % at most", digits(100.0 * most, 1))
+        };
+        return Some(format!("Peaks change by {to} with twice the harmonics (H = {}).", 2 * harmonics));
     }
     let moves = if shift.abs() > CONVERGED {
         format!(" and its frequency by {} %", digits(100.0 * shift, 2))
@@ -147,7 +158,7 @@ mod tests {
         let main = |standing| BranchRow { peak_standing: Some(standing), ..row("main", None) };
         let said = |standing| truncation(&levels(vec![main(standing), row("isola", Some(1.0))]), 10).unwrap();
         assert!(said(Standing::At).contains("no peak was found near that of main at A = 60"), "{}", said(Standing::At));
-        assert_eq!(said(Standing::AtLeast), "Peaks change by 0.01 % at most with twice the harmonics (H = 20).");
+        assert_eq!(said(Standing::AtLeast), "Peaks change by less than 0.01 % with twice the harmonics (H = 20).");
     }
 
     #[test]
@@ -209,10 +220,10 @@ mod tests {
             isola.certificate.doubled.as_mut().unwrap().range = Some(range);
             truncation(&levels(vec![isola]), 10).unwrap()
         };
-        let peaks = "Peaks change by 0.01 % at most with twice the harmonics (H = 20).";
+        let peaks = "Peaks change by less than 0.01 % with twice the harmonics (H = 20).";
         assert_eq!(
             isola((2.001, 2.101)),
-            format!("{peaks} Widths of isolas change by 0.01 % at most with twice the harmonics.")
+            format!("{peaks} Widths of isolas change by less than 0.01 % with twice the harmonics.")
         );
         let narrower = "With twice the harmonics isola 1 at A = 60 is 40 % narrower; set harmonics.count = 20.";
         assert_eq!(isola((2.02, 2.08)), format!("{peaks} {narrower}"));

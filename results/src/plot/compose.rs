@@ -8,7 +8,7 @@ use super::sheet::Sheet;
 use crate::compare::Comparison;
 use crate::error::Error;
 use crate::figure::Frame;
-use crate::overview::Omissions;
+use crate::overview::{Level, Omissions, WindowOutcome, WindowRow};
 use crate::report::{Report, Selection};
 use crate::store::Reader;
 
@@ -28,6 +28,15 @@ pub fn compose(reader: &Reader, request: &Request) -> Result<(Sheet, Omissions),
     let monitor = request.monitor.as_deref().map_or(Ok(0), |name| monitor(&report.monitors, name))?;
     let level = request.amplitude.as_deref().map(|text| level(&report.overview.levels, "--amplitude", text));
     let level = level.transpose()?;
+    if matches!(request.figure, FigureName::Balance | FigureName::Backbone | FigureName::Modes) {
+        let level = level.or_else(|| report.subject().first_level());
+        let predicted = || level.and_then(|level| of_an_isola(&report.overview.levels[level]));
+        match request.mode {
+            Some(number) => report.turn_to(number).map_err(Error::Usage)?,
+            // A run that lacks this backbone has the primary one.
+            None => predicted().map_or(Ok(()), |number| report.turn_to(number)).unwrap_or_default(),
+        }
+    }
     let sheet = if request.figure == FigureName::Motion {
         motion::sheet(&report, reader, monitor, request.at.as_deref())?
     } else {
@@ -41,7 +50,9 @@ pub fn compose(reader: &Reader, request: &Request) -> Result<(Sheet, Omissions),
             return Err(Error::Other(format!("nothing to draw: the run has no figure {name}")));
         };
         figure.legend.retain(|entry| frame.is_some() || !entry.by_amplitude);
-        figure.title = frame.as_ref().map(|frame| format!("windows at {}", frame.name));
+        let mode = report.backbone.as_ref().filter(|_| !report.further.is_empty()).map(|backbone| backbone.mode + 1);
+        let of_mode = mode.map_or_else(String::new, |mode| format!(" of mode {mode}"));
+        figure.title = frame.as_ref().map(|frame| format!("windows{of_mode} at {}", frame.name));
         if let Some(range) = request.frequency {
             cut(&mut figure, &report.figures.columns, range);
         }
@@ -79,6 +90,12 @@ pub fn compose_several(runs: &[(String, Reader)], request: &Request) -> Result<(
     }
     let sheet = Sheet { figure, columns: std::mem::take(&mut comparison.figures.columns), choice: 0, frame: None };
     Ok((sheet, comparison.reports.into_iter().map(|report| report.omissions).collect()))
+}
+
+/// Mode, from 1, of the first window of a level that led to an isola.
+fn of_an_isola(level: &Level) -> Option<usize> {
+    let leads = |window: &&WindowRow| matches!(&window.outcome, WindowOutcome::Found(to) if to.contains("isola"));
+    level.windows.iter().find(leads).map(|window| window.mode)
 }
 
 /// The windows of figures of one level: of the level typed, else of the one to look at first.

@@ -46,6 +46,9 @@ pub struct Request {
     pub monitor: Option<String>,
     /// Forcing amplitude of balance and backbone.
     pub amplitude: Option<String>,
+    /// Mode, from 1, of whose backbone balance, backbone and modes are. If `None` that of which a window at the amplitude led to an
+    /// isola, else the primary one.
+    pub mode: Option<usize>,
     /// Point of motion: `A/branch/index`.
     pub at: Option<String>,
     /// What balance and modes are drawn over.
@@ -101,10 +104,11 @@ impl FigureName {
     /// With the figures that take the option, or what it has to be.
     pub(super) fn accepts(self, request: &Request) -> Result<(), Error> {
         use FigureName::{Backbone, Balance, Map, Modes, Motion, Resonance, Response};
-        let options: [(&str, bool, &[Self]); 6] = [
+        let options: [(&str, bool, &[Self]); 7] = [
             ("--levels", request.levels.is_some(), &[Response, Map, Resonance]),
             ("--monitor", request.monitor.is_some(), &[Response, Backbone, Motion, Balance, Modes]),
             ("--amplitude", request.amplitude.is_some(), &[Balance, Backbone]),
+            ("--mode", request.mode.is_some(), &[Balance, Backbone, Modes]),
             ("--at", request.at.is_some(), &[Motion]),
             ("--along", request.along.is_some(), &[Balance, Modes]),
             ("--frequency", request.frequency.is_some(), &[Response, Map, Backbone]),

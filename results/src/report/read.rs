@@ -170,6 +170,29 @@ impl Report {
         Ok(report)
     }
 
+    /// Draws its figures of another mode's backbone, by the number of the mode from 1.
+    ///
+    /// # Errors
+    /// Which modes have one, if this has none.
+    pub fn turn_to(&mut self, number: usize) -> std::result::Result<(), String> {
+        let all = self.backbone.iter().chain(&self.further);
+        let modes: Vec<String> = all.map(|backbone| (backbone.mode + 1).to_string()).collect();
+        if !modes.contains(&number.to_string()) {
+            return Err(match &modes[..] {
+                [] => "the run has no backbone yet".into(),
+                modes => {
+                    format!("mode {number} has no backbone in this run: there are those of modes {}", modes.join(", "))
+                }
+            });
+        }
+        if let Some(backbone) = &mut self.backbone {
+            let chosen = self.further.iter_mut().find(|further| further.mode + 1 == number);
+            chosen.into_iter().for_each(|chosen| std::mem::swap(backbone, chosen));
+            self.figures = Figures::new(&self.subject());
+        }
+        Ok(())
+    }
+
     /// What its figures are drawn from.
     pub fn subject(&self) -> Subject<'_> {
         Subject {

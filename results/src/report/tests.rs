@@ -145,7 +145,7 @@ fn at_every_stage() {
     let report = read(&store);
     assert_eq!((report.run.stage, report.branches.len()), (Some(Stage::Sweep), 1));
     assert!(report.run.missing[0].contains("still to be done, at A = 3e-3, 0.006"), "{:?}", report.run.missing);
-    let begins = "Known only in part (not finished; 2 levels unfinished). No isola was found where it was looked for";
+    let begins = "Not all is known (not finished; 2 levels unfinished). No isola was found where it was looked for";
     assert!(report.verdict[2].text.starts_with(begins), "{}", report.verdict[2].text);
     let reach = report.verdict[0].reach.as_deref().unwrap();
     assert!(reach.starts_with("Looked for: the windows of mode 1"), "{reach}");

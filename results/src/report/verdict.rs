@@ -41,7 +41,7 @@ impl Sentence {
 pub fn verdict(evidence: &Evidence<'_>) -> [Sentence; 3] {
     let losses = losses(evidence);
     let brief: Vec<&str> = losses.iter().map(|loss| loss.brief.as_str()).collect();
-    let caveat = if brief.is_empty() { String::new() } else { format!("Known only in part ({}). ", brief.join("; ")) };
+    let caveat = if brief.is_empty() { String::new() } else { format!("Not all is known ({}). ", brief.join("; ")) };
     let is_known = evidence.largest().is_some();
     let further = |details: Vec<String>| if is_known { details } else { Vec::new() };
     [

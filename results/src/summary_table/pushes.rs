@@ -41,10 +41,14 @@ fn sentence(rows: &[PushRow], monitors: &[String], units: Units) -> String {
     };
     let monitor = monitors.get(least.monitor).map_or("the monitored dof", String::as_str);
     let [size, velocity] = [least.impulse, least.velocity].map(|value| digits(value.unwrap_or_default(), DIGITS));
+    let when = match least.phase {
+        Some(phase) if phase != 0.0 => format!(", {} of a period after the forcing is largest", digits(phase, DIGITS)),
+        _ => ", when the forcing is largest".into(),
+    };
     let doubt = if least.confirmed == Some(true) { "" } else { "; not confirmed by longer marching" };
     format!(
         "Smallest push found from the main motion that ends on {onto}: all dofs at once in the shape of mode {}, {velocity} m/s at \
-         {monitor} ({size} N s for that mode alone), of pushes in {}{doubt}.",
+         {monitor} ({size} N s for that mode alone){when}; of pushes in {}{doubt}.",
         least.mode,
         tried(&all)
     )
@@ -82,7 +86,7 @@ mod tests {
         assert_eq!(
             said,
             "Smallest push found from the main motion that ends on isola 1 at A = 60 and 2665.46 rad/s: all dofs at once in the shape \
-             of mode 1, 2.33 m/s at tip (4.66 N s for that mode alone), of pushes in modes 1 to 3."
+             of mode 1, 2.33 m/s at tip (4.66 N s for that mode alone), 0.25 of a period after the forcing is largest; of pushes in modes 1 to 3."
         );
         let doubtful = PushRow { confirmed: Some(false), ..row(1, Some(4.66), None) };
         assert!(told(&[doubtful]).ends_with("of pushes in mode 1; not confirmed by longer marching."));

@@ -172,6 +172,10 @@ const CROSSED: f64 = 1e-6;
 /// grazes.
 const RESOLVED: f64 = 1e-3;
 
+/// Largest distance of an orbit between two neighbours from the straight way between them, in shares of its length: in the plane
+/// across it there may be others far away.
+const REACH: f64 = 1.0;
+
 /// A multiplier that is farther than this outside, and came from farther than this, where its crossing is resolved: a jump.
 const JUMP: f64 = 0.02;
 
@@ -245,12 +249,15 @@ impl<'m> Search<'m> {
         let mix = |(a, b): (&f64, &f64)| a + part * (b - a);
         let start = Point { x: a.x.iter().zip(&b.x).map(mix).collect(), w: mix((&a.w, &b.w)) };
         let share = low.share + part * (high.share - low.share);
-        let normal = &self.normals[self.interval(share)];
-        let options = |searches| NewtonOptions { plane: Some(normal), searches, iterations: 10 };
-        let (point, period) = match self.shooting.solve(&start, &options(false)) {
-            Some(found) => found,
-            None => self.shooting.solve(&start, &options(true))?,
+        let interval = self.interval(share);
+        let normal = &self.normals[interval];
+        let reach = REACH * self.shooting.distance(&self.path[interval].point, &self.path[interval + 1].point);
+        let mut solved = |searches| {
+            let options = NewtonOptions { plane: Some(normal), searches, iterations: 10 };
+            let found = self.shooting.solve(&start, &options);
+            found.filter(|(point, _)| self.shooting.distance(&start, point) < reach)
         };
+        let (point, period) = solved(false).or_else(|| solved(true))?;
         let multipliers = period.multipliers().ok()?;
         let margin = self.shooting.margin(&point, &period);
         Some(Between::new(share, (&multipliers, margin), point, Some(period)))

@@ -170,11 +170,23 @@ impl<'m> Shooting<'m> {
         margin(self.model, point.w * self.omega, period.is_smooth)
     }
 
-    /// Unit normal of the plane across the way from `a` to `b`; what laws remember has no part in it.
+    /// The way from `a` to `b`, scaled state and w; what laws remember has no part in it.
+    fn way(&self, a: &Point, b: &Point) -> Vec<f64> {
+        let mut way: Vec<f64> = b.x.iter().zip(&a.x).map(|(b, a)| b - a).collect();
+        way[self.motion..].fill(0.0);
+        way.push(b.w - a.w);
+        way
+    }
+
+    /// Its length.
+    pub fn distance(&self, a: &Point, b: &Point) -> f64 {
+        let way = self.way(a, b);
+        dot(&way, &way).sqrt()
+    }
+
+    /// Unit normal of the plane across the way from `a` to `b`.
     pub fn across(&self, a: &Point, b: &Point) -> Option<Vec<f64>> {
-        let mut normal: Vec<f64> = b.x.iter().zip(&a.x).map(|(b, a)| b - a).collect();
-        normal[self.motion..].fill(0.0);
-        normal.push(b.w - a.w);
+        let mut normal = self.way(a, b);
         let length = dot(&normal, &normal).sqrt();
         normal.iter_mut().for_each(|entry| *entry /= length);
         (length > 0.0 && length.is_finite()).then_some(normal)

@@ -222,7 +222,7 @@ fn a_cancelled_run_says_so_first() {
     let all = told(&levels, |evidence| evidence.stage = Some(Stage::Cancelled));
     let [danger, onset, missed] = &all;
     assert!(danger.starts_with("The run was cancelled. 5 tasks still to come, at A = 3, 4. Between"), "{danger}");
-    let caveat = "Known only in part (cancelled; 2 levels unfinished). ";
+    let caveat = "Not all is known (cancelled; 2 levels unfinished). ";
     assert!(
         onset.starts_with(&format!("{caveat}Isolas were found at A = 1 to 2, and at A = 3, of which not all is known")),
         "{onset}"
@@ -251,8 +251,7 @@ fn losses_come_first() {
         "{danger}"
     );
     assert!(danger.contains("Looked for: the windows of mode 1 at 0 complete levels"), "{danger}");
-    let caveat =
-        "Known only in part (1 task given up; no main branch at A = 2; backbone stopped early). None was found";
+    let caveat = "Not all is known (1 task given up; no main branch at A = 2; backbone stopped early). None was found";
     assert!(onset.starts_with(caveat), "{onset}");
 }
 
@@ -262,7 +261,7 @@ fn what_others_contradict_is_a_loss() {
     (levels[0].refuted, levels[1].disputed) = (2, 1);
     let [danger, onset, _] = texts(&levels);
     assert!(danger.starts_with("3 results contradicted by other workers, at A = 1, 2. No isola was found"), "{danger}");
-    assert!(onset.starts_with("Known only in part (3 results contradicted). None was found"), "{onset}");
+    assert!(onset.starts_with("Not all is known (3 results contradicted). None was found"), "{onset}");
 }
 
 #[test]

@@ -169,12 +169,10 @@ impl Shooting<'_> {
         let lessens = |shooting: &mut Self, point: &Point, share: f64| {
             sound(point) && shooting.residual(point).is_ok_and(|r| size(&r) < (1.0 - 0.1 * share) * before)
         };
-        if sound(&full) && (!now.is_shortened || lessens(self, &full, 1.0)) {
-            if let Ok(period) = self.period(&full)
-                && size(&period.residual) < 0.9 * before
-            {
-                return Some(Taken { at: full, period, is_shortened: false });
-            }
+        let is_likely = sound(&full) && (!now.is_shortened || lessens(self, &full, 1.0));
+        let period = if is_likely { self.period(&full).ok() } else { None };
+        if let Some(period) = period.filter(|period| size(&period.residual) < 0.9 * before) {
+            return Some(Taken { at: full, period, is_shortened: false });
         }
         for halvings in 1..=4 {
             let share = 0.5f64.powi(halvings);
