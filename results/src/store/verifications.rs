@@ -185,7 +185,7 @@ impl Reader {
             let at = row.get::<_, Option<f64>>(5)?.zip(row.get(6)?);
             let peak = row.get::<_, Option<String>>(4)?.map(|verdict| PeakOrbit { verdict, at });
             let (is_whole, stable, unstable) = (row.get(1)?, row.get(2)?, row.get(3)?);
-            let (marched, points): (usize, usize) = (row.get(6)?, row.get(7)?);
+            let (marched, points): (usize, usize) = (row.get(7)?, row.get(8)?);
             let sampled = (is_whole && marched < points).then_some(marched);
             Ok((row.get(0)?, Stability { is_whole, stable, unstable, sampled, peak, largest: None }))
         };
