@@ -5,8 +5,9 @@ use crate::study::Study;
 use protocol::session::MAX_RESULT_BYTES;
 use results::words::{count, digits, number};
 use solver::formulation::harmonics::width;
+use solver::linalg::eigenvalues;
 use solver::settings::Settings;
-use solver::structure::{ContactElement, Model};
+use solver::structure::{ContactElement, Damping, Model};
 use std::f64::consts::TAU;
 
 /// Eigenfrequencies that no structure has, rad/s: all of them below or above.
@@ -15,6 +16,8 @@ const ABSURD: (f64, f64) = (1e-3, 1e9);
 const SLOW: f64 = 0.1;
 /// A force that does less work than this share on all modes that vibrate drives none of them.
 const DRIVEN: f64 = 1e-9;
+/// Share of the largest eigenvalue of a damping matrix that is rounding.
+const UNDAMPED: f64 = 1e-9;
 /// Bounds nearer to a resonance than so many of its half-widths ζω cut it: there it has a fifth of its height.
 const FLANK: f64 = 5.0;
 /// Resonances whose flanks reach farther than this share of their frequency are too wide to be told from what is beside them.
@@ -46,7 +49,7 @@ pub(super) fn warnings(study: &Study, touch: Option<&FirstTouch<'_>>) -> Vec<Str
     let mut list = Vec::new();
     list.extend(units(&study.model));
     list.extend(bounds(study));
-    list.extend(negative_damping(&study.model));
+    list.extend(negative_damping(&study.model).or_else(|| indefinite_damping(&study.model)));
     list.extend(nothing_nonlinear(&study.model));
     list.extend(nothing_driven(&study.model));
     list.extend(touch.and_then(|touch| nothing_touches(study, touch)));
@@ -149,6 +152,21 @@ fn negative_damping(model: &Model) -> Option<String> {
     let modes = if list.len() == 1 { "mode" } else { "modes" };
     (!list.is_empty()).then(|| {
         format!("{modes} {}: negative damping, so that the structure can vibrate by itself from rest", list.join(", "))
+    })
+}
+
+/// Of a damping matrix that damps every mode, and drives motions of several.
+fn indefinite_damping(model: &Model) -> Option<String> {
+    let Damping::Full(matrix) = model.damping() else { return None };
+    let mut values: Vec<f64> = eigenvalues(matrix).ok()?.iter().map(|value| value.re).collect();
+    values.sort_by(f64::total_cmp);
+    let (least, most) = (values.first()?, values.last()?);
+    (*least < -UNDAMPED * most).then(|| {
+        format!(
+            "the damping matrix is indefinite (its eigenvalues in modal coordinates lie from {} to {} 1/s): in some motions it drives the              structure; is a sign wrong?",
+            digits(*least, 3),
+            digits(*most, 3)
+        )
     })
 }
 

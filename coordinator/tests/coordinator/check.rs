@@ -117,6 +117,17 @@ fn damping_epsilon_and_keys_without_effect() {
     let negative = MODEL.replace(damping, "damping = [[-2]]");
     let (warnings, text) = checked(&negative, "0.3", &[]);
     assert!(warnings[0].starts_with("mode 1: negative damping"), "{text}");
+    // Of two modes that are damped motions in between may not be.
+    let pair = |coupling: &str| {
+        format!(
+            "name = 'pair'\n[matrices]\nmass = [[1, 0], [0, 1]]\nstiffness = [[200, -100], [-100, 200]]\n\
+             damping = [[0.01, {coupling}], [{coupling}, 0.05]]\n[[laws]]\nname = 'spring'\ndof = 'x1'\n\
+             law = {{ polynomial_spring = {{ terms = [{{ power = 3, coefficient = 1 }}] }} }}"
+        )
+    };
+    assert!(checked(&pair("0.022"), "0.3", &[]).0.is_empty());
+    let (warnings, text) = checked(&pair("0.025"), "0.3", &[]);
+    assert!(warnings.len() == 1 && warnings[0].starts_with("the damping matrix is indefinite (its"), "{text}");
     for (epsilon, what) in [("100", "soft: 0.01 times"), ("2e7", "stiff: 2000 times")] {
         let (warnings, text) = checked(MODEL, "0.3", &[("contact.epsilon", epsilon)]);
         assert!(warnings.len() == 1 && warnings[0].starts_with(&format!("contact.epsilon is {what}")), "{text}");

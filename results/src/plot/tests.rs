@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::curves::BackboneCurve;
-use crate::figure::{Figures, LIGHT, Style, run_points};
+use crate::figure::{Figures, LIGHT, Ref, Style, run_points};
 use crate::fixture::Study;
 use crate::report::{Report, Selection};
 use crate::store::{BranchRow, CurvePoint, CurveRow, Reader};
@@ -29,6 +29,7 @@ fn request(options: &[&str]) -> Request {
             "--figure" => request.figure = FigureName::ALL.into_iter().find(|figure| figure.name() == pair[1]).unwrap(),
             "--monitor" => request.monitor = value(),
             "--amplitude" => request.amplitude = value(),
+            "--mode" => request.mode = pair[1].parse().ok(),
             "--at" => request.at = value(),
             "--along" => request.along = Some(if pair[1] == "omega" { Along::Omega } else { Along::Amplitude }),
             "--frequency" => {
@@ -63,6 +64,25 @@ fn damper() -> TempDir {
     let dir = tempdir().unwrap();
     Study::damper().finished(&dir.path().join("run"));
     dir
+}
+
+#[test]
+fn the_backbone_of_any_mode_is_drawn() {
+    let dir = tempdir().unwrap();
+    let study = Study::of_modes("two_masses_stop", 3, &["0.01", "0.02"], 2);
+    drop(study.finished(dir.path()));
+    let drawn = |options: &[&str]| sheet(dir.path(), &[&["--figure", "balance"], options].concat());
+    for (number, backbone) in [("2", 0), ("1", 1)] {
+        let sheet = drawn(&["--mode", number]).unwrap();
+        let points = study.backbones()[backbone].points.len();
+        let name = format!("windows of mode {number} at A = ");
+        assert!(sheet.figure.title.as_ref().is_some_and(|title| title.starts_with(&name)), "{:?}", sheet.figure.title);
+        let omega = sheet.columns.values(&Ref::to(0), 1.0);
+        assert_eq!(omega.len(), points);
+    }
+    let why = drawn(&["--mode", "3"]).unwrap_err();
+    assert_eq!(why, "mode 3 has no backbone in this run: there are those of modes 2, 1");
+    assert!(sheet(dir.path(), &["--figure", "map", "--mode", "1"]).is_err());
 }
 
 #[test]

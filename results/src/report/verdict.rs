@@ -8,7 +8,7 @@ mod tests;
 use super::evidence::Evidence;
 use super::losses::{Loss, losses, named, unknown_beyond};
 use crate::curves::BackboneCurve;
-use crate::overview::{BranchRow, Level, Origin, events_sentence, highest, truncation};
+use crate::overview::{BranchRow, Level, Origin, events_sentence, highest, sampled, truncation};
 use crate::summary_table::{Units, motions};
 use crate::words::{self, count, digits, frequency, range};
 use protocol::to_everyone::Stage;
@@ -158,6 +158,7 @@ impl<'r> Evidence<'r> {
             ));
         }
         list.extend(self.with_isolas().next().map(|_| self.stability_of_isolas()));
+        list.extend(sampled(self.levels));
         list.extend(self.largest().map(|(_, largest)| self.stability_of_peak(largest)));
         list.extend(self.untouched().map(String::from));
         list.extend(self.others());

@@ -1,7 +1,7 @@
 //! What time marching says of branches, in a sentence or two.
 
 use super::Units;
-use crate::overview::{BranchRow, Level, highest, near_largest};
+use crate::overview::{BranchRow, Level, highest, near_largest, sampled};
 use crate::store::Stability;
 
 /// What may be known of a branch.
@@ -47,17 +47,8 @@ pub(super) fn sentences(levels: &[Level], units: Units) -> Option<String> {
     let peak = peak.map_or("Whether the largest response is stable was not verified.".into(), |(peak, amplitude)| {
         near_largest(peak, amplitude, size, rate)
     });
-    Some(format!("By time marching, {}. {}{peak}", groups.join("; "), sampled(rows())))
-}
-
-/// That not all points of branches were marched, if that is so.
-fn sampled<'a>(rows: impl Iterator<Item = &'a BranchRow>) -> String {
-    let numbers: Vec<usize> = rows.filter_map(|row| row.stability.as_ref()?.sampled).collect();
-    let ends = numbers.iter().min().zip(numbers.iter().max());
-    ends.map_or_else(String::new, |(least, most)| {
-        let points = if least == most { format!("{least}") } else { format!("{least} to {most}") };
-        format!("(Of a branch {points} points were marched; two changes between neighbours that undo each other are not seen.) ")
-    })
+    let sampled = sampled(levels).map_or_else(String::new, |sentence| format!("{sentence} "));
+    Some(format!("By time marching, {}. {sampled}{peak}", groups.join("; ")))
 }
 
 /// How many branches of a kind are stable and unstable, of those that were verified; `around`: what of them alone was.
@@ -115,8 +106,8 @@ mod tests {
             BranchRow { stability: row.stability.map(|known| Stability { sampled: Some(number), ..known }), ..row }
         };
         let said = told(vec![sampled(22), branch("isola", [0.5, 0.5], 2.0), sampled(31)]).unwrap();
-        assert!(said.contains("rad/s). (Of a branch 22 to 31 points were marched; two changes"), "{said}");
-        assert!(told(vec![sampled(22)]).unwrap().contains("(Of a branch 22 points were"));
+        assert!(said.contains("rad/s). 22 to 31 points of a branch were marched, not all: two changes"), "{said}");
+        assert!(told(vec![sampled(22)]).unwrap().contains("22 points of a branch were"));
     }
 
     #[test]
