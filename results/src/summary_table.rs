@@ -136,7 +136,10 @@ fn shift(overview: &Overview, units: Units) -> Option<String> {
     let how = match branches {
         None => format!("it {goes} by {size} {unit}, {at}"),
         Some((one, other)) => {
-            format!("from {one} to {other}{}, by {size} {unit}, {at}", if one == other { ", another one" } else { "" })
+            format!(
+                "from {one} to {other}{}, by {size} {unit}, {at}",
+                if one == other { ", not known to be the same one" } else { "" }
+            )
         }
     };
     Some(format!("The frequency of the largest computed response changes most from A = {from} to {to}: {how}."))

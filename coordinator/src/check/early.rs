@@ -16,8 +16,8 @@ const ABSURD: (f64, f64) = (1e-3, 1e9);
 const SLOW: f64 = 0.1;
 /// A force that does less work than this share on all modes that vibrate drives none of them.
 const DRIVEN: f64 = 1e-9;
-/// Share of the largest eigenvalue of a damping matrix that is rounding.
-const UNDAMPED: f64 = 1e-9;
+/// Share of the largest eigenvalue of a damping matrix that is rounding, also of a file with seven digits.
+const UNDAMPED: f64 = 1e-6;
 /// Bounds nearer to a resonance than so many of its half-widths ζω cut it: there it has a fifth of its height.
 const FLANK: f64 = 5.0;
 /// Resonances whose flanks reach farther than this share of their frequency are too wide to be told from what is beside them.
@@ -163,7 +163,8 @@ fn indefinite_damping(model: &Model) -> Option<String> {
     let (least, most) = (values.first()?, values.last()?);
     (*least < -UNDAMPED * most).then(|| {
         format!(
-            "the damping matrix is indefinite (its eigenvalues in modal coordinates lie from {} to {} 1/s): in some motions it drives the              structure; is a sign wrong?",
+            "the damping matrix is indefinite (its eigenvalues in modal coordinates lie from {} to {} 1/s): in some motions it drives the structure; \
+             is a sign wrong?",
             digits(*least, 3),
             digits(*most, 3)
         )

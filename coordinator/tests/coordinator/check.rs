@@ -128,6 +128,7 @@ fn damping_epsilon_and_keys_without_effect() {
     assert!(checked(&pair("0.022"), "0.3", &[]).0.is_empty());
     let (warnings, text) = checked(&pair("0.025"), "0.3", &[]);
     assert!(warnings.len() == 1 && warnings[0].starts_with("the damping matrix is indefinite (its"), "{text}");
+    assert!(warnings[0].ends_with("in some motions it drives the structure; is a sign wrong?"), "{text}");
     for (epsilon, what) in [("100", "soft: 0.01 times"), ("2e7", "stiff: 2000 times")] {
         let (warnings, text) = checked(MODEL, "0.3", &[("contact.epsilon", epsilon)]);
         assert!(warnings.len() == 1 && warnings[0].starts_with(&format!("contact.epsilon is {what}")), "{text}");

@@ -58,7 +58,7 @@ pub struct Shift {
     pub amplitudes: (String, String),
     /// Frequencies of the points of largest amplitude over all branches, rad/s.
     pub omega: (f64, f64),
-    /// The branches that these are of, `None` where both are of one family or both main.
+    /// The branches that these are of, `None` where both are main, or of one family as far as that is known.
     pub branches: Option<(String, String)>,
 }
 

@@ -2,13 +2,18 @@
 
 use super::level::Level;
 
-/// How many points of a branch were marched, where these were not all: what happens between them may be unseen. `None` if they were.
+/// Of how many branches that were verified as a whole not every point was looked at, and how many were: what happens between them may
+/// be unseen. `None` if there is no such branch.
 pub fn sampled(levels: &[Level]) -> Option<String> {
     let rows = levels.iter().flat_map(|level| &level.branches);
     let numbers: Vec<usize> = rows.filter_map(|row| row.stability.as_ref()?.sampled).collect();
     let (least, most) = numbers.iter().min().zip(numbers.iter().max())?;
     let points = if least == most { format!("{least}") } else { format!("{least} to {most}") };
+    let branches = match numbers.len() {
+        1 => format!("Of one branch {points} points"),
+        several => format!("Of {several} branches {points} points each"),
+    };
     Some(format!(
-        "{points} points of a branch were marched, not all: two changes between neighbours that undo each other are not seen."
+        "{branches} were looked at, not all: two changes between neighbours that undo each other are not seen."
     ))
 }

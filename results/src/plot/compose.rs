@@ -52,7 +52,10 @@ pub fn compose(reader: &Reader, request: &Request) -> Result<(Sheet, Omissions),
         figure.legend.retain(|entry| frame.is_some() || !entry.by_amplitude);
         let mode = report.backbone.as_ref().filter(|_| !report.further.is_empty()).map(|backbone| backbone.mode + 1);
         let of_mode = mode.map_or_else(String::new, |mode| format!(" of mode {mode}"));
-        figure.title = frame.as_ref().map(|frame| format!("windows{of_mode} at {}", frame.name));
+        figure.title = match &frame {
+            Some(frame) => Some(format!("windows{of_mode} at {}", frame.name)),
+            None => mode.filter(|_| request.figure == FigureName::Modes).map(|mode| format!("backbone of mode {mode}")),
+        };
         if let Some(range) = request.frequency {
             cut(&mut figure, &report.figures.columns, range);
         }
@@ -94,7 +97,7 @@ pub fn compose_several(runs: &[(String, Reader)], request: &Request) -> Result<(
 
 /// Mode, from 1, of the first window of a level that led to an isola.
 fn of_an_isola(level: &Level) -> Option<usize> {
-    let leads = |window: &&WindowRow| matches!(&window.outcome, WindowOutcome::Found(to) if to.contains("isola"));
+    let leads = |window: &&WindowRow| matches!(&window.outcome, WindowOutcome::Found(to) | WindowOutcome::Elsewhere(to) if to.contains("isola"));
     level.windows.iter().find(leads).map(|window| window.mode)
 }
 

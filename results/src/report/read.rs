@@ -185,9 +185,9 @@ impl Report {
                 }
             });
         }
-        if let Some(backbone) = &mut self.backbone {
-            let chosen = self.further.iter_mut().find(|further| further.mode + 1 == number);
-            chosen.into_iter().for_each(|chosen| std::mem::swap(backbone, chosen));
+        if let Some(place) = self.further.iter().position(|further| further.mode + 1 == number) {
+            let chosen = self.further.remove(place);
+            self.further.extend(self.backbone.replace(chosen));
             self.figures = Figures::new(&self.subject());
         }
         Ok(())

@@ -3,13 +3,14 @@
 use super::branch_id::branch_id;
 use super::number::number;
 use super::verifications::Stability;
-use super::{Reader, Result};
+use super::{Reader, Result, StoreError};
 use protocol::codec::decode_stored;
 use protocol::to_everyone::StoredResult;
 use rusqlite::Row;
 use serde::Serialize;
 use solver::response::branch::{BranchKind, Certificate, Outcome, Standing};
 use solver::response::certificate::Doubled;
+use std::collections::HashMap;
 
 /// Columns of branches that files of earlier versions are without, and the first version that has them.
 const LATER: [(&str, i64); 7] = [
@@ -192,7 +193,11 @@ impl Reader {
              (SELECT tasks.kind FROM tasks WHERE tasks.id = task) FROM branches WHERE level = ?1 ORDER BY number"
         );
         let mut list = self.all(&sql, [level], branch)?;
-        let mut stability = self.stability(level)?;
+        let mut stability = match self.stability(level) {
+            // Branches can be told of without their verifications; that the file is damaged is said besides.
+            Err(StoreError::Corrupt { .. }) => HashMap::new(),
+            known => known?,
+        };
         list.iter_mut().for_each(|row| row.stability = stability.remove(&row.id));
         list.sort_by_key(|row| BranchKind::named(&row.kind));
         Ok(list)

@@ -49,7 +49,7 @@ pub struct Stability {
     pub stable: f64,
     /// Share of its points that are known to be unstable.
     pub unstable: f64,
-    /// Number of points that were marched, if these were not all that were to be looked at: two changes between neighbours among
+    /// Number of points that were looked at, if these were not all points of a branch verified as a whole: two changes between neighbours among
     /// them that undo each other are not seen.
     pub sampled: Option<usize>,
     /// What is near its point of largest amplitude, if that was looked at.

@@ -43,7 +43,8 @@ fn sentence(rows: &[PushRow], monitors: &[String], units: Units) -> String {
     let [size, velocity] = [least.impulse, least.velocity].map(|value| digits(value.unwrap_or_default(), DIGITS));
     let when = match least.phase {
         Some(phase) if phase != 0.0 => format!(", {} of a period after the forcing is largest", digits(phase, DIGITS)),
-        _ => ", when the forcing is largest".into(),
+        Some(_) => ", when the forcing is largest".into(),
+        None => String::new(),
     };
     let doubt = if least.confirmed == Some(true) { "" } else { "; not confirmed by longer marching" };
     format!(

@@ -106,8 +106,11 @@ mod tests {
             BranchRow { stability: row.stability.map(|known| Stability { sampled: Some(number), ..known }), ..row }
         };
         let said = told(vec![sampled(22), branch("isola", [0.5, 0.5], 2.0), sampled(31)]).unwrap();
-        assert!(said.contains("rad/s). 22 to 31 points of a branch were marched, not all: two changes"), "{said}");
-        assert!(told(vec![sampled(22)]).unwrap().contains("22 points of a branch were"));
+        assert!(
+            said.contains("rad/s). Of 2 branches 22 to 31 points each were looked at, not all: two changes"),
+            "{said}"
+        );
+        assert!(told(vec![sampled(22)]).unwrap().contains("Of one branch 22 points were"));
     }
 
     #[test]

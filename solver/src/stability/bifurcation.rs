@@ -175,6 +175,8 @@ const RESOLVED: f64 = 1e-3;
 /// Largest distance of an orbit between two neighbours from the straight way between them, in shares of its length: in the plane
 /// across it there may be others far away.
 const REACH: f64 = 1.0;
+/// The way between orbits that are all but one is taken to be this long, scaled.
+const SHORT: f64 = 1e-3;
 
 /// A multiplier that is farther than this outside, and came from farther than this, where its crossing is resolved: a jump.
 const JUMP: f64 = 0.02;
@@ -251,7 +253,8 @@ impl<'m> Search<'m> {
         let share = low.share + part * (high.share - low.share);
         let interval = self.interval(share);
         let normal = &self.normals[interval];
-        let reach = REACH * self.shooting.distance(&self.path[interval].point, &self.path[interval + 1].point);
+        let length = self.shooting.distance(&self.path[interval].point, &self.path[interval + 1].point);
+        let reach = REACH * length.max(SHORT);
         let mut solved = |searches| {
             let options = NewtonOptions { plane: Some(normal), searches, iterations: 10 };
             let found = self.shooting.solve(&start, &options);

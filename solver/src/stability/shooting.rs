@@ -73,7 +73,7 @@ pub struct Period {
 impl Period {
     /// Largest scaled residual.
     pub fn error(&self) -> f64 {
-        self.residual.iter().fold(0.0, |m, r| m.max(r.abs()))
+        newton::largest(&self.residual)
     }
 
     /// Multipliers of the orbit, the largest first, without those of sliders that stick all the time: these are 1.

@@ -15,14 +15,14 @@ use std::collections::BTreeMap;
 /// bifurcations.
 const POINTS: usize = 12;
 
-/// Points of a whole branch that are verified at most besides those of the first pass. Around a peak changes are not located.
+/// Points of a whole branch that are verified at most besides those that a first pass spreads over it. Around a peak changes are not located.
 const MORE: usize = 84;
 
-/// Work of one period with its tangent at every point of a first pass ([`Shooting::work`]): what is cheap is looked
+/// Work, a period with its tangent at each, of the points of a first pass ([`Shooting::work`]): what is cheap is looked
 /// at point by point, so that nothing between points is left to guess.
 const WORK: f64 = 2e8;
 
-/// Points between which orbits may be told of that are neighbours on a branch: they pass a little off their own.
+/// Neighbours on a branch may be told of so many points apart: orbits pass a little off the points that they are polished from.
 const OFF: usize = 4;
 
 /// Multipliers that are kept of an orbit: what of them is outside the unit circle, and what comes next.

@@ -1,7 +1,7 @@
 //! Newton's method on the map of a period.
 //!
 //! A period with its tangent costs about six without. Near an orbit the tangent of the last point therefore serves for further
-//! steps, and before a step that may be refused only the period is marched.
+//! steps, and where the last step had to be shortened the next one is tried without a tangent first.
 
 use super::{Period, Point, Shooting};
 use crate::linalg::dot;
@@ -18,9 +18,6 @@ const FALL: f64 = 0.1;
 
 /// Most steps with one tangent.
 const CHORDS: usize = 6;
-
-/// Scaled residual beyond which there is no orbit nearby: in a period the motion has come away by its own size.
-const LOST: f64 = 1.0;
 
 /// Relative step of ω for the derivative of the map.
 const NUDGE: f64 = 1e-6;
@@ -51,9 +48,6 @@ impl Shooting<'_> {
             let error = now.period.error();
             if error < TOLERANCE {
                 break;
-            }
-            if largest(&now.period.residual[..self.motion]) > LOST {
-                return None;
             }
             let step = self.newton_step(&now.at, &now.period, options.plane)?;
             let close = if error < CLOSE { self.close_in(&now, &step) } else { None };
@@ -138,9 +132,12 @@ impl Shooting<'_> {
         let mut before = now.period.error();
         let mut to = now.at.moved(step, 1.0);
         for _ in 0..CHORDS {
+            if !to.is_sound() {
+                break;
+            }
             let Ok(residual) = self.residual(&to) else { break };
             let error = largest(&residual);
-            if error > FALL * before {
+            if error.is_nan() || error > FALL * before {
                 break;
             }
             reached = Some(to.clone());
@@ -158,18 +155,16 @@ impl Shooting<'_> {
     fn take(&mut self, now: &Taken, step: &[f64], searches: bool) -> Option<Taken> {
         let size = |r: &[f64]| dot(r, r).sqrt();
         let before = size(&now.period.residual);
-        // A point far off its orbit is of no use, and may not be marchable at all.
-        let sound = |point: &Point| point.w > 0.5 && point.w < 2.0 && point.x.iter().all(|x| x.abs() < 1e3);
         let full = now.at.moved(step, 1.0);
         if !searches {
-            let period = if sound(&full) { self.period(&full).ok()? } else { return None };
+            let period = if full.is_sound() { self.period(&full).ok()? } else { return None };
             return Some(Taken { at: full, period, is_shortened: false });
         }
         // Where the last step was too long this one may well be.
         let lessens = |shooting: &mut Self, point: &Point, share: f64| {
-            sound(point) && shooting.residual(point).is_ok_and(|r| size(&r) < (1.0 - 0.1 * share) * before)
+            point.is_sound() && shooting.residual(point).is_ok_and(|r| size(&r) < (1.0 - 0.1 * share) * before)
         };
-        let is_likely = sound(&full) && (!now.is_shortened || lessens(self, &full, 1.0));
+        let is_likely = full.is_sound() && (!now.is_shortened || lessens(self, &full, 1.0));
         let period = if is_likely { self.period(&full).ok() } else { None };
         if let Some(period) = period.filter(|period| size(&period.residual) < 0.9 * before) {
             return Some(Taken { at: full, period, is_shortened: false });
@@ -187,6 +182,11 @@ impl Shooting<'_> {
 }
 
 impl Point {
+    /// A point far off its orbit is of no use, and may not be marchable at all.
+    fn is_sound(&self) -> bool {
+        self.w > 0.5 && self.w < 2.0 && self.x.iter().all(|x| x.abs() < 1e3)
+    }
+
     /// The point at a share of a step: scaled state, then w.
     fn moved(&self, step: &[f64], share: f64) -> Self {
         let (motion, turn) = step.split_at(self.x.len());
@@ -195,6 +195,7 @@ impl Point {
     }
 }
 
-fn largest(residual: &[f64]) -> f64 {
-    residual.iter().fold(0.0, |m, r| m.max(r.abs()))
+/// Largest modulus; not a number if one of them is not.
+pub(super) fn largest(residual: &[f64]) -> f64 {
+    residual.iter().fold(0.0, |m: f64, r| if m.is_nan() || r.abs() <= m { m } else { r.abs() })
 }
