@@ -31,16 +31,7 @@ fn page_and_file_are_of_one_description() {
     let (page, store, _dir) = page(&Study::damper());
     for figure in FigureName::ALL.into_iter().filter(|figure| !matches!(figure, FigureName::Modes | FigureName::Folds))
     {
-        let request = Request {
-            figure,
-            levels: None,
-            monitor: None,
-            amplitude: None,
-            mode: None,
-            at: None,
-            along: None,
-            frequency: None,
-        };
+        let request = Request::whole(figure);
         let (sheet, _) = compose(&store, &request).unwrap();
         let told = &page["figures"][figure.name()];
         let mut drawn = serde_json::to_value(&sheet.figure).unwrap();

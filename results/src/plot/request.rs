@@ -57,6 +57,22 @@ pub struct Request {
     pub frequency: Option<(f64, f64)>,
 }
 
+impl Request {
+    /// All that a run has for a figure.
+    pub fn whole(figure: FigureName) -> Self {
+        Self {
+            figure,
+            levels: None,
+            monitor: None,
+            amplitude: None,
+            mode: None,
+            at: None,
+            along: None,
+            frequency: None,
+        }
+    }
+}
+
 impl FigureName {
     /// All figures.
     pub const ALL: [Self; 8] = [

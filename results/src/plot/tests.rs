@@ -12,17 +12,7 @@ use tempfile::{TempDir, tempdir};
 
 /// A request as `isola plot` would make it of these options.
 fn request(options: &[&str]) -> Request {
-    let figure = FigureName::Response;
-    let mut request = Request {
-        figure,
-        levels: None,
-        monitor: None,
-        amplitude: None,
-        mode: None,
-        at: None,
-        along: None,
-        frequency: None,
-    };
+    let mut request = Request::whole(FigureName::Response);
     for pair in options.chunks(2) {
         let value = || Some(pair[1].to_string());
         match pair[0] {

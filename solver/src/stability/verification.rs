@@ -23,7 +23,7 @@ const MORE: usize = 84;
 const WORK: f64 = 2e8;
 
 /// Neighbours on a branch may be told of so many points apart: orbits pass a little off the points that they are polished from.
-const OFF: usize = 4;
+const DISPLACED: usize = 4;
 
 /// Multipliers that are kept of an orbit: what of them is outside the unit circle, and what comes next.
 const LEADING: usize = 4;
@@ -125,7 +125,7 @@ pub fn verify_with_orbits(
     stretch: Stretch,
     observer: &mut Observer<'_>,
 ) -> Option<(Verification, Vec<Orbit>)> {
-    let settings = settings(model, branch, stretch);
+    let settings = pass_settings(model, branch, stretch);
     let found = along(model, &settings, branch, &mut |point| observer(&branch.points[point.index]));
     let polished = found.points.iter().filter_map(|point| point.polish.polished.as_ref());
     let orbits = polished.map(|polished| polished.orbit.clone()).collect();
@@ -133,7 +133,7 @@ pub fn verify_with_orbits(
 }
 
 /// How finely a branch is looked at: all of its points where periods are cheap, and a few of a large model's.
-fn settings(model: &Model, branch: &Branch, stretch: Stretch) -> AlongSettings {
+fn pass_settings(model: &Model, branch: &Branch, stretch: Stretch) -> AlongSettings {
     let settings = AlongSettings { stretch, points: POINTS, most: 0, ..AlongSettings::default() };
     if stretch == Stretch::Peak {
         return settings;
@@ -244,7 +244,7 @@ impl Verification {
         !bifurcations.any(|found| matters(found.outside))
             && !unresolved.any(|ends| self.overlap([a.index, b.index], ends))
             && !self.folds.iter().any(is_fold_between)
-            && self.from(a.at, b.at) <= (self.spacing + self.spacing / 2).max(OFF)
+            && self.from(a.at, b.at) <= (self.spacing + self.spacing / 2).max(DISPLACED)
     }
 
     /// Whether a fold of the marched orbits was found near one of the balance.
