@@ -39,6 +39,7 @@ pub(crate) use verified::verified_result;
 use crate::store::{Reader, Result, RunHeader};
 use protocol::model::ModelMessage;
 use protocol::to_everyone::StoredResult;
+use solver::response::task::BranchId;
 
 /// A run without its points.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -122,9 +123,15 @@ impl Overview {
             Some(Shift {
                 amplitudes: (pair[0].amplitude.clone(), pair[1].amplitude.clone()),
                 omega: (a.omega_at_max, b.omega_at_max),
-                branches: (!is_one).then(|| (a.name(), b.name())),
+                branches: (!is_one).then(|| (in_words(a), in_words(b))),
             })
         });
         shifts.max_by(|a, b| a.size().total_cmp(&b.size()))
     }
+}
+
+/// What a branch is called in a sentence.
+fn in_words(branch: &BranchRow) -> String {
+    let name = branch.name();
+    if name == BranchId::MAIN.to_string() { "the main branch".into() } else { name }
 }
