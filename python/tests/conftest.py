@@ -17,7 +17,7 @@ def blade(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("blade") / "run"
     study = MODELS / "rotor67" / "study.toml"
     isola(
-        "sweep", study, "--out", folder, "--amplitudes", "20,40", "--workers", 1, "--set", "harmonics.count=3"
+        "sweep", study, "--out", folder, "--amplitudes", "20,40", "--workers", 2, "--set", "harmonics.count=3"
     )
     return folder
 
@@ -27,7 +27,7 @@ def damper(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A finished run with isolas at several levels; not to be changed."""
     folder = tmp_path_factory.mktemp("damper") / "run"
     study = MODELS / "nonlinear_damper" / "study.toml"
-    isola("sweep", study, "--out", folder, "--amplitudes", "0.004:0.007:0.001", "--workers", 1)
+    isola("sweep", study, "--out", folder, "--amplitudes", "0.004:0.007:0.001", "--workers", 2)
     return folder
 
 

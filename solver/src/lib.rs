@@ -61,13 +61,13 @@
 pub mod curve;
 pub mod files;
 pub mod formulation;
-pub mod linalg;
 pub mod response;
 pub mod settings;
 pub mod stability;
 pub mod structure;
 
 pub use formulation::state::State;
+pub use linalg;
 pub use linalg::Matrix;
 pub use response::backbone::{Backbone, BackboneError, BackbonePoint};
 pub use response::branch::{Branch, BranchPoint, Outcome, SpecialKind, SpecialPoint};

@@ -30,7 +30,7 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A finished run of two levels, exported in all formats."""
     folder = tmp_path_factory.mktemp("exports") / "run"
     coarse = ["--set", "harmonics.count=3"]
-    sweep = isola("sweep", STUDY, "--out", folder, "--amplitudes", "20,40", "--workers", 1, *coarse)
+    sweep = isola("sweep", STUDY, "--out", folder, "--amplitudes", "20,40", "--workers", 2, *coarse)
     assert sweep.returncode == 0, sweep.stderr
     for kind in ["csv", "mat", "npz"]:
         export = isola("export", folder, "--format", kind, "--to", folder.parent / kind)

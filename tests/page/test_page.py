@@ -26,7 +26,9 @@ FIGURES = ["response", "balance", "map", "resonance", "modes", "motion"]
 # Colours, with the shades between them, of a chart with nothing but a grid and one label are fewer.
 EMPTY = 300
 # Levels enough for the run to go on while a reader zooms.
-MANY = "0.004:0.012:0.00004"
+MANY = "0.004:0.012:0.00008"
+# Neither looks for what windows do not show nor verifies.
+BRIEF = ["--search", "none", "--verify", "none"]
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 
 
@@ -273,7 +275,7 @@ def test_names_are_text(run, browser, tmp_path):
         f'name = "<img src=x onerror=alert(1)></script>"\nmodel = "{REPOSITORY / "models/nonlinear_damper"}"\n'
         'amplitudes = "0.004"\n[harmonics]\ncount = 3\n[backbone]\nmax_amplitude = 1\n'
     )
-    isola("sweep", study, "--out", tmp_path / "run")
+    isola("sweep", study, *BRIEF, "--out", tmp_path / "run")
     isola("report", tmp_path / "run")
     with report(browser, tmp_path / "run") as page:
         assert page.locator("#run-name").inner_text().startswith("<img src=x")
@@ -323,7 +325,7 @@ def view(page):
 def test_what_is_unstable_is_dashed_while_it_is_followed(browser, tmp_path):
     run = tmp_path / "run"
     study = REPOSITORY / "models/nonlinear_damper/study.toml"
-    with started("sweep", study, "--amplitudes", "0.007", "--stay", "--workers", 1, "--out", run):
+    with started("sweep", study, "--amplitudes", "0.007", "--search", "none", "--stay", "--workers", 1, "--out", run):
         wait_for(run / "address")
         with started("watch", run, "--page") as watch:
             url = watch.stdout.readline().split()[0]
@@ -340,7 +342,7 @@ def test_a_run_is_followed_to_its_end(browser, tmp_path):
     """A reader who has zoomed keeps the view, and a level that is hidden stays so, whatever comes."""
     run = tmp_path / "run"
     study = REPOSITORY / "models/nonlinear_damper/study.toml"
-    with started("sweep", study, "--amplitudes", MANY, "--stay", "--workers", 2, "--out", run):
+    with started("sweep", study, "--amplitudes", MANY, *BRIEF, "--stay", "--workers", 2, "--out", run):
         wait_for(run / "address")
         with started("watch", run, "--page") as watch:
             url = watch.stdout.readline().split()[0]

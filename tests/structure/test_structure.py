@@ -1,5 +1,7 @@
 """The checker of the structure on small workspaces that are made up."""
 
+from pathlib import Path
+
 import check_structure
 import pytest
 from check_structure import SQL_FOLDER, check
@@ -238,7 +240,7 @@ def test_other_crates_depend_on_sql_in_tests_only(tmp_path):
 
 def test_crates_that_must_not_be_named(tmp_path):
     manifests = {
-        "solver": "[dependencies]\nfaer = '1'\n[target.'cfg(unix)'.dependencies]\ntokio = '1'\n",
+        "solver": "[dependencies]\nserde = '1'\n[target.'cfg(unix)'.dependencies]\ntokio = '1'\n",
         "results": "[dependencies]\ntokio = '1'\nbus = { package = 'zenoh', version = '1' }\n",
     }
     files = {
@@ -280,3 +282,9 @@ def test_a_patch_is_what_is_built(tmp_path):
         (top / "Cargo.lock").write_text(text)
         (sentence,) = check(top, {})
         assert sentence.startswith("Cargo.toml: link is not built from third_party/link")
+
+
+def test_rules_are_those_of_crates_that_there_are():
+    top = Path(__file__).parents[2]
+    names = {package.relative_to(top).as_posix() for package in check_structure.members(top)}
+    assert check_structure.MUST_NOT_NAME.keys() | check_structure.TESTS <= names

@@ -79,12 +79,12 @@ fn the_coordinator_killed_and_started_again() {
 /// Verification goes on where a killed coordinator left it, and says what it would have said without.
 #[test]
 fn the_coordinator_killed_while_branches_are_verified() {
-    let all = ["--verify", "all", "--workers", "1"];
-    let mut undisturbed = System::sweep_with(DAMPER, &[LEVELS, FINE, &all].concat());
+    let all = ["--search", "none", "--verify", "all"];
+    let mut undisturbed = System::sweep_with(DAMPER, &[LEVELS, &all, &["--workers", "2"]].concat());
     undisturbed.expect_complete();
     let (listen, lease) = (own_endpoint(), ["--lease", "60"]);
     let serve = ["--listen", &listen, "--lease", "60", "--workers", "0"];
-    let mut system = System::sweep_with(DAMPER, &[LEVELS, FINE, &["--verify", "all"], &serve].concat());
+    let mut system = System::sweep_with(DAMPER, &[LEVELS, &all[..], &serve].concat());
     let _worker = system.worker();
     system.freeze_coordinator(
         "SELECT EXISTS (SELECT * FROM verifications) \

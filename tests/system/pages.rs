@@ -1,7 +1,7 @@
 //! Pages: the report at every stage of a run, and the live one.
 
 use crate::stand_in::StandIn;
-use crate::{DAMPER, FINE, LEVELS, LONG};
+use crate::{BRIEF, DAMPER, FINE, LEVELS, LONG};
 use protocol::to_worker::Acknowledgement;
 use rustix::process::Signal;
 use serde_json::Value;
@@ -104,7 +104,7 @@ fn lasting(events: &[Event]) -> (Vec<&Event>, Option<&Event>) {
 /// Whoever opens the live page, early or late, is given every branch.
 #[test]
 fn the_live_page() {
-    let mut system = System::sweep(DAMPER, &[LEVELS, FINE, &["--stay"]].concat());
+    let mut system = System::sweep(DAMPER, &[LEVELS, &["--search", "none", "--stay"]].concat());
     let log = system.folder().join("page.log");
     let mut page = Process::start(&program("isola"), &["watch", &system.directory_text(), "--page"], &log);
     system.eventually("a page", |_| page.output().contains(" shows the run"));
@@ -134,7 +134,7 @@ fn the_live_page() {
 
 #[test]
 fn pages_that_cannot_be_served() {
-    let mut system = System::sweep_with(DAMPER, &["--workers", "2"]);
+    let mut system = System::sweep_with(DAMPER, &[LEVELS, BRIEF, &["--workers", "2"]].concat());
     system.expect_complete();
     let refused = isola(&["watch", &system.directory_text(), "--page"]);
     assert!(!refused.status.success());

@@ -64,15 +64,15 @@ fn a_sweep_goes_on() {
     let (folder, study) = (tempfile::tempdir().unwrap(), repository(DAMPER).display().to_string());
     let sweep = |name: &str| {
         let run = folder.path().join(name);
-        ["sweep", &study, "--workers", "2", LEVELS[0], LEVELS[1], "--verify", "none", "--out", run.to_str().unwrap()]
-            .map(str::to_string)
+        let start = ["sweep", &study, "--workers", "2", "--out", run.to_str().unwrap()];
+        [&start[..], LEVELS, BRIEF].concat().into_iter().map(str::to_string).collect::<Vec<_>>()
     };
     let arguments = sweep("heard");
-    let (status, said) = without_output(&arguments.each_ref().map(String::as_str));
+    let (status, said) = without_output(&arguments.iter().map(String::as_str).collect::<Vec<_>>());
     assert_eq!(status.code(), Some(0), "{said}");
     assert!(!said.contains("panicked") && !said.contains("pipe"), "{said}");
     let arguments = sweep("unheard");
-    assert_eq!(unheard(&arguments.each_ref().map(String::as_str)).code(), Some(0));
+    assert_eq!(unheard(&arguments.iter().map(String::as_str).collect::<Vec<_>>()).code(), Some(0));
     for name in ["heard", "unheard"] {
         tests::results::assert_stored_once(&folder.path().join(name));
         assert!(folder.path().join(name).join("summary.csv").exists());

@@ -93,7 +93,7 @@ fn connections_that_never_ask() {
 /// Everybody may ask whether the process lives, and nothing else; with the token everything is told.
 #[test]
 fn over_http_who_has_the_token_reads() {
-    let mut system = System::sweep(DAMPER, &[LEVELS, HTTP, &["--stay"]].concat());
+    let mut system = System::sweep(DAMPER, &[LEVELS, HTTP, &["--search", "none", "--stay"]].concat());
     let place = place(&system);
     assert_eq!((get(&place, "/healthz", &[]).code, &*get(&place, "/healthz", &[]).body), (200, "ok\n"));
     let secret = std::fs::read_to_string(system.secret_file()).unwrap();

@@ -1,6 +1,6 @@
 //! What a sweep finds does not depend on how it is carried out.
 
-use crate::{DAMPER, LEVELS};
+use crate::{BRIEF, DAMPER, LEVELS};
 use tests::results::{SummaryRow, assert_same, events, folds, summary};
 use tests::{System, complaint, isola, repository};
 
@@ -24,7 +24,7 @@ fn the_number_of_workers_does_not_matter() {
 fn an_isola_that_only_folds_lead_to() {
     let study = "models/nltva/study.toml";
     let found = ["1", "3"].map(|workers| {
-        let mut system = System::sweep_with(study, &["--workers", workers]);
+        let mut system = System::sweep_with(study, &["--workers", workers, "--verify", "none"]);
         system.expect_complete();
         let directory = system.directory();
         (summary(&directory), events(&directory), folds(&directory))
@@ -61,7 +61,7 @@ fn no_search_no_folds() {
 /// The distributed sweep finds what the solver finds in one piece.
 #[test]
 fn the_same_as_the_solver_alone() {
-    let mut system = System::sweep_with(DAMPER, &[LEVELS, &["--workers", "2"]].concat());
+    let mut system = System::sweep_with(DAMPER, &[LEVELS, BRIEF, &["--workers", "2"]].concat());
     system.expect_complete();
     let study = coordinator::study::Study::load(&tests::repository(DAMPER), &[], Some(LEVELS[1])).unwrap();
     let backbone = solver::response::backbone::Backbone::compute(&study.model, &study.settings).unwrap();
@@ -90,7 +90,8 @@ fn curves_that_stop_before_their_ends() {
     ] {
         let run = folder.path().join(name).display().to_string();
         let workers = ["--workers", "1"];
-        let sweep = [&["sweep", &study, "--out", &run, "--amplitudes", "0.004", "--set", key][..], &workers].concat();
+        let sweep = ["sweep", &study, "--out", &run, "--amplitudes", "0.004", "--set", key];
+        let sweep = [&sweep[..], BRIEF, &workers].concat();
         for arguments in [sweep, [&["resume", &run][..], &workers].concat()] {
             let output = isola(&arguments);
             let said = complaint(&output);

@@ -80,8 +80,8 @@ async fn timed_status(session: &zenoh::Session, keys: &Keys) -> (Status, Duratio
 #[test]
 fn a_frozen_viewer() {
     let quiet = System::sweep(DAMPER, &[LEVELS, BRIEF].concat());
-    let rotor = ["--workers", "1", "--stay", "--amplitudes", "20,60"];
-    let mut system = System::sweep_with("models/rotor67/study.toml", &rotor);
+    let rotor = ["--workers", "1", "--stay", "--amplitudes", "20:100:20"];
+    let mut system = System::sweep_with("models/rotor67/study.toml", &[&rotor, BRIEF].concat());
     system.wait_until("a result", |status| status.tasks.done > 0);
     let log = system.folder().join("viewer.log");
     let secret = system.secret_file().display().to_string();

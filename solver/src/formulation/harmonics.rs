@@ -3,10 +3,9 @@
 //! A series with H harmonics is stored as `[a0, a1, b1, a2, b2, …]` (2H + 1 numbers):
 //! x(τ) = a0 + Σ a_k cos kτ + b_k sin kτ = Re Σ X_k e^{ikτ}, X_k = a_k − i b_k, τ = ωt.
 
-use rustfft::num_complex::Complex64;
-use rustfft::{Fft, FftPlanner};
+use linalg::Fourier;
+use num_complex::Complex64;
 use std::f64::consts::TAU;
-use std::sync::Arc;
 
 /// Numbers per series with `harmonics` harmonics.
 pub const fn width(harmonics: usize) -> usize {
@@ -70,7 +69,7 @@ pub fn rms(series: &[f64]) -> f64 {
 
 /// Maximum of |x| over a period, between samples too: the largest samples are refined by Newton's method on x′ = 0.
 pub fn max_abs(series: &[f64], transform: &mut Transform) -> f64 {
-    let n = transform.samples;
+    let n = transform.samples();
     let mut values = vec![0.0; n];
     let mut unused = vec![0.0; n];
     transform.synthesise(series, None, &mut values, &mut unused);
@@ -105,33 +104,20 @@ pub fn max_abs(series: &[f64], transform: &mut Transform) -> f64 {
 /// Frequency–time transforms between series with H harmonics and N_t samples; two real signals share one complex FFT.
 pub struct Transform {
     harmonics: usize,
-    samples: usize,
-    forward: Arc<dyn Fft<f64>>,
-    inverse: Arc<dyn Fft<f64>>,
+    fourier: Fourier,
     buffer: Vec<Complex64>,
-    scratch: Vec<Complex64>,
 }
 
 impl Transform {
     /// Transform for `harmonics` harmonics and `samples` ≥ 4 × `harmonics` instants a period.
     pub fn new(harmonics: usize, samples: usize) -> Self {
         assert!(samples >= 4 * harmonics && samples > 0, "checked by the settings");
-        let mut planner = FftPlanner::new();
-        let (forward, inverse) = (planner.plan_fft_forward(samples), planner.plan_fft_inverse(samples));
-        let scratch = forward.get_inplace_scratch_len().max(inverse.get_inplace_scratch_len());
-        Self {
-            harmonics,
-            samples,
-            forward,
-            inverse,
-            buffer: vec![Complex64::default(); samples],
-            scratch: vec![Complex64::default(); scratch],
-        }
+        Self { harmonics, fourier: Fourier::new(samples), buffer: vec![Complex64::default(); samples] }
     }
 
     /// Instants a period, N_t.
     pub fn samples(&self) -> usize {
-        self.samples
+        self.fourier.samples()
     }
 
     /// Number of harmonics H.
@@ -146,7 +132,7 @@ impl Transform {
         if let Some(b) = b {
             add_spectrum(&mut self.buffer, b, |x| Complex64::new(-x.im, x.re));
         }
-        self.inverse.process_with_scratch(&mut self.buffer, &mut self.scratch);
+        self.fourier.inverse(&mut self.buffer);
         for ((z, a), b) in self.buffer.iter().zip(out_a).zip(out_b) {
             *a = z.re;
             *b = z.im;
@@ -158,8 +144,8 @@ impl Transform {
         for ((z, &a), &b) in self.buffer.iter_mut().zip(a).zip(b) {
             *z = Complex64::new(a, b);
         }
-        self.forward.process_with_scratch(&mut self.buffer, &mut self.scratch);
-        let (n, half) = (self.samples, 0.5 / self.samples as f64);
+        self.fourier.forward(&mut self.buffer);
+        let (n, half) = (self.samples(), 0.5 / self.samples() as f64);
         for (l, (ca, cb)) in out_a.iter_mut().zip(out_b).enumerate() {
             let (z, mirrored) = (self.buffer[l], self.buffer[(n - l) % n].conj());
             *ca = (z + mirrored) * half;

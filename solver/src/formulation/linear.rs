@@ -6,7 +6,7 @@ use crate::formulation::receptance::Receptance;
 use crate::formulation::state::{Parameters, State};
 use crate::linalg::LinalgError;
 use crate::structure::laws::Law;
-use rustfft::num_complex::Complex64;
+use num_complex::Complex64;
 
 /// Linear response to the forcing of amplitude `forcing` at response frequency `omega` (rad/s).
 ///

@@ -4,7 +4,7 @@ use crate::formulation::harmonics::complex;
 use crate::formulation::state::State;
 use crate::structure::Model;
 use crate::structure::laws::Law;
-use rustfft::num_complex::Complex64;
+use num_complex::Complex64;
 
 /// What a formulation, energies and seeds need of a model's forcing and channels: b̂ = Φᵀb for every channel bᵀx that a law
 /// takes as an argument, and Φᵀs.

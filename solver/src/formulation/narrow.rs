@@ -9,7 +9,7 @@ use crate::formulation::harmonics::{complex, width};
 use crate::formulation::state::Parameters;
 use crate::formulation::unknown::Unknown;
 use crate::linalg::dot;
-use rustfft::num_complex::Complex64;
+use num_complex::Complex64;
 
 /// Largest relative change of the motion that a step is planned for.
 const PLANNED: f64 = 0.25;

@@ -10,7 +10,7 @@ use crate::formulation::modal::Modal;
 use crate::formulation::state::Parameters;
 use crate::linalg::{LinalgError, dot, solve_complex};
 use crate::structure::{Damping, Model};
-use rustfft::num_complex::Complex64;
+use num_complex::Complex64;
 use std::sync::Arc;
 
 /// A kept modal amplitude: mode `mode` at harmonic `harmonic`.

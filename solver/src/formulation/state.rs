@@ -2,7 +2,7 @@
 
 use crate::formulation::harmonics::{Transform, evaluate, max_abs, shift_phase, width};
 use crate::structure::Model;
-use rustfft::num_complex::Complex64;
+use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 
 /// Frequency, decay rate and forcing amplitude.

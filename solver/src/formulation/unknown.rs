@@ -2,7 +2,7 @@
 
 use crate::formulation::scales::Scales;
 use crate::formulation::state::{Parameters, State};
-use rustfft::num_complex::Complex64;
+use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 
 /// Which parameters are unknown beside the harmonics.

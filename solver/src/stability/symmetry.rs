@@ -5,7 +5,7 @@ use crate::formulation::harmonics::complex;
 use crate::formulation::state::State;
 use crate::structure::Model;
 use crate::structure::laws::Law;
-use rustfft::num_complex::Complex64;
+use num_complex::Complex64;
 use std::f64::consts::{PI, TAU};
 
 /// Relative distance of an orbit from its image from which on it is another one: far above what samples leave of harmonics.

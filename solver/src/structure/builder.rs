@@ -326,13 +326,6 @@ fn elements(structure: &Structure, parts: Vec<Part>) -> Result<Vec<Element>, Mod
     Ok(parts.into_iter().zip(channels).map(element).collect())
 }
 
-/// Rows as they are written in code.
-impl<const ROWS: usize, const COLS: usize> From<[[f64; COLS]; ROWS]> for Matrix {
-    fn from(rows: [[f64; COLS]; ROWS]) -> Self {
-        Self::from_fn(ROWS, COLS, |i, j| rows[i][j])
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

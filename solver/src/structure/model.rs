@@ -2,7 +2,7 @@
 
 use super::laws::{Law, LawKind, RigidContact};
 use crate::linalg::Matrix;
-use rustfft::num_complex::Complex64;
+use num_complex::Complex64;
 
 /// A linear structure with nonlinear elements and one forcing shape, n dofs. It is always valid.
 #[derive(Debug, Clone)]

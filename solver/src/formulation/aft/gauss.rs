@@ -5,7 +5,7 @@ use crate::formulation::arcs::GaussLegendre;
 use crate::formulation::harmonics::width;
 use crate::linalg;
 use crate::structure::laws::{Before, Instant, Law};
-use rustfft::num_complex::Complex64;
+use num_complex::Complex64;
 
 /// Rules by number of points, and buffers.
 #[derive(Debug, Clone, Default)]

@@ -10,7 +10,7 @@ use crate::formulation::harmonics::{self, differentiate, evaluate, series_from_c
 use crate::formulation::slider::{Does, Phase, phases};
 use crate::linalg::{axpy, dot};
 use crate::structure::laws::Slider;
-use rustfft::num_complex::Complex64;
+use num_complex::Complex64;
 use std::f64::consts::TAU;
 
 /// Fourier coefficients c_0, c_1, … of what is `height` from `begin` to `end` and nothing elsewhere.

@@ -19,7 +19,7 @@ use crate::formulation::panels::{is_sampled_well, panels};
 use crate::settings::{HarmonicSettings, Quadrature};
 use crate::structure::laws::{Instant, Law, MAX_ARGUMENTS, Response, Slider};
 use gauss::ArcWork;
-use rustfft::num_complex::Complex64;
+use num_complex::Complex64;
 pub use second::Along;
 use second::Basis;
 

@@ -6,7 +6,7 @@ use crate::formulation::harmonics::width;
 use crate::linalg::{self, axpy, dot};
 use crate::settings::Quadrature;
 use crate::structure::laws::{Before, Instant, Law, MAX_ARGUMENTS};
-use rustfft::num_complex::Complex64;
+use num_complex::Complex64;
 use std::f64::consts::TAU;
 
 /// What is differentiated, and in which direction. `c` arguments, nc = 2H + 1.

@@ -2,7 +2,7 @@
 
 use crate::linalg::{LinalgError, Matrix, solve_complex};
 use crate::structure::Model;
-use rustfft::num_complex::Complex64;
+use num_complex::Complex64;
 
 /// Physical matrices, partitioned into the dofs kept (r) and the others (l).
 pub(super) struct Condensation {

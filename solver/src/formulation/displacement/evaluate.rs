@@ -5,7 +5,7 @@ use crate::formulation::aft::Rate;
 use crate::formulation::harmonics::{complex, set_complex};
 use crate::linalg::{LinalgError, axpy};
 use crate::structure::laws::with_law;
-use rustfft::num_complex::Complex64;
+use num_complex::Complex64;
 
 impl DisplacementForm<'_> {
     /// Condenses, evaluates forces and residual at the state last loaded.

@@ -4,7 +4,7 @@ use super::{DisplacementForm, Part};
 use crate::formulation::harmonics::{complex, set_complex};
 use crate::formulation::unknown::Parameter;
 use crate::linalg::{Matrix, axpy};
-use rustfft::num_complex::Complex64;
+use num_complex::Complex64;
 
 impl DisplacementForm<'_> {
     /// Fills the bordered matrix of the state last evaluated.

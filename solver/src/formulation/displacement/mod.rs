@@ -31,7 +31,7 @@ use crate::settings::HarmonicSettings;
 use crate::structure::Model;
 use crate::structure::laws::{Law, LawKind, RigidContact};
 use condensation::{Condensation, Condensed};
-use rustfft::num_complex::Complex64;
+use num_complex::Complex64;
 
 /// A nonlinear element as the displacement form sees it.
 struct Part {

@@ -6,7 +6,7 @@ use crate::formulation::harmonics::complex;
 use crate::formulation::receptance::{gather, scatter};
 use crate::formulation::unknown::Parameter;
 use crate::linalg::{axpy, dot};
-use rustfft::num_complex::Complex64;
+use num_complex::Complex64;
 
 /// A row-major square matrix being filled.
 pub(super) struct Target<'a> {

@@ -6,7 +6,7 @@ use crate::formulation::aft::Rate;
 use crate::formulation::harmonics::complex;
 use crate::formulation::receptance::{RetainedMode, gather, scatter};
 use crate::structure::laws::with_law;
-use rustfft::num_complex::Complex64;
+use num_complex::Complex64;
 
 impl PressureForm<'_> {
     /// Completes `y`, evaluates forces, displacements and residual; returns the largest scaled residual.

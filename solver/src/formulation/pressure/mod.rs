@@ -44,8 +44,8 @@ use assemble::Work;
 use condition::Condition;
 pub use condition::Degeneracy;
 use layout::{Layout, Unknowns};
+use num_complex::Complex64;
 use reduced::Reduced;
-use rustfft::num_complex::Complex64;
 use std::ops::Range;
 pub use touch::Touch;
 

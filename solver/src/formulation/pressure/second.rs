@@ -14,7 +14,7 @@ use crate::formulation::harmonics::{complex, set_complex};
 use crate::formulation::receptance::{gather, scatter};
 use crate::linalg::axpy;
 use crate::structure::laws::with_law;
-use rustfft::num_complex::Complex64;
+use num_complex::Complex64;
 
 /// Weights of all equations, in physical units.
 struct Weights {

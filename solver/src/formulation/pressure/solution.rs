@@ -5,7 +5,7 @@ use super::layout::KeptAt;
 use crate::formulation::harmonics::complex;
 use crate::formulation::receptance::scatter;
 use crate::linalg::{axpy, dot};
-use rustfft::num_complex::Complex64;
+use num_complex::Complex64;
 
 impl PressureForm<'_> {
     /// Expands a solution of the bordered system to the full scaled state, dependent entries included.

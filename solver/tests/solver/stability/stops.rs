@@ -2,7 +2,7 @@
 
 use super::common::{assert_close, main_branch};
 use super::models::{penalty, stop};
-use rustfft::num_complex::Complex64;
+use num_complex::Complex64;
 use solver::stability::along::{AlongSettings, along};
 use solver::stability::bifurcation::{Bifurcation, BifurcationKind};
 use solver::stability::multipliers::Verdict;

@@ -1,7 +1,7 @@
 //! The linear response, by elimination.
 
 use super::balance::Matrices;
-use rustfft::num_complex::Complex64;
+use num_complex::Complex64;
 
 /// Complex amplitudes x of (K + iωC − ω²M) x = f, x(t) = Re x e^{iωt}, m.
 pub fn response(matrices: &Matrices, force: &[f64], omega: f64) -> Vec<Complex64> {

@@ -2,7 +2,7 @@
 
 use super::{LinalgError, Matrix};
 use faer::{Mat, Par, Side};
-use rustfft::num_complex::Complex64;
+use num_complex::Complex64;
 
 /// Eigenvalues of a square matrix, in no particular order.
 ///
@@ -76,7 +76,7 @@ fn refine(k: &Matrix, m: &Matrix, vectors: &Matrix) -> (Vec<f64>, Matrix) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::linalg::dot;
+    use crate::dot;
 
     #[test]
     fn eigenpairs_satisfy_their_equations() {

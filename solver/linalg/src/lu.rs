@@ -4,7 +4,7 @@ use super::LinalgError;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::lu::partial_pivoting::{factor, solve};
 use faer::{MatMut, MatRef, Par, Spec};
-use rustfft::num_complex::Complex64;
+use num_complex::Complex64;
 
 /// LU factorisation with partial pivoting of a row-major matrix, in a buffer that is kept between factorisations.
 pub struct Lu {
@@ -42,8 +42,7 @@ impl Lu {
     }
 
     /// The matrix as filled since [`Lu::reset`], until it is factorised.
-    #[cfg(test)]
-    pub(crate) fn entries(&self) -> &[f64] {
+    pub fn entries(&self) -> &[f64] {
         &self.factors
     }
 
@@ -154,7 +153,7 @@ pub fn solve_complex(a: &[Complex64], b: &mut [Complex64], size: usize, columns:
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::linalg::dot;
+    use crate::dot;
 
     #[test]
     fn lu_solves_row_major_systems() {

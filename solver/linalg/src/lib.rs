@@ -1,11 +1,15 @@
-//! Dense linear algebra: the only files that name faer types. Matrices and vectors here, factorisations and eigenvalues beside.
+//! Dense linear algebra and Fourier transforms: the only files that name types of faer and rustfft. Matrices and vectors
+//! here, factorisations, eigenvalues and transforms beside.
 //!
-//! Matrices are row-major; factorisations work in place in buffers that their owners keep.
+//! A crate of its own, since the compiler needs longer for what these libraries leave to it than for many files of the
+//! solver. Matrices are row-major; factorisations work in place in buffers that their owners keep.
 
 mod eigen;
+mod fourier;
 mod lu;
 
 pub use eigen::{eigenvalues, symmetric_eigen};
+pub use fourier::Fourier;
 pub use lu::{Lu, solve_complex};
 
 use faer::{Accum, MatMut, MatRef, Par};
@@ -60,21 +64,25 @@ impl Matrix {
     }
 
     /// Number of rows.
+    #[inline]
     pub fn rows(&self) -> usize {
         self.rows
     }
 
     /// Number of columns.
+    #[inline]
     pub fn cols(&self) -> usize {
         self.cols
     }
 
     /// Row `i`.
+    #[inline]
     pub fn row(&self, i: usize) -> &[f64] {
         &self.data[i * self.cols..(i + 1) * self.cols]
     }
 
     /// Row `i`, mutable.
+    #[inline]
     pub fn row_mut(&mut self, i: usize) -> &mut [f64] {
         &mut self.data[i * self.cols..(i + 1) * self.cols]
     }
@@ -85,6 +93,7 @@ impl Matrix {
     }
 
     /// All entries, row after row.
+    #[inline]
     pub fn entries(&self) -> &[f64] {
         &self.data
     }
@@ -123,14 +132,24 @@ pub fn multiply(a: &[f64], b: &[f64], inner: usize, out: &mut [f64]) {
     );
 }
 
+/// Rows as they are written in code.
+impl<const ROWS: usize, const COLS: usize> From<[[f64; COLS]; ROWS]> for Matrix {
+    fn from(rows: [[f64; COLS]; ROWS]) -> Self {
+        Self::from_fn(ROWS, COLS, |i, j| rows[i][j])
+    }
+}
+
 impl Index<(usize, usize)> for Matrix {
     type Output = f64;
+
+    #[inline]
     fn index(&self, (i, j): (usize, usize)) -> &f64 {
         &self.data[i * self.cols + j]
     }
 }
 
 impl IndexMut<(usize, usize)> for Matrix {
+    #[inline]
     fn index_mut(&mut self, (i, j): (usize, usize)) -> &mut f64 {
         &mut self.data[i * self.cols + j]
     }
