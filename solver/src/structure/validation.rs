@@ -145,5 +145,5 @@ pub(crate) fn check_channels(
 
 /// Refuses parameters that are out of range; `place` finds the place of one.
 pub(crate) fn check_law(law: &LawKind, place: impl Fn(&str) -> Place) -> Result<(), ModelError> {
-    law.validate().map_err(|e| ModelError::value(place(e.parameter), e.value, format!("expected {}", e.expected)))
+    law.validate().map_err(|e| ModelError::value(place(&e.parameter), e.value, format!("expected {}", e.expected)))
 }

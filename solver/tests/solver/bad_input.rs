@@ -261,7 +261,9 @@ fn a_decimal_comma() {
 
 #[test]
 fn laws() {
-    refused("coefficient = 1.0", "coefficient = inf", &["`laws[0].law.terms.coefficient` = inf", "finite"]);
+    refused("coefficient = 1.0", "coefficient = inf", &["`laws[0].law.terms[0].coefficient` = inf", "finite"]);
+    let second = "coefficient = 1.0 }, { power = 16, coefficient = 1.0";
+    refused("coefficient = 1.0", second, &["`laws[0].law.terms[1].power` = 16", "1 to 15"]);
     refused("dof = \"blade.r\"", "", &["`laws[0].dof` = (not given)", "by `dof`, `between` or `coefficients`"]);
     let twice = "dof = \"blade.r\"\ncoefficients = { \"blade.r\" = 1 }";
     refused("dof = \"blade.r\"", twice, &["`laws[0].coefficients` = given", "`dof` says", "remove one"]);

@@ -17,6 +17,7 @@ pub use contact::Friction;
 pub use polynomial::Term;
 
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 use thiserror::Error;
 
 /// Largest number of arguments of a law: normal and two tangential directions.
@@ -82,8 +83,8 @@ impl Pattern {
 #[derive(Debug, Clone, PartialEq, Error)]
 #[error("{parameter} = {value} is out of range: expected {expected}")]
 pub struct ParameterError {
-    /// Name of the parameter, as in the model file.
-    pub parameter: &'static str,
+    /// Name of the parameter, as in the model file; entries of lists by their number.
+    pub parameter: Cow<'static, str>,
     /// Its value.
     pub value: f64,
     /// What would be right.
@@ -92,7 +93,7 @@ pub struct ParameterError {
 
 /// Refuses a parameter unless it is in range.
 fn require(parameter: &'static str, value: f64, in_range: bool, expected: &'static str) -> Result<(), ParameterError> {
-    if in_range { Ok(()) } else { Err(ParameterError { parameter, value, expected }) }
+    if in_range { Ok(()) } else { Err(ParameterError { parameter: parameter.into(), value, expected }) }
 }
 
 /// Refuses a parameter unless it is finite and above zero.
