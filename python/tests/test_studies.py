@@ -12,8 +12,7 @@ import isola_hbm
 
 
 def computed(name: str, folder: Path) -> isola_hbm.StoredRun:
-    """What the backbones of a study lead to."""
-    isola("sweep", MODELS / name, "--out", folder / name, "--search", "none", "--verify", "none")
+    isola("sweep", MODELS / name, "--out", folder / name, "--verify", "none")
     return isola_hbm.load(folder / name)
 
 

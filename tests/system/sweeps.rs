@@ -1,6 +1,6 @@
 //! What a sweep finds does not depend on how it is carried out.
 
-use crate::{BRIEF, DAMPER, LEVELS};
+use crate::{DAMPER, LEVELS};
 use tests::results::{SummaryRow, assert_same, events, folds, summary};
 use tests::{System, complaint, isola, repository};
 
@@ -61,7 +61,7 @@ fn no_search_no_folds() {
 /// The distributed sweep finds what the solver finds in one piece.
 #[test]
 fn the_same_as_the_solver_alone() {
-    let mut system = System::sweep_with(DAMPER, &[LEVELS, BRIEF, &["--workers", "2"]].concat());
+    let mut system = System::sweep_with(DAMPER, &[LEVELS, &["--workers", "2", "--verify", "none"]].concat());
     system.expect_complete();
     let study = coordinator::study::Study::load(&tests::repository(DAMPER), &[], Some(LEVELS[1])).unwrap();
     let backbone = solver::response::backbone::Backbone::compute(&study.model, &study.settings).unwrap();
@@ -89,9 +89,9 @@ fn curves_that_stop_before_their_ends() {
         ("backbone", "backbone.max_points=10", "the backbone of mode 1 (point budget used up)"),
     ] {
         let run = folder.path().join(name).display().to_string();
-        let workers = ["--workers", "1"];
-        let sweep = ["sweep", &study, "--out", &run, "--amplitudes", "0.004", "--set", key];
-        let sweep = [&sweep[..], BRIEF, &workers].concat();
+        let workers = ["--workers", "2"];
+        let sweep = ["sweep", &study, "--out", &run, "--amplitudes", "0.004", "--set", key, "--verify", "none"];
+        let sweep = [&sweep[..], &workers].concat();
         for arguments in [sweep, [&["resume", &run][..], &workers].concat()] {
             let output = isola(&arguments);
             let said = complaint(&output);
