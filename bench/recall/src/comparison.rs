@@ -1,7 +1,8 @@
 //! What the product lists against the truth.
 
+use crate::confirm::closed_through;
 use crate::product::Row;
-use crate::record::{Isola, Level, Standing};
+use crate::record::{Isola, Level, Record, Standing};
 
 /// Largest relative difference of peaks.
 const PEAK: f64 = 0.01;
@@ -19,6 +20,8 @@ pub struct Compared<'r> {
     pub level: &'r Level,
     /// For every closed branch of the truth the row that lists it.
     pub found: Vec<(&'r Isola, Option<&'r Row>)>,
+    /// Isolas of the product that the truth does not have, and that its equations confirm ([`Compared::confirm`]).
+    pub confirmed: Vec<(Isola, &'r Row)>,
     /// Isolas of the product that the truth does not have, or that are listed twice.
     pub extra: Vec<&'r Row>,
     /// The main peak of the product, if it is another one than the truth's and stands as one.
@@ -44,7 +47,31 @@ pub fn compare<'r>(level: &'r Level, rows: &'r [Row]) -> Compared<'r> {
         let is_right = largest.amplitude_max.is_some_and(|amplitude| (amplitude - peak).abs() <= PEAK * peak);
         (!is_right && largest.peak_standing == "at").then_some(largest)
     });
-    Compared { level, found, extra: left, wrong_main: main }
+    Compared { level, found, confirmed: Vec::new(), extra: left, wrong_main: main }
+}
+
+impl<'r> Compared<'r> {
+    /// Asks the equations of the truth about every isola that it does not have: `motions` are some of a row's, as
+    /// [`closed_through`] takes them. What lies elsewhere, branches off other motions, or is listed already is not confirmed.
+    ///
+    /// # Errors
+    /// Those of `motions`.
+    pub fn confirm<E>(
+        &mut self,
+        record: &Record,
+        mut motions: impl FnMut(&Row) -> Result<Vec<Vec<f64>>, E>,
+    ) -> Result<(), E> {
+        for row in std::mem::take(&mut self.extra) {
+            let is_new = |isola: &Isola| !is_listed_as(isola, row);
+            let is_repeated = !self.level.isolas.iter().all(is_new) || !self.confirmed.iter().all(|(i, _)| is_new(i));
+            let there = if is_repeated { None } else { closed_through(record, self.level.forcing, &motions(row)?) };
+            match there.filter(|isola| isola.standing != Standing::Attached && is_listed_as(isola, row)) {
+                Some(isola) => self.confirmed.push((isola, row)),
+                None => self.extra.push(row),
+            }
+        }
+        Ok(())
+    }
 }
 
 /// Whether a row has the frequencies and the peak of a closed branch.

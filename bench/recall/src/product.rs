@@ -1,6 +1,8 @@
 //! The product on a structure of the truth: model and study as files, `isola sweep`, and what its `summary.csv` lists.
 
 use crate::record::Record;
+use npyz::NpyFile;
+use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -25,6 +27,14 @@ pub enum ProductError {
         /// What is wrong.
         source: toml::ser::Error,
     },
+    /// A motion is not as expected.
+    #[error("{path}: {what}")]
+    Motion {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        what: String,
+    },
     /// The table is not as expected.
     #[error("{path}: {source}")]
     Table {
@@ -42,6 +52,8 @@ pub struct Run {
     pub code: Option<i32>,
     /// Rows of `summary.csv`.
     pub rows: Vec<Row>,
+    /// Its folder.
+    pub folder: PathBuf,
 }
 
 /// A row of `summary.csv`, as far as it is compared.
@@ -124,11 +136,77 @@ pub fn sweep(isola: &Path, record: &Record, folder: &Path, arguments: &[String])
 /// # Errors
 /// If there is no table, or it is another one.
 pub fn kept(folder: &Path, code: Option<i32>) -> Result<Run, ProductError> {
-    let path = folder.join("run").join("summary.csv");
+    let run = folder.join("run");
+    let path = run.join("summary.csv");
     let rows = read(&path).map_err(|source| ProductError::Table { path, source })?;
-    Ok(Run { code, rows })
+    Ok(Run { code, rows, folder: run })
 }
 
 fn read(path: &Path) -> Result<Vec<Row>, csv::Error> {
     csv::Reader::from_path(path)?.deserialize().collect()
+}
+
+impl Run {
+    /// Some motions of the branch of a row, evenly spread over its points: for each the coefficients of 1, cos τ, sin τ, cos 2τ, …
+    /// up to `harmonics`, in m, of dof after dof, and ω in rad/s.
+    ///
+    /// # Errors
+    /// If `isola export` cannot be started, or what it writes is not as expected.
+    pub fn motions(
+        &self,
+        isola: &Path,
+        row: &Row,
+        harmonics: usize,
+        count: usize,
+    ) -> Result<Vec<Vec<f64>>, ProductError> {
+        let to = self.folder.join("npz");
+        if !to.exists() {
+            let arguments = ["export", "--format", "npz", "--to"];
+            let output = Command::new(isola).args(arguments).arg(&to).arg(&self.folder).output();
+            output.map_err(|source| ProductError::File { path: isola.to_owned(), source })?;
+        }
+        let branches = to.join("branches");
+        let suffix = format!("-{}-{}", row.kind, row.branch);
+        let is_of_row = |path: &PathBuf| {
+            let name = path.file_stem().and_then(|stem| stem.to_str()).unwrap_or_default();
+            name.strip_suffix(&suffix).and_then(|amplitude| amplitude.parse().ok()) == Some(row.amplitude)
+        };
+        let list = std::fs::read_dir(&branches);
+        let list = list.map_err(|source| ProductError::File { path: branches.clone(), source })?;
+        let path = list.flatten().map(|entry| entry.path()).find(is_of_row).unwrap_or(branches.join(suffix));
+        let motions = motions_of(&path, &to.join("run.npz"), harmonics, count);
+        motions.map_err(|error| ProductError::Motion { path, what: error.to_string() })
+    }
+}
+
+fn motions_of(
+    path: &Path,
+    run: &Path,
+    harmonics: usize,
+    count: usize,
+) -> Result<Vec<Vec<f64>>, Box<dyn std::error::Error>> {
+    let open = |path| Ok::<_, Box<dyn std::error::Error>>(zip::ZipArchive::new(std::fs::File::open(path)?)?);
+    let (mut branch, mut run) = (open(path)?, open(run)?);
+    let shapes: Vec<f64> = NpyFile::new(run.by_name("model.shapes.npy")?)?.into_vec()?;
+    let omega: Vec<f64> = NpyFile::new(branch.by_name("omega.npy")?)?.into_vec()?;
+    let file = NpyFile::new(branch.by_name("modal.npy")?)?;
+    let &[points, modes, width] = file.shape() else { return Err("modal amplitudes have three axes".into()) };
+    let (points, modes, width) = (points as usize, modes as usize, width as usize);
+    let modal: Vec<Complex64> = file.into_vec()?;
+    if points == 0 || omega.len() != points || shapes.len() != modes * modes {
+        return Err("expected points with the amplitudes of all modes".into());
+    }
+    let motion = |point: usize| {
+        let modal = &modal[point * modes * width..(point + 1) * modes * width];
+        let mut motion = Vec::with_capacity(modes * (2 * harmonics + 1) + 1);
+        for shape in shapes.chunks(modes) {
+            let along = |k: usize| shape.iter().zip(modal.chunks(width)).map(move |(shape, q)| q[k] * shape).sum();
+            let coefficient = |k: usize| -> Complex64 { if k < width { along(k) } else { Complex64::default() } };
+            motion.push(coefficient(0).re);
+            motion.extend((1..=harmonics).flat_map(|k| [coefficient(k).re, -coefficient(k).im]));
+        }
+        motion.push(omega[point]);
+        motion
+    };
+    Ok((0..count).map(|i| motion(i * points / count)).collect())
 }

@@ -50,19 +50,6 @@ pub struct Level {
     pub crowded: bool,
 }
 
-/// A closed branch that something else has found.
-#[derive(Debug, Clone, Serialize, Deserialize)]
-pub struct Hint {
-    /// Number of the structure.
-    pub number: u64,
-    /// A.
-    pub forcing: f64,
-    /// Its frequencies, rad/s.
-    pub omega: [f64; 2],
-    /// Its peak, m.
-    pub peak: f64,
-}
-
 /// A closed branch.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Isola {
@@ -83,15 +70,12 @@ pub struct Isola {
     pub deviation: f64,
     /// Starts that met it.
     pub hits: usize,
-    /// Whether it was found only because the product had: it is one, but says nothing about recall.
-    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-    pub hinted: bool,
 }
 
 impl Isola {
     /// Whether the product is measured by it.
     pub fn counts(&self) -> bool {
-        self.standing == Standing::Isola && !self.hinted
+        self.standing == Standing::Isola
     }
 }
 

@@ -18,7 +18,8 @@ pub struct Tally {
     by_resonance: BTreeMap<Resonance, Count>,
     by_kind: BTreeMap<Kind, Count>,
     apart: BTreeMap<Standing, Count>,
-    hinted: Count,
+    /// Isolas that only the product has found, and branches that the truth keeps apart.
+    confirmed: (usize, usize),
     all: Count,
     structures: usize,
     crowded: usize,
@@ -39,12 +40,13 @@ impl Tally {
         let before = self.all.there;
         for compared in levels {
             self.extra += compared.extra.len();
+            let isolas = compared.confirmed.iter().filter(|(isola, _)| isola.counts()).count();
+            self.confirmed.0 += isolas;
+            self.confirmed.1 += compared.confirmed.len() - isolas;
             self.mains += usize::from(compared.level.main.is_some());
             self.wrong_mains += usize::from(compared.wrong_main.is_some());
             for (isola, row) in &compared.found {
-                let counts = if isola.hinted {
-                    vec![&mut self.hinted]
-                } else if isola.counts() {
+                let counts = if isola.counts() {
                     vec![
                         &mut self.all,
                         self.by_resonance.entry(isola.resonance).or_default(),
@@ -79,20 +81,22 @@ impl Tally {
         self.by_kind.iter().for_each(|(kind, count)| row(words(kind), count));
         row("all".into(), &self.all);
         self.apart.iter().for_each(|(standing, count)| row(format!("apart: {}", words(standing)), count));
-        row("apart: found by the product alone".into(), &self.hinted);
         table.column_iter_mut().skip(1).for_each(|column| column.set_cell_alignment(CellAlignment::Right));
-        let listed =
-            self.all.listed + self.hinted.listed + self.apart.values().map(|count| count.listed).sum::<usize>();
+        let (isolas, unresolved) = self.confirmed;
+        let stored = self.all.listed + self.apart.values().map(|count| count.listed).sum::<usize>();
+        let listed = stored + isolas + unresolved;
         let precision = 100.0 * listed as f64 / (listed + self.extra).max(1) as f64;
         let codes: Vec<String> = self.codes.iter().map(|(code, count)| format!("{code} ({count})")).collect();
         format!(
-            "{table}\n{} structures, {} with isolas; {} levels are crowded and left out.\nPrecision {precision:.1} %: {} of {} \
-             closed branches listed are none of the truth's.\nMain peaks wrong: {} of {}. Exit codes: {}.",
+            "{table}\n{} structures, {} with isolas; {} levels are crowded and left out.\nPrecision {precision:.1} %: of {} closed \
+             branches listed {} are none. {stored} are stored, {} are not, of which the equations of the truth make {isolas} isolas and \
+             {unresolved} unresolved ones.\nMain peaks wrong: {} of {}. Exit codes: {}.",
             self.structures,
             self.with_isolas,
             self.crowded,
-            self.extra,
             listed + self.extra,
+            self.extra,
+            isolas + unresolved,
             self.wrong_mains,
             self.mains,
             codes.join(", ")

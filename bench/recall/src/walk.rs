@@ -5,6 +5,9 @@ use crate::newton::onto_plane;
 use crate::quadrature::{dot, norm};
 use crate::structure::Structure;
 
+/// Largest motion of a walk, m.
+pub const SIZE: f64 = 300.0;
+
 /// Where a walk ends in any case.
 #[derive(Debug, Clone, Copy)]
 pub struct Bounds {

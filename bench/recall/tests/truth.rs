@@ -2,28 +2,34 @@
 
 use recall::balance::Balance;
 use recall::comparison::compare;
+use recall::confirm::closed_through;
 use recall::draw;
 use recall::known::{Extent, Known};
 use recall::model::{Damping, Element, Forcing, Law, Matrices, Model, Shape, Term};
 use recall::product::Row;
 use recall::quadrature::{Nodes, dot};
-use recall::record::{Isola, Record, Resonance};
+use recall::record::{Isola, Kind, Level, Record, Resonance};
 use recall::shooting;
 use recall::starts::{converged, responses};
 use recall::structure::Structure;
-use recall::walk::{Bounds, End, walk};
+use recall::survey::HARMONICS;
+use recall::walk::{Bounds, Curve, End, walk};
 use std::collections::BTreeMap;
 
-fn one_mass(ratio: f64, law: Law) -> Structure {
+fn model(ratio: f64, law: Law) -> Model {
     let dofs = BTreeMap::from([("x1".to_string(), 1.0)]);
-    Structure::new(&Model {
+    Model {
         name: String::new(),
         monitors: vec!["x1".into()],
         matrices: Matrices { mass: vec![vec![1.0]], stiffness: vec![vec![1.0]] },
         damping: Damping { default_ratio: ratio },
         forcing: Forcing { shape: Shape { dofs: dofs.clone() }, harmonic: 1 },
         laws: vec![Element { name: String::new(), coefficients: dofs, law }],
-    })
+    }
+}
+
+fn one_mass(ratio: f64, law: Law) -> Structure {
+    Structure::new(&model(ratio, law))
 }
 
 fn cubic(coefficient: f64) -> Law {
@@ -108,6 +114,51 @@ fn starts_find_the_isola_of_a_damper() {
         closed.len()
     };
     assert_eq!([0.0045, 0.006, 0.0095, 0.012].map(closed), [0, 1, 1, 0]);
+}
+
+/// The same isola from a motion that is near it; from one of the main branch none, nor from one that is nowhere near anything.
+#[test]
+fn what_is_listed_beyond_the_truth_is_followed_anew() {
+    let (low, high) = (0.3, 3.0);
+    let terms = vec![Term { power: 3, coefficient: -0.01 }, Term { power: 5, coefficient: 0.00144 }];
+    let (forcing, model) = (0.006, model(0.009, Law::PolynomialDamper { terms }));
+    let record = Record { number: 0, kind: Kind::Damper, model, range: [low, high], levels: Vec::new() };
+    let structure = Structure::new(&record.model);
+    let balance = Balance::new(&structure, HARMONICS, forcing);
+    let mut known = Known::new(&balance, Bounds { omega: (low, high), size: 10.0, points: 4000 });
+    responses(&balance, (0.8, 1.2), (0.1, 10.0), 1).take(300).flatten().for_each(|(y, t)| known.add(&y, &t));
+    let (closed, open): (Vec<_>, Vec<_>) = known.curves.iter().partition(|(curve, _)| curve.is_closed());
+    let near = |curve: &Curve| -> Vec<f64> { curve.points[curve.points.len() / 2].iter().map(|y| 1.001 * y).collect() };
+    let isola = closed_through(&record, forcing, &[near(&closed[0].0)]).unwrap();
+    let [low, high] = isola.omega;
+    let extent = Extent::of(&balance, &closed[0].0.points);
+    assert!(isola.counts() && (low - extent.omega.0).abs() + (high - extent.omega.1).abs() < 1e-4 * high, "{isola:?}");
+    let nowhere = vec![1.0; balance.size() + 1];
+    assert!(closed_through(&record, forcing, &[near(&open[0].0)]).is_none());
+    assert!(closed_through(&record, forcing, &[nowhere]).is_none());
+    // The main branch is listed as an isola; the isola twice.
+    let row = |omega: [f64; 2], peak: f64| Row {
+        amplitude: forcing,
+        branch: 1,
+        kind: "isola".into(),
+        omega_min: Some(omega[0]),
+        omega_max: Some(omega[1]),
+        amplitude_max: Some(peak),
+        omega_at_max: None,
+        peak_standing: "at".into(),
+    };
+    let rows = [row(isola.omega, isola.peak[1]), row(isola.omega, isola.peak[1]), row([0.5, 2.0], 0.3)];
+    let level = Level { forcing, starts: 1, main: None, isolas: Vec::new(), open: 1, crowded: false };
+    let mut compared = compare(&level, &rows);
+    let motions = |row: &Row| {
+        Ok::<_, std::convert::Infallible>(vec![near(if row.omega_min == Some(0.5) {
+            &open[0].0
+        } else {
+            &closed[0].0
+        })])
+    };
+    compared.confirm(&record, motions).unwrap();
+    assert_eq!((compared.confirmed.len(), compared.extra.len()), (1, 2));
 }
 
 /// The linear oscillator's amplitude is A/|1 − ω² + 2iξω|; integration has it to the fourth order of its steps.

@@ -3,8 +3,8 @@
 use clap::Parser;
 use recall::comparison::{Compared, compare};
 use recall::product::{Row, kept, sweep};
-use recall::record::{Hint, Record};
-use recall::survey::CROWDED;
+use recall::record::Record;
+use recall::survey::{CROWDED, HARMONICS};
 use recall::tally::Tally;
 use std::path::{Path, PathBuf};
 
@@ -28,13 +28,13 @@ struct Options {
     /// Compare the runs that are in that folder, and run nothing.
     #[arg(long, requires = "keep")]
     again: bool,
-    /// Write the isolas that the truth does not have to this file, for `truth --hints`.
-    #[arg(long)]
-    hints: Option<PathBuf>,
     /// Arguments for `isola sweep`, after `--`.
     #[arg(last = true)]
     arguments: Vec<String>,
 }
+
+/// Motions of an isola beyond the truth from which it is followed anew.
+const ASKED: usize = 8;
 
 fn main() -> Result<std::process::ExitCode, Box<dyn std::error::Error>> {
     let options = Options::parse();
@@ -42,7 +42,7 @@ fn main() -> Result<std::process::ExitCode, Box<dyn std::error::Error>> {
     let isola = options.isola.clone().map_or_else(beside, Ok)?;
     let temporary = tempfile::tempdir()?;
     let folder = options.keep.as_deref().unwrap_or(temporary.path());
-    let (mut tally, mut hints) = (Tally::default(), Vec::new());
+    let mut tally = Tally::default();
     for record in records(&options.truth)? {
         if !options.only.is_empty() && !options.only.contains(&record.number) {
             continue;
@@ -54,24 +54,14 @@ fn main() -> Result<std::process::ExitCode, Box<dyn std::error::Error>> {
         let mut levels: Vec<Compared> = decided.map(|level| compare(level, &run.rows)).collect();
         // Where both together have that many nobody can say what there is.
         levels.retain(|compared| compared.found.len() + compared.extra.len() <= CROWDED);
+        for compared in &mut levels {
+            compared.confirm(&record, |row| run.motions(&isola, row, HARMONICS, ASKED))?;
+        }
         levels.iter().for_each(|compared| tell(&record, compared, &run.rows));
-        hints.extend(levels.iter().flat_map(|compared| hinted(&record, compared)));
         tally.add(&record, &levels, run.code);
-    }
-    if let Some(path) = &options.hints {
-        std::fs::write(path, serde_json::to_string(&hints)?)?;
     }
     println!("\n{}", tally.report());
     Ok(if tally.is_good() { 0 } else { 1 }.into())
-}
-
-/// The isolas of the product that the truth does not have.
-fn hinted(record: &Record, compared: &Compared) -> Vec<Hint> {
-    let hint = |row: &&Row| {
-        let omega = [row.omega_min?, row.omega_max?];
-        Some(Hint { number: record.number, forcing: compared.level.forcing, omega, peak: row.amplitude_max? })
-    };
-    compared.extra.iter().filter_map(hint).collect()
 }
 
 /// All structures, by their numbers.
@@ -107,6 +97,16 @@ fn tell(record: &Record, compared: &Compared, rows: &[Row]) {
             isola.hits,
             compared.level.starts,
             listed.join("; ")
+        );
+    }
+    for (isola, row) in &compared.confirmed {
+        let change = isola.change.map_or_else(|| "not found".into(), |change| format!("{:.2} % off", 100.0 * change));
+        println!(
+            "{place}: not stored, {} by the equations of the truth (with twice the harmonics {change}; {} of {} points marched): {}",
+            if isola.counts() { "an isola" } else { "unresolved" },
+            isola.marched[0],
+            isola.marched[1],
+            described(row)
         );
     }
     for row in &compared.extra {

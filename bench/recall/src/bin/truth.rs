@@ -1,7 +1,7 @@
 //! Finds the forced responses of random structures, by code that shares nothing with the product, and stores them.
 
 use clap::Parser;
-use recall::{draw, record::Hint, survey::survey};
+use recall::{draw, survey::survey};
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -17,9 +17,6 @@ struct Options {
     /// Random starts of a batch; a forcing level has two to ten batches.
     #[arg(long, default_value_t = 1000)]
     starts: usize,
-    /// What `recall --hints` wrote: only these structures, and what the hints say is looked for there.
-    #[arg(long)]
-    hints: Option<PathBuf>,
     /// Folder of the files.
     #[arg(long, default_value = concat!(env!("CARGO_MANIFEST_DIR"), "/truth"))]
     to: PathBuf,
@@ -27,16 +24,9 @@ struct Options {
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let options = Options::parse();
-    let hints: Vec<Hint> = match &options.hints {
-        Some(path) => serde_json::from_str(&std::fs::read_to_string(path)?)?,
-        None => Vec::new(),
-    };
     for number in options.from..options.from + options.count {
-        if options.hints.is_some() && hints.iter().all(|hint| hint.number != number) {
-            continue;
-        }
         let begun = Instant::now();
-        let record = survey(number, &draw::structure(number), options.starts, &hints);
+        let record = survey(number, &draw::structure(number), options.starts);
         std::fs::write(options.to.join(format!("{number:03}.json")), serde_json::to_string(&record)? + "\n")?;
         let found: Vec<String> = record
             .levels
