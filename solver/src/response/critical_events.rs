@@ -37,12 +37,15 @@ const BESIDE: f64 = 1e-3;
 /// The points of a curve with the extrema of A among them.
 pub(super) fn with_events(
     continuation: &mut Continuation<'_, PressureForm<'_>>,
-    visited: Vec<TracedPoint>,
+    mut visited: Vec<TracedPoint>,
     is_closed: bool,
     corners: &Corners,
 ) -> (Vec<TracedPoint>, Vec<CriticalEvent>) {
     let count = visited.len();
     let steps = if is_closed { count } else { count.saturating_sub(1) };
+    for i in 0..steps {
+        refresh(continuation, &mut visited, [i, (i + 1) % count], corners);
+    }
     let mut located = Vec::new();
     for i in 0..steps {
         let next = (i + 1) % count;
@@ -54,6 +57,32 @@ pub(super) fn with_events(
         }
     }
     insert(visited, located)
+}
+
+/// Gives two neighbouring points, where A or ω goes another way between them than their tangents say, those of their own Jacobians:
+/// tangents of the walk are those of matrices nearby, and A would seem to turn where it does not.
+fn refresh(
+    continuation: &mut Continuation<'_, PressureForm<'_>>,
+    visited: &mut [TracedPoint],
+    neighbours: [usize; 2],
+    corners: &Corners,
+) {
+    let [from, to] = neighbours.map(|i| &visited[i].curve.y);
+    let parameters = [from.len() - 2, from.len() - 1];
+    let rises = parameters.map(|i| to[i] > from[i]);
+    for i in neighbours {
+        let TracedPoint { point, curve } = &mut visited[i];
+        let agrees = |(parameter, rises): (usize, bool)| (curve.tangent[parameter] > 0.0) == rises;
+        if corners.at(point).is_some() || parameters.into_iter().zip(rises).all(agrees) {
+            continue;
+        }
+        let row = weighted(continuation.problem().metric(), &curve.tangent);
+        if let Ok(own) = continuation.correct_on(curve.y.clone(), &row) {
+            // Of two directions along the curve that of the walk.
+            let sign = dot(&row, &own.tangent).signum();
+            curve.tangent = own.tangent.iter().map(|t| sign * t).collect();
+        }
+    }
 }
 
 /// Extrema of A between two neighbouring points of a smooth piece, of these indices.

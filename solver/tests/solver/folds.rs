@@ -7,7 +7,8 @@ use solver::response::branch::Stop;
 use solver::response::folds::{Critical, CriticalCurve, CriticalKind, Extent, Quantity};
 use solver::response::windows::{EventKind, events};
 use solver::settings::Quadrature;
-use solver::{Backbone, Level, Outcome, SearchRange, Settings};
+use solver::structure::laws::{PolynomialSpring, Term};
+use solver::{Backbone, Level, Model, Outcome, SearchRange, Settings};
 use std::time::Instant;
 
 #[test]
@@ -65,6 +66,32 @@ fn the_absorber_s_isola_from_the_folds_of_the_main_branch() {
     let large = study.through(largest);
     assert!(large.is_closed() && study.main(merge * (1.0 - 1e-4)).peak().amplitude() < 1.3);
     assert_close(study.main(merge * (1.0 + 1e-4)).peak().amplitude(), large.peak().amplitude(), 1e-3);
+}
+
+/// A softening spring that hardens beyond 3 m: A turns where its values along the curve do, and nowhere else, though tangents of the
+/// walk, far up where the curve runs along ω, say so.
+#[test]
+fn a_turns_only_where_its_values_do() {
+    let terms = vec![Term { power: 3, coefficient: -0.4 }, Term { power: 5, coefficient: 0.045 }];
+    let model = Model::builder("softening")
+        .mass([[1.0]])
+        .stiffness([[1.0]])
+        .damping_ratio(0.005)
+        .force("x1", 1.0)
+        .element("spring", PolynomialSpring { terms }, ["x1"])
+        .build()
+        .unwrap();
+    let study = Study::new(model, Settings::default());
+    let main = study.main(0.0106);
+    let mut critical = study.folds(Extent { forcing: (0.0052, 0.022), frequency: (0.1, 2.0), points: 5000 });
+    let curve = critical.curve(folds(&main).last().unwrap(), &mut quiet).unwrap();
+    let forcing: Vec<f64> = curve.forcing().collect();
+    let turns = (1..forcing.len() - 1)
+        .filter(|&i| (forcing[i] > forcing[i - 1]) != (forcing[i + 1] > forcing[i]))
+        .collect::<Vec<_>>();
+    assert_eq!(curve.events.iter().map(|event| event.index).collect::<Vec<_>>(), turns);
+    assert_close(all(&curve, CriticalKind::Birth)[0], 0.0105076, 1e-5);
+    assert_close(all(&curve, CriticalKind::Merge)[0], 0.0107582, 1e-5);
 }
 
 /// With two harmonics the third is left out, which moves birth and merge; what is said of twice as many is what they have on their own.
