@@ -3,8 +3,10 @@
 //! The iterator only walks: it yields converged points until its smallest step fails. Bounds, closed loops, storing,
 //! progress and cancelling belong to whoever drives it.
 
-use crate::curve::newton::{Constraint, Newton, NewtonSettings};
+use crate::curve::corner;
+use crate::curve::newton::{Constraint, Newton};
 pub use crate::curve::point::CurvePoint;
+use crate::curve::point::{land, unit};
 use crate::curve::problem::{Failure, Problem, inner, norm};
 use crate::curve::record::{Ahead, Recorder, Step};
 pub use crate::curve::settings::{ContinuationSettings, Corrector, Predictor};
@@ -61,6 +63,8 @@ pub struct Continuation<'p, P: Problem> {
     /// Whether the tangent of the current point is that of its own Jacobian.
     refreshed: bool,
     stalled: Option<Rejection>,
+    /// Whether it goes on by itself beyond sharp corners.
+    passes_corners: bool,
     row: Vec<f64>,
     origin: Vec<f64>,
     recorder: Recorder,
@@ -81,7 +85,7 @@ impl<'p, P: Problem> Continuation<'p, P> {
         Stabiliser::of(problem, &y).project(problem, &mut y);
         let mut newton = Newton::default();
         let row = weighted(problem.metric(), &unit(problem.metric(), direction.to_vec()));
-        let mut current = land(problem, &mut newton, y, &row, &settings)?;
+        let mut current = land(problem, &mut newton, y, &row, &settings.newton)?;
         let symmetry = Stabiliser::of(problem, &current.y);
         symmetry.keep(problem, &mut current.y, &mut current.tangent);
         let (longest, is_narrow) = longest_from(problem, &settings, &current);
@@ -99,6 +103,7 @@ impl<'p, P: Problem> Continuation<'p, P> {
             rejections: 0,
             refreshed: false,
             stalled: None,
+            passes_corners: true,
             row,
             origin: Vec::new(),
             recorder: Recorder::default(),
@@ -118,6 +123,11 @@ impl<'p, P: Problem> Continuation<'p, P> {
     /// The problem, for whoever evaluates the points.
     pub fn problem(&mut self) -> &mut P {
         self.problem
+    }
+
+    /// Stalls at corners: whoever drives it passes them.
+    pub fn leave_corners(&mut self) {
+        self.passes_corners = false;
     }
 
     /// Has its steps recorded; those recorded before are taken as they were.
@@ -162,7 +172,7 @@ impl<'p, P: Problem> Continuation<'p, P> {
     /// # Errors
     /// If the corrector fails.
     pub fn correct_on(&mut self, y: Vec<f64>, row: &[f64]) -> Result<CurvePoint, Failure> {
-        land(self.problem, &mut self.newton, y, row, &self.settings)
+        land(self.problem, &mut self.newton, y, row, &self.settings.newton)
     }
 
     fn correct(&mut self, from: &CurvePoint, previous: Option<&[f64]>, step: f64) -> Result<CurvePoint, Failure> {
@@ -242,7 +252,7 @@ impl<'p, P: Problem> Continuation<'p, P> {
         let distance = norm(metric, &back);
         let arc = inner(metric, &back, &point.tangent);
         let y = point.y.iter().zip(&point.tangent).map(|(y, t)| y - arc * t).collect();
-        let Ok(mut landed) = land(self.problem, &mut self.newton, y, &row, &self.settings) else { return false };
+        let Ok(mut landed) = land(self.problem, &mut self.newton, y, &row, &self.settings.newton) else { return false };
         self.symmetry.keep(self.problem, &mut landed.y, &mut landed.tangent);
         let miss: Vec<f64> = landed.y.iter().zip(&from.y).map(|(a, b)| a - b).collect();
         norm(self.problem.metric(), &miss) < 1e-3 * distance
@@ -264,7 +274,8 @@ impl<'p, P: Problem> Continuation<'p, P> {
         }
         self.refreshed = true;
         let row = weighted(self.problem.metric(), &self.current.tangent);
-        if let Ok(mut point) = land(self.problem, &mut self.newton, self.current.y.clone(), &row, &self.settings) {
+        if let Ok(mut point) = land(self.problem, &mut self.newton, self.current.y.clone(), &row, &self.settings.newton)
+        {
             self.symmetry.keep(self.problem, &mut point.y, &mut point.tangent);
             self.current.tangent = point.tangent;
         }
@@ -300,6 +311,19 @@ impl<'p, P: Problem> Continuation<'p, P> {
         Ahead { step: self.step, longest: self.longest, is_narrow: self.is_narrow, rejections, is_refreshed }
     }
 
+    /// Steps past a sharp corner; whether there is one.
+    fn turn_corner(&mut self) -> bool {
+        let shortest = self.shortest();
+        let beyond = corner::beyond(self.problem, &mut self.newton, &self.settings.newton, &self.current, shortest);
+        let Some(mut point) = beyond else { return false };
+        self.symmetry.keep(self.problem, &mut point.y, &mut point.tangent);
+        (self.longest, self.is_narrow) = longest_from(self.problem, &self.settings, &point);
+        self.step = point.step.min(self.longest);
+        self.refreshed = true;
+        self.previous = Some(std::mem::replace(&mut self.current, point).y);
+        true
+    }
+
     /// Steps on to the next point; whether there is one.
     fn advance(&mut self) -> bool {
         loop {
@@ -318,6 +342,9 @@ impl<'p, P: Problem> Continuation<'p, P> {
                     self.refresh_tangent();
                     self.step *= 0.5;
                     if self.step < self.shortest() {
+                        if self.passes_corners && self.turn_corner() {
+                            return true;
+                        }
                         self.stalled = Some(rejection);
                         return false;
                     }
@@ -349,38 +376,7 @@ fn longest_from<P: Problem>(problem: &mut P, settings: &ContinuationSettings, po
     (allowed.min(settings.max_step * size.max(1.0)), is_narrow)
 }
 
-/// Corrects `y` on the plane through it normal to `row`.
-fn land<P: Problem>(
-    problem: &mut P,
-    newton: &mut Newton,
-    mut y: Vec<f64>,
-    row: &[f64],
-    settings: &ContinuationSettings,
-) -> Result<CurvePoint, Failure> {
-    let origin = y.clone();
-    let settings = NewtonSettings { max_iterations: 20, ..settings.newton };
-    let constraint = Constraint::Hyperplane { row, origin: &origin };
-    let convergence = newton.solve(problem, &mut y, constraint, &settings)?;
-    // The last matrix may be that of a distant start: once more at the point itself, for its tangent.
-    newton.solve(problem, &mut y, constraint, &settings)?;
-    Ok(CurvePoint {
-        orientation: problem.orientation(),
-        y,
-        tangent: unit(problem.metric(), newton.direction.clone()),
-        iterations: convergence.iterations,
-        factorisations: convergence.factorisations,
-        residual: convergence.residual,
-        step: 0.0,
-    })
-}
-
 /// Linear form of the scalar product with `direction`.
 pub fn weighted(metric: &[f64], direction: &[f64]) -> Vec<f64> {
     metric.iter().zip(direction).map(|(w, d)| w * d).collect()
-}
-
-fn unit(metric: &[f64], mut direction: Vec<f64>) -> Vec<f64> {
-    let length = norm(metric, &direction);
-    direction.iter_mut().for_each(|d| *d /= length);
-    direction
 }

@@ -1,6 +1,7 @@
 //! Curves of solutions of an underdetermined system: Newton's method, continuation, walking to an end, extrema.
 
 pub mod continuation;
+pub mod corner;
 pub mod extrema;
 pub mod identity;
 pub mod least_norm;

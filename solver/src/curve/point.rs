@@ -1,5 +1,8 @@
 //! Points of a curve, as its continuation needs them.
 
+use crate::curve::newton::{Constraint, Newton, NewtonSettings};
+use crate::curve::problem::{Failure, Problem, norm};
+
 /// A converged point of the curve.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CurvePoint {
@@ -25,4 +28,36 @@ impl CurvePoint {
         let is_whole = |values: &[f64]| values.len() == length && values.iter().all(|value| value.is_finite());
         is_whole(&self.y) && is_whole(&self.tangent)
     }
+}
+
+/// Corrects `y` on the plane through it normal to `row`.
+pub(super) fn land<P: Problem>(
+    problem: &mut P,
+    newton: &mut Newton,
+    mut y: Vec<f64>,
+    row: &[f64],
+    settings: &NewtonSettings,
+) -> Result<CurvePoint, Failure> {
+    let origin = y.clone();
+    let settings = NewtonSettings { max_iterations: 20, ..*settings };
+    let constraint = Constraint::Hyperplane { row, origin: &origin };
+    let convergence = newton.solve(problem, &mut y, constraint, &settings)?;
+    // The last matrix may be that of a distant start: once more at the point itself, for its tangent.
+    newton.solve(problem, &mut y, constraint, &settings)?;
+    Ok(CurvePoint {
+        orientation: problem.orientation(),
+        y,
+        tangent: unit(problem.metric(), newton.direction.clone()),
+        iterations: convergence.iterations,
+        factorisations: convergence.factorisations,
+        residual: convergence.residual,
+        step: 0.0,
+    })
+}
+
+/// A direction of unit length.
+pub(super) fn unit(metric: &[f64], mut direction: Vec<f64>) -> Vec<f64> {
+    let length = norm(metric, &direction);
+    direction.iter_mut().for_each(|d| *d /= length);
+    direction
 }

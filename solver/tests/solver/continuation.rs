@@ -1,7 +1,10 @@
 //! Predictors, correctors, symmetries, cancelling: every way of walking finds the same closed curve.
 
+use crate::support::balance::Balance;
+use crate::support::study::{Kind, Study, of_kind, why_unfinished, with_harmonics};
 use solver::curve::continuation::{Corrector, Predictor};
 use solver::files;
+use solver::laws::Jenkins;
 use solver::response::backbone::Backbone;
 use solver::response::branch::{Branch, BranchKind, BranchPoint, Outcome, Side, Stop};
 use solver::response::forced::{Forced, SearchRange};
@@ -138,4 +141,30 @@ fn what_lies_beyond_bounds_is_left_out_and_what_reaches_into_them_is_cut() {
     assert!(!cut.is_empty() && cut.iter().all(|branch| branch.kind == BranchKind::Cut), "{level:#?}");
     let begins = cut.iter().map(|branch| branch.frequency_range().0).fold(f64::INFINITY, f64::min);
     assert!((begins / low - 1.0).abs() < 1e-6, "{begins}, {low}");
+}
+
+/// Where a smaller maximum of its motion is just high enough for a slider to slide, what follows of the period changes its slope, and
+/// the branch turns by 95°. Newton's method across the tangent meets nothing there; the branch goes on.
+#[test]
+fn a_branch_turns_sharply_where_a_slider_begins_to_slide() {
+    let model = Model::builder("damped chain")
+        .mass([[0.9782, 0.0], [0.0, 1.4182]])
+        .stiffness([[4.4167, -2.6825], [-2.6825, 2.6825]])
+        .damping_ratio(0.001665)
+        .force("x2", 1.0)
+        .monitor("x2")
+        .element("slider", Jenkins { stiffness: 0.23212, limit: 0.98416 }, ["x1"])
+        .build()
+        .unwrap();
+    let study = Study::new(model, with_harmonics(5));
+    let balance = Balance::new(&study.model);
+    for forcing in [0.7596, 1.0] {
+        let level = study.level(forcing);
+        let mains = of_kind(&level, Kind::Main);
+        assert_eq!(mains.len(), 1, "{level:#?}");
+        let main = &mains[0].branch;
+        assert!(why_unfinished(main).is_none(), "A = {forcing}: {}", main.outcome);
+        let left = main.points.iter().map(|point| balance.residual(&point.state).relative()).fold(0.0, f64::max);
+        assert!(left < 1e-5, "A = {forcing}: {left:e} of the balance are left, friction sampled");
+    }
 }

@@ -1,0 +1,171 @@
+//! Sharp corners of a curve: where a law changes its slope (a slider begins to slide at a maximum of its motion, say) the curve
+//! turns at once, and if it turns by more than a right angle no plane across its tangent has a point beyond.
+//!
+//! The curve goes on with the same orientation: along it the determinant of the Jacobian bordered by the tangent keeps its sign, at
+//! corners as elsewhere (Allgower & Georg, *Numerical Continuation Methods*, Springer 1990, chapter 12). The Jacobian just
+//! beyond the corner and that sign tell which way.
+
+use crate::curve::continuation::{CurvePoint, weighted};
+use crate::curve::newton::{Newton, NewtonSettings};
+use crate::curve::point::{land, unit};
+use crate::curve::problem::{Problem, inner, norm};
+
+/// How far ahead the Jacobian beyond the corner is looked for, in shortest steps.
+const AHEAD: [f64; 4] = [16.0, 128.0, 1024.0, 8192.0];
+
+/// First step beyond the corner, in distances at which the Jacobian was looked for.
+const STEP: f64 = 16.0;
+
+/// Smallest cosine between the directions before and beyond the corner: one that turns by more comes back along itself, as a walk
+/// does at a branch point at which the determinant changes its sign.
+const BACK: f64 = -0.95;
+
+/// Smallest cosine between the direction that the Jacobian tells and the tangent at the point found.
+const ALONG: f64 = 0.99;
+
+/// The first point of a curve beyond a corner next to `current`, at which a walk has stalled; `shortest`: its shortest step.
+pub fn beyond<P: Problem>(
+    problem: &mut P,
+    newton: &mut Newton,
+    settings: &NewtonSettings,
+    current: &CurvePoint,
+    shortest: f64,
+) -> Option<CurvePoint> {
+    AHEAD.iter().find_map(|ahead| {
+        let ahead = ahead * shortest;
+        let direction = direction(problem, current, ahead)?;
+        let step = STEP * ahead;
+        let row = weighted(problem.metric(), &direction);
+        let y = current.y.iter().zip(&direction).map(|(y, t)| y + step * t).collect();
+        let mut point = land(problem, newton, y, &row, settings).ok()?;
+        let metric = problem.metric();
+        let cosine = inner(metric, &point.tangent, &direction);
+        let moved: Vec<f64> = point.y.iter().zip(&current.y).map(|(a, b)| a - b).collect();
+        // The way back along the tangent passes as near as the corner is.
+        let along = inner(metric, &moved, &point.tangent);
+        let miss: Vec<f64> = moved.iter().zip(&point.tangent).map(|(m, t)| m - along * t).collect();
+        let is_next = cosine > ALONG
+            && point.orientation == current.orientation
+            && norm(metric, &miss) < 2.0 * ahead + (1.0 - ALONG) * step
+            && problem.are_neighbours(&current.y, &point.y);
+        point.step = step;
+        is_next.then_some(point)
+    })
+}
+
+/// The direction of the curve beyond a corner at most `ahead` of a point; none where the curve turns by less than a right angle, or
+/// comes back along itself.
+fn direction<P: Problem>(problem: &mut P, current: &CurvePoint, ahead: f64) -> Option<Vec<f64>> {
+    let mut y: Vec<f64> = current.y.iter().zip(&current.tangent).map(|(y, t)| y + ahead * t).collect();
+    let row = weighted(problem.metric(), &current.tangent);
+    if !problem.linearise(&mut y).is_finite() {
+        return None;
+    }
+    problem.factor(&row).ok()?;
+    let (mut step, mut forward) = (vec![0.0; y.len()], vec![0.0; y.len()]);
+    problem.solve(0.0, &mut step, &mut forward);
+    // Forward is where the row grows: the determinant with it has the sign of that with the row.
+    if problem.orientation() == current.orientation {
+        return None;
+    }
+    forward.iter_mut().for_each(|t| *t = -*t);
+    let direction = unit(problem.metric(), forward);
+    (inner(problem.metric(), &direction, &current.tangent) > BACK).then_some(direction)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::curve::continuation::{Continuation, ContinuationSettings};
+    use crate::linalg::LinalgError;
+
+    /// x = −`slopes[0]`·y below, x = −`slopes[1]`·y above.
+    struct Bent {
+        slopes: [f64; 2],
+        residual: f64,
+        jacobian: [f64; 2],
+        matrix: [[f64; 2]; 2],
+    }
+
+    impl Bent {
+        fn determinant(&self) -> f64 {
+            let [[a, b], [c, d]] = self.matrix;
+            a * d - b * c
+        }
+    }
+
+    impl Problem for Bent {
+        fn len(&self) -> usize {
+            2
+        }
+
+        fn parameters(&self) -> usize {
+            1
+        }
+
+        fn metric(&self) -> &[f64] {
+            &[1.0, 1.0]
+        }
+
+        fn linearise(&mut self, y: &mut [f64]) -> f64 {
+            self.jacobian = [1.0, self.slopes[usize::from(y[1] >= 0.0)]];
+            self.residual = y[0] + self.jacobian[1] * y[1];
+            self.residual.abs()
+        }
+
+        fn factor(&mut self, row: &[f64]) -> Result<(), LinalgError> {
+            self.matrix = [self.jacobian, [row[0], row[1]]];
+            if self.determinant() == 0.0 { Err(LinalgError::Singular { pivot: 1, size: 2 }) } else { Ok(()) }
+        }
+
+        fn rounding(&self) -> f64 {
+            1e-15
+        }
+
+        fn is_factorisation_current(&self) -> bool {
+            true
+        }
+
+        fn orientation(&self) -> f64 {
+            self.determinant().signum()
+        }
+
+        fn solve(&mut self, mismatch: f64, step: &mut [f64], tangent: &mut [f64]) {
+            let ([[a, b], [c, d]], determinant) = (self.matrix, self.determinant());
+            let solution = |first: f64, second: f64| {
+                [(d * first - b * second) / determinant, (a * second - c * first) / determinant]
+            };
+            step.copy_from_slice(&solution(-self.residual, -mismatch));
+            tangent.copy_from_slice(&solution(0.0, 1.0));
+        }
+
+        fn solve_transposed(&mut self, _form: &[f64]) -> Vec<f64> {
+            unreachable!("walks do not ask for it")
+        }
+    }
+
+    /// The last of a hundred points from below, and whether the walk has stalled.
+    fn walked(slopes: [f64; 2]) -> (Vec<f64>, bool) {
+        let mut bent = Bent { slopes, residual: 0.0, jacobian: [0.0; 2], matrix: [[0.0; 2]; 2] };
+        let (first, settings) = (vec![slopes[0], -1.0], ContinuationSettings::default());
+        let mut walk = Continuation::start(&mut bent, first, &[0.0, 1.0], settings).unwrap();
+        let last = walk.by_ref().take(300).last().unwrap();
+        (last.y, walk.stalled().is_some())
+    }
+
+    #[test]
+    fn a_walk_goes_on_beyond_a_sharp_corner() {
+        for slopes in [[-1.0, -2.0], [-1.0, 0.5], [-1.0, 1.5], [-1.0, 5.0], [-10.0, 1.0]] {
+            let (last, has_stalled) = walked(slopes);
+            assert!(!has_stalled && last[1] > 1.0, "{slopes:?}: {last:?}");
+            assert!((last[0] + slopes[1] * last[1]).abs() < 1e-12, "{slopes:?}: {last:?}");
+        }
+    }
+
+    /// The angle between what comes in and what goes out is 11°.
+    #[test]
+    fn a_walk_does_not_come_back_along_itself() {
+        let (last, has_stalled) = walked([-10.0, 10.0]);
+        assert!(has_stalled && last[1] < 0.0, "{last:?}");
+    }
+}
