@@ -7,7 +7,7 @@ use crate::curve::corner;
 use crate::curve::newton::{Constraint, Newton};
 pub use crate::curve::point::CurvePoint;
 use crate::curve::point::{land, unit};
-use crate::curve::problem::{Failure, Problem, inner, norm};
+use crate::curve::problem::{Failure, Problem, inner, norm, weighted};
 use crate::curve::record::{Ahead, Recorder, Step};
 pub use crate::curve::settings::{ContinuationSettings, Corrector, Predictor};
 use crate::curve::stabiliser::Stabiliser;
@@ -374,9 +374,4 @@ fn longest_from<P: Problem>(problem: &mut P, settings: &ContinuationSettings, po
     let is_narrow = allowed.is_finite();
     let size = if is_narrow { norm(problem.metric(), &point.y) / LARGE } else { 1.0 };
     (allowed.min(settings.max_step * size.max(1.0)), is_narrow)
-}
-
-/// Linear form of the scalar product with `direction`.
-pub fn weighted(metric: &[f64], direction: &[f64]) -> Vec<f64> {
-    metric.iter().zip(direction).map(|(w, d)| w * d).collect()
 }

@@ -5,10 +5,10 @@
 //! corners as elsewhere (Allgower & Georg, *Numerical Continuation Methods*, Springer 1990, chapter 12). The Jacobian just
 //! beyond the corner and that sign tell which way.
 
-use crate::curve::continuation::{CurvePoint, weighted};
+use crate::curve::continuation::CurvePoint;
 use crate::curve::newton::{Newton, NewtonSettings};
 use crate::curve::point::{land, unit};
-use crate::curve::problem::{Problem, inner, norm};
+use crate::curve::problem::{Problem, inner, norm, weighted};
 
 /// How far ahead the Jacobian beyond the corner is looked for, in shortest steps.
 const AHEAD: [f64; 4] = [16.0, 128.0, 1024.0, 8192.0];

@@ -1,9 +1,8 @@
 //! Whether a point lies on a curve that is known by its points: by converging onto the curve in the plane through the point,
 //! which works at folds and between close sheets, where comparing at equal frequency does not.
 
-use crate::curve::continuation::weighted;
 use crate::curve::newton::{Constraint, Newton, NewtonSettings};
-use crate::curve::problem::{Problem, norm};
+use crate::curve::problem::{Problem, norm, weighted};
 
 /// Largest distance of a curve from the chord between two of its neighbouring points, relative to the chord: steps that turn
 /// more are refused.

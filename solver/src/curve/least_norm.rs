@@ -1,9 +1,8 @@
 //! Newton's method on a [`Problem`] that nothing closes: each step is the shortest one, so that it leads to some solution not
 //! far away, whichever it is.
 
-use crate::curve::continuation::weighted;
 use crate::curve::newton::{Constraint, Newton, NewtonSettings};
-use crate::curve::problem::{Failure, Problem, inner, norm};
+use crate::curve::problem::{Failure, Problem, inner, norm, weighted};
 
 /// Longest step, relative to the motion and to each parameter. Longer ones leave what the start is near to.
 const LONGEST: f64 = 0.5;

@@ -147,3 +147,8 @@ pub fn inner(metric: &[f64], a: &[f64], b: &[f64]) -> f64 {
 pub fn norm(metric: &[f64], a: &[f64]) -> f64 {
     inner(metric, a, a).sqrt()
 }
+
+/// Linear form of the scalar product with `direction`.
+pub fn weighted(metric: &[f64], direction: &[f64]) -> Vec<f64> {
+    metric.iter().zip(direction).map(|(w, d)| w * d).collect()
+}

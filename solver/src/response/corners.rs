@@ -6,8 +6,8 @@
 //! on the side h > 0 it leaves along the surface h = 0, with h ∝ (arc length)². Steps along a tangent cannot pass this. Where
 //! the height is prescribed √h is a constant, and Newton's method converges on either side as if there were no corner.
 
-use crate::curve::continuation::{Continuation, CurvePoint, weighted};
-use crate::curve::problem::{Problem, inner, norm};
+use crate::curve::continuation::{Continuation, CurvePoint};
+use crate::curve::problem::{Problem, inner, norm, weighted};
 use crate::curve::walk::{self, Bounds, Evaluated};
 use crate::formulation::pressure::{PressureForm, Touch};
 use crate::formulation::state::State;

@@ -3,8 +3,8 @@
 //! Along the curve wᵀR_A A′ = −w_q q′, (w_R, w_q) the left null vector of the condition's matrix: A is extremal where w_q = 0,
 //! that is where \[R_x R_ω\] loses its rank, a birth or a merge, or where q′ = 0, a cusp.
 
-use crate::curve::continuation::{Continuation, CurvePoint, weighted};
-use crate::curve::problem::{Problem, inner};
+use crate::curve::continuation::{Continuation, CurvePoint};
+use crate::curve::problem::{Problem, inner, weighted};
 use crate::curve::walk::Evaluated;
 use crate::formulation::pressure::{Degeneracy, PressureForm};
 use crate::linalg::dot;

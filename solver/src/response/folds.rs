@@ -5,10 +5,10 @@
 //! that is known leads to isolas that are not (T. Detroux, L. Renson, L. Masset & G. Kerschen, Comput. Methods Appl. Mech.
 //! Eng. 296, 18–38, 2015, follow folds of a harmonic balance for this).
 
-use crate::curve::continuation::{Continuation, CurvePoint, weighted};
+use crate::curve::continuation::{Continuation, CurvePoint};
 use crate::curve::identity::Identity;
 use crate::curve::newton::{Constraint, Newton, NewtonSettings};
-use crate::curve::problem::{Failure, Problem, inner, norm};
+use crate::curve::problem::{Failure, Problem, inner, norm, weighted};
 use crate::curve::record::Recorder;
 use crate::curve::walk::{Bounds, Evaluated, TracedCurve, both_ways, interpolate, relative_distance};
 use crate::formulation::Formulation;
