@@ -67,15 +67,16 @@ fn of_peaks<'l, I: Iterator<Item = (&'l Level, &'l BranchRow)>>(
     harmonics: usize,
     remedy: &str,
 ) -> Option<String> {
-    let changes = rows().filter_map(|(level, row)| Some((level, row, change(row)?)));
-    let (level, row, [change, shift]) = changes.max_by(|a, b| largest(a.2).total_cmp(&largest(b.2)))?;
-    // Not computed where the peak is no maximum; otherwise nothing like it was found with more harmonics.
-    let lost = rows().filter(|(_, row)| has_maximum(row) && row.certificate.doubled.is_none());
+    let is_known = rows().any(|(_, row)| change(row).is_some());
+    // Not computed where the peak is no maximum, nor by the first programs; otherwise nothing like it was found with more harmonics.
+    let is_lost = |row: &BranchRow| has_maximum(row) && row.certificate.doubled.is_none();
+    let lost = rows().filter(|(_, row)| is_lost(row) && (is_known || row.peak_standing.is_some()));
     let lost: Vec<String> = lost.map(|(level, row)| format!("{} at A = {}", row.name(), level.amplitude)).collect();
     if !lost.is_empty() {
         let more = match lost.len().saturating_sub(NAMED) {
             0 => String::new(),
-            more => format!(" and {more} more"),
+            1 => " and 1 more branch".into(),
+            more => format!(" and {more} more branches"),
         };
         let those = if lost.len() == 1 { "that" } else { "those" };
         let named = lost[..lost.len().min(NAMED)].join(", ");
@@ -83,6 +84,8 @@ fn of_peaks<'l, I: Iterator<Item = (&'l Level, &'l BranchRow)>>(
             "Not converged in H: with twice the harmonics no peak was found near {those} of {named}{more}; {remedy}."
         ));
     }
+    let changes = rows().filter_map(|(level, row)| Some((level, row, change(row)?)));
+    let (level, row, [change, shift]) = changes.max_by(|a, b| largest(a.2).total_cmp(&largest(b.2)))?;
     if largest([change, shift]) <= CONVERGED {
         let most = largest([change, shift]);
         let to = if most < NEGLIGIBLE {
@@ -166,6 +169,17 @@ mod tests {
         assert_eq!(said(Standing::AtLeast), "Peaks change by less than 0.01 % with twice the harmonics (H = 20).");
     }
 
+    /// The worse the truncation the more is lost: what nothing at all was found of is told as well.
+    #[test]
+    fn no_peak_at_all_is_there_with_more_harmonics() {
+        let main = BranchRow { peak_standing: Some(Standing::At), ..row("main", None) };
+        let said = truncation(&levels(vec![main]), 10).unwrap();
+        assert!(
+            said.starts_with("Not converged in H: with twice the harmonics no peak was found near that of main at"),
+            "{said}"
+        );
+    }
+
     #[test]
     fn an_isola_that_nothing_confirms() {
         let marched = |verdict: &str, unstable: f64| {
@@ -207,7 +221,7 @@ mod tests {
         assert_eq!(
             truncation(&many, 10).unwrap(),
             "Not converged in H: with twice the harmonics no peak was found near those of isola 1 at A = 60, isola 2 at A = 60, \
-             isola 3 at A = 60 and 2 more; set harmonics.count = 20."
+             isola 3 at A = 60 and 2 more branches; set harmonics.count = 20."
         );
         let mut shifted = row("isola", Some(1.001));
         shifted.certificate.doubled.as_mut().unwrap().shift = 0.017;

@@ -1,8 +1,10 @@
 //! What twice the harmonics change of births, deaths and merges.
 
+use crate::curve::problem::Problem;
 use crate::formulation::Formulation;
 use crate::formulation::pressure::PressureForm;
 use crate::formulation::scales::Scales;
+use crate::formulation::state::State;
 use crate::formulation::unknown::Unknown;
 use crate::response::branch::{BranchPoint, Observer};
 use crate::response::climb::maximum_near;
@@ -10,8 +12,11 @@ use crate::response::critical::{CriticalCurve, CriticalEvent, CriticalKind, Exte
 use crate::settings::Settings;
 use crate::structure::Model;
 
-/// Relative change of A beyond which what was found with twice the harmonics may be another birth or merge.
+/// Relative change of A or ω beyond which what was found with twice the harmonics may be another birth or merge.
 const NEAR: f64 = 0.2;
+
+/// Relative distance of two extrema that are one.
+const SAME: f64 = 1e-7;
 
 /// Looks for the births, deaths and merges of a curve of folds with twice the harmonics. The observer is told of every step;
 /// breaking leaves out what is missing.
@@ -42,8 +47,35 @@ pub(super) fn certify(
         let measure = |point: &BranchPoint| side * point.state.forcing;
         let curve = (points.as_slice(), is_closed);
         let found = maximum_near(&mut problem, settings.continuation, curve, event.index, &measure, observer);
+        let omega = points[event.index].omega();
         event.doubled = found
+            .filter(|point| is_of_kind(&mut problem, &point.state, event.kind))
             .map(|point| (point.state.forcing, point.omega()))
-            .filter(|(forcing, _)| (forcing / here - 1.0).abs() < NEAR);
+            .filter(|found| (found.0 / here - 1.0).abs() < NEAR && (found.1 / omega - 1.0).abs() < NEAR);
+    }
+    keep_the_nearest(curve);
+}
+
+/// Whether an extremum of A at a fold is what an event is, by the reduced Hessian: a point of the branch, or a crossing.
+fn is_of_kind(problem: &mut PressureForm<'_>, state: &State, kind: CriticalKind) -> bool {
+    let mut y = problem.encode(state);
+    problem.linearise(&mut y);
+    let is_crossing = kind == CriticalKind::Merge;
+    problem.degeneracy().is_some_and(|degeneracy| (degeneracy.hessian < 0.0) == is_crossing)
+}
+
+/// What several events have come to is that of the nearest one; of the others nothing is known.
+fn keep_the_nearest(curve: &mut CriticalCurve) {
+    let place = |event: &CriticalEvent| curve.points[event.index].state.forcing;
+    let found: Vec<(f64, (f64, f64))> =
+        curve.events.iter().filter_map(|event| Some((place(event), event.doubled?))).collect();
+    let off = |here: f64, there: (f64, f64)| (there.0 / here - 1.0).abs();
+    let is_same = |a: (f64, f64), b: (f64, f64)| (a.0 / b.0 - 1.0).abs() + (a.1 / b.1 - 1.0).abs() < SAME;
+    let points = &curve.points;
+    for event in &mut curve.events {
+        let here = points[event.index].state.forcing;
+        event.doubled = event.doubled.filter(|&own| {
+            found.iter().all(|&(there, other)| !is_same(own, other) || off(here, own) <= off(there, other))
+        });
     }
 }

@@ -1,10 +1,10 @@
 //! Stability along a branch: points chosen where they tell something, bifurcations located between them.
 
-use super::bifurcation::{Bifurcation, Changes, Known, Obstacle, Unresolved, between};
+use super::bifurcation::{Bifurcation, BifurcationKind, Changes, Known, Obstacle, Unresolved, between};
 use super::crossing::Event;
 use super::polish::{Around, Polish, PolishSettings, polish};
 use crate::formulation::state::State;
-use crate::response::branch::Branch;
+use crate::response::branch::{Branch, Outcome, Stop};
 use crate::settings::Stretch;
 use crate::structure::Model;
 use serde::{Deserialize, Serialize};
@@ -94,10 +94,29 @@ pub fn along(
 ) -> BranchStability {
     let mut pass = Pass { model, settings, branch, polished: BTreeMap::new() };
     let end = pass.run(observer);
-    let Changes { bifurcations, unresolved } = pass.account(end);
+    let Changes { mut bifurcations, unresolved } = pass.account(end);
+    bifurcations
+        .iter_mut()
+        .filter(|found| is_end(branch, found))
+        .for_each(|found| found.kind = BifurcationKind::BranchPoint);
     let point = |(index, polish)| PolishedPoint { index, polish };
     let points = pass.polished.into_iter().map(point).collect();
     BranchStability { points, bifurcations, unresolved, end }
+}
+
+/// Relative distances of frequency and amplitude within which marching has the branch point at which a branch ends.
+const AT_END: (f64, f64) = (1e-4, 0.01);
+
+/// Whether a fold is the branch point at which a branch begins or ends. The responses that branch off turn there, into their own images.
+fn is_end(branch: &Branch, found: &Bifurcation) -> bool {
+    let Outcome::Open(begins, ends) = branch.outcome else { return false };
+    let ends = [(begins, branch.points.first()), (ends, branch.points.last())];
+    let is_near = |at: f64, end: f64, distance: f64| (at / end - 1.0).abs() < distance;
+    found.kind == BifurcationKind::Fold
+        && ends.into_iter().filter(|(stop, _)| *stop == Stop::Branching).filter_map(|(_, end)| end).any(|end| {
+            let amplitude = found.amplitudes.first().is_none_or(|&found| is_near(found, end.amplitude(), AT_END.1));
+            is_near(found.omega, end.omega(), AT_END.0) && amplitude
+        })
 }
 
 struct Pass<'a> {

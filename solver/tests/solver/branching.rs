@@ -6,6 +6,9 @@ use solver::curve::outcome::{Outcome, Stop};
 use solver::laws::{PenaltySpring, PolynomialSpring, Term};
 use solver::response::branch::Standing;
 use solver::response::starts::{StartPlace, land};
+use solver::settings::Stretch;
+use solver::stability::bifurcation::BifurcationKind;
+use solver::stability::verification::verify;
 use solver::{Branch, Forced, Matrix, Model, ModelBuilder, SearchRange, Settings, State};
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
@@ -113,6 +116,29 @@ fn a_period_doubled_branch_goes_from_one_multiplier_of_minus_one_to_the_other() 
     assert_between(branched, &passages(&case, main));
     // It is what the structure moves by: several times as much as the motions that it branches off.
     assert!(branched.peak().amplitude() > 5.0 * main.peak().amplitude(), "{level:#?}");
+}
+
+/// The motions of two periods that branch off turn into their own images where they do. That is no fold: of folds there are three, by a
+/// balance of 14 harmonics of another program.
+#[test]
+fn the_ends_of_a_branch_are_branch_points_and_no_folds() {
+    let terms = [(2, 0.6), (3, 0.3)].map(|(power, coefficient)| Term { power, coefficient }).to_vec();
+    let builder = Model::builder("one mass").mass([[1.0]]).stiffness([[1.0]]).damping_ratio(0.02);
+    let model = builder.force("x1", 1.0).harmonic(2).element("spring", PolynomialSpring { terms }, ["x1"]).build();
+    let study = Study::of_modes(model.unwrap(), settings(10, 0.5, 1.6));
+    let level = study.level(0.4);
+    let branched = &of_kind(&level, Kind::Branched)[0].branch;
+    let found =
+        verify(&study.model, branched, Stretch::Whole, &mut |_| ControlFlow::Continue(())).unwrap().bifurcations;
+    let of = |kind: BifurcationKind| -> Vec<f64> {
+        let mut list: Vec<f64> = found.iter().filter(|found| found.kind == kind).map(|found| found.omega).collect();
+        list.sort_by(f64::total_cmp);
+        list
+    };
+    let (folds, branch_points) = (of(BifurcationKind::Fold), of(BifurcationKind::BranchPoint));
+    let is_close = |(a, b): (&f64, f64)| (a / b - 1.0).abs() < 1e-5;
+    assert!(folds.len() == 3 && folds.iter().zip([0.961106, 1.014943, 1.048379]).all(is_close), "{folds:?}");
+    assert!(branch_points.iter().zip([1.030_861_5]).all(is_close), "{branch_points:?}");
 }
 
 #[test]

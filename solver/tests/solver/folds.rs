@@ -7,7 +7,7 @@ use solver::response::branch::Stop;
 use solver::response::folds::{Critical, CriticalCurve, CriticalKind, Extent, Quantity};
 use solver::response::windows::{EventKind, events};
 use solver::settings::Quadrature;
-use solver::structure::laws::{PolynomialSpring, Term};
+use solver::structure::laws::{Jenkins, PolynomialDamper, PolynomialSpring, Term};
 use solver::{Backbone, Level, Model, Outcome, SearchRange, Settings};
 use std::time::Instant;
 
@@ -66,6 +66,40 @@ fn the_absorber_s_isola_from_the_folds_of_the_main_branch() {
     let large = study.through(largest);
     assert!(large.is_closed() && study.main(merge * (1.0 - 1e-4)).peak().amplitude() < 1.3);
     assert_close(study.main(merge * (1.0 + 1e-4)).peak().amplitude(), large.peak().amplitude(), 1e-3);
+}
+
+/// Between birth and merge of the isola of a nonlinear damper the slider acts; 14 harmonics on their own have the merge at 0.0233323.
+#[test]
+fn what_twice_the_harmonics_say_of_a_merge_is_not_of_the_birth_beside_it() {
+    let terms = [(3, -0.03), (5, 0.01)].map(|(power, coefficient)| Term { power, coefficient }).to_vec();
+    let model = Model::builder("three masses")
+        .mass([[1.0, 0.0, 0.0], [0.0, 1.5, 0.0], [0.0, 0.0, 0.8]])
+        .stiffness([[2.0, -1.0, 0.0], [-1.0, 2.2, -0.7], [0.0, -0.7, 1.4]])
+        .damping_ratio(0.005)
+        .force("x3", 1.0)
+        .monitor("x3")
+        .element("slider", Jenkins { stiffness: 0.3, limit: 0.04 }, ["x1"])
+        .element("damper", PolynomialDamper { terms }, ["x3"])
+        .element("spring", PolynomialSpring { terms: vec![Term { power: 3, coefficient: 0.03 }] }, ["x2"])
+        .build()
+        .unwrap();
+    let mut settings = Settings::default();
+    settings.harmonics.count = 7;
+    let study = Study::new(model, settings);
+    let main = study.main(0.04);
+    let mut critical = study.folds(Extent { forcing: (0.005, 0.1), frequency: (0.4, 3.0), points: 5000 });
+    let curves: Vec<CriticalCurve> =
+        folds(&main).iter().filter_map(|fold| critical.curve(fold, &mut quiet).ok()).collect();
+    let events: Vec<_> = curves
+        .iter()
+        .flat_map(|curve| curve.events.iter().map(|event| (event, curve.points[event.index].state.forcing)))
+        .collect();
+    for (kind, expected) in [(CriticalKind::Birth, 0.020_134_6), (CriticalKind::Merge, 0.023_332_5)] {
+        let mut of_kind = events.iter().filter(|(event, at)| event.kind == kind && (at / expected - 1.0).abs() < 1e-4);
+        let (event, at) = of_kind.next().unwrap();
+        let doubled = event.doubled.map(|(forcing, _)| forcing);
+        assert!(doubled.is_none_or(|doubled| (doubled / at - 1.0).abs() < 1e-4), "{kind:?} at {at}: {doubled:?}");
+    }
 }
 
 /// A softening spring that hardens beyond 3 m: A turns where its values along the curve do, and nowhere else, though tangents of the
