@@ -62,16 +62,23 @@ impl<'r> Compared<'r> {
         mut motions: impl FnMut(&Row) -> Result<Vec<Vec<f64>>, E>,
     ) -> Result<(), E> {
         for row in std::mem::take(&mut self.extra) {
-            let is_new = |isola: &Isola| !is_listed_as(isola, row);
-            let is_repeated = !self.level.isolas.iter().all(is_new) || !self.confirmed.iter().all(|(i, _)| is_new(i));
-            let there = if is_repeated { None } else { closed_through(record, self.level.forcing, &motions(row)?) };
-            match there.filter(|isola| isola.standing != Standing::Attached && is_listed_as(isola, row)) {
+            let there = closed_through(record, self.level.forcing, &motions(row)?);
+            let is_right = |isola: &Isola| isola.standing != Standing::Attached && is_listed_as(isola, row);
+            let others = || self.level.isolas.iter().chain(self.confirmed.iter().map(|(isola, _)| isola));
+            match there.filter(|isola| is_right(isola) && !others().any(|other| is_same(isola, other))) {
                 Some(isola) => self.confirmed.push((isola, row)),
                 None => self.extra.push(row),
             }
         }
         Ok(())
     }
+}
+
+/// Whether two closed branches of the equations of the truth are one: walked from other points on, they differ by far less.
+fn is_same(a: &Isola, b: &Isola) -> bool {
+    let near = |a: f64, b: f64, distance: f64| (a / b - 1.0).abs() < distance;
+    let ends = a.omega.iter().zip(b.omega).all(|(&a, b)| near(a, b, ENDS.1));
+    ends && near(a.peak[1], b.peak[1], PEAK)
 }
 
 /// Whether a row has the frequencies and the peak of a closed branch.
