@@ -9,8 +9,8 @@ mod units;
 pub use units::{FrequencyUnit, LengthUnit, Units};
 
 use crate::overview::{
-    Lesser, Level, Omissions, Overview, Shift, WindowOutcome, events_sentence, forcing_label, is_unconfirmed,
-    is_untouched, later_birth, modes, truncation, unfinished,
+    Lesser, Level, Omissions, Overview, Shift, WindowOutcome, born_between, events_sentence, forcing_label,
+    is_unconfirmed, is_untouched, later_birth, modes, truncation, unfinished,
 };
 use crate::store::{BranchRow, CurveRow, Reader, Result};
 use crate::words::count;
@@ -95,8 +95,10 @@ pub fn table(reader: &Reader, layout: Layout) -> Result<String> {
         && levels.iter().all(|level| level.is_complete() && level.highest_isola().is_none())
     {
         let periods = model.forcing().harmonic + 1;
+        let but =
+            if born_between(levels, &curves).is_some() { " at these levels (one is born between them)" } else { "" };
         say(&format!(
-            "No isola was found. Responses of other periods were not looked for: forcing.harmonic = {periods} does so for those that \
+            "No isola was found{but}. Responses of other periods were not looked for: forcing.harmonic = {periods} does so for those that \
              last {periods} periods of the force."
         ));
     }

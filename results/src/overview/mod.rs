@@ -20,7 +20,7 @@ mod windows;
 
 pub use doubts::doubts;
 pub use events::{events_sentence, forcing_label};
-pub use folds::{CurveEvent, curve_events, events_of, later_birth, most_folds, why_no_folds};
+pub use folds::{CurveEvent, born_between, curve_events, events_of, later_birth, most_folds, why_no_folds};
 pub use lesser::Lesser;
 pub use level::{Level, Seeds, highest, is_untouched};
 pub use near_largest::near_largest;

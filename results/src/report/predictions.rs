@@ -2,7 +2,7 @@
 
 use super::evidence::Evidence;
 use super::losses::named;
-use crate::overview::{Level, events_of, forcing_label, later_birth, overlaps};
+use crate::overview::{Level, born_between, events_of, forcing_label, later_birth, overlaps};
 use crate::store::CurvePoint;
 use crate::words::{count, digits};
 use solver::response::critical::CriticalKind;
@@ -11,18 +11,20 @@ use solver::response::critical::CriticalKind;
 const JUST_ABOVE: f64 = 1.25;
 
 impl Evidence<'_> {
-    /// That there is no isola, and the birth just above the levels, if fold curves have one.
+    /// That there is no isola at the levels, and the first birth between them or else just above them, if fold curves have one.
     pub(super) fn no_isola(&self) -> String {
         let highest = self.levels.iter().map(|level| level.value).fold(0.0, f64::max);
         let births = events_of(self.curves, CriticalKind::Birth.name());
-        let is_near = |birth: &&&CurvePoint| (highest..=JUST_ABOVE * highest).contains(&birth.forcing);
+        let above = || births.iter().find(|birth| (highest..=JUST_ABOVE * highest).contains(&birth.forcing)).copied();
         let none = "No isola was found where it was looked for";
-        match births.iter().find(is_near) {
+        let (birth, place) = match born_between(self.levels, self.curves) {
+            Some(birth) => (Some(birth), "between two of the levels"),
+            None => (above(), "just above the highest level"),
+        };
+        match birth {
             Some(birth) => {
                 let (forcing, omega) = (forcing_label(birth, 4), digits(birth.omega, 4));
-                format!(
-                    "{none}, but along fold curves one is born just above the highest level, at A = {forcing} ({omega} rad/s)."
-                )
+                format!("{none}, but along fold curves one is born {place}, at A = {forcing} ({omega} rad/s).")
             }
             None => format!("{none}."),
         }

@@ -65,6 +65,15 @@ fn a_prediction_that_was_not_found_is_one() {
             "looked for, but along fold curves one is born just above the highest level, at A = 1.25 (105 rad/s).";
         assert_eq!(danger.contains(above), is_near, "{danger}");
     }
+    // It may have merged before the next level.
+    let higher = [levels[0].clone(), Level { amplitude: "2".into(), value: 2.0, ..levels[0].clone() }];
+    for (forcing, is_between) in [(1.25, true), (0.75, false), (2.75, false)] {
+        let curves = [birth(forcing, 105.0)];
+        let [danger, ..] = told(&higher, |evidence| evidence.curves = &curves);
+        let between =
+            "looked for, but along fold curves one is born between two of the levels, at A = 1.25 (105 rad/s).";
+        assert_eq!(danger.contains(between), is_between, "{danger}");
+    }
     // Nor if one was born earlier there, or is there at this level.
     let both = [birth(1.25, 105.0), birth(0.75, 100.0)];
     let [danger, ..] = told(&levels, |evidence| evidence.curves = &both);
