@@ -62,10 +62,11 @@ impl<'r> Compared<'r> {
         mut motions: impl FnMut(&Row) -> Result<Vec<Vec<f64>>, E>,
     ) -> Result<(), E> {
         for row in std::mem::take(&mut self.extra) {
-            let there = closed_through(record, self.level.forcing, &motions(row)?);
+            let motions = motions(row)?;
             let is_right = |isola: &Isola| isola.standing != Standing::Attached && is_listed_as(isola, row);
             let others = || self.level.isolas.iter().chain(self.confirmed.iter().map(|(isola, _)| isola));
-            match there.filter(|isola| is_right(isola) && !others().any(|other| is_same(isola, other))) {
+            let is_new = |isola: &Isola| is_right(isola) && !others().any(|other| is_same(isola, other));
+            match closed_through(record, self.level.forcing, &motions, &is_new) {
                 Some(isola) => self.confirmed.push((isola, row)),
                 None => self.extra.push(row),
             }
@@ -77,7 +78,8 @@ impl<'r> Compared<'r> {
 /// Whether two closed branches of the equations of the truth are one: walked from other points on, they differ by far less.
 fn is_same(a: &Isola, b: &Isola) -> bool {
     let near = |a: f64, b: f64, distance: f64| (a / b - 1.0).abs() < distance;
-    let ends = a.omega.iter().zip(b.omega).all(|(&a, b)| near(a, b, ENDS.1));
+    let apart = f64::min(ENDS.1, ENDS.0 * (b.omega[1] / b.omega[0] - 1.0));
+    let ends = a.omega.iter().zip(b.omega).all(|(&a, b)| near(a, b, apart));
     ends && near(a.peak[1], b.peak[1], PEAK)
 }
 

@@ -10,9 +10,13 @@ use crate::survey::{HARMONICS, bounds};
 use crate::walk::branch;
 
 /// The closed branch of a structure at a forcing amplitude through one of these motions, unknowns of the balance with
-/// [`HARMONICS`] harmonics: followed from there anew, with no regard to where they come from. None if the balance has no closed
-/// branch next to any of them.
-pub fn closed_through(record: &Record, forcing: f64, motions: &[Vec<f64>]) -> Option<Isola> {
+/// [`HARMONICS`] harmonics: followed from there anew, with no regard to where they come from; the first that is the one looked for.
+pub fn closed_through(
+    record: &Record,
+    forcing: f64,
+    motions: &[Vec<f64>],
+    is_it: &dyn Fn(&Isola) -> bool,
+) -> Option<Isola> {
     let structure = Structure::new(&record.model);
     let balance = Balance::new(&structure, HARMONICS, forcing);
     let bounds = bounds((record.range[0], record.range[1]));
@@ -20,6 +24,6 @@ pub fn closed_through(record: &Record, forcing: f64, motions: &[Vec<f64>]) -> Op
         let (y, tangent) = converged(&balance, motion)?;
         let curve = branch(&balance, &y, &tangent, &bounds);
         let extent = Extent::of(&balance, &curve.points);
-        curve.is_closed().then(|| isola(&balance, &curve, &extent, 0))
+        curve.is_closed().then(|| isola(&balance, &curve, &extent, 0)).filter(is_it)
     })
 }

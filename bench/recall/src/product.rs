@@ -137,6 +137,8 @@ pub fn sweep(isola: &Path, record: &Record, folder: &Path, arguments: &[String])
 /// If there is no table, or it is another one.
 pub fn kept(folder: &Path, code: Option<i32>) -> Result<Run, ProductError> {
     let run = folder.join("run");
+    // What was exported of an earlier run in this folder is not of this one.
+    let _ = std::fs::remove_dir_all(run.join("npz"));
     let path = run.join("summary.csv");
     let rows = read(&path).map_err(|source| ProductError::Table { path, source })?;
     Ok(Run { code, rows, folder: run })
@@ -163,7 +165,11 @@ impl Run {
         if !to.exists() {
             let arguments = ["export", "--format", "npz", "--to"];
             let output = Command::new(isola).args(arguments).arg(&to).arg(&self.folder).output();
-            output.map_err(|source| ProductError::File { path: isola.to_owned(), source })?;
+            let output = output.map_err(|source| ProductError::File { path: isola.to_owned(), source })?;
+            if !output.status.success() {
+                let what = String::from_utf8_lossy(&output.stderr).into_owned();
+                return Err(ProductError::Motion { path: self.folder.clone(), what });
+            }
         }
         let branches = to.join("branches");
         let suffix = format!("-{}-{}", row.kind, row.branch);

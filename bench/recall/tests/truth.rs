@@ -129,13 +129,13 @@ fn what_is_listed_beyond_the_truth_is_followed_anew() {
     responses(&balance, (0.8, 1.2), (0.1, 10.0), 1).take(300).flatten().for_each(|(y, t)| known.add(&y, &t));
     let (closed, open): (Vec<_>, Vec<_>) = known.curves.iter().partition(|(curve, _)| curve.is_closed());
     let near = |curve: &Curve| -> Vec<f64> { curve.points[curve.points.len() / 2].iter().map(|y| 1.001 * y).collect() };
-    let isola = closed_through(&record, forcing, &[near(&closed[0].0)]).unwrap();
+    let isola = closed_through(&record, forcing, &[near(&closed[0].0)], &|_| true).unwrap();
     let [low, high] = isola.omega;
     let extent = Extent::of(&balance, &closed[0].0.points);
     assert!(isola.counts() && (low - extent.omega.0).abs() + (high - extent.omega.1).abs() < 1e-4 * high, "{isola:?}");
     let nowhere = vec![1.0; balance.size() + 1];
-    assert!(closed_through(&record, forcing, &[near(&open[0].0)]).is_none());
-    assert!(closed_through(&record, forcing, &[nowhere]).is_none());
+    assert!(closed_through(&record, forcing, &[near(&open[0].0)], &|_| true).is_none());
+    assert!(closed_through(&record, forcing, &[nowhere], &|_| true).is_none());
     // The main branch is listed as an isola; the isola twice.
     let row = |omega: [f64; 2], peak: f64| Row {
         amplitude: forcing,

@@ -35,7 +35,7 @@ pub fn later_birth<'c>(curves: &'c [CurveRow], level: &Level, window: &WindowRow
 pub fn born_between<'c>(levels: &[Level], curves: &'c [CurveRow]) -> Option<&'c CurvePoint> {
     let range = |(low, high): (f64, f64), level: &Level| (low.min(level.value), high.max(level.value));
     let (low, high) = levels.iter().fold((f64::INFINITY, f64::NEG_INFINITY), range);
-    events_of(curves, CriticalKind::Birth.name()).into_iter().find(|birth| (low..high).contains(&birth.forcing))
+    events_of(curves, CriticalKind::Birth.name()).into_iter().find(|birth| birth.forcing > low && birth.forcing < high)
 }
 
 /// Relative distance up to which what happens along two curves is one thing: where a curve stops at grazing, another one may

@@ -358,7 +358,7 @@ CREATE TABLE bifurcations (
     task TEXT NOT NULL REFERENCES verifications (task),
     -- Number along the branch, from 1.
     number INTEGER NOT NULL,
-    -- 'fold', 'period_doubling', 'neimark_sacker', 'branch_point' (other responses of the same period branch off) or 'grazing'
+    -- 'fold', 'period_doubling', 'neimark_sacker', 'branch_point' (other responses of the same period branch off, or the branch itself does) or 'grazing'
     -- (multipliers jump where a contact is grazed).
     kind TEXT NOT NULL,
     -- Marched frequency.

@@ -1,6 +1,6 @@
 //! Arc-length continuation as an iterator over the points of a solution curve.
 //!
-//! The iterator only walks: it yields converged points until its smallest step fails. Bounds, closed loops, storing,
+//! The iterator only walks: it yields converged points until its smallest step fails, and no sharp corner is why. Bounds, closed loops, storing,
 //! progress and cancelling belong to whoever drives it.
 
 use crate::curve::corner;
@@ -63,8 +63,6 @@ pub struct Continuation<'p, P: Problem> {
     /// Whether the tangent of the current point is that of its own Jacobian.
     refreshed: bool,
     stalled: Option<Rejection>,
-    /// Whether it goes on by itself beyond sharp corners.
-    passes_corners: bool,
     row: Vec<f64>,
     origin: Vec<f64>,
     recorder: Recorder,
@@ -103,7 +101,6 @@ impl<'p, P: Problem> Continuation<'p, P> {
             rejections: 0,
             refreshed: false,
             stalled: None,
-            passes_corners: true,
             row,
             origin: Vec::new(),
             recorder: Recorder::default(),
@@ -123,11 +120,6 @@ impl<'p, P: Problem> Continuation<'p, P> {
     /// The problem, for whoever evaluates the points.
     pub fn problem(&mut self) -> &mut P {
         self.problem
-    }
-
-    /// Stalls at corners: whoever drives it passes them.
-    pub fn leave_corners(&mut self) {
-        self.passes_corners = false;
     }
 
     /// Has its steps recorded; those recorded before are taken as they were.
@@ -313,8 +305,8 @@ impl<'p, P: Problem> Continuation<'p, P> {
 
     /// Steps past a sharp corner; whether there is one.
     fn turn_corner(&mut self) -> bool {
-        let shortest = self.shortest();
-        let beyond = corner::beyond(self.problem, &mut self.newton, &self.settings.newton, &self.current, shortest);
+        let steps = (self.shortest(), self.longest);
+        let beyond = corner::beyond(self.problem, &mut self.newton, &self.settings.newton, &self.current, steps);
         let Some(mut point) = beyond else { return false };
         self.symmetry.keep(self.problem, &mut point.y, &mut point.tangent);
         (self.longest, self.is_narrow) = longest_from(self.problem, &self.settings, &point);
@@ -342,7 +334,7 @@ impl<'p, P: Problem> Continuation<'p, P> {
                     self.refresh_tangent();
                     self.step *= 0.5;
                     if self.step < self.shortest() {
-                        if self.passes_corners && self.turn_corner() {
+                        if matches!(rejection, Rejection::Newton(_)) && self.turn_corner() {
                             return true;
                         }
                         self.stalled = Some(rejection);

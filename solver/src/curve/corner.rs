@@ -11,7 +11,7 @@ use crate::curve::point::{land, unit};
 use crate::curve::problem::{Problem, inner, norm, weighted};
 
 /// How far ahead the Jacobian beyond the corner is looked for, in shortest steps.
-const AHEAD: [f64; 4] = [16.0, 128.0, 1024.0, 8192.0];
+const AHEAD: [f64; 3] = [16.0, 128.0, 1024.0];
 
 /// First step beyond the corner, in distances at which the Jacobian was looked for.
 const STEP: f64 = 16.0;
@@ -23,16 +23,18 @@ const BACK: f64 = -0.95;
 /// Smallest cosine between the direction that the Jacobian tells and the tangent at the point found.
 const ALONG: f64 = 0.99;
 
-/// The first point of a curve beyond a corner next to `current`, at which a walk has stalled; `shortest`: its shortest step.
+/// The first point of a curve beyond a corner next to `current`, at which a walk has stalled, whose steps are between these.
 pub fn beyond<P: Problem>(
     problem: &mut P,
     newton: &mut Newton,
     settings: &NewtonSettings,
     current: &CurvePoint,
-    shortest: f64,
+    (shortest, longest): (f64, f64),
 ) -> Option<CurvePoint> {
-    AHEAD.iter().find_map(|ahead| {
-        let ahead = ahead * shortest;
+    if !problem.turns_corners() {
+        return None;
+    }
+    AHEAD.iter().map(|ahead| ahead * shortest).filter(|ahead| STEP * ahead <= longest).find_map(|ahead| {
         let direction = direction(problem, current, ahead)?;
         let step = STEP * ahead;
         let row = weighted(problem.metric(), &direction);
@@ -47,7 +49,8 @@ pub fn beyond<P: Problem>(
         let is_next = cosine > ALONG
             && point.orientation == current.orientation
             && norm(metric, &miss) < 2.0 * ahead + (1.0 - ALONG) * step
-            && problem.are_neighbours(&current.y, &point.y);
+            && problem.are_neighbours(&current.y, &point.y)
+            && !problem.hops(&current.y, &point.y);
         point.step = step;
         is_next.then_some(point)
     })
@@ -144,7 +147,7 @@ mod tests {
         }
     }
 
-    /// The last of a hundred points from below, and whether the walk has stalled.
+    /// The last of three hundred points from below, and whether the walk has stalled.
     fn walked(slopes: [f64; 2]) -> (Vec<f64>, bool) {
         let mut bent = Bent { slopes, residual: 0.0, jacobian: [0.0; 2], matrix: [[0.0; 2]; 2] };
         let (first, settings) = (vec![slopes[0], -1.0], ContinuationSettings::default());

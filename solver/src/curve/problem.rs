@@ -78,6 +78,12 @@ pub trait Problem {
         false
     }
 
+    /// Whether a walk may go on beyond a sharp corner by the sign of the determinant alone. Not where the Jacobian has no limit at a
+    /// corner, as on curves of extrema, whose corners are told and passed by whoever drives the walk.
+    fn turns_corners(&self) -> bool {
+        true
+    }
+
     /// Number of states that are the same solution: itself and what symmetries of the problem make of it.
     fn images(&self) -> usize {
         1

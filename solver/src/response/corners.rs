@@ -93,7 +93,6 @@ pub(super) fn walk_past<'m>(
     ending: &mut Ending<'_, 'm>,
     corners: &mut Corners,
 ) -> (Vec<TracedPoint>, Stop) {
-    continuation.leave_corners();
     let (mut visited, mut stop) = walk::walk(continuation, bounds, observer, ending);
     for _ in 0..MOST {
         let Stop::Stalled(_) = stop else { break };

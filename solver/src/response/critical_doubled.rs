@@ -2,7 +2,7 @@
 
 use crate::curve::problem::Problem;
 use crate::formulation::Formulation;
-use crate::formulation::pressure::PressureForm;
+use crate::formulation::pressure::{Degeneracy, PressureForm};
 use crate::formulation::scales::Scales;
 use crate::formulation::state::State;
 use crate::formulation::unknown::Unknown;
@@ -15,8 +15,8 @@ use crate::structure::Model;
 /// Relative change of A or ω beyond which what was found with twice the harmonics may be another birth or merge.
 const NEAR: f64 = 0.2;
 
-/// Relative distance of two extrema that are one.
-const SAME: f64 = 1e-7;
+/// Relative distances in A and ω of two extrema that are one: A is known to the square of what ω is.
+const SAME: (f64, f64) = (1e-6, 1e-4);
 
 /// Looks for the births, deaths and merges of a curve of folds with twice the harmonics. The observer is told of every step;
 /// breaking leaves out what is missing.
@@ -61,7 +61,9 @@ fn is_of_kind(problem: &mut PressureForm<'_>, state: &State, kind: CriticalKind)
     let mut y = problem.encode(state);
     problem.linearise(&mut y);
     let is_crossing = kind == CriticalKind::Merge;
-    problem.degeneracy().is_some_and(|degeneracy| (degeneracy.hessian < 0.0) == is_crossing)
+    problem
+        .degeneracy()
+        .is_some_and(|Degeneracy { hessian, .. }| if is_crossing { hessian < 0.0 } else { hessian > 0.0 })
 }
 
 /// What several events have come to is that of the nearest one; of the others nothing is known.
@@ -70,7 +72,7 @@ fn keep_the_nearest(curve: &mut CriticalCurve) {
     let found: Vec<(f64, (f64, f64))> =
         curve.events.iter().filter_map(|event| Some((place(event), event.doubled?))).collect();
     let off = |here: f64, there: (f64, f64)| (there.0 / here - 1.0).abs();
-    let is_same = |a: (f64, f64), b: (f64, f64)| (a.0 / b.0 - 1.0).abs() + (a.1 / b.1 - 1.0).abs() < SAME;
+    let is_same = |a: (f64, f64), b: (f64, f64)| (a.0 / b.0 - 1.0).abs() < SAME.0 && (a.1 / b.1 - 1.0).abs() < SAME.1;
     let points = &curve.points;
     for event in &mut curve.events {
         let here = points[event.index].state.forcing;

@@ -78,9 +78,7 @@ fn refresh(
         }
         let row = weighted(continuation.problem().metric(), &curve.tangent);
         if let Ok(own) = continuation.correct_on(curve.y.clone(), &row) {
-            // Of two directions along the curve that of the walk.
-            let sign = dot(&row, &own.tangent).signum();
-            curve.tangent = own.tangent.iter().map(|t| sign * t).collect();
+            curve.tangent = own.tangent;
         }
     }
 }

@@ -4,7 +4,7 @@ use super::bifurcation::{Bifurcation, BifurcationKind, Changes, Known, Obstacle,
 use super::crossing::Event;
 use super::polish::{Around, Polish, PolishSettings, polish};
 use crate::formulation::state::State;
-use crate::response::branch::{Branch, Outcome, Stop};
+use crate::response::branch::{Branch, BranchPoint, Outcome, Stop};
 use crate::settings::Stretch;
 use crate::structure::Model;
 use serde::{Deserialize, Serialize};
@@ -105,18 +105,23 @@ pub fn along(
 }
 
 /// Relative distances of frequency and amplitude within which marching has the branch point at which a branch ends.
-const AT_END: (f64, f64) = (1e-4, 0.01);
+const AT_END: (f64, f64) = (1e-3, 0.01);
+
+/// Share of the points of a branch that are next to an end.
+const NEXT_TO_END: usize = 10;
 
 /// Whether a fold is the branch point at which a branch begins or ends. The responses that branch off turn there, into their own images.
 fn is_end(branch: &Branch, found: &Bifurcation) -> bool {
     let Outcome::Open(begins, ends) = branch.outcome else { return false };
-    let ends = [(begins, branch.points.first()), (ends, branch.points.last())];
+    let (count, next_to) = (branch.points.len(), branch.points.len() / NEXT_TO_END);
+    let ends = [(begins, branch.points.first(), found.after), (ends, branch.points.last(), count - 1 - found.after)];
     let is_near = |at: f64, end: f64, distance: f64| (at / end - 1.0).abs() < distance;
-    found.kind == BifurcationKind::Fold
-        && ends.into_iter().filter(|(stop, _)| *stop == Stop::Branching).filter_map(|(_, end)| end).any(|end| {
-            let amplitude = found.amplitudes.first().is_none_or(|&found| is_near(found, end.amplitude(), AT_END.1));
-            is_near(found.omega, end.omega(), AT_END.0) && amplitude
-        })
+    let is_there = |end: &BranchPoint| {
+        let amplitude = found.amplitudes.first().is_none_or(|&found| is_near(found, end.amplitude(), AT_END.1));
+        is_near(found.omega, end.omega(), AT_END.0) && amplitude
+    };
+    let mut branching = ends.into_iter().filter(|(stop, _, away)| *stop == Stop::Branching && *away <= next_to);
+    found.kind == BifurcationKind::Fold && branching.any(|(_, end, _)| end.is_some_and(is_there))
 }
 
 struct Pass<'a> {

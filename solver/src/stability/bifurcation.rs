@@ -13,7 +13,8 @@ use std::rc::Rc;
 pub enum BifurcationKind {
     /// A real multiplier through 1, where the branch turns in frequency.
     Fold,
-    /// A real multiplier through 1 where it does not: other responses of the same period branch off.
+    /// A real multiplier through 1 where it does not: other responses of the same period branch off. Or the branch itself branches
+    /// off another one there, and turns into its own image.
     BranchPoint,
     /// A real multiplier through −1: responses of twice the period branch off.
     PeriodDoubling,

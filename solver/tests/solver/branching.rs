@@ -138,7 +138,8 @@ fn the_ends_of_a_branch_are_branch_points_and_no_folds() {
     let (folds, branch_points) = (of(BifurcationKind::Fold), of(BifurcationKind::BranchPoint));
     let is_close = |(a, b): (&f64, f64)| (a / b - 1.0).abs() < 1e-5;
     assert!(folds.len() == 3 && folds.iter().zip([0.961106, 1.014943, 1.048379]).all(is_close), "{folds:?}");
-    assert!(branch_points.iter().zip([1.030_861_5]).all(is_close), "{branch_points:?}");
+    assert!(!branch_points.is_empty(), "{found:?}");
+    assert!(branch_points.iter().all(|omega| is_close((omega, 1.030_861_5))), "{branch_points:?}");
 }
 
 #[test]

@@ -16,8 +16,7 @@
 use super::PressureForm;
 use super::assemble::Target;
 use super::layout::{Layout, Pair};
-use crate::curve::problem::norm;
-use crate::curve::problem::weighted;
+use crate::curve::problem::{norm, weighted};
 use crate::formulation::harmonics::evaluate;
 use crate::formulation::unknown::{Quantity, Unknown};
 use crate::linalg::{Lu, axpy, dot};

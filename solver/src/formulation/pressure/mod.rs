@@ -359,6 +359,10 @@ impl Problem for PressureForm<'_> {
         narrow::hops(&self.system, self.motion_metric(), [from, to])
     }
 
+    fn turns_corners(&self) -> bool {
+        self.condition.is_none()
+    }
+
     fn images(&self) -> usize {
         self.system.images()
     }

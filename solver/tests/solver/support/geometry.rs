@@ -105,15 +105,15 @@ impl Curve {
         (near(0.5 * (low + high)).min(rough), bulge)
     }
 
-    /// The same without the steps at whose ends it is said to come to another branch, and without what is next to where it does, or
-    /// where it branches off one: next to a corner, where two come to each other, steps shrink.
+    /// The same without the steps at whose ends it is said to come to another branch, and without what is next to where it branches
+    /// off one.
     fn apart(&self) -> Self {
         let count = self.places.len();
         let spare = |end: usize, along: &mut dyn Iterator<Item = &Place>| match self.ends[end] {
-            Some(stop @ (Stop::Joined | Stop::Branching)) => {
-                let last = &self.places[end * (count - 1)];
-                let next_to = along.take_while(|place| last.distance(place) < NEXT_TO).count();
-                if stop == Stop::Joined { next_to.max(1) } else { next_to }
+            Some(Stop::Joined) => 1,
+            Some(Stop::Branching) => {
+                let branch_point = &self.places[end * (count - 1)];
+                along.take_while(|place| branch_point.distance(place) < NEXT_TO).count()
             }
             _ => 0,
         };

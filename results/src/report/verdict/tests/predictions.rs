@@ -65,7 +65,7 @@ fn a_prediction_that_was_not_found_is_one() {
             "looked for, but along fold curves one is born just above the highest level, at A = 1.25 (105 rad/s).";
         assert_eq!(danger.contains(above), is_near, "{danger}");
     }
-    // It may have merged before the next level.
+    // Whether it is still there at the next level is another question.
     let higher = [levels[0].clone(), Level { amplitude: "2".into(), value: 2.0, ..levels[0].clone() }];
     for (forcing, is_between) in [(1.25, true), (0.75, false), (2.75, false)] {
         let curves = [birth(forcing, 105.0)];
