@@ -11,7 +11,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 /// A step of a walk.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Step {
-    /// Number of the walk within its task, from 1; one that goes on beyond what no step passes counts as another.
+    /// Number of the walk within its task, from 1; one that is taken up again beyond where it had stalled counts as another.
     pub walk: usize,
     /// The point that it led to.
     pub point: CurvePoint,

@@ -143,11 +143,9 @@ fn what_lies_beyond_bounds_is_left_out_and_what_reaches_into_them_is_cut() {
     assert!((begins / low - 1.0).abs() < 1e-6, "{begins}, {low}");
 }
 
-/// Where a smaller maximum of its motion is just high enough for a slider to slide, what follows of the period changes its slope, and
-/// the branch turns by 95°. Newton's method across the tangent meets nothing there; the branch goes on.
-#[test]
-fn a_branch_turns_sharply_where_a_slider_begins_to_slide() {
-    let model = Model::builder("damped chain")
+/// Two masses, the first with a slider, the second forced.
+pub fn damped_chain() -> Model {
+    Model::builder("damped chain")
         .mass([[0.9782, 0.0], [0.0, 1.4182]])
         .stiffness([[4.4167, -2.6825], [-2.6825, 2.6825]])
         .damping_ratio(0.001665)
@@ -155,8 +153,14 @@ fn a_branch_turns_sharply_where_a_slider_begins_to_slide() {
         .monitor("x2")
         .element("slider", Jenkins { stiffness: 0.23212, limit: 0.98416 }, ["x1"])
         .build()
-        .unwrap();
-    let study = Study::new(model, with_harmonics(5));
+        .unwrap()
+}
+
+/// Where a smaller maximum of its motion is just high enough for a slider to slide, what follows of the period changes its slope, and
+/// the branch turns by 95°. Newton's method across the tangent meets nothing there; the branch goes on.
+#[test]
+fn a_branch_turns_sharply_where_a_slider_begins_to_slide() {
+    let study = Study::new(damped_chain(), with_harmonics(5));
     let balance = Balance::new(&study.model);
     for forcing in [0.7596, 1.0] {
         let level = study.level(forcing);

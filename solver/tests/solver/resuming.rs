@@ -1,7 +1,8 @@
 //! Tasks that are interrupted and go on from their recorded steps: the same result to the last bit, for its share of the work.
 
 use crate::branching::{before_a_stop, settings};
-use crate::support::study::own;
+use crate::continuation::damped_chain;
+use crate::support::study::{own, with_harmonics};
 use solver::curve::record::{Recorder, Step};
 use solver::files;
 use solver::response::branch::{BranchPoint, Side};
@@ -178,6 +179,23 @@ fn a_branch_up_to_where_it_branches_off_the_main_one() {
     let branched = level.branches().map(|(_, branch)| branch).find(|branch| branch.is_branched()).unwrap();
     let (landings, known) = ([landing(branched)], [(BranchId::MAIN, level.main())]);
     study.interrupt(&seed(), &Given { landings: &landings, known: &known, ..Given::default() });
+}
+
+/// Steps shrink until the corner, and grow again beyond it.
+#[test]
+fn a_main_branch_that_turns_a_sharp_corner() {
+    let study = Study::of(damped_chain(), with_harmonics(5), 0.7596);
+    let (task, given) = (Task::Main(Side::Below), Given::default());
+    let whole = study.whole(&task, &given);
+    let length = |i: &usize| whole.steps[*i].point.step;
+    let corner = (0..whole.steps.len()).min_by(|a, b| length(a).total_cmp(&length(b))).unwrap();
+    assert!(length(&corner) < 1e-6, "{}", length(&corner));
+    for done in corner - 1..corner + 4 {
+        let rest = study.execute(&task, &given, whole.steps[..done].to_vec(), usize::MAX);
+        assert!(rest.bits() == whole.bits(), "interrupted after {done} steps, {corner} to the corner");
+        assert!(rest.steps == whole.steps[done..]);
+    }
+    study.interrupt(&task, &given);
 }
 
 #[test]
