@@ -7,7 +7,7 @@
 
 use crate::curve::continuation::CurvePoint;
 use crate::curve::newton::{Newton, NewtonSettings};
-use crate::curve::point::{land, unit};
+use crate::curve::point::{direction_at, land};
 use crate::curve::problem::{Problem, inner, norm, weighted};
 
 /// How far ahead the Jacobian beyond the corner is looked for, in shortest steps.
@@ -59,20 +59,14 @@ pub fn beyond<P: Problem>(
 /// The direction of the curve beyond a corner at most `ahead` of a point; none where the curve turns by less than a right angle, or
 /// comes back along itself.
 fn direction<P: Problem>(problem: &mut P, current: &CurvePoint, ahead: f64) -> Option<Vec<f64>> {
-    let mut y: Vec<f64> = current.y.iter().zip(&current.tangent).map(|(y, t)| y + ahead * t).collect();
+    let y = current.y.iter().zip(&current.tangent).map(|(y, t)| y + ahead * t).collect();
     let row = weighted(problem.metric(), &current.tangent);
-    if !problem.linearise(&mut y).is_finite() {
-        return None;
-    }
-    problem.factor(&row).ok()?;
-    let (mut step, mut forward) = (vec![0.0; y.len()], vec![0.0; y.len()]);
-    problem.solve(0.0, &mut step, &mut forward);
+    let forward = direction_at(problem, y, &row)?;
     // Forward is where the row grows: the determinant with it has the sign of that with the row.
     if problem.orientation() == current.orientation {
         return None;
     }
-    forward.iter_mut().for_each(|t| *t = -*t);
-    let direction = unit(problem.metric(), forward);
+    let direction: Vec<f64> = forward.iter().map(|t| -t).collect();
     (inner(problem.metric(), &direction, &current.tangent) > BACK).then_some(direction)
 }
 

@@ -2,6 +2,7 @@
 //! which works at folds and between close sheets, where comparing at equal frequency does not.
 
 use crate::curve::newton::{Constraint, Newton, NewtonSettings};
+use crate::curve::point::direction_at;
 use crate::curve::problem::{Problem, norm, weighted};
 
 /// Largest distance of a curve from the chord between two of its neighbouring points, relative to the chord: steps that turn
@@ -50,16 +51,7 @@ impl Identity {
     /// Unit tangents at two points, the way of a chord.
     fn tangents<P: Problem>(&mut self, problem: &mut P, points: [&[f64]; 2], chord: &[f64]) -> Option<[Vec<f64>; 2]> {
         let row = weighted(problem.metric(), chord);
-        let mut tangent = |y: &[f64]| {
-            let mut y = y.to_vec();
-            problem.linearise(&mut y).is_finite().then_some(())?;
-            problem.factor(&row).ok()?;
-            let (mut step, mut direction) = (vec![0.0; y.len()], vec![0.0; y.len()]);
-            problem.solve(0.0, &mut step, &mut direction);
-            let length = norm(problem.metric(), &direction);
-            direction.iter_mut().for_each(|d| *d /= length);
-            length.is_finite().then_some(direction)
-        };
+        let mut tangent = |y: &[f64]| direction_at(problem, y.to_vec(), &row);
         Some([tangent(points[0])?, tangent(points[1])?])
     }
 

@@ -55,6 +55,16 @@ pub(super) fn land<P: Problem>(
     })
 }
 
+/// Unit direction of the curve by the Jacobian at a state next to it, the way in which `row` grows; none if there is none.
+pub(super) fn direction_at<P: Problem>(problem: &mut P, mut y: Vec<f64>, row: &[f64]) -> Option<Vec<f64>> {
+    problem.linearise(&mut y).is_finite().then_some(())?;
+    problem.factor(row).ok()?;
+    let (mut step, mut direction) = (vec![0.0; y.len()], vec![0.0; y.len()]);
+    problem.solve(0.0, &mut step, &mut direction);
+    let direction = unit(problem.metric(), direction);
+    direction.iter().all(|t| t.is_finite()).then_some(direction)
+}
+
 /// A direction of unit length.
 pub(super) fn unit(metric: &[f64], mut direction: Vec<f64>) -> Vec<f64> {
     let length = norm(metric, &direction);

@@ -107,7 +107,7 @@ pub fn along(
 /// Relative distances of frequency and amplitude within which marching has the branch point at which a branch ends.
 const AT_END: (f64, f64) = (1e-3, 0.01);
 
-/// Share of the points of a branch that are next to an end.
+/// One in so many points of a branch is next to its begin, and as many next to its end.
 const NEXT_TO_END: usize = 10;
 
 /// Whether a fold is the branch point at which a branch begins or ends. The responses that branch off turn there, into their own images.
