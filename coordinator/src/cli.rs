@@ -164,6 +164,9 @@ pub struct StudyArgs {
     /// How hard isolas are looked for beyond the energy balance (search.effort): none, standard or thorough.
     #[arg(long, value_name = "EFFORT")]
     pub search: Option<String>,
+    /// Orders of the motions that are looked for: order m lasts m periods of the force (search.harmonics): 1,2,3.
+    #[arg(long, value_name = "LIST")]
+    pub orders: Option<String>,
     /// What of the branches is verified by time marching, with its stability (verify.effort): none, standard (isolas and
     /// peaks) or all.
     #[arg(long, value_name = "EFFORT")]
@@ -174,8 +177,12 @@ impl StudyArgs {
     /// All keys that are changed.
     pub fn changes(&self) -> Vec<(String, String)> {
         let change = |key: &str, value: &Option<String>| value.clone().map(|value| (key.to_string(), value));
-        let efforts = [change("search.effort", &self.search), change("verify.effort", &self.verify)];
-        self.set.iter().cloned().chain(efforts.into_iter().flatten()).collect()
+        let options = [
+            change("search.effort", &self.search),
+            change("search.harmonics", &self.orders),
+            change("verify.effort", &self.verify),
+        ];
+        self.set.iter().cloned().chain(options.into_iter().flatten()).collect()
     }
 }
 
@@ -247,6 +254,10 @@ pub struct ReportArgs {
     /// Draw the branches of these forcing amplitudes only: 20,60 or start:stop:step with both ends.
     #[arg(long, value_name = "LIST")]
     pub levels: Option<String>,
+    /// Of motions that last so many periods of the force (search.harmonics) [default: of the first order; those of others are written
+    /// to folders of their own, as m3/report.html].
+    #[arg(long, value_name = "M")]
+    pub order: Option<usize>,
 }
 
 /// Arguments of `plot`.
@@ -265,6 +276,9 @@ pub struct PlotArgs {
     /// Show these forcing amplitudes only: 20,60 or start:stop:step with both ends (response, map, resonance).
     #[arg(long, value_name = "LIST")]
     pub levels: Option<String>,
+    /// Show motions that last so many periods of the force (search.harmonics) [default: the first order].
+    #[arg(long, value_name = "M")]
+    pub order: Option<usize>,
     /// Monitored dof whose amplitude is shown [default: the first one].
     #[arg(long, value_name = "DOF")]
     pub monitor: Option<String>,

@@ -8,7 +8,7 @@ use crate::error::Error;
 use crate::run::directory::default_directory;
 use crate::run::endpoint::{Connection, open};
 use crate::run::{Ending, drive, preparation};
-use crate::study::Study;
+use crate::study::{Study, levels};
 use crate::{certificates, check, exit, extension, outputs, reference, remote, watch};
 use clap::CommandFactory;
 use protocol::codec::{encode, sha256};
@@ -18,6 +18,7 @@ use protocol::to_everyone::Stage;
 use results::journal::Change;
 use results::resolved_study::differences;
 use results::store::{RunHeader, Store, network_file_system};
+use solver::response::orders::Orders;
 use solver::settings::VerifyEffort;
 use std::fmt::Display;
 use std::path::Path;
@@ -154,7 +155,7 @@ fn header(study: &Study, args: &StudyArgs, serve: &ServeArgs) -> Result<RunHeade
         model_sha256: sha256(&encode(&model)),
         model,
         settings: study.settings,
-        amplitudes: study.amplitudes.clone(),
+        amplitudes: levels(&study.amplitudes, &Orders::of(&study.model, &study.settings)),
         program: protocol::PROGRAM.into(),
         created: results::clock::now(),
         namespace: serve.namespace.clone(),

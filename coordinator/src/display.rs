@@ -199,6 +199,7 @@ pub fn plan(plan: &SweepPlan, most_folds: usize, verify: VerifyEffort) -> String
         0 => String::new(),
         number => format!(", {}{beyond}", count(number, "random start")),
     };
+    let backbones = 1 + plan.further.len() + plan.orders.iter().map(|order| order.backbones.len()).sum::<usize>();
     let search = match most_folds {
         0 => "no folds are followed over the forcing".into(),
         most => format!("then at most {most} folds are followed over the forcing (search.effort)"),
@@ -211,7 +212,7 @@ pub fn plan(plan: &SweepPlan, most_folds: usize, verify: VerifyEffort) -> String
     format!(
         "{}, {}, {} with {}{starts}; {search}; {verified}",
         count(plan.levels.len(), "level"),
-        count(1 + plan.further.len(), "backbone"),
+        count(backbones, "backbone"),
         count(total(|level| level.windows.len()), "window"),
         count(total(seeds), "seed"),
     )

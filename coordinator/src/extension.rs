@@ -2,11 +2,12 @@
 
 use crate::error::Error;
 use crate::run::preparation;
-use crate::study::{StudyError, typed};
+use crate::study::{StudyError, levels, typed};
 use protocol::to_everyone::Amplitude;
 use results::journal::Extension;
 use results::resolved_study::with_amplitudes;
 use results::store::{RunHeader, Store};
+use solver::response::orders::Orders;
 use solver::structure::Model;
 
 /// Of the amplitudes typed after `--amplitudes` those that a run does not have.
@@ -22,7 +23,8 @@ pub fn new_levels(header: &RunHeader, text: &str) -> Result<Vec<Amplitude>, Erro
         return Err(Error::Usage(format!("--amplitudes {text}: the run has all of these levels; give another one")));
     }
     typed("--amplitudes", &texts(&[&header.amplitudes[..], &new].concat()).join(",")).map_err(refused)?;
-    Ok(new)
+    let model = header.model.model().map_err(|error| Error::Other(format!("the stored model: {error}")))?;
+    Ok(levels(&new, &Orders::of(&model, &header.settings)))
 }
 
 /// Adds levels to a run: to its study, and if its backbones are known windows and tasks of theirs.
@@ -43,6 +45,7 @@ pub fn add(store: &mut Store, model: &Model, new: Vec<Amplitude>) -> Result<(), 
     Ok(())
 }
 
+/// The amplitudes of levels as typed, once for all orders of motions.
 fn texts(levels: &[Amplitude]) -> Vec<&str> {
-    levels.iter().map(|level| level.text.as_str()).collect()
+    levels.iter().filter(|level| level.order().is_none()).map(|level| level.text.as_str()).collect()
 }

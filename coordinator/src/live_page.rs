@@ -152,6 +152,7 @@ impl Teller {
         let message: ModelMessage = follower.fetch(&run.keys.model()).await?;
         let model = message.model().map_err(|error| Error::Other(error.to_string()))?;
         let mut amplitudes = manifest.amplitudes.clone();
+        amplitudes.retain(|amplitude| amplitude.order().is_none());
         amplitudes.sort_by(|a, b| a.value.total_cmp(&b.value));
         let levels: Vec<(String, f64)> =
             amplitudes.into_iter().map(|amplitude| (amplitude.text, amplitude.value)).collect();

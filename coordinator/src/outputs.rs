@@ -4,11 +4,13 @@ use crate::cli::ExportArgs;
 use crate::error::Error;
 use crate::exit;
 use results::export;
+#[cfg(feature = "page")]
+use results::export::order_folder;
 use results::overview::Omissions;
 use results::store::Reader;
 use std::fmt::Display;
 #[cfg(any(feature = "figures", feature = "page"))]
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use worker::terminal;
 
@@ -48,17 +50,55 @@ pub fn export(args: &ExportArgs) -> Result<ExitCode, Error> {
 /// Writes the page of a run.
 #[cfg(feature = "page")]
 pub fn report(args: &crate::cli::ReportArgs) -> Result<ExitCode, Error> {
-    use results::report::{Report, Selection};
     let [run] = &args.runs[..] else { return compare(args) };
     let reader = Reader::open(run)?;
+    let further = reader.further_orders()?;
+    let first = match args.order {
+        Some(order) => of_order(reader, &further, order)?,
+        None => reader,
+    };
+    let (mut made, mut omissions) = page(&first, args, args.out.as_deref())?;
+    if args.order.is_none() && args.out.is_none() {
+        for order in further {
+            let (more, missing) = page(&first.of_order(order)?, args, None)?;
+            made += &format!("\nMotions that last {order} periods of the force:\n{more}");
+            omissions.damaged.extend(missing.damaged);
+            omissions.missing.extend(missing.missing);
+        }
+    }
+    told(made, &omissions)
+}
+
+/// Writes the page of one order of motions: its verdict and where the page is, and what is missing.
+#[cfg(feature = "page")]
+fn page(reader: &Reader, args: &crate::cli::ReportArgs, out: Option<&Path>) -> Result<(String, Omissions), Error> {
+    use results::report::{Report, Selection};
     let _snapshot = reader.snapshot()?;
-    let levels = chosen_levels(&reader, args.levels.as_deref())?;
-    let report = Report::read(&reader, &levels.map_or(Selection::Fitting, Selection::Amplitudes))?;
-    let file = args.out.clone().unwrap_or_else(|| run.join("report.html"));
+    let levels = chosen_levels(reader, args.levels.as_deref())?;
+    let report = Report::read(reader, &levels.map_or(Selection::Fitting, Selection::Amplitudes))?;
+    let folder = reader.order().map_or_else(|| reader.dir().into(), |order| reader.dir().join(order_folder(order)));
+    std::fs::create_dir_all(&folder).map_err(Error::io(&folder))?;
+    let file = out.map_or_else(|| folder.join("report.html"), Path::to_path_buf);
     export::write_atomically(&file, results::page::report(&report).as_bytes())?;
-    let verdict: String =
-        report.verdict.iter().map(|sentence| format!("{} {}\n", sentence.title, sentence.whole())).collect();
-    told(format_args!("{verdict}{}\n", file.display()), &report.omissions)
+    let answers = report.verdict.iter().map(|sentence| format!("{} {}\n", sentence.title, sentence.whole()));
+    Ok((format!("{}{}\n", answers.collect::<String>(), file.display()), report.omissions))
+}
+
+/// The run as it is for one order of motions; `further`: those beside its first.
+#[cfg(any(feature = "figures", feature = "page"))]
+fn of_order(reader: Reader, further: &[usize], order: usize) -> Result<Reader, Error> {
+    let first = reader.model()?.forcing_harmonic;
+    if order == first {
+        return Ok(reader);
+    }
+    if !further.contains(&order) {
+        let orders: Vec<String> = std::iter::once(&first).chain(further).map(ToString::to_string).collect();
+        return Err(Error::Usage(format!(
+            "--order {order}: the run looks for motions of order {} (search.harmonics)",
+            orders.join(", ")
+        )));
+    }
+    Ok(reader.of_order(order)?)
 }
 
 /// Writes the page of several runs, and says what differs.
@@ -94,7 +134,14 @@ fn opened(folders: &[PathBuf]) -> Result<Vec<(String, Reader)>, Error> {
 pub fn plot(args: &crate::cli::PlotArgs) -> Result<ExitCode, Error> {
     use results::plot::{FileFormat, Request, compose, compose_several};
     let format = FileFormat::of(&args.out)?;
-    let runs = opened(&args.runs)?;
+    let mut runs = opened(&args.runs)?;
+    if let Some(order) = args.order {
+        let of_order = |(name, reader): (String, Reader)| {
+            let further = reader.further_orders()?;
+            Ok((name, of_order(reader, &further, order)?))
+        };
+        runs = runs.into_iter().map(of_order).collect::<Result<_, Error>>()?;
+    }
     let request = Request {
         figure: args.figure,
         levels: chosen_levels(&runs[0].1, args.levels.as_deref())?,
@@ -120,7 +167,8 @@ fn chosen_levels(reader: &Reader, list: Option<&str>) -> Result<Option<Vec<f64>>
     let Some(list) = list else { return Ok(None) };
     let wanted = crate::study::typed("--levels", list).map_err(crate::study::StudyError::from)?;
     let wanted: Vec<f64> = wanted.into_iter().map(|amplitude| amplitude.value).collect();
-    let stored = reader.header()?.amplitudes;
+    let mut stored = reader.header()?.amplitudes;
+    stored.retain(|amplitude| amplitude.order().is_none());
     let text: Vec<&str> = stored.iter().map(|amplitude| amplitude.text.as_str()).collect();
     match wanted.iter().find(|value| !stored.iter().any(|amplitude| amplitude.value == **value)) {
         Some(value) => {

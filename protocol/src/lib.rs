@@ -6,7 +6,7 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | [`ids`], [`keys`] | names of runs, tasks and workers; key expressions |
+//! | [`ids`], [`keys`], [`level`] | names of runs, tasks, workers and forcing levels; key expressions |
 //! | [`codec`], [`mod@array`] | bytes of a message; arrays of numbers |
 //! | [`model`], [`curve`], [`backbone`], [`branch`], [`critical`], [`landings`], [`steps`], [`orbits`] | the solver's nouns as arrays, there and back without loss |
 //! | [`from_worker`], [`to_worker`], [`to_everyone`], [`control`] | messages by direction |
@@ -35,6 +35,7 @@ mod handshake;
 pub mod ids;
 pub mod keys;
 pub mod landings;
+pub mod level;
 pub mod model;
 pub mod orbits;
 pub mod pieces;

@@ -7,6 +7,7 @@ use crate::curve::Seeds;
 use crate::from_worker::Progress;
 use crate::ids::{Attempt, RunId, TaskId, WorkerId};
 use crate::landings::LandingsMessage;
+use crate::level;
 use serde::{Deserialize, Serialize};
 use solver::response::forced::SearchRange;
 use solver::response::modes::ModesFollowed;
@@ -20,10 +21,22 @@ use solver::stability::verification::Verification;
 /// A forcing amplitude.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Amplitude {
-    /// As typed: names files and tasks.
+    /// As typed: names files and tasks. Of motions of a further order it says that too: [`crate::level`].
     pub text: String,
     /// A.
     pub value: f64,
+}
+
+impl Amplitude {
+    /// The same amplitude, for motions of a further order.
+    pub fn of_order(&self, order: usize) -> Self {
+        Self { text: level::of_order(&self.text, order), value: self.value }
+    }
+
+    /// The order of the motions, if it is not the study's first.
+    pub fn order(&self) -> Option<usize> {
+        level::order(&self.text)
+    }
 }
 
 /// What a run is, on `run`.

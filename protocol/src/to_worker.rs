@@ -41,6 +41,9 @@ pub struct Grant {
     pub ttl_ms: u64,
     /// Forcing amplitude A.
     pub amplitude: f64,
+    /// Order of the motions, if it is not the study's first.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub order: Option<usize>,
     /// Within which frequencies and amplitudes branches are followed.
     pub reach: SearchRange,
     /// What is to be done.
@@ -61,8 +64,8 @@ pub struct Grant {
 impl Grant {
     /// SHA-256 of everything that the steps of the task depend on beside the run's model and settings.
     pub fn fingerprint(&self) -> String {
-        let Self { amplitude, reach, work, seeds, landing, known, curves, .. } = self;
-        sha256(&encode_part(&(PROGRAM, amplitude, reach, work, seeds, landing, known, curves)))
+        let Self { amplitude, order, reach, work, seeds, landing, known, curves, .. } = self;
+        sha256(&encode_part(&(PROGRAM, amplitude, order, reach, work, seeds, landing, known, curves)))
     }
 }
 

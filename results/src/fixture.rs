@@ -20,7 +20,7 @@ use solver::response::modes::{Backbones, LeftOut};
 use solver::response::seeds::Landing;
 use solver::response::task::{BranchId, MarchPlace, SeedOutcome, Task, TaskResult, VerifyPlace, plan};
 use solver::response::trace::{Given, execute};
-use solver::settings::{ModeChoice, ModeList, Settings, Stretch};
+use solver::settings::{ModeChoice, NumberList, Settings, Stretch};
 use solver::stability::settling::{SettleSettings, Settling, settle};
 use solver::stability::verification::{Verification, verify};
 use solver::structure::{Model, ModelData};
@@ -66,7 +66,7 @@ impl Study {
         settings.harmonics.count = harmonics;
         settings.harmonics.samples = 64;
         let modes: Vec<usize> = (1..=model.size()).rev().take(count).collect();
-        settings.backbone.modes = ModeChoice::These(ModeList::new(&modes).unwrap());
+        settings.backbone.modes = ModeChoice::These(NumberList::new(&modes).unwrap());
         let mut backbones = Backbones::compute(&model, &settings).unwrap().list;
         let reach = SearchRange::over(&settings, &backbones[0], &backbones[1..], 0.0).unwrap();
         let amplitude = |text: &&str| Amplitude { text: text.to_string(), value: text.parse().unwrap() };
@@ -117,6 +117,7 @@ impl Study {
         SweepPlan {
             backbone: BackboneMessage::from(&self.backbone),
             further: self.further.iter().map(BackboneMessage::from).collect(),
+            orders: Vec::new(),
             left_out: others.map(|mode| (mode, LeftOut::NotListed)).collect(),
             reach: self.reach,
             levels: self.plans.clone(),

@@ -8,6 +8,7 @@ mod units;
 
 pub use units::{FrequencyUnit, LengthUnit, Units};
 
+use crate::export::order_folder;
 use crate::overview::{
     Lesser, Level, Omissions, Overview, Shift, WindowOutcome, born_between, events_sentence, forcing_label,
     is_unconfirmed, is_untouched, later_birth, modes, truncation, unfinished,
@@ -18,6 +19,7 @@ use comfy_table::{CellAlignment, ContentArrangement, Table, presets::UTF8_FULL_C
 use footnotes::{Footnotes, wrapped};
 use protocol::model::ModelMessage;
 use solver::response::branch::{BranchKind, Outcome};
+use solver::response::orders::orders;
 use solver::settings::FrequencySettings;
 
 /// Relative distance from a bound up to which a peak counts as at it.
@@ -42,11 +44,26 @@ impl Default for Layout {
     }
 }
 
-/// The closing table of a run, also one in progress.
+/// The closing table of a run, also one in progress; of further orders of motions one each, below it.
 ///
 /// # Errors
 /// If the store cannot be read.
 pub fn table(reader: &Reader, layout: Layout) -> Result<String> {
+    let mut text = of_order(reader, layout)?;
+    for order in reader.further_orders()? {
+        let heading = format!(
+            "Motions that last {order} periods of the force (frequencies are theirs: the force has {order} times as much; \
+             files in {}/)",
+            order_folder(order)
+        );
+        text +=
+            &format!("\n\n{}\n{}", wrapped(&heading, layout.width, ""), of_order(&reader.of_order(order)?, layout)?);
+    }
+    Ok(text)
+}
+
+/// The table of the order that the reader tells of.
+fn of_order(reader: &Reader, layout: Layout) -> Result<String> {
     let _snapshot = reader.snapshot()?;
     let mut omissions = Omissions::default();
     let overview = Overview::read(reader, &mut omissions)?;
@@ -94,13 +111,18 @@ pub fn table(reader: &Reader, layout: Layout) -> Result<String> {
         && !levels.is_empty()
         && levels.iter().all(|level| level.is_complete() && level.highest_isola().is_none())
     {
-        let periods = model.forcing().harmonic + 1;
         let but =
             if born_between(levels, &curves).is_some() { " at these levels (one is born between them)" } else { "" };
-        say(&format!(
-            "No isola was found{but}. Responses of other periods were not looked for: forcing.harmonic = {periods} does so for those that \
-             last {periods} periods of the force."
-        ));
+        let (own, settings) = (model.forcing().harmonic, overview.header.as_ref().map(|header| header.settings));
+        let other = match settings.map(|settings| orders(model, &settings.search).len()) {
+            Some(1) => format!(
+                " Responses of other periods were not looked for: search.harmonics = [{own}, {0}] looks for those as well that last \
+                 {0} periods of the force.",
+                own + 1
+            ),
+            _ => String::new(),
+        };
+        say(&format!("No isola was found{but}.{other}"));
     }
     let harmonics = overview.header.as_ref().map(|header| header.settings.harmonics.count);
     if let Some(sentence) = harmonics.and_then(|count| truncation(levels, count)) {
@@ -174,6 +196,9 @@ impl Rows<'_> {
 
     fn main(&mut self, level: &Level) -> String {
         if level.main().is_none() {
+            if level.is_without_mains {
+                return String::new();
+            }
             return match &level.main_failure {
                 Some(failure) => format!("none{}", self.notes.mark(format!("no main branch: {failure}"))),
                 None => "to come".into(),

@@ -76,7 +76,7 @@ pub use response::forced::{Forced, SearchRange};
 pub use response::level::{BranchId, Level, LevelError};
 pub use response::modes::{Backbones, LeftOut, ModesFollowed};
 pub use response::windows::{Window, events, windows};
-pub use settings::{ModeChoice, ModeList, Settings, Stretch};
+pub use settings::{ModeChoice, NumberList, Settings, Stretch};
 pub use stability::along::{AlongSettings, BranchStability, End, along};
 pub use stability::bifurcation::{Bifurcation, BifurcationKind, Obstacle, Unresolved};
 pub use stability::marching::{Marching, MarchingSettings};

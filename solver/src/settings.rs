@@ -2,9 +2,11 @@
 
 mod effort;
 mod modes;
+mod numbers;
 
 pub use effort::{Effort, SearchSettings, Stretch, VerifyEffort, VerifySettings};
-pub use modes::{ModeChoice, ModeList};
+pub use modes::ModeChoice;
+pub use numbers::NumberList;
 
 use crate::curve::continuation::ContinuationSettings;
 use crate::structure::Model;
@@ -230,6 +232,7 @@ impl Settings {
             let remedy = format!("the forcing acts on harmonic {m}: use at least {m} harmonics");
             return refuse("harmonics.count", count.to_string(), remedy);
         }
+        self.validate_orders()?;
         self.validate_modes(model)?;
         let positive = [
             ("frequency.min", self.frequency.min),
@@ -279,6 +282,23 @@ impl Settings {
             }
         }
         Ok(())
+    }
+
+    /// Whether the orders of motions can be told apart, and their harmonics are there.
+    fn validate_orders(&self) -> Result<(), SettingsError> {
+        let (Some(list), count) = (self.search.harmonics, self.harmonics.count) else { return Ok(()) };
+        let refuse = |remedy: String| Err(SettingsError { key: "search.harmonics", value: list.to_string(), remedy });
+        match list.numbers() {
+            [] => refuse("give at least one number m of periods of the force, as in [1, 2, 3]".into()),
+            [0, ..] => refuse("motions last 1 period of the force or more".into()),
+            numbers if !numbers.is_sorted_by(|a, b| a < b) => {
+                refuse("give every number of periods once, in ascending order".into())
+            }
+            [.., most] if *most > count => refuse(format!(
+                "the force acts on harmonic {most} of the longest: harmonics.count = {count} is too few"
+            )),
+            _ => Ok(()),
+        }
     }
 
     /// Whether every mode followed is there, deforms the structure and stands in the list once.

@@ -11,6 +11,7 @@ mod faults;
 mod first_steps;
 mod hostile;
 mod input;
+mod orders;
 mod pages;
 mod pipes;
 mod secrets;

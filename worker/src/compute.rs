@@ -10,10 +10,10 @@ use solver::response::branch::{Branch, BranchPoint};
 use solver::response::critical::CriticalCurve;
 use solver::response::forced::{Forced, SearchRange};
 use solver::response::interrupt::Interrupt;
+use solver::response::orders::{Order, Orders};
 use solver::response::seeds::{Landing, Seed};
 use solver::response::task::{BranchId, DisturbPlace, MarchPlace, SeedOutcome, Task, TaskResult, VerifyPlace};
 use solver::response::trace::{Given, execute};
-use solver::settings::Settings;
 use solver::stability::disturbance::{DisturbSettings, disturb};
 use solver::stability::settling::{SettleSettings, settle};
 use solver::stability::shooting::Orbit;
@@ -32,6 +32,8 @@ pub struct Job {
     pub lease: Lease,
     /// Forcing amplitude.
     pub amplitude: f64,
+    /// Order of the motions, if it is not the first one.
+    pub order: Option<usize>,
     /// Within which frequencies and amplitudes branches are followed.
     pub reach: SearchRange,
     /// What is to be done.
@@ -107,42 +109,42 @@ impl Watch {
     }
 }
 
-enum Order {
+enum Request {
     Compute(Box<Job>, Arc<Watch>, oneshot::Sender<Computed>),
     Report(oneshot::Sender<()>),
 }
 
 /// A computing thread.
 pub struct Computer {
-    orders: mpsc::Sender<Order>,
+    requests: mpsc::Sender<Request>,
 }
 
 impl Computer {
     /// Starts the thread of a slot. It ends when it is idle and the [`Computer`] is gone.
-    pub fn start(slot: u32, model: Arc<Model>, settings: Settings) -> std::io::Result<Self> {
-        let (orders, inbox) = mpsc::channel();
+    pub fn start(slot: u32, orders: Orders) -> std::io::Result<Self> {
+        let (requests, inbox) = mpsc::channel();
         let run = move || {
-            for order in inbox {
-                match order {
-                    Order::Compute(mut job, watch, reply) => {
-                        let _ = reply.send(guarded(&model, &settings, &mut job, &watch));
+            for request in inbox {
+                match request {
+                    Request::Compute(mut job, watch, reply) => {
+                        let _ = reply.send(guarded(&orders, &mut job, &watch));
                     }
-                    Order::Report(reply) => {
+                    Request::Report(reply) => {
                         let _ = reply.send(());
                     }
                 }
             }
         };
         std::thread::Builder::new().name(format!("slot-{slot}")).spawn(run)?;
-        Ok(Self { orders })
+        Ok(Self { requests })
     }
 
     /// Computes a job. Not waiting for the answer does not stop it: see [`Watch::stop`].
     pub async fn compute(&self, job: Job, watch: Arc<Watch>) -> Computed {
         let (reply, computed) = oneshot::channel();
-        let order = Order::Compute(Box::new(job), watch, reply);
+        let request = Request::Compute(Box::new(job), watch, reply);
         let gone = || Computed::Failed("the computing thread is gone".into());
-        if self.orders.send(order).is_err() {
+        if self.requests.send(request).is_err() {
             return gone();
         }
         computed.await.unwrap_or_else(|_| gone())
@@ -151,19 +153,22 @@ impl Computer {
     /// Waits until nothing is computed any more.
     pub async fn idle(&self) {
         let (reply, report) = oneshot::channel();
-        if self.orders.send(Order::Report(reply)).is_ok() {
+        if self.requests.send(Request::Report(reply)).is_ok() {
             let _ = report.await;
         }
     }
 }
 
 /// A panic is a failure of its job, not of the worker.
-fn guarded(model: &Model, settings: &Settings, job: &mut Job, watch: &Watch) -> Computed {
-    catch_unwind(AssertUnwindSafe(|| compute(model, settings, job, watch)))
+fn guarded(orders: &Orders, job: &mut Job, watch: &Watch) -> Computed {
+    let Some(order) = orders.get(job.order) else {
+        return Computed::Failed(format!("motions of order {} are not looked for", job.order.unwrap_or_default()));
+    };
+    catch_unwind(AssertUnwindSafe(|| compute(order, job, watch)))
         .unwrap_or_else(|panic| Computed::Failed(format!("panicked: {}", message(&*panic))))
 }
 
-fn compute(model: &Model, settings: &Settings, job: &mut Job, watch: &Watch) -> Computed {
+fn compute(Order { model, settings, .. }: &Order, job: &mut Job, watch: &Watch) -> Computed {
     if watch.stop.is_set() {
         return Computed::Stopped;
     }
@@ -293,11 +298,12 @@ mod tests {
     use solver::response::seeds::{LandingMethod, Phase};
     use solver::response::task::SeedPlace;
     use solver::response::windows::Window;
+    use solver::settings::Settings;
     use std::path::Path;
 
     fn computer() -> Computer {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/duffing");
-        Computer::start(0, Arc::new(files::load(&folder).unwrap()), Settings::default()).unwrap()
+        Computer::start(0, Orders::of(&files::load(&folder).unwrap(), &Settings::default())).unwrap()
     }
 
     fn main() -> Job {
@@ -305,6 +311,7 @@ mod tests {
         Job {
             lease: Lease { task, attempt: Attempt(1), worker, slot: 0 },
             amplitude: 0.01,
+            order: None,
             reach: SearchRange { frequency: (0.9, 1.1), amplitude: 10.0, natural: None, forcing: None },
             work: Task::Main(Side::Below),
             seeds: Vec::new(),

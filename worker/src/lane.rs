@@ -23,12 +23,12 @@ use zenoh::bytes::ZBytes;
 /// Works with computing thread `number` until all is done, the run is cancelled, there is nothing to do for too long, or the worker
 /// is told to end; the first error counts, once both lanes have ended.
 pub async fn work_with_thread(shared: Arc<Shared>, number: u32) -> Result<(), WorkerError> {
-    let computer = Computer::start(number, shared.model.clone(), shared.settings)
+    let computer = Computer::start(number, shared.orders.clone())
         .map_err(|source| WorkerError::System { what: "start a computing thread", source })?;
     let (computer, turns) = (Arc::new(computer), Arc::new(Turns::default()));
     let [first, second] = [0, 1].map(|lane| {
         let slot = LANES * number + lane;
-        let known = Findings::new(shared.size, shared.settings.harmonics.count, shared.max_result_bytes);
+        let known = Findings::new(shared.size, shared.harmonics, shared.max_result_bytes);
         Lane { shared: shared.clone(), slot, computer: computer.clone(), turns: turns.clone(), known }.run()
     });
     let (first, second) = tokio::join!(first, second);
@@ -130,7 +130,7 @@ impl Lane {
     async fn prepare(&mut self, grant: Grant, lease: &Lease) -> Result<Job, String> {
         let shared = &self.shared;
         let seeds = grant.seeds.seeds(&shared.size).map_err(|error| format!("unusable seeds: {error}"))?;
-        let harmonics = shared.settings.harmonics.count;
+        let harmonics = shared.harmonics;
         if let Some(seed) = seeds.iter().find(|seed| seed.state.harmonics != harmonics) {
             return Err(format!("unusable seeds: {} harmonics in a run of {harmonics}", seed.state.harmonics));
         }
@@ -144,8 +144,8 @@ impl Lane {
         let Found { landings, branches: known, curves } = self.known.get(&shared.bus, lease, &grant).await?;
         let most = shared.max_checkpoint_bytes;
         let before = checkpoints::taken_before(&shared.bus, lease, &grant).await;
-        let Grant { amplitude, reach, work, .. } = grant;
-        Ok(Job { lease: lease.clone(), amplitude, reach, work, seeds, landings, known, curves, before, most })
+        let Grant { amplitude, order, reach, work, .. } = grant;
+        Ok(Job { lease: lease.clone(), amplitude, order, reach, work, seeds, landings, known, curves, before, most })
     }
 
     async fn deliver(&mut self, lease: &Lease, computed: Computed) -> Result<Option<Grant>, WorkerError> {

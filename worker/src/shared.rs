@@ -5,10 +5,9 @@ use crate::error::WorkerError;
 use crate::join::Joined;
 use crate::shutdown::{Phase, Shutdown};
 use protocol::curve::Size;
-use solver::settings::Settings;
-use solver::structure::Model;
+use solver::response::orders::Orders;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 use tokio::sync::watch;
 use zenoh::liveliness::LivelinessToken;
@@ -19,12 +18,12 @@ use zenoh::sample::{Sample, SampleKind};
 pub struct Shared {
     /// The coordinator.
     pub bus: Bus,
-    /// The model.
-    pub model: Arc<Model>,
+    /// The model with its numerics, for every order of motions.
+    pub orders: Orders,
     /// Its size.
     pub size: Size,
-    /// Numerics.
-    pub settings: Settings,
+    /// Number of harmonics H.
+    pub harmonics: usize,
     /// Largest result accepted, bytes.
     pub max_result_bytes: usize,
     /// Most steps kept of a task, bytes.
@@ -81,8 +80,8 @@ impl Shared {
         Self {
             bus,
             size: Size::of(&model),
-            model: Arc::new(model),
-            settings: manifest.settings,
+            orders: Orders::of(&model, &manifest.settings),
+            harmonics: manifest.settings.harmonics.count,
             max_result_bytes: manifest.max_result_bytes,
             max_checkpoint_bytes: manifest.max_checkpoint_bytes(),
             shutdown,

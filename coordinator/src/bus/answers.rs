@@ -63,10 +63,12 @@ impl Answers {
         // There is no task before there is a sweep.
         let Some(sweep) = sweep else { return };
         let Granted { task, attempt, amplitude, work, landing, known, curves, checkpoint } = granted;
-        let seeds = sweep.seeds(&work, amplitude.value);
+        let seeds = sweep.seeds(&work, &amplitude);
         let seed = SeedMessage { task: task.clone(), amplitude: amplitude.clone(), work, seeds: seeds.clone() };
-        let (amplitude, reach) = (amplitude.value, sweep.plan.reach);
-        let grant = Grant { task, attempt, ttl_ms, amplitude, reach, work, seeds, landing, known, curves, checkpoint };
+        let (amplitude, order) = (amplitude.value, amplitude.order());
+        let reach = sweep.plan.reach_of(order);
+        let grant =
+            Grant { task, attempt, ttl_ms, amplitude, order, reach, work, seeds, landing, known, curves, checkpoint };
         answer(query, query.key_expr().as_str(), &reply(grant));
         put(&self.session, &self.keys.seed(&seed.task), &seed);
     }

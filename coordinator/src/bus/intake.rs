@@ -4,11 +4,12 @@
 use super::answers::{Answers, reply, respond};
 use super::held::Held;
 use super::pieces::{Arrived, Pieces};
-use crate::engine::{CheckedResult, Decider, Event, Expected, Meters, Offer, Reference};
+use crate::engine::{CheckedResult, Decider, Event, Expected, Meters, Offer};
 use protocol::from_worker::SubmitRequest;
 use protocol::ids::TaskId;
 use protocol::session::{answer, encoding_of, refuse};
 use protocol::to_worker::SubmitReply;
+use solver::response::orders::Orders;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::Arc;
 use std::sync::atomic::AtomicUsize;
@@ -30,7 +31,7 @@ pub(super) struct Intake {
     engine: Arc<Decider>,
     runtime: Handle,
     answers: Arc<Answers>,
-    reference: Reference,
+    orders: Orders,
     meters: Meters,
     /// Largest result, bytes; as many of all results together wait to be checked.
     most: usize,
@@ -46,11 +47,11 @@ pub(super) struct Intake {
 
 impl Intake {
     /// Takes results of at most so many bytes in, checked against this.
-    pub fn new(engine: Arc<Decider>, answers: Arc<Answers>, reference: Reference, meters: Meters, most: usize) -> Self {
+    pub fn new(engine: Arc<Decider>, answers: Arc<Answers>, orders: Orders, meters: Meters, most: usize) -> Self {
         let room = Arc::new(Semaphore::new(units(most)));
         let draw = uuid::Uuid::new_v4().as_u64_pair().0;
         let (runtime, held) = (Handle::current(), Arc::default());
-        Self { engine, runtime, answers, reference, meters, most, held, room, pieces: Pieces::new(most), draw }
+        Self { engine, runtime, answers, orders, meters, most, held, room, pieces: Pieces::new(most), draw }
     }
 
     /// Takes a result of a task; answers it later.
@@ -115,7 +116,7 @@ impl Intake {
         // Another one for every attempt: what is refused tells nothing of what is looked at next time.
         let mut hasher = DefaultHasher::new();
         (self.draw, &request.lease).hash(&mut hasher);
-        let checked = CheckedResult::new(request, &self.reference, expected, hasher.finish());
+        let checked = CheckedResult::new(request, &self.orders, expected, hasher.finish());
         tracing::debug!(work = ?expected.work, computed, checked = began.elapsed().as_secs_f64(), "checked");
         checked.map_err(|error| error.to_string())
     }

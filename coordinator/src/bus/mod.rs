@@ -18,13 +18,14 @@ pub use announcements::announce;
 pub use recent::Recent;
 pub use state::{PublishedSweep, RunState};
 
-use crate::engine::{Decider, Event, Meters, Reference};
+use crate::engine::{Decider, Event, Meters};
 use answers::Answers;
 use protocol::codec::decode;
 use protocol::ids::{TaskId, WorkerId};
 use protocol::keys::{Keys, last_chunk};
 use queries::Queries;
 use requests::Requests;
+use solver::response::orders::Orders;
 use std::path::PathBuf;
 use std::sync::Arc;
 use tokio::runtime::Handle;
@@ -44,8 +45,8 @@ pub struct Served {
     pub directory: PathBuf,
     /// The `model` message.
     pub model_bytes: Vec<u8>,
-    /// What results are checked against.
-    pub reference: Reference,
+    /// The model with its numerics, which results are checked against.
+    pub orders: Orders,
     /// What is counted.
     pub meters: Meters,
     /// Results stored lately.
@@ -68,10 +69,10 @@ pub async fn serve(
     served: Served,
     engine: Arc<Decider>,
 ) -> Result<Presence, zenoh::Error> {
-    let Served { directory, model_bytes, reference, meters, recent, state } = served;
+    let Served { directory, model_bytes, orders, meters, recent, state } = served;
     let most = state.borrow().manifest.max_result_bytes;
     let answers = Answers { session: session.clone(), keys: keys.clone(), state: state.clone() };
-    let requests = Requests::new(engine.clone(), keys.clone(), answers, (reference, meters), most);
+    let requests = Requests::new(engine.clone(), keys.clone(), answers, (orders, meters), most);
     let take = move |query| requests.take(query);
     let mut queryables = vec![session.declare_queryable(keys.requests()).complete(true).callback(take).await?];
     let queries = Arc::new(Queries::new(directory, keys.clone(), model_bytes, recent, state));

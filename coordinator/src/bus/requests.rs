@@ -5,11 +5,12 @@
 use super::answers::{Answers, respond};
 use super::checkpoints::CheckpointIntake;
 use super::intake::Intake;
-use crate::engine::{Decider, Event, Meters, Reference};
+use crate::engine::{Decider, Event, Meters};
 use protocol::codec::Message;
 use protocol::ids::TaskId;
 use protocol::keys::{Keys, last_chunk};
 use protocol::session::{question, refuse};
+use solver::response::orders::Orders;
 use std::sync::Arc;
 use tokio::runtime::Handle;
 use zenoh::query::Query;
@@ -33,12 +34,12 @@ impl Requests {
         engine: Arc<Decider>,
         keys: Keys,
         answers: Answers,
-        (reference, meters): (Reference, Meters),
+        (orders, meters): (Orders, Meters),
         most: usize,
     ) -> Self {
         let answers = Arc::new(answers);
         let checkpoints = Arc::new(CheckpointIntake::new(engine.clone(), answers.clone(), most));
-        let intake = Arc::new(Intake::new(engine.clone(), answers.clone(), reference, meters, most));
+        let intake = Arc::new(Intake::new(engine.clone(), answers.clone(), orders, meters, most));
         Self { engine, keys, runtime: Handle::current(), answers, intake, checkpoints }
     }
 

@@ -5,7 +5,7 @@ use protocol::backbone::BackboneMessage;
 use protocol::codec::encode;
 use protocol::curve::Seeds;
 use protocol::ids::TaskId;
-use protocol::to_everyone::{LevelWindows, Manifest, SeedMessage, Status, WindowsMessage};
+use protocol::to_everyone::{Amplitude, LevelWindows, Manifest, SeedMessage, Status, WindowsMessage};
 use results::journal::{LevelPlan, SweepPlan};
 use solver::formulation::modal::Modal;
 use solver::response::backbone::Backbone;
@@ -42,24 +42,25 @@ pub struct PublishedSweep {
     pub backbone_bytes: Vec<(usize, Vec<u8>)>,
     /// The `windows` message.
     pub windows_bytes: Vec<u8>,
-    modal: Modal,
-    backbones: Vec<Backbone>,
+    /// By order of the motions, the first one without a number: the forcing in modal coordinates, and the backbones.
+    orders: Vec<(Option<usize>, Modal, Vec<Backbone>)>,
 }
 
 impl PublishedSweep {
     /// From what was computed.
-    pub fn new(modal: Modal, backbones: Vec<Backbone>, plan: Arc<SweepPlan>) -> Self {
+    pub fn new(orders: Vec<(Option<usize>, Modal, Vec<Backbone>)>, plan: Arc<SweepPlan>) -> Self {
         let level =
             |plan: &LevelPlan| LevelWindows { amplitude: plan.amplitude.clone(), windows: plan.windows.clone() };
         let windows = WindowsMessage { levels: plan.levels.iter().map(level).collect() };
         let encoded = |message: &BackboneMessage| (message.mode, encode(message));
         let backbone_bytes = std::iter::once(&plan.backbone).chain(&plan.further).map(encoded).collect();
-        Self { backbone_bytes, windows_bytes: encode(&windows), plan, modal, backbones }
+        Self { backbone_bytes, windows_bytes: encode(&windows), plan, orders }
     }
 
-    /// The seeds of a task: they follow from it, the backbones and the amplitude.
-    pub fn seeds(&self, work: &Task, amplitude: f64) -> Seeds {
-        Seeds::new(&work.seeds(&self.modal, &self.backbones, amplitude))
+    /// The seeds of a task of a level: they follow from it and the backbones.
+    pub fn seeds(&self, work: &Task, level: &Amplitude) -> Seeds {
+        let order = self.orders.iter().find(|(order, ..)| *order == level.order());
+        Seeds::new(&order.map_or_else(Vec::new, |(_, modal, backbones)| work.seeds(modal, backbones, level.value)))
     }
 
     /// The `seed` message of a task; `None` if there is no such task.
@@ -68,7 +69,7 @@ impl PublishedSweep {
         let amplitude = level.amplitude.clone();
         let is_asked = |i: &usize| TaskId::of_level(&amplitude.text, *i).is_ok_and(|id| id == *task);
         let work = level.tasks[(0..level.tasks.len()).find(is_asked)?];
-        let seeds = self.seeds(&work, amplitude.value);
+        let seeds = self.seeds(&work, &amplitude);
         Some(SeedMessage { task: task.clone(), amplitude, work, seeds })
     }
 }

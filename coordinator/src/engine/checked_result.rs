@@ -7,15 +7,14 @@ use protocol::digest::HashedBranch;
 use protocol::from_worker::{Lease, SubmitRequest};
 use protocol::orbits::OrbitsMessage;
 use results::store::Extent;
+use solver::response::orders::{Order, Orders};
 use solver::response::recheck::{Recheck, Refutation, drawn};
 use solver::response::task::{Brought, Task};
-use solver::settings::Settings;
 use solver::stability::disturbance::Disturbance;
 use solver::stability::recheck::{NoOrbit, recheck};
 use solver::stability::settling::Settling;
 use solver::stability::verification::{Verification, VerifiedPoint};
 use solver::structure::Model;
-use std::sync::Arc;
 use thiserror::Error;
 
 /// Of one in so many points that were verified the multipliers are computed again.
@@ -24,20 +23,13 @@ const WITHOUT_TANGENT: usize = 20;
 /// Longest name of a version that a program may have, bytes.
 const PROGRAM: usize = 100;
 
-/// What results are checked against.
-#[derive(Debug, Clone)]
-pub struct Reference {
-    /// The model of the run.
-    pub model: Arc<Model>,
-    /// Its numerics.
-    pub settings: Settings,
-}
-
 /// What a result has to be of.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Expected {
     /// Forcing amplitude.
     pub amplitude: f64,
+    /// Order of the motions, if it is not the first one.
+    pub order: Option<usize>,
     /// What was to be done.
     pub work: Task,
     /// Of a verification: number of points of its branch.
@@ -86,6 +78,9 @@ pub enum Unsound {
     /// Not the part of the branch that was asked for.
     #[error("it verifies another part of the branch")]
     OtherStretch,
+    /// Motions that are not looked for.
+    #[error("motions of its order are not looked for")]
+    Order,
     /// What is said of the computation is none.
     #[error("a computing time of {0} s")]
     Seconds(f64),
@@ -117,11 +112,11 @@ pub struct CheckedResult {
 }
 
 impl CheckedResult {
-    /// Checks, encodes and hashes what was submitted. `draw`: which points are checked beside those that always are.
+    /// Checks, encodes and hashes what was submitted, against the model of a run with its numerics. `draw`: which points are checked beside those that always are.
     ///
     /// # Errors
     /// If it does not fit the run, or does not solve its equations.
-    pub fn new(request: SubmitRequest, reference: &Reference, expected: &Expected, draw: u64) -> Result<Self, Unsound> {
+    pub fn new(request: SubmitRequest, orders: &Orders, expected: &Expected, draw: u64) -> Result<Self, Unsound> {
         let SubmitRequest { lease, program, seconds, next, orbits, finding } = request;
         if program.len() > PROGRAM {
             return Err(Unsound::Program);
@@ -129,7 +124,7 @@ impl CheckedResult {
         if !(0.0..f64::INFINITY).contains(&seconds) {
             return Err(Unsound::Seconds(seconds));
         }
-        let Reference { model, settings } = reference;
+        let Order { model, settings, .. } = orders.get(expected.order).ok_or(Unsound::Order)?;
         // What does not fit would be stored, and refused by every task that needs it.
         let harmonics = settings.harmonics.count;
         if let Some(other) = finding.motions().map(|motions| motions.harmonics).filter(|h| *h != harmonics) {

@@ -26,7 +26,7 @@ mod sweep;
 #[cfg(test)]
 mod tests;
 
-pub use checked_result::{CheckedResult, Expected, Reference, Unsound};
+pub use checked_result::{CheckedResult, Expected, Unsound};
 pub use commit::{Decided, commit};
 pub use decide::{Decider, Responder, tick};
 pub use decision::{Answer, Decision, News, Offer};

@@ -92,9 +92,9 @@ impl Sweep {
     /// What a result under a lease has to be of.
     pub fn offer(&self, lease: &Lease, run: &RunId) -> Decision {
         let offer = match self.ledger.offered(lease) {
-            Offered::Expected { amplitude, work, branch } => {
+            Offered::Expected { amplitude, order, work, branch } => {
                 let points = branch.and_then(|task| self.extents.get(&task)).map(|extent| extent.points);
-                Offer::Check(Expected { amplitude, work, points })
+                Offer::Check(Expected { amplitude, order, work, points })
             }
             Offered::NeverGranted => Offer::Refuse(never_granted(lease)),
             Offered::Unknown => Offer::Refuse(unknown(lease, run)),

@@ -49,6 +49,8 @@ pub enum Offered {
     Expected {
         /// Forcing amplitude.
         amplitude: f64,
+        /// Order of the motions, if it is not the first one.
+        order: Option<usize>,
         /// What was to be done.
         work: Task,
         /// Of a verification: the task that found the branch.

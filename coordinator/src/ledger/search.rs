@@ -118,7 +118,9 @@ impl Ledger {
         let curves = self.chains[self.curves()].curves();
         let mut added = Vec::new();
         for (l, (chain, level)) in self.levels().enumerate() {
-            let places = curves[self.crossed..].iter().flat_map(|curve| {
+            let order = level.amplitude.order();
+            let curves = curves[self.crossed..].iter().filter(|curve| self.order_of(&curve.known.task) == order);
+            let places = curves.flat_map(|curve| {
                 let segments = curve.crossings(level.amplitude.value);
                 segments.map(|segment| CrossingPlace { curve: curve.known.number, segment })
             });

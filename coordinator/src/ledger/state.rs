@@ -108,6 +108,12 @@ impl Ledger {
         self.chains.len() - 1
     }
 
+    /// Order of the motions of a task, if it is not the first one.
+    pub(super) fn order_of(&self, task: &TaskId) -> Option<usize> {
+        let &(c, e) = self.index.get(task)?;
+        self.chains[self.chains[c].entries[e].level].level()?.amplitude.order()
+    }
+
     /// What is handed out with entry `e` of chain `c`; of one that is done what was handed out then.
     pub(super) fn granted(&self, c: usize, e: usize) -> Granted {
         let entry = &self.chains[c].entries[e];
@@ -115,6 +121,7 @@ impl Ledger {
         let (branches, curves) = entry.known.unwrap_or((usize::MAX, usize::MAX));
         let branches = level.branches.iter().take(branches).map(|branch| &branch.known);
         let curves = self.chains[self.curves()].curves().iter().take(curves);
+        let curves = curves.filter(|curve| self.order_of(&curve.known.task) == level.amplitude.order());
         let (known, curves): (Vec<Known>, Vec<KnownCurve>) = match entry.task {
             Task::Land(_) | Task::Start(_) | Task::Scout(_) => Default::default(),
             Task::Main(_) | Task::Seed(_) | Task::Begin(_) | Task::March(_) => {

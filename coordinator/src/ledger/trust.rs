@@ -23,7 +23,8 @@ impl Ledger {
             }
             _ => None,
         };
-        Offered::Expected { amplitude: level.amplitude.value, work: entry.task, branch }
+        let (amplitude, order) = (level.amplitude.value, level.amplitude.order());
+        Offered::Expected { amplitude, order, work: entry.task, branch }
     }
 
     /// A result was refused, as something that cannot be true. That is held against whoever was given the task, and ends the

@@ -4,7 +4,7 @@ use super::key::Absent::{Nothing, Required, Value, Words};
 use super::key::Kind::{Either, List as List_, Number, Pattern, Table, Text, Truth, Whole, Word};
 use super::key::{Key, Kind, List, Range};
 use crate::study::MAX_LEVELS;
-use solver::settings::ModeList;
+use solver::settings::NumberList;
 
 const LEVEL: Kind = Number(Range::POSITIVE);
 const COUNT: Kind = Whole(Range::from(1.0));
@@ -193,7 +193,7 @@ pub(super) const NUMERICS: &[Key] = &[
         kind: Either(&[
             Pattern(r"^(auto|\s*[0-9]+\s*(,\s*[0-9]+\s*)*)$"),
             COUNT,
-            List_(&List { of: COUNT, fewest: 1, most: Some(ModeList::MOST), distinct: true }),
+            List_(&List { of: COUNT, fewest: 1, most: Some(NumberList::MOST), distinct: true }),
         ]),
         default: Value("\"auto\""),
         unit: "",
@@ -314,6 +314,18 @@ pub(super) const NUMERICS: &[Key] = &[
         unit: "",
         meaning: "How hard is looked; also --search.",
         example: "\"thorough\"",
+    },
+    Key {
+        path: "search.harmonics",
+        kind: Either(&[
+            Pattern(r"^\s*[0-9]+\s*(,\s*[0-9]+\s*)*$"),
+            COUNT,
+            List_(&List { of: COUNT, fewest: 1, most: Some(NumberList::MOST), distinct: true }),
+        ]),
+        default: Words("the model's forcing.harmonic alone"),
+        unit: "",
+        meaning: "Orders m of the motions that are looked for, ascending: those of order m last m periods of the force, which acts on their harmonic m whatever forcing.harmonic says. Main branches are followed of the first; of others only what earlier ones do not have. Bounds of the frequency are those of the first order's motions; those of order m are followed where the force has the same frequencies. harmonics.count holds for all: a period of order 3 needs three times as many for the same resolution. Also --orders.",
+        example: "[1, 2, 3]",
     },
     section("verify", "Verification of what was found by time marching, with its stability."),
     Key {

@@ -258,9 +258,16 @@ impl Run {
         }
         self.dismiss_workers().await;
         let reader = Reader::open(&self.directory)?;
-        let doubts = doubts(&reader)?;
-        if let Some(doubts) = &doubts {
+        let mut has_doubts = false;
+        if let Some(doubts) = doubts(&reader)? {
+            has_doubts = true;
             terminal::note(doubts);
+        }
+        for order in reader.further_orders()? {
+            if let Some(doubts) = doubts(&reader.of_order(order)?)? {
+                has_doubts = true;
+                terminal::note(format_args!("motions that last {order} periods of the force: {doubts}"));
+            }
         }
         for sentence in export::csv(&reader, &self.directory)?.damaged {
             terminal::note(sentence);
@@ -269,7 +276,7 @@ impl Run {
         let directory = self.directory.display();
         let closing = format!("{table}\nresults: {directory}\na page that shows them: isola report {directory}\n");
         terminal::print(closing).map_err(Error::io("standard output"))?;
-        Ok(doubts.is_some())
+        Ok(has_doubts)
     }
 
     /// Gives workers elsewhere the time to hear that there is no more work.

@@ -8,7 +8,7 @@ use protocol::curve::Size;
 use protocol::from_worker::Progress;
 use protocol::session::MAX_RESULT_BYTES;
 use protocol::to_everyone::{Amplitude, Manifest, Stage};
-use results::journal::{LevelPlan, SweepPlan};
+use results::journal::{LevelPlan, MorePlan, OrderPlan, SweepPlan};
 use results::overview::most_folds;
 use results::store::{RunHeader, Store};
 use solver::formulation::modal::Modal;
@@ -16,6 +16,7 @@ use solver::response::backbone::Backbone;
 use solver::response::branch::BranchPoint;
 use solver::response::forced::SearchRange;
 use solver::response::modes::Backbones;
+use solver::response::orders::{Order, Orders};
 use solver::response::scout::scouts;
 use solver::response::starts;
 use solver::response::task::{Task, plan};
@@ -65,26 +66,77 @@ pub fn model(store: &Store) -> Result<Model, Error> {
     store.model()?.model().map_err(|error| Error::Other(format!("the stored model: {error}")))
 }
 
+/// An order of motions with its backbones.
+struct Part<'o> {
+    order: &'o Order,
+    backbones: Backbones,
+}
+
+impl Part<'_> {
+    /// Its number, if it is not the first one.
+    fn number(&self) -> Option<usize> {
+        (!self.order.is_first).then(|| self.order.number())
+    }
+
+    /// Within which frequencies and amplitudes its branches are followed.
+    fn reach(&self, all: &[Amplitude]) -> Result<SearchRange, Error> {
+        let values = || all.iter().map(|amplitude| amplitude.value);
+        let (primary, further) = (&self.backbones.list[0], &self.backbones.list[1..]);
+        Ok(SearchRange::over(&self.order.settings, primary, further, largest(all))?.with_folds_of(values()))
+    }
+
+    fn messages(&self) -> Vec<BackboneMessage> {
+        self.backbones.list.iter().map(BackboneMessage::from).collect()
+    }
+
+    fn plan(&self, all: &[Amplitude]) -> Result<OrderPlan, Error> {
+        let (order, left_out) = (self.order.number(), self.backbones.left_out.clone());
+        Ok(OrderPlan { order, backbones: self.messages(), left_out, reach: self.reach(all)? })
+    }
+}
+
 /// What a store already has of the sweep of a run; `None` as long as there is no backbone.
 ///
 /// # Errors
 /// If the store cannot be read or contradicts itself.
 pub fn stored(store: &Store, model: &Model) -> Result<Option<Prepared>, Error> {
-    let (Some(message), Some(reach)) = (store.backbone()?, store.reach()?) else { return Ok(None) };
+    let orders = Orders::of(model, &store.header()?.settings);
+    let Some(parts) = stored_parts(store, &orders)? else { return Ok(None) };
+    let (Some(backbone), Some(reach)) = (store.backbone()?, store.reach()?) else { return Ok(None) };
     let further = store.further_backbones()?;
     let left_out = store.modes_left_out()?.unwrap_or_default();
-    let backbones = backbones(model, std::iter::once(&message).chain(&further))?;
-    let (levels, added) = (store.plans()?, store.added()?);
-    let plan = Arc::new(SweepPlan { backbone: message, further, left_out, reach, levels, added });
+    let (orders, levels, added) = (store.orders()?, store.plans()?, store.added()?);
+    let plan = Arc::new(SweepPlan { backbone, further, left_out, reach, orders, levels, added });
     let stored = Some(Stored { tasks: store.tasks()?, extents: store.extents()?, kept: store.kept()? });
-    let sweep = Arc::new(PublishedSweep::new(Modal::new(model), backbones, plan.clone()));
-    Ok(Some(Prepared { sweep, beginning: Beginning { plan, stored } }))
+    Ok(Some(Prepared { sweep: published(parts, &plan), beginning: Beginning { plan, stored } }))
 }
 
-fn backbones<'m>(model: &Model, messages: impl Iterator<Item = &'m BackboneMessage>) -> Result<Vec<Backbone>, Error> {
-    let size = Size::of(model);
-    let backbones: Result<_, _> = messages.map(|message| message.backbone(&size)).collect();
-    backbones.map_err(|error| Error::Other(format!("a stored backbone: {error}")))
+/// The backbones of all orders; `None` as long as there is none.
+fn stored_parts<'o>(store: &Store, orders: &'o Orders) -> Result<Option<Vec<Part<'o>>>, Error> {
+    let Some(primary) = store.backbone()? else { return Ok(None) };
+    let mut first = vec![primary];
+    first.extend(store.further_backbones()?);
+    let further = store.orders()?;
+    let part = |order| {
+        let lacking = || Error::Other(format!("motions of order {} have no stored backbone", Order::number(order)));
+        let messages = match order.is_first {
+            true => Some(&first),
+            false => further.iter().find(|plan| plan.order == order.number()).map(|plan| &plan.backbones),
+        };
+        let size = Size::of(&order.model);
+        let list: Result<Vec<Backbone>, _> = messages.ok_or_else(lacking)?.iter().map(|b| b.backbone(&size)).collect();
+        let list = list.map_err(|error| Error::Other(format!("a stored backbone: {error}")))?;
+        if list.is_empty() {
+            return Err(lacking());
+        }
+        Ok(Part { order, backbones: Backbones { list, left_out: Vec::new() } })
+    };
+    orders.iter().map(part).collect::<Result<_, _>>().map(Some)
+}
+
+fn published(parts: Vec<Part<'_>>, plan: &Arc<SweepPlan>) -> Arc<PublishedSweep> {
+    let part = |part: Part<'_>| (part.number(), Modal::new(&part.order.model), part.backbones.list);
+    Arc::new(PublishedSweep::new(parts.into_iter().map(part).collect(), plan.clone()))
 }
 
 /// What follows from the stored backbones for the levels from `first` on, which are added to those before; `None` as long as there
@@ -98,41 +150,35 @@ pub fn extended(
     settings: &Settings,
     all: &[Amplitude],
     first: usize,
-) -> Result<Option<(SearchRange, Vec<LevelPlan>)>, Error> {
-    let Some(primary) = store.backbone()? else { return Ok(None) };
-    let further = store.further_backbones()?;
-    let backbones = backbones(model, std::iter::once(&primary).chain(&further))?;
-    Ok(Some((reach(settings, &backbones, all)?, levels(model, settings, &backbones, all, first))))
-}
-
-/// Within which frequencies and amplitudes the branches of all levels are followed.
-fn reach(settings: &Settings, backbones: &[Backbone], all: &[Amplitude]) -> Result<SearchRange, Error> {
-    let values = || all.iter().map(|amplitude| amplitude.value);
-    let highest = values().fold(0.0, f64::max);
-    Ok(SearchRange::over(settings, &backbones[0], &backbones[1..], highest)?.with_folds_of(values()))
+) -> Result<Option<MorePlan>, Error> {
+    let orders = Orders::of(model, settings);
+    let Some(parts) = stored_parts(store, &orders)? else { return Ok(None) };
+    let further = parts[1..].iter().map(|part| part.plan(all)).collect::<Result<_, _>>()?;
+    Ok(Some(MorePlan { reach: parts[0].reach(all)?, orders: further, levels: levels(&parts, all, first) }))
 }
 
 /// Windows and tasks of the levels from `first` on.
-fn levels(
-    model: &Model,
-    settings: &Settings,
-    backbones: &[Backbone],
-    all: &[Amplitude],
-    first: usize,
-) -> Vec<LevelPlan> {
-    let batches = starts::batches(model, settings);
-    // They bring nothing but folds.
-    let follows_folds = most_folds(model, settings) > 0;
+fn levels(parts: &[Part<'_>], all: &[Amplitude], first: usize) -> Vec<LevelPlan> {
     let largest = largest(all);
-    let level = |(index, amplitude): (usize, &Amplitude)| {
-        let share = starts::share(batches, index, all.len());
+    let mut plans = Vec::new();
+    for (index, amplitude) in all.iter().enumerate().skip(first) {
+        let Some(Part { order, backbones }) = parts.iter().find(|part| part.number() == amplitude.order()) else {
+            continue;
+        };
+        let Order { model, settings, .. } = order;
+        let batches = starts::batches(model, settings);
+        let is_of_order = |other: &&Amplitude| other.order() == amplitude.order();
+        let before = all[..index].iter().filter(is_of_order).count();
+        let share = starts::share(batches, before, all.iter().filter(is_of_order).count());
         let (windows, mut tasks) = plan(backbones, amplitude.value, &settings.frequency, share);
-        if amplitude.value == largest && follows_folds {
+        tasks.retain(|task| order.is_first || !matches!(task, Task::Main(_)));
+        // Scouts bring nothing but folds.
+        if amplitude.value == largest && most_folds(model, settings) > 0 {
             tasks.extend(scouts(batches).map(Task::Scout));
         }
-        LevelPlan { amplitude: amplitude.clone(), windows, tasks }
-    };
-    all.iter().enumerate().skip(first).map(level).collect()
+        plans.push(LevelPlan { amplitude: amplitude.clone(), windows, tasks });
+    }
+    plans
 }
 
 fn largest(amplitudes: &[Amplitude]) -> f64 {
@@ -150,7 +196,6 @@ pub fn compute(
     engine: &Decider,
     stop: &AtomicBool,
 ) -> Result<Option<Prepared>, Error> {
-    let settings = &header.settings;
     let mut points = 0;
     let mut told = Instant::now();
     let mut observer = |point: &BranchPoint| {
@@ -162,17 +207,25 @@ pub fn compute(
         }
         if stop.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
-    let largest = largest(&header.amplitudes);
-    let Backbones { list: backbones, left_out } = Backbones::reaching(model, settings, largest, &mut observer, stop)?;
-    if stop.load(Ordering::Relaxed) {
-        return Ok(None);
+    let (all, orders) = (&header.amplitudes, Orders::of(model, &header.settings));
+    let mut parts = Vec::new();
+    for order in orders.iter() {
+        let backbones = Backbones::reaching(&order.model, &order.settings, largest(all), &mut observer, stop)?;
+        if stop.load(Ordering::Relaxed) {
+            return Ok(None);
+        }
+        parts.push(Part { order, backbones });
     }
-    let reach = reach(settings, &backbones, &header.amplitudes)?;
-    let levels = levels(model, settings, &backbones, &header.amplitudes, 0);
-    let mut messages = backbones.iter().map(BackboneMessage::from);
+    let mut messages = parts[0].messages().into_iter();
     let backbone = messages.next().expect("that of the primary mode is there");
-    let (further, added) = (messages.collect(), Vec::new());
-    let plan = Arc::new(SweepPlan { backbone, further, left_out, reach, levels, added });
-    let sweep = Arc::new(PublishedSweep::new(Modal::new(model), backbones, plan.clone()));
-    Ok(Some(Prepared { sweep, beginning: Beginning { plan, stored: None } }))
+    let plan = Arc::new(SweepPlan {
+        backbone,
+        further: messages.collect(),
+        left_out: parts[0].backbones.left_out.clone(),
+        reach: parts[0].reach(all)?,
+        orders: parts[1..].iter().map(|part| part.plan(all)).collect::<Result<_, _>>()?,
+        levels: levels(&parts, all, 0),
+        added: Vec::new(),
+    });
+    Ok(Some(Prepared { sweep: published(parts, &plan), beginning: Beginning { plan, stored: None } }))
 }

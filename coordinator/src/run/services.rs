@@ -4,13 +4,14 @@ use super::endpoint::Connection;
 use super::link::watch as watch_link;
 use super::preparation::{Prepared, manifest};
 use crate::bus::{Presence, Recent, RunState, Served, announce, serve};
-use crate::engine::{Decider, Engine, Event, Meters, News, Reference, commit, tick};
+use crate::engine::{Decider, Engine, Event, Meters, News, commit, tick};
 use crate::error::Error;
 use crate::ledger::Rules;
 use protocol::codec::encode;
 use protocol::keys::Keys;
 use protocol::to_everyone::{Stage, Status};
 use results::store::{RunHeader, Store, StoreError};
+use solver::response::orders::Orders;
 use solver::structure::Model;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -65,12 +66,11 @@ impl Services {
             begin(prepared, &state, &engine);
         }
         let model_bytes = encode(&header.model);
-        let reference = Reference { model, settings: header.settings };
+        let orders = Orders::of(&model, &header.settings);
         let meters = Meters::default();
         let recent = Arc::new(Recent::default());
         let (counted, kept) = (meters.clone(), recent.clone());
-        let served =
-            Served { directory, model_bytes, reference, meters: meters.clone(), recent, state: changes.clone() };
+        let served = Served { directory, model_bytes, orders, meters: meters.clone(), recent, state: changes.clone() };
         let presence = serve(session, &keys, served, engine.clone())
             .await
             .map_err(|error| Error::Other(format!("the run cannot be served on the bus: {error}")))?;

@@ -23,6 +23,7 @@ use protocol::to_everyone::Amplitude;
 use serde::Deserialize;
 use solver::files;
 use solver::files::{Layers, config};
+use solver::response::orders::{Order, Orders};
 use solver::settings::{Settings, SettingsError};
 use solver::structure::{Model, ModelError, Place};
 use std::path::{Path, PathBuf};
@@ -107,6 +108,8 @@ impl Study {
         let model_dir = model_folder(&file, &written, || study.place("model"))?;
         let (model, merged) = load_model(&model_dir, scenario, set)?;
         let settings = load_settings(&numerics, &model)?;
+        let orders = Orders::of(&model, &settings);
+        let model = orders.first().model.as_ref().clone();
         let name = header.name.unwrap_or_else(|| model.name().to_string());
         if name.trim().is_empty() {
             let remedy = "give a name, or leave the key out";
@@ -117,6 +120,18 @@ impl Study {
         let without_effect = WITHOUT_EFFECT.into_iter().filter(|key| is_there(numerics.table(), key)).collect();
         Ok(Self { name, file, model_dir, model, settings, amplitudes, without_effect, resolved })
     }
+}
+
+/// The levels of a study: its forcing amplitudes, for every order of motions that is looked for.
+pub fn levels(amplitudes: &[Amplitude], orders: &Orders) -> Vec<Amplitude> {
+    let of_order = |order: &Order| {
+        let level = |amplitude: &Amplitude| match order.is_first {
+            true => amplitude.clone(),
+            false => amplitude.of_order(order.number()),
+        };
+        amplitudes.iter().map(level).collect::<Vec<_>>()
+    };
+    orders.iter().flat_map(of_order).collect()
 }
 
 /// The model with the scenario of the study and of the command line, and its settings.

@@ -6,7 +6,7 @@ use proptest::prelude::*;
 use protocol::to_everyone::Amplitude;
 use results::resolved_study::differences;
 use solver::files;
-use solver::settings::{ModeChoice, ModeList, Settings};
+use solver::settings::{ModeChoice, NumberList, Settings};
 use solver::structure::Damping;
 use solver::structure::laws::LawKind;
 use std::fs;
@@ -432,7 +432,7 @@ fn modes_are_a_word_a_list_or_one() {
         assert_eq!(again.settings, study.settings);
         study.settings.backbone.modes
     };
-    let these = |numbers: &[usize]| ModeChoice::These(ModeList::new(numbers).unwrap());
+    let these = |numbers: &[usize]| ModeChoice::These(NumberList::new(numbers).unwrap());
     assert_eq!(modes("", &[]), ModeChoice::Auto);
     assert_eq!(modes("[backbone]\nmode = 2", &[]), these(&[2]));
     assert_eq!(modes("[backbone]\nmodes = [2, 1]", &[]), these(&[2, 1]));

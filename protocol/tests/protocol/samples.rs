@@ -359,6 +359,7 @@ pub fn grant() -> Grant {
         attempt: Attempt(2),
         ttl_ms: 30_000,
         amplitude: 2.5,
+        order: None,
         reach: reach(),
         work: work(),
         seeds: seeds(),

@@ -74,12 +74,31 @@ pub enum ExportError {
 pub fn export(reader: &Reader, format: Format, dir: &Path) -> Result<Omissions, ExportError> {
     let mut omissions = Omissions::default();
     omissions.check(reader);
-    match format {
-        Format::Csv => files::write(reader, dir, &mut omissions)?,
-        Format::Mat => records(reader, dir, &mut omissions, mat::EXTENSION, mat::write)?,
-        Format::Npz => records(reader, dir, &mut omissions, npz::EXTENSION, npz::write)?,
-    }
+    each_order(reader, dir, &mut omissions, |reader, dir, omissions| match format {
+        Format::Csv => files::write(reader, dir, omissions),
+        Format::Mat => records(reader, dir, omissions, mat::EXTENSION, mat::write),
+        Format::Npz => records(reader, dir, omissions, npz::EXTENSION, npz::write),
+    })?;
     Ok(omissions)
+}
+
+/// Name of the folder that has what is made of a further order of motions, beside what is made of the first one: `m3`.
+pub fn order_folder(order: usize) -> String {
+    format!("m{order}")
+}
+
+/// Writes what every order of motions has, each as a run of its own: of the first into `dir`, of others into folders in it.
+fn each_order(
+    reader: &Reader,
+    dir: &Path,
+    omissions: &mut Omissions,
+    write: impl Fn(&Reader, &Path, &mut Omissions) -> Result<(), ExportError>,
+) -> Result<(), ExportError> {
+    write(reader, dir, omissions)?;
+    for order in omissions.read("Which orders of motions there are is", reader.further_orders()).unwrap_or_default() {
+        write(&reader.of_order(order)?, &dir.join(order_folder(order)), omissions)?;
+    }
+    Ok(())
 }
 
 /// Writes the CSV files, as [`export`] does, of a run that was open for writing until now and was checked then.
@@ -88,7 +107,7 @@ pub fn export(reader: &Reader, format: Format, dir: &Path) -> Result<Omissions, 
 /// As [`export`].
 pub fn csv(reader: &Reader, dir: &Path) -> Result<Omissions, ExportError> {
     let mut omissions = Omissions::default();
-    files::write(reader, dir, &mut omissions)?;
+    each_order(reader, dir, &mut omissions, files::write)?;
     Ok(omissions)
 }
 

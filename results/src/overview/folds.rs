@@ -5,12 +5,14 @@ use super::windows::overlaps;
 use crate::store::{CurvePoint, CurveRow, WindowRow};
 use solver::response::critical::CriticalKind;
 use solver::response::folds::{Critical, Extent, Quantity};
+use solver::response::orders::orders;
 use solver::settings::Settings;
 use solver::structure::Model;
 
 /// Most folds that a run of this model follows.
 pub fn most_folds(model: &Model, settings: &Settings) -> usize {
-    if why_no_folds(model, settings).is_some() { 0 } else { settings.search.effort.folds() }
+    let orders = orders(model, &settings.search).len();
+    if why_no_folds(model, settings).is_some() { 0 } else { orders * settings.search.effort.folds() }
 }
 
 /// Why folds cannot be followed, if so: a law has no second derivatives.

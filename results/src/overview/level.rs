@@ -32,6 +32,9 @@ pub struct Level {
     /// Seeds of windows.
     #[serde(skip)]
     pub seeds: Seeds,
+    /// Whether it is of an order of motions of which no main branches are followed.
+    #[serde(skip)]
+    pub is_without_mains: bool,
 }
 
 /// Seeds of the windows of a level.
@@ -68,6 +71,7 @@ impl Level {
             refuted,
             disputed,
             seeds: Seeds { tried, failed },
+            is_without_mains: reader.order().is_some(),
         }
     }
 
@@ -106,14 +110,16 @@ impl Level {
         highest(self.branches.iter())
     }
 
-    /// Whether nothing has been found.
+    /// Whether nothing has been found where something has to be.
     pub fn is_bare(&self) -> bool {
-        self.branches.is_empty()
+        self.branches.is_empty() && !self.is_without_mains
     }
 
-    /// Whether nothing is left to be done, nothing was given up, nothing contradicted, and there is a main branch.
+    /// Whether nothing is left to be done, nothing was given up, nothing contradicted, and there is a main branch, if one is
+    /// followed.
     pub fn is_complete(&self) -> bool {
-        self.pending + self.dead + self.refuted + self.disputed == 0 && self.main().is_some()
+        let is_done = self.pending + self.dead + self.refuted + self.disputed == 0;
+        is_done && (self.is_without_mains || self.main().is_some())
     }
 
     /// Whether it is complete and every largest amplitude is that of a maximum.

@@ -36,6 +36,32 @@ pub struct Evidence<'r> {
     pub structure: Structure,
     /// Number of harmonics H.
     pub harmonics: usize,
+    /// Orders of motions that the run looks for.
+    pub asked: Vec<usize>,
+    /// What was found of further orders of motions, where the run looks for several and these are the first.
+    pub orders: Vec<OrderFound>,
+    /// Whether these are motions of a further order, of which no main branches are followed.
+    pub is_further: bool,
+}
+
+/// What was found of a further order of motions, in short.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct OrderFound {
+    /// Order m.
+    pub order: usize,
+    /// Levels at which isolas were found, as typed.
+    pub levels: Vec<String>,
+    /// Whether all of it is known.
+    pub is_complete: bool,
+}
+
+impl OrderFound {
+    /// Of the levels of an order.
+    pub fn new(order: usize, levels: &[Level]) -> Self {
+        let found = levels.iter().filter(|level| level.highest_isola().is_some());
+        let is_complete = levels.iter().all(Level::is_complete);
+        Self { order, levels: found.map(|level| level.amplitude.clone()).collect(), is_complete }
+    }
 }
 
 impl<'r> Evidence<'r> {

@@ -1,7 +1,7 @@
 //! Reads a report from the store. What cannot be read becomes a sentence in its place.
 
 use super::account::CostAccount;
-use super::evidence::{Evidence, Structure};
+use super::evidence::{Evidence, OrderFound, Structure};
 use super::verdict::Sentence;
 use super::verdict::verdict;
 use crate::clock::now;
@@ -14,6 +14,7 @@ use protocol::curve::Size;
 use protocol::to_everyone::Stage;
 use serde::Serialize;
 use solver::response::backbone::{Backbone, BackbonePoint};
+use solver::response::orders::orders;
 use std::collections::{HashMap, HashSet};
 
 /// Points of branches that a page takes without becoming heavy.
@@ -149,6 +150,9 @@ impl Report {
             stage,
             structure: Structure::new(&model, &monitors[0].name, monitors[0].gap),
             harmonics: header.settings.harmonics.count,
+            asked: orders(&model, &header.settings.search),
+            orders: further_orders(reader, &mut omissions),
+            is_further: reader.order().is_some(),
         };
         let mut report = Self {
             verdict: verdict(&evidence),
@@ -247,6 +251,20 @@ fn facts(header: RunHeader, model: String, stage: Option<Stage>, missing: Vec<St
         made: now(),
         missing,
     }
+}
+
+/// What was found of further orders of motions, if the reader tells of the first.
+fn further_orders(reader: &Reader, omissions: &mut Omissions) -> Vec<OrderFound> {
+    if reader.order().is_some() {
+        return Vec::new();
+    }
+    let found = |order: usize, omissions: &mut Omissions| {
+        let levels = reader.of_order(order).and_then(|further| Overview::read(&further, omissions));
+        let levels = omissions.read(format_args!("What was found of motions of order {order} is"), levels);
+        levels.map(|overview| OrderFound::new(order, &overview.levels))
+    };
+    let orders = omissions.read("Which orders of motions there are is", reader.further_orders()).unwrap_or_default();
+    orders.into_iter().filter_map(|order| found(order, omissions)).collect()
 }
 
 fn read_backbone(reader: &Reader, size: &Size) -> Result<Option<Backbone>> {

@@ -79,6 +79,14 @@ impl Evidence<'_> {
         };
         let harmonics =
             if self.structure.harmonic > 1 { "other sub- and super-harmonics" } else { "sub- and super-harmonics" };
+        // The orders that are looked for are not among the others.
+        let beside = match &self.asked[..] {
+            [_, _, ..] => {
+                let list: Vec<String> = self.asked.iter().map(ToString::to_string).collect();
+                format!(" (than {} of the force)", list.join(", "))
+            }
+            _ => String::new(),
+        };
         let mode = self.mode();
         let led = if self.curves.is_empty() {
             format!("those that no energy balance of {mode} leads to")
@@ -91,7 +99,7 @@ impl Evidence<'_> {
         };
         let folds = folds + &self.beyond_backbones();
         match self.search.starts {
-            0 => format!("isolas {modes}of {harmonics} and {led} were not looked for{folds}"),
+            0 => format!("isolas {modes}of {harmonics}{beside} and {led} were not looked for{folds}"),
             starts => {
                 let at_least = match self.search.fewest {
                     0 => "at some levels none".to_string(),
@@ -106,7 +114,7 @@ impl Evidence<'_> {
                     scouts => format!(", beside others at {}", count(scouts, "larger forcing amplitude")),
                 };
                 format!(
-                    "isolas of other periods were not looked for, and {led} by {starts} only ({at_least}){scouts}{folds}"
+                    "isolas of other periods{beside} were not looked for, and {led} by {starts} only ({at_least}){scouts}{folds}"
                 )
             }
         }

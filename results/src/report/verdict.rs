@@ -5,7 +5,7 @@
 #[cfg(test)]
 mod tests;
 
-use super::evidence::Evidence;
+use super::evidence::{Evidence, OrderFound};
 use super::losses::{Loss, losses, named, unknown_beyond};
 use crate::curves::BackboneCurve;
 use crate::overview::{BranchRow, Level, Origin, events_sentence, highest, sampled, truncation};
@@ -161,6 +161,7 @@ impl<'r> Evidence<'r> {
         list.extend(sampled(self.levels));
         list.extend(self.largest().map(|(_, largest)| self.stability_of_peak(largest)));
         list.extend(self.untouched().map(String::from));
+        list.extend(self.orders.iter().map(of_order));
         list.extend(self.others());
         list.extend(self.not_found());
         list.extend(unknown_beyond(self));
@@ -303,6 +304,9 @@ impl<'r> Evidence<'r> {
         if self.with_isolas().next().is_none() {
             return "No isola was found where it was looked for (see the first answer).".into();
         }
+        if self.is_further {
+            return "All of it: ordinary continuation follows motions of a shorter period.".into();
+        }
         let gains = self.with_isolas().filter_map(|level| {
             let main = level.main().filter(|main| main.amplitude_max > 0.0)?;
             Some(Gain { level, isola: level.highest_isola()?, main })
@@ -343,6 +347,21 @@ impl<'r> Evidence<'r> {
                 (1.0 - ratio) * 100.0
             ),
         }
+    }
+}
+
+/// What was found of a further order of motions.
+fn of_order(found: &OrderFound) -> String {
+    let OrderFound { order, levels, is_complete } = found;
+    let motions = format!("motions that last {order} periods of the force");
+    let so_far = if *is_complete { "" } else { " so far" };
+    match &levels[..] {
+        [] => format!("Of {motions} no isola was found{so_far} (see their own report)."),
+        [only] => format!("Of {motions} an isola was found{so_far} at A = {only} (see their own report)."),
+        [first, .., last] => format!(
+            "Of {motions} isolas were found{so_far} at {}, from A = {first} to {last} (see their own report).",
+            count(levels.len(), "level")
+        ),
     }
 }
 

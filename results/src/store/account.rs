@@ -1,6 +1,7 @@
 //! Who computed what, and at what cost.
 
 use super::{Reader, Result};
+use protocol::level::typed;
 use rusqlite::Row;
 use serde::Serialize;
 use std::collections::HashMap;
@@ -79,8 +80,9 @@ impl Reader {
                    FROM tasks JOIN levels USING (level) LEFT JOIN results ON results.task = tasks.id \
                    ORDER BY levels.value, position";
         let rows = self.all(sql, [], |row| {
-            let amplitude: String = row.get(1)?;
-            places.get(amplitude.as_str()).map(|&place| task(row, place)).transpose()
+            let level: String = row.get(1)?;
+            let place = places.get(typed(&level)).filter(|_| self.tells_of(&level));
+            place.map(|&place| task(row, place)).transpose()
         })?;
         Ok(rows.into_iter().flatten().collect())
     }

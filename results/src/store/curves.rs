@@ -4,9 +4,10 @@ use super::error::At;
 use super::header::unpack;
 use super::number::number;
 use super::scalars::Scalars;
-use super::{Reader, Result};
+use super::{Reader, Result, StoreError};
 use protocol::critical::CriticalMessage;
 use protocol::ids::TaskId;
+use protocol::level::typed;
 use rusqlite::{Connection, Row, params};
 use serde::Serialize;
 use solver::response::branch::{Outcome, Stop};
@@ -110,7 +111,12 @@ const IS_CRITICAL: &str = "SELECT kind <> 'response' FROM curves ORDER BY number
 
 /// Folds that are followed if there is room (`FoldPlace::of`).
 const ALL_FOLDS: &str = "SELECT count(*) FROM branches, json_each(branches.special) \
-     WHERE json_extract(json_each.value, '$.kind') = 'fold' AND branches.kind <> 'branched'";
+     WHERE json_extract(json_each.value, '$.kind') = 'fold' AND branches.kind <> 'branched' AND level IN {levels}";
+
+/// The amplitude in the name of a level.
+fn level(row: &Row<'_>, column: usize) -> rusqlite::Result<String> {
+    Ok(typed(&row.get::<_, String>(column)?).into())
+}
 
 /// How a curve begins and ends, in words.
 fn status(outcome: Outcome, grazing: [Option<usize>; 2]) -> String {
@@ -168,9 +174,11 @@ impl Reader {
         }
         let sql = "SELECT number, levels.amplitude, origin, status, unfinished FROM curves \
                    JOIN tasks ON tasks.id = curves.task JOIN levels USING (level) ORDER BY number";
-        let mut curves = self.all(sql, [], |row| {
+        let rows = self.all(sql, [], |row| {
             let (amplitude, origin): (String, String) = (row.get(1)?, row.get(2)?);
-            Ok(CurveRow {
+            let is_told_of = self.tells_of(&amplitude);
+            let amplitude = typed(&amplitude);
+            let curve = CurveRow {
                 number: row.get(0)?,
                 origin: match origin.starts_with("scout ") {
                     true => format!("{origin}, beyond A = {amplitude}"),
@@ -179,8 +187,10 @@ impl Reader {
                 status: row.get(3)?,
                 is_unfinished: row.get(4)?,
                 ..CurveRow::default()
-            })
+            };
+            Ok((is_told_of, curve))
         })?;
+        let (is_told_of, mut curves): (Vec<bool>, Vec<CurveRow>) = rows.into_iter().unzip();
         let doubled = if self.version()? < SINCE_DOUBLED { "NULL, NULL" } else { "forcing_2h, omega_2h" };
         let sql =
             format!("SELECT curve, forcing, omega, amplitude, event, {doubled} FROM curve_points ORDER BY curve, i");
@@ -203,12 +213,10 @@ impl Reader {
             curve.crossings.push(crossing);
         }
         let is_critical = self.all(IS_CRITICAL, [], |row| row.get::<_, bool>(0))?;
-        Ok(curves
-            .into_iter()
-            .zip(is_critical)
-            .filter(|(_, is_critical)| *is_critical)
-            .map(|(curve, _)| curve)
-            .collect())
+        let mut is_meant =
+            is_critical.into_iter().zip(is_told_of).map(|(is_critical, is_told_of)| is_critical && is_told_of);
+        curves.retain(|_| is_meant.next().unwrap_or(false));
+        Ok(curves)
     }
 
     /// Crossings of curves with levels that led to a branch, each with the index of its curve.
@@ -217,7 +225,7 @@ impl Reader {
                    WHERE kind = 'crossing' AND found AND branch IS NOT NULL ORDER BY levels.value, position";
         let rows = self.all(sql, [], |row| {
             let crossing =
-                Crossing { segment: 0, forcing: number(row, 1)?, amplitude: row.get(2)?, branch: row.get(3)? };
+                Crossing { segment: 0, forcing: number(row, 1)?, amplitude: level(row, 2)?, branch: row.get(3)? };
             Ok((row.get::<_, Vec<u8>>(0)?, crossing))
         })?;
         let place = |(work, crossing): (Vec<u8>, Crossing)| match unpack(self.file(), &work).ok()? {
@@ -229,11 +237,15 @@ impl Reader {
 
     /// What became of random starts and of the tasks that follow from folds.
     pub fn search_counts(&self) -> Result<SearchCounts> {
+        let levels = self.levels_told_of();
+        let told_of = |sql: &str| sql.replace("{levels}", &levels);
         let sql = "SELECT kind, state <> 'done' OR found OR coalesce(outcome, '') LIKE 'outside %' \
                    OR outcome LIKE 'on asymmetric %' FROM tasks \
-                   WHERE kind IN ('fold', 'crossing') AND origin NOT LIKE 'scout %'";
+                   WHERE kind IN ('fold', 'crossing') AND origin NOT LIKE 'scout %' AND level IN {levels}";
         let mut counts = SearchCounts::default();
-        for (kind, is_well) in self.all(sql, [], |row| Ok((row.get::<_, String>(0)?, row.get::<_, bool>(1)?)))? {
+        for (kind, is_well) in
+            self.all(&told_of(sql), [], |row| Ok((row.get::<_, String>(0)?, row.get::<_, bool>(1)?)))?
+        {
             let (all, lost) = match kind.as_str() {
                 "fold" => (&mut counts.folds, &mut counts.unfollowed),
                 _ => (&mut counts.crossings, &mut counts.lost),
@@ -241,26 +253,35 @@ impl Reader {
             *all += 1;
             *lost += usize::from(!is_well);
         }
-        let number = |sql| Ok(self.one(sql, [], |row| row.get::<_, usize>(0))?.unwrap_or_default());
+        let number = |sql: &str| {
+            Ok::<_, StoreError>(self.one(&told_of(sql), [], |row| row.get::<_, usize>(0))?.unwrap_or_default())
+        };
         // Without any task folds were not to be followed.
         if counts.folds > 0 {
             counts.left_out = number(ALL_FOLDS)?.saturating_sub(counts.folds);
         }
-        counts.starts = BATCH * number("SELECT count(*) FROM tasks WHERE kind = 'start' AND state = 'done'")?;
+        let sql = "SELECT count(*) FROM tasks WHERE kind = 'start' AND state = 'done' AND level IN {levels}";
+        counts.starts = BATCH * number(sql)?;
         let sql = "SELECT min(number) FROM (SELECT count(tasks.id) AS number FROM levels LEFT JOIN tasks \
-                   ON tasks.level = levels.level AND tasks.kind = 'start' AND tasks.state = 'done' GROUP BY levels.level)";
+                   ON tasks.level = levels.level AND tasks.kind = 'start' AND tasks.state = 'done' \
+                   WHERE levels.level IN {levels} GROUP BY levels.level)";
         counts.fewest = BATCH * number(sql)?;
-        let sql = "SELECT count(*) FROM branches JOIN tasks ON tasks.id = branches.task WHERE tasks.kind = 'begin'";
+        let sql = "SELECT count(*) FROM branches JOIN tasks ON tasks.id = branches.task \
+                   WHERE tasks.kind = 'begin' AND tasks.level IN {levels}";
         counts.started = number(sql)?;
         // Those of a level that was the largest once may lie within the study now.
         let sql = "SELECT count(*) FROM tasks JOIN levels ON levels.level = tasks.level WHERE kind = 'scout' AND state = 'done' \
-                   AND value = (SELECT max(value) FROM levels)";
+                   AND value = (SELECT max(value) FROM levels) AND tasks.level IN {levels}";
         counts.scouts = number(sql)?;
-        counts.carried = number("SELECT count(*) FROM curves WHERE kind = 'response'")?;
-        let stopped = number("SELECT count(*) FROM curves WHERE kind = 'response' AND unfinished")?;
-        counts.uncarried =
-            stopped + number("SELECT count(*) FROM tasks WHERE kind = 'carry' AND (state <> 'done' OR NOT found)")?;
-        counts.unverified = number("SELECT count(*) FROM tasks WHERE kind = 'verify' AND state = 'dead'")?;
+        let responses = "SELECT count(*) FROM curves JOIN tasks ON tasks.id = curves.task \
+                         WHERE curves.kind = 'response' AND tasks.level IN {levels}";
+        counts.carried = number(responses)?;
+        let stopped = number(&format!("{responses} AND unfinished"))?;
+        let sql =
+            "SELECT count(*) FROM tasks WHERE kind = 'carry' AND (state <> 'done' OR NOT found) AND level IN {levels}";
+        counts.uncarried = stopped + number(sql)?;
+        let sql = "SELECT count(*) FROM tasks WHERE kind = 'verify' AND state = 'dead' AND level IN {levels}";
+        counts.unverified = number(sql)?;
         Ok(counts)
     }
 

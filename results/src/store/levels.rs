@@ -5,6 +5,7 @@ use super::number::number;
 use super::verifications::Stability;
 use super::{Reader, Result, StoreError};
 use protocol::codec::decode_stored;
+use protocol::level::typed;
 use protocol::to_everyone::StoredResult;
 use rusqlite::Row;
 use serde::Serialize;
@@ -155,7 +156,11 @@ impl Reader {
     /// Number, forcing amplitude as typed, and its value: levels by amplitude.
     pub(crate) fn levels(&self) -> Result<Vec<(i64, String, f64)>> {
         let sql = "SELECT level, amplitude, value FROM levels ORDER BY value, level";
-        self.all(sql, [], |row| Ok((row.get(0)?, row.get(1)?, row.get(2)?)))
+        let mut levels: Vec<(i64, String, f64)> =
+            self.all(sql, [], |row| Ok((row.get(0)?, row.get(1)?, row.get(2)?)))?;
+        levels.retain(|(_, name, _)| self.tells_of(name));
+        levels.iter_mut().for_each(|(_, name, _)| *name = typed(name).into());
+        Ok(levels)
     }
 
     /// Tasks of a level that are still to be done, and those that were given up, verifications apart.
@@ -207,7 +212,9 @@ impl Reader {
     pub(crate) fn main_outcomes(&self) -> Result<Vec<(String, Outcome)>> {
         let sql = "SELECT levels.amplitude, record FROM branches JOIN levels USING (level) JOIN results USING (task) \
                    WHERE kind = 'main' ORDER BY value, number";
-        let rows = self.all(sql, [], |row| Ok((row.get::<_, String>(0)?, row.get::<_, Vec<u8>>(1)?)))?;
+        let mut rows = self.all(sql, [], |row| Ok((row.get::<_, String>(0)?, row.get::<_, Vec<u8>>(1)?)))?;
+        rows.retain(|(amplitude, _)| self.tells_of(amplitude));
+        rows.iter_mut().for_each(|(amplitude, _)| *amplitude = typed(amplitude).into());
         let outcome = |(amplitude, record): (String, Vec<u8>)| {
             let result: StoredResult = decode_stored(&record).map_err(|error| self.corrupt(error))?;
             Ok(result.branch.map(|branch| (amplitude, branch.outcome)))

@@ -22,6 +22,7 @@ mod levels;
 mod lock;
 mod motions;
 mod number;
+mod orders;
 mod plan;
 mod points_table;
 mod pushes;
@@ -206,7 +207,7 @@ impl Store {
         self.write(true, |db, file, _| {
             header::set_study(db, file, &extension.study, &extension.overrides)?;
             header::insert_amplitudes(db, file, &extension.amplitudes)?;
-            extension.plan.as_ref().map_or(Ok(()), |(reach, levels)| plan::insert_more(db, file, reach, levels))
+            extension.plan.as_ref().map_or(Ok(()), |more| plan::insert_more(db, file, more))
         })
     }
 

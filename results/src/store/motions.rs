@@ -4,6 +4,7 @@ use super::error::At;
 use super::verifications::branch_of;
 use super::{Reader, Result};
 use protocol::ids::TaskId;
+use protocol::level::typed;
 use rusqlite::{Connection, Row, params};
 use serde::Serialize;
 use solver::response::task::MarchPlace;
@@ -118,9 +119,11 @@ impl Reader {
             };
             Ok((kind, number, motion))
         })?;
+        let rows = rows.into_iter().filter(|(_, _, motion)| self.tells_of(&motion.forcing));
         let named = |(kind, number, motion): (String, usize, MotionRow)| {
-            Ok(MotionRow { branch: self.branch_name(&kind, number)?, ..motion })
+            let forcing = typed(&motion.forcing).into();
+            Ok(MotionRow { branch: self.branch_name(&kind, number)?, forcing, ..motion })
         };
-        rows.into_iter().map(named).collect()
+        rows.map(named).collect()
     }
 }

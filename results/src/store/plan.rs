@@ -8,7 +8,7 @@ use super::header::{corrupt, get, pack, read_levels, read_model, set, unpack};
 use super::points_table::BACKBONE;
 use super::scalars::{Scalars, scalars};
 use super::{Result, StoreError};
-use crate::journal::{AddedTask, LevelPlan, SweepPlan, kind};
+use crate::journal::{AddedTask, LevelPlan, MorePlan, OrderPlan, SweepPlan, kind};
 use protocol::backbone::BackboneMessage;
 use protocol::codec::{decode_stored, encode};
 use protocol::ids::TaskId;
@@ -24,18 +24,19 @@ use std::collections::HashMap;
 use std::path::Path;
 
 const OWNER: &str = "backbone";
+const ORDERS: &str = "orders";
 /// The first version of the schema that knows several modes.
 const WITH_MODES: i64 = 3;
 
 /// Stores the backbones with everything that follows from them.
 pub(super) fn insert_plan(db: &Connection, file: &Path, plan: &SweepPlan, displacements: &Displacements) -> Result<()> {
-    let SweepPlan { backbone, further, left_out, reach, levels, added } = plan;
-    let mut omega = HashMap::new();
+    let SweepPlan { backbone, further, left_out, reach, orders, levels, added } = plan;
+    let mut omega = Frequencies::new();
     for (place, backbone) in std::iter::once(backbone).chain(further).enumerate() {
         let owner = owner((place > 0).then_some(backbone.mode));
         insert_backbone(db, file, &owner, backbone, displacements)?;
         insert_mode(db, file, backbone.mode, Some(place), &backbone.outcome, encode(&without_numbers(backbone)))?;
-        omega.insert(backbone.mode, frequencies(file, backbone)?);
+        omega.insert((None, backbone.mode), frequencies(file, backbone)?);
     }
     for (mode, why) in left_out {
         insert_mode(db, file, *mode, None, why, pack(why))?;
@@ -43,17 +44,41 @@ pub(super) fn insert_plan(db: &Connection, file: &Path, plan: &SweepPlan, displa
     set(db, file, "backbone", encode(&without_numbers(backbone)))?;
     set(db, file, "backbone_status", backbone.outcome.to_string())?;
     insert_reach(db, file, reach)?;
+    insert_orders(db, file, orders, &mut omega)?;
     insert_levels(db, file, levels, &omega)?;
     insert_added(db, file, added)
 }
 
+/// Frequencies of the points of backbones, by order, if it is not the first, and mode.
+type Frequencies = HashMap<(Option<usize>, usize), Vec<f64>>;
+
+/// Stores what further orders of motions are looked for with.
+fn insert_orders(db: &Connection, file: &Path, orders: &[OrderPlan], omega: &mut Frequencies) -> Result<()> {
+    if orders.is_empty() {
+        return Ok(());
+    }
+    for OrderPlan { order, backbones, .. } in orders {
+        for backbone in backbones {
+            omega.insert((Some(*order), backbone.mode), frequencies(file, backbone)?);
+        }
+    }
+    set(db, file, ORDERS, pack(&orders))
+}
+
+/// What further orders of motions are looked for with; none as long as there is no backbone.
+pub(super) fn read_orders(db: &Connection, file: &Path) -> Result<Vec<OrderPlan>> {
+    get::<Vec<u8>>(db, file, ORDERS)?.map_or_else(|| Ok(Vec::new()), |bytes| unpack(file, &bytes))
+}
+
 /// Stores what follows from the backbones for levels that are added.
-pub(super) fn insert_more(db: &Connection, file: &Path, reach: &SearchRange, levels: &[LevelPlan]) -> Result<()> {
-    let mut omega = HashMap::new();
+pub(super) fn insert_more(db: &Connection, file: &Path, more: &MorePlan) -> Result<()> {
+    let MorePlan { reach, orders, levels } = more;
+    let mut omega = Frequencies::new();
     for backbone in read_backbone(db, file)?.into_iter().chain(read_further(db, file)?) {
-        omega.insert(backbone.mode, frequencies(file, &backbone)?);
+        omega.insert((None, backbone.mode), frequencies(file, &backbone)?);
     }
     insert_reach(db, file, reach)?;
+    insert_orders(db, file, orders, &mut omega)?;
     insert_levels(db, file, levels, &omega)
 }
 
@@ -189,13 +214,14 @@ pub(super) fn read_reach(db: &Connection, file: &Path) -> Result<Option<SearchRa
     get::<Vec<u8>>(db, file, "reach")?.map(|bytes| unpack(file, &bytes)).transpose()
 }
 
-/// Stores windows and tasks of all levels; `omega` are the frequencies of the backbones, by mode.
-fn insert_levels(db: &Connection, file: &Path, plans: &[LevelPlan], omega: &HashMap<usize, Vec<f64>>) -> Result<()> {
+/// Stores windows and tasks of all levels.
+fn insert_levels(db: &Connection, file: &Path, plans: &[LevelPlan], omega: &Frequencies) -> Result<()> {
     for plan in plans {
         let text = &plan.amplitude.text;
         let level = number_of_level(db, file, text)?;
         for (i, window) in plan.windows.iter().enumerate() {
-            let best = omega.get(&window.mode).and_then(|omega| omega.get(window.best)).copied();
+            let best =
+                omega.get(&(plan.amplitude.order(), window.mode)).and_then(|omega| omega.get(window.best)).copied();
             insert_window(db, file, level, i + 1, window, best.unwrap_or(window.omega.0))?;
         }
         for (i, task) in plan.tasks.iter().enumerate() {

@@ -5,6 +5,7 @@ use super::verifications::branch_of;
 use super::{Reader, Result};
 use crate::journal::AddedTask;
 use protocol::ids::TaskId;
+use protocol::level::typed;
 use rusqlite::{Connection, Row, params};
 use serde::Serialize;
 use solver::response::task::{BranchId, DisturbPlace, Task};
@@ -141,9 +142,11 @@ impl Reader {
             };
             Ok((kind, number, push))
         })?;
+        let rows = rows.into_iter().filter(|(_, _, push)| self.tells_of(&push.forcing));
         let named = |(kind, number, push): (String, usize, PushRow)| {
-            Ok(PushRow { branch: self.branch_name(&kind, number)?, ..push })
+            let forcing = typed(&push.forcing).into();
+            Ok(PushRow { branch: self.branch_name(&kind, number)?, forcing, ..push })
         };
-        rows.into_iter().map(named).collect()
+        rows.map(named).collect()
     }
 }

@@ -6,10 +6,12 @@ use super::error::At;
 use super::extent::Extent;
 use super::header::{corrupt, get, read_header, read_model, read_stage, unpack};
 use super::number::number;
-use super::plan::{read_added, read_backbone, read_further, read_left_out, read_modes, read_plans, read_reach};
+use super::plan::{
+    read_added, read_backbone, read_further, read_left_out, read_modes, read_orders, read_plans, read_reach,
+};
 use super::points_table::POINTS;
 use super::{FILE, Result, RunHeader, StoreError, database};
-use crate::journal::{AddedTask, LevelPlan};
+use crate::journal::{AddedTask, LevelPlan, OrderPlan};
 use protocol::array::Array;
 use protocol::backbone::BackboneMessage;
 use protocol::codec::{decode_stored, encode, sha256};
@@ -29,6 +31,8 @@ pub struct Reader {
     db: Connection,
     dir: PathBuf,
     file: PathBuf,
+    /// Order of motions that is told of, if it is not the first.
+    pub(super) order: Option<usize>,
 }
 
 impl Reader {
@@ -42,7 +46,7 @@ impl Reader {
     }
 
     pub(super) fn new(db: Connection, dir: &Path) -> Self {
-        Self { db, dir: dir.into(), file: dir.join(FILE) }
+        Self { db, dir: dir.into(), file: dir.join(FILE), order: None }
     }
 
     pub(super) fn parts_mut(&mut self) -> (&mut Connection, &Path) {
@@ -61,7 +65,8 @@ impl Reader {
 
     /// What does not change.
     pub fn header(&self) -> Result<RunHeader> {
-        read_header(&self.db, &self.file)
+        let header = read_header(&self.db, &self.file)?;
+        if self.order.is_some() { self.settled(header) } else { Ok(header) }
     }
 
     /// The model.
@@ -76,7 +81,7 @@ impl Reader {
         if expected != Some(sha256(&encode(&model))) {
             return Err(corrupt(&self.file, "the model is not the one that the run began with"));
         }
-        Ok(model)
+        Ok(self.forced(model))
     }
 
     /// Whether the tables and indices of the file hang together.
@@ -112,18 +117,29 @@ impl Reader {
 
     /// The backbone of the primary mode, once it is known.
     pub fn backbone(&self) -> Result<Option<BackboneMessage>> {
-        read_backbone(&self.db, &self.file)
+        match self.order {
+            None => read_backbone(&self.db, &self.file),
+            Some(_) => Ok(self.order_plan()?.and_then(|plan| plan.backbones.into_iter().next())),
+        }
     }
 
     /// The backbones of further modes, once they are known; none of runs of earlier programs, which followed one mode.
     pub fn further_backbones(&self) -> Result<Vec<BackboneMessage>> {
-        read_further(&self.db, &self.file)
+        match self.order {
+            None => read_further(&self.db, &self.file),
+            Some(_) => {
+                Ok(self.order_plan()?.map_or_else(Vec::new, |plan| plan.backbones.into_iter().skip(1).collect()))
+            }
+        }
     }
 
     /// Which modes have a backbone and which not; `None` as long as that is not known. Runs of earlier programs followed the
     /// mode that they were told to.
     pub fn modes(&self) -> Result<Option<ModesFollowed>> {
-        read_modes(&self.db, &self.file)
+        match self.order {
+            None => read_modes(&self.db, &self.file),
+            Some(_) => Ok(self.order_plan()?.map(|plan| plan.modes())),
+        }
     }
 
     /// Modes without a backbone, and why; `None` as long as that is not known, and of runs of earlier programs.
@@ -133,7 +149,15 @@ impl Reader {
 
     /// Within which frequencies and amplitudes branches are followed; known when the backbone is.
     pub fn reach(&self) -> Result<Option<SearchRange>> {
-        read_reach(&self.db, &self.file)
+        match self.order {
+            None => read_reach(&self.db, &self.file),
+            Some(_) => Ok(self.order_plan()?.map(|plan| plan.reach)),
+        }
+    }
+
+    /// What orders of motions beyond the first one are looked for with; none as long as there is no backbone.
+    pub fn orders(&self) -> Result<Vec<OrderPlan>> {
+        read_orders(&self.db, &self.file)
     }
 
     /// Windows and tasks of every level; empty as long as there is no backbone.

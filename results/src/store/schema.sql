@@ -12,7 +12,8 @@ CREATE TABLE meta (
     -- namespace (of the keys on the bus), stage (backbone, sweep, finished, cancelled), settings (msgpack),
     -- verify (msgpack: what is verified, if that was changed after the run began);
     -- with the backbones: omega_low, omega_high, amplitude_bound (reach of branches), backbone_status (of the primary mode),
-    -- reach and backbone (msgpack).
+    -- reach and backbone (msgpack), and where several orders of motions are looked for orders (msgpack: reach and backbones of all but
+    -- the first).
     key TEXT NOT NULL PRIMARY KEY,
     value NOT NULL
 ) WITHOUT ROWID;
@@ -38,7 +39,7 @@ CREATE TABLE model (
 CREATE TABLE levels (
     -- Number, from 1.
     level INTEGER NOT NULL PRIMARY KEY,
-    -- Forcing amplitude as typed.
+    -- Name: the forcing amplitude as typed, and behind it the order of the motions where that is not the study's first: '60-m3'.
     amplitude TEXT NOT NULL UNIQUE,
     -- Forcing amplitude.
     value REAL NOT NULL

@@ -3,6 +3,7 @@
 use super::error::At;
 use super::{Reader, Result};
 use protocol::ids::TaskId;
+use protocol::level::typed;
 use rusqlite::{Connection, Row, params};
 use serde::Serialize;
 use solver::response::task::{BranchId, VerifyPlace};
@@ -236,7 +237,9 @@ impl Reader {
             Ok((kind, number, row.get(0)?, row.get(3)?, row.get(4)?, row.get(5)?))
         })?
         .into_iter()
+        .filter(|(_, _, forcing, ..): &(_, _, String, _, _, _)| self.tells_of(forcing))
         .map(|(kind, number, forcing, what, omega, amplitude)| {
+            let forcing = typed(&forcing).into();
             Ok(BifurcationRow { forcing, branch: self.branch_name(&kind, number)?, kind: what, omega, amplitude })
         })
         .collect()

@@ -22,6 +22,7 @@ use crate::response::branch::{
 use crate::response::folds::{Critical, CriticalCurve, CriticalError, Extent, Quantity};
 use crate::response::forcing::{Unreached, from_rest};
 use crate::response::interrupt::Interrupt;
+use crate::response::orders::Shorter;
 use crate::response::ordinary::{Departure, LINEAR, Study, converge, distance, is_ordinary, main_part};
 pub use crate::response::search_range::SearchRange;
 use crate::response::special::with_special_points;
@@ -52,6 +53,8 @@ pub struct Forced<'m, F = PressureForm<'m>> {
     reach: SearchRange,
     identity: Identity,
     forcing: f64,
+    /// Motions that are of other orders.
+    shorter: Shorter,
     recorder: Recorder,
     interrupt: Interrupt,
 }
@@ -77,8 +80,9 @@ impl<'m, F: Formulation<'m>> Forced<'m, F> {
         let scales = Scales::new(model, settings.tracked());
         let unknown = Unknown::Frequency { forcing };
         let problem = F::build(model, settings.harmonics, settings.tracked(), unknown, scales)?;
+        let shorter = Shorter::of(model, settings.search.harmonics.as_ref());
         let (identity, recorder, interrupt) = Default::default();
-        Ok(Self { model, problem, settings: *settings, reach, identity, forcing, recorder, interrupt })
+        Ok(Self { model, problem, settings: *settings, reach, identity, forcing, shorter, recorder, interrupt })
     }
 
     /// The same with the steps of its branches and curves recorded; those recorded before are taken as they were.
@@ -124,6 +128,11 @@ impl<'m, F: Formulation<'m>> Forced<'m, F> {
     /// Forcing amplitude A.
     pub fn forcing(&self) -> f64 {
         self.forcing
+    }
+
+    /// Whether a motion repeats itself after fewer periods of the force and is of an earlier order that is looked for.
+    pub(super) fn is_shorter(&self, state: &State) -> bool {
+        self.shorter.has(state)
     }
 
     /// The settings.

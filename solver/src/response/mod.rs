@@ -24,6 +24,7 @@ pub mod marched;
 pub mod melnikov;
 pub mod modes;
 pub mod name;
+pub mod orders;
 mod ordinary;
 pub mod origin;
 pub mod recheck;

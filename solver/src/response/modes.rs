@@ -191,7 +191,7 @@ impl Backbones {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::settings::ModeList;
+    use crate::settings::NumberList;
     use crate::structure::ModelBuilder;
 
     /// Masses of 1 kg on springs of their own: every dof is a mode.
@@ -223,7 +223,7 @@ mod tests {
         // The backbone's own bounds: it could not start.
         assert_eq!(chosen(&model, |s| s.backbone.max_frequency = Some(3.5)).0, [0, 1, 2]);
         // A list is taken as it is.
-        let list = ModeChoice::These(ModeList::new(&[3, 2]).unwrap());
+        let list = ModeChoice::These(NumberList::new(&[3, 2]).unwrap());
         let (followed, left_out) = chosen(&model, |s| s.backbone.modes = list);
         assert_eq!((followed, left_out.len(), &left_out[0]), (vec![2, 1], 3, &(0, LeftOut::NotListed)));
     }
@@ -252,7 +252,7 @@ mod tests {
     fn a_backbone_that_does_not_start_is_left_out() {
         let model = masses(&[1.0, 2.0], &[1.0; 2]).build().unwrap();
         let mut settings = Settings::default();
-        settings.backbone.modes = ModeChoice::These(ModeList::new(&[1, 2]).unwrap());
+        settings.backbone.modes = ModeChoice::These(NumberList::new(&[1, 2]).unwrap());
         (settings.backbone.max_frequency, settings.backbone.max_points) = (Some(1.5), 5);
         let backbones = Backbones::compute(&model, &settings).unwrap();
         let ModesFollowed { followed, left_out } = backbones.modes();
@@ -260,7 +260,7 @@ mod tests {
         let (mode, LeftOut::NotStarted(why)) = &left_out[0] else { panic!("{left_out:?}") };
         assert!(*mode == 1 && why.contains("backbone.max_frequency = 1.5"), "{why}");
         // That of the primary mode has to start.
-        settings.backbone.modes = ModeChoice::These(ModeList::new(&[2, 1]).unwrap());
+        settings.backbone.modes = ModeChoice::These(NumberList::new(&[2, 1]).unwrap());
         assert!(Backbones::compute(&model, &settings).is_err());
     }
 }

@@ -99,6 +99,9 @@ pub enum LandingFailure {
         "every seed that converged ended far from its prediction, on a known branch (relative distance {0:.2} or more)"
     )]
     Far(f64),
+    /// All that converged repeats itself after fewer periods of the force: it is of another order ([`crate::response::orders`]).
+    #[error("every motion that converged repeats itself after fewer periods of the force")]
+    Shorter,
 }
 
 /// How a seed is turned into a forced response.

@@ -34,14 +34,14 @@ pub fn execute<'m, F: Formulation<'m>>(
             .unwrap_or_else(|failure| TaskResult::Nothing(SeedOutcome::NotTraced(failure))),
         Task::Land(place) => land_all(forced, seeds, place.method, place.well.mode).map_or_else(
             |failure| TaskResult::Nothing(SeedOutcome::NotLanded(LandingFailure::NotConverged(failure))),
-            TaskResult::Landings,
+            |landings| landed(forced, landings),
         ),
         Task::Seed(_) => follow(forced, landings, known, observer),
         Task::Fold(_) | Task::Carry(_) => return follow_over_forcing(forced, task, given, observer),
         Task::Crossing(place) => cross(forced, place, given, observer),
         Task::Start(place) => starts::land(forced, place).map_or_else(
             |failure| TaskResult::Nothing(SeedOutcome::NotLanded(LandingFailure::NotConverged(failure.into()))),
-            TaskResult::Landings,
+            |landings| landed(forced, landings),
         ),
         Task::Begin(_) => begin(forced, landings, known, observer),
         Task::Scout(place) => {
@@ -80,6 +80,15 @@ pub fn execute<'m, F: Formulation<'m>>(
         flow
     });
     (!is_cancelled).then_some(TaskResult::Branch(branch))
+}
+
+/// What of landings is of the order that is looked for.
+fn landed<'m, F: Formulation<'m>>(forced: &Forced<'m, F>, landings: Vec<Landing>) -> TaskResult {
+    let own: Vec<Landing> = landings.into_iter().filter(|landing| !forced.is_shorter(&landing.state)).collect();
+    match own.is_empty() {
+        true => TaskResult::Nothing(SeedOutcome::NotLanded(LandingFailure::Shorter)),
+        false => TaskResult::Landings(own),
+    }
 }
 
 /// Traces the main branch from a side; if that is known, what a growing forcing leads to from rest, if it is something else.
@@ -139,6 +148,7 @@ fn cross<'m, F: Formulation<'m>>(
         Some(critical.crossing_at(curve, place.segment, forcing))
     });
     match crossing.unwrap_or(Err(Failure::Diverged)) {
+        Ok(state) if forced.is_shorter(&state) => TaskResult::Nothing(SeedOutcome::NotLanded(LandingFailure::Shorter)),
         Ok(state) => branch_from(forced, &State { forcing, ..state }, given.known, observer),
         Err(failure) => TaskResult::Nothing(SeedOutcome::NotLanded(LandingFailure::NotConverged(failure.into()))),
     }
@@ -232,7 +242,7 @@ fn parent<'m, F: Formulation<'m>>(
     for motion in parents(forced.problem(), branch) {
         let Ok(state) = forced.converge(&motion) else { continue };
         let is_it = forced.distance(&state, &motion) < BESIDE;
-        if !is_it || identify(forced, &state, known).is_some() {
+        if !is_it || forced.is_shorter(&state) || identify(forced, &state, known).is_some() {
             continue;
         }
         let Ok(branch) = forced.branch_through(&state, observer) else { continue };

@@ -1,5 +1,6 @@
 //! How hard is looked for, and how much of it is verified.
 
+use crate::settings::numbers::NumberList;
 use serde::{Deserialize, Serialize};
 
 /// How hard isolas are looked for beyond the windows of the energy balance.
@@ -8,6 +9,10 @@ use serde::{Deserialize, Serialize};
 pub struct SearchSettings {
     /// How hard. Default standard.
     pub effort: Effort,
+    /// Orders m of the motions that are looked for, which last m periods of the force, ascending. Default: the model's
+    /// `forcing.harmonic` alone. See [`crate::response::orders`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub harmonics: Option<NumberList>,
 }
 
 /// How hard isolas are looked for.

@@ -1,6 +1,7 @@
 //! Which modes a study follows.
 
-use serde::de::{Deserializer, Error, SeqAccess, Unexpected, Visitor};
+use super::numbers::{NumberList, Numbers};
+use serde::de::{Deserializer, Error, SeqAccess, Visitor};
 use serde::ser::Serializer;
 use serde::{Deserialize, Serialize};
 
@@ -12,46 +13,20 @@ pub enum ModeChoice {
     #[default]
     Auto,
     /// These.
-    These(ModeList),
-}
-
-/// Up to [`ModeList::MOST`] numbers of modes, from 1, in the order given.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct ModeList {
-    count: usize,
-    numbers: [usize; ModeList::MOST],
-}
-
-impl ModeList {
-    /// Most modes of a list.
-    pub const MOST: usize = 16;
-
-    /// A list of these numbers, from 1; `None` of more than [`ModeList::MOST`].
-    pub fn new(numbers: &[usize]) -> Option<Self> {
-        let mut list = Self { count: numbers.len(), numbers: [0; Self::MOST] };
-        list.numbers.get_mut(..numbers.len())?.copy_from_slice(numbers);
-        Some(list)
-    }
-
-    /// The numbers, from 1.
-    pub fn numbers(&self) -> &[usize] {
-        &self.numbers[..self.count]
-    }
+    These(NumberList),
 }
 
 impl ModeChoice {
     /// This mode alone, by its number from 1.
     pub fn one(number: usize) -> Self {
-        let mut numbers = [0; ModeList::MOST];
-        numbers[0] = number;
-        Self::These(ModeList { count: 1, numbers })
+        Self::These(NumberList::one(number))
     }
 
     /// Number, from 1, of the primary mode; 0 of an empty list.
     pub fn primary(&self) -> usize {
         match self {
             Self::Auto => 1,
-            Self::These(list) => list.numbers[0],
+            Self::These(list) => list.numbers().first().copied().unwrap_or_default(),
         }
     }
 }
@@ -60,10 +35,7 @@ impl std::fmt::Display for ModeChoice {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Auto => f.write_str("auto"),
-            Self::These(list) => match list.numbers() {
-                [only] => write!(f, "{only}"),
-                numbers => write!(f, "{numbers:?}"),
-            },
+            Self::These(list) => list.fmt(f),
         }
     }
 }
@@ -72,7 +44,7 @@ impl Serialize for ModeChoice {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         match self {
             Self::Auto => serializer.serialize_str("auto"),
-            Self::These(list) => list.numbers().serialize(serializer),
+            Self::These(list) => list.serialize(serializer),
         }
     }
 }
@@ -85,43 +57,33 @@ impl<'de> Deserialize<'de> for ModeChoice {
 
 struct ChoiceVisitor;
 
+const LISTED: Numbers = Numbers { expected: "\"auto\" or a list of mode numbers like [1, 2]" };
+
 impl<'de> Visitor<'de> for ChoiceVisitor {
     type Value = ModeChoice;
 
     fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str("\"auto\" or a list of mode numbers like [1, 2]")
+        f.write_str(LISTED.expected)
     }
 
-    /// A list as typed in a shell, too: `1,2`.
     fn visit_str<E: Error>(self, text: &str) -> Result<ModeChoice, E> {
-        let typed = || text.split(',').map(|number| number.trim().parse().ok()).collect::<Option<Vec<usize>>>();
         match text {
             "auto" => Ok(ModeChoice::Auto),
-            _ => these(typed().ok_or_else(|| E::invalid_value(Unexpected::Str(text), &self))?),
+            _ => LISTED.visit_str(text).map(ModeChoice::These),
         }
     }
 
     fn visit_u64<E: Error>(self, number: u64) -> Result<ModeChoice, E> {
-        Ok(ModeChoice::one(usize::try_from(number).unwrap_or(usize::MAX)))
+        LISTED.visit_u64(number).map(ModeChoice::These)
     }
 
     fn visit_i64<E: Error>(self, number: i64) -> Result<ModeChoice, E> {
-        let number = usize::try_from(number).map_err(|_| E::invalid_value(Unexpected::Signed(number), &self))?;
-        Ok(ModeChoice::one(number))
+        LISTED.visit_i64(number).map(ModeChoice::These)
     }
 
-    fn visit_seq<A: SeqAccess<'de>>(self, mut sequence: A) -> Result<ModeChoice, A::Error> {
-        let mut numbers = Vec::new();
-        while let Some(number) = sequence.next_element()? {
-            numbers.push(number);
-        }
-        these(numbers)
+    fn visit_seq<A: SeqAccess<'de>>(self, sequence: A) -> Result<ModeChoice, A::Error> {
+        LISTED.visit_seq(sequence).map(ModeChoice::These)
     }
-}
-
-fn these<E: Error>(numbers: Vec<usize>) -> Result<ModeChoice, E> {
-    let too_many = || E::custom(format!("{} modes: give at most {}", numbers.len(), ModeList::MOST));
-    ModeList::new(&numbers).map(ModeChoice::These).ok_or_else(too_many)
 }
 
 #[cfg(test)]
@@ -130,7 +92,7 @@ mod tests {
 
     #[test]
     fn a_choice_is_a_word_or_a_list() {
-        let these = |numbers: &[usize]| ModeChoice::These(ModeList::new(numbers).unwrap());
+        let these = |numbers: &[usize]| ModeChoice::These(NumberList::new(numbers).unwrap());
         for (choice, form, words) in [
             (ModeChoice::Auto, r#""auto""#, "auto"),
             (ModeChoice::one(2), "[2]", "2"),
@@ -153,7 +115,7 @@ mod tests {
         }
         let many = format!("{:?}", [1; 17]);
         assert!(
-            serde_json::from_str::<ModeChoice>(&many).unwrap_err().to_string().contains("17 modes: give at most 16")
+            serde_json::from_str::<ModeChoice>(&many).unwrap_err().to_string().contains("17 numbers: give at most 16")
         );
     }
 }

@@ -155,6 +155,14 @@ pub struct ContactElement<'m> {
 }
 
 impl Model {
+    /// The same structure with its force on another harmonic of the motion, from 1.
+    #[must_use]
+    pub(crate) fn with_force_on(&self, harmonic: usize) -> Self {
+        let mut model = self.clone();
+        model.forcing.harmonic = harmonic;
+        model
+    }
+
     /// Number of dofs n, 1 or more.
     pub fn size(&self) -> usize {
         self.dofs.len()

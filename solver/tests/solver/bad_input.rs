@@ -5,7 +5,7 @@ use solver::files;
 use solver::linalg::Matrix;
 use solver::response::backbone::Backbone;
 use solver::response::level::Level;
-use solver::settings::{FrequencySettings, ModeChoice, ModeList, Settings};
+use solver::settings::{FrequencySettings, ModeChoice, NumberList, Settings};
 use solver::structure::laws::Contact;
 use solver::structure::{Model, ModelBuilder};
 use std::fs;
@@ -359,7 +359,7 @@ fn change(set: impl FnOnce(&mut Settings)) -> Settings {
 #[test]
 fn numerical_settings() {
     let model = parts().build().unwrap();
-    let these = |numbers: &[usize]| ModeChoice::These(ModeList::new(numbers).unwrap());
+    let these = |numbers: &[usize]| ModeChoice::These(NumberList::new(numbers).unwrap());
     let cases: [(Settings, &[&str]); 11] = [
         (change(|s| s.harmonics.samples = 32), &["harmonics.samples", "32", "10 harmonics", "at least 40"]),
         (change(|s| s.harmonics.count = 0), &["harmonics.count", "0", "1 to 400"]),
@@ -422,7 +422,7 @@ fn a_structure_that_drifts() {
     let stiffness = Matrix::from_fn(2, 2, |i, j| if i == j { 1.0 } else { -1.0 });
     let free = Model::builder("free").mass(Matrix::diagonal(&[1.0, 1.0])).stiffness(stiffness).force(0, 1.0);
     let mut settings = Settings::default();
-    settings.backbone.modes = ModeChoice::These(ModeList::new(&[2]).unwrap());
+    settings.backbone.modes = ModeChoice::These(NumberList::new(&[2]).unwrap());
     let error = Backbone::compute(&free.build().unwrap(), &settings).unwrap_err().to_string();
     says(&error, &["backbone of mode 2", "nothing resists the rigid-body motion of mode 1", "soft spring"]);
 }

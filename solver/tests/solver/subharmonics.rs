@@ -3,8 +3,12 @@
 
 use crate::support::fold_curves::{all, folds, quiet};
 use crate::support::study::{Kind, Study, of_kind, shipped, with_harmonics};
-use solver::Settings;
 use solver::response::folds::{Critical, CriticalKind, Extent, Quantity};
+use solver::response::orders::Orders;
+use solver::response::task::{Task, TaskResult, plan};
+use solver::response::trace::{Given, execute};
+use solver::settings::SearchSettings;
+use solver::{Backbone, Forced, NumberList, SearchRange, Settings, State};
 
 /// Relative difference of frequencies.
 const CLOSE: f64 = 1e-5;
@@ -39,6 +43,38 @@ fn a_duffing_oscillator_driven_at_three_times_its_frequency() {
     let levels =
         [(1.0, None), (1.5, Some((1.157_770_851, 1.408_625_575))), (2.0, Some((1.088_198_745, 1.780_832_447)))];
     check("duffing_subharmonic", settings(21, 0.2, 2.5), &levels, 1.417_402);
+}
+
+/// An order of motions has the isolas of the structure that is forced on its harmonic, and no motion of the force's own period.
+#[test]
+fn a_duffing_oscillator_has_an_order_of_three() {
+    let mut settings = settings(21, 0.6, 7.5);
+    settings.search.harmonics = NumberList::new(&[1, 3]);
+    let model = shipped("duffing_subharmonic", &[]);
+    let orders = Orders::of(&model, &settings);
+    let order = orders.get(Some(3)).unwrap();
+    let backbone = Backbone::compute(&order.model, &order.settings).unwrap();
+    let (windows, tasks) = plan(&backbone, 1.5, &order.settings.frequency, 40);
+    assert_eq!(windows.len(), 1);
+    let reach = SearchRange::new(&order.settings, &backbone).unwrap();
+    let alone = Settings { search: SearchSettings::default(), ..order.settings };
+    let land = |settings: &Settings| {
+        let mut forced = Forced::new(&order.model, settings, reach, 1.5);
+        let starts = tasks.iter().filter(|task| matches!(task, Task::Start(_)));
+        let landed = starts.filter_map(|task| match execute(&mut forced, task, &Given::default(), &mut quiet)? {
+            TaskResult::Landings(landings) => Some(landings.into_iter().map(|landing| landing.state)),
+            _ => None,
+        });
+        landed.flatten().collect::<Vec<State>>()
+    };
+    let is_shorter = |state: &&State| {
+        let size = |k: usize| state.modal[2 * k - 1].hypot(state.modal[2 * k]);
+        (1..=state.harmonics).filter(|k| k % 3 != 0).all(|k| size(k) < 1e-9 * size(3))
+    };
+    let (all, own) = (land(&alone), land(&order.settings));
+    let shorter = all.iter().filter(is_shorter).count();
+    assert!(shorter > 100 && all.len() > shorter, "{shorter} of {}", all.len());
+    assert_eq!(own, all.into_iter().filter(|state| !is_shorter(&state)).collect::<Vec<_>>());
 }
 
 #[test]

@@ -85,6 +85,7 @@ impl Study {
             attempt: Attempt(1),
             ttl_ms: LEASE_MS,
             amplitude,
+            order: None,
             reach: self.reach(),
             work,
             seeds: Seeds::new(&seeds),

@@ -283,6 +283,45 @@ fn folds_are_followed_over_the_levels_and_lead_to_branches_where_they_cross() {
     assert_eq!((branches, curves), (3, 1));
 }
 
+/// What motions of one order lie on is nothing to those of another, at whatever forcing.
+#[test]
+fn curves_are_of_an_order_of_motions() {
+    let rules = Rules { most_folds: 9, ..Rules::default() };
+    let mut further = plan(1.0, 0);
+    further.amplitude = further.amplitude.of_order(3);
+    further.tasks = vec![Task::Begin(StartPlace { batch: 0, round: 0 })];
+    let mut ledger = Ledger::new(rules, vec![plan(1.0, 0), plan(2.0, 0), further]);
+    let main = Brought::Branch { kind: BranchKind::Main, folds: 1 };
+    let isola = Brought::Branch { kind: BranchKind::Isola, folds: 1 };
+    let curve = Brought::Curve([0.5, 1.5, 3.0].into());
+    let mut take = |expected: &str, curves: &[usize], brought: &Brought| {
+        let (Leased::Grant(granted), _) = ledger.lease(&name(0), 0, Duration::ZERO) else { panic!("no {expected}") };
+        let Granted { task, attempt, amplitude, .. } = &granted;
+        assert_eq!(
+            (task.as_str(), amplitude.order()),
+            (expected, ["1-m3-0", "1-m3-1", "1-m3-2", "fold-2"].contains(&expected).then_some(3))
+        );
+        let given: Vec<usize> = granted.curves.iter().map(|curve| curve.number).collect();
+        assert_eq!(given, curves, "{task}");
+        let lease = Lease { task: task.clone(), attempt: *attempt, worker: name(0), slot: 0 };
+        assert!(matches!(ledger.submit(&lease, brought).0, Submitted::Accepted(_)), "{task}");
+    };
+    take("2-0", &[], &main);
+    take("2-1", &[], &ON_MAIN);
+    take("1-0", &[], &main);
+    take("1-1", &[], &ON_MAIN);
+    take("1-m3-0", &[], &isola);
+    take("1-m3-1", &[], &Brought::Nothing(SeedOutcome::OutOfBounds));
+    take("fold-0", &[], &curve);
+    take("fold-1", &[0], &Brought::Nothing(SeedOutcome::OnCurve(0)));
+    // That of the isola is given no curve of the main branches, and its own leads to no level of theirs.
+    take("fold-2", &[], &curve);
+    take("2-2", &[0], &ON_MAIN);
+    take("1-2", &[0], &ON_MAIN);
+    take("1-m3-2", &[1], &Brought::Nothing(SeedOutcome::Found(BranchId::isola(0))));
+    assert!(ledger.is_finished());
+}
+
 /// No fold leads from an open branch to another level: a response of it is carried there, and its curve is no fold curve.
 #[test]
 fn open_branches_are_carried_over_the_levels() {

@@ -56,7 +56,7 @@ fn expiry_is_no_failure() {
 fn results_of_what_was_never_granted() {
     let mut ledger = Ledger::new(Rules::default(), plans(1));
     let lease = leased(&mut ledger, "a", Duration::ZERO);
-    let expected = Offered::Expected { amplitude: 1.0, work: Task::Main(Side::Below), branch: None };
+    let expected = Offered::Expected { amplitude: 1.0, order: None, work: Task::Main(Side::Below), branch: None };
     assert_eq!(ledger.offered(&lease), expected);
     let others = [
         Lease { task: TaskId::new("1-1").unwrap(), ..lease.clone() },

@@ -33,7 +33,10 @@ pub fn outcomes() -> (Vec<Outcome>, Vec<SeedOutcome>) {
     ];
     let open = others.into_iter().chain(stalled).map(|stop| Outcome::Open(Stop::Start, stop));
     let unreached = failures.map(Unreached::from).into_iter().chain([Unreached::OutOfReach]);
-    let landing = unreached.clone().map(LandingFailure::NotConverged).chain([LandingFailure::Far(1.376)]);
+    let landing = unreached
+        .clone()
+        .map(LandingFailure::NotConverged)
+        .chain([LandingFailure::Far(1.376), LandingFailure::Shorter]);
     let mut seeds = vec![SeedOutcome::OutOfBounds];
     let others = BranchKind::ALL.map(|kind| BranchId::new(kind, 1));
     let names = [BranchId::MAIN, BranchId::isola(0), BranchId::isola(11)].into_iter().chain(others);

@@ -97,6 +97,8 @@ def seed_outcome(value: Any) -> str:
         name, content = variant(content)
         if name == "far":
             return _FAR.format(content)
+        if name == "shorter":
+            return "every motion that converged repeats itself after fewer periods of the force"
         return f"no seed of the window converged: {failure(content)}"
     if name == "not_traced":
         return f"landed, but no branch starts there: {failure(content)}"

@@ -68,6 +68,9 @@ fn told<'r>(levels: &'r [Level], change: impl FnOnce(&mut Evidence<'r>)) -> [Str
         stage: Some(Stage::Finished),
         structure: structure(),
         harmonics: 10,
+        asked: vec![1],
+        orders: Vec::new(),
+        is_further: false,
     };
     change(&mut evidence);
     verdict(&evidence).map(|sentence| sentence.whole())
