@@ -10,8 +10,8 @@ pub use units::{FrequencyUnit, LengthUnit, Units};
 
 use crate::export::order_folder;
 use crate::overview::{
-    Lesser, Level, Omissions, Overview, Shift, WindowOutcome, born_between, events_sentence, forcing_label,
-    is_unconfirmed, is_untouched, later_birth, modes, truncation, unfinished,
+    BEYOND, Lesser, Level, Omissions, Overview, Shift, UNTOUCHED, WindowOutcome, born_between, events_sentence,
+    forcing_label, is_unconfirmed, is_untouched, is_within, later_birth, least_added, modes, truncation, unfinished,
 };
 use crate::store::{BranchRow, CurveRow, Reader, Result};
 use crate::words::count;
@@ -20,7 +20,7 @@ use footnotes::{Footnotes, wrapped};
 use protocol::model::ModelMessage;
 use solver::response::branch::{BranchKind, Outcome};
 use solver::response::orders::orders;
-use solver::settings::FrequencySettings;
+use solver::settings::{Effort, FrequencySettings};
 
 /// Relative distance from a bound up to which a peak counts as at it.
 const BESIDE: f64 = 1e-6;
@@ -99,7 +99,7 @@ fn of_order(reader: &Reader, layout: Layout) -> Result<String> {
     let backbone = omissions.read("The backbone is", reader.backbone());
     unfinished(levels, backbone.is_none_or(|backbone| backbone.is_some())).iter().for_each(|sentence| say(sentence));
     if model.as_ref().is_some_and(|model| model.contacts().count() > 0) && is_untouched(levels) {
-        say("Nothing touched its stop at any level.");
+        say(UNTOUCHED);
     }
     let choice = omissions.read("Which modes were followed is", reader.modes()).flatten();
     if let Some(sentence) =
@@ -107,13 +107,23 @@ fn of_order(reader: &Reader, layout: Layout) -> Result<String> {
     {
         say(&sentence);
     }
+    let settings = overview.header.as_ref().map(|header| header.settings);
+    let reach = omissions.read("The frequency range of the sweep is", reader.reach()).flatten();
+    let reach = reach.map(|reach| reach.frequency);
     if let Some(model) = &model
         && !levels.is_empty()
         && levels.iter().all(|level| level.is_complete() && level.highest_isola().is_none())
     {
-        let but =
-            if born_between(levels, &curves).is_some() { " at these levels (one is born between them)" } else { "" };
-        let (own, settings) = (model.forcing().harmonic, overview.header.as_ref().map(|header| header.settings));
+        let but = match born_between(levels, &curves, reach).len() {
+            0 => String::new(),
+            1 => " at these levels (one is born between them)".into(),
+            several => format!(" at these levels ({several} are born between them)"),
+        };
+        let only = match settings.map(|settings| settings.search.effort) {
+            Some(Effort::None) => " in windows of the energy balance, where alone they were looked for (search.effort)",
+            _ => "",
+        };
+        let own = model.forcing().harmonic;
         let other = match settings.map(|settings| orders(model, &settings.search).len()) {
             Some(1) => format!(
                 " Responses of other periods were not looked for: search.harmonics = [{own}, {0}] looks for those as well that last \
@@ -122,15 +132,19 @@ fn of_order(reader: &Reader, layout: Layout) -> Result<String> {
             ),
             _ => String::new(),
         };
-        say(&format!("No isola was found{but}.{other}"));
+        say(&format!("No isola was found{but}{only}.{other}"));
     }
-    let harmonics = overview.header.as_ref().map(|header| header.settings.harmonics.count);
-    if let Some(sentence) = harmonics.and_then(|count| truncation(levels, count)) {
+    let harmonics = settings.map(|settings| settings.harmonics.count);
+    let least = model.as_ref().map_or(1, |model| least_added(model, reader.order().is_some()));
+    if let Some(sentence) = harmonics.and_then(|count| truncation(levels, count, least)) {
         say(&sentence);
     }
     stability::sentences(levels, layout.units).iter().for_each(|sentence| say(sentence));
     let unit = layout.units.frequency;
-    let events = events_sentence(&curves, |omega| format!("{} {unit}", unit.digits(omega)));
+    let events = events_sentence(&curves, |omega| {
+        let beyond = if is_within(reach, omega) { "" } else { BEYOND };
+        format!("{} {unit}{beyond}", unit.digits(omega))
+    });
     [events, shift(&overview, layout.units)].iter().flatten().for_each(|sentence| say(sentence));
     let motions = omissions.read("The list of motions is", reader.motions()).unwrap_or_default();
     motions::sentences(&motions, layout.units).iter().for_each(|sentence| say(sentence));
@@ -148,10 +162,12 @@ const NEGLIGIBLE: f64 = 1e-3;
 fn shift(overview: &Overview, units: Units) -> Option<String> {
     let (unit, shift) = (units.frequency, overview.shift()?);
     let Shift { amplitudes: (from, to), omega: (before, after), branches } = &shift;
+    // Where a level is not known to its end the frequency there may be another one.
+    let of = if overview.levels.iter().all(Level::is_known) { "" } else { ", of levels that are known to their ends," };
     if shift.size() < NEGLIGIBLE * after {
         let percent = 100.0 * NEGLIGIBLE;
         return Some(format!(
-            "From one level to the next the frequency of the largest computed response changes by less than {percent} %."
+            "From one level to the next the frequency of the largest computed response{of} changes by less than {percent} %."
         ));
     }
     let goes = if after > before { "rises" } else { "falls" };
@@ -166,7 +182,7 @@ fn shift(overview: &Overview, units: Units) -> Option<String> {
             )
         }
     };
-    Some(format!("The frequency of the largest computed response changes most from A = {from} to {to}: {how}."))
+    Some(format!("The frequency of the largest computed response{of} changes most from A = {from} to {to}: {how}."))
 }
 
 /// Makes the rows.

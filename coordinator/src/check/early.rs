@@ -151,7 +151,10 @@ fn negative_damping(model: &Model) -> Option<String> {
     let list: Vec<String> = modes.map(|j| (j + 1).to_string()).collect();
     let modes = if list.len() == 1 { "mode" } else { "modes" };
     (!list.is_empty()).then(|| {
-        format!("{modes} {}: negative damping, so that the structure can vibrate by itself from rest", list.join(", "))
+        format!(
+            "{modes} {}: negative linear damping; unless laws take more, the structure can vibrate by itself from rest",
+            list.join(", ")
+        )
     })
 }
 

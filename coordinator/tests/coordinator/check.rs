@@ -116,7 +116,7 @@ fn damping_epsilon_and_keys_without_effect() {
     let damping = "[damping]\nratios = [{ modes = \"1\", ratio = 1e-2 }]";
     let negative = MODEL.replace(damping, "damping = [[-2]]");
     let (warnings, text) = checked(&negative, "0.3", &[]);
-    assert!(warnings[0].starts_with("mode 1: negative damping"), "{text}");
+    assert!(warnings[0].starts_with("mode 1: negative linear damping"), "{text}");
     // Of two modes that are damped motions in between may not be.
     let pair = |coupling: &str| {
         format!(

@@ -142,6 +142,11 @@ const FAR: f64 = 1e3;
 const ROUND_OFF: f64 = 1e-6;
 
 impl BackboneCurve {
+    /// What damping and nonlinear forces take together of the smallest motion, R_lin + R_nl, J; `None` without a point.
+    pub fn balance_from_rest(&self) -> Option<f64> {
+        self.r_lin.values.first().zip(self.r_nl.values.first()).map(|(linear, nonlinear)| linear + nonlinear)
+    }
+
     /// Whether the nonlinear forces feed in more than a positive damping takes already at the smallest amplitudes.
     pub fn feeds_itself_from_rest(&self) -> bool {
         let (linear, nonlinear) = (self.r_lin.values.first(), self.r_nl.values.first());

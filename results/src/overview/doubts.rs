@@ -4,6 +4,7 @@ use super::modes::not_started;
 use crate::store::{CurveRow, Reader, Result};
 use crate::words::count;
 use protocol::backbone::BackboneMessage;
+use protocol::to_everyone::Stage;
 use solver::response::branch::{Outcome, Stop};
 
 /// How many curves the sentence names.
@@ -24,8 +25,7 @@ pub fn doubts(reader: &Reader) -> Result<Option<String>> {
     let mut curves = Vec::new();
     let levels: Vec<f64> = reader.levels()?.into_iter().map(|(_, _, value)| value).collect();
     let highest = levels.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let stopped =
-        |backbone: &BackboneMessage| unfinished(&backbone.outcome).filter(|_| !is_far_beyond(backbone, FAR * highest));
+    let stopped = |backbone: &BackboneMessage| unfinished(&backbone.outcome).filter(|_| !is_beyond(backbone, highest));
     for backbone in reader.backbone()?.into_iter().chain(reader.further_backbones()?) {
         let stop = stopped(&backbone);
         curves.extend(stop.map(|stop| format!("the backbone of mode {} ({stop})", backbone.mode + 1)));
@@ -40,9 +40,11 @@ pub fn doubts(reader: &Reader) -> Result<Option<String>> {
     let stopped = stopped.iter().filter(|curve| curve.is_unfinished && ends_near(curve, &levels));
     curves.extend(stopped.map(|curve| format!("fold curve {} ({})", curve.number, curve.status)));
     let search = reader.search_counts()?;
+    // Folds of a run that goes on are still to come.
+    let left_out = if reader.stage()? == Stage::Finished { search.left_out } else { 0 };
     let lost = [
         (search.unfollowed, "fold", "not followed over the forcing"),
-        (search.left_out, "fold", "beyond the limit of the search"),
+        (left_out, "fold", "beyond the limit of the search"),
         (search.lost, "crossing", "of a curve and a level, without a branch"),
         (search.uncarried, "open branch", "not followed to all levels"),
     ];
@@ -60,9 +62,14 @@ pub fn doubts(reader: &Reader) -> Result<Option<String>> {
     Ok(Some(format!("not known to its end: {list}{more}; responses beyond may be larger, and others may begin there")))
 }
 
-/// Whether a backbone ends where A* is far above a forcing amplitude and its own mode leads. Where another mode takes part, A*
-/// rises and falls again; where the forcing does no work it is infinite, and says nothing.
-fn is_far_beyond(backbone: &BackboneMessage, forcing: f64) -> bool {
+/// Whether a backbone that ends at this threshold A*, with this share of its own mode, ends far beyond a forcing amplitude: where another
+/// mode leads, A* rises and falls again; where the forcing does no work it is infinite, and says nothing.
+pub fn ends_far_beyond(threshold: f64, share: f64, forcing: f64) -> bool {
+    threshold.is_finite() && threshold > FAR * forcing && share > 0.5
+}
+
+/// The same of a backbone as it is stored.
+fn is_beyond(backbone: &BackboneMessage, forcing: f64) -> bool {
     let count = backbone.points.len();
     let column = |name| backbone.columns.get(name);
     let thresholds = column("threshold").and_then(|array| array.values("threshold", &[count]).ok());
@@ -72,7 +79,7 @@ fn is_far_beyond(backbone: &BackboneMessage, forcing: f64) -> bool {
         let values = array.values("contributions", &[count, array.shape[1]]).ok()?;
         values.get(count.checked_sub(1)? * array.shape[1] + backbone.mode).copied()
     });
-    last.is_some_and(|last| last.is_finite() && last > forcing) && share.is_some_and(|share| share > 0.5)
+    last.zip(share).is_some_and(|(last, share)| ends_far_beyond(last, share, forcing))
 }
 
 /// Whether one of the ends of a fold curve lies among levels, or not far beyond.

@@ -15,6 +15,9 @@ const ALSO: &str = "branches also merge or part";
 /// Marks what was not found with twice the harmonics.
 const UNKNOWN: &str = "*";
 
+/// Marks what happens at frequencies that no branch was followed at.
+pub const BEYOND: &str = ", beyond the frequencies of the study";
+
 /// Most digits of a forcing amplitude.
 const DIGITS: i32 = 5;
 
@@ -25,7 +28,8 @@ const AGREED: i32 = 3;
 /// leave as they are; where these are too few, that with twice the harmonics as well.
 fn forcing_digits(point: &CurvePoint, most: i32) -> (String, Option<String>) {
     let own = |count| digits(point.forcing, count);
-    let Some((doubled, _)) = point.doubled else { return (own(most), None) };
+    // No more is claimed of what nothing was compared with.
+    let Some((doubled, _)) = point.doubled else { return (own(most.min(AGREED + 1)), None) };
     let agreed = (AGREED..=most).rev().map(|count| (own(count), digits(doubled, count))).find(|(a, b)| a == b);
     agreed.map_or_else(|| (own(AGREED + 1), Some(digits(doubled, AGREED + 1))), |(text, _)| (text, None))
 }
@@ -116,7 +120,8 @@ mod tests {
             let doubled = doubled.map(|doubled| (doubled, 1.0));
             forcing_label(&CurvePoint { forcing, doubled, ..CurvePoint::default() }, 5)
         };
-        assert_eq!(text(5.13781, None), "5.1378");
+        // What nothing was compared with is told with no more than what was compared and does not agree.
+        assert_eq!(text(5.13781, None), "5.138");
         assert_eq!(text(5.13781, Some(5.13779)), "5.1378");
         assert_eq!(text(5.13781, Some(5.1362)), "5.14");
         assert_eq!(text(5.13781, Some(4.85491)), "5.138 (2H: 4.855)");

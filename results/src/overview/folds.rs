@@ -33,11 +33,17 @@ pub fn later_birth<'c>(curves: &'c [CurveRow], level: &Level, window: &WindowRow
     first.filter(|birth| birth.forcing > level.value)
 }
 
-/// The first birth along fold curves between the lowest and the highest level.
-pub fn born_between<'c>(levels: &[Level], curves: &'c [CurveRow]) -> Option<&'c CurvePoint> {
+/// The births along fold curves between the lowest and the highest level, by forcing, at frequencies within `reach`.
+pub fn born_between<'c>(levels: &[Level], curves: &'c [CurveRow], reach: Option<(f64, f64)>) -> Vec<&'c CurvePoint> {
     let range = |(low, high): (f64, f64), level: &Level| (low.min(level.value), high.max(level.value));
     let (low, high) = levels.iter().fold((f64::INFINITY, f64::NEG_INFINITY), range);
-    events_of(curves, CriticalKind::Birth.name()).into_iter().find(|birth| birth.forcing > low && birth.forcing < high)
+    let is_between = |birth: &&CurvePoint| birth.forcing > low && birth.forcing < high && is_within(reach, birth.omega);
+    events_of(curves, CriticalKind::Birth.name()).into_iter().filter(is_between).collect()
+}
+
+/// Whether a frequency is among those that branches are followed at, if these are known.
+pub fn is_within(reach: Option<(f64, f64)>, omega: f64) -> bool {
+    reach.is_none_or(|(low, high)| (low..=high).contains(&omega))
 }
 
 /// Relative distance up to which what happens along two curves is one thing: where a curve stops at grazing, another one may

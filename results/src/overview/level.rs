@@ -142,6 +142,9 @@ impl Level {
     }
 }
 
+/// What [`is_untouched`] means.
+pub const UNTOUCHED: &str = "No branch of any level touches a stop.";
+
 /// Whether every level is complete and no branch of any touches a stop.
 pub fn is_untouched(levels: &[Level]) -> bool {
     let touches = |level: &Level| level.branches.iter().any(|branch| branch.contact_omega.is_some());

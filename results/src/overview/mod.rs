@@ -18,16 +18,16 @@ mod unfinished;
 mod verified;
 mod windows;
 
-pub use doubts::doubts;
-pub use events::{events_sentence, forcing_label};
-pub use folds::{CurveEvent, born_between, curve_events, events_of, later_birth, most_folds, why_no_folds};
+pub use doubts::{doubts, ends_far_beyond};
+pub use events::{BEYOND, events_sentence, forcing_label};
+pub use folds::{CurveEvent, born_between, curve_events, events_of, is_within, later_birth, most_folds, why_no_folds};
 pub use lesser::Lesser;
-pub use level::{Level, Seeds, highest, is_untouched};
+pub use level::{Level, Seeds, UNTOUCHED, highest, is_untouched};
 pub use near_largest::near_largest;
 pub use omissions::Omissions;
 pub use reasons::briefly;
 pub use sampled::sampled;
-pub use truncation::{is_unconfirmed, truncation};
+pub use truncation::{is_unconfirmed, least_added, truncation};
 pub use unfinished::unfinished;
 pub use windows::{elsewhere, overlaps};
 

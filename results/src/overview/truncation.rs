@@ -4,6 +4,8 @@ use super::level::Level;
 use crate::store::{BranchRow, Stability};
 use crate::words::digits;
 use solver::response::certificate::Standing;
+use solver::structure::Model;
+use solver::structure::laws::Law;
 
 /// A peak of which neither amplitude nor frequency changes by more than this with twice the harmonics is taken to be converged.
 const CONVERGED: f64 = 0.01;
@@ -18,15 +20,35 @@ const NEGLIGIBLE: f64 = 1e-4;
 /// contact holds: where its largest amplitude lies says nothing.
 const SAME_AMPLITUDE: f64 = 1e-9;
 
+/// Of isolas none of whose ends is known with twice the harmonics.
+const UNKNOWN_ENDS: &str = "What twice the harmonics change of the ends of isolas is not known.";
+
 /// Most branches that are named.
 const NAMED: usize = 3;
 
+/// The lowest harmonic beyond that of the force which motions can have that last as long as the force, or where main branches are not
+/// followed as long as the balance: motions of odd laws have odd ones alone.
+pub fn least_added(model: &Model, is_without_mains: bool) -> usize {
+    let is_odd = model.elements().iter().all(|element| element.law.is_odd());
+    let own = if is_without_mains { 1 } else { model.forcing().harmonic };
+    if is_odd { 3 * own } else { 2 * own }
+}
+
 /// What is known of the truncation to H harmonics: by what twice as many change the peaks, or which one is not converged and what to
 /// set; the same for the widths of isolas. What still more would change is not known. `None` as long as nothing is known of it.
-pub fn truncation(levels: &[Level], harmonics: usize) -> Option<String> {
+///
+/// `least`: see [`least_added`].
+pub fn truncation(levels: &[Level], harmonics: usize, least: usize) -> Option<String> {
     let rows = || levels.iter().flat_map(|level| level.branches.iter().map(move |row| (level, row)));
     let remedy = format!("set harmonics.count = {}", 2 * harmonics);
     let peaks = of_peaks(&rows, harmonics, &remedy)?;
+    if 2 * harmonics < least {
+        return Some(format!(
+            "What more harmonics would change is not known: twice as many (H = {}) add none that ordinary responses have; set \
+             harmonics.count = {least}.",
+            2 * harmonics
+        ));
+    }
     // What to set is said once.
     let remedy = if peaks.contains(&remedy) { String::new() } else { format!("; {remedy}") };
     Some([Some(peaks), of_widths(&rows, &remedy)].into_iter().flatten().collect::<Vec<String>>().join(" "))
@@ -41,14 +63,17 @@ fn of_widths<'l, I: Iterator<Item = (&'l Level, &'l BranchRow)>>(
         let change = width(row.certificate.doubled?.range?) / width(row.omega) - 1.0;
         (row.is_isola() && change.is_finite()).then_some(change)
     };
-    let changes = rows().filter_map(|(level, row)| Some((level, row, change(row)?)));
-    let (level, row, largest) = changes.max_by(|a, b| a.2.abs().total_cmp(&b.2.abs()))?;
     let is_lost =
         |row: &BranchRow| row.is_isola() && row.certificate.doubled.is_some_and(|doubled| doubled.range.is_none());
     let lost = match rows().filter(|(_, row)| is_lost(row)).count() {
         0 => "",
         1 => " With twice the harmonics the ends of one isola were not found.",
         _ => " With twice the harmonics the ends of some isolas were not found.",
+    };
+    let changes = rows().filter_map(|(level, row)| Some((level, row, change(row)?)));
+    let Some((level, row, largest)) = changes.max_by(|a, b| a.2.abs().total_cmp(&b.2.abs())) else {
+        // They were not found, or the run is one of a program that did not look for them.
+        return (!lost.is_empty()).then(|| UNKNOWN_ENDS.into());
     };
     let percent = digits(100.0 * largest.abs(), 2);
     if largest.abs() < NEGLIGIBLE {
@@ -142,7 +167,9 @@ fn largest(changes: [f64; 2]) -> f64 {
 mod tests {
     use super::*;
     use crate::store::PeakOrbit;
+    use solver::Matrix;
     use solver::response::certificate::{Certificate, Doubled};
+    use solver::structure::laws::{PolynomialSpring, Term};
 
     fn row(kind: &str, amplitude_2h: Option<f64>) -> BranchRow {
         let doubled = amplitude_2h.map(|amplitude| Doubled { amplitude, shift: 0.0, range: None });
@@ -164,16 +191,17 @@ mod tests {
     #[test]
     fn a_main_peak_that_is_not_there_with_more_harmonics() {
         let main = |standing| BranchRow { peak_standing: Some(standing), ..row("main", None) };
-        let said = |standing| truncation(&levels(vec![main(standing), row("isola", Some(1.0))]), 10).unwrap();
+        let said = |standing| truncation(&levels(vec![main(standing), row("isola", Some(1.0))]), 10, 3).unwrap();
         assert!(said(Standing::At).contains("no peak was found near that of main at A = 60"), "{}", said(Standing::At));
-        assert_eq!(said(Standing::AtLeast), "Peaks change by less than 0.01 % with twice the harmonics (H = 20).");
+        let expected = format!("Peaks change by less than 0.01 % with twice the harmonics (H = 20). {UNKNOWN_ENDS}");
+        assert_eq!(said(Standing::AtLeast), expected);
     }
 
     /// The worse the truncation the more is lost: what nothing at all was found of is told as well.
     #[test]
     fn no_peak_at_all_is_there_with_more_harmonics() {
         let main = BranchRow { peak_standing: Some(Standing::At), ..row("main", None) };
-        let said = truncation(&levels(vec![main]), 10).unwrap();
+        let said = truncation(&levels(vec![main]), 10, 3).unwrap();
         assert!(
             said.starts_with("Not converged in H: with twice the harmonics no peak was found near that of main at"),
             "{said}"
@@ -202,41 +230,67 @@ mod tests {
 
     #[test]
     fn what_more_harmonics_would_change() {
-        assert_eq!(truncation(&levels(vec![row("main", None), row("isola", None)]), 10), None);
+        assert_eq!(truncation(&levels(vec![row("main", None), row("isola", None)]), 10, 3), None);
         let converged = levels(vec![row("main", Some(1.004)), row("isola", Some(0.9999))]);
         assert_eq!(
-            truncation(&converged, 10).unwrap(),
-            "Peaks change by 0.4 % at most with twice the harmonics (H = 20)."
+            truncation(&converged, 10, 3).unwrap(),
+            format!("Peaks change by 0.4 % at most with twice the harmonics (H = 20). {UNKNOWN_ENDS}")
         );
         let moved = levels(vec![row("main", Some(1.004)), row("isola", Some(0.8))]);
         assert_eq!(
-            truncation(&moved, 10).unwrap(),
-            "Not converged in H: with twice the harmonics the peak of isola 1 at A = 60 changes by -20 %, and its contact \
-             penetrates by 13 % of the gap; set harmonics.count = 20."
+            truncation(&moved, 10, 3).unwrap(),
+            format!(
+                "Not converged in H: with twice the harmonics the peak of isola 1 at A = 60 changes by -20 %, and its contact \
+                 penetrates by 13 % of the gap; set harmonics.count = 20. {UNKNOWN_ENDS}"
+            )
         );
         let lost = levels(vec![row("main", Some(1.0)), row("isola", None)]);
-        assert!(truncation(&lost, 10).unwrap().contains("no peak was found near that of isola 1"));
+        assert!(truncation(&lost, 10, 3).unwrap().contains("no peak was found near that of isola 1"));
         let many = (1..=5).map(|number| BranchRow { number, ..row("isola", None) });
         let many = levels(many.chain([row("main", Some(1.0))]).collect());
         assert_eq!(
-            truncation(&many, 10).unwrap(),
+            truncation(&many, 10, 3).unwrap(),
             "Not converged in H: with twice the harmonics no peak was found near those of isola 1 at A = 60, isola 2 at A = 60, \
              isola 3 at A = 60 and 2 more branches; set harmonics.count = 20."
         );
         let mut shifted = row("isola", Some(1.001));
         shifted.certificate.doubled.as_mut().unwrap().shift = 0.017;
         assert_eq!(
-            truncation(&levels(vec![shifted]), 10).unwrap(),
-            "Not converged in H: with twice the harmonics the peak of isola 1 at A = 60 changes by 0.1 % and its frequency by 1.7 %, \
-             and its contact penetrates by 13 % of the gap; set harmonics.count = 20."
+            truncation(&levels(vec![shifted]), 10, 3).unwrap(),
+            format!(
+                "Not converged in H: with twice the harmonics the peak of isola 1 at A = 60 changes by 0.1 % and its frequency by \
+                 1.7 %, and its contact penetrates by 13 % of the gap; set harmonics.count = 20. {UNKNOWN_ENDS}"
+            )
         );
+    }
+
+    /// One harmonic and two have the same odd motions; those that the force's third harmonic drives have none between 3 and 9.
+    #[test]
+    fn harmonics_that_no_motion_has_confirm_nothing() {
+        let converged = levels(vec![row("main", Some(1.0)), row("isola", Some(1.0))]);
+        for (harmonics, least) in [(1, 3), (4, 9)] {
+            let said = truncation(&converged, harmonics, least).unwrap();
+            assert!(said.starts_with("What more harmonics would change is not known"), "{said}");
+            assert!(said.ends_with(&format!("set harmonics.count = {least}.")), "{said}");
+        }
+        for (harmonics, least) in [(1, 2), (2, 3), (5, 9)] {
+            assert!(truncation(&converged, harmonics, least).unwrap().starts_with("Peaks change by less"), "{least}");
+        }
+        let model = |power, harmonic| {
+            let one = Matrix::diagonal(&[1.0]);
+            let law = PolynomialSpring { terms: vec![Term { power, coefficient: 1.0 }] };
+            let model = Model::builder("mass").mass(one.clone()).stiffness(one).force(0, 1.0).harmonic(harmonic);
+            model.damping_ratio(0.01).element("spring", law, [vec![(0, 1.0)]]).build().unwrap()
+        };
+        let least = |power, harmonic, is_without_mains| least_added(&model(power, harmonic), is_without_mains);
+        assert_eq!([least(3, 1, false), least(2, 1, false), least(3, 3, false), least(3, 3, true)], [3, 2, 9, 3]);
     }
 
     #[test]
     fn where_a_flat_branch_is_largest_says_nothing() {
         let mut pressed = row("open", Some(1.0 + 2e-13));
         pressed.certificate.doubled.as_mut().unwrap().shift = 0.076;
-        let said = truncation(&levels(vec![pressed]), 10).unwrap();
+        let said = truncation(&levels(vec![pressed]), 10, 3).unwrap();
         assert_eq!(said, "Peaks change by less than 0.01 % with twice the harmonics (H = 20).");
     }
 
@@ -245,8 +299,11 @@ mod tests {
         let isola = |range| {
             let mut isola = BranchRow { omega: (2.0, 2.1), ..row("isola", Some(1.0)) };
             isola.certificate.doubled.as_mut().unwrap().range = Some(range);
-            truncation(&levels(vec![isola]), 10).unwrap()
+            truncation(&levels(vec![isola]), 10, 3).unwrap()
         };
+        // Where no end at all is found that is told as well.
+        let lost = truncation(&levels(vec![row("isola", Some(1.0))]), 10, 3).unwrap();
+        assert!(lost.ends_with(UNKNOWN_ENDS), "{lost}");
         let peaks = "Peaks change by less than 0.01 % with twice the harmonics (H = 20).";
         assert_eq!(
             isola((2.001, 2.101)),

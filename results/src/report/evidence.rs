@@ -36,6 +36,10 @@ pub struct Evidence<'r> {
     pub structure: Structure,
     /// Number of harmonics H.
     pub harmonics: usize,
+    /// The lowest harmonic beyond that of the force that motions can have: [`crate::overview::least_added`].
+    pub least_added: usize,
+    /// Lowest and highest frequency that branches are followed at, rad/s, if that is known.
+    pub frequencies: Option<(f64, f64)>,
     /// Orders of motions that the run looks for.
     pub asked: Vec<usize>,
     /// What was found of further orders of motions, where the run looks for several and these are the first.

@@ -1,8 +1,9 @@
 //! What a run has lost: why what was found may not be all that its search would have found.
 
 use super::evidence::Evidence;
-use crate::overview::Level;
+use crate::curves::{BackboneCurve, Column};
 use crate::overview::modes::not_started;
+use crate::overview::{Level, ends_far_beyond};
 use crate::store::{CurvePoint, CurveRow};
 use crate::words::{count, digits};
 use protocol::to_everyone::Stage;
@@ -71,7 +72,13 @@ pub(super) fn losses(evidence: &Evidence<'_>) -> Vec<Loss> {
         let sentence = format!("The {main} is known only in part ({outcome}): larger responses may lie beyond.");
         list.push(Loss::new(format!("{main} unfinished"), sentence));
     }
-    for backbone in evidence.backbones().filter(|backbone| backbone.is_unfinished) {
+    let highest = levels.iter().map(|level| level.value).fold(f64::NEG_INFINITY, f64::max);
+    let matters = |backbone: &&BackboneCurve| {
+        let last = |column: &Column| column.values.last().copied().unwrap_or(f64::NAN);
+        let share = backbone.modes.first().map_or(f64::NAN, |own| last(&own.share));
+        backbone.is_unfinished && !ends_far_beyond(last(&backbone.threshold), share, highest)
+    };
+    for backbone in evidence.backbones().filter(matters) {
         let (mode, status) = (backbone.mode + 1, &backbone.status);
         let sentence =
             format!("The backbone of mode {mode} stopped early ({status}): the energy balance beyond is not known.");
@@ -124,6 +131,8 @@ pub(super) fn losses(evidence: &Evidence<'_>) -> Vec<Loss> {
         let brief = format!("{} given up", count(search.unverified, "verification"));
         list.push(Loss::new(brief.clone(), format!("{brief}: whether these branches are stable is not known.")));
     }
+    // A level may have two main branches that end alike.
+    list.dedup_by(|a, b| a.sentence == b.sentence);
     list
 }
 

@@ -2,7 +2,7 @@
 
 use super::evidence::Evidence;
 use super::losses::named;
-use crate::overview::{Level, born_between, events_of, forcing_label, later_birth, overlaps};
+use crate::overview::{Level, born_between, events_of, forcing_label, is_within, later_birth, overlaps};
 use crate::store::CurvePoint;
 use crate::words::{count, digits};
 use solver::response::critical::CriticalKind;
@@ -15,18 +15,27 @@ impl Evidence<'_> {
     pub(super) fn no_isola(&self) -> String {
         let highest = self.levels.iter().map(|level| level.value).fold(0.0, f64::max);
         let births = events_of(self.curves, CriticalKind::Birth.name());
-        let above = || births.iter().find(|birth| (highest..=JUST_ABOVE * highest).contains(&birth.forcing)).copied();
-        let none = "No isola was found where it was looked for";
-        let (birth, place) = match born_between(self.levels, self.curves) {
-            Some(birth) => (Some(birth), "between two of the levels"),
-            None => (above(), "just above the highest level"),
+        let is_above = |birth: &&&CurvePoint| {
+            (highest..=JUST_ABOVE * highest).contains(&birth.forcing) && is_within(self.frequencies, birth.omega)
         };
-        match birth {
-            Some(birth) => {
-                let (forcing, omega) = (forcing_label(birth, 4), digits(birth.omega, 4));
-                format!("{none}, but along fold curves one is born {place}, at A = {forcing} ({omega} rad/s).")
-            }
-            None => format!("{none}."),
+        let none = "No isola was found where it was looked for";
+        let at = |birth: &CurvePoint| {
+            let (forcing, omega) = (forcing_label(birth, 4), digits(birth.omega, 4));
+            format!("at A = {forcing} ({omega} rad/s)")
+        };
+        match &born_between(self.levels, self.curves, self.frequencies)[..] {
+            [only] => format!("{none}, but along fold curves one is born between two of the levels, {}.", at(only)),
+            [first, .., last] => format!(
+                "{none}, but along fold curves isolas are born between levels, the first {}, the last {}.",
+                at(first),
+                at(last)
+            ),
+            [] => match births.iter().find(is_above) {
+                Some(birth) => {
+                    format!("{none}, but along fold curves one is born just above the highest level, {}.", at(birth))
+                }
+                None => format!("{none}."),
+            },
         }
     }
 

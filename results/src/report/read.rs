@@ -7,7 +7,7 @@ use super::verdict::verdict;
 use crate::clock::now;
 use crate::curves::{BackboneCurve, Curve, Monitor, Motions, ResonanceComparison, monitors};
 use crate::figure::{Figures, Subject};
-use crate::overview::{BranchRow, Omissions, Overview, unfinished, verified_result, why_no_folds};
+use crate::overview::{BranchRow, Omissions, Overview, least_added, unfinished, verified_result, why_no_folds};
 use crate::store::{CurveRow, Reader, Result, RunHeader};
 use protocol::backbone::BackboneMessage;
 use protocol::curve::Size;
@@ -150,6 +150,8 @@ impl Report {
             stage,
             structure: Structure::new(&model, &monitors[0].name, monitors[0].gap),
             harmonics: header.settings.harmonics.count,
+            least_added: least_added(&model, reader.order().is_some()),
+            frequencies: reach.map(|reach| reach.frequency),
             asked: orders(&model, &header.settings.search),
             orders: further_orders(reader, &mut omissions),
             is_further: reader.order().is_some(),

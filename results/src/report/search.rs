@@ -11,10 +11,18 @@ impl Evidence<'_> {
         let Structure { excited, undamped, .. } = &self.structure;
         if !excited.is_empty() {
             let has = if excited.len() == 1 { "has" } else { "have" };
-            return Some(format!(
-                "{} {has} negative damping: the structure can vibrate by itself, from rest and without forcing.",
-                capitalised(excited)
-            ));
+            // What the laws take of the smallest motions counts as well, as far as a backbone tells.
+            let balance =
+                |mode: &usize| self.backbones().find(|backbone| backbone.mode + 1 == *mode)?.balance_from_rest();
+            let balances: Vec<Option<f64>> = excited.iter().map(balance).collect();
+            let is_driven = balances.iter().any(|balance| balance.is_some_and(|balance| balance < 0.0));
+            let is_held = balances.iter().all(|balance| balance.is_some_and(|balance| balance > 0.0));
+            let so = match (is_driven, is_held) {
+                (true, _) => ": the structure can vibrate by itself, from rest and without forcing",
+                (_, true) => ", of which the laws take more at small amplitudes",
+                _ => ": unless the laws take more, the structure can vibrate by itself, from rest and without forcing",
+            };
+            return Some(format!("{} {has} negative linear damping{so}.", capitalised(excited)));
         }
         if let Some(backbone) = self.backbones().find(|backbone| backbone.feeds_itself_from_rest()) {
             return Some(format!(
@@ -23,9 +31,10 @@ impl Evidence<'_> {
                 backbone.mode + 1
             ));
         }
-        let is = if undamped.len() == 1 { "is" } else { "are" };
-        (!undamped.is_empty())
-            .then(|| format!("{} {is} not damped: nothing limits the linear resonance.", capitalised(undamped)))
+        let has = if undamped.len() == 1 { "has" } else { "have" };
+        (!undamped.is_empty()).then(|| {
+            format!("{} {has} no linear damping: nothing but the laws limits the resonance.", capitalised(undamped))
+        })
     }
 
     /// `mode 1`, or `modes 1 and 2`.
@@ -34,7 +43,7 @@ impl Evidence<'_> {
         if followed.is_empty() { "a mode".into() } else { words::modes(&followed) }
     }
 
-    /// Where isolas were looked for: `the windows of mode 1 at 7 levels (12 seeds tried, 2 led nowhere)`.
+    /// Where isolas were looked for: `the windows of mode 1 at 7 levels (12 seeds tried, 2 without a branch near them)`.
     pub(super) fn searched(&self) -> String {
         let complete = || self.levels.iter().filter(|level| level.is_complete());
         let levels = complete().count();
@@ -44,7 +53,7 @@ impl Evidence<'_> {
             0 | 1 => String::new(),
             m => format!(", the forcing acting on harmonic {m}"),
         };
-        let nowhere = if failed > 0 { format!(", {failed} led nowhere") } else { String::new() };
+        let nowhere = if failed > 0 { format!(", {failed} without a branch near them") } else { String::new() };
         let complete = if levels == self.levels.len() { "level" } else { "complete level" };
         let (mode, levels) = (self.mode(), count(levels, complete));
         let folds = match self.curves.len() {
@@ -134,7 +143,7 @@ impl Evidence<'_> {
     /// Says so if there are stops and no branch of any level touches one.
     pub(super) fn untouched(&self) -> Option<&'static str> {
         let is_untouched = crate::overview::is_untouched(self.levels);
-        (self.structure.stops > 0 && is_untouched).then_some("Nothing touched its stop at any level.")
+        (self.structure.stops > 0 && is_untouched).then_some(crate::overview::UNTOUCHED)
     }
 }
 

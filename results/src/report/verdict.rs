@@ -8,7 +8,7 @@ mod tests;
 use super::evidence::{Evidence, OrderFound};
 use super::losses::{Loss, losses, named, unknown_beyond};
 use crate::curves::BackboneCurve;
-use crate::overview::{BranchRow, Level, Origin, events_sentence, highest, sampled, truncation};
+use crate::overview::{BEYOND, BranchRow, Level, Origin, events_sentence, highest, is_within, sampled, truncation};
 use crate::summary_table::{Units, motions};
 use crate::words::{self, count, digits, frequency, range};
 use protocol::to_everyone::Stage;
@@ -165,7 +165,7 @@ impl<'r> Evidence<'r> {
         list.extend(self.others());
         list.extend(self.not_found());
         list.extend(unknown_beyond(self));
-        list.extend(truncation(self.levels, self.harmonics));
+        list.extend(truncation(self.levels, self.harmonics, self.least_added));
         list.extend(motions::sentences(self.motions, Units::default()));
         list
     }
@@ -203,9 +203,11 @@ impl<'r> Evidence<'r> {
             return format!("Nothing is known yet: {} to come.", count(self.levels.len(), "forcing level"));
         }
         let prediction = self.prediction();
-        let computed = events_sentence(self.curves, |omega| format!("{} rad/s", digits(omega, 5)))
-            .map(|sentence| format!(" {sentence}"))
-            .unwrap_or_default();
+        let place = |omega: f64| {
+            let beyond = if is_within(self.frequencies, omega) { "" } else { BEYOND };
+            format!("{} rad/s{beyond}", digits(omega, 5))
+        };
+        let computed = events_sentence(self.curves, place).map(|sentence| format!(" {sentence}")).unwrap_or_default();
         let runs = runs(self.levels);
         let partly: Vec<&Level> = self.with_isolas().filter(|level| !level.is_complete()).collect();
         if runs.is_empty() && partly.is_empty() {
@@ -249,7 +251,8 @@ impl<'r> Evidence<'r> {
         }
         let mode = self.mode();
         let births = self.backbones().flat_map(|backbone| backbone.events.iter().map(move |event| (backbone, event)));
-        let births = births.filter(|(_, event)| event.kind == EventKind::Birth);
+        let births =
+            births.filter(|(_, event)| event.kind == EventKind::Birth && is_within(self.frequencies, event.omega));
         let is_separate = |(backbone, birth): &(&BackboneCurve, &Event)| {
             let barrier = backbone.threshold.values[..birth.index].iter().copied().fold(0.0, f64::max);
             self.levels.iter().any(|level| (birth.threshold..barrier).contains(&level.value))
@@ -257,7 +260,7 @@ impl<'r> Evidence<'r> {
         let first = births.filter(is_separate).min_by(|(_, a), (_, b)| a.threshold.total_cmp(&b.threshold));
         let Some((backbone, birth)) = first else {
             return if self.with_isolas().next().is_some() {
-                format!("; the energy balance of {mode} does not predict them{}", self.found_otherwise())
+                format!("; the energy balance of {mode} has no birth of theirs{}", self.found_otherwise())
             } else if self.levels.iter().any(|level| level.not_found().next().is_some()) {
                 // What it predicts and was not found is among the details.
                 String::new()
@@ -287,7 +290,7 @@ impl<'r> Evidence<'r> {
             Origin::Curve => "along curves over the forcing",
             Origin::Start => "from random starts",
             Origin::Continuation => "where a growing forcing leads from rest",
-            Origin::Balance => "from seeds of windows of other responses",
+            Origin::Balance => "from seeds of its windows",
         };
         let ways: Vec<&str> = origins.iter().map(way).collect();
         if ways.is_empty() { String::new() } else { format!(": they were found {}", ways.join(" and ")) }

@@ -68,6 +68,8 @@ fn told<'r>(levels: &'r [Level], change: impl FnOnce(&mut Evidence<'r>)) -> [Str
         stage: Some(Stage::Finished),
         structure: structure(),
         harmonics: 10,
+        least_added: 2,
+        frequencies: None,
         asked: vec![1],
         orders: Vec::new(),
         is_further: false,
@@ -169,7 +171,7 @@ fn isolas_apart() {
     let [danger, ..] = texts(&levels[..2]);
     assert!(danger.contains("(23.87 and 25.46 Hz), at A = 2: there an isola"), "{danger}");
     // Found and not predicted is said as one thing.
-    assert_eq!(onset, "Isolas were found at A = 2 to 3, 5; the energy balance of mode 1 does not predict them.");
+    assert_eq!(onset, "Isolas were found at A = 2 to 3, 5; the energy balance of mode 1 has no birth of theirs.");
     assert!(missed.starts_with("Yes. At A = 2 it goes up to 1 mm at 100 rad/s"), "{missed}");
     assert!(missed.ends_with("up to 2 mm at 130 rad/s (20.69 Hz), 2 times as much."), "{missed}");
 }
@@ -180,7 +182,7 @@ fn what_led_to_isolas_is_told() {
     let levels =
         [level(1.0, vec![main(1e-3), found(Origin::Start)]), level(2.0, vec![main(1e-3), found(Origin::Curve)])];
     let [_, onset, _] = texts(&levels);
-    let expected = "does not predict them: they were found along curves over the forcing and from random starts.";
+    let expected = "has no birth of theirs: they were found along curves over the forcing and from random starts.";
     assert!(onset.ends_with(expected), "{onset}");
 }
 
@@ -308,13 +310,35 @@ fn a_main_branch_known_in_part_is_no_measure() {
 fn what_the_structure_does_of_itself() {
     let levels = [level(1.0, vec![BranchRow { contact_omega: None, ..main(1e-3) }])];
     let [danger, ..] = texts(&levels);
-    assert!(danger.contains(" Nothing touched its stop at any level. Looked"), "{danger}");
+    assert!(danger.contains(" No branch of any level touches a stop. Looked"), "{danger}");
     let [danger, ..] = told(&levels, |evidence| evidence.structure.stops = 0);
-    assert!(!danger.contains("touched"), "{danger}");
+    assert!(!danger.contains("touches a stop"), "{danger}");
     let [danger, ..] = told(&levels, |evidence| evidence.structure.excited = vec![2]);
-    assert!(danger.starts_with("Mode 2 has negative damping: the structure can vibrate by itself"), "{danger}");
+    assert!(
+        danger.starts_with(
+            "Mode 2 has negative linear damping: unless the laws take more, the structure can vibrate by itself"
+        ),
+        "{danger}"
+    );
     let [danger, ..] = told(&levels, |evidence| evidence.structure.undamped = vec![1, 3]);
-    assert!(danger.starts_with("Modes 1, 3 are not damped: nothing limits the linear resonance. No isola"), "{danger}");
+    assert!(
+        danger.starts_with("Modes 1, 3 have no linear damping: nothing but the laws limits the resonance. No isola"),
+        "{danger}"
+    );
+    // What the laws take at small amplitudes is known of modes with a backbone.
+    for (balance, so) in [
+        (-1.0, ": the structure can vibrate by itself, from rest and without forcing."),
+        (1.0, ", of which the laws take more at small amplitudes."),
+    ] {
+        let mut backbone = BACKBONE.clone();
+        backbone.r_lin.values[0] = -3.0;
+        backbone.r_nl.values[0] = 3.0 + balance;
+        let [danger, ..] = told(&levels, |evidence| {
+            evidence.structure.excited = vec![1];
+            evidence.backbone = Some(&backbone);
+        });
+        assert!(danger.starts_with(&format!("Mode 1 has negative linear damping{so}")), "{danger}");
+    }
     let mut fed = BACKBONE.clone();
     fed.r_nl.values[0] = -2.0 * fed.r_lin.values[0];
     let [danger, ..] = told(&levels, |evidence| evidence.backbone = Some(&fed));

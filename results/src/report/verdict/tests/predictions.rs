@@ -7,7 +7,7 @@ fn none_was_found_where_it_was_looked_for() {
     let mut levels = [level(1.0, vec![main(1e-3)]), level(2.0, vec![main(3e-3)])];
     levels[1].seeds.failed = 1;
     let [danger, onset, missed] = texts(&levels);
-    let searched = "the windows of mode 1 at 2 levels (4 seeds tried, 1 led nowhere)";
+    let searched = "the windows of mode 1 at 2 levels (4 seeds tried, 1 without a branch near them)";
     assert!(danger.starts_with("No isola was found where it was looked for. The largest"), "{danger}");
     assert!(danger.ends_with(&format!("Looked for: {searched}; {NOT_SEARCHED}")), "{danger}");
     // What it was looked for with is said once.
