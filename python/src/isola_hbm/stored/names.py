@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import msgpack
 import pandas as pd
@@ -64,4 +64,5 @@ def model(reading: Reading) -> Model:
         raise Damaged(reading.store.file, f"the model: {error}") from error
     if sha256(payloads[0]) != reading.fact("model_sha256"):
         raise Damaged(reading.store.file, "the model is not the one that the run began with")
-    return structure
+    order = reading.store.order
+    return structure if order is None else replace(structure, forcing_harmonic=order)

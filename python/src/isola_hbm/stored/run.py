@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, TypeAlias, TypeVar
 import pandas as pd
 import xarray as xr
 
-from ..errors import Damaged, LeftOut, NoSuchBranch
+from ..errors import Damaged, LeftOut, NoSuchBranch, NoSuchRun
 from ..live import types
 from ..program import Page, page
 from . import check, curves, tables
@@ -31,7 +31,7 @@ T = TypeVar("T")
 Key: TypeAlias = "str | tuple[str | float, str]"
 
 
-def load(where: str | PathLike[str]) -> StoredRun:
+def load(where: str | PathLike[str], order: int | None = None) -> StoredRun:
     """Opens a run on disk, whether it is finished, goes on or is damaged. Needs neither the program nor a bus.
 
     >>> run = load("runs/blade")
@@ -40,13 +40,24 @@ def load(where: str | PathLike[str]) -> StoredRun:
 
     Args:
         where: Folder of the run, or its file ``run.sqlite``.
+        order: Of a run that looks for several orders of motions (``search.harmonics``): which one is told of, as of a run of its own. Those
+            of order m last m periods of the force. By default the first one, whose main branches are followed; see
+            :attr:`StoredRun.orders`. Backbones are those of the first order, others are without.
 
     Raises:
-        NoSuchRun: There is no run, or something that is none.
+        NoSuchRun: There is no run, or something that is none, or it does not look for this order.
         OtherVersion: It was written by a later program.
         Damaged: Nothing of it can be read.
     """
-    return StoredRun(Store(where))
+    store = Store(where)
+    if order is None:
+        return StoredRun(store)
+    run = StoredRun(store)
+    first, further = run.model.forcing_harmonic, store.orders()
+    if order != first and order not in further:
+        there = ", ".join(str(known) for known in [first, *further])
+        raise NoSuchRun(f"{store.file}: there are no motions of order {order} in it, but of {there}")
+    return run if order == first else StoredRun(Store(where, order))
 
 
 class StoredRun(Mapping[str, Motions]):
@@ -67,6 +78,12 @@ class StoredRun(Mapping[str, Motions]):
     def folder(self) -> Path:
         """Folder of the run."""
         return self._store.folder
+
+    @property
+    def orders(self) -> list[int]:
+        """Orders of motions that the run looks for, the first one first: ``load(folder, order=3)`` tells of another one."""
+        with Store(self._store.file).read() as reading:
+            return [model(reading).forcing_harmonic, *self._store.orders()]
 
     @property
     def name(self) -> str:

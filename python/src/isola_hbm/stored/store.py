@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ..errors import Damaged, IsolaError, NoSuchRun, OtherVersion
 from ..live.wire import Floats
+from .orders import orders_of, tell_of
 
 #: The file of a run, in its folder.
 FILE = "run.sqlite"
@@ -37,8 +38,10 @@ Values = NDArray[Any]
 class Store:
     """Where the store is, and how it is opened. Holds no connection: nothing of a run in progress is kept busy."""
 
-    def __init__(self, where: str | PathLike[str]) -> None:
+    def __init__(self, where: str | PathLike[str], order: int | None = None) -> None:
         path = Path(where)
+        #: The order of motions that is told of; None for the first.
+        self.order = order
         #: The file.
         self.file = path if path.name == FILE and not path.is_dir() else path / FILE
         #: Folder of the run.
@@ -53,12 +56,31 @@ class Store:
         """A reading: everything in it is of one moment."""
         db = self._open()
         try:
+            if self.order is not None or self._has_orders(db):
+                tell_of(db, self.order)
             db.execute("BEGIN")
             yield Reading(self, db)
         except ERRORS as error:
             raise self.error(error) from error
         finally:
             db.close()
+
+    def orders(self) -> list[int]:
+        """Orders of motions that the run has beyond its first one."""
+        db = self._open()
+        try:
+            return orders_of(db)
+        except ERRORS as error:
+            raise self.error(error) from error
+        finally:
+            db.close()
+
+    def _has_orders(self, db: sqlite3.Connection) -> bool:
+        try:
+            return bool(orders_of(db))
+        except ERRORS:
+            # What is damaged is told of where it is read.
+            return False
 
     def _open(self) -> sqlite3.Connection:
         try:

@@ -1,0 +1,58 @@
+"""Runs that look for motions of several orders: each order is told of as a run of its own."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from runs import MODELS, isola
+
+import isola_hbm
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Motions of the period of the force and of three of them."""
+    folder = tmp_path_factory.mktemp("orders") / "run"
+    study, brief = MODELS / "duffing_subharmonic" / "study.toml", ("--search", "none", "--verify", "none")
+    bounds = ("--set", "frequency.min=0.6", "--set", "frequency.max=7.5")
+    isola("sweep", study, "--out", folder, "--orders", "1,3", "--amplitudes", "1.5,2", *bounds, *brief)
+    return folder
+
+
+@pytest.mark.parametrize(("order", "files"), [(None, "."), (1, "."), (3, "m3")])
+def test_an_order_is_told_of_as_its_files_have_it(run: Path, order: int | None, files: str) -> None:
+    told = isola_hbm.load(run, order)
+    assert told.orders == [1, 3]
+    assert told.model.forcing_harmonic == (order or 1)
+    summary = pd.read_csv(run / files / "summary.csv")
+    assert len(summary) and list(told.summary["kind"]) == list(summary["kind"])
+    for column in ("amplitude", "omega_min", "omega_max", "amplitude_max"):
+        assert np.array_equal(told.summary[column], summary[column])
+    windows = pd.read_csv(run / files / "windows.csv")
+    assert np.array_equal(told.windows["omega_best"], windows["omega_best"])
+    for name in told:
+        file = run / files / "branches" / f"{name.replace('/', '-').replace(' ', '-')}.csv"
+        file = file if file.exists() else file.with_stem(f"{file.stem}-1")
+        assert np.array_equal(told[name]["omega"], pd.read_csv(file)["omega"])
+    assert told.check() == []
+    told.plot.response()
+
+
+def test_a_further_order_has_no_backbone_of_the_first(run: Path) -> None:
+    first, further = isola_hbm.load(run), isola_hbm.load(run, order=3)
+    assert len(first.backbones) and not len(further.backbones)
+    with pytest.raises(isola_hbm.NoSuchBranch, match="there is no backbone yet"):
+        further.backbone()
+    assert set(further) == {"1.5/isola 1", "2/isola 1"}
+    assert set(further).isdisjoint(first)
+
+
+def test_an_order_that_is_not_looked_for(run: Path, damper: Path) -> None:
+    with pytest.raises(isola_hbm.NoSuchRun, match="there are no motions of order 2 in it, but of 1, 3"):
+        isola_hbm.load(run, order=2)
+    assert isola_hbm.load(damper).orders == [1]
+    with pytest.raises(isola_hbm.NoSuchRun, match="of order 3 in it, but of 1"):
+        isola_hbm.load(damper, order=3)
