@@ -59,7 +59,8 @@ fn place(rows: &[&MotionRow], units: Units) -> String {
     }
     let (low, high) = range(&mut rows.iter().filter_map(|row| row.amplitude).flat_map(|(low, high)| [low, high]));
     let amplitude = said((units.length.digits(low), units.length.digits(high)));
-    format!("{at} (amplitudes {amplitude} {})", units.length)
+    let of = if rows.len() > 1 { "amplitudes of all of them" } else { "amplitudes" };
+    format!("{at} ({of} {amplitude} {})", units.length)
 }
 
 #[cfg(test)]
@@ -93,7 +94,7 @@ mod tests {
             sentences(&rows, Units::default()),
             [
                 "From 4 unstable motions of isola 1 at A = 60 time marching came to motions that repeat after 2 periods at \
-                 2600.00–2602.50 rad/s (amplitudes 1.0000e-3–2.0000e-3 m), to main at 2595.00 rad/s (amplitudes 5.0000e-4 m), \
+                 2600.00–2602.50 rad/s (amplitudes of all of them 1.0000e-3–2.0000e-3 m), to main at 2595.00 rad/s (amplitudes 5.0000e-4 m), \
                  to nothing that could be marched at 2590.00 rad/s."
             ]
         );

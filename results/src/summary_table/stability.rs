@@ -29,14 +29,20 @@ pub(super) fn sentences(levels: &[Level], units: Units) -> Option<String> {
         format!(" (stable up to {} at {})", size(amplitude), rate(omega))
     });
     let is_part = |row: &&BranchRow| row.stability.as_ref().is_some_and(|stability| !stability.is_whole);
-    let around = match mains.iter().any(is_part) {
-        true if mains.len() == 1 => ", around its peak,",
-        true => ", around their peaks,",
-        false => "",
+    let is_cut = mains.iter().any(|row| !row.at_least().is_empty());
+    let around = match (mains.iter().any(is_part), mains.len() == 1, is_cut) {
+        (false, ..) => "",
+        (_, true, false) => ", around its peak,",
+        (_, true, true) => ", around its largest response,",
+        (_, false, false) => ", around their peaks,",
+        (_, false, true) => ", around their largest responses,",
     };
+    // What comes from both sides and does not meet is one branch or two.
+    let are_pieces = levels.iter().any(|level| level.mains().count() > 1);
+    let main_branches = if are_pieces { "main branches or pieces of them" } else { "main branches" };
     let groups = [
         of(&isolas, ["isola", "isolas"], "").map(|found| found + &up_to),
-        of(&mains, ["main branch", "main branches"], around),
+        of(&mains, ["main branch", main_branches], around),
         of(&others, ["other branch", "other branches"], ""),
     ];
     let groups: Vec<String> = groups.into_iter().flatten().collect();
@@ -81,6 +87,7 @@ fn of(rows: &[&BranchRow], [one, several]: [&str; 2], around: &str) -> Option<St
 mod tests {
     use super::*;
     use crate::store::PeakOrbit;
+    use solver::response::branch::Standing;
 
     fn branch(kind: &str, [stable, unstable]: [f64; 2], amplitude: f64) -> BranchRow {
         let peak = Some(PeakOrbit { verdict: "unstable".into(), at: Some((2.5, amplitude)) });
@@ -111,6 +118,16 @@ mod tests {
             "{said}"
         );
         assert!(told(vec![sampled(22)]).unwrap().contains("Of one branch 22 points were"));
+    }
+
+    #[test]
+    fn pieces_of_main_branches_are_called_so() {
+        let cut = BranchRow { peak_standing: Some(Standing::AtLeast), ..branch("main", [0.2, 0.0], 1.0) };
+        let said = told(vec![cut.clone(), cut.clone()]).unwrap();
+        let expected =
+            "of 2 main branches or pieces of them, around their largest responses, 2 stable wherever it could tell";
+        assert!(said.contains(expected), "{said}");
+        assert!(told(vec![cut]).unwrap().contains("the main branch, around its largest response, is stable"), "{said}");
     }
 
     #[test]
