@@ -40,6 +40,7 @@ impl Target<'_> {
                 let offset = (row_b - self.first) * self.size + column;
                 let (head, tail) = self.data.split_at_mut(offset);
                 let (dest_a, dest_b) = (&mut head[begin..begin + width], &mut tail[..width]);
+                let source_b = &source_b[..width];
                 for i in 0..width {
                     dest_a[i] += factor.re * source_a[i] + factor.im * source_b[i];
                     dest_b[i] += factor.re * source_b[i] - factor.im * source_a[i];
@@ -142,26 +143,31 @@ impl PressureForm<'_> {
         work: &mut Work,
         rates: &mut [Vec<f64>],
     ) {
-        self.receptances(work);
+        self.receptances(work, false);
         self.assemble_kept(target, columns, rates);
         for block in &self.unknowns.blocks {
             self.assemble_block(target, columns, block, work, rates);
         }
     }
 
-    /// Receptances between the channels of the active elements.
-    pub(super) fn receptances(&self, work: &mut Work) {
+    /// Receptances between the channels of the active elements, by products of matrices or not.
+    pub(super) fn receptances(&self, work: &mut Work, by_products: bool) {
         let active: Vec<usize> = self.unknowns.channels().collect();
         let (square, count) = (active.len().pow(2), self.system.harmonics + 1);
         let Work { re, im, response } = work;
         re.resize(count * square, 0.0);
         im.resize(count * square, 0.0);
-        crate::linalg::vectorised(|| {
-            for k in 0..count {
-                let range = k * square..(k + 1) * square;
-                self.receptance.matrix(k, &active, response, &mut re[range.clone()], &mut im[range]);
-            }
-        });
+        let length = square.max(1);
+        let parts = re.chunks_mut(length).zip(im.chunks_mut(length)).take(count).enumerate();
+        if by_products {
+            let modal = self.receptance.modal();
+            let shapes: Vec<f64> = active.iter().flat_map(|u| modal.shape(*u)).copied().collect();
+            parts.for_each(|(k, (re, im))| self.receptance.matrix_by_products(k, &shapes, response, re, im));
+        } else {
+            crate::linalg::vectorised(|| {
+                parts.for_each(|(k, (re, im))| self.receptance.matrix(k, &active, response, re, im));
+            });
+        }
     }
 
     /// Rows of the kept amplitudes, and the (scaled) rates of the modal amplitudes with every parameter.

@@ -27,6 +27,12 @@ const WORTHWHILE: f64 = 0.8;
 /// Movements of arguments that move forces less than this share of what moves them most are left out.
 const NEGLIGIBLE: f64 = 1e-10;
 
+/// Random sums that are taken at once.
+const SUMS: usize = 32;
+
+/// So many of them one after the other that bring nothing new say that nothing is left: each is wrong once in ten times at most.
+const CERTAIN: usize = 8;
+
 /// How a matrix is compressed.
 pub(super) struct Compressed {
     /// The unknowns that are left.
@@ -62,8 +68,9 @@ impl Element {
         let mut products = Vec::new();
         for arguments in groups.into_iter().filter(|arguments| !arguments.is_empty()) {
             let width = arguments.len();
-            let group: Vec<f64> = jacobian.chunks(size).flat_map(|row| &row[arguments.clone()]).copied().collect();
-            let rows = row_space(group.clone(), width, NEGLIGIBLE * largest);
+            let mut group = Vec::with_capacity(size * width);
+            jacobian.chunks(size).for_each(|row| group.extend_from_slice(&row[arguments.clone()]));
+            let rows = row_space(&group, width, NEGLIGIBLE * largest);
             let (begin, rank) = (parts.last().map_or(0, |part| part.unknowns.end), rows.len() / width);
             let mut product = vec![0.0; size * rank];
             multiply_transposed(&group, &rows, width, &mut product);
@@ -89,32 +96,41 @@ impl Element {
     }
 }
 
-/// Orthonormal rows (rank × `width`) that span those of a row-major matrix but for remainders up to a threshold: Gram–Schmidt,
-/// the longest remainder first.
-pub(super) fn row_space(mut rest: Vec<f64>, width: usize, threshold: f64) -> Vec<f64> {
-    let mut basis: Vec<f64> = Vec::with_capacity(rest.len());
-    vectorised(|| {
-        let mut squares: Vec<f64> = rest.chunks(width).map(|row| dot(row, row)).collect();
-        while basis.len() < width * width {
-            let Some((longest, square)) = squares.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1)) else { break };
-            if square.sqrt() <= threshold {
-                break;
+/// Orthonormal rows (rank × `width`) that span those of a row-major matrix but for remainders of about a threshold: random sums
+/// of the rows, as long as they bring something new (the adaptive range finder of Halko, Martinsson & Tropp, SIAM Review 53,
+/// 217–288, 2011, algorithm 4.2). The same at every call.
+pub(super) fn row_space(matrix: &[f64], width: usize, threshold: f64) -> Vec<f64> {
+    let rows = matrix.len() / width;
+    let (mut basis, mut state, mut known) = (Vec::new(), 1, 0);
+    let mut sums = vec![0.0; SUMS * width];
+    while known < CERTAIN && basis.len() < width * width {
+        let signs: Vec<f64> = (0..SUMS * rows).map(|_| sign(&mut state)).collect();
+        multiply(&signs, matrix, rows, &mut sums);
+        vectorised(|| {
+            for sum in sums.chunks_mut(width) {
+                // Twice, since what is left of a short remainder has lost its angles to the others by rounding.
+                for _ in 0..2 {
+                    basis.chunks(width).for_each(|row| axpy(-dot(row, sum), row, sum));
+                }
+                let length = dot(sum, sum).sqrt();
+                known = if length <= threshold { known + 1 } else { 0 };
+                if known == CERTAIN || basis.len() == width * width {
+                    return;
+                }
+                if known == 0 {
+                    basis.extend(sum.iter().map(|s| s / length));
+                }
             }
-            let mut next = rest[longest * width..(longest + 1) * width].to_vec();
-            // What is left of a short remainder has lost its angles to the others by rounding.
-            basis.chunks(width).for_each(|known| axpy(-dot(known, &next), known, &mut next));
-            let length = dot(&next, &next).sqrt();
-            next.iter_mut().for_each(|b| *b /= length);
-            squares[longest] = 0.0;
-            let others = rest.chunks_mut(width).zip(&mut squares);
-            for (row, square) in others.filter(|(_, square)| square.sqrt() > threshold) {
-                axpy(-dot(&next, row), &next, row);
-                *square = dot(row, row);
-            }
-            basis.extend(next);
-        }
-    });
+        });
+    }
     basis
+}
+
+/// A random sign: ±1.
+#[inline]
+fn sign(state: &mut u64) -> f64 {
+    *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+    if *state >> 63 == 0 { 1.0 } else { -1.0 }
 }
 
 impl Compressed {
@@ -184,7 +200,7 @@ impl PressureForm<'_> {
         let (mut work, mut rates) = (std::mem::take(&mut self.assembly), std::mem::take(&mut self.modal_rates));
         let columns = compressed.columns();
         let (arguments, others) = lu.reset(size).split_at_mut(narrow.arguments().end * size);
-        self.receptances(&mut work);
+        self.receptances(&mut work, true);
         let mut target = Target { data: others, size, first: all.arguments().end };
         self.assemble_kept(&mut target, &columns, &mut rates);
         for ((block, narrow), element) in all.blocks.iter().zip(&narrow.blocks).zip(&compressed.elements) {
