@@ -83,10 +83,17 @@ pub(super) struct BlockColumns<'a> {
 
 /// Receptances between the channels of the active elements: a matrix (channels × channels) for every harmonic.
 #[derive(Default)]
-pub(super) struct Work {
+pub(super) struct Receptances {
     re: Vec<f64>,
     im: Vec<f64>,
     response: Vec<f64>,
+}
+
+impl Receptances {
+    /// Real and imaginary part of every entry, matrix after matrix.
+    pub fn parts(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
+        self.re.iter().copied().zip(self.im.iter().copied())
+    }
 }
 
 impl PressureForm<'_> {
@@ -117,9 +124,10 @@ impl PressureForm<'_> {
         for i in self.unknowns.arguments() {
             target.data[i * target.size + i] = 1.0;
         }
-        let (mut work, mut rates) = (std::mem::take(&mut self.assembly), std::mem::take(&mut self.modal_rates));
-        self.assemble_rows(target, &self.columns(), &mut work, &mut rates);
-        (self.assembly, self.modal_rates) = (work, rates);
+        let mut receptances = std::mem::take(&mut self.receptances);
+        let mut rates = std::mem::take(&mut self.modal_rates);
+        self.assemble_rows(target, &self.columns(), &mut receptances, &mut rates);
+        (self.receptances, self.modal_rates) = (receptances, rates);
     }
 
     /// The unknowns as columns.
@@ -140,21 +148,21 @@ impl PressureForm<'_> {
         &self,
         target: &mut Target<'_>,
         columns: &Columns<'_>,
-        work: &mut Work,
+        receptances: &mut Receptances,
         rates: &mut [Vec<f64>],
     ) {
-        self.receptances(work, false);
+        self.fill_receptances(receptances, false);
         self.assemble_kept(target, columns, rates);
         for block in &self.unknowns.blocks {
-            self.assemble_block(target, columns, block, work, rates);
+            self.assemble_block(target, columns, block, receptances, rates);
         }
     }
 
     /// Receptances between the channels of the active elements, by products of matrices or not.
-    pub(super) fn receptances(&self, work: &mut Work, by_products: bool) {
+    pub(super) fn fill_receptances(&self, receptances: &mut Receptances, by_products: bool) {
         let active: Vec<usize> = self.unknowns.channels().collect();
         let (square, count) = (active.len().pow(2), self.system.harmonics + 1);
-        let Work { re, im, response } = work;
+        let Receptances { re, im, response } = receptances;
         re.resize(count * square, 0.0);
         im.resize(count * square, 0.0);
         let length = square.max(1);
@@ -187,10 +195,10 @@ impl PressureForm<'_> {
         target: &mut Target<'_>,
         columns: &Columns<'_>,
         block: &Block,
-        work: &Work,
+        receptances: &Receptances,
         rates: &[Vec<f64>],
     ) {
-        crate::linalg::vectorised(|| self.assemble_arguments(target, columns, block, work));
+        crate::linalg::vectorised(|| self.assemble_arguments(target, columns, block, receptances));
         for kept in &columns.unknowns.kept {
             self.kept_column(target, block, kept);
         }
@@ -201,11 +209,17 @@ impl PressureForm<'_> {
 
     /// −δ ∂f + s R ∂f, scaled, in the rows of a block.
     #[inline(always)]
-    fn assemble_arguments(&self, target: &mut Target<'_>, columns: &Columns<'_>, rows: &Block, work: &Work) {
+    fn assemble_arguments(
+        &self,
+        target: &mut Target<'_>,
+        columns: &Columns<'_>,
+        rows: &Block,
+        receptances: &Receptances,
+    ) {
         let nc = self.layout.nc;
         let count = self.unknowns.arguments().len() / nc;
         for k in 0..=self.system.harmonics {
-            let [re, im] = [&work.re, &work.im].map(|part| &part[k * count * count..]);
+            let [re, im] = [&receptances.re, &receptances.im].map(|part| &part[k * count * count..]);
             let parts = Pair::of(k);
             let blocks = self.unknowns.blocks.iter().zip(&columns.unknowns.blocks);
             for ((block, narrow), own) in blocks.zip(&columns.blocks) {

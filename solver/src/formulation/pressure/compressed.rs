@@ -175,10 +175,15 @@ impl PressureForm<'_> {
     pub(super) fn compression(&self, row: &[f64]) -> Option<Compressed> {
         let all = &self.unknowns;
         let has_own = |block: &Block| row[self.layout.element(&block.channels)].iter().any(|entry| *entry != 0.0);
-        if self.condition.is_some() || all.len() < MANY || all.blocks.iter().any(has_own) {
+        if self.condition.is_some() || !self.has_many_unknowns() || all.blocks.iter().any(has_own) {
             return None;
         }
         Some(self.compressed()).filter(|found| (found.unknowns.len() as f64) < WORTHWHILE * all.len() as f64)
+    }
+
+    /// Whether there are enough unknowns at the state last evaluated for what pays for many only.
+    pub(super) fn has_many_unknowns(&self) -> bool {
+        self.unknowns.len() >= MANY
     }
 
     /// The compression for the state last evaluated.
@@ -197,17 +202,18 @@ impl PressureForm<'_> {
         let (all, narrow) = (&self.unknowns, &compressed.unknowns);
         let size = narrow.len();
         let (mut lu, mut rows) = (std::mem::take(&mut self.lu), std::mem::take(&mut self.rows));
-        let (mut work, mut rates) = (std::mem::take(&mut self.assembly), std::mem::take(&mut self.modal_rates));
+        let (mut receptances, mut rates) =
+            (std::mem::take(&mut self.receptances), std::mem::take(&mut self.modal_rates));
         let columns = compressed.columns();
         let (arguments, others) = lu.reset(size).split_at_mut(narrow.arguments().end * size);
-        self.receptances(&mut work, true);
+        self.fill_receptances(&mut receptances, true);
         let mut target = Target { data: others, size, first: all.arguments().end };
         self.assemble_kept(&mut target, &columns, &mut rates);
         for ((block, narrow), element) in all.blocks.iter().zip(&narrow.blocks).zip(&compressed.elements) {
             rows.clear();
             rows.resize(block.unknowns.len() * size, 0.0);
             let mut target = Target { data: &mut rows, size, first: block.unknowns.start };
-            self.assemble_block(&mut target, &columns, block, &work, &rates);
+            self.assemble_block(&mut target, &columns, block, &receptances, &rates);
             for part in &element.parts {
                 let source = &rows[part.arguments.start * size..part.arguments.end * size];
                 let first = narrow.unknowns.start + part.unknowns.start;
@@ -218,7 +224,7 @@ impl PressureForm<'_> {
         for (i, row) in arguments.chunks_mut(size).enumerate() {
             row[i] += 1.0;
         }
-        (self.assembly, self.modal_rates) = (work, rates);
+        (self.receptances, self.modal_rates) = (receptances, rates);
         let last = others.len() / size - 1;
         if let Some(phase) = &self.phase {
             self.assemble_dependent_form(&mut others[(last - 1) * size..last * size], phase, &columns);

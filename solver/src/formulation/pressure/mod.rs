@@ -45,7 +45,7 @@ use crate::linalg::{LinalgError, Lu};
 use crate::settings::HarmonicSettings;
 use crate::structure::Model;
 use crate::structure::laws::{LawKind, with_law};
-use assemble::Work;
+use assemble::Receptances;
 use compressed::Compressed;
 use condition::Condition;
 pub use condition::Degeneracy;
@@ -95,7 +95,7 @@ pub struct PressureForm<'m> {
     rows: Vec<f64>,
     solutions: Vec<f64>,
     work: Vec<Complex64>,
-    assembly: Work,
+    receptances: Receptances,
 }
 
 impl<'m> PressureForm<'m> {
@@ -137,7 +137,7 @@ impl<'m> PressureForm<'m> {
             rows: Vec::new(),
             solutions: Vec::new(),
             work: Vec::new(),
-            assembly: Work::default(),
+            receptances: Receptances::default(),
             system,
             layout,
             elements,

@@ -118,10 +118,11 @@ impl PressureForm<'_> {
         let mut rows = std::mem::take(&mut self.rows);
         rows.clear();
         rows.resize(all * size, 0.0);
-        let (mut work, mut rates) = (std::mem::take(&mut self.assembly), std::mem::take(&mut self.modal_rates));
+        let mut receptances = std::mem::take(&mut self.receptances);
+        let mut rates = std::mem::take(&mut self.modal_rates);
         let mut target = Target { data: &mut rows, size, first: 0 };
-        self.assemble_rows(&mut target, &self.reduced_columns(reduced, &narrow), &mut work, &mut rates);
-        (self.assembly, self.modal_rates) = (work, rates);
+        self.assemble_rows(&mut target, &self.reduced_columns(reduced, &narrow), &mut receptances, &mut rates);
+        (self.receptances, self.modal_rates) = (receptances, rates);
         let columns = self.reduced_columns(reduced, &narrow);
         if let Some(phase) = &self.phase {
             self.assemble_dependent_form(&mut rows[(all - 2) * size..(all - 1) * size], phase, &columns);
