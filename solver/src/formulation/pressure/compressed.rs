@@ -30,7 +30,8 @@ const NEGLIGIBLE: f64 = 1e-10;
 /// Random sums that are taken at once.
 const SUMS: usize = 32;
 
-/// So many of them one after the other that bring nothing new say that nothing is left: each is wrong once in ten times at most.
+/// So many of them one after the other that bring nothing new are the last: what is left of the rows then is longer than eight
+/// thresholds with a probability of 10 to the minus so many.
 const CERTAIN: usize = 8;
 
 /// How a matrix is compressed.
