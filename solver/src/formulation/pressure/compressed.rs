@@ -86,8 +86,8 @@ impl Element {
             }
         }
         let columns = |arguments: usize| {
-            let depends = parts.iter().filter(|part| part.arguments.start < arguments * nc);
-            depends.last().map_or(0, |part| part.unknowns.end)
+            let depends = |part: &&Part| part.arguments.start < arguments * nc;
+            parts.iter().rev().find(depends).map_or(0, |part| part.unknowns.end)
         };
         Self { reach: reach.map(columns), parts, jacobian: narrow }
     }
