@@ -52,6 +52,13 @@ fn marching(criterion: &mut Criterion) {
         criterion.bench_function(&format!("marching: period of 7500 steps, {name}"), |bencher| {
             bencher.iter(|| marching.period().expect("the motion is bounded"))
         });
+        let state = marching.state();
+        criterion.bench_function(&format!("marching: the same with its tangent, {name}"), |bencher| {
+            bencher.iter(|| {
+                marching.restart(&state).expect("it was there before");
+                marching.monodromy().expect("the motion is bounded")
+            })
+        });
         println!("share of contact: {:.2?}", marching.period().expect("the motion is bounded").contact);
     }
 }

@@ -1,18 +1,21 @@
 //! One Newton iteration (residual, Jacobian, factorisation, step and tangent) on rotor 67 with friction: pressure form
-//! against displacement form where three nodes touch, and the cost over contact nodes and harmonics.
+//! against displacement form where three nodes touch, the parts of an iteration, one on a fold curve, and the cost over contact
+//! nodes and harmonics.
 #![expect(missing_docs, reason = "criterion's macros write functions without any")]
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use solver::curve::problem::Problem;
 use solver::files;
 use solver::formulation::Formulation;
+use solver::formulation::aft::{Aft, ElementForce, Rate};
 use solver::formulation::displacement::DisplacementForm;
 use solver::formulation::pressure::PressureForm;
 use solver::formulation::scales::Scales;
 use solver::formulation::state::State;
-use solver::formulation::unknown::Unknown;
+use solver::formulation::unknown::{Quantity, Unknown};
 use solver::response::backbone::{Backbone, BackbonePoint};
 use solver::settings::{HarmonicSettings, Quadrature, Settings};
+use solver::structure::laws::LawKind;
 use solver::structure::{Element, Model, ModelData};
 use std::hint::black_box;
 use std::path::Path;
@@ -71,14 +74,47 @@ fn formulations(c: &mut Criterion) {
 fn parts(c: &mut Criterion) {
     let model = rotor();
     let state = three_nodes(&model);
-    let mut problem = PressureForm::new(&model, HarmonicSettings::default(), 0, MODE, Scales::new(&model, 0));
-    let (mut y, row) = (problem.encode(&state), problem.parameter_row());
+    parts_of(c, "3 nodes, H = 10", &model, &state);
+    for nodes in [9, 27] {
+        let (model, state) = with_nodes(nodes);
+        parts_of(c, &format!("{nodes} nodes, H = 20"), &model, &state(20));
+    }
+}
+
+fn parts_of(c: &mut Criterion, name: &str, model: &Model, state: &State) {
+    let truncation = HarmonicSettings { count: state.harmonics, ..Default::default() };
+    let scales = Scales::new(model, 0);
+    let mut group = c.benchmark_group(format!("parts of an iteration, {name}"));
+    group.sample_size(20);
+    let nc = 2 * state.harmonics + 1;
+    let (law, series) = (&model.elements()[0].law, &state.arguments[..3 * nc]);
+    let LawKind::Contact(law) = law else { unreachable!("every element of the rotor is a contact") };
+    let (mut aft, mut force) = (Aft::new(truncation), ElementForce::default());
+    let rate = Rate { omega: state.omega, harmonic: 1.0 };
+    group.bench_function("arcs of a node", |b| b.iter(|| aft.coverage(black_box(&series[..nc]), 0.0).fraction()));
+    group.bench_function("forces of a node", |b| b.iter(|| aft.evaluate(law, black_box(series), rate, &mut force)));
+    let mut problem = PressureForm::new(model, truncation, 0, MODE, scales);
+    let (mut y, row) = (problem.encode(state), problem.parameter_row());
     let (mut step, mut tangent) = (vec![0.0; y.len()], vec![0.0; y.len()]);
-    let mut group = c.benchmark_group("parts of an iteration, 3 nodes, H = 10");
     group.bench_function("residual", |b| b.iter(|| problem.linearise(black_box(&mut y))));
     group.bench_function("assembly and factorisation", |b| b.iter(|| problem.factor(black_box(&row)).is_ok()));
     group.bench_function("solution", |b| b.iter(|| problem.solve(0.0, black_box(&mut step), &mut tangent)));
+    group.bench_function("transposed solution", |b| b.iter(|| problem.solve_transposed(black_box(&row))));
+    group.bench_function("rounding", |b| b.iter(|| problem.rounding()));
     group.finish();
+}
+
+/// One iteration at a point of a fold curve: two matrices and the second derivatives.
+fn folds(c: &mut Criterion) {
+    let model = rotor();
+    let state = State { forcing: 60.0, ..three_nodes(&model) };
+    let (unknown, scales) = (Unknown::Extremum(Quantity::Frequency), Scales::new(&model, 0));
+    let mut problem = PressureForm::new(&model, HarmonicSettings::default(), 0, unknown, scales);
+    let (mut y, row) = (problem.encode(&state), problem.parameter_row());
+    let mut work = [vec![0.0; y.len()], vec![0.0; y.len()]];
+    c.bench_function("iteration on a fold curve, 3 nodes, H = 10", |b| {
+        b.iter(|| iteration(&mut problem, &mut y, &row, &mut work));
+    });
 }
 
 /// `count` nodes along the tip line of the blade, interpolated between its nine, every one of them in contact for the
@@ -116,7 +152,7 @@ fn with_nodes(count: usize) -> (Model, impl Fn(usize) -> State) {
 fn growth(c: &mut Criterion) {
     let mut group = c.benchmark_group("iteration over nodes and harmonics");
     group.sample_size(10);
-    for nodes in [3, 9, 27] {
+    for nodes in [3, 9, 27, 54] {
         let (model, state) = with_nodes(nodes);
         let scales = Scales::new(&model, 0);
         for count in [5, 10, 20, 40] {
@@ -134,5 +170,5 @@ fn growth(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, formulations, parts, growth);
+criterion_group!(benches, formulations, parts, folds, growth);
 criterion_main!(benches);

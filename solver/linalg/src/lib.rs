@@ -132,6 +132,19 @@ pub fn multiply(a: &[f64], b: &[f64], inner: usize, out: &mut [f64]) {
     );
 }
 
+/// `out` = A Bᵀ of row-major matrices, `inner` the number of columns of both.
+pub fn multiply_transposed(a: &[f64], b: &[f64], inner: usize, out: &mut [f64]) {
+    let (rows, cols) = (a.len() / inner, b.len() / inner);
+    faer::linalg::matmul::matmul(
+        MatMut::from_row_major_slice_mut(out, rows, cols),
+        Accum::Replace,
+        MatRef::from_row_major_slice(a, rows, inner),
+        MatRef::from_row_major_slice(b, cols, inner).transpose(),
+        1.0,
+        Par::Seq,
+    );
+}
+
 /// Rows as they are written in code.
 impl<const ROWS: usize, const COLS: usize> From<[[f64; COLS]; ROWS]> for Matrix {
     fn from(rows: [[f64; COLS]; ROWS]) -> Self {

@@ -8,7 +8,7 @@
 use crate::formulation::harmonics::{complex, set_complex};
 use crate::formulation::modal::Modal;
 use crate::formulation::state::Parameters;
-use crate::linalg::{LinalgError, dot, solve_complex};
+use crate::linalg::{LinalgError, dot, multiply, multiply_transposed, solve_complex};
 use crate::structure::{Damping, Model};
 use num_complex::Complex64;
 use std::sync::Arc;
@@ -231,6 +231,29 @@ impl Receptance {
                     (re[i * count + j], im[i * count + j]) = sums;
                 }
             }
+        }
+    }
+
+    /// The same by products of matrices: faster for many channels, with other rounding errors. `shapes` are theirs
+    /// (count × modes, row-major).
+    pub fn matrix_by_products(&self, k: usize, shapes: &[f64], work: &mut Vec<f64>, re: &mut [f64], im: &mut [f64]) {
+        let n = self.modes;
+        work.clear();
+        work.resize(shapes.len(), 0.0);
+        for (part, out) in [(0, re), (1, im)] {
+            let part = |d: &Complex64| if part == 0 { d.re } else { d.im };
+            match &self.inverse[k] {
+                Inverse::Diagonal(d) => {
+                    for (row, shape) in work.chunks_mut(n).zip(shapes.chunks(n)) {
+                        row.iter_mut().zip(shape).zip(d).for_each(|((r, s), d)| *r = s * part(d));
+                    }
+                }
+                Inverse::Full(d) => {
+                    let d: Vec<f64> = d.iter().map(part).collect();
+                    multiply(shapes, &d, n, work);
+                }
+            }
+            multiply_transposed(work, shapes, n, out);
         }
     }
 }

@@ -1,20 +1,28 @@
 //! Bordered Jacobian of the pressure form.
 
 use super::PressureForm;
-use super::layout::{KeptAt, Pair, Unknowns};
+use super::layout::{Block, KeptAt, Pair, Unknowns};
 use crate::formulation::harmonics::complex;
-use crate::formulation::receptance::{gather, scatter};
+use crate::formulation::receptance::{RetainedMode, gather, scatter};
 use crate::formulation::unknown::Parameter;
-use crate::linalg::{axpy, dot};
+use crate::linalg::axpy;
+use crate::structure::laws::MAX_ARGUMENTS;
 use num_complex::Complex64;
 
-/// A row-major square matrix being filled.
+/// Rows of a row-major matrix being filled.
 pub(super) struct Target<'a> {
     pub data: &'a mut [f64],
+    /// Columns of the matrix.
     pub size: usize,
+    /// Number of the first row.
+    pub first: usize,
 }
 
 impl Target<'_> {
+    fn at(&mut self, row: usize, column: usize) -> &mut f64 {
+        &mut self.data[(row - self.first) * self.size + column]
+    }
+
     /// Adds the complex row `factor` × (row_a − i row_b) to a pair of rows, columns from `column`.
     #[inline(always)]
     fn add_complex_row(
@@ -26,12 +34,13 @@ impl Target<'_> {
         source_b: Option<&[f64]>,
     ) {
         let width = source_a.len();
-        let begin = rows.a * self.size + column;
+        let begin = (rows.a - self.first) * self.size + column;
         match (rows.b, source_b) {
             (Some(row_b), Some(source_b)) => {
-                let offset = row_b * self.size + column;
+                let offset = (row_b - self.first) * self.size + column;
                 let (head, tail) = self.data.split_at_mut(offset);
                 let (dest_a, dest_b) = (&mut head[begin..begin + width], &mut tail[..width]);
+                let source_b = &source_b[..width];
                 for i in 0..width {
                     dest_a[i] += factor.re * source_a[i] + factor.im * source_b[i];
                     dest_b[i] += factor.re * source_b[i] - factor.im * source_a[i];
@@ -43,33 +52,48 @@ impl Target<'_> {
 
     /// Adds the 2 × 2 (or 1 × 1) real form of multiplication by `factor`.
     fn add_complex(&mut self, rows: Pair, cols: Pair, factor: Complex64) {
-        self.data[rows.a * self.size + cols.a] += factor.re;
+        *self.at(rows.a, cols.a) += factor.re;
         if let Some(row_b) = rows.b {
-            self.data[row_b * self.size + cols.a] -= factor.im;
+            *self.at(row_b, cols.a) -= factor.im;
         }
         if let Some(col_b) = cols.b {
-            self.data[rows.a * self.size + col_b] += factor.im;
+            *self.at(rows.a, col_b) += factor.im;
             if let Some(row_b) = rows.b {
-                self.data[row_b * self.size + col_b] += factor.re;
+                *self.at(row_b, col_b) += factor.re;
             }
         }
     }
 }
 
-/// Columns of a matrix being filled: those of the unknowns, or fewer ([`super::reduced`]).
+/// Columns of a matrix being filled: those of the unknowns, or fewer ([`super::reduced`], [`super::compressed`]).
 pub(super) struct Columns<'a> {
     /// Where blocks, kept amplitudes and parameters stand.
     pub unknowns: &'a Unknowns,
-    /// Derivatives of the forces of every block with respect to its columns: channels · nc rows.
-    pub jacobians: Vec<&'a [f64]>,
+    /// Those of every block.
+    pub blocks: Vec<BlockColumns<'a>>,
 }
 
-/// Buffers of receptances.
+/// Columns of a block.
+pub(super) struct BlockColumns<'a> {
+    /// Derivatives of the forces with respect to them: channels · nc rows.
+    pub jacobian: &'a [f64],
+    /// For each force, how many of them it depends on.
+    pub reach: [usize; MAX_ARGUMENTS],
+}
+
+/// Receptances between the channels of the active elements: a matrix (channels × channels) for every harmonic.
 #[derive(Default)]
-pub(super) struct Work {
+pub(super) struct Receptances {
     re: Vec<f64>,
     im: Vec<f64>,
     response: Vec<f64>,
+}
+
+impl Receptances {
+    /// Real and imaginary part of every entry, matrix after matrix.
+    pub fn parts(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
+        self.re.iter().copied().zip(self.im.iter().copied())
+    }
 }
 
 impl PressureForm<'_> {
@@ -78,7 +102,7 @@ impl PressureForm<'_> {
         let size = self.unknowns.len();
         debug_assert_eq!(size, self.residual.len() + 1);
         let mut lu = std::mem::take(&mut self.lu);
-        let mut target = Target { data: lu.reset(size), size };
+        let mut target = Target { data: lu.reset(size), size, first: 0 };
         if let Some(condition) = self.condition.take() {
             let gradient = self.condition_gradient(&condition);
             let (equations, rest) = target.data.split_at_mut((size - 2) * size);
@@ -100,16 +124,23 @@ impl PressureForm<'_> {
         for i in self.unknowns.arguments() {
             target.data[i * target.size + i] = 1.0;
         }
-        let (mut work, mut rates) = (std::mem::take(&mut self.assembly), std::mem::take(&mut self.modal_rates));
-        self.assemble_rows(target, &self.columns(), &mut work, &mut rates);
-        (self.assembly, self.modal_rates) = (work, rates);
+        let mut receptances = std::mem::take(&mut self.receptances);
+        let mut rates = std::mem::take(&mut self.modal_rates);
+        self.assemble_rows(target, &self.columns(), &mut receptances, &mut rates);
+        (self.receptances, self.modal_rates) = (receptances, rates);
     }
 
     /// The unknowns as columns.
-    fn columns(&self) -> Columns<'_> {
+    pub(super) fn columns(&self) -> Columns<'_> {
         let blocks = self.unknowns.blocks.iter();
-        let jacobians = blocks.map(|block| self.forces[block.element].jacobian.as_slice()).collect();
-        Columns { unknowns: &self.unknowns, jacobians }
+        let blocks = blocks.map(|block| self.block_columns(block, &self.forces[block.element].jacobian));
+        Columns { unknowns: &self.unknowns, blocks: blocks.collect() }
+    }
+
+    /// Columns of a block that stand for its series one after the other.
+    pub(super) fn block_columns<'a>(&self, block: &Block, jacobian: &'a [f64]) -> BlockColumns<'a> {
+        let rank = jacobian.len() / (block.unknowns.len() * block.channels.len());
+        BlockColumns { jacobian, reach: self.elements[block.element].reach.map(|reach| reach * rank) }
     }
 
     /// Adds the rows of the harmonic balance, but for the arguments themselves (δa in the rows of the arguments).
@@ -117,47 +148,98 @@ impl PressureForm<'_> {
         &self,
         target: &mut Target<'_>,
         columns: &Columns<'_>,
-        work: &mut Work,
+        receptances: &mut Receptances,
         rates: &mut [Vec<f64>],
     ) {
-        crate::linalg::vectorised(|| self.assemble_arguments(target, columns, work));
-        for (row, column) in self.unknowns.kept.iter().zip(&columns.unknowns.kept) {
-            self.assemble_kept(target, columns, row, column.at);
+        self.fill_receptances(receptances, false);
+        self.assemble_kept(target, columns, rates);
+        for block in &self.unknowns.blocks {
+            self.assemble_block(target, columns, block, receptances, rates);
         }
-        self.assemble_parameters(target, columns.unknowns.parameters.start, rates);
     }
 
-    /// −δ ∂f + s R ∂f, scaled.
-    #[inline(always)]
-    fn assemble_arguments(&self, target: &mut Target<'_>, columns: &Columns<'_>, work: &mut Work) {
-        let nc = self.layout.nc;
+    /// Receptances between the channels of the active elements, by products of matrices or not.
+    pub(super) fn fill_receptances(&self, receptances: &mut Receptances, by_products: bool) {
         let active: Vec<usize> = self.unknowns.channels().collect();
-        let count = active.len();
-        work.re.resize(count * count, 0.0);
-        work.im.resize(count * count, 0.0);
+        let (square, count) = (active.len().pow(2), self.system.harmonics + 1);
+        let Receptances { re, im, response } = receptances;
+        re.resize(count * square, 0.0);
+        im.resize(count * square, 0.0);
+        let length = square.max(1);
+        let parts = re.chunks_mut(length).zip(im.chunks_mut(length)).take(count).enumerate();
+        if by_products {
+            let modal = self.receptance.modal();
+            let shapes: Vec<f64> = active.iter().flat_map(|u| modal.shape(*u)).copied().collect();
+            parts.for_each(|(k, (re, im))| self.receptance.matrix_by_products(k, &shapes, response, re, im));
+        } else {
+            crate::linalg::vectorised(|| {
+                parts.for_each(|(k, (re, im))| self.receptance.matrix(k, &active, response, re, im));
+            });
+        }
+    }
+
+    /// Rows of the kept amplitudes, and the (scaled) rates of the modal amplitudes with every parameter.
+    pub(super) fn assemble_kept(&self, target: &mut Target<'_>, columns: &Columns<'_>, rates: &mut [Vec<f64>]) {
+        for row in &self.unknowns.kept {
+            self.kept_row(target, columns, row);
+        }
+        for (p, (rate, &parameter)) in rates.iter_mut().zip(self.system.unknown.parameters()).enumerate() {
+            self.kept_rates(target, columns.unknowns.parameters.start + p, parameter, rate);
+            rate.iter_mut().for_each(|r| *r *= parameter.unit(&self.system.scales));
+        }
+    }
+
+    /// Rows of the arguments of a block, but for the arguments themselves.
+    pub(super) fn assemble_block(
+        &self,
+        target: &mut Target<'_>,
+        columns: &Columns<'_>,
+        block: &Block,
+        receptances: &Receptances,
+        rates: &[Vec<f64>],
+    ) {
+        crate::linalg::vectorised(|| self.assemble_arguments(target, columns, block, receptances));
+        for kept in &columns.unknowns.kept {
+            self.kept_column(target, block, kept);
+        }
+        for (p, (rate, &parameter)) in rates.iter().zip(self.system.unknown.parameters()).enumerate() {
+            self.argument_rates(target, block, columns.unknowns.parameters.start + p, parameter, rate);
+        }
+    }
+
+    /// −δ ∂f + s R ∂f, scaled, in the rows of a block.
+    #[inline(always)]
+    fn assemble_arguments(
+        &self,
+        target: &mut Target<'_>,
+        columns: &Columns<'_>,
+        rows: &Block,
+        receptances: &Receptances,
+    ) {
+        let nc = self.layout.nc;
+        let count = self.unknowns.arguments().len() / nc;
         for k in 0..=self.system.harmonics {
-            self.receptance.matrix(k, &active, &mut work.response, &mut work.re, &mut work.im);
-            let rows = Pair::of(k);
+            let [re, im] = [&receptances.re, &receptances.im].map(|part| &part[k * count * count..]);
+            let parts = Pair::of(k);
             let blocks = self.unknowns.blocks.iter().zip(&columns.unknowns.blocks);
-            for ((block, narrow), jacobian) in blocks.zip(&columns.jacobians) {
-                let (bound, width) = (&self.elements[block.element], narrow.unknowns.len());
+            for ((block, narrow), own) in blocks.zip(&columns.blocks) {
+                let width = narrow.unknowns.len();
                 for (i, _, start) in block.arguments() {
-                    // Force i does not depend on the arguments from `reach` on.
-                    let reach = bound.reach[i] * (width / block.channels.len());
                     let source = |part: usize| {
                         let begin = (i * nc + part) * width;
-                        &jacobian[begin..begin + reach]
+                        &own.jacobian[begin..begin + own.reach[i]]
                     };
-                    let (source_a, source_b) = (source(rows.a), rows.b.map(source));
+                    let (source_a, source_b) = (source(parts.a), parts.b.map(source));
                     let v = start / nc;
-                    for (a, &u) in active.iter().enumerate() {
+                    for (_, u, row) in rows.arguments() {
+                        let a = row / nc;
                         let channel = self.channels[u];
                         let gain = channel.gain / channel.scale;
-                        let mut factor = Complex64::new(gain * work.re[a * count + v], gain * work.im[a * count + v]);
+                        let mut factor = Complex64::new(gain * re[a * count + v], gain * im[a * count + v]);
                         if a == v {
                             factor.re -= channel.feedback / channel.scale;
                         }
-                        target.add_complex_row(rows.after(a * nc), narrow.unknowns.start, factor, source_a, source_b);
+                        target.add_complex_row(parts.after(row), narrow.unknowns.start, factor, source_a, source_b);
                     }
                 }
             }
@@ -174,30 +256,42 @@ impl PressureForm<'_> {
         }
     }
 
-    /// Column and row of a kept modal amplitude.
-    fn assemble_kept(&self, target: &mut Target<'_>, columns: &Columns<'_>, kept: &KeptAt, column_at: Pair) {
+    /// D̂_oo⁻¹ D̂_oκ of a kept amplitude, if the modes are coupled.
+    fn kept_response(&self, kept: &RetainedMode) -> Option<Vec<Complex64>> {
+        let column = self.receptance.coupling(kept.harmonic, kept.mode)?;
+        let mut response = vec![Complex64::default(); self.layout.modes];
+        self.receptance.inverse_times(kept.harmonic, &column, &mut response);
+        Some(response)
+    }
+
+    /// Column of a kept modal amplitude in the rows of a block.
+    fn kept_column(&self, target: &mut Target<'_>, block: &Block, column: &KeptAt) {
+        let (response, parts) = (self.kept_response(&column.kept), Pair::of(column.kept.harmonic));
+        for (_, u, start) in block.arguments() {
+            let shape = self.kept_shape(u, column.kept.mode, response.as_deref());
+            let channel = self.channels[u];
+            let gain = -channel.gain / channel.scale * self.system.scales.modal;
+            target.add_complex(parts.after(start), column.at, gain * shape);
+        }
+    }
+
+    /// Row of a kept modal amplitude.
+    fn kept_row(&self, target: &mut Target<'_>, columns: &Columns<'_>, row: &KeptAt) {
         let nc = self.layout.nc;
-        let (k, mode) = (kept.kept.harmonic, kept.kept.mode);
-        let (scale, parts) = (self.kept_scale(&kept.kept), Pair::of(k));
-        let response = self.receptance.coupling(k, mode).map(|column| {
-            let mut response = vec![Complex64::default(); self.layout.modes];
-            self.receptance.inverse_times(k, &column, &mut response);
-            response
-        });
+        let (k, mode) = (row.kept.harmonic, row.kept.mode);
+        let (scale, parts) = (self.kept_scale(&row.kept), Pair::of(k));
+        let response = self.kept_response(&row.kept);
         let blocks = self.unknowns.blocks.iter().zip(&columns.unknowns.blocks);
-        for ((block, narrow), jacobian) in blocks.zip(&columns.jacobians) {
+        for ((block, narrow), own) in blocks.zip(&columns.blocks) {
             let width = narrow.unknowns.len();
-            for (i, u, start) in block.arguments() {
+            for (i, u, _) in block.arguments() {
                 let shape = self.kept_shape(u, mode, response.as_deref());
-                let channel = self.channels[u];
-                let gain = -channel.gain / channel.scale * self.system.scales.modal;
-                target.add_complex(parts.after(start), column_at, gain * shape);
                 let source = |part: usize| {
                     let begin = (i * nc + part) * width;
-                    &jacobian[begin..begin + width]
+                    &own.jacobian[begin..begin + width]
                 };
                 let (source_a, source_b) = (source(parts.a), parts.b.map(source));
-                target.add_complex_row(kept.at, narrow.unknowns.start, shape / scale, source_a, source_b);
+                target.add_complex_row(row.at, narrow.unknowns.start, shape / scale, source_a, source_b);
             }
         }
         for other in columns.unknowns.kept_at(k) {
@@ -205,17 +299,7 @@ impl PressureForm<'_> {
             if let (Some(response), Some(column)) = (&response, self.receptance.coupling(k, other.kept.mode)) {
                 entry -= response.iter().zip(&column).map(|(r, c)| r * c).sum::<Complex64>();
             }
-            target.add_complex(kept.at, other.at, entry * (self.system.scales.modal / scale));
-        }
-    }
-
-    /// Columns of the parameters, from `first` on; also the rates of the dependent modal amplitudes.
-    fn assemble_parameters(&self, target: &mut Target<'_>, first: usize, rates: &mut [Vec<f64>]) {
-        for (p, (rate, &parameter)) in rates.iter_mut().zip(self.system.unknown.parameters()).enumerate() {
-            let column = first + p;
-            self.kept_rates(target, column, parameter, rate);
-            rate.iter_mut().for_each(|r| *r *= parameter.unit(&self.system.scales));
-            self.argument_rates(target, column, parameter, rate);
+            target.add_complex(row.at, other.at, entry * (self.system.scales.modal / scale));
         }
     }
 
@@ -250,30 +334,33 @@ impl PressureForm<'_> {
                 let balance =
                     moved[kept.mode] - load[kept.mode] + self.receptance.stiffness_times(k, kept.mode, response);
                 let scaled = balance * (parameter.unit(&self.system.scales) / self.kept_scale(kept));
-                target.data[at.a * target.size + column] = scaled.re;
+                *target.at(at.a, column) = scaled.re;
                 if let Some(b) = at.b {
-                    target.data[b * target.size + column] = -scaled.im;
+                    *target.at(b, column) = -scaled.im;
                 }
             }
         }
     }
 
-    /// A parameter's column in the rows of the arguments, from the (scaled) rates of the modal amplitudes.
-    fn argument_rates(&self, target: &mut Target<'_>, column: usize, parameter: Parameter, rate: &[f64]) {
+    /// A parameter's column in the rows of a block, from the (scaled) rates of the modal amplitudes.
+    fn argument_rates(
+        &self,
+        target: &mut Target<'_>,
+        block: &Block,
+        column: usize,
+        parameter: Parameter,
+        rate: &[f64],
+    ) {
         let nc = self.layout.nc;
         let unit = parameter.unit(&self.system.scales);
         let mut series = vec![0.0; nc];
-        for block in &self.unknowns.blocks {
-            let element = &self.forces[block.element];
-            for (i, u, start) in block.arguments() {
-                let channel = self.channels[u];
-                self.receptance.modal().displacement(u, rate, &mut series);
-                for (h, x) in series.iter().enumerate() {
-                    let explicit =
-                        if parameter == Parameter::Frequency { unit * element.domega[i * nc + h] } else { 0.0 };
-                    target.data[(start + h) * target.size + column] =
-                        -(channel.gain * x + channel.feedback * explicit) / channel.scale;
-                }
+        let element = &self.forces[block.element];
+        for (i, u, start) in block.arguments() {
+            let channel = self.channels[u];
+            self.receptance.modal().displacement(u, rate, &mut series);
+            for (h, x) in series.iter().enumerate() {
+                let explicit = if parameter == Parameter::Frequency { unit * element.domega[i * nc + h] } else { 0.0 };
+                *target.at(start + h, column) = -(channel.gain * x + channel.feedback * explicit) / channel.scale;
             }
         }
     }
@@ -286,78 +373,6 @@ impl PressureForm<'_> {
                 let rate = complex(series, k);
                 load.iter_mut().zip(self.receptance.modal().shape(u)).for_each(|(l, s)| *l -= rate * s);
             }
-        }
-    }
-
-    /// Entries of a linear form on modal amplitudes, those on the arguments of open nodes (a = s x − c) carried over to them.
-    fn carried_over(&self, row: &[f64]) -> Vec<f64> {
-        let mut modal = row[self.layout.modal()].to_vec();
-        for u in self.elements.iter().filter(|bound| !bound.active).flat_map(|bound| bound.channels.clone()) {
-            let (channel, series) = (self.channels[u], &row[self.layout.channel(u)]);
-            if series.iter().all(|entry| *entry == 0.0) {
-                continue;
-            }
-            let factor = channel.gain * self.system.scales.modal / channel.scale;
-            for (shape, target) in self.receptance.modal().shape(u).iter().zip(modal.chunks_mut(self.layout.nc)) {
-                axpy(factor * shape, series, target);
-            }
-        }
-        modal
-    }
-
-    /// A linear form on the state as a row over the unknowns: entries of dependent arguments and modal amplitudes are carried
-    /// over to the unknowns by the chain rule.
-    pub(super) fn assemble_form(&self, border: &mut [f64], row: &[f64]) {
-        self.assemble_dependent_form(border, row, &self.columns());
-        for block in &self.unknowns.blocks {
-            axpy(1.0, &row[self.layout.element(&block.channels)], &mut border[block.unknowns.clone()]);
-        }
-    }
-
-    /// The same without its own entries for the arguments that are unknowns.
-    pub(super) fn assemble_dependent_form(&self, border: &mut [f64], row: &[f64], columns: &Columns<'_>) {
-        let (nc, n) = (self.layout.nc, self.layout.modes);
-        let modal = self.carried_over(row);
-        let mut weight = vec![0.0; self.layout.arguments().len()];
-        let mut work = vec![Complex64::default(); 2 * n];
-        let (conjugate, response) = work.split_at_mut(n);
-        for k in 0..=self.system.harmonics {
-            gather(&modal, nc, k, conjugate);
-            if conjugate.iter().all(|w| w.re == 0.0 && w.im == 0.0) {
-                continue;
-            }
-            conjugate.iter_mut().for_each(|w| *w = w.conj());
-            self.receptance.inverse_times(k, conjugate, response);
-            let parts = Pair::of(k);
-            for u in self.unknowns.channels() {
-                let shape = self.receptance.modal().shape(u);
-                let z: Complex64 = shape.iter().zip(response.iter()).map(|(s, r)| r * *s).sum();
-                weight[u * nc + parts.a] = -z.re / self.system.scales.modal;
-                if let Some(b) = parts.b {
-                    weight[u * nc + b] = -z.im / self.system.scales.modal;
-                }
-            }
-            for KeptAt { kept, at } in columns.unknowns.kept_at(k) {
-                let own = conjugate[kept.mode];
-                let coupled = self.receptance.coupling(k, kept.mode).map_or(Complex64::default(), |column| {
-                    column.iter().zip(response.iter()).map(|(c, r)| c * r).sum()
-                });
-                border[at.a] += own.re - coupled.re;
-                if let Some(b) = at.b {
-                    border[b] += own.im - coupled.im;
-                }
-            }
-        }
-        for (narrow, jacobian) in columns.unknowns.blocks.iter().zip(&columns.jacobians) {
-            let border = &mut border[narrow.unknowns.clone()];
-            let rows = jacobian.chunks(border.len());
-            for (w, source) in weight[self.layout.element(&narrow.channels)].iter().zip(rows) {
-                axpy(*w, source, border);
-            }
-        }
-        let parameters = row[self.layout.parameters()].iter().zip(&self.modal_rates);
-        for (border, (own, rate)) in border[columns.unknowns.parameters.clone()].iter_mut().zip(parameters) {
-            *border = own + dot(&modal, rate) / self.system.scales.modal;
         }
     }
 }

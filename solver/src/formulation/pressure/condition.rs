@@ -185,7 +185,7 @@ impl PressureForm<'_> {
         let size = self.unknowns.len();
         condition.equations.clear();
         condition.equations.resize((size - 1) * size, 0.0);
-        let mut target = Target { data: &mut condition.equations, size };
+        let mut target = Target { data: &mut condition.equations, size, first: 0 };
         self.assemble_equations(&mut target);
         condition.gradient = match condition.quantity {
             Quantity::Frequency => self.parameter_form(),

@@ -114,18 +114,18 @@ pub(super) struct Unknowns {
 impl Unknowns {
     /// Of the elements that are active, numbered with their channels.
     pub fn new(active: impl Iterator<Item = (usize, Range<usize>)>, kept: &[RetainedMode], layout: &Layout) -> Self {
-        let active = active.map(|(element, channels)| (element, channels, layout.nc));
-        Self::with_widths(active, kept.iter().copied(), layout.parameters)
+        let active = active.map(|(element, channels)| (element, channels.clone(), channels.len() * layout.nc));
+        Self::with_lengths(active, kept.iter().copied(), layout.parameters)
     }
 
-    /// The same unknowns where so many numbers stand for every series of each block.
-    pub fn narrowed(&self, widths: impl Iterator<Item = usize>) -> Self {
-        let blocks = self.blocks.iter().zip(widths);
-        let active = blocks.map(|(block, width)| (block.element, block.channels.clone(), width));
-        Self::with_widths(active, self.kept.iter().map(|kept| kept.kept), self.parameters.len())
+    /// The same unknowns where so many numbers stand for each block.
+    pub fn narrowed(&self, lengths: impl Iterator<Item = usize>) -> Self {
+        let blocks = self.blocks.iter().zip(lengths);
+        let active = blocks.map(|(block, length)| (block.element, block.channels.clone(), length));
+        Self::with_lengths(active, self.kept.iter().map(|kept| kept.kept), self.parameters.len())
     }
 
-    fn with_widths(
+    fn with_lengths(
         active: impl Iterator<Item = (usize, Range<usize>, usize)>,
         kept: impl Iterator<Item = RetainedMode>,
         parameters: usize,
@@ -135,9 +135,8 @@ impl Unknowns {
             end += length;
             end - length..end
         };
-        let blocks = active
-            .map(|(element, channels, width)| Block { unknowns: next(channels.len() * width), element, channels })
-            .collect();
+        let blocks =
+            active.map(|(element, channels, length)| Block { unknowns: next(length), element, channels }).collect();
         let kept = kept
             .map(|kept| {
                 let length = if kept.harmonic == 0 { 1 } else { 2 };

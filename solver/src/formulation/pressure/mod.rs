@@ -13,10 +13,15 @@
 //! Contact nodes with p < 0 at every instant have no force and identity columns; they are eliminated exactly.
 
 mod assemble;
+mod compressed;
+#[cfg(test)]
+mod compressed_tests;
 mod condition;
 #[cfg(test)]
 mod condition_tests;
+mod elements;
 mod evaluate;
+mod forms;
 mod layout;
 mod reduced;
 #[cfg(test)]
@@ -39,38 +44,23 @@ use crate::formulation::{Formulation, FormulationError, System};
 use crate::linalg::{LinalgError, Lu};
 use crate::settings::HarmonicSettings;
 use crate::structure::Model;
-use crate::structure::laws::{Law, LawKind, MAX_ARGUMENTS, with_law};
-use assemble::Work;
+use crate::structure::laws::{LawKind, with_law};
+use assemble::Receptances;
+use compressed::Compressed;
 use condition::Condition;
 pub use condition::Degeneracy;
+use elements::{BoundElement, Channel, bound_elements};
 use layout::{Layout, Unknowns};
 use num_complex::Complex64;
 use reduced::Reduced;
-use std::ops::Range;
 pub use touch::Touch;
 
-/// A nonlinear element as the pressure form sees it.
-struct BoundElement {
-    law: LawKind,
-    /// Its channels.
-    channels: Range<usize>,
-    is_contact: bool,
-    /// For each force, one more than the last argument it depends on.
-    reach: [usize; MAX_ARGUMENTS],
-    active: bool,
-}
-
-/// Row constants of a channel: residual = a − δ f − s x + c, divided by the scale of a.
-#[derive(Debug, Clone, Copy)]
-struct Channel {
-    /// s: ε for a contact normal, 1 otherwise.
-    gain: f64,
-    /// δ: 1 for a contact normal, 0 otherwise.
-    feedback: f64,
-    /// c: ε × gap for a contact normal, 0 otherwise (harmonic 0).
-    offset: f64,
-    /// Scale of the argument.
-    scale: f64,
+/// How the matrix last factorised was made smaller.
+enum Reduction {
+    /// Not at all.
+    Whole,
+    Arcs(Reduced),
+    Elements(Compressed),
 }
 
 /// The system in pressure form, bound to a model, a truncation and a kind of unknown parameters.
@@ -100,12 +90,12 @@ pub struct PressureForm<'m> {
     lu: Lu,
     /// Unknowns of the matrix last factorised.
     factored: Unknowns,
-    /// How it was reduced, if it was, and T of [`reduced`].
-    reduced: Option<Reduced>,
-    reduced_rows: Vec<f64>,
+    reduction: Reduction,
+    /// T of [`reduced`], or rows of one element.
+    rows: Vec<f64>,
     solutions: Vec<f64>,
     work: Vec<Complex64>,
-    assembly: Work,
+    receptances: Receptances,
 }
 
 impl<'m> PressureForm<'m> {
@@ -143,11 +133,11 @@ impl<'m> PressureForm<'m> {
             current: State { harmonics, omega, decay, forcing, arguments, modal: amplitudes },
             lu: Lu::default(),
             factored: Unknowns::default(),
-            reduced: None,
-            reduced_rows: Vec::new(),
+            reduction: Reduction::Whole,
+            rows: Vec::new(),
             solutions: Vec::new(),
             work: Vec::new(),
-            assembly: Work::default(),
+            receptances: Receptances::default(),
             system,
             layout,
             elements,
@@ -179,30 +169,18 @@ impl<'m> PressureForm<'m> {
         (self.current.omega, self.current.decay, self.current.forcing) = (omega, decay, forcing);
     }
 
+    /// How the matrix of the state last evaluated, bordered by a row, is made smaller.
+    fn reduce(&self, row: &[f64]) -> Reduction {
+        match self.compression(row) {
+            Some(compressed) => Reduction::Elements(compressed),
+            None => self.reduction(row).map_or(Reduction::Whole, Reduction::Arcs),
+        }
+    }
+
     /// Elements that carry a force at the state last linearised.
     pub fn active(&self) -> Vec<bool> {
         self.elements.iter().map(|bound| bound.active).collect()
     }
-}
-
-/// Elements and their channels as the pressure form sees them.
-fn bound_elements(model: &Model, modal: &Modal, scales: &Scales) -> (Vec<BoundElement>, Vec<Channel>) {
-    let (mut elements, mut channels) = (Vec::new(), Vec::new());
-    for element in model.elements() {
-        let count = element.law.arguments();
-        let is_contact = element.law.rigid().is_some();
-        let pattern = element.law.pattern();
-        let depends = |i: usize, j: &usize| pattern.du[i][*j] || pattern.dv[i][*j];
-        let reach = std::array::from_fn(|i| (0..count).rev().find(|j| depends(i, j)).map_or(0, |j| j + 1));
-        let range = channels.len()..channels.len() + count;
-        channels.extend(range.clone().map(|u| {
-            let (gain, offset) = modal.open(u);
-            let feedback = if is_contact && u == range.start { 1.0 } else { 0.0 };
-            Channel { gain, feedback, offset, scale: gain * scales.length }
-        }));
-        elements.push(BoundElement { law: element.law.clone(), channels: range, is_contact, reach, active: false });
-    }
-    (elements, channels)
 }
 
 /// Phase condition of a free motion, Re q = 0 of the tracked mode, or of a phase-resonant one, Re(X_m·s) = 0.
@@ -308,13 +286,17 @@ impl Problem for PressureForm<'_> {
     }
 
     fn factor(&mut self, row: &[f64]) -> Result<(), LinalgError> {
-        self.reduced = self.reduction(row);
-        match self.reduced.take() {
-            Some(reduced) => {
+        self.reduction = self.reduce(row);
+        match std::mem::replace(&mut self.reduction, Reduction::Whole) {
+            Reduction::Whole => self.assemble(row),
+            Reduction::Arcs(reduced) => {
                 self.assemble_reduced(&reduced, row);
-                self.reduced = Some(reduced);
+                self.reduction = Reduction::Arcs(reduced);
             }
-            None => self.assemble(row),
+            Reduction::Elements(compressed) => {
+                self.assemble_compressed(&compressed, row);
+                self.reduction = Reduction::Elements(compressed);
+            }
         }
         self.factored.clone_from(&self.unknowns);
         if let Some(condition) = &mut self.condition {
@@ -379,28 +361,38 @@ impl Problem for PressureForm<'_> {
         let size = solutions.len();
         solutions.resize(2 * size, 0.0);
         solutions[2 * size - 1] = 1.0;
-        match self.reduced.take() {
-            Some(reduced) => {
-                self.solve_reduced(&reduced, &mut solutions);
-                self.reduced = Some(reduced);
+        match std::mem::replace(&mut self.reduction, Reduction::Whole) {
+            Reduction::Elements(compressed) => {
+                self.solve_compressed(&compressed, &solutions, [step, tangent]);
+                self.reduction = Reduction::Elements(compressed);
             }
-            None => self.lu.solve(&mut solutions),
+            other => {
+                match &other {
+                    Reduction::Arcs(reduced) => self.solve_reduced(reduced, &mut solutions),
+                    _ => self.lu.solve(&mut solutions),
+                }
+                self.reduction = other;
+                self.expand(&solutions[..size], step);
+                self.expand(&solutions[size..], tangent);
+            }
         }
-        self.expand(&solutions[..size], step);
-        self.expand(&solutions[size..], tangent);
         self.solutions = solutions;
     }
 
     fn solve_transposed(&mut self, form: &[f64]) -> Vec<f64> {
         debug_assert!(self.is_factorisation_current(), "the unknowns have changed since the matrix was factorised");
-        if let Some(reduced) = self.reduced.take() {
-            let weights = self.solve_reduced_transposed(&reduced, form);
-            self.reduced = Some(reduced);
-            return weights;
-        }
-        let mut weights = vec![0.0; self.unknowns.len()];
-        self.assemble_form(&mut weights, form);
-        self.lu.solve_transposed(&mut weights);
+        let reduction = std::mem::replace(&mut self.reduction, Reduction::Whole);
+        let weights = match &reduction {
+            Reduction::Whole => {
+                let mut weights = vec![0.0; self.unknowns.len()];
+                self.assemble_form(&mut weights, form);
+                self.lu.solve_transposed(&mut weights);
+                weights
+            }
+            Reduction::Arcs(reduced) => self.solve_reduced_transposed(reduced, form),
+            Reduction::Elements(compressed) => self.solve_compressed_transposed(compressed, form),
+        };
+        self.reduction = reduction;
         weights
     }
 }

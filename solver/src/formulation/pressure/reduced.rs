@@ -38,7 +38,10 @@ impl Reduced {
     /// Of the unknowns of a state where the elements act on these arcs, unless it is hardly smaller.
     fn new<'a>(unknowns: &Unknowns, arcs: impl Iterator<Item = &'a [(f64, f64)]> + Clone, nc: usize) -> Option<Self> {
         let is_worthwhile = |narrow: &Unknowns| (narrow.len() as f64) < WORTHWHILE * unknowns.len() as f64;
-        let expected = unknowns.narrowed(arcs.clone().map(|arcs| least_rank(arcs, nc)));
+        let narrowed = |ranks: &mut dyn Iterator<Item = usize>| {
+            unknowns.narrowed(ranks.zip(&unknowns.blocks).map(|(rank, block)| rank * block.channels.len()))
+        };
+        let expected = narrowed(&mut arcs.clone().map(|arcs| least_rank(arcs, nc)));
         if unknowns.len() < SMALL || !is_worthwhile(&expected) {
             return None;
         }
@@ -47,7 +50,7 @@ impl Reduced {
             span.filter(|span| span.len() < nc * nc)
         };
         let spans: Vec<Option<Vec<f64>>> = arcs.map(spanned).collect();
-        let narrow = unknowns.narrowed(spans.iter().map(|span| span.as_ref().map_or(nc, |span| span.len() / nc)));
+        let narrow = narrowed(&mut spans.iter().map(|span| span.as_ref().map_or(nc, |span| span.len() / nc)));
         is_worthwhile(&narrow).then_some(Self { unknowns: narrow, spans, nc })
     }
 
@@ -112,13 +115,14 @@ impl PressureForm<'_> {
     pub(super) fn assemble_reduced(&mut self, reduced: &Reduced, border: &[f64]) {
         let (nc, all, size) = (self.layout.nc, self.unknowns.len(), reduced.unknowns.len());
         let narrow = self.narrowed_jacobians(reduced);
-        let mut rows = std::mem::take(&mut self.reduced_rows);
+        let mut rows = std::mem::take(&mut self.rows);
         rows.clear();
         rows.resize(all * size, 0.0);
-        let (mut work, mut rates) = (std::mem::take(&mut self.assembly), std::mem::take(&mut self.modal_rates));
-        let mut target = Target { data: &mut rows, size };
-        self.assemble_rows(&mut target, &self.reduced_columns(reduced, &narrow), &mut work, &mut rates);
-        (self.assembly, self.modal_rates) = (work, rates);
+        let mut receptances = std::mem::take(&mut self.receptances);
+        let mut rates = std::mem::take(&mut self.modal_rates);
+        let mut target = Target { data: &mut rows, size, first: 0 };
+        self.assemble_rows(&mut target, &self.reduced_columns(reduced, &narrow), &mut receptances, &mut rates);
+        (self.receptances, self.modal_rates) = (receptances, rates);
         let columns = self.reduced_columns(reduced, &narrow);
         if let Some(phase) = &self.phase {
             self.assemble_dependent_form(&mut rows[(all - 2) * size..(all - 1) * size], phase, &columns);
@@ -138,15 +142,15 @@ impl PressureForm<'_> {
         }
         let others = &rows[self.unknowns.arguments().end * size..];
         matrix[reduced.unknowns.arguments().end * size..].copy_from_slice(others);
-        self.reduced_rows = rows;
+        self.rows = rows;
     }
 
     fn reduced_columns<'a>(&'a self, reduced: &'a Reduced, narrow: &'a [Option<Vec<f64>>]) -> Columns<'a> {
         let whole = |element: usize| &self.forces[element].jacobian;
         let blocks = self.unknowns.blocks.iter().zip(narrow);
-        let jacobians =
-            blocks.map(|(block, narrow)| narrow.as_ref().unwrap_or_else(|| whole(block.element)).as_slice());
-        Columns { unknowns: &reduced.unknowns, jacobians: jacobians.collect() }
+        let blocks = blocks
+            .map(|(block, narrow)| self.block_columns(block, narrow.as_ref().unwrap_or_else(|| whole(block.element))));
+        Columns { unknowns: &reduced.unknowns, blocks: blocks.collect() }
     }
 
     /// ∂f/∂a Qᵀ of every block whose arguments are reduced.
@@ -168,7 +172,7 @@ impl PressureForm<'_> {
         self.lu.solve(&mut solutions);
         for (side, solution) in sides.chunks_mut(all.len()).zip(solutions.chunks(size)) {
             let (arguments, others) = side.split_at_mut(all.arguments().end);
-            for (argument, row) in arguments.iter_mut().zip(self.reduced_rows.chunks(size)) {
+            for (argument, row) in arguments.iter_mut().zip(self.rows.chunks(size)) {
                 *argument -= dot(row, solution);
             }
             others.copy_from_slice(&solution[reduced.unknowns.arguments().end..]);
@@ -187,7 +191,7 @@ impl PressureForm<'_> {
         // What depends on the forces only is in the span.
         weights.iter_mut().zip(&own).for_each(|(weight, own)| *weight -= own);
         let mut side = reduced.restrict(all, &weights);
-        for (own, row) in own.iter().zip(self.reduced_rows.chunks(side.len())).filter(|(own, _)| **own != 0.0) {
+        for (own, row) in own.iter().zip(self.rows.chunks(side.len())).filter(|(own, _)| **own != 0.0) {
             axpy(-own, row, &mut side);
         }
         self.lu.solve_transposed(&mut side);

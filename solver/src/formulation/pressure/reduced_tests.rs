@@ -1,6 +1,6 @@
 //! The reduced matrix against the whole one, on motions of a rotor blade that touches for parts of the period.
 
-use super::PressureForm;
+use super::{PressureForm, Reduction};
 use crate::curve::problem::Problem;
 use crate::files;
 use crate::formulation::Formulation;
@@ -29,9 +29,12 @@ fn compare(form: &mut PressureForm<'_>, state: &State) -> (usize, usize) {
     // The second one has entries of its own for the arguments.
     let forms = [row.clone(), entries];
     form.factor(&row).unwrap();
-    let reduced = form.reduced.as_ref().map_or(form.unknowns.len(), |reduced| reduced.unknowns.len());
+    let reduced = match &form.reduction {
+        Reduction::Arcs(reduced) => reduced.unknowns.len(),
+        _ => form.unknowns.len(),
+    };
     let (found, orientation) = solutions(form, &forms);
-    form.reduced = None;
+    form.reduction = Reduction::Whole;
     form.assemble(&row);
     form.lu.factor().unwrap();
     let (expected, whole) = solutions(form, &forms);

@@ -1,7 +1,8 @@
 //! Derivatives of the pressure form against central differences, at states with contact partly open and several kept
 //! modal amplitudes; the model and the differences serve the other formulation's tests too.
 
-use super::{BoundElement, PressureForm};
+use super::PressureForm;
+use super::elements::BoundElement;
 use crate::curve::problem::Problem;
 use crate::formulation::Formulation;
 use crate::formulation::scales::Scales;
@@ -68,7 +69,7 @@ pub(crate) fn cases(unknowns: &[Unknown]) -> impl Iterator<Item = Case> {
 /// The kinds that both formulations have.
 pub(crate) const COMMON: [Unknown; 3] =
     [Unknown::Frequency { forcing: FORCING }, Unknown::Forcing { omega: OMEGA }, Unknown::Mode { damped: true }];
-const ALL: [Unknown; 5] = [
+pub(super) const ALL: [Unknown; 5] = [
     Unknown::Frequency { forcing: FORCING },
     Unknown::Forcing { omega: OMEGA },
     Unknown::Mode { damped: true },
