@@ -6,10 +6,11 @@ mod touch;
 use crate::study::Study;
 use protocol::to_everyone::Amplitude;
 use results::overview::modes;
-use results::words::{count, number};
+use results::words::{count, digits, number};
 use solver::formulation::harmonics::width;
 use solver::response::modes::ModesFollowed;
-use solver::settings::Quadrature;
+use solver::response::orders::Orders;
+use solver::settings::{FrequencySettings, Quadrature};
 use solver::structure::Model;
 use solver::structure::laws::{Law, RigidContact};
 use std::f64::consts::TAU;
@@ -42,8 +43,31 @@ pub fn report(study: &Study) -> String {
     lines.push(("harmonics", harmonics(study)));
     lines.push(("unknowns", unknowns(study)));
     lines.push(("frequency", frequency(study)));
+    lines.extend(orders(study).into_iter().map(|order| ("order", order)));
     lines.extend(early::warnings(study, touch.as_ref()).into_iter().map(|warning| ("warning", warning)));
     lines.into_iter().map(|(what, text)| format!("{what:<12}{text}\n")).collect()
+}
+
+/// The orders of motions, where several are looked for: where they are, and which resonances they can have.
+fn orders(study: &Study) -> Vec<String> {
+    let orders = Orders::of(&study.model, &study.settings);
+    let list = orders.iter().map(|order| {
+        let FrequencySettings { min, max } = order.settings.frequency;
+        let is_within = |omega: f64| min.is_none_or(|min| omega >= min) && max.is_none_or(|max| omega <= max);
+        let frequencies = &order.model.modes().frequencies;
+        let own = (0..frequencies.len()).filter(|&mode| is_within(frequencies[mode])).map(|mode| mode + 1);
+        let own: Vec<String> = own.map(|mode| mode.to_string()).collect();
+        let bound = |bound: Option<f64>| bound.map_or_else(|| "its backbones' end".into(), |omega| digits(omega, 6));
+        let between = format!("between {} and {} rad/s", bound(min), bound(max));
+        let modes = match &own[..] {
+            [] => "no eigenfrequency there".to_string(),
+            modes => format!("eigenfrequencies of modes {} there", modes.join(", ")),
+        };
+        format!("{}: motions that last as many periods of the force, {between}; {modes}", order.number())
+    });
+    // One alone is what the lines before are about.
+    let list: Vec<String> = list.collect();
+    if list.len() > 1 { list } else { Vec::new() }
 }
 
 /// What is probably not meant of the bounds of the frequency, which a sweep says as well: sentences.

@@ -107,7 +107,7 @@ fn compare(args: &crate::cli::ReportArgs) -> Result<ExitCode, Error> {
     use results::compare::{Comparison, table};
     use results::report::{Report, Selection};
     let mut runs = Vec::new();
-    for (name, reader) in opened(&args.runs)? {
+    for (name, reader) in of_this_order(opened(&args.runs)?, args.order)? {
         let _snapshot = reader.snapshot()?;
         let levels = chosen_levels(&reader, args.levels.as_deref())?;
         runs.push((name, Report::read(&reader, &levels.map_or(Selection::Fitting, Selection::Amplitudes))?));
@@ -129,19 +129,33 @@ fn opened(folders: &[PathBuf]) -> Result<Vec<(String, Reader)>, Error> {
     folders.iter().map(|folder| Ok((name(folder), Reader::open(folder)?))).collect()
 }
 
+/// Runs as they are for one order of motions, by default their first, which has to be the same in all.
+#[cfg(any(feature = "figures", feature = "page"))]
+fn of_this_order(runs: Vec<(String, Reader)>, order: Option<usize>) -> Result<Vec<(String, Reader)>, Error> {
+    let Some(order) = order else {
+        let firsts = runs.iter().map(|(_, reader)| Ok(reader.model()?.forcing_harmonic));
+        let firsts: Vec<usize> = firsts.collect::<Result<_, Error>>()?;
+        return match firsts.iter().find(|first| **first != firsts[0]) {
+            Some(other) => Err(Error::Usage(format!(
+                "motions of order {} and of order {other}: frequencies of the one are not those of the other; --order chooses one",
+                firsts[0]
+            ))),
+            None => Ok(runs),
+        };
+    };
+    let of_order = |(name, reader): (String, Reader)| {
+        let further = reader.further_orders()?;
+        Ok((name, of_order(reader, &further, order)?))
+    };
+    runs.into_iter().map(of_order).collect()
+}
+
 /// Draws a figure of a run, or of several.
 #[cfg(feature = "figures")]
 pub fn plot(args: &crate::cli::PlotArgs) -> Result<ExitCode, Error> {
     use results::plot::{FileFormat, Request, compose, compose_several};
     let format = FileFormat::of(&args.out)?;
-    let mut runs = opened(&args.runs)?;
-    if let Some(order) = args.order {
-        let of_order = |(name, reader): (String, Reader)| {
-            let further = reader.further_orders()?;
-            Ok((name, of_order(reader, &further, order)?))
-        };
-        runs = runs.into_iter().map(of_order).collect::<Result<_, Error>>()?;
-    }
+    let runs = of_this_order(opened(&args.runs)?, args.order)?;
     let request = Request {
         figure: args.figure,
         levels: chosen_levels(&runs[0].1, args.levels.as_deref())?,

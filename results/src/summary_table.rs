@@ -49,15 +49,25 @@ impl Default for Layout {
 /// # Errors
 /// If the store cannot be read.
 pub fn table(reader: &Reader, layout: Layout) -> Result<String> {
-    let mut text = of_order(reader, layout)?;
-    for order in reader.further_orders()? {
-        let heading = format!(
-            "Motions that last {order} periods of the force (frequencies are theirs: the force has {order} times as much; \
-             files in {}/)",
-            order_folder(order)
-        );
-        text +=
-            &format!("\n\n{}\n{}", wrapped(&heading, layout.width, ""), of_order(&reader.of_order(order)?, layout)?);
+    let further = reader.further_orders()?;
+    if further.is_empty() || reader.order().is_some() {
+        return of_order(reader, layout);
+    }
+    let heading = |order: usize, files: &str| {
+        let motions = match order {
+            1 => "Motions of the period of the force".to_string(),
+            _ => format!(
+                "Motions that last {order} periods of the force (frequencies are theirs: the force has {order} times as much{files})"
+            ),
+        };
+        wrapped(&motions, layout.width, "")
+    };
+    let first = reader.model()?.forcing_harmonic;
+    let mut text = format!("{}\n{}", heading(first, ""), of_order(reader, layout)?);
+    for order in further {
+        let files = format!("; files in {}/", order_folder(order));
+        let own = of_order(&reader.of_order(order)?, layout)?;
+        text += &format!("\n\n{}\n{own}", heading(order, &files));
     }
     Ok(text)
 }
@@ -108,6 +118,7 @@ fn of_order(reader: &Reader, layout: Layout) -> Result<String> {
         say(&sentence);
     }
     let settings = overview.header.as_ref().map(|header| header.settings);
+    let harmonics = settings.map(|settings| settings.harmonics.count);
     let reach = omissions.read("The frequency range of the sweep is", reader.reach()).flatten();
     let reach = reach.map(|reach| reach.frequency);
     if let Some(model) = &model
@@ -125,7 +136,7 @@ fn of_order(reader: &Reader, layout: Layout) -> Result<String> {
         };
         let own = model.forcing().harmonic;
         let other = match settings.map(|settings| orders(model, &settings.search).len()) {
-            Some(1) => format!(
+            Some(1) if harmonics.is_some_and(|count| own < count) => format!(
                 " Responses of other periods were not looked for: search.harmonics = [{own}, {0}] looks for those as well that last \
                  {0} periods of the force.",
                 own + 1
@@ -134,7 +145,6 @@ fn of_order(reader: &Reader, layout: Layout) -> Result<String> {
         };
         say(&format!("No isola was found{but}{only}.{other}"));
     }
-    let harmonics = settings.map(|settings| settings.harmonics.count);
     let least = model.as_ref().map_or(1, |model| least_added(model, reader.order().is_some()));
     if let Some(sentence) = harmonics.and_then(|count| truncation(levels, count, least)) {
         say(&sentence);
@@ -147,7 +157,7 @@ fn of_order(reader: &Reader, layout: Layout) -> Result<String> {
     });
     [events, shift(&overview, layout.units)].iter().flatten().for_each(|sentence| say(sentence));
     let motions = omissions.read("The list of motions is", reader.motions()).unwrap_or_default();
-    motions::sentences(&motions, layout.units).iter().for_each(|sentence| say(sentence));
+    motions::sentences(&motions, layout.units, reader.order().is_some()).iter().for_each(|sentence| say(sentence));
     let pushes = omissions.read("The list of pushes is", reader.pushes()).unwrap_or_default();
     let names = |model: &ModelMessage| model.monitors.iter().filter_map(|&dof| model.dofs.get(dof)).cloned().collect();
     let monitors: Vec<String> = overview.model.as_ref().map(names).unwrap_or_default();

@@ -40,7 +40,9 @@ pub struct HarmonicSettings {
 impl HarmonicSettings {
     /// Twice as many harmonics, and enough samples for them: what they change is what was left out.
     pub fn doubled(self) -> Self {
-        Self { count: 2 * self.count, samples: self.samples.max(8 * self.count), ..self }
+        // A multiple of those there were: whatever they are symmetric in stays.
+        let samples = self.samples * (8 * self.count).div_ceil(self.samples).max(1);
+        Self { count: 2 * self.count, samples, ..self }
     }
 }
 
@@ -228,7 +230,8 @@ impl Settings {
             return refuse("harmonics.samples", samples.to_string(), remedy);
         }
         let m = model.forcing().harmonic;
-        if m > count {
+        // The orders that are asked for say themselves what the force acts on.
+        if m > count && self.search.harmonics.is_none() {
             let remedy = format!("the forcing acts on harmonic {m}: use at least {m} harmonics");
             return refuse("harmonics.count", count.to_string(), remedy);
         }

@@ -4,7 +4,7 @@ use crate::BRIEF;
 use std::path::{Path, PathBuf};
 use std::process::Output;
 use tempfile::{TempDir, tempdir};
-use tests::{complaint, isola, repository};
+use tests::{complaint, isola, repository, results};
 
 const STUDY: &str = "models/duffing_subharmonic/study.toml";
 
@@ -53,10 +53,31 @@ fn an_order_has_what_the_structure_forced_on_its_harmonic_has() {
     text(&isola(&["extend", run_text, "--amplitudes", "2", "--workers", "2"]));
     assert_eq!(isolas(&run.join("m3")), isolas(&alone));
 
+    for (format, files) in
+        [("npz", ["run.npz", "m3/branches/2-isola-1.npz"]), ("mat", ["m3/run.mat", "branches/2-main-1.mat"])]
+    {
+        let to = folder.path().join(format);
+        let exported = isola(&["export", run_text, "--format", format, "--to", to.to_str().unwrap()]);
+        text(&exported);
+        assert!(!complaint(&exported).contains("left out"), "{}", complaint(&exported));
+        assert!(files.iter().all(|file| to.join(file).exists()), "{format}");
+    }
+
     let report = text(&isola(&["report", run_text]));
     let told = "Of motions that last 3 periods of the force isolas were found at 2 levels, from A = 1.5 to 2";
     assert!(report.contains(told), "{report}");
     assert!(run.join("report.html").exists() && run.join("m3/report.html").exists());
+    let own = "This is of motions of the force's own period.";
+    assert!(
+        report.contains(own) && report.contains("This is of motions that last 3 periods of the force."),
+        "{report}"
+    );
+    // What is compared is of one order.
+    let alone_text = alone.to_str().unwrap();
+    let compared = isola(&["report", run_text, alone_text]);
+    assert_eq!(compared.status.code(), Some(2), "{}", complaint(&compared));
+    assert!(complaint(&compared).contains("motions of order 1 and of order 3"), "{}", complaint(&compared));
+    text(&isola(&["report", run_text, alone_text, "--order", "3"]));
     let picture = folder.path().join("response.svg");
     let plot = |order: &str| {
         isola(&["plot", run_text, "--figure", "response", "--order", order, "-o", picture.to_str().unwrap()])
@@ -68,6 +89,25 @@ fn an_order_has_what_the_structure_forced_on_its_harmonic_has() {
     let refused = plot("2");
     assert_eq!(refused.status.code(), Some(2), "{}", complaint(&refused));
     assert!(complaint(&refused).contains("the run looks for motions of order 1, 3"), "{}", complaint(&refused));
+}
+
+/// An order may have no motion at all, and a bound that is given alone is one of all orders.
+#[test]
+fn an_order_without_motions() {
+    let folder = tempdir().unwrap();
+    let more = ["--amplitudes", "0.1", "--orders", "1,2", "--set", "forcing.harmonic=1", "--set", "frequency.max=2"];
+    let (run, output) = sweep(&folder, "nothing", &more);
+    let table = text(&output);
+    assert!(table.starts_with("Motions of the period of the force\n"), "{table}");
+    let run_text = run.to_str().unwrap();
+    let left_out = || results::text(&run, "SELECT hex(value) FROM meta WHERE key = 'orders'");
+    let before = left_out();
+    let report = text(&isola(&["report", run_text, "--order", "2"]));
+    let said = "No such motion was found where it was looked for";
+    assert_eq!(report.matches(said).count(), 3, "{report}");
+    assert!(report.contains("Looked for: "), "{report}");
+    text(&isola(&["extend", run_text, "--amplitudes", "0.2", "--workers", "1"]));
+    assert!(left_out().len() > before.len() / 2, "what is known of the order is gone");
 }
 
 #[test]

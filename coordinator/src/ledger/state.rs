@@ -114,6 +114,13 @@ impl Ledger {
         self.chains[self.chains[c].entries[e].level].level()?.amplitude.order()
     }
 
+    /// Whether a curve on which entry `e` of chain `c` is said to lie is one of the same order of motions.
+    fn is_of_order(&self, (c, e): (usize, usize), brought: &Brought) -> bool {
+        let Brought::Nothing(SeedOutcome::OnCurve(number)) = brought else { return true };
+        let curve = self.chains[self.curves()].curves().get(*number);
+        curve.is_none_or(|curve| self.order_of(&curve.known.task) == self.order_of(&self.chains[c].entries[e].id))
+    }
+
     /// What is handed out with entry `e` of chain `c`; of one that is done what was handed out then.
     pub(super) fn granted(&self, c: usize, e: usize) -> Granted {
         let entry = &self.chains[c].entries[e];
@@ -267,6 +274,10 @@ impl Ledger {
             return (Submitted::Late, Vec::new());
         }
         let Some(outcome) = chain.outcome(e, brought) else { return (Submitted::Foreign, Vec::new()) };
+        if !self.is_of_order((c, e), brought) {
+            return (Submitted::Foreign, Vec::new());
+        }
+        let chain = &mut self.chains[c];
         let mut changes = chain.entries[e].supersede(lease);
         self.finish(c, e, outcome, Some(brought));
         self.sequence += 1;

@@ -312,7 +312,7 @@ pub(super) const NUMERICS: &[Key] = &[
         ]),
         default: Value("\"standard\""),
         unit: "",
-        meaning: "How hard is looked; also --search.",
+        meaning: "How hard is looked, for every order of search.harmonics so much; also --search.",
         example: "\"thorough\"",
     },
     Key {
@@ -324,7 +324,7 @@ pub(super) const NUMERICS: &[Key] = &[
         ]),
         default: Words("the model's forcing.harmonic alone"),
         unit: "",
-        meaning: "Orders m of the motions that are looked for, ascending: those of order m last m periods of the force, which acts on their harmonic m whatever forcing.harmonic says. Main branches are followed of the first; of others only what earlier ones do not have. Bounds of the frequency are those of the first order's motions; those of order m are followed where the force has the same frequencies. harmonics.count holds for all: a period of order 3 needs three times as many for the same resolution. Also --orders.",
+        meaning: "Orders m of the motions that are looked for, ascending: those of order m last m periods of the force, which acts on their harmonic m whatever forcing.harmonic says. Main branches are followed of the first; of others only what earlier ones do not have. Bounds of the frequency are those of the first order's motions, and the force has the same ones in all orders; where none is given each order's own backbones say how far its motions are followed. harmonics.count holds for all: a period of order 3 needs three times as many for the same resolution. Also --orders.",
         example: "[1, 2, 3]",
     },
     section("verify", "Verification of what was found by time marching, with its stability."),

@@ -70,28 +70,35 @@ pub fn model(store: &Store) -> Result<Model, Error> {
 struct Part<'o> {
     order: &'o Order,
     backbones: Backbones,
+    /// Within which frequencies and amplitudes its branches are followed.
+    reach: SearchRange,
 }
 
-impl Part<'_> {
+impl<'o> Part<'o> {
+    /// Of an order with its backbones; `first`: the part of the first order, if this is another one.
+    fn new(order: &'o Order, backbones: Backbones, first: Option<&Self>, all: &[Amplitude]) -> Result<Self, Error> {
+        let values = || all.iter().map(|amplitude| amplitude.value);
+        let (primary, further) = (&backbones.list[0], &backbones.list[1..]);
+        let settings = match first {
+            Some(first) => order.between(first.order.number(), first.reach.frequency).settings,
+            None => order.settings,
+        };
+        let reach = SearchRange::over(&settings, primary, further, largest(all))?.with_folds_of(values());
+        Ok(Self { order, backbones, reach })
+    }
+
     /// Its number, if it is not the first one.
     fn number(&self) -> Option<usize> {
         (!self.order.is_first).then(|| self.order.number())
-    }
-
-    /// Within which frequencies and amplitudes its branches are followed.
-    fn reach(&self, all: &[Amplitude]) -> Result<SearchRange, Error> {
-        let values = || all.iter().map(|amplitude| amplitude.value);
-        let (primary, further) = (&self.backbones.list[0], &self.backbones.list[1..]);
-        Ok(SearchRange::over(&self.order.settings, primary, further, largest(all))?.with_folds_of(values()))
     }
 
     fn messages(&self) -> Vec<BackboneMessage> {
         self.backbones.list.iter().map(BackboneMessage::from).collect()
     }
 
-    fn plan(&self, all: &[Amplitude]) -> Result<OrderPlan, Error> {
+    fn plan(&self) -> OrderPlan {
         let (order, left_out) = (self.order.number(), self.backbones.left_out.clone());
-        Ok(OrderPlan { order, backbones: self.messages(), left_out, reach: self.reach(all)? })
+        OrderPlan { order, backbones: self.messages(), left_out, reach: self.reach }
     }
 }
 
@@ -100,8 +107,9 @@ impl Part<'_> {
 /// # Errors
 /// If the store cannot be read or contradicts itself.
 pub fn stored(store: &Store, model: &Model) -> Result<Option<Prepared>, Error> {
-    let orders = Orders::of(model, &store.header()?.settings);
-    let Some(parts) = stored_parts(store, &orders)? else { return Ok(None) };
+    let header = store.header()?;
+    let orders = Orders::of(model, &header.settings);
+    let Some(parts) = stored_parts(store, &orders, &header.amplitudes)? else { return Ok(None) };
     let (Some(backbone), Some(reach)) = (store.backbone()?, store.reach()?) else { return Ok(None) };
     let further = store.further_backbones()?;
     let left_out = store.modes_left_out()?.unwrap_or_default();
@@ -112,26 +120,26 @@ pub fn stored(store: &Store, model: &Model) -> Result<Option<Prepared>, Error> {
 }
 
 /// The backbones of all orders; `None` as long as there is none.
-fn stored_parts<'o>(store: &Store, orders: &'o Orders) -> Result<Option<Vec<Part<'o>>>, Error> {
+fn stored_parts<'o>(store: &Store, orders: &'o Orders, all: &[Amplitude]) -> Result<Option<Vec<Part<'o>>>, Error> {
     let Some(primary) = store.backbone()? else { return Ok(None) };
     let mut first = vec![primary];
     first.extend(store.further_backbones()?);
     let further = store.orders()?;
-    let part = |order| {
-        let lacking = || Error::Other(format!("motions of order {} have no stored backbone", Order::number(order)));
-        let messages = match order.is_first {
-            true => Some(&first),
-            false => further.iter().find(|plan| plan.order == order.number()).map(|plan| &plan.backbones),
-        };
+    let mut parts: Vec<Part<'o>> = Vec::new();
+    for order in orders.iter() {
+        let lacking = || Error::Other(format!("motions of order {} have no stored backbone", order.number()));
+        let plan = further.iter().find(|plan| !order.is_first && plan.order == order.number());
+        let messages = if order.is_first { Some(&first) } else { plan.map(|plan| &plan.backbones) };
         let size = Size::of(&order.model);
         let list: Result<Vec<Backbone>, _> = messages.ok_or_else(lacking)?.iter().map(|b| b.backbone(&size)).collect();
         let list = list.map_err(|error| Error::Other(format!("a stored backbone: {error}")))?;
         if list.is_empty() {
             return Err(lacking());
         }
-        Ok(Part { order, backbones: Backbones { list, left_out: Vec::new() } })
-    };
-    orders.iter().map(part).collect::<Result<_, _>>().map(Some)
+        let left_out = plan.map_or_else(Vec::new, |plan| plan.left_out.clone());
+        parts.push(Part::new(order, Backbones { list, left_out }, parts.first(), all)?);
+    }
+    Ok(Some(parts))
 }
 
 fn published(parts: Vec<Part<'_>>, plan: &Arc<SweepPlan>) -> Arc<PublishedSweep> {
@@ -152,9 +160,9 @@ pub fn extended(
     first: usize,
 ) -> Result<Option<MorePlan>, Error> {
     let orders = Orders::of(model, settings);
-    let Some(parts) = stored_parts(store, &orders)? else { return Ok(None) };
-    let further = parts[1..].iter().map(|part| part.plan(all)).collect::<Result<_, _>>()?;
-    Ok(Some(MorePlan { reach: parts[0].reach(all)?, orders: further, levels: levels(&parts, all, first) }))
+    let Some(parts) = stored_parts(store, &orders, all)? else { return Ok(None) };
+    let further = parts[1..].iter().map(Part::plan).collect();
+    Ok(Some(MorePlan { reach: parts[0].reach, orders: further, levels: levels(&parts, all, first) }))
 }
 
 /// Windows and tasks of the levels from `first` on.
@@ -162,7 +170,7 @@ fn levels(parts: &[Part<'_>], all: &[Amplitude], first: usize) -> Vec<LevelPlan>
     let largest = largest(all);
     let mut plans = Vec::new();
     for (index, amplitude) in all.iter().enumerate().skip(first) {
-        let Some(Part { order, backbones }) = parts.iter().find(|part| part.number() == amplitude.order()) else {
+        let Some(Part { order, backbones, .. }) = parts.iter().find(|part| part.number() == amplitude.order()) else {
             continue;
         };
         let Order { model, settings, .. } = order;
@@ -208,13 +216,13 @@ pub fn compute(
         if stop.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
     let (all, orders) = (&header.amplitudes, Orders::of(model, &header.settings));
-    let mut parts = Vec::new();
+    let mut parts: Vec<Part<'_>> = Vec::new();
     for order in orders.iter() {
         let backbones = Backbones::reaching(&order.model, &order.settings, largest(all), &mut observer, stop)?;
         if stop.load(Ordering::Relaxed) {
             return Ok(None);
         }
-        parts.push(Part { order, backbones });
+        parts.push(Part::new(order, backbones, parts.first(), all)?);
     }
     let mut messages = parts[0].messages().into_iter();
     let backbone = messages.next().expect("that of the primary mode is there");
@@ -222,8 +230,8 @@ pub fn compute(
         backbone,
         further: messages.collect(),
         left_out: parts[0].backbones.left_out.clone(),
-        reach: parts[0].reach(all)?,
-        orders: parts[1..].iter().map(|part| part.plan(all)).collect::<Result<_, _>>()?,
+        reach: parts[0].reach,
+        orders: parts[1..].iter().map(Part::plan).collect(),
         levels: levels(&parts, all, 0),
         added: Vec::new(),
     });

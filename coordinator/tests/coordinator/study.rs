@@ -346,6 +346,7 @@ fn every_study_of_the_repository_loads() {
         "chain_subharmonic/third_mode.toml: 3",
         "damper_two_isolas/study.toml: 7",
         "duffing/study.toml: 10",
+        "duffing_subharmonic/orders.toml: 3",
         "duffing_subharmonic/study.toml: 3",
         "friction_mass/study.toml: 4",
         "impact_subharmonic/study.toml: 3",

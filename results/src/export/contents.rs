@@ -11,6 +11,7 @@ use protocol::backbone::BackboneMessage;
 use protocol::branch::BranchMessage;
 use protocol::columns::Columns;
 use protocol::curve::{Motions, Points};
+use protocol::level::typed;
 use protocol::model::ModelMessage;
 use protocol::to_everyone::StoredResult;
 use solver::response::branch::{Outcome, SpecialKind};
@@ -62,6 +63,9 @@ impl Names {
     }
 }
 
+/// Owner of the arrays of the primary mode's backbone; those of others begin with it.
+const BACKBONE: &str = "backbone";
+
 impl<'r> Contents<'r> {
     /// Of a run.
     pub fn new(reader: &'r Reader, overview: &'r Overview) -> Self {
@@ -79,7 +83,7 @@ impl<'r> Contents<'r> {
         }
         run::levels(&mut rest.group("levels"), self.overview);
         if let Some(backbone) = backbone.flatten() {
-            self.backbone(&mut rest.group("backbone"), backbone, "backbone", omissions);
+            self.backbone(&mut rest.group("backbone"), backbone, BACKBONE, omissions);
         }
         for backbone in omissions.take("Further backbones are", further(self.reader)).unwrap_or_default() {
             let (name, owner) = (format!("backbone_{}", backbone.mode + 1), further_owner(backbone.mode));
@@ -114,7 +118,7 @@ impl<'r> Contents<'r> {
             group.add("amplitude_bound", reach.amplitude);
         }
         let what = match owner {
-            "backbone" => "The displacements of the backbone are".to_string(),
+            BACKBONE => "The displacements of the backbone are".to_string(),
             _ => format!("The displacements of the backbone of mode {} are", backbone.mode + 1),
         };
         self.points(group, backbone.points, (&what, owner), omissions);
@@ -130,7 +134,7 @@ impl<'r> Contents<'r> {
             omissions.left_out(format_args!("Branch {name} is"), error);
             return None;
         }
-        group.add("level", result.amplitude.text);
+        group.add("level", typed(&result.amplitude.text));
         group.add("level_value", result.amplitude.value);
         group.add("kind", id.kind.name());
         group.add("number", id.number + 1);
@@ -177,6 +181,11 @@ impl<'r> Contents<'r> {
 
     /// The displacements that are stored with `owner`, if they are those of the motions. They have no checksum.
     fn displacement(&self, owner: &str, motions: &Motions) -> Result<Array, String> {
+        // Of backbones only those of the first order have arrays of their own.
+        if self.reader.order().is_some() && owner.starts_with(BACKBONE) {
+            let names = self.names.as_ref().ok_or("there is no model that they follow from")?;
+            return names.displacements.array(motions).map_err(|error| error.to_string());
+        }
         let stored = self.reader.array(owner, "displacement").map_err(|error| detail(&error))?;
         let stored = stored.ok_or("they are gone")?;
         let names = self.names.as_ref().ok_or("there is no model to compare them with")?;

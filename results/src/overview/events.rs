@@ -15,7 +15,7 @@ const ALSO: &str = "branches also merge or part";
 /// Marks what was not found with twice the harmonics.
 const UNKNOWN: &str = "*";
 
-/// Marks what happens at frequencies that no branch was followed at.
+/// Marks what happens beyond the frequencies of the study.
 pub const BEYOND: &str = ", beyond the frequencies of the study";
 
 /// Most digits of a forcing amplitude.

@@ -20,6 +20,9 @@ const NEGLIGIBLE: f64 = 1e-4;
 /// contact holds: where its largest amplitude lies says nothing.
 const SAME_AMPLITUDE: f64 = 1e-9;
 
+/// How what is told of a peak that changes or is lost begins.
+const NOT_CONVERGED: &str = "Not converged in H";
+
 /// Of isolas none of whose ends is known with twice the harmonics.
 const UNKNOWN_ENDS: &str = "What twice the harmonics change of the ends of isolas is not known.";
 
@@ -42,10 +45,10 @@ pub fn truncation(levels: &[Level], harmonics: usize, least: usize) -> Option<St
     let rows = || levels.iter().flat_map(|level| level.branches.iter().map(move |row| (level, row)));
     let remedy = format!("set harmonics.count = {}", 2 * harmonics);
     let peaks = of_peaks(&rows, harmonics, &remedy)?;
-    if 2 * harmonics < least {
+    if 2 * harmonics < least && !peaks.starts_with(NOT_CONVERGED) {
         return Some(format!(
-            "What more harmonics would change is not known: twice as many (H = {}) add none that ordinary responses have; set \
-             harmonics.count = {least}.",
+            "What more harmonics would change of ordinary responses is not known: twice as many (H = {}) add none that they have; \
+             set harmonics.count = {least}.",
             2 * harmonics
         ));
     }
@@ -106,7 +109,7 @@ fn of_peaks<'l, I: Iterator<Item = (&'l Level, &'l BranchRow)>>(
         let those = if lost.len() == 1 { "that" } else { "those" };
         let named = lost[..lost.len().min(NAMED)].join(", ");
         return Some(format!(
-            "Not converged in H: with twice the harmonics no peak was found near {those} of {named}{more}; {remedy}."
+            "{NOT_CONVERGED}: with twice the harmonics no peak was found near {those} of {named}{more}; {remedy}."
         ));
     }
     let changes = rows().filter_map(|(level, row)| Some((level, row, change(row)?)));
@@ -128,7 +131,7 @@ fn of_peaks<'l, I: Iterator<Item = (&'l Level, &'l BranchRow)>>(
     let depth = row.certificate.penetration.filter(|depth| *depth > 0.0);
     let depth = depth.map(|depth| format!(", and its contact penetrates by {} % of the gap", digits(100.0 * depth, 2)));
     Some(format!(
-        "Not converged in H: with twice the harmonics the peak of {} at A = {} changes by {} %{moves}{}; {remedy}.",
+        "{NOT_CONVERGED}: with twice the harmonics the peak of {} at A = {} changes by {} %{moves}{}; {remedy}.",
         row.name(),
         level.amplitude,
         digits(100.0 * change, 2),
@@ -270,9 +273,13 @@ mod tests {
         let converged = levels(vec![row("main", Some(1.0)), row("isola", Some(1.0))]);
         for (harmonics, least) in [(1, 3), (4, 9)] {
             let said = truncation(&converged, harmonics, least).unwrap();
-            assert!(said.starts_with("What more harmonics would change is not known"), "{said}");
+            assert!(said.starts_with("What more harmonics would change of ordinary responses is not known"), "{said}");
             assert!(said.ends_with(&format!("set harmonics.count = {least}.")), "{said}");
         }
+        // What does change is told nevertheless.
+        let changed = levels(vec![row("main", Some(1.0)), row("isola", Some(0.8))]);
+        let said = truncation(&changed, 4, 9).unwrap();
+        assert!(said.starts_with("Not converged in H: with twice the harmonics the peak of isola 1"), "{said}");
         for (harmonics, least) in [(1, 2), (2, 3), (5, 9)] {
             assert!(truncation(&converged, harmonics, least).unwrap().starts_with("Peaks change by less"), "{least}");
         }

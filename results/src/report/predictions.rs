@@ -2,10 +2,14 @@
 
 use super::evidence::Evidence;
 use super::losses::named;
-use crate::overview::{Level, born_between, events_of, forcing_label, is_within, later_birth, overlaps};
+use crate::curves::BackboneCurve;
+use crate::overview::{
+    BEYOND, Level, Origin, born_between, events_of, forcing_label, is_within, later_birth, overlaps,
+};
 use crate::store::CurvePoint;
-use crate::words::{count, digits};
+use crate::words::{self, count, digits, frequency};
 use solver::response::critical::CriticalKind;
+use solver::response::windows::{Event, EventKind};
 
 /// Largest forcing, in highest levels, at which an isola is born just above them.
 const JUST_ABOVE: f64 = 1.25;
@@ -37,6 +41,68 @@ impl Evidence<'_> {
                 None => format!("{none}."),
             },
         }
+    }
+
+    /// From where on the energy balance alone says that there is more than the main response. A window that is born and
+    /// merges between two levels is no news.
+    pub(super) fn prediction(&self) -> String {
+        if self.backbone.is_none() {
+            return String::new();
+        }
+        let mode = self.mode();
+        let births = self.backbones().flat_map(|backbone| backbone.events.iter().map(move |event| (backbone, event)));
+        let births = births.filter(|(_, event)| event.kind == EventKind::Birth);
+        // What is predicted beyond the frequencies of the study counts where its windows reach into them.
+        let is_met = |(backbone, birth): &(&BackboneCurve, &Event)| {
+            let windows = self.levels.iter().flat_map(|level| &level.windows);
+            let mut own = windows.filter(|window| window.mode == backbone.mode + 1);
+            is_within(self.frequencies, birth.omega)
+                || own.any(|window| (window.points[0]..=window.points[1]).contains(&birth.index))
+        };
+        let births = births.filter(is_met);
+        let is_separate = |(backbone, birth): &(&BackboneCurve, &Event)| {
+            let barrier = backbone.threshold.values[..birth.index].iter().copied().fold(0.0, f64::max);
+            self.levels.iter().any(|level| (birth.threshold..barrier).contains(&level.value))
+        };
+        let first = births.filter(is_separate).min_by(|(_, a), (_, b)| a.threshold.total_cmp(&b.threshold));
+        let Some((backbone, birth)) = first else {
+            return if self.with_isolas().next().is_some() {
+                format!("; the energy balance of {mode} has no birth of theirs{}", self.found_otherwise())
+            } else if self.levels.iter().any(|level| level.not_found().next().is_some()) {
+                // What it predicts and was not found is among the details.
+                String::new()
+            } else {
+                format!("; the energy balance of {mode} predicts no separate response at the levels of the run")
+            };
+        };
+        let mode = words::modes(&[backbone.mode]);
+        let omega = backbone.omega.values[birth.index];
+        let beyond = if is_within(self.frequencies, omega) { "" } else { BEYOND };
+        let near = format!("{}{beyond}", frequency(omega));
+        if backbone.feeds_itself(birth.index) {
+            return format!(
+                "; the energy balance of {mode} predicts separate responses at any forcing, near {near}, where the \
+                 nonlinear forces feed in as much energy as the damping takes"
+            );
+        }
+        let threshold = digits(birth.threshold, 3);
+        format!("; the energy balance of {mode} predicts separate responses from A = {threshold} on, near {near}")
+    }
+
+    /// What led to isolas beside the energy balance.
+    fn found_otherwise(&self) -> String {
+        let isolas = self.levels.iter().flat_map(Level::isolas);
+        let mut origins: Vec<Origin> = isolas.filter_map(|isola| isola.found_by).collect();
+        origins.sort_unstable();
+        origins.dedup();
+        let way = |origin: &Origin| match origin {
+            Origin::Curve => "along curves over the forcing",
+            Origin::Start => "from random starts",
+            Origin::Continuation => "where a growing forcing leads from rest",
+            Origin::Balance => "from seeds of its windows",
+        };
+        let ways: Vec<&str> = origins.iter().map(way).collect();
+        if ways.is_empty() { String::new() } else { format!(": they were found {}", ways.join(" and ")) }
     }
 
     /// Windows that led to no branch: those where fold curves have an isola born at a larger forcing, birth by birth, those in whose

@@ -86,8 +86,10 @@ impl Evidence<'_> {
             None if self.structure.modes > 1 => "of other modes, ".to_string(),
             None => String::new(),
         };
-        let harmonics =
-            if self.structure.harmonic > 1 { "other sub- and super-harmonics" } else { "sub- and super-harmonics" };
+        let harmonics = match self.structure.harmonic > 1 || self.asked.len() > 1 {
+            true => "other sub- and super-harmonics",
+            false => "sub- and super-harmonics",
+        };
         // The orders that are looked for are not among the others.
         let beside = match &self.asked[..] {
             [_, _, ..] => {

@@ -7,14 +7,12 @@ mod tests;
 
 use super::evidence::{Evidence, OrderFound};
 use super::losses::{Loss, losses, named, unknown_beyond};
-use crate::curves::BackboneCurve;
-use crate::overview::{BEYOND, BranchRow, Level, Origin, events_sentence, highest, is_within, sampled, truncation};
+use crate::overview::{BEYOND, BranchRow, Level, events_sentence, highest, is_within, sampled, truncation};
 use crate::summary_table::{Units, motions};
 use crate::words::{self, count, digits, frequency, range};
 use protocol::to_everyone::Stage;
 use serde::Serialize;
 use solver::response::branch::BranchKind;
-use solver::response::windows::{Event, EventKind};
 
 /// One of the answers.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -42,7 +40,7 @@ pub fn verdict(evidence: &Evidence<'_>) -> [Sentence; 3] {
     let losses = losses(evidence);
     let brief: Vec<&str> = losses.iter().map(|loss| loss.brief.as_str()).collect();
     let caveat = if brief.is_empty() { String::new() } else { format!("Not all is known ({}). ", brief.join("; ")) };
-    let is_known = evidence.largest().is_some();
+    let is_known = evidence.largest().is_some() || evidence.has_nothing();
     let further = |details: Vec<String>| if is_known { details } else { Vec::new() };
     [
         Sentence {
@@ -92,7 +90,7 @@ impl<'r> Evidence<'r> {
         words::length_among(metres, largest)
     }
 
-    fn with_isolas(&self) -> impl DoubleEndedIterator<Item = &'r Level> + Clone {
+    pub(super) fn with_isolas(&self) -> impl DoubleEndedIterator<Item = &'r Level> + Clone {
         self.levels.iter().filter(|level| level.highest_isola().is_some())
     }
 
@@ -122,6 +120,11 @@ impl<'r> Evidence<'r> {
     fn danger(&self, losses: &[Loss]) -> String {
         let mut parts: Vec<String> = losses.iter().map(|loss| loss.sentence.clone()).collect();
         parts.extend(self.self_excitation());
+        parts.extend(self.whose());
+        if self.has_nothing() {
+            parts.push(format!("{}.", NOTHING));
+            return parts.join(" ");
+        }
         let Some((level, largest)) = self.largest() else {
             let nothing = if self.is_over() { "No branch was found." } else { "No branch has been computed yet." };
             parts.push(nothing.into());
@@ -148,6 +151,23 @@ impl<'r> Evidence<'r> {
         parts.join(" ")
     }
 
+    /// Whether of a further order, which may well have no motion at all, none was found though nothing is left to be done.
+    fn has_nothing(&self) -> bool {
+        self.is_further && self.is_over() && self.is_empty() && self.levels.iter().all(Level::is_complete)
+    }
+
+    /// Which motions are meant, where the run looks for several orders; of the first with what was found of others.
+    fn whose(&self) -> Vec<String> {
+        if self.asked.len() < 2 {
+            return Vec::new();
+        }
+        let own = match self.structure.harmonic {
+            1 => "This is of motions of the force's own period.".to_string(),
+            order => format!("This is of motions that last {order} periods of the force."),
+        };
+        std::iter::once(own).chain(self.orders.iter().map(of_order)).collect()
+    }
+
     /// What else is known.
     fn details(&self) -> Vec<String> {
         let mut list: Vec<String> = Vec::new();
@@ -161,12 +181,11 @@ impl<'r> Evidence<'r> {
         list.extend(sampled(self.levels));
         list.extend(self.largest().map(|(_, largest)| self.stability_of_peak(largest)));
         list.extend(self.untouched().map(String::from));
-        list.extend(self.orders.iter().map(of_order));
         list.extend(self.others());
         list.extend(self.not_found());
         list.extend(unknown_beyond(self));
         list.extend(truncation(self.levels, self.harmonics, self.least_added));
-        list.extend(motions::sentences(self.motions, Units::default()));
+        list.extend(motions::sentences(self.motions, Units::default(), self.is_further));
         list
     }
 
@@ -196,6 +215,9 @@ impl<'r> Evidence<'r> {
     }
 
     fn onset(&self) -> String {
+        if self.has_nothing() {
+            return format!("{NOTHING} (see the first answer).");
+        }
         if self.is_empty() && self.is_over() {
             return "Not known: no branch was found.".into();
         }
@@ -243,60 +265,10 @@ impl<'r> Evidence<'r> {
         format!("Looked for: {}; {}.", self.searched(), self.not_searched())
     }
 
-    /// From where on the energy balance alone says that there is more than the main response. A window that is born and
-    /// merges between two levels is no news.
-    fn prediction(&self) -> String {
-        if self.backbone.is_none() {
-            return String::new();
-        }
-        let mode = self.mode();
-        let births = self.backbones().flat_map(|backbone| backbone.events.iter().map(move |event| (backbone, event)));
-        let births =
-            births.filter(|(_, event)| event.kind == EventKind::Birth && is_within(self.frequencies, event.omega));
-        let is_separate = |(backbone, birth): &(&BackboneCurve, &Event)| {
-            let barrier = backbone.threshold.values[..birth.index].iter().copied().fold(0.0, f64::max);
-            self.levels.iter().any(|level| (birth.threshold..barrier).contains(&level.value))
-        };
-        let first = births.filter(is_separate).min_by(|(_, a), (_, b)| a.threshold.total_cmp(&b.threshold));
-        let Some((backbone, birth)) = first else {
-            return if self.with_isolas().next().is_some() {
-                format!("; the energy balance of {mode} has no birth of theirs{}", self.found_otherwise())
-            } else if self.levels.iter().any(|level| level.not_found().next().is_some()) {
-                // What it predicts and was not found is among the details.
-                String::new()
-            } else {
-                format!("; the energy balance of {mode} predicts no separate response at the levels of the run")
-            };
-        };
-        let mode = words::modes(&[backbone.mode]);
-        let near = frequency(backbone.omega.values[birth.index]);
-        if backbone.feeds_itself(birth.index) {
-            return format!(
-                "; the energy balance of {mode} predicts separate responses at any forcing, near {near}, where the \
-                 nonlinear forces feed in as much energy as the damping takes"
-            );
-        }
-        let threshold = digits(birth.threshold, 3);
-        format!("; the energy balance of {mode} predicts separate responses from A = {threshold} on, near {near}")
-    }
-
-    /// What led to isolas beside the energy balance.
-    fn found_otherwise(&self) -> String {
-        let isolas = self.levels.iter().flat_map(Level::isolas);
-        let mut origins: Vec<Origin> = isolas.filter_map(|isola| isola.found_by).collect();
-        origins.sort_unstable();
-        origins.dedup();
-        let way = |origin: &Origin| match origin {
-            Origin::Curve => "along curves over the forcing",
-            Origin::Start => "from random starts",
-            Origin::Continuation => "where a growing forcing leads from rest",
-            Origin::Balance => "from seeds of its windows",
-        };
-        let ways: Vec<&str> = origins.iter().map(way).collect();
-        if ways.is_empty() { String::new() } else { format!(": they were found {}", ways.join(" and ")) }
-    }
-
     fn missed(&self) -> String {
+        if self.has_nothing() {
+            return format!("{NOTHING} (see the first answer).");
+        }
         if self.is_empty() {
             return if self.is_over() {
                 "Not known: no branch was found.".into()
@@ -352,6 +324,9 @@ impl<'r> Evidence<'r> {
         }
     }
 }
+
+/// What is said of an order of motions of which nothing was found.
+const NOTHING: &str = "No such motion was found where it was looked for";
 
 /// What was found of a further order of motions.
 fn of_order(found: &OrderFound) -> String {

@@ -69,14 +69,14 @@ impl Reader {
         if self.order.is_some() { self.settled(header) } else { Ok(header) }
     }
 
-    /// The model.
+    /// The model, with its force on the harmonic of the order that is told of.
     pub fn model(&self) -> Result<ModelMessage> {
-        read_model(&self.db, &self.file)
+        Ok(self.forced(read_model(&self.db, &self.file)?))
     }
 
     /// The model, if it is the one that the run began with.
     pub(crate) fn verified_model(&self) -> Result<ModelMessage> {
-        let model = self.model()?;
+        let model = read_model(&self.db, &self.file)?;
         let expected: Option<String> = get(&self.db, &self.file, "model_sha256")?;
         if expected != Some(sha256(&encode(&model))) {
             return Err(corrupt(&self.file, "the model is not the one that the run began with"));
@@ -144,7 +144,10 @@ impl Reader {
 
     /// Modes without a backbone, and why; `None` as long as that is not known, and of runs of earlier programs.
     pub fn modes_left_out(&self) -> Result<Option<Vec<(usize, LeftOut)>>> {
-        read_left_out(&self.db, &self.file)
+        match self.order {
+            None => read_left_out(&self.db, &self.file),
+            Some(_) => Ok(self.order_plan()?.map(|plan| plan.left_out)),
+        }
     }
 
     /// Within which frequencies and amplitudes branches are followed; known when the backbone is.

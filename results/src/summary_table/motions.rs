@@ -4,16 +4,17 @@ use super::Units;
 use crate::store::MotionRow;
 use crate::words::count;
 
-/// A sentence for every branch of which unstable motions were marched on.
-pub(crate) fn sentences(motions: &[MotionRow], units: Units) -> Vec<String> {
+/// A sentence for every branch of which unstable motions were marched on; `is_further`: they are of a further order, and what they turn
+/// into may be of an earlier one.
+pub(crate) fn sentences(motions: &[MotionRow], units: Units, is_further: bool) -> Vec<String> {
     let of_one = |a: &MotionRow, b: &MotionRow| a.forcing == b.forcing && a.branch == b.branch;
-    motions.chunk_by(of_one).map(|rows| sentence(rows, units)).collect()
+    motions.chunk_by(of_one).map(|rows| sentence(rows, units, is_further)).collect()
 }
 
-fn sentence(rows: &[MotionRow], units: Units) -> String {
+fn sentence(rows: &[MotionRow], units: Units, is_further: bool) -> String {
     let mut kinds: Vec<(String, Vec<&MotionRow>)> = Vec::new();
     for row in rows {
-        let kind = kind(row);
+        let kind = kind(row, is_further);
         match kinds.iter_mut().find(|(known, _)| *known == kind) {
             Some((_, list)) => list.push(row),
             None => kinds.push((kind, vec![row])),
@@ -30,10 +31,14 @@ fn sentence(rows: &[MotionRow], units: Units) -> String {
 }
 
 /// What a motion is, as far as that is known.
-fn kind(row: &MotionRow) -> String {
+fn kind(row: &MotionRow, is_further: bool) -> String {
     match (row.motion.as_str(), row.repeats, &row.onto) {
         ("periodic", Some(1), Some(branch)) if *branch == row.branch => "the same branch".into(),
         ("periodic", Some(1), Some(branch)) => branch.clone(),
+        ("periodic", Some(1), None) if is_further => {
+            "a periodic motion that is on no marched orbit of the branches of this order (it may be of an earlier one)"
+                .into()
+        }
         ("periodic", Some(1), None) => {
             "a periodic motion that is on no marched orbit of the branches found (the search may have missed it)".into()
         }
@@ -91,7 +96,7 @@ mod tests {
             MotionRow { amplitude: None, ..row(2590.0, "unclear", None, None, (0.0, 0.0)) },
         ];
         assert_eq!(
-            sentences(&rows, Units::default()),
+            sentences(&rows, Units::default(), false),
             [
                 "From 4 unstable motions of isola 1 at A = 60 time marching came to motions that repeat after 2 periods at \
                  2600.00–2602.50 rad/s (amplitudes of all of them 1.0000e-3–2.0000e-3 m), to main at 2595.00 rad/s (amplitudes 5.0000e-4 m), \

@@ -4,7 +4,7 @@
 use crate::curve::problem::SAME_IMAGE;
 use crate::formulation::harmonics::width;
 use crate::formulation::state::State;
-use crate::settings::{FrequencySettings, NumberList, SearchSettings, Settings};
+use crate::settings::{FrequencySettings, HarmonicSettings, NumberList, SearchSettings, Settings};
 use crate::structure::Model;
 use std::sync::Arc;
 
@@ -13,7 +13,8 @@ use std::sync::Arc;
 pub struct Order {
     /// The structure.
     pub model: Arc<Model>,
-    /// The settings. Bounds of the frequency are those of the first order's motions: the force has the same bounds in all orders.
+    /// The settings. Bounds of the frequency that are given are those of the first order's motions: the force has the same in all
+    /// orders.
     pub settings: Settings,
     /// Whether it is the first one, whose main branches are followed. Of others only motions count that earlier ones do not have.
     pub is_first: bool,
@@ -58,7 +59,24 @@ impl Order {
         let bound = |bound: Option<f64>| bound.map(|omega| omega * first as f64 / order as f64);
         let frequency = FrequencySettings { min: bound(min), max: bound(max) };
         let model = Arc::new(model.with_force_on(order));
-        Self { model, settings: Settings { frequency, ..*settings }, is_first: order == first }
+        // Samples are the same a period of the force later, and where laws are odd, mirrored, half of one: what is told from motions of
+        // shorter periods by their harmonics has to be exact.
+        let samples = settings.harmonics.samples.next_multiple_of(2 * order);
+        let harmonics = HarmonicSettings { samples, ..settings.harmonics };
+        Self { model, settings: Settings { frequency, harmonics, ..*settings }, is_first: order == first }
+    }
+
+    /// The same with bounds of the frequency where only one is given: the other one is that of the first order, whose motions are
+    /// followed between these frequencies (rad/s).
+    #[must_use]
+    pub fn between(&self, first: usize, (low, high): (f64, f64)) -> Self {
+        let FrequencySettings { min, max } = self.settings.frequency;
+        if min.is_some() == max.is_some() {
+            return self.clone();
+        }
+        let bound = |omega: f64| Some(omega * first as f64 / self.number() as f64);
+        let frequency = FrequencySettings { min: min.or(bound(low)), max: max.or(bound(high)) };
+        Self { settings: Settings { frequency, ..self.settings }, ..self.clone() }
     }
 
     /// m.
@@ -135,6 +153,25 @@ mod tests {
         assert_eq!((only.number(), only.is_first), (1, true));
         let [only] = &*Orders::of(&mass(), &asked(&[2])).0 else { panic!("one order") };
         assert_eq!((only.number(), only.is_first, only.settings.frequency), (2, true, bounds(0.6, 3.0)));
+    }
+
+    #[test]
+    fn a_bound_that_is_not_given_is_the_first_orders_and_samples_are_those_of_every_period() {
+        let mut settings = asked(&[2, 3]);
+        settings.frequency.min = None;
+        let list = Orders::of(&mass(), &settings);
+        let order = list.get(Some(3)).unwrap();
+        assert_eq!(order.settings.harmonics.samples % 6, 0);
+        assert_eq!(list.first().settings.harmonics.samples, settings.harmonics.samples);
+        let bounds = |order: &Order| (order.settings.frequency.min, order.settings.frequency.max);
+        assert_eq!(bounds(&order.between(2, (0.9, 3.0))), (Some(0.9 * 2.0 / 3.0), Some(2.0)));
+        // What nobody gave is each order's own, and what is given stays.
+        for given in [None, Some(0.6)] {
+            settings.frequency = FrequencySettings { min: given, max: given.map(|min| 5.0 * min) };
+            let list = Orders::of(&mass(), &settings);
+            let order = list.get(Some(3)).unwrap();
+            assert_eq!(bounds(&order.between(2, (0.9, 3.0))), bounds(order));
+        }
     }
 
     #[test]

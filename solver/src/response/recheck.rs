@@ -16,6 +16,7 @@ use crate::response::branch::{Branch, BranchKind, BranchPoint, SpecialKind};
 use crate::response::certificate::Certificate;
 use crate::response::columns::{self, Row};
 use crate::response::critical::CriticalCurve;
+use crate::response::orders::Shorter;
 use crate::response::seeds::Landing;
 use crate::settings::Settings;
 use crate::structure::Model;
@@ -62,6 +63,12 @@ pub enum Refutation {
     /// Not a forced response.
     #[error("point {point} is no forced response: it decays, or has no frequency")]
     Motion {
+        /// Number of the point.
+        point: usize,
+    },
+    /// A motion of an earlier order.
+    #[error("point {point} repeats itself after fewer periods of the force, as motions of an earlier order do")]
+    Shorter {
         /// Number of the point.
         point: usize,
     },
@@ -158,6 +165,10 @@ impl<'m> Recheck<'m> {
     pub fn landings(&self, landings: &[Landing], forcing: f64) -> Result<(), Refutation> {
         let states: Vec<&State> = landings.iter().map(|landing| &landing.state).collect();
         self.forced(states.iter().copied(), forcing)?;
+        let shorter = Shorter::of(self.model, self.settings.search.harmonics.as_ref());
+        if let Some(point) = states.iter().position(|state| shorter.has(state)) {
+            return Err(Refutation::Shorter { point });
+        }
         let mut problem = self.problem(Unknown::Frequency { forcing });
         let chosen = self.some_of((0..states.len()).collect(), MOST);
         chosen.into_iter().try_for_each(|point| self.state_solves(&mut problem, states[point], point))

@@ -3,11 +3,12 @@
 
 use crate::support::fold_curves::{all, folds, quiet};
 use crate::support::study::{Kind, Study, of_kind, shipped, with_harmonics};
+use solver::response::branch::Side;
 use solver::response::folds::{Critical, CriticalKind, Extent, Quantity};
 use solver::response::orders::Orders;
 use solver::response::task::{Task, TaskResult, plan};
 use solver::response::trace::{Given, execute};
-use solver::settings::SearchSettings;
+use solver::settings::{HarmonicSettings, Quadrature, SearchSettings};
 use solver::{Backbone, Forced, NumberList, SearchRange, Settings, State};
 
 /// Relative difference of frequencies.
@@ -75,6 +76,32 @@ fn a_duffing_oscillator_has_an_order_of_three() {
     let shorter = all.iter().filter(is_shorter).count();
     assert!(shorter > 100 && all.len() > shorter, "{shorter} of {}", all.len());
     assert_eq!(own, all.into_iter().filter(|state| !is_shorter(&state)).collect::<Vec<_>>());
+}
+
+/// Samples are the same a period of the force later: an ordinary response before a stop is nothing of order 3, however it is integrated.
+#[test]
+fn samples_tell_orders_apart_as_well() {
+    let mut settings = settings(15, 0.8, 5.4);
+    settings.harmonics = HarmonicSettings { quadrature: Quadrature::Samples, samples: 128, ..settings.harmonics };
+    settings.search.harmonics = NumberList::new(&[1, 3]);
+    let model = shipped("stop_subharmonic", &[]);
+    let orders = Orders::of(&model, &settings);
+    let order = orders.get(Some(3)).unwrap();
+    let reach = SearchRange { frequency: (0.27, 1.8), amplitude: 60.0, natural: None, forcing: None };
+    let content = |settings: &Settings| {
+        // What the ordinary response, converged from a motion of harmonics 3, 6, … has of others.
+        let mut forced = Forced::new(&order.model, settings, reach, 0.7);
+        let main = forced.main_branch(Side::Below, &mut quiet).unwrap();
+        let share = |state: &State| {
+            let size = |k: usize| state.modal[2 * k - 1].hypot(state.modal[2 * k]);
+            let others = (1..=state.harmonics).filter(|k| k % 3 != 0).map(size).fold(0.0, f64::max);
+            others / (1..=state.harmonics).map(size).fold(0.0, f64::max)
+        };
+        main.points.iter().map(|point| share(&point.state)).fold(0.0, f64::max)
+    };
+    let as_given = Settings { harmonics: settings.harmonics, ..order.settings };
+    assert!(content(&as_given) > 1e-5, "the samples that were given tell them apart too");
+    assert!(content(&order.settings) < 1e-9);
 }
 
 #[test]

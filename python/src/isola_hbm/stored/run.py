@@ -136,7 +136,8 @@ class StoredRun(Mapping[str, Motions]):
     @property
     def events(self) -> pd.DataFrame:
         """Births, deaths and merges of isolas, `computed` along fold curves and `predicted` by the energy balance: the
-        columns of ``events.csv`` (rad/s, m). `mode` is the one that contributes most beside that of the `backbone`."""
+        columns of ``events.csv`` (rad/s, m). `mode` is the one that contributes most beside that of the `backbone`. Of a further order
+        of motions, without what is predicted."""
         return self._read(tables.events)
 
     @property

@@ -6,7 +6,7 @@ use super::*;
 use crate::curves::BackboneCurve;
 use crate::overview::Seeds;
 use crate::report::evidence::Structure;
-use crate::store::{CurvePoint, CurveRow, PeakOrbit, SearchCounts, Stability, WindowOutcome, WindowRow};
+use crate::store::{CurvePoint, CurveRow, Origin, PeakOrbit, SearchCounts, Stability, WindowOutcome, WindowRow};
 use protocol::to_everyone::Stage;
 use solver::response::branch::{Outcome, Standing, Stop};
 use solver::response::modes::{LeftOut, ModesFollowed};

@@ -1,6 +1,7 @@
 //! What was not found, and what the energy balance predicts.
 
 use super::*;
+use solver::response::windows::{Event, EventKind};
 
 #[test]
 fn none_was_found_where_it_was_looked_for() {
