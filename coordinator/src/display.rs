@@ -3,6 +3,7 @@
 use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use protocol::from_worker::Progress;
 use protocol::ids::{TaskId, WorkerId};
+use protocol::level;
 use protocol::to_everyone::{Stage, StalledTask, Status};
 use results::journal::{LevelPlan, SweepPlan};
 use results::summary_table::{Layout, Units};
@@ -121,12 +122,13 @@ impl Bars {
             (stage, _) => stage.name().to_string(),
         });
         rows(&self.multi, &mut self.levels, status.active.len(), "  {prefix:>12} {bar:20.green} {pos}/{len}  {msg}");
-        for (bar, level) in self.levels.iter().zip(&status.active) {
-            bar.set_prefix(format!("A = {}", level.amplitude));
-            bar.set_length(level.total as u64);
-            bar.set_position(level.done as u64);
-            let place = level.progress.as_ref().map_or(String::new(), |p| format!(", {}", progress(p)));
-            bar.set_message(format!("{} branches{place}", level.branches));
+        for (bar, active) in self.levels.iter().zip(&status.active) {
+            let order = level::order(&active.amplitude).map_or_else(String::new, |order| format!(", order {order}"));
+            bar.set_prefix(format!("A = {}{order}", level::typed(&active.amplitude)));
+            bar.set_length(active.total as u64);
+            bar.set_position(active.done as u64);
+            let place = active.progress.as_ref().map_or(String::new(), |p| format!(", {}", progress(p)));
+            bar.set_message(format!("{} branches{place}", active.branches));
         }
         rows(&self.multi, &mut self.workers, status.workers.len(), "  {prefix:.dim} {msg}");
         for (bar, worker) in self.workers.iter().zip(&status.workers) {

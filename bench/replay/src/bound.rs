@@ -60,12 +60,12 @@ fn position(id: &TaskId) -> usize {
 /// When tasks end, s.
 #[derive(Default)]
 struct Ends {
-    /// Of a level, by the bits of its amplitude: the last of the tasks that follow each other.
-    levels: HashMap<u64, f64>,
+    /// Of a level, by name: the last of the tasks that follow each other.
+    levels: HashMap<String, f64>,
     /// Landings and starts, with their levels.
-    landings: Vec<(u64, Task, f64)>,
+    landings: Vec<(String, Task, f64)>,
     /// Where a branch was found, as its level and name.
-    branches: Vec<(u64, SeedOutcome, f64)>,
+    branches: Vec<(String, SeedOutcome, f64)>,
     /// Number of a curve over the forcing.
     curves: HashMap<usize, f64>,
     /// Everything but what follows from curves and what is marched.
@@ -78,10 +78,10 @@ struct Ends {
 impl Ends {
     /// When a task can begin, s.
     fn before(&self, task: &Recorded) -> f64 {
-        let level = task.amplitude.to_bits();
-        let own = self.levels.get(&level).copied().unwrap_or(0.0);
+        let level = &task.level;
+        let own = self.levels.get(level).copied().unwrap_or(0.0);
         let landed = |wanted: Task| {
-            let same = self.landings.iter().find(|(of, work, _)| *of == level && *work == wanted);
+            let same = self.landings.iter().find(|(of, work, _)| of == level && *work == wanted);
             same.map_or(0.0, |(.., end)| *end)
         };
         match task.work {
@@ -103,13 +103,13 @@ impl Ends {
         }
     }
 
-    fn found(&self, level: u64, branch: SeedOutcome) -> f64 {
-        let same = self.branches.iter().find(|(of, outcome, _)| *of == level && *outcome == branch);
+    fn found(&self, level: &str, branch: SeedOutcome) -> f64 {
+        let same = self.branches.iter().find(|(of, outcome, _)| of == level && *outcome == branch);
         same.map_or(0.0, |(.., end)| *end)
     }
 
     fn add(&mut self, task: &Recorded, end: f64) {
-        let level = task.amplitude.to_bits();
+        let level = &task.level;
         self.last = self.last.max(end);
         if stage(&task.work) == 0 {
             self.search = self.search.max(end);
@@ -118,17 +118,17 @@ impl Ends {
             Task::Fold(_) | Task::Carry(_) => self.folds = end,
             // Forcing in steps waits for what became of a seed, which others follow on as well.
             Task::Land(_) | Task::Start(_) | Task::Scout(_) | Task::Seed(_) => {
-                self.landings.push((level, task.work, end))
+                self.landings.push((level.clone(), task.work, end))
             }
             _ => {}
         }
         if task.work.is_ordered() && task.work.origin().is_none() {
-            self.levels.insert(level, end);
+            self.levels.insert(level.clone(), end);
         }
         match task.outcome {
             SeedOutcome::OnCurve(number) => drop(self.curves.entry(number).or_insert(end)),
             found @ SeedOutcome::Found(_) if matches!(task.work, Task::Main(_) | Task::Seed(_) | Task::Begin(_)) => {
-                self.branches.push((level, found, end));
+                self.branches.push((level.clone(), found, end));
             }
             _ => {}
         }
@@ -146,7 +146,7 @@ mod tests {
     fn task(name: &str, work: Task, seconds: f64) -> Recorded {
         let outcome = SeedOutcome::NotLanded(LandingFailure::Far(1.0));
         let finding = TaskResultMessage::Nothing(outcome);
-        Recorded { id: TaskId::new(name).unwrap(), amplitude: 1.0, work, outcome, seconds, finding }
+        Recorded { id: TaskId::new(name).unwrap(), level: "1".into(), work, outcome, seconds, finding }
     }
 
     fn place(method: LandingMethod) -> SeedPlace {
@@ -174,7 +174,7 @@ mod tests {
 
     #[test]
     fn levels_do_not_wait_for_each_other() {
-        let other = Recorded { amplitude: 2.0, ..task("2-0", Task::Main(Side::Below), 3.0) };
+        let other = Recorded { level: "2".into(), ..task("2-0", Task::Main(Side::Below), 3.0) };
         assert_eq!(longest_chain(&[task("1-0", Task::Main(Side::Below), 2.0), other]), 3.0);
     }
 }

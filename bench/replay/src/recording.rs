@@ -19,8 +19,8 @@ const NOT_LANDED: SeedOutcome = SeedOutcome::NotLanded(LandingFailure::Far(1.0))
 pub struct Recorded {
     /// Task.
     pub id: TaskId,
-    /// Forcing amplitude.
-    pub amplitude: f64,
+    /// Name of its level.
+    pub level: String,
     /// What was to be done.
     pub work: Task,
     /// What became of it.
@@ -102,5 +102,5 @@ fn recorded(result: StoredResult, scale: f64) -> Result<Recorded, String> {
         result.settling.map(TaskResultMessage::Settling),
     ];
     let finding = found.into_iter().flatten().next().unwrap_or(TaskResultMessage::Nothing(outcome));
-    Ok(Recorded { id, amplitude: amplitude.value, work, outcome, seconds: seconds * scale, finding })
+    Ok(Recorded { id, level: amplitude.text, work, outcome, seconds: seconds * scale, finding })
 }
