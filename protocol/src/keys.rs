@@ -1,4 +1,4 @@
-//! Key expressions: `<namespace>/v8/<run>/…`.
+//! Key expressions: `<namespace>/v9/<run>/…`.
 
 use crate::VERSION;
 use crate::ids::{NameError, RunId, TaskId, WorkerId};

@@ -14,8 +14,8 @@ from ..errors import Corrupt, OtherVersion
 Floats = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
 
-#: Version of the messages, the ``v8`` of keys and encodings.
-VERSION = 8
+#: Version of the messages, the ``v9`` of keys and encodings.
+VERSION = 9
 #: First chunk of every key unless told otherwise.
 NAMESPACE = "isola"
 #: Encoding of a refusal in words.
