@@ -6,7 +6,7 @@ mod touch;
 use crate::study::Study;
 use protocol::to_everyone::Amplitude;
 use results::overview::modes;
-use results::words::{count, digits, number};
+use results::words::{self, count, digits, number};
 use solver::formulation::harmonics::width;
 use solver::response::modes::ModesFollowed;
 use solver::response::orders::Orders;
@@ -55,15 +55,15 @@ fn orders(study: &Study) -> Vec<String> {
         let FrequencySettings { min, max } = order.settings.frequency;
         let is_within = |omega: f64| min.is_none_or(|min| omega >= min) && max.is_none_or(|max| omega <= max);
         let frequencies = &order.model.modes().frequencies;
-        let own = (0..frequencies.len()).filter(|&mode| is_within(frequencies[mode])).map(|mode| mode + 1);
-        let own: Vec<String> = own.map(|mode| mode.to_string()).collect();
+        let own: Vec<usize> = (0..frequencies.len()).filter(|&mode| is_within(frequencies[mode])).collect();
         let bound = |bound: Option<f64>| bound.map_or_else(|| "its backbones' end".into(), |omega| digits(omega, 6));
         let between = format!("between {} and {} rad/s", bound(min), bound(max));
         let modes = match &own[..] {
             [] => "no eigenfrequency there".to_string(),
-            modes => format!("eigenfrequencies of modes {} there", modes.join(", ")),
+            own => format!("eigenfrequencies there: {}", words::modes(own)),
         };
-        format!("{}: motions that last as many periods of the force, {between}; {modes}", order.number())
+        let periods = count(order.number(), "period");
+        format!("{}: motions that last {periods} of the force, {between}; {modes}", order.number())
     });
     // One alone is what the lines before are about.
     let list: Vec<String> = list.collect();
