@@ -162,17 +162,20 @@ pub fn extended(
     let orders = Orders::of(model, settings);
     let Some(parts) = stored_parts(store, &orders, all)? else { return Ok(None) };
     let further = parts[1..].iter().map(Part::plan).collect();
-    Ok(Some(MorePlan { reach: parts[0].reach, orders: further, levels: levels(&parts, all, first) }))
+    Ok(Some(MorePlan { reach: parts[0].reach, orders: further, levels: levels(&parts, all, first)? }))
 }
 
 /// Windows and tasks of the levels from `first` on.
-fn levels(parts: &[Part<'_>], all: &[Amplitude], first: usize) -> Vec<LevelPlan> {
+///
+/// # Errors
+/// If one is of an order that is not looked for.
+fn levels(parts: &[Part<'_>], all: &[Amplitude], first: usize) -> Result<Vec<LevelPlan>, Error> {
     let largest = largest(all);
     let mut plans = Vec::new();
     for (index, amplitude) in all.iter().enumerate().skip(first) {
-        let Some(Part { order, backbones, .. }) = parts.iter().find(|part| part.number() == amplitude.order()) else {
-            continue;
-        };
+        let part = parts.iter().find(|part| part.number() == amplitude.order());
+        let foreign = || Error::Other(format!("level {} is of an order that is not looked for", amplitude.text));
+        let Part { order, backbones, .. } = part.ok_or_else(foreign)?;
         let Order { model, settings, .. } = order;
         let batches = starts::batches(model, settings);
         let is_of_order = |other: &&Amplitude| other.order() == amplitude.order();
@@ -186,7 +189,7 @@ fn levels(parts: &[Part<'_>], all: &[Amplitude], first: usize) -> Vec<LevelPlan>
         }
         plans.push(LevelPlan { amplitude: amplitude.clone(), windows, tasks });
     }
-    plans
+    Ok(plans)
 }
 
 fn largest(amplitudes: &[Amplitude]) -> f64 {
@@ -232,7 +235,7 @@ pub fn compute(
         left_out: parts[0].backbones.left_out.clone(),
         reach: parts[0].reach,
         orders: parts[1..].iter().map(Part::plan).collect(),
-        levels: levels(&parts, all, 0),
+        levels: levels(&parts, all, 0)?,
         added: Vec::new(),
     });
     Ok(Some(Prepared { sweep: published(parts, &plan), beginning: Beginning { plan, stored: None } }))

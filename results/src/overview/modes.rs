@@ -44,7 +44,7 @@ pub fn sentence(choice: &ModesFollowed, is_done: bool) -> Option<String> {
     let rest = left_out(choice);
     let rest = if rest.is_empty() { String::new() } else { format!("; not {}", rest.join(", ")) };
     let were = if is_done { "were" } else { "are" };
-    Some(format!("Windows of {} {were} searched{rest}.", followed(choice)))
+    Some(format!("Windows of {} {were} looked for{rest}.", followed(choice)))
 }
 
 #[cfg(test)]
@@ -60,13 +60,13 @@ mod tests {
         let choice = ModesFollowed { followed: vec![0, 2], left_out };
         assert_eq!(
             sentence(&choice, true).unwrap(),
-            "Windows of modes 1 and 3 were searched; not mode 2 (out of reach of the frequency range), modes 4 to 39 (more \
+            "Windows of modes 1 and 3 were looked for; not mode 2 (out of reach of the frequency range), modes 4 to 39 (more \
              than are followed unless backbone.modes lists them)."
         );
         let lost = ModesFollowed { followed: vec![1], left_out: vec![(0, LeftOut::NotStarted("singular".into()))] };
         assert_eq!(
             sentence(&lost, false).unwrap(),
-            "Windows of mode 2 are searched; not mode 1 (its backbone does not start)."
+            "Windows of mode 2 are looked for; not mode 1 (its backbone does not start)."
         );
         assert_eq!(not_started(&lost).collect::<Vec<_>>(), [(0, "singular")]);
     }
