@@ -9,7 +9,7 @@ use results::journal::{LevelPlan, SweepPlan};
 use results::summary_table::{Layout, Units};
 use results::words::{count, duration, fixed_digits, length};
 use solver::response::seeds::LandingMethod;
-use solver::response::starts::BATCH;
+use solver::response::starts::{BATCH, StartWay};
 use solver::response::task::Task;
 use solver::settings::VerifyEffort;
 use std::io::IsTerminal;
@@ -186,7 +186,6 @@ pub fn layout(units: Option<Units>) -> Layout {
 pub fn plan(plan: &SweepPlan, most_folds: usize, verify: VerifyEffort) -> String {
     let total = |of: fn(&LevelPlan) -> usize| plan.levels.iter().map(of).sum::<usize>();
     let seeds = |level: &LevelPlan| level.tasks.iter().filter(|task| is_seed(task)).count();
-    let batches = |level: &LevelPlan| level.tasks.iter().filter(|task| matches!(task, Task::Start(_))).count();
     let scouts = plan.levels.iter().flat_map(|level| &level.tasks).filter_map(|task| match task {
         Task::Scout(scout) => Some(scout.batches),
         _ => None,
@@ -197,9 +196,13 @@ pub fn plan(plan: &SweepPlan, most_folds: usize, verify: VerifyEffort) -> String
             format!(" and {} at {}", BATCH * batches, count(scouts, "larger forcing amplitude"))
         }
     };
-    let starts = match BATCH * total(batches) {
+    let starts = match BATCH * total(|level| batches(level, StartWay::Direct)) {
         0 => String::new(),
         number => format!(", {}{beyond}", count(number, "random start")),
+    };
+    let homotopies = match BATCH * total(|level| batches(level, StartWay::Homotopy)) {
+        0 => String::new(),
+        number => format!(", {number} homotopies where these find nothing"),
     };
     let backbones = 1 + plan.further.len() + plan.orders.iter().map(|order| order.backbones.len()).sum::<usize>();
     let search = match most_folds {
@@ -212,12 +215,17 @@ pub fn plan(plan: &SweepPlan, most_folds: usize, verify: VerifyEffort) -> String
         VerifyEffort::All => "every branch is verified by time marching (verify.effort)",
     };
     format!(
-        "{}, {}, {} with {}{starts}; {search}; {verified}",
+        "{}, {}, {} with {}{starts}{homotopies}; {search}; {verified}",
         count(plan.levels.len(), "level"),
         count(backbones, "backbone"),
         count(total(|level| level.windows.len()), "window"),
         count(total(seeds), "seed"),
     )
+}
+
+/// Batches of starts of a level that go this way.
+fn batches(level: &LevelPlan, way: StartWay) -> usize {
+    level.tasks.iter().filter(|task| matches!(task, Task::Start(place) if place.way == way)).count()
 }
 
 /// Whether a task is for a seed that is tried in any case.

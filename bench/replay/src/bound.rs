@@ -91,7 +91,7 @@ impl Ends {
             }
             Task::Land(_) | Task::Start(_) | Task::Scout(_) => 0.0,
             Task::Seed(place) => own.max(landed(Task::Land(place))),
-            Task::Begin(place) => own.max(landed(Task::Start(StartPlace { round: 0, ..place }))),
+            Task::Begin(place) => own.max(landed(Task::Start(place.landing()))),
             Task::Fold(FoldPlace::Branch { branch, .. }) | Task::Carry(CarryPlace { branch, .. }) => {
                 self.folds.max(self.found(level, SeedOutcome::Found(branch)))
             }

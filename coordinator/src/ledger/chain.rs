@@ -11,7 +11,7 @@ use solver::response::account::Account;
 use solver::response::critical::{Quantity, crossed};
 use solver::response::scout::ScoutPlace;
 use solver::response::seeds::LandingMethod;
-use solver::response::starts::StartPlace;
+use solver::response::starts::{StartPlace, StartWay};
 use solver::response::task::{BranchId, Brought, MarchPlace, Origin, SeedOutcome, SeedPlace, Task, VerifyPlace};
 use solver::settings::Stretch;
 use std::sync::Arc;
@@ -177,7 +177,7 @@ impl Chain {
     pub fn landing(&self, e: usize) -> Option<usize> {
         let landing = match self.entries[e].task {
             Task::Seed(place) => Task::Land(place),
-            Task::Begin(place) => Task::Start(StartPlace { round: 0, ..place }),
+            Task::Begin(place) => Task::Start(place.landing()),
             _ => return None,
         };
         self.entries[..e].iter().rposition(|entry| entry.task == landing)
@@ -300,6 +300,7 @@ impl Chain {
             Task::Land(place) if place.method == LandingMethod::SteppedForcing && !self.is_decided(e, place) => {
                 Turn::Blocked
             }
+            Task::Start(place) if place.way == StartWay::Homotopy && !self.is_reached(e) => Turn::Blocked,
             _ if !task.is_ordered() && is_needed(task) => Turn::Ready,
             _ if !task.is_ordered() => Turn::Needless,
             _ if taken => Turn::Blocked,
@@ -318,6 +319,13 @@ impl Chain {
         let mut before = self.entries[..e].iter();
         before.clone().filter(|entry| entry.task == Task::Seed(full)).all(TaskEntry::is_settled)
             || before.any(|entry| entry.task == Task::Land(full) && entry.state == TaskState::Dead)
+    }
+
+    /// Whether what came before entry `e` is known. Others of its kind wait for nothing of each other.
+    fn is_reached(&self, e: usize) -> bool {
+        let is_homotopy = |task: &Task| matches!(task, Task::Begin(place) if place.way == StartWay::Homotopy);
+        let mut before = self.entries[..e].iter().filter(|entry| entry.task.is_ordered() && !is_homotopy(&entry.task));
+        before.all(TaskEntry::is_settled)
     }
 
     fn waits_for_main(&self) -> bool {

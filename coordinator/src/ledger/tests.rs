@@ -132,6 +132,7 @@ fn find(granted: &Granted) -> Brought {
         }
         Task::Start(_) => {
             assert!(known.is_empty() && curves.is_empty(), "a start does not depend on what is known");
+            assert_ne!(*work, Task::Start(StartPlace::homotopy(0)), "there are branches already");
             return Brought::Landings(5);
         }
         // The first batch leads to a branch, and again to another one.
@@ -166,10 +167,10 @@ fn book(ledger: &Ledger) -> Book {
     book[others..].sort_by(|a, b| a.0.cmp(&b.0));
     book
 }
-/// Levels of three windows and two batches of starts each; three scouts of the largest one.
+/// Levels of three windows and two batches of starts each, and one of homotopies that need not be; three scouts of the largest one.
 fn plans(levels: usize) -> Vec<LevelPlan> {
-    let starts = (0..2).map(|batch| StartPlace { batch, round: 0 });
-    let starts: Vec<Task> = starts.flat_map(|place| [Task::Start(place), Task::Begin(place)]).collect();
+    let starts = (0..2).map(StartPlace::random).chain([StartPlace::homotopy(0)]);
+    let starts: Vec<Task> = starts.flat_map(Task::from_starts).collect();
     let mut plans: Vec<LevelPlan> = (1..=levels).map(|level| plan(level as f64, 3)).collect();
     plans.iter_mut().for_each(|plan| plan.tasks.extend(&starts));
     let scouts = (0..3).map(|number| Task::Scout(ScoutPlace { number, batches: 1 }));

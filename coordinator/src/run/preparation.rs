@@ -183,6 +183,7 @@ fn levels(parts: &[Part<'_>], all: &[Amplitude], first: usize) -> Result<Vec<Lev
         let share = starts::share(batches, before, all.iter().filter(is_of_order).count());
         let (windows, mut tasks) = plan(backbones, amplitude.value, &settings.frequency, share);
         tasks.retain(|task| order.is_first || !matches!(task, Task::Main(_)));
+        tasks.extend(starts::homotopies(model, share).flat_map(Task::from_starts));
         // Scouts bring nothing but folds.
         if amplitude.value == largest && most_folds(model, settings) > 0 {
             tasks.extend(scouts(batches).map(Task::Scout));

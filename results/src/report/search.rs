@@ -73,10 +73,22 @@ impl Evidence<'_> {
             0 => String::new(),
             number => format!("{} from {}", if folds.is_empty() { " and" } else { "," }, count(number, "random start")),
         };
+        let homotopies = match self.search.homotopies {
+            0 => String::new(),
+            _ => format!("; {}, where nothing else had led to a branch", self.by_homotopies()),
+        };
         format!(
-            "the windows of {mode} at {levels} ({} tried{nowhere}{harmonic}){starts}{folds}{carried}",
+            "the windows of {mode} at {levels} ({} tried{nowhere}{harmonic}){starts}{folds}{carried}{homotopies}",
             count(tried, "seed")
         )
+    }
+
+    fn by_homotopies(&self) -> String {
+        let count = match self.search.homotopies {
+            1 => "1 homotopy".to_string(),
+            number => format!("{number} homotopies"),
+        };
+        format!("{count} from motions that a force on their fundamental drives")
     }
 
     /// What was not looked for.

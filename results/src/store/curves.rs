@@ -96,6 +96,8 @@ pub struct SearchCounts {
     pub lost: usize,
     /// Random starts tried.
     pub starts: usize,
+    /// Homotopies from motions of the fundamental tried, where nothing else had led to motions of several periods of the force.
+    pub homotopies: usize,
     /// Of these at the level that has the fewest.
     pub fewest: usize,
     /// Branches that they led to.
@@ -260,10 +262,11 @@ impl Reader {
         if counts.folds > 0 {
             counts.left_out = number(ALL_FOLDS)?.saturating_sub(counts.folds);
         }
-        let sql = "SELECT count(*) FROM tasks WHERE kind = 'start' AND state = 'done' AND level IN {levels}";
-        counts.starts = BATCH * number(sql)?;
+        let batches = "SELECT count(*) FROM tasks WHERE kind = 'start' AND state = 'done' AND level IN {levels}";
+        counts.starts = BATCH * number(&format!("{batches} AND origin LIKE 'starts, %'"))?;
+        counts.homotopies = BATCH * number(&format!("{batches} AND origin LIKE 'homotopies, %'"))?;
         let sql = "SELECT min(number) FROM (SELECT count(tasks.id) AS number FROM levels LEFT JOIN tasks \
-                   ON tasks.level = levels.level AND tasks.kind = 'start' AND tasks.state = 'done' \
+                   ON tasks.level = levels.level AND tasks.kind = 'start' AND tasks.state = 'done' AND origin LIKE 'starts, %' \
                    WHERE levels.level IN {levels} GROUP BY levels.level)";
         counts.fewest = BATCH * number(sql)?;
         let sql = "SELECT count(*) FROM branches JOIN tasks ON tasks.id = branches.task \

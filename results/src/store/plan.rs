@@ -17,6 +17,7 @@ use solver::response::columns::of_backbone_in_files;
 use solver::response::forced::SearchRange;
 use solver::response::modes::{LeftOut, ModesFollowed};
 use solver::response::seeds::{LandingMethod, Phase};
+use solver::response::starts::StartWay;
 use solver::response::task::{BranchEnd, CarryPlace, CrossingPlace, FoldPlace, SeedPlace, Task, VerifyPlace};
 use solver::response::windows::Window;
 use solver::settings::Stretch;
@@ -287,8 +288,13 @@ fn insert_task(db: &Connection, file: &Path, level: i64, position: usize, id: &T
         Task::Crossing(CrossingPlace { curve, .. }) => (None, Some(format!("curve {}", curve + 1))),
         Task::Carry(CarryPlace { branch, end: BranchEnd::First }) => (None, Some(format!("{branch}, first end"))),
         Task::Carry(CarryPlace { branch, end: BranchEnd::Last }) => (None, Some(format!("{branch}, last end"))),
-        Task::Start(place) => (None, Some(format!("starts, batch {}", place.batch + 1))),
-        Task::Begin(place) => (None, Some(format!("starts, batch {}", place.batch + 1))),
+        Task::Start(place) | Task::Begin(place) => {
+            let way = match place.way {
+                StartWay::Direct => "starts",
+                StartWay::Homotopy => "homotopies",
+            };
+            (None, Some(format!("{way}, batch {}", place.batch + 1)))
+        }
         Task::Scout(place) => (None, Some(format!("scout {}", place.number + 1))),
         Task::Verify(place) => (None, Some(of_verification(place))),
         Task::Disturb(place) => (None, Some(format!("{}, mode {}", place.branch, place.mode + 1))),

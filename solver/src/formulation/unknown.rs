@@ -13,6 +13,14 @@ pub enum Unknown {
         /// Forcing amplitude A.
         forcing: f64,
     },
+    /// Forced response, ω free, with a force of the same shape on harmonic 1 as well: between a motion of the fundamental and a
+    /// sub-harmonic one.
+    Blended {
+        /// Forcing amplitude A.
+        forcing: f64,
+        /// Complex amplitude of the force on harmonic 1, in units of A.
+        fundamental: Complex64,
+    },
     /// Forced response, A free.
     Forcing {
         /// Frequency ω, rad/s.
@@ -58,7 +66,7 @@ impl Unknown {
     /// The parameters, in their order in the state.
     pub fn parameters(self) -> &'static [Parameter] {
         match self {
-            Unknown::Frequency { .. } => &[Parameter::Frequency],
+            Unknown::Frequency { .. } | Unknown::Blended { .. } => &[Parameter::Frequency],
             Unknown::Forcing { .. } => &[Parameter::Forcing],
             Unknown::Mode { .. } => &[Parameter::Frequency, Parameter::Decay],
             Unknown::PhaseResonance | Unknown::Extremum(_) => &[Parameter::Frequency, Parameter::Forcing],
@@ -70,6 +78,14 @@ impl Unknown {
         matches!(self, Unknown::Mode { .. })
     }
 
+    /// Complex amplitude of a force on harmonic 1 beside that of amplitude A, in units of it.
+    pub fn fundamental(self) -> Complex64 {
+        match self {
+            Unknown::Blended { fundamental, .. } => fundamental,
+            _ => Complex64::default(),
+        }
+    }
+
     /// Whether the linear damping acts.
     pub fn is_damped(self) -> bool {
         self != Unknown::Mode { damped: false }
@@ -79,7 +95,7 @@ impl Unknown {
     pub fn fixed(self, scales: &Scales) -> Parameters {
         let rest = Parameters { omega: scales.frequency, decay: 0.0, forcing: 0.0 };
         match self {
-            Unknown::Frequency { forcing } => Parameters { forcing, ..rest },
+            Unknown::Frequency { forcing } | Unknown::Blended { forcing, .. } => Parameters { forcing, ..rest },
             Unknown::Forcing { omega } => Parameters { omega, ..rest },
             Unknown::Mode { .. } | Unknown::PhaseResonance | Unknown::Extremum(_) => rest,
         }

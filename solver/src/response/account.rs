@@ -3,11 +3,11 @@
 use crate::response::branch::BranchKind;
 use crate::response::name::BranchId;
 use crate::response::seeds::{LandingMethod, Phase};
-use crate::response::starts::StartPlace;
+use crate::response::starts::{StartPlace, StartWay};
 use crate::response::task::{Brought, CrossingPlace, SeedOutcome, SeedPlace, Task};
 use crate::response::windows::Window;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A seed of a window and what became of it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -76,22 +76,37 @@ impl Account {
     }
 
     /// Whether a task is still of use: stepping in the forcing is not where the full forcing has led to a branch, a seed
-    /// that did not land leads nowhere, and no seed is without a main branch to tell isolas from. Landing with the full forcing
-    /// and random starts are of use whatever is known.
+    /// that did not land leads nowhere, and no seed is without a main branch to tell isolas from. Homotopies are where nothing else
+    /// has led to a branch beside main ones. Landing with the full forcing and other random starts are of use whatever is known.
     pub fn needs(&self, task: &Task) -> bool {
         let is_without_main = !self.has_main() && !self.mains.is_empty();
         match task {
-            Task::Main(_) | Task::Fold(_) | Task::Carry(_) | Task::Start(_) | Task::Scout(_) => true,
+            Task::Start(place) => place.way == StartWay::Direct || self.is_only_by_homotopy(),
+            Task::Main(_) | Task::Fold(_) | Task::Carry(_) | Task::Scout(_) => true,
             Task::Verify(_) | Task::Disturb(_) | Task::March(_) => true,
             Task::Land(SeedPlace { method: LandingMethod::FullForcing, .. }) => true,
             Task::Crossing(_) => !is_without_main,
-            Task::Begin(place) => !is_without_main && self.starts.iter().all(|(start, _)| start != place),
+            Task::Begin(place) => {
+                let is_open = self.starts.iter().all(|(start, _)| start != place);
+                !is_without_main && is_open && self.needs(&Task::Start(place.landing()))
+            }
             Task::Land(place) => !is_without_main && !self.is_found(place),
             // What did not land has its outcome.
             Task::Seed(place) => {
                 !is_without_main && !self.is_found(place) && self.outcomes(place, place.method).count() == 0
             }
         }
+    }
+
+    /// Whether no branch but main ones is known, or homotopies have led to all of them.
+    fn is_only_by_homotopy(&self) -> bool {
+        let beside_main = |kind: &BranchKind| *kind != BranchKind::Main;
+        let known: usize = self.counts.iter().filter(|(kind, _)| beside_main(kind)).map(|(_, count)| count).sum();
+        let led = self.starts.iter().filter_map(|(place, outcome)| match (place.way, outcome) {
+            (StartWay::Homotopy, SeedOutcome::Found(id)) if beside_main(&id.kind) => Some(*id),
+            _ => None,
+        });
+        known == led.collect::<BTreeSet<_>>().len()
     }
 
     /// What became of a seed, landed by one of the methods.

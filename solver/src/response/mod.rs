@@ -17,6 +17,7 @@ pub mod forced;
 pub mod forcing;
 mod given;
 mod grazing;
+mod homotopy;
 pub mod interrupt;
 mod known;
 pub mod level;

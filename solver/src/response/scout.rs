@@ -62,7 +62,7 @@ pub(super) fn scout<'m, F: Formulation<'m>>(
         if forced.interrupt().is_set() {
             return None;
         }
-        let Ok(mut landings) = land(&mut forced, &StartPlace { batch, round: 0 }) else { continue };
+        let Ok(mut landings) = land(&mut forced, &StartPlace::random(batch)) else { continue };
         landings.retain(|landing| !forced.is_shorter(&landing.state));
         // Each landing leads to one branch at most that is new.
         for _ in &landings {

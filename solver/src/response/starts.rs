@@ -1,5 +1,6 @@
-//! Many starts: forced responses that Newton's method meets from random motions of random frequency, and from free motions that
-//! such lead to. They are not looked for where anything predicts them, and find what nothing computed is connected to.
+//! Many starts: forced responses that Newton's method meets from random motions of random frequency, from free motions that such
+//! lead to, and by homotopy from these. They are not looked for where anything predicts them, and find what nothing computed is
+//! connected to.
 
 use crate::curve::least_norm::{ROUGH, converge, nearest, of_size};
 use crate::curve::problem::Failure;
@@ -11,6 +12,7 @@ use crate::formulation::state::State;
 use crate::formulation::unknown::Unknown;
 use crate::formulation::{Formulation, FormulationError};
 use crate::response::forced::Forced;
+use crate::response::homotopy;
 use crate::response::seeds::Landing;
 use crate::settings::{HarmonicSettings, Settings};
 use crate::structure::Model;
@@ -65,6 +67,9 @@ const ORDERS: usize = 4;
 /// Decay rate that free motions are looked for with, of the frequency, where there is next to no damping.
 const LEAST_DECAY: f64 = 1e-4;
 
+/// Batches of random starts for each one of homotopies, which take some ten times as long.
+const HOMOTOPIES: usize = 32;
+
 /// Most steps of least norm with few harmonics, and then with all of them.
 const STEPS: [usize; 2] = [40, 20];
 
@@ -76,6 +81,44 @@ pub struct StartPlace {
     /// How often branches were traced from it before: as long as one is new there may be more.
     #[serde(default)]
     pub round: usize,
+    /// How its starts lead to responses.
+    #[serde(default, skip_serializing_if = "StartWay::is_direct")]
+    pub way: StartWay,
+}
+
+impl StartPlace {
+    /// A batch of random starts from which nothing was traced yet.
+    pub fn random(batch: usize) -> Self {
+        Self { batch, round: 0, way: StartWay::Direct }
+    }
+
+    /// A batch of homotopies from which nothing was traced yet.
+    pub fn homotopy(batch: usize) -> Self {
+        Self { batch, round: 0, way: StartWay::Homotopy }
+    }
+
+    /// The task that its branches start from.
+    #[must_use]
+    pub fn landing(self) -> Self {
+        Self { round: 0, ..self }
+    }
+}
+
+/// How random starts lead to forced responses.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum StartWay {
+    /// By Newton's method, which takes the nearest one.
+    #[default]
+    Direct,
+    /// From a free motion that a force on its fundamental drives, which gives way to that on harmonic m.
+    Homotopy,
+}
+
+impl StartWay {
+    fn is_direct(&self) -> bool {
+        *self == Self::Direct
+    }
 }
 
 /// Number of batches of a run: fewer for larger models, whose starts take longer.
@@ -89,6 +132,13 @@ pub fn batches(model: &Model, settings: &Settings) -> usize {
 /// How many of so many batches are those of level `index` of `levels`, from 0: evenly spread.
 pub fn share(batches: usize, index: usize, levels: usize) -> usize {
     batches * (index + 1) / levels - batches * index / levels
+}
+
+/// The batches of homotopies of a level with so many batches of random starts: of motions that last several periods of the force,
+/// where nothing else leads to any.
+pub fn homotopies(model: &Model, batches: usize) -> impl Iterator<Item = StartPlace> {
+    let count = if model.forcing().harmonic > 1 { batches.div_ceil(HOMOTOPIES) } else { 0 };
+    (0..count).map(StartPlace::homotopy)
 }
 
 /// Harmonics of a first try.
@@ -108,7 +158,7 @@ pub fn land<'m, F: Formulation<'m>>(forced: &mut Forced<'m, F>, place: &StartPla
     // Receptances have a pole wherever a harmonic meets a resonance, which no step gets past: the more the lower ω is.
     if suits_all_dofs(model) {
         let all = |unknown| DisplacementForm::of_all_dofs(model, truncation, tracked, unknown, scales);
-        if let Ok(tries) = Tries::new(forced.forcing(), all) {
+        if let Ok(mut tries) = Tries::new(forced.forcing(), all) {
             return tries.land(forced, place);
         }
     }
@@ -127,7 +177,9 @@ fn is_linear_until_touched(model: &Model) -> bool {
 }
 
 /// Balances of few harmonics, in whatever form.
-struct Tries<C> {
+struct Tries<C, B> {
+    /// Makes them.
+    form: B,
     /// Of forced responses: at the forcing of the level, and at ever larger ones.
     forced: Vec<C>,
     /// Of free motions.
@@ -136,21 +188,20 @@ struct Tries<C> {
     sizes: Vec<f64>,
 }
 
-impl<'m, C: Formulation<'m>> Tries<C> {
-    fn new(forcing: f64, form: impl Fn(Unknown) -> Result<C, FormulationError>) -> Result<Self, FormulationError> {
+impl<'m, C: Formulation<'m>, B: Fn(Unknown) -> Result<C, FormulationError>> Tries<C, B> {
+    fn new(forcing: f64, form: B) -> Result<Self, FormulationError> {
         let rungs = (0..=RUNGS).map(|rung| Unknown::Frequency { forcing: forcing * RUNG.powi(rung as i32) });
         let (forced, free) = (rungs.map(&form).collect::<Result<_, _>>()?, form(Unknown::Mode { damped: true })?);
         let sizes = free.scales().nonlinear_amplitudes(free.system().model);
-        Ok(Self { forced, free, sizes })
+        Ok(Self { form, forced, free, sizes })
     }
 
     fn land<F: Formulation<'m>>(
-        mut self,
+        &mut self,
         forced: &mut Forced<'m, F>,
         place: &StartPlace,
     ) -> Result<Vec<Landing>, Failure> {
-        let (model, forcing) = (forced.model(), forced.forcing());
-        let mut random = ChaCha8Rng::seed_from_u64(forcing.to_bits());
+        let mut random = ChaCha8Rng::seed_from_u64(forced.forcing().to_bits());
         random.set_stream(place.batch as u64);
         let mut landings = Vec::new();
         let mut failure = Failure::Diverged;
@@ -158,26 +209,54 @@ impl<'m, C: Formulation<'m>> Tries<C> {
             if forced.interrupt().is_set() {
                 break;
             }
-            let mut state = motion(&mut random, forced, &self.forced[0], &self.sizes);
-            if number % 2 == 1 {
-                let order = if random.gen_bool(ORDINARY) { 1 } else { random.gen_range(2..=ORDERS) };
-                let quick = State { omega: state.omega * order as f64, ..state.clone() };
-                let free = freed(&mut self.free, &quick, forced.settings().tracked())
-                    .map(|free| slowed(&State { decay: 0.0, forcing, ..free }, order));
-                state = free.unwrap_or(state).shifted(random.gen_range(0.0..TAU));
-            }
-            // Sub-harmonic motion is much of it that and the ordinary response to the forcing.
-            if number % 4 >= 2 && model.forcing().harmonic > 1 {
-                state = driven(&self.forced[0], &state).unwrap_or(state);
-            }
-            let rung = if number % 8 >= 6 { random.gen_range(1..=RUNGS) } else { 0 };
-            match self.refined(forced, rung, &state) {
+            let landed = match place.way {
+                StartWay::Direct => self.directly(&mut random, number, forced),
+                StartWay::Homotopy => self.by_homotopy(&mut random, forced),
+            };
+            match landed {
                 Ok(state) if is_within(forced, &state) => landings.push(Landing { state, distance: 0.0 }),
                 Ok(_) => {}
                 Err(reason) => failure = reason,
             }
         }
         if landings.is_empty() { Err(failure) } else { Ok(landings) }
+    }
+
+    /// The response nearest to a random motion, or to the free motion that this leads to.
+    fn directly<F: Formulation<'m>>(
+        &mut self,
+        random: &mut ChaCha8Rng,
+        number: usize,
+        forced: &mut Forced<'m, F>,
+    ) -> Result<State, Failure> {
+        let (model, forcing) = (forced.model(), forced.forcing());
+        let mut state = motion(random, forced, &self.forced[0], &self.sizes);
+        if number % 2 == 1 {
+            let order = if random.gen_bool(ORDINARY) { 1 } else { random.gen_range(2..=ORDERS) };
+            let quick = State { omega: state.omega * order as f64, ..state.clone() };
+            let free = freed(&mut self.free, &quick, forced.settings().tracked())
+                .map(|free| slowed(&State { decay: 0.0, forcing, ..free }, order));
+            state = free.unwrap_or(state).shifted(random.gen_range(0.0..TAU));
+        }
+        // Sub-harmonic motion is much of it that and the ordinary response to the forcing.
+        if number % 4 >= 2 && model.forcing().harmonic > 1 {
+            state = driven(&self.forced[0], &state).unwrap_or(state);
+        }
+        let rung = if number % 8 >= 6 { random.gen_range(1..=RUNGS) } else { 0 };
+        self.refined(forced, rung, &state)
+    }
+
+    /// The response that the free motion which a random one leads to becomes as the force on its fundamental gives way.
+    fn by_homotopy<F: Formulation<'m>>(
+        &mut self,
+        random: &mut ChaCha8Rng,
+        forced: &mut Forced<'m, F>,
+    ) -> Result<State, Failure> {
+        let state = motion(random, forced, &self.forced[0], &self.sizes);
+        let phase = random.gen_range(0.0..TAU);
+        let free = freed(&mut self.free, &state, forced.settings().tracked()).ok_or(Failure::Diverged)?;
+        let rough = homotopy::follow(&self.form, &mut self.free, &free, forced.forcing(), phase)?;
+        self.refined(forced, 0, &rough)
     }
 
     /// The response that a start leads to, first with few harmonics, and from a rung of larger forcing down: what is hard to

@@ -80,6 +80,11 @@ impl Task {
         }
     }
 
+    /// The tasks of a batch of starts, and of the first branch through what it led to.
+    pub fn from_starts(place: StartPlace) -> [Self; 2] {
+        [Self::Start(place), Self::Begin(place)]
+    }
+
     /// Whether it marches in time, and takes no balance.
     pub fn is_marched(&self) -> bool {
         matches!(self, Task::Verify(_) | Task::Disturb(_) | Task::March(_))
@@ -365,8 +370,8 @@ pub fn plan(
             }
         }
     }
-    let starts = (0..batches).map(|batch| StartPlace { batch, round: 0 });
-    tasks.extend(starts.flat_map(|place| [Task::Start(place), Task::Begin(place)]));
+    let starts = (0..batches).map(StartPlace::random);
+    tasks.extend(starts.flat_map(Task::from_starts));
     (list, tasks)
 }
 

@@ -22,7 +22,8 @@ pub enum Effort {
     /// In the windows only.
     None,
     /// Folds of the branches found are followed over the forcing amplitude, 200 at most, and random starts are tried, 16384
-    /// with a small model and fewer with larger ones.
+    /// with a small model and fewer with larger ones; where nothing leads to motions of several periods of the force, homotopies
+    /// ([`StartWay::Homotopy`](crate::response::starts::StartWay::Homotopy)) as well.
     #[default]
     Standard,
     /// The same, for 5000 folds at most and 16 times as many starts.

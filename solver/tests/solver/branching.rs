@@ -154,7 +154,7 @@ fn asymmetric_motions_of_a_symmetric_structure_branch_off_where_symmetric_ones_l
     let mut found = 0;
     for batch in 0..32 {
         for state in
-            land(&mut forced, &StartPlace { batch, round: 0 }).unwrap_or_default().iter().map(|landing| &landing.state)
+            land(&mut forced, &StartPlace::random(batch)).unwrap_or_default().iter().map(|landing| &landing.state)
         {
             if found < 8 && !forced.lies_on(state, main) {
                 assert_between(&forced.branch_through(state, &mut |_| ControlFlow::Continue(())).unwrap(), &ends);

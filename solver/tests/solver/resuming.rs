@@ -230,7 +230,7 @@ fn steps_of_another_task_are_not_taken() {
 #[test]
 fn landings_are_interrupted() {
     let study = Study::new("duffing", Settings::default(), 0.05);
-    let starts = Task::Start(StartPlace { batch: 0, round: 0 });
+    let starts = Task::Start(StartPlace::random(0));
     let scout = Task::Scout(ScoutPlace { number: 0, batches: 1 });
     for task in [starts, scout, Task::Main(Side::Below)] {
         let interrupt = Interrupt::default();

@@ -1,7 +1,7 @@
 //! Random starts, on models whose isolas are known.
 
 use crate::support::balance::Balance;
-use crate::support::study::{Kind, Study, shipped};
+use crate::support::study::{Kind, Study, shipped, with_harmonics};
 use solver::response::branch::BranchPoint;
 use solver::response::critical::CriticalKind;
 use solver::response::scout::ScoutPlace;
@@ -25,7 +25,7 @@ fn forced(study: &Study, forcing: f64) -> Forced<'_> {
 /// What the first batches land on.
 fn landed(study: &Study, forcing: f64, batches: usize) -> Vec<State> {
     let mut forced = forced(study, forcing);
-    let of_batch = |batch| land(&mut forced, &StartPlace { batch, round: 0 }).unwrap_or_default();
+    let of_batch = |batch| land(&mut forced, &StartPlace::random(batch)).unwrap_or_default();
     (0..batches).flat_map(of_batch).map(|landing| landing.state).collect()
 }
 
@@ -57,7 +57,7 @@ fn batches_depend_on_nothing_but_their_number_and_level() {
     let study = Study::new(shipped("duffing", &[]), Settings::default());
     let all = landed(&study, 0.2, 3);
     let mut forced = forced(&study, 0.2);
-    let last = land(&mut forced, &StartPlace { batch: 2, round: 5 }).unwrap();
+    let last = land(&mut forced, &StartPlace { round: 5, ..StartPlace::random(2) }).unwrap();
     let last: Vec<State> = last.into_iter().map(|landing| landing.state).collect();
     assert!(last.len() > 1 && all.ends_with(&last));
     assert_ne!(all[0], landed(&study, 0.21, 1)[0]);
@@ -89,6 +89,28 @@ fn a_scout_leads_back_to_where_an_isola_is_born() {
     });
     let births: Vec<f64> = births.collect();
     assert!(births.iter().any(|birth| (birth / 1.4174 - 1.0).abs() < 1e-4), "{births:?}");
+}
+
+/// Isolas as `subharmonics.rs` has them, of a smooth spring and of a stop, from motions that a force on their fundamental drives.
+#[test]
+fn homotopies_lead_to_motions_of_several_periods_of_the_force() {
+    for (name, harmonics, forcing, (low, high)) in [
+        ("duffing_subharmonic", 21, 1.5, (1.157_770_851, 1.408_625_575)),
+        ("duffing_subharmonic", 21, 2.0, (1.088_198_745, 1.780_832_447)),
+        ("stop_subharmonic", 20, 0.7, (1.087_020_752, 1.164_294_307)),
+        ("stop_subharmonic", 20, 1.0, (1.043_542_781, 1.230_087_607)),
+    ] {
+        let study = Study::new(shipped(name, &[]), with_harmonics(harmonics));
+        let mut forced = forced(&study, forcing);
+        let states = land(&mut forced, &StartPlace::homotopy(0)).unwrap();
+        let balance = Balance::new(&study.model);
+        let worst = states.iter().map(|landing| balance.residual(&landing.state).relative()).fold(0.0, f64::max);
+        assert!(states.len() > BATCH / 4 && worst < 1e-8, "{name}, A = {forcing}: {} landed, {worst:e}", states.len());
+        let branches = states.iter().filter_map(|landing| forced.branch_through(&landing.state, &mut quiet).ok());
+        let closed = branches.filter(|branch| branch.is_closed()).map(|branch| branch.frequency_range());
+        let is_known = |found: (f64, f64)| (found.0 / low - 1.0).abs() < 1e-5 && (found.1 / high - 1.0).abs() < 1e-5;
+        assert!(closed.into_iter().any(is_known), "{name}, A = {forcing}");
+    }
 }
 
 #[test]

@@ -133,7 +133,7 @@ impl Condensation {
     }
 
     /// Displacements of all dofs at one harmonic from those kept: x = T X_r + A [0; z].
-    pub fn recover(&self, condensed: &Condensed, kept: &[Complex64], forcing: f64) -> Vec<Complex64> {
+    pub fn recover(&self, condensed: &Condensed, kept: &[Complex64], forcing: Complex64) -> Vec<Complex64> {
         let mut x = vec![Complex64::default(); self.kept.len() + self.others.len()];
         for (&i, value) in self.kept.iter().zip(kept) {
             x[i] = *value;

@@ -12,8 +12,8 @@ impl DisplacementForm<'_> {
     pub(super) fn evaluate(&mut self) -> Result<(), LinalgError> {
         self.condensed.clear();
         for k in 0..=self.system.harmonics {
-            let forced = k == self.system.model.forcing().harmonic;
-            self.condensed.push(self.condensation.condense(self.at.lambda(k), forced)?);
+            let is_forced = k == self.system.model.forcing().harmonic || self.force(k) != Complex64::default();
+            self.condensed.push(self.condensation.condense(self.at.lambda(k), is_forced)?);
         }
         self.linear_balance();
         for e in 0..self.parts.len() {
@@ -42,6 +42,13 @@ impl DisplacementForm<'_> {
         Ok(())
     }
 
+    /// Complex amplitude of the force of harmonic k, over the forcing shape.
+    pub(super) fn force(&self, k: usize) -> Complex64 {
+        let forced = if k == self.system.model.forcing().harmonic { self.at.forcing } else { 0.0 };
+        let fundamental = if k == 1 { self.system.unknown.fundamental() } else { Complex64::default() };
+        fundamental + forced
+    }
+
     /// D X − E.
     fn linear_balance(&mut self) {
         let (c, nc) = (self.condensation.kept().len(), self.nc);
@@ -51,7 +58,7 @@ impl DisplacementForm<'_> {
             let x: Vec<Complex64> = self.displacement.chunks(nc).map(|series| complex(series, k)).collect();
             for (i, row) in condensed.stiffness.chunks(c).enumerate() {
                 let elastic: Complex64 = row.iter().zip(&x).map(|(d, x)| d * x).sum();
-                let balance = elastic - self.at.forcing * condensed.force[i];
+                let balance = elastic - self.force(k) * condensed.force[i];
                 set_complex(&mut self.residual[i * nc..(i + 1) * nc], k, balance);
             }
         }

@@ -66,7 +66,7 @@ impl DisplacementForm<'_> {
                     } else {
                         let row = &condensed.stiffness_rate[i * c..(i + 1) * c];
                         let elastic: Complex64 = row.iter().zip(&x).map(|(d, x)| d * x).sum();
-                        parameter.rate(k) * (elastic - self.at.forcing * condensed.force_rate[i])
+                        parameter.rate(k) * (elastic - self.force(k) * condensed.force_rate[i])
                     };
                     let mut series = vec![0.0; nc];
                     set_complex(&mut series, k, value);

@@ -194,7 +194,7 @@ impl<'m> DisplacementForm<'m> {
     /// Displacements of all dofs at harmonic k of the state last evaluated.
     fn recover(&self, k: usize) -> Vec<Complex64> {
         let kept: Vec<Complex64> = self.displacement.chunks(self.nc).map(|series| complex(series, k)).collect();
-        self.condensation.recover(&self.condensed[k], &kept, self.at.forcing)
+        self.condensation.recover(&self.condensed[k], &kept, self.force(k))
     }
 
     /// Unscales `y`.

@@ -68,6 +68,10 @@ impl PressureForm<'_> {
             let forcing = self.current.forcing;
             out.iter_mut().zip(modal.forcing()).for_each(|(o, s)| *o = Complex64::new(forcing * s, 0.0));
         }
+        let fundamental = self.system.unknown.fundamental();
+        if k == 1 && fundamental != Complex64::default() {
+            out.iter_mut().zip(modal.forcing()).for_each(|(o, s)| *o += fundamental * s);
+        }
         for (bound, element) in self.elements.iter().zip(&self.forces).filter(|(bound, _)| bound.active) {
             for (u, series) in bound.channels.clone().zip(element.force.chunks(self.layout.nc)) {
                 let force = complex(series, k);

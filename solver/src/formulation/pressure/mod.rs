@@ -194,7 +194,9 @@ fn phase(unknown: Unknown, layout: &Layout, tracked: usize, modal: &Modal) -> Op
                 phase[layout.mode(j).start + 2 * modal.harmonic() - 1] = projection / size;
             }
         }
-        Unknown::Frequency { .. } | Unknown::Forcing { .. } | Unknown::Extremum(_) => return None,
+        Unknown::Frequency { .. } | Unknown::Blended { .. } | Unknown::Forcing { .. } | Unknown::Extremum(_) => {
+            return None;
+        }
     }
     Some(phase)
 }

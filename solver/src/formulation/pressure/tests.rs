@@ -14,6 +14,7 @@ use crate::structure::laws::{
     Contact, Friction, Jenkins, LawKind, PenaltySpring, PolynomialDamper, PolynomialSpring, TanhFriction, Term,
 };
 use crate::structure::{Damping, Element, Forcing, Model, ModelData, Modes};
+use num_complex::Complex64;
 
 pub(crate) const HARMONICS: usize = 4;
 const SAMPLES: usize = 48;
@@ -67,10 +68,17 @@ pub(crate) fn cases(unknowns: &[Unknown]) -> impl Iterator<Item = Case> {
 }
 
 /// The kinds that both formulations have.
-pub(crate) const COMMON: [Unknown; 3] =
-    [Unknown::Frequency { forcing: FORCING }, Unknown::Forcing { omega: OMEGA }, Unknown::Mode { damped: true }];
-pub(super) const ALL: [Unknown; 5] = [
+pub(crate) const COMMON: [Unknown; 4] = [
     Unknown::Frequency { forcing: FORCING },
+    BLENDED,
+    Unknown::Forcing { omega: OMEGA },
+    Unknown::Mode { damped: true },
+];
+const BLENDED: Unknown =
+    Unknown::Blended { forcing: FORCING, fundamental: Complex64::new(0.4 * FORCING, -0.7 * FORCING) };
+pub(super) const ALL: [Unknown; 6] = [
+    Unknown::Frequency { forcing: FORCING },
+    BLENDED,
     Unknown::Forcing { omega: OMEGA },
     Unknown::Mode { damped: true },
     Unknown::Mode { damped: false },
