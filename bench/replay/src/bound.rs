@@ -4,7 +4,7 @@
 use crate::recording::{Recorded, Recording};
 use protocol::ids::TaskId;
 use solver::response::seeds::LandingMethod;
-use solver::response::starts::StartPlace;
+use solver::response::starts::StartWay;
 use solver::response::task::{CarryPlace, FoldPlace, SeedOutcome, SeedPlace, Task};
 use std::collections::HashMap;
 
@@ -89,6 +89,7 @@ impl Ends {
             Task::Land(place) if place.method == LandingMethod::SteppedForcing => {
                 landed(Task::Seed(SeedPlace { method: LandingMethod::FullForcing, ..place }))
             }
+            Task::Start(place) if place.way == StartWay::Homotopy => own,
             Task::Land(_) | Task::Start(_) | Task::Scout(_) => 0.0,
             Task::Seed(place) => own.max(landed(Task::Land(place))),
             Task::Begin(place) => own.max(landed(Task::Start(place.landing()))),

@@ -132,13 +132,12 @@ fn find(granted: &Granted) -> Brought {
         }
         Task::Start(_) => {
             assert!(known.is_empty() && curves.is_empty(), "a start does not depend on what is known");
-            assert_ne!(*work, Task::Start(StartPlace::homotopy(0)), "there are branches already");
             return Brought::Landings(5);
         }
         // The first batch leads to a branch, and again to another one.
         Task::Begin(place) => {
             assert!(granted.landing.is_some(), "what began knows from where");
-            let is_new = place.batch == 0 && place.round < amplitude as usize;
+            let is_new = place.landing() == StartPlace::random(0) && place.round < amplitude as usize;
             return if is_new { Brought::branch(BranchKind::Cut) } else { main };
         }
         Task::Seed(place) => {
