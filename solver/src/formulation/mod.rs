@@ -12,7 +12,7 @@ mod panels;
 pub mod pressure;
 pub mod receptance;
 pub mod scales;
-mod slider;
+pub(crate) mod slider;
 mod span;
 pub mod state;
 pub mod unknown;

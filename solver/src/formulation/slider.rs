@@ -8,6 +8,27 @@ use crate::formulation::harmonics::evaluate;
 use crate::structure::laws::Slider;
 use std::f64::consts::TAU;
 
+/// Instants per number of a series at which its range is looked at: enough for a thousandth of it.
+const SAMPLES: usize = 16;
+
+/// A response turns where a slider begins to slide, and may turn back next to it: a step leads over that place only if the ranges of the
+/// motion at both of its ends are within this share of the one at which sliding begins.
+const STEP: f64 = 0.01;
+
+/// Range of a motion over that at which the slider begins to slide, less one: negative while it sticks.
+pub fn excess(slider: Slider, series: &[f64]) -> f64 {
+    let count = SAMPLES * series.len();
+    let values = (0..count).map(|i| evaluate(series, TAU * i as f64 / count as f64)[0]);
+    let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
+    (high - low) * slider.stiffness / (2.0 * slider.limit) - 1.0
+}
+
+/// Whether a slider begins or ceases to slide between two motions (m) that are too far apart for it.
+pub fn passes_over_beginning(slider: Slider, motions: [&[f64]; 2]) -> bool {
+    let [from, to] = motions.map(|series| excess(slider, series));
+    from * to < 0.0 && from.abs().max(to.abs()) > STEP
+}
+
 /// A part of the period during which a slider does one thing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Phase {
@@ -110,6 +131,22 @@ mod tests {
         let (mut slopes, mut unused) = (vec![0.0; 64], vec![0.0; 64]);
         Transform::new(series.len() / 2, 64).synthesise(&slope, None, &mut slopes, &mut unused);
         phases(SLIDER, series, &slope, &slopes)
+    }
+
+    #[test]
+    fn a_step_over_the_beginning_of_sliding_is_short() {
+        let slider = Slider { stiffness: 2.0, limit: 1.0 };
+        // It begins at a range of one, whatever the mean and wherever in the period.
+        let passes = |ranges: [f64; 2]| {
+            let motions = ranges.map(|range| [7.0, 0.3 * range, 0.4 * range, 0.0, 0.0]);
+            passes_over_beginning(slider, [&motions[0], &motions[1]])
+        };
+        for (from, to, expected) in
+            [(0.95, 1.05, true), (0.995, 1.02, true), (0.995, 1.005, false), (0.5, 0.9, false), (1.1, 2.0, false)]
+        {
+            assert_eq!(passes([from, to]), expected, "{from} to {to}");
+            assert_eq!(passes([to, from]), expected, "{to} to {from}");
+        }
     }
 
     #[test]

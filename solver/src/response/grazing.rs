@@ -1,6 +1,7 @@
 //! Elements that are about to act or to cease: contacts that begin or end, sliders that begin to slide.
 
 use crate::formulation::harmonics::{evaluate, width};
+use crate::formulation::slider::excess;
 use crate::formulation::state::State;
 use crate::structure::Model;
 use crate::structure::laws::Law;
@@ -18,7 +19,7 @@ pub(super) fn grazing(model: &Model, state: &State) -> Option<usize> {
         let series = &state.arguments[channel * nc..(channel + 1) * nc];
         let distance = match (element.law.threshold(), element.law.slider()) {
             (Some(threshold), _) => Sampled::new(series).nearest_extremum(threshold),
-            (None, Some(slider)) => Sampled::new(series).beyond(2.0 * slider.limit / slider.stiffness),
+            (None, Some(slider)) => excess(slider, series).abs(),
             (None, None) => continue,
         };
         if distance < GRAZING && closest.is_none_or(|(other, _)| distance < other) {
@@ -52,11 +53,6 @@ impl Sampled {
         };
         let distances = (0..count).filter(is_extremum).map(|i| (self.values[i] - value).abs() / self.range);
         distances.fold(f64::INFINITY, f64::min)
-    }
-
-    /// By how much the range is another one, over the range.
-    fn beyond(&self, range: f64) -> f64 {
-        (self.range - range).abs() / self.range
     }
 }
 

@@ -4,12 +4,12 @@ use crate::support::balance::Balance;
 use crate::support::study::{Kind, Study, of_kind, why_unfinished, with_harmonics};
 use solver::curve::continuation::{Corrector, Predictor};
 use solver::files;
-use solver::laws::Jenkins;
+use solver::laws::{Jenkins, PenaltySpring};
 use solver::response::backbone::Backbone;
-use solver::response::branch::{Branch, BranchKind, BranchPoint, Outcome, Side, Stop};
+use solver::response::branch::{Branch, BranchKind, BranchPoint, Outcome, Side, SpecialKind, Stop};
 use solver::response::forced::{Forced, SearchRange};
 use solver::response::level::{Level, LevelError};
-use solver::settings::Settings;
+use solver::settings::{FrequencySettings, Settings};
 use solver::structure::Model;
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -170,5 +170,39 @@ fn a_branch_turns_sharply_where_a_slider_begins_to_slide() {
         assert!(why_unfinished(main).is_none(), "A = {forcing}: {}", main.outcome);
         let left = main.points.iter().map(|point| balance.residual(&point.state).relative()).fold(0.0, f64::max);
         assert!(left < 1e-5, "A = {forcing}: {left:e} of the balance are left, friction sampled");
+    }
+}
+
+/// Two close modes, the second mass before an elastic stop, the first on a slider that sticks in a dip of the main branch. Next to where
+/// it begins to slide the branch turns back twice within a twentieth of a rad/s, and steps of any length see it.
+#[test]
+fn steps_see_how_a_branch_turns_where_a_slider_begins_to_slide() {
+    let model = Model::builder("two masses")
+        .mass([[1.0, 0.0], [0.0, 1.0]])
+        .stiffness([[1.02e4, -200.0], [-200.0, 1.03e4]])
+        .damping_ratio(1e-3)
+        .force("x2", 1.0)
+        .element("stop", PenaltySpring { stiffness: 5000.0, gap: 1e-3 }, ["x1"])
+        .element("slider", Jenkins { stiffness: 500.0, limit: 0.2 }, ["x2"])
+        .build()
+        .unwrap();
+    let folds = |forcing: f64, max_step: Option<f64>| -> Vec<f64> {
+        let mut settings = Settings::default();
+        settings.frequency = FrequencySettings { min: Some(103.0), max: Some(106.0) };
+        settings.continuation.max_step = max_step.unwrap_or(settings.continuation.max_step);
+        let study = Study::new(model.clone(), settings);
+        let level = study.level(forcing);
+        let main = &of_kind(&level, Kind::Main)[0].branch;
+        assert!(why_unfinished(main).is_none(), "A = {forcing}: {}", main.outcome);
+        let folds = main.special(SpecialKind::Fold).map(|fold| fold.state.omega);
+        let mut within: Vec<f64> = folds.filter(|omega| (104.0..105.5).contains(omega)).collect();
+        within.sort_by(f64::total_cmp);
+        within
+    };
+    for (forcing, count) in [(0.302, 4), (0.305, 4), (0.31, 2)] {
+        let (usual, small) = (folds(forcing, None), folds(forcing, Some(0.01)));
+        assert_eq!((usual.len(), small.len()), (count, count), "A = {forcing}: {usual:?}, {small:?}");
+        let difference = usual.iter().zip(&small).map(|(a, b)| (a / b - 1.0).abs()).fold(0.0, f64::max);
+        assert!(difference < 1e-6, "A = {forcing}: {usual:?}, {small:?}");
     }
 }

@@ -23,10 +23,11 @@ use crate::formulation::aft::{Aft, ElementForce};
 use crate::formulation::harmonics::{complex, set_complex, width};
 use crate::formulation::narrow;
 use crate::formulation::scales::Scales;
+use crate::formulation::slider::passes_over_beginning;
 use crate::formulation::state::{Parameters, State};
 use crate::formulation::unknown::Unknown;
 use crate::formulation::{Formulation, FormulationError, System};
-use crate::linalg::{LinalgError, Lu, Matrix, dot};
+use crate::linalg::{LinalgError, Lu, Matrix, axpy, dot};
 use crate::settings::HarmonicSettings;
 use crate::structure::Model;
 use crate::structure::laws::{Law, LawKind, RigidContact};
@@ -279,7 +280,18 @@ impl Problem for DisplacementForm<'_> {
     }
 
     fn hops(&self, from: &[f64], to: &[f64]) -> bool {
+        let mut sliders = self.parts.iter().filter_map(|part| Some((part.law.slider()?, &part.channels[0])));
         narrow::hops(&self.system, self.motion_metric(), [from, to])
+            || sliders.any(|(slider, channel)| {
+                let motion = |y: &[f64]| {
+                    let mut series = vec![0.0; self.nc];
+                    for &(dof, factor) in channel {
+                        axpy(factor * self.system.scales.length, &y[dof * self.nc..(dof + 1) * self.nc], &mut series);
+                    }
+                    series
+                };
+                passes_over_beginning(slider, [&motion(from), &motion(to)])
+            })
     }
 
     fn images(&self) -> usize {

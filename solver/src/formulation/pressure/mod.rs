@@ -340,7 +340,7 @@ impl Problem for PressureForm<'_> {
     }
 
     fn hops(&self, from: &[f64], to: &[f64]) -> bool {
-        narrow::hops(&self.system, self.motion_metric(), [from, to])
+        narrow::hops(&self.system, self.motion_metric(), [from, to]) || self.begins_to_slide(from, to)
     }
 
     fn turns_corners(&self) -> bool {

@@ -1,4 +1,5 @@
-//! Where an argument comes closest to the threshold of its law: contact about to begin or to end (grazing).
+//! Where an argument comes closest to the threshold of its law: contact about to begin or to end (grazing); where sliders begin to
+//! slide.
 //!
 //! Around an extremum of the argument u, of height h over the threshold, a force that grows with the excess acts on an arc of
 //! length ∝ √h: the balance has a term ∝ h^{3/2}, its Jacobian one ∝ √h. On the side h < 0 everything is smooth up to h = 0.
@@ -6,6 +7,7 @@
 
 use super::PressureForm;
 use crate::formulation::harmonics::{self, evaluate};
+use crate::formulation::slider::passes_over_beginning;
 use crate::structure::laws::Law;
 use std::f64::consts::TAU;
 
@@ -45,6 +47,17 @@ impl Touch {
 }
 
 impl PressureForm<'_> {
+    /// Whether a slider begins or ceases to slide between two states that are too far apart for it.
+    pub(super) fn begins_to_slide(&self, from: &[f64], to: &[f64]) -> bool {
+        let mut sliders = self.elements.iter().filter_map(|bound| Some((bound.law.slider()?, bound.channels.start)));
+        sliders.any(|(slider, u)| {
+            let motion = |y: &[f64]| -> Vec<f64> {
+                y[self.layout.channel(u)].iter().map(|a| a * self.channels[u].scale).collect()
+            };
+            passes_over_beginning(slider, [&motion(from), &motion(to)])
+        })
+    }
+
     /// Extrema of all arguments that have a threshold at the state last linearised, the closest to it first.
     pub fn touches(&self) -> Vec<Touch> {
         let mut touches = Vec::new();
