@@ -1,4 +1,4 @@
-//! Certificates for encrypted connections: an authority of one's own, and what it gives to coordinator, workers and viewers.
+//! Certificates for encrypted connections: an authority of one's own, and what it gives to coordinator, operators, workers and viewers.
 
 use crate::cli::CertArgs;
 use crate::error::Error;
@@ -166,12 +166,12 @@ pub fn make(args: &CertArgs) -> Result<String, Error> {
         }
         let (names, is_for) = match role {
             Role::Coordinator => (names.as_slice(), format!(", for {}", names.join(", "))),
-            Role::Worker | Role::Viewer => (&[][..], String::new()),
+            Role::Operator | Role::Worker | Role::Viewer => (&[][..], String::new()),
         };
         let validity = Validity::days(args.days);
         let issued = authority.issue(role, names, validity).map_err(of_rcgen)?;
         write(&own, &authority.certificate, &issued)?;
-        tell(format_args!("{}: of a {role}{is_for}, until {}", own.display(), validity.ends.date()));
+        tell(format_args!("{}: of {}{is_for}, until {}", own.display(), role.with_article(), validity.ends.date()));
     }
     let (folder, key) = (folder.display(), folder.join(AUTHORITY_KEY));
     tell(format_args!(
@@ -180,6 +180,7 @@ pub fn make(args: &CertArgs) -> Result<String, Error> {
   isola sweep STUDY --listen tls/0.0.0.0:7447 --tls {folder}/coordinator --workers 0
   isola worker --connect tls/HOST:7447 --tls worker --secret-file secret
   isola watch --connect tls/HOST:7447 --tls viewer --secret-file secret
+  isola cancel --connect tls/HOST:7447 --tls operator --secret-file secret
 HOST is one of the names of the coordinator (--name), and `secret` a copy of the file in the folder of the run. For a new certificate
 move the folder of the old one away and repeat this command.",
         key = key.display()

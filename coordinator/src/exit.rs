@@ -4,7 +4,7 @@
 pub const ERROR: u8 = 1;
 /// The command line asks for what makes no sense.
 pub const USAGE: u8 = 2;
-/// Ended with tasks missing, or without something stored that is damaged.
+/// Ended with tasks missing, with results that others contradict, or without something stored that is damaged.
 pub const INCOMPLETE: u8 = 3;
 /// Every task is done, but what was asked for is not known for certain: see `results::overview::doubts`.
 pub const DOUBTFUL: u8 = 4;

@@ -62,7 +62,7 @@ pub async fn serve(run: Shown<'_>, address: &str) -> Result<(), Error> {
         .map_err(Error::io("standard output"))?;
     let routes = live::routes(start, feed).layer(from_fn(own_names_only));
     tokio::select! {
-        never = http::serve(listener, routes) => match never {},
+        never = http::serve(listener, routes, None) => match never {},
         // What has been told stays there to be looked at.
         Err(error) = teller.tell() => Err(error),
     }

@@ -85,7 +85,7 @@ impl RemoteRun {
 
     async fn control(&self, order: ControlRequest) -> Result<String, Error> {
         if let Some(certificate) = &self.credentials.certificate {
-            certificate.require(Role::Coordinator, "give orders to a run").map_err(CredentialsError::from)?;
+            certificate.require(Role::Operator, "give orders to a run").map_err(CredentialsError::from)?;
         }
         let reply: ControlReply = request(&self.session, &self.keys.control(), &order, TIMEOUT)
             .await

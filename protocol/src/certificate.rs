@@ -84,7 +84,12 @@ pub enum CertificateError {
         name: String,
     },
     /// Of somebody who may not do that.
-    #[error("{}: the certificate is that of a {is}, who may not {what}: use that of a {needed}", file.display())]
+    #[error(
+        "{}: the certificate is that of {}, who may not {what}: use that of {}",
+        file.display(),
+        is.with_article(),
+        needed.with_article()
+    )]
     Role {
         /// The file.
         file: PathBuf,
@@ -166,7 +171,7 @@ impl Certificate {
     /// # Errors
     /// If it is one that may not do `what`: Zenoh would say nothing.
     pub fn require(&self, needed: Role, what: &'static str) -> Result<(), CertificateError> {
-        if self.role >= needed {
+        if self.role.includes(needed) {
             Ok(())
         } else {
             Err(CertificateError::Role { file: self.file(CERTIFICATE), is: self.role, needed, what })

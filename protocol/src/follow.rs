@@ -8,7 +8,7 @@ use crate::ids::TaskId;
 use crate::keys::Keys;
 use crate::session::{RequestError, fetch, fetch_answer, fetch_every};
 use crate::to_everyone::{Done, Status, StoredResult};
-use std::collections::{HashSet, VecDeque};
+use std::collections::{HashMap, VecDeque};
 use std::time::Duration;
 use thiserror::Error;
 use tokio::sync::mpsc::{UnboundedReceiver, UnboundedSender, unbounded_channel};
@@ -48,10 +48,11 @@ pub enum FollowError {
     Request(#[from] RequestError),
 }
 
-/// What was announced, and how much there is.
+/// What was announced, with its SHA-256, and how much there is. A result that was withdrawn since it was wrong is followed by another
+/// one of its task, which is announced as well.
 #[derive(Debug, Default)]
 struct Tally {
-    announced: HashSet<TaskId>,
+    announced: HashMap<TaskId, String>,
     /// Number of announcements by the coordinator's account.
     expected: Option<u64>,
     is_over: bool,
@@ -64,7 +65,7 @@ impl Tally {
             Update::Status(status) => (self.expected, self.is_over) = (Some(status.sequence), status.stage.is_over()),
             Update::Done(done) => {
                 self.expected = self.expected.max(Some(done.sequence));
-                if !self.announced.insert(done.task.clone()) {
+                if self.announced.insert(done.task.clone(), done.sha256.clone()).as_ref() == Some(&done.sha256) {
                     return None;
                 }
             }
@@ -267,7 +268,11 @@ mod tests {
     }
 
     fn done(sequence: u64) -> Update {
-        Update::Done(Done {
+        Update::Done(announced(sequence))
+    }
+
+    fn announced(sequence: u64) -> Done {
+        Done {
             sequence,
             task: TaskId::new(&format!("20-{sequence}")).unwrap(),
             amplitude: Amplitude { text: "20".into(), value: 20.0 },
@@ -275,7 +280,7 @@ mod tests {
             branch: None,
             size: 0,
             sha256: String::new(),
-        })
+        }
     }
 
     #[test]
@@ -287,6 +292,9 @@ mod tests {
         assert!(tally.take(done(1)).is_none());
         assert!(tally.take(done(3)).is_some() && !tally.is_complete(), "the second one is missing");
         assert!(tally.take(done(2)).is_some() && tally.is_complete());
+        // One was wrong.
+        let again = || Update::Done(Done { sha256: "00".into(), ..announced(2) });
+        assert!(tally.take(again()).is_some() && tally.take(again()).is_none() && tally.is_complete());
         assert!(tally.take(status(Stage::Finished, 4)).is_some());
         assert!(tally.is_over && !tally.is_complete());
         assert!(tally.take(done(4)).is_some() && tally.is_complete());

@@ -1,31 +1,44 @@
-//! Roles that certificates give: what a coordinator, a worker and a viewer may do on the bus.
+//! Roles that certificates give: what a coordinator, an operator, a worker and a viewer may do on the bus.
 //!
 //! Zenoh's access control drops what is not allowed without a word. Whoever holds a certificate knows its role, and is told before
 //! anything is asked that would be dropped.
 
 use std::fmt;
 
-/// What somebody is, by the common name of the certificate. Each may do what those before it may.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+/// What somebody is, by the common name of the certificate.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Role {
     /// Reads: manifest, model, status, results.
     Viewer,
-    /// Takes tasks and hands in results.
+    /// Reads, takes tasks and hands in results.
     Worker,
-    /// Serves the run, and gives orders: cancel, retry.
+    /// Reads, and gives orders: cancel, retry.
+    Operator,
+    /// Serves the run, and may do all of that.
     Coordinator,
 }
 
 impl Role {
     /// All of them, the one that may do most first.
-    pub const ALL: [Self; 3] = [Self::Coordinator, Self::Worker, Self::Viewer];
+    pub const ALL: [Self; 4] = [Self::Coordinator, Self::Operator, Self::Worker, Self::Viewer];
 
     /// As people say it.
     pub fn name(self) -> &'static str {
         match self {
             Self::Coordinator => "coordinator",
+            Self::Operator => "operator",
             Self::Worker => "worker",
             Self::Viewer => "viewer",
+        }
+    }
+
+    /// The same with an article.
+    pub fn with_article(self) -> &'static str {
+        match self {
+            Self::Coordinator => "a coordinator",
+            Self::Operator => "an operator",
+            Self::Worker => "a worker",
+            Self::Viewer => "a viewer",
         }
     }
 
@@ -33,9 +46,15 @@ impl Role {
     pub fn common_name(self) -> &'static str {
         match self {
             Self::Coordinator => "isola-coordinator",
+            Self::Operator => "isola-operator",
             Self::Worker => "isola-worker",
             Self::Viewer => "isola-viewer",
         }
+    }
+
+    /// Whether it may do what that role may.
+    pub fn includes(self, other: Self) -> bool {
+        self == other || self == Self::Coordinator || other == Self::Viewer
     }
 
     /// The role of a common name.
@@ -93,6 +112,7 @@ const RULES: &[Rule] = &[
             "checkpoint/*",
         ],
     },
+    Rule { name: "give orders", role: Role::Operator, messages: &["query"], keys: &["rpc/control"] },
     Rule { name: "be woken", role: Role::Worker, messages: &["declare_subscriber"], keys: &["ctl/hint", "ctl/wake/*"] },
     Rule { name: "tell where a branch is", role: Role::Worker, messages: &["put"], keys: &["progress/*"] },
     Rule { name: "be there", role: Role::Worker, messages: &["liveliness_token"], keys: &["alive/worker/*"] },
@@ -124,7 +144,7 @@ pub fn access_control(namespace: &str) -> String {
         .concat();
     let policies: String = Role::ALL
         .map(|role| {
-            let own = RULES.iter().filter(|rule| rule.role <= role).map(|rule| rule.name);
+            let own = RULES.iter().filter(|rule| role.includes(rule.role)).map(|rule| rule.name);
             let rules: Vec<&str> = if role == Role::Coordinator {
                 vec!["everything"]
             } else {
@@ -144,10 +164,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn each_may_do_what_those_before_it_may() {
-        assert!(Role::Viewer < Role::Worker && Role::Worker < Role::Coordinator);
+    fn everybody_may_read_and_a_coordinator_everything() {
+        assert!(!Role::Worker.includes(Role::Operator) && !Role::Operator.includes(Role::Worker));
+        assert!(!Role::Operator.includes(Role::Coordinator) && !Role::Viewer.includes(Role::Operator));
         for role in Role::ALL {
             assert_eq!(Role::of_common_name(role.common_name()), Some(role));
+            assert!(role.includes(role) && role.includes(Role::Viewer) && Role::Coordinator.includes(role));
         }
         assert_eq!(Role::of_common_name("somebody"), None);
     }

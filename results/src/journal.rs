@@ -1,8 +1,10 @@
 //! What the engine of a run puts on disk and gets back: the plan of a sweep, tasks, their states, and every change of them.
 
 mod plan;
+mod repeats;
 
 pub use plan::{AddedTask, Extension, LevelPlan, MorePlan, OrderPlan, SweepPlan};
+pub use repeats::{Evidence, Said};
 
 use protocol::digest::Digest;
 use protocol::ids::{Attempt, TaskId, WorkerId};
@@ -81,6 +83,8 @@ pub struct StoredTask {
     pub holders: Vec<Holder>,
     /// What has gone wrong with it, since it was last taken from the dead list.
     pub troubles: Troubles,
+    /// How far what was said of it is to be believed.
+    pub evidence: Evidence,
 }
 
 /// What has gone wrong with a task. A worker that is not heard of is the network's fault, a result that is refused the worker's,
@@ -155,6 +159,20 @@ pub enum Change {
         attempt: Attempt,
         /// How.
         end: AttemptEnd,
+    },
+    /// What an attempt says of a task that others disagree on.
+    Said {
+        /// Task.
+        task: TaskId,
+        /// Which attempt at it.
+        attempt: Attempt,
+        /// What it says.
+        said: Said,
+    },
+    /// What is stored of a task was refuted, or follows from that: it is to be done as if it never had been.
+    Withdrawn {
+        /// Task.
+        task: TaskId,
     },
     /// An attempt of which there was no sign of life goes on.
     Adopted {

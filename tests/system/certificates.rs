@@ -25,7 +25,8 @@ use tests::{PATIENCE, Process, System, block_on, complaint, isola, own_endpoint,
 /// How long somebody who is refused waits: nobody answers.
 const SILENCE: Duration = Duration::from_secs(2);
 
-fn endpoint() -> String {
+/// An endpoint for encrypted connections that nobody else has.
+pub fn endpoint() -> String {
     own_endpoint().replace("tcp/", "tls/")
 }
 
@@ -33,12 +34,12 @@ fn host(endpoint: &str) -> &str {
     endpoint.trim_start_matches("tls/").split(':').next().unwrap()
 }
 
-fn text(path: &Path) -> &str {
+pub fn text(path: &Path) -> &str {
     path.to_str().expect("paths are text")
 }
 
 /// Certificates by `isola cert`, for a coordinator that is reached at this endpoint.
-fn certificates(folder: &Path, endpoint: &str) -> PathBuf {
+pub fn certificates(folder: &Path, endpoint: &str) -> PathBuf {
     let made = folder.join("certificates");
     let output = isola(&["cert", text(&made), "--name", host(endpoint)]);
     assert!(output.status.success(), "{}", complaint(&output));
@@ -103,7 +104,7 @@ fn what_isola_cert_makes() {
     let folder = tempfile::tempdir().unwrap();
     let made = certificates(folder.path(), "tls/10.0.0.1:7447");
     let contents = |path: &str| std::fs::read(made.join(path)).unwrap();
-    for role in ["coordinator", "worker", "viewer"] {
+    for role in ["coordinator", "operator", "worker", "viewer"] {
         let key = std::fs::metadata(made.join(role).join(KEY)).unwrap();
         assert_eq!(key.permissions().mode() & 0o777, 0o600);
         let certificate = Certificate::read(&made.join(role)).unwrap();
@@ -167,6 +168,9 @@ fn strangers_are_refused_with_a_reason() {
         (worker, &address, Some("certificates/viewer"), 2, "that of a viewer, who may not take tasks"),
         (&["cancel"], &address, Some("certificates/viewer"), 2, "that of a viewer, who may not give orders to a run"),
         (&["retry-dead"], &address, Some("certificates/worker"), 2, "that of a worker, who may not give orders"),
+        (worker, &address, Some("certificates/operator"), 2, "that of an operator, who may not take tasks"),
+        (&["retry-dead"], &address, Some("certificates/operator"), 0, ""),
+        (&["status"], &address, Some("certificates/operator"), 0, ""),
     ] {
         let (found, said) = run(command, endpoint, tls.map(at).as_deref());
         assert_eq!(found, Some(code), "{command:?} {tls:?}: {said}");
@@ -190,12 +194,18 @@ fn strangers_are_refused_with_a_reason() {
     assert!(output.status.success(), "{}", complaint(&output));
     assert_eq!(system.number("SELECT count(*) FROM attempts"), 0);
     // Who would serve a run, with certificates of somebody else.
-    for (tls, expected) in [("certificates/worker", "may not serve a run"), ("ended", "the certificate ended on ")] {
+    for (tls, expected) in [
+        ("certificates/worker", "may not serve a run"),
+        ("certificates/operator", "may not serve a run"),
+        ("ended", "the certificate ended on "),
+    ] {
         let study = tests::repository(DAMPER);
         let output = isola(&["sweep", text(&study), "--listen", &endpoint(), "--tls", text(&at(tls))]);
         assert_eq!(output.status.code(), Some(2), "{}", complaint(&output));
         assert!(complaint(&output).contains(expected), "{}", complaint(&output));
     }
+    let (found, said) = run(&["cancel"], &address, Some(&at("certificates/operator")));
+    assert_eq!(found, Some(0), "{said}");
 }
 
 /// Somebody who answers in place of the coordinator: another name, another role.
@@ -247,10 +257,11 @@ fn roles_do_what_they_may() {
         let joined = async |role: &str| joined_at(&address, &credentials(&made.join(role), system.secret())).await;
         let (viewer, worker, coordinator) =
             (joined("viewer").await, joined("worker").await, joined("coordinator").await);
-        let impostors = [joined("worker").await, joined("viewer").await];
+        let operator = joined("operator").await;
+        let impostors = [joined("worker").await, joined("viewer").await, joined("operator").await];
         let manifest = run_seen_by(&viewer).await;
         let keys = Keys::new(NAMESPACE, &manifest.run);
-        // Two that would be coordinators, and what a viewer hears.
+        // Three that would be coordinators, and what a viewer hears.
         let (asked, heard) = (Arc::new(AtomicUsize::new(0)), Arc::new(Mutex::new(Vec::new())));
         let mut declared = Vec::new();
         for session in &impostors {
@@ -273,18 +284,23 @@ fn roles_do_what_they_may() {
             session.put(keys.done(&forged), "forged").await.unwrap();
             session.put(keys.hint(), "").await.unwrap();
         }
-        // A viewer gets no task, and nobody but the coordinator gives orders.
+        // A viewer and an operator get no task, and nobody but operator and coordinator gives orders.
         let (protocol, program) = (protocol::VERSION, protocol::PROGRAM.to_string());
         let lease = LeaseRequest { protocol, program, worker: WorkerId::new("viewer").unwrap(), slot: 0 };
-        let refused = request::<_, LeaseReply>(&viewer, &keys.lease(), &lease, SILENCE).await;
-        assert!(matches!(refused, Err(RequestError::NoReply)), "{refused:?}");
         let wide = format!("{NAMESPACE}/**");
-        let refused = request::<_, LeaseReply>(&viewer, &wide, &lease, SILENCE).await;
-        assert!(matches!(refused, Err(RequestError::NoReply)), "{refused:?}");
+        for session in [&viewer, &operator] {
+            for key in [&keys.lease(), &wide] {
+                let refused = request::<_, LeaseReply>(session, key, &lease, SILENCE).await;
+                assert!(matches!(refused, Err(RequestError::NoReply)), "{refused:?}");
+            }
+        }
         for session in [&viewer, &worker] {
             let refused = request::<_, ControlReply>(session, &keys.control(), &ControlRequest::Cancel, SILENCE).await;
             assert!(matches!(refused, Err(RequestError::NoReply)), "{refused:?}");
         }
+        let retried =
+            request::<_, ControlReply>(&operator, &keys.control(), &ControlRequest::RetryDead, PATIENCE).await;
+        assert!(retried.is_ok_and(|reply| reply.message.starts_with("0 dead tasks")));
         assert_eq!(system.number("SELECT count(*) FROM attempts"), 0);
         let status: Status = fetch(&coordinator, &keys.status(), PATIENCE).await.unwrap();
         assert!(status.workers.is_empty() && !status.stage.is_over(), "{status:?}");

@@ -226,6 +226,11 @@ fn a_worker_that_finds_nothing() {
     assert!(system.attempts("ending = 'refuted' AND worker = 'stand-in'") >= 3);
     assert_eq!(system.attempts("ending = 'refuted' AND worker <> 'stand-in'"), 0);
     assert!(system.coordinator.output().contains("is wrong (stand-in: "), "{}", system.coordinator.output());
+    // Nothing of that is left but what others were built on: main branches.
+    let wrong = "SELECT count(*) FROM attempts JOIN results USING (task, attempt) JOIN tasks ON tasks.id = task \
+                 WHERE \"end\" = 'refuted' AND kind <> 'main'";
+    assert_eq!(system.number(wrong), 0);
+    assert_eq!(system.number("SELECT count(*) FROM tasks WHERE state IN ('waiting', 'leased', 'dead')"), 0);
 }
 
 /// A verification that tells of orbits that are none is refused; what is true is stored.

@@ -10,6 +10,7 @@ mod extending;
 mod faults;
 mod first_steps;
 mod hostile;
+mod https;
 mod input;
 mod orders;
 mod pages;

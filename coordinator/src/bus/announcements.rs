@@ -15,7 +15,7 @@ pub async fn announce(session: Session, keys: Keys, mut news: UnboundedReceiver<
             News::Manifest(manifest) => put(&session, &keys.run(), &*manifest),
             News::Done(done) => put(&session, &keys.done(&done.task), &done),
             News::Status(status) => put(&session, &keys.status(), &status),
-            News::Result(..) | News::Load(_) => {}
+            News::Result(..) | News::Withdrawn(_) | News::Load(_) => {}
             News::Hint => nudge(&session, &keys.hint()),
             News::Wake(worker) => nudge(&session, &keys.wake(&worker)),
         }

@@ -33,6 +33,15 @@ impl Recent {
         }
     }
 
+    /// The result of a task is none any more.
+    pub fn forget(&self, task: &TaskId) {
+        let mut kept = self.kept();
+        if let Some(bytes) = kept.results.remove(task) {
+            kept.bytes -= bytes.len();
+            kept.order.retain(|other| other != task);
+        }
+    }
+
     /// The result of a task, if it is kept.
     pub fn get(&self, task: &TaskId) -> Option<ZBytes> {
         self.kept().results.get(task).cloned()
@@ -56,6 +65,11 @@ mod tests {
         }
         assert!(recent.get(&task(0)).is_none());
         assert_eq!(recent.get(&task(3)).unwrap().to_bytes()[0], 3);
+        recent.forget(&task(3));
+        assert!(recent.get(&task(3)).is_none());
+        recent.keep(task(3), vec![7; MOST / 3]);
+        assert_eq!(recent.get(&task(3)).unwrap().to_bytes()[0], 7);
+        assert!(recent.get(&task(1)).is_some());
         recent.keep(task(4), vec![0; MOST + 1]);
         assert!((0..5).all(|n| recent.get(&task(n)).is_none()));
     }

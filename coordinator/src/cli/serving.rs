@@ -16,7 +16,8 @@ pub struct ServeArgs {
     /// Listen here for workers and viewers, as tcp/ADDRESS:PORT, or tls/ADDRESS:PORT with --tls [default: a free port on the loopback interface].
     #[arg(long, value_name = "ENDPOINT", conflicts_with = "connect")]
     pub listen: Option<String>,
-    /// Serve /healthz, /metrics (Prometheus) and the live page here, as HOST:PORT; port 0: a free one. Page and metrics are for
+    /// Serve /healthz, /metrics (Prometheus) and the live page here, as HOST:PORT; port 0: a free one. With certificates (--tls) over
+    /// HTTPS, else in clear text. Page and metrics are for
     /// who has the token that the terminal says, unless the run has no secret.
     #[arg(long, value_name = "ADDRESS", value_parser = host_port)]
     pub http: Option<String>,

@@ -101,6 +101,8 @@ fn log(change: &Change) {
                 "the result of task {task} is wrong ({why}): what that worker says is computed again"
             ));
         }
+        Change::Said { task, attempt, said } => info!(%task, %attempt, "says: {said}"),
+        Change::Withdrawn { task } => info!(%task, "to be done as if it never had been"),
         Change::Ended { task, attempt, end } => {
             warn!(%task, %attempt, end = end.name(), reason = end.reason().unwrap_or(""), "attempt ended without a result");
         }

@@ -65,6 +65,8 @@ pub enum News {
     Result(TaskId, Vec<u8>),
     /// A result was stored.
     Done(Done),
+    /// A result was taken back.
+    Withdrawn(TaskId),
     /// How the run is doing.
     Status(Status),
     /// How busy everybody is: not for the bus.

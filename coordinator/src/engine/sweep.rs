@@ -119,7 +119,12 @@ impl Sweep {
             Submitted::Accepted(accepted) => self.accept(result, accepted, changes, now),
             Submitted::Repeated { agrees, granted_at } => {
                 self.ledger.note_repeat(granted_at, result.seconds, now);
-                Decision::new(Answer::Submit(SubmitReply::Duplicate { agrees }), changes)
+                let withdrawn = |change: &Change| match change {
+                    Change::Withdrawn { task } => Some(News::Withdrawn(task.clone())),
+                    _ => None,
+                };
+                let news = changes.iter().filter_map(withdrawn).collect();
+                Decision { changes, answer: Some(Answer::Submit(SubmitReply::Duplicate { agrees })), news }
             }
             Submitted::Duplicate => Decision::new(Answer::Submit(self.compare(&result)), changes),
             Submitted::Late => rejected(format!("task {task} was given up, and its level went on without it")),

@@ -17,7 +17,7 @@ use protocol::ids::{Attempt, TaskId, WorkerId};
 use protocol::to_everyone::{Manifest, Stage};
 use protocol::to_worker::{Acknowledgement, RenewReply, SubmitReply};
 use results::fixture::Study;
-use results::journal::{AttemptEnd, Change, Holder, SweepPlan, TaskState, Troubles};
+use results::journal::{AttemptEnd, Change, Evidence, Holder, SweepPlan, TaskState, Troubles};
 use results::store::Extent;
 use solver::curve::problem::Failure;
 use solver::response::branch::BranchKind;
@@ -232,6 +232,7 @@ fn a_second_result_is_compared_with_the_first_also_after_a_restart() {
         brought: Some(Brought::branch(BranchKind::Main)),
         holders: vec![Holder { worker: worker("a"), slot: 0 }],
         troubles: Troubles::default(),
+        evidence: Evidence::default(),
     };
     let extents = [(granted.task, Extent::from(EXTENT))].into();
     let mut restarted = waiting();

@@ -1,5 +1,6 @@
 //! The connections of a server: so many at once, and none that never asks.
 
+use super::encryption::{Encryption, Spoken, refusal};
 use axum::Router;
 use hyper::server::conn::http1;
 use hyper_util::rt::{TokioIo, TokioTimer};
@@ -7,6 +8,7 @@ use hyper_util::service::TowerToHyperService;
 use std::convert::Infallible;
 use std::sync::Arc;
 use std::time::Duration;
+use tokio::io::{AsyncRead, AsyncWrite};
 use tokio::net::TcpListener;
 use tokio::sync::Semaphore;
 use tokio::task::JoinSet;
@@ -20,8 +22,8 @@ const PATIENCE: Duration = Duration::from_secs(10);
 /// Until connections are accepted again, where the system refuses (no file descriptors are left, say).
 const PAUSE: Duration = Duration::from_secs(1);
 
-/// Serves until it is dropped, and all connections with it.
-pub async fn serve(listener: TcpListener, routes: Router) -> Infallible {
+/// Serves until it is dropped, and all connections with it; encrypted, if there is something to do so.
+pub async fn serve(listener: TcpListener, routes: Router, encryption: Option<Encryption>) -> Infallible {
     let mut builder = http1::Builder::new();
     builder.timer(TokioTimer::new()).header_read_timeout(PATIENCE);
     let places = Arc::new(Semaphore::new(MOST));
@@ -36,13 +38,28 @@ pub async fn serve(listener: TcpListener, routes: Router) -> Infallible {
                 continue;
             }
         };
-        let service = TowerToHyperService::new(routes.clone());
-        let connection = builder.serve_connection(TokioIo::new(stream), service);
+        let (builder, routes, encryption) = (builder.clone(), routes.clone(), encryption.clone());
         connections.spawn(async move {
-            // How a connection ended is the business of who made it.
-            let _ = connection.await;
+            match encryption {
+                None => answer(&builder, stream, routes).await,
+                Some(encryption) => match encryption.begin(stream, PATIENCE).await {
+                    Ok(Spoken::Encrypted(stream)) => answer(&builder, stream, routes).await,
+                    Ok(Spoken::Clear(stream)) => answer(&builder, stream, refusal()).await,
+                    Err(error) => tracing::debug!(%error, "an encrypted connection has not begun"),
+                },
+            }
             drop(place);
         });
         while connections.try_join_next().is_some() {}
     }
+}
+
+/// Answers what is asked on a connection.
+async fn answer(
+    builder: &http1::Builder,
+    stream: impl AsyncRead + AsyncWrite + Unpin + Send + 'static,
+    routes: Router,
+) {
+    // How a connection ended is the business of who made it.
+    let _ = builder.serve_connection(TokioIo::new(stream), TowerToHyperService::new(routes)).await;
 }

@@ -1,6 +1,6 @@
 //! Who may read.
 //!
-//! HTTP is not encrypted, so the secret of a run, with which one may do everything, does not go over it: what does is a token that
+//! HTTP is not always encrypted, so the secret of a run, with which one may do everything, does not go over it: what does is a token that
 //! follows from the secret, and with which one may read. It is shown in a header, or by a browser in a cookie that it is given for
 //! the address that the terminal says. Where a run has no secret everybody may read, but no page of somebody else's in a browser:
 //! see [`own_names_only`].
@@ -31,12 +31,14 @@ pub struct Guard {
     token: Option<String>,
     /// Other runs on this machine have other cookies, which are the same for all ports.
     cookie: String,
+    /// A browser shows it over encrypted connections alone.
+    is_encrypted: bool,
 }
 
 impl Guard {
     /// Of a run, with a secret if it has one.
-    pub fn new(secret: Option<&Secret>, run: &RunId) -> Self {
-        Self { token: secret.map(token), cookie: format!("isola-{run}") }
+    pub fn new(secret: Option<&Secret>, run: &RunId, is_encrypted: bool) -> Self {
+        Self { token: secret.map(token), cookie: format!("isola-{run}"), is_encrypted }
     }
 
     fn is_shown(&self, headers: &HeaderMap, token: &str) -> bool {
@@ -63,7 +65,8 @@ fn typed(uri: &Uri) -> Option<&str> {
 pub async fn let_in(State(guard): State<Arc<Guard>>, request: Request, next: Next) -> Response {
     let Some(token) = &guard.token else { return own_names_only(request, next).await };
     if typed(request.uri()).is_some_and(|shown| is_same(shown, token)) {
-        let cookie = format!("{}={token}; Path=/; HttpOnly; SameSite=Strict", guard.cookie);
+        let secure = if guard.is_encrypted { "; Secure" } else { "" };
+        let cookie = format!("{}={token}; Path=/; HttpOnly; SameSite=Strict{secure}", guard.cookie);
         let path = request.uri().path().to_string();
         return (StatusCode::SEE_OTHER, [(SET_COOKIE, cookie), (LOCATION, path)]).into_response();
     }
@@ -87,7 +90,7 @@ mod tests {
     #[test]
     fn where_a_token_is_looked_for() {
         let secret: Secret = "0123456789abcdef".parse().unwrap();
-        let (guard, token) = (Guard::new(Some(&secret), &RunId::new("r1").unwrap()), token(&secret));
+        let (guard, token) = (Guard::new(Some(&secret), &RunId::new("r1").unwrap(), false), token(&secret));
         let shown = |name, value: String| {
             let headers = [(name, value.parse().unwrap())].into_iter().collect();
             guard.is_shown(&headers, &token)

@@ -1,4 +1,4 @@
-//! The run over HTTP, for browsers, orchestrators and Prometheus.
+//! The run over HTTP, or HTTPS where it has certificates, for browsers, orchestrators and Prometheus.
 //!
 //! | path | what | who |
 //! |---|---|---|
@@ -7,12 +7,14 @@
 //! | `/` | the live page | who has the token |
 
 mod connections;
+mod encryption;
 mod guard;
 mod health;
 mod host;
 mod metrics;
 
 pub use connections::serve;
+pub use encryption::Encryption;
 pub use guard::token;
 pub use host::own_names_only;
 
@@ -65,24 +67,25 @@ pub async fn bind(address: &str) -> Result<TcpListener, Error> {
 ///
 /// # Errors
 /// If the system does not tell.
-pub fn url(listener: &TcpListener) -> io::Result<String> {
+pub fn url(listener: &TcpListener, is_encrypted: bool) -> io::Result<String> {
     let place = listener.local_addr()?;
     let host = if place.ip().is_unspecified() { worker::host_name() } else { place.ip().to_string() };
     let host = if host.contains(':') { format!("[{host}]") } else { host };
-    Ok(format!("http://{host}:{}", place.port()))
+    let scheme = if is_encrypted { "https" } else { "http" };
+    Ok(format!("{scheme}://{host}:{}", place.port()))
 }
 
 impl Server {
     /// Serves a run, to those who have its secret if it has one.
-    pub fn start(listener: TcpListener, secret: Option<&Secret>, shown: Shown) -> Self {
-        let guard = Arc::new(Guard::new(secret, &shown.run));
+    pub fn start(listener: TcpListener, secret: Option<&Secret>, encryption: Option<Encryption>, shown: Shown) -> Self {
+        let guard = Arc::new(Guard::new(secret, &shown.run, encryption.is_some()));
         let (registry, state) = (metrics::registry(shown.meters, shown.state.clone()), shown.state);
         let figures = move || async move { ([(CONTENT_TYPE, metrics::FORMAT)], metrics::text(&registry)) };
         let guarded = shown.page.route("/metrics", get(figures));
         let routes = guarded
             .layer(from_fn_with_state(guard, guard::let_in))
             .route("/healthz", get(move || async move { health::answer(&state.borrow()) }));
-        Self { serving: tokio::spawn(serve(listener, routes)) }
+        Self { serving: tokio::spawn(serve(listener, routes, encryption)) }
     }
 }
 

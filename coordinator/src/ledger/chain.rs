@@ -3,7 +3,7 @@
 
 use super::task::TaskEntry;
 use protocol::from_worker::Lease;
-use protocol::ids::TaskId;
+use protocol::ids::{TaskId, WorkerId};
 use protocol::to_everyone::Amplitude;
 use protocol::to_worker::{Known, KnownCurve};
 use results::journal::{Change, Holder, LevelPlan, TaskState, Troubles};
@@ -144,11 +144,12 @@ impl Chain {
         }
     }
 
-    /// The first task that can be handed out; `ordered`: that others wait for.
-    pub fn offer(&self, now: Duration, ordered: bool) -> Option<usize> {
-        let is_offered =
-            |e: usize| self.entries[e].not_before <= now && (!ordered || self.entries[e].task.is_ordered());
-        self.ready.iter().copied().find(|&e| is_offered(e))
+    /// The first task that can be handed out to a worker; `ordered`: that others wait for.
+    pub fn offer(&self, worker: &WorkerId, now: Duration, ordered: bool) -> Option<usize> {
+        let is_offered = |entry: &TaskEntry| {
+            entry.not_before <= now && (!ordered || entry.task.is_ordered()) && !entry.refuted.contains(worker)
+        };
+        self.ready.iter().copied().find(|&e| is_offered(&self.entries[e]))
     }
 
     pub fn is_begun(&self) -> bool {

@@ -8,6 +8,7 @@
 mod answers;
 mod chain;
 mod cost;
+mod evidence;
 mod load;
 mod patience;
 mod repeat;
@@ -22,6 +23,7 @@ mod task;
 #[cfg(test)]
 mod tests;
 mod trust;
+mod withdraw;
 mod worker;
 
 pub use answers::{Accepted, Granted, Leased, Offered, Submitted};

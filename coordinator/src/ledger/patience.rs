@@ -84,6 +84,7 @@ impl Ledger {
         });
         let mut changes: Vec<Change> = ended.collect();
         changes.extend(self.expire_repeats(now));
+        self.repeats.awaited.take_if(|until| *until <= now);
         changes
     }
 }

@@ -2,16 +2,16 @@
 //!
 //! What was found is checked against the equations. That nothing is there, or nothing that was not known, cannot be: it is what the
 //! whole computation comes to. Of such results some are drawn, and handed out once more as they were handed out first, for a share of
-//! the computing time. Nothing follows from that but what is believed of workers: where two disagree a third one decides, and what was
-//! said by one that is found wrong is repeated whatever it takes, until several in a row hold.
+//! the computing time. Where two disagree a third one decides, or a fourth or fifth: what is wrong is taken back (`withdraw.rs`), and
+//! what else was said by who said it is repeated whatever it takes, until several in a row hold.
 
 use super::answers::Granted;
-use super::repeats::{Claim, Held, Repeated, Said, Vote};
+use super::repeats::{Claim, Held, Repeated, Vote};
 use super::state::Ledger;
 use super::worker::Worker;
 use protocol::from_worker::Lease;
-use protocol::ids::{Attempt, WorkerId};
-use results::journal::{AttemptEnd, Change, Holder};
+use protocol::ids::{Attempt, TaskId, WorkerId};
+use results::journal::{AttemptEnd, Change, Holder, Said};
 use solver::response::task::Brought;
 use std::time::Duration;
 
@@ -24,7 +24,7 @@ impl Ledger {
     pub(super) fn claim(&mut self, place: (usize, usize), lease: &Lease, brought: &Brought) {
         let Some(said) = Said::by(brought) else { return };
         let vote = Vote { attempt: lease.attempt, worker: lease.worker.clone(), said };
-        let claim = Claim { place, votes: vec![vote], seconds: 0.0 };
+        let claim = Claim { place, votes: vec![vote], seconds: 0.0, tries: 0 };
         self.repeats.claims.entry(lease.worker.clone()).or_default().push(claim);
     }
 
@@ -51,10 +51,8 @@ impl Ledger {
             let ((c, e), attempt) = (held.claim.place, held.attempt);
             return Some((Granted { attempt, ..self.granted(c, e) }, Vec::new()));
         }
-        if self.has_nothing_left() {
-            return None;
-        }
-        let claim = self.choose_claim(&holder.worker)?;
+        let mut claim = self.choose_claim(&holder.worker)?;
+        claim.tries += 1;
         let (c, e) = claim.place;
         let entry = &mut self.chains[c].entries[e];
         entry.holders.push(holder.clone());
@@ -73,7 +71,9 @@ impl Ledger {
         if let Some(i) = self.repeats.disputes.iter().position(|claim| !claim.is_of(worker)) {
             return self.repeats.disputes.remove(i);
         }
-        let room = self.rules.repeated * self.repeats.total - self.repeats.taken();
+        // When nothing else is left to do only what is doubtful is waited for.
+        let is_over = self.has_nothing_left();
+        let room = if is_over { 0.0 } else { self.rules.repeated * self.repeats.total - self.repeats.taken() };
         if room <= 0.0 && self.workers.keys().all(|id| self.is_believed(id)) {
             return None;
         }
@@ -117,13 +117,24 @@ impl Ledger {
         self.index.get(&lease.task).is_some_and(|&place| self.repeats.find(place, lease).is_some())
     }
 
-    /// Number of disputes that somebody present can decide.
-    pub(super) fn open_disputes(&self) -> usize {
+    /// Number of results that are doubtful and that somebody present can decide: what two disagree on, and what was said by who was
+    /// wrong before.
+    pub(super) fn doubts(&self) -> usize {
         let can = |claim: &Claim, (id, worker): (&WorkerId, &Worker)| {
             !worker.gone && !claim.is_of(id) && self.is_believed(id)
         };
         let is_open = |claim: &&Claim| self.workers.iter().any(|worker| can(claim, worker));
-        self.repeats.disputes.iter().filter(is_open).count()
+        let disputes = self.repeats.disputes.iter().filter(is_open).count();
+        let claims = self.repeats.claims.values().flatten();
+        let suspects = claims.filter(|claim| !self.is_believed(&claim.votes[0].worker)).filter(is_open).count();
+        disputes + suspects
+    }
+
+    /// Whether something is doubtful that somebody present can decide, or somebody who is about to come.
+    pub(super) fn has_doubts(&self) -> bool {
+        let is_suspect = |author| !self.is_believed(author);
+        let are_some = !self.repeats.disputes.is_empty() || self.repeats.claims.keys().any(is_suspect);
+        (self.repeats.awaited.is_some() && are_some) || self.doubts() > 0
     }
 
     /// A repetition has come to this; `None` if it is none.
@@ -132,49 +143,57 @@ impl Ledger {
         let held = self.repeats.held.swap_remove(self.repeats.find(place, lease)?);
         let Held { mut claim, granted_at, attempt, .. } = held;
         let said = Said::by(brought).unwrap_or(Said::New);
+        self.chains[place.0].entries[place.1].compared.push(attempt);
         claim.votes.push(Vote { attempt, worker: lease.worker.clone(), said });
         let agrees = claim.votes[0].said == said;
         let changes = self.judge(claim);
         Some(Repeated { agrees, granted_at, changes })
     }
 
-    /// Decides what two or three say of a task.
+    /// Decides what several say of a task: what two of them say is so.
     fn judge(&mut self, claim: Claim) -> Vec<Change> {
         let id = self.chains[claim.place.0].entries[claim.place.1].id.clone();
         let ended = |vote: &Vote, end| Change::Ended { task: id.clone(), attempt: vote.attempt, end };
-        let disputed =
-            |a: &Vote, b: &Vote| AttemptEnd::Disputed(format!("{}: {}; {}: {}", a.worker, a.said, b.worker, b.said));
-        match &claim.votes[..] {
-            [first, second] if first.said == second.said => {
-                self.workers.entry(first.worker.clone()).or_default().confirmed += 1;
-                vec![ended(second, AttemptEnd::Confirmed)]
-            }
-            [first, second] => {
-                let change = ended(second, disputed(first, second));
+        let [others @ .., before, last] = &claim.votes[..] else { return Vec::new() };
+        let Some(right) = others.iter().chain([before]).find(|vote| vote.said == last.said) else {
+            let why = format!("{}: {}; {}: {}", before.worker, before.said, last.worker, last.said);
+            let said = Change::Said { task: id.clone(), attempt: last.attempt, said: last.said };
+            let changes = vec![ended(last, AttemptEnd::Disputed(why)), said];
+            if !claim.is_exhausted() {
                 self.repeats.disputes.push_back(claim);
-                vec![change]
             }
-            [first, second, third] => {
-                let (wrong, right) = match third.said {
-                    said if said == first.said => (second, first),
-                    said if said == second.said => (first, second),
-                    _ => return vec![ended(third, disputed(second, third))],
-                };
-                let (a, b, said) = (&right.worker, &third.worker, right.said);
-                let why = format!("{}, where {a} and {b} come to {said}", wrong.said);
-                let worker = self.workers.entry(wrong.worker.clone()).or_default();
-                worker.refuted += 1;
-                worker.confirmed = 0;
-                worker.refusals.push(format!("{id}: {why}"));
-                let refuted = AttemptEnd::Refuted(format!("{}: {why}", wrong.worker));
-                let mut changes = vec![ended(wrong, refuted), ended(third, AttemptEnd::Confirmed)];
-                if wrong.attempt == first.attempt {
-                    changes.push(ended(second, AttemptEnd::Confirmed));
-                }
-                changes
-            }
-            _ => Vec::new(),
+            return changes;
+        };
+        if claim.votes.len() == 2 {
+            self.workers.entry(right.worker.clone()).or_default().confirmed += 1;
+            return vec![ended(last, AttemptEnd::Confirmed)];
         }
+        let (wrong, agreeing): (Vec<&Vote>, Vec<&Vote>) = claim.votes.iter().partition(|vote| vote.said != last.said);
+        let mut changes = Vec::new();
+        for wrong in wrong {
+            let why = format!("{}, where {} and {} come to {}", wrong.said, right.worker, last.worker, right.said);
+            self.contradict(&id, &wrong.worker, &why);
+            changes.push(ended(wrong, AttemptEnd::Refuted(format!("{}: {why}", wrong.worker))));
+            let entry = &mut self.chains[claim.place.0].entries[claim.place.1];
+            entry.refuted.push(wrong.worker.clone());
+            entry.compared.push(wrong.attempt);
+        }
+        // The result that counts has no end but its own.
+        let first = &claim.votes[0];
+        let compared = agreeing.into_iter().filter(|vote| vote.attempt != first.attempt);
+        changes.extend(compared.map(|vote| ended(vote, AttemptEnd::Confirmed)));
+        if first.said != last.said {
+            changes.extend(self.withdraw(claim.place));
+        }
+        changes
+    }
+
+    /// Takes down that a result of a worker is not what others come to.
+    pub(super) fn contradict(&mut self, task: &TaskId, worker: &WorkerId, why: &str) {
+        let worker = self.workers.entry(worker.clone()).or_default();
+        worker.refuted += 1;
+        worker.confirmed = 0;
+        worker.refusals.push(format!("{task}: {why}"));
     }
 
     /// A sign of life of somebody who repeats a result.
@@ -189,7 +208,7 @@ impl Ledger {
     pub(super) fn end_repeat(&mut self, lease: &Lease, end: AttemptEnd) -> Option<Vec<Change>> {
         let place = *self.index.get(&lease.task)?;
         let held = self.repeats.find(place, lease)?;
-        self.repeats.drop_held(held);
+        self.drop_repeat(held);
         Some(vec![Change::Ended { task: lease.task.clone(), attempt: lease.attempt, end }])
     }
 
@@ -197,11 +216,16 @@ impl Ledger {
     pub(super) fn expire_repeats(&mut self, now: Duration) -> Vec<Change> {
         let mut changes = Vec::new();
         while let Some(i) = self.repeats.held.iter().position(|held| held.deadline <= now) {
-            let held = self.repeats.drop_held(i);
+            let held = self.drop_repeat(i);
             let task = self.chains[held.claim.place.0].entries[held.claim.place.1].id.clone();
             changes.push(Change::Ended { task, attempt: held.attempt, end: AttemptEnd::Expired });
         }
         changes
+    }
+
+    fn drop_repeat(&mut self, i: usize) -> Held {
+        let is_suspect = !self.is_believed(&self.repeats.held[i].claim.votes[0].worker);
+        self.repeats.drop_held(i, is_suspect)
     }
 
     /// Moves the times until which those who repeat results are waited for.

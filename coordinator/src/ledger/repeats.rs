@@ -2,60 +2,9 @@
 
 use protocol::from_worker::Lease;
 use protocol::ids::{Attempt, WorkerId};
-use results::journal::{Change, Holder};
-use solver::response::task::{BranchId, Brought, SeedOutcome};
+use results::journal::{Change, Holder, Said};
 use std::collections::{BTreeMap, VecDeque};
-use std::fmt;
 use std::time::Duration;
-
-/// What a result says, as far as another one has to say the same: why nothing was found, and how many of some random starts end where
-/// others have not, may depend on the processor.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Said {
-    /// Nothing is there.
-    Nothing,
-    /// What is there lies on this branch.
-    OnBranch(BranchId),
-    /// It lies on the fold curve of this number.
-    OnCurve(usize),
-    /// Forced responses are there.
-    Landed,
-    /// A branch or a curve that was not known.
-    New,
-}
-
-impl Said {
-    pub fn of(outcome: &SeedOutcome) -> Self {
-        match *outcome {
-            SeedOutcome::Found(branch) => Self::OnBranch(branch),
-            SeedOutcome::OnCurve(number) => Self::OnCurve(number),
-            SeedOutcome::Landed(_) => Self::Landed,
-            _ => Self::Nothing,
-        }
-    }
-
-    /// What is said by what a task brought; `None` if that is something that can be checked, or is marched.
-    pub fn by(brought: &Brought) -> Option<Self> {
-        match brought {
-            Brought::Nothing(outcome) => Some(Self::of(outcome)),
-            Brought::Landings(_) => Some(Self::Landed),
-            Brought::Branch { .. } | Brought::Curve(_) => None,
-            Brought::Verification(..) | Brought::Disturbance(_) | Brought::Settling(_) => None,
-        }
-    }
-}
-
-impl fmt::Display for Said {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Nothing => write!(f, "nothing"),
-            Self::OnBranch(branch) => write!(f, "{branch}"),
-            Self::OnCurve(number) => write!(f, "{}", SeedOutcome::OnCurve(*number)),
-            Self::Landed => write!(f, "forced responses"),
-            Self::New => write!(f, "something new"),
-        }
-    }
-}
 
 /// What one worker says of a task.
 #[derive(Debug, Clone)]
@@ -73,9 +22,22 @@ pub(super) struct Claim {
     pub votes: Vec<Vote>,
     /// Computing time of the result, s.
     pub seconds: f64,
+    /// How often it was handed out to be repeated.
+    pub tries: u32,
 }
 
+/// What so many say of a task is undecided if no two of them agree.
+const MOST_VOTES: usize = 5;
+
+/// Most times that what a task comes to is asked for once more: those who are asked may never answer.
+const MOST_TRIES: u32 = 10;
+
 impl Claim {
+    /// Whether it is of no use to ask once more.
+    pub fn is_exhausted(&self) -> bool {
+        self.votes.len() >= MOST_VOTES || self.tries >= MOST_TRIES
+    }
+
     pub fn is_of(&self, worker: &WorkerId) -> bool {
         self.votes.iter().any(|vote| vote.worker == *worker)
     }
@@ -94,6 +56,8 @@ pub(super) struct Held {
 /// What is repeated.
 #[derive(Debug, Default)]
 pub(super) struct Repeats {
+    /// Until when somebody may come who decides what another coordinator has left undecided.
+    pub awaited: Option<Duration>,
     /// What was not repeated so far, by who said it.
     pub claims: BTreeMap<WorkerId, Vec<Claim>>,
     /// What two disagree on.
@@ -148,11 +112,18 @@ impl Repeats {
         ((z ^ (z >> 31)) % count.max(1) as u64) as usize
     }
 
-    /// What was begun and did not come to an end: a dispute is for somebody else, what was drawn for nobody any more.
-    pub fn drop_held(&mut self, i: usize) -> Held {
+    /// What was begun and did not come to an end: a dispute is for somebody else, and so is what is `suspect`; what was drawn for nobody
+    /// any more.
+    pub fn drop_held(&mut self, i: usize, is_suspect: bool) -> Held {
         let held = self.held.swap_remove(i);
-        if held.claim.votes.len() > 1 {
-            self.disputes.push_back(held.claim.clone());
+        let (claim, author) = (&held.claim, &held.claim.votes[0].worker);
+        if claim.is_exhausted() {
+            return held;
+        }
+        if claim.votes.len() > 1 {
+            self.disputes.push_back(claim.clone());
+        } else if is_suspect {
+            self.claims.entry(author.clone()).or_default().push(claim.clone());
         }
         held
     }

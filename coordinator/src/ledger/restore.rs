@@ -21,11 +21,13 @@ impl Ledger {
     ) -> (Self, Vec<Change>) {
         let mut ledger = Self::new(rules, levels);
         ledger.restore_added(added);
-        let mut rest = HashMap::new();
+        let (mut rest, mut claims) = (HashMap::new(), Vec::new());
         for task in stored {
             let Some(&(c, e)) = ledger.index.get(&task.id) else { continue };
             let entry = &mut ledger.chains[c].entries[e];
             (entry.holders, entry.troubles) = (task.holders, task.troubles);
+            ledger.restore_evidence((c, e), &task.evidence);
+            claims.extend(ledger.restore_claim((c, e), &task.evidence, &task.state, task.brought.as_ref()));
             match task.state {
                 TaskState::Done(outcome) => {
                     ledger.sequence += 1;
@@ -51,6 +53,7 @@ impl Ledger {
         }
         let mut changes: Vec<Change> = ledger.chains.iter_mut().flat_map(|chain| chain.settle()).collect();
         changes.extend(ledger.extend());
+        ledger.restore_claims(claims, now);
         (ledger, changes)
     }
 

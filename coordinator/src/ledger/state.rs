@@ -210,7 +210,7 @@ impl Ledger {
     /// begun or of the next one; or a landing; or a verification.
     fn choose(&self, holder: &Holder, now: Duration) -> Option<(usize, usize)> {
         let last = self.workers.get(&holder.worker).and_then(|worker| worker.chains.get(&holder.slot)).copied();
-        let offer = |c: usize, ordered| self.chains[c].offer(now, ordered).map(|e| (c, e));
+        let offer = |c: usize, ordered| self.chains[c].offer(&holder.worker, now, ordered).map(|e| (c, e));
         let begun = || self.order.iter().copied().filter(|&c| self.chains[c].is_begun());
         let all = || self.order.iter().copied();
         last.filter(|&c| c != self.verifications())
@@ -221,10 +221,10 @@ impl Ledger {
             .or_else(|| offer(self.verifications(), false))
     }
 
-    /// Number of tasks that can be handed out, with those that are to be repeated once more since two results disagree.
+    /// Number of tasks that can be handed out, with those that are to be repeated once more since they are doubtful.
     pub fn offered_now(&self, now: Duration) -> usize {
         let ready = self.chains.iter().flat_map(|chain| chain.ready.iter().map(|&e| &chain.entries[e]));
-        ready.filter(|entry| entry.not_before <= now).count() + self.open_disputes()
+        ready.filter(|entry| entry.not_before <= now).count() + self.doubts()
     }
 
     /// What a thread holds: of the chain that it got its last task from.
@@ -269,6 +269,10 @@ impl Ledger {
                 Some(Repeated { agrees, granted_at, changes }) => (Submitted::Repeated { agrees, granted_at }, changes),
                 None => (Submitted::Duplicate, Vec::new()),
             };
+        }
+        // Of what was withdrawn: a result that was compared, once more.
+        if chain.entries[e].compared.contains(&lease.attempt) {
+            return (Submitted::Duplicate, Vec::new());
         }
         if !chain.takes(e, lease) {
             return (Submitted::Late, Vec::new());
@@ -344,9 +348,10 @@ impl Ledger {
         self.chains.iter_mut().flat_map(Chain::revive).collect()
     }
 
-    /// Whether no task is left to hand out or to wait for; what nobody repeats so far is not repeated any more.
+    /// Whether no task is left to hand out or to wait for, and nothing doubtful that somebody can decide; what else nobody repeats so
+    /// far is not repeated any more.
     pub fn is_finished(&self) -> bool {
-        self.has_nothing_left() && self.repeats.holders().next().is_none()
+        self.has_nothing_left() && self.repeats.holders().next().is_none() && !self.has_doubts()
     }
 
     /// Whether no task is left but what is being repeated.

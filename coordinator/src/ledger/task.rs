@@ -30,6 +30,10 @@ pub(super) struct TaskEntry {
     pub lapsed: bool,
     /// Of one that is done: number of branches, and of curves, that were known.
     pub known: Option<(usize, usize)>,
+    /// Attempts whose results were compared with others: they do not count for themselves, should they come again.
+    pub compared: Vec<Attempt>,
+    /// Workers whose results were refuted: it is not handed out to them any more.
+    pub refuted: Vec<WorkerId>,
     /// Under way when the coordinator was interrupted, and not heard of since: if nothing comes, that is no failure.
     pub orphaned: bool,
 }
@@ -49,6 +53,8 @@ impl TaskEntry {
             moved_at: Duration::ZERO,
             lapsed: false,
             known: None,
+            compared: Vec::new(),
+            refuted: Vec::new(),
             orphaned: false,
         }
     }

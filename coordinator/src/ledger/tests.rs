@@ -1,6 +1,7 @@
 //! Any interleaving of events gives the same result: nothing lost, nothing counted twice.
 
 mod cases;
+mod disputes;
 mod driver;
 mod load;
 mod trust;
@@ -14,7 +15,9 @@ use protocol::from_worker::Lease;
 use protocol::ids::{Attempt, TaskId, WorkerId};
 use protocol::to_everyone::Amplitude;
 use protocol::to_worker::RenewReply;
-use results::journal::{AddedTask, AttemptEnd, Change, Holder, LevelPlan, StoredTask, TaskState, Troubles};
+use results::journal::{
+    AddedTask, AttemptEnd, Change, Evidence, Holder, LevelPlan, Said, StoredTask, TaskState, Troubles,
+};
 use solver::response::branch::{BranchKind, Side};
 use solver::response::forcing::Unreached;
 use solver::response::scout::ScoutPlace;
@@ -145,11 +148,15 @@ fn find(granted: &Granted) -> Brought {
             place
         }
     };
-    let last = known.iter().rev().find(|known| known.branch.kind == BranchKind::Isola);
+    // Either phase of a window leads to the same one.
+    let seed = |phase: usize| TaskId::of_level(&granted.amplitude.text, 2 + 8 * place.window + 1 + 2 * phase).unwrap();
+    let isola = match known.iter().find(|known| [seed(0), seed(1)].contains(&known.task)) {
+        Some(isola) => Brought::Nothing(SeedOutcome::Found(isola.branch)),
+        None => Brought::Branch { kind: BranchKind::Isola, folds: 1 },
+    };
     match ((place.window + amplitude as usize) % 4, place.method, place.phase) {
         (0, _, _) => main,
-        (1, LandingMethod::FullForcing, Phase::First) => Brought::Branch { kind: BranchKind::Isola, folds: 1 },
-        (1, LandingMethod::FullForcing, Phase::Second) => Brought::Nothing(SeedOutcome::Found(last.unwrap().branch)),
+        (1, LandingMethod::FullForcing, _) => isola,
         (2, LandingMethod::SteppedForcing, Phase::Second) => Brought::branch(BranchKind::Cut),
         _ => Brought::Nothing(SeedOutcome::NotLanded(LandingFailure::Far(0.5))),
     }

@@ -37,9 +37,9 @@ const WORKER_PATIENCE: Duration = Duration::from_secs(5);
 pub enum Ending {
     /// Every task is done.
     Complete,
-    /// Every task is done, but a curve that everything else hangs on stopped before its end.
+    /// Every task is done, but a curve that everything else hangs on stopped before its end, or another worker came to something else.
     Doubtful,
-    /// Tasks were given up, or the run was cancelled.
+    /// Tasks were given up, the run was cancelled, or it has results that are wrong.
     Incomplete,
     /// Somebody wanted this process to end.
     Interrupted,
@@ -160,7 +160,7 @@ impl Run {
             if is_interrupted {
                 return self.close(Ending::Interrupted, workers).await;
             }
-            let has_doubts = self.finish(workers).await?;
+            let found = self.finish(workers).await?;
             // Somebody may have put dead tasks back meanwhile.
             if self.services.stage() == Stage::Sweep {
                 continue;
@@ -174,7 +174,7 @@ impl Run {
                     continue;
                 }
             }
-            let ending = self.ending(has_doubts);
+            let ending = self.ending(found);
             return self.close(ending, None).await;
         }
     }
@@ -249,16 +249,17 @@ impl Run {
         }
     }
 
-    /// Waits for workers to notice that the sweep has ended; writes files and the closing table. Tells whether there are
-    /// doubts about what was found.
-    async fn finish(&self, workers: Option<LocalWorkers>) -> Result<bool, Error> {
+    /// Waits for workers to notice that the sweep has ended; writes files and the closing table. Tells how far what was found is to be
+    /// believed: something that others contradict is missing, what one other contradicts is doubtful.
+    async fn finish(&self, workers: Option<LocalWorkers>) -> Result<Ending, Error> {
         if let Some(mut workers) = workers {
             // Their next request for work tells them.
             spawn_blocking(move || workers.wait(WORKER_PATIENCE)).await.map_err(abnormal)?;
         }
         self.dismiss_workers().await;
         let reader = Reader::open(&self.directory)?;
-        let mut has_doubts = false;
+        let (refuted, disputed) = reader.contradictions()?;
+        let mut has_doubts = disputed > 0;
         if let Some(doubts) = doubts(&reader)? {
             has_doubts = true;
             terminal::note(doubts);
@@ -276,7 +277,11 @@ impl Run {
         let directory = self.directory.display();
         let closing = format!("{table}\nresults: {directory}\na page that shows them: isola report {directory}\n");
         terminal::print(closing).map_err(Error::io("standard output"))?;
-        Ok(has_doubts)
+        Ok(match (refuted, has_doubts) {
+            (0, false) => Ending::Complete,
+            (0, true) => Ending::Doubtful,
+            _ => Ending::Incomplete,
+        })
     }
 
     /// Gives workers elsewhere the time to hear that there is no more work.
@@ -304,13 +309,10 @@ impl Run {
         self.services.status().map_or(0, |status| status.tasks.dead)
     }
 
-    fn ending(&self, has_doubts: bool) -> Ending {
+    /// How the run ends that has found this.
+    fn ending(&self, found: Ending) -> Ending {
         let is_complete = self.services.stage() == Stage::Finished && self.dead() == 0;
-        match (is_complete, has_doubts) {
-            (false, _) => Ending::Incomplete,
-            (true, true) => Ending::Doubtful,
-            (true, false) => Ending::Complete,
-        }
+        if is_complete { found } else { Ending::Incomplete }
     }
 
     async fn close(mut self, ending: Ending, workers: Option<LocalWorkers>) -> Result<Ending, Error> {
@@ -323,7 +325,7 @@ impl Run {
                 () = self.interrupts.next() => {}
             }
         }
-        let dead = self.dead();
+        let (dead, is_over) = (self.dead(), self.services.stage() == Stage::Finished);
         self.services.stop().await?;
         let directory = self.directory.display();
         if ending == Ending::Incomplete && dead > 0 {
@@ -331,6 +333,8 @@ impl Run {
                 "given up: {}; isola retry-dead {directory}, then isola resume {directory}",
                 count(dead, "task")
             ));
+        } else if ending == Ending::Incomplete && is_over {
+            terminal::note("results that others contradict are in the run: the table says at which levels");
         } else if matches!(ending, Ending::Incomplete | Ending::Interrupted) {
             terminal::note(format_args!("to go on: isola resume {directory}"));
         }

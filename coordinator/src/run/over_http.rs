@@ -5,7 +5,7 @@ use super::endpoint::Connection;
 use crate::bus::RunState;
 use crate::engine::Meters;
 use crate::error::Error;
-use crate::http::{self, Server, Shown};
+use crate::http::{self, Encryption, Server, Shown};
 use results::store::RunHeader;
 use std::io::IsTerminal;
 use std::path::Path;
@@ -16,7 +16,7 @@ use worker::terminal;
 /// Serves a run, until that is dropped, and says where.
 ///
 /// # Errors
-/// If it cannot be noted in the folder of the run.
+/// If the certificates of the run are of no use for that, or it cannot be noted in the folder of the run.
 pub(super) fn serve(
     listener: TcpListener,
     directory: &Path,
@@ -24,10 +24,11 @@ pub(super) fn serve(
     connection: &Connection,
     (state, meters): (watch::Receiver<RunState>, Meters),
 ) -> Result<Server, Error> {
-    let url = http::url(&listener).map_err(Error::io("--http"))?;
+    let encryption = connection.credentials.certificate.as_ref().map(Encryption::of).transpose()?;
+    let url = http::url(&listener, encryption.is_some()).map_err(Error::io("--http"))?;
     let page = page(header, connection, state.clone());
     let secret = connection.credentials.secret.as_ref();
-    let server = Server::start(listener, secret, Shown { run: header.run.clone(), state, meters, page });
+    let server = Server::start(listener, secret, encryption, Shown { run: header.run.clone(), state, meters, page });
     let token = secret.map(http::token);
     write_http(directory, &url, token.as_deref()).map_err(Error::io(directory))?;
     terminal::note(match token {

@@ -81,6 +81,7 @@ impl Services {
         let committing = spawn_blocking(move || {
             commit(store, &decided, &counted, |item| match item {
                 News::Result(task, bytes) => kept.keep(task, bytes),
+                News::Withdrawn(task) => kept.forget(&task),
                 item => {
                     update(&updated, &item);
                     // Without whoever announces, those who want to know can still ask.
@@ -176,7 +177,7 @@ fn update(state: &watch::Sender<RunState>, news: &News) {
             (state.status, state.told) = (Some(status.clone()), Instant::now());
         }),
         News::Load(load) => state.send_modify(|state| state.load = Some(load.as_ref().clone())),
-        News::Result(..) | News::Done(_) | News::Hint | News::Wake(_) => {}
+        News::Result(..) | News::Withdrawn(_) | News::Done(_) | News::Hint | News::Wake(_) => {}
     }
 }
 

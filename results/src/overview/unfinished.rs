@@ -24,13 +24,16 @@ pub fn unfinished(levels: &[Level], has_backbone: bool) -> Vec<String> {
         refuted.map(|(results, list)| {
             let results = number(results, "result is", "results are");
             format!(
-                "{results} wrong, at A = {list}: two other workers came to something else. Compute these levels again in a run of \
-                 their own."
+                "{results} wrong, at A = {list}: two other workers came to something else, and what follows from it is in the run. \
+                 Compute these levels again in a run of their own."
             )
         }),
         disputed.map(|(results, list)| {
             let results = number(results, "result is", "results are");
-            format!("{results} doubtful, at A = {list}: another worker came to something else, and no third one decided.")
+            format!(
+                "{results} doubtful, at A = {list}: another worker came to something else, and no third one decided: \
+                 `isola resume RUN` asks one, if others are there."
+            )
         }),
         bare.map(|(_, list)| format!("No branch is known at A = {list}.")),
     ];

@@ -6,6 +6,7 @@ use super::checkpoints::{forget, insert_part};
 use super::curves::insert_curve;
 use super::displacement::Displacements;
 use super::error::At;
+use super::evidence::insert_said;
 use super::extent::{Extent, contact_range};
 use super::header::{pack, set_stage};
 use super::motions::insert_motion;
@@ -19,7 +20,7 @@ use protocol::branch::BranchMessage;
 use protocol::codec::encode;
 use protocol::ids::{Attempt, TaskId};
 use protocol::to_everyone::{Stage, StoredResult};
-use rusqlite::{Connection, Params, params};
+use rusqlite::{Connection, OptionalExtension, Params, params};
 use solver::response::branch::{Outcome, Standing};
 use solver::response::task::{BranchId, SeedOutcome, Task};
 use std::path::Path;
@@ -54,6 +55,8 @@ impl Changes<'_> {
             Change::Granted { task, attempt, holder } => self.granted(task, *attempt, holder),
             Change::Repeated { task, attempt, holder } => self.attempted(task, *attempt, holder),
             Change::Ended { task, attempt, end } => self.ended(task, *attempt, end),
+            Change::Said { task, attempt, said } => insert_said(self.db, self.file, task, *attempt, *said),
+            Change::Withdrawn { task } => self.withdrawn(task),
             Change::Adopted { task, attempt } => self.adopted(task, *attempt),
             Change::HandedOn { task, attempt, steps } => self.handed_on(task, *attempt, *steps),
             Change::Checkpoint(part) => insert_part(self.db, self.file, part),
@@ -102,6 +105,19 @@ impl Changes<'_> {
                    WHERE task = ?1 AND attempt = ?2";
         self.execute(sql, params![task.as_str(), attempt.0, self.now, end.name(), end.reason()])?;
         self.execute("UPDATE tasks SET state = 'waiting' WHERE id = ?1 AND state = 'leased'", [task.as_str()])
+    }
+
+    /// Takes back a result; announcements are counted as if it never had been one.
+    fn withdrawn(&self, task: &TaskId) -> Result<()> {
+        let sql = "UPDATE tasks SET state = 'waiting', outcome = NULL, found = NULL, branch = NULL, record = NULL WHERE id = ?1";
+        self.execute(sql, [task.as_str()])?;
+        let sql = "DELETE FROM results WHERE task = ?1 RETURNING sequence";
+        let mut statement = self.db.prepare_cached(sql).at(self.file)?;
+        let deleted = statement.query_row([task.as_str()], |row| row.get::<_, i64>(0)).optional().at(self.file)?;
+        let Some(sequence) = deleted else { return Ok(()) };
+        // By way of negative numbers: at no time two are the same.
+        self.execute("UPDATE results SET sequence = 1 - sequence WHERE sequence > ?1", [sequence])?;
+        self.execute("UPDATE results SET sequence = -sequence WHERE sequence < 0", [])
     }
 
     fn handed_on(&self, task: &TaskId, attempt: Attempt, steps: usize) -> Result<()> {

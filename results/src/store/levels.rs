@@ -170,12 +170,26 @@ impl Reader {
         Ok(self.one(sql, [level], |row| Ok((row.get(0)?, row.get(1)?)))?.unwrap_or_default())
     }
 
-    /// Results of a level that two others contradict, and those that one does.
+    /// Results of all levels that two others contradict, and those that one does.
+    ///
+    /// # Errors
+    /// If the file cannot be read.
+    pub fn contradictions(&self) -> Result<(usize, usize)> {
+        self.contradicted_where("?1 IS NULL", None)
+    }
+
+    /// The same of a level.
     pub(crate) fn contradicted(&self, level: i64) -> Result<(usize, usize)> {
-        let sql = "SELECT count(DISTINCT task) FILTER (WHERE \"end\" = 'refuted' AND attempts.attempt = results.attempt), \
-                   count(DISTINCT task) FILTER (WHERE \"end\" = 'disputed') \
-                   FROM attempts JOIN results USING (task) JOIN tasks ON tasks.id = task WHERE level = ?1";
-        Ok(self.one(sql, [level], |row| Ok((row.get(0)?, row.get(1)?)))?.unwrap_or_default())
+        self.contradicted_where("level = ?1", Some(level))
+    }
+
+    fn contradicted_where(&self, condition: &str, level: Option<i64>) -> Result<(usize, usize)> {
+        let sql = format!(
+            "SELECT count(DISTINCT task) FILTER (WHERE \"end\" = 'refuted' AND attempts.attempt = results.attempt), \
+             count(DISTINCT task) FILTER (WHERE \"end\" = 'disputed' AND attempts.attempt > results.attempt) \
+             FROM attempts JOIN results USING (task) JOIN tasks ON tasks.id = task WHERE {condition}"
+        );
+        Ok(self.one(&sql, [level], |row| Ok((row.get(0)?, row.get(1)?)))?.unwrap_or_default())
     }
 
     /// Seeds of a level that were tried, in one way or more, and those of them that led to no branch.

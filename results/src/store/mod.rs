@@ -14,6 +14,7 @@ mod curves;
 mod database;
 mod displacement;
 mod error;
+mod evidence;
 mod extent;
 mod file_system;
 mod header;

@@ -13,7 +13,8 @@ CREATE TABLE meta (
     -- verify (msgpack: what is verified, if that was changed after the run began);
     -- with the backbones: omega_low, omega_high, amplitude_bound (reach of branches), backbone_status (of the primary mode),
     -- reach and backbone (msgpack), and where several orders of motions are looked for orders (msgpack: reach and backbones of all but
-    -- the first).
+    -- the first);
+    -- said/TASK/ATTEMPT (msgpack): what an attempt says of a task that others disagree on.
     key TEXT NOT NULL PRIMARY KEY,
     value NOT NULL
 ) WITHOUT ROWID;
@@ -154,7 +155,8 @@ CREATE TABLE attempts (
     -- 'done', 'failed', 'refused' (its result cannot be true), 'expired' (no sign of life; a result may have come all the same:
     -- see `results`), 'released' (given back) or 'superseded' (another result came first). Some tasks that brought no curve are handed
     -- out once more when they are done: 'confirmed' (it came to the same) or 'disputed' (to something else). What two others
-    -- contradict is 'refuted': if it is the attempt of `results`, what is stored is wrong.
+    -- contradict is 'refuted': the result is taken out of `results` and the task done again, unless others were built on it: if it still
+    -- is the attempt of `results`, what is stored is wrong.
     "end" TEXT,
     -- Why, if it failed, was refused, disputed or refuted, or expired.
     reason TEXT,

@@ -13,6 +13,7 @@ impl Reader {
     /// Tasks with what became of them: those done in the order of their announcements, then the others.
     pub fn tasks(&self) -> Result<Vec<StoredTask>> {
         let (mut troubles, mut forcings, mut holders) = (self.troubles()?, self.forcings()?, self.holders()?);
+        let mut evidence = self.evidence()?;
         let sql = "SELECT tasks.id, state, tasks.record, branches.kind, special, \
                    tasks.kind = 'verify' AND state = 'done' FROM tasks LEFT JOIN results ON results.task = tasks.id \
                    LEFT JOIN branches ON branches.task = tasks.id \
@@ -22,10 +23,12 @@ impl Reader {
             let troubles = troubles.remove(&row.id).unwrap_or_default();
             let curve = forcings.remove(&row.id).map(Brought::Curve);
             let holders = holders.remove(&row.id).unwrap_or_default();
+            let evidence = evidence.remove(&row.id).unwrap_or_default();
             Ok(StoredTask {
                 id: self.task_id(&row.id)?,
                 brought: self.branch_brought(&row)?.or(curve).or(self.marched(&row)?),
                 troubles,
+                evidence,
                 state: self.state(row, holders.last())?,
                 holders,
             })

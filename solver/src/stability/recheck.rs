@@ -1,7 +1,12 @@
 //! Whether what somebody else says of marched orbits is so: a period is marched on one of them.
 //!
 //! A period takes a hundredth of the time that finding the orbit and its multipliers took, and one with its tangent a tenth: the
-//! latter is marched for some only. How far an orbit is from the solution of the balance is not computed again, nor that there is none.
+//! latter is marched for some only.
+//!
+//! What is not computed again: how far an orbit is from the solution of the balance, and where along the branch it is told, for which all
+//! of the branch would have to be read; that there is no orbit; where multipliers cross the unit circle between orbits; where pushes and
+//! unstable motions end, since a period says nothing of that: they would have to be marched to the end, which is all of the work. Of
+//! these it is checked that they are of what was asked for, and can be.
 
 use super::marching::{Marching, MarchingError};
 use super::multipliers::{Multiplier, Verdict};

@@ -112,6 +112,7 @@ fn they_are_kept_until_the_task_is_done_whoever_conducts_the_run() {
         brought: None,
         holders: vec![Holder { worker: worker("a"), slot: 0 }],
         troubles: Troubles::default(),
+        evidence: Evidence::default(),
     };
     let kept = [(granted.task.clone(), Kept { steps: 10, bytes: 100, attempt: Attempt(1) })].into();
     let mut restarted = waiting();

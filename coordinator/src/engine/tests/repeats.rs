@@ -3,7 +3,8 @@
 use super::*;
 use protocol::from_worker::Progress;
 use protocol::to_worker::CheckpointReply;
-use results::journal::CheckpointPart;
+use results::journal::{CheckpointPart, Said};
+use solver::response::seeds::LandingFailure;
 
 /// An engine that repeats whatever it can, the landings of worker `b` being there.
 fn repeating() -> (Engine, Lease) {
@@ -59,14 +60,29 @@ fn a_third_one_decides() {
     let decision = engine.handle(submit(&second, None, nothing.clone()), at(3));
     assert_eq!(decision.answer, submitted(SubmitReply::Duplicate { agrees: false }));
     let disputed = AttemptEnd::Disputed("b: forced responses; c: nothing".into());
-    assert_eq!(decision.changes, [ended(&second, disputed)]);
+    let said = Change::Said { task: second.task.clone(), attempt: second.attempt, said: Said::Nothing };
+    assert_eq!(decision.changes, [ended(&second, disputed), said]);
     let third = repeat(&mut engine, "d");
     let decision = engine.handle(submit(&third, None, nothing), at(3));
     let first = Lease { attempt: Attempt(1), ..third.clone() };
     let why = "b: forced responses, where c and d come to nothing".into();
     let [refuted, rest @ ..] = &decision.changes[..] else { panic!("nothing decided") };
     assert_eq!(*refuted, ended(&first, AttemptEnd::Refuted(why)));
-    assert_eq!(*rest, [ended(&third, AttemptEnd::Confirmed), ended(&second, AttemptEnd::Confirmed)]);
+    let task = third.task.clone();
+    let confirmed = [ended(&second, AttemptEnd::Confirmed), ended(&third, AttemptEnd::Confirmed)];
+    assert_eq!(rest[..2], confirmed);
+    assert_eq!(rest[2..], [Change::Withdrawn { task: task.clone() }]);
+    assert!(decision.news.contains(&News::Withdrawn(task.clone())));
+    // Somebody else does it again; what was said before does not count, should it come once more.
+    let first = Lease { worker: worker("b"), ..first };
+    let again = engine.handle(submit(&first, None, Brought::Landings(1)), at(4));
+    assert_eq!((again.answer, again.changes), (submitted(SubmitReply::Duplicate { agrees: true }), Vec::new()));
+    assert_ne!(grant(&mut engine, "b", at(4)).0.task, task);
+    let (granted, lease) = grant(&mut engine, "c", at(4));
+    assert_eq!((granted.task, granted.attempt), (task, Attempt(4)));
+    let nothing = Brought::Nothing(SeedOutcome::NotLanded(LandingFailure::Far(0.5)));
+    let accepted = engine.handle(submit(&lease, None, nothing), at(5));
+    assert_eq!(accepted.answer, submitted(SubmitReply::Accepted));
 }
 
 #[test]

@@ -279,6 +279,7 @@ fn a_crash_of_the_coordinator_is_no_failure_of_a_task() {
         brought: None,
         holders: vec![holder],
         troubles: Troubles::default(),
+        evidence: Evidence::default(),
     };
     let (mut ledger, _) = Ledger::restore(rules, plans(1), &[], vec![under_way], Duration::ZERO);
     let ended = ledger.tick(Duration::from_secs(60));

@@ -15,13 +15,23 @@ pub(super) struct Driver {
     pub changes: Vec<Change>,
     /// How many results were repeated.
     pub repeated: usize,
+    /// Who is wrong wherever that cannot be checked, and with what it was.
+    pub liar: Option<WorkerId>,
+    pub lies: Vec<(TaskId, Attempt)>,
 }
 
 impl Driver {
     pub fn new(levels: usize, verify: VerifyEffort) -> Self {
         let ledger = Ledger::new(rules(verify), plans(levels));
-        let (held, accepted, new, changes, repeated) = Default::default();
-        Self { verify, ledger, now: Duration::ZERO, held, accepted, new, changes, repeated }
+        let (held, accepted, new, changes, repeated, liar, lies) = Default::default();
+        Self { verify, ledger, now: Duration::ZERO, held, accepted, new, changes, repeated, liar, lies }
+    }
+
+    fn rules(&self) -> Rules {
+        match self.liar {
+            Some(_) => super::disputes::rules(self.verify),
+            None => rules(self.verify),
+        }
     }
 
     /// An entry as the store has it.
@@ -32,6 +42,7 @@ impl Driver {
             brought: self.new.get(&entry.id).cloned(),
             holders: entry.holders.clone(),
             troubles: Troubles::default(),
+            evidence: evidence(&self.changes, &entry.id),
         }
     }
 
@@ -90,18 +101,26 @@ impl Driver {
 
     /// The worker keeps the lease, as if the answer had been lost: it will submit again.
     fn submit(&mut self, lease: &Lease, granted: &Granted) {
-        let brought = find(granted);
+        let lie = lie(granted).filter(|_| Some(&lease.worker) == self.liar.as_ref());
+        self.lies.extend(lie.as_ref().map(|_| (lease.task.clone(), lease.attempt)));
+        let brought = lie.unwrap_or_else(|| find(granted));
         let (submitted, changes) = self.ledger.submit(lease, &brought);
+        for change in &changes {
+            if let Change::Withdrawn { task } = change {
+                self.accepted.retain(|accepted| accepted != task);
+            }
+        }
         self.changes.extend(changes);
         match submitted {
             Submitted::Accepted(_) => {
                 assert!(!self.accepted.contains(&lease.task), "{} was accepted twice", lease.task);
                 self.accepted.push(lease.task.clone());
                 self.ledger.note_claim(lease, 1.0, Duration::MAX);
-                if !matches!(brought, Brought::Nothing(_)) {
+                if matches!(brought, Brought::Branch { .. } | Brought::Curve(_) | Brought::Verification(..)) {
                     self.new.insert(lease.task.clone(), brought);
                 }
             }
+            Submitted::Repeated { .. } | Submitted::Duplicate | Submitted::Late if self.liar.is_some() => {}
             Submitted::Repeated { agrees, .. } => {
                 assert!(agrees, "{} is found again as it was", lease.task);
                 assert!(self.accepted.contains(&lease.task));
@@ -120,19 +139,13 @@ impl Driver {
         let mut tasks: Vec<StoredTask> = self
             .ledger
             .entries()
-            .map(|entry| StoredTask {
-                id: entry.id.clone(),
-                state: entry.state.clone(),
-                brought: self.new.get(&entry.id).cloned(),
-                holders: entry.holders.clone(),
-                troubles: entry.troubles.clone(),
-            })
+            .map(|entry| StoredTask { troubles: entry.troubles.clone(), ..self.stored(entry) })
             .collect();
         let order = |id: &TaskId| self.accepted.iter().position(|accepted| accepted == id).unwrap_or(usize::MAX);
         tasks.sort_by_key(|task| order(&task.id));
         let before = (book(&self.ledger), self.ledger.sequence());
         let (levels, added) = self.planned();
-        let (ledger, changes) = Ledger::restore(rules(self.verify), levels, &added, tasks, self.now);
+        let (ledger, changes) = Ledger::restore(self.rules(), levels, &added, tasks, self.now);
         assert!(changes.is_empty(), "what is stored together is restored together");
         self.ledger = ledger;
         let settled = |book: &Book| -> Book {
@@ -169,11 +182,49 @@ impl Driver {
                 return;
             }
             self.now += Duration::from_secs(60);
-            self.lease(0);
+            let workers = if self.liar.is_some() { 3 } else { 1 };
+            (0..workers).for_each(|worker| self.lease(worker));
             for (lease, granted) in std::mem::take(&mut self.held) {
                 self.submit(&lease, &granted);
             }
         }
         panic!("the run does not end");
     }
+}
+
+/// What a store would have of what was said of a task.
+pub(super) fn evidence(changes: &[Change], id: &TaskId) -> Evidence {
+    let mut known = Evidence::default();
+    for change in changes {
+        match change {
+            Change::Done { task, attempt, .. } if task == id => known.result = Some((*attempt, 1.0)),
+            Change::Withdrawn { task } if task == id => known.result = None,
+            Change::Said { task, attempt, said } if task == id => known.said.push((*attempt, *said)),
+            Change::Ended { task, attempt, end } if task == id => {
+                known.ends.retain(|(other, _)| other != attempt);
+                let is_kept = matches!(
+                    end,
+                    AttemptEnd::Refused(_) | AttemptEnd::Confirmed | AttemptEnd::Disputed(_) | AttemptEnd::Refuted(_)
+                );
+                if is_kept {
+                    known.ends.push((*attempt, end.clone()));
+                }
+            }
+            _ => {}
+        }
+    }
+    known
+}
+
+/// What somebody says who finds nothing, where something is that cannot be checked.
+pub(super) fn lie(granted: &Granted) -> Option<Brought> {
+    let outcome = match granted.work {
+        Task::Main(_) | Task::Verify(_) | Task::Disturb(_) | Task::March(_) => return None,
+        Task::Scout(_) => SeedOutcome::NoFold,
+        Task::Fold(_) | Task::Carry(_) => SeedOutcome::NotFollowed(Unfollowed::Elsewhere),
+        _ => SeedOutcome::NotLanded(LandingFailure::NotConverged(Unreached::OutOfReach)),
+    };
+    let nothing = Brought::Nothing(outcome);
+    let says = |brought: &Brought| Said::by(brought).unwrap_or(Said::New);
+    (says(&find(granted)) != says(&nothing)).then_some(nothing)
 }

@@ -97,7 +97,7 @@ fn a_worker_whose_results_are_refused() {
 }
 
 /// Lets workers carry out what they are given in turn, until nothing is handed out; `what` they come to, and how long it takes.
-fn in_turn(
+pub(super) fn in_turn(
     ledger: &mut Ledger,
     workers: &[&str],
     what: impl Fn(&str, &Granted) -> Brought,
@@ -128,7 +128,7 @@ fn in_turn(
     }
 }
 
-fn number(changes: &[Change], is_it: impl Fn(&AttemptEnd) -> bool) -> usize {
+pub(super) fn number(changes: &[Change], is_it: impl Fn(&AttemptEnd) -> bool) -> usize {
     changes.iter().filter(|change| matches!(change, Change::Ended { end, .. } if is_it(end))).count()
 }
 

@@ -138,9 +138,11 @@ class Follower:
             self.add(read("done", answer, Done.read))
 
     def add(self, done: Done) -> None:
-        """Takes down an announcement, once."""
+        """Takes down an announcement, once. A result that was withdrawn since it was wrong (it brought no branch) is followed
+        by another one of its task."""
         self.expected = max(self.expected, done.sequence)
-        if done.task not in self.announced:
+        known = self.announced.get(done.task)
+        if known is None or known.sha256 != done.sha256:
             self.announced[done.task] = done
             self.pending.append(done)
 

@@ -1,9 +1,11 @@
 //! What is computed once more leaves the task as it is, and tells what is not to be believed.
 
 use super::*;
-use crate::journal::{AttemptEnd, Holder, TaskState};
+use crate::fixture::accepted;
+use crate::journal::{AttemptEnd, Evidence, Holder, Said, TaskState};
 use crate::overview::{Omissions, Overview, unfinished};
 use protocol::ids::Attempt;
+use protocol::to_everyone::{Done, StoredResult};
 
 #[test]
 fn results_that_others_contradict() {
@@ -64,4 +66,72 @@ fn results_that_others_contradict() {
     let repeated = tasks.iter().find(|stored| stored.id == task).unwrap();
     assert_eq!(repeated.holders.len(), 3);
     assert!(repeated.troubles.reasons.is_empty());
+}
+
+/// What is said where two disagree is there for a coordinator that goes on; what is withdrawn is as if it never had been.
+#[test]
+fn what_is_withdrawn_is_done_again() {
+    let (study, dir) = (Study::damper(), tempdir().unwrap());
+    let (mut store, mut sweep) = study.begin(dir.path());
+    while sweep.step(&mut store) {}
+    let before = store.done().unwrap();
+    let result = sweep.results.iter().find(|result| result.name.is_none()).unwrap().clone();
+    let place = before.iter().position(|done| done.task == result.task).unwrap();
+    let task = result.task.clone();
+    let evidence = |store: &Store| {
+        let stored = store.tasks().unwrap().into_iter().find(|stored| stored.id == task).unwrap();
+        (stored.state, stored.evidence)
+    };
+    let holder = Holder { worker: WorkerId::new("w2").unwrap(), slot: 0 };
+    let why = || AttemptEnd::Disputed("w1: nothing; w2: something new".into());
+    let (first, second) = (result.attempt, Attempt(result.attempt.0 + 1));
+    store
+        .commit(&[
+            Change::Repeated { task: task.clone(), attempt: second, holder },
+            Change::Ended { task: task.clone(), attempt: second, end: why() },
+            Change::Said { task: task.clone(), attempt: second, said: Said::New },
+        ])
+        .unwrap();
+    assert_eq!(store.contradictions().unwrap(), (0, 1));
+    let (state, known) = evidence(&store);
+    assert!(matches!(state, TaskState::Done(_)));
+    let said = vec![(second, Said::New)];
+    assert_eq!(known, Evidence { result: Some((first, result.seconds)), ends: vec![(second, why())], said });
+
+    let refuted = AttemptEnd::Refuted("w1: nothing, where w2 and w3 come to something new".into());
+    store
+        .commit(&[
+            Change::Ended { task: task.clone(), attempt: first, end: refuted.clone() },
+            Change::Ended { task: task.clone(), attempt: second, end: AttemptEnd::Confirmed },
+            Change::Withdrawn { task: task.clone() },
+        ])
+        .unwrap();
+    assert_eq!(store.contradictions().unwrap(), (0, 0));
+    let (state, known) = evidence(&store);
+    assert_eq!((state, known.result), (TaskState::Waiting, None));
+    assert_eq!(known.ends, [(first, refuted), (second, AttemptEnd::Confirmed)]);
+    // Announcements are counted on from one to the next.
+    let left = store.done().unwrap();
+    assert!(left.iter().zip(1..).all(|(done, number)| done.sequence == number) && left.len() == before.len() - 1);
+    let tasks = |done: &[Done]| done.iter().map(|done| done.task.clone()).collect::<Vec<_>>();
+    let mut others = tasks(&before);
+    others.remove(place);
+    assert_eq!(tasks(&left), others);
+    assert!(store.result(&task).unwrap().is_none() && store.done_of(&task).unwrap().is_none());
+
+    // Somebody else does it again.
+    let (sequence, attempt) = (before.len() as u64, Attempt(second.0 + 1));
+    let outcome = result.outcome;
+    let again = StoredResult { attempt, worker: WorkerId::new("w3").unwrap(), ..result };
+    let holder = Holder { worker: again.worker.clone(), slot: 0 };
+    let accepted = Change::Result(accepted(again.clone(), sequence));
+    let done = Change::Done { task: task.clone(), attempt, outcome, sequence };
+    store.commit(&[Change::Granted { task: task.clone(), attempt, holder }, done, accepted]).unwrap();
+    assert_eq!(store.result(&task).unwrap(), Some(again));
+    assert_eq!(
+        store.done().unwrap().last().map(|done| (done.task.clone(), done.sequence)),
+        Some((task.clone(), sequence))
+    );
+    assert_eq!(store.contradictions().unwrap(), (0, 0));
+    assert_eq!(evidence(&store).1.result.map(|(attempt, _)| attempt), Some(attempt));
 }
