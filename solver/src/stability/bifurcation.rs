@@ -256,9 +256,14 @@ impl<'m> Search<'m> {
         let normal = &self.normals[interval];
         let length = self.shooting.distance(&self.path[interval].point, &self.path[interval + 1].point);
         let reach = REACH * length.max(SHORT);
+        let [nearer, farther] = if part < 0.5 { [low, high] } else { [high, low] };
+        let near = nearer.period.clone().or_else(|| farther.period.clone());
         let mut solved = |searches| {
             let options = NewtonOptions { plane: Some(normal), searches, iterations: 10 };
-            let found = self.shooting.solve(&start, &options);
+            let found = match &near {
+                Some(period) => self.shooting.solve_near(&start, period, &options),
+                None => self.shooting.solve(&start, &options),
+            };
             found.filter(|(point, _)| self.shooting.distance(&start, point) < reach)
         };
         let (point, period) = solved(false).or_else(|| solved(true))?;

@@ -5,6 +5,7 @@
 
 use super::{Period, Point, Shooting};
 use crate::linalg::dot;
+use std::cmp::Ordering;
 
 /// Largest scaled residual of an orbit: rounding of thousands of steps is far below, what matters far above.
 const TOLERANCE: f64 = 1e-9;
@@ -43,14 +44,40 @@ impl Shooting<'_> {
     /// Newton's method from a point; the orbit's point and its last period, if it comes to one.
     pub fn solve(&mut self, start: &Point, options: &NewtonOptions<'_>) -> Option<(Point, Period)> {
         let period = self.period(start).ok()?;
-        let mut now = Taken { at: start.clone(), period, is_shortened: false };
+        self.iterate(Taken { at: start.clone(), period, is_shortened: false }, options)
+    }
+
+    /// The same near an orbit with the period `near`: where the point is close to its own orbit already and steps with that tangent
+    /// lead to it, only the last period is marched with a tangent.
+    pub fn solve_near(&mut self, start: &Point, near: &Period, options: &NewtonOptions<'_>) -> Option<(Point, Period)> {
+        match self.approach(start, near, options.plane).and_then(|at| Some((self.period(&at).ok()?, at))) {
+            Some((period, at)) => self.iterate(Taken { at, period, is_shortened: false }, options),
+            None => self.solve(start, options),
+        }
+    }
+
+    /// How near steps with the tangent of another period lead to an orbit, from a point that is close to it.
+    fn approach(&mut self, start: &Point, near: &Period, plane: Option<&[f64]>) -> Option<Point> {
+        let residual = self.residual(start).ok()?;
+        let error = largest(&residual);
+        // What is not a number is not close.
+        if !matches!(error.partial_cmp(&CLOSE), Some(Ordering::Less)) {
+            return None;
+        }
+        let slope = if plane.is_some() { self.slope(start, &residual)? } else { vec![0.0; start.x.len()] };
+        self.factor(near, &slope, plane)?;
+        let step = self.step(near, &residual)?;
+        self.close_in(start, error, near, &step)
+    }
+
+    fn iterate(&mut self, mut now: Taken, options: &NewtonOptions<'_>) -> Option<(Point, Period)> {
         for _ in 0..options.iterations {
             let error = now.period.error();
             if error < TOLERANCE {
                 break;
             }
             let step = self.newton_step(&now.at, &now.period, options.plane)?;
-            let close = if error < CLOSE { self.close_in(&now, &step) } else { None };
+            let close = if error < CLOSE { self.close_in(&now.at, error, &now.period, &step) } else { None };
             now = match close {
                 Some(at) => Taken { period: self.period(&at).ok()?, at, is_shortened: false },
                 None => self.take(&now, &step, options.searches)?,
@@ -61,7 +88,7 @@ impl Shooting<'_> {
 
     /// The step to the zero of the linearised residual, in the plane or at fixed ω: scaled state, then w.
     fn newton_step(&mut self, at: &Point, period: &Period, plane: Option<&[f64]>) -> Option<Vec<f64>> {
-        let slope = if plane.is_some() { self.slope(at, period)? } else { vec![0.0; at.x.len()] };
+        let slope = if plane.is_some() { self.slope(at, &period.residual)? } else { vec![0.0; at.x.len()] };
         self.factor(period, &slope, plane)?;
         self.step(period, &period.residual)
     }
@@ -114,9 +141,9 @@ impl Shooting<'_> {
     }
 
     /// Derivative of the scaled map by w, by a difference: what it errs by, Newton's method makes good.
-    fn slope(&mut self, at: &Point, period: &Period) -> Option<Vec<f64>> {
+    fn slope(&mut self, at: &Point, residual: &[f64]) -> Option<Vec<f64>> {
         let after = self.residual(&Point { x: at.x.clone(), w: at.w + NUDGE }).ok()?;
-        Some(after.iter().zip(&period.residual).map(|(a, b)| (a - b) / NUDGE).collect())
+        Some(after.iter().zip(residual).map(|(a, b)| (a - b) / NUDGE).collect())
     }
 
     /// The same by a central difference, where nothing makes good what it errs by.
@@ -127,10 +154,10 @@ impl Shooting<'_> {
     }
 
     /// The step, and further ones with the same tangent, as far as the residual falls with each; `None` if it does not with the first.
-    fn close_in(&mut self, now: &Taken, step: &[f64]) -> Option<Point> {
+    fn close_in(&mut self, from: &Point, error: f64, period: &Period, step: &[f64]) -> Option<Point> {
         let mut reached = None;
-        let mut before = now.period.error();
-        let mut to = now.at.moved(step, 1.0);
+        let mut before = error;
+        let mut to = from.moved(step, 1.0);
         for _ in 0..CHORDS {
             if !to.is_sound() {
                 break;
@@ -144,7 +171,7 @@ impl Shooting<'_> {
             if error < TOLERANCE {
                 break;
             }
-            let Some(step) = self.step(&now.period, &residual) else { break };
+            let Some(step) = self.step(period, &residual) else { break };
             to = to.moved(&step, 1.0);
             before = error;
         }
