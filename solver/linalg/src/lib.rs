@@ -168,7 +168,8 @@ impl IndexMut<(usize, usize)> for Matrix {
     }
 }
 
-/// Runs a computation compiled for the widest vector instructions of this processor. Only what is inlined into `f` gains.
+/// Runs a computation compiled for the widest vector instructions of this processor. Only what is inlined into `f` gains, and `f`
+/// itself only if it says so: `vectorised(#[inline(always)] || …)`.
 #[inline(always)]
 pub fn vectorised<R>(f: impl FnOnce() -> R) -> R {
     pulp::Arch::new().dispatch(f)

@@ -81,12 +81,15 @@ impl Modal {
     /// Displacement harmonics of channel `u` (nc) from modal amplitudes (modes × nc), m.
     pub fn displacement(&self, u: usize, modal: &[f64], out: &mut [f64]) {
         let nc = out.len();
-        crate::linalg::vectorised(|| {
-            out.fill(0.0);
-            for (shape, series) in self.shape(u).iter().zip(modal.chunks(nc)) {
-                crate::linalg::axpy(*shape, series, out);
-            }
-        });
+        crate::linalg::vectorised(
+            #[inline(always)]
+            || {
+                out.fill(0.0);
+                for (shape, series) in self.shape(u).iter().zip(modal.chunks(nc)) {
+                    crate::linalg::axpy(*shape, series, out);
+                }
+            },
+        );
     }
 
     /// X_m·s: the motion on the forcing shape at the forcing harmonic (zero if m > H), J per unit of A.

@@ -24,22 +24,30 @@
 mod columns;
 mod complementarity;
 mod contacts;
+mod factors;
+mod glide;
 mod inverse;
 mod lanes;
+mod limits;
 mod local;
 mod offsets;
 mod period;
+mod phases;
 mod tape;
 
-use crate::linalg::{LinalgError, Matrix};
+use crate::linalg::{LinalgError, Matrix, vectorised};
 use crate::structure::Model;
 use crate::structure::laws::Law;
 use contacts::Contacts;
+use glide::Motion;
 use inverse::Inverse;
+use limits::{least_steps, stability_limit};
 use local::LocalLaw;
 pub(in crate::stability) use offsets::{Offset, reduced};
 pub(in crate::stability) use period::Account;
+use phases::Phases;
 use std::f64::consts::TAU;
+use std::sync::Arc;
 use thiserror::Error;
 
 /// Time step of a [`Marching`].
@@ -50,18 +58,6 @@ pub struct MarchingSettings {
     /// Least number of steps in one period of the response; without one, as many as suit the model.
     pub min_steps_per_period: Option<usize>,
 }
-
-/// Least number of steps in one period of the response. Where forces are functions of the motion errors fall with the square of
-/// the step, and folds a thousandth above the birth of their isola need them small. Before rigid stops the impacts of the marcher
-/// are others than those of the balance whatever the step, and on finer grids Newton's method comes to fewer orbits; of models of
-/// more than [`LARGE`] modes a period takes its time.
-fn least_steps(model: &Model) -> usize {
-    let is_rigid = model.elements().iter().any(|element| element.law.rigid().is_some());
-    if is_rigid || model.size() > LARGE { 512 } else { 2048 }
-}
-
-/// See [`least_steps`].
-const LARGE: usize = 150;
 
 impl Default for MarchingSettings {
     fn default() -> Self {
@@ -127,7 +123,8 @@ pub struct Marching<'m> {
     /// Modal rows of the monitored dofs.
     monitors: Matrix,
     step: f64,
-    steps_per_period: usize,
+    /// Phases of the forcing in a period, which marchings with the same steps share.
+    phases: Arc<Phases>,
     /// Number of steps since the start.
     index: usize,
     /// y_n.
@@ -169,12 +166,17 @@ impl<'m> Marching<'m> {
     /// As [`Marching::new`].
     pub fn with_steps(model: &'m Model, steps: usize, amplitude: f64, omega: f64) -> Result<Self, MarchingError> {
         check("steps", steps as f64, steps >= 8, "at least 8 in a period")?;
+        Self::with_phases(model, Phases::new(steps, model.forcing().harmonic).into(), amplitude, omega)
+    }
+
+    /// The same with the phases of another marching of the model with as many steps.
+    fn with_phases(model: &'m Model, phases: Arc<Phases>, amplitude: f64, omega: f64) -> Result<Self, MarchingError> {
         check("omega", omega, omega > 0.0 && omega.is_finite(), "a finite frequency above zero, in rad/s")?;
         check("amplitude", amplitude, amplitude.is_finite(), "a finite forcing amplitude")?;
         let n = model.size();
         let shapes = &model.modes().shapes;
         let speed = model.forcing().harmonic as f64 * omega;
-        let step = TAU / omega / steps as f64;
+        let step = TAU / omega / phases.steps as f64;
         let inverse = Inverse::new(model.damping(), step)?;
         let contacts = Contacts::new(model, &inverse, speed);
         let monitors = Matrix::from_fn(model.monitors().len(), n, |i, j| shapes[(model.monitors()[i], j)]);
@@ -190,7 +192,7 @@ impl<'m> Marching<'m> {
             laws: local_laws(model, speed, step),
             monitors,
             step,
-            steps_per_period: steps,
+            phases,
             index: 0,
             y: zeros.clone(),
             increment: zeros.clone(),
@@ -217,6 +219,7 @@ impl<'m> Marching<'m> {
         let velocity = modal(xdot);
         self.y = modal(x);
         self.index = 0;
+        self.contacts.forget();
         self.linear_force();
         for law in &mut self.laws {
             law.start(&self.y, &velocity, &mut self.force);
@@ -234,11 +237,23 @@ impl<'m> Marching<'m> {
     /// # Errors
     /// If no contact pressures are found that leave no penetration.
     pub fn step(&mut self) -> Result<(), MarchingError> {
+        self.index += 1;
+        if let (Inverse::Diagonal(modes), true) = (&self.inverse, self.laws.is_empty()) {
+            let cosine = self.phases.cosine(self.index);
+            let touches = vectorised(
+                #[inline(always)]
+                || {
+                    let motion = Motion { y: &mut self.y, increment: &mut self.increment, next: &mut self.next };
+                    motion.glide(modes, (&self.forcing, cosine), &self.squares, &mut self.ahead);
+                    self.contacts.touches(&self.ahead, &self.next)
+                },
+            );
+            return if touches { self.correct() } else { Ok(()) };
+        }
         for (y, next) in self.y.iter_mut().zip(&self.next) {
             *y += next;
         }
         std::mem::swap(&mut self.increment, &mut self.next);
-        self.index += 1;
         self.linear_force();
         for law in &mut self.laws {
             law.act(&self.y, &self.increment, 1.0 / self.step, &mut self.force);
@@ -251,14 +266,14 @@ impl<'m> Marching<'m> {
     /// # Errors
     /// Those of [`step`](Self::step), and a motion that is not finite any more.
     pub fn period(&mut self) -> Result<PeriodSummary, MarchingError> {
-        let count = self.steps_per_period as f64;
+        let count = self.phases.steps as f64;
         let mut summary = PeriodSummary {
             max: vec![0.0; self.monitors.rows()],
             rms: vec![0.0; self.monitors.rows()],
             contact: vec![0.0; self.contacts.pressures().len()],
             energy: 0.0,
         };
-        for _ in 0..self.steps_per_period {
+        for _ in 0..self.phases.steps {
             self.step()?;
             for i in 0..self.monitors.rows() {
                 let x = dot(self.monitors.row(i), &self.y);
@@ -286,7 +301,7 @@ impl<'m> Marching<'m> {
 
     /// Number of steps in one period of the response.
     pub fn steps_per_period(&self) -> usize {
-        self.steps_per_period
+        self.phases.steps
     }
 
     /// Displacements at t_n, n entries in m.
@@ -318,10 +333,7 @@ impl<'m> Marching<'m> {
 
     /// Forcing and elastic forces at t_n, in modal coordinates.
     fn linear_force(&mut self) {
-        // The phase is reduced in integers: it does not drift over many periods.
-        let steps = self.steps_per_period;
-        let turns = (self.model.forcing().harmonic * (self.index % steps) % steps) as f64 / steps as f64;
-        let cosine = (TAU * turns).cos();
+        let cosine = self.phases.cosine(self.index);
         let modes = self.forcing.iter().zip(&self.squares).zip(&self.y);
         for (force, ((forcing, square), y)) in self.force.iter_mut().zip(modes) {
             *force = forcing * cosine - square * y;
@@ -330,14 +342,27 @@ impl<'m> Marching<'m> {
 
     /// The increment from t_n to t_{n+1}, without contact and then with the pressures that leave no penetration.
     fn advance(&mut self) -> Result<(), MarchingError> {
-        self.inverse.predict(&self.increment, &mut self.force, self.step, &mut self.next);
-        for (ahead, (y, next)) in self.ahead.iter_mut().zip(self.y.iter().zip(&self.next)) {
-            *ahead = y + next;
-        }
+        let touches = vectorised(
+            #[inline(always)]
+            || {
+                self.inverse.predict(&self.increment, &mut self.force, self.step, &mut self.next);
+                for (ahead, (y, next)) in self.ahead.iter_mut().zip(self.y.iter().zip(&self.next)) {
+                    *ahead = y + next;
+                }
+                self.contacts.touches(&self.ahead, &self.next)
+            },
+        );
+        if touches { self.correct() } else { Ok(()) }
+    }
+
+    /// Adds the pressures that leave no penetration at t_{n+1} to an increment without contact.
+    fn correct(&mut self) -> Result<(), MarchingError> {
         let slope = 1.0 / self.step;
-        self.contacts
-            .correct(&self.ahead, &self.increment, slope, &mut self.next)
-            .map_err(|complementarity::Unsolvable| MarchingError::Contact { time: self.time() })
+        vectorised(
+            #[inline(always)]
+            || self.contacts.correct(&self.increment, slope, &mut self.next),
+        )
+        .map_err(|complementarity::Unsolvable| MarchingError::Contact { time: self.time() })
     }
 }
 
@@ -357,19 +382,6 @@ fn squares(model: &Model) -> Vec<f64> {
     model.modes().frequencies.iter().map(|w| w * w).collect()
 }
 
-/// Longest stable time step: 2/ω_max, with the stiffness that laws can add (ω_max² grows by at most k bᵀM⁻¹b), and the
-/// inverse of the rate at which explicit dampers act.
-fn stability_limit(model: &Model, laws: &[LocalLaw]) -> f64 {
-    let mut square = squares(model).into_iter().fold(0.0, f64::max);
-    let mut rate = 0.0;
-    for law in laws {
-        let (stiffness, damping) = law.steepest();
-        square += stiffness;
-        rate += damping;
-    }
-    (2.0 / square.sqrt()).min(1.0 / rate)
-}
-
 /// bᵀΦ for each channel b of an element: relative displacements from modal coordinates.
 fn modal_rows(channels: &[Vec<(usize, f64)>], shapes: &Matrix) -> Matrix {
     let entry = |i: usize, j| channels[i].iter().map(|&(dof, coefficient)| coefficient * shapes[(dof, j)]).sum();
@@ -377,6 +389,7 @@ fn modal_rows(channels: &[Vec<(usize, f64)>], shapes: &Matrix) -> Matrix {
 }
 
 /// Scalar product with four partial sums: the step loop is made of these.
+#[inline(always)]
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<4>(), b.as_chunks::<4>());
     let mut sums = [0.0; 4];

@@ -8,7 +8,7 @@ mod newton;
 use super::marching::{Account, Marching, MarchingError, MarchingSettings, Offset, reduced};
 use super::multipliers::{Multiplier, margin, multipliers};
 use crate::formulation::state::State;
-use crate::linalg::{LinalgError, Lu, Matrix, dot};
+use crate::linalg::{LinalgError, Lu, Matrix, dot, vectorised};
 use crate::structure::Model;
 pub use newton::NewtonOptions;
 use serde::{Deserialize, Serialize};
@@ -88,6 +88,8 @@ impl Period {
 /// Orbits at one forcing amplitude near one frequency.
 pub struct Shooting<'m> {
     model: &'m Model,
+    /// Any motion with these steps: others are made beside it.
+    grid: Marching<'m>,
     forcing: f64,
     /// ω of w = 1, rad/s.
     omega: f64,
@@ -122,9 +124,11 @@ impl<'m> Shooting<'m> {
         let largest = |values: &[f64]| values.iter().fold(0.0f64, |m, x| m.max(x.abs()));
         let size = largest(&orbit.state[..n]).max(largest(&orbit.state[n..2 * n]) / orbit.omega);
         let size = if size > 0.0 { size } else { 1.0 };
-        let scales = orbit.marching(model)?.scales(size, orbit.omega);
+        let grid = orbit.marching(model)?;
+        let scales = grid.scales(size, orbit.omega);
         Ok(Self {
             model,
+            grid,
             forcing: orbit.forcing,
             omega: orbit.omega,
             steps: orbit.steps,
@@ -146,7 +150,7 @@ impl<'m> Shooting<'m> {
     /// # Errors
     /// If the marcher refuses its frequency.
     pub fn point_of(&self, state: &State) -> Result<Point, MarchingError> {
-        let marching = Marching::with_steps(self.model, self.steps, self.forcing, state.omega)?;
+        let marching = self.grid.beside(self.forcing, state.omega)?;
         Ok(self.scaled(&marching.state_of(state), state.omega))
     }
 
@@ -193,7 +197,9 @@ impl<'m> Shooting<'m> {
     }
 
     fn marching(&self, point: &Point) -> Result<Marching<'m>, MarchingError> {
-        self.orbit(point).marching(self.model)
+        let mut marching = self.grid.beside(self.forcing, point.w * self.omega)?;
+        marching.restart(&self.orbit(point).state)?;
+        Ok(marching)
     }
 
     /// The scaled residual of a point.
@@ -225,10 +231,15 @@ impl<'m> Shooting<'m> {
             if now.index().is_multiple_of(stride) {
                 path.extend(now.modal());
             }
-            for (i, largest) in amplitudes.iter_mut().enumerate() {
-                *largest = largest.max(now.monitored(i).abs());
-            }
-            now.balance(&mut account);
+            vectorised(
+                #[inline(always)]
+                || {
+                    for (i, largest) in amplitudes.iter_mut().enumerate() {
+                        *largest = largest.max(now.monitored(i).abs());
+                    }
+                    now.balance(&mut account);
+                },
+            );
             is_smooth &= now.is_smooth();
             now.unmark(&mut sticks);
         })?;

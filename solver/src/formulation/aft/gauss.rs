@@ -85,27 +85,30 @@ impl Aft {
             buffer.clear();
             buffer.resize(count * nc, 0.0);
         }
-        linalg::vectorised(|| {
-            for &(begin, end) in arcs {
-                let (centre, half) = (0.5 * (begin + end), 0.5 * (end - begin));
-                let rule = work.rule(points(harmonics, half, law)).clone();
-                for (node, weight) in rule.nodes.iter().zip(&rule.weights) {
-                    work.fill_basis(centre + half * node);
-                    let mut now = Instant { speed: rate.omega * rate.harmonic, ..Instant::default() };
-                    for (j, series) in arguments.chunks(nc).enumerate() {
-                        let (value, slope) = work.evaluate(series);
-                        (now.u[j], now.v[j]) = (value, rate.omega * slope);
-                    }
-                    let r = law.respond(&now, &Before::default());
-                    let weight = weight * half / std::f64::consts::TAU;
-                    for (t, &target) in list.iter().enumerate() {
-                        let value = weight * signal(target, &r, &now, c, rate);
-                        linalg::axpy(value, &work.cosines, &mut work.real[t * nc..(t + 1) * nc]);
-                        linalg::axpy(-value, &work.sines, &mut work.imaginary[t * nc..(t + 1) * nc]);
+        linalg::vectorised(
+            #[inline(always)]
+            || {
+                for &(begin, end) in arcs {
+                    let (centre, half) = (0.5 * (begin + end), 0.5 * (end - begin));
+                    let rule = work.rule(points(harmonics, half, law)).clone();
+                    for (node, weight) in rule.nodes.iter().zip(&rule.weights) {
+                        work.fill_basis(centre + half * node);
+                        let mut now = Instant { speed: rate.omega * rate.harmonic, ..Instant::default() };
+                        for (j, series) in arguments.chunks(nc).enumerate() {
+                            let (value, slope) = work.evaluate(series);
+                            (now.u[j], now.v[j]) = (value, rate.omega * slope);
+                        }
+                        let r = law.respond(&now, &Before::default());
+                        let weight = weight * half / std::f64::consts::TAU;
+                        for (t, &target) in list.iter().enumerate() {
+                            let value = weight * signal(target, &r, &now, c, rate);
+                            linalg::axpy(value, &work.cosines, &mut work.real[t * nc..(t + 1) * nc]);
+                            linalg::axpy(-value, &work.sines, &mut work.imaginary[t * nc..(t + 1) * nc]);
+                        }
                     }
                 }
-            }
-        });
+            },
+        );
         let mut spectrum = std::mem::take(&mut self.spectra[0]);
         for (t, &target) in list.iter().enumerate() {
             let parts = self.arcs.real[t * nc..].iter().zip(&self.arcs.imaginary[t * nc..]);

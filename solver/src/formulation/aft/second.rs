@@ -160,14 +160,17 @@ impl Aft {
 
     fn over_samples<L: Law>(&self, bend: &Bend<'_, L>, basis: &mut Basis, row: &mut [f64]) -> f64 {
         let samples = self.transform.samples();
-        linalg::vectorised(|| {
-            let mut by_omega = 0.0;
-            for n in 0..samples {
-                basis.fill(TAU * n as f64 / samples as f64);
-                by_omega += bend.add(basis, 1.0 / samples as f64, row);
-            }
-            by_omega
-        })
+        linalg::vectorised(
+            #[inline(always)]
+            || {
+                let mut by_omega = 0.0;
+                for n in 0..samples {
+                    basis.fill(TAU * n as f64 / samples as f64);
+                    by_omega += bend.add(basis, 1.0 / samples as f64, row);
+                }
+                by_omega
+            },
+        )
     }
 
     fn over_arcs<L: Law>(
@@ -182,14 +185,17 @@ impl Aft {
             let (centre, half) = (0.5 * (begin + end), 0.5 * (end - begin));
             let points = super::gauss::points(self.transform.harmonics(), half, bend.law);
             let rule = self.arcs.rule(points).clone();
-            by_omega += linalg::vectorised(|| {
-                let mut by_omega = 0.0;
-                for (node, weight) in rule.nodes.iter().zip(&rule.weights) {
-                    basis.fill(centre + half * node);
-                    by_omega += bend.add(basis, weight * half / TAU, row);
-                }
-                by_omega
-            });
+            by_omega += linalg::vectorised(
+                #[inline(always)]
+                || {
+                    let mut by_omega = 0.0;
+                    for (node, weight) in rule.nodes.iter().zip(&rule.weights) {
+                        basis.fill(centre + half * node);
+                        by_omega += bend.add(basis, weight * half / TAU, row);
+                    }
+                    by_omega
+                },
+            );
         }
         by_omega
     }

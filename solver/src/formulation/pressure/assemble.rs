@@ -172,9 +172,12 @@ impl PressureForm<'_> {
             let shapes: Vec<f64> = active.iter().flat_map(|u| modal.shape(*u)).copied().collect();
             parts.for_each(|(k, (re, im))| self.receptance.matrix_by_products(k, &shapes, response, re, im));
         } else {
-            crate::linalg::vectorised(|| {
-                parts.for_each(|(k, (re, im))| self.receptance.matrix(k, &active, response, re, im));
-            });
+            crate::linalg::vectorised(
+                #[inline(always)]
+                || {
+                    parts.for_each(|(k, (re, im))| self.receptance.matrix(k, &active, response, re, im));
+                },
+            );
         }
     }
 
@@ -198,7 +201,10 @@ impl PressureForm<'_> {
         receptances: &Receptances,
         rates: &[Vec<f64>],
     ) {
-        crate::linalg::vectorised(|| self.assemble_arguments(target, columns, block, receptances));
+        crate::linalg::vectorised(
+            #[inline(always)]
+            || self.assemble_arguments(target, columns, block, receptances),
+        );
         for kept in &columns.unknowns.kept {
             self.kept_column(target, block, kept);
         }

@@ -107,22 +107,25 @@ pub(super) fn row_space(matrix: &[f64], width: usize, threshold: f64) -> Vec<f64
     while known < CERTAIN && basis.len() < width * width {
         let signs: Vec<f64> = (0..SUMS * rows).map(|_| sign(&mut state)).collect();
         multiply(&signs, matrix, rows, &mut sums);
-        vectorised(|| {
-            for sum in sums.chunks_mut(width) {
-                // Twice, since what is left of a short remainder has lost its angles to the others by rounding.
-                for _ in 0..2 {
-                    basis.chunks(width).for_each(|row| axpy(-dot(row, sum), row, sum));
+        vectorised(
+            #[inline(always)]
+            || {
+                for sum in sums.chunks_mut(width) {
+                    // Twice, since what is left of a short remainder has lost its angles to the others by rounding.
+                    for _ in 0..2 {
+                        basis.chunks(width).for_each(|row| axpy(-dot(row, sum), row, sum));
+                    }
+                    let length = dot(sum, sum).sqrt();
+                    known = if length <= threshold { known + 1 } else { 0 };
+                    if known == CERTAIN || basis.len() == width * width {
+                        return;
+                    }
+                    if known == 0 {
+                        basis.extend(sum.iter().map(|s| s / length));
+                    }
                 }
-                let length = dot(sum, sum).sqrt();
-                known = if length <= threshold { known + 1 } else { 0 };
-                if known == CERTAIN || basis.len() == width * width {
-                    return;
-                }
-                if known == 0 {
-                    basis.extend(sum.iter().map(|s| s / length));
-                }
-            }
-        });
+            },
+        );
     }
     basis
 }

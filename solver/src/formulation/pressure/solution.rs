@@ -70,5 +70,8 @@ impl PressureForm<'_> {
 
 /// `out` = A v of a row-major matrix.
 pub(super) fn product(matrix: &[f64], v: &[f64], out: &mut [f64]) {
-    vectorised(|| out.iter_mut().zip(matrix.chunks(v.len().max(1))).for_each(|(o, row)| *o = dot(row, v)));
+    vectorised(
+        #[inline(always)]
+        || out.iter_mut().zip(matrix.chunks(v.len().max(1))).for_each(|(o, row)| *o = dot(row, v)),
+    );
 }

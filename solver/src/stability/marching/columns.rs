@@ -9,7 +9,7 @@
 //! uncoupled modes is one 2 × 2 matrix a mode.
 
 use super::inverse::Inverse;
-use super::lanes::{LANES, Lane, add, combine, gather, more, rows, scatter, scatter_and_add};
+use super::lanes::{LANES, Lane, Pressed, add, combine, gather, more, press, rows, scatter, scatter_and_add};
 use super::local::{Action, LocalLaw};
 use super::tape::{Bound, Move, Tape};
 use crate::linalg::Matrix;
@@ -87,23 +87,29 @@ impl Columns {
 
     /// Takes all columns through the steps on a tape.
     pub fn follow(&mut self, linear: &Linear<'_, '_>, tape: &Tape) {
-        let flights = linear.flights(tape);
+        let (flights, stiffs) = (linear.flights(tape), linear.stiffs());
         for block in &mut self.blocks {
-            Arch::new().dispatch(Follow { block, linear, tape, flights: &flights });
+            Arch::new().dispatch(Follow { block, linear, tape, flights: &flights, stiffs: &stiffs });
         }
     }
 }
 
 impl Linear<'_, '_> {
+    /// a ω_j² of uncoupled modes.
+    fn stiffs(&self) -> Vec<f64> {
+        let Inverse::Diagonal(modes) = self.inverse else { return Vec::new() };
+        modes.compliances.iter().zip(self.squares).map(|(compliance, square)| compliance * square).collect()
+    }
+
     /// The 2 × 2 matrices of every free flight of uncoupled modes, on (η, δ).
     fn flights(&self, tape: &Tape) -> Vec<Vec<[f64; 4]>> {
         let Inverse::Diagonal(modes) = self.inverse else { return Vec::new() };
         let flight = |count: usize| -> Vec<[f64; 4]> {
-            let mode = |((decay, compliance), square): (&(f64, f64), &f64)| {
+            let mode = |((decay, compliance), square): ((&f64, &f64), &f64)| {
                 let stiff = compliance * square;
                 power([1.0 - stiff, *decay, -stiff, *decay], count)
             };
-            modes.iter().zip(self.squares).map(mode).collect()
+            modes.decays.iter().zip(&modes.compliances).zip(self.squares).map(mode).collect()
         };
         let free = |step: &Move| if let Move::Free(count) = step { Some(flight(*count)) } else { None };
         tape.moves.iter().filter_map(free).collect()
@@ -132,6 +138,7 @@ struct Follow<'f, 'm> {
     linear: &'f Linear<'f, 'm>,
     tape: &'f Tape,
     flights: &'f [Vec<[f64; 4]>],
+    stiffs: &'f [f64],
 }
 
 impl WithSimd for Follow<'_, '_> {
@@ -140,9 +147,9 @@ impl WithSimd for Follow<'_, '_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         match S::F64_LANES {
-            8 => self.run::<S, 2>(simd),
-            4 => self.run::<S, 4>(simd),
-            2 => self.run::<S, 8>(simd),
+            8 => self.run::<S, 1>(simd),
+            4 => self.run::<S, 2>(simd),
+            2 => self.run::<S, 4>(simd),
             _ => self.run::<S, LANES>(simd),
         }
     }
@@ -154,6 +161,7 @@ impl Follow<'_, '_> {
         let mut lanes = Lanes::<S, R> {
             simd,
             linear: self.linear,
+            stiffs: self.stiffs,
             eta: rows::<S, R>(&mut self.block.eta),
             delta: rows::<S, R>(&mut self.block.delta),
             memory: rows::<S, R>(&mut self.block.memory),
@@ -180,6 +188,7 @@ impl Follow<'_, '_> {
 struct Lanes<'f, 'm, S: Simd, const R: usize> {
     simd: S,
     linear: &'f Linear<'f, 'm>,
+    stiffs: &'f [f64],
     eta: &'f mut [Lane<S, R>],
     delta: &'f mut [Lane<S, R>],
     memory: &'f mut [Lane<S, R>],
@@ -203,8 +212,8 @@ impl<S: Simd, const R: usize> Lanes<'_, '_, S, R> {
         match self.linear.inverse {
             Inverse::Diagonal(modes) => {
                 let motions = self.eta.iter().zip(self.delta.iter_mut());
-                for (((decay, compliance), square), (eta, delta)) in modes.iter().zip(self.linear.squares).zip(motions)
-                {
+                let coefficients = modes.decays.iter().zip(&modes.compliances).zip(self.linear.squares);
+                for (((decay, compliance), square), (eta, delta)) in coefficients.zip(motions) {
                     *delta = combine(simd, (*decay, delta), (-compliance * square, eta));
                 }
             }
@@ -233,8 +242,37 @@ impl<S: Simd, const R: usize> Lanes<'_, '_, S, R> {
         }
     }
 
+    /// A step of uncoupled modes with a few nodes in contact and nothing else, if it is one.
+    #[inline(always)]
+    fn pressed(&mut self, tape: &Tape, step: &Bound) -> bool {
+        let Inverse::Diagonal(modes) = self.linear.inverse else { return false };
+        let ((rubbing, turning), (touching, contact), n) = (step.friction, step.contact, self.eta.len());
+        let is_alike = rubbing == 0 || rubbing == touching;
+        // Narrow vectors have no registers for it; the result is the same.
+        if !self.linear.laws.is_empty() || !is_alike || S::F64_LANES < 4 {
+            return false;
+        }
+        let count = touching * n;
+        let pair = |at: usize| [&tape.rows[at..][..count], &tape.rows[at + count..][..count]];
+        let friction = (rubbing > 0).then(|| pair(turning));
+        let rows = Pressed { decays: &modes.decays, stiffs: self.stiffs, friction, contact: pair(contact) };
+        match touching {
+            1 => press::<S, R, 1>(self.simd, &rows, self.eta, self.delta),
+            2 => press::<S, R, 2>(self.simd, &rows, self.eta, self.delta),
+            3 => press::<S, R, 3>(self.simd, &rows, self.eta, self.delta),
+            4 => press::<S, R, 4>(self.simd, &rows, self.eta, self.delta),
+            5 => press::<S, R, 5>(self.simd, &rows, self.eta, self.delta),
+            6 => press::<S, R, 6>(self.simd, &rows, self.eta, self.delta),
+            _ => return false,
+        }
+        true
+    }
+
     #[inline(always)]
     fn bound(&mut self, tape: &Tape, step: &Bound, forces: &mut [Lane<S, R>]) {
+        if self.pressed(tape, step) {
+            return;
+        }
         let (simd, n) = (self.simd, self.eta.len());
         // Everything explicit is of the old motion, and acts on the new one: forces first, then the prediction.
         let (mut explicit, mut at) = (0, 0);

@@ -1,6 +1,6 @@
 //! Small linear complementarity problems by block principal pivoting.
 
-use crate::linalg::{Lu, dot};
+use super::factors::Factors;
 use thiserror::Error;
 
 /// No solution was found: a principal submatrix is singular, or pivoting did not end (the matrix is not a P-matrix).
@@ -22,9 +22,11 @@ pub struct Complementarity {
     pub solution: Vec<f64>,
     active: Vec<bool>,
     wrong: Vec<bool>,
+    /// Columns of A that are known.
+    known: Vec<bool>,
     indices: Vec<usize>,
     reduced: Vec<f64>,
-    lu: Lu,
+    factors: Factors,
 }
 
 /// Block changes without progress before Murty's rule takes over.
@@ -39,36 +41,33 @@ const HAIR: f64 = 1e-12;
 impl Complementarity {
     /// Room for `size` unknowns.
     pub fn new(size: usize) -> Self {
-        let mut lu = Lu::default();
-        if size > 0 {
-            // The first factorisation of the largest size allocates for all.
-            let identity = lu.reset(size);
-            (0..size).for_each(|i| identity[i * size + i] = 1.0);
-            lu.factor().expect("the identity is regular");
-        }
         Self {
             matrix: vec![0.0; size * size],
             offset: vec![0.0; size],
             solution: vec![0.0; size],
             active: vec![false; size],
             wrong: vec![false; size],
+            known: vec![false; size],
             indices: Vec::with_capacity(size),
             reduced: Vec::with_capacity(size),
-            lu,
+            factors: Factors::new(size),
         }
     }
 
-    /// Computes `solution` from `matrix` and `offset`.
-    pub fn solve(&mut self) -> Result<(), Unsolvable> {
+    /// Computes `solution` from `offset` and the columns of A that it takes: `column` is asked for each of them once, with the number
+    /// of the column and the matrix.
+    #[inline(always)]
+    pub fn solve(&mut self, mut column: impl FnMut(usize, &mut [f64])) -> Result<(), Unsolvable> {
         let n = self.offset.len();
         let tolerance = TOLERANCE * self.offset.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
         for (active, offset) in self.active.iter_mut().zip(&self.offset) {
             *active = *offset > 0.0;
         }
+        self.known.fill(false);
         let (mut fewest, mut patience) = (n + 1, PATIENCE);
         // Murty's rule is exponential at worst, and takes of the order of n pivots in practice.
         for _ in 0..50 + 20 * n {
-            self.solve_active()?;
+            self.solve_active(&mut column)?;
             let count = self.find_wrong(tolerance);
             if count == 0 {
                 self.solution.iter_mut().for_each(|z| *z = z.max(0.0));
@@ -90,35 +89,41 @@ impl Complementarity {
     }
 
     /// The indices that may have z > 0 in the last solution.
+    #[inline(always)]
     pub fn active(&self) -> &[usize] {
         &self.indices
     }
 
-    /// Solves A z = b on the active indices once more, in place, for right-hand sides one after the other.
-    pub fn solve_again(&mut self, offsets: &mut [f64]) {
-        if !self.indices.is_empty() {
-            self.lu.solve(offsets);
-        }
+    /// Solves A z = b on the active indices once more, in place: one row of `offsets` for each of them, `columns` right-hand sides.
+    #[inline(always)]
+    pub fn solve_again(&mut self, offsets: &mut [f64], columns: usize) {
+        self.factors.solve(offsets, columns);
     }
 
     /// z from A z = b on the active indices, zero elsewhere. Dependent nodes (two stops on one dof) make A singular: a
     /// diagonal that is larger by a hair shares the force between them.
-    fn solve_active(&mut self) -> Result<(), Unsolvable> {
+    #[inline(always)]
+    fn solve_active(&mut self, column: &mut impl FnMut(usize, &mut [f64])) -> Result<(), Unsolvable> {
         let n = self.offset.len();
         self.indices.clear();
         self.indices.extend((0..n).filter(|&i| self.active[i]));
+        for &j in &self.indices {
+            if !std::mem::replace(&mut self.known[j], true) {
+                column(j, &mut self.matrix);
+            }
+        }
         self.reduced.clear();
         self.reduced.extend(self.indices.iter().map(|&i| self.offset[i]));
         let size = self.indices.len();
         if size > 0 {
-            let a = self.lu.reset(size);
+            let a = self.factors.reset(size);
             for (row, &i) in a.chunks_exact_mut(size).zip(&self.indices) {
                 for (entry, &j) in row.iter_mut().zip(&self.indices) {
                     *entry = self.matrix[i * n + j] * if i == j { 1.0 + HAIR } else { 1.0 };
                 }
             }
-            self.lu.factor().map_err(|_| Unsolvable)?;
-            self.lu.solve(&mut self.reduced);
+            self.factors.factor().map_err(|_| Unsolvable)?;
+            self.factors.solve(&mut self.reduced, 1);
         }
         self.solution.fill(0.0);
         for (&i, z) in self.indices.iter().zip(&self.reduced) {
@@ -128,6 +133,7 @@ impl Complementarity {
     }
 
     /// Marks the indices whose sign is wrong and counts them. A z_i is weighed by A_ii, which gives it the unit of b.
+    #[inline(always)]
     fn find_wrong(&mut self, tolerance: f64) -> usize {
         let n = self.offset.len();
         for i in 0..n {
@@ -135,7 +141,8 @@ impl Complementarity {
             self.wrong[i] = if self.active[i] {
                 self.solution[i] * row[i].abs() < -tolerance
             } else {
-                dot(row, &self.solution) - self.offset[i] < -tolerance
+                let product: f64 = self.indices.iter().map(|&j| row[j] * self.solution[j]).sum();
+                product - self.offset[i] < -tolerance
             };
         }
         self.wrong.iter().filter(|&&wrong| wrong).count()
@@ -145,6 +152,7 @@ impl Complementarity {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::linalg::dot;
     use proptest::prelude::*;
 
     /// The solution by trying all active sets; P-matrices have exactly one.
@@ -154,7 +162,7 @@ mod tests {
             .find_map(|set| {
                 let mut problem = filled(matrix, offset);
                 (0..n).for_each(|i| problem.active[i] = set >> i & 1 == 1);
-                problem.solve_active().unwrap();
+                problem.solve_active(&mut |_, _| ()).unwrap();
                 (problem.find_wrong(0.0) == 0).then_some(problem.solution)
             })
             .expect("a P-matrix has a solution")
@@ -190,7 +198,7 @@ mod tests {
             let matrix = p_matrix(n, &b, &skew);
             let offset = &offset[..n];
             let mut problem = filled(&matrix, offset);
-            prop_assert_eq!(problem.solve(), Ok(()));
+            prop_assert_eq!(problem.solve(|_, _| ()), Ok(()));
             let expected = enumerate(&matrix, offset);
             let size = expected.iter().fold(1.0, |a: f64, z| a.max(z.abs()));
             for (z, expected) in problem.solution.iter().zip(&expected) {
@@ -207,7 +215,7 @@ mod tests {
         ) {
             let matrix = p_matrix(27, &b, &skew);
             let mut problem = filled(&matrix, &offset);
-            prop_assert_eq!(problem.solve(), Ok(()));
+            prop_assert_eq!(problem.solve(|_, _| ()), Ok(()));
             let size = problem.solution.iter().fold(1.0, |a: f64, z| a.max(z.abs()));
             for i in 0..27 {
                 let slack = dot(&matrix[27 * i..27 * (i + 1)], &problem.solution) - offset[i];
@@ -221,27 +229,27 @@ mod tests {
     fn releasing_one_node_rechecks_the_others() {
         // Both penetrate, but pushing node 0 back lifts node 1 off: only one is in contact.
         let mut problem = filled(&[1.0, 0.9, 0.9, 1.0], &[1.0, 0.5]);
-        problem.solve().unwrap();
+        problem.solve(|_, _| ()).unwrap();
         assert!((problem.solution[0] - 1.0).abs() < 1e-11 && problem.solution[1] == 0.0);
         // Node 1 does not penetrate until node 0 is pushed back.
         let mut problem = filled(&[1.0, -0.9, -0.9, 1.0], &[1.0, -0.5]);
-        problem.solve().unwrap();
+        problem.solve(|_, _| ()).unwrap();
         assert!(problem.solution[0] > 1.0 && problem.solution[1] > 0.0);
     }
 
     #[test]
     fn a_problem_without_solution_is_reported() {
-        assert_eq!(filled(&[-1.0], &[1.0]).solve(), Err(Unsolvable));
-        assert_eq!(filled(&[1.0, -2.0, -2.0, 1.0], &[1.0, 1.0]).solve(), Err(Unsolvable));
+        assert_eq!(filled(&[-1.0], &[1.0]).solve(|_, _| ()), Err(Unsolvable));
+        assert_eq!(filled(&[1.0, -2.0, -2.0, 1.0], &[1.0, 1.0]).solve(|_, _| ()), Err(Unsolvable));
     }
 
     #[test]
     fn dependent_nodes_share_a_force_and_the_tighter_stop_takes_it() {
         let mut problem = filled(&[1.0, 1.0, 1.0, 1.0], &[1.0, 1.0]);
-        problem.solve().unwrap();
+        problem.solve(|_, _| ()).unwrap();
         assert!((problem.solution[0] + problem.solution[1] - 1.0).abs() < 1e-11);
         let mut problem = filled(&[1.0, 1.0, 1.0, 1.0], &[1.0, 2.0]);
-        problem.solve().unwrap();
+        problem.solve(|_, _| ()).unwrap();
         assert!(problem.solution[0] == 0.0 && (problem.solution[1] - 2.0).abs() < 1e-11);
     }
 }

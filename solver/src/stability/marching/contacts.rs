@@ -23,6 +23,20 @@ struct Sliding {
     velocity: f64,
 }
 
+impl Sliding {
+    /// Sliding speed of a node with friction and its direction times μ. A node that does not slide at all has no direction, and no
+    /// friction.
+    #[inline(always)]
+    fn directed(node: &Node, rows: &Matrix, increment: &[f64], slope: f64) -> Option<(f64, [f64; 2])> {
+        let friction = node.friction.as_ref()?;
+        let a = slope * dot(rows.row(node.normal + 1), increment) + friction.velocity;
+        let b = slope * dot(rows.row(node.normal + 2), increment);
+        let speed = (a * a + b * b).sqrt();
+        let scale = if speed > 0.0 { friction.coefficient / speed } else { 0.0 };
+        Some((speed, [scale * a, scale * b]))
+    }
+}
+
 /// All contact elements of a model.
 pub struct Contacts {
     nodes: Vec<Node>,
@@ -30,7 +44,7 @@ pub struct Contacts {
     rows: Matrix,
     /// (A_h⁻¹ ΦᵀBᵀ)ᵀ: motion of the next position under a unit force on each channel, one row per channel.
     responses: Matrix,
-    /// N A_h⁻¹ Bᵀ: motion of each normal channel under a unit force on each channel.
+    /// B A_h⁻¹ Nᵀ: motion of the normal channels under a unit force on each channel, one row per channel.
     compliance: Matrix,
     /// Components of (N + μT)ᵀ on the tangential channels of each node: μ v/|v|.
     tangents: Vec<[f64; 2]>,
@@ -39,7 +53,14 @@ pub struct Contacts {
     problem: Complementarity,
     /// Whether anything touches at the end of the last step.
     touching: bool,
+    /// Lengths ‖NΦ‖ of the normal rows.
+    lengths: Vec<f64>,
+    /// Way in modal coordinates that no node can reach its stop on, kg^½·m: none moves farther than ‖NΦ‖ times the way.
+    reserve: f64,
 }
+
+/// Ways are taken to be longer by this share, far more than rounding.
+const LONGER: f64 = 1e-9;
 
 impl Contacts {
     /// Contacts of `model` at a rotor speed in rad/s.
@@ -59,10 +80,13 @@ impl Contacts {
             responses.row_mut(i).copy_from_slice(&inverse.apply(rows.row(i)));
         }
         let compliance =
-            Matrix::from_fn(nodes.len(), rows.rows(), |i, j| dot(rows.row(nodes[i].normal), responses.row(j)));
+            Matrix::from_fn(rows.rows(), nodes.len(), |i, j| dot(rows.row(nodes[j].normal), responses.row(i)));
         let problem = Complementarity::new(nodes.len());
         let (tangents, speeds) = (vec![[0.0; 2]; nodes.len()], vec![0.0; nodes.len()]);
-        Self { nodes, rows, responses, compliance, tangents, speeds, problem, touching: false }
+        let length = |node: &Node| dot(rows.row(node.normal), rows.row(node.normal)).sqrt();
+        let lengths = nodes.iter().map(length).collect();
+        let (touching, reserve) = (false, 0.0);
+        Self { nodes, rows, responses, compliance, tangents, speeds, problem, touching, lengths, reserve }
     }
 
     /// Whether there is friction at any node.
@@ -75,40 +99,58 @@ impl Contacts {
         &self.problem.solution
     }
 
-    /// Corrects the increment `next` that leads to the predicted position `ahead`. `increment`·`slope` is the velocity
-    /// of the step before, which gives the sliding directions: they lag by one step.
-    pub fn correct(
-        &mut self,
-        ahead: &[f64],
-        increment: &[f64],
-        slope: f64,
-        next: &mut [f64],
-    ) -> Result<(), Unsolvable> {
-        self.touching = false;
-        for (penetration, node) in self.problem.offset.iter_mut().zip(&self.nodes) {
-            *penetration = dot(self.rows.row(node.normal), ahead) - node.gap;
-            self.touching |= *penetration > 0.0;
+    /// The next position may be anywhere: what is known of how far the stops are is of another motion.
+    pub fn forget(&mut self) {
+        self.reserve = 0.0;
+    }
+
+    /// Whether anything touches at the predicted position `ahead`, to which the increment `next` leads from the last one: where it
+    /// does, [`correct`](Self::correct) has the pressures.
+    #[inline(always)]
+    pub fn touches(&mut self, ahead: &[f64], next: &[f64]) -> bool {
+        if self.nodes.is_empty() {
+            return false;
         }
-        if !self.touching {
-            self.problem.solution.fill(0.0);
-            return Ok(());
-        }
-        self.find_tangents(increment, slope);
-        let n = self.nodes.len();
-        for i in 0..n {
-            let compliance = self.compliance.row(i);
-            for (j, node) in self.nodes.iter().enumerate() {
-                let mut entry = compliance[node.normal];
-                if node.friction.is_some() {
-                    let [a, b] = self.tangents[j];
-                    entry += a * compliance[node.normal + 1] + b * compliance[node.normal + 2];
-                }
-                self.problem.matrix[i * n + j] = entry;
+        if self.reserve > 0.0 {
+            self.reserve -= (1.0 + LONGER) * dot(next, next).sqrt();
+            if self.reserve > 0.0 {
+                return false;
             }
         }
-        self.problem.solve()?;
-        for (j, node) in self.nodes.iter().enumerate() {
-            let pressure = self.problem.solution[j];
+        let was_touching = std::mem::replace(&mut self.touching, false);
+        self.reserve = f64::INFINITY;
+        for (i, (penetration, node)) in self.problem.offset.iter_mut().zip(&self.nodes).enumerate() {
+            *penetration = dot(self.rows.row(node.normal), ahead) - node.gap;
+            self.touching |= *penetration > 0.0;
+            self.reserve = self.reserve.min(-*penetration / self.lengths[i]);
+        }
+        if was_touching && !self.touching {
+            self.problem.solution.fill(0.0);
+        }
+        self.touching
+    }
+
+    /// Corrects the increment `next` that leads to a position at which something touches. `increment`·`slope` is the velocity
+    /// of the step before, which gives the sliding directions: they lag by one step.
+    #[inline(always)]
+    pub fn correct(&mut self, increment: &[f64], slope: f64, next: &mut [f64]) -> Result<(), Unsolvable> {
+        self.reserve = 0.0;
+        let n = self.nodes.len();
+        self.problem.solve(|j, matrix| {
+            let node = &self.nodes[j];
+            let sliding = Sliding::directed(node, &self.rows, increment, slope);
+            let compliance = |channel: usize| self.compliance.row(node.normal + channel);
+            matrix.iter_mut().skip(j).step_by(n).zip(compliance(0)).for_each(|(entry, c)| *entry = *c);
+            if let Some((speed, [a, b])) = sliding {
+                (self.speeds[j], self.tangents[j]) = (speed, [a, b]);
+                let entries = matrix.iter_mut().skip(j).step_by(n);
+                entries
+                    .zip(compliance(1).iter().zip(compliance(2)))
+                    .for_each(|(entry, (c, d))| *entry += a * c + b * d);
+            }
+        })?;
+        for &j in self.problem.active() {
+            let (node, pressure) = (&self.nodes[j], self.problem.solution[j]);
             if pressure > 0.0 {
                 axpy(-pressure, self.responses.row(node.normal), next);
                 if node.friction.is_some() {
@@ -121,25 +163,13 @@ impl Contacts {
         Ok(())
     }
 
-    /// Sliding directions times μ. A node that does not slide at all has no direction, and no friction.
-    fn find_tangents(&mut self, increment: &[f64], slope: f64) {
-        for ((tangent, speed), node) in self.tangents.iter_mut().zip(&mut self.speeds).zip(&self.nodes) {
-            if let Some(friction) = &node.friction {
-                let a = slope * dot(self.rows.row(node.normal + 1), increment) + friction.velocity;
-                let b = slope * dot(self.rows.row(node.normal + 2), increment);
-                *speed = (a * a + b * b).sqrt();
-                let scale = if *speed > 0.0 { friction.coefficient / *speed } else { 0.0 };
-                *tangent = [scale * a, scale * b];
-            }
-        }
-    }
-
     /// The nodes that touch at the end of the last step.
     pub fn touching(&self) -> &[usize] {
         if self.touching { self.problem.active() } else { &[] }
     }
 
     /// Work that the pressures of the last step take from the structure, in J: `increment` led to the step, `next` leads on.
+    #[inline(always)]
     pub fn work(&self, increment: &[f64], next: &[f64]) -> f64 {
         let along = |node: usize| {
             let row = self.rows.row(self.nodes[node].normal);
@@ -150,18 +180,13 @@ impl Contacts {
 
     /// Rows that linearise the contacts of the last step, see [`Tape`](super::tape::Tape): P = W⁻¹N and G = (A_h⁻¹Bᵀ)ᵀ of the
     /// nodes that touch, n numbers each, all of P first.
+    #[inline(always)]
     pub fn linearise(&mut self, out: &mut Vec<f64>) {
-        let (m, n) = (self.problem.active().len(), self.rows.cols());
-        let at = out.len();
-        // Column after column, as the factors of the last solution want them.
-        let mut columns = vec![0.0; m * n];
-        for (i, &node) in self.problem.active().iter().enumerate() {
-            let row = self.rows.row(self.nodes[node].normal);
-            row.iter().enumerate().for_each(|(j, &entry)| columns[j * m + i] = entry);
+        let (at, n) = (out.len(), self.rows.cols());
+        for &node in self.problem.active() {
+            out.extend(self.rows.row(self.nodes[node].normal));
         }
-        self.problem.solve_again(&mut columns);
-        out.extend((0..m).flat_map(|i| columns.iter().skip(i).step_by(m)));
-        debug_assert_eq!(out.len(), at + m * n);
+        self.problem.solve_again(&mut out[at..], n);
         for &node in self.problem.active() {
             let (normal, [a, b]) = (self.nodes[node].normal, self.tangents[node]);
             let at = out.len();
@@ -177,6 +202,7 @@ impl Contacts {
     /// rub, n numbers each, all of the former first; the number of these nodes.
     ///
     /// A change of velocity turns the friction only as far as it is perpendicular to the sliding: I − ττᵀ = τ⊥τ⊥ᵀ.
+    #[inline(always)]
     pub fn linearise_friction(&self, slope: f64, out: &mut Vec<f64>) -> usize {
         let rubs = |&&node: &&usize| self.nodes[node].friction.is_some() && self.speeds[node] > 0.0;
         let rubbing: Vec<usize> = self.touching().iter().filter(rubs).copied().collect();
@@ -184,7 +210,7 @@ impl Contacts {
             for &node in &rubbing {
                 // τ times μ; so that both factors together have μ once.
                 let (normal, [a, b]) = (self.nodes[node].normal, self.tangents[node]);
-                let length = a.hypot(b);
+                let length = (a * a + b * b).sqrt();
                 let rate = self.problem.solution[node] * slope / self.speeds[node];
                 let scale = if is_response { 1.0 / length } else { rate };
                 let pair = matrix.row(normal + 1).iter().zip(matrix.row(normal + 2));

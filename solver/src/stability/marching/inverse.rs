@@ -4,10 +4,18 @@ use super::dot;
 use crate::linalg::{LinalgError, Lu, Matrix};
 use crate::structure::Damping;
 
+/// The step of modes that damping does not couple.
+pub struct Uncoupled {
+    /// (1 − ĉh/2)/(1 + ĉh/2) of each mode.
+    pub decays: Vec<f64>,
+    /// h²/(1 + ĉh/2) of each mode, in s².
+    pub compliances: Vec<f64>,
+}
+
 /// A_h⁻¹ in modal coordinates.
 pub enum Inverse {
-    /// Modal damping: (decay, compliance) = ((1 − ĉh/2)/(1 + ĉh/2), h²/(1 + ĉh/2)) of each mode.
-    Diagonal(Vec<(f64, f64)>),
+    /// Modal damping.
+    Diagonal(Uncoupled),
     /// Full damping.
     Full(Matrix),
 }
@@ -22,7 +30,8 @@ impl Inverse {
             Some(rates) => {
                 let mode =
                     |c: &f64| ((1.0 - 0.5 * c * step) / (1.0 + 0.5 * c * step), step * step / (1.0 + 0.5 * c * step));
-                Ok(Self::Diagonal(rates.iter().map(mode).collect()))
+                let (decays, compliances) = rates.iter().map(mode).unzip();
+                Ok(Self::Diagonal(Uncoupled { decays, compliances }))
             }
             None => {
                 let matrix = damping.matrix();
@@ -49,18 +58,20 @@ impl Inverse {
     /// A_h⁻¹ r.
     pub fn apply(&self, r: &[f64]) -> Vec<f64> {
         match self {
-            Self::Diagonal(modes) => modes.iter().zip(r).map(|((_, compliance), r)| compliance * r).collect(),
+            Self::Diagonal(modes) => modes.compliances.iter().zip(r).map(|(compliance, r)| compliance * r).collect(),
             Self::Full(inverse) => inverse.mul_vec(r),
         }
     }
 
     /// `next` = A_h⁻¹ ((I/h² − Ĉ/(2h)) `increment` + `force`): central differences written on increments. Uses up `force`.
+    #[inline(always)]
     pub fn predict(&self, increment: &[f64], force: &mut [f64], step: f64, next: &mut [f64]) {
         match self {
             Self::Diagonal(modes) => {
-                for ((next, (decay, compliance)), (d, f)) in next.iter_mut().zip(modes).zip(increment.iter().zip(force))
-                {
-                    *next = decay * d + compliance * *f;
+                let coefficients = modes.decays.iter().zip(&modes.compliances);
+                let motions = increment.iter().zip(force.iter());
+                for ((next, (decay, compliance)), (d, f)) in next.iter_mut().zip(coefficients).zip(motions) {
+                    *next = decay * d + compliance * f;
                 }
             }
             // A_h⁻¹ (I/h² − Ĉ/(2h)) = 2/h² A_h⁻¹ − I: one product does.

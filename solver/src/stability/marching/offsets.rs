@@ -49,7 +49,7 @@ impl Marching<'_> {
     /// Offsets of the marked laws, whose derivatives by ω are those at `state`.
     pub(in crate::stability) fn offsets(&self, state: &[f64], marks: &[bool]) -> Vec<Offset> {
         let (n, h) = (self.y.len(), self.step);
-        let omega = TAU / (h * self.steps_per_period as f64);
+        let omega = TAU / (h * self.phases.steps as f64);
         let mut offsets = Vec::new();
         let mut end = 2 * n;
         for (law, &mark) in self.laws.iter().zip(marks) {

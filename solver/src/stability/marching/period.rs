@@ -18,7 +18,7 @@ pub struct Account {
     pub impacts: f64,
 }
 
-impl Marching<'_> {
+impl<'m> Marching<'m> {
     /// Numbers of a state: n modal displacements (kg^½·m), n modal velocities (y_n − y_{n−1})/h, and what the laws carry from
     /// step to step (slopes in m/s, forces in N).
     pub fn state_size(&self) -> usize {
@@ -37,7 +37,7 @@ impl Marching<'_> {
     /// The state at t = 0 of a periodic motion of the balance, whatever its frequency is to the marcher's: positions of the last
     /// steps before t = 0, and forces that laws with memory come to on its displacements.
     pub fn state_of(&self, motion: &State) -> Vec<f64> {
-        let turn = TAU / self.steps_per_period as f64;
+        let turn = TAU / self.phases.steps as f64;
         let at = |series: &[f64], steps: f64| evaluate(series, steps * turn)[0];
         let n = self.y.len();
         let mut state: Vec<f64> = (0..n).map(|j| at(motion.mode(j), 0.0)).collect();
@@ -49,7 +49,7 @@ impl Marching<'_> {
                 state.extend(arguments.iter().map(|series| (at(series, -1.0) - at(series, -2.0)) / self.step));
             }
             if law.has_memory() {
-                let period = self.steps_per_period as i32;
+                let period = self.phases.steps as i32;
                 // Two periods: after one, the force of a slider that slips has forgotten where it began.
                 let path = (-2 * period..0).map(|i| at(&arguments[0], f64::from(i)));
                 state.push(law.force_after(path));
@@ -73,6 +73,14 @@ impl Marching<'_> {
             }
         }
         scales
+    }
+
+    /// Another marching of the model with as many steps in a period, under A = `amplitude` with a response of frequency `omega` (rad/s), at rest.
+    ///
+    /// # Errors
+    /// As [`Marching::new`].
+    pub(in crate::stability) fn beside(&self, amplitude: f64, omega: f64) -> Result<Self, MarchingError> {
+        Self::with_phases(self.model, self.phases.clone(), amplitude, omega)
     }
 
     /// Starts again at t = 0 with a state of [`state`](Self::state).
@@ -99,6 +107,7 @@ impl Marching<'_> {
         self.y.copy_from_slice(&state[..n]);
         self.increment.iter_mut().zip(&state[n..]).for_each(|(d, v)| *d = v * self.step);
         self.index = index;
+        self.contacts.forget();
         self.linear_force();
         let mut memory = &state[2 * n..];
         for law in &mut self.laws {
@@ -115,7 +124,7 @@ impl Marching<'_> {
     /// # Errors
     /// Those of [`Marching::step`], and a motion that is not finite any more.
     pub(in crate::stability) fn walk(&mut self, visit: &mut dyn FnMut(&mut Self)) -> Result<(), MarchingError> {
-        for _ in 0..self.steps_per_period {
+        for _ in 0..self.phases.steps {
             visit(self);
             self.step()?;
         }
@@ -164,14 +173,13 @@ impl Marching<'_> {
     }
 
     /// Adds what the step that is made ready does.
+    #[inline(always)]
     pub(in crate::stability) fn balance(&self, account: &mut Account) {
         if !self.contacts.touching().is_empty() {
             account.impacts += self.contacts.work(&self.increment, &self.next);
         }
-        let steps = self.steps_per_period;
-        let turns = (self.model.forcing().harmonic * (self.index % steps) % steps) as f64 / steps as f64;
         let motion = 0.5 * (dot(&self.forcing, &self.increment) + dot(&self.forcing, &self.next));
-        account.supplied += (TAU * turns).cos() * motion;
+        account.supplied += self.phases.cosine(self.index) * motion;
     }
 
     /// Whether the step that is made ready is as smooth as its laws: nothing touches, slips, or begins or ceases to act.
@@ -190,6 +198,7 @@ impl Marching<'_> {
     }
 
     /// Displacement of the monitored dof of this number at t_n, m.
+    #[inline(always)]
     pub(in crate::stability) fn monitored(&self, number: usize) -> f64 {
         dot(self.monitors.row(number), &self.y)
     }

@@ -2,6 +2,7 @@
 
 use super::local::{Action, LocalLaw};
 use super::{Contacts, Marching};
+use crate::linalg::vectorised;
 
 /// One or several time steps, linearised.
 pub enum Move {
@@ -49,6 +50,7 @@ impl Tape {
     }
 
     /// Adds the step that was made ready last. `has_laws`: whether any law acts with a slope.
+    #[inline(always)]
     pub fn record(&mut self, contacts: &mut Contacts, laws: &[LocalLaw<'_>], slope: f64) {
         let acts = laws.iter().any(|law| law.memory_size() > 0 || law.action().response.du != [[0.0; 3]; 3]);
         let touching = contacts.touching().len();
@@ -83,6 +85,10 @@ impl Tape {
 impl Marching<'_> {
     /// Adds the step that is made ready.
     pub(super) fn record(&mut self, tape: &mut Tape) {
-        tape.record(&mut self.contacts, &self.laws, 1.0 / self.step);
+        let slope = 1.0 / self.step;
+        vectorised(
+            #[inline(always)]
+            || tape.record(&mut self.contacts, &self.laws, slope),
+        );
     }
 }
