@@ -21,7 +21,6 @@ use crate::curve::problem::Problem;
 use crate::linalg::LinalgError;
 use crate::settings::HarmonicSettings;
 use crate::structure::Model;
-use crate::structure::laws::Law;
 use aft::Aft;
 use modal::Modal;
 use scales::Scales;
@@ -86,8 +85,7 @@ pub struct System<'m> {
 impl<'m> System<'m> {
     fn new(model: &'m Model, truncation: HarmonicSettings, tracked: usize, unknown: Unknown, scales: Scales) -> Self {
         let modal = Arc::new(Modal::new(model));
-        let is_symmetric = model.elements().iter().all(|element| element.law.is_odd());
-        Self { model, modal, harmonics: truncation.count, tracked, unknown, scales, is_symmetric }
+        Self { model, modal, harmonics: truncation.count, tracked, unknown, scales, is_symmetric: model.is_odd() }
     }
 
     /// Number of motions that are the same solution: time shifts by whole periods of the forcing, m in a period of the response,

@@ -4,7 +4,7 @@
 //! tangent contains the impacts as they are, which no truncated series does.
 
 use super::basin::is_left_by_a_push;
-use super::marching::MarchingSettings;
+use super::marching::{Account, MarchingSettings};
 use super::multipliers::{Multiplier, Verdict};
 use super::shooting::{NewtonOptions, Orbit, Period, Point, Shooting};
 use super::symmetry;
@@ -218,10 +218,14 @@ fn judge(
     Ok(Polish { verdict, reason, polished: Some(polished), periods: (0, 0) })
 }
 
-/// Share of the energy supplied in a period that impacts take, 0 to 1.
+/// Impacts that take less than this share of what the forcing exchanges with the structure are rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// Share of the energy supplied in a period that impacts take, 0 to 1. Where friction drives the structure the forcing may supply
+/// nothing.
 pub(super) fn share_of_impacts(period: &Period) -> f64 {
-    let account = &period.account;
-    if account.impacts > 0.0 { account.impacts / account.supplied.max(account.impacts) } else { 0.0 }
+    let Account { supplied, exchanged, impacts } = period.account;
+    if impacts > 0.0 { impacts / supplied.max(impacts).max(ROUNDING * exchanged) } else { 0.0 }
 }
 
 /// Distance of a marched path from the motion of the balance, rms over the period and all modes, relative to what varies of

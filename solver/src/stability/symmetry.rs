@@ -4,7 +4,6 @@ use crate::curve::problem::SAME_IMAGE;
 use crate::formulation::harmonics::complex;
 use crate::formulation::state::State;
 use crate::structure::Model;
-use crate::structure::laws::Law;
 use num_complex::Complex64;
 use std::f64::consts::{PI, TAU};
 
@@ -26,7 +25,7 @@ pub(super) fn is_lost(model: &Model, state: &State, path: &[f64], share: f64) ->
             .map(|(i, (tau, weight))| Complex64::from_polar(weight * path[i * n + mode], -(k as f64) * tau));
         terms.sum::<Complex64>() * if k == 0 { 1.0 } else { 2.0 }
     };
-    let is_odd = model.elements().iter().all(|element| element.law.is_odd());
+    let is_odd = model.is_odd();
     let m = model.forcing().harmonic;
     let mut images = (1..2 * m).filter(|halves| is_odd || halves % 2 == 0);
     images.any(|halves| {

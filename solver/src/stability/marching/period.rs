@@ -13,6 +13,8 @@ use std::f64::consts::TAU;
 pub struct Account {
     /// Work of the forcing, in J.
     pub supplied: f64,
+    /// What the forcing gives and what it takes, together, in J.
+    pub exchanged: f64,
     /// Work that the contact pressures take from the structure, in J: impacts only, since neither a steady contact nor a
     /// release takes any.
     pub impacts: f64,
@@ -179,7 +181,9 @@ impl<'m> Marching<'m> {
             account.impacts += self.contacts.work(&self.increment, &self.next);
         }
         let motion = 0.5 * (dot(&self.forcing, &self.increment) + dot(&self.forcing, &self.next));
-        account.supplied += self.phases.cosine(self.index) * motion;
+        let work = self.phases.cosine(self.index) * motion;
+        account.supplied += work;
+        account.exchanged += work.abs();
     }
 
     /// Whether the step that is made ready is as smooth as its laws: nothing touches, slips, or begins or ceases to act.
