@@ -1,6 +1,8 @@
 //! What `isola check` says of a study before anything is computed.
 
+mod damping;
 mod early;
+mod laws;
 mod touch;
 
 use crate::study::Study;
@@ -10,7 +12,7 @@ use results::words::{self, count, digits, number};
 use solver::formulation::harmonics::width;
 use solver::response::modes::ModesFollowed;
 use solver::response::orders::Orders;
-use solver::settings::{FrequencySettings, Quadrature};
+use solver::settings::{FrequencySettings, Quadrature, Settings};
 use solver::structure::Model;
 use solver::structure::laws::{Law, RigidContact};
 use std::f64::consts::TAU;
@@ -44,7 +46,11 @@ pub fn report(study: &Study) -> String {
     lines.push(("unknowns", unknowns(study)));
     lines.push(("frequency", frequency(study)));
     lines.extend(orders(study).into_iter().map(|order| ("order", order)));
-    lines.extend(early::warnings(study, touch.as_ref()).into_iter().map(|warning| ("warning", warning)));
+    let warnings = damping::overdamped(model, &study.settings)
+        .into_iter()
+        .chain(early::warnings(study, touch.as_ref()))
+        .chain(laws::warnings(study, &choice.followed));
+    lines.extend(warnings.map(|warning| ("warning", warning)));
     lines.into_iter().map(|(what, text)| format!("{what:<12}{text}\n")).collect()
 }
 
@@ -73,6 +79,11 @@ fn orders(study: &Study) -> Vec<String> {
 /// What is probably not meant of the bounds of the frequency, which a sweep says as well: sentences.
 pub fn of_bounds(study: &Study) -> Vec<String> {
     early::bounds(study)
+}
+
+/// Why the mode that a sweep begins with has no backbone, if that is known before: a sentence.
+pub fn without_backbone(model: &Model, settings: &Settings) -> Option<String> {
+    damping::overdamped_primary(model, settings)
 }
 
 fn size(model: &Model) -> String {

@@ -17,6 +17,8 @@ use clap::{Args, Parser, Subcommand};
 use results::export::Format;
 #[cfg(feature = "figures")]
 use results::plot::{Along, FigureName};
+#[cfg(feature = "figures")]
+use results::summary_table::UnitChoice;
 #[cfg(feature = "page")]
 use serving::host_port;
 use std::ops::RangeInclusive;
@@ -295,9 +297,13 @@ pub struct PlotArgs {
     /// What balance and modes are drawn over [default: arc].
     #[arg(long, value_name = "QUANTITY", value_parser = quantities())]
     pub along: Option<Along>,
-    /// Show these frequencies only, rad/s [default: where something happens] (response, map, backbone).
+    /// Show these frequencies only, rad/s or Hz as in --units [default: where something happens] (response, map, backbone).
     #[arg(long, num_args = 2, value_names = ["MIN", "MAX"], allow_negative_numbers = true)]
     pub frequency: Option<Vec<f64>>,
+    /// Units of axes and of --frequency: one of m, mm, um and one of rad/s, Hz, as in mm,Hz, or one of them only [default: rad/s, and
+    /// what lengths are read best in].
+    #[arg(long, value_name = "UNITS", value_parser = str::parse::<UnitChoice>)]
+    pub units: Option<UnitChoice>,
     /// Width, mm.
     #[arg(long, value_name = "MM", allow_negative_numbers = true, default_value_t = 170.0, value_parser = millimetres)]
     pub width: f64,
@@ -315,7 +321,7 @@ pub struct ExportArgs {
     #[arg(long, default_value = "csv", value_parser = formats())]
     pub format: Format,
     /// Where to write [default: the folder of the run].
-    #[arg(long, value_name = "DIR")]
+    #[arg(short = 'o', long, visible_alias = "out", value_name = "DIR")]
     pub to: Option<PathBuf>,
 }
 

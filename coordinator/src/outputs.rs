@@ -75,7 +75,8 @@ fn page(reader: &Reader, args: &crate::cli::ReportArgs, out: Option<&Path>) -> R
     use results::report::{Report, Selection};
     let _snapshot = reader.snapshot()?;
     let levels = chosen_levels(reader, args.levels.as_deref())?;
-    let report = Report::read(reader, &levels.map_or(Selection::Fitting, Selection::Amplitudes))?;
+    let mut report = Report::read(reader, &levels.map_or(Selection::Fitting, Selection::Amplitudes))?;
+    report.turn_to_isola(None);
     let folder = reader.order().map_or_else(|| reader.dir().into(), |order| reader.dir().join(order_folder(order)));
     std::fs::create_dir_all(&folder).map_err(Error::io(&folder))?;
     let file = out.map_or_else(|| folder.join("report.html"), Path::to_path_buf);
@@ -156,6 +157,7 @@ pub fn plot(args: &crate::cli::PlotArgs) -> Result<ExitCode, Error> {
     use results::plot::{FileFormat, Request, compose, compose_several};
     let format = FileFormat::of(&args.out)?;
     let runs = of_this_order(opened(&args.runs)?, args.order)?;
+    let units = args.units.unwrap_or_default();
     let request = Request {
         figure: args.figure,
         levels: chosen_levels(&runs[0].1, args.levels.as_deref())?,
@@ -164,7 +166,8 @@ pub fn plot(args: &crate::cli::PlotArgs) -> Result<ExitCode, Error> {
         mode: args.mode,
         at: args.at.clone(),
         along: args.along,
-        frequency: args.frequency.as_deref().map(|ends| (ends[0], ends[1])),
+        frequency: args.frequency.as_deref().map(|ends| (units.rate(ends[0]), units.rate(ends[1]))),
+        units,
     };
     let (sheet, omissions) = match &runs[..] {
         [(_, reader)] => compose(reader, &request).map(|(sheet, omissions)| (sheet, vec![omissions]))?,

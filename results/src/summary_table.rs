@@ -2,16 +2,17 @@
 
 mod footnotes;
 pub(crate) mod motions;
-mod pushes;
+pub(crate) mod pushes;
 mod stability;
 mod units;
 
-pub use units::{FrequencyUnit, LengthUnit, Units};
+pub use units::{FrequencyUnit, LengthUnit, UnitChoice, Units};
 
 use crate::export::order_folder;
 use crate::overview::{
-    BEYOND, Lesser, Level, Omissions, Overview, Shift, UNTOUCHED, WindowOutcome, born_between, events_sentence,
-    forcing_label, is_unconfirmed, is_untouched, is_within, later_birth, least_added, modes, truncation, unfinished,
+    Lesser, Level, Omissions, Overview, Shift, UNTOUCHED, WindowOutcome, beyond, born_between, bounds, events_sentence,
+    forcing_label, is_unconfirmed, is_untouched, later_birth, least_added, modes, not_followed_sentence, truncation,
+    unfinished,
 };
 use crate::store::{BranchRow, CurveRow, Reader, Result};
 use crate::words::count;
@@ -120,12 +121,12 @@ fn of_order(reader: &Reader, layout: Layout) -> Result<String> {
     let settings = overview.header.as_ref().map(|header| header.settings);
     let harmonics = settings.map(|settings| settings.harmonics.count);
     let reach = omissions.read("The frequency range of the sweep is", reader.reach()).flatten();
-    let reach = reach.map(|reach| reach.frequency);
+    let bounds = bounds(given, reach.map(|reach| reach.frequency), reader.order().is_some());
     if let Some(model) = &model
         && !levels.is_empty()
         && levels.iter().all(|level| level.is_complete() && level.highest_isola().is_none())
     {
-        let but = match born_between(levels, &curves, reach).len() {
+        let but = match born_between(levels, &curves, bounds).len() {
             0 => String::new(),
             1 => " at these levels (one is born between them)".into(),
             several => format!(" at these levels ({several} are born between them)"),
@@ -151,11 +152,10 @@ fn of_order(reader: &Reader, layout: Layout) -> Result<String> {
     }
     stability::sentences(levels, layout.units).iter().for_each(|sentence| say(sentence));
     let unit = layout.units.frequency;
-    let events = events_sentence(&curves, |omega| {
-        let beyond = if is_within(reach, omega) { "" } else { BEYOND };
-        format!("{} {unit}{beyond}", unit.digits(omega))
-    });
-    [events, shift(&overview, layout.units)].iter().flatten().for_each(|sentence| say(sentence));
+    let events = events_sentence(&curves, |omega| format!("{} {unit}{}", unit.digits(omega), beyond(bounds, omega)));
+    let search = omissions.read("What became of folds is", reader.search_counts()).unwrap_or_default();
+    let missing = not_followed_sentence(search.hanging).filter(|_| events.is_some());
+    [events, missing, shift(&overview, layout.units)].iter().flatten().for_each(|sentence| say(sentence));
     let motions = omissions.read("The list of motions is", reader.motions()).unwrap_or_default();
     motions::sentences(&motions, layout.units, reader.order().is_some()).iter().for_each(|sentence| say(sentence));
     let pushes = omissions.read("The list of pushes is", reader.pushes()).unwrap_or_default();
@@ -265,7 +265,9 @@ impl Rows<'_> {
             kind if kind == BranchKind::Branched.name() => &format!("; {}", self.lesser.than("what it branches off")),
             _ => "; whether it is detached is not known",
         };
-        let mark = self.notes.mark(format!("{}{meaning}", row.status));
+        // `open` is the name of a kind as well.
+        let ends = row.status.strip_prefix("open: ").map_or_else(|| row.status.clone(), |ends| format!("from {ends}"));
+        let mark = self.notes.mark(format!("{ends}{meaning}"));
         format!("{}: {range}, {peak}{mark}", row.kind)
     }
 

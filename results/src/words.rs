@@ -13,14 +13,17 @@ pub fn length_among(metres: f64, largest: f64) -> String {
     format!("{} {unit}", digits(metres * factor, 4))
 }
 
+/// Units of lengths, and how many of each make a metre.
+pub const LENGTH_UNITS: [(f64, &str); 4] = [(1.0, "m"), (1e3, "mm"), (1e6, "µm"), (1e9, "nm")];
+
 /// The unit in which lengths up to this one are read best, and how many of it make a metre.
 pub fn length_unit(metres: f64) -> (f64, &'static str) {
-    match metres.abs() {
-        size if size >= 1.0 || size == 0.0 || !size.is_finite() => (1.0, "m"),
-        size if size >= 1e-4 => (1e3, "mm"),
-        size if size >= 1e-7 => (1e6, "µm"),
-        _ => (1e9, "nm"),
-    }
+    LENGTH_UNITS[match metres.abs() {
+        size if size >= 1.0 || size == 0.0 || !size.is_finite() => 0,
+        size if size >= 1e-4 => 1,
+        size if size >= 1e-7 => 2,
+        _ => 3,
+    }]
 }
 
 /// A frequency: `2495 rad/s (397.2 Hz)`.

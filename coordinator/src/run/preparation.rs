@@ -1,6 +1,7 @@
 //! What a sweep needs beside the model: from the store, or computed.
 
 use crate::bus::PublishedSweep;
+use crate::check::without_backbone;
 use crate::engine::{Beginning, Decider, Event, Stored};
 use crate::error::Error;
 use protocol::backbone::BackboneMessage;
@@ -222,7 +223,10 @@ pub fn compute(
     let (all, orders) = (&header.amplitudes, Orders::of(model, &header.settings));
     let mut parts: Vec<Part<'_>> = Vec::new();
     for order in orders.iter() {
-        let backbones = Backbones::reaching(&order.model, &order.settings, largest(all), &mut observer, stop)?;
+        let backbones = Backbones::reaching(&order.model, &order.settings, largest(all), &mut observer, stop);
+        let backbones = backbones.map_err(|error| {
+            without_backbone(&order.model, &order.settings).map_or_else(|| Error::from(error), Error::Other)
+        })?;
         if stop.load(Ordering::Relaxed) {
             return Ok(None);
         }

@@ -199,3 +199,56 @@ fn branches_too_large_to_be_sent() {
     let most = warnings[0].rsplit(' ').next().unwrap();
     assert!(checked(MODEL, "0.3", &[("branch.max_points", most)]).0.is_empty(), "{most}");
 }
+
+/// The mass with a law of its own instead of the stop.
+fn with_law(law: &str) -> String {
+    let linear = MODEL.split("[contact]").next().unwrap();
+    format!("{linear}[[laws]]\nname = \"spring\"\ndof = \"x\"\nlaw = {law}\n")
+}
+
+/// ω = 100 rad/s and ζ = 1e-2: A = 0.2 makes 1 mm, and the damping takes 0.2 N; a cubic spring of 2e8 N/m³ takes as much there.
+#[test]
+fn laws_that_hardly_do_anything() {
+    let cubic = |coefficient: &str| {
+        with_law(&format!("{{ polynomial_spring = {{ terms = [{{ power = 3, coefficient = {coefficient} }}] }} }}"))
+    };
+    for coefficient in ["2e8", "4e5", "2e4"] {
+        let (warnings, text) = checked(&cubic(coefficient), "0.1,0.2", &[]);
+        // It takes as much as the damping where the response is √(2e8/c) times as large: up to a hundred times.
+        assert_eq!(warnings, [] as [&str; 0], "{text}");
+    }
+    let (warnings, text) = checked(&cubic("2e2"), "0.1,0.2", &[]);
+    let [warning] = &warnings[..] else { panic!("{text}") };
+    assert!(
+        warning.starts_with("practically linear: at A = 0.2 the laws would matter only where the response is "),
+        "{warning}"
+    );
+    assert!(warning.ends_with(" times the linear one or more; check units of `spring`"), "{warning}");
+    // Ten times the force is enough of a law ten times as hard.
+    assert!(checked(&cubic("2e2"), "20", &[]).0.is_empty());
+    // A law that is no polynomial may matter at any amplitude.
+    let friction = with_law("{ jenkins = { stiffness = 1, limit = 1e-9 } }");
+    assert!(checked(&friction, "0.2", &[]).0.is_empty());
+}
+
+#[test]
+fn a_damper_that_feeds_energy_in() {
+    let damper =
+        |power| with_law(&format!("{{ polynomial_damper = {{ terms = [{{ power = {power}, coefficient = 50 }}] }} }}"));
+    let (warnings, _) = checked(&damper(2), "0.2", &[]);
+    let even = "`spring`: a polynomial_damper of the even power 2 feeds energy in during half of each period";
+    assert_eq!(warnings, [even]);
+    assert!(checked(&damper(3), "0.2", &[]).0.is_empty());
+}
+
+#[test]
+fn a_mode_that_does_not_vibrate() {
+    let model = with_law("{ polynomial_spring = { terms = [{ power = 3, coefficient = 2e8 }] } }")
+        .replace("ratios = [{ modes = \"1\", ratio = 1e-2 }]", "rayleigh = { mass = 1596, stiffness = 0 }");
+    let (warnings, text) = checked(&model, "0.2", &[]);
+    let why = "mode 1 is overdamped (ratio 7.98): no resonance, no backbone; are the units of the damping right?";
+    assert!(warnings.contains(&why.to_string()), "{text}");
+    // A backbone of responses in quadrature with the forcing needs no free motion.
+    let (warnings, text) = checked(&model, "0.2", &[("backbone.equation", "\"phase_resonance\"")]);
+    assert!(!warnings.iter().any(|warning| warning.contains("overdamped")), "{text}");
+}

@@ -66,6 +66,8 @@ class Law(dict[str, Any]):
         name: str | None = None,
         **parameters: Any,
     ) -> None:
+        """Of a `kind` with its `parameters`, acting on one of `dof` (against the ground), `between` two dofs and `coefficients` (a
+        sum): ``help(Law)`` says more."""
         _require_known("law", kind, _LAWS)
         for parameter in parameters:
             _require_known(f"parameter of law `{kind}`", parameter, _LAWS[kind])
@@ -100,6 +102,7 @@ class Contact(dict[str, Any]):
         name: str | None = None,
         **settings: float,
     ) -> None:
+        """At a `normal` dof, with friction along `tangential` ones at a `radius`: ``help(Contact)`` says more."""
         given = {
             "name": name,
             "normal": normal,
@@ -154,6 +157,7 @@ class Model:
         name: str = "model",
         description: str = "",
     ) -> None:
+        """Of matrices `M`, `K` and `C` (or `damping`), with `laws` and `contacts`, forced as `forcing` says: ``help(Model)`` says more."""
         #: Mass [n, n], kg.
         self.M = symmetric("M", M)
         n = len(self.M)

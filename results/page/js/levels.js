@@ -72,16 +72,19 @@ function levelCheck(level, colour, index) {
   );
 }
 
-/** Says "2 isolas, 1 cut" after every level that has some. @param {{level: number, kind: string}[]} branches */
+/**
+ * Says "2 isolas, 1 cut" after every level that has some, of several runs each with its name.
+ * @param {{level: number, kind: string, run?: string}[]} branches
+ */
 function noteIsolas(picker, branches) {
   const levels = new Map();
-  for (const { level, kind } of branches) {
+  for (const { level, kind, run = "" } of branches) {
     if (kind === "main") continue;
-    const counts = levels.get(level) ?? new Map();
-    levels.set(level, counts.set(kind, (counts.get(kind) ?? 0) + 1));
+    const runs = levels.get(level) ?? new Map();
+    const counts = runs.get(run) ?? new Map();
+    levels.set(level, runs.set(run, counts.set(kind, (counts.get(kind) ?? 0) + 1)));
   }
-  for (const [level, counts] of levels) {
-    const parts = [...counts].map(([kind, count]) => (kind === "isola" ? countOf(count, kind) : `${count} ${kind}`));
-    picker.setNote(level, parts.join(", "));
-  }
+  const inWords = ([kind, count]) => (kind === "isola" ? countOf(count, kind) : `${count} ${kind}`);
+  const ofRun = ([run, counts]) => (run ? `${run}: ` : "") + [...counts].map(inWords).join(", ");
+  for (const [level, runs] of levels) picker.setNote(level, [...runs].map(ofRun).join("; "));
 }

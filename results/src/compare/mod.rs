@@ -18,7 +18,8 @@ const NAMES: [&str; 2] = ["name", "model"];
 /// Runs that are compared, the first one being what others are measured by.
 #[derive(Debug, Clone)]
 pub struct Comparison {
-    /// What each run is called: as its study, or as its folder where studies share a name, with its number where folders do too.
+    /// What each run is called: as its study, or as its folder where studies share a name, with its number where folders do too; where
+    /// amplitudes are those of different dofs, with its own.
     pub names: Vec<String>,
     /// The runs.
     pub reports: Vec<Report>,
@@ -75,7 +76,22 @@ fn names(runs: &[(String, Report)]) -> Vec<String> {
     let names: Vec<String> = studies.iter().zip(runs).map(called).collect();
     let number =
         |(k, name): (usize, &String)| if once(&names, name) { name.clone() } else { format!("{name} ({})", k + 1) };
-    names.iter().enumerate().map(number).collect()
+    let names: Vec<String> = names.iter().enumerate().map(number).collect();
+    let monitors: Vec<&str> = runs.iter().map(|(_, report)| monitor(report)).collect();
+    if is_one(&monitors) {
+        return names;
+    }
+    names.iter().zip(monitors).map(|(name, monitor)| format!("{name}, {monitor}")).collect()
+}
+
+/// The dof whose amplitudes a run tells.
+fn monitor(report: &Report) -> &str {
+    report.monitors.first().map_or("", |monitor| &monitor.name)
+}
+
+/// Whether amplitudes of runs are those of one dof.
+fn is_one(monitors: &[&str]) -> bool {
+    monitors.windows(2).all(|pair| pair[0] == pair[1])
 }
 
 fn levels(reports: &[Report]) -> Vec<ComparedLevel> {

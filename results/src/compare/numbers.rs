@@ -1,6 +1,6 @@
 //! What runs found at every level, and by how much that differs from the first run.
 
-use super::{ComparedLevel, Comparison};
+use super::{ComparedLevel, Comparison, is_one, monitor};
 use crate::overview::Level;
 use crate::report::Report;
 use crate::store::BranchRow;
@@ -28,13 +28,14 @@ fn of_level(reports: &[Report], level: &ComparedLevel) -> [NumberRow; 3] {
     let found = |report: &'_ Report| report.overview.levels.iter().position(|known| known.value == level.value);
     let each: Vec<Option<&Level>> =
         reports.iter().map(|report| found(report).map(|place| &report.overview.levels[place])).collect();
+    let is_measured = is_one(&reports.iter().map(monitor).collect::<Vec<_>>());
     let peaks = |of: fn(&Level) -> Option<&BranchRow>| -> Vec<String> {
         let peaks: Vec<Option<&BranchRow>> = each.iter().map(|level| level.and_then(of)).collect();
         let first = peaks.first().copied().flatten();
         let word = |(place, level): (usize, &Option<&Level>)| match (level, peaks[place]) {
             (None, _) => "no such level".into(),
             (_, None) => "none".into(),
-            (_, Some(peak)) => of_peak(peak, first.filter(|_| place > 0)),
+            (_, Some(peak)) => of_peak(peak, first.filter(|_| place > 0), is_measured),
         };
         each.iter().enumerate().map(word).collect()
     };
@@ -47,13 +48,14 @@ fn of_level(reports: &[Report], level: &ComparedLevel) -> [NumberRow; 3] {
     ]
 }
 
-/// `2.322 mm at 2701.2 rad/s (+3.1 %, -12.4 rad/s)`.
-fn of_peak(peak: &BranchRow, first: Option<&BranchRow>) -> String {
+/// `2.322 mm at 2701.2 rad/s (+3.1 %, -12.4 rad/s)`; amplitudes of another dof than those of the first run are not measured by these.
+fn of_peak(peak: &BranchRow, first: Option<&BranchRow>, is_measured: bool) -> String {
     let text = format!("{}{} at {} rad/s", peak.at_least(), length(peak.amplitude_max), digits(peak.omega_at_max, 6));
     let difference = first.map(|first| {
         let share = 100.0 * (peak.amplitude_max / first.amplitude_max - 1.0);
         let shift = peak.omega_at_max - first.omega_at_max;
-        format!(" ({} %, {} rad/s)", signed(share, 3), signed(shift, 3))
+        let share = if is_measured { format!("{} %, ", signed(share, 3)) } else { String::new() };
+        format!(" ({share}{} rad/s)", signed(shift, 3))
     });
     text + &difference.unwrap_or_default()
 }

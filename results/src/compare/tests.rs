@@ -13,6 +13,22 @@ fn read(study: &Study, change: impl Fn(&mut Report)) -> Report {
     report
 }
 
+#[test]
+fn amplitudes_of_different_dofs_are_told_apart() {
+    let three = read(&Study::damper(), |_| {});
+    let other = read(&Study::damper(), |report| report.monitors[0].name = "x2".into());
+    let compared = Comparison::new(vec![("three".into(), three), ("other".into(), other)]);
+    assert_eq!(compared.names, ["three, x1", "other, x2"]);
+    let [response, resonance] = ["response", "resonance"].map(|name| &compared.figures.drawn[name]);
+    assert_eq!(response.panels[0].y[0].title, "amplitude of x1, x2");
+    assert_eq!(resonance.panels[1].y[0].title, "largest |x1|, |x2|");
+    let names: Vec<&str> = response.legend.iter().take(2).map(|entry| entry.text.as_str()).collect();
+    assert_eq!(names, compared.names);
+    // By how much they differ means nothing; frequencies are those of motions.
+    let row = compared.numbers.iter().find(|row| row.amplitude == "0.006").unwrap();
+    assert!(!row.values[1].contains('%') && row.values[1].ends_with(" (0 rad/s)"), "{row:?}");
+}
+
 fn compared() -> Comparison {
     let three = read(&Study::damper(), |_| {});
     let five = read(&Study::new("nonlinear_damper", 5, &["0.006", "0.007"]), |report| {

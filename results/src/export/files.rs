@@ -48,7 +48,7 @@ pub(super) const BIFURCATIONS: [&str; 5] = ["forcing", "branch", "kind", "omega"
 pub(super) const MOTIONS: [&str; 10] =
     ["forcing", "branch", "point", "omega", "motion", "repeats", "onto", "amplitude_min", "amplitude_max", "growth"];
 
-pub(super) const PUSHES: [&str; 12] = [
+pub(super) const PUSHES: [&str; 13] = [
     "forcing",
     "branch",
     "mode",
@@ -61,6 +61,7 @@ pub(super) const PUSHES: [&str; 12] = [
     "velocity",
     "phase",
     "confirmed",
+    "energy",
 ];
 
 /// Writes `summary.csv`, `backbone.csv`, `windows.csv`, `folds.csv`, `events.csv`, `bifurcations.csv`, `branches/*.csv` and, of a run
@@ -199,8 +200,8 @@ fn write_motions(dir: &Path, rows: &[MotionRow]) -> Result<(), ExportError> {
 fn write_pushes(dir: &Path, rows: &[PushRow], monitors: &[String]) -> Result<(), ExportError> {
     let mut table = Table::create(dir, "pushes.csv", &names(&PUSHES))?;
     for row in rows {
-        let [largest, impulse, below, velocity, phase] =
-            [row.largest, row.impulse, row.below, row.velocity, row.phase].map(optional);
+        let [largest, impulse, below, velocity, phase, energy] =
+            [row.largest, row.impulse, row.below, row.velocity, row.phase, row.energy()].map(optional);
         let confirmed = row.confirmed.map_or("", |confirmed| if confirmed { "true" } else { "false" });
         let (mode, omega, motions) = (row.mode.to_string(), text(row.omega), row.motions.to_string());
         let monitor = monitors.get(row.monitor).map_or("", String::as_str);
@@ -217,6 +218,7 @@ fn write_pushes(dir: &Path, rows: &[PushRow], monitors: &[String]) -> Result<(),
             &velocity,
             &phase,
             confirmed,
+            &energy,
         ])?;
     }
     table.finish()

@@ -63,7 +63,10 @@ fn response(runs: &[Compared<'_>], levels: &[f64], store: &mut ColumnStore) -> R
     let panel = &mut figure.panels[0];
     let of_all = |of: fn(&Figure) -> &Axis| spanned(outlines.iter().map(of));
     panel.x = vec![of_all(|figure| &figure.panels[0].x[0])];
-    panel.y = vec![of_all(|figure| &figure.panels[0].y[0])];
+    panel.y = vec![Axis {
+        title: format!("amplitude of {}", monitors(runs).join(", ")),
+        ..of_all(|figure| &figure.panels[0].y[0])
+    }];
     panel.about = "Forced responses of several runs: amplitude over frequency, one colour a run.";
     let place = |value: f64| levels.iter().position(|known| *known == value);
     let branches: usize = runs.iter().map(|run| run.subject.branches.iter().filter(|b| b.kind != "main").count()).sum();
@@ -124,8 +127,18 @@ fn resonances(runs: &[Compared<'_>], store: &mut ColumnStore) -> Result<Figure, 
         (run.name.to_string(), run.subject.resonance.isolas.clone(), style)
     };
     let ways: Vec<_> = runs.iter().enumerate().map(way).collect();
-    let monitor = runs.first().and_then(|run| run.subject.monitors.first()).map_or("", |monitor| &monitor.name);
-    resonance::compared(&ways, monitor, store)
+    resonance::compared(&ways, &monitors(runs).join("|, |"), store)
+}
+
+/// The dofs whose amplitudes runs have, each once.
+fn monitors<'r>(runs: &[Compared<'r>]) -> Vec<&'r str> {
+    let mut names: Vec<&str> = Vec::new();
+    for monitor in runs.iter().filter_map(|run| run.subject.monitors.first()) {
+        if !names.contains(&monitor.name.as_str()) {
+            names.push(&monitor.name);
+        }
+    }
+    names
 }
 
 fn entries(runs: &[Compared<'_>], style: impl Fn(usize) -> Style) -> Vec<Entry> {

@@ -1,11 +1,14 @@
 //! Curves that stopped before their ends, so that what lies beyond is not known.
 
 use super::modes::not_started;
-use crate::store::{CurveRow, Reader, Result};
-use crate::words::count;
+use crate::store::{CurveRow, GRAZING, Reader, Result};
+use crate::words::{count, digits};
 use protocol::backbone::BackboneMessage;
 use protocol::to_everyone::Stage;
 use solver::response::branch::{Outcome, Stop};
+
+/// Digits of forcing amplitudes.
+const DIGITS: i32 = 4;
 
 /// How many curves the sentence names.
 const NAMED: usize = 4;
@@ -25,7 +28,8 @@ pub fn doubts(reader: &Reader) -> Result<Option<String>> {
     let mut curves = Vec::new();
     let levels: Vec<f64> = reader.levels()?.into_iter().map(|(_, _, value)| value).collect();
     let highest = levels.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let stopped = |backbone: &BackboneMessage| unfinished(&backbone.outcome).filter(|_| !is_beyond(backbone, highest));
+    let stop_of = |outcome: &Outcome| unfinished(outcome).map(|stop| plain(&stop.to_string()));
+    let stopped = |backbone: &BackboneMessage| stop_of(&backbone.outcome).filter(|_| !is_beyond(backbone, highest));
     for backbone in reader.backbone()?.into_iter().chain(reader.further_backbones()?) {
         let stop = stopped(&backbone);
         curves.extend(stop.map(|stop| format!("the backbone of mode {} ({stop})", backbone.mode + 1)));
@@ -34,11 +38,11 @@ pub fn doubts(reader: &Reader) -> Result<Option<String>> {
         curves.extend(not_started(&choice).map(|(mode, _)| format!("the backbone of mode {} (no start)", mode + 1)));
     }
     for (amplitude, outcome) in reader.main_outcomes()? {
-        curves.extend(unfinished(&outcome).map(|stop| format!("the main branch at A = {amplitude} ({stop})")));
+        curves.extend(stop_of(&outcome).map(|stop| format!("the main branch at A = {amplitude} ({stop})")));
     }
     let stopped = reader.curves()?;
     let stopped = stopped.iter().filter(|curve| curve.is_unfinished && ends_near(curve, &levels));
-    curves.extend(stopped.map(|curve| format!("fold curve {} ({})", curve.number, curve.status)));
+    curves.extend(stopped.map(fold_curve));
     let search = reader.search_counts()?;
     // Folds of a run that goes on are still to come.
     let left_out = if reader.stage()? == Stage::Finished { search.left_out } else { 0 };
@@ -60,6 +64,23 @@ pub fn doubts(reader: &Reader) -> Result<Option<String>> {
     let more = if more > 0 { format!(" and {more} more") } else { String::new() };
     let list = curves.join(", ");
     Ok(Some(format!("not known to its end: {list}{more}; responses beyond may be larger, and others may begin there")))
+}
+
+/// A fold curve, by where it ends.
+fn fold_curve(curve: &CurveRow) -> String {
+    let ends = [curve.points.first(), curve.points.last()].map(|end| end.map_or(f64::NAN, |end| end.forcing));
+    let [first, last] = ends.map(|forcing| digits(forcing, DIGITS));
+    let grazing = match curve.status.matches(GRAZING).count() {
+        0 => String::new(),
+        1 => format!(", one of them {GRAZING}"),
+        _ => format!(", both {GRAZING}"),
+    };
+    format!("fold curve {} (which ends at A = {first} and at A = {last}{grazing})", curve.number)
+}
+
+/// A reason without brackets of its own, to stand in brackets.
+fn plain(reason: &str) -> String {
+    reason.replace(" (", ", ").replace(')', "")
 }
 
 /// Whether a backbone that ends at this threshold A*, with this share of its own mode, ends far beyond a forcing amplitude: where another
@@ -117,6 +138,26 @@ mod tests {
         {
             assert_eq!(ends_near(&curve(first, last), &[20.0, 50.0]), matters, "{first} to {last}");
         }
+    }
+
+    #[test]
+    fn ends_are_told_without_brackets_in_brackets() {
+        let point = |forcing| CurvePoint { forcing, ..CurvePoint::default() };
+        let curve = |status: String| CurveRow {
+            number: 2,
+            status,
+            points: vec![point(0.072_93), point(0.3243)],
+            ..CurveRow::default()
+        };
+        let end = format!("stalled at the smallest step: no convergence (scaled residual 6.6e-5) ({GRAZING})");
+        assert_eq!(
+            fold_curve(&curve(format!("open: {end} to {end}"))),
+            format!("fold curve 2 (which ends at A = 0.07293 and at A = 0.3243, both {GRAZING})")
+        );
+        let one = fold_curve(&curve(format!("open: forcing bound to {end}")));
+        assert!(one.ends_with(&format!(" = 0.3243, one of them {GRAZING})")), "{one}");
+        assert!(fold_curve(&curve("open: forcing bound to stalled".into())).ends_with("and at A = 0.3243)"));
+        assert_eq!(plain("no convergence (residual 1)"), "no convergence, residual 1");
     }
 
     #[test]

@@ -1,7 +1,8 @@
 //! What happens along fold curves, in a sentence.
 
-use super::folds::events_of;
-use super::merges::merges;
+use super::folds::{events_of, is_same};
+use super::lives::{Life, lives};
+use super::merges::{Merge, merges};
 use crate::store::{CurvePoint, CurveRow};
 use crate::words::digits;
 use solver::response::critical::CriticalKind;
@@ -9,14 +10,17 @@ use solver::response::critical::CriticalKind;
 /// Events of a kind that the sentence names.
 const NAMED: usize = 6;
 
+/// Isolas that it tells from birth to end.
+const LIVES: usize = 6;
+
 /// Of merges whose branches are not known, after others: they may be the same branches.
 const ALSO: &str = "branches also merge or part";
 
+/// Of births and ends that are not known to be those of one isola.
+const UNRELATED: &str = "which of these belong together is not known";
+
 /// Marks what was not found with twice the harmonics.
 const UNKNOWN: &str = "*";
-
-/// Marks what happens beyond the frequencies of the study.
-pub const BEYOND: &str = ", beyond the frequencies of the study";
 
 /// Most digits of a forcing amplitude.
 const DIGITS: i32 = 5;
@@ -40,7 +44,8 @@ pub fn forcing_label(point: &CurvePoint, most: i32) -> String {
     doubled.map_or_else(|| own.clone(), |doubled| format!("{own} (2H: {doubled})"))
 }
 
-/// Where isolas are born and where branches merge, as fold curves say; which branches, where that is known for sure.
+/// Where isolas are born and where branches merge, as fold curves say: isola by isola, and which branches, where that is known for
+/// sure.
 pub fn events_sentence(curves: &[CurveRow], frequency: impl Fn(f64) -> String) -> Option<String> {
     let place = |point: &CurvePoint| {
         let (own, doubled) = forcing_digits(point, DIGITS);
@@ -55,31 +60,61 @@ pub fn events_sentence(curves: &[CurveRow], frequency: impl Fn(f64) -> String) -
         let named: Vec<String> = points.iter().take(NAMED).map(|point| place(point)).collect();
         (!points.is_empty()).then(|| format!("{verb} at A = {}{more}", named.join(", ")))
     };
-    let births = events_of(curves, CriticalKind::Birth.name());
-    let deaths = events_of(curves, CriticalKind::Death.name());
+    let (lives, merged) = (lives(curves), merges(curves));
+    let is_told = |point: &CurvePoint| lives.iter().any(|life| is_same(life.from, point) || is_same(life.to, point));
+    let [births, deaths] = [CriticalKind::Birth, CriticalKind::Death].map(|kind| events_of(curves, kind.name()));
+    let is_doubtful = |point: &&CurvePoint| point.doubled.is_none();
+    let is_any_doubtful = births.iter().chain(&deaths).any(is_doubtful) || merged.iter().any(|m| is_doubtful(&m.point));
+    let [births, deaths] = [births, deaths].map(|mut points| {
+        points.retain(|point| !is_told(point));
+        points
+    });
     let mut told = Vec::new();
     let mut others = Vec::new();
-    let merged = merges(curves);
-    for merge in &merged {
+    for merge in merged.iter().filter(|merge| !is_told(merge.point)) {
         match &merge.what {
             Some(what) if told.len() < NAMED => told.push(format!("{what} at A = {}", place(merge.point))),
             _ => others.push(merge.point),
         }
     }
-    let others = match told.is_empty() {
+    let others = match told.is_empty() && lives.is_empty() {
         true => part(&others, "two branches merge or part", "branches merge or part"),
         false => part(&others, ALSO, ALSO),
     };
-    let parts: Vec<String> = part(&births, "an isola is born", "isolas are born")
-        .into_iter()
+    let unrelated = [!births.is_empty(), !deaths.is_empty(), others.is_some()].into_iter().filter(|is| *is).count() > 1;
+    let more = lives.len().saturating_sub(LIVES);
+    let parts: Vec<String> = (lives.iter().take(LIVES).map(|life| in_words(life, &merged, place)))
+        .chain((more > 0).then(|| format!("{more} more isolas are born and end")))
+        .chain(part(&births, "an isola is born", "isolas are born"))
         .chain(part(&deaths, "an isola vanishes", "isolas vanish"))
         .chain(told)
         .chain(others)
+        .chain(unrelated.then(|| UNRELATED.into()))
         .collect();
-    let mut all = births.iter().chain(&deaths).copied().chain(merged.iter().map(|merge| merge.point));
-    let is_doubtful = all.any(|point| point.doubled.is_none());
-    let doubt = if is_doubtful { format!(" ({UNKNOWN} Not known with twice the harmonics.)") } else { String::new() };
+    let doubt =
+        if is_any_doubtful { format!(" ({UNKNOWN} Not known with twice the harmonics.)") } else { String::new() };
     (!parts.is_empty()).then(|| format!("Computed along fold curves: {}.{doubt}", parts.join("; ")))
+}
+
+/// An isola from its birth to its end.
+fn in_words(life: &Life<'_>, merged: &[Merge<'_>], place: impl Fn(&CurvePoint) -> String) -> String {
+    let what = |point: &CurvePoint| {
+        let merge = merged.iter().find(|merge| is_same(merge.point, point));
+        merge.map(|merge| merge.what.clone())
+    };
+    let (from, to) = (place(life.from), place(life.to));
+    let end = match what(life.to) {
+        None => "where it vanishes".into(),
+        Some(None) => "where it merges or parts".into(),
+        Some(Some(what)) => format!("where {what}"),
+    };
+    match what(life.from) {
+        None => format!("an isola is born at A = {from} and lasts to A = {to}, {end}"),
+        Some(start) => {
+            let start = start.unwrap_or_else(|| "branches merge or part".into());
+            format!("an isola begins at A = {from}, where {start}, and lasts to A = {to}, {end}")
+        }
+    }
 }
 
 #[cfg(test)]
@@ -103,15 +138,27 @@ mod tests {
         let mut known = curve(&[(1.0, ""), (4.0, "merge"), (1.5, "birth"), (3.0, "")]);
         let say = |curves: &[CurveRow]| events_sentence(curves, |omega| format!("{omega} rad/s"));
         let before = "Computed along fold curves: an isola is born at A = 1.5 (3 rad/s); ";
-        let unknown = "two branches merge or part at A = 4 (8 rad/s).";
+        let unknown = "two branches merge or part at A = 4 (8 rad/s); which of these belong together is not known.";
         assert_eq!(say(&[known.clone()]).unwrap(), format!("{before}{unknown}"));
         known.crossings = vec![crossing(0, "main"), crossing(1, "isola 1")];
         let told = "isola 1 of A = 2 and the main branch merge at A = 4 (8 rad/s)";
         assert_eq!(say(&[known.clone()]).unwrap(), format!("{before}{told}."));
         let other = curve(&[(1.0, ""), (7.0, "merge"), (1.0, "")]);
-        let others = "branches also merge or part at A = 7 (14 rad/s).";
+        let others = "branches also merge or part at A = 7 (14 rad/s); which of these belong together is not known.";
         assert_eq!(say(&[known, other]).unwrap(), format!("{before}{told}; {others}"));
         assert_eq!(say(&[]), None);
+        // One whose other edge is known beyond is told from its birth to its end, and so is what leads to a death.
+        let mut whole = curve(&[(1.0, ""), (4.0, "merge"), (1.5, "birth"), (5.0, "")]);
+        let lasts =
+            "Computed along fold curves: an isola is born at A = 1.5 (3 rad/s) and lasts to A = 4 (8 rad/s), where";
+        assert_eq!(say(&[whole.clone()]).unwrap(), format!("{lasts} it merges or parts."));
+        whole.crossings = vec![crossing(0, "main"), crossing(1, "isola 1")];
+        assert_eq!(say(&[whole.clone()]).unwrap(), format!("{lasts} {}.", told.replace(" at A = 4 (8 rad/s)", "")));
+        let dies = curve(&[(5.0, ""), (9.0, "death"), (6.0, "merge"), (7.0, "")]);
+        let begins = "an isola begins at A = 6 (12 rad/s), where branches merge or part, and lasts to A = 9 (18 rad/s), where it \
+                      vanishes.";
+        let both = say(&[whole, dies]).unwrap();
+        assert!(both.starts_with(lasts) && both.ends_with(begins), "{both}");
     }
 
     #[test]

@@ -1,12 +1,13 @@
 //! Whether folds can be followed, and what happens along their curves.
 
+use super::bounds::is_within;
 use super::level::Level;
 use super::windows::overlaps;
 use crate::store::{CurvePoint, CurveRow, WindowRow};
 use solver::response::critical::CriticalKind;
 use solver::response::folds::{Critical, Extent, Quantity};
 use solver::response::orders::orders;
-use solver::settings::Settings;
+use solver::settings::{FrequencySettings, Settings};
 use solver::structure::Model;
 
 /// Most folds that a run of this model follows.
@@ -33,17 +34,28 @@ pub fn later_birth<'c>(curves: &'c [CurveRow], level: &Level, window: &WindowRow
     first.filter(|birth| birth.forcing > level.value)
 }
 
-/// The births along fold curves between the lowest and the highest level, by forcing, at frequencies within `reach`.
-pub fn born_between<'c>(levels: &[Level], curves: &'c [CurveRow], reach: Option<(f64, f64)>) -> Vec<&'c CurvePoint> {
+/// The births along fold curves between the lowest and the highest level, by forcing, at frequencies within `bounds`.
+pub fn born_between<'c>(levels: &[Level], curves: &'c [CurveRow], bounds: FrequencySettings) -> Vec<&'c CurvePoint> {
     let range = |(low, high): (f64, f64), level: &Level| (low.min(level.value), high.max(level.value));
     let (low, high) = levels.iter().fold((f64::INFINITY, f64::NEG_INFINITY), range);
-    let is_between = |birth: &&CurvePoint| birth.forcing > low && birth.forcing < high && is_within(reach, birth.omega);
+    let is_between =
+        |birth: &&CurvePoint| birth.forcing > low && birth.forcing < high && is_within(bounds, birth.omega);
     events_of(curves, CriticalKind::Birth.name()).into_iter().filter(is_between).collect()
 }
 
-/// Whether a frequency is among those that branches are followed at, if these are known.
-pub fn is_within(reach: Option<(f64, f64)>, omega: f64) -> bool {
-    reach.is_none_or(|(low, high)| (low..=high).contains(&omega))
+/// Folds that are never followed: those of so many branches that branch off others. `None` if there are none.
+pub fn not_followed(branches: usize) -> Option<String> {
+    match branches {
+        0 => None,
+        1 => Some("folds of 1 branch that branches off others".into()),
+        several => Some(format!("folds of {several} branches that branch off others")),
+    }
+}
+
+/// What is not known of them.
+pub fn not_followed_sentence(branches: usize) -> Option<String> {
+    let folds = not_followed(branches)?;
+    Some(format!("Births and merges along {folds} are not among these: such folds were not followed over the forcing."))
 }
 
 /// Relative distance up to which what happens along two curves is one thing: where a curve stops at grazing, another one may

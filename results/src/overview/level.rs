@@ -5,6 +5,7 @@ use super::reasons::briefly;
 use super::windows::{elsewhere, tell_elsewhere};
 use crate::store::{BranchRow, Reader, WindowOutcome, WindowRow};
 use serde::Serialize;
+use solver::response::branch::BranchKind;
 
 /// A forcing level.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
@@ -103,6 +104,15 @@ impl Level {
     /// The one of them with the point of largest amplitude.
     pub fn highest_isola(&self) -> Option<&BranchRow> {
         highest(self.isolas())
+    }
+
+    /// Mode, from 1, of the first window that led to an isola.
+    pub fn mode_of_isola(&self) -> Option<usize> {
+        let leads = |window: &&WindowRow| match &window.outcome {
+            WindowOutcome::Found(to) | WindowOutcome::Elsewhere(to) => to.contains(BranchKind::Isola.name()),
+            _ => false,
+        };
+        self.windows.iter().find(leads).map(|window| window.mode)
     }
 
     /// The branch with the point of largest amplitude.

@@ -44,9 +44,13 @@ fn words(curves: &[CurveRow], curve: &CurveRow, merge: usize) -> Option<String> 
     let (first, from) = beside(curve, merge, false)?;
     let (second, to) = beside(curve, merge, true)?;
     let point = &curve.points[merge];
+    let at = |forcing: f64| CurvePoint { forcing, ..CurvePoint::default() };
     let side = from.total_cmp(&point.forcing);
     // Two folds on different sides are those of a cusp.
-    if side == Ordering::Equal || side != to.total_cmp(&point.forcing) || is_disturbed(curves, point, [from, to]) {
+    if side == Ordering::Equal
+        || side != to.total_cmp(&point.forcing)
+        || is_disturbed(curves, &[point, &at(from), &at(to)])
+    {
         return None;
     }
     // Branches of two levels may be one, and so may one of a level and an isola that is born before it.
@@ -103,19 +107,11 @@ fn words(curves: &[CurveRow], curve: &CurveRow, merge: usize) -> Option<String> 
 /// begins or ends there before. With it comes the forcing amplitude of the way there that is farthest from the merge.
 fn beside(curve: &CurveRow, merge: usize, is_onwards: bool) -> Option<(Party<'_>, f64)> {
     let points = &curve.points;
-    let is_closed = points.len() > 2 && is_same(points.first()?, points.last()?);
-    let next = |i: usize| match (is_onwards, i) {
-        (true, i) if i + 1 < points.len() => Some((i, i + 1)),
-        (true, _) if is_closed => Some((0, 1)),
-        (false, 0) if is_closed => Some((points.len() - 2, points.len() - 2)),
-        (false, i) => Some((i.checked_sub(1)?, i - 1)),
-        _ => None,
-    };
     let start = points[merge].forcing;
-    let is_below = points[next(merge)?.1].forcing < start;
+    let is_below = points[next(curve, merge, is_onwards)?.1].forcing < start;
     let (mut i, mut is_rising, mut farthest) = (merge, !is_below, start);
     for _ in 0..points.len() {
-        let (segment, j) = next(i)?;
+        let (segment, j) = next(curve, i, is_onwards)?;
         let (here, there) = (points[i].forcing, points[j].forcing);
         if (there > here) != is_rising {
             let event = points[i].event.as_deref()?;
@@ -146,13 +142,26 @@ fn beside(curve: &CurveRow, merge: usize, is_onwards: bool) -> Option<(Party<'_>
     None
 }
 
-/// Whether branches merge or part elsewhere between a merge and where its parties are known: they may be others by then.
-fn is_disturbed(curves: &[CurveRow], merge: &CurvePoint, known: [f64; 2]) -> bool {
-    let (low, high) =
-        known.iter().fold((merge.forcing, merge.forcing), |(low, high), at| (low.min(*at), high.max(*at)));
+/// The point of a curve that follows in a direction, after the segment that leads there; a closed curve goes round.
+pub(super) fn next(curve: &CurveRow, i: usize, is_onwards: bool) -> Option<(usize, usize)> {
+    let count = curve.points.len();
+    let is_closed = count > 2 && is_same(curve.points.first()?, curve.points.last()?);
+    match (is_onwards, i) {
+        (true, i) if i + 1 < count => Some((i, i + 1)),
+        (true, _) if is_closed => Some((0, 1)),
+        (false, 0) if is_closed => Some((count - 2, count - 2)),
+        (false, i) => Some((i.checked_sub(1)?, i - 1)),
+        _ => None,
+    }
+}
+
+/// Whether branches merge or part elsewhere between these points: what is known at one of them may be about others at another.
+pub(super) fn is_disturbed(curves: &[CurveRow], known: &[&CurvePoint]) -> bool {
+    let range = |(low, high): (f64, f64), point: &&CurvePoint| (low.min(point.forcing), high.max(point.forcing));
+    let (low, high) = known.iter().fold((f64::INFINITY, f64::NEG_INFINITY), range);
     let mut others = curves.iter().flat_map(|curve| &curve.points).filter(|point| {
         let is_unknown = point.event.as_deref() == Some(CriticalKind::Unknown.name());
-        (is_unknown || is_merge(point)) && !is_same(merge, point)
+        (is_unknown || is_merge(point)) && !known.iter().any(|known| is_same(known, point))
     });
     others.any(|point| (low..=high).contains(&point.forcing))
 }

@@ -1,12 +1,15 @@
 //! What a run has found so far, level by level, as the store has it: branches, windows and what became of them; and what
 //! is missing.
 
+mod bounds;
 mod doubts;
 mod events;
 mod family;
 mod folds;
+mod largest_stable;
 mod lesser;
 mod level;
+mod lives;
 mod merges;
 pub mod modes;
 mod near_largest;
@@ -18,9 +21,14 @@ mod unfinished;
 mod verified;
 mod windows;
 
+pub use bounds::{beyond, bounds, is_within};
 pub use doubts::{doubts, ends_far_beyond};
-pub use events::{BEYOND, events_sentence, forcing_label};
-pub use folds::{CurveEvent, born_between, curve_events, events_of, is_within, later_birth, most_folds, why_no_folds};
+pub use events::{events_sentence, forcing_label};
+pub use folds::{
+    CurveEvent, born_between, curve_events, events_of, later_birth, most_folds, not_followed, not_followed_sentence,
+    why_no_folds,
+};
+pub use largest_stable::{StableResponse, largest_stable, largest_stable_sentence};
 pub use lesser::Lesser;
 pub use level::{Level, Seeds, UNTOUCHED, highest, is_untouched};
 pub use near_largest::near_largest;

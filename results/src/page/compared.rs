@@ -15,7 +15,7 @@ pub struct ComparedData<'c> {
     columns: &'c ColumnStore,
     levels: &'c [crate::compare::ComparedLevel],
     level_colors: Vec<Color>,
-    branches: Vec<Branch>,
+    branches: Vec<Branch<'c>>,
     figures: BTreeMap<&'static str, Figure>,
     nothing: &'c BTreeMap<&'static str, String>,
     settings: &'c [SettingRow],
@@ -24,7 +24,8 @@ pub struct ComparedData<'c> {
 
 /// What the choice of levels says of a branch.
 #[derive(Serialize)]
-struct Branch {
+struct Branch<'c> {
+    run: &'c str,
     level: usize,
     kind: &'static str,
 }
@@ -38,11 +39,11 @@ impl<'c> ComparedData<'c> {
         for figure in drawn.values_mut() {
             place_for_page(figure, &figures.columns, &[], &font);
         }
-        let branches = reports.iter().flat_map(|report| {
-            report.branches.iter().filter_map(|branch| {
+        let branches = reports.iter().zip(names).flat_map(|(report, run)| {
+            report.branches.iter().filter_map(move |branch| {
                 let value = report.overview.levels.get(branch.level)?.value;
                 let level = levels.iter().position(|level| level.value == value)?;
-                Some(Branch { level, kind: branch.kind })
+                Some(Branch { run, level, kind: branch.kind })
             })
         });
         Self {

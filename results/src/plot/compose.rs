@@ -5,10 +5,11 @@ use super::named::{level, monitor};
 use super::part::cut;
 use super::request::{Along, FigureName, Request};
 use super::sheet::Sheet;
+use super::units::convert;
 use crate::compare::Comparison;
 use crate::error::Error;
 use crate::figure::Frame;
-use crate::overview::{Level, Omissions, WindowOutcome, WindowRow};
+use crate::overview::Omissions;
 use crate::report::{Report, Selection};
 use crate::store::Reader;
 
@@ -29,15 +30,12 @@ pub fn compose(reader: &Reader, request: &Request) -> Result<(Sheet, Omissions),
     let level = request.amplitude.as_deref().map(|text| level(&report.overview.levels, "--amplitude", text));
     let level = level.transpose()?;
     if matches!(request.figure, FigureName::Balance | FigureName::Backbone | FigureName::Modes) {
-        let level = level.or_else(|| report.subject().first_level());
-        let predicted = || level.and_then(|level| of_an_isola(&report.overview.levels[level]));
         match request.mode {
             Some(number) => report.turn_to(number).map_err(Error::Usage)?,
-            // A run that lacks this backbone has the primary one.
-            None => predicted().map_or(Ok(()), |number| report.turn_to(number)).unwrap_or_default(),
+            None => report.turn_to_isola(level),
         }
     }
-    let sheet = if request.figure == FigureName::Motion {
+    let mut sheet = if request.figure == FigureName::Motion {
         motion::sheet(&report, reader, monitor, request.at.as_deref())?
     } else {
         let name = request.figure.name();
@@ -62,6 +60,7 @@ pub fn compose(reader: &Reader, request: &Request) -> Result<(Sheet, Omissions),
         let choice = choice(request, monitor);
         Sheet { figure, columns: std::mem::take(&mut report.figures.columns), choice, frame }
     };
+    convert(&mut sheet.figure, request.units);
     Ok((sheet, report.omissions))
 }
 
@@ -91,14 +90,9 @@ pub fn compose_several(runs: &[(String, Reader)], request: &Request) -> Result<(
     if let Some(range) = request.frequency {
         cut(&mut figure, &comparison.figures.columns, range);
     }
+    convert(&mut figure, request.units);
     let sheet = Sheet { figure, columns: std::mem::take(&mut comparison.figures.columns), choice: 0, frame: None };
     Ok((sheet, comparison.reports.into_iter().map(|report| report.omissions).collect()))
-}
-
-/// Mode, from 1, of the first window of a level that led to an isola.
-fn of_an_isola(level: &Level) -> Option<usize> {
-    let leads = |window: &&WindowRow| matches!(&window.outcome, WindowOutcome::Found(to) | WindowOutcome::Elsewhere(to) if to.contains("isola"));
-    level.windows.iter().find(leads).map(|window| window.mode)
 }
 
 /// The windows of figures of one level: of the level typed, else of the one to look at first.

@@ -14,6 +14,7 @@ mod svg;
 #[cfg(test)]
 mod tests;
 mod ticks;
+mod units;
 
 pub use compose::{compose, compose_several};
 pub use file::FileFormat;

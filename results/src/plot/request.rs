@@ -1,6 +1,7 @@
 //! Which figure, and what of the run it shows.
 
 use crate::error::Error;
+use crate::summary_table::UnitChoice;
 
 /// A figure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -55,6 +56,8 @@ pub struct Request {
     pub along: Option<Along>,
     /// Frequencies that are shown, rad/s, lowest and highest; not for every figure. Where something happens if `None`.
     pub frequency: Option<(f64, f64)>,
+    /// Units of axes; where none is chosen rad/s, and what lengths are read best in.
+    pub units: UnitChoice,
 }
 
 impl Request {
@@ -69,6 +72,7 @@ impl Request {
             at: None,
             along: None,
             frequency: None,
+            units: UnitChoice::default(),
         }
     }
 }

@@ -88,33 +88,33 @@ impl<'f> Canvas<'f> {
                 self.line(&ends.map(|end| frame.at(end)), &span.style, LIGHT.of(span.style.color));
             }
         }
-        for series in &panel.series {
-            for part in view.parts(series, (at.x, at.y)) {
-                self.part(series, &part, frame);
-            }
+        let parts = |series| view.parts(series, (at.x, at.y)).into_iter().map(move |part| (series, part));
+        let parts: Vec<(&Series, Part)> = panel.series.iter().flat_map(parts).collect();
+        // What one curve encloses must not hide another.
+        for (series, part) in parts.iter().filter(|(series, _)| series.style.fill) {
+            self.area(series, part, frame);
+        }
+        for (series, part) in &parts {
+            self.part(series, part, frame);
         }
         self.axes(at);
         self.labels(panel, at, view);
     }
 
+    /// The inside of a part.
+    fn area(&mut self, series: &Series, part: &Part, frame: &Rect) {
+        let edge = part.edge.iter().rev().map(|&share| in_frame(share, frame));
+        let corners: Vec<Point> = points(series, part, frame).into_iter().chain(edge).collect();
+        let area = clip::area(&corners, frame);
+        if area.len() > 2 {
+            self.add(format_args!("<path d=\"{}Z\" fill=\"{}\"/>", path(&area), LIGHT.tint(part.color)));
+        }
+    }
+
+    /// Line and marks of a part.
     fn part(&mut self, series: &Series, part: &Part, frame: &Rect) {
         let style = &series.style;
-        let place = |&(right, up): &(f64, f64)| {
-            let is_place = right.abs() < OUTSIDE && up.abs() < OUTSIDE;
-            if is_place { frame.at((right, up)) } else { (f64::NAN, f64::NAN) }
-        };
-        let mut points: Vec<Point> = part.points.iter().map(place).collect();
-        if series.kind == Kind::Closed {
-            points.extend(points.first().copied());
-        }
-        if style.fill {
-            let edge = part.edge.iter().rev().map(place);
-            let corners: Vec<Point> = points.iter().copied().chain(edge).collect();
-            let area = clip::area(&corners, frame);
-            if area.len() > 2 {
-                self.add(format_args!("<path d=\"{}Z\" fill=\"{}\"/>", path(&area), LIGHT.tint(part.color)));
-            }
-        }
+        let points = points(series, part, frame);
         let color = LIGHT.of(part.color);
         if style.width > 0.0 {
             for visible in clip::curve(&thinned(&points), frame) {
@@ -254,6 +254,21 @@ impl<'f> Canvas<'f> {
             self.add(format_args!("<path aria-label=\"{text}\" d=\"{outline}\" fill=\"{color}\"/>"));
         }
     }
+}
+
+/// Where a point of a part lies; what is far outside has no place.
+fn in_frame((right, up): (f64, f64), frame: &Rect) -> Point {
+    let is_place = right.abs() < OUTSIDE && up.abs() < OUTSIDE;
+    if is_place { frame.at((right, up)) } else { (f64::NAN, f64::NAN) }
+}
+
+/// The points of a part, of a closed series back to the first.
+fn points(series: &Series, part: &Part, frame: &Rect) -> Vec<Point> {
+    let mut points: Vec<Point> = part.points.iter().map(|&share| in_frame(share, frame)).collect();
+    if series.kind == Kind::Closed {
+        points.extend(points.first().copied());
+    }
+    points
 }
 
 fn path(points: &[Point]) -> String {

@@ -1,5 +1,7 @@
 //! What figures show of small runs, and what they say when they cannot.
 
+mod looks;
+
 use super::*;
 use crate::curves::BackboneCurve;
 use crate::figure::{Figures, LIGHT, Ref, Style, run_points};
@@ -26,6 +28,7 @@ fn request(options: &[&str]) -> Request {
                 let (low, high) = pair[1].split_once(' ').unwrap();
                 request.frequency = Some((low.parse().unwrap(), high.parse().unwrap()));
             }
+            "--units" => request.units = pair[1].parse().unwrap(),
             option => panic!("{option}"),
         }
     }

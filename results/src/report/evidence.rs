@@ -6,6 +6,7 @@ use crate::store::{CurveRow, MotionRow, PushRow, SearchCounts};
 use protocol::to_everyone::Stage;
 use solver::response::branch::Outcome;
 use solver::response::modes::ModesFollowed;
+use solver::settings::FrequencySettings;
 use solver::structure::Model;
 
 /// What the answers are about.
@@ -38,8 +39,8 @@ pub struct Evidence<'r> {
     pub harmonics: usize,
     /// The lowest harmonic beyond that of the force that motions can have: [`crate::overview::least_added`].
     pub least_added: usize,
-    /// Lowest and highest frequency that branches are followed at, rad/s, if that is known.
-    pub frequencies: Option<(f64, f64)>,
+    /// Bounds at which branches apart from the main ones end.
+    pub bounds: FrequencySettings,
     /// Orders of motions that the run looks for.
     pub asked: Vec<usize>,
     /// What was found of further orders of motions, where the run looks for several and these are the first.
@@ -80,6 +81,8 @@ impl<'r> Evidence<'r> {
 pub struct Structure {
     /// The dof whose amplitudes are given.
     pub monitor: String,
+    /// All monitored dofs, that one first.
+    pub monitors: Vec<String>,
     /// Its clearance to the casing, m.
     pub gap: Option<f64>,
     /// Number of modes.
@@ -106,6 +109,7 @@ impl Structure {
         };
         Self {
             monitor: monitor.into(),
+            monitors: model.monitors().iter().map(|&dof| model.dofs()[dof].clone()).collect(),
             gap,
             modes: model.size(),
             harmonic: model.forcing().harmonic,

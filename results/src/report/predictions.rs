@@ -4,7 +4,7 @@ use super::evidence::Evidence;
 use super::losses::named;
 use crate::curves::BackboneCurve;
 use crate::overview::{
-    BEYOND, Level, Origin, born_between, events_of, forcing_label, is_within, later_birth, overlaps,
+    Level, Origin, beyond, born_between, events_of, forcing_label, is_within, later_birth, overlaps,
 };
 use crate::store::CurvePoint;
 use crate::words::{self, count, digits, frequency};
@@ -20,14 +20,14 @@ impl Evidence<'_> {
         let highest = self.levels.iter().map(|level| level.value).fold(0.0, f64::max);
         let births = events_of(self.curves, CriticalKind::Birth.name());
         let is_above = |birth: &&&CurvePoint| {
-            (highest..=JUST_ABOVE * highest).contains(&birth.forcing) && is_within(self.frequencies, birth.omega)
+            (highest..=JUST_ABOVE * highest).contains(&birth.forcing) && is_within(self.bounds, birth.omega)
         };
         let none = "No isola was found where it was looked for";
         let at = |birth: &CurvePoint| {
             let (forcing, omega) = (forcing_label(birth, 4), digits(birth.omega, 4));
             format!("at A = {forcing} ({omega} rad/s)")
         };
-        match &born_between(self.levels, self.curves, self.frequencies)[..] {
+        match &born_between(self.levels, self.curves, self.bounds)[..] {
             [only] => format!("{none}, but along fold curves one is born between two of the levels, {}.", at(only)),
             [first, .., last] => format!(
                 "{none}, but along fold curves isolas are born between levels, the first {}, the last {}.",
@@ -56,7 +56,7 @@ impl Evidence<'_> {
         let is_met = |(backbone, birth): &(&BackboneCurve, &Event)| {
             let windows = self.levels.iter().flat_map(|level| &level.windows);
             let mut own = windows.filter(|window| window.mode == backbone.mode + 1);
-            is_within(self.frequencies, birth.omega)
+            is_within(self.bounds, birth.omega)
                 || own.any(|window| (window.points[0]..=window.points[1]).contains(&birth.index))
         };
         let births = births.filter(is_met);
@@ -77,8 +77,7 @@ impl Evidence<'_> {
         };
         let mode = words::modes(&[backbone.mode]);
         let omega = backbone.omega.values[birth.index];
-        let beyond = if is_within(self.frequencies, omega) { "" } else { BEYOND };
-        let near = format!("{}{beyond}", frequency(omega));
+        let near = format!("{}{}", frequency(omega), beyond(self.bounds, omega));
         if backbone.feeds_itself(birth.index) {
             return format!(
                 "; the energy balance of {mode} predicts separate responses at any forcing, near {near}, where the \

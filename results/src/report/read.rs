@@ -7,7 +7,7 @@ use super::verdict::verdict;
 use crate::clock::now;
 use crate::curves::{BackboneCurve, Curve, Monitor, Motions, ResonanceComparison, monitors};
 use crate::figure::{Figures, Subject};
-use crate::overview::{BranchRow, Omissions, Overview, least_added, unfinished, verified_result, why_no_folds};
+use crate::overview::{BranchRow, Omissions, Overview, bounds, least_added, unfinished, verified_result, why_no_folds};
 use crate::store::{CurveRow, Reader, Result, RunHeader};
 use protocol::backbone::BackboneMessage;
 use protocol::curve::Size;
@@ -151,7 +151,7 @@ impl Report {
             structure: Structure::new(&model, &monitors[0].name, monitors[0].gap),
             harmonics: header.settings.harmonics.count,
             least_added: least_added(&model, reader.order().is_some()),
-            frequencies: reach.map(|reach| reach.frequency),
+            bounds: bounds(header.settings.frequency, reach.map(|reach| reach.frequency), reader.order().is_some()),
             asked: orders(&model, &header.settings.search),
             orders: further_orders(reader, &mut omissions),
             is_further: reader.order().is_some(),
@@ -197,6 +197,15 @@ impl Report {
             self.figures = Figures::new(&self.subject());
         }
         Ok(())
+    }
+
+    /// The same of the mode whose window led to an isola at a level, by index; by default at the level to look at first. If none did, or
+    /// that mode has no backbone, nothing changes.
+    pub fn turn_to_isola(&mut self, level: Option<usize>) {
+        let level = level.or_else(|| self.subject().first_level());
+        let mode = level.and_then(|level| self.overview.levels[level].mode_of_isola());
+        let is_turned = mode.map_or(Ok(()), |number| self.turn_to(number));
+        is_turned.unwrap_or_default();
     }
 
     /// What its figures are drawn from.

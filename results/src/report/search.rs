@@ -2,7 +2,7 @@
 
 use super::evidence::{Evidence, Structure};
 use crate::curves::BackboneCurve;
-use crate::overview::modes;
+use crate::overview::{modes, not_followed};
 use crate::words::{self, count, digits};
 
 impl Evidence<'_> {
@@ -118,7 +118,8 @@ impl Evidence<'_> {
         };
         let folds = match &self.why_no_folds {
             Some(why) => format!("; folds were not followed ({why})"),
-            None => String::new(),
+            None => not_followed(self.search.hanging)
+                .map_or_else(String::new, |folds| format!("; {folds} were not followed over the forcing")),
         };
         let folds = folds + &self.beyond_backbones();
         match self.search.starts {

@@ -1,17 +1,22 @@
 //! What time marching says of isolas and of the largest response.
 
 use super::evidence::Evidence;
-use crate::overview::{BranchRow, Level, near_largest};
-use crate::store::Stability;
-use crate::words::{count, digits, frequency};
+use crate::overview::{BranchRow, Level, StableResponse, largest_stable, largest_stable_sentence, near_largest};
+use crate::store::{Stability, least_energy};
+use crate::summary_table::{motions, pushes};
+use crate::words::{count, frequency};
+use solver::response::branch::BranchKind;
+
+/// Relative difference of amplitudes from which it is told.
+const TOLD: f64 = 0.005;
 
 impl Evidence<'_> {
-    /// Whether isolas can be settled on, of one of them and all of them.
-    pub(super) fn stability_of_isolas(&self) -> String {
+    /// Whether isolas can be settled on, of one of them and all of them, and what leads there.
+    pub(super) fn stability_of_isolas(&self) -> Vec<String> {
         let isolas: Vec<&BranchRow> = self.levels.iter().flat_map(Level::isolas).collect();
         let verified: Vec<&Stability> = isolas.iter().filter_map(|isola| isola.stability.as_ref()).collect();
         if verified.is_empty() {
-            return "Whether isolas are stable and what leads there was not verified.".into();
+            return vec!["Whether isolas are stable and what leads there was not verified.".into()];
         }
         let is_stable = |stability: &&&Stability| stability.stable > 0.0;
         let is_unknown = |stability: &&&Stability| stability.stable == 0.0 && stability.unstable == 0.0;
@@ -19,41 +24,45 @@ impl Evidence<'_> {
         let unstable = verified.len() - stable - unknown;
         let found = match [stable, unstable, unknown] {
             [1, 0, 0] if isolas.len() == 1 => {
-                format!("Time marching found parts of the isola stable: there the structure can settle{}", self.up_to(&verified))
+                format!("Time marching found parts of the isola stable: there the structure can settle{}", self.up_to())
             }
             [0, 1, 0] if isolas.len() == 1 => {
                 "Time marching found the isola unstable where it could tell: it separates, but nothing was seen to settle there".into()
             }
             [0, 0, 1] if isolas.len() == 1 => "Time marching could not tell whether any of the isola is stable".into(),
-            _ => self.several(isolas.len(), [stable, unstable, unknown], &self.up_to(&verified)),
+            _ => self.several(isolas.len(), [stable, unstable, unknown], &self.up_to()),
         };
-        format!("{found}; {}.", self.what_leads_there())
+        match self.what_leads_there() {
+            None => vec![format!("{found}; what leads there was not looked for (isola disturb does).")],
+            Some(push) => vec![format!("{found}."), push],
+        }
     }
 
-    /// The largest response that was found stable, as an addition to what is said of where the structure can settle.
-    fn up_to(&self, verified: &[&Stability]) -> String {
-        let largest = verified.iter().filter_map(|stability| stability.largest).max_by(|a, b| a.1.total_cmp(&b.1));
-        largest.map_or_else(String::new, |(omega, amplitude)| {
-            format!(", up to {} at {}", self.length(amplitude), frequency(omega))
+    /// The largest response of isolas that was found stable, as an addition to what is said of where the structure can settle.
+    fn up_to(&self) -> String {
+        let largest = largest_stable(self.levels, BranchRow::is_isola);
+        largest.map_or_else(String::new, |StableResponse { level, branch, omega, amplitude }| {
+            let (size, at) = (self.length(amplitude), frequency(omega));
+            match self.levels.iter().flat_map(Level::isolas).count() {
+                1 => format!(", up to {size} at {at}"),
+                _ => format!(", on isolas up to {size} ({} at A = {}) at {at}", branch.name(), level.amplitude),
+            }
         })
     }
 
-    /// The smallest push found that leads to an isola, if pushes were marched.
-    fn what_leads_there(&self) -> String {
-        let least =
-            self.pushes.iter().filter_map(|push| Some((push, push.impulse?))).min_by(|a, b| a.1.total_cmp(&b.1));
-        match least {
-            None if self.pushes.is_empty() => "what leads there was not looked for (isola disturb does)".into(),
-            None => "no push that leads there was found".into(),
-            Some((push, impulse)) => format!(
-                "the smallest push found that leads there from the main motion, all dofs at once, has {} N s in mode {} alone ({} at A = {}, {})",
-                digits(impulse, 3),
-                push.mode,
-                push.branch,
-                push.forcing,
-                frequency(push.omega)
-            ),
-        }
+    /// The push of least energy that leads to an isola, if pushes were marched: which isola that is, and at which frequency.
+    fn what_leads_there(&self) -> Option<String> {
+        let Some(push) = least_energy(self.pushes) else {
+            return (!self.pushes.is_empty()).then(|| "No push that leads to an isola was found.".into());
+        };
+        Some(format!(
+            "Of the pushes looked for, one frequency an isola, the one found with least energy to lead from the main motion to an \
+             isola leads to {} of A = {} at {}: {}.",
+            push.branch,
+            push.forcing,
+            frequency(push.omega),
+            pushes::strength(push, &self.structure.monitors)
+        ))
     }
 
     /// The same of several isolas: how many are stable in parts, unstable wherever that is known, and how many nothing is known of.
@@ -67,6 +76,32 @@ impl Evidence<'_> {
         ];
         let said: Vec<String> = parts.iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!("{n} {what}")).collect();
         format!("Of {} {}", count(all, "isola"), said.join(", "))
+    }
+
+    /// What unstable motions of main branches turn into where that is larger than anything on these, at the level where it is most so:
+    /// ordinary continuation does not tell how far the structure swings there.
+    pub(super) fn outgrown(&self) -> Option<String> {
+        let larger = self.motions.iter().filter_map(|motion| {
+            let is_main = motion.branch.split(' ').next() == Some(BranchKind::Main.name());
+            let level = self.levels.iter().find(|level| is_main && level.amplitude == motion.forcing)?;
+            let ratio = motion.amplitude?.1 / level.main()?.amplitude_max;
+            (ratio > 1.0 + TOLD).then_some((motion, ratio))
+        });
+        let (motion, ratio) = larger.max_by(|a, b| a.1.total_cmp(&b.1))?;
+        Some(format!(
+            "Unstable motions of main branches turn into larger ones: by time marching, at A = {} into {} of up to {} at {}, {:.0} % more \
+             than the main branch has.",
+            motion.forcing,
+            motions::kind(motion, self.is_further),
+            self.length(motion.amplitude?.1),
+            frequency(motion.omega),
+            100.0 * (ratio - 1.0)
+        ))
+    }
+
+    /// The largest response that was found stable, where that is not told by what is said of isolas and of the largest response.
+    pub(super) fn largest_stable(&self) -> Option<String> {
+        largest_stable_sentence(self.levels, |x| self.length(x), frequency)
     }
 
     /// What is known of the stability of the largest response.

@@ -3,7 +3,7 @@
 use super::*;
 use crate::curves::ResonanceComparison;
 use crate::fixture::Study;
-use crate::store::{Reader, Store};
+use crate::store::{Reader, Store, WindowOutcome};
 use protocol::to_everyone::Stage;
 use rusqlite::Connection;
 use solver::response::windows::EventKind;
@@ -20,6 +20,22 @@ fn damaged(run: &Path, sql: &str) -> Report {
     drop(Study::damper().finished(run));
     Connection::open(run.join(crate::store::FILE)).unwrap().execute_batch(sql).unwrap();
     read(&Reader::open(run).unwrap())
+}
+
+#[test]
+fn figures_turn_to_the_mode_that_led_to_an_isola() {
+    let dir = tempdir().unwrap();
+    let (store, _) = Study::of_modes("two_masses_stop", 3, &["0.01", "0.02"], 2).finished(dir.path());
+    let mut report = read(&store);
+    let mode = |report: &Report| report.backbone.as_ref().unwrap().mode + 1;
+    let [primary, other] = [mode(&report), report.further[0].mode + 1];
+    let window = &mut report.overview.levels[1].windows[0];
+    (window.mode, window.outcome) = (other, WindowOutcome::Found("isola 1".into()));
+    assert_eq!(report.overview.levels[1].mode_of_isola(), Some(other));
+    report.turn_to_isola(Some(0));
+    assert_eq!(mode(&report), primary);
+    report.turn_to_isola(Some(1));
+    assert_eq!([mode(&report), report.further[0].mode + 1], [other, primary]);
 }
 
 #[test]

@@ -7,7 +7,7 @@ mod tests;
 
 use super::evidence::{Evidence, OrderFound};
 use super::losses::{Loss, losses, named, unknown_beyond};
-use crate::overview::{BEYOND, BranchRow, Level, events_sentence, highest, is_within, sampled, truncation};
+use crate::overview::{BranchRow, Level, beyond, events_sentence, highest, not_followed_sentence, sampled, truncation};
 use crate::summary_table::{Units, motions};
 use crate::words::{self, count, digits, frequency, range};
 use protocol::to_everyone::Stage;
@@ -58,7 +58,7 @@ pub fn verdict(evidence: &Evidence<'_>) -> [Sentence; 3] {
         Sentence {
             title: "Would ordinary continuation have missed it?",
             text: caveat + &evidence.missed(),
-            details: if evidence.with_isolas().next().is_none() { further(evidence.others()) } else { Vec::new() },
+            details: further(evidence.beside_ordinary_continuation()),
             reach: None,
         },
     ]
@@ -177,9 +177,10 @@ impl<'r> Evidence<'r> {
                 self.structure.harmonic
             ));
         }
-        list.extend(self.with_isolas().next().map(|_| self.stability_of_isolas()));
+        list.extend(self.with_isolas().next().into_iter().flat_map(|_| self.stability_of_isolas()));
         list.extend(sampled(self.levels));
         list.extend(self.largest().map(|(_, largest)| self.stability_of_peak(largest)));
+        list.extend(self.largest_stable());
         list.extend(self.untouched().map(String::from));
         list.extend(self.others());
         list.extend(self.not_found());
@@ -187,6 +188,12 @@ impl<'r> Evidence<'r> {
         list.extend(truncation(self.levels, self.harmonics, self.least_added));
         list.extend(motions::sentences(self.motions, Units::default(), self.is_further));
         list
+    }
+
+    /// What ordinary continuation leaves out beside isolas; other branches where there are no isolas to tell them with.
+    fn beside_ordinary_continuation(&self) -> Vec<String> {
+        let others = if self.with_isolas().next().is_none() { self.others() } else { Vec::new() };
+        self.outgrown().into_iter().chain(others).collect()
     }
 
     /// Branches that are neither main ones nor isolas, for what they are.
@@ -225,11 +232,10 @@ impl<'r> Evidence<'r> {
             return format!("Nothing is known yet: {} to come.", count(self.levels.len(), "forcing level"));
         }
         let prediction = self.prediction();
-        let place = |omega: f64| {
-            let beyond = if is_within(self.frequencies, omega) { "" } else { BEYOND };
-            format!("{} rad/s{beyond}", digits(omega, 5))
-        };
+        let place = |omega: f64| format!("{} rad/s{}", digits(omega, 5), beyond(self.bounds, omega));
         let computed = events_sentence(self.curves, place).map(|sentence| format!(" {sentence}")).unwrap_or_default();
+        let missing = not_followed_sentence(self.search.hanging).filter(|_| !computed.is_empty());
+        let computed = computed + &missing.map_or_else(String::new, |sentence| format!(" {sentence}"));
         let runs = runs(self.levels);
         let partly: Vec<&Level> = self.with_isolas().filter(|level| !level.is_complete()).collect();
         if runs.is_empty() && partly.is_empty() {

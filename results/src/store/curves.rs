@@ -86,6 +86,8 @@ pub struct SearchCounts {
     pub left_out: usize,
     /// Folds from which no curve could be followed.
     pub unfollowed: usize,
+    /// Branches that branch off others and have folds: these are not followed.
+    pub hanging: usize,
     /// Curves at one frequency, along which responses of open branches were carried over the forcing.
     pub carried: usize,
     /// Of these those that stopped before their ends, and responses that could not be carried.
@@ -115,17 +117,23 @@ const IS_CRITICAL: &str = "SELECT kind <> 'response' FROM curves ORDER BY number
 const ALL_FOLDS: &str = "SELECT count(*) FROM branches, json_each(branches.special) \
      WHERE json_extract(json_each.value, '$.kind') = 'fold' AND branches.kind <> 'branched' AND level IN {levels}";
 
+/// Branches whose folds are not (`FoldPlace::of`).
+const HANGING: &str = "SELECT count(*) FROM branches WHERE kind = 'branched' AND level IN {levels} \
+     AND EXISTS (SELECT 1 FROM json_each(branches.special) WHERE json_extract(json_each.value, '$.kind') = 'fold')";
+
 /// The amplitude in the name of a level.
 fn level(row: &Row<'_>, column: usize) -> rusqlite::Result<String> {
     Ok(typed(&row.get::<_, String>(column)?).into())
 }
 
+/// Of an end of a curve at grazing.
+pub(crate) const GRAZING: &str = "next to where an element begins or ceases to act";
+
 /// How a curve begins and ends, in words.
 fn status(outcome: Outcome, grazing: [Option<usize>; 2]) -> String {
     let Outcome::Open(first, last) = outcome else { return outcome.to_string() };
     let end = |(stop, grazes): (Stop, Option<usize>)| {
-        let why = if grazes.is_some() { " (next to where an element begins or ceases to act)" } else { "" };
-        format!("{stop}{why}")
+        if grazes.is_some() { format!("{stop} ({GRAZING})") } else { stop.to_string() }
     };
     let [first, last] = [(first, grazing[0]), (last, grazing[1])].map(end);
     format!("open: {first} to {last}")
@@ -262,6 +270,7 @@ impl Reader {
         if counts.folds > 0 {
             counts.left_out = number(ALL_FOLDS)?.saturating_sub(counts.folds);
         }
+        counts.hanging = number(HANGING)?;
         let batches = "SELECT count(*) FROM tasks WHERE kind = 'start' AND state = 'done' AND level IN {levels}";
         counts.starts = BATCH * number(&format!("{batches} AND origin LIKE 'starts, %'"))?;
         counts.homotopies = BATCH * number(&format!("{batches} AND origin LIKE 'homotopies, %'"))?;

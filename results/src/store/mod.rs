@@ -34,13 +34,14 @@ mod tasks;
 mod tests;
 mod verifications;
 
+pub(crate) use curves::GRAZING;
 pub use curves::{Crossing, CurvePoint, CurveRow, SearchCounts};
 pub use error::StoreError;
 pub use extent::Extent;
 pub use file_system::network_file_system;
 pub use holder::Holder;
 pub use motions::{MotionRow, motion_name};
-pub use pushes::PushRow;
+pub use pushes::{PushRow, least_energy};
 pub use reader::Reader;
 pub use verifications::{BifurcationRow, PeakOrbit, Stability, verdict_name};
 

@@ -46,6 +46,21 @@ pub struct PushRow {
     pub reason: Option<String>,
 }
 
+impl PushRow {
+    /// The kinetic energy that the smallest push found gives a structure at rest, J: what pushes at different dofs and in different modes
+    /// are compared by.
+    pub fn energy(&self) -> Option<f64> {
+        // Impulse s/|φ| and velocity s|φ| of a mode of unit mass; runs of before 2026-11-27 may have the latter in the other sense.
+        Some(0.5 * self.impulse? * self.velocity?.abs())
+    }
+}
+
+/// The push of least energy.
+pub fn least_energy<'p>(pushes: impl IntoIterator<Item = &'p PushRow>) -> Option<&'p PushRow> {
+    let found = pushes.into_iter().filter_map(|push| Some((push.energy()?, push)));
+    found.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, push)| push)
+}
+
 /// Stores what pushes onto a branch of the level whose amplitude was typed as `amplitude` do.
 pub(super) fn insert_push(
     db: &Connection,

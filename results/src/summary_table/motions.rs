@@ -31,7 +31,7 @@ fn sentence(rows: &[MotionRow], units: Units, is_further: bool) -> String {
 }
 
 /// What a motion is, as far as that is known.
-fn kind(row: &MotionRow, is_further: bool) -> String {
+pub(crate) fn kind(row: &MotionRow, is_further: bool) -> String {
     match (row.motion.as_str(), row.repeats, &row.onto) {
         ("periodic", Some(1), Some(branch)) if *branch == row.branch => "the same branch".into(),
         ("periodic", Some(1), Some(branch)) => branch.clone(),

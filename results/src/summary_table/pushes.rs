@@ -1,10 +1,10 @@
-//! Pushes in words: for every isola the smallest found that ends on it.
+//! Pushes in words: for every isola the one of least energy found that ends on it.
 
 use super::Units;
-use crate::store::PushRow;
+use crate::store::{PushRow, least_energy};
 use crate::words::digits;
 
-/// Digits of impulses: they are bisected to 1 %.
+/// Digits of energies, impulses and velocities: they are bisected to 1 %.
 const DIGITS: i32 = 3;
 
 /// A sentence for every isola that was pushed onto; `monitors`: names of the monitored dofs.
@@ -16,31 +16,20 @@ pub(crate) fn sentences(pushes: &[PushRow], monitors: &[String], units: Units) -
 fn sentence(rows: &[PushRow], monitors: &[String], units: Units) -> String {
     let at = format!("{} {}", units.frequency.digits(rows[0].omega), units.frequency);
     let onto = format!("{} at A = {} and {at}", rows[0].branch, rows[0].forcing);
-    let tried = |rows: &[&PushRow]| {
-        let modes: Vec<usize> = rows.iter().map(|row| row.mode.saturating_sub(1)).collect();
-        crate::words::modes(&modes)
-    };
-    let all: Vec<&PushRow> = rows.iter().collect();
-    let impulse = |row: &&&PushRow| row.impulse;
-    let found = all.iter().filter(|row| row.impulse.is_some());
-    let Some(least) =
-        found.min_by(|a, b| impulse(a).unwrap_or(f64::INFINITY).total_cmp(&impulse(b).unwrap_or(f64::INFINITY)))
-    else {
-        let reasons: Vec<&str> = all.iter().filter_map(|row| row.reason.as_deref()).collect();
-        return match reasons.first() {
+    let tried: Vec<usize> = rows.iter().map(|row| row.mode.saturating_sub(1)).collect();
+    let Some(least) = least_energy(rows) else {
+        return match rows.iter().find_map(|row| row.reason.as_deref()) {
             Some(reason) => format!("No push onto {onto} was tried: {reason}."),
             None => {
-                let largest = all.iter().filter_map(|row| row.largest).fold(0.0, f64::max);
-                format!(
-                    "No push of up to {} N s in {} was found that ends on {onto}.",
-                    digits(largest, DIGITS),
-                    tried(&all)
-                )
+                let of_mode = |row: &PushRow| {
+                    let (largest, dof) = (digits(row.largest.unwrap_or_default(), DIGITS), dof(row, monitors));
+                    format!("in mode {} (up to {largest} N s at {dof})", row.mode)
+                };
+                let modes: Vec<String> = rows.iter().map(of_mode).collect();
+                format!("No push {} was found that ends on {onto}.", modes.join(" or "))
             }
         };
     };
-    let monitor = monitors.get(least.monitor).map_or("the monitored dof", String::as_str);
-    let [size, velocity] = [least.impulse, least.velocity].map(|value| digits(value.unwrap_or_default(), DIGITS));
     let when = match least.phase {
         Some(phase) if phase != 0.0 => format!(", {} of a period after the forcing is largest", digits(phase, DIGITS)),
         Some(_) => ", when the forcing is largest".into(),
@@ -48,11 +37,27 @@ fn sentence(rows: &[PushRow], monitors: &[String], units: Units) -> String {
     };
     let doubt = if least.confirmed == Some(true) { "" } else { "; not confirmed by longer marching" };
     format!(
-        "Smallest push found from the main motion that ends on {onto}: all dofs at once in the shape of mode {}, {velocity} m/s at \
-         {monitor} ({size} N s for that mode alone){when}; of pushes in {}{doubt}.",
-        least.mode,
-        tried(&all)
+        "Smallest push found from the main motion that ends on {onto}: {}{when}; of pushes in {}{doubt}.",
+        strength(least, monitors),
+        crate::words::modes(&tried)
     )
+}
+
+/// How strong a push is: its energy, and its impulse with the dof that it is given for.
+pub(crate) fn strength(push: &PushRow, monitors: &[String]) -> String {
+    let [energy, size, velocity] =
+        [push.energy(), push.impulse, push.velocity].map(|value| digits(value.unwrap_or_default().abs(), DIGITS));
+    let sense = if push.velocity.is_some_and(|velocity| velocity < 0.0) { "−" } else { "+" };
+    format!(
+        "{energy} J, all dofs at once in the shape of mode {}, {sense}{velocity} m/s at {} ({sense}{size} N s there for that mode alone)",
+        push.mode,
+        dof(push, monitors)
+    )
+}
+
+/// The monitored dof that the mode of a push moves most.
+fn dof<'m>(push: &PushRow, monitors: &'m [String]) -> &'m str {
+    monitors.get(push.monitor).map_or("the monitored dof", String::as_str)
 }
 
 #[cfg(test)]
@@ -86,19 +91,32 @@ mod tests {
         let said = told(&[row(1, Some(4.66), None), row(2, None, None), row(3, Some(8.0), None)]);
         assert_eq!(
             said,
-            "Smallest push found from the main motion that ends on isola 1 at A = 60 and 2665.46 rad/s: all dofs at once in the shape \
-             of mode 1, 2.33 m/s at tip (4.66 N s for that mode alone), 0.25 of a period after the forcing is largest; of pushes in modes 1 to 3."
+            "Smallest push found from the main motion that ends on isola 1 at A = 60 and 2665.46 rad/s: 5.43 J, all dofs at once in the shape \
+             of mode 1, +2.33 m/s at tip (+4.66 N s there for that mode alone), 0.25 of a period after the forcing is largest; of pushes in modes 1 to 3."
         );
         let doubtful = PushRow { confirmed: Some(false), ..row(1, Some(4.66), None) };
         assert!(told(&[doubtful]).ends_with("of pushes in mode 1; not confirmed by longer marching."));
     }
 
     #[test]
+    fn energy_tells_which_is_the_smallest() {
+        // A light dof takes a small impulse and much energy.
+        let light = PushRow { velocity: Some(40.0), ..row(1, Some(0.5), None) };
+        let heavy = PushRow { velocity: Some(0.2), ..row(2, Some(8.0), None) };
+        let said = told(&[light, heavy]);
+        assert!(
+            said.contains(": 0.8 J, all dofs at once in the shape of mode 2, +0.2 m/s at tip (+8 N s there"),
+            "{said}"
+        );
+    }
+
+    #[test]
     fn what_was_not_found_or_not_tried_is_told() {
-        let said = told(&[row(1, None, None), row(2, None, None)]);
+        let said = told(&[row(1, None, None), PushRow { largest: Some(4.0), ..row(2, None, None) }]);
         assert_eq!(
             said,
-            "No push of up to 9 N s in modes 1 and 2 was found that ends on isola 1 at A = 60 and 2665.46 rad/s."
+            "No push in mode 1 (up to 9 N s at tip) or in mode 2 (up to 4 N s at tip) was found that ends on isola 1 at A = 60 and \
+             2665.46 rad/s."
         );
         let said = told(&[row(1, None, Some("no stable motion on the branch at this frequency"))]);
         let end = "was tried: no stable motion on the branch at this frequency.";

@@ -1,7 +1,9 @@
 //! What time marching says of branches, in a sentence or two.
 
 use super::Units;
-use crate::overview::{BranchRow, Level, highest, near_largest, sampled};
+use crate::overview::{
+    BranchRow, Level, StableResponse, highest, largest_stable, largest_stable_sentence, near_largest, sampled,
+};
 use crate::store::Stability;
 
 /// What may be known of a branch.
@@ -23,10 +25,13 @@ pub(super) fn sentences(levels: &[Level], units: Units) -> Option<String> {
     let others: Vec<&BranchRow> = rows().filter(|row| !row.is_main() && !row.is_isola()).collect();
     let size = |amplitude| format!("{} {length}", length.digits(amplitude));
     let rate = |omega| format!("{} {frequency}", frequency.digits(omega));
-    let largest = isolas.iter().filter_map(|row| row.stability.as_ref()?.largest);
-    let largest = largest.max_by(|a, b| a.1.total_cmp(&b.1));
-    let up_to = largest.map_or_else(String::new, |(omega, amplitude)| {
-        format!(" (stable up to {} at {})", size(amplitude), rate(omega))
+    let largest = largest_stable(levels, BranchRow::is_isola);
+    let up_to = largest.map_or_else(String::new, |StableResponse { level, branch, omega, amplitude }| {
+        let (up_to, at) = (size(amplitude), rate(omega));
+        match isolas.len() {
+            1 => format!(" (stable up to {up_to} at {at})"),
+            _ => format!(" (stable on isolas up to {up_to}, {} at A = {} and {at})", branch.name(), level.amplitude),
+        }
     });
     let is_part = |row: &&BranchRow| row.stability.as_ref().is_some_and(|stability| !stability.is_whole);
     let is_cut = mains.iter().any(|row| !row.at_least().is_empty());
@@ -54,7 +59,9 @@ pub(super) fn sentences(levels: &[Level], units: Units) -> Option<String> {
         near_largest(peak, amplitude, size, rate)
     });
     let sampled = sampled(levels).map_or_else(String::new, |sentence| format!("{sentence} "));
-    Some(format!("By time marching, {}. {sampled}{peak}", groups.join("; ")))
+    let stable =
+        largest_stable_sentence(levels, size, rate).map_or_else(String::new, |sentence| format!(" {sentence}"));
+    Some(format!("By time marching, {}. {sampled}{peak}{stable}", groups.join("; ")))
 }
 
 /// How many branches of a kind are stable and unstable, of those that were verified; `around`: what of them alone was.
@@ -103,7 +110,7 @@ mod tests {
     }
 
     fn told(branches: Vec<BranchRow>) -> Option<String> {
-        sentences(&[Level { branches, ..Level::default() }], Units::default())
+        sentences(&[Level { amplitude: "14".into(), branches, ..Level::default() }], Units::default())
     }
 
     #[test]
@@ -136,8 +143,8 @@ mod tests {
         let others = vec![branch("main", [0.2, 0.0], 1.0), branch("cut", [0.0, 0.0], 0.5)];
         assert_eq!(
             told([isolas.to_vec(), others].concat()).unwrap(),
-            "By time marching, of 2 isolas 1 stable in parts, 1 unstable wherever it could tell (stable up to 1.0000 m at 2.00000 \
-             rad/s); the main branch, around its peak, is stable wherever it could tell; the other branch is beyond what it could \
+            "By time marching, of 2 isolas 1 stable in parts, 1 unstable wherever it could tell (stable on isolas up to 1.0000 m, \
+             isola 1 at A = 14 and 2.00000 rad/s); the main branch, around its peak, is stable wherever it could tell; the other branch is beyond what it could \
              tell. The periodic motion that time marching has near the largest response, 3.0000 m at 2.50000 rad/s, is unstable."
         );
     }
@@ -148,8 +155,8 @@ mod tests {
         assert_eq!(told(vec![bare("main"), bare("isola")]), None);
         assert_eq!(
             told(vec![bare("main"), bare("isola"), branch("isola", [1.0, 0.0], 2.0)]).unwrap(),
-            "By time marching, of 2 isolas 1 stable wherever it could tell, 1 not verified (stable up to 1.0000 m at 2.00000 \
-             rad/s). Whether the largest response is stable was not verified."
+            "By time marching, of 2 isolas 1 stable wherever it could tell, 1 not verified (stable on isolas up to 1.0000 m, \
+             isola 1 at A = 14 and 2.00000 rad/s). Whether the largest response is stable was not verified."
         );
     }
 }

@@ -14,6 +14,15 @@ pub struct Units {
     pub frequency: FrequencyUnit,
 }
 
+/// Units that were chosen, and those that were not.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct UnitChoice {
+    /// Of amplitudes.
+    pub length: Option<LengthUnit>,
+    /// Of frequencies.
+    pub frequency: Option<FrequencyUnit>,
+}
+
 /// Unit of amplitudes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum LengthUnit {
@@ -37,22 +46,32 @@ pub enum FrequencyUnit {
 }
 
 impl LengthUnit {
+    /// How many of it make a metre.
+    pub fn factor(self) -> f64 {
+        match self {
+            Self::Metre => 1.0,
+            Self::Millimetre => 1e3,
+            Self::Micrometre => 1e6,
+        }
+    }
+
     /// A length in metres, in this unit, with five digits.
     pub fn digits(self, metres: f64) -> String {
-        let value = match self {
-            Self::Metre => metres,
-            Self::Millimetre => 1e3 * metres,
-            Self::Micrometre => 1e6 * metres,
-        };
+        let value = self.factor() * metres;
         // Beyond that zeros have to be counted.
         if (1e-2..1e6).contains(&value.abs()) { fixed_digits(value, 5) } else { format!("{value:.4e}") }
     }
 }
 
 impl FrequencyUnit {
+    /// How many of it make a rad/s.
+    pub fn factor(self) -> f64 {
+        if self == Self::Hertz { 1.0 / TAU } else { 1.0 }
+    }
+
     /// A frequency in rad/s, in this unit, with six digits.
     pub fn digits(self, omega: f64) -> String {
-        fixed_digits(if self == Self::Hertz { omega / TAU } else { omega }, 6)
+        fixed_digits(self.factor() * omega, 6)
     }
 }
 
@@ -72,7 +91,24 @@ impl Display for FrequencyUnit {
     }
 }
 
+impl UnitChoice {
+    /// A frequency in the unit that was chosen, in rad/s.
+    pub fn rate(self, frequency: f64) -> f64 {
+        frequency / self.frequency.unwrap_or_default().factor()
+    }
+}
+
 impl FromStr for Units {
+    type Err = String;
+
+    /// Those that are chosen; m and rad/s where nothing is.
+    fn from_str(text: &str) -> Result<Self, String> {
+        let UnitChoice { length, frequency } = text.parse()?;
+        Ok(Self { length: length.unwrap_or_default(), frequency: frequency.unwrap_or_default() })
+    }
+}
+
+impl FromStr for UnitChoice {
     type Err = String;
 
     /// `mm,Hz`: one unit of each quantity, or one of them only.
@@ -91,7 +127,7 @@ impl FromStr for Units {
                 return Err("give one unit of length and one of frequency, like mm,Hz".into());
             }
         }
-        Ok(Self { length: length.unwrap_or_default(), frequency: frequency.unwrap_or_default() })
+        Ok(Self { length, frequency })
     }
 }
 
@@ -108,6 +144,9 @@ mod tests {
         );
         assert_eq!("Hz".parse::<Units>().unwrap().length.digits(9.4809e-4), "9.4809e-4");
         assert_eq!("um, rad/s".parse::<Units>().unwrap().length.digits(1e-12), "1.0000e-6");
+        let choice: UnitChoice = "Hz".parse().unwrap();
+        assert_eq!((choice.length, choice.rate(1.0)), (None, TAU));
+        assert_eq!(UnitChoice::default().rate(2.0), 2.0);
         assert!("inch".parse::<Units>().unwrap_err().contains("inch"));
         assert!("mm,um".parse::<Units>().unwrap_err().contains("one unit"));
     }

@@ -154,7 +154,7 @@ class StoredRun(Mapping[str, Motions]):
     @property
     def pushes(self) -> pd.DataFrame:
         """The smallest impulses found that throw the structure from its main branch onto another one, mode by mode: the columns of
-        ``pushes.csv`` (rad/s; N s at `monitor`; m/s), and why nothing was scanned. Empty before ``isola disturb``."""
+        ``pushes.csv`` (rad/s; N s at `monitor`; m/s; J), and why nothing was scanned. Empty before ``isola disturb``."""
         return self._read(lambda reading, _: tables.pushes(reading))
 
     @property
@@ -233,7 +233,9 @@ class StoredRun(Mapping[str, Motions]):
     def state(self, branch: Key, point: int | str = "peak") -> xr.Dataset:
         """The motion at a point of a branch at t = 0, of all dofs: `displacement` x(0) in m and `velocity` v(0) in m/s. From there
         M x'' + C x' + K x + f(x, x') = A s cos(m ω t) can be integrated in time, f being the laws, A the forcing amplitude
-        (`attrs["forcing"]`), s the shape of the forcing and m its harmonic (``run.model``), ω the coordinate `omega`.
+        (`attrs["forcing"]`), s the shape of the forcing and m its harmonic (``run.model``), ω the coordinate `omega`. Of laws with memory
+        (``jenkins``) the forces of the sliders at t = 0 belong to the state as well and are not here: begin with any, and leave out the
+        first periods, in which they settle where the motion is stable.
 
         >>> start = run.state("60/isola 1")
         >>> start["displacement"].sel(dof="b0.r"), start["velocity"].values, float(start["omega"])

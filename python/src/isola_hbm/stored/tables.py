@@ -33,7 +33,7 @@ MOTIONS = [
 ]
 PUSHES = [
     *("forcing", "branch", "mode", "omega", "monitor", "motions", "largest", "impulse", "below", "velocity", "phase"),
-    "confirmed",
+    *("confirmed", "energy"),
 ]
 FOLDS = ["curve", "forcing", "omega", "amplitude", "kind"]
 EVENTS = [
@@ -105,7 +105,7 @@ def pushes(reading: Reading) -> pd.DataFrame:
         return _frame(PUSHES, [])
     sql = """
         SELECT levels.value AS forcing, kind, number, mode, omega, monitor, motions, largest, impulse, below, velocity, phase,
-            confirmed, reason
+            confirmed, reason, 0.5 * impulse * abs(velocity) AS energy
         FROM pushes JOIN branches ON branches.id = branch JOIN levels USING (level)
         ORDER BY branches.level, branches.id, mode
     """

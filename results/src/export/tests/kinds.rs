@@ -37,7 +37,7 @@ fn a_cut_branch_is_called_so_everywhere() {
         assert!(table.contains("cut: ") && table.matches('≥').count() == cuts.len() + 1, "{table}");
         let words = table.split_whitespace().collect::<Vec<_>>().join(" ");
         let note =
-            "¹ open: frequency bound to amplitude bound; whether it is detached is not known At least (≥): no more";
+            "¹ from frequency bound to amplitude bound; whether it is detached is not known At least (≥): no more";
         assert!(words.contains(note), "{table}");
         assert!(table.contains(if layout.units == Units::default() { "in m, " } else { "in mm, " }), "{table}");
         // The frequency of a largest response that is not known does not rise.

@@ -1,6 +1,7 @@
 //! Sentence by sentence: nothing that is said is more than what is known.
 
 mod predictions;
+mod stability;
 
 use super::*;
 use crate::curves::BackboneCurve;
@@ -10,6 +11,7 @@ use crate::store::{CurvePoint, CurveRow, Origin, PeakOrbit, SearchCounts, Stabil
 use protocol::to_everyone::Stage;
 use solver::response::branch::{Outcome, Standing, Stop};
 use solver::response::modes::{LeftOut, ModesFollowed};
+use solver::settings::FrequencySettings;
 use std::sync::LazyLock;
 
 fn branch(kind: &str, number: usize, omega: (f64, f64), amplitude: f64) -> BranchRow {
@@ -69,7 +71,7 @@ fn told<'r>(levels: &'r [Level], change: impl FnOnce(&mut Evidence<'r>)) -> [Str
         structure: structure(),
         harmonics: 10,
         least_added: 2,
-        frequencies: None,
+        bounds: FrequencySettings::default(),
         asked: vec![1],
         orders: Vec::new(),
         is_further: false,
@@ -84,67 +86,6 @@ fn texts(levels: &[Level]) -> [String; 3] {
 
 const NOT_SEARCHED: &str = "isolas of other modes, of sub- and super-harmonics and those that no energy balance of mode 1 \
                             leads to were not looked for.";
-
-/// A branch that was verified.
-fn verified(stable: f64, unstable: f64, peak: &str, branch: BranchRow) -> BranchRow {
-    let peak = Some(PeakOrbit { verdict: peak.into(), at: Some((120.0, 1.5e-3)) });
-    let largest = (stable > 0.0 && !branch.is_main()).then_some((115.0, 1.8e-3));
-    BranchRow {
-        stability: Some(Stability { is_whole: !branch.is_main(), stable, unstable, sampled: None, peak, largest }),
-        ..branch
-    }
-}
-
-#[test]
-fn what_can_settle_is_told() {
-    let danger = |isolas: Vec<BranchRow>| {
-        let one = |isola: BranchRow| level(1.0, vec![verified(0.1, 0.0, "stable", main(1e-3)), isola]);
-        let levels: Vec<Level> = isolas.into_iter().map(one).collect();
-        texts(&levels)[0].clone()
-    };
-    let cases = [
-        (
-            vec![verified(0.5, 0.5, "unstable", isola(2e-3))],
-            "Time marching found parts of the isola stable: there the structure can settle, up to 1.8 mm at 115 rad/s (18.3 Hz);",
-        ),
-        (
-            vec![verified(0.0, 1.0, "unstable", isola(2e-3))],
-            "found the isola unstable where it could tell: it separates",
-        ),
-        (vec![verified(0.0, 0.9, "none", isola(2e-3))], "found the isola unstable where it could tell: it separates"),
-        (vec![verified(0.0, 0.0, "not_comparable", isola(2e-3))], "could not tell whether any of the isola is stable;"),
-        (
-            vec![verified(0.5, 0.5, "stable", isola(2e-3)), verified(0.0, 1.0, "unstable", isola(1e-3)), isola(1e-3)],
-            "Of 3 isolas 1 stable in parts, where the structure can settle, up to 1.8 mm at 115 rad/s (18.3 Hz), 1 unstable wherever time marching could tell, 1 not \
-             verified;",
-        ),
-        (
-            vec![verified(0.0, 0.0, "none", isola(2e-3)), verified(0.0, 0.0, "none", isola(1e-3))],
-            "Of 2 isolas 2 beyond what time marching could tell;",
-        ),
-    ];
-    for (isolas, expected) in cases {
-        let said = danger(isolas);
-        assert!(said.contains(expected), "{said}");
-        assert!(said.contains("; what leads there was not looked for (isola disturb does)."), "{said}");
-    }
-    for (peak, expected) in [
-        ("stable", "near the largest response, 1.5 mm (25 % less) at 120 rad/s (19.1 Hz), is stable."),
-        ("unstable", "near the largest response, 1.5 mm (25 % less) at 120 rad/s (19.1 Hz), is unstable."),
-        (
-            "marginal",
-            "near the largest response, 1.5 mm (25 % less) at 120 rad/s (19.1 Hz), is at the edge of stability.",
-        ),
-        ("none", "Time marching found no periodic motion near the largest response."),
-        (
-            "not_comparable",
-            "Whether the largest response is stable is not known: marching loses impact energy that the balance keeps.",
-        ),
-    ] {
-        let said = danger(vec![verified(0.0, 0.5, peak, isola(2e-3))]);
-        assert!(said.contains(expected), "{peak}: {said}");
-    }
-}
 
 #[test]
 fn isolas_apart() {

@@ -1,0 +1,87 @@
+//! The largest response that was found stable.
+
+use super::level::{Level, highest};
+use crate::store::BranchRow;
+
+/// A response of a branch that was found stable.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StableResponse<'l> {
+    /// Its level.
+    pub level: &'l Level,
+    /// Its branch.
+    pub branch: &'l BranchRow,
+    /// Frequency, rad/s.
+    pub omega: f64,
+    /// Amplitude of the first monitored dof, m.
+    pub amplitude: f64,
+}
+
+/// The largest one of the branches that are meant.
+pub fn largest_stable(levels: &[Level], is_meant: impl Fn(&BranchRow) -> bool) -> Option<StableResponse<'_>> {
+    let branches = levels.iter().flat_map(|level| level.branches.iter().map(move |branch| (level, branch)));
+    let stable = branches.filter(|(_, branch)| is_meant(branch)).filter_map(|(level, branch)| {
+        let (omega, amplitude) = branch.stability.as_ref()?.largest?;
+        Some(StableResponse { level, branch, omega, amplitude })
+    });
+    stable.max_by(|a, b| a.amplitude.total_cmp(&b.amplitude))
+}
+
+/// The largest one of all, where that is neither told of isolas nor the largest response itself. `length` and `frequency` write
+/// these, of m and rad/s.
+pub fn largest_stable_sentence(
+    levels: &[Level],
+    length: impl Fn(f64) -> String,
+    frequency: impl Fn(f64) -> String,
+) -> Option<String> {
+    let largest = largest_stable(levels, |_| true).filter(|found| !found.branch.is_isola())?;
+    let peak = highest(levels.iter().flat_map(|level| &level.branches))?.stability.as_ref();
+    if peak.and_then(|stability| stability.peak.as_ref()).is_some_and(|peak| peak.verdict == "stable") {
+        return None;
+    }
+    let (size, at) = (length(largest.amplitude), frequency(largest.omega));
+    let on = super::in_words(largest.branch);
+    Some(format!("Largest response found stable: {size}, on {on} at A = {} and {at}.", largest.level.amplitude))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::store::{PeakOrbit, Stability};
+
+    fn level(amplitude: &str, rows: &[(&str, f64, f64)], peak: &str) -> Level {
+        let row = |&(kind, top, stable): &(&str, f64, f64)| BranchRow {
+            kind: kind.into(),
+            number: 1,
+            closed: kind == "isola",
+            amplitude_max: top,
+            stability: Some(Stability {
+                is_whole: true,
+                stable: 0.5,
+                unstable: 0.5,
+                sampled: None,
+                peak: Some(PeakOrbit { verdict: peak.into(), at: None }),
+                largest: (stable > 0.0).then_some((7.0, stable)),
+            }),
+            ..BranchRow::default()
+        };
+        Level { amplitude: amplitude.into(), branches: rows.iter().map(row).collect(), ..Level::default() }
+    }
+
+    fn told(levels: &[Level]) -> Option<String> {
+        largest_stable_sentence(levels, |x| format!("{x} m"), |omega| format!("{omega} rad/s"))
+    }
+
+    #[test]
+    fn it_is_told_wherever_it_is() {
+        let rows = [("main", 2.1, 1.4), ("isola", 21.2, 8.7), ("branched", 20.1, 20.1)];
+        let levels = [level("10", &rows[..2], "unstable"), level("14", &rows, "unstable")];
+        let expected = "Largest response found stable: 20.1 m, on branched 1 at A = 14 and 7 rad/s.";
+        assert_eq!(told(&levels).unwrap(), expected);
+        // On an isola it is told with these, and where the largest response itself is stable there is no larger one.
+        assert_eq!(told(&levels[..1]), None);
+        assert_eq!(told(&[level("14", &rows, "stable")]), None);
+        let main = told(&[level("14", &[("main", 2.1, 1.4), ("isola", 21.2, 0.0)], "unstable")]).unwrap();
+        assert!(main.contains("1.4 m, on the main branch at A = 14"), "{main}");
+        assert_eq!(told(&[level("14", &[("isola", 21.2, 0.0)], "unstable")]), None);
+    }
+}

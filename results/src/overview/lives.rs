@@ -1,0 +1,186 @@
+//! From which forcing amplitude to which an isola is there, where a fold curve tells it for sure.
+
+use super::folds::{curve_events, is_same};
+use super::merges::{is_disturbed, next};
+use crate::store::{Crossing, CurvePoint, CurveRow};
+use solver::response::branch::BranchKind;
+use solver::response::critical::CriticalKind;
+
+/// An isola over the forcing.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Life<'c> {
+    /// Where it is born, or where branches part.
+    pub from: &'c CurvePoint,
+    /// Where it vanishes, or where branches merge or part.
+    pub to: &'c CurvePoint,
+}
+
+/// The isolas of which birth and end, or beginning and death, are known to belong together, by forcing.
+pub fn lives(curves: &[CurveRow]) -> Vec<Life<'_>> {
+    let mut found: Vec<Life<'_>> = Vec::new();
+    for event in curve_events(curves) {
+        let is_birth = event.kind == CriticalKind::Birth.name();
+        if !is_birth && event.kind != CriticalKind::Death.name() {
+            continue;
+        }
+        let Some(other) = other_end(curves, event.point, is_birth) else { continue };
+        let (from, to) = if is_birth { (event.point, other) } else { (other, event.point) };
+        let is_new = |known: &Life<'_>| !is_same(known.from, from) || !is_same(known.to, to);
+        if !is_disturbed(curves, &[from, to]) && !is_lost(curves, from, to) && found.iter().all(is_new) {
+            found.push(Life { from, to });
+        }
+    }
+    found.sort_by(|a, b| a.from.forcing.total_cmp(&b.from.forcing));
+    found
+}
+
+/// Whether a curve is lost between two forcing amplitudes: what happens where it goes on may be about anything.
+fn is_lost(curves: &[CurveRow], from: &CurvePoint, to: &CurvePoint) -> bool {
+    let unfinished = curves.iter().filter(|curve| curve.is_unfinished);
+    let mut ends = unfinished.flat_map(|curve| curve.points.first().into_iter().chain(curve.points.last()));
+    ends.any(|end| (from.forcing..=to.forcing).contains(&end.forcing))
+}
+
+/// Where what is born, or dies, at a point ends, or begins: what comes first along its two edges. At levels between, both have to be
+/// those of an isola.
+fn other_end<'c>(curves: &'c [CurveRow], point: &CurvePoint, is_birth: bool) -> Option<&'c CurvePoint> {
+    let of_curve = |curve: &'c CurveRow| {
+        let at = curve.points.iter().position(|other| std::ptr::eq(other, point))?;
+        let edges = [false, true].map(|is_onwards| edge(curve, at, is_onwards, is_birth));
+        let sign = if is_birth { 1.0 } else { -1.0 };
+        let met = edges.iter().filter_map(|edge| edge.event);
+        let first = met.min_by(|a, b| (sign * a.forcing).total_cmp(&(sign * b.forcing)))?;
+        // An edge of which nothing is known so far may end before.
+        let reaches = |edge: &Edge<'_>| sign * edge.farthest >= sign * first.forcing;
+        let is_isola = |edge: &Edge<'_>| {
+            let mut between = edge.crossings.iter().filter(|crossing| sign * crossing.forcing < sign * first.forcing);
+            between.all(|crossing| crossing.branch.starts_with(BranchKind::Isola.name()))
+        };
+        let (own, shrinks) = match is_birth {
+            true => (CriticalKind::Birth, CriticalKind::Death),
+            false => (CriticalKind::Death, CriticalKind::Birth),
+        };
+        let kind = first.event.as_deref()?;
+        // It shrinks to a point where both of its edges do.
+        let is_whole =
+            kind != shrinks.name() || edges.iter().all(|edge| edge.event.is_some_and(|to| is_same(to, first)));
+        (kind != own.name() && is_whole && edges.iter().all(|edge| reaches(edge) && is_isola(edge))).then_some(first)
+    };
+    curves.iter().find_map(of_curve)
+}
+
+/// An edge of an isola from a birth, or a death, on.
+struct Edge<'c> {
+    /// The event that it comes to, if that is known.
+    event: Option<&'c CurvePoint>,
+    /// The forcing amplitude farthest from where it begins, up to there.
+    farthest: f64,
+    /// Levels that it crosses up to there.
+    crossings: Vec<&'c Crossing>,
+}
+
+/// An edge, followed through cusps, where two edges of one branch meet.
+fn edge(curve: &CurveRow, start: usize, is_onwards: bool, is_birth: bool) -> Edge<'_> {
+    let points = &curve.points;
+    let origin = points[start].forcing;
+    let (mut i, mut is_rising) = (start, is_birth);
+    let mut edge = Edge { event: None, farthest: origin, crossings: Vec::new() };
+    for _ in 0..points.len() {
+        let Some((segment, j)) = next(curve, i, is_onwards) else { break };
+        let there = points[j].forcing;
+        if (there > points[i].forcing) != is_rising {
+            match points[i].event.as_deref() {
+                Some(event) if event == CriticalKind::Cusp.name() => is_rising = !is_rising,
+                Some(event) if event != CriticalKind::Unknown.name() => {
+                    edge.event = Some(&points[i]);
+                    break;
+                }
+                _ => break,
+            }
+        }
+        if (there > origin) != is_birth {
+            break;
+        }
+        edge.farthest = if is_birth { edge.farthest.max(there) } else { edge.farthest.min(there) };
+        edge.crossings.extend(curve.crossings.iter().filter(|crossing| crossing.segment == segment));
+        i = j;
+    }
+    edge
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn curve(points: &[(f64, &str)]) -> CurveRow {
+        let point = |(i, &(forcing, event)): (usize, &(f64, &str))| CurvePoint {
+            forcing,
+            omega: 1.0 + i as f64,
+            event: (!event.is_empty()).then(|| event.into()),
+            ..CurvePoint::default()
+        };
+        CurveRow { points: points.iter().enumerate().map(point).collect(), ..CurveRow::default() }
+    }
+
+    fn told(curves: &[CurveRow]) -> Vec<(f64, f64)> {
+        lives(curves).iter().map(|life| (life.from.forcing, life.to.forcing)).collect()
+    }
+
+    #[test]
+    fn what_comes_first_along_two_edges() {
+        let merges = [(1.0, ""), (4.0, "merge"), (1.5, "birth"), (5.0, "")];
+        assert_eq!(told(&[curve(&merges)]), [(1.5, 4.0)]);
+        // Its other edge is not known up to there.
+        assert_eq!(told(&[curve(&[(1.0, ""), (4.0, "merge"), (1.5, "birth"), (3.0, "")])]), []);
+        let both = [(1.0, ""), (4.0, "merge"), (1.5, "birth"), (3.0, "merge"), (1.0, "")];
+        assert_eq!(told(&[curve(&both)]), [(1.5, 3.0)]);
+        let mut closed = curve(&[(1.0, "birth"), (2.0, ""), (3.0, "death"), (2.0, "")]);
+        closed.points.push(CurvePoint { event: None, ..closed.points[0].clone() });
+        assert_eq!(told(&[closed]), [(1.0, 3.0)]);
+        assert_eq!(told(&[curve(&[(1.0, "birth"), (2.0, "")])]), []);
+    }
+
+    #[test]
+    fn through_cusps_and_from_deaths() {
+        let cusp = [(9.0, ""), (2.378, "merge"), (2.379, "cusp"), (2.1, "birth"), (9.0, "")];
+        assert_eq!(told(&[curve(&cusp)]), [(2.1, 2.378)]);
+        let parts = [(0.8, ""), (0.74, "merge"), (0.73, "cusp"), (4.2, "death"), (3.0, "merge"), (3.2, "")];
+        assert_eq!(told(&[curve(&parts)]), [(3.0, 4.2)]);
+        // Two isolas of two curves are told one by one.
+        assert_eq!(told(&[curve(&parts), curve(&cusp)]), [(2.1, 2.378), (3.0, 4.2)]);
+    }
+
+    #[test]
+    fn what_levels_have_is_no_other() {
+        let crossing = |segment, forcing, branch: &str| Crossing {
+            segment,
+            forcing,
+            branch: branch.into(),
+            ..Crossing::default()
+        };
+        let with = |crossings: Vec<Crossing>| {
+            let merges = curve(&[(1.0, ""), (4.0, "merge"), (1.5, "birth"), (5.0, "")]);
+            told(&[CurveRow { crossings, ..merges }]).len()
+        };
+        assert_eq!(with(vec![crossing(1, 2.0, "isola 1"), crossing(2, 2.0, "isola 1"), crossing(2, 4.5, "main")]), 1);
+        // At a level between it is part of something else by now, or still.
+        assert_eq!(with(vec![crossing(1, 2.0, "isola 1"), crossing(1, 3.5, "main")]), 0);
+        let merges = curve(&[(1.0, ""), (4.0, "merge"), (1.5, "birth"), (5.0, "")]);
+        let lost = |end| CurveRow { is_unfinished: true, ..curve(&[(0.5, ""), (end, "")]) };
+        assert_eq!(told(&[merges.clone(), lost(3.0)]).len(), 0);
+        assert_eq!(told(&[merges, lost(7.0)]).len(), 1);
+    }
+
+    #[test]
+    fn what_happens_between_may_be_about_it() {
+        let merges = curve(&[(1.0, ""), (4.0, "merge"), (1.5, "birth"), (5.0, "")]);
+        for (event, forcing, expected) in
+            [("merge", 2.0, 0), ("unknown", 2.0, 0), ("merge", 6.0, 1), ("birth", 2.0, 1), ("cusp", 2.0, 1)]
+        {
+            let other = curve(&[(7.0, ""), (forcing, event), (8.0, "")]);
+            let all = [merges.clone(), other];
+            let found = told(&all).into_iter().filter(|life| *life == (1.5, 4.0)).count();
+            assert_eq!(found, expected, "{event} at {forcing}");
+        }
+    }
+}

@@ -1,0 +1,40 @@
+//! In which order things are drawn, and in which units.
+
+use super::*;
+use crate::figure::Color;
+
+#[test]
+fn what_a_curve_encloses_hides_no_other() {
+    let dir = damper();
+    let drawn = sheet(&dir.path().join("run"), &["--figure", "response"]).unwrap();
+    let svg = drawn.svg(170.0, 110.0).unwrap();
+    let lines: Vec<&str> = svg.lines().collect();
+    let area = format!("fill=\"{}\"", LIGHT.tint(Color::Level(1.0)));
+    let inside = lines.iter().rposition(|line| line.contains(&area)).expect("an isola encloses something");
+    let colors = [Color::Level(0.0), Color::Level(1.0)].map(|color| format!("stroke=\"{}\"", LIGHT.of(color)));
+    // Lines of the legend stand before the panel.
+    let start = lines.iter().position(|line| line.contains(&LIGHT.tint(Color::Level(1.0)).to_string())).unwrap();
+    let is_curve = |line: &&&str| colors.iter().any(|color| line.contains(color));
+    assert_eq!(lines[start..inside].iter().filter(is_curve).count(), 0);
+    assert!(lines[inside..].iter().filter(is_curve).count() >= 3);
+}
+
+#[test]
+fn axes_have_the_units_that_were_asked_for() {
+    let dir = damper();
+    let run = dir.path().join("run");
+    let headings = |options: &[&str]| {
+        let panel = &sheet(&run, options).unwrap().figure.panels[0];
+        (panel.x[0].heading(), panel.y[0].heading())
+    };
+    let told = |x: &str, y: &str| (x.to_string(), y.to_string());
+    let of = |units| headings(&["--figure", "response", "--units", units]);
+    assert_eq!(of("mm,Hz"), told("frequency (Hz)", "amplitude of x1 (mm)"));
+    // What is not asked for stays as it is.
+    assert_eq!(of("Hz"), told("frequency (Hz)", "amplitude of x1 (m)"));
+    assert_eq!(of("um"), told("frequency ω (rad/s)", "amplitude of x1 (µm)"));
+    let drawn = sheet(&run, &["--figure", "resonance", "--units", "mm,Hz"]).unwrap();
+    assert_eq!(drawn.figure.panels[0].y[0].heading(), "frequency (Hz)");
+    let unit = &drawn.figure.panels[0].y[0].unit;
+    assert!((unit.factor * std::f64::consts::TAU - 1.0).abs() < 1e-15);
+}
