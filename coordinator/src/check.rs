@@ -46,10 +46,11 @@ pub fn report(study: &Study) -> String {
     lines.push(("unknowns", unknowns(study)));
     lines.push(("frequency", frequency(study)));
     lines.extend(orders(study).into_iter().map(|order| ("order", order)));
-    let warnings = damping::overdamped(model, &study.settings)
-        .into_iter()
-        .chain(early::warnings(study, touch.as_ref()))
-        .chain(laws::warnings(study, &choice.followed));
+    let overdamped = damping::overdamped(model, &study.settings);
+    // Where nothing resonates no law is measured by the response at resonance.
+    let resonant = if overdamped.is_empty() { &choice.followed[..] } else { &[] };
+    let warnings =
+        overdamped.into_iter().chain(early::warnings(study, touch.as_ref())).chain(laws::warnings(study, resonant));
     lines.extend(warnings.map(|warning| ("warning", warning)));
     lines.into_iter().map(|(what, text)| format!("{what:<12}{text}\n")).collect()
 }

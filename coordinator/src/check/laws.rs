@@ -16,7 +16,7 @@ use solver::structure::{Element, Model};
 /// seen of it.
 const LINEAR: f64 = 100.0;
 /// Times the linear response that are looked at, at most.
-const FARTHEST: f64 = 1e9;
+const FARTHEST: f64 = 1e4;
 
 /// Sentences about polynomials: of dampers that feed energy in, and of all laws if they hardly do anything.
 pub(super) fn warnings(study: &Study, followed: &[usize]) -> Vec<String> {

@@ -81,7 +81,7 @@ fn names(runs: &[(String, Report)]) -> Vec<String> {
     if is_one(&monitors) {
         return names;
     }
-    names.iter().zip(monitors).map(|(name, monitor)| format!("{name}, {monitor}")).collect()
+    names.iter().zip(monitors).map(|(name, monitor)| format!("{name} ({monitor})")).collect()
 }
 
 /// The dof whose amplitudes a run tells.

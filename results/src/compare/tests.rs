@@ -18,7 +18,7 @@ fn amplitudes_of_different_dofs_are_told_apart() {
     let three = read(&Study::damper(), |_| {});
     let other = read(&Study::damper(), |report| report.monitors[0].name = "x2".into());
     let compared = Comparison::new(vec![("three".into(), three), ("other".into(), other)]);
-    assert_eq!(compared.names, ["three, x1", "other, x2"]);
+    assert_eq!(compared.names, ["three (x1)", "other (x2)"]);
     let [response, resonance] = ["response", "resonance"].map(|name| &compared.figures.drawn[name]);
     assert_eq!(response.panels[0].y[0].title, "amplitude of x1, x2");
     assert_eq!(resonance.panels[1].y[0].title, "largest |x1|, |x2|");
