@@ -297,7 +297,12 @@ impl Builder<'_> {
         let channel = match (&config.dof, &config.between, &config.coefficients) {
             (Some(name), None, None) => vec![(self.dof(name, || key("dof"))?, 1.0)],
             (None, Some([a, b]), None) if a != b => {
-                vec![(self.dof(a, || key("between[0]"))?, 1.0), (self.dof(b, || key("between[1]"))?, -1.0)]
+                // What is no dof may be meant as the ground.
+                let end = |name: &str, other: &str, place: &str| {
+                    let grounded = || format!("a law against the ground has `dof = \"{other}\"` instead of `between`");
+                    self.dof(name, || key(place)).map_err(|error| error.hinted(&grounded()))
+                };
+                vec![(end(a, b, "between[0]")?, 1.0), (end(b, a, "between[1]")?, -1.0)]
             }
             (None, Some([a, _]), None) => {
                 let remedy = format!("a law between `{a}` and itself never acts; name two different dofs");

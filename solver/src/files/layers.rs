@@ -229,6 +229,12 @@ impl Layers {
             format!("`{key}` is missing, and it has no default")
         } else if message.starts_with("wanted exactly 1 element") {
             "give exactly one choice, like `{mode = 1}` for a forcing shape".to_string()
+        } else if message == "invalid type: map, expected a sequence" {
+            format!(
+                "a single table, where a list of them is expected: each begins with `[[{path}]]`, in double brackets"
+            )
+        } else if let Some(found) = message.strip_suffix(", expected a sequence") {
+            format!("{found}, expected a list; write it in brackets, `[…]`")
         } else if let Some((found, _)) = message.split_once("expected struct ") {
             format!("{found}expected a section or a table of keys")
         } else {

@@ -111,6 +111,9 @@ fn wrong_types_and_missing_keys() {
     refused("mass = [[1, 0], [0, 1]]", "mass = 1", &["`matrices.mass`", "Matrix Market file", "rows of numbers"]);
     refused("harmonic = 1", "harmonic = -1", &["`forcing.harmonic`", "-1", "whole number"]);
     refused("[damping]", "[[damping]]", &["`damping`", "a section", "[damping]"]);
+    refused("[[laws]]", "[laws]", &["`laws`", "a list of them", "begins with `[[laws]]`"]);
+    let list = ["`monitors`", "\"blade.r\"", "expected a list", "brackets"];
+    refused("monitors = [\"blade.r\"]", "monitors = \"blade.r\"", &list);
     refused(
         "{ terms = [{ power = 3, coefficient = 1.0 }] }",
         "[[]]",
@@ -273,6 +276,8 @@ fn laws() {
     refused("polynomial_spring", "cubic_spring", &["`cubic_spring`", "known here: `penalty_spring`"]);
     let same = "between = [\"blade.r\", \"blade.r\"]";
     refused("dof = \"blade.r\"", same, &["`laws[0].between`", "[blade.r, blade.r]", "two different dofs"]);
+    let ground = "between = [\"blade.r\", \"ground\"]";
+    refused("dof = \"blade.r\"", ground, &["there is no `ground`", "against the ground has `dof = \"blade.r\"`"]);
     refused("dof = \"blade.r\"", "coefficients = {}", &["`laws[0].coefficients`", "at least one dof"]);
     let zero = "coefficients = { \"blade.r\" = 0 }";
     refused("dof = \"blade.r\"", zero, &["`laws[0].coefficients.blade.r` = 0", "other than zero"]);

@@ -70,19 +70,19 @@ pub(crate) fn cases(unknowns: &[Unknown]) -> impl Iterator<Item = Case> {
 /// The kinds that both formulations have.
 pub(crate) const COMMON: [Unknown; 4] = [
     Unknown::Frequency { forcing: FORCING },
-    BLENDED,
     Unknown::Forcing { omega: OMEGA },
     Unknown::Mode { damped: true },
+    BLENDED,
 ];
 const BLENDED: Unknown =
     Unknown::Blended { forcing: FORCING, fundamental: Complex64::new(0.4 * FORCING, -0.7 * FORCING) };
 pub(super) const ALL: [Unknown; 6] = [
     Unknown::Frequency { forcing: FORCING },
-    BLENDED,
     Unknown::Forcing { omega: OMEGA },
     Unknown::Mode { damped: true },
     Unknown::Mode { damped: false },
     Unknown::PhaseResonance,
+    BLENDED,
 ];
 
 fn contact(name: &str, gap: f64, friction: Option<Friction>, channels: [&[(usize, f64)]; 3]) -> Element {
