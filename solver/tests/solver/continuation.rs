@@ -187,8 +187,8 @@ fn steps_see_how_a_branch_turns_where_a_slider_begins_to_slide() {
         .build()
         .unwrap();
     let folds = |forcing: f64, max_step: Option<f64>| -> Vec<f64> {
-        let mut settings = Settings::default();
-        settings.frequency = FrequencySettings { min: Some(103.0), max: Some(106.0) };
+        let frequency = FrequencySettings { min: Some(103.0), max: Some(106.0) };
+        let mut settings = Settings { frequency, ..Settings::default() };
         settings.continuation.max_step = max_step.unwrap_or(settings.continuation.max_step);
         let study = Study::new(model.clone(), settings);
         let level = study.level(forcing);
