@@ -3,6 +3,7 @@
 mod cases;
 mod disputes;
 mod driver;
+mod homotopies;
 mod load;
 mod trust;
 

@@ -160,8 +160,8 @@ impl Between {
     }
 }
 
-/// Most orbits that are computed to locate one bifurcation: twice as many as bisection to [`RESOLVED`] needs.
-const EVALUATIONS: usize = 24;
+/// Most orbits that are computed to locate one bifurcation: twice as many as bisection to [`FINEST`] needs.
+const EVALUATIONS: usize = 34;
 
 /// Most orbits that are computed between two neighbours of a branch.
 const MOST: usize = 10 * EVALUATIONS;
@@ -173,14 +173,15 @@ const CROSSED: f64 = 1e-6;
 /// grazes.
 const RESOLVED: f64 = 1e-3;
 
+/// The same share where it still jumps at that one: behind the touch of an elastic stop a modulus changes like a square root, and
+/// crosses where it has hardly begun to.
+const FINEST: f64 = 1e-5;
+
 /// Largest distance of an orbit between two neighbours from the straight way between them, in shares of its length: in the plane
 /// across it there may be others far away.
 const REACH: f64 = 1.0;
 /// The way between orbits that are all but one is taken to be this long, scaled.
 const SHORT: f64 = 1e-3;
-
-/// A multiplier that is farther than this outside, and came from farther than this, where its crossing is resolved: a jump.
-const JUMP: f64 = 0.02;
 
 /// Least distance of a multiplier from 1 where the direction of the branch is asked for: nearer to it, Φ − I is singular.
 const FIRM: f64 = 1e-3;
@@ -288,7 +289,8 @@ impl<'m> Search<'m> {
         for _ in 0..EVALUATIONS {
             let width = high.share - low.share;
             let values = values(event, &low, &high);
-            if width < RESOLVED || values.iter().flatten().any(|value| value.abs() < CROSSED) {
+            let is_located = width < FINEST || (width < RESOLVED && !jumps(event, &low, &high));
+            if is_located || values.iter().flatten().any(|value| value.abs() < CROSSED) {
                 break;
             }
             // Regula falsi, and bisection wherever that has stalled.
@@ -335,7 +337,7 @@ impl<'m> Search<'m> {
         let (outer, inner) = crossing.excess();
         let width = high.share - low.share;
         let is_smooth = outer < CROSSED || inner.is_some_and(|inner| inner > -CROSSED);
-        let jumps = !is_smooth && width < RESOLVED && outer.max(crossing.gap) > JUMP;
+        let jumps = !is_smooth && width < RESOLVED && crossing.jumps();
         let kind = match event {
             _ if jumps => BifurcationKind::Grazing,
             Event::AtMinusOne => BifurcationKind::PeriodDoubling,
@@ -392,6 +394,11 @@ impl<'m> Search<'m> {
 fn crossing(event: Event, low: &Between, high: &Between) -> Option<Crossing> {
     let (outer, inner) = if low.outside.count() > high.outside.count() { (low, high) } else { (high, low) };
     Crossing::of(event, &outer.multipliers, &inner.multipliers)
+}
+
+/// Whether the multiplier that crosses is far from where it comes from.
+fn jumps(event: Event, low: &Between, high: &Between) -> bool {
+    crossing(event, low, high).is_some_and(|crossing| crossing.jumps())
 }
 
 /// |μ| − 1 of the multiplier that crosses, at both orbits, as far as it is known there.

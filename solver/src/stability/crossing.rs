@@ -2,6 +2,9 @@
 
 use super::multipliers::{Multiplier, Outside};
 
+/// A multiplier that is farther than this outside, and came from farther than this, where its crossing is resolved: a jump.
+const JUMP: f64 = 0.02;
+
 /// What the numbers of multipliers outside the unit circle say of the way from one orbit to another.
 ///
 /// Real multipliers outside merge into pairs and pairs split without anything happening to the orbits: of their numbers only
@@ -75,6 +78,11 @@ impl Crossing {
         let gap = within().map(|mu| apart(&mu)).fold(f64::INFINITY, f64::min);
         let inner = within().filter(|mu| event.takes(mu)).min_by(nearest).copied();
         Some(Self { outer, inner, gap })
+    }
+
+    /// Whether it is far from where it comes from: where orbits next to each other have it, it jumps.
+    pub fn jumps(&self) -> bool {
+        self.outer.excess().max(self.gap) > JUMP
     }
 
     /// Distances |μ| − 1 outside and inside.

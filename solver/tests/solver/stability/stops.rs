@@ -33,11 +33,9 @@ pub fn two_masses_double_their_period_and_turn_quasi_periodic_where_direct_integ
     let settings = AlongSettings { points: 60, ..AlongSettings::default() };
     let found = along(&model, &settings, &branch, &mut |_| ControlFlow::Continue(()));
     let kinds: Vec<_> = found.bifurcations.iter().map(|b| (b.kind, b.outside)).collect();
-    // Behind a touch of an elastic stop multipliers change like a square root: the touch and the crossing that follows at once are
-    // closer to each other than either is located, and rounding decides which is told.
-    assert!(matches!(kinds[0].0, BifurcationKind::Grazing | BifurcationKind::NeimarkSacker), "{kinds:?}");
+    // Behind a touch of an elastic stop multipliers change like a square root; here the crossing itself is found.
     let expected = [
-        (kinds[0].0, [0, 2]),
+        (BifurcationKind::NeimarkSacker, [0, 2]),
         (BifurcationKind::NeimarkSacker, [2, 0]),
         (BifurcationKind::PeriodDoubling, [0, 1]),
         (BifurcationKind::PeriodDoubling, [1, 0]),
