@@ -60,7 +60,7 @@ docker build --quiet --build-arg "BASE=$name-base" --tag "$name" --file Dockerfi
 printf 'services:\n  coordinator:\n    image: %s\n  worker:\n    image: %s\n' "$name" "$name" >"$work/image.yaml"
 said "image of Debian packages"
 
-"$programs/isola" cert "$work/certificates" --name coordinator >/dev/null
+"$programs/isola" cert "$work/certificates" --name coordinator --name "$address" >/dev/null
 chown -R 10001 "$work/certificates"
 
 # shellcheck disable=SC2086 # words
@@ -81,10 +81,21 @@ goes_on() { # more is done than now
     now=$(status 's["tasks"]["done"]')
     until_holds "$1: goes on after $now tasks" has_done $((now + 5))
 }
+# As Prometheus asks for it, from outside: the authority of the certificates says who answers.
 expired() {
-    docker exec "$(coordinator)" sh -c \
-        'wget -q -O - --no-check-certificate --header "Authorization: Bearer $(cat /runs/run/http-token)" "$(cat /runs/run/http)/metrics"' |
-        sed -n 's/^isola_leases_expired_total //p' | cut -d. -f1
+    python3 - "https://$address:8080/metrics" "$work/certificates/ca.crt" \
+        "$(docker exec "$(coordinator)" cat /runs/run/http-token 2>/dev/null)" <<'END'
+import ssl, sys, urllib.request
+
+url, authority, token = sys.argv[1:]
+encrypted = urllib.request.HTTPSHandler(context=ssl.create_default_context(cafile=authority))
+opener = urllib.request.build_opener(urllib.request.ProxyHandler({}), encrypted)
+request = urllib.request.Request(url, headers={"Authorization": f"Bearer {token}"})
+with opener.open(request, timeout=20) as answer:
+    lines = answer.read().decode().splitlines()
+counts = [line.split()[1] for line in lines if line.startswith("isola_leases_expired_total ")]
+print(int(float(counts[0])))
+END
 }
 has_expired() { [ "$(expired)" -ge "$1" ]; }
 scale() { "${compose[@]}" up --detach --no-build --no-recreate --scale "worker=$1" >/dev/null 2>&1; }
@@ -96,8 +107,10 @@ scale 3
 until_holds "three workers" has_workers 3
 goes_on "three workers"
 
+before=$(expired)
 docker kill "$(one_of 1)" >/dev/null
 goes_on "one killed"
+until_holds "a lease of the killed one expired" has_expired $((before + 1))
 scale 3
 until_holds "three workers again" has_workers 3
 
