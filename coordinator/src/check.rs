@@ -3,6 +3,7 @@
 mod damping;
 mod early;
 mod laws;
+mod place;
 mod touch;
 
 use crate::study::Study;
@@ -49,8 +50,11 @@ pub fn report(study: &Study) -> String {
     let overdamped = damping::overdamped(model, &study.settings);
     // Where nothing resonates no law is measured by the response at resonance.
     let resonant = if overdamped.is_empty() { &choice.followed[..] } else { &[] };
-    let warnings =
-        overdamped.into_iter().chain(early::warnings(study, touch.as_ref())).chain(laws::warnings(study, resonant));
+    let warnings = overdamped
+        .into_iter()
+        .chain(early::warnings(study, touch.as_ref()))
+        .chain(place::undetermined(model))
+        .chain(laws::warnings(study, resonant));
     lines.extend(warnings.map(|warning| ("warning", warning)));
     lines.into_iter().map(|(what, text)| format!("{what:<12}{text}\n")).collect()
 }
@@ -77,9 +81,9 @@ fn orders(study: &Study) -> Vec<String> {
     if list.len() > 1 { list } else { Vec::new() }
 }
 
-/// What is probably not meant of the bounds of the frequency, which a sweep says as well: sentences.
-pub fn of_bounds(study: &Study) -> Vec<String> {
-    early::bounds(study)
+/// What a sweep says as well: what is probably not meant of the bounds of the frequency, and that a place is not determined. Sentences.
+pub fn of_sweep(study: &Study) -> Vec<String> {
+    early::bounds(study).into_iter().chain(place::undetermined(&study.model)).collect()
 }
 
 /// Why the mode that a sweep begins with has no backbone, if that is known before: a sentence.

@@ -129,7 +129,7 @@ async fn sweep(args: SweepArgs) -> Result<Ending, Error> {
     for key in &study.without_effect {
         terminal::note(format_args!("{key} has no effect any more: branches close by convergence"));
     }
-    for warning in check::of_bounds(&study) {
+    for warning in check::of_sweep(&study) {
         terminal::note(format_args!("warning: {warning}"));
     }
     let directory = args.out.unwrap_or_else(|| default_directory(&study.name));

@@ -252,3 +252,29 @@ fn a_mode_that_does_not_vibrate() {
     let (warnings, text) = checked(&model, "0.2", &[("backbone.equation", "\"phase_resonance\"")]);
     assert!(!warnings.iter().any(|warning| warning.contains("overdamped")), "{text}");
 }
+
+/// Two masses on a spring between them, which nothing but this holds.
+#[test]
+fn a_structure_that_may_be_anywhere() {
+    let held = |by: &str| {
+        let model = format!(
+            "name = \"pair\"\ndofs = [\"p\", \"q\"]\nmonitors = [\"q\"]\n[matrices]\nmass = [[1, 0], [0, 1]]\n\
+             stiffness = [[1, -1], [-1, 1]]\ndamping = [[0.02, -0.02], [-0.02, 0.02]]\n[forcing]\nshape = {{ dofs = {{ p = 1 }} }}\n\
+             [[laws]]\nname = \"law\"\n{by}\n"
+        );
+        let (warnings, _) = checked(&model, "1", &[("backbone.modes", "[2]")]);
+        warnings.into_iter().filter(|warning| warning.contains("rigid-body motion")).collect::<Vec<_>>()
+    };
+    let spring = "law = { polynomial_spring = { terms = [{ power = 3, coefficient = 1 }] } }";
+    assert_eq!(held(&format!("dof = \"q\"\n{spring}")), [] as [&str; 0]);
+    // A stop, pressed at rest or not, a slider, and a spring between the two.
+    let others = [
+        "dof = \"q\"\nlaw = { penalty_spring = { stiffness = 0.5, gap = -0.3 } }".into(),
+        "dof = \"q\"\nlaw = { jenkins = { stiffness = 0.5, limit = 0.3 } }".into(),
+        format!("between = [\"q\", \"p\"]\n{spring}"),
+    ];
+    for by in others {
+        let [warning] = &held(&by)[..] else { panic!("{by}") };
+        assert!(warning.starts_with("nothing resists the rigid-body motion of mode 1 at every place: "), "{warning}");
+    }
+}

@@ -3,7 +3,7 @@
 
 use crate::support::study::{Kind, Study, of_kind, with_harmonics};
 use solver::curve::outcome::{Outcome, Stop};
-use solver::laws::{PenaltySpring, PolynomialSpring, Term};
+use solver::laws::{Jenkins, PenaltySpring, PolynomialSpring, Term};
 use solver::response::branch::Standing;
 use solver::response::starts::{StartPlace, land};
 use solver::settings::Stretch;
@@ -163,4 +163,51 @@ fn asymmetric_motions_of_a_symmetric_structure_branch_off_where_symmetric_ones_l
         }
     }
     assert!(found > 1, "{found} starts led there");
+}
+
+/// Two masses, each on a slider behind a spring, one of them on a cubic spring as well: nothing of it is one-sided.
+#[test]
+fn what_branches_off_a_main_branch_with_sliders_is_no_second_one() {
+    let cubic = PolynomialSpring { terms: vec![Term { power: 3, coefficient: 0.5 }] };
+    let model = Model::builder("two sliders")
+        .mass(Matrix::diagonal(&[1.0, 1.0]))
+        .stiffness([[1.1, -0.1], [-0.1, 1.1]])
+        .damping_ratios([0.002, 0.002 / 1.2_f64.sqrt()])
+        .force(0, 1.0)
+        .monitor(1)
+        .element("slider a", Jenkins { stiffness: 0.4, limit: 0.1 }, [vec![(0, 1.0)]])
+        .element("slider b", Jenkins { stiffness: 0.3, limit: 0.05 }, [vec![(1, 1.0)]])
+        .element("spring", cubic, [vec![(1, 1.0)]])
+        .build()
+        .unwrap();
+    let study = Study::of_modes(model, settings(9, 0.6, 3.0));
+    let level = study.level(0.3);
+    let [main] = &of_kind(&level, Kind::Main)[..] else { panic!("one main branch") };
+    let mut forced = forced(&study, 0.3);
+    let symmetric = &main.branch.peak().state;
+    let (width, eighth) = (symmetric.modal.len() / 2, TAU / 8.0);
+    let mut found = 0;
+    // The second harmonic of b, which symmetric motions have not: in both its channels, and in both modes.
+    for phase in 0..8 {
+        let (mut pushed, (sin, cos)) = (symmetric.clone(), (f64::from(phase) * eighth).sin_cos());
+        for (modal, share) in [(0, 0.5_f64.sqrt()), (1, -0.5_f64.sqrt())] {
+            pushed.modal[modal * width + 3] += 0.6 * share * cos;
+            pushed.modal[modal * width + 4] += 0.6 * share * sin;
+        }
+        for channel in [1, 2] {
+            pushed.arguments[channel * width + 3] += 0.6 * cos;
+            pushed.arguments[channel * width + 4] += 0.6 * sin;
+        }
+        let Ok(state) = forced.converge(&pushed) else { continue };
+        if forced.lies_on(&state, &main.branch) {
+            continue;
+        }
+        let branch = forced.branch_through(&state, &mut |_| ControlFlow::Continue(())).unwrap();
+        assert_eq!(branch.kind, Kind::Branched, "{}", branch.outcome);
+        // By Runge–Kutta integration with the sliders' forces instant by instant, at 1.0465 rad/s: 2.4520 one way, 2.4463 the other.
+        let peak = branch.peak().amplitude();
+        assert!((peak - 2.4523).abs() < 1e-3 && peak > 1.03 * main.branch.peak().amplitude(), "{peak}");
+        found += 1;
+    }
+    assert!(found > 0, "no push led there");
 }

@@ -62,7 +62,8 @@ fn check_state(law: &impl Law, scales: &Scales, now: &Instant, before: &Before) 
     check_zeros(law, &response);
     if law.is_odd() {
         let mirrored = Instant { u: now.u.map(|u| -u), v: now.v.map(|v| -v), ..*now };
-        assert_eq!(law.respond(&mirrored, &Before::default()).force, response.force.map(|force| -force));
+        let mirrored_before = Before { u: -before.u, force: -before.force };
+        assert_eq!(law.respond(&mirrored, &mirrored_before).force, response.force.map(|force| -force));
     }
     let mut inputs = vec![Input::Speed, Input::DisplacementBefore, Input::ForceBefore];
     for j in 0..MAX_ARGUMENTS {

@@ -31,6 +31,10 @@ impl Law for Jenkins {
         Some(Slider { stiffness: self.stiffness, limit: self.limit })
     }
 
+    fn is_odd(&self) -> bool {
+        true
+    }
+
     fn validate(&self) -> Result<(), ParameterError> {
         require_positive("stiffness", self.stiffness)?;
         require_positive("limit", self.limit)

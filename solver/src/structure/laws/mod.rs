@@ -163,7 +163,7 @@ pub trait Law {
     fn is_homogeneous_in_rate(&self) -> bool {
         false
     }
-    /// Whether the forces change their signs, and nothing else, when all arguments and their derivatives do.
+    /// Whether the forces change their signs, and nothing else, when all arguments, their derivatives and what is remembered do.
     fn is_odd(&self) -> bool {
         false
     }
