@@ -50,6 +50,9 @@ pub struct Stability {
     pub stable: f64,
     /// Share of its points that are known to be unstable.
     pub unstable: f64,
+    /// Whether a multiplier of some of its points has modulus 1 as far as can be told: next to folds, or all along where nothing holds
+    /// the structure.
+    pub is_marginal_in_parts: bool,
     /// Number of points that were looked at, if these were not all points of a branch verified as a whole: two changes between neighbours among
     /// them that undo each other are not seen.
     pub sampled: Option<usize>,
@@ -178,7 +181,8 @@ impl Reader {
             return Ok(HashMap::new());
         }
         let sql = "SELECT branch, stretch = 'whole', verifications.stable, unstable, point.verdict, point.omega, point.amplitude, \
-                   (SELECT count(*) FROM verified_points AS each WHERE each.task = verifications.task), points \
+                   (SELECT count(*) FROM verified_points AS each WHERE each.task = verifications.task), points, \
+                   EXISTS (SELECT 1 FROM verified_points AS each WHERE each.task = verifications.task AND each.verdict = 'marginal') \
                    FROM verifications JOIN branches ON branches.id = branch \
                    LEFT JOIN verified_points AS point ON point.task = verifications.task AND point.i = peak \
                    WHERE level = ?1 ORDER BY stretch = 'whole'";
@@ -188,7 +192,11 @@ impl Reader {
             let (is_whole, stable, unstable) = (row.get(1)?, row.get(2)?, row.get(3)?);
             let (marched, points): (usize, usize) = (row.get(7)?, row.get(8)?);
             let sampled = (is_whole && marched < points).then_some(marched);
-            Ok((row.get(0)?, Stability { is_whole, stable, unstable, sampled, peak, largest: None }))
+            let is_marginal_in_parts = row.get(9)?;
+            Ok((
+                row.get(0)?,
+                Stability { is_whole, stable, unstable, is_marginal_in_parts, sampled, peak, largest: None },
+            ))
         };
         let mut found: HashMap<i64, Stability> = self.all(sql, [level], row)?.into_iter().collect();
         let sql = "SELECT branch, points.omega, max(points.amplitude) FROM points JOIN branches ON branches.id = branch \

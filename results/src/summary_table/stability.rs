@@ -7,14 +7,15 @@ use crate::overview::{
 use crate::store::Stability;
 
 /// What may be known of a branch.
-const CLASSES: [&str; 5] = [
+const CLASSES: [&str; 6] = [
     "stable wherever it could tell",
     "stable in parts",
     "unstable wherever it could tell",
+    "unstable or marginal",
     "beyond what it could tell",
     "not verified",
 ];
-const UNVERIFIED: usize = 4;
+const UNVERIFIED: usize = 5;
 
 /// What is known of the stability of branches and of the largest response. `None` if nothing was verified.
 pub(super) fn sentences(levels: &[Level], units: Units) -> Option<String> {
@@ -67,12 +68,15 @@ pub(super) fn sentences(levels: &[Level], units: Units) -> Option<String> {
 /// How many branches of a kind are stable and unstable, of those that were verified; `around`: what of them alone was.
 fn of(rows: &[&BranchRow], [one, several]: [&str; 2], around: &str) -> Option<String> {
     let class = |row: &&BranchRow| {
-        let Some(Stability { stable, unstable, .. }) = row.stability.as_ref() else { return UNVERIFIED };
+        let Some(Stability { stable, unstable, is_marginal_in_parts, .. }) = row.stability.as_ref() else {
+            return UNVERIFIED;
+        };
         match (*stable > 0.0, *unstable > 0.0) {
             (true, false) => 0,
             (true, true) => 1,
-            (false, true) => 2,
-            (false, false) => 3,
+            (false, true) if !is_marginal_in_parts => 2,
+            (false, true) => 3,
+            (false, false) => 4,
         }
     };
     let mut counts = [0; CLASSES.len()];
@@ -104,7 +108,15 @@ mod tests {
             number: 1,
             closed: kind == "isola",
             amplitude_max: amplitude,
-            stability: Some(Stability { is_whole: kind != "main", stable, unstable, sampled: None, peak, largest }),
+            stability: Some(Stability {
+                is_whole: kind != "main",
+                stable,
+                unstable,
+                is_marginal_in_parts: false,
+                sampled: None,
+                peak,
+                largest,
+            }),
             ..BranchRow::default()
         }
     }
@@ -146,6 +158,18 @@ mod tests {
             "By time marching, of 2 isolas 1 stable in parts, 1 unstable wherever it could tell (stable on isolas up to 1.0000 m, \
              isola 1 at A = 14 and 2.00000 rad/s); the main branch, around its peak, is stable wherever it could tell; the other branch is beyond what it could \
              tell. The periodic motion that time marching has near the largest response, 3.0000 m at 2.50000 rad/s, is unstable."
+        );
+    }
+
+    /// A structure that nothing holds goes on anywhere: a multiplier is 1 on all of it that its unstable part is not.
+    #[test]
+    fn what_is_marginal_is_not_unstable() {
+        let row = branch("main", [0.0, 0.2], 1.0);
+        let marginal = row.stability.clone().map(|known| Stability { is_marginal_in_parts: true, ..known });
+        let said = told(vec![BranchRow { stability: marginal, ..row }]).unwrap();
+        assert!(
+            said.starts_with("By time marching, the main branch, around its peak, is unstable or marginal. "),
+            "{said}"
         );
     }
 

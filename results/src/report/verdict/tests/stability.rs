@@ -8,7 +8,15 @@ fn verified(stable: f64, unstable: f64, peak: &str, branch: BranchRow) -> Branch
     let peak = Some(PeakOrbit { verdict: peak.into(), at: Some((120.0, 1.5e-3)) });
     let largest = (stable > 0.0 && !branch.is_main()).then_some((115.0, 1.8e-3));
     BranchRow {
-        stability: Some(Stability { is_whole: !branch.is_main(), stable, unstable, sampled: None, peak, largest }),
+        stability: Some(Stability {
+            is_whole: !branch.is_main(),
+            stable,
+            unstable,
+            is_marginal_in_parts: false,
+            sampled: None,
+            peak,
+            largest,
+        }),
         ..branch
     }
 }
