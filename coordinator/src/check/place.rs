@@ -1,31 +1,35 @@
 //! Structures whose place is not determined.
 
 use super::touch::shape;
+use results::words;
+use solver::Matrix;
+use solver::linalg::eigenvalues;
+use solver::structure::Model;
 use solver::structure::laws::LawKind;
-use solver::structure::{Element, Model};
 
-/// Share of the largest argument that is rounding.
-const ROUNDING: f64 = 1e-9;
+/// A rigid-body motion of which springs feel no more than the square root of this share is held by none.
+const HELD: f64 = 1e-12;
 
-/// Of structures that move as a rigid body, and that only contacts, stops, sliders or dampers may hold: where these let go the same
-/// motion goes on anywhere. A sentence.
+/// Of structures that move as a rigid body, and that only contacts, stops or sliders may hold: where these let go the same motion goes on
+/// anywhere. A sentence.
 pub(super) fn undetermined(model: &Model) -> Option<String> {
     let rigid: Vec<usize> = (0..model.size()).filter(|&mode| model.modes().is_rigid(mode)).collect();
-    let moves = |element: &Element, mode: usize| {
-        let shape = shape(model, element);
-        let largest = shape.iter().fold(0.0_f64, |largest, b| largest.max(b.abs()));
-        shape[mode].abs() > ROUNDING * largest
-    };
-    // A polynomial resists wherever the structure is.
-    let holds = |mode: usize| {
-        let mut springs = model.elements().iter().filter(|element| matches!(element.law, LawKind::PolynomialSpring(_)));
-        springs.any(|element| moves(element, mode))
-    };
-    let free = rigid.into_iter().find(|&mode| !holds(mode))?;
-    Some(format!(
-        "nothing resists the rigid-body motion of mode {} at every place: wherever contacts, stops and sliders let go, the same motion \
-         goes on at any mean position, and which one is listed, with its amplitude, is arbitrary; how it deforms is not. Hold it \
-         by a soft spring",
-        free + 1
-    ))
+    // A polynomial resists wherever the structure is; several may hold one motion and leave another free.
+    let springs = model.elements().iter().filter(|element| matches!(element.law, LawKind::PolynomialSpring(_)));
+    let felt: Vec<Vec<f64>> = springs
+        .map(|spring| {
+            let shape = shape(model, spring);
+            let length = shape.iter().map(|b| b * b).sum::<f64>().sqrt();
+            rigid.iter().map(|&mode| shape[mode] / length).collect()
+        })
+        .collect();
+    let resistance = Matrix::from_fn(rigid.len(), rigid.len(), |i, j| felt.iter().map(|felt| felt[i] * felt[j]).sum());
+    let is_free = !rigid.is_empty() && eigenvalues(&resistance).ok()?.iter().any(|value| value.re <= HELD);
+    is_free.then(|| {
+        format!(
+            "not every rigid-body motion of {} is resisted at every place: wherever contacts, stops and sliders let go, the same motion goes \
+             on at any mean position, and which one is listed, with its amplitude, is arbitrary; how it deforms is not. Hold it by a soft spring",
+            words::modes(&rigid)
+        )
+    })
 }

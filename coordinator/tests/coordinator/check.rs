@@ -275,6 +275,30 @@ fn a_structure_that_may_be_anywhere() {
     ];
     for by in others {
         let [warning] = &held(&by)[..] else { panic!("{by}") };
-        assert!(warning.starts_with("nothing resists the rigid-body motion of mode 1 at every place: "), "{warning}");
+        assert!(warning.starts_with("not every rigid-body motion of mode 1 is resisted at every place: "), "{warning}");
     }
+}
+
+/// Two masses that nothing holds but laws: of one spring both feel something, whatever the modes are.
+#[test]
+fn masses_that_one_spring_cannot_hold() {
+    let law = |place: &str| {
+        format!(
+            "[[laws]]\nname = \"{}\"\n{place}\nlaw = {{ polynomial_spring = {{ terms = [{{ power = 3, coefficient = 1 }}] }} }}\n",
+            place.len()
+        )
+    };
+    let warned = |laws: &[&str]| {
+        let laws: String = laws.iter().map(|place| law(place)).collect();
+        let model = format!(
+            "name = \"three\"\ndofs = [\"p\", \"q\", \"r\"]\nmonitors = [\"r\"]\n[matrices]\n\
+             mass = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]\nstiffness = [[0, 0, 0], [0, 0, 0], [0, 0, 1]]\n\
+             damping = [[0.1, 0, 0], [0, 0.1, 0], [0, 0, 0.1]]\n[forcing]\nshape = {{ dofs = {{ r = 1 }} }}\n{laws}"
+        );
+        let (warnings, _) = checked(&model, "1", &[("backbone.modes", "[3]")]);
+        warnings.iter().any(|warning| warning.starts_with("not every rigid-body motion of modes 1 and 2 is resisted"))
+    };
+    assert!(warned(&["between = [\"p\", \"q\"]"]));
+    assert!(warned(&["between = [\"p\", \"r\"]"]));
+    assert!(!warned(&["between = [\"p\", \"q\"]", "dof = \"p\""]));
 }

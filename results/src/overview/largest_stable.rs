@@ -58,10 +58,9 @@ mod tests {
                 is_whole: true,
                 stable: 0.5,
                 unstable: 0.5,
-                is_marginal_in_parts: false,
-                sampled: None,
                 peak: Some(PeakOrbit { verdict: peak.into(), at: None }),
                 largest: (stable > 0.0).then_some((7.0, stable)),
+                ..Stability::default()
             }),
             ..BranchRow::default()
         };

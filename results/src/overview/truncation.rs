@@ -215,15 +215,7 @@ mod tests {
     fn an_isola_that_nothing_confirms() {
         let marched = |verdict: &str, unstable: f64| {
             let peak = Some(PeakOrbit { verdict: verdict.into(), at: None });
-            Some(Stability {
-                is_whole: true,
-                stable: 0.0,
-                unstable,
-                is_marginal_in_parts: false,
-                sampled: None,
-                peak,
-                largest: None,
-            })
+            Some(Stability { is_whole: true, unstable, peak, ..Stability::default() })
         };
         let isola = |amplitude_2h, stability| BranchRow { stability, ..row("isola", amplitude_2h) };
         assert!(is_unconfirmed(&isola(None, marched("none", 0.0))));

@@ -42,7 +42,7 @@ pub struct PeakOrbit {
 }
 
 /// What is known of the stability of a branch in numbers.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Stability {
     /// Whether all of it was looked at, and not only what is around its peak.
     pub is_whole: bool,

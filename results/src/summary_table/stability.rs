@@ -112,10 +112,9 @@ mod tests {
                 is_whole: kind != "main",
                 stable,
                 unstable,
-                is_marginal_in_parts: false,
-                sampled: None,
                 peak,
                 largest,
+                ..Stability::default()
             }),
             ..BranchRow::default()
         }

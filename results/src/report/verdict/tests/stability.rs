@@ -12,10 +12,9 @@ fn verified(stable: f64, unstable: f64, peak: &str, branch: BranchRow) -> Branch
             is_whole: !branch.is_main(),
             stable,
             unstable,
-            is_marginal_in_parts: false,
-            sampled: None,
             peak,
             largest,
+            ..Stability::default()
         }),
         ..branch
     }
