@@ -1,10 +1,13 @@
 //! What `isola check` says of a study before anything is computed.
 
+mod bounds;
 mod damping;
+mod defaults;
 mod early;
 mod laws;
 mod place;
 mod touch;
+mod work;
 
 use crate::study::Study;
 use protocol::to_everyone::Amplitude;
@@ -34,7 +37,8 @@ pub fn report(study: &Study) -> String {
     let modes = (0..model.size().min(MODES)).map(|j| (if j == 0 { "modes" } else { "" }, mode(study, &choice, j)));
     lines.extend(modes);
     lines.extend(modes::sentence(&choice, true).map(|_| ("followed", followed(&choice))));
-    lines.push(("forcing", forcing(model)));
+    lines.extend(defaults::damping(study).map(|damping| ("damping", damping)));
+    lines.push(("forcing", forcing(study)));
     lines.push(("contact", contact(model)));
     let touch = touch::first_touch(study, &choice.followed);
     lines.extend(touch.as_ref().map(|touch| ("touches", touch.to_string())));
@@ -46,6 +50,7 @@ pub fn report(study: &Study) -> String {
     lines.push(("harmonics", harmonics(study)));
     lines.push(("unknowns", unknowns(study)));
     lines.push(("frequency", frequency(study)));
+    lines.extend(bounds::quiet(study).map(|sentence| ("", sentence)));
     lines.extend(orders(study).into_iter().map(|order| ("order", order)));
     let overdamped = damping::overdamped(model, &study.settings);
     // Where nothing resonates no law is measured by the response at resonance.
@@ -53,6 +58,7 @@ pub fn report(study: &Study) -> String {
     let warnings = overdamped
         .into_iter()
         .chain(early::warnings(study, touch.as_ref()))
+        .chain(damping::without(study))
         .chain(place::undetermined(model))
         .chain(laws::warnings(study, resonant));
     lines.extend(warnings.map(|warning| ("warning", warning)));
@@ -81,9 +87,12 @@ fn orders(study: &Study) -> Vec<String> {
     if list.len() > 1 { list } else { Vec::new() }
 }
 
-/// What a sweep says as well: what is probably not meant of the bounds of the frequency, and that a place is not determined. Sentences.
+/// What a sweep says as well, of what decides what can be found: bounds of the frequency, damping, a place that is not determined.
+/// Sentences.
 pub fn of_sweep(study: &Study) -> Vec<String> {
-    early::bounds(study).into_iter().chain(place::undetermined(&study.model)).collect()
+    let assumed = defaults::damping(study).map(|damping| format!("the damping is {damping}"));
+    let bounds = bounds::of_sweep(study).into_iter();
+    bounds.chain(damping::without(study)).chain(assumed).chain(place::undetermined(&study.model)).collect()
 }
 
 /// Why the mode that a sweep begins with has no backbone, if that is known before: a sentence.
@@ -120,9 +129,11 @@ fn mode(study: &Study, choice: &ModesFollowed, j: usize) -> String {
     format!("{:>2}  {:>10} rad/s  {hertz:>10} Hz  damping ratio {ratio}{followed}", j + 1, number(omega))
 }
 
-fn forcing(model: &Model) -> String {
-    let norm = model.forcing().shape.iter().map(|s| s * s).sum::<f64>().sqrt();
-    format!("shape of norm {} N per unit of A, on harmonic {}", number(norm), model.forcing().harmonic)
+fn forcing(study: &Study) -> String {
+    let forcing = study.model.forcing();
+    let norm = forcing.shape.iter().map(|s| s * s).sum::<f64>().sqrt();
+    let assumed = defaults::forcing(study).map(|shape| format!("; {shape}")).unwrap_or_default();
+    format!("shape of norm {} N per unit of A, on harmonic {}{assumed}", number(norm), forcing.harmonic)
 }
 
 fn contact(model: &Model) -> String {

@@ -258,7 +258,7 @@ pub struct ReportArgs {
     pub levels: Option<String>,
     /// Of motions that last so many periods of the force (search.harmonics) [default: of the first order; those of others are written
     /// to folders of their own, as m3/report.html].
-    #[arg(long, value_name = "M")]
+    #[arg(long, value_name = "M", value_parser = whole)]
     pub order: Option<usize>,
 }
 
@@ -279,7 +279,7 @@ pub struct PlotArgs {
     #[arg(long, value_name = "LIST")]
     pub levels: Option<String>,
     /// Show motions that last so many periods of the force (search.harmonics) [default: the first order].
-    #[arg(long, value_name = "M")]
+    #[arg(long, value_name = "M", value_parser = whole)]
     pub order: Option<usize>,
     /// Monitored dof whose amplitude is shown [default: the first one].
     #[arg(long, value_name = "DOF")]
@@ -289,7 +289,7 @@ pub struct PlotArgs {
     pub amplitude: Option<String>,
     /// Mode whose backbone is drawn, from 1 (balance, backbone, modes) [default: one whose window at this amplitude led to an isola, else
     /// the first one that was followed].
-    #[arg(long, value_name = "NUMBER")]
+    #[arg(long, value_name = "NUMBER", value_parser = whole)]
     pub mode: Option<usize>,
     /// Point of motion: amplitude, branch and index from 0, or peak [default: peak of the highest isola].
     #[arg(long, value_name = "A/BRANCH/INDEX")]
@@ -332,6 +332,10 @@ fn key_value(text: &str) -> Result<(String, String), String> {
         }
         _ => Err("write it as key=value, like contact.friction=0".to_string()),
     }
+}
+
+fn whole(text: &str) -> Result<usize, String> {
+    text.parse().map_err(|_| "use a whole number that is not negative".into())
 }
 
 /// A number within bounds, and of what.

@@ -3,6 +3,7 @@
 mod footnotes;
 pub(crate) mod motions;
 pub(crate) mod pushes;
+mod search;
 mod stability;
 mod units;
 
@@ -10,18 +11,19 @@ pub use units::{FrequencyUnit, LengthUnit, UnitChoice, Units};
 
 use crate::export::order_folder;
 use crate::overview::{
-    Lesser, Level, Omissions, Overview, Shift, UNTOUCHED, WindowOutcome, beyond, born_between, bounds, events_sentence,
-    forcing_label, is_unconfirmed, is_untouched, later_birth, least_added, modes, not_followed_sentence, truncation,
-    unfinished,
+    Lesser, Level, Omissions, Overview, Shift, UNTOUCHED, WindowOutcome, beyond, bounds, events_sentence,
+    forcing_label, is_unconfirmed, is_untouched, later_birth, least_added, not_followed_sentence, reach_sentence,
+    truncation, unfinished,
 };
 use crate::store::{BranchRow, CurveRow, Reader, Result};
 use crate::words::count;
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets::UTF8_FULL_CONDENSED};
 use footnotes::{Footnotes, wrapped};
+use protocol::backbone::BackboneMessage;
 use protocol::model::ModelMessage;
+use search::Made;
 use solver::response::branch::{BranchKind, Outcome};
-use solver::response::orders::orders;
-use solver::settings::{Effort, FrequencySettings};
+use solver::settings::FrequencySettings;
 
 /// Relative distance from a bound up to which a peak counts as at it.
 const BESIDE: f64 = 1e-6;
@@ -108,52 +110,27 @@ fn of_order(reader: &Reader, layout: Layout) -> Result<String> {
         say(&format!("... and {} more levels: see summary.csv", levels.len() - LEVELS));
     }
     let backbone = omissions.read("The backbone is", reader.backbone());
-    unfinished(levels, backbone.is_none_or(|backbone| backbone.is_some())).iter().for_each(|sentence| say(sentence));
+    unfinished(levels, backbone.as_ref().is_none_or(Option::is_some)).iter().for_each(|sentence| say(sentence));
     if model.as_ref().is_some_and(|model| model.contacts().count() > 0) && is_untouched(levels) {
         say(UNTOUCHED);
-    }
-    let choice = omissions.read("Which modes were followed is", reader.modes()).flatten();
-    if let Some(sentence) =
-        choice.as_ref().and_then(|choice| modes::sentence(choice, levels.iter().all(|level| level.pending == 0)))
-    {
-        say(&sentence);
     }
     let settings = overview.header.as_ref().map(|header| header.settings);
     let harmonics = settings.map(|settings| settings.harmonics.count);
     let reach = omissions.read("The frequency range of the sweep is", reader.reach()).flatten();
-    let bounds = bounds(given, reach.map(|reach| reach.frequency), reader.order().is_some());
-    if let Some(model) = &model
-        && !levels.is_empty()
-        && levels.iter().all(|level| level.is_complete() && level.highest_isola().is_none())
-    {
-        let but = match born_between(levels, &curves, bounds).len() {
-            0 => String::new(),
-            1 => " at these levels (one is born between them)".into(),
-            several => format!(" at these levels ({several} are born between them)"),
-        };
-        let only = match settings.map(|settings| settings.search.effort) {
-            Some(Effort::None) => " in windows of the energy balance, where alone they were looked for (search.effort)",
-            _ => "",
-        };
-        let own = model.forcing().harmonic;
-        let other = match settings.map(|settings| orders(model, &settings.search).len()) {
-            Some(1) if harmonics.is_some_and(|count| own < count) => format!(
-                " Responses of other periods were not looked for: search.harmonics = [{own}, {0}] looks for those as well that last \
-                 {0} periods of the force.",
-                own + 1
-            ),
-            _ => String::new(),
-        };
-        say(&format!("No isola was found{but}{only}.{other}"));
+    let frequencies = reach.map(|reach| reach.frequency);
+    let bounds = bounds(given, frequencies, reader.order().is_some());
+    let unit = layout.units.frequency;
+    let in_units = |omega: f64| format!("{} {unit}", unit.digits(omega));
+    if let (Some(model), Some(settings)) = (&model, &settings) {
+        search::no_isola(levels, &curves, bounds, model, settings).iter().for_each(|sentence| say(sentence));
     }
     let least = model.as_ref().map_or(1, |model| least_added(model, reader.order().is_some()));
     if let Some(sentence) = harmonics.and_then(|count| truncation(levels, count, least)) {
         say(&sentence);
     }
     stability::sentences(levels, layout.units).iter().for_each(|sentence| say(sentence));
-    let unit = layout.units.frequency;
-    let events = events_sentence(&curves, |omega| format!("{} {unit}{}", unit.digits(omega), beyond(bounds, omega)));
     let search = omissions.read("What became of folds is", reader.search_counts()).unwrap_or_default();
+    let events = events_sentence(&curves, |omega| format!("{}{}", in_units(omega), beyond(bounds, omega)));
     let missing = not_followed_sentence(search.hanging).filter(|_| events.is_some());
     [events, missing, shift(&overview, layout.units)].iter().flatten().for_each(|sentence| say(sentence));
     let motions = omissions.read("The list of motions is", reader.motions()).unwrap_or_default();
@@ -162,6 +139,16 @@ fn of_order(reader: &Reader, layout: Layout) -> Result<String> {
     let names = |model: &ModelMessage| model.monitors.iter().filter_map(|&dof| model.dofs.get(dof)).cloned().collect();
     let monitors: Vec<String> = overview.model.as_ref().map(names).unwrap_or_default();
     pushes::sentences(&pushes, &monitors, layout.units).iter().for_each(|sentence| say(sentence));
+    // Main branches are of the first order's motions.
+    let mains = reach_sentence(given, frequencies, in_units).filter(|_| reader.order().is_none());
+    mains.iter().for_each(|sentence| say(sentence));
+    if let (Some(model), Some(settings)) = (&model, &settings) {
+        let choice = omissions.read("Which modes were followed is", reader.modes()).flatten();
+        let further = omissions.read("Further backbones are", reader.further_backbones()).unwrap_or_default();
+        let backbones: Vec<&BackboneMessage> = backbone.iter().flatten().chain(&further).collect();
+        let made = Made { levels, backbones: &backbones, modes: choice.as_ref(), curves: curves.len(), search };
+        search::looked_for(&made, model, settings).iter().for_each(|sentence| say(sentence));
+    }
     Ok(text)
 }
 

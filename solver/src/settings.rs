@@ -258,16 +258,32 @@ impl Settings {
             }
         }
         let ordered = [
-            ("continuation.initial_step", Some(self.continuation.min_step), Some(self.continuation.initial_step)),
-            ("frequency.max", self.frequency.min, self.frequency.max),
-            ("backbone.max_frequency", self.backbone.min_frequency, self.backbone.max_frequency),
-            ("continuation.max_step", Some(self.continuation.min_step), Some(self.continuation.max_step)),
+            (
+                ["continuation.min_step", "continuation.initial_step"],
+                Some(self.continuation.min_step),
+                Some(self.continuation.initial_step),
+            ),
+            (["frequency.min", "frequency.max"], self.frequency.min, self.frequency.max),
+            (
+                ["backbone.min_frequency", "backbone.max_frequency"],
+                self.backbone.min_frequency,
+                self.backbone.max_frequency,
+            ),
+            (
+                ["continuation.min_step", "continuation.max_step"],
+                Some(self.continuation.min_step),
+                Some(self.continuation.max_step),
+            ),
         ];
-        for (key, low, high) in ordered {
+        for ([below, key], low, high) in ordered {
             if let (Some(low), Some(high)) = (low, high)
                 && low >= high
             {
-                return refuse(key, high.to_string(), format!("use a value above the lower bound {low}"));
+                return refuse(
+                    key,
+                    high.to_string(),
+                    format!("use a value above {below} = {low}, or are the two exchanged?"),
+                );
             }
         }
         if !(0.0..1.0).contains(&self.continuation.min_cosine) {

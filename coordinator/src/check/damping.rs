@@ -1,9 +1,34 @@
-//! Modes that do not vibrate.
+//! Modes with so much damping that they do not vibrate, and with none.
 
-use results::words::digits;
+use super::work::driven;
+use crate::study::Study;
+use results::words::{self, digits};
 use solver::response::modes::ModesFollowed;
 use solver::settings::{BackboneEquation, Settings};
 use solver::structure::Model;
+use solver::structure::laws::{Law, LawKind};
+
+/// Of modes without any damping that the force drives, where no law takes energy either: responses at resonance have no bound.
+pub(super) fn without(study: &Study) -> Option<String> {
+    let model = &study.model;
+    let takes = |law: &LawKind| match (law, law.rigid()) {
+        (_, Some(contact)) => contact.friction.is_some(),
+        (LawKind::PenaltySpring(_) | LawKind::PolynomialSpring(_), _) => false,
+        _ => true,
+    };
+    if model.elements().iter().any(|element| takes(&element.law)) {
+        return None;
+    }
+    let bare: Vec<usize> = driven(model).filter(|&mode| model.damping().rates()[mode] == 0.0).collect();
+    let (have, their) = if bare.len() == 1 { ("has", "its") } else { ("have", "their") };
+    (!bare.is_empty()).then(|| {
+        format!(
+            "{} {have} no damping, and no law takes energy: the response at {their} resonance has no bound, and the search may not \
+             end; give some, as with damping.default_ratio = 1e-3",
+            words::modes(&bare)
+        )
+    })
+}
 
 /// Of each mode that is followed along its damped free motion, and has none: so much damping is often one in other units.
 pub(super) fn overdamped(model: &Model, settings: &Settings) -> Vec<String> {

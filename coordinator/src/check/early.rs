@@ -1,6 +1,8 @@
 //! What goes wrong before anything is computed: units that slipped, matrices exchanged, levels at which nothing touches.
 
+use super::bounds;
 use super::touch::{FirstTouch, Place, shape};
+use super::work::{DRIVEN, work};
 use crate::study::Study;
 use protocol::session::MAX_RESULT_BYTES;
 use results::words::{count, digits, number};
@@ -8,22 +10,13 @@ use solver::formulation::harmonics::width;
 use solver::linalg::eigenvalues;
 use solver::settings::Settings;
 use solver::structure::{ContactElement, Damping, Model};
-use std::f64::consts::TAU;
 
 /// Eigenfrequencies that no structure has, rad/s: all of them below or above.
 const ABSURD: (f64, f64) = (1e-3, 1e9);
 /// Structures are rarely slower than this, rad/s; if all modes are, and none would be with K and M exchanged, they are.
 const SLOW: f64 = 0.1;
-/// A force that does less work than this share on all modes that vibrate drives none of them.
-const DRIVEN: f64 = 1e-9;
 /// Share of the largest eigenvalue of a damping matrix that is rounding, also of a file with seven digits.
 const UNDAMPED: f64 = 1e-6;
-/// Bounds nearer to a resonance than so many of its half-widths ζω cut it: there it has a fifth of its height.
-const FLANK: f64 = 5.0;
-/// Resonances whose flanks reach farther than this share of their frequency are too wide to be told from what is beside them.
-const SHARP: f64 = 0.25;
-/// Orders of superharmonic resonances that a study may be of.
-const ORDERS: usize = 5;
 /// Numbers that a point of a branch has beside its state, about.
 const BESIDE: usize = 64;
 /// Between these shares of the condensed stiffness the prediction of contact forces works well.
@@ -48,7 +41,7 @@ pub(super) fn epsilon_ratios(model: &Model) -> Option<(f64, f64)> {
 pub(super) fn warnings(study: &Study, touch: Option<&FirstTouch<'_>>) -> Vec<String> {
     let mut list = Vec::new();
     list.extend(units(&study.model));
-    list.extend(bounds(study));
+    list.extend(bounds::warnings(study));
     list.extend(negative_damping(&study.model).or_else(|| indefinite_damping(&study.model)));
     list.extend(nothing_nonlinear(&study.model));
     list.extend(nothing_driven(&study.model));
@@ -59,11 +52,6 @@ pub(super) fn warnings(study: &Study, touch: Option<&FirstTouch<'_>>) -> Vec<Str
         format!("{key} has no effect any more: branches close by convergence onto their first points; leave it out")
     }));
     list
-}
-
-/// Sentences about bounds of the frequency that are probably not meant.
-pub(super) fn bounds(study: &Study) -> Vec<String> {
-    hertz(study).into_iter().chain(flanks(study)).collect()
 }
 
 fn units(model: &Model) -> Option<String> {
@@ -82,67 +70,6 @@ fn units(model: &Model) -> Option<String> {
     (lowest > ABSURD.1).then(|| {
         format!("no structure has only modes from {low} to {high} rad/s: are K and M exchanged, or their units others than N/m and kg?")
     })
-}
-
-/// Of bounds between which no mode resonates, but would if they were Hz.
-fn hertz(study: &Study) -> Option<String> {
-    let given = study.settings.frequency;
-    let (low, high) = (given.min?, given.max?);
-    let modes = study.model.modes();
-    let mut resonances = (0..study.model.size()).filter(|&j| !modes.is_rigid(j)).map(|j| modes.frequencies[j]);
-    let is_between = |omega: f64, unit: f64| (unit * low..=unit * high).contains(&omega);
-    let orders = 1..=ORDERS.max(study.model.forcing().harmonic);
-    if resonances.clone().any(|omega| orders.clone().any(|order| is_between(omega / order as f64, 1.0))) {
-        return None;
-    }
-    let m = study.model.forcing().harmonic as f64;
-    let meant = resonances.find(|omega| is_between(omega / m, TAU))?;
-    Some(format!(
-        "no mode resonates between frequency.min = {} and frequency.max = {} rad/s, but one does at {} Hz: if Hz are meant, they are {} \
-         and {} rad/s",
-        number(low),
-        number(high),
-        number(meant / m / TAU),
-        number(TAU * low),
-        number(TAU * high)
-    ))
-}
-
-/// Of bounds that lie on the flank of a resonance that the force drives, so that what responds there is known in part.
-fn flanks(study: &Study) -> Vec<String> {
-    let (model, given) = (&study.model, study.settings.frequency);
-    let (modes, rates, m) = (model.modes(), model.damping().rates(), model.forcing().harmonic as f64);
-    let largest = (0..model.size()).map(|j| work(model, j)).fold(0.0, f64::max);
-    let is_driven = |j: &usize| !modes.is_rigid(*j) && rates[*j] > 0.0 && work(model, *j) > DRIVEN * largest;
-    // In frequencies of the response, of which the force has m times as much.
-    let resonance = |j: usize| (j, modes.frequencies[j] / m, 0.5 * rates[j] / m);
-    let is_sharp = |(_, omega, half): &(usize, f64, f64)| FLANK * half < SHARP * omega;
-    let resonances: Vec<_> = (0..model.size()).filter(is_driven).map(resonance).filter(is_sharp).collect();
-    let cut = |(key, bound): (&str, f64)| {
-        let distance = |(_, omega, half): &(usize, f64, f64)| (bound - omega).abs() / half;
-        let nearest = resonances.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
-        let (j, omega, half) = *nearest;
-        (distance(nearest) < FLANK).then(|| {
-            format!(
-                "{key} = {} rad/s cuts through the resonance of mode {} at {} rad/s, {} of its half-widths from it: branches end on its \
-                 flank, and their peaks may lie beyond; a bound below {} or above {} rad/s does not",
-                number(bound),
-                j + 1,
-                number(omega),
-                digits(distance(nearest), 2),
-                number(omega - FLANK * half),
-                number(omega + FLANK * half)
-            )
-        })
-    };
-    let bounds = [("frequency.min", given.min), ("frequency.max", given.max)];
-    bounds.into_iter().filter_map(|(key, bound)| cut((key, bound?))).collect()
-}
-
-/// What a force of its shape does on a mode: its share of modal amplitude.
-fn work(model: &Model, j: usize) -> f64 {
-    let (modes, shape) = (model.modes(), &model.forcing().shape);
-    (0..model.size()).map(|dof| modes.shapes[(dof, j)] * shape[dof]).sum::<f64>().abs()
 }
 
 fn negative_damping(model: &Model) -> Option<String> {

@@ -1,6 +1,6 @@
 //! Options of where a run is served and who works for it.
 
-use super::within;
+use super::{whole, within};
 use crate::access::AccessArgs;
 use clap::Args;
 use protocol::keys::namespace;
@@ -11,7 +11,7 @@ use worker::LogFormat;
 #[derive(Debug, Clone, Args)]
 pub struct ServeArgs {
     /// Local worker processes; 0: only workers elsewhere [default: one a core].
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole)]
     pub workers: Option<usize>,
     /// Listen here for workers and viewers, as tcp/ADDRESS:PORT, or tls/ADDRESS:PORT with --tls [default: a free port on the loopback interface].
     #[arg(long, value_name = "ENDPOINT", conflicts_with = "connect")]

@@ -22,7 +22,7 @@ pub fn explain(asked: &str) -> Result<String, String> {
         }
         let place = solver::structure::Place { file: None, key: wanted.clone(), set_by: Some("--explain".into()) };
         let known = files.iter().map(|(key, _)| key.path);
-        return Err(solver::structure::ModelError::unknown(place, &wanted, known).to_string());
+        return Err(solver::structure::ModelError::unknown(place, "key", &wanted, known).to_string());
     }
     Ok(found.iter().map(|(key, files)| of_key(key, files)).collect::<Vec<_>>().join("\n"))
 }

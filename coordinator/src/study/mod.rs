@@ -120,6 +120,11 @@ impl Study {
         let without_effect = WITHOUT_EFFECT.into_iter().filter(|key| is_there(numerics.table(), key)).collect();
         Ok(Self { name, file, model_dir, model, settings, amplitudes, without_effect, resolved })
     }
+
+    /// Whether model, study or command line give this dotted key of a model.
+    pub fn gives(&self, key: &str) -> bool {
+        self.resolved.parse::<Table>().is_ok_and(|table| is_there(&table, key))
+    }
 }
 
 /// The levels of a study: its forcing amplitudes, for every order of motions that is looked for.
@@ -189,7 +194,7 @@ fn known_keys(study: &Layers) -> Result<(), ModelError> {
         Some(key) => {
             // Those of a section are meant where one has this very name.
             let meant = OFTEN.into_iter().filter(|often| often.rsplit('.').next() == Some(key));
-            Err(ModelError::unknown(study.place(key), key, known().chain(meant)))
+            Err(ModelError::unknown(study.place(key), "key", key, known().chain(meant)))
         }
     }
 }

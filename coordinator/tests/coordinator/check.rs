@@ -1,6 +1,6 @@
 //! What `isola check` says early: units that slipped, levels at which nothing touches, keys without effect.
 
-use coordinator::check::report;
+use coordinator::check::{of_sweep, report};
 use coordinator::study::Study;
 use std::fs;
 use std::path::Path;
@@ -84,24 +84,82 @@ fn bounds_in_hertz() {
     let warnings = within("15", "17");
     let said = "no mode resonates between frequency.min = 15 and frequency.max = 17 rad/s, but one does at 15.9";
     assert!(warnings.len() == 1 && warnings[0].starts_with(said), "{warnings:?}");
+    // The third of the resonance, in Hz, at 5.3.
+    assert_eq!(within("5", "6").len(), 1);
     // Around the resonance, around its third, and where nothing resonates in either unit.
     for (low, high) in [("90", "110"), ("30", "40"), ("200", "400")] {
         assert!(within(low, high).is_empty(), "{low} to {high}");
     }
 }
 
+/// What a sweep says of bounds without a resonance, `isola check` has below them.
+#[test]
+fn bounds_without_a_resonance() {
+    let said = |min: Option<&str>, max: Option<&str>| {
+        let given = [("frequency.min", min), ("frequency.max", max)];
+        let set: Vec<(&str, &str)> = given.into_iter().filter_map(|(key, value)| Some((key, value?))).collect();
+        let dir = tempfile::tempdir().unwrap();
+        fs::write(dir.path().join("model.toml"), MODEL).unwrap();
+        fs::write(dir.path().join("study.toml"), "amplitudes = \"0.3\"\n").unwrap();
+        let set: Vec<(String, String)> = set.iter().map(|(key, value)| (key.to_string(), value.to_string())).collect();
+        let study = Study::load(dir.path(), &set, None).unwrap();
+        (report(&study).contains("no linear resonance lies within the bounds"), of_sweep(&study))
+    };
+    let none = "no linear resonance lies within the bounds, the nearest one is that of mode 1 at 100 rad/s: what responds there more \
+                than a little is brought about by laws";
+    for (min, max) in [(Some("200"), Some("400")), (Some("120"), None), (None, Some("30"))] {
+        assert_eq!(said(min, max), (true, vec![none.to_string()]), "{min:?} to {max:?}");
+    }
+    // Where a harmonic of the response resonates a sweep has nothing to say.
+    assert_eq!(said(Some("30"), Some("40")), (true, vec![]));
+    assert_eq!(said(Some("90"), Some("110")), (false, vec![]));
+    assert_eq!(said(None, Some("1000")), (false, vec![]));
+}
+
+/// What nobody gave is said, and that nothing damps.
+#[test]
+fn damping_and_forcing_that_are_not_given() {
+    let damping = "[damping]\nratios = [{ modes = \"1\", ratio = 1e-2 }]\n";
+    let shape = "shape = { dofs = { x = 1 } }\n";
+    let (warnings, text) = checked(MODEL, "0.3", &[]);
+    assert!(!text.contains("not given") && warnings.is_empty(), "{text}");
+    let (_, text) = checked(&MODEL.replace(damping, ""), "0.3", &[]);
+    assert!(
+        text.contains("\ndamping     not given: 1 % of critical in every mode; damping.default_ratio, among"),
+        "{text}"
+    );
+    let (_, text) = checked(&MODEL.replace(damping, ""), "0.3", &[("damping.default_ratio", "0.01")]);
+    assert!(!text.contains("not given"), "{text}");
+    let (_, text) = checked(&MODEL.replace(shape, ""), "0.3", &[]);
+    assert!(
+        text.contains("forcing.shape is not given: the force has the shape of mode 1, and drives no other one"),
+        "{text}"
+    );
+    let undamped = MODEL.replace("1e-2 }]", "0 }]");
+    let (warnings, text) = checked(&undamped, "0.3", &[]);
+    assert!(
+        warnings.iter().any(|warning| warning.starts_with("mode 1 has no damping, and no law takes energy: ")),
+        "{text}"
+    );
+    let rubbing =
+        undamped.replace("normal = \"x\"", "normal = \"x\"\ntangential = [\"x\"]\nradius = 1\nfriction = 0.1");
+    let (warnings, text) = checked(&rubbing, "0.3", &[]);
+    assert!(!warnings.iter().any(|warning| warning.contains("no damping")), "{text}");
+}
+
 /// The resonance at 100 rad/s has a half-width of ζω = 1 rad/s.
 #[test]
 fn bounds_on_the_flank_of_a_resonance() {
     let within = |low: &str, high: &str| checked(MODEL, "0.3", &[("frequency.min", low), ("frequency.max", high)]).0;
-    let cut = |key: &str, bound: &str, widths: &str| {
+    let cut = |key: &str, bound: &str, widths: &str, others: [&str; 2]| {
+        let [within, out] = others;
         format!(
             "{key} = {bound} rad/s cuts through the resonance of mode 1 at 100 rad/s, {widths} of its half-widths from it: branches end \
-             on its flank, and their peaks may lie beyond; a bound below 95 or above 105 rad/s does not"
+             on its flank, and their peaks may lie beyond; the bound at {within} rad/s takes it in, at {out} rad/s leaves it out"
         )
     };
-    assert_eq!(within("50", "102"), [cut("frequency.max", "102", "2")]);
-    assert_eq!(within("98.5", "150"), [cut("frequency.min", "98.5", "1.5")]);
+    assert_eq!(within("50", "102"), [cut("frequency.max", "102", "2", ["105", "95"])]);
+    assert_eq!(within("98.5", "150"), [cut("frequency.min", "98.5", "1.5", ["95", "105"])]);
     assert_eq!(within("101", "104.5").len(), 2);
     assert!(within("94.9", "105.1").is_empty());
     // Of a force on the second harmonic the response resonates at half of it.

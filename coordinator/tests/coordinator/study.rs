@@ -202,7 +202,7 @@ fn bad_input() {
         // Wrong types.
         (File, "[harmonics]\ncount = \"ten\"", &[], &["`harmonics.count`", "\"ten\"", "whole number"]),
         (File, "[harmonics]\ncount = 10.5", &[], &["`harmonics.count`", "10.5", "whole number"]),
-        (File, "[harmonics]\ncount = -1", &[], &["`harmonics.count`", "-1", "whole number, 0 or more"]),
+        (File, "[harmonics]\ncount = -1", &[], &["`harmonics.count`", "-1", "whole number that is not negative"]),
         (File, "harmonics = [20, 512]", &[], &["`harmonics` = [20, 512]", "a section", "[harmonics]"]),
         (File, "continuation.newton = [1e-9]", &[], &["`continuation.newton` = [", "a section"]),
         (File, "damping.rayleigh = [1]", &[], &["`damping.rayleigh` = [1]", "a section"]),
@@ -215,7 +215,7 @@ fn bad_input() {
         // Impossible values.
         (File, "[harmonics]\ncount = 0", &[], &["`harmonics.count` = 0", "1 to 400"]),
         (File, "[harmonics]\ncount = 200", &[], &["`harmonics.samples` (set by default) = 512", "at least 800"]),
-        (File, "[frequency]\nmin = 3\nmax = 2", &[], &["`frequency.max` = 2", "above the lower bound 3"]),
+        (File, "[frequency]\nmin = 3\nmax = 2", &[], &["`frequency.max` = 2", "above frequency.min = 3"]),
         (File, "[frequency]\nmin = nan", &[], &["`frequency.min` = NaN", "finite number above zero"]),
         (File, "[backbone]\nmode = 3", &[], &["`backbone.mode` = 3", "modes 1 to 2"]),
         (File, "[backbone]\nmodes = [1, 5]", &[], &["`backbone.modes` = [1, 5]", "modes 1 to 2"]),

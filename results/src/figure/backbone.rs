@@ -13,7 +13,8 @@ use super::subject::{BackboneColumns, Subject};
 pub fn figure(subject: &Subject<'_>, columns: Option<&BackboneColumns>) -> Result<Figure, String> {
     let backbone = subject.backbone()?;
     let columns = columns.ok_or("the run has no backbone yet")?;
-    let frequencies = Axis::around("", super::data::Unit::none(), backbone.omega.values.iter().copied());
+    let count = subject.shown(backbone);
+    let frequencies = Axis::around("", super::data::Unit::none(), backbone.omega.values.iter().copied().take(count));
     let line =
         |style| Series { x: vec![columns.omega.clone()], y: columns.amplitude.clone(), style, ..Series::default() };
     let (thin, bold) = (Style::line(Color::Ink, THIN), Style::line(Color::Category(1), 2.0 * BOLD));
@@ -26,7 +27,7 @@ pub fn figure(subject: &Subject<'_>, columns: Option<&BackboneColumns>) -> Resul
         title: Some("Where that is on the backbone"),
         about: "Backbone with the windows of the chosen forcing amplitude",
         x: vec![Axis::of_frequencies(frequencies.range)],
-        y: subject.amplitudes(|m| backbone.amplitude[m].values.iter().copied()),
+        y: subject.amplitudes(|m| backbone.amplitude[m].values.iter().copied().take(count)),
         series,
         spans: gaps(subject.monitors).into_iter().collect(),
         labels: gap_label(subject.monitors),

@@ -22,7 +22,8 @@ pub fn figure(subject: &Subject<'_>, store: &ColumnStore, columns: Option<&Backb
     let (x, over) = columns.over(backbone, subject);
     let amplitude = subject.first_level().map_or(1.0, |level| subject.levels[level].value);
     let work = store.values(&columns.work.by_amplitude(), amplitude);
-    let y = energies(backbone.needed.values.iter().copied().chain(work));
+    let count = subject.shown(backbone);
+    let y = energies(backbone.needed.values.iter().copied().take(count).chain(work.into_iter().take(count)));
 
     let name = Some("backbone".to_string());
     let supplied = Style::line(Color::Category(4), MEDIUM).with_dash(1);

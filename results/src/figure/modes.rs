@@ -25,7 +25,9 @@ pub fn figure(
         return Err("one mode alone makes the backbone".into());
     }
     let (x, over) = columns.over(backbone, subject);
-    let shares = backbone.modes.iter().flat_map(|mode| &mode.share.values).copied().filter(|&share| share > FLOOR);
+    let count = subject.shown(backbone);
+    let shares = backbone.modes.iter().flat_map(|mode| mode.share.values.iter().take(count)).copied();
+    let shares = shares.filter(|&share| share > FLOOR);
     let y = Axis::logarithmic("contribution to the motion", Unit::none(), shares);
     let mut series = Vec::new();
     for (i, mode) in backbone.modes.iter().enumerate() {

@@ -16,6 +16,8 @@ use std::f64::consts::TAU;
 const INSTANTS: usize = 512;
 /// Instants at which the shape of the tip is drawn, evenly over the period T.
 const SHAPES: [&str; 8] = ["0", "T/8", "T/4", "3T/8", "T/2", "5T/8", "3T/4", "7T/8"];
+/// Shapes of fewer nodes cross each other too near to the labels: every second one is drawn.
+const CROSSING: usize = 4;
 /// Room beside the last node for their labels.
 const ROOM: f64 = 0.95;
 /// Harmonics below this share of the largest are not drawn.
@@ -183,10 +185,12 @@ fn spectrum(nodes: &[Node], harmonics: usize) -> Panel {
 
 fn shapes(nodes: &[Node]) -> Panel {
     let ticks = nodes.iter().enumerate().map(|(k, node)| ((k + 1) as f64, node.name.clone())).collect();
-    let x = Axis { ticks, ..Axis::exact("node", Unit::none(), (0.8, nodes.len() as f64 + ROOM)) };
+    let along = if nodes.iter().any(|node| node.gap.is_some()) { "node" } else { "monitored dof" };
+    let count = if nodes.len() < CROSSING { SHAPES.len() / 2 } else { SHAPES.len() };
+    let x = Axis { ticks, ..Axis::exact(along, Unit::none(), (0.8, nodes.len() as f64 + ROOM)) };
     let series = vec![
         of_all(Quantity::Gap, Style::line(Color::Soft, THIN).with_dash(1), None),
-        of_all(Quantity::Shapes, Style::line(Color::Shade, THIN), Some(SHAPES.len())),
+        of_all(Quantity::Shapes, Style::line(Color::Shade, THIN), Some(count)),
         of_all(Quantity::Shape, Style::line(Color::Category(1), BOLD).with_marker(Shape::Circle, MARK, false), None),
     ];
     panel("Shape at instants of the period", x, "displacement", series)
@@ -205,7 +209,8 @@ fn instants(x: &[f64], y: &[f64], nodes: usize) -> Vec<Label> {
             side: Side::Right,
         }
     };
-    SHAPES.iter().enumerate().map(last).collect()
+    let drawn = if nodes < CROSSING { 2 } else { 1 };
+    SHAPES.iter().step_by(drawn).enumerate().map(last).collect()
 }
 
 /// The axis up of a panel for one motion.

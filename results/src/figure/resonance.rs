@@ -18,7 +18,7 @@ const MARKED: usize = 60;
 
 /// What one way of looking for the largest response finds, and how it is drawn.
 struct ResonanceCurve<'w> {
-    name: &'w str,
+    name: String,
     resonance: &'w Resonance,
     style: Style,
 }
@@ -44,8 +44,11 @@ pub(super) fn compared(
     monitor: &str,
     store: &mut ColumnStore,
 ) -> Result<Figure, String> {
-    let curves =
-        runs.iter().map(|(name, curve, style)| ResonanceCurve { name, resonance: curve, style: style.clone() });
+    let curves = runs.iter().map(|(name, curve, style)| ResonanceCurve {
+        name: name.clone(),
+        resonance: curve,
+        style: style.clone(),
+    });
     let curves: Vec<_> = curves.filter(|curve| !curve.resonance.value.is_empty()).collect();
     drawn(&curves, (monitor, &[]), 0.0, store)
 }
@@ -92,7 +95,7 @@ fn drawn(
         above.series.push(series(curve, &x, &omega, (&omega, &amplitude)));
         below.series.push(series(curve, &x, &amplitude, (&omega, &amplitude)));
     }
-    let entry = |curve: &ResonanceCurve<'_>| Entry::new(curve.name, Kind::Line, curve.style.clone());
+    let entry = |curve: &ResonanceCurve<'_>| Entry::new(curve.name.clone(), Kind::Line, curve.style.clone());
     let mut legend: Vec<Entry> = curves.iter().map(entry).collect();
     for (kind, text) in [(EventKind::Birth, "▲ window born"), (EventKind::Merge, "▼ windows merge")] {
         let event = shown.iter().find(|event| event.kind == kind);
@@ -113,14 +116,19 @@ fn curves<'s>(subject: &Subject<'s>) -> Vec<ResonanceCurve<'s>> {
     let resonance = subject.resonance;
     let line = |category| Style::line(Color::Category(category), MEDIUM);
     let circles = line(0).with_dash(2).with_marker(Shape::Circle, 0.9 * MARK, true);
+    // It is that of one backbone, of which isolas of others know nothing.
+    let balance = match subject.backbone {
+        Some(backbone) if !subject.further.is_empty() => format!("energy balance of mode {} alone", backbone.mode + 1),
+        _ => "energy balance alone".into(),
+    };
     let curves = [
-        ResonanceCurve { name: "energy balance alone", resonance: &resonance.balance, style: line(2).with_dash(1) },
+        ResonanceCurve { name: balance, resonance: &resonance.balance, style: line(2).with_dash(1) },
         ResonanceCurve {
-            name: "with isolas",
+            name: "with isolas".into(),
             resonance: &resonance.isolas,
             style: line(1).with_marker(Shape::Square, MARK, false),
         },
-        ResonanceCurve { name: "main branches alone", resonance: &resonance.continuation, style: circles },
+        ResonanceCurve { name: "main branches alone".into(), resonance: &resonance.continuation, style: circles },
     ];
     let is_there = |curve: &ResonanceCurve<'_>| !curve.resonance.value.is_empty();
     let unmarked = |curve: ResonanceCurve<'s>| match curve.resonance.value.len() {
@@ -142,7 +150,7 @@ fn forcing(values: impl Iterator<Item = f64> + Clone) -> Axis {
 
 fn series(curve: &ResonanceCurve<'_>, x: &Ref, y: &Ref, (omega, amplitude): (&Ref, &Ref)) -> Series {
     Series {
-        name: Some(curve.name.into()),
+        name: Some(curve.name.clone()),
         x: vec![x.clone()],
         y: vec![y.clone()],
         style: curve.style.clone(),

@@ -10,6 +10,7 @@ use super::style::{BOLD, Color, FINE, MARK, MEDIUM, Shape, Style, THIN};
 use super::subject::{BackboneColumns, Subject, level_colors};
 use crate::curves::{Beyond, Curve, Monitor};
 use solver::response::branch::{BranchKind, SpecialKind};
+use solver::response::certificate::Standing;
 use solver::response::columns;
 
 /// Peaks and folds are marked while there are so few branches.
@@ -322,7 +323,10 @@ pub fn special_points<'s>(branch: &'s Curve, curve: &'s Series, color: Color) ->
     };
     [SpecialKind::Fold, SpecialKind::Peak].into_iter().filter_map(move |kind| {
         let special = branch.special.iter().filter(|special| special.kind == kind).map(|special| special.index);
-        let is_shown = |i: &usize| *i < heights.len() && (kind == SpecialKind::Peak || !is_at_peak(*i));
+        // The largest amplitude at an end is no peak: the response may be larger beyond.
+        let is_end = |i: usize| branch.peak_standing == Some(Standing::AtLeast) && (i == 0 || i + 1 == heights.len());
+        let is_wanted = |i: usize| if kind == SpecialKind::Peak { !is_end(i) } else { !is_at_peak(i) };
+        let is_shown = |i: &usize| *i < heights.len() && is_wanted(*i);
         let places: Vec<usize> = special.filter(is_shown).collect();
         let of = |refs: &[Ref]| refs.iter().map(|column| column.at(&places)).collect();
         let marks = || Series {

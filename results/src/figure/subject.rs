@@ -4,7 +4,7 @@ use super::axis::largest;
 use super::column_store::{ColumnStore, Ref};
 use super::data::{Axis, Detail, Format, Unit};
 use super::style::Color;
-use crate::curves::{BackboneCurve, Curve, Monitor, Motions, ResonanceComparison};
+use crate::curves::{BackboneCurve, Column, Curve, Monitor, Motions, ResonanceComparison};
 use crate::overview::Level;
 use crate::store::CurveRow;
 use solver::response::columns;
@@ -70,6 +70,15 @@ impl<'r> Subject<'r> {
         self.backbone.ok_or_else(|| self.nothing("the backbone", "the run has no backbone yet"))
     }
 
+    /// How many points of a backbone figures show at first: up to where levels come near it. Beyond the last threshold of twice the
+    /// highest level nothing is predicted for any of them.
+    pub fn shown(&self, backbone: &BackboneCurve) -> usize {
+        let thresholds = &backbone.threshold.values;
+        let highest = self.levels.iter().map(|level| level.value).fold(0.0, f64::max);
+        let last = thresholds.iter().rposition(|threshold| *threshold <= NEAR * highest);
+        last.filter(|last| *last >= FEWEST).map_or(thresholds.len(), |last| last + 1)
+    }
+
     /// Why there is nothing to draw: what would be drawn is damaged, or is not there for another reason.
     pub fn nothing(&self, what: &str, otherwise: &str) -> String {
         let left_out = |sentence: &&String| sentence.to_lowercase().starts_with(what) && sentence.contains("left out");
@@ -93,6 +102,11 @@ impl<'r> Subject<'r> {
         self.monitors.iter().enumerate().map(axis).collect()
     }
 }
+
+/// Backbones are shown up to this many times the highest level.
+const NEAR: f64 = 2.0;
+/// With fewer points a piece of a backbone says nothing: all of it is shown.
+const FEWEST: usize = 4;
 
 /// Colours of levels: by amplitude, or by its logarithm where they span decades.
 pub fn level_colors(values: &[f64]) -> Vec<Color> {
@@ -147,23 +161,21 @@ impl BackboneColumns {
     }
 
     /// What figures of the backbone may be drawn over, with its columns: arc length, frequency, amplitudes.
-    pub fn over(&self, backbone: &BackboneCurve, subject: &Subject<'_>) -> (Vec<Axis>, Vec<Ref>) {
-        let arc = Axis::around("arc length along the backbone (scaled)", Unit::none(), values(&backbone.arc.values));
-        let mut omega = Axis::around("", Unit::none(), values(&backbone.omega.values));
+    pub fn over<'b>(&self, backbone: &'b BackboneCurve, subject: &Subject<'_>) -> (Vec<Axis>, Vec<Ref>) {
+        let count = subject.shown(backbone);
+        let values = |column: &'b Column| column.values.iter().copied().take(count);
+        let arc = Axis::around("arc length along the backbone (scaled)", Unit::none(), values(&backbone.arc));
+        let mut omega = Axis::around("", Unit::none(), values(&backbone.omega));
         omega = Axis::of_frequencies(omega.range);
         let amplitudes = subject.monitors.iter().zip(&backbone.amplitude).enumerate().map(|(m, (monitor, column))| {
-            let unit = Unit::of_lengths(largest(values(&column.values)));
+            let unit = Unit::of_lengths(largest(values(column)));
             let name = if m == 0 { "amplitude".into() } else { format!("amplitude of {}", monitor.name) };
-            Axis::around(format!("amplitude of {}", monitor.name), unit, values(&column.values)).called(name)
+            Axis::around(format!("amplitude of {}", monitor.name), unit, values(column)).called(name)
         });
         let axes = [arc.called("arc length"), omega].into_iter().chain(amplitudes).collect();
         let columns = [&self.arc, &self.omega].into_iter().chain(&self.amplitude).cloned().collect();
         (axes, columns)
     }
-}
-
-fn values(column: &[f64]) -> impl Iterator<Item = f64> + '_ {
-    column.iter().copied()
 }
 
 impl Detail {

@@ -17,6 +17,25 @@ pub fn bounds(given: FrequencySettings, reach: Option<(f64, f64)>, is_further: b
     }
 }
 
+/// Where main branches were looked for, if not between bounds that were given: a sentence.
+pub fn reach_sentence(
+    given: FrequencySettings,
+    reach: Option<(f64, f64)>,
+    frequency: impl Fn(f64) -> String,
+) -> Option<String> {
+    let (low, high) = reach.filter(|_| given.min.is_none() || given.max.is_none())?;
+    let key = match (given.min, given.max) {
+        (None, None) => "frequency.min and frequency.max give other bounds",
+        (None, _) => "frequency.min gives another lower bound",
+        _ => "frequency.max gives another upper bound",
+    };
+    Some(format!(
+        "Main branches were looked for from {} to {}, as the backbones suggest ({key}).",
+        frequency(low),
+        frequency(high)
+    ))
+}
+
 /// Whether branches are followed at a frequency.
 pub fn is_within(bounds: FrequencySettings, omega: f64) -> bool {
     bounds.min.is_none_or(|min| omega >= min) && bounds.max.is_none_or(|max| omega <= max)
@@ -30,6 +49,18 @@ pub fn beyond(bounds: FrequencySettings, omega: f64) -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn where_main_branches_were_looked_for() {
+        let said = |min, max| {
+            reach_sentence(FrequencySettings { min, max }, Some((0.9, 1.1)), |omega| format!("{omega} rad/s"))
+        };
+        let from = "Main branches were looked for from 0.9 rad/s to 1.1 rad/s, as the backbones suggest (frequency.";
+        assert_eq!(said(None, None).unwrap(), format!("{from}min and frequency.max give other bounds)."));
+        assert_eq!(said(Some(0.9), None).unwrap(), format!("{from}max gives another upper bound)."));
+        assert_eq!(said(None, Some(1.1)).unwrap(), format!("{from}min gives another lower bound)."));
+        assert_eq!(said(Some(0.9), Some(1.1)), None);
+    }
 
     #[test]
     fn only_what_was_given_bounds() {

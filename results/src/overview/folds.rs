@@ -4,6 +4,7 @@ use super::bounds::is_within;
 use super::level::Level;
 use super::windows::overlaps;
 use crate::store::{CurvePoint, CurveRow, WindowRow};
+use crate::words::digits;
 use solver::response::critical::CriticalKind;
 use solver::response::folds::{Critical, Extent, Quantity};
 use solver::response::orders::orders;
@@ -42,6 +43,25 @@ pub fn born_between<'c>(levels: &[Level], curves: &'c [CurveRow], bounds: Freque
         |birth: &&CurvePoint| birth.forcing > low && birth.forcing < high && is_within(bounds, birth.omega);
     events_of(curves, CriticalKind::Birth.name()).into_iter().filter(is_between).collect()
 }
+
+/// Levels at which what is born between others can be looked at, the lowest first, in few digits: half way to the next level or event above.
+pub fn levels_after(births: &[&CurvePoint], levels: &[Level], curves: &[CurveRow]) -> Vec<String> {
+    let events = curves.iter().flat_map(|curve| &curve.points).filter(|point| point.event.is_some());
+    let others: Vec<f64> = levels.iter().map(|level| level.value).chain(events.map(|event| event.forcing)).collect();
+    let after = |birth: &&CurvePoint| {
+        let above = others.iter().copied().filter(|other| *other > birth.forcing * (1.0 + SAME)).reduce(f64::min)?;
+        let middle = f64::midpoint(birth.forcing, above);
+        // A digit less than that keeps it between the two.
+        let between = |count: &i32| digits(middle, *count).parse().is_ok_and(|a: f64| a > birth.forcing && a < above);
+        (1..=DIGITS).find(between).map(|count| digits(middle, count))
+    };
+    let mut list: Vec<String> = births.iter().filter_map(after).collect();
+    list.dedup();
+    list
+}
+
+/// Most digits of such a level.
+const DIGITS: i32 = 6;
 
 /// Folds that are never followed: those of so many branches that branch off others. `None` if there are none.
 pub fn not_followed(branches: usize) -> Option<String> {
@@ -128,5 +148,26 @@ mod tests {
         let forcings = |kind| events_of(&curves, kind).iter().map(|point| point.forcing).collect::<Vec<_>>();
         assert_eq!(forcings("birth"), [1.0, 1.0]);
         assert_eq!(forcings("merge"), [1.0, 3.0]);
+    }
+
+    #[test]
+    fn what_is_born_between_levels_has_a_level_to_be_looked_at() {
+        let point = |forcing: f64, event: Option<&str>| CurvePoint {
+            forcing,
+            event: event.map(str::to_string),
+            ..CurvePoint::default()
+        };
+        let level = |value| Level { value, ..Level::default() };
+        let levels = [1.0, 2.0].map(level);
+        let curve = |points| [CurveRow { points, ..CurveRow::default() }];
+        let after = |birth: f64, end: Option<f64>| {
+            let points = [Some(point(birth, Some("birth"))), end.map(|end| point(end, Some("death")))];
+            let curves = curve(points.into_iter().flatten().collect());
+            levels_after(&[&curves[0].points[0]], &levels, &curves)
+        };
+        // Half way to the level above, or to the end of what is born, in as few digits as lie between.
+        assert_eq!(after(1.246, None), ["1.6"]);
+        assert_eq!(after(1.246, Some(1.25)), ["1.248"]);
+        assert_eq!(after(1.99, None), ["1.995"]);
     }
 }

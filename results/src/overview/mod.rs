@@ -10,6 +10,7 @@ mod largest_stable;
 mod lesser;
 mod level;
 mod lives;
+mod looked_for;
 mod merges;
 pub mod modes;
 mod near_largest;
@@ -21,16 +22,17 @@ mod unfinished;
 mod verified;
 mod windows;
 
-pub use bounds::{beyond, bounds, is_within};
+pub use bounds::{beyond, bounds, is_within, reach_sentence};
 pub use doubts::{doubts, ends_far_beyond};
 pub use events::{events_sentence, forcing_label};
 pub use folds::{
-    CurveEvent, born_between, curve_events, events_of, later_birth, most_folds, not_followed, not_followed_sentence,
-    why_no_folds,
+    CurveEvent, born_between, curve_events, events_of, later_birth, levels_after, most_folds, not_followed,
+    not_followed_sentence, why_no_folds,
 };
 pub use largest_stable::{StableResponse, largest_stable, largest_stable_sentence};
 pub use lesser::Lesser;
 pub use level::{Level, Seeds, UNTOUCHED, highest, is_untouched};
+pub use looked_for::LookedFor;
 pub use near_largest::near_largest;
 pub use omissions::Omissions;
 pub use reasons::briefly;

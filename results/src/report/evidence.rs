@@ -1,7 +1,7 @@
 //! What the answers of a report are drawn from.
 
 use crate::curves::BackboneCurve;
-use crate::overview::{Lesser, Level};
+use crate::overview::{Lesser, Level, LookedFor};
 use crate::store::{CurveRow, MotionRow, PushRow, SearchCounts};
 use protocol::to_everyone::Stage;
 use solver::response::branch::Outcome;
@@ -73,6 +73,22 @@ impl<'r> Evidence<'r> {
     /// All backbones that are known, that of the primary mode first.
     pub fn backbones(&self) -> impl Iterator<Item = &'r BackboneCurve> + use<'r> {
         self.backbone.into_iter().chain(self.further)
+    }
+
+    /// What was looked for and what was not.
+    pub fn looked_for(&self) -> LookedFor<'_> {
+        let end = |backbone: &BackboneCurve| (backbone.mode, backbone.threshold.values.last().copied());
+        LookedFor {
+            levels: self.levels,
+            backbones: self.backbones().map(end).collect(),
+            modes: self.modes,
+            all_modes: self.structure.modes,
+            harmonic: self.structure.harmonic,
+            asked: &self.asked,
+            curves: self.curves.len(),
+            search: self.search,
+            why_no_folds: self.why_no_folds.as_deref(),
+        }
     }
 }
 

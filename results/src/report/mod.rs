@@ -2,10 +2,10 @@
 
 mod account;
 mod evidence;
+mod excitation;
 mod losses;
 mod predictions;
 mod read;
-mod search;
 mod stability;
 #[cfg(test)]
 mod tests;

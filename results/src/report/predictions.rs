@@ -49,7 +49,7 @@ impl Evidence<'_> {
         if self.backbone.is_none() {
             return String::new();
         }
-        let mode = self.mode();
+        let mode = self.looked_for().mode();
         let births = self.backbones().flat_map(|backbone| backbone.events.iter().map(move |event| (backbone, event)));
         let births = births.filter(|(_, event)| event.kind == EventKind::Birth);
         // What is predicted beyond the frequencies of the study counts where its windows reach into them.

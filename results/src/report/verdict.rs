@@ -268,7 +268,7 @@ impl<'r> Evidence<'r> {
 
     /// What was looked for, and what was not.
     fn reach(&self) -> String {
-        format!("Looked for: {}; {}.", self.searched(), self.not_searched())
+        self.looked_for().sentence()
     }
 
     fn missed(&self) -> String {

@@ -327,7 +327,8 @@ impl Builder<'_> {
             let remedy = "rigid contact is described under [[contact.nodes]]";
             return Err(ModelError::value(self.origin.place(key("law")), "contact", remedy));
         }
-        check_law(&config.law, |parameter| self.origin.place(key(&format!("law.{parameter}"))))?;
+        let kind = self.origin.law(i).unwrap_or_default();
+        check_law(&config.law, |parameter| self.origin.place(key(&format!("law.{kind}.{parameter}"))))?;
         let name = config.name.unwrap_or_else(|| format!("law{}", i + 1));
         Ok(Element { name, channels: vec![channel], law: config.law })
     }

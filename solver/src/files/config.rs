@@ -45,7 +45,10 @@ impl Default for MatricesConfig {
 }
 
 #[derive(Debug, Deserialize)]
-#[serde(untagged, expecting = "expected the name of a Matrix Market file, or rows of numbers like [[2, -1], [-1, 2]]")]
+#[serde(
+    untagged,
+    expecting = "expected the name of a Matrix Market file, or its rows, like [[2, 0], [0, 1]] of two dofs, [[2]] of one"
+)]
 pub(super) enum MatrixConfig {
     File(String),
     Rows(Vec<Vec<f64>>),

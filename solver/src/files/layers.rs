@@ -3,7 +3,6 @@
 //! A section is merged key by key; what stands at a key of a section, list and inline table too, is replaced as a whole.
 
 use crate::structure::{ModelError, Place};
-use serde::de::DeserializeOwned;
 use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 
@@ -148,6 +147,12 @@ impl Layers {
         Ok(())
     }
 
+    /// What the law of this number, from 0, is called.
+    pub(super) fn law(&self, i: usize) -> Option<&str> {
+        let entry = self.table.get("laws")?.get(i)?;
+        entry.get("law")?.as_table()?.keys().next().map(String::as_str)
+    }
+
     /// Refuses a law whose parameters are given without their names.
     ///
     /// # Errors
@@ -161,33 +166,6 @@ impl Layers {
             }
         }
         Ok(())
-    }
-
-    /// These settings as a type; refuses keys that it does not know.
-    ///
-    /// # Errors
-    /// Keys that the type does not know, and values of the wrong type.
-    pub fn parsed<T: DeserializeOwned>(&self) -> Result<T, ModelError> {
-        deserialized(self.table.clone())
-            .map_err(|(path, message)| self.no_choice::<T>(&path).unwrap_or_else(|| self.explain(&path, &message)))
-    }
-
-    /// If a choice is wanted at a path and what stands there names none: the choices. Serde tells them only of a wrong name.
-    fn no_choice<T: DeserializeOwned>(&self, path: &str) -> Option<ModelError> {
-        let segments: Vec<String> = dotted(path).split('.').map(str::to_string).collect();
-        let found = segments.iter().skip(1).try_fold(self.table.get(&segments[0])?, |value, segment| match value {
-            Value::Array(list) => list.get(segment.parse::<usize>().ok()?),
-            value => value.get(segment),
-        })?;
-        if found.is_str() || found.is_table() {
-            return None;
-        }
-        let mut table = self.table.clone();
-        set(&mut table, &segments, Value::String(String::new())).ok()?;
-        let (of, message) = deserialized::<T>(table).err()?;
-        let choices = message.trim_end().strip_prefix("unknown variant ``, expected ").filter(|_| of == path)?;
-        let remedy = format!("choose {}", choices.replace(", ", " or ").replace("one of ", ""));
-        Some(ModelError::value(self.place(path), found, remedy))
     }
 
     /// The last one who set this key, one above or one below.
@@ -211,50 +189,10 @@ impl Layers {
             }
         }
     }
-
-    /// Turns serde's account of a refused key into ours: "unknown field `a`, expected one of `b`, `c`".
-    fn explain(&self, path: &str, message: &str) -> ModelError {
-        let message = message.trim_end();
-        let place = self.place(if path == "." { "" } else { path });
-        if message.starts_with("unknown field") || message.starts_with("unknown variant") {
-            let mut names = message.split('`').skip(1).step_by(2);
-            if let Some(name) = names.next() {
-                // Contacts are laws that have a section of their own.
-                let known: Vec<&str> = names.filter(|known| *known != "contact" || !path.starts_with("laws")).collect();
-                return ModelError::unknown(place, name, known);
-            }
-        }
-        let message = if let Some(key) = message.strip_prefix("missing field `").and_then(|rest| rest.strip_suffix('`'))
-        {
-            format!("`{key}` is missing, and it has no default")
-        } else if message.starts_with("wanted exactly 1 element") {
-            "give exactly one choice, like `{mode = 1}` for a forcing shape".to_string()
-        } else if message == "invalid type: map, expected a sequence" {
-            format!(
-                "a single table, where a list of them is expected: each begins with `[[{path}]]`, in double brackets"
-            )
-        } else if let Some(found) = message.strip_suffix(", expected a sequence") {
-            format!("{found}, expected a list; write it in brackets, `[…]`")
-        } else if let Some((found, _)) = message.split_once("expected struct ") {
-            format!("{found}expected a section or a table of keys")
-        } else {
-            message
-                .replace("expected f64", "expected a number")
-                .replace("expected usize", "expected a whole number, 0 or more")
-                .replace("expected u32", "expected a whole number, 0 or more")
-        };
-        ModelError::Type { place, message }
-    }
-}
-
-/// Settings as a type, or the path of what does not fit, with serde's account of it.
-fn deserialized<T: DeserializeOwned>(table: Table) -> Result<T, (String, String)> {
-    serde_path_to_error::deserialize(Value::Table(table))
-        .map_err(|error| (error.path().to_string(), error.inner().message().to_string()))
 }
 
 /// A path with its positions in lists as parts like others.
-fn dotted(path: &str) -> String {
+pub(super) fn dotted(path: &str) -> String {
     path.replace('[', ".").replace(']', "")
 }
 
@@ -304,7 +242,7 @@ fn segments(key: &str) -> Result<Vec<String>, String> {
     if current.as_integer() == Some(0) { Ok(segments) } else { Err(malformed()) }
 }
 
-fn set(table: &mut Table, segments: &[String], value: Value) -> Result<(), String> {
+pub(super) fn set(table: &mut Table, segments: &[String], value: Value) -> Result<(), String> {
     let Some((first, rest)) = segments.split_first() else { return Ok(()) };
     let empty = || Value::Table(Table::new());
     let mut current = table.entry(first.as_str()).or_insert_with(empty);

@@ -2,6 +2,7 @@
 
 mod build;
 pub mod config;
+mod explain;
 mod layers;
 mod matrix_market;
 

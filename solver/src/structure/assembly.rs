@@ -58,6 +58,11 @@ impl Structure {
             let expected = "but it must be square, with at least one dof".into();
             return Err(ModelError::Size { place: mass_place, rows: n, cols: mass.cols(), expected });
         }
+        // Names and stiffness agree: it is the mass that is wrong.
+        if dofs.len() != n && dofs.len() == stiffness.rows() {
+            let expected = format!("but `dofs` names {0}, and the stiffness matrix is {0} × {0}", dofs.len());
+            return Err(ModelError::Size { place: mass_place, rows: n, cols: n, expected });
+        }
         let mass = symmetric("matrices.mass", mass, n)?;
         let stiffness = symmetric("matrices.stiffness", stiffness, n)?;
         let dofs = if dofs.is_empty() { (1..=n).map(|i| format!("x{i}")).collect() } else { dofs };
@@ -133,7 +138,7 @@ impl Structure {
     pub fn dof(&self, name: &str, key: impl FnOnce() -> String) -> Result<usize, ModelError> {
         let known = || self.dofs.iter().map(String::as_str);
         let place = || Place::key(key());
-        known().position(|dof| dof == name).ok_or_else(|| ModelError::unknown(place(), name, known()))
+        known().position(|dof| dof == name).ok_or_else(|| ModelError::unknown(place(), "dof", name, known()))
     }
 
     /// The model, once everything else is checked too.

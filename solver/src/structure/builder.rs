@@ -8,7 +8,7 @@ use super::{Element, Model};
 use crate::linalg::Matrix;
 
 /// Damping ratio of every mode unless another damping is given.
-pub(crate) const DEFAULT_RATIO: f64 = 0.01;
+pub const DEFAULT_RATIO: f64 = 0.01;
 
 /// A dof, by name or counted from 0.
 #[derive(Debug, Clone, PartialEq, Eq)]

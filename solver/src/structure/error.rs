@@ -86,10 +86,12 @@ pub enum ModelError {
         problem: String,
     },
     /// A key, a dof, or the name of a choice (a law, a forcing shape) does not exist.
-    #[error("{place}: there is no `{name}`; {hint}")]
+    #[error("{place}: there is no {what} `{name}`; {hint}")]
     Unknown {
         /// Where it stands.
         place: Place,
+        /// The kind of thing.
+        what: String,
         /// What was asked for.
         name: String,
         /// The known name that looks most like it, and what else exists.
@@ -172,7 +174,7 @@ pub enum ModelError {
     },
     /// The stiffness matrix has a negative eigenvalue.
     #[error(
-        "{place} has a negative eigenvalue: {value:?} (rad/s)², the largest being {largest:?}; the structure at rest \
+        "{place} has a negative eigenvalue: {value:.4e} (rad/s)², the largest being {largest:.4e}; the structure at rest \
          must be stable: put negative stiffness into a nonlinear law, or check signs and units"
     )]
     StiffnessNegative {
@@ -262,8 +264,8 @@ impl ModelError {
         place_of!(self)
     }
 
-    /// A name that does not exist, with those that look like it.
-    pub fn unknown<'a>(place: Place, name: &str, known: impl IntoIterator<Item = &'a str>) -> Self {
+    /// A name that does not exist, of a kind of thing, with those that look like it.
+    pub fn unknown<'a>(place: Place, what: &str, name: &str, known: impl IntoIterator<Item = &'a str>) -> Self {
         /// More names than this are not shown.
         const SHOWN: usize = 12;
         let mut known: Vec<(f64, &str)> = known.into_iter().map(|k| (similarity(name, k), k)).collect();
@@ -280,12 +282,13 @@ impl ModelError {
         let known: Vec<String> = known.into_iter().map(|(_, known)| format!("`{known}`")).collect();
         let guess = nearest.map_or_else(String::new, |name| format!("did you mean `{name}`? "));
         let more = if more > 0 { format!(", … and {more} more") } else { String::new() };
-        Self::Unknown { place, name: name.to_string(), hint: format!("{guess}known here: {}{more}", known.join(", ")) }
+        let hint = format!("{guess}known here: {}{more}", known.join(", "));
+        Self::Unknown { place, what: what.to_string(), name: name.to_string(), hint }
     }
 }
 
-/// Similarity of a name with a known one, or with the last part of a known dotted key.
+/// Similarity of a name with a known one, or with the last part of a known dotted key, which a letter is like no word.
 fn similarity(name: &str, known: &str) -> f64 {
-    let last = known.rsplit('.').next().unwrap_or(known);
+    let last = known.rsplit('.').next().filter(|last| last.len() > 1).unwrap_or(known);
     strsim::jaro_winkler(name, known).max(strsim::jaro_winkler(name, last))
 }

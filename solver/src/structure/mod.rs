@@ -12,7 +12,7 @@ mod model;
 mod restore;
 pub(crate) mod validation;
 
-pub(crate) use builder::DEFAULT_RATIO;
+pub use builder::DEFAULT_RATIO;
 pub use builder::{Channel, Dof, ModelBuilder};
 pub use error::{ModelError, Place};
 pub use model::{ContactElement, Damping, Element, Forcing, Model, Modes};

@@ -108,7 +108,7 @@ fn unknown_keys_and_names() {
 fn wrong_types_and_missing_keys() {
     refused("gap = 0.1", "gap = \"wide\"", &["`contact.gap`", "\"wide\"", "expected a number"]);
     refused("normal = \"blade.r\"", "", &["`contact.nodes[0]`", "missing", "`normal`"]);
-    refused("mass = [[1, 0], [0, 1]]", "mass = 1", &["`matrices.mass`", "Matrix Market file", "rows of numbers"]);
+    refused("mass = [[1, 0], [0, 1]]", "mass = 1", &["`matrices.mass`", "Matrix Market file", "its rows, like"]);
     refused("harmonic = 1", "harmonic = -1", &["`forcing.harmonic`", "-1", "whole number"]);
     refused("[damping]", "[[damping]]", &["`damping`", "a section", "[damping]"]);
     refused("[[laws]]", "[laws]", &["`laws`", "a list of them", "begins with `[[laws]]`"]);
@@ -264,20 +264,28 @@ fn a_decimal_comma() {
 
 #[test]
 fn laws() {
-    refused("coefficient = 1.0", "coefficient = inf", &["`laws[0].law.terms[0].coefficient` = inf", "finite"]);
+    refused(
+        "coefficient = 1.0",
+        "coefficient = inf",
+        &["`laws[0].law.polynomial_spring.terms[0].coefficient` = inf", "finite"],
+    );
     let second = "coefficient = 1.0 }, { power = 16, coefficient = 1.0";
-    refused("coefficient = 1.0", second, &["`laws[0].law.terms[1].power` = 16", "1 to 15"]);
+    refused("coefficient = 1.0", second, &["`laws[0].law.polynomial_spring.terms[1].power` = 16", "1 to 15"]);
     refused("dof = \"blade.r\"", "", &["`laws[0].dof` = (not given)", "by `dof`, `between` or `coefficients`"]);
     let twice = "dof = \"blade.r\"\ncoefficients = { \"blade.r\" = 1 }";
     refused("dof = \"blade.r\"", twice, &["`laws[0].coefficients` = given", "`dof` says", "remove one"]);
     refused("power = 3", "power = 2.5", &["`laws[0].law", "2.5", "a whole number"]);
     refused("power = 3, ", "", &["`laws[0].law", "`power` is missing"]);
-    refused("terms = [{ power = 3, coefficient = 1.0 }]", "terms = []", &["`laws[0].law.terms` = 0", "at least one"]);
+    refused(
+        "terms = [{ power = 3, coefficient = 1.0 }]",
+        "terms = []",
+        &["`laws[0].law.polynomial_spring.terms` = []", "at least one"],
+    );
     refused("polynomial_spring", "cubic_spring", &["`cubic_spring`", "known here: `penalty_spring`"]);
     let same = "between = [\"blade.r\", \"blade.r\"]";
     refused("dof = \"blade.r\"", same, &["`laws[0].between`", "[blade.r, blade.r]", "two different dofs"]);
     let ground = "between = [\"blade.r\", \"ground\"]";
-    refused("dof = \"blade.r\"", ground, &["there is no `ground`", "against the ground has `dof = \"blade.r\"`"]);
+    refused("dof = \"blade.r\"", ground, &["there is no dof `ground`", "against the ground has `dof = \"blade.r\"`"]);
     refused("dof = \"blade.r\"", "coefficients = {}", &["`laws[0].coefficients`", "at least one dof"]);
     let zero = "coefficients = { \"blade.r\" = 0 }";
     refused("dof = \"blade.r\"", zero, &["`laws[0].coefficients.blade.r` = 0", "other than zero"]);

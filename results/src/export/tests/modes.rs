@@ -56,7 +56,8 @@ fn what_was_searched_is_said_by_modes() {
     assert!(report.run.missing.is_empty(), "{:?}", report.run.missing);
     assert!(report.verdict.iter().any(|part| part.whole().contains("the windows of modes 2 and 1 at 2 levels")));
     let said = summary_table::table(&store, Layout::default()).unwrap();
-    assert!(said.contains("Windows of modes 2 and 1 were looked for.\n"), "{said}");
+    let said = said.replace('\n', " ");
+    assert!(said.contains("Looked for: the windows of modes 2 and 1 at 2 levels ("), "{said}");
     let choice = store.modes().unwrap().unwrap();
     assert_eq!(modes::sentence(&choice, true).unwrap(), "Windows of modes 2 and 1 were looked for.");
 }

@@ -18,6 +18,7 @@ pub use polynomial::Term;
 
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
+use std::fmt::Display;
 use thiserror::Error;
 
 /// Largest number of arguments of a law: normal and two tangential directions.
@@ -86,14 +87,23 @@ pub struct ParameterError {
     /// Name of the parameter, as in the model file; entries of lists by their number.
     pub parameter: Cow<'static, str>,
     /// Its value.
-    pub value: f64,
+    pub value: String,
     /// What would be right.
     pub expected: &'static str,
 }
 
 /// Refuses a parameter unless it is in range.
-fn require(parameter: &'static str, value: f64, in_range: bool, expected: &'static str) -> Result<(), ParameterError> {
-    if in_range { Ok(()) } else { Err(ParameterError { parameter: parameter.into(), value, expected }) }
+fn require(
+    parameter: &'static str,
+    value: impl Display,
+    in_range: bool,
+    expected: &'static str,
+) -> Result<(), ParameterError> {
+    if in_range {
+        Ok(())
+    } else {
+        Err(ParameterError { parameter: parameter.into(), value: value.to_string(), expected })
+    }
 }
 
 /// Refuses a parameter unless it is finite and above zero.

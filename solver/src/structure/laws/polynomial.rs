@@ -61,9 +61,9 @@ fn is_odd(terms: &[Term]) -> bool {
 }
 
 fn validate(terms: &[Term]) -> Result<(), ParameterError> {
-    require("terms", terms.len() as f64, !terms.is_empty(), "at least one term")?;
+    require("terms", "[]", !terms.is_empty(), "at least one term, like {power = 3, coefficient = 1}")?;
     for (index, &Term { power, coefficient }) in terms.iter().enumerate() {
-        require("power", f64::from(power), (1..=MAX_POWER).contains(&power), "1 to 15")
+        require("power", power, (1..=MAX_POWER).contains(&power), "a whole number from 1 to 15")
             .and_then(|()| require("coefficient", coefficient, coefficient.is_finite(), "a finite number"))
             .map_err(|e| ParameterError { parameter: format!("terms[{index}].{}", e.parameter).into(), ..e })?;
     }
@@ -177,7 +177,10 @@ mod tests {
     #[test]
     fn parameters_out_of_range_are_named() {
         let law = PolynomialSpring { terms: vec![Term { power: 0, coefficient: 1.0 }] };
-        assert_eq!(law.validate().unwrap_err().to_string(), "terms[0].power = 0 is out of range: expected 1 to 15");
+        assert_eq!(
+            law.validate().unwrap_err().to_string(),
+            "terms[0].power = 0 is out of range: expected a whole number from 1 to 15"
+        );
         assert!(PolynomialDamper { terms: vec![] }.validate().is_err());
     }
 }

@@ -1,62 +1,62 @@
-//! What was looked for, what was not, and what the structure does of itself.
+//! What was looked for and what was not, with the probability of having missed what only random starts can meet: how far the list of
+//! branches of a run is complete.
 
-use super::evidence::{Evidence, Structure};
-use crate::curves::BackboneCurve;
-use crate::overview::{modes, not_followed};
+use super::folds::not_followed;
+use super::level::Level;
+use super::modes;
+use crate::store::SearchCounts;
 use crate::words::{self, count, digits};
+use solver::response::modes::ModesFollowed;
 
-impl Evidence<'_> {
-    /// What vibrates without being forced, or without being damped.
-    pub(super) fn self_excitation(&self) -> Option<String> {
-        let Structure { excited, undamped, .. } = &self.structure;
-        if !excited.is_empty() {
-            let has = if excited.len() == 1 { "has" } else { "have" };
-            // What the laws take of the smallest motions counts as well, as far as a backbone tells.
-            let balance =
-                |mode: &usize| self.backbones().find(|backbone| backbone.mode + 1 == *mode)?.balance_from_rest();
-            let balances: Vec<Option<f64>> = excited.iter().map(balance).collect();
-            let is_driven = balances.iter().any(|balance| balance.is_some_and(|balance| balance < 0.0));
-            let is_held = balances.iter().all(|balance| balance.is_some_and(|balance| balance > 0.0));
-            let so = match (is_driven, is_held) {
-                (true, _) => ": the structure can vibrate by itself, from rest and without forcing",
-                (_, true) => ", of which the laws take more at small amplitudes",
-                _ => ": unless the laws take more, the structure can vibrate by itself, from rest and without forcing",
-            };
-            return Some(format!("{} {has} negative linear damping{so}.", capitalised(excited)));
-        }
-        if let Some(backbone) = self.backbones().find(|backbone| backbone.feeds_itself_from_rest()) {
-            return Some(format!(
-                "At small amplitudes the nonlinear forces feed more energy into mode {} than its damping takes: the \
-                 structure can vibrate by itself, from rest and without forcing.",
-                backbone.mode + 1
-            ));
-        }
-        let has = if undamped.len() == 1 { "has" } else { "have" };
-        (!undamped.is_empty()).then(|| {
-            format!("{} {has} no linear damping: nothing but the laws limits the resonance.", capitalised(undamped))
-        })
+/// What a run, or one order of motions of it, has been searched by.
+#[derive(Debug, Clone)]
+pub struct LookedFor<'r> {
+    /// Levels by forcing amplitude.
+    pub levels: &'r [Level],
+    /// Modes whose backbones are known, from 0, that of the primary mode first, each with the threshold A* where its backbone ends.
+    pub backbones: Vec<(usize, Option<f64>)>,
+    /// Which modes were followed and which not, if that is known.
+    pub modes: Option<&'r ModesFollowed>,
+    /// Number of modes of the model.
+    pub all_modes: usize,
+    /// Harmonic m of the response that the forcing acts on.
+    pub harmonic: usize,
+    /// Orders of motions that the run looks for.
+    pub asked: &'r [usize],
+    /// Number of fold curves.
+    pub curves: usize,
+    /// What became of random starts and folds.
+    pub search: SearchCounts,
+    /// Why folds cannot be followed, if so.
+    pub why_no_folds: Option<&'r str>,
+}
+
+impl LookedFor<'_> {
+    /// How far the list of branches reaches.
+    pub fn sentence(&self) -> String {
+        format!("Looked for: {}; {}.", self.searched(), self.not_searched())
     }
 
-    /// `mode 1`, or `modes 1 and 2`.
-    pub(super) fn mode(&self) -> String {
-        let followed: Vec<usize> = self.backbones().map(|backbone| backbone.mode).collect();
+    /// The modes whose backbones are known: `mode 1`, or `modes 1 and 2`.
+    pub fn mode(&self) -> String {
+        let followed: Vec<usize> = self.backbones.iter().map(|(mode, _)| *mode).collect();
         if followed.is_empty() { "a mode".into() } else { words::modes(&followed) }
     }
 
     /// Where isolas were looked for: `the windows of mode 1 at 7 levels (12 seeds tried, 2 without a branch near them)`.
-    pub(super) fn searched(&self) -> String {
+    fn searched(&self) -> String {
         let complete = || self.levels.iter().filter(|level| level.is_complete());
         let levels = complete().count();
         let tried: usize = complete().map(|level| level.seeds.tried).sum();
         let failed: usize = complete().map(|level| level.seeds.failed).sum();
-        let harmonic = match self.structure.harmonic {
+        let harmonic = match self.harmonic {
             0 | 1 => String::new(),
             m => format!(", the forcing acting on harmonic {m}"),
         };
         let nowhere = if failed > 0 { format!(", {failed} without a branch near them") } else { String::new() };
         let complete = if levels == self.levels.len() { "level" } else { "complete level" };
         let (mode, levels) = (self.mode(), count(levels, complete));
-        let folds = match self.curves.len() {
+        let folds = match self.curves {
             0 => String::new(),
             number => format!(" and along {}", count(number, "fold curve")),
         };
@@ -92,18 +92,18 @@ impl Evidence<'_> {
     }
 
     /// What was not looked for.
-    pub(super) fn not_searched(&self) -> String {
+    fn not_searched(&self) -> String {
         let modes = match self.modes.map(modes::left_out) {
             Some(list) => list.into_iter().map(|modes| format!("of {modes}, ")).collect(),
-            None if self.structure.modes > 1 => "of other modes, ".to_string(),
+            None if self.all_modes > 1 => "of other modes, ".to_string(),
             None => String::new(),
         };
-        let harmonics = match self.structure.harmonic > 1 || self.asked.len() > 1 {
+        let harmonics = match self.harmonic > 1 || self.asked.len() > 1 {
             true => "other sub- and super-harmonics",
             false => "sub- and super-harmonics",
         };
         // The orders that are looked for are not among the others.
-        let beside = match &self.asked[..] {
+        let beside = match self.asked {
             [_, _, ..] => {
                 let list: Vec<String> = self.asked.iter().map(ToString::to_string).collect();
                 format!(" (than {} of the force)", list.join(", "))
@@ -111,12 +111,12 @@ impl Evidence<'_> {
             _ => String::new(),
         };
         let mode = self.mode();
-        let led = if self.curves.is_empty() {
+        let led = if self.curves == 0 {
             format!("those that no energy balance of {mode} leads to")
         } else {
             format!("those that neither an energy balance of {mode} nor a fold curve leads to")
         };
-        let folds = match &self.why_no_folds {
+        let folds = match self.why_no_folds {
             Some(why) => format!("; folds were not followed ({why})"),
             None => not_followed(self.search.hanging)
                 .map_or_else(String::new, |folds| format!("; {folds} were not followed over the forcing")),
@@ -147,22 +147,11 @@ impl Evidence<'_> {
     /// Which backbones end, at bounds of theirs, before their threshold is beyond the levels: there are no windows beyond.
     fn beyond_backbones(&self) -> String {
         let highest = self.levels.iter().map(|level| level.value).fold(0.0, f64::max);
-        let end = |backbone: &BackboneCurve| {
-            let last = backbone.threshold.values.last().copied().filter(|last| *last < highest)?;
-            let (mode, threshold) = (words::modes(&[backbone.mode]), digits(last, 3));
+        let end = |&(mode, last): &(usize, Option<f64>)| {
+            let last = last.filter(|last| *last < highest)?;
+            let (mode, threshold) = (words::modes(&[mode]), digits(last, 3));
             Some(format!("; the backbone of {mode} ends at A* = {threshold}, and no window beyond was looked for"))
         };
-        self.backbones().filter_map(end).collect()
+        self.backbones.iter().filter_map(end).collect()
     }
-
-    /// Says so if there are stops and no branch of any level touches one.
-    pub(super) fn untouched(&self) -> Option<&'static str> {
-        let is_untouched = crate::overview::is_untouched(self.levels);
-        (self.structure.stops > 0 && is_untouched).then_some(crate::overview::UNTOUCHED)
-    }
-}
-
-fn capitalised(list: &[usize]) -> String {
-    let numbers: Vec<String> = list.iter().map(ToString::to_string).collect();
-    format!("{} {}", if list.len() == 1 { "Mode" } else { "Modes" }, numbers.join(", "))
 }

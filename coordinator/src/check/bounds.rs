@@ -1,0 +1,110 @@
+//! Bounds of the frequency that are probably not meant, and what lies between them.
+
+use super::work::driven;
+use crate::study::Study;
+use results::words::{digits, number};
+use std::f64::consts::TAU;
+
+/// Bounds nearer to a resonance than so many of its half-widths ζω cut it: there it has a fifth of its height.
+const FLANK: f64 = 5.0;
+/// Resonances whose flanks reach farther than this share of their frequency are too wide to be told from what is beside them.
+const SHARP: f64 = 0.25;
+/// Orders of superharmonic resonances that a study may be of.
+const ORDERS: usize = 3;
+
+/// Sentences about bounds that are probably not meant.
+pub(super) fn warnings(study: &Study) -> Vec<String> {
+    hertz(study).into_iter().chain(flanks(study)).collect()
+}
+
+/// What a sweep says of its bounds: the same, and that nothing resonates between them, of no order that is looked at.
+pub(super) fn of_sweep(study: &Study) -> Vec<String> {
+    let quiet = (!resonates(study, 1..=ORDERS)).then(|| quiet(study)).flatten();
+    let warnings = warnings(study);
+    if warnings.is_empty() { quiet.into_iter().collect() } else { warnings }
+}
+
+/// That the linear structure resonates nowhere between the bounds, and where it does: responses there are what laws bring about.
+pub(super) fn quiet(study: &Study) -> Option<String> {
+    let (given, m) = (study.settings.frequency, study.model.forcing().harmonic);
+    if resonates(study, m..=m) {
+        return None;
+    }
+    let all = resonances(study).map(|(mode, omega)| (mode, omega / m as f64));
+    let below = all.clone().filter(|(_, omega)| given.min.is_some_and(|min| *omega < min)).last();
+    let above = all.clone().find(|(_, omega)| given.max.is_some_and(|max| *omega > max));
+    let place = |(mode, omega): (usize, f64)| format!("that of mode {} at {} rad/s", mode + 1, number(omega));
+    let nearest: Vec<String> = [below, above].into_iter().flatten().map(place).collect();
+    let are = if nearest.len() == 1 { "one is" } else { "ones are" };
+    (!nearest.is_empty()).then(|| {
+        format!(
+            "no linear resonance lies within the bounds, the nearest {are} {}: what responds there more than a little is brought \
+             about by laws",
+            nearest.join(" and ")
+        )
+    })
+}
+
+/// Modes that vibrate, from 0, with their eigenfrequencies, rad/s.
+fn resonances(study: &Study) -> impl Iterator<Item = (usize, f64)> + Clone {
+    let modes = study.model.modes();
+    (0..study.model.size()).filter(|&mode| !modes.is_rigid(mode)).map(|mode| (mode, modes.frequencies[mode]))
+}
+
+/// Whether the response has a frequency within the bounds at which one of these harmonics, or that of the force, meets a mode.
+fn resonates(study: &Study, harmonics: std::ops::RangeInclusive<usize>) -> bool {
+    let given = study.settings.frequency;
+    let is_within = |omega: f64| given.min.is_none_or(|min| omega >= min) && given.max.is_none_or(|max| omega <= max);
+    let mut harmonics = harmonics.chain([study.model.forcing().harmonic]);
+    harmonics.any(|k| resonances(study).any(|(_, omega)| is_within(omega / k as f64)))
+}
+
+/// Of bounds between which no mode resonates, but would if they were Hz.
+fn hertz(study: &Study) -> Option<String> {
+    let given = study.settings.frequency;
+    let (low, high) = (given.min?, given.max?);
+    if resonates(study, 1..=ORDERS) {
+        return None;
+    }
+    let harmonics = [study.model.forcing().harmonic].into_iter().chain(1..=ORDERS);
+    let mut places = harmonics.flat_map(|k| resonances(study).map(move |(_, omega)| omega / k as f64));
+    let meant = places.find(|omega| (TAU * low..=TAU * high).contains(omega))?;
+    Some(format!(
+        "no mode resonates between frequency.min = {} and frequency.max = {} rad/s, but one does at {} Hz: if Hz are meant, they are {} \
+         and {} rad/s",
+        number(low),
+        number(high),
+        number(meant / TAU),
+        number(TAU * low),
+        number(TAU * high)
+    ))
+}
+
+/// Of bounds that lie on the flank of a resonance that the force drives, so that what responds there is known in part.
+fn flanks(study: &Study) -> Vec<String> {
+    let (model, given) = (&study.model, study.settings.frequency);
+    let (modes, rates, m) = (model.modes(), model.damping().rates(), model.forcing().harmonic as f64);
+    // In frequencies of the response, of which the force has m times as much.
+    let resonance = |j: usize| (j, modes.frequencies[j] / m, 0.5 * rates[j] / m);
+    let is_sharp = |(_, omega, half): &(usize, f64, f64)| FLANK * half < SHARP * omega;
+    let resonances: Vec<_> = driven(model).filter(|&j| rates[j] > 0.0).map(resonance).filter(is_sharp).collect();
+    let cut = |key: &str, bound: f64, outwards: f64| {
+        let distance = |(_, omega, half): &(usize, f64, f64)| (bound - omega).abs() / half;
+        let nearest = resonances.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
+        let (j, omega, half) = *nearest;
+        (distance(nearest) < FLANK).then(|| {
+            format!(
+                "{key} = {} rad/s cuts through the resonance of mode {} at {} rad/s, {} of its half-widths from it: branches end on its \
+                 flank, and their peaks may lie beyond; the bound at {} rad/s takes it in, at {} rad/s leaves it out",
+                number(bound),
+                j + 1,
+                number(omega),
+                digits(distance(nearest), 2),
+                number(omega + outwards * FLANK * half),
+                number(omega - outwards * FLANK * half)
+            )
+        })
+    };
+    let bounds = [("frequency.min", given.min, -1.0), ("frequency.max", given.max, 1.0)];
+    bounds.into_iter().filter_map(|(key, bound, outwards)| cut(key, bound?, outwards)).collect()
+}

@@ -1,0 +1,21 @@
+//! Physics that nobody gave: a default is said where results depend on it.
+
+use crate::study::Study;
+use solver::structure::DEFAULT_RATIO;
+
+/// The damping, if the study gives none.
+pub(super) fn damping(study: &Study) -> Option<String> {
+    let is_given = ["damping", "matrices.damping"].into_iter().any(|key| study.gives(key));
+    (!is_given).then(|| {
+        format!(
+            "not given: {} % of critical in every mode; damping.default_ratio, among others, gives another",
+            100.0 * DEFAULT_RATIO
+        )
+    })
+}
+
+/// Where the force acts, if the study does not give it.
+pub(super) fn forcing(study: &Study) -> Option<String> {
+    (!study.gives("forcing.shape"))
+        .then(|| "forcing.shape is not given: the force has the shape of mode 1, and drives no other one".into())
+}

@@ -1,0 +1,95 @@
+//! What was looked for, and that nothing was found: how much the table may be trusted to be complete.
+
+use crate::overview::{Level, LookedFor, born_between, levels_after, modes, why_no_folds};
+use crate::store::{CurveRow, SearchCounts};
+use protocol::backbone::BackboneMessage;
+use protocol::curve::Size;
+use solver::response::modes::ModesFollowed;
+use solver::response::orders::orders;
+use solver::settings::{Effort, FrequencySettings, Settings};
+use solver::structure::Model;
+
+/// What the search has made.
+pub(super) struct Made<'r> {
+    /// Levels, complete or not.
+    pub levels: &'r [Level],
+    /// Backbones, that of the primary mode first.
+    pub backbones: &'r [&'r BackboneMessage],
+    /// Which modes were followed and which not, if that is known.
+    pub modes: Option<&'r ModesFollowed>,
+    /// Number of fold curves.
+    pub curves: usize,
+    /// What became of random starts and folds.
+    pub search: SearchCounts,
+}
+
+/// What was looked for and what was not; modes that were left out, with the reasons.
+pub(super) fn looked_for(made: &Made<'_>, model: &Model, settings: &Settings) -> Vec<String> {
+    let Made { levels, backbones, modes: choice, curves, search } = *made;
+    let why = why_no_folds(model, settings);
+    let looked_for = LookedFor {
+        levels,
+        backbones: backbones.iter().map(|message| (message.mode, last_threshold(message, model))).collect(),
+        modes: choice,
+        all_modes: model.size(),
+        harmonic: model.forcing().harmonic,
+        asked: &orders(model, &settings.search),
+        curves,
+        search,
+        why_no_folds: why.as_deref(),
+    };
+    let is_done = levels.iter().all(|level| level.pending == 0);
+    let with_others = choice.filter(|choice| !modes::left_out(choice).is_empty());
+    let left_out = with_others.and_then(|choice| modes::sentence(choice, is_done));
+    left_out.into_iter().chain([looked_for.sentence()]).collect()
+}
+
+/// The threshold A* where a backbone ends.
+fn last_threshold(message: &BackboneMessage, model: &Model) -> Option<f64> {
+    let backbone = message.backbone(&Size::of(model)).ok()?;
+    Some(backbone.points.last()?.threshold())
+}
+
+/// That no level has an isola, once all of them are complete.
+pub(super) fn no_isola(
+    levels: &[Level],
+    curves: &[CurveRow],
+    bounds: FrequencySettings,
+    model: &Model,
+    settings: &Settings,
+) -> Option<String> {
+    let has_none = |level: &Level| level.is_complete() && level.highest_isola().is_none();
+    if levels.is_empty() || !levels.iter().all(has_none) {
+        return None;
+    }
+    let born = born(levels, curves, bounds);
+    let only = match settings.search.effort {
+        Effort::None => " in windows of the energy balance, where alone they were looked for (search.effort)",
+        _ => "",
+    };
+    let own = model.forcing().harmonic;
+    let other = match orders(model, &settings.search).len() {
+        1 if own < settings.harmonics.count => format!(
+            " Responses of other periods were not looked for: search.harmonics = [{own}, {0}] looks for those as well that last {0} \
+             periods of the force.",
+            own + 1
+        ),
+        _ => String::new(),
+    };
+    Some(format!("No isola was found{born}{only}.{other}"))
+}
+
+/// What is born between levels that have no isola, and how to look at it: what follows "no isola was found".
+fn born(levels: &[Level], curves: &[CurveRow], bounds: FrequencySettings) -> String {
+    let births = born_between(levels, curves, bounds);
+    let after = levels_after(&births, levels, curves);
+    let how = match after.is_empty() {
+        true => String::new(),
+        false => format!(": isola extend RUN --amplitudes {} computes that as well", after.join(",")),
+    };
+    match births.len() {
+        0 => String::new(),
+        1 => format!(" at these levels (one is born between them{how})"),
+        several => format!(" at these levels ({several} are born between them{how})"),
+    }
+}
