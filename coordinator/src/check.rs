@@ -5,13 +5,12 @@ mod damping;
 mod defaults;
 mod early;
 mod laws;
-mod place;
 mod touch;
 mod work;
 
 use crate::study::Study;
 use protocol::to_everyone::Amplitude;
-use results::overview::modes;
+use results::overview::{modes, undetermined};
 use results::words::{self, count, digits, number};
 use solver::formulation::harmonics::width;
 use solver::response::modes::ModesFollowed;
@@ -59,7 +58,7 @@ pub fn report(study: &Study) -> String {
         .into_iter()
         .chain(early::warnings(study, touch.as_ref()))
         .chain(damping::without(study))
-        .chain(place::undetermined(model))
+        .chain(undetermined(model))
         .chain(laws::warnings(study, resonant));
     lines.extend(warnings.map(|warning| ("warning", warning)));
     lines.into_iter().map(|(what, text)| format!("{what:<12}{text}\n")).collect()
@@ -92,7 +91,7 @@ fn orders(study: &Study) -> Vec<String> {
 pub fn of_sweep(study: &Study) -> Vec<String> {
     let assumed = defaults::damping(study).map(|damping| format!("the damping is {damping}"));
     let bounds = bounds::of_sweep(study).into_iter();
-    bounds.chain(damping::without(study)).chain(assumed).chain(place::undetermined(&study.model)).collect()
+    bounds.chain(damping::without(study)).chain(assumed).chain(undetermined(&study.model)).collect()
 }
 
 /// Why the mode that a sweep begins with has no backbone, if that is known before: a sentence.

@@ -13,7 +13,7 @@ use crate::export::order_folder;
 use crate::overview::{
     Lesser, Level, Omissions, Overview, Shift, UNTOUCHED, WindowOutcome, beyond, bounds, events_sentence,
     forcing_label, is_unconfirmed, is_untouched, later_birth, least_added, not_followed_sentence, reach_sentence,
-    truncation, unfinished,
+    truncation, undetermined, unfinished,
 };
 use crate::store::{BranchRow, CurveRow, Reader, Result};
 use crate::words::count;
@@ -108,6 +108,9 @@ fn of_order(reader: &Reader, layout: Layout) -> Result<String> {
     }
     if levels.len() > LEVELS {
         say(&format!("... and {} more levels: see summary.csv", levels.len() - LEVELS));
+    }
+    if let Some(place) = model.as_ref().and_then(undetermined) {
+        say(&format!("Note: {place}."));
     }
     let backbone = omissions.read("The backbone is", reader.backbone());
     unfinished(levels, backbone.as_ref().is_none_or(Option::is_some)).iter().for_each(|sentence| say(sentence));

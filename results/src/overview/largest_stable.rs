@@ -40,7 +40,12 @@ pub fn largest_stable_sentence(
     }
     let (size, at) = (length(largest.amplitude), frequency(largest.omega));
     let on = super::in_words(largest.branch);
-    Some(format!("Largest response found stable: {size}, on {on} at A = {} and {at}.", largest.level.amplitude))
+    // What was not looked at may be stable as well, and larger.
+    let branches = levels.iter().flat_map(|level| &level.branches);
+    let is_whole =
+        |row: &BranchRow| row.stability.as_ref().is_some_and(|known| known.is_whole && known.sampled.is_none());
+    let among = if branches.into_iter().all(is_whole) { "" } else { ", of the points that were marched" };
+    Some(format!("Largest response found stable{among}: {size}, on {on} at A = {} and {at}.", largest.level.amplitude))
 }
 
 #[cfg(test)]
@@ -77,6 +82,10 @@ mod tests {
         let levels = [level("10", &rows[..2], "unstable"), level("14", &rows, "unstable")];
         let expected = "Largest response found stable: 20.1 m, on branched 1 at A = 14 and 7 rad/s.";
         assert_eq!(told(&levels).unwrap(), expected);
+        // What was not marched may be stable too.
+        let mut sampled = levels.clone();
+        sampled[0].branches[0].stability.as_mut().unwrap().sampled = Some(30);
+        assert_eq!(told(&sampled).unwrap(), expected.replace("stable:", "stable, of the points that were marched:"));
         // On an isola it is told with these, and where the largest response itself is stable there is no larger one.
         assert_eq!(told(&levels[..1]), None);
         assert_eq!(told(&[level("14", &rows, "stable")]), None);

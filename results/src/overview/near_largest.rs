@@ -25,7 +25,8 @@ pub fn near_largest(
             "Whether the largest response is stable is not known: marching loses impact energy that the balance keeps."
                 .into()
         }
-        _ => "Time marching found no periodic motion near the largest response.".into(),
+        _ => "Time marching came to no periodic motion near the largest response: whether the structure can stay there is not known."
+            .into(),
     }
 }
 

@@ -1,7 +1,7 @@
 //! What the answers of a report are drawn from.
 
 use crate::curves::BackboneCurve;
-use crate::overview::{Lesser, Level, LookedFor};
+use crate::overview::{Lesser, Level, LookedFor, undetermined};
 use crate::store::{CurveRow, MotionRow, PushRow, SearchCounts};
 use protocol::to_everyone::Stage;
 use solver::response::branch::Outcome;
@@ -113,6 +113,8 @@ pub struct Structure {
     pub undamped: Vec<usize>,
     /// Modes (from 1) of negative damping.
     pub excited: Vec<usize>,
+    /// That its place is not determined, if so.
+    pub undetermined: Option<String>,
 }
 
 impl Structure {
@@ -133,6 +135,7 @@ impl Structure {
             stops: model.contacts().count(),
             undamped: damped(|rate| rate == 0.0),
             excited: damped(|rate| rate < 0.0),
+            undetermined: undetermined(model),
         }
     }
 }

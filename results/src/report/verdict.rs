@@ -177,6 +177,7 @@ impl<'r> Evidence<'r> {
                 self.structure.harmonic
             ));
         }
+        list.extend(self.structure.undetermined.iter().map(|place| format!("Note: {place}.")));
         list.extend(self.with_isolas().next().into_iter().flat_map(|_| self.stability_of_isolas()));
         list.extend(sampled(self.levels));
         list.extend(self.largest().map(|(_, largest)| self.stability_of_peak(largest)));

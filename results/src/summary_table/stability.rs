@@ -84,12 +84,18 @@ fn of(rows: &[&BranchRow], [one, several]: [&str; 2], around: &str) -> Option<St
     if counts[UNVERIFIED] == rows.len() {
         return None;
     }
-    let found = counts.iter().zip(CLASSES).filter(|(count, _)| **count > 0);
-    Some(match rows {
-        [_] => format!("the {one}{around} is {}", found.map(|(_, class)| class).collect::<String>()),
-        _ => {
-            let said: Vec<String> = found.map(|(count, class)| format!("{count} {class}")).collect();
-            format!("of {} {several}{around} {}", rows.len(), said.join(", "))
+    let found: Vec<(usize, &str)> = counts.into_iter().zip(CLASSES).filter(|(count, _)| *count > 0).collect();
+    Some(match (rows.len(), &found[..]) {
+        (1, [(_, class), ..]) => format!("the {one}{around} is {class}"),
+        (2, [(_, class)]) => format!("both {several}{around} are {class}"),
+        (count, [(_, class)]) => format!("all {count} {several}{around} are {class}"),
+        (count, found) => {
+            let of_class = |(count, class): &(usize, &str)| {
+                let are = if *count == 1 { "is" } else { "are" };
+                format!("{count} {are} {class}")
+            };
+            let said: Vec<String> = found.iter().map(of_class).collect();
+            format!("of {count} {several}{around} {}", said.join(", "))
         }
     })
 }
@@ -143,7 +149,7 @@ mod tests {
         let cut = BranchRow { peak_standing: Some(Standing::AtLeast), ..branch("main", [0.2, 0.0], 1.0) };
         let said = told(vec![cut.clone(), cut.clone()]).unwrap();
         let expected =
-            "of 2 main branches or pieces of them, around their largest responses, 2 stable wherever it could tell";
+            "both main branches or pieces of them, around their largest responses, are stable wherever it could tell";
         assert!(said.contains(expected), "{said}");
         assert!(told(vec![cut]).unwrap().contains("the main branch, around its largest response, is stable"), "{said}");
     }
@@ -154,7 +160,7 @@ mod tests {
         let others = vec![branch("main", [0.2, 0.0], 1.0), branch("cut", [0.0, 0.0], 0.5)];
         assert_eq!(
             told([isolas.to_vec(), others].concat()).unwrap(),
-            "By time marching, of 2 isolas 1 stable in parts, 1 unstable wherever it could tell (stable on isolas up to 1.0000 m, \
+            "By time marching, of 2 isolas 1 is stable in parts, 1 is unstable wherever it could tell (stable on isolas up to 1.0000 m, \
              isola 1 at A = 14 and 2.00000 rad/s); the main branch, around its peak, is stable wherever it could tell; the other branch is beyond what it could \
              tell. The periodic motion that time marching has near the largest response, 3.0000 m at 2.50000 rad/s, is unstable."
         );
@@ -178,7 +184,7 @@ mod tests {
         assert_eq!(told(vec![bare("main"), bare("isola")]), None);
         assert_eq!(
             told(vec![bare("main"), bare("isola"), branch("isola", [1.0, 0.0], 2.0)]).unwrap(),
-            "By time marching, of 2 isolas 1 stable wherever it could tell, 1 not verified (stable on isolas up to 1.0000 m, \
+            "By time marching, of 2 isolas 1 is stable wherever it could tell, 1 is not verified (stable on isolas up to 1.0000 m, \
              isola 1 at A = 14 and 2.00000 rad/s). Whether the largest response is stable was not verified."
         );
     }

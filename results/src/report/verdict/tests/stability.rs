@@ -61,7 +61,7 @@ fn what_can_settle_is_told() {
             "marginal",
             "near the largest response, 1.5 mm (25 % less) at 120 rad/s (19.1 Hz), is at the edge of stability.",
         ),
-        ("none", "Time marching found no periodic motion near the largest response."),
+        ("none", "Time marching came to no periodic motion near the largest response: whether the structure"),
         (
             "not_comparable",
             "Whether the largest response is stable is not known: marching loses impact energy that the balance keeps.",
@@ -86,7 +86,7 @@ fn what_is_larger_than_isolas_is_told() {
     ];
     let all = told(&levels, |evidence| evidence.search = SearchCounts { hanging: 2, ..SearchCounts::default() });
     let settles = "Of 2 isolas 2 stable in parts, where the structure can settle, on isolas up to 8 mm (isola 1 at A = 1) at 61 rad/s";
-    let largest = "Largest response found stable: 20 mm, on branched 1 at A = 2 and 61 rad/s (9.708 Hz).";
+    let largest = "Largest response found stable, of the points that were marched: 20 mm, on branched 1 at A = 2 and 61 rad/s (9.708 Hz).";
     assert!(all[0].contains(settles) && all[0].contains(largest), "{}", all[0]);
     // Nothing over the forcing hangs on what is not followed if nothing is followed.
     assert!(!all[1].contains("branch off"), "{}", all[1]);

@@ -1,7 +1,6 @@
 //! Structures whose place is not determined.
 
-use super::touch::shape;
-use results::words;
+use crate::words;
 use solver::Matrix;
 use solver::linalg::eigenvalues;
 use solver::structure::Model;
@@ -12,15 +11,18 @@ const HELD: f64 = 1e-12;
 
 /// Of structures that move as a rigid body, and that only contacts, stops or sliders may hold: where these let go the same motion goes on
 /// anywhere. A sentence.
-pub(super) fn undetermined(model: &Model) -> Option<String> {
+pub fn undetermined(model: &Model) -> Option<String> {
     let rigid: Vec<usize> = (0..model.size()).filter(|&mode| model.modes().is_rigid(mode)).collect();
     // A polynomial resists wherever the structure is; several may hold one motion and leave another free.
     let springs = model.elements().iter().filter(|element| matches!(element.law, LawKind::PolynomialSpring(_)));
     let felt: Vec<Vec<f64>> = springs
         .map(|spring| {
-            let shape = shape(model, spring);
-            let length = shape.iter().map(|b| b * b).sum::<f64>().sqrt();
-            rigid.iter().map(|&mode| shape[mode] / length).collect()
+            let along = |mode: usize| {
+                let channel = spring.channels[0].iter();
+                channel.map(|&(dof, b)| b * model.modes().shapes[(dof, mode)]).sum::<f64>()
+            };
+            let length = (0..model.size()).map(|mode| along(mode).powi(2)).sum::<f64>().sqrt();
+            rigid.iter().map(|&mode| along(mode) / length).collect()
         })
         .collect();
     let resistance = Matrix::from_fn(rigid.len(), rigid.len(), |i, j| felt.iter().map(|felt| felt[i] * felt[j]).sum());
