@@ -129,8 +129,11 @@ async fn sweep(args: SweepArgs) -> Result<Ending, Error> {
     for key in &study.without_effect {
         terminal::note(format_args!("{key} has no effect any more: branches close by convergence"));
     }
-    for warning in check::of_sweep(&study) {
+    for warning in check::warnings_of_sweep(&study) {
         terminal::note(format_args!("warning: {warning}"));
+    }
+    if let Some(remark) = check::remark_of_sweep(&study) {
+        terminal::note(format_args!("note: {remark}"));
     }
     let directory = args.out.unwrap_or_else(|| default_directory(&study.name));
     // What is in use is said before a folder is made.

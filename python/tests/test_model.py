@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import math
 import os
 import re
 import signal
@@ -21,7 +22,7 @@ import isola_hbm
 from isola_hbm import BadModel, Contact, Law, Model
 from isola_hbm import program as of_program
 from isola_hbm import toml as of_toml
-from isola_hbm.model import _LAWS
+from isola_hbm.laws import _MOST, _PARAMETERS, _POLYNOMIALS, _TERM
 from isola_hbm.sweeps import _shown
 
 CUBIC = Law("polynomial_spring", dof="x1", terms=[{"power": 3, "coefficient": 1}])
@@ -53,7 +54,7 @@ def test_matrices_are_kept_to_the_bit(form: object, tmp_path: Path) -> None:
     for name in ("M", "K", "C"):
         assert getattr(again, name).tobytes() == getattr(model, name).tobytes(), name
     assert (again.name, again.dofs, again.size) == ("five", ["x1", "x2", "x3", "x4", "x5"], 5)
-    assert repr(again) == "<Model five: 5 dofs, 0 contact nodes, 1 other laws>"
+    assert repr(again) == "<Model five: 5 dofs, 0 contact nodes, 1 law>"
 
 
 def test_everything_of_a_model_file_is_read_and_written(tmp_path: Path) -> None:
@@ -92,7 +93,7 @@ def test_elements_are_written_as_the_file_wants_them(tmp_path: Path) -> None:
         ],
         laws=[
             Law("jenkins", between=["tip.r", "a b"], stiffness=1, limit=0.1),
-            Law("penalty_spring", dof="a b", stiffness=1.0),
+            Law("penalty_spring", dof="a b", stiffness=1.0, gap=0.0),
         ],
     )
     text = (model.save(tmp_path / "m") / "model.toml").read_text()
@@ -141,7 +142,7 @@ def test_elements_are_written_as_the_file_wants_them(tmp_path: Path) -> None:
         ({"dofs": ["a"]}, "dofs: 1 names, 1 of them different; M has 2 rows"),
         ({"dofs": ["a", "a"]}, "dofs: 2 names, 1 of them different"),
         ({"monitors": ["y"]}, "monitors: no dof `y`; there are x1, x2"),
-        ({"laws": [Law("jenkins", between=["x1", "z"])]}, r"laws\[0\]: no dof `z`"),
+        ({"laws": [Law("jenkins", between=["x1", "z"], stiffness=1, limit=1)]}, r"laws\[0\]: no dof `z`"),
         ({"contacts": [Contact("x1", tangential=["t"])]}, r"contacts\[0\]: no dof `t`"),
         ({"forcing": [1.0]}, r"forcing: shape \(1,\); 2 finite numbers are needed"),
         ({"forcing": ["left", "right"]}, r"forcing\[0\] = 'left': a finite number is needed"),
@@ -166,12 +167,14 @@ def test_elements_are_written_as_the_file_wants_them(tmp_path: Path) -> None:
         ({"damping": 0.01}, "damping = 0.01: the section of a model file is needed"),
         ({"contact": 1}, "contact = 1: the section"),
         ({"contact": {"gap": None}}, r"contact: gap = None \(NoneType\) has no form in TOML; numbers"),
-        ({"laws": Law("jenkins", dof="x1")}, r"laws: a list is needed, as laws=\[Law\(…\)\]"),
-        ({"laws": [Law("jenkins", between="x1")]}, r"laws\[0\]: between = 'x1': two dofs are needed"),
-        ({"laws": [Law("jenkins", coefficients=["x1"])]}, r"laws\[0\]: coefficients = \['x1'\]: dofs with factors"),
+        ({"laws": Law("jenkins", dof="x1", stiffness=1, limit=1)}, r"laws: a list is needed, as laws=\[Law\(…\)\]"),
+        ({"laws": [Law("jenkins", between="x1", stiffness=1, limit=1)]}, r"laws\[0\]: between = 'x1': two dofs are needed"),
+        ({"laws": [Law("jenkins", coefficients=["x1"], stiffness=1, limit=1)]}, r"laws\[0\]: coefficients = \['x1'\]: dofs with factors"),
         ({"contacts": [{"normal": "x1", "tangential": 3}]}, r"contacts\[0\]: tangential = 3: a list of one or two"),
         ({"laws": ["jenkins"]}, r"laws\[0\] = 'jenkins': a Law is needed"),
-        ({"laws": [Law("jenkins", dof="x1", limit=None)]}, r"laws\[0\]: law = None \(NoneType\)"),
+        ({"forcing": {"shape": {"dofs": {0: 1}}}}, r"forcing: 0 \(int\) is no name; a text is needed"),
+        ({"damping": {1: 0.1}}, r"damping: 1 \(int\) is no name; a text is needed"),
+        ({"laws": [{"dof": "x1", "law": {"jenkins": {"limit": None}}}]}, r"laws\[0\]: law = None \(NoneType\)"),
         ({"contacts": Contact("x1")}, r"contacts: a list is needed, as contacts=\[Contact\(…\)\]"),
     ],
 )
@@ -216,7 +219,7 @@ def test_a_law_acts_in_one_place(tmp_path: Path) -> None:
         with pytest.raises(
             BadModel, match="law `jenkins`: say where it acts by one of dof, between and coefficients"
         ):
-            Law("jenkins", **where)  # type: ignore[arg-type]
+            Law("jenkins", stiffness=1, limit=1, **where)  # type: ignore[arg-type]
     with pytest.raises(BadModel, match=re.escape("model.toml")):
         Model.load(tmp_path)
 
@@ -231,6 +234,24 @@ def test_a_law_is_one_that_there_is() -> None:
             "there is no key of a term of law `polynomial_spring` `coeficient`; did you mean `coefficient`? known: ",
         ),
         ("jenkins", {"limt": 1}, "there is no parameter of law `jenkins` `limt`; did you mean `limit`? known: limit, "),
+        ("penalty_spring", {"stiffness": 1}, "law `penalty_spring`: gap missing; it needs stiffness and gap"),
+        ("penalty_spring", {"stiffness": 0, "gap": 1}, "law `penalty_spring`: stiffness = 0: a number above zero is needed"),
+        ("penalty_spring", {"stiffness": 1, "gap": math.nan}, "law `penalty_spring`: gap = nan: a finite number is needed"),
+        ("jenkins", {"stiffness": "1", "limit": 1}, "law `jenkins`: stiffness = '1': a finite number is needed"),
+        ("polynomial_spring", {"terms": []}, "law `polynomial_spring`: terms is empty; at least one is needed, as [{"),
+        ("polynomial_spring", {"terms": {"power": 3}}, "law `polynomial_spring`: terms = {'power': 3}: a list is needed, as ["),
+        ("polynomial_damper", {"terms": [3]}, "law `polynomial_damper`: terms[0] = 3: a power with its coefficient is needed"),
+        ("polynomial_spring", {"terms": [{"power": 3}]}, "law `polynomial_spring`: terms[0]: coefficient missing; it needs power"),
+        (
+            "polynomial_spring",
+            {"terms": [{"power": 2.5, "coefficient": 1}]},
+            "law `polynomial_spring`: terms[0].power = 2.5: a whole number from 1 to 15 is needed",
+        ),
+        (
+            "polynomial_spring",
+            {"terms": [{"power": 3, "coefficient": math.inf}]},
+            "law `polynomial_spring`: terms[0].coefficient = inf: a finite number is needed",
+        ),
     ):
         with pytest.raises(BadModel, match=f"^{re.escape(message)}"):
             Law(kind, dof="x1", **parameters)
@@ -240,8 +261,15 @@ def test_a_law_is_one_that_there_is() -> None:
 def test_laws_are_those_of_the_program() -> None:
     said = subprocess.run([of_program.find(), "schema", "model"], check=True, capture_output=True, text=True).stdout
     laws = json.loads(said)["properties"]["laws"]["items"]["properties"]["law"]["properties"]
-    known = {kind: set(law["properties"]) for kind, law in laws.items()}
-    assert known == _LAWS
+    assert set(laws) == {*_PARAMETERS, *_POLYNOMIALS}
+    for kind, parameters in _PARAMETERS.items():
+        known = {key: key_of.get("exclusiveMinimum") == 0 for key, key_of in laws[kind]["properties"].items()}
+        assert known == parameters and set(laws[kind]["required"]) == set(parameters)
+    for kind in _POLYNOMIALS:
+        terms = laws[kind]["properties"]["terms"]
+        term = terms["items"]["properties"]
+        assert terms["minItems"] == 1 and set(term) == set(_TERM)
+        assert (term["power"]["minimum"], term["power"]["maximum"]) == (1, _MOST)
 
 
 @pytest.mark.needs_program
@@ -277,6 +305,9 @@ def test_a_sweep_is_the_one_of_the_command_line(tmp_path: Path) -> None:
         assert run[name]["modal"].values.tobytes() == theirs[name]["modal"].values.tobytes()
     assert "2 levels, 1 backbone" in "".join(said)
     assert said[-1].startswith("finished: 3 branches in ")
+    # What the terminal says at the end.
+    told = run.status()
+    assert "isolas and others" in told and "Looked for: the windows of mode 1 at 2 levels" in told, told
     counts = run.counts
     assert (counts.branches, counts.running, counts.waiting, counts.dead) == (3, 0, 0, 0)
     text = (tmp_path / "mine" / "model" / "model.toml").read_text()
@@ -312,10 +343,10 @@ def test_studies_and_models_by_their_files(tmp_path: Path, monkeypatch: pytest.M
             {},
             "nowhere: no such file; give a study file, or a folder that holds a study.toml",
         ),
-        ((MODELS / "duffing", [-1]), {}, "amplitudes: `amplitudes` = -1: a forcing amplitude is a finite number above zero"),
-        ((MODELS / "duffing", [0.1]), {"contact": {"gapp": 1}}, "there is no `gapp`; did you mean `gap`?"),
-        ((MODELS / "duffing", [0.1]), {"harmonics.count": 0}, "harmonics.count = 0: `harmonics.count` = 0"),
-        ((MODELS / "duffing", [0.1]), {"harmonic": 5}, "harmonic = 5: `harmonic`: there is no `harmonic`; did you"),
+        ((MODELS / "duffing", [-1]), {}, "amplitudes = -1: a forcing amplitude is a finite number above zero"),
+        ((MODELS / "duffing", [0.1]), {"contact": {"gapp": 1}}, "there is no key `gapp`; did you mean `gap`?"),
+        ((MODELS / "duffing", [0.1]), {"harmonics.count": 0}, "harmonics.count = 0: use 1 to 400"),
+        ((MODELS / "duffing", [0.1]), {"harmonic": 5}, "harmonic = 5: there is no key `harmonic`; did you"),
         ((MODELS / "duffing", [0.1]), {"search": "hard"}, "hard"),
     ],
 )
@@ -326,18 +357,19 @@ def test_the_program_says_what_is_wrong(
         isola_hbm.sweep(*arguments, out=tmp_path / "run", progress=False, **settings)  # type: ignore[arg-type]
     assert caught.value.code in (1, 2)
     assert not str(caught.value).startswith(("error", "--"))
+    assert isinstance(caught.value, isola_hbm.BadStudy)
 
 
 @pytest.mark.needs_program
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"laws": [{"dof": "x1", "law": {"cubic": {}}}]}, "the model given: `laws[0].law`: there is no `cubic`; known here: "),
+        ({"laws": [{"dof": "x1", "law": {"cubic": {}}}]}, "the model given: `laws[0].law`: there is no law `cubic`; known here: "),
         (
             {"laws": [CUBIC, {"dof": "x1", "law": {"polynomial_spring": {"terms": [{"power": 3, "coeff": 1}]}}}]},
-            "the model given: `laws[1].law.polynomial_spring.terms[0].coeff`: there is no `coeff`; did you mean",
+            "the model given: `laws[1].law.polynomial_spring.terms[0].coeff`: there is no key `coeff`; did you mean",
         ),
-        ({"damping": {"ratio": 0.01}}, "the model given: `damping.ratio`: there is no `ratio`; did you mean `ratios`?"),
+        ({"damping": {"ratio": 0.01}}, "the model given: `damping.ratio`: there is no key `ratio`; did you mean `ratios`?"),
         ({"K": [[0]], "laws": [CUBIC]}, "the model given: `backbone.modes` (set by default) = auto: mode 1 is a rigid"),
     ],
 )
@@ -349,6 +381,7 @@ def test_the_program_speaks_of_the_model_given(
     for out in ("run", tmp_path / "absolute", None):
         with pytest.raises(isola_hbm.ProgramFailed) as caught:
             isola_hbm.sweep(model, [0.1], out=out, progress=False)
+        assert isinstance(caught.value, isola_hbm.BadModel)
         assert str(caught.value).startswith(message)
     with pytest.raises(isola_hbm.ProgramFailed) as checked:
         model.check()
@@ -487,6 +520,22 @@ def test_values_in_toml() -> None:
         of_toml.literal(None)
 
 
+def test_examples_of_the_package_make_models() -> None:
+    lines = [line.strip() for line in str(isola_hbm.__doc__).splitlines()]
+    made = [line.removeprefix(">>> ") for line in lines if line.startswith((">>> spring = ", ">>> model = "))]
+    assert len(made) == 2
+    scope: dict[str, object] = {"isola_hbm": isola_hbm}
+    exec("\n".join(made), scope)
+    assert isinstance(scope["model"], Model)
+
+
+@pytest.mark.needs_program
+def test_what_is_doubtful_is_warned_of(tmp_path: Path) -> None:
+    settings = {"search": "none", "harmonics": {"count": 1}, "workers": 1, "progress": False}
+    with pytest.warns(isola_hbm.Doubtful, match="^the damping is not given: 1 % of critical in every mode"):
+        isola_hbm.sweep(Model([[1]], [[1]], laws=[CUBIC]), [0.01], out=tmp_path / "run", **settings)  # type: ignore[arg-type]
+
+
 def test_progress_is_one_line_of_a_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
     class Terminal(io.StringIO):
         def isatty(self) -> bool:
@@ -499,9 +548,14 @@ def test_progress_is_one_line_of_a_terminal(monkeypatch: pytest.MonkeyPatch) -> 
     show("finished\n")
     assert terminal.getvalue() == "\rsweep: no level has tasks rig\rfinished" + 21 * " " + "\n"
     monkeypatch.setattr(sys, "stderr", file := io.StringIO())
-    _shown(None)("running")
     _shown(False)("running")
     assert file.getvalue() == ""
+    # Nobody asked, and there is no terminal: now and then, and the last one.
+    show = _shown(None)
+    for line in ("running 1", "running 2", "finished\n"):
+        show(line)
+    assert file.getvalue() == "running 1\nfinished\n"
+    file.seek(file.truncate(0))
     # Asked for, a file has what the program says, line by line.
     _shown(True)("sweep: no level has tasks right now, 300 tasks done")
     _shown(True)("finished\n")

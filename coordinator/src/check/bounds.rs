@@ -17,11 +17,10 @@ pub(super) fn warnings(study: &Study) -> Vec<String> {
     hertz(study).into_iter().chain(flanks(study)).collect()
 }
 
-/// What a sweep says of its bounds: the same, and that nothing resonates between them, of no order that is looked at.
-pub(super) fn of_sweep(study: &Study) -> Vec<String> {
-    let quiet = (!resonates(study, 1..=ORDERS)).then(|| quiet(study)).flatten();
-    let warnings = warnings(study);
-    if warnings.is_empty() { quiet.into_iter().collect() } else { warnings }
+/// What a sweep remarks of bounds that may well be meant: nothing resonates between them, of no order that is looked at.
+pub(super) fn remark(study: &Study) -> Option<String> {
+    let is_told = resonates(study, 1..=ORDERS) || !warnings(study).is_empty();
+    if is_told { None } else { quiet(study) }
 }
 
 /// That the linear structure resonates nowhere between the bounds, and where it does: responses there are what laws bring about.

@@ -9,8 +9,10 @@ A run on disk, finished or not, as data frames and datasets:
 
 A model made of matrices, and its sweep; figures:
 
->>> model = isola_hbm.Model(M=[[1]], K=[[1]], laws=[isola_hbm.Law("polynomial_spring", dof="x1", terms=[])])
->>> isola_hbm.sweep(model, amplitudes=[0.05, 0.1]).plot.response()
+>>> spring = isola_hbm.Law("polynomial_spring", dof="x1", terms=[{"power": 3, "coefficient": 1}])
+>>> model = isola_hbm.Model(M=[[1]], K=[[1]], damping={"default_ratio": 0.02}, laws=[spring])
+>>> run = isola_hbm.sweep(model, amplitudes=[0.05, 0.1])
+>>> run.plot.response()
 
 A run that goes on, from anywhere on its bus, branch by branch:
 
@@ -24,10 +26,12 @@ from .errors import (
     BadStudy,
     Corrupt,
     Damaged,
+    Doubtful,
     FolderInUse,
     Incomplete,
     IsolaError,
     LeftOut,
+    ModelRefused,
     NoAnswer,
     NoProgram,
     NoSuchBranch,
@@ -35,6 +39,7 @@ from .errors import (
     OtherVersion,
     ProgramFailed,
     Refused,
+    StudyRefused,
     Unreachable,
 )
 from .live.asynchronous import Following
@@ -64,7 +69,8 @@ from .live.types import (
     WorkerStatus,
 )
 from .live.wire import NAMESPACE, VERSION
-from .model import Contact, Law, Model
+from .laws import Contact, Law
+from .model import Model
 from .stored.motions import Motions
 from .stored.run import StoredRun, load
 from .sweeps import sweep
@@ -85,6 +91,7 @@ __all__ = [
     "Curve",
     "Damaged",
     "Done",
+    "Doubtful",
     "Element",
     "FoldCurve",
     "FolderInUse",
@@ -97,6 +104,7 @@ __all__ = [
     "LevelWindows",
     "Manifest",
     "Model",
+    "ModelRefused",
     "ModesFollowed",
     "Motions",
     "NoAnswer",
@@ -114,6 +122,7 @@ __all__ = [
     "StalledTask",
     "Status",
     "StoredRun",
+    "StudyRefused",
     "Unreachable",
     "Window",
     "WorkerStatus",

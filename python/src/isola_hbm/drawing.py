@@ -226,3 +226,13 @@ def name_curves(axes: Axes, curves: Iterable[Line2D], names: Iterable[tuple[str,
 def text(value: float) -> str:
     """A number as people write it."""
     return f"{value:g}"
+
+
+def up_to(top: float, at: Floats, height: Floats) -> tuple[Floats, Floats]:
+    """A curve as far up as `top`, to where it gets there between two of its points; NaN beyond."""
+    is_shown = height <= top
+    crossings = np.flatnonzero(is_shown[1:] != is_shown[:-1])
+    share = (top - height[crossings]) / (height[crossings + 1] - height[crossings])
+    between = at[crossings] + share * (at[crossings + 1] - at[crossings])
+    at, height = np.insert(at, crossings + 1, between), np.insert(height, crossings + 1, top)
+    return at, np.where(height <= top, height, np.nan)

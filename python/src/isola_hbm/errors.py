@@ -71,8 +71,20 @@ class BadStudy(IsolaError, ValueError):
     """Amplitudes or settings of a sweep that make no sense: which one, and what would be right."""
 
 
+class StudyRefused(ProgramFailed, BadStudy):
+    """The program refuses amplitudes or settings, before anything is computed: with its own message."""
+
+
+class ModelRefused(ProgramFailed, BadModel):
+    """The program refuses a model, before anything is computed: with its own message."""
+
+
 class Incomplete(UserWarning):
     """A sweep has ended, but tasks were given up, or what lies beyond what it found is not known: the program says which."""
+
+
+class Doubtful(UserWarning):
+    """The program doubts that something of a study is meant, and says what and why; or takes for given what nobody gave."""
 
 
 class LeftOut(UserWarning):

@@ -1,12 +1,11 @@
-"""Models made in Python: matrices from NumPy or SciPy, contacts and laws; written as a folder that the program reads."""
+"""Models made in Python: matrices from NumPy or SciPy, with contacts and laws; written as a folder that the program reads."""
 
 from __future__ import annotations
 
-import difflib
 import os
 import sys
 import tempfile
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -16,106 +15,20 @@ else:
     import tomli as tomllib
 
 from . import study, toml
+from .counted import count
 from .errors import BadModel, FolderInUse
+from .laws import guess
 from .live.wire import Floats
 from .matrices import forces, matrix_market, require_definite, symmetric
 
 #: What stands in a model file.
 _KEYS = {"name", "description", "dofs", "monitors", "matrices", "damping", "forcing", "contact", "laws"}
 
-#: Kinds of laws with their parameters.
-_LAWS = {
-    "penalty_spring": {"stiffness", "gap"},
-    "polynomial_spring": {"terms"},
-    "polynomial_damper": {"terms"},
-    "tanh_friction": {"limit", "velocity"},
-    "jenkins": {"stiffness", "limit"},
-}
-
-#: What a term of a polynomial has.
-_TERM = {"power", "coefficient"}
-
-
-class Law(dict[str, Any]):
-    """A nonlinear element, as under ``[[laws]]`` of a model file.
-
-    >>> Law("polynomial_spring", dof="x1", terms=[{"power": 3, "coefficient": 1.0}])["dof"]
-    'x1'
-
-    Args:
-        kind: ``penalty_spring`` (`stiffness` N/m, `gap` m), ``polynomial_spring`` and ``polynomial_damper`` (`terms`:
-            `power`, `coefficient` N/m^power, N/(m/s)^power), ``tanh_friction`` (`limit` N, `velocity` m/s), ``jenkins``
-            (`stiffness` N/m, `limit` N).
-        dof: Name of the dof that it acts on, against the ground; or
-        between: names of two dofs, the law acting on the first minus the second; or
-        coefficients: dofs with factors, the law acting on the sum.
-        name: Name shown to people.
-        parameters: Those of the law.
-
-    Raises:
-        BadModel: There is no such law, it has no such parameter, or it does not say where it acts, or more than once.
-    """
-
-    def __init__(
-        self,
-        kind: str,
-        *,
-        dof: str | None = None,
-        between: Sequence[str] | None = None,
-        coefficients: Mapping[str, float] | None = None,
-        name: str | None = None,
-        **parameters: Any,
-    ) -> None:
-        """Of a `kind` with its `parameters`, acting on one of `dof` (against the ground), `between` two dofs and `coefficients` (a
-        sum): ``help(Law)`` says more."""
-        _require_known("law", kind, _LAWS)
-        for parameter in parameters:
-            _require_known(f"parameter of law `{kind}`", parameter, _LAWS[kind])
-        terms = parameters.get("terms")
-        for term in terms if isinstance(terms, Iterable) else ():
-            for key in term if isinstance(term, Mapping) else ():
-                _require_known(f"key of a term of law `{kind}`", key, _TERM)
-        where = {"name": name, "dof": dof, "between": between, "coefficients": coefficients}
-        given = {key: value for key, value in where.items() if value is not None}
-        if len(given.keys() - {"name"}) != 1:
-            raise BadModel(f"law `{kind}`: say where it acts by one of dof, between and coefficients")
-        super().__init__({**given, "law": {kind: parameters}})
-
-
-class Contact(dict[str, Any]):
-    """A contact node, as under ``[[contact.nodes]]`` of a model file.
-
-    Args:
-        normal: Dof that closes the gap; or dofs with factors, ``{"x1": 1, "x2": -1}`` between two bodies.
-        tangential: One or two sliding directions, the first one along the rotation; needed with friction.
-        radius: Radius of the node, m; needed with friction.
-        name: Name shown to people.
-        settings: What differs from the model's: `gap` (m), `epsilon` (N/m), `friction`, `sense`.
-    """
-
-    def __init__(
-        self,
-        normal: str | Mapping[str, float],
-        *,
-        tangential: Sequence[str | Mapping[str, float]] = (),
-        radius: float | None = None,
-        name: str | None = None,
-        **settings: float,
-    ) -> None:
-        """At a `normal` dof, with friction along `tangential` ones at a `radius`: ``help(Contact)`` says more."""
-        given = {
-            "name": name,
-            "normal": normal,
-            "tangential": list(tangential) or None,
-            "radius": radius,
-            **settings,
-        }
-        super().__init__({key: value for key, value in given.items() if value is not None})
-
 
 class Model:
     """A structure: M ẍ + C ẋ + K x + f(x, ẋ) = A s cos(ωt), SI units.
 
+    >>> from isola_hbm import Law, Model
     >>> duffing = Model(M=[[1]], K=[[1]], laws=[Law("polynomial_spring", dof="x1", terms=[{"power": 3, "coefficient": 1}])])
     >>> duffing.size
     1
@@ -241,7 +154,7 @@ class Model:
 
     def __repr__(self) -> str:
         nodes, laws = len(self.sections["contact"]["nodes"]), len(self.sections["laws"])
-        return f"<Model {self.name}: {self.size} dofs, {nodes} contact nodes, {laws} other laws>"
+        return f"<Model {self.name}: {count(self.size, 'dof')}, {count(nodes, 'contact node')}, {count(laws, 'law')}>"
 
     def save(self, folder: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
         """Writes the model as a folder: ``model.toml`` and its matrices in Matrix Market format, bit for bit. Returns it.
@@ -320,21 +233,10 @@ class Model:
 
     def _known(self, where: str, dof: Any) -> str:
         if dof not in self.dofs:
-            guess = _guess(dof, self.dofs)
+            meant = guess(dof, self.dofs)
             known = ", ".join(self.dofs[:12]) + (", …" if self.size > 12 else "")
-            raise BadModel(f"{where}: no dof `{dof}`; {guess}there are {known}")
+            raise BadModel(f"{where}: no dof `{dof}`; {meant}there are {known}")
         return str(dof)
-
-
-def _guess(given: Any, known: Iterable[str]) -> str:
-    """What may have been meant."""
-    nearest = difflib.get_close_matches(str(given), list(known), 1)
-    return f"did you mean `{nearest[0]}`? " if nearest else ""
-
-
-def _require_known(what: str, given: Any, known: Collection[str]) -> None:
-    if given not in known:
-        raise BadModel(f"there is no {what} `{given}`; {_guess(given, known)}known: {', '.join(sorted(known))}")
 
 
 def _names(what: str, given: Any) -> list[str]:
@@ -374,7 +276,10 @@ def _require_toml(what: str, given: Mapping[str, Any]) -> None:
     """Raises unless it can be written to a model file."""
     for key, value in given.items():
         try:
+            toml.key(key)
             toml.literal(value)
+        except ValueError as error:
+            raise BadModel(f"{what}: {error}") from None
         except TypeError as error:
             raise BadModel(
                 f"{what}: {key} = {error}; numbers, texts, lists and dicts can be written"

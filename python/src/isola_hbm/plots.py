@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Iterable, Sequence
+from numbers import Real
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -24,6 +25,7 @@ from .drawing import (
     name_curves,
     spread,
     text,
+    up_to,
 )
 from .errors import Damaged, LeftOut
 from .maps import isola_map
@@ -40,6 +42,8 @@ if TYPE_CHECKING:
 _HIGH = 0.8
 #: Widths of main branches, of those that branch off others, and of isolas and others.
 _THIN, _MEDIUM, _BOLD = 1.0, 1.6, 2.2
+#: Peaks are marked while there are so few.
+_MARKED = 12
 #: Of more levels, neighbours cannot be told apart by their colours: they are named at their peaks, not in the legend.
 _NAMED = 6
 
@@ -82,7 +86,7 @@ class Plots:
         levels = sorted(summary["amplitude"].unique())
         colors = dict(zip(levels, along_ramp(len(levels))))
         rank = {levels[place]: i for i, place in enumerate(spread(len(levels)))}
-        shown, peaks, has_unstable = [], [], False
+        shown, peaks, tops, has_unstable = [], [], [], False
         for name, row in summary.iterrows():
             if name not in points.groups:
                 continue  # its points are damaged: reading them has warned
@@ -111,7 +115,13 @@ class Plots:
             if unstable.any():
                 axes.plot(at, np.where(unstable, height, np.nan), linestyle=(0, (2.5, 1.5)), **style)
                 has_unstable = True
+            # What is only as far as the branch is known is no peak.
+            if row.get("peak_standing") == "at":
+                tops.append((at[top], height[top], colors[level]))
         curves = axes.get_lines()
+        if len(tops) <= _MARKED:
+            for x, y, color in tops:
+                axes.plot(x, y, "^", color=color, markerfacecolor="white", markersize=4, zorder=4)
         others = set(summary["kind"]) - {"main", "branched"}
         has_branched = (summary["kind"] == "branched").any()
         for wanted, label, how in (
@@ -119,6 +129,7 @@ class Plots:
             (others, "isola" if others == {"isola"} else "isola or other", {"linewidth": _BOLD}),
             (has_branched, "branches off another", {"linewidth": _MEDIUM}),
             (has_unstable, "unstable (solid: stable, or not known)", {"linestyle": (0, (2.5, 1.5))}),
+            (0 < len(tops) <= _MARKED, "peak", {"marker": "^", "markerfacecolor": "white", "linestyle": "none"}),
         ):
             if wanted:
                 axes.plot([], [], color=SHADE, label=label, **how)
@@ -175,12 +186,14 @@ class Plots:
         (left, right), top = axes.get_xlim(), axes.get_ylim()[1]
         for mode, curve in table.groupby("mode", sort=False):
             label = f"backbone of mode {mode}" if table["mode"].nunique() > 1 else "backbone"
-            height, at = units.lengths(curve["amplitude"]), units.frequencies(curve["omega"])
-            if not at.between(left, right).any():
+            at, height = up_to(
+                top, units.frequencies(curve["omega"]).to_numpy(), units.lengths(curve["amplitude"]).to_numpy()
+            )
+            if not ((at >= left) & (at <= right)).any():
                 continue
             axes.plot(
                 at,
-                height.where(height <= top),
+                height,
                 color=SHADE,
                 linestyle="--",
                 linewidth=1.0,
@@ -217,16 +230,23 @@ class Plots:
         response is predicted.
 
         Args:
-            amplitude: Forcing amplitude A; by default the lowest with an isola, else the lowest of all.
+            amplitude: Any forcing amplitude A, for the balance is that of all of them; by default the lowest level with an isola, else
+                the lowest of all.
             mode: Mode of the backbone, from 1; by default the primary one.
             ax: Axes to draw on.
+
+        Raises:
+            ValueError: The amplitude is no number above zero.
+            NoSuchBranch: There is no backbone of this mode.
         """
-        axes, curve = axes_of(ax), self._run.backbone(mode)
+        curve, summary = self._run.backbone(mode), self._run.summary
+        axes = axes_of(ax)
         if amplitude is None:
-            summary = self._run.summary
             isolas = summary[summary["kind"] == "isola"]
             levels = (isolas if len(isolas) else summary)["amplitude"]
             amplitude = float(levels.min()) if len(levels) else 1.0
+        elif isinstance(amplitude, bool) or not isinstance(amplitude, Real) or not 0.0 < amplitude < np.inf:
+            raise ValueError(f"amplitude = {amplitude!r}: a number above zero is needed")
         arc, work = curve["arc"].to_numpy(), float(amplitude) * curve["work_per_amplitude"].to_numpy()
         # A* is infinite where the forcing does no work.
         with np.errstate(invalid="ignore"):
@@ -245,7 +265,8 @@ class Plots:
             alpha=0.2,
             label="windows",
         )
-        title = f"A = {text(amplitude)}, mode {curve.attrs['mode']}"
+        beside = "" if amplitude in set(summary["amplitude"]) else " (none of the run)"
+        title = f"A = {text(amplitude)}{beside}, mode {curve.attrs['mode']}"
         axes.set(xlabel="arc length (scaled)", ylabel="energy a period (J)", title=title)
         logarithmic(axes)
         legend(axes)

@@ -69,6 +69,20 @@ def message(lines: Sequence[str]) -> str:
     return reason if found else said
 
 
+def status(folder: Path) -> str:
+    """What the program says of the run in `folder`, as ``isola status``.
+
+    Raises:
+        NoProgram: The program is not there.
+        ProgramFailed: It cannot read the run.
+    """
+    with start(["status", str(folder)], stdout=subprocess.PIPE) as process:
+        said, failed = process.communicate()
+    if process.returncode not in (0, 3):
+        raise ProgramFailed(message([failed]), process.returncode)
+    return said.rstrip()
+
+
 class Page:
     """The page of a run with all its figures: a notebook shows it, a browser opens its file."""
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from . import program, toml
-from .errors import BadStudy, ProgramFailed
+from .errors import BadStudy, ModelRefused, ProgramFailed, StudyRefused
 
 #: Amplitudes: a list, or a text as ``"20:140:20"``.
 Amplitudes: TypeAlias = "str | float | Iterable[str | float]"
@@ -19,6 +19,9 @@ Amplitudes: TypeAlias = "str | float | Iterable[str | float]"
 #: How lines of ``isola check`` begin that are of the study, and of its amplitudes, not of the model.
 _OF_STUDY = {"study ", "file ", "model "}
 _OF_AMPLITUDES = {"amplitudes ", "warning     nothing will touch"}
+
+#: How what is said of a model made in Python begins.
+_GIVEN = "the model given: "
 
 #: Folder of a model made in Python, beside its study.
 MODEL = "model"
@@ -40,6 +43,8 @@ def options(amplitudes: Amplitudes | None, workers: int | None, settings: dict[s
     try:
         for key, value in toml.dotted(settings):
             command += ["--set", f"{key}={value}"]
+    except ValueError as error:
+        raise BadStudy(f"settings: {error}") from None
     except TypeError as error:
         given = ", ".join(settings)
         raise BadStudy(f"{given}: {error}; leave a key out and it has its default") from None
@@ -80,7 +85,7 @@ def check(folder: Path, amplitudes: Amplitudes | None, settings: dict[str, Any])
     with program.start(["check", str(file), *command], stdout=subprocess.PIPE) as process:
         found, said = process.communicate()
     if process.returncode != 0:
-        raise failure([said], process.returncode, file, is_written=True)
+        raise refusal([said], process.returncode, file, is_written=True)
     # What is of the study here is that of this function.
     hidden = _OF_STUDY if amplitudes is not None else _OF_STUDY | _OF_AMPLITUDES
     return "\n".join(line for line in found.splitlines() if not line.startswith(tuple(hidden)))
@@ -93,16 +98,26 @@ def require_meant(settings: dict[str, Any], keywords: Iterable[str]) -> None:
             raise BadStudy(f"{key}: neither a key of a study nor a keyword; did you mean `{meant[0]}`?")
 
 
-def failure(said: Sequence[str], code: int, file: Path, *, is_written: bool) -> ProgramFailed:
-    """Why the program failed, as it says itself; what Python wrote (`is_written`: of a model that was given) and options are
-    called what they are in Python."""
-    reason = program.message(said) or f"isola ended with {code}"
+def refusal(said: Sequence[str], code: int, file: Path, *, is_written: bool) -> ProgramFailed:
+    """Why the program refuses a model or a study: see :func:`reason`."""
+    why = reason(said, code, file, is_written=is_written)
+    is_model = why.startswith(_GIVEN) or "model.toml: " in why or ".mtx" in why
+    return (ModelRefused if is_model else StudyRefused)(why, code)
+
+
+def reason(said: Sequence[str], code: int, file: Path, *, is_written: bool) -> str:
+    """Why the program ended, as it says itself; what Python wrote (`is_written`: of a model that was given), options and inline tables
+    are called what they are in Python."""
+    why = program.message(said) or f"isola ended with {code}"
     if is_written:
         for written in (file, file.parent / MODEL / "model.toml"):
-            if reason.startswith(f"{written}: "):
-                said_of_it = reason.removeprefix(f"{written}: ")
+            if why.startswith(f"{written}: "):
+                said_of_it = why.removeprefix(f"{written}: ")
                 # The key numbers its entry as Python does.
-                reason = f"the model given: {re.sub(r'^entry [0-9]+ of [a-z.]+: ', '', said_of_it)}"
-    reason = re.sub(r"^--set ([^=\s]+)=", r"\1 = ", reason)
-    reason = re.sub(r"^--(\w+): ", r"\1: ", reason)
-    return ProgramFailed(reason, code)
+                why = f"{_GIVEN}{re.sub(r'^entry [0-9]+ of [a-z.]+: ', '', said_of_it)}"
+    why = re.sub(r"^--set ([^=\s]+)=", r"\1 = ", why)
+    why = re.sub(r"^--(\w+): ", r"\1: ", why)
+    # The program names the option, and the key that it sets.
+    why = re.sub(r"^([\w.]+) = ([^:]*): `\1`( = [^:]*)?: ", r"\1 = \2: ", why)
+    why = re.sub(r"^(\w+): `\1` = ", r"\1 = ", why)
+    return re.sub(r"\{(\w+) = ([^{}]*)\}", r'{"\1": \2}', why)

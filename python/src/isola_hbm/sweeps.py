@@ -15,7 +15,8 @@ from pathlib import Path
 from typing import Any
 
 from . import program, study
-from .errors import BadModel, FolderInUse, Incomplete
+from .counted import count
+from .errors import BadModel, Doubtful, FolderInUse, Incomplete, ProgramFailed
 from .model import Model
 from .stored.run import StoredRun, load
 from .stored.store import FILE
@@ -23,8 +24,12 @@ from .study import Amplitudes
 
 #: How long the program is given to end when it is asked to, s.
 PATIENCE = 30.0
+#: Between two lines that say how far it is, where nobody asked for them and there is no terminal, s.
+NOW_AND_THEN = 10.0
+#: How a line of the program begins that doubts something.
+_DOUBT = "warning: "
 #: Lines of the program that say how far it is, and those of its log, whose sum its last line tells.
-_PROGRESS = re.compile(r"(run \w+ in |computing |backbone|running: |finished: |\d+ levels?, |\d{4}-\d\d-\d\dT\d\d:)")
+_PROGRESS = re.compile(r"(warning: |note: |run \w+ in |computing |backbone|running: |finished: |\d+ levels?, |\d{4}-\d\d-\d\dT\d\d:)")
 
 
 def sweep(
@@ -48,19 +53,21 @@ def sweep(
         amplitudes: Forcing amplitudes A, in the model's unit of forcing; by default those of the study.
         out: Folder of the run; by default a new one in ``runs``.
         workers: Processes that compute; by default one a core.
-        progress: Whether to show how far it is, on standard error, by default in a terminal or a notebook alone; or what to call
-            with a line that says so.
+        progress: Whether to show how far it is, and at the end what was found (:meth:`StoredRun.status`): on standard error, in a
+            notebook below the cell; by default where there is no terminal with a line now and then. Or what to call with each line.
         settings: Keys of the study, by section: ``frequency={"min": 0.9}``, ``**{"harmonics.count": 20}``;
             ``search="thorough"``.
 
     Raises:
         FolderInUse: There is a run in `out`, or a file in its place.
-        BadStudy: Amplitudes, settings or `workers` are not what can be given to the program at all, or a keyword is mistyped.
-        BadModel: It is no model, or has no study, and no amplitudes are given.
+        BadStudy: Amplitudes, settings or `workers` that make no sense, or a keyword is mistyped; where the program says so
+            (:class:`StudyRefused`) with its own message.
+        BadModel: It is no model, or has no study, and no amplitudes are given; or the program refuses it (:class:`ModelRefused`).
         NoProgram: The program is not there.
-        ProgramFailed: It refuses the study, or fails: with its own message.
+        ProgramFailed: It fails: with its own message.
 
     Warns:
+        Doubtful: Something is probably not meant, as bounds in Hz, or was not given, as the damping.
         Incomplete: Tasks were given up, or a curve stopped before its end.
     """
     if not isinstance(model, (Model, str, os.PathLike)):
@@ -85,9 +92,16 @@ def sweep(
     process = program.start(["sweep", str(file), "--out", str(folder), *options])
     said, code = _heard(process, show := _shown(progress))
     if code not in (0, 3, 4):
-        raise study.failure(said, code, file, is_written=isinstance(model, Model))
+        is_written = isinstance(model, Model)
+        if not (folder / FILE).exists():
+            raise study.refusal(said, code, file, is_written=is_written)
+        raise ProgramFailed(study.reason(said, code, file, is_written=is_written), code)
+    for line in said:
+        if line.startswith(_DOUBT):
+            warnings.warn(line.removeprefix(_DOUBT).strip(), Doubtful, stacklevel=2)
     run = load(folder)
-    show(f"{run.stage}: {len(run)} branches in {folder}\n")
+    show(f"{run.stage}: {count(len(run), 'branch', 'branches')} in {folder}\n")
+    _tell(run, progress)
     if code != 0:
         notes = [line for line in said if not _PROGRESS.match(line)]
         warnings.warn("".join(notes).strip() or run.stage, Incomplete, stacklevel=2)
@@ -132,12 +146,32 @@ def _shown(progress: bool | Callable[[str], None] | None) -> Callable[[str], Non
     if _in_notebook():
         return _notebook_line()
     if not sys.stderr.isatty():
-        return _plain if progress else lambda line: None
+        return _plain if progress else _now_and_then()
     width = shutil.get_terminal_size().columns - 1
 
     def show(line: str) -> None:
         end = "\n" if line.endswith("\n") else ""
         print(f"\r{line.rstrip()[:width]:<{width}}", end=end, file=sys.stderr, flush=True)
+
+    return show
+
+
+def _tell(run: StoredRun, progress: bool | Callable[[str], None] | None) -> None:
+    """Says what was found, to whoever was shown how far it is."""
+    if progress is False or callable(progress):
+        return
+    print(run.status(), file=sys.stdout if _in_notebook() else sys.stderr, flush=True)
+
+
+def _now_and_then() -> Callable[[str], None]:
+    """What shows a line unless it has just shown one; the last one in any case."""
+    last = -NOW_AND_THEN
+
+    def show(line: str) -> None:
+        nonlocal last
+        if line.endswith("\n") or time.monotonic() - last >= NOW_AND_THEN:
+            last = time.monotonic()
+            _plain(line)
 
     return show
 

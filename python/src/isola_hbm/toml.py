@@ -12,6 +12,7 @@ def literal(value: Any) -> str:
 
     Raises:
         TypeError: It has no form in TOML.
+        ValueError: A key in it is no text.
     """
     if hasattr(value, "tolist"):
         value = value.tolist()
@@ -30,8 +31,14 @@ def literal(value: Any) -> str:
     raise TypeError(f"{value!r} ({type(value).__name__}) has no form in TOML")
 
 
-def key(name: str) -> str:
-    """A key, in quotes where it needs them."""
+def key(name: Any) -> str:
+    """A key, in quotes where it needs them.
+
+    Raises:
+        ValueError: It is no text.
+    """
+    if not isinstance(name, str):
+        raise ValueError(f"{name!r} ({type(name).__name__}) is no name; a text is needed")
     bare = name.isascii() and name.replace("-", "a").replace("_", "a").isalnum()
     return name if bare else json.dumps(name, ensure_ascii=False)
 
@@ -39,6 +46,8 @@ def key(name: str) -> str:
 def dotted(settings: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, str]]:
     """Dotted keys with their values: ``{"harmonics": {"count": 20}}`` is ``harmonics.count``, ``20``."""
     for name, value in settings.items():
+        if not isinstance(name, str):
+            raise ValueError(f"{name!r} ({type(name).__name__}) is no name; a text is needed")
         if isinstance(value, Mapping):
             yield from dotted(value, f"{prefix}{name}.")
         else:

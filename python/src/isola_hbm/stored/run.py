@@ -12,9 +12,10 @@ from typing import TYPE_CHECKING, TypeAlias, TypeVar
 import pandas as pd
 import xarray as xr
 
+from ..counted import count
 from ..errors import Damaged, LeftOut, NoSuchBranch, NoSuchRun
 from ..live import types
-from ..program import Page, page
+from ..program import Page, page, status
 from . import check, curves, tables
 from .levels import Omissions, levels, named
 from .motions import Motions, index_of
@@ -117,7 +118,8 @@ class StoredRun(Mapping[str, Motions]):
     def summary(self) -> pd.DataFrame:
         """A row a branch, by the name that the run has it by: the columns of ``summary.csv``, and what else the store has.
 
-        `amplitude` is the forcing A; `omega_…` in rad/s, `amplitude_max` in m (first monitored dof).
+        `amplitude` is the forcing A; `omega_…` in rad/s, `amplitude_max` in m (first monitored dof). Names count the branches of each
+        level by themselves: `family` says which isolas of several levels are one, grown with the forcing.
         """
         return self._read(tables.summary)
 
@@ -293,6 +295,19 @@ class StoredRun(Mapping[str, Motions]):
         """
         return page(self.folder)
 
+    def status(self) -> str:
+        """What the program says of the run, as ``isola status``: the table of all levels with what was found, why nothing is where
+        something was predicted, what is stable, where isolas are born, what was looked for and how surely. For people:
+        ``print(run.status())``; numbers are in :attr:`summary` and the other tables.
+
+        Needs the program.
+
+        Raises:
+            NoProgram: It is not there.
+            ProgramFailed: It cannot read the run.
+        """
+        return status(self.folder)
+
     def __getitem__(self, key: Key) -> Motions:
         """A branch by its name: ``run["60/isola 1"]`` or ``run[60, "isola 1"]``.
 
@@ -327,7 +342,8 @@ class StoredRun(Mapping[str, Motions]):
     __hash__ = object.__hash__
 
     def __repr__(self) -> str:
-        return f"<StoredRun {self.name}, {self.stage}: {len(self)} branches in {self.folder}>"
+        branches = count(len(self), "branch", "branches")
+        return f"<StoredRun {self.name}, {self.stage}: {branches} in {self.folder}>"
 
     def _repr_html_(self) -> str:
         return f"<p><b>{self.name}</b>, {self.stage}, <code>{self.folder}</code></p>{self.summary.to_html()}"
