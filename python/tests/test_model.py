@@ -525,7 +525,7 @@ def test_examples_of_the_package_make_models() -> None:
     made = [line.removeprefix(">>> ") for line in lines if line.startswith((">>> spring = ", ">>> model = "))]
     assert len(made) == 2
     scope: dict[str, object] = {"isola_hbm": isola_hbm}
-    exec("\n".join(made), scope)
+    exec("\n".join(made), scope)  # noqa: S102
     assert isinstance(scope["model"], Model)
 
 

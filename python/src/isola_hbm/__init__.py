@@ -42,6 +42,7 @@ from .errors import (
     StudyRefused,
     Unreachable,
 )
+from .laws import Contact, Law
 from .live.asynchronous import Following
 from .live.bus import Bus, connect
 from .live.run import Run
@@ -69,7 +70,6 @@ from .live.types import (
     WorkerStatus,
 )
 from .live.wire import NAMESPACE, VERSION
-from .laws import Contact, Law
 from .model import Model
 from .stored.motions import Motions
 from .stored.run import StoredRun, load

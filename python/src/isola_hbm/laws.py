@@ -148,7 +148,7 @@ def _terms(kind: str, given: Any) -> list[dict[str, Any]]:
             _require_known(f"key of a term of law `{kind}`", key, _TERM)
         _require_all(what, term, _TERM)
         power = term["power"]
-        if not isinstance(power, numbers.Integral) or isinstance(power, bool) or not 1 <= power <= _MOST:
+        if not isinstance(power, numbers.Integral) or isinstance(power, bool) or not 1 <= int(power) <= _MOST:
             raise BadModel(f"{what}.power = {power!r}: a whole number from 1 to {_MOST} is needed")
         _require_number(f"{what}.coefficient", term["coefficient"])
     return [dict(term) for term in terms]

@@ -278,7 +278,7 @@ def _require_toml(what: str, given: Mapping[str, Any]) -> None:
         try:
             toml.key(key)
             toml.literal(value)
-        except ValueError as error:
+        except toml.NoName as error:
             raise BadModel(f"{what}: {error}") from None
         except TypeError as error:
             raise BadModel(

@@ -43,7 +43,7 @@ def options(amplitudes: Amplitudes | None, workers: int | None, settings: dict[s
     try:
         for key, value in toml.dotted(settings):
             command += ["--set", f"{key}={value}"]
-    except ValueError as error:
+    except toml.NoName as error:
         raise BadStudy(f"settings: {error}") from None
     except TypeError as error:
         given = ", ".join(settings)

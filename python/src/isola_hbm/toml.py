@@ -7,12 +7,19 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 
+class NoName(TypeError):
+    """A key that is no text."""
+
+    def __init__(self, name: object) -> None:
+        super().__init__(f"{name!r} ({type(name).__name__}) is no name; a text is needed")
+
+
 def literal(value: Any) -> str:
     """A value in one line: numbers (NumPy's as well) to the last bit, texts, lists, inline tables.
 
     Raises:
         TypeError: It has no form in TOML.
-        ValueError: A key in it is no text.
+        NoName: A key in it is no text.
     """
     if hasattr(value, "tolist"):
         value = value.tolist()
@@ -35,10 +42,10 @@ def key(name: Any) -> str:
     """A key, in quotes where it needs them.
 
     Raises:
-        ValueError: It is no text.
+        NoName: It is no text.
     """
     if not isinstance(name, str):
-        raise ValueError(f"{name!r} ({type(name).__name__}) is no name; a text is needed")
+        raise NoName(name)
     bare = name.isascii() and name.replace("-", "a").replace("_", "a").isalnum()
     return name if bare else json.dumps(name, ensure_ascii=False)
 
@@ -47,7 +54,7 @@ def dotted(settings: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str,
     """Dotted keys with their values: ``{"harmonics": {"count": 20}}`` is ``harmonics.count``, ``20``."""
     for name, value in settings.items():
         if not isinstance(name, str):
-            raise ValueError(f"{name!r} ({type(name).__name__}) is no name; a text is needed")
+            raise NoName(name)
         if isinstance(value, Mapping):
             yield from dotted(value, f"{prefix}{name}.")
         else:
