@@ -51,7 +51,7 @@ def test_response(damper: Path) -> None:
     unstable = np.append(unstable, unstable[0])
     assert np.isnan(line.get_xdata()).sum() == (unstable[1:] & unstable[:-1]).sum()
     levels = ["A = 0.004", "A = 0.005", "A = 0.006", "A = 0.007"]
-    assert labels(axes) == [*levels, "main branch", "isola", UNSTABLE, "backbone"]
+    assert labels(axes) == [*levels, "main branch", "isola", UNSTABLE, "peak", "backbone"]
     widths = {line.get_label(): line.get_linewidth() for line in axes.get_lines()}
     assert widths["A = 0.006"] == widths["main branch"] < widths["isola"] == line.get_linewidth()
     assert list(axes.texts) == []
@@ -67,9 +67,9 @@ def test_levels_are_chosen_and_axes_given(damper: Path) -> None:
     assert labels(run.plot.response(0.006)) == labels(run.plot.response(["0.006"]))
     axes = run.plot.response(["0.006", 0.007], ax=mine, backbone=False)
     assert axes is mine
-    assert labels(axes) == ["A = 0.006", "A = 0.007", "main branch", "isola", UNSTABLE]
+    assert labels(axes) == ["A = 0.006", "A = 0.007", "main branch", "isola", UNSTABLE, "peak"]
     # Of main branches alone none need be told from others.
-    assert labels(run.plot.response(0.004, backbone=False)) == ["A = 0.004"]
+    assert labels(run.plot.response(0.004, backbone=False)) == ["A = 0.004", "peak"]
     with pytest.raises(ValueError, match=r"no branch at A = 0.3; there are branches at A = 0.004, 0.005"):
         run.plot.response([0.3])
     with pytest.raises(ValueError, match="one of m, mm, um and one of rad/s, Hz"):
@@ -93,9 +93,11 @@ def test_response_of_another_dof(tmp_path: Path) -> None:
         amplitude = run[name]["amplitude"].sel(monitor="x1")
         np.testing.assert_allclose(drawn[f"A = {name.removesuffix('/main')}"], 1e6 * amplitude)
     backbone = 1e6 * run.backbone(2)["amplitude"].sel(monitor="x1").to_numpy()
-    shown = np.isfinite(drawn["backbone of mode 2"])
-    assert shown.any()
-    np.testing.assert_allclose(drawn["backbone of mode 2"][shown], backbone[shown])
+    shown = drawn["backbone of mode 2"][np.isfinite(drawn["backbone of mode 2"])]
+    below = backbone[: len(shown) - 1]
+    # It ends where it leaves the figure, between two points.
+    assert len(below) and below[-1] < shown[-1] < backbone[len(below)]
+    np.testing.assert_allclose(shown[:-1], below)
     first, same = (run.plot.response(monitor=monitor) for monitor in (None, "x2"))
     assert first.get_ylabel() == same.get_ylabel() == "amplitude of x2 (m)"
     np.testing.assert_array_equal(first.get_lines()[0].get_ydata(), same.get_lines()[0].get_ydata())

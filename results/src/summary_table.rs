@@ -16,7 +16,7 @@ use crate::overview::{
     truncation, undetermined, unfinished,
 };
 use crate::store::{BranchRow, CurveRow, Reader, Result};
-use crate::words::count;
+use crate::words::{count, times};
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets::UTF8_FULL_CONDENSED};
 use footnotes::{Footnotes, wrapped};
 use protocol::backbone::BackboneMessage;
@@ -60,7 +60,8 @@ pub fn table(reader: &Reader, layout: Layout) -> Result<String> {
         let motions = match order {
             1 => "Motions of the period of the force".to_string(),
             _ => format!(
-                "Motions that last {order} periods of the force (frequencies are theirs: the force has {order} times as much{files})"
+                "Motions that last {order} periods of the force (frequencies are theirs: the force has {} as much{files})",
+                times(order)
             ),
         };
         wrapped(&motions, layout.width, "")

@@ -123,6 +123,31 @@ pub fn scientific(value: f64) -> String {
     if leading == 1.0 { format!("10{raised}") } else { format!("{leading}·10{raised}") }
 }
 
+/// How often: `twice`, `3 times`.
+pub fn times(number: usize) -> String {
+    if number == 2 { "twice".into() } else { format!("{number} times") }
+}
+
+/// A sentence, or its beginning, with a capital letter.
+pub fn capitalised(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}
+
+/// How many of several things are what: `both isolas are stable`, `of 3 isolas 1 is stable, 2 are unstable`.
+pub fn shares<S: AsRef<str>>(things: &str, parts: &[(usize, S)]) -> String {
+    let parts: Vec<(usize, &str)> = parts.iter().map(|(n, what)| (*n, what.as_ref())).filter(|(n, _)| *n > 0).collect();
+    let all: usize = parts.iter().map(|(n, _)| n).sum();
+    match &parts[..] {
+        [(2, what)] => format!("both {things} are {what}"),
+        [(_, what)] => format!("all {all} {things} are {what}"),
+        parts => {
+            let said = |(n, what): &(usize, &str)| format!("{n} {} {what}", if *n == 1 { "is" } else { "are" });
+            format!("of {all} {things} {}", parts.iter().map(said).collect::<Vec<_>>().join(", "))
+        }
+    }
+}
+
 /// A count with its noun: `1 window`, `3 windows`, `2 branches`.
 pub fn count(number: usize, noun: &str) -> String {
     let ending = if noun.ends_with("ch") { "es" } else { "s" };

@@ -41,7 +41,7 @@ VALUES: list[Any] = [
 #: a grammar of its own.
 OTHER = re.compile(
     r"there is no (?:[a-z_]+ )?`(?!no_such_key)|known here: `x1`|the model has modes|is used twice|cannot be read|no folder|no model\.toml|must have the same size"
-    r"|row \d+|by exactly one of them|other than zero\)|need at least|forcing acts on harmonic|above the lower bound"
+    r"|row \d+|by exactly one of them|other than zero\)|need at least|forcing acts on harmonic|or are the two exchanged"
     r"|gives the damping already|within 1 to 2|give [0-9]+|already|range includes|leads away|is not positive definite"
     r"|negative eigenvalue|not symmetric|rigid-body|not a number; give a list|entry is empty|another name for one"
     r"|so `(radius|tangential)` is needed|above zero$|this forcing does nothing|give .* names|names? "

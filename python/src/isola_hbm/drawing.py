@@ -151,7 +151,7 @@ def legend(axes: Axes) -> None:
         return
     found = axes.legend(handles, labels, fontsize="small", loc="upper center", ncols=2)
     root.draw_without_rendering()
-    share = 1.0 - (found.get_window_extent().height + 2.0) / axes.bbox.height
+    share = (found.get_window_extent().y0 - 2.0 - axes.bbox.y0) / axes.bbox.height
     if share > _LEAST:
         low, high = axes.transData.inverted().transform(axes.transAxes.transform([(0.0, 0.0), (0.0, 1.0 / share)]))[:, 1]
         axes.set_ylim(low, high)

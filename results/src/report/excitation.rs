@@ -1,6 +1,7 @@
 //! What the structure does of itself, and that nothing of it touches.
 
 use super::evidence::{Evidence, Structure};
+use crate::words::{capitalised, modes};
 
 impl Evidence<'_> {
     /// What vibrates without being forced, or without being damped.
@@ -19,7 +20,7 @@ impl Evidence<'_> {
                 (_, true) => ", of which the laws take more at small amplitudes",
                 _ => ": unless the laws take more, the structure can vibrate by itself, from rest and without forcing",
             };
-            return Some(format!("{} {has} negative linear damping{so}.", capitalised(excited)));
+            return Some(format!("{} {has} negative linear damping{so}.", of(excited)));
         }
         if let Some(backbone) = self.backbones().find(|backbone| backbone.feeds_itself_from_rest()) {
             return Some(format!(
@@ -29,9 +30,8 @@ impl Evidence<'_> {
             ));
         }
         let has = if undamped.len() == 1 { "has" } else { "have" };
-        (!undamped.is_empty()).then(|| {
-            format!("{} {has} no linear damping: nothing but the laws limits the resonance.", capitalised(undamped))
-        })
+        (!undamped.is_empty())
+            .then(|| format!("{} {has} no linear damping: nothing but the laws limits the resonance.", of(undamped)))
     }
 
     /// Says so if there are stops and no branch of any level touches one.
@@ -41,7 +41,8 @@ impl Evidence<'_> {
     }
 }
 
-fn capitalised(list: &[usize]) -> String {
-    let numbers: Vec<String> = list.iter().map(ToString::to_string).collect();
-    format!("{} {}", if list.len() == 1 { "Mode" } else { "Modes" }, numbers.join(", "))
+/// Modes that are counted from 1, at the beginning of a sentence.
+fn of(numbers: &[usize]) -> String {
+    let list: Vec<usize> = numbers.iter().map(|number| number - 1).collect();
+    capitalised(&modes(&list))
 }

@@ -4,7 +4,7 @@ use super::evidence::Evidence;
 use crate::overview::{BranchRow, Level, StableResponse, largest_stable, largest_stable_sentence, near_largest};
 use crate::store::{Stability, least_energy};
 use crate::summary_table::{motions, pushes};
-use crate::words::{count, frequency};
+use crate::words::{capitalised, frequency, shares};
 use solver::response::branch::BranchKind;
 
 /// Relative difference of amplitudes from which it is told.
@@ -74,8 +74,7 @@ impl Evidence<'_> {
             (unknown, "beyond what time marching could tell"),
             (all - stable - unstable - unknown, "not verified"),
         ];
-        let said: Vec<String> = parts.iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!("{n} {what}")).collect();
-        format!("Of {} {}", count(all, "isola"), said.join(", "))
+        capitalised(&shares("isolas", &parts))
     }
 
     /// What unstable motions of main branches turn into where that is larger than anything on these, at the level where it is most so:

@@ -173,8 +173,8 @@ impl<'r> Evidence<'r> {
         let mut list: Vec<String> = Vec::new();
         if self.structure.harmonic > 1 {
             list.push(format!(
-                "Frequencies are those of the response: the force has {} times as much.",
-                self.structure.harmonic
+                "Frequencies are those of the response: the force has {} as much.",
+                words::times(self.structure.harmonic)
             ));
         }
         list.extend(self.structure.undetermined.iter().map(|place| format!("Note: {place}.")));

@@ -5,6 +5,7 @@ use crate::overview::{
     BranchRow, Level, StableResponse, highest, largest_stable, largest_stable_sentence, near_largest, sampled,
 };
 use crate::store::Stability;
+use crate::words::shares;
 
 /// What may be known of a branch.
 const CLASSES: [&str; 6] = [
@@ -85,18 +86,9 @@ fn of(rows: &[&BranchRow], [one, several]: [&str; 2], around: &str) -> Option<St
         return None;
     }
     let found: Vec<(usize, &str)> = counts.into_iter().zip(CLASSES).filter(|(count, _)| *count > 0).collect();
-    Some(match (rows.len(), &found[..]) {
-        (1, [(_, class), ..]) => format!("the {one}{around} is {class}"),
-        (2, [(_, class)]) => format!("both {several}{around} are {class}"),
-        (count, [(_, class)]) => format!("all {count} {several}{around} are {class}"),
-        (count, found) => {
-            let of_class = |(count, class): &(usize, &str)| {
-                let are = if *count == 1 { "is" } else { "are" };
-                format!("{count} {are} {class}")
-            };
-            let said: Vec<String> = found.iter().map(of_class).collect();
-            format!("of {count} {several}{around} {}", said.join(", "))
-        }
+    Some(match (rows, &found[..]) {
+        ([_], [(_, class), ..]) => format!("the {one}{around} is {class}"),
+        _ => shares(&format!("{several}{around}"), &found),
     })
 }
 

@@ -20,8 +20,12 @@ use thiserror::Error;
 /// differently, and an unstable orbit makes more of it.
 const CLOSED: f64 = 1e-6;
 
-/// Largest relative difference of an amplitude, and of the share of energy that impacts take.
+/// Largest relative difference of an amplitude.
 const SAME: f64 = 1e-6;
+
+/// Largest difference of the share of energy that impacts take, as a share of that from which on nothing is said of an orbit: of grazing
+/// touches, which take next to nothing, it moves a thousand times as much as the motion does, with what Newton's method leaves.
+const IMPACTS: f64 = 1e-2;
 
 /// Largest difference of the moduli of multipliers, relative to the larger of them and 1: of two that nearly coincide, as
 /// beside a fold, they move with the root of what rounding leaves.
@@ -112,7 +116,7 @@ pub fn recheck(model: &Model, orbit: &Orbit, point: &VerifiedPoint, with_tangent
     closes(period.residual.iter().copied())?;
     is_told(&period.amplitudes, told)?;
     let impacts = share_of_impacts(&period);
-    if (impacts - told.impacts).abs() > SAME {
+    if (impacts - told.impacts).abs() > IMPACTS * settings.impacts {
         return Err(NoOrbit::Told { what: "share of energy lost in impacts", own: impacts, told: told.impacts });
     }
     let own = period.multipliers().map_err(|_| NoOrbit::Multipliers)?;
@@ -125,7 +129,7 @@ pub fn recheck(model: &Model, orbit: &Orbit, point: &VerifiedPoint, with_tangent
     let own = if impacts > settings.impacts { Verdict::NotComparable } else { Verdict::of(&own, margin) };
     // Where the largest modulus is the margin off 1 it may be said either way, and beside a fold a push decides.
     let largest = period.multipliers().ok().and_then(|all| all.first().map(Multiplier::excess)).unwrap_or(0.0);
-    let is_close = (largest.abs() - margin).abs() < MULTIPLIERS || (impacts / settings.impacts - 1.0).abs() < SAME;
+    let is_close = (largest.abs() - margin).abs() < MULTIPLIERS || (impacts / settings.impacts - 1.0).abs() < IMPACTS;
     let is_same = own == point.verdict || own == Verdict::Stable && point.verdict == Verdict::Marginal;
     if is_same || is_close { Ok(()) } else { Err(NoOrbit::Verdict { own, told: point.verdict }) }
 }

@@ -263,7 +263,7 @@ fn what_the_structure_does_of_itself() {
     );
     let [danger, ..] = told(&levels, |evidence| evidence.structure.undamped = vec![1, 3]);
     assert!(
-        danger.starts_with("Modes 1, 3 have no linear damping: nothing but the laws limits the resonance. No isola"),
+        danger.starts_with("Modes 1 and 3 have no linear damping: nothing but the laws limits the resonance. No isola"),
         "{danger}"
     );
     // What the laws take at small amplitudes is known of modes with a backbone.

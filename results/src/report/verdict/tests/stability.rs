@@ -40,12 +40,12 @@ fn what_can_settle_is_told() {
         (vec![verified(0.0, 0.0, "not_comparable", isola(2e-3))], "could not tell whether any of the isola is stable;"),
         (
             vec![verified(0.5, 0.5, "stable", isola(2e-3)), verified(0.0, 1.0, "unstable", isola(1e-3)), isola(1e-3)],
-            "Of 3 isolas 1 stable in parts, where the structure can settle, on isolas up to 1.8 mm (isola 1 at A = 1) at 115 rad/s (18.3 Hz), 1 unstable wherever time marching could tell, 1 not \
+            "Of 3 isolas 1 is stable in parts, where the structure can settle, on isolas up to 1.8 mm (isola 1 at A = 1) at 115 rad/s (18.3 Hz), 1 is unstable wherever time marching could tell, 1 is not \
              verified;",
         ),
         (
             vec![verified(0.0, 0.0, "none", isola(2e-3)), verified(0.0, 0.0, "none", isola(1e-3))],
-            "Of 2 isolas 2 beyond what time marching could tell;",
+            "Both isolas are beyond what time marching could tell;",
         ),
     ];
     for (isolas, expected) in cases {
@@ -85,7 +85,7 @@ fn what_is_larger_than_isolas_is_told() {
         level(2.0, vec![main(1e-3), stable(7e-3, isola(2.1e-2)), branched]),
     ];
     let all = told(&levels, |evidence| evidence.search = SearchCounts { hanging: 2, ..SearchCounts::default() });
-    let settles = "Of 2 isolas 2 stable in parts, where the structure can settle, on isolas up to 8 mm (isola 1 at A = 1) at 61 rad/s";
+    let settles = "Both isolas are stable in parts, where the structure can settle, on isolas up to 8 mm (isola 1 at A = 1) at 61 rad/s";
     let largest = "Largest response found stable, of the points that were marched: 20 mm, on branched 1 at A = 2 and 61 rad/s (9.708 Hz).";
     assert!(all[0].contains(settles) && all[0].contains(largest), "{}", all[0]);
     // Nothing over the forcing hangs on what is not followed if nothing is followed.
