@@ -203,8 +203,10 @@ fn shipped_studies_are_meant_as_they_are() {
     let mut studies = 0;
     for folder in fs::read_dir(models).unwrap().map(|entry| entry.unwrap().path()) {
         if folder.join("study.toml").exists() {
-            let (warnings, text) = said(&Study::load(&folder, &[], None).unwrap());
+            let study = Study::load(&folder, &[], None).unwrap();
+            let (warnings, text) = said(&study);
             assert!(warnings.is_empty(), "{text}");
+            assert_eq!(warnings_of_sweep(&study), [] as [&str; 0]);
             studies += 1;
         }
     }

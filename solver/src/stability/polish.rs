@@ -218,13 +218,17 @@ fn judge(
     Ok(Polish { verdict, reason, polished: Some(polished), periods: (0, 0) })
 }
 
-/// Impacts that take less than this share of what the forcing exchanges with the structure are rounding.
-const ROUNDING: f64 = 1e-9;
+/// The energy supplied counts at least as this share of what the forcing exchanges with the structure: a period that closes to what
+/// Newton's method leaves takes or gives a billionth of that, and where the forcing supplies nothing it would be all there is.
+const ROUNDING: f64 = 1e-5;
 
 /// Share of the energy supplied in a period that impacts take, 0 to 1. Where friction drives the structure the forcing may supply
 /// nothing.
 pub(super) fn share_of_impacts(period: &Period) -> f64 {
-    let Account { supplied, exchanged, impacts } = period.account;
+    share(&period.account)
+}
+
+fn share(&Account { supplied, exchanged, impacts }: &Account) -> f64 {
     if impacts > 0.0 { impacts / supplied.max(impacts).max(ROUNDING * exchanged) } else { 0.0 }
 }
 
@@ -263,5 +267,16 @@ mod tests {
         let path: Vec<f64> = (0..256).map(|i| 20.0 + 2.0 * (TAU * f64::from(i) / 256.0).cos()).collect();
         let apart = distance(&state, &path, 1.0 / 256.0);
         assert!((apart - 1.0).abs() < 1e-12, "{apart}");
+    }
+
+    /// What Newton's method leaves of a motion that friction drives changes its share by less than others may tell it differently.
+    #[test]
+    fn leftovers_are_no_impacts() {
+        let share = |supplied, impacts| share(&Account { supplied, exchanged: 1.0, impacts });
+        assert_eq!(share(0.5, 0.1), 0.2);
+        assert_eq!(share(0.1, 0.5), 1.0);
+        assert_eq!(share(-0.1, 1e-5), 1.0);
+        assert_eq!(share(0.5, -1e-9), 0.0);
+        assert!(share(-0.1, 1e-9) - share(-0.1, 0.0) < 2e-4);
     }
 }

@@ -23,8 +23,8 @@ const CLOSED: f64 = 1e-6;
 /// Largest relative difference of an amplitude.
 const SAME: f64 = 1e-6;
 
-/// Largest difference of the share of energy that impacts take, as a share of that from which on nothing is said of an orbit: of grazing
-/// touches, which take next to nothing, it moves a thousand times as much as the motion does, with what Newton's method leaves.
+/// Largest difference of the share of energy that impacts take, as a share of that from which on nothing is said of an orbit: where the
+/// forcing supplies next to nothing it moves ten thousand times as much as the motion does, with what Newton's method leaves.
 const IMPACTS: f64 = 1e-2;
 
 /// Largest difference of the moduli of multipliers, relative to the larger of them and 1: of two that nearly coincide, as
