@@ -78,7 +78,17 @@ impl Curve {
             (apart, share)
         };
         let last = self.places.len().saturating_sub(1);
-        let Some((i, (rough, share))) = (0..last).map(|i| (i, chord(i))).min_by(|a, b| a.1.0.total_cmp(&b.1.0)) else {
+        // No chord is nearer than its frequencies are: most need not be looked at.
+        let at_least = |i: usize| {
+            let (a, b) = (self.places[i].omega, self.places[i + 1].omega);
+            (a.min(b) - place.omega).max(place.omega - a.max(b)).max(0.0) / place.omega
+        };
+        let nearer = |best: Option<(usize, (f64, f64))>, i: usize| {
+            let nearest = best.map_or(f64::INFINITY, |(_, (apart, _))| apart);
+            let own = (at_least(i) < nearest).then(|| chord(i)).filter(|(apart, _)| *apart < nearest);
+            own.map(|own| (i, own)).or(best)
+        };
+        let Some((i, (rough, share))) = (0..last).fold(None, nearer) else {
             return (f64::INFINITY, 0.0);
         };
         if last < 3 {
