@@ -1,7 +1,7 @@
 //! Models on which something false was said once, or something missed, and what is true of them.
 
 use crate::support::balance::{Balance, Matrices};
-use crate::support::geometry::complaints;
+use crate::support::geometry::{Curve, complaints};
 use crate::support::linear::response;
 use crate::support::study::{
     Kind, Listed, Study, assert_main_only, main_peak, of_kind, own, shipped, why_unfinished, with_harmonics,
@@ -78,6 +78,17 @@ fn three_masses_with_friction_cubic_springs_and_a_stop() {
         let largest = points.map(rms).fold(0.0, f64::max);
         assert_close(largest, expected, 1e-2 * expected, &format!("largest rms of q{}", dof + 1));
     }
+}
+
+/// What the tests of whole levels look for is found where it is.
+#[test]
+fn a_branch_shares_a_stretch_with_itself_alone() {
+    let study = Study::new(shipped("duffing", &[]), with_harmonics(5));
+    let [low, high] = [0.05, 0.06].map(|forcing| {
+        let level = study.level(forcing);
+        Curve::of(&study.model, &of_kind(&level, Kind::Main)[0].branch)
+    });
+    assert!(low.shares_a_stretch_of(&low) && !low.shares_a_stretch_of(&high) && !high.shares_a_stretch_of(&low));
 }
 
 #[test]

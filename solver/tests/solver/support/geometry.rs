@@ -46,6 +46,28 @@ pub struct Curve {
 /// Relative distance from a branch point within which what branches off may run along what it branches off.
 const NEXT_TO: f64 = 1e-4;
 
+/// Relative distance from which on nobody asks how far a curve is.
+const NEAR: f64 = 0.1;
+
+/// Frequencies and sizes of the motions along a chord: few chords have those of a place.
+struct Span {
+    omega: (f64, f64),
+    size: (f64, f64),
+}
+
+impl Span {
+    fn of(a: &Place, b: &Place) -> Self {
+        let (largest, length) = (a.size().max(b.size()), norm(a.motion.iter().zip(&b.motion).map(|(a, b)| a - b)));
+        Self { omega: (a.omega.min(b.omega), a.omega.max(b.omega)), size: (largest - length, largest) }
+    }
+
+    /// The chord is at least so far from a place of this frequency and size, relative to these.
+    fn at_least(&self, omega: f64, size: f64) -> f64 {
+        let beyond = |value: f64, (low, high): (f64, f64)| (low - value).max(value - high).max(0.0) / value;
+        beyond(omega, self.omega).max(beyond(size, self.size))
+    }
+}
+
 impl Curve {
     pub fn of(model: &Model, branch: &Branch) -> Self {
         let place = |point: &solver::BranchPoint| Place {
@@ -63,6 +85,11 @@ impl Curve {
     /// Relative distance of a place from the curve, that is from the cubic through the four points nearest to it along the curve, or
     /// from the chord if that is nearer; and how far cubic and chord are apart there.
     pub fn distance(&self, place: &Place) -> (f64, f64) {
+        self.distance_among(0..self.places.len().saturating_sub(1), place)
+    }
+
+    /// The same of these chords, by number.
+    fn distance_among(&self, among: impl Iterator<Item = usize>, place: &Place) -> (f64, f64) {
         let chord = |i: usize| {
             let (a, b) = (&self.places[i], &self.places[i + 1]);
             let (size, omega) = (place.size(), place.omega);
@@ -78,19 +105,8 @@ impl Curve {
             (apart, share)
         };
         let last = self.places.len().saturating_sub(1);
-        // No chord is nearer than its frequencies are: most need not be looked at.
-        let at_least = |i: usize| {
-            let (a, b) = (self.places[i].omega, self.places[i + 1].omega);
-            (a.min(b) - place.omega).max(place.omega - a.max(b)).max(0.0) / place.omega
-        };
-        let nearer = |best: Option<(usize, (f64, f64))>, i: usize| {
-            let nearest = best.map_or(f64::INFINITY, |(_, (apart, _))| apart);
-            let own = (at_least(i) < nearest).then(|| chord(i)).filter(|(apart, _)| *apart < nearest);
-            own.map(|own| (i, own)).or(best)
-        };
-        let Some((i, (rough, share))) = (0..last).fold(None, nearer) else {
-            return (f64::INFINITY, 0.0);
-        };
+        let nearest = among.map(|i| (i, chord(i))).min_by(|a, b| a.1.0.total_cmp(&b.1.0));
+        let Some((i, (rough, share))) = nearest else { return (f64::INFINITY, 0.0) };
         if last < 3 {
             return (rough, 0.0);
         }
@@ -136,8 +152,11 @@ impl Curve {
     pub fn shares_a_stretch_of(&self, other: &Curve) -> bool {
         const SAME: f64 = 1e-5;
         let (mut successive, curve) = (0, self.apart());
+        let spans: Vec<Span> = curve.places.windows(2).map(|pair| Span::of(&pair[0], &pair[1])).collect();
         other.apart().places.iter().any(|place| {
-            let (distance, bulge) = curve.distance(place);
+            let size = place.size();
+            let near = (0..spans.len()).filter(|&i| spans[i].at_least(place.omega, size) < NEAR);
+            let (distance, bulge) = curve.distance_among(near, place);
             successive = if distance < SAME + 0.02 * bulge { successive + 1 } else { 0 };
             successive == 3 || distance < 0.1 * SAME
         })
