@@ -164,8 +164,8 @@ def test_elements_are_written_as_the_file_wants_them(tmp_path: Path) -> None:
         ({"dofs": 2}, "dofs = 2: a list of names"),
         ({"monitors": "x1"}, "monitors = 'x1': a list of names"),
         ({"name": 67}, "name = 67: a text is needed"),
-        ({"damping": 0.01}, "damping = 0.01: the section of a model file is needed"),
-        ({"contact": 1}, "contact = 1: the section"),
+        ({"damping": 0.01}, "damping = 0.01: a dict of its keys is needed, as {\"default_ratio\": 0.01}"),
+        ({"contact": 1}, "contact = 1: a dict of its keys"),
         ({"contact": {"gap": None}}, r"contact: gap = None \(NoneType\) has no form in TOML; numbers"),
         ({"laws": Law("jenkins", dof="x1", stiffness=1, limit=1)}, r"laws: a list is needed, as laws=\[Law\(…\)\]"),
         ({"laws": [Law("jenkins", between="x1", stiffness=1, limit=1)]}, r"laws\[0\]: between = 'x1': two dofs are needed"),
@@ -189,8 +189,8 @@ def test_bad_models_are_refused(changes: dict[str, object], message: str) -> Non
     ("text", "message"),
     [
         ("a =", "model.toml: Invalid value"),
-        ("matrices = 3", "matrices = 3: the section of a model file is needed"),
-        ("contact = 3", "contact = 3: the section"),
+        ("matrices = 3", "matrices = 3: a dict of its keys is needed"),
+        ("contact = 3", "contact = 3: a dict of its keys"),
         ("[matrices]\nmass = 'mass.mtx'", "mass.mtx"),
         ("[matrices]\nmass = 'cut.mtx'", "cut.mtx: Truncated file"),
         ("[matrices]\nmass = 'rows.mtx'", r"M: shape \(2, 1\); a square matrix"),
@@ -348,6 +348,7 @@ def test_studies_and_models_by_their_files(tmp_path: Path, monkeypatch: pytest.M
         ((MODELS / "duffing", [0.1]), {"harmonics.count": 0}, "harmonics.count = 0: use 1 to 400"),
         ((MODELS / "duffing", [0.1]), {"harmonic": 5}, "harmonic = 5: there is no key `harmonic`; did you"),
         ((MODELS / "duffing", [0.1]), {"search": "hard"}, "hard"),
+        ((MODELS / "duffing", [0.1]), {"frequency": (1, 2)}, "frequency = [1, 2]: this is a section: give a dict of its keys, as frequency={…}"),
     ],
 )
 def test_the_program_says_what_is_wrong(
@@ -358,6 +359,8 @@ def test_the_program_says_what_is_wrong(
     assert caught.value.code in (1, 2)
     assert not str(caught.value).startswith(("error", "--"))
     assert isinstance(caught.value, isola_hbm.BadStudy)
+    # Nothing is left of what was refused.
+    assert not (tmp_path / "run").exists()
 
 
 @pytest.mark.needs_program

@@ -24,6 +24,13 @@ from .matrices import forces, matrix_market, require_definite, symmetric
 #: What stands in a model file.
 _KEYS = {"name", "description", "dofs", "monitors", "matrices", "damping", "forcing", "contact", "laws"}
 
+#: What sections may hold.
+_EXAMPLES = {
+    "damping": '{"default_ratio": 0.01}',
+    "contact": '{"gap": 1e-3}',
+    "forcing": '{"shape": {"dofs": {"x1": 1}}}',
+}
+
 
 class Model:
     """A structure: M ẍ + C ẋ + K x + f(x, ẋ) = A s cos(ωt), SI units.
@@ -255,7 +262,8 @@ def _text(what: str, given: Any) -> str:
 def _section(what: str, given: Any) -> dict[str, Any]:
     """A section of the model file."""
     if not isinstance(given, Mapping):
-        raise BadModel(f"{what} = {given!r}: the section of a model file is needed, as a dict of its keys")
+        example = _EXAMPLES.get(what)
+        raise BadModel(f"{what} = {given!r}: a dict of its keys is needed{f', as {example}' if example else ''}")
     _require_toml(what, given)
     return dict(given)
 

@@ -120,4 +120,5 @@ def reason(said: Sequence[str], code: int, file: Path, *, is_written: bool) -> s
     # The program names the option, and the key that it sets.
     why = re.sub(r"^([\w.]+) = ([^:]*): `\1`( = [^:]*)?: ", r"\1 = \2: ", why)
     why = re.sub(r"^(\w+): `\1` = ", r"\1 = ", why)
+    why = re.sub(r"write \[([\w.]+)\] and its keys below, or \S+ = value", r"give a dict of its keys, as \1={…}", why)
     return re.sub(r"\{(\w+) = ([^{}]*)\}", r'{"\1": \2}', why)

@@ -88,12 +88,15 @@ def sweep(
         (path for path in (folder, *folder.parents) if path.exists() and not path.is_dir()), None
     ):
         raise FolderInUse(f"{file}: a file, where the folder of the run is to be; name another folder")
+    is_new = not folder.exists()
     file = _study(model, folder, amplitudes)
     process = program.start(["sweep", str(file), "--out", str(folder), *options])
     said, code = _heard(process, show := _shown(progress))
     if code not in (0, 3, 4):
         is_written = isinstance(model, Model)
         if not (folder / FILE).exists():
+            if is_new:
+                shutil.rmtree(folder, ignore_errors=True)
             raise study.refusal(said, code, file, is_written=is_written)
         raise ProgramFailed(study.reason(said, code, file, is_written=is_written), code)
     for line in said:
