@@ -46,8 +46,8 @@ pub struct Curve {
 /// Relative distance from a branch point within which what branches off may run along what it branches off.
 const NEXT_TO: f64 = 1e-4;
 
-/// Relative distance from which on nobody asks how far a curve is.
-const NEAR: f64 = 0.1;
+/// Relative distance from which on a place is not on a curve, however coarse that is.
+const NEAR: f64 = 0.01;
 
 /// Frequencies and sizes of the motions along a chord: few chords have those of a place.
 struct Span {
