@@ -44,10 +44,11 @@ pub fn born_between<'c>(levels: &[Level], curves: &'c [CurveRow], bounds: Freque
     events_of(curves, CriticalKind::Birth.name()).into_iter().filter(is_between).collect()
 }
 
-/// Levels at which what is born between others can be looked at, the lowest first, in few digits: half way to the next level or event above.
+/// Levels at which what is born between others can be looked at, the lowest first, in few digits: half way to the next level above, or to
+/// where isolas end before.
 pub fn levels_after(births: &[&CurvePoint], levels: &[Level], curves: &[CurveRow]) -> Vec<String> {
-    let events = curves.iter().flat_map(|curve| &curve.points).filter(|point| point.event.is_some());
-    let others: Vec<f64> = levels.iter().map(|level| level.value).chain(events.map(|event| event.forcing)).collect();
+    let ends = [CriticalKind::Death, CriticalKind::Merge].into_iter().flat_map(|kind| events_of(curves, kind.name()));
+    let others: Vec<f64> = levels.iter().map(|level| level.value).chain(ends.map(|end| end.forcing)).collect();
     let after = |birth: &&CurvePoint| {
         let above = others.iter().copied().filter(|other| *other > birth.forcing * (1.0 + SAME)).reduce(f64::min)?;
         let middle = f64::midpoint(birth.forcing, above);
@@ -169,5 +170,8 @@ mod tests {
         assert_eq!(after(1.246, None), ["1.6"]);
         assert_eq!(after(1.246, Some(1.25)), ["1.248"]);
         assert_eq!(after(1.99, None), ["1.995"]);
+        // A cusp ends no isola.
+        let curves = curve(vec![point(1.246, Some("birth")), point(1.25, Some("cusp"))]);
+        assert_eq!(levels_after(&[&curves[0].points[0]], &levels, &curves), ["1.6"]);
     }
 }
