@@ -87,7 +87,10 @@ fn of_widths<'l, I: Iterator<Item = (&'l Level, &'l BranchRow)>>(
     }
     let becomes = if largest < 0.0 { "narrower" } else { "wider" };
     let at = &level.amplitude;
-    Some(format!("With twice the harmonics {} at A = {at} is {percent} % {becomes}{remedy}.{lost}", row.name()))
+    Some(format!(
+        "With twice the harmonics {} at A = {at} is {percent} % {becomes}{remedy}.{lost}",
+        super::in_words(row)
+    ))
 }
 
 fn of_peaks<'l, I: Iterator<Item = (&'l Level, &'l BranchRow)>>(
@@ -99,7 +102,8 @@ fn of_peaks<'l, I: Iterator<Item = (&'l Level, &'l BranchRow)>>(
     // Not computed where the peak is no maximum, nor by the first programs; otherwise nothing like it was found with more harmonics.
     let is_lost = |row: &BranchRow| has_maximum(row) && row.certificate.doubled.is_none();
     let lost = rows().filter(|(_, row)| is_lost(row) && (is_known || row.peak_standing.is_some()));
-    let lost: Vec<String> = lost.map(|(level, row)| format!("{} at A = {}", row.name(), level.amplitude)).collect();
+    let lost: Vec<String> =
+        lost.map(|(level, row)| format!("{} at A = {}", super::in_words(row), level.amplitude)).collect();
     if !lost.is_empty() {
         let more = match lost.len().saturating_sub(NAMED) {
             0 => String::new(),
@@ -132,7 +136,7 @@ fn of_peaks<'l, I: Iterator<Item = (&'l Level, &'l BranchRow)>>(
     let depth = depth.map(|depth| format!(", and its contact penetrates by {} % of the gap", digits(100.0 * depth, 2)));
     Some(format!(
         "{NOT_CONVERGED}: with twice the harmonics the peak of {} at A = {} changes by {} %{moves}{}; {remedy}.",
-        row.name(),
+        super::in_words(row),
         level.amplitude,
         digits(100.0 * change, 2),
         depth.unwrap_or_default()
@@ -195,7 +199,7 @@ mod tests {
     fn a_main_peak_that_is_not_there_with_more_harmonics() {
         let main = |standing| BranchRow { peak_standing: Some(standing), ..row("main", None) };
         let said = |standing| truncation(&levels(vec![main(standing), row("isola", Some(1.0))]), 10, 3).unwrap();
-        assert!(said(Standing::At).contains("no peak was found near that of main at A = 60"), "{}", said(Standing::At));
+        assert!(said(Standing::At).contains("no peak was found near that of the main branch at A = 60"), "{}", said(Standing::At));
         let expected = format!("Peaks change by less than 0.01 % with twice the harmonics (H = 20). {UNKNOWN_ENDS}");
         assert_eq!(said(Standing::AtLeast), expected);
     }
@@ -206,7 +210,9 @@ mod tests {
         let main = BranchRow { peak_standing: Some(Standing::At), ..row("main", None) };
         let said = truncation(&levels(vec![main]), 10, 3).unwrap();
         assert!(
-            said.starts_with("Not converged in H: with twice the harmonics no peak was found near that of main at"),
+            said.starts_with(
+                "Not converged in H: with twice the harmonics no peak was found near that of the main branch at"
+            ),
             "{said}"
         );
     }
