@@ -146,10 +146,17 @@ impl Chain {
 
     /// The first task that can be handed out to a worker; `ordered`: that others wait for.
     pub fn offer(&self, worker: &WorkerId, now: Duration, ordered: bool) -> Option<usize> {
-        let is_offered = |entry: &TaskEntry| {
-            entry.not_before <= now && (!ordered || entry.task.is_ordered()) && !entry.refuted.contains(worker)
-        };
+        let is_offered = |entry: &TaskEntry| (!ordered || entry.task.is_ordered()) && entry.is_offered(worker, now);
         self.ready.iter().copied().find(|&e| is_offered(&self.entries[e]))
+    }
+
+    /// The verification to hand out: of a whole branch before those of pieces, which take less, so that none begins when all others are
+    /// done.
+    pub fn offer_verification(&self, worker: &WorkerId, now: Duration) -> Option<usize> {
+        let is_whole =
+            |e: usize| matches!(self.entries[e].task, Task::Verify(VerifyPlace { stretch: Stretch::Whole, .. }));
+        let whole = self.ready.iter().copied().find(|&e| is_whole(e) && self.entries[e].is_offered(worker, now));
+        whole.or_else(|| self.offer(worker, now, false))
     }
 
     pub fn is_begun(&self) -> bool {

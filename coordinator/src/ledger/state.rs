@@ -218,7 +218,13 @@ impl Ledger {
             .or_else(|| begun().find_map(|c| offer(c, true)))
             .or_else(|| all().find_map(|c| offer(c, true)))
             .or_else(|| all().find_map(|c| offer(c, false)))
-            .or_else(|| offer(self.verifications(), false))
+            .or_else(|| self.verification(&holder.worker, now))
+    }
+
+    /// The verification to hand out.
+    fn verification(&self, worker: &WorkerId, now: Duration) -> Option<(usize, usize)> {
+        let c = self.verifications();
+        self.chains[c].offer_verification(worker, now).map(|e| (c, e))
     }
 
     /// Number of tasks that can be handed out, with those that are to be repeated once more since they are doubtful.

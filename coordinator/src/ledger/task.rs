@@ -66,6 +66,11 @@ impl TaskEntry {
         }
     }
 
+    /// Whether a worker may have it, as far as time and what it said before go.
+    pub fn is_offered(&self, worker: &WorkerId, now: Duration) -> bool {
+        self.not_before <= now && !self.refuted.contains(worker)
+    }
+
     /// Attempts so far.
     pub fn attempts(&self) -> u32 {
         self.holders.len() as u32

@@ -131,7 +131,10 @@ fn damping_and_forcing_that_are_not_given() {
     );
     let (_, text) = checked(&MODEL.replace(damping, ""), "0.3", &[("damping.default_ratio", "0.01")]);
     assert!(!text.contains("not given"), "{text}");
-    let (_, text) = checked(&MODEL.replace(shape, ""), "0.3", &[]);
+    // Of one dof there is no choice.
+    assert!(!checked(&MODEL.replace(shape, ""), "0.3", &[]).1.contains("not given"));
+    let pair = "name = 'pair'\n[matrices]\nmass = [[1, 0], [0, 1]]\nstiffness = [[2, -1], [-1, 2]]\ndamping = [[0.1, 0], [0, 0.1]]\n";
+    let (_, text) = checked(pair, "0.3", &[]);
     assert!(
         text.contains("forcing.shape is not given: the force has the shape of mode 1, and drives no other one"),
         "{text}"

@@ -199,7 +199,11 @@ mod tests {
     fn a_main_peak_that_is_not_there_with_more_harmonics() {
         let main = |standing| BranchRow { peak_standing: Some(standing), ..row("main", None) };
         let said = |standing| truncation(&levels(vec![main(standing), row("isola", Some(1.0))]), 10, 3).unwrap();
-        assert!(said(Standing::At).contains("no peak was found near that of the main branch at A = 60"), "{}", said(Standing::At));
+        assert!(
+            said(Standing::At).contains("no peak was found near that of the main branch at A = 60"),
+            "{}",
+            said(Standing::At)
+        );
         let expected = format!("Peaks change by less than 0.01 % with twice the harmonics (H = 20). {UNKNOWN_ENDS}");
         assert_eq!(said(Standing::AtLeast), expected);
     }

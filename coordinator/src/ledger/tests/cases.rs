@@ -377,7 +377,8 @@ fn branches_are_verified_once_and_last() {
     let (verified, others): (Vec<&Granted>, Vec<&Granted>) =
         order.iter().partition(|granted| matches!(granted.work, Task::Verify(_)));
     let names: Vec<&str> = verified.iter().map(|granted| granted.task.as_str()).collect();
-    assert_eq!(names, ["verify-2-main-1-peak", "verify-2-cut-1"]);
+    // A whole branch takes longer than what is around a peak.
+    assert_eq!(names, ["verify-2-cut-1", "verify-2-main-1-peak"]);
     assert!(order[others.len()..].iter().all(|granted| matches!(granted.work, Task::Verify(_))), "{order:?}");
 }
 
