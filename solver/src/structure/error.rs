@@ -91,9 +91,9 @@ pub enum ModelError {
         /// Where it stands.
         place: Place,
         /// The kind of thing.
-        what: String,
+        what: Box<str>,
         /// What was asked for.
-        name: String,
+        name: Box<str>,
         /// The known name that looks most like it, and what else exists.
         hint: String,
     },
@@ -283,7 +283,7 @@ impl ModelError {
         let guess = nearest.map_or_else(String::new, |name| format!("did you mean `{name}`? "));
         let more = if more > 0 { format!(", … and {more} more") } else { String::new() };
         let hint = format!("{guess}known here: {}{more}", known.join(", "));
-        Self::Unknown { place, what: what.to_string(), name: name.to_string(), hint }
+        Self::Unknown { place, what: what.into(), name: name.into(), hint }
     }
 }
 
