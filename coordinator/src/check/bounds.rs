@@ -34,11 +34,10 @@ pub(super) fn quiet(study: &Study) -> Option<String> {
     let above = all.clone().find(|(_, omega)| given.max.is_some_and(|max| *omega > max));
     let place = |(mode, omega): (usize, f64)| format!("that of mode {} at {} rad/s", mode + 1, number(omega));
     let nearest: Vec<String> = [below, above].into_iter().flatten().map(place).collect();
-    let are = if nearest.len() == 1 { "one is" } else { "ones are" };
+    let (are, them) = if nearest.len() == 1 { ("one is", "it") } else { ("ones are", "them") };
     (!nearest.is_empty()).then(|| {
         format!(
-            "no linear resonance lies within the bounds, the nearest {are} {}: what responds there more than a little is brought \
-             about by laws",
+            "no linear resonance lies within the bounds, the nearest {are} {}: away from {them} only laws bring about large responses",
             nearest.join(" and ")
         )
     })

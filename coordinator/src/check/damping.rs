@@ -23,8 +23,8 @@ pub(super) fn without(study: &Study) -> Option<String> {
     let (have, their) = if bare.len() == 1 { ("has", "its") } else { ("have", "their") };
     (!bare.is_empty()).then(|| {
         format!(
-            "{} {have} no damping, and no law takes energy: the response at {their} resonance has no bound, and the search may not \
-             end; give some, as with damping.default_ratio = 1e-3",
+            "{} {have} no damping, and no law takes energy: the linear response at {their} resonance has no bound, and the search may \
+             not end; give some, as with damping.default_ratio = 1e-3",
             words::modes(&bare)
         )
     })
