@@ -86,17 +86,22 @@ fn orders(study: &Study) -> Vec<String> {
     if list.len() > 1 { list } else { Vec::new() }
 }
 
-/// What a sweep warns of, since it decides what can be found: bounds of the frequency, damping, a place that is not determined.
+/// What a sweep warns of, since it decides what can be found: units, bounds of the frequency, damping, a place that is not determined.
 /// Sentences.
 pub fn warnings_of_sweep(study: &Study) -> Vec<String> {
     let assumed = defaults::damping(study).map(|damping| format!("the damping is {damping}"));
-    let bounds = bounds::warnings(study).into_iter();
-    bounds.chain(damping::without(study)).chain(assumed).chain(undetermined(&study.model)).collect()
+    let warnings = early::units(&study.model).into_iter().chain(bounds::warnings(study)).chain(damping::without(study));
+    warnings.chain(assumed).chain(undetermined(&study.model)).collect()
 }
 
 /// What a sweep remarks of what may well be meant: a sentence.
 pub fn remark_of_sweep(study: &Study) -> Option<String> {
     bounds::remark(study)
+}
+
+/// Where the force acts, if nobody said so and there is a choice: a sentence.
+pub fn assumed_forcing(study: &Study) -> Option<String> {
+    defaults::forcing(study)
 }
 
 /// Why the mode that a sweep begins with has no backbone, if that is known before: a sentence.

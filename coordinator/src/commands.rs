@@ -132,7 +132,7 @@ async fn sweep(args: SweepArgs) -> Result<Ending, Error> {
     for warning in check::warnings_of_sweep(&study) {
         terminal::note(format_args!("warning: {warning}"));
     }
-    if let Some(remark) = check::remark_of_sweep(&study) {
+    for remark in [check::remark_of_sweep(&study), check::assumed_forcing(&study)].into_iter().flatten() {
         terminal::note(format_args!("note: {remark}"));
     }
     let directory = args.out.unwrap_or_else(|| default_directory(&study.name));

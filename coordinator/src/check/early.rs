@@ -54,7 +54,8 @@ pub(super) fn warnings(study: &Study, touch: Option<&FirstTouch<'_>>) -> Vec<Str
     list
 }
 
-fn units(model: &Model) -> Option<String> {
+/// Of structures that are none: units that slipped, or matrices exchanged.
+pub(super) fn units(model: &Model) -> Option<String> {
     let frequencies = &model.modes().frequencies;
     let highest = *frequencies.last()?;
     let lowest = frequencies[(0..model.size()).find(|&j| !model.modes().is_rigid(j))?];

@@ -73,6 +73,11 @@ fn matrices_exchanged() {
     let (warnings, text) = checked(&exchanged, "0.3", &[("contact.epsilon", "2")]);
     assert_eq!(warnings.len(), 1, "{text}");
     assert!(warnings[0].contains("are K and M exchanged? The other way round they lie at 100 to 100 rad/s"), "{text}");
+    // A sweep says so as well.
+    let dir = tempfile::tempdir().unwrap();
+    fs::write(dir.path().join("model.toml"), exchanged).unwrap();
+    fs::write(dir.path().join("study.toml"), "amplitudes = [0.3]\n").unwrap();
+    assert_eq!(warnings_of_sweep(&Study::load(dir.path(), &[], None).unwrap()), warnings);
     let tiny = MODEL.replace("mass = [[1]]", "mass = [[1e-16]]");
     let (warnings, text) = checked(&tiny, "0.3", &[]);
     assert!(warnings[0].contains("only modes from 1e10 to 1e10 rad/s"), "{text}");
