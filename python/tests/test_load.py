@@ -316,7 +316,9 @@ def test_names_of_branches(damper: Path) -> None:
             run[name]
     assert run != isola_hbm.load(damper)
     assert len({run, run}) == 1
-    assert f"{len(run)} branches" in repr(run)
+    for text in (repr(run), run._repr_html_()):
+        assert f"finished: 4 levels, {len(run)} branches (3 isolas), in " in text
+        assert "print(run.status())" in text and "run.explore()" in text
     assert "<table" in run._repr_html_()
 
 

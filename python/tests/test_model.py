@@ -168,8 +168,10 @@ def test_elements_are_written_as_the_file_wants_them(tmp_path: Path) -> None:
         ({"contact": 1}, "contact = 1: a dict of its keys"),
         ({"contact": {"gap": None}}, r"contact: gap = None \(NoneType\) has no form in TOML; numbers"),
         ({"laws": Law("jenkins", dof="x1", stiffness=1, limit=1)}, r"laws: a list is needed, as laws=\[Law\(…\)\]"),
-        ({"laws": [Law("jenkins", between="x1", stiffness=1, limit=1)]}, r"laws\[0\]: between = 'x1': two dofs are needed"),
-        ({"laws": [Law("jenkins", coefficients=["x1"], stiffness=1, limit=1)]}, r"laws\[0\]: coefficients = \['x1'\]: dofs with factors"),
+        ({"laws": [{"between": "x1", "law": {}}]}, r"laws\[0\]: between = 'x1': two dofs are needed"),
+        ({"laws": [{"coefficients": ["x1"], "law": {}}]}, r"laws\[0\]: coefficients = \['x1'\]: dofs with factors"),
+        ({"laws": [{"coefficients": {0: 1}, "law": {}}]}, r"laws\[0\]: 0 \(int\) is no name; a text is needed"),
+        ({"contacts": [Contact({0: 1})]}, r"contacts\[0\]: 0 \(int\) is no name; a text is needed"),  # type: ignore[dict-item]
         ({"contacts": [{"normal": "x1", "tangential": 3}]}, r"contacts\[0\]: tangential = 3: a list of one or two"),
         ({"laws": ["jenkins"]}, r"laws\[0\] = 'jenkins': a Law is needed"),
         ({"forcing": {"shape": {"dofs": {0: 1}}}}, r"forcing: 0 \(int\) is no name; a text is needed"),
@@ -220,6 +222,21 @@ def test_a_law_acts_in_one_place(tmp_path: Path) -> None:
             BadModel, match="law `jenkins`: say where it acts by one of dof, between and coefficients"
         ):
             Law("jenkins", stiffness=1, limit=1, **where)  # type: ignore[arg-type]
+    for places, message in (
+        ({"dof": 1}, "dof: 1 (int) is no name of a dof; a text is needed"),
+        ({"dof": ["x1"]}, "dof: ['x1'] (list) is no name of a dof"),
+        ({"between": "x1"}, "between = 'x1': two dofs are needed, as ["),
+        ({"between": ["x1"]}, "between = ['x1']: two dofs are needed"),
+        ({"between": ["x1", 2]}, "between: 2 (int) is no name of a dof"),
+        ({"between": ["x1", "x1"]}, "between = ['x1', 'x1']: two different dofs are needed"),
+        ({"coefficients": ["x1"]}, "coefficients = ['x1']: dofs with factors are needed, as {"),
+        ({"coefficients": {}}, "coefficients = {}: dofs with factors are needed"),
+        ({"coefficients": {0: 1}}, "coefficients: 0 (int) is no name of a dof; a text is needed"),
+        ({"coefficients": {"x1": "a"}}, "coefficients['x1'] = 'a': a finite number is needed"),
+        ({"coefficients": {"x1": 1, "x2": 0}}, "coefficients['x2'] = 0: the law does not act there; leave the dof out"),
+    ):
+        with pytest.raises(BadModel, match=f"^{re.escape(f'law `jenkins`: {message}')}"):
+            Law("jenkins", stiffness=1, limit=1, **places)  # type: ignore[arg-type]
     with pytest.raises(BadModel, match=re.escape("model.toml")):
         Model.load(tmp_path)
 
@@ -374,6 +391,20 @@ def test_the_program_says_what_is_wrong(
         ),
         ({"damping": {"ratio": 0.01}}, "the model given: `damping.ratio`: there is no key `ratio`; did you mean `ratios`?"),
         ({"K": [[0]], "laws": [CUBIC]}, "the model given: `backbone.modes` (set by default) = auto: mode 1 is a rigid"),
+        ({"K": [[-1]]}, "the model given: `K` has a negative eigenvalue: "),
+        ({"contacts": [Contact("x1", gapp=1)]}, "the model given: `contacts[0].gapp`: there is no key `gapp`; did you mean `gap`?"),
+        (
+            {"laws": [{"dof": "x1", "law": {"polynomial_spring": {"terms": []}}}]},
+            'the model given: `laws[0].law.polynomial_spring.terms` = []: expected at least one term, like {"power": 3, "coefficient": 1}',
+        ),
+        (
+            {"laws": [{"dof": "x1", "law": {"polynomial_spring": {"terms": {"power": 3, "coefficient": 1}}}}]},
+            "the model given: `laws[0].law.polynomial_spring.terms`: a single dict, where a list of them is expected",
+        ),
+        (
+            {"laws": [{"dof": "x1", "law": {"polynomial_spring": {"terms": [3]}}}]},
+            "the model given: `laws[0].law.polynomial_spring.terms[0]`: found `3`, expected a dict of its keys",
+        ),
     ],
 )
 def test_the_program_speaks_of_the_model_given(
@@ -386,9 +417,40 @@ def test_the_program_speaks_of_the_model_given(
             isola_hbm.sweep(model, [0.1], out=out, progress=False)
         assert isinstance(caught.value, isola_hbm.BadModel)
         assert str(caught.value).startswith(message)
+        assert not re.search(r"\.(toml|mtx)|\[\[|\w = \d+[,}]", str(caught.value))
     with pytest.raises(isola_hbm.ProgramFailed) as checked:
         model.check()
     assert str(checked.value) == str(caught.value)
+
+
+@pytest.mark.needs_program
+def test_what_a_backbone_shows_to_make_no_sense(tmp_path: Path) -> None:
+    with pytest.raises(isola_hbm.StudyRefused, match="^frequency.min = 9: the backbones end at "):
+        isola_hbm.sweep(MODELS / "duffing", [0.01], out=tmp_path / "run", progress=False, frequency={"min": 9})
+
+
+@pytest.mark.parametrize(
+    ("said", "code", "kind"),
+    [
+        ("error: {out}: no space left on device", 1, isola_hbm.ProgramFailed),
+        ("error: thread panicked", 101, isola_hbm.ProgramFailed),
+        ("error: --amplitudes: `amplitudes` = -1: no", 2, isola_hbm.StudyRefused),
+        ("error: --set contact.gap=-1: `contact.gap` = -1: no", 2, isola_hbm.StudyRefused),
+        ("error: {out}/model/model.toml: entry 1 of laws: `laws[0].law`: no", 1, isola_hbm.ModelRefused),
+        ("error: {out}/model/K.mtx, line 3: no", 1, isola_hbm.ModelRefused),
+    ],
+)
+def test_failures_are_no_refusals(
+    said: str, code: int, kind: type[isola_hbm.ProgramFailed], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    isola_stub = tmp_path / "isola"
+    isola_stub.write_text(f"#!/bin/sh\necho '{said.format(out=tmp_path / 'run')}' >&2\nexit {code}\n")
+    isola_stub.chmod(0o755)
+    monkeypatch.setenv("ISOLA_BIN", str(isola_stub))
+    with pytest.raises(isola_hbm.ProgramFailed) as caught:
+        isola_hbm.sweep(Model([[1]], [[1]]), [0.1], out=tmp_path / "run", progress=False)
+    assert (type(caught.value), caught.value.code) == (kind, code)
+    assert isinstance(caught.value, ValueError) == (kind is not isola_hbm.ProgramFailed)
 
 
 @pytest.mark.needs_program
@@ -403,6 +465,8 @@ def test_a_model_is_checked_without_a_sweep(tmp_path: Path, monkeypatch: pytest.
     assert model.check(amplitudes=[0.1, 0.2]) == model.check("0.1:0.2:0.1")
     with pytest.raises(isola_hbm.BadStudy, match="search: None"):
         model.check(search=None)
+    with pytest.raises(isola_hbm.BadStudy, match="model: a study is that of the model given"):
+        model.check(model="other")
     with pytest.raises(isola_hbm.ProgramFailed, match="^harmonics.cuont = 3: "):
         model.check(**{"harmonics.cuont": 3})
     assert list(tmp_path.iterdir()) == []
@@ -435,6 +499,9 @@ def test_what_is_no_model(given: object, tmp_path: Path) -> None:
         ({"workers": -1}, "workers = -1: a number of processes is needed"),
         ({"workers": "two"}, "workers = 'two'"),
         ({"search": None}, "search: None (NoneType) has no form in TOML; leave a key out"),
+        ({"harmonics": {1: 2}}, "settings: 1 (int) is no name; a text is needed"),
+        ({"amplitudes": []}, "amplitudes: the list is empty; give one forcing amplitude at least, as [20]"),
+        ({"amplitudes": {0.1: 1}}, "amplitudes = {0.1: 1}: give a list of numbers"),
         ({"harmonics": {"count": None}}, "harmonics: None (NoneType)"),
     ],
 )
@@ -523,15 +590,6 @@ def test_values_in_toml() -> None:
         of_toml.literal(None)
 
 
-def test_examples_of_the_package_make_models() -> None:
-    lines = [line.strip() for line in str(isola_hbm.__doc__).splitlines()]
-    made = [line.removeprefix(">>> ") for line in lines if line.startswith((">>> spring = ", ">>> model = "))]
-    assert len(made) == 2
-    scope: dict[str, object] = {"isola_hbm": isola_hbm}
-    exec("\n".join(made), scope)  # noqa: S102
-    assert isinstance(scope["model"], Model)
-
-
 @pytest.mark.needs_program
 def test_what_is_doubtful_is_warned_of(tmp_path: Path) -> None:
     settings = {"search": "none", "harmonics": {"count": 1}, "workers": 1, "progress": False}
@@ -555,11 +613,30 @@ def test_progress_is_one_line_of_a_terminal(monkeypatch: pytest.MonkeyPatch) -> 
     assert file.getvalue() == ""
     # Nobody asked, and there is no terminal: now and then, and the last one.
     show = _shown(None)
-    for line in ("running 1", "running 2", "finished\n"):
+    for line in ("run f1 in runs/x", "computing", "running: 1", "running: 2", "note: a level has no task", "finished\n"):
         show(line)
-    assert file.getvalue() == "running 1\nfinished\n"
+    assert file.getvalue() == "run f1 in runs/x\ncomputing\nrunning: 1\nnote: a level has no task\nfinished\n"
     file.seek(file.truncate(0))
     # Asked for, a file has what the program says, line by line.
     _shown(True)("sweep: no level has tasks right now, 300 tasks done")
     _shown(True)("finished\n")
     assert file.getvalue() == "sweep: no level has tasks right now, 300 tasks done\nfinished\n"
+
+
+@pytest.mark.needs_program
+@pytest.mark.filterwarnings("ignore::UserWarning")
+def test_a_sweep_says_what_it_found_where_there_is_no_terminal(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    model = Model([[1]], [[1]], laws=[CUBIC], name="mine")
+    settings = {"search": "none", "verify": "none", "harmonics": {"count": 3}, "workers": 1}
+    for progress in (None, False):
+        run = isola_hbm.sweep(model, [0.01], out=tmp_path / f"run {progress}", progress=progress, **settings)  # type: ignore[arg-type]
+        out, said = capsys.readouterr()
+        assert out == ""
+        if progress is False:
+            assert said == ""
+            continue
+        assert said.startswith("run ") or "\nrun " in said
+        assert "finished: 1 branch in " in said
+        # What the terminal has at the end, and how to see it again.
+        assert said.endswith(f"{run.status()}\n") and "main peak" in said
+    assert repr(run).startswith("<StoredRun mine, finished: 1 level, 1 branch (0 isolas), in ")

@@ -36,3 +36,6 @@ def test_a_notebook(file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     # Of a sweep's progress the last line is left, whole.
     lines = [text for output in outputs if (text := output.get("data", {}).get("text/plain", "")).startswith("finished")]
     assert len(lines) == 1 and " branches in " in lines[0], lines
+    # Below it stands what was found.
+    found = "".join(output.get("text", "") for output in outputs if output.get("name") == "stdout")
+    assert "main peak" in found and "Looked for: " in found

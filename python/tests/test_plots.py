@@ -17,6 +17,7 @@ from runs import MODELS, change, isola
 
 import isola_hbm
 from isola_hbm.drawing import spread
+from isola_hbm.plots import _mark
 
 
 @pytest.fixture(autouse=True)
@@ -51,12 +52,14 @@ def test_response(damper: Path) -> None:
     unstable = np.append(unstable, unstable[0])
     assert np.isnan(line.get_xdata()).sum() == (unstable[1:] & unstable[:-1]).sum()
     levels = ["A = 0.004", "A = 0.005", "A = 0.006", "A = 0.007"]
-    assert labels(axes) == [*levels, "main branch", "isola", UNSTABLE, "peak", "backbone"]
+    assert labels(axes) == [*levels, "main branch", "isola", UNSTABLE, "peak", "fold", "backbone"]
     widths = {line.get_label(): line.get_linewidth() for line in axes.get_lines()}
     assert widths["A = 0.006"] == widths["main branch"] < widths["isola"] == line.get_linewidth()
     assert list(axes.texts) == []
     assert axes.get_xlabel() == "frequency f (Hz)"
     assert axes.get_ylabel() == "amplitude of x1 (mm)"
+    # Curves between the bounds of the figure do not end at its frame.
+    assert axes.get_ylim()[0] == 0.0
     low, high = axes.get_xlim()
     assert low < float(isola["omega"].min()) / (2 * np.pi) < float(isola["omega"].max()) / (2 * np.pi) < high
 
@@ -67,7 +70,7 @@ def test_levels_are_chosen_and_axes_given(damper: Path) -> None:
     assert labels(run.plot.response(0.006)) == labels(run.plot.response(["0.006"]))
     axes = run.plot.response(["0.006", 0.007], ax=mine, backbone=False)
     assert axes is mine
-    assert labels(axes) == ["A = 0.006", "A = 0.007", "main branch", "isola", UNSTABLE, "peak"]
+    assert labels(axes) == ["A = 0.006", "A = 0.007", "main branch", "isola", UNSTABLE, "peak", "fold"]
     # Of main branches alone none need be told from others.
     assert labels(run.plot.response(0.004, backbone=False)) == ["A = 0.004", "peak"]
     with pytest.raises(ValueError, match=r"no branch at A = 0.3; there are branches at A = 0.004, 0.005"):
@@ -95,9 +98,12 @@ def test_response_of_another_dof(tmp_path: Path) -> None:
     backbone = 1e6 * run.backbone(2)["amplitude"].sel(monitor="x1").to_numpy()
     shown = drawn["backbone of mode 2"][np.isfinite(drawn["backbone of mode 2"])]
     below = backbone[: len(shown) - 1]
-    # It ends where it leaves the figure, between two points.
+    # It ends where it leaves the figure, between two points; the limits are those of branches.
     assert len(below) and below[-1] < shown[-1] < backbone[len(below)]
     np.testing.assert_allclose(shown[:-1], below)
+    top = max(height.max() for name, height in drawn.items() if name.startswith("A = "))
+    assert top < axes.get_ylim()[1] < 1.1 * top
+    assert shown[-1] == pytest.approx(axes.get_ylim()[1])
     first, same = (run.plot.response(monitor=monitor) for monitor in (None, "x2"))
     assert first.get_ylabel() == same.get_ylabel() == "amplitude of x2 (m)"
     np.testing.assert_array_equal(first.get_lines()[0].get_ydata(), same.get_lines()[0].get_ydata())
@@ -174,6 +180,40 @@ def test_the_map_is_about_isolas(copy: Path) -> None:
     assert right - left < 3.5 * (high - low)
 
 
+def test_peaks_and_folds_are_marked(damper: Path) -> None:
+    run = isola_hbm.load(damper)
+    axes = run.plot.response()
+    marks = [line for line in axes.get_lines() if line.get_marker() in "^o" and len(line.get_xdata())]
+    marked = {mark: {line.get_xydata()[0].tobytes() for line in marks if line.get_marker() == mark} for mark in "^o"}
+    places: dict[str, set[bytes]] = {"^": set(), "o": set()}
+    for branch in run.values():
+        for mark, indices in (("^", [branch.attrs["peak"]]), ("o", branch.attrs["folds"])):
+            places[mark] |= {np.array([branch["omega"][i], branch["amplitude"][i, 0]]).tobytes() for i in indices}
+    assert marked["^"] == places["^"] and len(marked["^"]) == len(run)
+    assert marked["o"] == places["o"] and len(marked["o"]) == 6
+    # Beyond what is shown nothing is told of; a peak covers a fold.
+    assert not {"peak", "fold"} & set(labels(run.plot.response(frequency=(0.5, 0.6))))
+    axes = plt.subplots()[1]
+    assert _mark(axes, {"peak": [(0.5, 0.5, "k")], "fold": [(0.5, 0.501, "k"), (2.0, 0.5, "k")]}) == {"peak"}
+    assert _mark(axes, {"peak": [(0.5, 0.5, "k")], "fold": [(0.5, 0.6, "k")]}) == {"peak", "fold"}
+
+
+def test_a_backbone_leaves_the_figure_above_the_peak(damper: Path) -> None:
+    run = isola_hbm.load(damper)
+    for frequency in (None, (0.98, 1.02)):
+        axes = run.plot.response(frequency=frequency)
+        (backbone,) = [line for line in axes.get_lines() if line.get_label() == "backbone"]
+        top = np.nanmax(backbone.get_ydata())
+        assert top == pytest.approx(axes.get_ylim()[1]) and top > run.points["amplitude"].max()
+
+
+def test_a_second_run_fits_on_the_same_axes(damper: Path) -> None:
+    run = isola_hbm.load(damper)
+    axes = run.plot.response(0.004)
+    before = axes.get_ylim()[1]
+    assert run.plot.response(0.007, ax=axes).get_ylim()[1] > before
+
+
 def test_frequencies_are_chosen(damper: Path) -> None:
     run = isola_hbm.load(damper)
     assert run.plot.map(frequency=(0.9, 1.1)).get_xlim() == (0.9, 1.1)
@@ -233,12 +273,29 @@ def test_balance(damper: Path) -> None:
     predicted = supplied.get_ydata() > needed.get_ydata()
     np.testing.assert_array_equal(predicted, backbone["threshold"] < 0.005)
     assert 0 < predicted.sum() < len(predicted)
-    with pytest.raises(isola_hbm.NoSuchBranch, match="no backbone of mode 5"):
-        run.plot.balance(0.005, mode=5)
+    assert "windows" in labels(axes)
+    # It is that of every forcing amplitude, whether the run has it or not; a low one has no windows.
+    assert "windows" not in labels(run.plot.balance(1e-12))
+    assert run.plot.balance(0.3).get_title() == "A = 0.3 (no level of the run), mode 1"
+    plt.close("all")
+    for mode, shown in ((5, "5"), ("1", "'1'")):
+        with pytest.raises(isola_hbm.NoSuchBranch, match=f"no backbone of mode {shown}; modes followed: 1$"):
+            run.plot.balance(0.005, mode=mode)  # type: ignore[arg-type]
+    for amplitude in (0, -1.0, np.nan, "0.005", True):
+        with pytest.raises(ValueError, match=r"^amplitude = .*: a number above zero is needed$"):
+            run.plot.balance(amplitude)  # type: ignore[arg-type]
+    # What is refused leaves no empty figure behind.
+    with pytest.raises(isola_hbm.NoSuchBranch):
+        run.plot.motion("0.005/isola 9")
+    assert plt.get_fignums() == []
 
 
 def test_motion(blade: Path) -> None:
     run = isola_hbm.load(blade)
+    # Of several modes followed each has its balance.
+    modes = run.backbones["mode"].unique().tolist()
+    assert len(modes) == 2
+    assert [run.plot.balance(20, mode=mode).get_title() for mode in modes] == [f"A = 20, mode {mode}" for mode in modes]
     axes = run.plot.motion("20/main", units="mm")
     (line,) = axes.get_lines()
     branch = run["20/main"]
@@ -250,7 +307,10 @@ def test_motion(blade: Path) -> None:
     axes = run.plot.motion((20, "main"), point=3, dofs=["b0.r", "b1.theta"])
     assert labels(axes) == ["b0.r", "b1.theta"]
     axes = run.plot.motion("20/main", variable="argument", dofs=["b0 1"])
-    assert axes.get_ylabel().startswith("argument")
+    assert axes.get_ylabel() == "argument of the law (N)"
+    assert run.plot.motion("20/main", variable="argument", dofs=["b0 1", "b0 2"]).get_ylabel() == "argument of the law (N, m)"
+    with pytest.raises(ValueError, match="variable = 'modal': displacement or argument is drawn"):
+        run.plot.motion("20/main", variable="modal")
     with pytest.raises(IndexError, match="point 999 of 121"):
         run.plot.motion("20/main", point=999)
     assert labels(run.plot.motion("20/main", dofs="b0.r")) == ["b0.r"]

@@ -63,6 +63,20 @@ def test_the_first_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None
         assert any(abs(float(number) / peak - 1) < 1e-4 for number in re.findall(r"\d\.\d+(?:e[-\d]+)?", summary)), row
 
 
+@pytest.mark.parametrize("file", ["README.md", "python/README.md"])
+def test_the_wheel_is_called_what_a_release_calls_it(file: str) -> None:
+    (version,) = re.findall(r'^version = "(.*)"$', (ROOT / "python" / "pyproject.toml").read_text("utf-8"), re.MULTILINE)
+    (glibc,) = re.findall(r"^glibc=(\S+)$", (ROOT / "deploy" / "release.sh").read_text("utf-8"), re.MULTILINE)
+    named = re.findall(r"\S+\.whl", (ROOT / file).read_text("utf-8"))
+    assert {name.strip("'\"") for name in named} == {f"isola_hbm-{version}-py3-none-manylinux_{glibc}_x86_64.whl"}
+
+
+def test_python_of_the_first_page_stands_by_itself() -> None:
+    for block in blocks(ROOT / "README.md", "From Python", "python"):
+        for name in re.findall(r"\b(isola_hbm|Law|Model)\b[.(]", block):
+            assert re.search(rf"^(from \w+ )?import .*\b{name}\b", block, re.MULTILINE), (name, block)
+
+
 def test_a_model_of_your_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PATH", f"{program().absolute().parent}{os.pathsep}{os.environ['PATH']}")
     chapter = "A model of your own"

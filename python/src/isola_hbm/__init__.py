@@ -3,15 +3,17 @@
 A run on disk, finished or not, as data frames and datasets:
 
 >>> import isola_hbm
->>> run = isola_hbm.load("runs/blade")
->>> run.summary
->>> run["60/isola 1"].time()
+>>> run = isola_hbm.load("runs/damper")
+>>> run.summary  # a row a branch
+>>> print(run.status())  # what the program says of it
+>>> run["0.006/isola 1"].time()
 
 A model made of matrices, and its sweep; figures:
 
 >>> spring = isola_hbm.Law("polynomial_spring", dof="x1", terms=[{"power": 3, "coefficient": 1}])
->>> model = isola_hbm.Model(M=[[1]], K=[[1]], damping={"default_ratio": 0.02}, laws=[spring])
->>> run = isola_hbm.sweep(model, amplitudes=[0.05, 0.1])
+>>> model = isola_hbm.Model(M=[[1]], K=[[1]], damping={"default_ratio": 0.05}, laws=[spring])
+>>> print(model.check())  # what the program makes of it
+>>> run = isola_hbm.sweep(model, amplitudes=[0.02, 0.05, 0.1])  # the resonance leans to higher frequencies
 >>> run.plot.response()
 
 A run that goes on, from anywhere on its bus, branch by branch:

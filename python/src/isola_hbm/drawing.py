@@ -20,12 +20,14 @@ INK, SHADE, ISOLA, FOLDS, WORK = "#1a2027", "#8b96a1", "#d55e00", "#b0508a", "#7
 _RAMP = ["#e08a2e", "#d9604f", "#bc3a72", "#8c1f8a", "#561a8f", "#1c0f63"]
 #: Room beside what is shown, as a share of its width.
 _ROOM = 0.25
-#: The same where the figure goes on there, as that of the map does.
+#: What is left free beside the ends of everything, as a share of the width.
+_EDGE = 0.025
+#: Room where the figure goes on beside what is shown, as that of the map does.
 _MARGIN = 0.05
 #: Where a legend may stand inside of the axes, the first that is free.
-_FREE = ("upper right", "upper left", "lower left", "lower right", "center right", "center left")
+_FREE: tuple[Any, ...] = ("upper right", "upper left", "lower left", "lower right", "center right", "center left")
 #: How far marks reach, pixels; a share of the height that curves have at least below a legend.
-_MARK, _LEAST = 6.0, 0.3
+MARK, _LEAST = 6.0, 0.3
 #: Where the name of a curve may stand beside its peak, points: above it, else at the end of a line to one side.
 _PLACES = [((0, 3), "center")] + [
     ((way * far, 0), align) for far in (8, 20, 36, 60) for way, align in ((1, "left"), (-1, "right"))
@@ -76,6 +78,13 @@ def axes_of(ax: Axes | None) -> Axes:
     return plt.subplots(layout="constrained")[1]
 
 
+def add_line(axes: Axes, x: Any, y: Any, **look: Any) -> None:
+    """Draws a line as `axes.plot` does, but leaves the limits of the axes as they are."""
+    from matplotlib.lines import Line2D
+
+    axes.add_artist(Line2D(x, y, **look))
+
+
 def logarithmic(axes: Axes) -> None:
     """A logarithmic axis upwards whose ticks are plain numbers: 0.1, 0.2, 0.5 where it spans less than two decades."""
     from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
@@ -88,11 +97,13 @@ def logarithmic(axes: Axes) -> None:
 
 
 def around(shown: Floats, reach: tuple[float, float]) -> Floats:
-    """Limits around what is shown, with room beside it, within reach."""
+    """Limits around what is shown, with room beside it, within reach and a little more."""
     low, high = float(np.min(shown)), float(np.max(shown))
     room = _ROOM * (high - low)
     limits = np.array([max(low - room, reach[0]), min(high + room, reach[1])])
-    return limits if limits[1] > limits[0] else np.array(reach)
+    limits = limits if limits[1] > limits[0] else np.array(reach)
+    # What ends at a limit, as the tip of an isola, is not cut in two.
+    return limits + _EDGE * (limits[1] - limits[0]) * np.array([-1.0, 1.0])
 
 
 def limits_of(frequency: tuple[float, float] | None) -> tuple[float, float] | None:
@@ -144,7 +155,7 @@ def legend(axes: Axes) -> None:
             return
     if axes.figure.get_layout_engine() is not None:
         if axes.get_title():
-            beside = {"loc": "upper left", "bbox_to_anchor": (1.0, 1.0)}
+            beside: dict[str, Any] = {"loc": "upper left", "bbox_to_anchor": (1.0, 1.0)}
         else:
             beside = {"loc": "lower center", "bbox_to_anchor": (0.5, 1.0), "ncols": 2 if len(labels) < 7 else 3}
         axes.legend(handles, labels, fontsize="small", **beside)
@@ -169,7 +180,7 @@ class _Drawn:
             path = line.get_path().transformed(line.get_transform())
             if line.get_linestyle() != "None" and path.intersects_bbox(box, filled=False):
                 return False
-            if line.get_marker() not in ("None", "", None) and box.padded(_MARK).count_contains(path.vertices):
+            if line.get_marker() not in ("None", "", None) and box.padded(MARK).count_contains(path.vertices):
                 return False
         for collection in self._axes.collections:
             for path in collection.get_paths():

@@ -72,7 +72,7 @@ class BadStudy(IsolaError, ValueError):
 
 
 class StudyRefused(ProgramFailed, BadStudy):
-    """The program refuses amplitudes or settings, before anything is computed: with its own message."""
+    """The program refuses amplitudes or settings, before any response is computed: with its own message."""
 
 
 class ModelRefused(ProgramFailed, BadModel):

@@ -30,6 +30,7 @@ _MOST = 15
 class Law(dict[str, Any]):
     """A nonlinear element, as under ``[[laws]]`` of a model file.
 
+    >>> from isola_hbm import Law
     >>> Law("polynomial_spring", dof="x1", terms=[{"power": 3, "coefficient": 1.0}])["dof"]
     'x1'
 
@@ -44,8 +45,8 @@ class Law(dict[str, Any]):
         parameters: Those of the law.
 
     Raises:
-        BadModel: There is no such law, a parameter is missing, unknown or out of its range, or it does not say where it acts, or
-            more than once.
+        BadModel: There is no such law, a parameter is missing, unknown or out of its range, or it does not say where it acts, more
+            than once or by what are no names of dofs.
     """
 
     def __init__(
@@ -65,6 +66,7 @@ class Law(dict[str, Any]):
         given = {key: value for key, value in where.items() if value is not None}
         if len(given.keys() - {"name"}) != 1:
             raise BadModel(f"law `{kind}`: say where it acts by one of dof, between and coefficients")
+        _require_place(f"law `{kind}`", given)
         if kind in _POLYNOMIALS:
             _require_all(f"law `{kind}`", parameters, ("terms",))
             parameters["terms"] = _terms(kind, parameters["terms"])
@@ -130,6 +132,35 @@ def _require_number(what: str, given: Any, is_positive: bool = False) -> None:
         raise BadModel(f"{what} = {given!r}: a finite number is needed")
     if is_positive and given <= 0:
         raise BadModel(f"{what} = {given!r}: a number above zero is needed")
+
+
+def _require_place(what: str, given: Mapping[str, Any]) -> None:
+    """Refuses places that are none: whether there are such dofs is known to a model alone."""
+    if "dof" in given:
+        _require_name(f"{what}: dof", given["dof"])
+    if "between" in given:
+        names = given["between"]
+        is_list = not isinstance(names, (str, Mapping)) and isinstance(names, Iterable)
+        if not is_list or len(list(names)) != 2:
+            raise BadModel(f'{what}: between = {names!r}: two dofs are needed, as ["x1", "x2"]')
+        for name in names:
+            _require_name(f"{what}: between", name)
+        if names[0] == names[1]:
+            raise BadModel(f"{what}: between = {names!r}: two different dofs are needed")
+    if "coefficients" in given:
+        factors = given["coefficients"]
+        if not isinstance(factors, Mapping) or not factors:
+            raise BadModel(f'{what}: coefficients = {factors!r}: dofs with factors are needed, as {{"x1": 1, "x2": -1}}')
+        for name, factor in factors.items():
+            _require_name(f"{what}: coefficients", name)
+            _require_number(f"{what}: coefficients[{name!r}]", factor)
+            if factor == 0:
+                raise BadModel(f"{what}: coefficients[{name!r}] = 0: the law does not act there; leave the dof out")
+
+
+def _require_name(what: str, given: Any) -> None:
+    if not isinstance(given, str):
+        raise BadModel(f"{what}: {given!r} ({type(given).__name__}) is no name of a dof; a text is needed")
 
 
 def _terms(kind: str, given: Any) -> list[dict[str, Any]]:

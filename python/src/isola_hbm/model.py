@@ -185,7 +185,8 @@ class Model:
         """What the program says of the model, as ``isola check``: size, modes, forcing, contact, monitored dofs, and the
         amplitudes, if they are given. Computes no response.
 
-        >>> print(model.check())
+        >>> from isola_hbm import Model
+        >>> print(Model(M=[[1]], K=[[1]]).check())
 
         Args:
             amplitudes: Forcing amplitudes A, as of :func:`sweep`.

@@ -13,9 +13,11 @@ import pandas as pd
 from .drawing import (
     INK,
     ISOLA,
+    MARK,
     SHADE,
     WORK,
     Units,
+    add_line,
     along_ramp,
     around,
     axes_of,
@@ -42,8 +44,12 @@ if TYPE_CHECKING:
 _HIGH = 0.8
 #: Widths of main branches, of those that branch off others, and of isolas and others.
 _THIN, _MEDIUM, _BOLD = 1.0, 1.6, 2.2
-#: Peaks are marked while there are so few.
+#: Peaks are marked while there are so few, and folds with them; how.
 _MARKED = 12
+_MARKS: dict[str, dict[str, Any]] = {
+    "peak": {"marker": "^", "markersize": 4.5, "markerfacecolor": "white", "linestyle": "none"},
+    "fold": {"marker": "o", "markersize": 3.5, "markerfacecolor": "white", "linestyle": "none"},
+}
 #: Of more levels, neighbours cannot be told apart by their colours: they are named at their peaks, not in the legend.
 _NAMED = 6
 
@@ -65,7 +71,7 @@ class Plots:
         frequency: tuple[float, float] | None = None,
     ) -> Axes:
         """Amplitude of a monitored dof over frequency: main branches thin, isolas and others bold, what time marching found
-        unstable dashed. More than six levels are named at their peaks.
+        unstable dashed. Peaks and folds are marked, unless there are many branches; more than six levels are named at their peaks.
 
         Args:
             amplitudes: Forcing amplitudes shown; by default all.
@@ -86,7 +92,8 @@ class Plots:
         levels = sorted(summary["amplitude"].unique())
         colors = dict(zip(levels, along_ramp(len(levels))))
         rank = {levels[place]: i for i, place in enumerate(spread(len(levels)))}
-        shown, peaks, tops, has_unstable = [], [], [], False
+        shown, peaks, has_unstable, folds = [], [], False, self._run._folds()
+        marks: dict[str, list[tuple[float, float, Any]]] = {"peak": [], "fold": []}
         for name, row in summary.iterrows():
             if name not in points.groups:
                 continue  # its points are damaged: reading them has warned
@@ -117,27 +124,30 @@ class Plots:
                 has_unstable = True
             # What is only as far as the branch is known is no peak.
             if row.get("peak_standing") == "at":
-                tops.append((at[top], height[top], colors[level]))
-        curves = axes.get_lines()
-        if len(tops) <= _MARKED:
-            for x, y, color in tops:
-                axes.plot(x, y, "^", color=color, markerfacecolor="white", markersize=4, zorder=4)
-        others = set(summary["kind"]) - {"main", "branched"}
-        has_branched = (summary["kind"] == "branched").any()
-        for wanted, label, how in (
-            (others or has_branched, "main branch", {"linewidth": _THIN}),
-            (others, "isola" if others == {"isola"} else "isola or other", {"linewidth": _BOLD}),
-            (has_branched, "branches off another", {"linewidth": _MEDIUM}),
-            (has_unstable, "unstable (solid: stable, or not known)", {"linestyle": (0, (2.5, 1.5))}),
-            (0 < len(tops) <= _MARKED, "peak", {"marker": "^", "markerfacecolor": "white", "linestyle": "none"}),
-        ):
-            if wanted:
-                axes.plot([], [], color=SHADE, label=label, **how)
+                marks["peak"].append((at[top], height[top], colors[level]))
+            places = [i for i in folds.get(str(name), []) if i < len(at)]
+            marks["fold"] += [(at[i], height[i], colors[level]) for i in places]
+        curves = list(axes.get_lines())
         if limits is not None:
             axes.set_xlim(limits)
             _fit_height(axes, curves, limits)
         elif shown:
             axes.set_xlim(measured.frequencies(around(np.concatenate(shown), self._reach(summary))))
+        # Amplitudes begin at zero; what is drawn on these axes later may change the limits as before.
+        axes.set_ylim(bottom=0.0, auto=None)
+        marked = _mark(axes, marks)
+        others = set(summary["kind"]) - {"main", "branched"}
+        has_branched = (summary["kind"] == "branched").any()
+        told: tuple[tuple[Any, str, dict[str, Any]], ...] = (
+            (others or has_branched, "main branch", {"linewidth": _THIN}),
+            (others, "isola" if others == {"isola"} else "isola or other", {"linewidth": _BOLD}),
+            (has_branched, "branches off another", {"linewidth": _MEDIUM}),
+            (has_unstable, "unstable (solid: stable, or not known)", {"linestyle": (0, (2.5, 1.5))}),
+            *((kind in marked, kind, look) for kind, look in _MARKS.items()),
+        )
+        for wanted, label, how in told:
+            if wanted:
+                add_line(axes, [], [], color=SHADE, label=label, **how)
         self._draw_backbone(axes, measured, number, backbone)
         axes.set(
             xlabel=measured.of_frequency(),
@@ -179,7 +189,7 @@ class Plots:
         return table
 
     def _draw_backbone(self, axes: Axes, units: Units, monitor: int, wanted: bool) -> None:
-        """The backbones as far up as there are branches: they need not set the scale."""
+        """The backbones, as far up as the axes go: they need not set the scale."""
         if not wanted:
             return
         table = self._of(monitor, self._run.backbones, "mode", lambda mode: self._run.backbone(int(mode)))
@@ -189,17 +199,9 @@ class Plots:
             at, height = up_to(
                 top, units.frequencies(curve["omega"]).to_numpy(), units.lengths(curve["amplitude"]).to_numpy()
             )
-            if not ((at >= left) & (at <= right)).any():
-                continue
-            axes.plot(
-                at,
-                height,
-                color=SHADE,
-                linestyle="--",
-                linewidth=1.0,
-                zorder=1,
-                label=label,
-            )
+            low, high = np.minimum(at[1:], at[:-1]), np.maximum(at[1:], at[:-1])
+            if ((low <= right) & (high >= left) & np.isfinite(height[1:] + height[:-1])).any():
+                add_line(axes, at, height, color=SHADE, linestyle="--", linewidth=1.0, zorder=1, label=label)
 
     def map(
         self,
@@ -240,13 +242,13 @@ class Plots:
             NoSuchBranch: There is no backbone of this mode.
         """
         curve, summary = self._run.backbone(mode), self._run.summary
-        axes = axes_of(ax)
         if amplitude is None:
             isolas = summary[summary["kind"] == "isola"]
             levels = (isolas if len(isolas) else summary)["amplitude"]
             amplitude = float(levels.min()) if len(levels) else 1.0
         elif isinstance(amplitude, bool) or not isinstance(amplitude, Real) or not 0.0 < amplitude < np.inf:
             raise ValueError(f"amplitude = {amplitude!r}: a number above zero is needed")
+        axes = axes_of(ax)
         arc, work = curve["arc"].to_numpy(), float(amplitude) * curve["work_per_amplitude"].to_numpy()
         # A* is infinite where the forcing does no work.
         with np.errstate(invalid="ignore"):
@@ -263,9 +265,9 @@ class Plots:
             interpolate=True,
             color=ISOLA,
             alpha=0.2,
-            label="windows",
+            label="windows" if any(is_window) else None,
         )
-        beside = "" if amplitude in set(summary["amplitude"]) else " (none of the run)"
+        beside = "" if amplitude in set(summary["amplitude"]) else " (no level of the run)"
         title = f"A = {text(amplitude)}{beside}, mode {curve.attrs['mode']}"
         axes.set(xlabel="arc length (scaled)", ylabel="energy a period (J)", title=title)
         logarithmic(axes)
@@ -296,8 +298,11 @@ class Plots:
             NoSuchBranch: There is no such branch.
             IndexError: It has no such point.
             KeyError: There is no such dof.
+            ValueError: The variable is another one, or there is no such unit.
         """
-        measured, axes, curve = Units.read(units), axes_of(ax), self._run[branch]
+        if variable not in ("displacement", "argument"):
+            raise ValueError(f"variable = {variable!r}: displacement or argument is drawn; run[branch].time() has others")
+        measured, curve = Units.read(units), self._run[branch]
         index = index_of(curve, point)
         series = curve.isel(point=index).time(variable, samples=512).load()
         along = next(str(axis) for axis in series.dims if axis != "time")
@@ -312,11 +317,16 @@ class Plots:
             raise KeyError(
                 f"no `{unknown[0]}` among what is stored of a motion; there are {', '.join(there)}"
             )
+        axes = axes_of(ax)
         for name in shown:
             values = series.sel({along: name})
             axes.plot(series["time"], measured.lengths(values) if is_length else values, label=str(name))
+        # What contacts have for an argument is a pressure, and what others have is a length.
+        of_laws = series.sel({along: shown}).coords.get("unit", series.attrs["units"])
         quantity = (
-            f"displacement ({measured.length})" if is_length else f"{variable} ({series.attrs['units']})"
+            f"displacement ({measured.length})"
+            if is_length
+            else f"argument of the law ({', '.join(dict.fromkeys(np.atleast_1d(of_laws).tolist()))})"
         )
         at = f"{measured.frequencies(float(curve['omega'][index])):.6g} {measured.frequency}"
         title = f"A = {curve.attrs['level']}, {curve.attrs['name']}, point {index}, {at}"
@@ -351,9 +361,23 @@ class Plots:
         return summary[summary["amplitude"].isin(chosen)]
 
 
+def _mark(axes: Axes, marks: dict[str, list[tuple[float, float, Any]]]) -> set[str]:
+    """Marks peaks and folds within the axes, each with its place and its colour, but no fold that a peak covers; which kinds there are."""
+    (left, right), marked = axes.get_xlim(), set()
+    places = {kind: [mark for mark in found if left <= mark[0] <= right] for kind, found in marks.items()}
+    taken = axes.transData.transform(np.array([mark[:2] for mark in places["peak"]]).reshape(-1, 2))
+    for kind, found in places.items() if len(taken) <= _MARKED else ():
+        for x, y, color in found:
+            if kind == "peak" or np.hypot(*(taken - axes.transData.transform((x, y))).T).min(initial=np.inf) > MARK:
+                add_line(axes, [x], [y], color=color, zorder=4, **_MARKS[kind])
+                marked.add(kind)
+    return marked
+
+
 def _fit_height(axes: Axes, curves: Sequence[Line2D], limits: tuple[float, float]) -> None:
     """The axis upwards as far as curves go between these limits."""
-    heights = [line.get_ydata()[(line.get_xdata() >= limits[0]) & (line.get_xdata() <= limits[1])] for line in curves]
+    places = [np.asarray(line.get_xydata(), dtype=float) for line in curves]
+    heights = [place[(place[:, 0] >= limits[0]) & (place[:, 0] <= limits[1]), 1] for place in places]
     shown = np.concatenate([np.zeros(0), *heights])
     shown = shown[np.isfinite(shown)]
     if len(shown) and shown.max() > 0.0:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import difflib
 import numbers
+import os
 import re
 import subprocess
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -20,8 +21,22 @@ Amplitudes: TypeAlias = "str | float | Iterable[str | float]"
 _OF_STUDY = {"study ", "file ", "model "}
 _OF_AMPLITUDES = {"amplitudes ", "warning     nothing will touch"}
 
-#: How what is said of a model made in Python begins.
+#: How what is said of a model made in Python begins, and what its matrices are called there.
 _GIVEN = "the model given: "
+_MATRICES = {"matrices.mass": "M", "matrices.stiffness": "K", "matrices.damping": "C"}
+#: Exit code of wrong usage.
+_USAGE = 2
+#: How the program begins to speak of the file of a model or a study, and of a setting.
+_FILE = re.compile(r"(.+?\.(?:toml|mtx))(?:, line \d+)?: ")
+_SETTING = re.compile(r"[a-z_]+\.[a-z_]+ = ")
+#: What is written in files, and how Python has it.
+_WORDS = {
+    r"a single table, where a list of them is expected: each begins with `\[\[.*?\]\]`, in double brackets": (
+        "a single dict, where a list of them is expected"
+    ),
+    r"a section or a table of keys": "a dict of its keys",
+    r"write \[([\w.]+)\] and its keys below, or \S+ = value": r"give a dict of its keys, as \1={…}",
+}
 
 #: Folder of a model made in Python, beside its study.
 MODEL = "model"
@@ -30,6 +45,8 @@ MODEL = "model"
 def options(amplitudes: Amplitudes | None, workers: int | None, settings: dict[str, Any]) -> list[str]:
     """The command line."""
     command = []
+    if "model" in settings:
+        raise BadStudy("model: a study is that of the model given; there is no other one to name")
     if amplitudes is not None:
         # Not after a space: what begins with a minus sign is refused by the program in better words.
         command.append(f"--amplitudes={typed(amplitudes)}")
@@ -55,13 +72,18 @@ def typed(amplitudes: Amplitudes) -> str:
     """As they are typed: levels have their names from this."""
     if isinstance(amplitudes, str):
         return amplitudes
-    values = amplitudes if isinstance(amplitudes, Iterable) else [amplitudes]
     try:
-        return ",".join(value if isinstance(value, str) else _shortest(float(value)) for value in values)
+        if isinstance(amplitudes, Mapping):
+            raise TypeError
+        values = list(amplitudes) if isinstance(amplitudes, Iterable) else [amplitudes]
+        levels = ",".join(value if isinstance(value, str) else _shortest(float(value)) for value in values)
     except (TypeError, ValueError):
         raise BadStudy(
             f'amplitudes = {amplitudes!r}: give a list of numbers, as [20, 60], or a text, as "20:140:20"'
         ) from None
+    if not values:
+        raise BadStudy("amplitudes: the list is empty; give one forcing amplitude at least, as [20]")
+    return levels
 
 
 def _shortest(value: float) -> str:
@@ -99,10 +121,16 @@ def require_meant(settings: dict[str, Any], keywords: Iterable[str]) -> None:
 
 
 def refusal(said: Sequence[str], code: int, file: Path, *, is_written: bool) -> ProgramFailed:
-    """Why the program refuses a model or a study: see :func:`reason`."""
-    why = reason(said, code, file, is_written=is_written)
-    is_model = why.startswith(_GIVEN) or "model.toml: " in why or ".mtx" in why
-    return (ModelRefused if is_model else StudyRefused)(why, code)
+    """Why the program does not compute: a refusal of the study or the model, if it speaks of these, else a failure. What it says is
+    that of :func:`reason`."""
+    given, why = program.message(said), reason(said, code, file, is_written=is_written)
+    named = _FILE.match(given)
+    if given.startswith("--") or code == _USAGE:
+        return StudyRefused(why, code)
+    if named and (is_written or named[1].endswith(("model.toml", ".mtx"))):
+        return ModelRefused(why, code)
+    # Bounds that no backbone reaches are seen when there is one.
+    return (StudyRefused if named or given.startswith(f"{file}: ") or _SETTING.match(given) else ProgramFailed)(why, code)
 
 
 def reason(said: Sequence[str], code: int, file: Path, *, is_written: bool) -> str:
@@ -110,15 +138,17 @@ def reason(said: Sequence[str], code: int, file: Path, *, is_written: bool) -> s
     are called what they are in Python."""
     why = program.message(said) or f"isola ended with {code}"
     if is_written:
-        for written in (file, file.parent / MODEL / "model.toml"):
-            if why.startswith(f"{written}: "):
-                said_of_it = why.removeprefix(f"{written}: ")
-                # The key numbers its entry as Python does.
-                why = f"{_GIVEN}{re.sub(r'^entry [0-9]+ of [a-z.]+: ', '', said_of_it)}"
-    why = re.sub(r"^--set ([^=\s]+)=", r"\1 = ", why)
+        # The key numbers its entry as Python does.
+        written = rf"^{re.escape(str(file.parent))}{re.escape(os.sep)}[^:]*\.(toml|mtx)(, line \d+)?: (entry \d+ of [a-z.]+: )?"
+        why = re.sub(written, _GIVEN, why)
+        for matrix, name in _MATRICES.items():
+            why = why.replace(f"`{matrix}`", f"`{name}`")
+        why = why.replace("`contact.nodes[", "`contacts[")
+    why = re.sub(r"^--set ([^=]+)=", r"\1 = ", why)
     why = re.sub(r"^--(\w+): ", r"\1: ", why)
     # The program names the option, and the key that it sets.
-    why = re.sub(r"^([\w.]+) = ([^:]*): `\1`( = [^:]*)?: ", r"\1 = \2: ", why)
+    why = re.sub(r"^([^=:]+) = ([^:]*): `\1`( = [^:]*)?: ", r"\1 = \2: ", why)
     why = re.sub(r"^(\w+): `\1` = ", r"\1 = ", why)
-    why = re.sub(r"write \[([\w.]+)\] and its keys below, or \S+ = value", r"give a dict of its keys, as \1={…}", why)
-    return re.sub(r"\{(\w+) = ([^{}]*)\}", r'{"\1": \2}', why)
+    for of_files, of_python in _WORDS.items():
+        why = re.sub(of_files, of_python, why)
+    return re.sub(r"\{\w+ = [^{}]*\}", lambda table: re.sub(r"(\w+) = ", r'"\1": ', table[0]), why)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import re
 import shutil
@@ -16,7 +17,7 @@ from typing import Any
 
 from . import program, study
 from .counted import count
-from .errors import BadModel, Doubtful, FolderInUse, Incomplete, ProgramFailed
+from .errors import BadModel, Doubtful, FolderInUse, Incomplete
 from .model import Model
 from .stored.run import StoredRun, load
 from .stored.store import FILE
@@ -24,11 +25,13 @@ from .study import Amplitudes
 
 #: How long the program is given to end when it is asked to, s.
 PATIENCE = 30.0
-#: Between two lines that say how far it is, where nobody asked for them and there is no terminal, s.
+#: Between two lines that say how far it is, where nobody asked for all of them and there is no terminal, s.
 NOW_AND_THEN = 10.0
 #: How a line of the program begins that doubts something.
 _DOUBT = "warning: "
-#: Lines of the program that say how far it is, and those of its log, whose sum its last line tells.
+#: How a line begins that says how far it is.
+_ROUTINE = "running: "
+#: All lines that say what happens, and those of its log, whose sum its last line tells.
 _PROGRESS = re.compile(r"(warning: |note: |run \w+ in |computing |backbone|running: |finished: |\d+ levels?, |\d{4}-\d\d-\d\dT\d\d:)")
 
 
@@ -43,8 +46,11 @@ def sweep(
 ) -> StoredRun:
     """Computes a study: backbones, windows, every branch of every forcing level. Returns the run.
 
+    >>> from isola_hbm import Law, Model, sweep
     >>> run = sweep("models/duffing", amplitudes=[0.05, 0.1])
-    >>> run = sweep(model, amplitudes="20:140:20", contact={"friction": 0}, harmonics={"count": 20})
+    >>> spring = Law("polynomial_spring", dof="x1", terms=[{"power": 3, "coefficient": 1}])
+    >>> model = Model(M=[[1]], K=[[1]], damping={"default_ratio": 0.05}, laws=[spring])
+    >>> run = sweep(model, amplitudes="0.02:0.1:0.04", harmonics={"count": 5}, search="none")
 
     Ctrl-C (in a notebook: interrupt) ends it; what was computed stays, ``isola resume`` goes on.
 
@@ -54,7 +60,9 @@ def sweep(
         out: Folder of the run; by default a new one in ``runs``.
         workers: Processes that compute; by default one a core.
         progress: Whether to show how far it is, and at the end what was found (:meth:`StoredRun.status`): on standard error, in a
-            notebook below the cell; by default where there is no terminal with a line now and then. Or what to call with each line.
+            notebook below the cell. By default, where there is neither a terminal nor a notebook (a file, a window of an editor), what
+            happens and every ten seconds at most how far it is; True: every line there as well; False: nothing. Or what to call with
+            each line.
         settings: Keys of the study, by section: ``frequency={"min": 0.9}``, ``**{"harmonics.count": 20}``;
             ``search="thorough"``.
 
@@ -94,11 +102,9 @@ def sweep(
     said, code = _heard(process, show := _shown(progress))
     if code not in (0, 3, 4):
         is_written = isinstance(model, Model)
-        if not (folder / FILE).exists():
-            if is_new:
-                shutil.rmtree(folder, ignore_errors=True)
-            raise study.refusal(said, code, file, is_written=is_written)
-        raise ProgramFailed(study.reason(said, code, file, is_written=is_written), code)
+        if is_new and not (folder / FILE).exists():
+            shutil.rmtree(folder, ignore_errors=True)
+        raise study.refusal(said, code, file, is_written=is_written)
     for line in said:
         if line.startswith(_DOUBT):
             warnings.warn(line.removeprefix(_DOUBT).strip(), Doubtful, stacklevel=2)
@@ -167,14 +173,16 @@ def _tell(run: StoredRun, progress: bool | Callable[[str], None] | None) -> None
 
 
 def _now_and_then() -> Callable[[str], None]:
-    """What shows a line unless it has just shown one; the last one in any case."""
-    last = -NOW_AND_THEN
+    """What shows what happens, and now and then how far it is."""
+    last = -math.inf
 
     def show(line: str) -> None:
         nonlocal last
-        if line.endswith("\n") or time.monotonic() - last >= NOW_AND_THEN:
+        if line.startswith(_ROUTINE):
+            if time.monotonic() - last < NOW_AND_THEN:
+                return
             last = time.monotonic()
-            _plain(line)
+        _plain(line)
 
     return show
 

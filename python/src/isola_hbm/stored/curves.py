@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from numpy.typing import NDArray
 from ..errors import Damaged
 from ..live.wire import Floats
 from .columns import HARMONIC, Column, documented
+from .levels import Omissions, levels, named
 from .motions import Later, Motions, Source, lazily
 from .names import Names
 from .store import Reading, Row, Store, Values
@@ -35,7 +37,7 @@ def branch(reading: Reading, row: Row, level_value: float, names: Names) -> Moti
         "level_value": level_value,
         **{name: value for name, value in row.items() if name not in _INTERNAL and value is not None},
         "closed": bool(row["closed"]),
-        **_special(reading, row),
+        **special(reading, row),
         **(reading.one(_RESULT, row["task"]) or {}),
     }
     return of.motions(names, attributes, _OfBranch(reading.store, row))
@@ -48,14 +50,25 @@ def backbone(reading: Reading, mode: int, owner: str, outcome: str, names: Names
     return of.motions(names, attributes, _OfOwner(reading.store, owner))
 
 
-def _special(reading: Reading, row: Row) -> dict[str, Any]:
+def special(reading: Reading, row: Row) -> dict[str, Any]:
     """Start, peak and folds of a branch, as indices of points."""
     try:
-        special = [(point["kind"], int(point["index"])) for point in json.loads(row["special"])]
+        points = [(point["kind"], int(point["index"])) for point in json.loads(row["special"])]
     except (TypeError, ValueError, LookupError) as error:
         raise Damaged(reading.store.file, f"the special points of {name_of(row)}: {error}") from error
-    ones = {kind: index for kind, index in special if kind != "fold"}
-    return {**ones, "folds": [index for kind, index in special if kind == "fold"]}
+    ones = {kind: index for kind, index in points if kind != "fold"}
+    return {**ones, "folds": [index for kind, index in points if kind == "fold"]}
+
+
+def folds(reading: Reading, omissions: Omissions) -> dict[str, list[int]]:
+    """Points at which branches turn back, as indices, by the names of these."""
+    found = {}
+    for level in levels(reading, omissions):
+        for row in level.branches:
+            name = named(level, row)
+            points = omissions.attempt(f"The folds of branch {name} are", partial(special, reading, row))
+            found[name] = points["folds"] if points else []
+    return found
 
 
 @dataclass(frozen=True)

@@ -32,7 +32,8 @@ class Motions(xr.Dataset):
         The axis `time` takes the place of `harmonic`; it counts in periods, from 0 to 1 (left out). Nothing is computed
         but what is used of the result: choose points and dofs first, or afterwards.
 
-        >>> branch.time().sel(dof="b0.r").isel(point=branch.peak)  # one period at the peak
+        >>> branch = run["0.006/isola 1"]
+        >>> branch.time().sel(dof="x1").isel(point=branch.peak)  # one period at the peak
 
         Args:
             variable: `displacement` (m), `modal` (kg^0.5 m) or `argument` (m, N).
@@ -60,12 +61,11 @@ class Motions(xr.Dataset):
         values = lazily(axes, series, harmonics.attrs)
         return xr.Dataset({variable: values}, {**coordinates, "time": instants})[variable]
 
-
     def verified(self) -> Motions:
         """The points of which the Floquet multipliers are known: those whose frequency a marched orbit has. Everywhere else
         `multiplier` is NaN, and of branches that were not verified there are none.
 
-        >>> branch.verified()["multiplier"].plot(x="omega")
+        >>> run["0.006/isola 1"].verified()["multiplier"].plot(x="omega")
         """
         known = np.isfinite(self["multiplier"].to_numpy()) if "multiplier" in self else np.zeros(0, dtype=bool)
         return self.isel(point=np.flatnonzero(known))

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import html
 import warnings
 from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import pandas as pd
 import xarray as xr
@@ -17,27 +18,25 @@ from ..errors import Damaged, LeftOut, NoSuchBranch, NoSuchRun
 from ..live import types
 from ..program import Page, page, status
 from . import check, curves, tables
+from .keys import Key, find, missing, parts
 from .levels import Omissions, levels, named
 from .motions import Motions, index_of
 from .names import Names, model
-from .store import Reading, Row, Store
-from .verified import name_of
+from .store import Reading, Store
 
 if TYPE_CHECKING:
     from ..plots import Plots
 
 T = TypeVar("T")
 
-#: A branch: ``"60/isola 1"``, or forcing amplitude (as typed or as a number) and name.
-Key: TypeAlias = "str | tuple[str | float, str]"
-
 
 def load(where: str | PathLike[str], order: int | None = None) -> StoredRun:
     """Opens a run on disk, whether it is finished, goes on or is damaged. Needs neither the program nor a bus.
 
-    >>> run = load("runs/blade")
+    >>> from isola_hbm import load
+    >>> run = load("runs/damper")
     >>> run.summary
-    >>> run["60/isola 1"].amplitude
+    >>> run["0.006/isola 1"].amplitude
 
     Args:
         where: Folder of the run, or its file ``run.sqlite``.
@@ -66,6 +65,8 @@ class StoredRun(Mapping[str, Motions]):
 
     Everything is read when it is asked for, and is what the run has at that moment; a run in progress grows. What cannot
     be read of a damaged run is left out with a warning (:class:`LeftOut`); asked for by name it raises :class:`Damaged`.
+
+    ``isola schema --columns`` says what words and columns of tables mean, :meth:`status` what was found, in sentences.
     """
 
     def __init__(self, store: Store) -> None:
@@ -161,8 +162,9 @@ class StoredRun(Mapping[str, Motions]):
 
     @property
     def backbones(self) -> pd.DataFrame:
-        """Points of the backbones of all modes followed: the columns of ``backbone.csv`` and what else the store has
-        (rad/s, 1/s, m, J a period)."""
+        """Points of the backbones of all modes followed: the columns of ``backbone.csv`` and what else the store has (rad/s, 1/s,
+        m, J a period). `omega` and `amplitude` of the free motion of `mode`; `threshold` is A*, from which forcing on a response is
+        predicted there, and `work_per_amplitude` the work of the forcing a period for A = 1."""
         return self._read(tables.backbones)
 
     @property
@@ -225,7 +227,7 @@ class StoredRun(Mapping[str, Motions]):
                     )
             followed = ", ".join(str(row["mode"]) for row in rows)
             raise NoSuchBranch(
-                f"there is no backbone of mode {mode}; modes followed: {followed}"
+                f"there is no backbone of mode {mode!r}; modes followed: {followed}"
                 if rows
                 else "there is no backbone yet"
             )
@@ -239,8 +241,8 @@ class StoredRun(Mapping[str, Motions]):
         (``jenkins``) the forces of the sliders at t = 0 belong to the state as well and are not here: begin with any, and leave out the
         first periods, in which they settle where the motion is stable.
 
-        >>> start = run.state("60/isola 1")
-        >>> start["displacement"].sel(dof="b0.r"), start["velocity"].values, float(start["omega"])
+        >>> start = run.state("0.006/isola 1")
+        >>> start["displacement"].sel(dof="x1"), start["velocity"].values, float(start["omega"])
 
         Args:
             branch: Name of the branch, ``"60/isola 1"``.
@@ -317,9 +319,9 @@ class StoredRun(Mapping[str, Motions]):
         """
 
         def read(reading: Reading, _: Omissions) -> Motions:
-            found = _find(reading, *_parts(key))
+            found = find(reading, *parts(key))
             if found is None:
-                raise NoSuchBranch(_missing(reading, *_parts(key)))
+                raise NoSuchBranch(missing(reading, *parts(key)))
             return curves.branch(reading, *found, self._names(reading))
 
         return self._read(read)
@@ -332,21 +334,37 @@ class StoredRun(Mapping[str, Motions]):
 
     def __contains__(self, key: object) -> bool:
         try:
-            amplitude, name = _parts(key)
+            amplitude, name = parts(key)
         except NoSuchBranch:
             return False
-        return self._read(lambda reading, _: _find(reading, amplitude, name)) is not None
+        return self._read(lambda reading, _: find(reading, amplitude, name)) is not None
 
     # Two runs are the same if they are one object: comparing all numbers is no question to ask in passing.
     __eq__ = object.__eq__
     __hash__ = object.__hash__
 
     def __repr__(self) -> str:
-        branches = count(len(self), "branch", "branches")
-        return f"<StoredRun {self.name}, {self.stage}: {branches} in {self.folder}>"
+        return (
+            f"<StoredRun {self.name}, {self.stage}: {self._content()}, in {self.folder}; "
+            "more: print(run.status()), run.summary, run.plot, run.explore()>"
+        )
 
     def _repr_html_(self) -> str:
-        return f"<p><b>{self.name}</b>, {self.stage}, <code>{self.folder}</code></p>{self.summary.to_html()}"
+        name, folder = (html.escape(str(text)) for text in (self.name, self.folder))
+        more = "<code>print(run.status())</code>, <code>run.plot</code>, <code>run.explore()</code>"
+        head = f"<b>{name}</b>, {self.stage}: {self._content()}, in <code>{folder}</code>; more: {more}"
+        return f"<p>{head}</p>{self.summary.to_html()}"
+
+    def _content(self) -> str:
+        """How much there is: ``3 levels, 5 branches (2 isolas)``."""
+        found = self._read(levels)
+        kinds = [branch["kind"] for level in found for branch in level.branches]
+        isolas = count(kinds.count("isola"), "isola")
+        return f"{count(len(found), 'level')}, {count(len(kinds), 'branch', 'branches')} ({isolas})"
+
+    def _folds(self) -> dict[str, list[int]]:
+        """Points at which branches turn back, by the names of these."""
+        return self._read(curves.folds)
 
     def _names(self, reading: Reading) -> Names:
         """Names along axes, which do not change."""
@@ -376,47 +394,3 @@ def _facts(reading: Reading) -> dict[str, str]:
 
 def _branches(reading: Reading, omissions: Omissions) -> list[str]:
     return [named(level, branch) for level in levels(reading, omissions) for branch in level.branches]
-
-
-def _parts(key: object) -> tuple[str | float, str]:
-    """Forcing amplitude and name of a branch."""
-    if isinstance(key, tuple) and len(key) == 2 and isinstance(key[1], str):
-        return key
-    if isinstance(key, str) and "/" in key:
-        amplitude, _, name = key.partition("/")
-        return amplitude, name
-    raise NoSuchBranch(f'{key!r} is no branch: write "60/isola 1", or 60, "isola 1"')
-
-
-def _find(reading: Reading, amplitude: str | float, name: str) -> tuple[Row, float] | None:
-    """The row of a branch, and its forcing amplitude A."""
-    for level in reading.rows_of("levels", ""):
-        if _is_amplitude(amplitude, level["amplitude"], level["value"]):
-            where = "WHERE level = ? AND kind = ? AND number = ?"
-            for row in reading.rows_of("branches", where, level["level"], *_kind_and_number(name)):
-                return row, level["value"]
-    return None
-
-
-def _kind_and_number(name: str) -> tuple[str, int]:
-    kind, _, number = name.strip().partition(" ")
-    return kind, int(number) if number.isdecimal() else 0 if number else 1
-
-
-def _is_amplitude(wanted: str | float, text: str, value: float) -> bool:
-    if wanted == text or wanted == value:
-        return True
-    try:
-        return float(wanted) == value
-    except ValueError:
-        return False
-
-
-def _missing(reading: Reading, amplitude: str | float, name: str) -> str:
-    """That there is no such branch, and what there is instead."""
-    rows = reading.rows("SELECT branches.*, value FROM branches JOIN levels USING (level)")
-    there = [name_of(row) for row in rows if _is_amplitude(amplitude, row["amplitude"], row["value"])]
-    texts = reading.column("SELECT amplitude FROM levels ORDER BY value")
-    levels = f"levels are {', '.join(texts[:12])}" + (", …" if len(texts) > 12 else "")
-    instead = f"there are {', '.join(there)}" if there else levels
-    return f"there is no branch `{name}` at A = {amplitude}; {instead}"
