@@ -94,14 +94,10 @@ pub fn warnings_of_sweep(study: &Study) -> Vec<String> {
     warnings.chain(assumed).chain(undetermined(&study.model)).collect()
 }
 
-/// What a sweep remarks of what may well be meant: a sentence.
-pub fn remark_of_sweep(study: &Study) -> Option<String> {
-    bounds::remark(study)
-}
-
-/// Where the force acts, if nobody said so and there is a choice: a sentence.
-pub fn assumed_forcing(study: &Study) -> Option<String> {
-    defaults::forcing(study)
+/// What a sweep notes, of what may well be meant: that nothing resonates within its bounds, where the force acts if nobody said so.
+/// Sentences.
+pub fn notes_of_sweep(study: &Study) -> Vec<String> {
+    bounds::note(study).into_iter().chain(defaults::forcing(study)).collect()
 }
 
 /// Why the mode that a sweep begins with has no backbone, if that is known before: a sentence.

@@ -132,8 +132,8 @@ async fn sweep(args: SweepArgs) -> Result<Ending, Error> {
     for warning in check::warnings_of_sweep(&study) {
         terminal::note(format_args!("warning: {warning}"));
     }
-    for remark in [check::remark_of_sweep(&study), check::assumed_forcing(&study)].into_iter().flatten() {
-        terminal::note(format_args!("note: {remark}"));
+    for note in check::notes_of_sweep(&study) {
+        terminal::note(format_args!("note: {note}"));
     }
     let directory = args.out.unwrap_or_else(|| default_directory(&study.name));
     // What is in use is said before a folder is made.

@@ -2,7 +2,7 @@
 
 use super::work::driven;
 use crate::study::Study;
-use results::words::{digits, number};
+use results::words::{digits, number, times};
 use std::f64::consts::TAU;
 
 /// Bounds nearer to a resonance than so many of its half-widths ζω cut it: there it has a fifth of its height.
@@ -17,13 +17,13 @@ pub(super) fn warnings(study: &Study) -> Vec<String> {
     hertz(study).into_iter().chain(flanks(study)).collect()
 }
 
-/// What a sweep remarks of bounds that may well be meant: nothing resonates between them, of no order that is looked at.
-pub(super) fn remark(study: &Study) -> Option<String> {
+/// What a sweep notes of bounds that may well be meant: nothing resonates between them, of no order that is looked at.
+pub(super) fn note(study: &Study) -> Option<String> {
     let is_told = resonates(study, 1..=ORDERS) || !warnings(study).is_empty();
     if is_told { None } else { quiet(study) }
 }
 
-/// That the linear structure resonates nowhere between the bounds, and where it does: responses there are what laws bring about.
+/// That the linear structure resonates nowhere between the bounds, and where it does next to them.
 pub(super) fn quiet(study: &Study) -> Option<String> {
     let (given, m) = (study.settings.frequency, study.model.forcing().harmonic);
     if resonates(study, m..=m) {
@@ -34,12 +34,11 @@ pub(super) fn quiet(study: &Study) -> Option<String> {
     let above = all.clone().find(|(_, omega)| given.max.is_some_and(|max| *omega > max));
     let place = |(mode, omega): (usize, f64)| format!("that of mode {} at {} rad/s", mode + 1, number(omega));
     let nearest: Vec<String> = [below, above].into_iter().flatten().map(place).collect();
-    let (are, them) = if nearest.len() == 1 { ("one is", "it") } else { ("ones are", "them") };
+    let are = if nearest.len() == 1 { "one is" } else { "ones are" };
+    let whose =
+        if m == 1 { String::new() } else { format!(" of the response, the force having {} that frequency", times(m)) };
     (!nearest.is_empty()).then(|| {
-        format!(
-            "no linear resonance lies within the bounds, the nearest {are} {}: away from {them} only laws bring about large responses",
-            nearest.join(" and ")
-        )
+        format!("no linear resonance lies within the bounds: the nearest {are} {}{whose}", nearest.join(" and "))
     })
 }
 
@@ -85,7 +84,8 @@ fn flanks(study: &Study) -> Vec<String> {
     // In frequencies of the response, of which the force has m times as much.
     let resonance = |j: usize| (j, modes.frequencies[j] / m, 0.5 * rates[j] / m);
     let is_sharp = |(_, omega, half): &(usize, f64, f64)| FLANK * half < SHARP * omega;
-    let resonances: Vec<_> = driven(model).filter(|&j| rates[j] > 0.0).map(resonance).filter(is_sharp).collect();
+    let resonances: Vec<_> =
+        driven(model).into_iter().filter(|&j| rates[j] > 0.0).map(resonance).filter(is_sharp).collect();
     let cut = |key: &str, bound: f64, outwards: f64| {
         let distance = |(_, omega, half): &(usize, f64, f64)| (bound - omega).abs() / half;
         let nearest = resonances.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))?;

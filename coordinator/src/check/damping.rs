@@ -19,7 +19,7 @@ pub(super) fn without(study: &Study) -> Option<String> {
     if model.elements().iter().any(|element| takes(&element.law)) {
         return None;
     }
-    let bare: Vec<usize> = driven(model).filter(|&mode| model.damping().rates()[mode] == 0.0).collect();
+    let bare: Vec<usize> = driven(model).into_iter().filter(|&mode| model.damping().rates()[mode] == 0.0).collect();
     let (have, their) = if bare.len() == 1 { ("has", "its") } else { ("have", "their") };
     (!bare.is_empty()).then(|| {
         format!(

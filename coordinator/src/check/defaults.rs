@@ -17,5 +17,5 @@ pub(super) fn damping(study: &Study) -> Option<String> {
 /// Where the force acts, if the study does not give it and there is a choice.
 pub(super) fn forcing(study: &Study) -> Option<String> {
     (study.model.size() > 1 && !study.gives("forcing.shape"))
-        .then(|| "forcing.shape is not given: the force has the shape of mode 1, and drives no other one".into())
+        .then(|| "forcing.shape is not given: the force has the shape of mode 1, and does no work on others".into())
 }

@@ -2,7 +2,7 @@
 
 use super::bounds;
 use super::touch::{FirstTouch, Place, shape};
-use super::work::{DRIVEN, work};
+use super::work::driven;
 use crate::study::Study;
 use protocol::session::MAX_RESULT_BYTES;
 use results::words::{count, digits, number};
@@ -111,12 +111,7 @@ fn nothing_nonlinear(model: &Model) -> Option<String> {
 
 /// Of a force that drives no mode that vibrates.
 fn nothing_driven(model: &Model) -> Option<String> {
-    let modes = model.modes();
-    let largest = |is_rigid: bool| {
-        let of_kind = (0..model.size()).filter(|&j| modes.is_rigid(j) == is_rigid);
-        of_kind.map(|j| work(model, j)).fold(0.0, f64::max)
-    };
-    (largest(false) < DRIVEN * largest(true)).then(|| {
+    driven(model).is_empty().then(|| {
         "the force drives rigid-body motions alone; forcing.shape = {mode = N} or {dofs = {NAME = 1}} gives another"
             .into()
     })

@@ -1,6 +1,7 @@
 //! What is probably not meant of laws.
 
 use super::touch::shape;
+use super::work::projection;
 use crate::study::Study;
 use results::words::digits;
 use solver::formulation::Formulation;
@@ -9,8 +10,8 @@ use solver::formulation::linear::forced_response;
 use solver::formulation::pressure::PressureForm;
 use solver::formulation::scales::Scales;
 use solver::formulation::unknown::Unknown;
+use solver::structure::Element;
 use solver::structure::laws::{LawKind, Term};
-use solver::structure::{Element, Model};
 
 /// Where polynomials take as much as the damping only at so many times the linear response, the structure is linear for all that can be
 /// seen of it.
@@ -81,9 +82,4 @@ fn polynomial(element: &Element) -> Option<(&Element, &[Term], bool)> {
         LawKind::PolynomialDamper(damper) => Some((element, &damper.terms, true)),
         _ => None,
     }
-}
-
-/// The force's shape in modal coordinates.
-fn projection(model: &Model) -> Vec<f64> {
-    model.modes().shapes.transpose().mul_vec(&model.forcing().shape)
 }

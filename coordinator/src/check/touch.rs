@@ -97,6 +97,5 @@ fn stops(model: &Model) -> impl Iterator<Item = (&Element, f64)> {
 
 /// Displacement of an element along its first argument in every mode.
 pub(super) fn shape(model: &Model, element: &Element) -> Vec<f64> {
-    let along = |j| element.channels[0].iter().map(move |&(dof, b)| b * model.modes().shapes[(dof, j)]);
-    (0..model.size()).map(|j| along(j).sum()).collect()
+    model.modes().along(&element.channels[0]).collect()
 }

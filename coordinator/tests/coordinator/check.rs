@@ -1,6 +1,6 @@
 //! What `isola check` says early: units that slipped, levels at which nothing touches, keys without effect.
 
-use coordinator::check::{remark_of_sweep, report, warnings_of_sweep};
+use coordinator::check::{notes_of_sweep, report, warnings_of_sweep};
 use coordinator::study::Study;
 use std::fs;
 use std::path::Path;
@@ -109,17 +109,20 @@ fn bounds_without_a_resonance() {
         let set: Vec<(String, String)> = set.iter().map(|(key, value)| (key.to_string(), value.to_string())).collect();
         let study = Study::load(dir.path(), &set, None).unwrap();
         assert_eq!(warnings_of_sweep(&study), [] as [&str; 0]);
-        (report(&study).contains("no linear resonance lies within the bounds"), remark_of_sweep(&study))
+        (report(&study).contains("no linear resonance lies within the bounds: "), notes_of_sweep(&study))
     };
-    let none = "no linear resonance lies within the bounds, the nearest one is that of mode 1 at 100 rad/s: away from it only laws \
-                bring about large responses";
+    let none = "no linear resonance lies within the bounds: the nearest one is that of mode 1 at 100 rad/s";
     for (min, max) in [(Some("200"), Some("400")), (Some("120"), None), (None, Some("30"))] {
-        assert_eq!(said(min, max), (true, Some(none.to_string())), "{min:?} to {max:?}");
+        assert_eq!(said(min, max), (true, vec![none.to_string()]), "{min:?} to {max:?}");
     }
     // Where a harmonic of the response resonates a sweep has nothing to say.
-    assert_eq!(said(Some("30"), Some("40")), (true, None));
-    assert_eq!(said(Some("90"), Some("110")), (false, None));
-    assert_eq!(said(None, Some("1000")), (false, None));
+    assert_eq!(said(Some("30"), Some("40")), (true, vec![]));
+    assert_eq!(said(Some("90"), Some("110")), (false, vec![]));
+    assert_eq!(said(None, Some("1000")), (false, vec![]));
+    // A force on the second harmonic has twice the frequency of the response.
+    let twice = MODEL.replace("[forcing]", "[forcing]\nharmonic = 2");
+    let (_, text) = checked(&twice, "0.3", &[("frequency.min", "90"), ("frequency.max", "110")]);
+    assert!(text.contains("mode 1 at 50 rad/s of the response, the force having twice that frequency\n"), "{text}");
 }
 
 /// What nobody gave is said, and that nothing damps.
@@ -141,7 +144,7 @@ fn damping_and_forcing_that_are_not_given() {
     let pair = "name = 'pair'\n[matrices]\nmass = [[1, 0], [0, 1]]\nstiffness = [[2, -1], [-1, 2]]\ndamping = [[0.1, 0], [0, 0.1]]\n";
     let (_, text) = checked(pair, "0.3", &[]);
     assert!(
-        text.contains("forcing.shape is not given: the force has the shape of mode 1, and drives no other one"),
+        text.contains("forcing.shape is not given: the force has the shape of mode 1, and does no work on others"),
         "{text}"
     );
     let undamped = MODEL.replace("1e-2 }]", "0 }]");

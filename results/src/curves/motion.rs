@@ -50,10 +50,7 @@ pub struct Motions {
 
 /// Contact nodes of a model; without contact, its monitored dofs.
 pub fn nodes(model: &Model) -> Vec<Node> {
-    let shape = |dofs: &[(usize, f64)]| {
-        let along = |j: usize| dofs.iter().map(|&(dof, share)| share * model.modes().shapes[(dof, j)]).sum();
-        (0..model.size()).map(along).collect::<Vec<f64>>()
-    };
+    let shape = |dofs: &[(usize, f64)]| model.modes().along(dofs).collect::<Vec<f64>>();
     let touching = |contact: ContactElement<'_>| Node {
         name: contact.element.name.clone(),
         gap: Some(contact.law.gap),

@@ -17,7 +17,7 @@ pub fn bounds(given: FrequencySettings, reach: Option<(f64, f64)>, is_further: b
     }
 }
 
-/// Where main branches were looked for, if not between bounds that were given: a sentence.
+/// Which frequencies were looked at, if not those between bounds that were given: a sentence.
 pub fn reach_sentence(
     given: FrequencySettings,
     reach: Option<(f64, f64)>,
@@ -30,7 +30,7 @@ pub fn reach_sentence(
         _ => "frequency.max gives another upper bound",
     };
     Some(format!(
-        "Main branches were looked for from {} to {}, as the backbones suggest ({key}).",
+        "Looked at: frequencies from {} to {}, where no bound was given as the backbones suggest; branches may go on beyond ({key}).",
         frequency(low),
         frequency(high)
     ))
@@ -51,11 +51,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn where_main_branches_were_looked_for() {
+    fn which_frequencies_were_looked_at() {
         let said = |min, max| {
             reach_sentence(FrequencySettings { min, max }, Some((0.9, 1.1)), |omega| format!("{omega} rad/s"))
         };
-        let from = "Main branches were looked for from 0.9 rad/s to 1.1 rad/s, as the backbones suggest (frequency.";
+        let from = "Looked at: frequencies from 0.9 rad/s to 1.1 rad/s, where no bound was given as the backbones suggest; branches may go on \
+                    beyond (frequency.";
         assert_eq!(said(None, None).unwrap(), format!("{from}min and frequency.max give other bounds)."));
         assert_eq!(said(Some(0.9), None).unwrap(), format!("{from}max gives another upper bound)."));
         assert_eq!(said(None, Some(1.1)).unwrap(), format!("{from}min gives another lower bound)."));

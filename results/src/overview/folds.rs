@@ -7,6 +7,7 @@ use crate::store::{CurvePoint, CurveRow, WindowRow};
 use crate::words::digits;
 use solver::response::critical::CriticalKind;
 use solver::response::folds::{Critical, Extent, Quantity};
+use solver::response::forced::SearchRange;
 use solver::response::orders::orders;
 use solver::settings::{FrequencySettings, Settings};
 use solver::structure::Model;
@@ -44,11 +45,20 @@ pub fn born_between<'c>(levels: &[Level], curves: &'c [CurveRow], bounds: Freque
     events_of(curves, CriticalKind::Birth.name()).into_iter().filter(is_between).collect()
 }
 
-/// Levels at which what is born between others can be looked at, the lowest first, in few digits: half way to the next level above, or to
-/// where isolas end before.
+/// The first birth along fold curves above the highest level, at frequencies within `bounds`.
+pub fn born_above<'c>(levels: &[Level], curves: &'c [CurveRow], bounds: FrequencySettings) -> Option<&'c CurvePoint> {
+    let highest = levels.iter().map(|level| level.value).fold(0.0, f64::max);
+    let is_above = |birth: &&CurvePoint| birth.forcing > highest && is_within(bounds, birth.omega);
+    events_of(curves, CriticalKind::Birth.name()).into_iter().find(is_above)
+}
+
+/// Levels at which what is born at none can be looked at, the lowest first, in few digits: half way to the next level above, or to where
+/// isolas end or folds are followed to before.
 pub fn levels_after(births: &[&CurvePoint], levels: &[Level], curves: &[CurveRow]) -> Vec<String> {
     let ends = [CriticalKind::Death, CriticalKind::Merge].into_iter().flat_map(|kind| events_of(curves, kind.name()));
-    let others: Vec<f64> = levels.iter().map(|level| level.value).chain(ends.map(|end| end.forcing)).collect();
+    let values = levels.iter().map(|level| level.value);
+    let followed = values.clone().fold(0.0, f64::max) * SearchRange::BEYOND;
+    let others: Vec<f64> = values.chain(ends.map(|end| end.forcing)).chain([followed]).collect();
     let after = |birth: &&CurvePoint| {
         let above = others.iter().copied().filter(|other| *other > birth.forcing * (1.0 + SAME)).reduce(f64::min)?;
         let middle = f64::midpoint(birth.forcing, above);
@@ -170,6 +180,8 @@ mod tests {
         assert_eq!(after(1.246, None), ["1.6"]);
         assert_eq!(after(1.246, Some(1.25)), ["1.248"]);
         assert_eq!(after(1.99, None), ["1.995"]);
+        // Above the highest level folds are followed to twice as much.
+        assert_eq!(after(2.5, None), ["3"]);
         // A cusp ends no isola.
         let curves = curve(vec![point(1.246, Some("birth")), point(1.25, Some("cusp"))]);
         assert_eq!(levels_after(&[&curves[0].points[0]], &levels, &curves), ["1.6"]);

@@ -27,7 +27,7 @@ pub use bounds::{beyond, bounds, is_within, reach_sentence};
 pub use doubts::{doubts, ends_far_beyond};
 pub use events::{events_sentence, forcing_label};
 pub use folds::{
-    CurveEvent, born_between, curve_events, events_of, later_birth, levels_after, most_folds, not_followed,
+    CurveEvent, born_above, born_between, curve_events, events_of, later_birth, levels_after, most_folds, not_followed,
     not_followed_sentence, why_no_folds,
 };
 pub use largest_stable::{StableResponse, largest_stable, largest_stable_sentence};

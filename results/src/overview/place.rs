@@ -17,12 +17,9 @@ pub fn undetermined(model: &Model) -> Option<String> {
     let springs = model.elements().iter().filter(|element| matches!(element.law, LawKind::PolynomialSpring(_)));
     let felt: Vec<Vec<f64>> = springs
         .map(|spring| {
-            let along = |mode: usize| {
-                let channel = spring.channels[0].iter();
-                channel.map(|&(dof, b)| b * model.modes().shapes[(dof, mode)]).sum::<f64>()
-            };
-            let length = (0..model.size()).map(|mode| along(mode).powi(2)).sum::<f64>().sqrt();
-            rigid.iter().map(|&mode| along(mode) / length).collect()
+            let shape: Vec<f64> = model.modes().along(&spring.channels[0]).collect();
+            let length = shape.iter().map(|b| b * b).sum::<f64>().sqrt();
+            rigid.iter().map(|&mode| shape[mode] / length).collect()
         })
         .collect();
     let resistance = Matrix::from_fn(rigid.len(), rigid.len(), |i, j| felt.iter().map(|felt| felt[i] * felt[j]).sum());

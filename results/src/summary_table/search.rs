@@ -1,6 +1,6 @@
 //! What was looked for, and that nothing was found: how much the table may be trusted to be complete.
 
-use crate::overview::{Level, LookedFor, born_between, levels_after, modes, why_no_folds};
+use crate::overview::{Level, LookedFor, born_above, born_between, levels_after, modes, why_no_folds};
 use crate::store::{CurveRow, SearchCounts};
 use protocol::backbone::BackboneMessage;
 use protocol::curve::Size;
@@ -79,17 +79,20 @@ pub(super) fn no_isola(
     Some(format!("No isola was found{born}{only}.{other}"))
 }
 
-/// What is born between levels that have no isola, and how to look at it: what follows "no isola was found".
+/// What is born between or above levels that have no isola, and how to look at it: what follows "no isola was found".
 fn born(levels: &[Level], curves: &[CurveRow], bounds: FrequencySettings) -> String {
-    let births = born_between(levels, curves, bounds);
-    let after = levels_after(&births, levels, curves);
-    let how = match after.is_empty() {
-        true => String::new(),
-        false => format!(": isola extend RUN --amplitudes {} computes that as well", after.join(",")),
+    let between = born_between(levels, curves, bounds);
+    let above = born_above(levels, curves, bounds);
+    let (births, what) = match (&between[..], above) {
+        ([], None) => return String::new(),
+        ([], Some(birth)) => (vec![birth], "one is born above them".to_string()),
+        ([_], _) => (between, "one is born between them".to_string()),
+        (several, _) => (several.to_vec(), format!("{} are born between them", several.len())),
     };
-    match births.len() {
-        0 => String::new(),
-        1 => format!(" at these levels (one is born between them{how})"),
-        several => format!(" at these levels ({several} are born between them{how})"),
-    }
+    let how = match &levels_after(&births, levels, curves)[..] {
+        [] => String::new(),
+        [level] => format!(": isola extend RUN --amplitudes {level} computes a level there"),
+        list => format!(": isola extend RUN --amplitudes {} computes levels there", list.join(",")),
+    };
+    format!(" at these levels ({what}{how})")
 }

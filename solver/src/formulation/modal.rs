@@ -26,9 +26,7 @@ impl Modal {
         let (mut shapes, mut open) = (Vec::new(), Vec::new());
         for element in model.elements() {
             for (i, combination) in element.channels.iter().enumerate() {
-                shapes.extend((0..modes).map(|j| {
-                    combination.iter().map(|&(dof, factor)| factor * model.modes().shapes[(dof, j)]).sum::<f64>()
-                }));
+                shapes.extend(model.modes().along(combination));
                 open.push(match element.law.rigid() {
                     Some(contact) if i == 0 => (contact.epsilon, contact.epsilon * contact.gap),
                     _ => (1.0, 0.0),

@@ -22,6 +22,9 @@ pub struct SearchRange {
 }
 
 impl SearchRange {
+    /// Folds are followed by this factor beyond the forcing amplitudes of a study.
+    pub const BEYOND: f64 = 2.0;
+
     /// As set; where nothing is set, 10 % beyond the backbone's frequencies and three times its largest amplitude.
     ///
     /// # Errors
@@ -70,12 +73,12 @@ impl SearchRange {
     /// The same for a study of these forcing amplitudes: folds are followed a factor of two beyond them.
     pub fn with_folds_of(self, amplitudes: impl Iterator<Item = f64>) -> Self {
         let (low, high) = amplitudes.fold((f64::INFINITY, 0.0f64), |(low, high), a| (low.min(a), high.max(a)));
-        Self { forcing: Some((low / BEYOND, BEYOND * high)).filter(|_| low.is_finite()), ..self }
+        Self { forcing: Some((low / Self::BEYOND, Self::BEYOND * high)).filter(|_| low.is_finite()), ..self }
     }
 
     /// Lowest and highest forcing amplitude to which folds of branches at one are followed.
     pub(super) fn forcing_around(&self, forcing: f64) -> (f64, f64) {
-        self.forcing.unwrap_or((forcing / BEYOND, BEYOND * forcing))
+        self.forcing.unwrap_or((forcing / Self::BEYOND, Self::BEYOND * forcing))
     }
 
     /// Frequencies that main branches are walked through even if their response is linear at the study's bounds.
@@ -87,6 +90,3 @@ impl SearchRange {
 
 /// Where a backbone ends early, main branches are walked up to this multiple of its lowest frequency.
 const FAR: f64 = 4.0;
-
-/// Folds are followed by this factor beyond the forcing amplitudes of a study.
-const BEYOND: f64 = 2.0;

@@ -38,6 +38,11 @@ impl Modes {
     pub fn is_rigid(&self, j: usize) -> bool {
         self.frequencies[j] <= RIGID * self.frequencies[self.frequencies.len() - 1]
     }
+
+    /// Displacement bᵀΦ_j along dofs with factors in every mode, kg^-½.
+    pub fn along<'m>(&'m self, direction: &'m [(usize, f64)]) -> impl Iterator<Item = f64> + 'm {
+        (0..self.frequencies.len()).map(move |j| direction.iter().map(|&(dof, b)| b * self.shapes[(dof, j)]).sum())
+    }
 }
 
 /// Damping in modal coordinates, Ĉ = Φᵀ C Φ.
