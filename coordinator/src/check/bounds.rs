@@ -2,6 +2,7 @@
 
 use super::work::driven;
 use crate::study::Study;
+use results::overview::is_within;
 use results::words::{digits, number, times};
 use std::f64::consts::TAU;
 
@@ -26,10 +27,10 @@ pub(super) fn note(study: &Study) -> Option<String> {
 /// That the linear structure resonates nowhere between the bounds, and where it does next to them.
 pub(super) fn quiet(study: &Study) -> Option<String> {
     let (given, m) = (study.settings.frequency, study.model.forcing().harmonic);
-    if resonates(study, m..=m) {
+    let all = driven(&study.model).into_iter().map(|mode| (mode, study.model.modes().frequencies[mode] / m as f64));
+    if all.clone().any(|(_, omega)| is_within(given, omega)) {
         return None;
     }
-    let all = resonances(study).map(|(mode, omega)| (mode, omega / m as f64));
     let below = all.clone().filter(|(_, omega)| given.min.is_some_and(|min| *omega < min)).last();
     let above = all.clone().find(|(_, omega)| given.max.is_some_and(|max| *omega > max));
     let place = |(mode, omega): (usize, f64)| format!("that of mode {} at {} rad/s", mode + 1, number(omega));
@@ -38,7 +39,10 @@ pub(super) fn quiet(study: &Study) -> Option<String> {
     let whose =
         if m == 1 { String::new() } else { format!(" of the response, the force having {} that frequency", times(m)) };
     (!nearest.is_empty()).then(|| {
-        format!("no linear resonance lies within the bounds: the nearest {are} {}{whose}", nearest.join(" and "))
+        format!(
+            "no linear resonance that the force drives lies within the bounds: the nearest {are} {}{whose}",
+            nearest.join(" and ")
+        )
     })
 }
 
@@ -50,10 +54,8 @@ fn resonances(study: &Study) -> impl Iterator<Item = (usize, f64)> + Clone {
 
 /// Whether the response has a frequency within the bounds at which one of these harmonics, or that of the force, meets a mode.
 fn resonates(study: &Study, harmonics: std::ops::RangeInclusive<usize>) -> bool {
-    let given = study.settings.frequency;
-    let is_within = |omega: f64| given.min.is_none_or(|min| omega >= min) && given.max.is_none_or(|max| omega <= max);
     let mut harmonics = harmonics.chain([study.model.forcing().harmonic]);
-    harmonics.any(|k| resonances(study).any(|(_, omega)| is_within(omega / k as f64)))
+    harmonics.any(|k| resonances(study).any(|(_, omega)| is_within(study.settings.frequency, omega / k as f64)))
 }
 
 /// Of bounds between which no mode resonates, but would if they were Hz.

@@ -1,6 +1,8 @@
 //! From which forcing on something touches.
 
+use super::work::driven;
 use crate::study::Study;
+use results::overview::is_within;
 use results::words::number;
 use solver::formulation::Formulation;
 use solver::formulation::harmonics::complex;
@@ -39,8 +41,7 @@ impl std::fmt::Display for FirstTouch<'_> {
             Place::Bound(omega) => {
                 write!(
                     f,
-                    "at {} rad/s, as far as the linear response tells, of which no resonance lies within the bounds: isolas may \
-                     touch much earlier",
+                    "at the bound {} rad/s, by the linear response there and at resonances: isolas may touch much earlier",
                     number(omega)
                 )
             }
@@ -48,30 +49,30 @@ impl std::fmt::Display for FirstTouch<'_> {
     }
 }
 
-/// Where contacts and elastic stops touch first, the forcing growing at the resonances of the modes that are followed or, if none
-/// lies within the bounds of the study, at these. `None` if nothing has a gap, or where linear response has no bound.
+/// Where contacts and elastic stops touch first, the forcing growing, in the linear response at its bounds and at the resonances of the
+/// modes that are followed and driven. `None` if nothing has a gap, or where the linear response has no bound.
 pub(super) fn first_touch<'s>(study: &'s Study, followed: &[usize]) -> Option<FirstTouch<'s>> {
     let (model, settings) = (&study.model, &study.settings);
     let (unknown, scales) = (Unknown::Frequency { forcing: 1.0 }, Scales::new(model, settings.tracked()));
     let problem = PressureForm::build(model, settings.harmonics, settings.tracked(), unknown, scales).ok()?;
     let resonance = |mode: usize| model.modes().frequencies[mode] / model.forcing().harmonic as f64;
-    let FrequencySettings { min, max, .. } = settings.frequency;
-    let is_within =
-        |mode: &usize| min.is_none_or(|min| resonance(*mode) >= min) && max.is_none_or(|max| resonance(*mode) <= max);
+    let FrequencySettings { min, max } = settings.frequency;
     // A stop that is pressed at rest changes the linear response.
     let is_pressed = |element: &Element| matches!(&element.law, LawKind::PenaltySpring(spring) if spring.gap < 0.0);
     if model.elements().iter().any(is_pressed) {
         return None;
     }
-    let modes = followed.iter().copied().filter(is_within);
-    let mut places: Vec<(Place, f64)> = modes.map(|mode| (Place::Resonance(mode), resonance(mode))).collect();
-    if places.is_empty() && (0..model.size()).any(|mode| !model.modes().is_rigid(mode) && is_within(&mode)) {
+    let (own, others): (Vec<usize>, Vec<usize>) = driven(model)
+        .into_iter()
+        .filter(|&mode| is_within(settings.frequency, resonance(mode)))
+        .partition(|mode| followed.contains(mode));
+    if own.is_empty() && !others.is_empty() {
         return None;
     }
-    if places.is_empty() {
-        places.extend([min, max].into_iter().flatten().map(|omega| (Place::Bound(omega), omega)));
-    }
-    let touches = places.into_iter().filter_map(|(place, omega)| touch_at(&problem, model, place, omega));
+    let resonances = own.into_iter().map(|mode| (Place::Resonance(mode), resonance(mode)));
+    let bounds = [min, max].into_iter().flatten().map(|omega| (Place::Bound(omega), omega));
+    let places = resonances.chain(bounds);
+    let touches = places.filter_map(|(place, omega)| touch_at(&problem, model, place, omega));
     touches.min_by(|a, b| a.forcing.total_cmp(&b.forcing))
 }
 

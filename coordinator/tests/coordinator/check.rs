@@ -61,7 +61,7 @@ fn where_an_elastic_stop_touches() {
     let bounds = [("frequency.min", "200"), ("frequency.max", "400")];
     let (warnings, text) = checked(&elastic, "0.1,0.3", &bounds);
     assert!(warnings.is_empty(), "{text}");
-    assert!(text.contains("touches     from A = 30.0027 on, stop first, at 200 rad/s, as far as"), "{text}");
+    assert!(text.contains("touches     from A = 30.0027 on, stop first, at the bound 200 rad/s, by the"), "{text}");
     // One that is pressed at rest has nothing to touch.
     let pressed = elastic.replace("gap = 1e-3", "gap = -1e-3");
     assert!(!checked(&pressed, "0.1,0.3", &[]).1.contains("touches"));
@@ -109,9 +109,12 @@ fn bounds_without_a_resonance() {
         let set: Vec<(String, String)> = set.iter().map(|(key, value)| (key.to_string(), value.to_string())).collect();
         let study = Study::load(dir.path(), &set, None).unwrap();
         assert_eq!(warnings_of_sweep(&study), [] as [&str; 0]);
-        (report(&study).contains("no linear resonance lies within the bounds: "), notes_of_sweep(&study))
+        (
+            report(&study).contains("no linear resonance that the force drives lies within the bounds: "),
+            notes_of_sweep(&study),
+        )
     };
-    let none = "no linear resonance lies within the bounds: the nearest one is that of mode 1 at 100 rad/s";
+    let none = "no linear resonance that the force drives lies within the bounds: the nearest one is that of mode 1 at 100 rad/s";
     for (min, max) in [(Some("200"), Some("400")), (Some("120"), None), (None, Some("30"))] {
         assert_eq!(said(min, max), (true, vec![none.to_string()]), "{min:?} to {max:?}");
     }
@@ -234,6 +237,20 @@ fn what_touches_first_in_any_of_the_modes_followed() {
         "{text}"
     );
     assert!(warnings.is_empty(), "{text}");
+}
+
+/// Forced in the shape of its first mode, 100 rad/s, the mass between springs touches at the bound nearer to it, whatever resonates beside.
+#[test]
+fn what_touches_first_beside_a_resonance_that_nothing_drives() {
+    let pair = "name = 'pair'\ndofs = ['x', 'y']\n[matrices]\nmass = [[1, 0], [0, 1]]\nstiffness = [[2e4, -1e4], [-1e4, 2e4]]\n\
+                [damping]\ndefault_ratio = 1e-4\n[forcing]\nshape = { mode = 1 }\n[[laws]]\nname = 'stop'\ndof = 'x'\n\
+                law = { penalty_spring = { stiffness = 1e4, gap = 1e-3 } }\n";
+    let (_, text) = checked(pair, "0.3", &[("frequency.min", "110"), ("frequency.max", "200")]);
+    // |x| = A Φ / |ω² − ω₁²| with Φ = 1/√2.
+    let first = format!("touches     from A = {:.5}", 1e-3 * (110.0_f64.powi(2) - 1e4) * 2.0_f64.sqrt());
+    assert!(text.contains(&first) && text.contains("on, stop first, at the bound 110 rad/s, by the"), "{text}");
+    let none = "no linear resonance that the force drives lies within the bounds: the nearest one is that of mode 1 at 100 rad/s";
+    assert!(text.contains(none), "{text}");
 }
 
 #[test]
