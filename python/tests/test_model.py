@@ -23,7 +23,7 @@ from isola_hbm import BadModel, Contact, Law, Model
 from isola_hbm import program as of_program
 from isola_hbm import toml as of_toml
 from isola_hbm.laws import _MOST, _PARAMETERS, _POLYNOMIALS, _TERM
-from isola_hbm.sweeps import _shown
+from isola_hbm.showing import shown
 
 CUBIC = Law("polynomial_spring", dof="x1", terms=[{"power": 3, "coefficient": 1}])
 
@@ -525,9 +525,13 @@ def test_a_file_in_the_place_of_the_folder(tmp_path: Path) -> None:
 def test_doubts_are_a_warning(tmp_path: Path) -> None:
     model = Model.load(MODELS / "duffing")
     settings = {"search": "none", "branch": {"max_points": 10}, "harmonics": {"count": 3}}
-    with pytest.warns(isola_hbm.Incomplete, match="main branch"):
+    # Whoever asked is who is warned.
+    with pytest.warns(isola_hbm.Incomplete, match="main branch") as seen:
         run = isola_hbm.sweep(model, [0.05], out=tmp_path / "run", workers=1, progress=False, **settings)
-    assert len(run) >= 1
+    assert len(run) >= 1 and {warning.filename for warning in seen} == {__file__}
+    with pytest.warns(isola_hbm.Incomplete, match="main branch") as seen:
+        run = isola_hbm.extend(run, [0.06], workers=1, progress=False)
+    assert "0.06/main" in run and {warning.filename for warning in seen} == {__file__}
 
 
 def test_without_the_program(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
@@ -571,6 +575,39 @@ def test_an_interrupt_ends_the_sweep_and_keeps_the_run(tmp_path: Path) -> None:
 
 
 @pytest.mark.needs_program
+@pytest.mark.filterwarnings("ignore::UserWarning")
+def test_a_run_is_carried_on(tmp_path: Path) -> None:
+    def interrupt(line: str) -> None:
+        if line.startswith("running: "):
+            raise KeyboardInterrupt
+
+    model, folder = Model([[1]], [[1]], laws=[CUBIC], name="mine"), tmp_path / "run"
+    settings = {"search": "none", "verify": "none", "harmonics": {"count": 3}, "workers": 1}
+    with pytest.raises(KeyboardInterrupt):
+        isola_hbm.sweep(model, [0.01, 0.02], out=folder, progress=interrupt, **settings)  # type: ignore[arg-type]
+    assert isola_hbm.load(folder).stage == "sweep"
+    run = isola_hbm.resume(folder, workers=1, progress=False)
+    assert run.stage == "finished" and set(run) == {"0.01/main", "0.02/main"}
+    before = run["0.02/main"].load()
+
+    # Those that it has are passed over; what was computed stays as it is.
+    longer = isola_hbm.extend(run, [0.02, 0.015], workers=1, progress=False)
+    assert set(longer) == {"0.01/main", "0.015/main", "0.02/main"} and longer.folder == run.folder
+    assert "0.015" in longer.study and longer.stage == "finished"
+    assert np.array_equal(longer["0.02/main"]["omega"], before["omega"])
+    assert set(isola_hbm.resume(longer, progress=False)) == set(longer)
+
+    with pytest.raises(isola_hbm.StudyRefused, match=r"^amplitudes = 0\.02: the run has all of these levels"):
+        isola_hbm.extend(run, 0.02)
+    with pytest.raises(isola_hbm.BadStudy, match="workers = -1: a number of processes"):
+        isola_hbm.resume(run, workers=-1)
+    with pytest.raises(isola_hbm.NoSuchRun, match="nowhere"):
+        isola_hbm.resume(tmp_path / "nowhere")
+    with pytest.raises(isola_hbm.FolderInUse, match=r"isola_hbm\.resume\('.*run'\) goes on"):
+        isola_hbm.sweep(model, [0.01], out=folder)
+
+
+@pytest.mark.needs_program
 def test_the_page_of_a_run(damper: Path, tmp_path: Path) -> None:
     page = isola_hbm.load(damper).explore()
     html = page.save(tmp_path / "page.html").read_text()
@@ -604,22 +641,22 @@ def test_progress_is_one_line_of_a_terminal(monkeypatch: pytest.MonkeyPatch) -> 
 
     monkeypatch.setenv("COLUMNS", "30")
     monkeypatch.setattr(sys, "stderr", terminal := Terminal())
-    show = _shown(True)
+    show = shown(True)
     show("sweep: no level has tasks right now, 300 tasks done")
     show("finished\n")
     assert terminal.getvalue() == "\rsweep: no level has tasks rig\rfinished" + 21 * " " + "\n"
     monkeypatch.setattr(sys, "stderr", file := io.StringIO())
-    _shown(False)("running")
+    shown(False)("running")
     assert file.getvalue() == ""
     # Nobody asked, and there is no terminal: now and then, and the last one.
-    show = _shown(None)
+    show = shown(None)
     for line in ("run f1 in runs/x", "computing", "running: 1", "running: 2", "note: a level has no task", "finished\n"):
         show(line)
     assert file.getvalue() == "run f1 in runs/x\ncomputing\nrunning: 1\nnote: a level has no task\nfinished\n"
     file.seek(file.truncate(0))
     # Asked for, a file has what the program says, line by line.
-    _shown(True)("sweep: no level has tasks right now, 300 tasks done")
-    _shown(True)("finished\n")
+    shown(True)("sweep: no level has tasks right now, 300 tasks done")
+    shown(True)("finished\n")
     assert file.getvalue() == "sweep: no level has tasks right now, 300 tasks done\nfinished\n"
 
 

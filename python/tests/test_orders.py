@@ -50,6 +50,14 @@ def test_a_further_order_has_no_backbone_of_the_first(run: Path) -> None:
     assert set(further).isdisjoint(first)
 
 
+def test_branches_of_a_further_order_are_hinted_at(run: Path) -> None:
+    first = isola_hbm.load(run)
+    assert repr(first).endswith(f"motions of 3 periods of the force: isola_hbm.load('{run}', order=3)>")
+    assert "load(" not in repr(isola_hbm.load(run, order=3))
+    with pytest.raises(isola_hbm.NoSuchBranch, match=r'those of load\(folder, order=3\), there "2/isola 1"'):
+        first["2-m3/isola 1"]
+
+
 def test_an_order_that_is_not_looked_for(run: Path, damper: Path) -> None:
     with pytest.raises(isola_hbm.NoSuchRun, match="there are no motions of order 2 in it, but of 1, 3"):
         isola_hbm.load(run, order=2)

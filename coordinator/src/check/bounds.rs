@@ -31,7 +31,7 @@ pub(super) fn quiet(study: &Study) -> Option<String> {
     if all.clone().any(|(_, omega)| is_within(given, omega)) {
         return None;
     }
-    let below = all.clone().filter(|(_, omega)| given.min.is_some_and(|min| *omega < min)).last();
+    let below = all.clone().rfind(|(_, omega)| given.min.is_some_and(|min| *omega < min));
     let above = all.clone().find(|(_, omega)| given.max.is_some_and(|max| *omega > max));
     let place = |(mode, omega): (usize, f64)| format!("that of mode {} at {} rad/s", mode + 1, number(omega));
     let nearest: Vec<String> = [below, above].into_iter().flatten().map(place).collect();

@@ -15,6 +15,7 @@ A model made of matrices, and its sweep; figures:
 >>> print(model.check())  # what the program makes of it
 >>> run = isola_hbm.sweep(model, amplitudes=[0.02, 0.05, 0.1])  # the resonance leans to higher frequencies
 >>> run.plot.response()
+>>> run = isola_hbm.extend(run, [0.07])  # a level more; isola_hbm.resume(run) goes on with an interrupted one
 
 A run that goes on, from anywhere on its bus, branch by branch:
 
@@ -75,7 +76,7 @@ from .live.wire import NAMESPACE, VERSION
 from .model import Model
 from .stored.motions import Motions
 from .stored.run import StoredRun, load
-from .sweeps import sweep
+from .sweeps import extend, resume, sweep
 
 __all__ = [
     "NAMESPACE",
@@ -129,6 +130,8 @@ __all__ = [
     "Window",
     "WorkerStatus",
     "connect",
+    "extend",
     "load",
+    "resume",
     "sweep",
 ]

@@ -146,6 +146,7 @@ def reason(said: Sequence[str], code: int, file: Path, *, is_written: bool) -> s
         why = why.replace("`contact.nodes[", "`contacts[")
     why = re.sub(r"^--set ([^=]+)=", r"\1 = ", why)
     why = re.sub(r"^--(\w+): ", r"\1: ", why)
+    why = re.sub(r"^--(\w+) ([^:]+(?::[^: ]+)*): ", r"\1 = \2: ", why)
     # The program names the option, and the key that it sets.
     why = re.sub(r"^([^=:]+) = ([^:]*): `\1`( = [^:]*)?: ", r"\1 = \2: ", why)
     why = re.sub(r"^(\w+): `\1` = ", r"\1 = ", why)

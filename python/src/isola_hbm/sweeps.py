@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import math
 import os
 import re
 import shutil
 import signal
 import subprocess
-import sys
 import time
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -19,20 +17,21 @@ from . import program, study
 from .counted import count
 from .errors import BadModel, Doubtful, FolderInUse, Incomplete
 from .model import Model
+from .showing import Showing, shown, tell
 from .stored.run import StoredRun, load
 from .stored.store import FILE
 from .study import Amplitudes
 
 #: How long the program is given to end when it is asked to, s.
 PATIENCE = 30.0
-#: Between two lines that say how far it is, where nobody asked for all of them and there is no terminal, s.
-NOW_AND_THEN = 10.0
+#: Exit codes of a run that has come to its end, with or without doubts.
+_ENDED = (0, 3, 4)
 #: How a line of the program begins that doubts something.
 _DOUBT = "warning: "
-#: How a line begins that says how far it is.
-_ROUTINE = "running: "
 #: All lines that say what happens, and those of its log, whose sum its last line tells.
-_PROGRESS = re.compile(r"(warning: |note: |run \w+ in |computing |backbone|running: |finished: |\d+ levels?, |\d{4}-\d\d-\d\dT\d\d:)")
+_PROGRESS = re.compile(
+    r"(warning: |note: |run \w+ in |computing |backbone|running: |finished: |\d+ levels?, |\d{4}-\d\d-\d\dT\d\d:)"
+)
 
 
 def sweep(
@@ -41,7 +40,7 @@ def sweep(
     *,
     out: str | os.PathLike[str] | None = None,
     workers: int | None = None,
-    progress: bool | Callable[[str], None] | None = None,
+    progress: Showing = None,
     **settings: Any,
 ) -> StoredRun:
     """Computes a study: backbones, windows, every branch of every forcing level. Returns the run.
@@ -52,7 +51,7 @@ def sweep(
     >>> model = Model(M=[[1]], K=[[1]], damping={"default_ratio": 0.05}, laws=[spring])
     >>> run = sweep(model, amplitudes="0.02:0.1:0.04", harmonics={"count": 5}, search="none")
 
-    Ctrl-C (in a notebook: interrupt) ends it; what was computed stays, ``isola resume`` goes on.
+    Ctrl-C (in a notebook: interrupt) ends it; what was computed stays, :func:`resume` goes on.
 
     Args:
         model: A :class:`Model`, the folder of a model or a study, or the file of a study.
@@ -87,7 +86,7 @@ def sweep(
     if (folder / FILE).exists():
         raise FolderInUse(
             f"{folder}: this folder holds a run already, perhaps one that failed; give another `out`, or remove the folder;"
-            f" `isola resume {folder}` goes on with the run"
+            f" isola_hbm.resume({str(folder)!r}) goes on with the run, isola_hbm.extend({str(folder)!r}, amplitudes) adds levels to it"
         )
     study.require_meant(settings, ("amplitudes", "out", "workers", "progress"))
     options = study.options(amplitudes, workers, settings)
@@ -98,22 +97,97 @@ def sweep(
         raise FolderInUse(f"{file}: a file, where the folder of the run is to be; name another folder")
     is_new = not folder.exists()
     file = _study(model, folder, amplitudes)
-    process = program.start(["sweep", str(file), "--out", str(folder), *options])
-    said, code = _heard(process, show := _shown(progress))
-    if code not in (0, 3, 4):
-        is_written = isinstance(model, Model)
+    said, code = _heard(["sweep", str(file), "--out", str(folder), *options], show := shown(progress))
+    if code not in _ENDED:
         if is_new and not (folder / FILE).exists():
             shutil.rmtree(folder, ignore_errors=True)
-        raise study.refusal(said, code, file, is_written=is_written)
+        raise study.refusal(said, code, file, is_written=isinstance(model, Model))
+    return _ended(load(folder), said, code, show, progress)
+
+
+def extend(
+    run: StoredRun | str | os.PathLike[str],
+    amplitudes: Amplitudes,
+    *,
+    workers: int | None = None,
+    progress: Showing = None,
+) -> StoredRun:
+    """Adds forcing levels to a run, as ``isola extend``: computed with its settings, nothing twice. Whatever it left to do is done too.
+
+    >>> from isola_hbm import extend, load
+    >>> run = extend("runs/damper", [0.008])
+    >>> run = extend(load("runs/damper"), "0.009:0.011:0.001")
+
+    Args:
+        run: The run, or its folder.
+        amplitudes: Further forcing amplitudes A, in the model's unit of forcing; those that the run has are passed over.
+        workers, progress: As of :func:`sweep`.
+
+    Raises:
+        NoSuchRun: There is no run.
+        BadStudy: Amplitudes that make no sense or of which none is new (:class:`StudyRefused`), or such `workers`.
+        NoProgram: The program is not there.
+        ProgramFailed: It fails, because somebody carries the run on already, say: with its own message.
+
+    Warns:
+        Incomplete: Tasks were given up, or a curve stopped before its end.
+    """
+    return _carried_on("extend", run, study.options(amplitudes, workers, {}), progress)
+
+
+def resume(
+    run: StoredRun | str | os.PathLike[str], *, workers: int | None = None, progress: Showing = None
+) -> StoredRun:
+    """Goes on with a run that was interrupted, as ``isola resume``; of a finished one there is nothing to do.
+
+    >>> from isola_hbm import resume
+    >>> run = resume("runs/damper")
+
+    Args:
+        run: The run, or its folder.
+        workers, progress: As of :func:`sweep`.
+
+    Raises:
+        NoSuchRun: There is no run.
+        BadStudy: `workers` makes no sense.
+        NoProgram: The program is not there.
+        ProgramFailed: It fails, because somebody carries the run on already, say: with its own message.
+
+    Warns:
+        Incomplete: Tasks were given up, or a curve stopped before its end.
+    """
+    return _carried_on("resume", run, study.options(None, workers, {}), progress)
+
+
+def _carried_on(
+    command: str, run: StoredRun | str | os.PathLike[str], options: Sequence[str], progress: Showing
+) -> StoredRun:
+    """The run, when the program has done what `command` asks for."""
+    run = run if isinstance(run, StoredRun) else load(run)
+    said, code = _heard([command, str(run.folder), *options], show := shown(progress))
+    if code not in _ENDED:
+        raise study.refusal(said, code, run.folder / FILE, is_written=False)
+    # One that was loaded has the study and the facts of before.
+    return _ended(load(run.folder), said, code, show, progress, callers=2)
+
+
+def _ended(
+    run: StoredRun,
+    said: Sequence[str],
+    code: int,
+    show: Callable[[str], None],
+    progress: Showing,
+    callers: int = 1,
+) -> StoredRun:
+    """The run that the program has ended with `code`, with its doubts as warnings to whoever called `callers` functions of this file."""
     for line in said:
         if line.startswith(_DOUBT):
-            warnings.warn(line.removeprefix(_DOUBT).strip(), Doubtful, stacklevel=2)
-    run = load(folder)
-    show(f"{run.stage}: {count(len(run), 'branch', 'branches')} in {folder}\n")
-    _tell(run, progress)
+            warnings.warn(line.removeprefix(_DOUBT).strip(), Doubtful, stacklevel=2 + callers)
+    show(f"{run.stage}: {count(len(run), 'branch', 'branches')} in {run.folder}\n")
+    tell(run.status, progress)
     if code != 0:
         notes = [line for line in said if not _PROGRESS.match(line)]
-        warnings.warn("".join(notes).strip() or run.stage, Incomplete, stacklevel=2)
+        warnings.warn("".join(notes).strip() or run.stage, Incomplete, stacklevel=2 + callers)
     return run
 
 
@@ -146,73 +220,9 @@ def _study(model: Model | str | os.PathLike[str], folder: Path, amplitudes: Ampl
     return study.write(folder, os.path.relpath(at, folder), amplitudes)
 
 
-def _shown(progress: bool | Callable[[str], None] | None) -> Callable[[str], None]:
-    """What shows a line."""
-    if callable(progress):
-        return progress
-    if progress is False:
-        return lambda line: None
-    if _in_notebook():
-        return _notebook_line()
-    if not sys.stderr.isatty():
-        return _plain if progress else _now_and_then()
-    width = shutil.get_terminal_size().columns - 1
-
-    def show(line: str) -> None:
-        end = "\n" if line.endswith("\n") else ""
-        print(f"\r{line.rstrip()[:width]:<{width}}", end=end, file=sys.stderr, flush=True)
-
-    return show
-
-
-def _tell(run: StoredRun, progress: bool | Callable[[str], None] | None) -> None:
-    """Says what was found, to whoever was shown how far it is."""
-    if progress is False or callable(progress):
-        return
-    print(run.status(), file=sys.stdout if _in_notebook() else sys.stderr, flush=True)
-
-
-def _now_and_then() -> Callable[[str], None]:
-    """What shows what happens, and now and then how far it is."""
-    last = -math.inf
-
-    def show(line: str) -> None:
-        nonlocal last
-        if line.startswith(_ROUTINE):
-            if time.monotonic() - last < NOW_AND_THEN:
-                return
-            last = time.monotonic()
-        _plain(line)
-
-    return show
-
-
-def _plain(line: str) -> None:
-    print(line.rstrip(), file=sys.stderr, flush=True)
-
-
-def _in_notebook() -> bool:
-    ipython = sys.modules.get("IPython")
-    return ipython is not None and hasattr(ipython.get_ipython(), "kernel")
-
-
-def _notebook_line() -> Callable[[str], None]:
-    """What shows a line below a notebook's cell, in place of the last one."""
-    from IPython.display import DisplayHandle
-
-    handle, shown = DisplayHandle(), False
-
-    def show(line: str) -> None:
-        nonlocal shown
-        (handle.update if shown else handle.display)({"text/plain": line.rstrip()}, raw=True)
-        shown = True
-
-    return show
-
-
-def _heard(process: subprocess.Popen[str], show: Callable[[str], None]) -> tuple[list[str], int]:
-    """Passes on what the program says until it ends: all of it, and the exit code."""
-    said = []
+def _heard(arguments: Sequence[str], show: Callable[[str], None]) -> tuple[list[str], int]:
+    """Starts the program and passes on what it says until it ends: all of it, and the exit code."""
+    process, said = program.start(arguments), []
     assert process.stderr is not None
     try:
         for line in process.stderr:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TypeAlias
 
 from ..errors import NoSuchBranch
+from .orders import SEPARATOR
 from .store import Reading, Row
 from .verified import name_of
 
@@ -48,6 +49,9 @@ def _is_amplitude(wanted: str | float, text: str, value: float) -> bool:
 
 def missing(reading: Reading, amplitude: str | float, name: str) -> str:
     """That there is no such branch, and what there is instead."""
+    level, separator, order = str(amplitude).partition(SEPARATOR)
+    if separator and order.isdecimal():
+        return f'motions of order {order} are those of load(folder, order={order}), there "{level}/{name}"; this tells of another order'
     rows = reading.rows("SELECT branches.*, value FROM branches JOIN levels USING (level)")
     there = [name_of(row) for row in rows if _is_amplitude(amplitude, row["amplitude"], row["value"])]
     texts = reading.column("SELECT amplitude FROM levels ORDER BY value")
