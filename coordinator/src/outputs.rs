@@ -10,9 +10,13 @@ use results::overview::Omissions;
 use results::store::Reader;
 use std::fmt::Display;
 #[cfg(any(feature = "figures", feature = "page"))]
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 use worker::terminal;
+
+/// The file of a page.
+#[cfg(feature = "page")]
+const PAGE: &str = "report.html";
 
 /// Says what was made and what is missing; the code tells whether something had to be left out because it is damaged.
 fn told(made: impl Display, omissions: &Omissions) -> Result<ExitCode, Error> {
@@ -57,21 +61,21 @@ pub fn report(args: &crate::cli::ReportArgs) -> Result<ExitCode, Error> {
         Some(order) => of_order(reader, &further, order)?,
         None => reader,
     };
-    let (mut made, mut omissions) = page(&first, args, args.out.as_deref())?;
-    if args.order.is_none() && args.out.is_none() {
-        for order in further {
-            let (more, missing) = page(&first.of_order(order)?, args, None)?;
-            made += &format!("\nMotions that last {order} periods of the force:\n{more}");
-            omissions.damaged.extend(missing.damaged);
-            omissions.missing.extend(missing.missing);
-        }
+    let further = if args.order.is_none() && args.out.is_none() { further } else { Vec::new() };
+    let orders: Vec<usize> = std::iter::once(first.model()?.forcing_harmonic).chain(further).collect();
+    let (mut made, mut omissions) = page(&first, &orders, args)?;
+    for order in &orders[1..] {
+        let (more, missing) = page(&first.of_order(*order)?, &orders, args)?;
+        made += &format!("\nMotions that last {order} periods of the force:\n{more}");
+        omissions.damaged.extend(missing.damaged);
+        omissions.missing.extend(missing.missing);
     }
     told(made, &omissions)
 }
 
-/// Writes the page of one order of motions: its verdict and where the page is, and what is missing.
+/// Writes the page of one order of motions, of all those whose pages are written: its verdict and where the page is, and what is missing.
 #[cfg(feature = "page")]
-fn page(reader: &Reader, args: &crate::cli::ReportArgs, out: Option<&Path>) -> Result<(String, Omissions), Error> {
+fn page(reader: &Reader, orders: &[usize], args: &crate::cli::ReportArgs) -> Result<(String, Omissions), Error> {
     use results::report::{Report, Selection};
     let _snapshot = reader.snapshot()?;
     let levels = chosen_levels(reader, args.levels.as_deref())?;
@@ -79,10 +83,22 @@ fn page(reader: &Reader, args: &crate::cli::ReportArgs, out: Option<&Path>) -> R
     report.turn_to_isola(None);
     let folder = reader.order().map_or_else(|| reader.dir().into(), |order| reader.dir().join(order_folder(order)));
     std::fs::create_dir_all(&folder).map_err(Error::io(&folder))?;
-    let file = out.map_or_else(|| folder.join("report.html"), Path::to_path_buf);
-    export::write_atomically(&file, results::page::report(&report).as_bytes())?;
+    let file = args.out.clone().unwrap_or_else(|| folder.join(PAGE));
+    let beside = pages_of_orders(orders, reader.order());
+    export::write_atomically(&file, results::page::report(&report, &beside).as_bytes())?;
     let answers = report.verdict.iter().map(|sentence| format!("{} {}\n", sentence.title, sentence.whole()));
     Ok((format!("{}{}\n", answers.collect::<String>(), file.display()), report.omissions))
+}
+
+/// The pages of all orders of motions as seen from that of one of them, `None` being the first; none where there is but one.
+#[cfg(feature = "page")]
+fn pages_of_orders(orders: &[usize], seen_from: Option<usize>) -> Vec<results::page::PageOfOrder> {
+    let up = if seen_from.is_some() { "../" } else { "" };
+    let this = seen_from.unwrap_or(orders[0]);
+    let folder = |order| if order == orders[0] { String::new() } else { format!("{}/", order_folder(order)) };
+    let file = |order| (order != this).then(|| format!("{up}{}{PAGE}", folder(order)));
+    let pages = orders.iter().map(|&order| results::page::PageOfOrder { order, file: file(order) });
+    if orders.len() == 1 { Vec::new() } else { pages.collect() }
 }
 
 /// The run as it is for one order of motions; `further`: those beside its first.

@@ -211,5 +211,10 @@ pub async fn retry_dead(args: &RemoteArgs) -> Result<String, Error> {
     let dead = store.tasks()?.into_iter().filter(|task| task.state == TaskState::Dead);
     let revived: Vec<Change> = dead.map(|task| Change::Revived { task: task.id }).collect();
     store.commit(&revived)?;
-    Ok(format!("{} dead tasks are tried again by: isola resume {}", revived.len(), folder(args).display()))
+    let folder = folder(args).display();
+    Ok(match revived.len() {
+        0 => format!("no task of {folder} was given up: there is nothing to try again"),
+        1 => format!("1 dead task is tried again by: isola resume {folder}"),
+        number => format!("{number} dead tasks are tried again by: isola resume {folder}"),
+    })
 }

@@ -64,7 +64,7 @@ def test_an_example(
         run = scope["run"]
         assert isinstance(run, isola_hbm.StoredRun)
         # The resonance leans: larger, and at higher frequencies, with every level.
-        assert list(run) == ["0.02/main", "0.05/main", "0.1/main"]
+        assert list(run) == ["0.02/main", "0.05/main", "0.07/main", "0.1/main"]
         peaks = run.summary[["amplitude_max", "omega_at_max"]]
         assert (peaks.diff().dropna() > 0).all(axis=None)
         assert run["0.1/main"].attrs["folds"]

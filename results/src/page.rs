@@ -7,6 +7,7 @@ mod tests;
 
 use crate::compare::Comparison;
 use crate::report::Report;
+pub use data::PageOfOrder;
 use miniz_oxide::inflate::decompress_to_vec_zlib;
 use serde::Serialize;
 
@@ -38,10 +39,10 @@ const LIVE: &str = scripts!("live");
 /// What both pages are in.
 const FRAME: &str = include_str!("../page/frame.html");
 
-/// The report as one page.
-pub fn report(report: &Report) -> String {
+/// The report as one page, with links to those of other orders of motions that are written beside it.
+pub fn report(report: &Report, beside: &[PageOfOrder]) -> String {
     let title = escaped(&report.run.name);
-    let data = inside_html(&data::PageData::new(report));
+    let data = inside_html(&data::PageData::new(report, beside));
     let body = filled(include_str!("../page/report.html"), &[("title", &title), ("data", &data)]);
     framed(&title, &body, &[COMMON, FIGURES].concat(), "")
 }

@@ -92,9 +92,14 @@ fn of_order(reader: &Reader, layout: Layout) -> Result<String> {
     let mut table = Table::new();
     table.load_preset(UTF8_FULL_CONDENSED);
     table.set_content_arrangement(ContentArrangement::Dynamic).set_width(layout.width);
-    table.set_header(["A", "main peak", "isolas and others: range, peak", "windows\nfound"]);
+    // Main branches are followed of the first order's motions.
+    let is_further = reader.order().is_some();
+    let cells = |[level, main, others, windows]: [String; 4]| {
+        [Some(level), Some(main).filter(|_| !is_further), Some(others), Some(windows)].into_iter().flatten()
+    };
+    table.set_header(cells(["A", "main peak", "isolas and others: range, peak", "windows\nfound"].map(String::from)));
     for level in levels.iter().take(LEVELS) {
-        table.add_row(rows.of(level));
+        table.add_row(cells(rows.of(level)));
     }
     if let Some(column) = table.column_mut(0) {
         column.set_cell_alignment(CellAlignment::Right);
@@ -122,13 +127,13 @@ fn of_order(reader: &Reader, layout: Layout) -> Result<String> {
     let harmonics = settings.map(|settings| settings.harmonics.count);
     let reach = omissions.read("The frequency range of the sweep is", reader.reach()).flatten();
     let frequencies = reach.map(|reach| reach.frequency);
-    let bounds = bounds(given, frequencies, reader.order().is_some());
+    let bounds = bounds(given, frequencies, is_further);
     let unit = layout.units.frequency;
     let in_units = |omega: f64| format!("{} {unit}", unit.digits(omega));
     if let (Some(model), Some(settings)) = (&model, &settings) {
         search::no_isola(levels, &curves, bounds, model, settings).iter().for_each(|sentence| say(sentence));
     }
-    let least = model.as_ref().map_or(1, |model| least_added(model, reader.order().is_some()));
+    let least = model.as_ref().map_or(1, |model| least_added(model, is_further));
     if let Some(sentence) = harmonics.and_then(|count| truncation(levels, count, least)) {
         say(&sentence);
     }
@@ -138,13 +143,12 @@ fn of_order(reader: &Reader, layout: Layout) -> Result<String> {
     let missing = not_followed_sentence(search.hanging).filter(|_| events.is_some());
     [events, missing, shift(&overview, layout.units)].iter().flatten().for_each(|sentence| say(sentence));
     let motions = omissions.read("The list of motions is", reader.motions()).unwrap_or_default();
-    motions::sentences(&motions, layout.units, reader.order().is_some()).iter().for_each(|sentence| say(sentence));
+    motions::sentences(&motions, layout.units, is_further).iter().for_each(|sentence| say(sentence));
     let pushes = omissions.read("The list of pushes is", reader.pushes()).unwrap_or_default();
     let names = |model: &ModelMessage| model.monitors.iter().filter_map(|&dof| model.dofs.get(dof)).cloned().collect();
     let monitors: Vec<String> = overview.model.as_ref().map(names).unwrap_or_default();
     pushes::sentences(&pushes, &monitors, layout.units).iter().for_each(|sentence| say(sentence));
-    // Main branches are of the first order's motions.
-    let mains = reach_sentence(given, frequencies, in_units).filter(|_| reader.order().is_none());
+    let mains = reach_sentence(given, frequencies, in_units).filter(|_| !is_further);
     mains.iter().for_each(|sentence| say(sentence));
     if let (Some(model), Some(settings)) = (&model, &settings) {
         let choice = omissions.read("Which modes were followed is", reader.modes()).flatten();

@@ -201,7 +201,11 @@ impl Engine {
                 if count > 0 && stage == Stage::Finished {
                     self.enter(Stage::Sweep, now, &mut decision);
                 }
-                format!("{count} dead tasks of run {run} are tried again")
+                match count {
+                    0 => format!("no task of run {run} was given up: there is nothing to try again"),
+                    1 => format!("1 dead task of run {run} is tried again"),
+                    _ => format!("{count} dead tasks of run {run} are tried again"),
+                }
             }
         };
         decision.answer = Some(Answer::Control(ControlReply { message }));

@@ -50,7 +50,21 @@ function defaultSelection(branches) {
   return highest ? { branch: branches.indexOf(highest), index: highest.peak } : null;
 }
 
-function fillHeader({ run, verdict }) {
+/** Which motions this page tells of, where a run looks for several orders, and the pages of the others. */
+function fillOrders(orders) {
+  const lasting = (order) => `${order} ${order === 1 ? "period" : "periods"} of the force`;
+  const place = document.querySelector("#orders");
+  place.hidden = orders.length === 0;
+  place.append("Motions that last ");
+  orders.forEach(({ order, file }, index) => {
+    const words = index === 0 ? lasting(order) : String(order);
+    place.append(index === 0 ? "" : " · ");
+    place.append(file === null ? element("strong", {}, `${words} (this page)`) : element("a", { href: file }, words));
+  });
+}
+
+function fillHeader({ run, orders, verdict }) {
+  fillOrders(orders);
   const stages = {
     backbone: "the backbone is being computed",
     sweep: "the levels are being computed",

@@ -1,7 +1,6 @@
 //! What motions that branch off others have lost.
 
 use solver::structure::Model;
-use solver::structure::laws::Law;
 
 /// How motions that branch off others differ from those.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -19,7 +18,7 @@ impl Lesser {
     /// Of a structure: only one of odd laws has motions that are their own mirror images, and only where the force acts on a higher
     /// harmonic of the response do motions repeat themselves within its period.
     pub fn of(model: &Model) -> Self {
-        let is_symmetric = model.elements().iter().all(|element| element.law.is_odd());
+        let is_symmetric = model.is_odd();
         match (is_symmetric, model.forcing().harmonic > 1) {
             (true, false) => Self::Symmetry,
             (false, true) => Self::Period,

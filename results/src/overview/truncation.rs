@@ -5,7 +5,6 @@ use crate::store::{BranchRow, Stability};
 use crate::words::digits;
 use solver::response::certificate::Standing;
 use solver::structure::Model;
-use solver::structure::laws::Law;
 
 /// A peak of which neither amplitude nor frequency changes by more than this with twice the harmonics is taken to be converged.
 const CONVERGED: f64 = 0.01;
@@ -32,7 +31,7 @@ const NAMED: usize = 3;
 /// The lowest harmonic beyond that of the force which motions can have that last as long as the force, or where main branches are not
 /// followed as long as the balance: motions of odd laws have odd ones alone.
 pub fn least_added(model: &Model, is_without_mains: bool) -> usize {
-    let is_odd = model.elements().iter().all(|element| element.law.is_odd());
+    let is_odd = model.is_odd();
     let own = if is_without_mains { 1 } else { model.forcing().harmonic };
     if is_odd { 3 * own } else { 2 * own }
 }

@@ -17,6 +17,7 @@ use std::f64::consts::TAU;
 #[derive(Serialize)]
 pub struct PageData<'r> {
     run: &'r RunFacts,
+    orders: &'r [PageOfOrder],
     verdict: &'r [Sentence],
     palette: Palette,
     columns: &'r ColumnStore,
@@ -30,6 +31,15 @@ pub struct PageData<'r> {
     motions: Option<MotionData<'r>>,
     account: &'r CostAccount,
     words: Vec<(&'static str, &'static str)>,
+}
+
+/// The page of an order of motions, among those of a run that looks for several.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct PageOfOrder {
+    /// How many periods of the force its motions last.
+    pub order: usize,
+    /// Where it is, as seen from the page that names it; `None` is that page itself.
+    pub file: Option<String>,
 }
 
 /// The motions that the page has.
@@ -51,7 +61,7 @@ struct MotionPoint<'r> {
 
 impl<'r> PageData<'r> {
     /// Of a report: labels are placed for the page here.
-    pub fn new(report: &'r Report) -> Self {
+    pub fn new(report: &'r Report, orders: &'r [PageOfOrder]) -> Self {
         let subject = report.subject();
         let levels = &report.overview.levels;
         let frames: Vec<Frame> = report.backbone.as_ref().map_or_else(Vec::new, |backbone| {
@@ -66,6 +76,7 @@ impl<'r> PageData<'r> {
         }
         Self {
             run: &report.run,
+            orders,
             verdict: &report.verdict,
             palette: PALETTE,
             columns: &report.figures.columns,

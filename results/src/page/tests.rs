@@ -12,7 +12,7 @@ fn page(study: &Study) -> (Value, crate::store::Store, tempfile::TempDir) {
     let dir = tempdir().unwrap();
     let (store, _) = study.finished(dir.path());
     let report = Report::read(&store, &Selection::Fitting).unwrap();
-    (serde_json::to_value(PageData::new(&report)).unwrap(), store, dir)
+    (serde_json::to_value(PageData::new(&report, &[])).unwrap(), store, dir)
 }
 
 /// Takes out what files have besides: the motion that time marching has at the point, which the page does not march.

@@ -67,16 +67,24 @@ pub(super) fn no_isola(
         Effort::None => " in windows of the energy balance, where alone they were looked for (search.effort)",
         _ => "",
     };
-    let own = model.forcing().harmonic;
-    let other = match orders(model, &settings.search).len() {
-        1 if own < settings.harmonics.count => format!(
-            " Responses of other periods were not looked for: search.harmonics = [{own}, {0}] looks for those as well that last {0} \
-             periods of the force.",
-            own + 1
-        ),
-        _ => String::new(),
-    };
+    let other = other_orders(model, settings).unwrap_or_default();
     Some(format!("No isola was found{born}{only}.{other}"))
+}
+
+/// That nobody looked for motions of further periods, and which are the next that are worth it: where all laws are odd the resonances of
+/// the free structure have odd harmonics alone, to which a force on an even one supplies nothing.
+fn other_orders(model: &Model, settings: &Settings) -> Option<String> {
+    let [own] = orders(model, &settings.search)[..] else { return None };
+    let next = (own + 1..=settings.harmonics.count.min(own + 2)).filter(|m| m % 2 == 1 || !model.is_odd());
+    let next: Vec<String> = next.map(|m| m.to_string()).collect();
+    (!next.is_empty()).then(|| {
+        format!(
+            " Responses of other periods were not looked for: search.harmonics = [{own}, {}] looks for those as well that last {} \
+             periods of the force.",
+            next.join(", "),
+            next.join(" and ")
+        )
+    })
 }
 
 /// What is born between or above levels that have no isola, and how to look at it: what follows "no isola was found".

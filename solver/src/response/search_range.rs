@@ -57,11 +57,13 @@ impl SearchRange {
         let (low, high) = (settings.frequency.min.unwrap_or(natural.0), settings.frequency.max.unwrap_or(natural.1));
         if low >= high {
             let (key, value, remedy) = match settings.frequency.max {
-                Some(_) => ("frequency.max", high, format!("the lower frequency bound is {low}: use a higher one")),
+                Some(_) => {
+                    ("frequency.max", high, format!("the lower frequency bound is {low:.5} rad/s: use a higher one"))
+                }
                 None => (
                     "frequency.min",
                     low,
-                    format!("the backbones end at {high}: use a lower one, or give frequency.max"),
+                    format!("the backbones end at {end:.5} rad/s: use a lower one, or give frequency.max"),
                 ),
             };
             return Err(SettingsError { key, value: value.to_string(), remedy });

@@ -161,7 +161,7 @@ pub struct ContactElement<'m> {
 
 impl Model {
     /// Whether with a motion its mirror image, half a period of the forcing later, is one as well: all laws are odd.
-    pub(crate) fn is_odd(&self) -> bool {
+    pub fn is_odd(&self) -> bool {
         self.elements().iter().all(|element| element.law.is_odd())
     }
 
