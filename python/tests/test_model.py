@@ -576,6 +576,17 @@ def test_an_interrupt_ends_the_sweep_and_keeps_the_run(tmp_path: Path) -> None:
 
 @pytest.mark.needs_program
 @pytest.mark.filterwarnings("ignore::UserWarning")
+def test_what_vibrates_by_itself_is_called_that_first(tmp_path: Path) -> None:
+    damper = Law("polynomial_damper", dof="x1", terms=[{"power": 3, "coefficient": 0.1}])
+    model = Model([[1]], [[1]], C=[[-0.1]], laws=[damper])
+    settings = {"search": "none", "verify": "none", "harmonics": {"count": 3}, "workers": 1}
+    run = isola_hbm.sweep(model, [0.1], out=tmp_path / "run", progress=False, **settings)  # type: ignore[arg-type]
+    below = " ".join(run.status().rpartition("┘")[2].split())
+    assert below.startswith("Mode 1 has negative linear damping: the structure can vibrate by itself, from rest"), below
+
+
+@pytest.mark.needs_program
+@pytest.mark.filterwarnings("ignore::UserWarning")
 def test_a_run_is_carried_on(tmp_path: Path) -> None:
     def interrupt(line: str) -> None:
         if line.startswith("running: "):

@@ -104,11 +104,25 @@ fn of_order(reader: &Reader, layout: Layout) -> Result<String> {
     if let Some(column) = table.column_mut(0) {
         column.set_cell_alignment(CellAlignment::Right);
     }
-    let mut text =
-        format!("Largest amplitudes in {}, frequencies in {}:\n", layout.units.length, layout.units.frequency);
+    // Of several orders each has a heading that says it.
+    let force = match model.as_ref().map_or(1, |model| model.forcing().harmonic) {
+        m if m > 1 && !is_further && reader.further_orders()?.is_empty() => {
+            format!(" (of the response: the force has {} as much)", times(m))
+        }
+        _ => String::new(),
+    };
+    let Units { length, frequency } = layout.units;
+    let heading = format!("Largest amplitudes in {length}, frequencies in {frequency}{force}:");
+    let mut text = wrapped(&heading, layout.width, "") + "\n";
     text += &table.to_string();
     text += &rows.notes.lines(layout.width).iter().map(|lines| format!("\n{lines}")).collect::<String>();
     let mut say = |sentence: &str| text += &format!("\n{}", wrapped(sentence, layout.width, ""));
+    let backbone = omissions.read("The backbone is", reader.backbone());
+    let further = omissions.read("Further backbones are", reader.further_backbones()).unwrap_or_default();
+    let backbones: Vec<&BackboneMessage> = backbone.iter().flatten().chain(&further).collect();
+    if let Some(model) = &model {
+        search::excitation(&backbones, model).iter().for_each(|sentence| say(sentence));
+    }
     if levels.iter().take(LEVELS).flat_map(|level| &level.branches).any(|row| !row.at_least().is_empty()) {
         say("At least (≥): no more of the branch is known, and it may go on to larger responses.");
     }
@@ -118,7 +132,6 @@ fn of_order(reader: &Reader, layout: Layout) -> Result<String> {
     if let Some(place) = model.as_ref().and_then(undetermined) {
         say(&format!("Note: {place}."));
     }
-    let backbone = omissions.read("The backbone is", reader.backbone());
     unfinished(levels, backbone.as_ref().is_none_or(Option::is_some)).iter().for_each(|sentence| say(sentence));
     if model.as_ref().is_some_and(|model| model.contacts().count() > 0) && is_untouched(levels) {
         say(UNTOUCHED);
@@ -152,8 +165,6 @@ fn of_order(reader: &Reader, layout: Layout) -> Result<String> {
     mains.iter().for_each(|sentence| say(sentence));
     if let (Some(model), Some(settings)) = (&model, &settings) {
         let choice = omissions.read("Which modes were followed is", reader.modes()).flatten();
-        let further = omissions.read("Further backbones are", reader.further_backbones()).unwrap_or_default();
-        let backbones: Vec<&BackboneMessage> = backbone.iter().flatten().chain(&further).collect();
         let made = Made { levels, backbones: &backbones, modes: choice.as_ref(), curves: curves.len(), search };
         search::looked_for(&made, model, settings).iter().for_each(|sentence| say(sentence));
     }
@@ -206,8 +217,10 @@ struct Rows<'r> {
 
 impl Rows<'_> {
     fn of(&mut self, level: &Level) -> [String; 4] {
+        // From left to right: footnotes are numbered as they are met.
+        let main = self.main(level);
         let others = level.others().map(|row| self.other(row)).collect::<Vec<_>>();
-        [level.amplitude.clone(), self.main(level), others.join("\n"), self.windows(level)]
+        [level.amplitude.clone(), main, others.join("\n"), self.windows(level)]
     }
 
     fn peak(&self, row: &BranchRow) -> String {

@@ -1,6 +1,7 @@
 //! The backbone as its figures show it: energies, births and merges of windows, modes.
 
 use super::column::{Column, Quantity};
+use crate::overview::SmallestMotion;
 use solver::curve::extrema::turning_points;
 use solver::formulation::harmonics::complex;
 use solver::response::backbone::{Backbone, BackbonePoint};
@@ -142,15 +143,10 @@ const FAR: f64 = 1e3;
 const ROUND_OFF: f64 = 1e-6;
 
 impl BackboneCurve {
-    /// What damping and nonlinear forces take together of the smallest motion, R_lin + R_nl, J; `None` without a point.
-    pub fn balance_from_rest(&self) -> Option<f64> {
-        self.r_lin.values.first().zip(self.r_nl.values.first()).map(|(linear, nonlinear)| linear + nonlinear)
-    }
-
-    /// Whether the nonlinear forces feed in more than a positive damping takes already at the smallest amplitudes.
-    pub fn feeds_itself_from_rest(&self) -> bool {
+    /// What its smallest motion loses; `None` without a point.
+    pub fn smallest_motion(&self) -> Option<SmallestMotion> {
         let (linear, nonlinear) = (self.r_lin.values.first(), self.r_nl.values.first());
-        linear.zip(nonlinear).is_some_and(|(&linear, &nonlinear)| linear > 0.0 && linear + nonlinear < 0.0)
+        linear.zip(nonlinear).map(|(&linear, &nonlinear)| SmallestMotion { mode: self.mode, linear, nonlinear })
     }
 
     /// Keeps the births and merges that mean something for levels from the lowest to the highest of these amplitudes.

@@ -44,6 +44,11 @@ pub fn forcing_label(point: &CurvePoint, most: i32) -> String {
     doubled.map_or_else(|| own.clone(), |doubled| format!("{own} (2H: {doubled})"))
 }
 
+/// The doubt about what happens at points, if at any it was not found with twice the harmonics.
+pub fn truncation_doubt(points: &[&CurvePoint]) -> &'static str {
+    if points.iter().any(|point| point.doubled.is_none()) { ", not known with twice the harmonics" } else { "" }
+}
+
 /// Where isolas are born and where branches merge, as fold curves say: isola by isola, and which branches, where that is known for
 /// sure.
 pub fn events_sentence(curves: &[CurveRow], frequency: impl Fn(f64) -> String) -> Option<String> {

@@ -4,6 +4,7 @@
 mod bounds;
 mod doubts;
 mod events;
+mod excitation;
 mod family;
 mod folds;
 mod largest_stable;
@@ -25,7 +26,8 @@ mod windows;
 
 pub use bounds::{beyond, bounds, is_within, reach_sentence};
 pub use doubts::{doubts, ends_far_beyond};
-pub use events::{events_sentence, forcing_label};
+pub use events::{events_sentence, forcing_label, truncation_doubt};
+pub use excitation::{Excitation, SmallestMotion};
 pub use folds::{
     CurveEvent, born_above, born_between, curve_events, events_of, later_birth, levels_after, most_folds, not_followed,
     not_followed_sentence, why_no_folds,

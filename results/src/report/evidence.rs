@@ -1,7 +1,7 @@
 //! What the answers of a report are drawn from.
 
 use crate::curves::BackboneCurve;
-use crate::overview::{Lesser, Level, LookedFor, undetermined};
+use crate::overview::{Excitation, Lesser, Level, LookedFor, undetermined};
 use crate::store::{CurveRow, MotionRow, PushRow, SearchCounts};
 use protocol::to_everyone::Stage;
 use solver::response::branch::Outcome;
@@ -109,10 +109,8 @@ pub struct Structure {
     pub lesser: Lesser,
     /// Number of stops (rigid contacts).
     pub stops: usize,
-    /// Modes (from 1) that deform the structure and that no damping, or a negative one, acts on.
-    pub undamped: Vec<usize>,
-    /// Modes (from 1) of negative damping.
-    pub excited: Vec<usize>,
+    /// What it does of itself.
+    pub excitation: Excitation,
     /// That its place is not determined, if so.
     pub undetermined: Option<String>,
 }
@@ -120,11 +118,6 @@ pub struct Structure {
 impl Structure {
     /// Of a model, amplitudes being those of this dof.
     pub fn new(model: &Model, monitor: &str, gap: Option<f64>) -> Self {
-        let rates = model.damping().rates();
-        let damped = |is_wanted: fn(f64) -> bool| {
-            let modes = (0..model.size()).filter(|&j| !model.modes().is_rigid(j));
-            modes.filter(|&j| is_wanted(rates[j])).map(|j| j + 1).collect()
-        };
         Self {
             monitor: monitor.into(),
             monitors: model.monitors().iter().map(|&dof| model.dofs()[dof].clone()).collect(),
@@ -133,8 +126,7 @@ impl Structure {
             harmonic: model.forcing().harmonic,
             lesser: Lesser::of(model),
             stops: model.contacts().count(),
-            undamped: damped(|rate| rate == 0.0),
-            excited: damped(|rate| rate < 0.0),
+            excitation: Excitation::of(model),
             undetermined: undetermined(model),
         }
     }

@@ -2,7 +2,6 @@
 
 mod account;
 mod evidence;
-mod excitation;
 mod losses;
 mod predictions;
 mod read;

@@ -4,7 +4,7 @@ use super::evidence::Evidence;
 use super::losses::named;
 use crate::curves::BackboneCurve;
 use crate::overview::{
-    Level, Origin, beyond, born_between, events_of, forcing_label, is_within, later_birth, overlaps,
+    Level, Origin, beyond, born_between, events_of, forcing_label, is_within, later_birth, overlaps, truncation_doubt,
 };
 use crate::store::CurvePoint;
 use crate::words::{self, count, digits, frequency};
@@ -25,7 +25,7 @@ impl Evidence<'_> {
         let none = "No isola was found where it was looked for";
         let at = |birth: &CurvePoint| {
             let (forcing, omega) = (forcing_label(birth, 4), digits(birth.omega, 4));
-            format!("at A = {forcing} ({omega} rad/s)")
+            format!("at A = {forcing} ({omega} rad/s{})", truncation_doubt(&[birth]))
         };
         match &born_between(self.levels, self.curves, self.bounds)[..] {
             [only] => format!("{none}, but along fold curves one is born between two of the levels, {}.", at(only)),

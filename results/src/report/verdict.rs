@@ -7,7 +7,11 @@ mod tests;
 
 use super::evidence::{Evidence, OrderFound};
 use super::losses::{Loss, losses, named, unknown_beyond};
-use crate::overview::{BranchRow, Level, beyond, events_sentence, highest, not_followed_sentence, sampled, truncation};
+use crate::curves::BackboneCurve;
+use crate::overview::{
+    BranchRow, Level, SmallestMotion, UNTOUCHED, beyond, events_sentence, highest, is_untouched, not_followed_sentence,
+    sampled, truncation,
+};
 use crate::summary_table::{Units, motions};
 use crate::words::{self, count, digits, frequency, range};
 use protocol::to_everyone::Stage;
@@ -119,7 +123,8 @@ impl<'r> Evidence<'r> {
 
     fn danger(&self, losses: &[Loss]) -> String {
         let mut parts: Vec<String> = losses.iter().map(|loss| loss.sentence.clone()).collect();
-        parts.extend(self.self_excitation());
+        let smallest: Vec<SmallestMotion> = self.backbones().filter_map(BackboneCurve::smallest_motion).collect();
+        parts.extend(self.structure.excitation.sentence(&smallest));
         parts.extend(self.whose());
         if self.has_nothing() {
             parts.push(format!("{}.", NOTHING));
@@ -182,7 +187,8 @@ impl<'r> Evidence<'r> {
         list.extend(sampled(self.levels));
         list.extend(self.largest().map(|(_, largest)| self.stability_of_peak(largest)));
         list.extend(self.largest_stable());
-        list.extend(self.untouched().map(String::from));
+        let is_untouched = self.structure.stops > 0 && is_untouched(self.levels);
+        list.extend(is_untouched.then(|| UNTOUCHED.into()));
         list.extend(self.others());
         list.extend(self.not_found());
         list.extend(unknown_beyond(self));

@@ -1,9 +1,13 @@
 //! What was looked for, and that nothing was found: how much the table may be trusted to be complete.
 
-use crate::overview::{Level, LookedFor, born_above, born_between, levels_after, modes, why_no_folds};
+use crate::overview::{
+    BranchRow, Excitation, Level, LookedFor, SmallestMotion, born_above, born_between, levels_after, modes,
+    truncation_doubt, why_no_folds,
+};
 use crate::store::{CurveRow, SearchCounts};
 use protocol::backbone::BackboneMessage;
 use protocol::curve::Size;
+use solver::response::branch::BranchKind;
 use solver::response::modes::ModesFollowed;
 use solver::response::orders::orders;
 use solver::settings::{Effort, FrequencySettings, Settings};
@@ -44,6 +48,13 @@ pub(super) fn looked_for(made: &Made<'_>, model: &Model, settings: &Settings) ->
     left_out.into_iter().chain([looked_for.sentence()]).collect()
 }
 
+/// What the structure does of itself.
+pub(super) fn excitation(backbones: &[&BackboneMessage], model: &Model) -> Option<String> {
+    let decoded = backbones.iter().filter_map(|message| message.backbone(&Size::of(model)).ok());
+    let smallest: Vec<SmallestMotion> = decoded.filter_map(|backbone| SmallestMotion::of(&backbone)).collect();
+    Excitation::of(model).sentence(&smallest)
+}
+
 /// The threshold A* where a backbone ends.
 fn last_threshold(message: &BackboneMessage, model: &Model) -> Option<f64> {
     let backbone = message.backbone(&Size::of(model)).ok()?;
@@ -68,7 +79,13 @@ pub(super) fn no_isola(
         _ => "",
     };
     let other = other_orders(model, settings).unwrap_or_default();
-    Some(format!("No isola was found{born}{only}.{other}"))
+    let is_undecided =
+        |row: &BranchRow| [BranchKind::Cut, BranchKind::Unfinished].iter().any(|kind| row.kind == kind.name());
+    let unknown = match levels.iter().flat_map(Level::others).any(is_undecided) {
+        true => "; what is cut or unfinished may be one",
+        false => "",
+    };
+    Some(format!("No isola was found{born}{only}{unknown}.{other}"))
 }
 
 /// That nobody looked for motions of further periods, and which are the next that are worth it: where all laws are odd the resonances of
@@ -102,5 +119,5 @@ fn born(levels: &[Level], curves: &[CurveRow], bounds: FrequencySettings) -> Str
         [level] => format!(": isola extend RUN --amplitudes {level} computes a level there"),
         list => format!(": isola extend RUN --amplitudes {} computes levels there", list.join(",")),
     };
-    format!(" at these levels ({what}{how})")
+    format!(" at these levels ({what}{}{how})", truncation_doubt(&births))
 }

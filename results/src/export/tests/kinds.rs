@@ -40,6 +40,7 @@ fn a_cut_branch_is_called_so_everywhere() {
             "¹ from frequency bound to amplitude bound; whether it is detached is not known At least (≥): no more";
         assert!(words.contains(note), "{table}");
         assert!(table.contains(if layout.units == Units::default() { "in m, " } else { "in mm, " }), "{table}");
+        assert!(words.contains("No isola was found; what is cut or unfinished may be one."), "{table}");
         // The frequency of a largest response that is not known does not rise.
         assert!(!table.contains("rises"), "{table}");
     }

@@ -254,14 +254,14 @@ fn what_the_structure_does_of_itself() {
     assert!(danger.contains(" No branch of any level touches a stop. Looked"), "{danger}");
     let [danger, ..] = told(&levels, |evidence| evidence.structure.stops = 0);
     assert!(!danger.contains("touches a stop"), "{danger}");
-    let [danger, ..] = told(&levels, |evidence| evidence.structure.excited = vec![2]);
+    let [danger, ..] = told(&levels, |evidence| evidence.structure.excitation.excited = vec![1]);
     assert!(
         danger.starts_with(
             "Mode 2 has negative linear damping: unless the laws take more, the structure can vibrate by itself"
         ),
         "{danger}"
     );
-    let [danger, ..] = told(&levels, |evidence| evidence.structure.undamped = vec![1, 3]);
+    let [danger, ..] = told(&levels, |evidence| evidence.structure.excitation.undamped = vec![0, 2]);
     assert!(
         danger.starts_with("Modes 1 and 3 have no linear damping: nothing but the laws limits the resonance. No isola"),
         "{danger}"
@@ -275,7 +275,7 @@ fn what_the_structure_does_of_itself() {
         backbone.r_lin.values[0] = -3.0;
         backbone.r_nl.values[0] = 3.0 + balance;
         let [danger, ..] = told(&levels, |evidence| {
-            evidence.structure.excited = vec![1];
+            evidence.structure.excitation.excited = vec![0];
             evidence.backbone = Some(&backbone);
         });
         assert!(danger.starts_with(&format!("Mode 1 has negative linear damping{so}")), "{danger}");

@@ -48,7 +48,7 @@ fn a_prediction_that_was_not_found_is_one() {
             omega,
             amplitude: 1e-3,
             event: Some("birth".into()),
-            ..CurvePoint::default()
+            doubled: Some((forcing, omega)),
         }],
         ..CurveRow::default()
     };
@@ -65,6 +65,11 @@ fn a_prediction_that_was_not_found_is_one() {
         let above =
             "looked for, but along fold curves one is born just above the highest level, at A = 1.25 (105 rad/s).";
         assert_eq!(danger.contains(above), is_near, "{danger}");
+        let mut curves = curves;
+        curves[0].points[0].doubled = None;
+        let [danger, ..] = told(&levels, |evidence| evidence.curves = &curves);
+        let doubtful = "(105 rad/s, not known with twice the harmonics).";
+        assert_eq!(danger.contains(doubtful), is_near, "{danger}");
     }
     // Whether it is still there at the next level is another question.
     let higher = [levels[0].clone(), Level { amplitude: "2".into(), value: 2.0, ..levels[0].clone() }];
