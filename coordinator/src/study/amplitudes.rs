@@ -33,7 +33,7 @@ pub(super) fn written(text: &str, place: impl Fn() -> Place) -> Result<Vec<Ampli
     let value = table.get_ref().iter().find(|(key, _)| key.get_ref() == "amplitudes");
     let Some((_, value)) = value else {
         let remedy = format!("which forcing amplitudes? {EXAMPLE}; or type --amplitudes 20:140:20");
-        return Err(ModelError::value(place(), "(not given)", remedy));
+        return Err(ModelError::missing(place(), remedy));
     };
     entries(value.get_ref())
         .and_then(levels)

@@ -279,7 +279,7 @@ fn bad_input() {
 #[test]
 fn more_bad_input() {
     let missing = Study::load(folder("").path(), &[], None).unwrap_err().to_string();
-    says(&missing, &["study.toml", "`amplitudes` = (not given)", "20:140:20", "--amplitudes"]);
+    says(&missing, &["study.toml", "`amplitudes` is not given", "20:140:20", "--amplitudes"]);
     let typed = Study::load(folder(STUDY).path(), &[], Some("5:1:1")).unwrap_err().to_string();
     says(&typed, &["--amplitudes: `amplitudes` = 5:1:1", "5:1:-1"]);
     // What is wrong in the model is the model's fault, whatever the study sets beside it.

@@ -107,6 +107,19 @@ fn matrix(dir: &Path, source: &MatrixConfig, origin: &Layers, key: &str) -> Resu
     }
 }
 
+/// Whether two directions are one, but for length and sense.
+fn is_along(one: &Direction, other: &Direction) -> bool {
+    let entry = |direction: &Direction, dof: usize| -> f64 {
+        direction.iter().filter(|(other, _)| *other == dof).map(|(_, b)| b).sum()
+    };
+    let product = |a: &Direction, b: &Direction| a.iter().map(|(dof, x)| x * entry(b, *dof)).sum::<f64>();
+    let (cross, squares) = (product(one, other), product(one, one) * product(other, other));
+    cross * cross >= squares * (1.0 - PARALLEL)
+}
+
+/// How far the squared cosine of the angle between two directions is from 1 where they are taken for one.
+const PARALLEL: f64 = 1e-12;
+
 struct Builder<'a> {
     origin: &'a Layers,
     structure: Structure,
@@ -152,7 +165,7 @@ impl Builder<'_> {
             None => Ok(()),
             Some((key, _)) => {
                 let remedy = "`matrices.damping` gives the damping already; remove one of the two";
-                Err(ModelError::value(self.origin.place(key), "given", remedy))
+                Err(ModelError::superfluous(self.origin.place(key), remedy))
             }
         }
     }
@@ -163,7 +176,7 @@ impl Builder<'_> {
             if config.ratios.is_some() || config.default_ratio.is_some() {
                 let remedy =
                     "`damping.ratios` or `damping.default_ratio` gives the damping already; remove one of them";
-                return Err(ModelError::value(self.origin.place("damping.rayleigh"), "given", remedy));
+                return Err(ModelError::superfluous(self.origin.place("damping.rayleigh"), remedy));
             }
             return Ok(DampingSource::Rayleigh { mass: rayleigh.mass, stiffness: rayleigh.stiffness });
         }
@@ -261,7 +274,17 @@ impl Builder<'_> {
         }
         let mut tangential = Vec::with_capacity(2);
         for (k, direction) in node.tangential.iter().enumerate() {
-            tangential.push(self.direction(direction, &format!("{section}.tangential[{k}]"))?);
+            let key = format!("{section}.tangential[{k}]");
+            let tangent = self.direction(direction, &key)?;
+            for (other, what) in
+                tangential.iter().map(|other| (other, "the other one")).chain([(&normal, "the normal")])
+            {
+                if is_along(&tangent, other) {
+                    let remedy = format!("a tangential direction along {what}; sliding needs one of its own");
+                    return Err(ModelError::value(self.origin.place(&key), direction.text(), remedy));
+                }
+            }
+            tangential.push(tangent);
         }
         let coefficient = node.friction.or(common.friction).unwrap_or(0.0);
         let mut channels = vec![normal];
@@ -270,7 +293,7 @@ impl Builder<'_> {
             let missing = |key| {
                 let remedy =
                     format!("friction is {coefficient}, so `{key}` is needed; give it, or set friction = 0 here");
-                ModelError::value(place(key), "(not given)", remedy)
+                ModelError::missing(place(key), remedy)
             };
             if tangential.is_empty() {
                 return Err(missing("tangential"));
@@ -311,7 +334,7 @@ impl Builder<'_> {
             (None, None, Some(terms)) => self.combination(terms, &key("coefficients"))?,
             (None, None, None) => {
                 let remedy = "say what the law acts on, by `dof`, `between` or `coefficients`";
-                return Err(ModelError::value(self.origin.place(key("dof")), "(not given)", remedy));
+                return Err(ModelError::missing(self.origin.place(key("dof")), remedy));
             }
             (dof, between, _) => {
                 let (first, second) = match (dof, between) {
@@ -320,7 +343,7 @@ impl Builder<'_> {
                     _ => ("between", "coefficients"),
                 };
                 let remedy = format!("`{first}` says what the law acts on already; remove one of the two");
-                return Err(ModelError::value(self.origin.place(key(second)), "given", remedy));
+                return Err(ModelError::superfluous(self.origin.place(key(second)), remedy));
             }
         };
         if config.law.rigid().is_some() {

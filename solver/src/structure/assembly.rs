@@ -127,7 +127,7 @@ impl Structure {
     pub fn default_epsilon(&self, normals: &[&[(usize, f64)]]) -> Result<f64, ModelError> {
         self.condensed_stiffness(normals).ok_or_else(|| {
             let remedy = "no default can be derived, the contact normals meet no stiffness; give a value in N/m";
-            ModelError::value(Place::key("contact.epsilon"), "(not given)", remedy)
+            ModelError::missing(Place::key("contact.epsilon"), remedy)
         })
     }
 

@@ -267,7 +267,7 @@ impl ModelBuilder {
     /// Whatever a model file would be refused for, with the key of the file, the value, and what would be right.
     pub fn build(self) -> Result<Model, ModelError> {
         let given = |matrix: Option<Matrix>, key: &str| {
-            matrix.ok_or_else(|| ModelError::value(Place::key(key), "(not given)", "every model needs this matrix"))
+            matrix.ok_or_else(|| ModelError::missing(Place::key(key), "every model needs this matrix"))
         };
         let (mass, stiffness) = (given(self.mass, "matrices.mass")?, given(self.stiffness, "matrices.stiffness")?);
         let structure = Structure::new(self.dofs, mass, stiffness)?;
@@ -372,7 +372,7 @@ mod tests {
             let error = builder.build().unwrap_err().to_string();
             assert!(parts.iter().all(|part| error.contains(part)), "{error}");
         };
-        says(Model::builder("none"), &["`matrices.mass`", "(not given)"]);
+        says(Model::builder("none"), &["`matrices.mass` is not given"]);
         says(two_masses().force("top", 1.0), &["forcing.shape.dofs.top", "did you mean `tip`"]);
         says(two_masses().force(2, 1.0), &["`forcing.shape.dofs` = 2", "0 to 1"]);
         says(two_masses().monitor("top"), &["`monitors`", "did you mean `tip`"]);

@@ -115,6 +115,16 @@ pub enum ModelError {
         /// What would be right.
         remedy: String,
     },
+    /// A value that is needed is missing, or one stands beside another that excludes it.
+    #[error("{place} is {}: {remedy}", if *.is_given { "given as well" } else { "not given" })]
+    Presence {
+        /// Where it stands, or should.
+        place: Place,
+        /// Whether it is there.
+        is_given: bool,
+        /// What would be right.
+        remedy: String,
+    },
     /// A matrix has the wrong size.
     #[error("{place} is {rows} × {cols}, {expected}")]
     Size {
@@ -217,6 +227,7 @@ macro_rules! place_of {
             | Self::Unknown { place, .. }
             | Self::Type { place, .. }
             | Self::Value { place, .. }
+            | Self::Presence { place, .. }
             | Self::Size { place, .. }
             | Self::NotFinite { place, .. }
             | Self::NotSymmetric { place, .. }
@@ -234,6 +245,16 @@ impl ModelError {
     /// A value that is refused.
     pub fn value(place: Place, value: impl fmt::Display, remedy: impl Into<String>) -> Self {
         Self::Value { place, value: value.to_string(), remedy: remedy.into() }
+    }
+
+    /// A value that is needed and not there.
+    pub fn missing(place: Place, remedy: impl Into<String>) -> Self {
+        Self::Presence { place, is_given: false, remedy: remedy.into() }
+    }
+
+    /// A value that another one excludes.
+    pub(crate) fn superfluous(place: Place, remedy: impl Into<String>) -> Self {
+        Self::Presence { place, is_given: true, remedy: remedy.into() }
     }
 
     /// Where the refused value stands; none if a whole file is refused.

@@ -197,6 +197,11 @@ fn contact_ranges() {
     refused("radius = 0.25", "radius = 0", &["`contact.nodes[0].radius` = 0", "positive", "in m"]);
     refused("radius = 0.25", "", &["`contact.nodes[0].radius`", "friction is 0.2", "set friction = 0"]);
     refused("tangential = [\"blade.theta\"]", "", &["`contact.nodes[0].tangential`", "friction is 0.2", "is needed"]);
+    let along = "`contact.nodes[0].tangential[0]` = \"blade.r\": a tangential direction along the normal; sliding needs one of its own";
+    refused("tangential = [\"blade.theta\"]", "tangential = [\"blade.r\"]", &[along]);
+    let twice = "tangential = [\"blade.theta\", {\"blade.theta\" = -2}]";
+    let again = "`contact.nodes[0].tangential[1]` = {blade.theta = -2}: a tangential direction along the other one";
+    refused("tangential = [\"blade.theta\"]", twice, &[again]);
     refused("radius = 0.25", "radius = 0.25\ngap = -1", &["entry 1 of contact.nodes: `contact.nodes[0].gap` = -1"]);
 }
 
@@ -271,7 +276,7 @@ fn laws() {
     );
     let second = "coefficient = 1.0 }, { power = 16, coefficient = 1.0";
     refused("coefficient = 1.0", second, &["`laws[0].law.polynomial_spring.terms[1].power` = 16", "1 to 15"]);
-    refused("dof = \"blade.r\"", "", &["`laws[0].dof` = (not given)", "by `dof`, `between` or `coefficients`"]);
+    refused("dof = \"blade.r\"", "", &["`laws[0].dof` is not given", "by `dof`, `between` or `coefficients`"]);
     let twice = "dof = \"blade.r\"\ncoefficients = { \"blade.r\" = 1 }";
     refused("dof = \"blade.r\"", twice, &["`laws[0].coefficients` = given", "`dof` says", "remove one"]);
     refused("power = 3", "power = 2.5", &["`laws[0].law", "2.5", "a whole number"]);
