@@ -327,22 +327,23 @@ impl Settings {
             let (key, value) = ("backbone.modes", choice.to_string());
             Err(SettingsError { key, value, remedy })
         };
-        let primary = [choice.primary()];
-        let numbers = match &choice {
-            ModeChoice::Auto => &primary[..],
-            ModeChoice::These(list) => list.numbers(),
+        let ModeChoice::These(list) = &choice else {
+            return match model.modes().lowest_deforming() {
+                Some(_) => Ok(()),
+                None => refuse("no mode deforms the structure".into()),
+            };
         };
+        let numbers = list.numbers();
         if numbers.is_empty() {
             return refuse("give at least one mode, or \"auto\"".into());
         }
         let modes = model.size();
-        let is_rigid = |mode: usize| model.modes().is_rigid(mode);
         for (i, &number) in numbers.iter().enumerate() {
             if !(1..=modes).contains(&number) {
                 return refuse(format!("the model has modes 1 to {modes}"));
             }
-            if is_rigid(number - 1) {
-                let remedy = match (0..modes).find(|&mode| !is_rigid(mode)) {
+            if model.modes().is_rigid(number - 1) {
+                let remedy = match model.modes().lowest_deforming() {
                     Some(elastic) => {
                         format!("choose modes that deform the structure, as in backbone.modes = [{}]", elastic + 1)
                     }
@@ -357,9 +358,12 @@ impl Settings {
         Ok(())
     }
 
-    /// Index of the primary mode, from 0.
-    pub fn tracked(&self) -> usize {
-        self.backbone.modes.primary().saturating_sub(1)
+    /// Index of the primary mode of a model, from 0: the first one of the list; with `"auto"` the lowest that deforms the structure.
+    pub fn tracked(&self, model: &Model) -> usize {
+        match &self.backbone.modes {
+            ModeChoice::Auto => model.modes().lowest_deforming().unwrap_or(0),
+            ModeChoice::These(list) => list.numbers().first().copied().unwrap_or_default().saturating_sub(1),
+        }
     }
 
     /// The same settings for the backbone of another mode, from 0, alone.

@@ -38,7 +38,7 @@ pub(super) fn overdamped(model: &Model, settings: &Settings) -> Vec<String> {
 
 /// The same of the primary mode, without which there is no sweep.
 pub(super) fn overdamped_primary(model: &Model, settings: &Settings) -> Option<String> {
-    of_mode(model, settings, settings.tracked())
+    of_mode(model, settings, settings.tracked(model))
 }
 
 fn of_mode(model: &Model, settings: &Settings, mode: usize) -> Option<String> {

@@ -41,8 +41,8 @@ fn practically_linear(study: &Study, followed: &[usize]) -> Option<String> {
     let laws: Vec<(&Element, &[Term], bool)> = model.elements().iter().map(polynomial).collect::<Option<_>>()?;
     let highest = study.amplitudes.iter().max_by(|a, b| a.value.total_cmp(&b.value))?;
     let unknown = Unknown::Frequency { forcing: highest.value };
-    let scales = Scales::new(model, settings.tracked());
-    let problem = PressureForm::build(model, settings.harmonics, settings.tracked(), unknown, scales).ok()?;
+    let scales = Scales::new(model, settings.tracked(model));
+    let problem = PressureForm::build(model, settings.harmonics, settings.tracked(model), unknown, scales).ok()?;
     let m = model.forcing().harmonic;
     let multiples = followed.iter().map(|&mode| {
         let omega = model.modes().frequencies[mode] / m as f64;

@@ -53,8 +53,8 @@ impl std::fmt::Display for FirstTouch<'_> {
 /// modes that are followed and driven. `None` if nothing has a gap, or where the linear response has no bound.
 pub(super) fn first_touch<'s>(study: &'s Study, followed: &[usize]) -> Option<FirstTouch<'s>> {
     let (model, settings) = (&study.model, &study.settings);
-    let (unknown, scales) = (Unknown::Frequency { forcing: 1.0 }, Scales::new(model, settings.tracked()));
-    let problem = PressureForm::build(model, settings.harmonics, settings.tracked(), unknown, scales).ok()?;
+    let (unknown, scales) = (Unknown::Frequency { forcing: 1.0 }, Scales::new(model, settings.tracked(model)));
+    let problem = PressureForm::build(model, settings.harmonics, settings.tracked(model), unknown, scales).ok()?;
     let resonance = |mode: usize| model.modes().frequencies[mode] / model.forcing().harmonic as f64;
     let FrequencySettings { min, max } = settings.frequency;
     // A stop that is pressed at rest changes the linear response.

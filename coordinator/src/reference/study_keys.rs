@@ -197,7 +197,7 @@ pub(super) const NUMERICS: &[Key] = &[
         ]),
         default: Value("\"auto\""),
         unit: "",
-        meaning: "Modes followed, from 1, the primary one first; or \"auto\": mode 1 and every other one that frequency range and forcing can reach.",
+        meaning: "Modes followed, from 1, the primary one first; or \"auto\": the lowest that deforms the structure, and every other one that frequency range and forcing can reach.",
         example: "[1, 2]",
     },
     Key {

@@ -273,7 +273,11 @@ impl Reader {
 
     /// What tells the mode of a window, in SQL: runs of earlier programs followed one mode, that of their settings.
     fn mode_of_windows(&self) -> Result<String> {
-        if self.version()? >= 3 { Ok("mode".into()) } else { Ok((self.header()?.settings.tracked() + 1).to_string()) }
+        if self.version()? >= 3 {
+            return Ok("mode".into());
+        }
+        let model = self.model()?.model().map_err(|error| self.corrupt(error))?;
+        Ok((self.header()?.settings.tracked(&model) + 1).to_string())
     }
 
     /// What became of the seeds of a level: tasks of landings that failed stand for what would have followed.

@@ -98,8 +98,8 @@ fn system<'m, F: Formulation<'m>>(
         BackboneEquation::ConservativeMode => Unknown::Mode { damped: false },
         BackboneEquation::PhaseResonance => Unknown::PhaseResonance,
     };
-    let scales = Scales::new(model, settings.tracked());
-    F::build(model, settings.harmonics, settings.tracked(), unknown, scales)
+    let scales = Scales::new(model, settings.tracked(model));
+    F::build(model, settings.harmonics, settings.tracked(model), unknown, scales)
 }
 
 fn bounds(settings: &Settings, scales: &Scales) -> Bounds {
@@ -162,7 +162,7 @@ impl Backbone {
         let mut backbone = Self::compute_with(model, settings, observer)?;
         let (farther, times) = FARTHER;
         let mut wider = *settings;
-        let mut bound = FOLLOWED * Scales::new(model, settings.tracked()).length;
+        let mut bound = FOLLOWED * Scales::new(model, settings.tracked(model)).length;
         for _ in 0..times {
             let is_at_bound = matches!(backbone.outcome, Outcome::Open(_, Stop::AmplitudeBound));
             let is_enough = backbone.points.last().is_none_or(|last| last.threshold() > ENOUGH * forcing);
@@ -186,7 +186,7 @@ impl Backbone {
         observer: &mut Observer<'_>,
     ) -> Result<Self, BackboneError> {
         settings.validate(model)?;
-        let mode = settings.tracked();
+        let mode = settings.tracked(model);
         let omega = model.modes().frequencies[mode];
         let not_started = |failure| {
             let drifting = if failure == Failure::Singular { drifting(model) } else { None };
@@ -306,7 +306,7 @@ impl Backbone {
                 evaluate(continuation.problem(), visited, arc, criterion)
             })
             .collect();
-        Self { mode: settings.tracked(), points, outcome, rejections }
+        Self { mode: settings.tracked(continuation.problem().model()), points, outcome, rejections }
     }
 
     /// Lowest and highest frequency, rad/s.

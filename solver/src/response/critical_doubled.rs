@@ -33,8 +33,8 @@ pub(super) fn certify(
         return;
     }
     let unknown = Unknown::Extremum(Quantity::Frequency);
-    let scales = Scales::new(model, settings.tracked());
-    let built = PressureForm::build(model, settings.harmonics.doubled(), settings.tracked(), unknown, scales);
+    let scales = Scales::new(model, settings.tracked(model));
+    let built = PressureForm::build(model, settings.harmonics.doubled(), settings.tracked(model), unknown, scales);
     let Ok(mut problem) = built else { return };
     problem.measure_forcing_by(extent.forcing.1.max(scales.forcing));
     let is_closed = curve.is_closed();

@@ -88,8 +88,8 @@ impl<'m> Critical<'m> {
         extent: Extent,
     ) -> Result<Self, CriticalError> {
         settings.validate(model)?;
-        let scales = Scales::new(model, settings.tracked());
-        let mut problem = PressureForm::build(model, settings.harmonics, settings.tracked(), unknown, scales)?;
+        let scales = Scales::new(model, settings.tracked(model));
+        let mut problem = PressureForm::build(model, settings.harmonics, settings.tracked(model), unknown, scales)?;
         // Its scale, that of the linear resonance, is far below the forcing of isolas where the damping is weak.
         problem.measure_forcing_by(extent.forcing.1.max(scales.forcing));
         let (newton, identity, recorder) = Default::default();

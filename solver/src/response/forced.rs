@@ -77,9 +77,9 @@ impl<'m, F: Formulation<'m>> Forced<'m, F> {
         reach: SearchRange,
         forcing: f64,
     ) -> Result<Self, FormulationError> {
-        let scales = Scales::new(model, settings.tracked());
+        let scales = Scales::new(model, settings.tracked(model));
         let unknown = Unknown::Frequency { forcing };
-        let problem = F::build(model, settings.harmonics, settings.tracked(), unknown, scales)?;
+        let problem = F::build(model, settings.harmonics, settings.tracked(model), unknown, scales)?;
         let shorter = Shorter::of(model, settings.search.harmonics.as_ref());
         let (identity, recorder, interrupt) = Default::default();
         Ok(Self { model, problem, settings: *settings, reach, identity, forcing, shorter, recorder, interrupt })

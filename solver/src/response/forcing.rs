@@ -92,8 +92,8 @@ pub(super) fn through_motion<'m, F: Formulation<'m>>(
 
 /// The system with A free, A measured in units of the amplitude wanted.
 fn system<'m, F: Formulation<'m>>(model: &'m Model, settings: &Settings, forcing: f64, omega: f64) -> F {
-    let scales = Scales { forcing, ..Scales::new(model, settings.tracked()) };
-    F::build(model, settings.harmonics, settings.tracked(), Unknown::Forcing { omega }, scales)
+    let scales = Scales { forcing, ..Scales::new(model, settings.tracked(model)) };
+    F::build(model, settings.harmonics, settings.tracked(model), Unknown::Forcing { omega }, scales)
         .expect("a formulation that knows forced responses knows them at fixed frequency too")
 }
 

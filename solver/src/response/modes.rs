@@ -56,11 +56,11 @@ pub struct ModesFollowed {
 }
 
 impl ModesFollowed {
-    /// The choice of valid settings. With `"auto"` it is mode 1 and every other one whose resonance, in the motion's own harmonic
-    /// or in the one that is forced, can reach the range of frequencies. The forcing need not work on the linear mode: nonlinear
+    /// The choice of valid settings. With `"auto"` it is the lowest mode that deforms the structure and every other one whose
+    /// resonance, in the motion's own harmonic or in the one that is forced, can reach the range of frequencies. The forcing need not work on the linear mode: nonlinear
     /// motion carries others along. Where there are too many, those on which it does come first.
     pub fn choose(model: &Model, settings: &Settings) -> Self {
-        let primary = settings.tracked();
+        let primary = settings.tracked(model);
         let mut followed = vec![primary];
         let mut left_out = Vec::new();
         if let ModeChoice::These(list) = &settings.backbone.modes {
@@ -99,7 +99,7 @@ fn is_in_reach(model: &Model, settings: &Settings, mode: usize) -> bool {
     let frequencies = &model.modes().frequencies;
     let (omega, m) = (frequencies[mode], model.forcing().harmonic as f64);
     let low = settings.frequency.min.map_or(0.0, |min| min / BENDS);
-    let high = settings.frequency.max.map_or(FAR * frequencies[settings.tracked()], |max| BENDS * max);
+    let high = settings.frequency.max.map_or(FAR * frequencies[settings.tracked(model)], |max| BENDS * max);
     let own = &settings.backbone;
     let starts = own.min_frequency.is_none_or(|min| min <= omega) && own.max_frequency.is_none_or(|max| omega <= max);
     starts && [omega, omega / m].iter().any(|resonance| (low..=high).contains(resonance))

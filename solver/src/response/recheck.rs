@@ -203,9 +203,14 @@ impl<'m> Recheck<'m> {
                 return Err(Refutation::Whole("nothing is born or merges along responses at one frequency"));
             }
         }
-        let scales = Scales::new(self.model, self.settings.tracked());
-        let problem =
-            PressureForm::build(self.model, self.settings.harmonics, self.settings.tracked(), unknown, scales);
+        let scales = Scales::new(self.model, self.settings.tracked(self.model));
+        let problem = PressureForm::build(
+            self.model,
+            self.settings.harmonics,
+            self.settings.tracked(self.model),
+            unknown,
+            scales,
+        );
         let Ok(mut problem) = problem else {
             return Err(Refutation::Whole(
                 "the laws of this model have no second derivatives, so that it has no such curve",
@@ -217,8 +222,8 @@ impl<'m> Recheck<'m> {
     }
 
     fn problem(&self, unknown: Unknown) -> PressureForm<'m> {
-        let scales = Scales::new(self.model, self.settings.tracked());
-        PressureForm::new(self.model, self.settings.harmonics, self.settings.tracked(), unknown, scales)
+        let scales = Scales::new(self.model, self.settings.tracked(self.model));
+        PressureForm::new(self.model, self.settings.harmonics, self.settings.tracked(self.model), unknown, scales)
     }
 
     /// Whether all are forced responses at this forcing amplitude, as far as that is seen without the equations.

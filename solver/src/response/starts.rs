@@ -153,7 +153,7 @@ fn few(model: &Model, settings: &Settings) -> usize {
 pub fn land<'m, F: Formulation<'m>>(forced: &mut Forced<'m, F>, place: &StartPlace) -> Result<Vec<Landing>, Failure> {
     let (model, settings) = (forced.model(), *forced.settings());
     let truncation = HarmonicSettings { count: few(model, &settings), ..settings.harmonics };
-    let tracked = settings.tracked();
+    let tracked = settings.tracked(model);
     let scales = Scales::new(model, tracked);
     // Receptances have a pole wherever a harmonic meets a resonance, which no step gets past: the more the lower ω is.
     if suits_all_dofs(model) {
@@ -234,7 +234,7 @@ impl<'m, C: Formulation<'m>, B: Fn(Unknown) -> Result<C, FormulationError>> Trie
         if number % 2 == 1 {
             let order = if random.gen_bool(ORDINARY) { 1 } else { random.gen_range(2..=ORDERS) };
             let quick = State { omega: state.omega * order as f64, ..state.clone() };
-            let free = freed(&mut self.free, &quick, forced.settings().tracked())
+            let free = freed(&mut self.free, &quick, forced.settings().tracked(forced.model()))
                 .map(|free| slowed(&State { decay: 0.0, forcing, ..free }, order));
             state = free.unwrap_or(state).shifted(random.gen_range(0.0..TAU));
         }
@@ -254,7 +254,7 @@ impl<'m, C: Formulation<'m>, B: Fn(Unknown) -> Result<C, FormulationError>> Trie
     ) -> Result<State, Failure> {
         let state = motion(random, forced, &self.forced[0], &self.sizes);
         let phase = random.gen_range(0.0..TAU);
-        let free = freed(&mut self.free, &state, forced.settings().tracked()).ok_or(Failure::Diverged)?;
+        let free = freed(&mut self.free, &state, forced.settings().tracked(forced.model())).ok_or(Failure::Diverged)?;
         let rough = homotopy::follow(&self.form, &mut self.free, &free, forced.forcing(), phase)?;
         self.refined(forced, 0, &rough)
     }
@@ -303,7 +303,7 @@ fn motion<'m, F: Formulation<'m>, C: Formulation<'m>>(
     // Newton's method does not leave the motions that are their own mirror images: half the unknowns, and most isolas are of them.
     let has_mirrored = coarse.system().is_symmetric && model.forcing().harmonic % 2 == 1;
     let is_mirrored = has_mirrored && random.gen_bool(MIRRORED);
-    let reference = model.modes().frequencies[forced.settings().tracked()];
+    let reference = model.modes().frequencies[forced.settings().tracked(forced.model())];
     let nc = width(harmonics);
     let mut modal = vec![0.0; model.size() * nc];
     for (series, frequency) in modal.chunks_mut(nc).zip(&model.modes().frequencies) {

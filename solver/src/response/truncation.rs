@@ -99,8 +99,8 @@ fn doubled<'m, F: Formulation<'m>>(
     observer: &mut Observer<'_>,
 ) -> Option<Doubled> {
     let unknown = Unknown::Frequency { forcing: branch.forcing };
-    let scales = Scales::new(model, settings.tracked());
-    let mut problem = F::build(model, settings.harmonics.doubled(), settings.tracked(), unknown, scales).ok()?;
+    let scales = Scales::new(model, settings.tracked(model));
+    let mut problem = F::build(model, settings.harmonics.doubled(), settings.tracked(model), unknown, scales).ok()?;
     let points = &branch.points;
     let mut maximum = |measure: &dyn Fn(&BranchPoint) -> f64| {
         let top = (0..points.len()).max_by(|&a, &b| measure(&points[a]).total_cmp(&measure(&points[b])))?;

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 /// scales and phase conditions of forced responses are made of it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum ModeChoice {
-    /// Mode 1, and every other one that frequency range and forcing can reach: see [`crate::response::modes`].
+    /// The lowest mode that deforms the structure, and every other one that frequency range and forcing can reach: see [`crate::response::modes`].
     #[default]
     Auto,
     /// These.
@@ -20,14 +20,6 @@ impl ModeChoice {
     /// This mode alone, by its number from 1.
     pub fn one(number: usize) -> Self {
         Self::These(NumberList::one(number))
-    }
-
-    /// Number, from 1, of the primary mode; 0 of an empty list.
-    pub fn primary(&self) -> usize {
-        match self {
-            Self::Auto => 1,
-            Self::These(list) => list.numbers().first().copied().unwrap_or_default(),
-        }
     }
 }
 
@@ -103,7 +95,6 @@ mod tests {
             assert_eq!(serde_json::from_str::<ModeChoice>(form).unwrap(), choice);
             assert_eq!(choice.to_string(), words);
         }
-        assert_eq!([ModeChoice::Auto.primary(), these(&[3, 1]).primary(), these(&[]).primary()], [1, 3, 0]);
         for (form, numbers) in [("2", &[2][..]), (r#""2""#, &[2]), (r#""3, 1""#, &[3, 1])] {
             assert_eq!(serde_json::from_str::<ModeChoice>(form).unwrap(), these(numbers));
         }

@@ -39,6 +39,11 @@ impl Modes {
         self.frequencies[j] <= RIGID * self.frequencies[self.frequencies.len() - 1]
     }
 
+    /// The lowest mode that deforms the structure, from 0.
+    pub fn lowest_deforming(&self) -> Option<usize> {
+        (0..self.frequencies.len()).find(|&j| !self.is_rigid(j))
+    }
+
     /// Displacement bᵀΦ_j along dofs with factors in every mode, kg^-½.
     pub fn along<'m>(&'m self, direction: &'m [(usize, f64)]) -> impl Iterator<Item = f64> + 'm {
         (0..self.frequencies.len()).map(move |j| direction.iter().map(|&(dof, b)| b * self.shapes[(dof, j)]).sum())

@@ -11,6 +11,7 @@ mod continuation;
 mod examples;
 mod far_backbones;
 mod folds;
+mod free_structures;
 mod isolas;
 mod known_isolas;
 mod light_damping;

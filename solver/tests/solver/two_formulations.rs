@@ -76,7 +76,7 @@ struct Forms<'m> {
 impl<'m> Forms<'m> {
     fn new(model: &'m Model, settings: &Settings, unknown: Unknown) -> Self {
         let amplitude = if let Unknown::Frequency { forcing } = unknown { forcing } else { 0.0 };
-        let (truncation, tracked) = (settings.harmonics, settings.tracked());
+        let (truncation, tracked) = (settings.harmonics, settings.tracked(model));
         let scales = Scales::new(model, tracked);
         let stiffness = model.elements().iter().map(|element| match &element.law {
             LawKind::Contact(contact) => contact.epsilon,
