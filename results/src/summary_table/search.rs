@@ -1,45 +1,32 @@
 //! What was looked for, and that nothing was found: how much the table may be trusted to be complete.
 
+use super::known::Known;
 use crate::overview::{
     BranchRow, Excitation, Level, LookedFor, SmallestMotion, born_above, born_between, levels_after, modes,
     truncation_doubt, why_no_folds,
 };
-use crate::store::{CurveRow, SearchCounts};
+use crate::store::CurveRow;
 use protocol::backbone::BackboneMessage;
 use protocol::curve::Size;
 use solver::response::branch::BranchKind;
-use solver::response::modes::ModesFollowed;
 use solver::response::orders::orders;
 use solver::settings::{Effort, FrequencySettings, Settings};
 use solver::structure::Model;
 
-/// What the search has made.
-pub(super) struct Made<'r> {
-    /// Levels, complete or not.
-    pub levels: &'r [Level],
-    /// Backbones, that of the primary mode first.
-    pub backbones: &'r [&'r BackboneMessage],
-    /// Which modes were followed and which not, if that is known.
-    pub modes: Option<&'r ModesFollowed>,
-    /// Number of fold curves.
-    pub curves: usize,
-    /// What became of random starts and folds.
-    pub search: SearchCounts,
-}
-
 /// What was looked for and what was not; modes that were left out, with the reasons.
-pub(super) fn looked_for(made: &Made<'_>, model: &Model, settings: &Settings) -> Vec<String> {
-    let Made { levels, backbones, modes: choice, curves, search } = *made;
+pub(super) fn looked_for(known: &Known) -> Vec<String> {
+    let (Some(model), Some(settings)) = (&known.model, &known.settings) else { return Vec::new() };
+    let (levels, choice) = (known.levels(), known.modes.as_ref());
     let why = why_no_folds(model, settings);
     let looked_for = LookedFor {
         levels,
-        backbones: backbones.iter().map(|message| (message.mode, last_threshold(message, model))).collect(),
+        backbones: known.backbones.iter().map(|message| (message.mode, last_threshold(message, model))).collect(),
         modes: choice,
         all_modes: model.size(),
         harmonic: model.forcing().harmonic,
         asked: &orders(model, &settings.search),
-        curves,
-        search,
+        curves: known.curves.len(),
+        search: known.search,
         why_no_folds: why.as_deref(),
     };
     let is_done = levels.iter().all(|level| level.pending == 0);
@@ -49,7 +36,7 @@ pub(super) fn looked_for(made: &Made<'_>, model: &Model, settings: &Settings) ->
 }
 
 /// What the structure does of itself.
-pub(super) fn excitation(backbones: &[&BackboneMessage], model: &Model) -> Option<String> {
+pub(super) fn excitation(backbones: &[BackboneMessage], model: &Model) -> Option<String> {
     let decoded = backbones.iter().filter_map(|message| message.backbone(&Size::of(model)).ok());
     let smallest: Vec<SmallestMotion> = decoded.filter_map(|backbone| SmallestMotion::of(&backbone)).collect();
     Excitation::of(model).sentence(&smallest)
@@ -62,18 +49,13 @@ fn last_threshold(message: &BackboneMessage, model: &Model) -> Option<f64> {
 }
 
 /// That no level has an isola, once all of them are complete.
-pub(super) fn no_isola(
-    levels: &[Level],
-    curves: &[CurveRow],
-    bounds: FrequencySettings,
-    model: &Model,
-    settings: &Settings,
-) -> Option<String> {
+pub(super) fn no_isola(known: &Known) -> Option<String> {
+    let (model, settings, levels) = (known.model.as_ref()?, known.settings.as_ref()?, known.levels());
     let has_none = |level: &Level| level.is_complete() && level.highest_isola().is_none();
     if levels.is_empty() || !levels.iter().all(has_none) {
         return None;
     }
-    let born = born(levels, curves, bounds);
+    let born = born(levels, &known.curves, known.bounds());
     let only = match settings.search.effort {
         Effort::None => " in windows of the energy balance, where alone they were looked for (search.effort)",
         _ => "",

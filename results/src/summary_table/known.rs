@@ -1,0 +1,90 @@
+//! What the table and the sentences below it are made of, as the store has it.
+
+use super::LEVELS;
+use crate::overview::{Level, Omissions, Overview, bounds};
+use crate::store::{CurveRow, MotionRow, PushRow, Reader, Result, SearchCounts};
+use protocol::backbone::BackboneMessage;
+use solver::response::branch::Outcome;
+use solver::response::modes::ModesFollowed;
+use solver::settings::{FrequencySettings, Settings};
+use solver::structure::Model;
+
+/// What is known of one order of motions. What cannot be read is as if it were not there yet.
+pub(super) struct Known {
+    /// Levels and what they have.
+    pub overview: Overview,
+    /// The model, its force on the harmonic of this order.
+    pub model: Option<Model>,
+    /// Settings of the study.
+    pub settings: Option<Settings>,
+    /// Bounds of the frequency that were given.
+    pub given: FrequencySettings,
+    /// Those that were looked at, once the backbones are known.
+    pub reached: Option<(f64, f64)>,
+    /// How main branches end, with their amplitudes as typed.
+    pub mains: Vec<(String, Outcome)>,
+    /// Fold curves.
+    pub curves: Vec<CurveRow>,
+    /// What became of random starts and folds.
+    pub search: SearchCounts,
+    /// Backbones, that of the primary mode first.
+    pub backbones: Vec<BackboneMessage>,
+    /// Whether the backbones are still to come.
+    pub awaits_backbones: bool,
+    /// Which modes were followed and which not.
+    pub modes: Option<ModesFollowed>,
+    /// What unstable motions turn into.
+    pub motions: Vec<MotionRow>,
+    /// What throws the structure from one branch onto another.
+    pub pushes: Vec<PushRow>,
+    /// Whether these are motions of a further order, of which no main branches are followed.
+    pub is_further: bool,
+    /// Whether the run looks for no other order.
+    pub is_only_order: bool,
+}
+
+impl Known {
+    /// Of the order that the reader tells of.
+    pub fn read(reader: &Reader) -> Result<Self> {
+        let mut omissions = Omissions::default();
+        let overview = Overview::read(reader, &mut omissions)?;
+        let backbone = omissions.read("The backbone is", reader.backbone());
+        let awaits_backbones = backbone.as_ref().is_some_and(Option::is_none);
+        let further = omissions.read("Further backbones are", reader.further_backbones()).unwrap_or_default();
+        let settings = overview.header.as_ref().map(|header| header.settings);
+        let reach = omissions.read("The frequency range of the sweep is", reader.reach()).flatten();
+        let is_further = reader.order().is_some();
+        Ok(Self {
+            model: overview.model.as_ref().and_then(|message| message.model().ok()),
+            settings,
+            given: settings.map(|settings| settings.frequency).unwrap_or_default(),
+            reached: reach.map(|reach| reach.frequency),
+            mains: omissions.read("How main branches end is", reader.main_outcomes()).unwrap_or_default(),
+            curves: omissions.read("The list of fold curves is", reader.curves()).unwrap_or_default(),
+            search: omissions.read("What became of folds is", reader.search_counts()).unwrap_or_default(),
+            backbones: backbone.flatten().into_iter().chain(further).collect(),
+            awaits_backbones,
+            modes: omissions.read("Which modes were followed is", reader.modes()).flatten(),
+            motions: omissions.read("The list of motions is", reader.motions()).unwrap_or_default(),
+            pushes: omissions.read("The list of pushes is", reader.pushes()).unwrap_or_default(),
+            is_further,
+            is_only_order: !is_further && reader.further_orders()?.is_empty(),
+            overview,
+        })
+    }
+
+    /// Levels, by forcing amplitude.
+    pub fn levels(&self) -> &[Level] {
+        &self.overview.levels
+    }
+
+    /// Those that the table shows.
+    pub fn shown(&self) -> impl Iterator<Item = &Level> {
+        self.levels().iter().take(LEVELS)
+    }
+
+    /// Bounds of the frequency within which something is looked for.
+    pub fn bounds(&self) -> FrequencySettings {
+        bounds(self.given, self.reached, self.is_further)
+    }
+}

@@ -1,0 +1,128 @@
+//! The rows of the table, with the footnotes that they need.
+
+use super::footnotes::Footnotes;
+use super::known::Known;
+use super::units::Units;
+use crate::overview::{Lesser, Level, WindowOutcome, forcing_label, is_unconfirmed, later_birth};
+use crate::store::{BranchRow, CurveRow};
+use crate::words::count;
+use solver::response::branch::{BranchKind, Outcome};
+use solver::settings::FrequencySettings;
+
+/// Relative distance from a bound up to which a peak counts as at it.
+const BESIDE: f64 = 1e-6;
+
+/// Makes the rows.
+pub(super) struct Rows<'r> {
+    units: Units,
+    /// How main branches end, with their amplitudes as typed.
+    mains: &'r [(String, Outcome)],
+    /// Fold curves.
+    curves: &'r [CurveRow],
+    /// What motions that branch off others have lost.
+    lesser: Lesser,
+    /// Bounds of the frequency that were given.
+    given: FrequencySettings,
+    /// Reasons, in the order in which rows are made.
+    pub(super) notes: Footnotes,
+}
+
+impl<'r> Rows<'r> {
+    pub(super) fn new(known: &'r Known, units: Units) -> Self {
+        let lesser = known.model.as_ref().map(Lesser::of).unwrap_or_default();
+        let notes = Footnotes::default();
+        Self { units, mains: &known.mains, curves: &known.curves, lesser, given: known.given, notes }
+    }
+
+    /// The cells of a level: its forcing amplitude, main branches, others, windows.
+    pub(super) fn of(&mut self, level: &Level) -> [String; 4] {
+        // From left to right: footnotes are numbered as they are met.
+        let main = self.main(level);
+        let others = level.others().map(|row| self.other(row)).collect::<Vec<_>>();
+        [level.amplitude.clone(), main, others.join("\n"), self.windows(level)]
+    }
+
+    fn peak(&self, row: &BranchRow) -> String {
+        let Units { length, frequency } = self.units;
+        format!("{}{} at {}", row.at_least(), length.digits(row.amplitude_max), frequency.digits(row.omega_at_max))
+    }
+
+    fn main(&mut self, level: &Level) -> String {
+        if level.main().is_none() {
+            if level.is_without_mains {
+                return String::new();
+            }
+            return match &level.main_failure {
+                Some(failure) => format!("none{}", self.notes.mark(format!("no main branch: {failure}"))),
+                None => "to come".into(),
+            };
+        }
+        let ends: Vec<Outcome> =
+            self.mains.iter().filter(|(amplitude, _)| *amplitude == level.amplitude).map(|(_, end)| *end).collect();
+        let peaks = level.mains().enumerate().map(|(i, row)| {
+            let end = ends.get(i).filter(|end| end.is_unfinished());
+            let mark = end.map(|end| self.notes.mark(format!("known only in part: {end}"))).unwrap_or_default();
+            format!("{}{mark}{}", self.peak(row), self.outside(row))
+        });
+        peaks.collect::<Vec<_>>().join("\n")
+    }
+
+    /// A mark at a peak outside of the bounds that were given.
+    fn outside(&mut self, row: &BranchRow) -> String {
+        let FrequencySettings { min, max, .. } = self.given;
+        let below = min.filter(|min| row.omega_at_max < min * (1.0 - BESIDE)).map(|_| "below frequency.min");
+        let above = max.filter(|max| row.omega_at_max > max * (1.0 + BESIDE)).map(|_| "above frequency.max");
+        let comes_back = if row.at_least().is_empty() { ": the branch goes there and comes back" } else { "" };
+        let note = |bound: &str| self.notes.mark(format!("{bound}{comes_back}"));
+        below.or(above).map(note).unwrap_or_default()
+    }
+
+    fn other(&mut self, row: &BranchRow) -> String {
+        let unit = self.units.frequency;
+        let range = format!("{}–{}", unit.digits(row.omega.0), unit.digits(row.omega.1));
+        let peak = self.peak(row);
+        if row.is_isola() {
+            let doubt = "perhaps of the truncation alone: no peak like its own was found with twice the harmonics, and no motion near \
+                         it by time marching";
+            let mark = if is_unconfirmed(row) { self.notes.mark(doubt.into()) } else { String::new() };
+            return format!("{range}, {peak}{mark}");
+        }
+        let meaning = match row.kind.as_str() {
+            kind if kind == BranchKind::Open.name() => "; detached, but not closed",
+            kind if kind == BranchKind::Branched.name() => &format!("; {}", self.lesser.than("what it branches off")),
+            _ => "; whether it is detached is not known",
+        };
+        // `open` is the name of a kind as well.
+        let ends = row.status.strip_prefix("open: ").map_or_else(|| row.status.clone(), |ends| format!("from {ends}"));
+        let mark = self.notes.mark(format!("{ends}{meaning}"));
+        format!("{}: {range}, {peak}{mark}", row.kind)
+    }
+
+    /// In how many windows their seeds led to a branch, of how many, and what is missing of the level.
+    fn windows(&mut self, level: &Level) -> String {
+        let unit = self.units.frequency;
+        let missed = level.not_found().map(|(window, reason)| {
+            let (low, high) = (unit.digits(window.omega.0), unit.digits(window.omega.1));
+            let why = match later_birth(self.curves, level, window) {
+                Some(birth) => format!("an isola is born there at A = {} only", forcing_label(birth, 5)),
+                None => reason,
+            };
+            self.notes.mark(format!("A = {}, window {low}–{high}: not found: {why}", level.amplitude))
+        });
+        let missed: Vec<String> = missed.collect();
+        let found = level.windows.iter().filter(|window| matches!(window.outcome, WindowOutcome::Found(_))).count();
+        let mut lines = vec![match level.windows.len() {
+            0 => "no window".into(),
+            all => format!("{found} of {all}{}", missed.join(" ")),
+        }];
+        lines.extend((level.pending > 0).then(|| format!("{} to come", count(level.pending, "task"))));
+        let given_up = || format!("A = {}: tasks given up: isola retry-dead RUN tries them again", level.amplitude);
+        lines.extend(
+            (level.dead > 0).then(|| format!("{} given up{}", count(level.dead, "task"), self.notes.mark(given_up()))),
+        );
+        let contradicted = || format!("A = {}: other workers came to something else", level.amplitude);
+        let results = level.refuted + level.disputed;
+        lines.extend((results > 0).then(|| format!("{results} doubtful{}", self.notes.mark(contradicted()))));
+        lines.join("\n")
+    }
+}
