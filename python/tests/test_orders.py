@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
-from runs import MODELS, isola
+from runs import MODELS, isola, program
 
 import isola_hbm
 
@@ -56,6 +57,14 @@ def test_branches_of_a_further_order_are_hinted_at(run: Path) -> None:
     assert "load(" not in repr(isola_hbm.load(run, order=3))
     with pytest.raises(isola_hbm.NoSuchBranch, match=r'those of load\(folder, order=3\), there "2/isola 1"'):
         first["2-m3/isola 1"]
+
+
+def test_a_run_that_is_extended_tells_of_the_same_order(run: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ISOLA_BIN", str(program().absolute()))
+    shutil.copytree(run, folder := tmp_path / "run")
+    longer = isola_hbm.extend(isola_hbm.load(folder, order=3), [1.75], workers=1, progress=False)
+    assert set(longer) == {"1.5/isola 1", "1.75/isola 1", "2/isola 1"}
+    assert "1.75/main" in isola_hbm.load(folder)
 
 
 def test_an_order_that_is_not_looked_for(run: Path, damper: Path) -> None:

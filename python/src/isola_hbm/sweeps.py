@@ -168,7 +168,7 @@ def _carried_on(
     if code not in _ENDED:
         raise study.refusal(said, code, run.folder / FILE, is_written=False)
     # One that was loaded has the study and the facts of before.
-    return _ended(load(run.folder), said, code, show, progress, callers=2)
+    return _ended(load(run.folder, run._store.order), said, code, show, progress, callers=2)
 
 
 def _ended(
