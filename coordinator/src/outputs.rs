@@ -61,11 +61,14 @@ pub fn report(args: &crate::cli::ReportArgs) -> Result<ExitCode, Error> {
         Some(order) => of_order(reader, &further, order)?,
         None => reader,
     };
-    let further = if args.order.is_none() && args.out.is_none() { further } else { Vec::new() };
-    let orders: Vec<usize> = std::iter::once(first.model()?.forcing_harmonic).chain(further).collect();
-    let (mut made, mut omissions) = page(&first, &orders, args)?;
-    for order in &orders[1..] {
-        let (more, missing) = page(&first.of_order(*order)?, &orders, args)?;
+    // Alone, or with those of all orders, which lead to each other.
+    let beside = if args.order.is_none() && args.out.is_none() { &further[..] } else { &[] };
+    let own = first.model()?.forcing_harmonic;
+    let orders: Vec<usize> = std::iter::once(own).chain(beside.iter().copied()).collect();
+    let orders = if further.is_empty() { &[] } else { &orders[..] };
+    let (mut made, mut omissions) = page(&first, orders, args)?;
+    for order in orders.iter().skip(1) {
+        let (more, missing) = page(&first.of_order(*order)?, orders, args)?;
         made += &format!("\nMotions that last {order} periods of the force:\n{more}");
         omissions.damaged.extend(missing.damaged);
         omissions.missing.extend(missing.missing);
@@ -73,7 +76,7 @@ pub fn report(args: &crate::cli::ReportArgs) -> Result<ExitCode, Error> {
     told(made, &omissions)
 }
 
-/// Writes the page of one order of motions, of all those whose pages are written: its verdict and where the page is, and what is missing.
+/// Writes the page of one order of motions, of those whose pages are written (none where the run has but one): its verdict and where the page is, and what is missing.
 #[cfg(feature = "page")]
 fn page(reader: &Reader, orders: &[usize], args: &crate::cli::ReportArgs) -> Result<(String, Omissions), Error> {
     use results::report::{Report, Selection};
@@ -90,15 +93,18 @@ fn page(reader: &Reader, orders: &[usize], args: &crate::cli::ReportArgs) -> Res
     Ok((format!("{}{}\n", answers.collect::<String>(), file.display()), report.omissions))
 }
 
-/// The pages of all orders of motions as seen from that of one of them, `None` being the first; none where there is but one.
+/// The pages of these orders of motions as seen from that of one of them, `None` being the run's first.
 #[cfg(feature = "page")]
 fn pages_of_orders(orders: &[usize], seen_from: Option<usize>) -> Vec<results::page::PageOfOrder> {
     let up = if seen_from.is_some() { "../" } else { "" };
-    let this = seen_from.unwrap_or(orders[0]);
-    let folder = |order| if order == orders[0] { String::new() } else { format!("{}/", order_folder(order)) };
-    let file = |order| (order != this).then(|| format!("{up}{}{PAGE}", folder(order)));
-    let pages = orders.iter().map(|&order| results::page::PageOfOrder { order, file: file(order) });
-    if orders.len() == 1 { Vec::new() } else { pages.collect() }
+    let page = |(i, &order): (usize, &usize)| {
+        let is_this = seen_from.map_or(i == 0, |this| this == order);
+        let is_first = if is_this { seen_from.is_none() } else { i == 0 };
+        let folder = if is_first { String::new() } else { format!("{}/", order_folder(order)) };
+        let file = (!is_this).then(|| format!("{up}{folder}{PAGE}"));
+        results::page::PageOfOrder { order, is_first, file }
+    };
+    orders.iter().enumerate().map(page).collect()
 }
 
 /// The run as it is for one order of motions; `further`: those beside its first.

@@ -1,6 +1,7 @@
 //! Motions of several orders in one run: those of order m last m periods of the force.
 
 use crate::BRIEF;
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Output;
 use tempfile::{TempDir, tempdir};
@@ -72,6 +73,21 @@ fn an_order_has_what_the_structure_forced_on_its_harmonic_has() {
         report.contains(own) && report.contains("This is of motions that last 3 periods of the force."),
         "{report}"
     );
+    // Pages lead to each other where they were written together.
+    let single = folder.path().join("single.html");
+    text(&isola(&["report", run_text, "--order", "3", "-o", single.to_str().unwrap()]));
+    for (file, pages) in [
+        (run.join("report.html"), [(1, true, None), (3, false, Some("m3/report.html"))].as_slice()),
+        (run.join("m3/report.html"), &[(1, true, Some("../report.html")), (3, false, None)]),
+        (single, &[(3, false, None)]),
+    ] {
+        let page = |(order, is_first, file): &(usize, bool, Option<&str>)| {
+            let file = file.map_or("null".into(), |file| format!("{file:?}"));
+            format!(r#"{{"order":{order},"is_first":{is_first},"file":{file}}}"#)
+        };
+        let pages = format!(r#""orders":[{}]"#, pages.iter().map(page).collect::<Vec<_>>().join(","));
+        assert!(fs::read_to_string(&file).unwrap().contains(&pages), "{}: {pages}", file.display());
+    }
     // What is compared is of one order.
     let alone_text = alone.to_str().unwrap();
     let compared = isola(&["report", run_text, alone_text]);

@@ -55,7 +55,7 @@ def isola_map(
     others = summary[~summary["kind"].isin(["main", "open"])]
     ends = np.concatenate([others["omega_min"], others["omega_max"]])
     happens = run.events[run.events["kind"].isin(list(_MARKS))] if levels else run.events[:0]
-    among = happens["forcing"].between(min(levels) / _AMONG[0], max(levels) * _AMONG[1]) if levels else []
+    among: Any = happens["forcing"].between(min(levels) / _AMONG[0], max(levels) * _AMONG[1]) if levels else []
     core = np.concatenate([ends, happens["omega"][among].to_numpy(float)])
     shown = _around(core, np.concatenate([events, folds, thresholds]))
     if limits is not None:

@@ -59,9 +59,11 @@ function motionInWords(run, wanted, stored) {
 }
 
 /** How the program draws the motion at any point. */
-function plotCommand({ levels, branches }, { branch, index }) {
+function plotCommand({ levels, branches, orders }, { branch, index }) {
   const { level, name } = branches[branch];
-  return `isola plot RUN --figure motion --at "${levels[level].amplitude}/${name}/${index}"`;
+  const further = orders.find(({ file, is_first }) => file === null && !is_first);
+  const order = further ? ` --order ${further.order}` : "";
+  return `isola plot RUN${order} --figure motion --at "${levels[level].amplitude}/${name}/${index}" -o motion.svg`;
 }
 
 /** Slider and play button. @param {(share: number) => void} moved share of the period */

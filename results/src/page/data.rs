@@ -38,6 +38,8 @@ pub struct PageData<'r> {
 pub struct PageOfOrder {
     /// How many periods of the force its motions last.
     pub order: usize,
+    /// Whether it is the run's first one.
+    pub is_first: bool,
     /// Where it is, as seen from the page that names it; `None` is that page itself.
     pub file: Option<String>,
 }
