@@ -107,19 +107,6 @@ fn matrix(dir: &Path, source: &MatrixConfig, origin: &Layers, key: &str) -> Resu
     }
 }
 
-/// Whether two directions are one, but for length and sense.
-fn is_along(one: &Direction, other: &Direction) -> bool {
-    let entry = |direction: &Direction, dof: usize| -> f64 {
-        direction.iter().filter(|(other, _)| *other == dof).map(|(_, b)| b).sum()
-    };
-    let product = |a: &Direction, b: &Direction| a.iter().map(|(dof, x)| x * entry(b, *dof)).sum::<f64>();
-    let (cross, squares) = (product(one, other), product(one, one) * product(other, other));
-    cross * cross >= squares * (1.0 - PARALLEL)
-}
-
-/// How far the squared cosine of the angle between two directions is from 1 where they are taken for one.
-const PARALLEL: f64 = 1e-12;
-
 struct Builder<'a> {
     origin: &'a Layers,
     structure: Structure,
@@ -274,17 +261,7 @@ impl Builder<'_> {
         }
         let mut tangential = Vec::with_capacity(2);
         for (k, direction) in node.tangential.iter().enumerate() {
-            let key = format!("{section}.tangential[{k}]");
-            let tangent = self.direction(direction, &key)?;
-            for (other, what) in
-                tangential.iter().map(|other| (other, "the other one")).chain([(&normal, "the normal")])
-            {
-                if is_along(&tangent, other) {
-                    let remedy = format!("a tangential direction along {what}; sliding needs one of its own");
-                    return Err(ModelError::value(self.origin.place(&key), direction.text(), remedy));
-                }
-            }
-            tangential.push(tangent);
+            tangential.push(self.direction(direction, &format!("{section}.tangential[{k}]"))?);
         }
         let coefficient = node.friction.or(common.friction).unwrap_or(0.0);
         let mut channels = vec![normal];

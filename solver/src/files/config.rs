@@ -140,19 +140,6 @@ pub(super) enum DirectionConfig {
     Coefficients(BTreeMap<String, f64>),
 }
 
-impl DirectionConfig {
-    /// As it is written.
-    pub fn text(&self) -> String {
-        match self {
-            Self::Dof(name) => format!("\"{name}\""),
-            Self::Coefficients(terms) => {
-                let terms: Vec<String> = terms.iter().map(|(name, b)| format!("{name} = {b}")).collect();
-                format!("{{{}}}", terms.join(", "))
-            }
-        }
-    }
-}
-
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct LawConfig {

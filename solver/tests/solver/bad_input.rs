@@ -197,11 +197,6 @@ fn contact_ranges() {
     refused("radius = 0.25", "radius = 0", &["`contact.nodes[0].radius` = 0", "positive", "in m"]);
     refused("radius = 0.25", "", &["`contact.nodes[0].radius`", "friction is 0.2", "set friction = 0"]);
     refused("tangential = [\"blade.theta\"]", "", &["`contact.nodes[0].tangential`", "friction is 0.2", "is needed"]);
-    let along = "`contact.nodes[0].tangential[0]` = \"blade.r\": a tangential direction along the normal; sliding needs one of its own";
-    refused("tangential = [\"blade.theta\"]", "tangential = [\"blade.r\"]", &[along]);
-    let twice = "tangential = [\"blade.theta\", {\"blade.theta\" = -2}]";
-    let again = "`contact.nodes[0].tangential[1]` = {blade.theta = -2}: a tangential direction along the other one";
-    refused("tangential = [\"blade.theta\"]", twice, &[again]);
     refused("radius = 0.25", "radius = 0.25\ngap = -1", &["entry 1 of contact.nodes: `contact.nodes[0].gap` = -1"]);
 }
 
