@@ -390,7 +390,7 @@ def test_the_program_says_what_is_wrong(
             "the model given: `laws[1].law.polynomial_spring.terms[0].coeff`: there is no key `coeff`; did you mean",
         ),
         ({"damping": {"ratio": 0.01}}, "the model given: `damping.ratio`: there is no key `ratio`; did you mean `ratios`?"),
-        ({"K": [[0]], "laws": [CUBIC]}, "the model given: `backbone.modes` (set by default) = auto: mode 1 is a rigid"),
+        ({"K": [[0]], "laws": [CUBIC]}, "the model given: `backbone.modes` (set by default) = auto: no mode deforms the structure"),
         ({"K": [[-1]]}, "the model given: `K` has a negative eigenvalue: "),
         ({"contacts": [Contact("x1", gapp=1)]}, "the model given: `contacts[0].gapp`: there is no key `gapp`; did you mean `gap`?"),
         (
