@@ -9,6 +9,8 @@ use results::export::order_folder;
 use results::overview::Omissions;
 use results::store::Reader;
 use std::fmt::Display;
+#[cfg(feature = "page")]
+use std::path::Path;
 #[cfg(any(feature = "figures", feature = "page"))]
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -55,30 +57,69 @@ pub fn export(args: &ExportArgs) -> Result<ExitCode, Error> {
 #[cfg(feature = "page")]
 pub fn report(args: &crate::cli::ReportArgs) -> Result<ExitCode, Error> {
     let [run] = &args.runs[..] else { return compare(args) };
-    let reader = Reader::open(run)?;
-    let further = reader.further_orders()?;
-    let first = match args.order {
-        Some(order) => of_order(reader, &further, order)?,
-        None => reader,
+    let first = Reader::open(run)?;
+    let orders = Orders { first: first.model()?.forcing_harmonic, further: first.further_orders()? };
+    let written = match args.order {
+        Some(order) => vec![order],
+        None if args.out.is_some() => vec![orders.first],
+        None => orders.all().collect(),
     };
-    // Alone, or with those of all orders, which lead to each other.
-    let beside = if args.order.is_none() && args.out.is_none() { &further[..] } else { &[] };
-    let own = first.model()?.forcing_harmonic;
-    let orders: Vec<usize> = std::iter::once(own).chain(beside.iter().copied()).collect();
-    let orders = if further.is_empty() { &[] } else { &orders[..] };
-    let (mut made, mut omissions) = page(&first, orders, args)?;
-    for order in orders.iter().skip(1) {
-        let (more, missing) = page(&first.of_order(*order)?, orders, args)?;
-        made += &format!("\nMotions that last {order} periods of the force:\n{more}");
+    let (mut made, mut omissions) = (String::new(), Omissions::default());
+    for (i, &order) in written.iter().enumerate() {
+        let reader = of_order(Reader::open(run)?, &orders.further, order)?;
+        let is_there = |other: &usize| written.contains(other) || orders.folder(run, *other).join(PAGE).exists();
+        let beside = match args.out {
+            Some(_) => orders.all().filter(|other| *other == order).collect(),
+            None => orders.all().filter(is_there).collect::<Vec<usize>>(),
+        };
+        let (text, missing) = page(&reader, args, &orders.pages(&beside, order))?;
+        if i > 0 {
+            made += &format!("\nMotions that last {order} periods of the force:\n");
+        }
+        made += &text;
         omissions.damaged.extend(missing.damaged);
         omissions.missing.extend(missing.missing);
     }
     told(made, &omissions)
 }
 
-/// Writes the page of one order of motions, of those whose pages are written (none where the run has but one): its verdict and where the page is, and what is missing.
+/// Orders of the motions that a run looks for.
 #[cfg(feature = "page")]
-fn page(reader: &Reader, orders: &[usize], args: &crate::cli::ReportArgs) -> Result<(String, Omissions), Error> {
+struct Orders {
+    first: usize,
+    further: Vec<usize>,
+}
+
+#[cfg(feature = "page")]
+impl Orders {
+    fn all(&self) -> impl Iterator<Item = usize> {
+        std::iter::once(self.first).chain(self.further.iter().copied())
+    }
+
+    /// Where the files of an order are, in the folder of the run.
+    fn folder(&self, run: &Path, order: usize) -> PathBuf {
+        if order == self.first { run.into() } else { run.join(order_folder(order)) }
+    }
+
+    /// The pages of some of them as seen from that of one; none where there is but one order.
+    fn pages(&self, orders: &[usize], seen_from: usize) -> Vec<results::page::PageOfOrder> {
+        let up = Path::new(if seen_from == self.first { "" } else { ".." });
+        let page = |&order: &usize| results::page::PageOfOrder {
+            order,
+            is_first: order == self.first,
+            file: (order != seen_from).then(|| self.folder(up, order).join(PAGE).display().to_string()),
+        };
+        if self.further.is_empty() { Vec::new() } else { orders.iter().map(page).collect() }
+    }
+}
+
+/// Writes the page of one order of motions, with these others beside it: its verdict and where the page is, and what is missing.
+#[cfg(feature = "page")]
+fn page(
+    reader: &Reader,
+    args: &crate::cli::ReportArgs,
+    beside: &[results::page::PageOfOrder],
+) -> Result<(String, Omissions), Error> {
     use results::report::{Report, Selection};
     let _snapshot = reader.snapshot()?;
     let levels = chosen_levels(reader, args.levels.as_deref())?;
@@ -87,24 +128,9 @@ fn page(reader: &Reader, orders: &[usize], args: &crate::cli::ReportArgs) -> Res
     let folder = reader.order().map_or_else(|| reader.dir().into(), |order| reader.dir().join(order_folder(order)));
     std::fs::create_dir_all(&folder).map_err(Error::io(&folder))?;
     let file = args.out.clone().unwrap_or_else(|| folder.join(PAGE));
-    let beside = pages_of_orders(orders, reader.order());
-    export::write_atomically(&file, results::page::report(&report, &beside).as_bytes())?;
+    export::write_atomically(&file, results::page::report(&report, beside).as_bytes())?;
     let answers = report.verdict.iter().map(|sentence| format!("{} {}\n", sentence.title, sentence.whole()));
     Ok((format!("{}{}\n", answers.collect::<String>(), file.display()), report.omissions))
-}
-
-/// The pages of these orders of motions as seen from that of one of them, `None` being the run's first.
-#[cfg(feature = "page")]
-fn pages_of_orders(orders: &[usize], seen_from: Option<usize>) -> Vec<results::page::PageOfOrder> {
-    let up = if seen_from.is_some() { "../" } else { "" };
-    let page = |(i, &order): (usize, &usize)| {
-        let is_this = seen_from.map_or(i == 0, |this| this == order);
-        let is_first = if is_this { seen_from.is_none() } else { i == 0 };
-        let folder = if is_first { String::new() } else { format!("{}/", order_folder(order)) };
-        let file = (!is_this).then(|| format!("{up}{folder}{PAGE}"));
-        results::page::PageOfOrder { order, is_first, file }
-    };
-    orders.iter().enumerate().map(page).collect()
 }
 
 /// The run as it is for one order of motions; `further`: those beside its first.

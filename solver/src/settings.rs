@@ -213,6 +213,10 @@ pub struct Settings {
     pub verify: VerifySettings,
 }
 
+/// What is said of a structure with rigid-body modes alone.
+const NONE_DEFORMS: &str = "all modes are rigid-body modes, which have no backbone: the stiffness matrix resists no motion; put the linear \
+                            part of the laws into it";
+
 impl Settings {
     /// Checks every setting, for a model.
     ///
@@ -330,7 +334,7 @@ impl Settings {
         let ModeChoice::These(list) = &choice else {
             return match model.modes().lowest_deforming() {
                 Some(_) => Ok(()),
-                None => refuse("no mode deforms the structure".into()),
+                None => refuse(NONE_DEFORMS.into()),
             };
         };
         let numbers = list.numbers();
@@ -347,7 +351,7 @@ impl Settings {
                     Some(elastic) => {
                         format!("choose modes that deform the structure, as in backbone.modes = [{}]", elastic + 1)
                     }
-                    None => "no mode deforms the structure".into(),
+                    None => NONE_DEFORMS.into(),
                 };
                 return refuse(format!("mode {number} is a rigid-body mode, which has no backbone; {remedy}"));
             }

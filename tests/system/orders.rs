@@ -34,7 +34,9 @@ fn isolas(folder: &Path) -> Vec<String> {
 fn an_order_has_what_the_structure_forced_on_its_harmonic_has() {
     let folder = tempdir().unwrap();
     let (alone, output) = sweep(&folder, "alone", &["--amplitudes", "1.5,2"]);
-    text(&output);
+    let of_response = "frequencies in rad/s (of the response: the force has 3 times as much):";
+    let words = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(words(&text(&output)).contains(of_response));
     let (run, output) = sweep(
         &folder,
         "orders",
@@ -42,6 +44,8 @@ fn an_order_has_what_the_structure_forced_on_its_harmonic_has() {
     );
     let table = text(&output);
     assert!(table.contains("Motions that last 3 periods of the force"), "{table}");
+    // Main branches are of the first order alone, and so is what heads their column.
+    assert!(table.matches("main peak").count() == 1 && !words(&table).contains("of the response:"), "{table}");
     // One window, one isola, to the last bit; none of the force's own period.
     assert_eq!(isolas(&run.join("m3")), isolas(&alone)[..1]);
     assert!(isolas(&run).is_empty(), "{:?}", isolas(&run));
@@ -74,6 +78,7 @@ fn an_order_has_what_the_structure_forced_on_its_harmonic_has() {
         "{report}"
     );
     // Pages lead to each other where they were written together.
+    text(&isola(&["report", run_text, "--order", "3"]));
     let single = folder.path().join("single.html");
     text(&isola(&["report", run_text, "--order", "3", "-o", single.to_str().unwrap()]));
     for (file, pages) in [

@@ -101,8 +101,8 @@ class Page:
         return f'<iframe srcdoc="{escaped}" style="width: 100%; height: 85vh; border: 0"></iframe>'
 
 
-def page(folder: Path) -> Page:
-    """The page of the run in `folder`, as ``isola report`` writes it.
+def page(folder: Path, order: int | None = None) -> Page:
+    """The page of the run in `folder`, as ``isola report`` writes it; of its first order of motions, or of another one.
 
     Raises:
         NoProgram: The program is not there.
@@ -110,7 +110,8 @@ def page(folder: Path) -> Page:
     """
     with tempfile.TemporaryDirectory() as scratch:
         file = Path(scratch) / "report.html"
-        with start(["report", str(folder), "--out", str(file)]) as process:
+        chosen = [] if order is None else ["--order", str(order)]
+        with start(["report", str(folder), *chosen, "--out", str(file)]) as process:
             _, said = process.communicate()
         # A damaged run has a page that says so (3).
         if not file.is_file():

@@ -72,11 +72,11 @@ def _notebook_line() -> Callable[[str], None]:
     """What shows a line below a notebook's cell, in place of the last one."""
     from IPython.display import DisplayHandle
 
-    handle, shown = DisplayHandle(), False
+    handle, is_shown = DisplayHandle(), False
 
     def show(line: str) -> None:
-        nonlocal shown
-        (handle.update if shown else handle.display)({"text/plain": line.rstrip()}, raw=True)
-        shown = True
+        nonlocal is_shown
+        (handle.update if is_shown else handle.display)({"text/plain": line.rstrip()}, raw=True)
+        is_shown = True
 
     return show

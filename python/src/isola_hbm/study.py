@@ -120,7 +120,7 @@ def require_meant(settings: dict[str, Any], keywords: Iterable[str]) -> None:
             raise BadStudy(f"{key}: neither a key of a study nor a keyword; did you mean `{meant[0]}`?")
 
 
-def refusal(said: Sequence[str], code: int, file: Path, *, is_written: bool) -> ProgramFailed:
+def refusal(said: Sequence[str], code: int, file: Path | None, *, is_written: bool) -> ProgramFailed:
     """Why the program does not compute: a refusal of the study or the model, if it speaks of these, else a failure. What it says is
     that of :func:`reason`."""
     given, why = program.message(said), reason(said, code, file, is_written=is_written)
@@ -130,14 +130,15 @@ def refusal(said: Sequence[str], code: int, file: Path, *, is_written: bool) -> 
     if named and (is_written or named[1].endswith(("model.toml", ".mtx"))):
         return ModelRefused(why, code)
     # Bounds that no backbone reaches are seen when there is one.
-    return (StudyRefused if named or given.startswith(f"{file}: ") or _SETTING.match(given) else ProgramFailed)(why, code)
+    is_of_study = named or (file is not None and given.startswith(f"{file}: ")) or _SETTING.match(given)
+    return (StudyRefused if is_of_study else ProgramFailed)(why, code)
 
 
-def reason(said: Sequence[str], code: int, file: Path, *, is_written: bool) -> str:
+def reason(said: Sequence[str], code: int, file: Path | None, *, is_written: bool) -> str:
     """Why the program ended, as it says itself; what Python wrote (`is_written`: of a model that was given), options and inline tables
     are called what they are in Python."""
     why = program.message(said) or f"isola ended with {code}"
-    if is_written:
+    if is_written and file is not None:
         # The key numbers its entry as Python does.
         written = rf"^{re.escape(str(file.parent))}{re.escape(os.sep)}[^:]*\.(toml|mtx)(, line \d+)?: (entry \d+ of [a-z.]+: )?"
         why = re.sub(written, _GIVEN, why)
@@ -147,6 +148,7 @@ def reason(said: Sequence[str], code: int, file: Path, *, is_written: bool) -> s
     why = re.sub(r"^--set ([^=]+)=", r"\1 = ", why)
     why = re.sub(r"^--(\w+): ", r"\1: ", why)
     why = re.sub(r"^--(\w+) ([^:]+(?::[^: ]+)*): ", r"\1 = \2: ", why)
+    why = why.replace("add --as-started", "give as_started=True")
     # The program names the option, and the key that it sets.
     why = re.sub(r"^([^=:]+) = ([^:]*): `\1`( = [^:]*)?: ", r"\1 = \2: ", why)
     why = re.sub(r"^(\w+): `\1` = ", r"\1 = ", why)

@@ -110,6 +110,7 @@ def extend(
     amplitudes: Amplitudes,
     *,
     workers: int | None = None,
+    as_started: bool = False,
     progress: Showing = None,
 ) -> StoredRun:
     """Adds forcing levels to a run, as ``isola extend``: computed with its settings, nothing twice. Whatever it left to do is done too.
@@ -122,21 +123,27 @@ def extend(
         run: The run, or its folder.
         amplitudes: Further forcing amplitudes A, in the model's unit of forcing; those that the run has are passed over.
         workers, progress: As of :func:`sweep`.
+        as_started: Go on with the study as it was when the run began, though its file or model has changed.
 
     Raises:
         NoSuchRun: There is no run.
-        BadStudy: Amplitudes that make no sense or of which none is new (:class:`StudyRefused`), or such `workers`.
+        BadStudy: Amplitudes that make no sense or of which none is new (:class:`StudyRefused`), or such `workers`; or the study has
+            changed since the run began, or is gone.
         NoProgram: The program is not there.
         ProgramFailed: It fails, because somebody carries the run on already, say: with its own message.
 
     Warns:
         Incomplete: Tasks were given up, or a curve stopped before its end.
     """
-    return _carried_on("extend", run, study.options(amplitudes, workers, {}), progress)
+    return _carried_on("extend", run, study.options(amplitudes, workers, {}), as_started, progress)
 
 
 def resume(
-    run: StoredRun | str | os.PathLike[str], *, workers: int | None = None, progress: Showing = None
+    run: StoredRun | str | os.PathLike[str],
+    *,
+    workers: int | None = None,
+    as_started: bool = False,
+    progress: Showing = None,
 ) -> StoredRun:
     """Goes on with a run that was interrupted, as ``isola resume``; of a finished one there is nothing to do.
 
@@ -145,28 +152,33 @@ def resume(
 
     Args:
         run: The run, or its folder.
-        workers, progress: As of :func:`sweep`.
+        workers, as_started, progress: As of :func:`extend`.
 
     Raises:
         NoSuchRun: There is no run.
-        BadStudy: `workers` makes no sense.
+        BadStudy: `workers` makes no sense; or the study has changed since the run began, or is gone (:class:`StudyRefused`).
         NoProgram: The program is not there.
         ProgramFailed: It fails, because somebody carries the run on already, say: with its own message.
 
     Warns:
         Incomplete: Tasks were given up, or a curve stopped before its end.
     """
-    return _carried_on("resume", run, study.options(None, workers, {}), progress)
+    return _carried_on("resume", run, study.options(None, workers, {}), as_started, progress)
 
 
 def _carried_on(
-    command: str, run: StoredRun | str | os.PathLike[str], options: Sequence[str], progress: Showing
+    command: str,
+    run: StoredRun | str | os.PathLike[str],
+    options: Sequence[str],
+    as_started: bool,
+    progress: Showing,
 ) -> StoredRun:
     """The run, when the program has done what `command` asks for."""
     run = run if isinstance(run, StoredRun) else load(run)
-    said, code = _heard([command, str(run.folder), *options], show := shown(progress))
+    unchanged = ["--as-started"] if as_started else []
+    said, code = _heard([command, str(run.folder), *options, *unchanged], show := shown(progress))
     if code not in _ENDED:
-        raise study.refusal(said, code, run.folder / FILE, is_written=False)
+        raise study.refusal(said, code, None, is_written=False)
     # One that was loaded has the study and the facts of before.
     return _ended(load(run.folder, run._store.order), said, code, show, progress, callers=2)
 

@@ -46,7 +46,11 @@ pub fn forcing_label(point: &CurvePoint, most: i32) -> String {
 
 /// The doubt about what happens at points, if at any it was not found with twice the harmonics.
 pub fn truncation_doubt(points: &[&CurvePoint]) -> &'static str {
-    if points.iter().any(|point| point.doubled.is_none()) { ", not known with twice the harmonics" } else { "" }
+    match points.iter().filter(|point| point.doubled.is_none()).count() {
+        0 => "",
+        unknown if unknown == points.len() => ", not known with twice the harmonics",
+        _ => ", not all known with twice the harmonics",
+    }
 }
 
 /// Where isolas are born and where branches merge, as fold curves say: isola by isola, and which branches, where that is known for
@@ -126,6 +130,15 @@ fn in_words(life: &Life<'_>, merged: &[Merge<'_>], place: impl Fn(&CurvePoint) -
 mod tests {
     use super::*;
     use crate::store::Crossing;
+
+    #[test]
+    fn how_many_are_known_with_twice_the_harmonics() {
+        let known = CurvePoint { doubled: Some((1.0, 2.0)), ..CurvePoint::default() };
+        let unknown = CurvePoint::default();
+        assert_eq!(truncation_doubt(&[&known, &known]), "");
+        assert_eq!(truncation_doubt(&[&unknown, &unknown]), ", not known with twice the harmonics");
+        assert_eq!(truncation_doubt(&[&known, &unknown]), ", not all known with twice the harmonics");
+    }
 
     #[test]
     fn branches_are_named_where_they_are_known() {

@@ -13,8 +13,12 @@ type Reason = (fn(&LeftOut) -> bool, [&'static str; 2]);
 
 /// The modes that could have isolas and were not followed, reason by reason: `modes 2 to 4 (not in the list of modes)`.
 pub fn left_out(choice: &ModesFollowed) -> Vec<String> {
-    let reasons: [Reason; 4] = [
+    let reasons: [Reason; 5] = [
         (|why| *why == LeftOut::NotListed, ["not in the list of modes"; 2]),
+        (
+            |why| *why == LeftOut::RigidBody,
+            ["a rigid body but for laws, without a backbone", "rigid bodies but for laws, without backbones"],
+        ),
         (|why| *why == LeftOut::OutOfRange, ["out of reach of the frequency range"; 2]),
         (|why| *why == LeftOut::TooMany, ["more than are followed unless backbone.modes lists them"; 2]),
         (|why| matches!(why, LeftOut::NotStarted(_)), ["its backbone does not start", "their backbones do not start"]),
@@ -38,7 +42,8 @@ pub fn not_started(choice: &ModesFollowed) -> impl Iterator<Item = (usize, &str)
 /// What was followed and what not, in a sentence, unless it is the primary mode alone as it should be; of a run that is not done
 /// yet as well.
 pub fn sentence(choice: &ModesFollowed, is_done: bool) -> Option<String> {
-    if choice.followed.len() < 2 && not_started(choice).next().is_none() {
+    let is_known = |why: &LeftOut| matches!(why, LeftOut::RigidBody | LeftOut::NotStarted(_));
+    if choice.followed.len() < 2 && !choice.left_out.iter().any(|(_, why)| is_known(why)) {
         return None;
     }
     let rest = left_out(choice);

@@ -122,10 +122,10 @@ impl Evidence<'_> {
             }
         }
         let early = births.into_iter().map(|(birth, levels)| {
-            let forcing = forcing_label(birth, 5);
+            let (forcing, doubt) = (forcing_label(birth, 5), truncation_doubt(&[birth]));
             format!(
                 "At {} the energy balance predicts a response in a range of frequencies in which, along fold curves, an isola \
-                 is born at A = {forcing} only: none was found there.",
+                 is born at A = {forcing} only{doubt}: none was found there.",
                 named(&once(levels))
             )
         });

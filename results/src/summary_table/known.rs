@@ -4,6 +4,8 @@ use super::LEVELS;
 use crate::overview::{Level, Omissions, Overview, bounds};
 use crate::store::{CurveRow, MotionRow, PushRow, Reader, Result, SearchCounts};
 use protocol::backbone::BackboneMessage;
+use protocol::curve::Size;
+use solver::response::backbone::Backbone;
 use solver::response::branch::Outcome;
 use solver::response::modes::ModesFollowed;
 use solver::settings::{FrequencySettings, Settings};
@@ -27,8 +29,8 @@ pub(super) struct Known {
     pub curves: Vec<CurveRow>,
     /// What became of random starts and folds.
     pub search: SearchCounts,
-    /// Backbones, that of the primary mode first.
-    pub backbones: Vec<BackboneMessage>,
+    /// Modes with backbones, from 0, the primary one first.
+    pub backbones: Vec<(usize, Option<Backbone>)>,
     /// Whether the backbones are still to come.
     pub awaits_backbones: bool,
     /// Which modes were followed and which not.
@@ -51,24 +53,29 @@ impl Known {
         let backbone = omissions.read("The backbone is", reader.backbone());
         let awaits_backbones = backbone.as_ref().is_some_and(Option::is_none);
         let further = omissions.read("Further backbones are", reader.further_backbones()).unwrap_or_default();
+        let model = overview.model.as_ref().and_then(|message| message.model().ok());
+        let decoded = |message: BackboneMessage| {
+            (message.mode, model.as_ref().and_then(|model| message.backbone(&Size::of(model)).ok()))
+        };
+        let backbones = backbone.flatten().into_iter().chain(further).map(decoded).collect();
         let settings = overview.header.as_ref().map(|header| header.settings);
         let reach = omissions.read("The frequency range of the sweep is", reader.reach()).flatten();
         let is_further = reader.order().is_some();
         Ok(Self {
-            model: overview.model.as_ref().and_then(|message| message.model().ok()),
             settings,
             given: settings.map(|settings| settings.frequency).unwrap_or_default(),
             reached: reach.map(|reach| reach.frequency),
             mains: omissions.read("How main branches end is", reader.main_outcomes()).unwrap_or_default(),
             curves: omissions.read("The list of fold curves is", reader.curves()).unwrap_or_default(),
             search: omissions.read("What became of folds is", reader.search_counts()).unwrap_or_default(),
-            backbones: backbone.flatten().into_iter().chain(further).collect(),
+            backbones,
             awaits_backbones,
             modes: omissions.read("Which modes were followed is", reader.modes()).flatten(),
             motions: omissions.read("The list of motions is", reader.motions()).unwrap_or_default(),
             pushes: omissions.read("The list of pushes is", reader.pushes()).unwrap_or_default(),
             is_further,
             is_only_order: !is_further && reader.further_orders()?.is_empty(),
+            model,
             overview,
         })
     }

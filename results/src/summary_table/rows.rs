@@ -3,7 +3,7 @@
 use super::footnotes::Footnotes;
 use super::known::Known;
 use super::units::Units;
-use crate::overview::{Lesser, Level, WindowOutcome, forcing_label, is_unconfirmed, later_birth};
+use crate::overview::{Lesser, Level, WindowOutcome, forcing_label, is_unconfirmed, later_birth, truncation_doubt};
 use crate::store::{BranchRow, CurveRow};
 use crate::words::count;
 use solver::response::branch::{BranchKind, Outcome};
@@ -104,7 +104,10 @@ impl<'r> Rows<'r> {
         let missed = level.not_found().map(|(window, reason)| {
             let (low, high) = (unit.digits(window.omega.0), unit.digits(window.omega.1));
             let why = match later_birth(self.curves, level, window) {
-                Some(birth) => format!("an isola is born there at A = {} only", forcing_label(birth, 5)),
+                Some(birth) => {
+                    let doubt = truncation_doubt(&[birth]);
+                    format!("an isola is born there at A = {} only{doubt}", forcing_label(birth, 5))
+                }
                 None => reason,
             };
             self.notes.mark(format!("A = {}, window {low}–{high}: not found: {why}", level.amplitude))

@@ -6,12 +6,10 @@ use crate::overview::{
     truncation_doubt, why_no_folds,
 };
 use crate::store::CurveRow;
-use protocol::backbone::BackboneMessage;
-use protocol::curve::Size;
+use solver::response::backbone::Backbone;
 use solver::response::branch::BranchKind;
 use solver::response::orders::orders;
-use solver::settings::{Effort, FrequencySettings, Settings};
-use solver::structure::Model;
+use solver::settings::{Effort, FrequencySettings};
 
 /// What was looked for and what was not; modes that were left out, with the reasons.
 pub(super) fn looked_for(known: &Known) -> Vec<String> {
@@ -20,7 +18,11 @@ pub(super) fn looked_for(known: &Known) -> Vec<String> {
     let why = why_no_folds(model, settings);
     let looked_for = LookedFor {
         levels,
-        backbones: known.backbones.iter().map(|message| (message.mode, last_threshold(message, model))).collect(),
+        backbones: known
+            .backbones
+            .iter()
+            .map(|(mode, backbone)| (*mode, backbone.as_ref().and_then(last_threshold)))
+            .collect(),
         modes: choice,
         all_modes: model.size(),
         harmonic: model.forcing().harmonic,
@@ -36,16 +38,11 @@ pub(super) fn looked_for(known: &Known) -> Vec<String> {
 }
 
 /// What the structure does of itself.
-pub(super) fn excitation(backbones: &[BackboneMessage], model: &Model) -> Option<String> {
-    let decoded = backbones.iter().filter_map(|message| message.backbone(&Size::of(model)).ok());
-    let smallest: Vec<SmallestMotion> = decoded.filter_map(|backbone| SmallestMotion::of(&backbone)).collect();
-    Excitation::of(model).sentence(&smallest)
-}
-
-/// The threshold A* where a backbone ends.
-fn last_threshold(message: &BackboneMessage, model: &Model) -> Option<f64> {
-    let backbone = message.backbone(&Size::of(model)).ok()?;
-    Some(backbone.points.last()?.threshold())
+pub(super) fn excitation(known: &Known) -> Option<String> {
+    let decoded = known.backbones.iter().filter_map(|(_, backbone)| backbone.as_ref());
+    let smallest: Vec<SmallestMotion> = decoded.filter_map(SmallestMotion::of).collect();
+    // It is the structure's, whatever the order.
+    Excitation::of(known.model.as_ref()?).sentence(&smallest).filter(|_| !known.is_further)
 }
 
 /// That no level has an isola, once all of them are complete.
@@ -60,7 +57,8 @@ pub(super) fn no_isola(known: &Known) -> Option<String> {
         Effort::None => " in windows of the energy balance, where alone they were looked for (search.effort)",
         _ => "",
     };
-    let other = other_orders(model, settings).unwrap_or_default();
+    let other =
+        other_orders(&orders(model, &settings.search), settings.harmonics.count, model.is_odd()).unwrap_or_default();
     let is_undecided =
         |row: &BranchRow| [BranchKind::Cut, BranchKind::Unfinished].iter().any(|kind| row.kind == kind.name());
     let unknown = match levels.iter().flat_map(Level::others).any(is_undecided) {
@@ -70,11 +68,16 @@ pub(super) fn no_isola(known: &Known) -> Option<String> {
     Some(format!("No isola was found{born}{only}{unknown}.{other}"))
 }
 
-/// That nobody looked for motions of further periods, and which are the next that are worth it: where all laws are odd the resonances of
-/// the free structure have odd harmonics alone, to which a force on an even one supplies nothing.
-fn other_orders(model: &Model, settings: &Settings) -> Option<String> {
-    let [own] = orders(model, &settings.search)[..] else { return None };
-    let next = (own + 1..=settings.harmonics.count.min(own + 2)).filter(|m| m % 2 == 1 || !model.is_odd());
+/// The threshold A* where a backbone ends.
+fn last_threshold(backbone: &Backbone) -> Option<f64> {
+    Some(backbone.points.last()?.threshold())
+}
+
+/// That nobody looked for motions of further periods, and which are the next: where all laws are odd the resonances of symmetric
+/// motions of the free structure have odd harmonics alone, to which a force on an even one supplies nothing.
+fn other_orders(asked: &[usize], harmonics: usize, is_odd: bool) -> Option<String> {
+    let [own] = *asked else { return None };
+    let next = (own + 1..=harmonics.min(own + 2)).filter(|m| m % 2 == 1 || !is_odd);
     let next: Vec<String> = next.map(|m| m.to_string()).collect();
     (!next.is_empty()).then(|| {
         format!(
@@ -102,4 +105,27 @@ fn born(levels: &[Level], curves: &[CurveRow], bounds: FrequencySettings) -> Str
         list => format!(": isola extend RUN --amplitudes {} computes levels there", list.join(",")),
     };
     format!(" at these levels ({what}{}{how})", truncation_doubt(&births))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn orders_that_were_not_looked_for() {
+        for (asked, harmonics, is_odd, expected) in [
+            (&[1][..], 10, false, Some("[1, 2, 3] looks for those as well that last 2 and 3 periods")),
+            (&[1], 10, true, Some("[1, 3] looks for those as well that last 3 periods")),
+            (&[2], 10, true, Some("[2, 3] looks")),
+            (&[3], 10, true, Some("[3, 5] looks")),
+            (&[1], 2, false, Some("[1, 2] looks for those as well that last 2 periods")),
+            (&[1], 2, true, None),
+            (&[1], 1, false, None),
+            (&[1, 3], 10, false, None),
+        ] {
+            let told = other_orders(asked, harmonics, is_odd);
+            assert_eq!(told.is_some(), expected.is_some(), "{told:?}");
+            assert!(told.unwrap_or_default().contains(expected.unwrap_or_default()), "{asked:?} {is_odd}");
+        }
+    }
 }

@@ -47,11 +47,17 @@ def _is_amplitude(wanted: str | float, text: str, value: float) -> bool:
         return False
 
 
+def other_order(reading: Reading, order: int) -> str | None:
+    """What tells of motions of this order, if that is another one which the run has."""
+    store = reading.store
+    return f"load(folder, order={order})" if store.order != order and order in store.orders() else None
+
+
 def missing(reading: Reading, amplitude: str | float, name: str) -> str:
     """That there is no such branch, and what there is instead."""
     level, separator, order = str(amplitude).partition(SEPARATOR)
-    if separator and order.isdecimal():
-        return f'motions of order {order} are those of load(folder, order={order}), there "{level}/{name}"; this tells of another order'
+    if separator and order.isdecimal() and (how := other_order(reading, int(order))):
+        return f'motions of order {order} are those of {how}, there "{level}/{name}"; this tells of another order'
     rows = reading.rows("SELECT branches.*, value FROM branches JOIN levels USING (level)")
     there = [name_of(row) for row in rows if _is_amplitude(amplitude, row["amplitude"], row["value"])]
     texts = reading.column("SELECT amplitude FROM levels ORDER BY value")

@@ -295,7 +295,7 @@ class StoredRun(Mapping[str, Motions]):
             NoProgram: It is not there.
             ProgramFailed: It cannot read the run.
         """
-        return page(self.folder)
+        return page(self.folder, self._store.order)
 
     def status(self) -> str:
         """What the program says of the run, as ``isola status``: the table of all levels with what was found, why nothing is where
@@ -346,12 +346,12 @@ class StoredRun(Mapping[str, Motions]):
     def __repr__(self) -> str:
         return (
             f"<StoredRun {self.name}, {self.stage}: {self._content()}, in {self.folder}; "
-            f"more: print(run.status()), run.summary, run.plot, run.explore(){self._further(', ')}>"
+            f"more: print(run.status()), run.summary, run.plot, run.explore(){self._further()}>"
         )
 
     def _repr_html_(self) -> str:
         name, folder = (html.escape(str(text)) for text in (self.name, self.folder))
-        further = html.escape(self._further(", "))
+        further = html.escape(self._further())
         more = f"<code>print(run.status())</code>, <code>run.plot</code>, <code>run.explore()</code>{further}"
         head = f"<b>{name}</b>, {self.stage}: {self._content()}, in <code>{folder}</code>; more: {more}"
         return f"<p>{head}</p>{self.summary.to_html()}"
@@ -363,12 +363,12 @@ class StoredRun(Mapping[str, Motions]):
         isolas = count(kinds.count("isola"), "isola")
         return f"{count(len(found), 'level')}, {count(len(kinds), 'branch', 'branches')} ({isolas})"
 
-    def _further(self, before: str) -> str:
+    def _further(self) -> str:
         """How motions of further orders are read, where this tells of the first."""
         orders = self._store.orders() if self._store.order is None else []
         folder = repr(str(self.folder))
         told = (f"motions of {m} periods of the force: isola_hbm.load({folder}, order={m})" for m in orders)
-        return "".join(before + one for one in told)
+        return "".join(f", {one}" for one in told)
 
     def _folds(self) -> dict[str, list[int]]:
         """Points at which branches turn back, by the names of these."""
