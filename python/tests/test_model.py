@@ -390,7 +390,7 @@ def test_the_program_says_what_is_wrong(
             "the model given: `laws[1].law.polynomial_spring.terms[0].coeff`: there is no key `coeff`; did you mean",
         ),
         ({"damping": {"ratio": 0.01}}, "the model given: `damping.ratio`: there is no key `ratio`; did you mean `ratios`?"),
-        ({"K": [[0]], "laws": [CUBIC]}, "the model given: `backbone.modes` (set by default) = auto: no mode deforms the structure"),
+        ({"K": [[0]], "laws": [CUBIC]}, "the model given: `backbone.modes` (set by default) = auto: all modes are rigid-body modes"),
         ({"K": [[-1]]}, "the model given: `K` has a negative eigenvalue: "),
         ({"contacts": [Contact("x1", gapp=1)]}, "the model given: `contacts[0].gapp`: there is no key `gapp`; did you mean `gap`?"),
         (
@@ -607,6 +607,12 @@ def test_a_run_is_carried_on(tmp_path: Path) -> None:
     assert "0.015" in longer.study and longer.stage == "finished"
     assert np.array_equal(longer["0.02/main"]["omega"], before["omega"])
     assert set(isola_hbm.resume(longer, progress=False)) == set(longer)
+
+    # A study that has changed since is not gone on with unless it is asked for.
+    (folder / "study.toml").write_text((folder / "study.toml").read_text() + "[branch]\nmax_points = 500\n")
+    with pytest.raises(isola_hbm.StudyRefused, match="give as_started=True"):
+        isola_hbm.extend(run, [0.012], workers=1, progress=False)
+    assert "0.012/main" in isola_hbm.extend(run, [0.012], workers=1, as_started=True, progress=False)
 
     with pytest.raises(isola_hbm.StudyRefused, match=r"^amplitudes = 0\.02: the run has all of these levels"):
         isola_hbm.extend(run, 0.02)

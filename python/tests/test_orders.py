@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 from pathlib import Path
 
@@ -51,12 +52,21 @@ def test_a_further_order_has_no_backbone_of_the_first(run: Path) -> None:
     assert set(further).isdisjoint(first)
 
 
-def test_branches_of_a_further_order_are_hinted_at(run: Path) -> None:
+def test_branches_of_a_further_order_are_hinted_at(run: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ISOLA_BIN", str(program().absolute()))
     first = isola_hbm.load(run)
     assert repr(first).endswith(f"motions of 3 periods of the force: isola_hbm.load('{run}', order=3)>")
     assert "load(" not in repr(isola_hbm.load(run, order=3))
     with pytest.raises(isola_hbm.NoSuchBranch, match=r'those of load\(folder, order=3\), there "2/isola 1"'):
         first["2-m3/isola 1"]
+    # Of the order that is told of, and of one that there is not, there is nothing to hint at.
+    for told, name, there in [
+        (isola_hbm.load(run, order=3), "2-m3/isola 9", "; there are isola 1"),
+        (first, "2-m5/isola 1", "; levels are 1.5, 2"),
+    ]:
+        with pytest.raises(isola_hbm.NoSuchBranch, match=f"{re.escape(there)}$"):
+            told[name]
+    assert '"is_first":false,"file":null' in isola_hbm.load(run, order=3).explore().html
 
 
 def test_a_run_that_is_extended_tells_of_the_same_order(run: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -26,6 +26,8 @@ _GIVEN = "the model given: "
 _MATRICES = {"matrices.mass": "M", "matrices.stiffness": "K", "matrices.damping": "C"}
 #: Exit code of wrong usage.
 _USAGE = 2
+#: Goes on with a study as it was.
+_AS_STARTED = "--as-started"
 #: How the program begins to speak of the file of a model or a study, and of a setting.
 _FILE = re.compile(r"(.+?\.(?:toml|mtx))(?:, line \d+)?: ")
 _SETTING = re.compile(r"[a-z_]+\.[a-z_]+ = ")
@@ -125,7 +127,8 @@ def refusal(said: Sequence[str], code: int, file: Path | None, *, is_written: bo
     that of :func:`reason`."""
     given, why = program.message(said), reason(said, code, file, is_written=is_written)
     named = _FILE.match(given)
-    if given.startswith("--") or code == _USAGE:
+    # Whatever has changed in study or model since a run began: it is not the run's.
+    if given.startswith("--") or code == _USAGE or _AS_STARTED in given:
         return StudyRefused(why, code)
     if named and (is_written or named[1].endswith(("model.toml", ".mtx"))):
         return ModelRefused(why, code)
@@ -148,7 +151,7 @@ def reason(said: Sequence[str], code: int, file: Path | None, *, is_written: boo
     why = re.sub(r"^--set ([^=]+)=", r"\1 = ", why)
     why = re.sub(r"^--(\w+): ", r"\1: ", why)
     why = re.sub(r"^--(\w+) ([^:]+(?::[^: ]+)*): ", r"\1 = \2: ", why)
-    why = why.replace("add --as-started", "give as_started=True")
+    why = why.replace(f"add {_AS_STARTED}", "give as_started=True")
     # The program names the option, and the key that it sets.
     why = re.sub(r"^([^=:]+) = ([^:]*): `\1`( = [^:]*)?: ", r"\1 = \2: ", why)
     why = re.sub(r"^(\w+): `\1` = ", r"\1 = ", why)

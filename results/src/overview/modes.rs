@@ -11,7 +11,7 @@ pub fn followed(choice: &ModesFollowed) -> String {
 /// Which modes are meant, and why one or many of them are left out.
 type Reason = (fn(&LeftOut) -> bool, [&'static str; 2]);
 
-/// The modes that could have isolas and were not followed, reason by reason: `modes 2 to 4 (not in the list of modes)`.
+/// The modes that were not followed, reason by reason: `modes 2 to 4 (not in the list of modes)`.
 pub fn left_out(choice: &ModesFollowed) -> Vec<String> {
     let reasons: [Reason; 5] = [
         (|why| *why == LeftOut::NotListed, ["not in the list of modes"; 2]),
@@ -65,8 +65,14 @@ mod tests {
         let choice = ModesFollowed { followed: vec![0, 2], left_out };
         assert_eq!(
             sentence(&choice, true).unwrap(),
-            "Windows of modes 1 and 3 were looked for; not mode 2 (out of reach of the frequency range), modes 4 to 39 (more \
-             than are followed unless backbone.modes lists them)."
+            "Windows of modes 1 and 3 were looked for; not mode 40 (a rigid body but for laws, without a backbone), mode 2 (out of \
+             reach of the frequency range), modes 4 to 39 (more than are followed unless backbone.modes lists them)."
+        );
+        // Whatever holds it, its resonance may lie below what is looked at.
+        let held = ModesFollowed { followed: vec![1], left_out: vec![(0, LeftOut::RigidBody)] };
+        assert_eq!(
+            sentence(&held, true).unwrap(),
+            "Windows of mode 2 were looked for; not mode 1 (a rigid body but for laws, without a backbone)."
         );
         let lost = ModesFollowed { followed: vec![1], left_out: vec![(0, LeftOut::NotStarted("singular".into()))] };
         assert_eq!(
