@@ -529,6 +529,7 @@ def test_doubts_are_a_warning(tmp_path: Path) -> None:
     with pytest.warns(isola_hbm.Incomplete, match="main branch") as seen:
         run = isola_hbm.sweep(model, [0.05], out=tmp_path / "run", workers=1, progress=False, **settings)
     assert len(run) >= 1 and {warning.filename for warning in seen} == {__file__}
+    assert "Not known to its end: the main branch at A = 0.05" in " ".join(run.status().split())
     with pytest.warns(isola_hbm.Incomplete, match="main branch") as seen:
         run = isola_hbm.extend(run, [0.06], workers=1, progress=False)
     assert "0.06/main" in run and {warning.filename for warning in seen} == {__file__}

@@ -1,10 +1,11 @@
 //! What the table and the sentences below it are made of, as the store has it.
 
 use super::LEVELS;
-use crate::overview::{Level, Omissions, Overview, bounds};
+use crate::overview::{Level, Omissions, Overview, bounds, doubts};
 use crate::store::{CurveRow, MotionRow, PushRow, Reader, Result, SearchCounts};
 use protocol::backbone::BackboneMessage;
 use protocol::curve::Size;
+use protocol::to_everyone::Stage;
 use solver::response::backbone::Backbone;
 use solver::response::branch::Outcome;
 use solver::response::modes::ModesFollowed;
@@ -33,6 +34,8 @@ pub(super) struct Known {
     pub backbones: Vec<(usize, Option<Backbone>)>,
     /// Whether the backbones are still to come.
     pub awaits_backbones: bool,
+    /// What of a finished run is not known to its end, in a sentence.
+    pub doubts: Option<String>,
     /// Which modes were followed and which not.
     pub modes: Option<ModesFollowed>,
     /// What unstable motions turn into.
@@ -61,6 +64,9 @@ impl Known {
         let settings = overview.header.as_ref().map(|header| header.settings);
         let reach = omissions.read("The frequency range of the sweep is", reader.reach()).flatten();
         let is_further = reader.order().is_some();
+        let is_finished = omissions.read("The stage of the run is", reader.stage()) == Some(Stage::Finished);
+        let doubts =
+            omissions.read("What is not known to its end is", doubts(reader)).flatten().filter(|_| is_finished);
         Ok(Self {
             settings,
             given: settings.map(|settings| settings.frequency).unwrap_or_default(),
@@ -70,6 +76,7 @@ impl Known {
             search: omissions.read("What became of folds is", reader.search_counts()).unwrap_or_default(),
             backbones,
             awaits_backbones,
+            doubts,
             modes: omissions.read("Which modes were followed is", reader.modes()).flatten(),
             motions: omissions.read("The list of motions is", reader.motions()).unwrap_or_default(),
             pushes: omissions.read("The list of pushes is", reader.pushes()).unwrap_or_default(),

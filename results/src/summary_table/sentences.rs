@@ -8,6 +8,7 @@ use crate::overview::{
     Level, Overview, Shift, UNTOUCHED, beyond, events_sentence, is_untouched, least_added, not_followed_sentence,
     reach_sentence, truncation, undetermined, unfinished,
 };
+use crate::words::capitalised;
 use protocol::model::ModelMessage;
 
 /// All of them.
@@ -26,6 +27,7 @@ fn first(known: &Known) -> Vec<String> {
         .chain(is_at_least.then(|| meaning.into()))
         .chain((more > 0).then(|| format!("... and {more} more levels: see summary.csv")))
         .chain(model.and_then(undetermined).map(|place| format!("Note: {place}.")))
+        .chain(known.doubts.as_deref().map(|doubts| format!("{}.", capitalised(doubts))))
         .chain(unfinished(levels, !known.awaits_backbones))
         .chain(is_untouched.then(|| UNTOUCHED.into()))
         .collect()
