@@ -5,6 +5,7 @@ mod damping;
 mod defaults;
 mod early;
 mod laws;
+mod softening;
 mod touch;
 mod work;
 
@@ -38,7 +39,7 @@ pub fn report(study: &Study) -> String {
     lines.extend(modes::sentence(&choice, true).map(|_| ("followed", followed(&choice))));
     lines.extend(defaults::damping(study).map(|damping| ("damping", damping)));
     lines.push(("forcing", forcing(study)));
-    lines.push(("contact", contact(model)));
+    lines.extend(contact(model).map(|contact| ("contact", contact)));
     let touch = touch::first_touch(study, &choice.followed);
     lines.extend(touch.as_ref().map(|touch| ("touches", touch.to_string())));
     let ratios = early::epsilon_ratios(model).map(|(low, high)| span([low, high].into_iter()));
@@ -59,6 +60,7 @@ pub fn report(study: &Study) -> String {
         .chain(early::warnings(study, touch.as_ref()))
         .chain(damping::without(study))
         .chain(undetermined(model))
+        .chain(softening::warnings(study))
         .chain(laws::warnings(study, resonant));
     lines.extend(warnings.map(|warning| ("warning", warning)));
     lines.into_iter().map(|(what, text)| format!("{what:<12}{text}\n")).collect()
@@ -86,18 +88,18 @@ fn orders(study: &Study) -> Vec<String> {
     if list.len() > 1 { list } else { Vec::new() }
 }
 
-/// What a sweep warns of, since it decides what can be found: units, bounds of the frequency, damping, a place that is not determined.
-/// Sentences.
+/// What a sweep warns of, since it decides what can be found: units, bounds of the frequency, damping, a place that is not determined, a
+/// spring that pushes away. Sentences.
 pub fn warnings_of_sweep(study: &Study) -> Vec<String> {
     let assumed = defaults::damping(study).map(|damping| format!("the damping is {damping}"));
     let warnings = early::units(&study.model).into_iter().chain(bounds::warnings(study)).chain(damping::without(study));
-    warnings.chain(assumed).chain(undetermined(&study.model)).collect()
+    warnings.chain(assumed).chain(undetermined(&study.model)).chain(softening::warnings(study)).collect()
 }
 
-/// What a sweep notes, of what may well be meant: that nothing resonates within its bounds, where the force acts if nobody said so.
-/// Sentences.
+/// What a sweep notes, of what may well be meant: that nothing resonates within its bounds, where the force acts if nobody said so, stops
+/// that are pressed at rest. Sentences.
 pub fn notes_of_sweep(study: &Study) -> Vec<String> {
-    bounds::note(study).into_iter().chain(defaults::forcing(study)).collect()
+    bounds::note(study).into_iter().chain(defaults::forcing(study)).chain(laws::pressed(study)).collect()
 }
 
 /// Why the mode that a sweep begins with has no backbone, if that is known before: a sentence.
@@ -106,14 +108,17 @@ pub fn without_backbone(model: &Model, settings: &Settings) -> Option<String> {
 }
 
 fn size(model: &Model) -> String {
-    let contacts = model.contacts().count();
+    let contacts = match model.contacts().count() {
+        0 => "no rigid contact".into(),
+        contacts => count(contacts, "contact element"),
+    };
     let others = model.elements().iter().filter(|element| element.law.rigid().is_none());
     let names: Vec<&str> = others.map(|element| element.name.as_str()).collect();
     let laws = match names.len() {
         0 => "no other laws".to_string(),
         others => format!("{} ({})", count(others, "other law"), shortened(&names)),
     };
-    format!("{}, {}, {laws}", count(model.size(), "dof"), count(contacts, "contact element"))
+    format!("{}, {contacts}, {laws}", count(model.size(), "dof"))
 }
 
 /// The modes followed, and why others are not.
@@ -141,10 +146,10 @@ fn forcing(study: &Study) -> String {
     format!("shape of norm {} N per unit of A, on harmonic {}{assumed}", number(norm), forcing.harmonic)
 }
 
-fn contact(model: &Model) -> String {
+fn contact(model: &Model) -> Option<String> {
     let contacts: Vec<RigidContact<'_>> = model.contacts().map(|contact| contact.law).collect();
     if contacts.is_empty() {
-        return "no rigid contact".into();
+        return None;
     }
     let gap = span(contacts.iter().map(|contact| 1e3 * contact.gap));
     let epsilon = span(contacts.iter().map(|contact| contact.epsilon));
@@ -157,7 +162,7 @@ fn contact(model: &Model) -> String {
         count if 0 < count && count < contacts.len() => format!(" (on {count} of {})", contacts.len()),
         _ => String::new(),
     };
-    format!("gap {gap} mm, {friction}{some}, epsilon {epsilon} N/m")
+    Some(format!("gap {gap} mm, {friction}{some}, epsilon {epsilon} N/m"))
 }
 
 fn amplitudes(amplitudes: &[Amplitude]) -> String {

@@ -139,9 +139,15 @@ async fn sweep(args: SweepArgs) -> Result<Ending, Error> {
     // What is in use is said before a folder is made.
     let connection = open(&args.serve, None).await?;
     let header = header(&study, &args.study, &args.serve)?;
+    let is_new = !directory.exists();
     let store = Store::create(&directory, &header)?;
     announce(&header, &directory);
-    drive(&directory, store, study.model, connection, args.serve).await
+    let ended = drive(&directory, store, study.model, connection, args.serve).await;
+    if is_new && ended.as_ref().is_err_and(Error::is_of_study) {
+        // There is nothing to go on with, and whoever mends the study may want the same folder.
+        let _ = std::fs::remove_dir_all(&directory);
+    }
+    ended
 }
 
 fn header(study: &Study, args: &StudyArgs, serve: &ServeArgs) -> Result<RunHeader, Error> {

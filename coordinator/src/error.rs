@@ -29,6 +29,9 @@ pub enum Error {
     /// There is no backbone.
     #[error("{0}")]
     Backbone(#[from] BackboneError),
+    /// There can be none, in words.
+    #[error("{0}")]
+    NoBackbone(String),
     /// A setting and the backbone contradict each other.
     #[error("{0}")]
     Settings(#[from] solver::settings::SettingsError),
@@ -79,6 +82,11 @@ impl Error {
             Self::Study(error) if error.is_typed() => exit::USAGE,
             _ => exit::ERROR,
         }
+    }
+
+    /// Whether the same study would fail in the same way again, before anything of it is known.
+    pub fn is_of_study(&self) -> bool {
+        matches!(self, Self::Backbone(_) | Self::NoBackbone(_) | Self::Settings(_))
     }
 
     /// An input or output error at a path.

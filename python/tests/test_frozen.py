@@ -167,7 +167,7 @@ def test_nothing_found():
     assert result.branch is None
     assert result.work == "main"
     assert result.outcome == (
-        "no seed of the window converged: no convergence in 10 iterations (scaled residual 1.5e-3)"
+        "nothing converged: no convergence in 10 iterations (scaled residual 1.5e-3)"
     )
 
 

@@ -169,6 +169,7 @@ def test_elements_are_written_as_the_file_wants_them(tmp_path: Path) -> None:
         ({"contact": {"gap": None}}, r"contact: gap = None \(NoneType\) has no form in TOML; numbers"),
         ({"laws": Law("jenkins", dof="x1", stiffness=1, limit=1)}, r"laws: a list is needed, as laws=\[Law\(…\)\]"),
         ({"laws": [{"between": "x1", "law": {}}]}, r"laws\[0\]: between = 'x1': two dofs are needed"),
+        ({"laws": [{"between": ["x1"], "law": {}}]}, r"laws\[0\]: between = \['x1'\]: two dofs are needed"),
         ({"laws": [{"coefficients": ["x1"], "law": {}}]}, r"laws\[0\]: coefficients = \['x1'\]: dofs with factors"),
         ({"laws": [{"coefficients": {0: 1}, "law": {}}]}, r"laws\[0\]: 0 \(int\) is no name; a text is needed"),
         ({"contacts": [Contact({0: 1})]}, r"contacts\[0\]: 0 \(int\) is no name; a text is needed"),  # type: ignore[dict-item]
@@ -436,7 +437,7 @@ def test_what_a_backbone_shows_to_make_no_sense(tmp_path: Path) -> None:
         ("error: thread panicked", 101, isola_hbm.ProgramFailed),
         ("error: --amplitudes: `amplitudes` = -1: no", 2, isola_hbm.StudyRefused),
         ("error: --set contact.gap=-1: `contact.gap` = -1: no", 2, isola_hbm.StudyRefused),
-        ("error: {out}/model/model.toml: entry 1 of laws: `laws[0].law`: no", 1, isola_hbm.ModelRefused),
+        ("error: {out}/model/model.toml: first entry of laws: `laws[0].law`: no", 1, isola_hbm.ModelRefused),
         ("error: {out}/model/K.mtx, line 3: no", 1, isola_hbm.ModelRefused),
     ],
 )
@@ -458,7 +459,7 @@ def test_a_model_is_checked_without_a_sweep(tmp_path: Path, monkeypatch: pytest.
     monkeypatch.chdir(tmp_path)
     model = Model([[1]], [[4]], laws=[CUBIC], name="mine")
     said = model.check()
-    assert said.startswith("size        1 dof, 0 contact elements, 1 other law")
+    assert said.startswith("size        1 dof, no rigid contact, 1 other law")
     assert "2 rad/s" in said and "monitored   x1" in said
     assert "harmonics   3," in model.check(harmonics={"count": 3})
     assert "\namplitudes  " not in said and "\namplitudes  2: 0.1 … 0.2\n" in model.check([0.1, 0.2])

@@ -193,6 +193,9 @@ impl Default for BranchSettings {
     }
 }
 
+/// Sections of a study that hold them.
+pub const SECTIONS: [&str; 7] = ["harmonics", "frequency", "continuation", "backbone", "branch", "search", "verify"];
+
 /// All numerical settings of a study.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -228,9 +231,12 @@ impl Settings {
         if !(1..=400).contains(&count) {
             return refuse("harmonics.count", count.to_string(), "use 1 to 400 harmonics".into());
         }
-        if samples < 4 * count || samples > 1 << 20 {
-            let remedy =
-                format!("{count} harmonics need at least {} samples a period (and at most {})", 4 * count, 1 << 20);
+        let (fewest, most) = (4 * count, 1 << 20);
+        if !(fewest..=most).contains(&samples) {
+            let enough = fewest.next_power_of_two();
+            let remedy = format!(
+                "{count} harmonics need at least {fewest} samples a period (at most {most} are possible): {enough} will do"
+            );
             return refuse("harmonics.samples", samples.to_string(), remedy);
         }
         let m = model.forcing().harmonic;

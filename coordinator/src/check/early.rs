@@ -17,6 +17,8 @@ const ABSURD: (f64, f64) = (1e-3, 1e9);
 const SLOW: f64 = 0.1;
 /// Share of the largest eigenvalue of a damping matrix that is rounding, also of a file with seven digits.
 const UNDAMPED: f64 = 1e-6;
+/// A linear response that is so many times as large as what may be before something touches is hardly meant.
+const BEYOND: f64 = 300.0;
 /// Numbers that a point of a branch has beside its state, about.
 const BESIDE: usize = 64;
 /// Between these shares of the condensed stiffness the prediction of contact forces works well.
@@ -39,13 +41,14 @@ pub(super) fn epsilon_ratios(model: &Model) -> Option<(f64, f64)> {
 
 /// Sentences about what is probably not meant.
 pub(super) fn warnings(study: &Study, touch: Option<&FirstTouch<'_>>) -> Vec<String> {
-    let mut list = Vec::new();
-    list.extend(units(&study.model));
+    let units = units(&study.model);
+    let mut list: Vec<String> = units.iter().cloned().collect();
     list.extend(bounds::warnings(study));
     list.extend(negative_damping(&study.model).or_else(|| indefinite_damping(&study.model)));
     list.extend(nothing_nonlinear(&study.model));
     list.extend(nothing_driven(&study.model));
     list.extend(touch.and_then(|touch| nothing_touches(study, touch)));
+    list.extend(touch.filter(|_| units.is_none()).and_then(|touch| far_beyond(study, touch)));
     list.extend(epsilon_ratios(&study.model).and_then(epsilon));
     list.extend(large_results(study));
     list.extend(study.without_effect.iter().map(|key| {
@@ -123,11 +126,28 @@ fn nothing_touches(study: &Study, touch: &FirstTouch<'_>) -> Option<String> {
     let Place::Resonance(mode) = touch.place else { return None };
     (highest < touch.forcing).then(|| {
         format!(
-            "nothing will touch at the resonance of mode {}: {} up to A = {}, the first touch at A = {}",
+            "nothing touches in the linear response at the resonance of mode {}: {} up to A = {}, the first touch at A = {}; isolas may be there \
+             nevertheless",
             mode + 1,
             count(study.amplitudes.len(), "level"),
             number(highest),
             number(touch.forcing)
+        )
+    })
+}
+
+/// Of levels at which the linear response goes through what it touches many times over.
+fn far_beyond(study: &Study, touch: &FirstTouch<'_>) -> Option<String> {
+    let highest = study.amplitudes.iter().max_by(|a, b| a.value.total_cmp(&b.value))?;
+    let Place::Resonance(mode) = touch.place else { return None };
+    (touch.forcing > 0.0 && highest.value > BEYOND * touch.forcing).then(|| {
+        format!(
+            "at A = {} the linear response at the resonance of mode {} is {} times as large as what it may be before {} touches: check the units of \
+             forcing and gap",
+            highest.text,
+            mode + 1,
+            digits(highest.value / touch.forcing, 2),
+            touch.name
         )
     })
 }

@@ -1,6 +1,6 @@
 //! What is probably not meant of laws.
 
-use super::touch::shape;
+use super::touch::{pressed_at_rest, shape};
 use super::work::projection;
 use crate::study::Study;
 use results::words::digits;
@@ -22,7 +22,19 @@ const FARTHEST: f64 = 1e4;
 /// Sentences about polynomials: of dampers that feed energy in, and of all laws if they hardly do anything.
 pub(super) fn warnings(study: &Study, followed: &[usize]) -> Vec<String> {
     let even = study.model.elements().iter().filter_map(even_damper);
-    even.chain(practically_linear(study, followed)).collect()
+    even.chain(pressed(study)).chain(practically_linear(study, followed)).collect()
+}
+
+/// Elastic stops that are pressed at rest, which is seldom meant: sentences.
+pub(super) fn pressed(study: &Study) -> impl Iterator<Item = String> + '_ {
+    pressed_at_rest(&study.model).map(|(element, gap)| {
+        format!(
+            "`{}`: its gap is negative ({} m), so that it presses at rest, and the structure there is another one than the modes are of; a stop on \
+             the other side has `coefficients = {{ DOF = -1 }}` instead of `dof`, and a positive gap",
+            element.name,
+            digits(gap, 3)
+        )
+    })
 }
 
 /// A force that does not change its sign with the velocity drives the motion one way.

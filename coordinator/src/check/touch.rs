@@ -14,52 +14,59 @@ use solver::settings::FrequencySettings;
 use solver::structure::laws::{Law, LawKind};
 use solver::structure::{Element, Model};
 
+/// How far about a resonance the response is looked at, in half-widths ζω of it.
+const BESIDE: f64 = 6.0;
+/// At how many frequencies there.
+const LOOKED_AT: usize = 120;
+/// How often the interval about the largest response is narrowed.
+const NARROWED: usize = 40;
+
 /// Where the linear structure touches first.
 pub(super) struct FirstTouch<'m> {
     /// Forcing amplitude A.
     pub forcing: f64,
     /// The contact or elastic stop.
     pub name: &'m str,
-    /// At which frequency.
+    /// Near what.
     pub place: Place,
+    /// At which frequency, rad/s.
+    pub omega: f64,
 }
 
-/// A frequency that stands out.
+/// What stands out among the frequencies.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Place {
     /// Linear resonance of a mode, from 0.
     Resonance(usize),
-    /// A bound of the study, rad/s.
-    Bound(f64),
+    /// A bound of the study.
+    Bound,
 }
 
 impl std::fmt::Display for FirstTouch<'_> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "from A = {} on, {} first, ", number(self.forcing), self.name)?;
+        let (forcing, omega) = (number(self.forcing), number(self.omega));
+        write!(f, "from A = {forcing} on, {} first, ", self.name)?;
         match self.place {
-            Place::Resonance(mode) => write!(f, "at the linear resonance of mode {}", mode + 1),
-            Place::Bound(omega) => {
-                write!(
-                    f,
-                    "at the bound {} rad/s, by the linear response there and at resonances: isolas may touch much earlier",
-                    number(omega)
-                )
-            }
+            Place::Resonance(mode) => write!(f, "at {omega} rad/s, at the resonance of mode {}, {LINEAR}", mode + 1),
+            Place::Bound => write!(f, "at the bound {omega} rad/s, {LINEAR}, here and at resonances"),
         }
     }
 }
 
-/// Where contacts and elastic stops touch first, the forcing growing, in the linear response at its bounds and at the resonances of the
-/// modes that are followed and driven. `None` if nothing has a gap, or where the linear response has no bound.
+/// What isolas have to do with it.
+const LINEAR: &str = "in the linear response (isolas may touch much earlier)";
+
+/// Where contacts and elastic stops touch first, the forcing growing, in the linear response at its bounds and about the resonances of
+/// the modes that are followed and driven. `None` if nothing has a gap, or where the linear response has no bound.
 pub(super) fn first_touch<'s>(study: &'s Study, followed: &[usize]) -> Option<FirstTouch<'s>> {
     let (model, settings) = (&study.model, &study.settings);
     let (unknown, scales) = (Unknown::Frequency { forcing: 1.0 }, Scales::new(model, settings.tracked(model)));
     let problem = PressureForm::build(model, settings.harmonics, settings.tracked(model), unknown, scales).ok()?;
-    let resonance = |mode: usize| model.modes().frequencies[mode] / model.forcing().harmonic as f64;
+    let m = model.forcing().harmonic as f64;
+    let resonance = |mode: usize| model.modes().frequencies[mode] / m;
     let FrequencySettings { min, max } = settings.frequency;
     // A stop that is pressed at rest changes the linear response.
-    let is_pressed = |element: &Element| matches!(&element.law, LawKind::PenaltySpring(spring) if spring.gap < 0.0);
-    if model.elements().iter().any(is_pressed) {
+    if pressed_at_rest(model).next().is_some() {
         return None;
     }
     let (own, others): (Vec<usize>, Vec<usize>) = driven(model)
@@ -69,22 +76,52 @@ pub(super) fn first_touch<'s>(study: &'s Study, followed: &[usize]) -> Option<Fi
     if own.is_empty() && !others.is_empty() {
         return None;
     }
-    let resonances = own.into_iter().map(|mode| (Place::Resonance(mode), resonance(mode)));
-    let bounds = [min, max].into_iter().flatten().map(|omega| (Place::Bound(omega), omega));
-    let places = resonances.chain(bounds);
-    let touches = places.filter_map(|(place, omega)| touch_at(&problem, model, place, omega));
+    let at = |omega: f64| touch_at(&problem, model, omega);
+    let about = own.into_iter().filter_map(|mode| {
+        let (omega, reach) = (resonance(mode), BESIDE * 0.5 * model.damping().rates()[mode].abs() / m);
+        let low = (omega - reach).max(min.unwrap_or(0.0)).max(omega / LOOKED_AT as f64);
+        let high = (omega + reach).min(max.unwrap_or(f64::INFINITY));
+        let first = smallest(|omega| at(omega).map(|(forcing, _)| forcing), omega, (low, high))?;
+        Some((Place::Resonance(mode), first))
+    });
+    let bounds = [min, max].into_iter().flatten().map(|omega| (Place::Bound, omega));
+    let touches = about.chain(bounds).filter_map(|(place, omega)| {
+        let (forcing, name) = at(omega)?;
+        Some(FirstTouch { forcing, name, place, omega })
+    });
     touches.min_by(|a, b| a.forcing.total_cmp(&b.forcing))
 }
 
-/// What touches first at a frequency.
-fn touch_at<'m>(problem: &PressureForm<'_>, model: &'m Model, place: Place, omega: f64) -> Option<FirstTouch<'m>> {
+/// Where a function is smallest between these ends; nowhere if it has no value at `middle`, a resonance without damping.
+fn smallest(of: impl Fn(f64) -> Option<f64>, middle: f64, (low, high): (f64, f64)) -> Option<f64> {
+    of(middle)?;
+    let place = |i: usize| low + (high - low) * i as f64 / LOOKED_AT as f64;
+    let value = |x: f64| of(x).unwrap_or(f64::INFINITY);
+    let best = (0..=LOOKED_AT).min_by(|&i, &j| value(place(i)).total_cmp(&value(place(j))))?;
+    let (mut a, mut b) = (place(best.saturating_sub(1)), place((best + 1).min(LOOKED_AT)));
+    for _ in 0..NARROWED {
+        let (left, right) = (a + (b - a) / 3.0, b - (b - a) / 3.0);
+        if value(left) < value(right) { b = right } else { a = left }
+    }
+    Some(f64::midpoint(a, b))
+}
+
+/// Elastic stops that are pressed at rest.
+pub(super) fn pressed_at_rest(model: &Model) -> impl Iterator<Item = (&Element, f64)> {
+    model.elements().iter().filter_map(|element| match &element.law {
+        LawKind::PenaltySpring(spring) if spring.gap < 0.0 => Some((element, spring.gap)),
+        _ => None,
+    })
+}
+
+/// What touches first at a frequency, and from which forcing on.
+fn touch_at<'m>(problem: &PressureForm<'_>, model: &'m Model, omega: f64) -> Option<(f64, &'m str)> {
     let response = forced_response(problem, 1.0, omega).ok()?;
     let touch = |(element, gap): (&'m Element, f64)| {
         let displacement = complex(&response.combine(shape(model, element)), model.forcing().harmonic).norm();
-        (gap / displacement, element)
+        (gap / displacement, element.name.as_str())
     };
-    let first = stops(model).map(touch).filter(|(forcing, _)| forcing.is_finite()).min_by(|a, b| a.0.total_cmp(&b.0));
-    first.map(|(forcing, element)| FirstTouch { forcing, name: &element.name, place })
+    stops(model).map(touch).filter(|(forcing, _)| forcing.is_finite()).min_by(|a, b| a.0.total_cmp(&b.0))
 }
 
 /// Elements that act once a gap is closed, with their gaps; none that is pressed at rest.

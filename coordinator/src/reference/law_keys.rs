@@ -33,7 +33,10 @@ const fn power(path: &'static str) -> Key {
 
 /// The laws and their parameters, in the order of [`solver::structure::laws::LawKind`].
 pub(super) const LAWS: &[Key] = &[
-    law("laws.law.penalty_spring", "Elastic stop, f = k max(0, u − g)."),
+    law(
+        "laws.law.penalty_spring",
+        "Elastic stop, f = k max(0, u − g). One on the other side of a dof has coefficients = { DOF = -1 } instead of dof.",
+    ),
     parameter("laws.law.penalty_spring.stiffness", Range::POSITIVE, "N/m", "Stiffness k."),
     parameter("laws.law.penalty_spring.gap", Range::ANY, "m", "Gap g; below zero the spring is pressed at rest."),
     law("laws.law.polynomial_spring", "Polynomial spring, f = Σ c u^p: cubic and others."),

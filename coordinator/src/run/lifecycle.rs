@@ -19,6 +19,7 @@ use results::store::{Reader, RunHeader, Store};
 use results::words::count;
 use results::{export, summary_table};
 use solver::structure::Model;
+use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -259,17 +260,7 @@ impl Run {
         self.dismiss_workers().await;
         let reader = Reader::open(&self.directory)?;
         let (refuted, disputed) = reader.contradictions()?;
-        let mut has_doubts = disputed > 0;
-        if let Some(doubts) = doubts(&reader)? {
-            has_doubts = true;
-            terminal::note(doubts);
-        }
-        for order in reader.further_orders()? {
-            if let Some(doubts) = doubts(&reader.of_order(order)?)? {
-                has_doubts = true;
-                terminal::note(format_args!("motions that last {order} periods of the force: {doubts}"));
-            }
-        }
+        let has_doubts = tell_doubts(&reader, self.services.stage() == Stage::Finished)? || disputed > 0;
         for sentence in export::csv(&reader, &self.directory)?.damaged {
             terminal::note(sentence);
         }
@@ -342,6 +333,21 @@ impl Run {
         let _ = tokio::time::timeout(Duration::from_secs(1), self.connection.session.close()).await;
         Ok(ending)
     }
+}
+
+/// Says what is not known to its end; whether there is something. Of a finished run it stands below the table as well: whoever sees
+/// both has it once.
+fn tell_doubts(reader: &Reader, is_finished: bool) -> Result<bool, Error> {
+    let mut told: Vec<String> = doubts(reader)?.into_iter().collect();
+    for order in reader.further_orders()? {
+        let of_order = doubts(&reader.of_order(order)?)?;
+        told.extend(of_order.map(|doubts| format!("motions that last {order} periods of the force: {doubts}")));
+    }
+    let is_seen_below = is_finished && std::io::stdout().is_terminal() && std::io::stderr().is_terminal();
+    for doubts in told.iter().filter(|_| !is_seen_below) {
+        terminal::note(doubts);
+    }
+    Ok(!told.is_empty())
 }
 
 fn abnormal(error: JoinError) -> Error {

@@ -225,7 +225,7 @@ pub fn compute(
     for order in orders.iter() {
         let backbones = Backbones::reaching(&order.model, &order.settings, largest(all), &mut observer, stop);
         let backbones = backbones.map_err(|error| {
-            without_backbone(&order.model, &order.settings).map_or_else(|| Error::from(error), Error::Other)
+            without_backbone(&order.model, &order.settings).map_or_else(|| Error::from(error), Error::NoBackbone)
         })?;
         if stop.load(Ordering::Relaxed) {
             return Ok(None);

@@ -32,7 +32,18 @@ pub(super) fn written(text: &str, place: impl Fn() -> Place) -> Result<Vec<Ampli
     let (table, _) = DeTable::parse_recoverable(text);
     let value = table.get_ref().iter().find(|(key, _)| key.get_ref() == "amplitudes");
     let Some((_, value)) = value else {
-        let remedy = format!("which forcing amplitudes? {EXAMPLE}; or type --amplitudes 20:140:20");
+        let is_there =
+            |value: &DeValue<'_>| value.as_table().is_some_and(|section| section.get("amplitudes").is_some());
+        let section = table.get_ref().iter().find(|(_, value)| is_there(value.get_ref()));
+        let remedy = match section {
+            Some((section, _)) => {
+                format!(
+                    "one stands in the section [{}]: move it above the first section of the file",
+                    section.get_ref()
+                )
+            }
+            None => format!("which forcing amplitudes? {EXAMPLE}; or type --amplitudes 20:140:20"),
+        };
         return Err(ModelError::missing(place(), remedy));
     };
     entries(value.get_ref())

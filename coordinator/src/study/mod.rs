@@ -24,16 +24,13 @@ use serde::Deserialize;
 use solver::files;
 use solver::files::{Layers, config};
 use solver::response::orders::{Order, Orders};
-use solver::settings::{Settings, SettingsError};
+use solver::settings::{SECTIONS, Settings, SettingsError};
 use solver::structure::{Model, ModelError, Place};
 use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 
 /// Keys of the study itself.
 const OWN: [&str; 3] = ["name", "model", "amplitudes"];
-
-/// Sections of [`Settings`].
-const NUMERICS: [&str; 7] = ["harmonics", "frequency", "continuation", "backbone", "branch", "search", "verify"];
 
 /// Keys that are often varied: proposed to whoever leaves the section out.
 const OFTEN: [&str; 10] = [
@@ -101,7 +98,7 @@ impl Study {
         };
 
         let scenario = study.split(is_scenario);
-        let numerics = study.split(|key| NUMERICS.contains(&key));
+        let numerics = study.split(|key| SECTIONS.contains(&key));
         study.split(is_amplitudes);
         let header: Header = study.parsed()?;
         let written = header.model.unwrap_or_else(|| ".".into());
@@ -188,7 +185,7 @@ fn is_amplitudes(key: &str) -> bool {
 
 /// Refuses top-level keys that no study has.
 fn known_keys(study: &Layers) -> Result<(), ModelError> {
-    let known = || OWN.into_iter().chain(NUMERICS).chain(config::KEYS.into_iter().filter(|key| is_scenario(key)));
+    let known = || OWN.into_iter().chain(SECTIONS).chain(config::KEYS.into_iter().filter(|key| is_scenario(key)));
     match study.table().keys().find(|key| !known().any(|name| name == *key)) {
         None => Ok(()),
         Some(key) => {
@@ -201,7 +198,7 @@ fn known_keys(study: &Layers) -> Result<(), ModelError> {
 
 /// Numerical settings, checked for the model.
 fn load_settings(numerics: &Layers, model: &Model) -> Result<Settings, ModelError> {
-    numerics.check_sections(&NUMERICS)?;
+    numerics.check_sections(&SECTIONS)?;
     numerics.check_sections(&["continuation.newton"])?;
     let settings: Settings = numerics.parsed()?;
     settings.validate(model).map_err(|SettingsError { key, value, remedy }| {

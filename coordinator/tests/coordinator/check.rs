@@ -5,7 +5,7 @@ use coordinator::study::Study;
 use std::fs;
 use std::path::Path;
 
-/// A mass before a stop: ω = 100 rad/s, ζ = 1e-2, 1 mm of clearance, so that A = 2 ζ k c = 0.2 touches.
+/// A mass before a stop: ω = 100 rad/s, ζ = 1e-2, 1 mm of clearance, so that A = 2 ζ √(1 − ζ²) k c touches, at ω √(1 − 2ζ²).
 const MODEL: &str = r#"
 name = "mass before a stop"
 dofs = ["x"]
@@ -23,6 +23,9 @@ epsilon = 2e4
 name = "stop"
 normal = "x"
 "#;
+
+const TOUCHES: &str = "touches     from A = 0.19999 on, stop first, at 99.99 rad/s, at the resonance of mode 1, in the linear response (isolas \
+                       may touch much earlier)\n";
 
 /// Warnings of a study of the mass with this changed, and everything that is said.
 fn checked(model: &str, amplitudes: &str, set: &[(&str, &str)]) -> (Vec<String>, String) {
@@ -43,11 +46,20 @@ fn said(study: &Study) -> (Vec<String>, String) {
 fn where_the_linear_structure_touches() {
     let (warnings, text) = checked(MODEL, "0.1,0.3", &[]);
     assert!(warnings.is_empty(), "{text}");
-    assert!(text.contains("touches     from A = 0.2 on, stop first, at the linear resonance of mode 1\n"), "{text}");
+    assert!(text.contains(TOUCHES), "{text}");
     assert!(text.contains("epsilon     2 times the stiffness of the structure there\n"), "{text}");
     let (warnings, _) = checked(MODEL, "0.1,0.15", &[]);
-    let nothing = "nothing will touch at the resonance of mode 1: 2 levels up to A = 0.15, the first touch at A = 0.2";
+    let nothing = "nothing touches in the linear response at the resonance of mode 1: 2 levels up to A = 0.15, the first touch at A = 0.19999; \
+                   isolas may be there nevertheless";
     assert_eq!(warnings, [nothing]);
+}
+
+#[test]
+fn forcing_far_beyond_the_first_touch() {
+    assert_eq!(checked(MODEL, "0.3,59", &[]).0, [] as [&str; 0]);
+    let far = "at A = 2e3 the linear response at the resonance of mode 1 is 10001 times as large as what it may be before stop touches: check the units \
+               of forcing and gap";
+    assert_eq!(checked(MODEL, "0.3,2e3", &[]).0, [far]);
 }
 
 /// An elastic stop touches where a rigid one does; beyond the resonance, at 200 rad/s, that is A = 3e4 c.
@@ -57,14 +69,20 @@ fn where_an_elastic_stop_touches() {
         + "[[laws]]\nname = \"stop\"\ndof = \"x\"\nlaw = { penalty_spring = { stiffness = 1e4, gap = 1e-3 } }\n";
     let (warnings, text) = checked(&elastic, "0.1,0.3", &[]);
     assert!(warnings.is_empty(), "{text}");
-    assert!(text.contains("touches     from A = 0.2 on, stop first, at the linear resonance of mode 1\n"), "{text}");
+    assert!(text.contains(TOUCHES), "{text}");
     let bounds = [("frequency.min", "200"), ("frequency.max", "400")];
     let (warnings, text) = checked(&elastic, "0.1,0.3", &bounds);
     assert!(warnings.is_empty(), "{text}");
-    assert!(text.contains("touches     from A = 30.0027 on, stop first, at the bound 200 rad/s, by the"), "{text}");
+    assert!(text.contains("touches     from A = 30.0027 on, stop first, at the bound 200 rad/s, in the"), "{text}");
     // One that is pressed at rest has nothing to touch.
     let pressed = elastic.replace("gap = 1e-3", "gap = -1e-3");
-    assert!(!checked(&pressed, "0.1,0.3", &[]).1.contains("touches"));
+    let (warnings, text) = checked(&pressed, "0.1,0.3", &[]);
+    assert!(!text.contains("touches"), "{text}");
+    assert!(
+        warnings.len() == 1
+            && warnings[0].starts_with("`stop`: its gap is negative (-0.001 m), so that it presses at rest"),
+        "{text}"
+    );
 }
 
 #[test]
@@ -233,7 +251,9 @@ fn what_touches_first_in_any_of_the_modes_followed() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/two_masses_stop");
     let (warnings, text) = said(&Study::load(&folder, &[], None).unwrap());
     assert!(
-        text.contains("touches     from A = 0.00212132 on, stop first, at the linear resonance of mode 2\n"),
+        text.contains("touches     from A = 0.0021")
+            && text.contains(" on, stop first, at ")
+            && text.contains("rad/s, at the resonance of mode 2,"),
         "{text}"
     );
     assert!(warnings.is_empty(), "{text}");
@@ -248,7 +268,7 @@ fn what_touches_first_beside_a_resonance_that_nothing_drives() {
     let (_, text) = checked(pair, "0.3", &[("frequency.min", "110"), ("frequency.max", "200")]);
     // |x| = A Φ / |ω² − ω₁²| with Φ = 1/√2.
     let first = format!("touches     from A = {:.5}", 1e-3 * (110.0_f64.powi(2) - 1e4) * 2.0_f64.sqrt());
-    assert!(text.contains(&first) && text.contains("on, stop first, at the bound 110 rad/s, by the"), "{text}");
+    assert!(text.contains(&first) && text.contains("on, stop first, at the bound 110 rad/s, in the"), "{text}");
     let none = "no linear resonance that the force drives lies within the bounds: the nearest one is that of mode 1 at 100 rad/s";
     assert!(text.contains(none), "{text}");
 }
@@ -318,6 +338,22 @@ fn laws_that_hardly_do_anything() {
     // A law that is no polynomial may matter at any amplitude.
     let friction = with_law("{ jenkins = { stiffness = 1, limit = 1e-9 } }");
     assert!(checked(&friction, "0.2", &[]).0.is_empty());
+}
+
+/// The structure holds 1e4 N/m: a spring of −1e8 N/m³ takes that away at 10 mm, to which a force of 100 N bends it.
+#[test]
+fn a_spring_that_pushes_away() {
+    let spring = |terms: &str| with_law(&format!("{{ polynomial_spring = {{ terms = [{terms}] }} }}"));
+    let softening = spring("{ power = 3, coefficient = -1e8 }");
+    assert_eq!(checked(&softening, "50,90", &[]).0, [] as [&str; 0]);
+    let (warnings, text) = checked(&softening, "50,1e6", &[]);
+    let told = "`spring` pushes away beyond 0.01 m, with more than the structure holds, and the static response to A = 1e6 alone would be \
+                100 m: check units and signs";
+    assert_eq!(warnings, [told], "{text}");
+    // One way is enough; what grows again holds.
+    assert_eq!(checked(&spring("{ power = 2, coefficient = 1e6 }"), "200", &[]).0.len(), 1);
+    let held = spring("{ power = 3, coefficient = -1e8 }, { power = 5, coefficient = 1e12 }");
+    assert_eq!(checked(&held, "1e6", &[]).0, [] as [&str; 0]);
 }
 
 #[test]

@@ -13,11 +13,14 @@ from .live.wire import Floats
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.lines import Line2D
+    from numpy.typing import NDArray
 
 #: Colours as in the figures of the program, of what is not a branch.
 INK, SHADE, ISOLA, FOLDS, WORK = "#1a2027", "#8b96a1", "#d55e00", "#b0508a", "#7a3300"
 #: Colours of levels from the lowest to the highest, as in the figures of the program.
 _RAMP = ["#e08a2e", "#d9604f", "#bc3a72", "#8c1f8a", "#561a8f", "#1c0f63"]
+#: How much of a colour is in what is faded.
+_FADED = 0.4
 #: Room beside what is shown, as a share of its width.
 _ROOM = 0.25
 #: What is left free beside the ends of everything, as a share of the width.
@@ -137,6 +140,22 @@ def along_ramp(count: int) -> list[Any]:
 
     ramp = LinearSegmentedColormap.from_list("levels", _RAMP)
     return [ramp(share) for share in np.linspace(0.0, 1.0, count)] if count > 1 else [_RAMP[-1]] * count
+
+
+def faded(color: Any) -> Any:
+    """The colour of what is not known of a curve of this one, as in the figures of the program."""
+    from matplotlib.colors import to_rgb
+
+    return tuple(1.0 + _FADED * (channel - 1.0) for channel in to_rgb(color))
+
+
+def along(wanted: NDArray[np.bool_], at: Floats, height: Floats) -> tuple[Floats, Floats]:
+    """Those segments of a curve, each from a point to the next, that are wanted, with gaps between them."""
+    starts = np.flatnonzero(wanted[1:] & ~wanted[:-1]) + 1
+    is_shown = np.append(wanted, False) | np.insert(wanted, 0, False)
+    # One that is not wanted between two that are lies between points that are shown.
+    at, height = np.where(is_shown, at, np.nan), np.where(is_shown, height, np.nan)
+    return np.insert(at, starts, np.nan), np.insert(height, starts, np.nan)
 
 
 def legend(axes: Axes) -> None:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pandas as pd
 
-from .drawing import FOLDS, INK, ISOLA, SHADE, WORK, Units, beside, legend, logarithmic
+from .drawing import FOLDS, INK, ISOLA, SHADE, WORK, Units, beside, legend, logarithmic, text
 from .live.wire import Floats
 
 if TYPE_CHECKING:
@@ -18,11 +18,18 @@ if TYPE_CHECKING:
 #: Marks of events by kind, as in the figures of the program: mark, whether it is hollow, name. Cusps are not marked.
 _MARKS = {
     "birth": ("^", False, "births"),
-    "merge": ("v", True, "merges"),
+    "merge": ("v", True, "merges or partings"),
     "death": ("x", False, "ends of isolas"),
 }
-#: Thresholds are shown from the lowest level divided by the first to the highest one times the second, as folds are followed.
+#: What their labels say, unless there are more than so many events; where they stand, points; how.
+_MARKED = {"birth": "born at", "merge": "merge or part at", "death": "ends at"}
+_BELOW = {"birth": (0, -14), "merge": (0, 7), "death": (0, 7)}
+_LABELLED = 8
+_NOTE: dict[str, Any] = {"textcoords": "offset points", "ha": "center", "fontsize": "small"}
+#: What happens from the lowest level divided by the first to the highest one times the second, as folds are followed, is shown.
 _NEAR = (4.0, 2.0)
+#: Where nothing happens beyond the levels, thresholds are shown this factor below and above them.
+_ROOM = 1.5
 #: What happens from the lowest level divided by the first of these to the highest one times the second is what the map is about.
 _AMONG = (2.0, 1.25)
 #: Curves are shown this far on each side of that, as a share of its range.
@@ -83,7 +90,7 @@ def _around(core: Floats, others: Floats) -> Floats:
 def _draw_thresholds(run: StoredRun, axes: Axes, units: Units, levels: list[float]) -> Floats:
     """The thresholds near the levels: elsewhere they say nothing. Their frequencies, rad/s."""
     table = run.backbones
-    near = (min(levels) / _NEAR[0], max(levels) * _NEAR[1]) if levels else (0.0, np.inf)
+    near = _near(run, levels) if levels else (0.0, np.inf)
     shown = []
     for i, (_, curve) in enumerate(table.groupby("mode", sort=False)):
         threshold = curve["threshold"].where(curve["threshold"].between(*near))
@@ -95,6 +102,13 @@ def _draw_thresholds(run: StoredRun, axes: Axes, units: Units, levels: list[floa
         axes.plot(units.frequencies(curve["omega"]), threshold, color=INK, linewidth=width, label=label)
         shown.append(curve["omega"][threshold.notna()].to_numpy())
     return np.concatenate([np.zeros(0), *shown])
+
+
+def _near(run: StoredRun, levels: list[float]) -> tuple[float, float]:
+    """Forcing amplitudes about the levels, and as far beyond as something happens near them."""
+    forcing = run.events["forcing"][run.events["kind"].isin(list(_MARKS))]
+    happens = forcing[forcing.between(min(levels) / _NEAR[0], max(levels) * _NEAR[1])]
+    return min([min(levels) / _ROOM, *happens]), max([max(levels) * _ROOM, *happens])
 
 
 def _draw_folds(run: StoredRun, axes: Axes, units: Units, levels: list[float]) -> tuple[Floats, Floats]:
@@ -119,6 +133,8 @@ def _draw_folds(run: StoredRun, axes: Axes, units: Units, levels: list[float]) -
             markerfacecolor="none" if is_hollow else color,
             label=f"{name}, {source}",
         )
+        for x, y in zip(units.frequencies(group["omega"]), group["forcing"]) if len(shown) <= _LABELLED else ():
+            axes.annotate(f"{_MARKED[str(kind)]} {text(float(f'{y:.3g}'))}", (x, y), _BELOW[str(kind)], **_NOTE, color=color)
     is_marked = (shown["source"] == "computed") & shown["kind"].isin(list(_MARKS))
     among = folds["forcing"].between(min(levels), max(levels)) if levels else folds["forcing"].isna()
     return shown["omega"][is_marked].to_numpy(float), folds["omega"][among].to_numpy(float)

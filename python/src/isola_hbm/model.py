@@ -312,11 +312,13 @@ def _read(folder: Path, matrix: Any) -> Any:
 def _dofs_of_law(where: str, law: Mapping[str, Any]) -> list[Any]:
     one = [law["dof"]] if "dof" in law else []
     between, coefficients = law.get("between", ()), law.get("coefficients", {})
-    if isinstance(between, str) or not isinstance(between, Iterable):
+    is_list = isinstance(between, Iterable) and not isinstance(between, str)
+    ends = list(between) if is_list else []
+    if not is_list or ("between" in law and len(ends) != 2):
         raise BadModel(f"{where}: between = {between!r}: two dofs are needed")
     if not isinstance(coefficients, Mapping):
         raise BadModel(f"{where}: coefficients = {coefficients!r}: dofs with factors are needed")
-    return [*one, *between, *coefficients]
+    return [*one, *ends, *coefficients]
 
 
 def _entries(section: Mapping[str, Any]) -> list[str]:

@@ -18,9 +18,11 @@ from .drawing import (
     WORK,
     Units,
     add_line,
+    along,
     along_ramp,
     around,
     axes_of,
+    faded,
     legend,
     limits_of,
     logarithmic,
@@ -29,7 +31,7 @@ from .drawing import (
     text,
     up_to,
 )
-from .errors import Damaged, LeftOut
+from .errors import Damaged, LeftOut, NoSuchBranch
 from .maps import isola_map
 from .stored.motions import index_of
 
@@ -50,6 +52,8 @@ _MARKS: dict[str, dict[str, Any]] = {
     "peak": {"marker": "^", "markersize": 4.5, "markerfacecolor": "white", "linestyle": "none"},
     "fold": {"marker": "o", "markersize": 3.5, "markerfacecolor": "white", "linestyle": "none"},
 }
+#: With fewer points a piece of a backbone says nothing: all of it is shown.
+_FEWEST = 4
 #: Of more levels, neighbours cannot be told apart by their colours: they are named at their peaks, not in the legend.
 _NAMED = 6
 
@@ -71,7 +75,7 @@ class Plots:
         frequency: tuple[float, float] | None = None,
     ) -> Axes:
         """Amplitude of a monitored dof over frequency: main branches thin, isolas and others bold, what time marching found
-        unstable dashed. Peaks and folds are marked, unless there are many branches; more than six levels are named at their peaks.
+        unstable dashed, and pale what of their stability is not known. Peaks and folds are marked, unless there are many branches; more than six levels are named at their peaks.
 
         Args:
             amplitudes: Forcing amplitudes shown; by default all.
@@ -88,11 +92,15 @@ class Plots:
         limits = limits_of(frequency)
         measured, number, summary = Units.read(units), self._number(monitor), self._branches(amplitudes)
         axes = axes_of(ax)
-        points = self._points(number).groupby("name", sort=False)
+        table = self._points(number)
+        points = table.groupby("name", sort=False)
         levels = sorted(summary["amplitude"].unique())
         colors = dict(zip(levels, along_ramp(len(levels))))
         rank = {levels[place]: i for i, place in enumerate(spread(len(levels)))}
-        shown, peaks, has_unstable, folds = [], [], False, self._run._folds()
+        shown, peaks, folds = [], [], self._run._folds()
+        # While nothing was verified, nothing is said of stability.
+        known = table["stable"][table["name"].isin(summary.index)].isin(["stable", "unstable"])
+        has_unstable, is_verified, has_unknown = False, known.any(), known.any() and not known.all()
         marks: dict[str, list[tuple[float, float, Any]]] = {"peak": [], "fold": []}
         for name, row in summary.iterrows():
             if name not in points.groups:
@@ -114,14 +122,20 @@ class Plots:
             forcing, top = f"A = {text(level)}", height.argmax()
             called = forcing if is_main else f"{str(name).partition('/')[2]}, {forcing}"
             peaks.append((rank[level], is_main, (called, at[top], height[top], colors[level])))
-            unstable = (curve["stable"] == "unstable").to_numpy()
-            # From one unstable point to the next the solid line has a gap, and there are dashes.
-            gaps = np.flatnonzero(unstable[1:] & unstable[:-1]) + 1
             label = forcing if is_main and len(levels) <= _NAMED else None
-            axes.plot(np.insert(at, gaps, np.nan), np.insert(height, gaps, np.nan), label=label, **style)
-            if unstable.any():
-                axes.plot(at, np.where(unstable, height, np.nan), linestyle=(0, (2.5, 1.5)), **style)
-                has_unstable = True
+            unstable = (curve["stable"] == "unstable").to_numpy()
+            unknown = ~(unstable | (curve["stable"] == "stable").to_numpy()) & is_verified
+            # Segments are dashed from one unstable point to the next, and pale beside a point of which nothing is known.
+            dashed, pale = unstable[1:] & unstable[:-1], unknown[1:] | unknown[:-1]
+            axes.plot([], [], label=label, **style)
+            for wanted, look in (
+                (~(dashed | pale), {}),
+                (dashed, {"linestyle": (0, (2.5, 1.5))}),
+                (pale, {"color": faded(style["color"])}),
+            ):
+                if wanted.any():
+                    axes.plot(*along(wanted, at, height), **{**style, **look})
+            has_unstable |= bool(unstable.any())
             # What is only as far as the branch is known is no peak.
             if row.get("peak_standing") == "at":
                 marks["peak"].append((at[top], height[top], colors[level]))
@@ -142,12 +156,13 @@ class Plots:
             (others or has_branched, "main branch", {"linewidth": _THIN}),
             (others, "isola" if others == {"isola"} else "isola or other", {"linewidth": _BOLD}),
             (has_branched, "branches off another", {"linewidth": _MEDIUM}),
-            (has_unstable, "unstable (solid: stable, or not known)", {"linestyle": (0, (2.5, 1.5))}),
+            (has_unstable, "unstable", {"linestyle": (0, (2.5, 1.5))}),
+            (has_unknown, "stability not known", {"linewidth": _BOLD, "color": faded(SHADE)}),
             *((kind in marked, kind, look) for kind, look in _MARKS.items()),
         )
         for wanted, label, how in told:
             if wanted:
-                add_line(axes, [], [], color=SHADE, label=label, **how)
+                add_line(axes, [], [], label=label, **{"color": SHADE, **how})
         self._draw_backbone(axes, measured, number, backbone)
         axes.set(
             xlabel=measured.of_frequency(),
@@ -231,23 +246,35 @@ class Plots:
         """Energies along a backbone: what has to be supplied against the work of the forcing. Where that is larger, a
         response is predicted.
 
+        Drawn as far as levels come near the threshold.
+
         Args:
-            amplitude: Any forcing amplitude A, for the balance is that of all of them; by default the lowest level with an isola, else
-                the lowest of all.
-            mode: Mode of the backbone, from 1; by default the primary one.
+            amplitude: Any forcing amplitude A, for the balance is that of all of them; by default the lowest level at which a window led
+                to an isola, else the lowest with an isola, else the middle one.
+            mode: Mode of the backbone, from 1; by default that of the window that led to an isola at this amplitude or, if none did, at
+                the lowest level, else the primary one.
             ax: Axes to draw on.
 
         Raises:
             ValueError: The amplitude is no number above zero.
             NoSuchBranch: There is no backbone of this mode.
         """
-        curve, summary = self._run.backbone(mode), self._run.summary
+        summary, windows = self._run.summary, self._run.windows
+        levels = sorted(summary["amplitude"].unique())
+        to_isola = windows[windows["branch"].fillna("").str.contains("isola")].sort_values("amplitude", kind="stable")
         if amplitude is None:
-            isolas = summary[summary["kind"] == "isola"]
-            levels = (isolas if len(isolas) else summary)["amplitude"]
-            amplitude = float(levels.min()) if len(levels) else 1.0
+            others = summary[summary["kind"] != "main"]["amplitude"]
+            middle = levels[len(levels) // 2 : len(levels) // 2 + 1]
+            amplitude = float(min(to_isola["amplitude"], default=min(others, default=sum(middle) or 1.0)))
         elif isinstance(amplitude, bool) or not isinstance(amplitude, Real) or not 0.0 < amplitude < np.inf:
             raise ValueError(f"amplitude = {amplitude!r}: a number above zero is needed")
+        if mode is None:
+            here = to_isola[to_isola["amplitude"] == float(amplitude)]
+            mode = next(iter(pd.concat([here, to_isola])["mode"].astype(int)), None)
+        curve = self._run.backbone(mode)
+        # Beyond the last threshold of twice the highest level nothing is predicted for any of them.
+        near = np.flatnonzero(curve["threshold"].to_numpy() <= 2.0 * max([*levels, float(amplitude)]))
+        curve = curve.isel(point=slice(near[-1] + 1)) if len(near) and near[-1] >= _FEWEST else curve
         axes = axes_of(ax)
         arc, work = curve["arc"].to_numpy(), float(amplitude) * curve["work_per_amplitude"].to_numpy()
         # A* is infinite where the forcing does no work.
@@ -267,7 +294,7 @@ class Plots:
             alpha=0.2,
             label="windows" if any(is_window) else None,
         )
-        beside = "" if amplitude in set(summary["amplitude"]) else " (no level of the run)"
+        beside = "" if amplitude in levels else " (no level of the run)"
         title = f"A = {text(amplitude)}{beside}, mode {curve.attrs['mode']}"
         axes.set(xlabel="arc length (scaled)", ylabel="energy a period (J)", title=title)
         logarithmic(axes)
@@ -276,7 +303,7 @@ class Plots:
 
     def motion(
         self,
-        branch: Key,
+        branch: Key | None = None,
         *,
         point: int | str = "peak",
         dofs: Sequence[str] | str | None = None,
@@ -287,9 +314,10 @@ class Plots:
         """One period at a point of a branch.
 
         Args:
-            branch: Name of the branch, ``"60/isola 1"``.
+            branch: Name of the branch, ``"60/isola 1"``; by default the highest one apart from main branches, else the highest of all.
             point: Index of the point from 0, ``"peak"`` or ``"start"``.
-            dofs: Names of dofs; by default the monitored ones. Of ``variable="argument"`` names of arguments.
+            dofs: Names of dofs; by default the monitored ones. Of ``variable="argument"`` names of laws and contacts, or of one of
+                their arguments (``"tip 1"``); by default all.
             variable: ``displacement``; ``argument``: of the laws, for contacts the predicted pressure in N.
             ax: Axes to draw on.
             units: ``m``, ``mm`` or ``um``, of displacements.
@@ -302,7 +330,7 @@ class Plots:
         """
         if variable not in ("displacement", "argument"):
             raise ValueError(f"variable = {variable!r}: displacement or argument is drawn; run[branch].time() has others")
-        measured, curve = Units.read(units), self._run[branch]
+        measured, curve = Units.read(units), self._run[self._highest() if branch is None else branch]
         index = index_of(curve, point)
         series = curve.isel(point=index).time(variable, samples=512).load()
         along = next(str(axis) for axis in series.dims if axis != "time")
@@ -313,6 +341,8 @@ class Plots:
             if isinstance(dofs, str)
             else list(dofs or (curve["monitor"].values if is_length else there))
         )
+        # A law has one argument or three, which are numbered.
+        shown = [one for name in shown for one in (_arguments(name, there) if not is_length else []) or [name]]
         if unknown := [name for name in shown if name not in there]:
             raise KeyError(
                 f"no `{unknown[0]}` among what is stored of a motion; there are {', '.join(there)}"
@@ -333,6 +363,15 @@ class Plots:
         axes.set(xlabel="time (periods)", ylabel=quantity, title=title)
         legend(axes)
         return axes
+
+    def _highest(self) -> str:
+        """Name of the highest branch apart from main ones, else of the highest of all."""
+        summary = self._branches(None)
+        others = summary[summary["kind"] != "main"]
+        chosen = others if len(others) else summary
+        if not len(chosen):
+            raise NoSuchBranch("the run has no branch yet")
+        return str(chosen["amplitude_max"].astype(float).idxmax())
 
     @staticmethod
     def _reach(summary: pd.DataFrame) -> tuple[float, float]:
@@ -359,6 +398,11 @@ class Plots:
         if unknown := chosen - set(summary["amplitude"]):
             raise ValueError(f"no branch at A = {text(min(unknown))}; there are branches at A = {there}")
         return summary[summary["amplitude"].isin(chosen)]
+
+
+def _arguments(name: str, there: Sequence[str]) -> list[str]:
+    """The arguments of a law or contact of this name, unless it is one of them."""
+    return [] if name in there else [one for one in there if one.rpartition(" ")[0] == name]
 
 
 def _mark(axes: Axes, marks: dict[str, list[tuple[float, float, Any]]]) -> set[str]:

@@ -1,7 +1,7 @@
 /* Light and dark. The colours of figures come with them; the rest of the page takes its colours from style.css. */
 
 /**
- * @typedef {"ink"|"soft"|"faint"|"shade"|"alert"|"paper"|{level: number}|{category: number}} Colour
+ * @typedef {"ink"|"soft"|"faint"|"shade"|"alert"|"paper"|{level: number}|{category: number}|{pale_level: number}|{pale_category: number}} Colour
  *
  * @typedef {object} Palette
  * @property {string} paper
@@ -19,8 +19,8 @@ const THEME_KEY = "isola-theme";
 const theme = {
   listeners: [],
   name: "light",
-  /** @type {{tint: number, light: Palette, dark: Palette}} as the figures brought them */
-  palettes: { tint: 0 },
+  /** @type {{tint: number, pale: number, light: Palette, dark: Palette}} as the figures brought them */
+  palettes: { tint: 0, pale: 1 },
   get palette() {
     return this.palettes[this.name];
   },
@@ -35,6 +35,10 @@ const theme = {
 function colourOf(colour, palette = theme.palette) {
   if (typeof colour === "string") return palette[colour];
   if (colour.level !== undefined) return rampColour(palette.ramp, colour.level);
+  const { pale_level: level, pale_category: category } = colour;
+  if (level !== undefined || category !== undefined) {
+    return mixed(palette.paper, colourOf(level !== undefined ? { level } : { category }, palette), theme.palettes.pale);
+  }
   return palette.categories[colour.category % palette.categories.length];
 }
 
@@ -49,9 +53,14 @@ const parseHex = (colour) => [1, 3, 5].map((at) => parseInt(colour.slice(at, at 
 function rampColour(ramp, at) {
   const place = Math.min(Math.max(at, 0), 1) * (ramp.length - 1);
   const below = Math.min(Math.floor(place), ramp.length - 2);
-  const [low, high] = [parseHex(ramp[below]), parseHex(ramp[below + 1])];
-  const mixed = low.map((channel, k) => Math.round(channel + (high[k] - channel) * (place - below)));
-  return `#${mixed.map((channel) => channel.toString(16).padStart(2, "0")).join("")}`;
+  return mixed(ramp[below], ramp[below + 1], place - below);
+}
+
+/** @param {string} from "#rrggbb" @param {string} to @param {number} share of the second */
+function mixed(from, to, share) {
+  const [low, high] = [parseHex(from), parseHex(to)];
+  const channels = low.map((channel, k) => Math.round(channel + (high[k] - channel) * share));
+  return `#${channels.map((channel) => channel.toString(16).padStart(2, "0")).join("")}`;
 }
 
 /** What the reader chose last, else what the system says; the button in the header changes it. */

@@ -47,6 +47,9 @@ pub struct Curve {
     /// Whether the response at each point is known to be unstable, by time marching; empty where it was not verified.
     #[serde(skip)]
     pub unstable: Vec<bool>,
+    /// The same of what is known to be stable.
+    #[serde(skip)]
+    pub stable: Vec<bool>,
     /// What unstable motions of it turn into, in the order of the arc.
     #[serde(skip)]
     pub beyond: Vec<Beyond>,
@@ -95,6 +98,7 @@ impl Curve {
             omega: Column::exact(omega),
             amplitude: amplitude.into_iter().map(Column::short).collect(),
             unstable: Vec::new(),
+            stable: Vec::new(),
             beyond: Vec::new(),
             others: others(&points.columns, size)?,
             special: branch.special.clone(),
@@ -105,8 +109,8 @@ impl Curve {
     #[must_use]
     pub fn verified(self, verification: &Verification) -> Self {
         let verdicts = if verification.count == self.size { verification.verdicts() } else { Vec::new() };
-        let unstable = verdicts.into_iter().map(|verdict| verdict == Some(Verdict::Unstable)).collect();
-        Self { unstable, ..self }
+        let are = |wanted| verdicts.iter().map(|verdict| *verdict == Some(wanted)).collect();
+        Self { unstable: are(Verdict::Unstable), stable: are(Verdict::Stable), ..self }
     }
 
     /// With what its unstable motions turn into.

@@ -9,7 +9,7 @@ use crate::overview::{BranchRow, Level};
 pub struct ResonanceComparison {
     /// Peaks of the main branches, one for each level that has one.
     pub continuation: Resonance,
-    /// Largest amplitude of the backbone where A exceeds the threshold.
+    /// Largest amplitude of the backbones where A exceeds the threshold.
     pub balance: Resonance,
     /// Largest peak over main branch and isolas, one for each level that has a branch.
     pub isolas: Resonance,
@@ -63,16 +63,94 @@ impl Resonance {
         }
         curve
     }
+
+    /// Frequency and amplitude at a forcing amplitude, where the curve has one; the later ones where it steps.
+    fn at(&self, value: f64) -> Option<(f64, f64)> {
+        let after = self.value.partition_point(|known| *known <= value);
+        let before = after.checked_sub(1)?;
+        let Some(&next) = self.value.get(after) else {
+            return (self.value[before] == value).then(|| (self.omega[before], self.amplitude[before]));
+        };
+        let share = (value - self.value[before]) / (next - self.value[before]);
+        let between = |column: &[f64]| column[before] + share * (column[after] - column[before]);
+        Some((between(&self.omega), between(&self.amplitude)))
+    }
+
+    /// The largest of several curves; from one to another it steps.
+    fn largest(curves: &[Self]) -> Self {
+        let mut values: Vec<f64> = curves.iter().flat_map(|curve| curve.value.iter().copied()).collect();
+        values.sort_by(f64::total_cmp);
+        values.dedup();
+        let mut all = Self::default();
+        let mut last: Option<usize> = None;
+        for value in values {
+            let of = |k: usize| Some((k, curves[k].at(value)?));
+            let Some((k, (omega, amplitude))) = (0..curves.len()).filter_map(of).max_by(|a, b| a.1.1.total_cmp(&b.1.1))
+            else {
+                continue;
+            };
+            // What was largest up to here, then what is from here on; also where one curve steps.
+            let own = curves[last.unwrap_or(k)].before(value);
+            if let Some((omega, amplitude)) = own {
+                all.push(value, omega, amplitude);
+            }
+            if own != Some((omega, amplitude)) {
+                all.push(value, omega, amplitude);
+            }
+            last = Some(k);
+        }
+        all
+    }
+
+    /// As [`at`](Self::at), but the earlier ones where the curve steps.
+    fn before(&self, value: f64) -> Option<(f64, f64)> {
+        let first = self.value.partition_point(|known| *known < value);
+        match self.value.get(first) {
+            Some(known) if *known == value && first > 0 => Some((self.omega[first], self.amplitude[first])),
+            _ if first > 0 => self.at(value),
+            _ => None,
+        }
+    }
 }
 
 impl ResonanceComparison {
-    /// Of the levels of a run and its backbone, if that is known.
-    pub fn new(levels: &[Level], backbone: Option<&BackboneCurve>) -> Self {
+    /// Of the levels of a run and the backbones that are known.
+    pub fn new<'b>(levels: &[Level], backbones: impl Iterator<Item = &'b BackboneCurve>) -> Self {
         let highest = levels.iter().map(|level| level.value).fold(0.0, f64::max);
         Self {
             continuation: Resonance::of_branches(levels, Level::main),
-            balance: backbone.map(|backbone| Resonance::of_balance(backbone, highest)).unwrap_or_default(),
+            balance: Resonance::largest(&backbones.map(|one| Resonance::of_balance(one, highest)).collect::<Vec<_>>()),
             isolas: Resonance::of_branches(levels, Level::peak),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn curve(points: &[(f64, f64)]) -> Resonance {
+        let mut curve = Resonance::default();
+        points.iter().for_each(|&(value, amplitude)| curve.push(value, 10.0 * amplitude, amplitude));
+        curve
+    }
+
+    #[test]
+    fn one_curve_stays_as_it_is() {
+        let one = curve(&[(1.0, 1.0), (2.0, 2.0), (3.0, 2.5), (3.0, 4.0), (5.0, 5.0)]);
+        assert_eq!(Resonance::largest(std::slice::from_ref(&one)), one);
+        assert_eq!(Resonance::largest(&[]), Resonance::default());
+    }
+
+    #[test]
+    fn the_larger_of_two_leads() {
+        // The second one begins later, overtakes between its points and those of the first, and the first steps over it again.
+        let first = curve(&[(1.0, 1.0), (3.0, 2.0), (4.0, 2.5), (4.0, 8.0), (5.0, 8.5)]);
+        let second = curve(&[(2.0, 1.0), (3.0, 3.0), (5.0, 5.0)]);
+        let largest = Resonance::largest(&[first, second]);
+        assert_eq!(largest.value, [1.0, 2.0, 3.0, 3.0, 4.0, 4.0, 5.0]);
+        assert_eq!(largest.amplitude, [1.0, 1.5, 2.0, 3.0, 4.0, 8.0, 8.5]);
+        let omega: Vec<f64> = largest.amplitude.iter().map(|amplitude| 10.0 * amplitude).collect();
+        assert_eq!(largest.omega, omega);
     }
 }

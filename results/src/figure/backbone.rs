@@ -2,7 +2,7 @@
 
 use super::data::{Axis, Entry, Figure, Kind, Panel, Series};
 use super::places::{RunLabels, RunPoint};
-use super::response::{gap_label, gaps};
+use super::references::{gap_label, gaps};
 use super::style::{BOLD, Color, Style, THIN};
 use super::subject::{BackboneColumns, Subject};
 

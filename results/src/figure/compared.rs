@@ -4,7 +4,7 @@ use super::column_store::ColumnStore;
 use super::data::{Axis, Entry, Figure, Kind, Label};
 use super::response::{Outline, branch_series, is_crowd};
 use super::smooth::smooth;
-use super::stability::unstable;
+use super::stability::Marking;
 use super::style::{BOLD, Color, MEDIUM, Shape, Style};
 use super::subject::Subject;
 use super::{resonance, style};
@@ -71,6 +71,7 @@ fn response(runs: &[Compared<'_>], levels: &[f64], store: &mut ColumnStore) -> R
     let place = |value: f64| levels.iter().position(|known| *known == value);
     let branches: usize = runs.iter().map(|run| run.subject.branches.iter().filter(|b| b.kind != "main").count()).sum();
     let axes = (panel.x[0].clone(), panel.y.clone());
+    let marking = Marking::of(runs.iter().flat_map(|run| run.subject.branches));
     let mut labels: Vec<Label> = Vec::new();
     for (k, Compared { name, subject }) in runs.iter().enumerate() {
         for branch in subject.branches {
@@ -83,8 +84,9 @@ fn response(runs: &[Compared<'_>], levels: &[f64], store: &mut ColumnStore) -> R
             curve.style.fill = false;
             let heights = branch.amplitude.first().map_or(&[][..], |column| &column.values);
             smooth(&mut curve, (&branch.omega.values, &[heights]), (&axes.0, &axes.1), store);
-            let gaps = unstable(branch, &curve, (&axes.0, &axes.1), store);
-            panel.series.extend([Some(curve), gaps].into_iter().flatten());
+            let over = marking.over(branch, &curve, (&axes.0, &axes.1), store);
+            panel.series.push(curve);
+            panel.series.extend(over);
         }
         let own = Outline::new(subject.branches.iter(), subject, &colors[k]).figure(None).panels.swap_remove(0).labels;
         labels.extend(own.into_iter().filter_map(|label| {
@@ -99,11 +101,7 @@ fn response(runs: &[Compared<'_>], levels: &[f64], store: &mut ColumnStore) -> R
     let thin = Entry::new("main branch", Kind::Line, Style::line(Color::Ink, style::THIN));
     let bold = Entry::new("isola and others", Kind::Line, Style::line(Color::Ink, BOLD));
     figure.legend.extend([thin, bold]);
-    let is_unstable = |run: &Compared<'_>| run.subject.branches.iter().any(|branch| branch.unstable.contains(&true));
-    if runs.iter().any(is_unstable) {
-        let style = Style::line(Color::Ink, BOLD).with_dash(1);
-        figure.legend.push(Entry::new("unstable (solid: stable, or not known)", Kind::Line, style));
-    }
+    figure.legend.extend(marking.entries(Color::Ink));
     Ok(figure)
 }
 

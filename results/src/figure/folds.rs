@@ -12,8 +12,11 @@ use crate::store::CurvePoint;
 pub const EVENTS: [(&str, Shape, bool, &str, &str); 3] = [
     ("birth", Shape::Triangle, false, "births, computed", "born"),
     ("death", Shape::Cross, false, "ends of isolas, computed", "ends"),
-    ("merge", Shape::InvertedTriangle, true, "merges, computed", "merge"),
+    ("merge", Shape::InvertedTriangle, true, "merges or partings, computed", "merge or part"),
 ];
+
+/// Follows the forcing amplitude of what was not found with twice the harmonics (H is their number).
+const UNKNOWN: &str = " (2H: ?)";
 
 /// The figure.
 ///
@@ -73,10 +76,11 @@ fn of_points(points: &[CurvePoint], style: &Style, store: &mut ColumnStore) -> S
     }
 }
 
-/// Names a computed event of a fold curve at its place in a figure.
+/// Names a computed event of a fold curve at its place in a figure, with the doubt where it was not found with twice the harmonics.
 pub(super) fn event_label(word: &str, point: &CurvePoint, (x, y): (f64, f64), side: Side) -> Label {
+    let doubt = if point.doubled.is_none() { UNKNOWN } else { "" };
     Label {
-        text: format!("{word} at {}", forcing_label(point, 4)),
+        text: format!("{word} at {}{doubt}", forcing_label(point, 4)),
         x: vec![Some(x)],
         y: vec![Some(y)],
         color: Color::Category(3),

@@ -12,9 +12,11 @@ use crate::words::digits;
 use solver::response::branch::BranchKind;
 use solver::response::windows::{Event, EventKind};
 
-/// Thresholds are shown from the lowest level divided by the first of these to the highest one times the second, as far as folds are
-/// followed.
+/// What happens from the lowest level divided by the first of these to the highest one times the second, as far as folds are followed,
+/// is shown.
 const NEAR: (f64, f64) = (4.0, 2.0);
+/// Where nothing happens beyond the levels, thresholds are shown this factor below and above them.
+const ROOM: f64 = 1.5;
 /// What happens from the lowest level divided by the first of these to the highest one times the second is what the figure is about.
 const AMONG: (f64, f64) = (2.0, 1.25);
 /// Curves are shown this far on each side of what the figure is about, as a share of its range: those of other modes may go much farther.
@@ -239,10 +241,15 @@ fn points(backbone: &BackboneCurve) -> impl Iterator<Item = (f64, f64)> {
     backbone.threshold.values.iter().copied().zip(backbone.omega.values.iter().copied())
 }
 
-/// Whether a threshold is shown.
+/// Whether a threshold is shown: about the levels, and as far beyond as something happens near them.
 fn near(subject: &Subject<'_>) -> impl Fn(f64) -> bool {
     let (low, high) = super::axis::bounds(subject.levels.iter().map(|level| level.value));
-    move |threshold| (low / NEAR.0..=high * NEAR.1).contains(&threshold)
+    let followed = low / NEAR.0..=high * NEAR.1;
+    let computed = EVENTS.iter().flat_map(|(kind, ..)| events_of(subject.curves, kind)).map(|point| point.forcing);
+    let predicted = subject.backbone.into_iter().chain(subject.further).flat_map(|backbone| &backbone.events);
+    let happens = computed.chain(predicted.map(|event| event.threshold)).filter(|forcing| followed.contains(forcing));
+    let (low, high) = happens.fold((low / ROOM, high * ROOM), |(low, high), a| (low.min(a), high.max(a)));
+    move |threshold| (low..=high).contains(&threshold)
 }
 
 /// Windows of the levels with such an outcome, each with its forcing amplitude.

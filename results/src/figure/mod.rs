@@ -18,6 +18,7 @@ mod motion;
 mod palette;
 mod placement;
 mod places;
+mod references;
 mod resonance;
 mod response;
 mod smooth;
@@ -38,7 +39,8 @@ pub use motion::{
 };
 pub use palette::{Colors, LIGHT, PALETTE, Palette, Rgb};
 pub use placement::{place, place_for_page, point as label_point, run_points};
-pub use response::{FEW, Outline, backbone_series, branch_series, is_crowd, special_points};
+pub use references::backbone_series;
+pub use response::{FEW, Outline, branch_series, is_crowd, special_points};
 pub use stability::straight_gaps;
 pub use style::{Color, Marker, Shape, Style};
 pub use subject::{BackboneColumns, Subject, level_colors};

@@ -84,7 +84,8 @@ pub fn drawn(mut figure: Figure, motions: &Motions, coefficients: &[f64], store:
 
 /// With the marched period in the panel of displacements, over those of the balance.
 pub fn with_marched(mut figure: Figure, marched: &MarchedPeriod, store: &mut ColumnStore) -> Figure {
-    let style = Style::line(Color::Ink, FINE);
+    // Dashed, so that what lies below is seen.
+    let style = Style::line(Color::Ink, FINE).with_dash(1);
     let Some(panel) = figure.panels.first_mut() else { return figure };
     let highest = marched.displacements.iter().flatten().copied();
     if let Some(axis) = panel.y.first_mut() {

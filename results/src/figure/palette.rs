@@ -6,6 +6,9 @@ use serde::{Serialize, Serializer};
 /// How much of a colour is in its light areas.
 pub const TINT: f64 = 0.2;
 
+/// How much of a colour is in what is faded.
+const PALE: f64 = 0.4;
+
 /// A colour.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Rgb(pub u8, pub u8, pub u8);
@@ -36,6 +39,8 @@ pub struct Colors {
 pub struct Palette {
     /// How much of a colour is in its light areas.
     pub tint: f64,
+    /// How much of a colour is in what is faded.
+    pub pale: f64,
     /// On white.
     pub light: Colors,
     /// On black.
@@ -43,7 +48,7 @@ pub struct Palette {
 }
 
 /// All colours.
-pub const PALETTE: Palette = Palette { tint: TINT, light: LIGHT, dark: DARK };
+pub const PALETTE: Palette = Palette { tint: TINT, pale: PALE, light: LIGHT, dark: DARK };
 
 /// Colours on white.
 pub const LIGHT: Colors = Colors {
@@ -84,6 +89,8 @@ impl Colors {
             Color::Paper => self.paper,
             Color::Level(share) => self.along(share),
             Color::Category(index) => self.categories[index % self.categories.len()],
+            Color::PaleLevel(share) => self.paper.towards(self.of(Color::Level(share)), PALE),
+            Color::PaleCategory(index) => self.paper.towards(self.of(Color::Category(index)), PALE),
         }
     }
 
@@ -143,6 +150,7 @@ mod tests {
         assert_eq!(LIGHT.of(Color::Level(0.0)).to_string(), "#e08a2e");
         assert_eq!(LIGHT.of(Color::Level(f64::NAN)).to_string(), "#e08a2e");
         assert_eq!(LIGHT.of(Color::Category(6)), LIGHT.of(Color::Category(0)));
+        assert_eq!(LIGHT.of(Color::Category(0).pale()), LIGHT.paper.towards(LIGHT.of(Color::Category(0)), PALE));
         assert_eq!(LIGHT.tint(Color::Ink).to_string(), "#d1d2d4");
     }
 }

@@ -116,13 +116,12 @@ fn curves<'s>(subject: &Subject<'s>) -> Vec<ResonanceCurve<'s>> {
     let resonance = subject.resonance;
     let line = |category| Style::line(Color::Category(category), MEDIUM);
     let circles = line(0).with_dash(2).with_marker(Shape::Circle, 0.9 * MARK, true);
-    // It is that of one backbone, of which isolas of others know nothing.
-    let balance = match subject.backbone {
-        Some(backbone) if !subject.further.is_empty() => format!("energy balance of mode {} alone", backbone.mode + 1),
-        _ => "energy balance alone".into(),
-    };
     let curves = [
-        ResonanceCurve { name: balance, resonance: &resonance.balance, style: line(2).with_dash(1) },
+        ResonanceCurve {
+            name: "energy balance alone".into(),
+            resonance: &resonance.balance,
+            style: line(2).with_dash(1),
+        },
         ResonanceCurve {
             name: "with isolas".into(),
             resonance: &resonance.isolas,

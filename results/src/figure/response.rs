@@ -3,12 +3,13 @@
 use super::axis::largest;
 use super::bands::bands;
 use super::column_store::{ColumnStore, Ref};
-use super::data::{Axis, Detail, Direction, Entry, Figure, Format, Kind, Label, Panel, Series, Side, Size, Span};
+use super::data::{Axis, Detail, Entry, Figure, Format, Kind, Label, Panel, Series, Side, Size};
+use super::references::{BACKBONE, backbone_series, further_backbones, gap_label, gaps};
 use super::smooth::smooth;
-use super::stability::unstable;
+use super::stability::Marking;
 use super::style::{BOLD, Color, FINE, MARK, MEDIUM, Shape, Style, THIN};
 use super::subject::{BackboneColumns, Subject, level_colors};
-use crate::curves::{Beyond, Curve, Monitor};
+use crate::curves::{Beyond, Curve};
 use solver::response::branch::{BranchKind, SpecialKind};
 use solver::response::certificate::Standing;
 use solver::response::columns;
@@ -34,8 +35,6 @@ const WIDE: f64 = 3.0;
 /// Branches that leave through the widest bounds are beyond what is shown where they are higher all along than so many times the
 /// highest of the others: parts that are pressed against each other for ever, say.
 const BEYOND: f64 = 2.0;
-/// What switches the backbone on.
-const SWITCH: &str = "Backbone, bold where the largest level shown is predicted to respond";
 
 /// The figure.
 ///
@@ -51,12 +50,19 @@ pub fn figure(
     }
     let colors = level_colors(&subject.levels.iter().map(|level| level.value).collect::<Vec<f64>>());
     let has_marks = subject.branches.len() <= FEW;
-    let mut figure = Outline::new(subject.branches.iter(), subject, &colors).with_marks(has_marks).figure(backbone);
+    let marking = Marking::of(subject.branches.iter());
+    let outline = Outline::new(subject.branches.iter(), subject, &colors);
+    let mut figure = outline.with_marks(has_marks).marked(marking).figure(backbone);
     let is_crowded = is_crowd(subject.branches.iter().filter(|branch| branch.kind != "main").count());
     let mut marks = Vec::new();
     let panel = &mut figure.panels[0];
     let axes = (panel.x[0].clone(), panel.y.clone());
     let series = &mut panel.series;
+    let further = further_backbones(subject, (&axes.0, &axes.1), columns);
+    if let Some(entry) = figure.legend.iter_mut().find(|entry| entry.text == BACKBONE && !further.is_empty()) {
+        entry.text += "s";
+    }
+    series.extend(further);
     // What a lower level has lies inside of what a higher one has.
     let mut order: Vec<usize> = (0..subject.branches.len()).collect();
     order.sort_by_key(|&i| std::cmp::Reverse(subject.branches[i].level));
@@ -70,10 +76,10 @@ pub fn figure(
         if has_marks {
             marks.extend(special_points(branch, &curve, color));
         }
-        let gaps = unstable(branch, &curve, (&axes.0, &axes.1), columns);
+        let over = marking.over(branch, &curve, (&axes.0, &axes.1), columns);
         series.extend(bands(branch, &curve, color, columns));
         series.push(curve);
-        series.extend(gaps);
+        series.extend(over);
     }
     series.append(&mut marks);
     Ok(figure)
@@ -86,12 +92,20 @@ pub struct Outline<'r> {
     subject: &'r Subject<'r>,
     colors: &'r [Color],
     has_marks: bool,
+    marking: Marking,
 }
 
 impl<'r> Outline<'r> {
     /// Of these branches of a subject.
     pub fn new(branches: impl Iterator<Item = &'r Curve>, subject: &'r Subject<'r>, colors: &'r [Color]) -> Self {
-        Self { branches: branches.collect(), subject, colors, has_marks: false }
+        let branches: Vec<&'r Curve> = branches.collect();
+        let marking = Marking::growing(branches.iter().copied());
+        Self { branches, subject, colors, has_marks: false, marking }
+    }
+
+    /// With what is known of the stability of branches that are all there.
+    fn marked(self, marking: Marking) -> Self {
+        Self { marking, ..self }
     }
 
     /// Whether peaks and folds are marked.
@@ -157,7 +171,11 @@ impl<'r> Outline<'r> {
         let shown = near.flat_map(|branch| {
             let values = &branch.amplitude[0].values;
             let floor = if branch.kind == "main" { HIGH * largest(values.iter().copied()) } else { 0.0 };
-            (0..branch.size).filter(move |&i| values[i] >= floor).map(|i| branch.omega.values[i])
+            // Between its folds a main branch goes back: without them it looks like two.
+            let folds = branch.special.iter().filter(|special| special.kind == SpecialKind::Fold);
+            let folds = folds.map(|special| special.index).filter(|&i| i < branch.size);
+            let shown = (0..branch.size).filter(move |&i| values[i] >= floor).chain(folds);
+            shown.map(|i| branch.omega.values[i])
         });
         let (low, high) = super::axis::bounds(shown);
         let room = ROOM * (high - low);
@@ -180,34 +198,31 @@ impl<'r> Outline<'r> {
                 && self.branches.iter().any(|branch| branch.special.iter().any(|special| special.kind == wanted))
         };
         let line = Kind::Line;
-        let dashed = Style::line(color, BOLD).with_dash(1);
         let is_cut = self.branches.iter().any(|branch| self.is_beyond(branch));
         let open = if is_cut { "open branch, also above what is shown" } else { "open branch" };
-        let entries = [
+        let branches = [
             (has(BranchKind::Main), "main branch", line, Style::line(color, THIN)),
             (has(BranchKind::Isola), "isola", line, Style::line(color, BOLD)),
             (has(BranchKind::Open), open, line, Style::line(color, BOLD)),
             (has(BranchKind::Cut), "cut off by a bound", line, Style::line(color, BOLD)),
             (has(BranchKind::Branched), "branches off another", line, Style::line(color, MEDIUM)),
             (has(BranchKind::Unfinished), "unfinished", line, Style::line(color, BOLD)),
-            (
-                self.branches.iter().any(|branch| branch.unstable.contains(&true)),
-                "unstable (solid: stable, or not known)",
-                line,
-                dashed,
-            ),
+        ];
+        let others = [
             (
                 self.branches.iter().any(|branch| branch.beyond.iter().any(Beyond::is_shown)),
                 "what unstable motions turn into",
                 Kind::Band,
                 Style::area(color),
             ),
-            (has_backbone, "backbone", line, Style::line(Color::Soft, FINE).with_dash(1)),
+            (has_backbone, BACKBONE, line, Style::line(Color::Soft, FINE).with_dash(1)),
             (marked(SpecialKind::Peak), "peak", line, mark(SpecialKind::Peak, color)),
             (marked(SpecialKind::Fold), "fold", line, mark(SpecialKind::Fold, color)),
         ];
-        let shown = entries.into_iter().filter(|(is_shown, ..)| *is_shown);
-        shown.map(|(_, text, kind, style)| Entry::new(text, kind, style)).collect()
+        type Candidate<'c> = (bool, &'c str, Kind, Style);
+        let shown = |(is_shown, text, kind, style): Candidate<'_>| is_shown.then(|| Entry::new(text, kind, style));
+        let branches = branches.into_iter().filter_map(shown);
+        branches.chain(self.marking.entries(color)).chain(others.into_iter().filter_map(shown)).collect()
     }
 
     /// The gap, then branches at their peaks: isolas before main branches, the highest level, the lowest one, and those
@@ -338,40 +353,6 @@ pub fn special_points<'s>(branch: &'s Curve, curve: &'s Series, color: Color) ->
         };
         (!places.is_empty()).then(marks)
     })
-}
-
-/// The backbone, and its parts inside of windows.
-pub fn backbone_series(backbone: &BackboneColumns) -> Vec<Series> {
-    let whole = Series {
-        x: vec![backbone.omega.clone()],
-        y: backbone.amplitude.clone(),
-        style: Style::line(Color::Soft, FINE).with_dash(1),
-        switch: Some(SWITCH),
-        ..Series::default()
-    };
-    let inside = Series { style: Style::line(Color::Soft, BOLD), along_runs: true, ..whole.clone() };
-    vec![whole, inside]
-}
-
-/// A line at the clearance of each monitored dof, if one has a clearance.
-pub fn gaps(monitors: &[Monitor]) -> Option<Span> {
-    let at: Vec<Option<f64>> = monitors.iter().map(|monitor| monitor.gap).collect();
-    let style = Style::line(Color::Soft, FINE).with_dash(2);
-    at.iter().any(Option::is_some).then_some(Span { axis: Direction::Y, at, by_amplitude: false, style })
-}
-
-/// The label of that line.
-pub fn gap_label(monitors: &[Monitor]) -> Vec<Label> {
-    let gap = monitors.iter().find_map(|monitor| monitor.gap);
-    let label = |_| Label {
-        text: "gap".into(),
-        x: vec![None],
-        y: monitors.iter().map(|monitor| monitor.gap).collect(),
-        color: Color::Soft,
-        level: None,
-        side: Side::Above,
-    };
-    gap.map(label).into_iter().collect()
 }
 
 #[cfg(test)]

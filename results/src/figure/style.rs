@@ -30,8 +30,24 @@ pub enum Color {
     Paper,
     /// A forcing level, from 0 (the lowest) to 1 (the highest).
     Level(f64),
+    /// The same, faded: what is not known of it.
+    PaleLevel(f64),
     /// One of a few that are told apart.
     Category(usize),
+    /// The same, faded.
+    PaleCategory(usize),
+}
+
+impl Color {
+    /// Faded, for what is not known of a curve of this colour.
+    pub fn pale(self) -> Self {
+        match self {
+            Self::Level(share) => Self::PaleLevel(share),
+            Self::Category(index) => Self::PaleCategory(index),
+            Self::Ink | Self::Soft => Self::Shade,
+            other => other,
+        }
+    }
 }
 
 /// How a series looks. Lengths are px in files (1/96 inch).
@@ -110,8 +126,8 @@ impl Style {
 
 /// Lengths of gaps and of what is left between them.
 const GAPS: [f64; 2] = [2.5, 4.0];
-/// By how much gaps are wider than their line, so that nothing of its edges shines through.
-const SPILL: f64 = 0.6;
+/// By how much what covers a line is wider, so that nothing of its edges shines through.
+pub(super) const SPILL: f64 = 0.6;
 
 /// Patterns that are told apart without colours.
 const DASHES: [&[f64]; 5] = [&[], &[5.0, 2.5], &[1.2, 1.8], &[6.0, 2.0, 1.2, 2.0], &[9.0, 3.0]];

@@ -85,10 +85,11 @@ impl<'r> Subject<'r> {
         self.missing.iter().find(left_out).map_or(otherwise, String::as_str).into()
     }
 
-    /// The level to look at first: the lowest with an isola, else the middle one.
+    /// The level to look at first: the lowest at which a window led to an isola, else the lowest with an isola, else the middle one.
     pub fn first_level(&self) -> Option<usize> {
-        let with_isola = self.levels.iter().position(|level| level.others().next().is_some());
-        let level = with_isola.unwrap_or(self.levels.len() / 2);
+        let predicted = self.levels.iter().position(|level| level.mode_of_isola().is_some());
+        let with_isola = || self.levels.iter().position(|level| level.others().next().is_some());
+        let level = predicted.or_else(with_isola).unwrap_or(self.levels.len() / 2);
         (level < self.levels.len()).then_some(level)
     }
 

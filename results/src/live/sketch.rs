@@ -182,6 +182,7 @@ fn thinned(curve: &Curve) -> Curve {
         amplitude: curve.amplitude.iter().map(thin).collect(),
         // What is asked of it is whether there is some.
         unstable: vec![curve.unstable.contains(&true)],
+        stable: Vec::new(),
         others: Vec::new(),
         ..curve.clone()
     }

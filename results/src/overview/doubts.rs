@@ -59,11 +59,17 @@ pub fn doubts(reader: &Reader) -> Result<Option<String>> {
     if curves.is_empty() {
         return Ok(None);
     }
+    let remedy = match curves.iter().any(|curve| curve.contains(&Stop::PointBudget.to_string())) {
+        true => " (branch.max_points and backbone.max_points allow more points)",
+        false => "",
+    };
     let more = curves.len().saturating_sub(NAMED);
     curves.truncate(NAMED);
     let more = if more > 0 { format!(" and {more} more") } else { String::new() };
     let list = curves.join(", ");
-    Ok(Some(format!("not known to its end: {list}{more}; responses beyond may be larger, and others may begin there")))
+    Ok(Some(format!(
+        "not known to its end: {list}{more}{remedy}; responses beyond may be larger, and others may begin there"
+    )))
 }
 
 /// A fold curve, by where it ends.

@@ -2,7 +2,7 @@
 
 use super::named::level;
 use super::sheet::Sheet;
-use crate::curves::{Curve, largest, marched};
+use crate::curves::{Curve, MarchedPeriod, largest, marched};
 use crate::error::Error;
 use crate::figure::{ColumnStore, motion_drawn, motion_marched, motion_template};
 use crate::overview::{BranchRow, verified_result};
@@ -32,8 +32,15 @@ pub fn sheet(report: &Report, reader: &Reader, monitor: usize, at: Option<&str>)
     let states = states(&result, &Size::of(&model)).map_err(|error| reader.corrupt(error))?;
     let beside = match marched(motions, &model, (&states, curve.closed), index) {
         Ok(period) => {
+            // What the run says of this point was looked at more closely.
+            let known = reader.verification(&row.task)?.filter(|known| known.count == curve.size);
+            let known = known.and_then(|known| known.verdicts().get(index).copied().flatten());
+            let period = MarchedPeriod { verdict: known.unwrap_or(period.verdict), ..period };
             figure = motion_marched(figure, &period, &mut columns);
-            format!("marched at {} rad/s", digits(period.omega, 6))
+            match digits(period.omega, 6) {
+                same if same == omega => "marched there".into(),
+                other => format!("marched at {other} rad/s, for at this frequency time marching has no such motion"),
+            }
         }
         Err(reason) => reason.to_string(),
     };

@@ -8,6 +8,8 @@ use crate::words::{decimal, power, scientific};
 const COUNTS: (usize, usize) = (8, 2);
 /// Space between numbers, px: across and up.
 const SPACE: (f64, f64) = (14.0, 11.0);
+/// Fewer numbers on a logarithmic axis than these have others between them.
+const FEW: usize = 3;
 /// Decades that an axis with finer ticks spans at most.
 const DECADES: usize = 8;
 
@@ -87,7 +89,10 @@ fn logarithmic(ends: (f64, f64), count: usize) -> Vec<(f64, Option<String>)> {
 fn numbered(ends: (f64, f64), count: usize) -> Vec<f64> {
     let decades = inside(ends, &[1]);
     match decades.len() {
-        0..=1 if count > 3 => inside(ends, &[1, 2, 5]),
+        0..=1 if count > 3 => {
+            let usual = inside(ends, &[1, 2, 5]);
+            if usual.len() < FEW { inside(ends, &[1, 2, 3, 5, 7]) } else { usual }
+        }
         2..=3 if count > 4 => inside(ends, &[1, 3]),
         0 => inside(ends, &[1, 2, 5]),
         n => decades.into_iter().rev().step_by(n.div_ceil(count.max(1))).collect(),
@@ -130,6 +135,7 @@ mod tests {
     fn numbers_of_logarithmic_axes() {
         let axis = |values: &[f64]| Axis::logarithmic("", Unit::none(), values.iter().copied());
         assert_eq!(written(&axis(&[0.005, 0.04, -1.0]), 320.0, false), ["0.005", "0.01", "0.02"]);
+        assert_eq!(written(&axis(&[0.18, 0.82]), 320.0, false), ["0.2", "0.3", "0.5", "0.7"]);
         assert_eq!(written(&axis(&[1e-8, 1.0]), 160.0, false), ["10⁰", "10⁻²", "10⁻⁴", "10⁻⁶", "10⁻⁸"]);
         let many = ticks(&axis(&[1e-8, 1.0]), 200.0, None);
         assert!(many.iter().all(|tick| (0.0..=1.0).contains(&tick.share)));

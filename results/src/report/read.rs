@@ -7,7 +7,9 @@ use super::verdict::verdict;
 use crate::clock::now;
 use crate::curves::{BackboneCurve, Curve, Monitor, Motions, ResonanceComparison, monitors};
 use crate::figure::{Figures, Subject};
-use crate::overview::{BranchRow, Omissions, Overview, bounds, least_added, unfinished, verified_result, why_no_folds};
+use crate::overview::{
+    BranchRow, Level, Omissions, Overview, bounds, least_added, unfinished, verified_result, why_no_folds,
+};
 use crate::store::{CurveRow, Reader, Result, RunHeader};
 use protocol::backbone::BackboneMessage;
 use protocol::curve::Size;
@@ -160,7 +162,7 @@ impl Report {
             verdict: verdict(&evidence),
             figures: Figures::default(),
             sweep: reach.map(|reach| reach.frequency),
-            resonance: ResonanceComparison::new(&overview.levels, backbone.as_ref()),
+            resonance: ResonanceComparison::new(&overview.levels, backbone.iter().chain(&further)),
             run: facts(header, model.name().to_string(), stage, omissions.sentences().cloned().collect()),
             monitors,
             branches,
@@ -199,11 +201,12 @@ impl Report {
         Ok(())
     }
 
-    /// The same of the mode whose window led to an isola at a level, by index; by default at the level to look at first. If none did, or
-    /// that mode has no backbone, nothing changes.
+    /// The same of the mode whose window led to an isola at a level, by index, by default at the level to look at first; if none did there,
+    /// at the lowest level where one did. If none did anywhere, or that mode has no backbone, nothing changes.
     pub fn turn_to_isola(&mut self, level: Option<usize>) {
         let level = level.or_else(|| self.subject().first_level());
-        let mode = level.and_then(|level| self.overview.levels[level].mode_of_isola());
+        let own = level.and_then(|level| self.overview.levels[level].mode_of_isola());
+        let mode = own.or_else(|| self.overview.levels.iter().find_map(Level::mode_of_isola));
         let is_turned = mode.map_or(Ok(()), |number| self.turn_to(number));
         is_turned.unwrap_or_default();
     }

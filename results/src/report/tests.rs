@@ -29,11 +29,15 @@ fn figures_turn_to_the_mode_that_led_to_an_isola() {
     let mut report = read(&store);
     let mode = |report: &Report| report.backbone.as_ref().unwrap().mode + 1;
     let [primary, other] = [mode(&report), report.further[0].mode + 1];
+    report.turn_to_isola(Some(0));
+    assert_eq!(mode(&report), primary);
     let window = &mut report.overview.levels[1].windows[0];
     (window.mode, window.outcome) = (other, WindowOutcome::Found("isola 1".into()));
     assert_eq!(report.overview.levels[1].mode_of_isola(), Some(other));
+    // None led to one at the first level: that of the lowest level where one did.
     report.turn_to_isola(Some(0));
-    assert_eq!(mode(&report), primary);
+    assert_eq!(mode(&report), other);
+    report.turn_to(primary).unwrap();
     report.turn_to_isola(Some(1));
     assert_eq!([mode(&report), report.further[0].mode + 1], [other, primary]);
 }

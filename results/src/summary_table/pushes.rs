@@ -37,7 +37,8 @@ fn sentence(rows: &[PushRow], monitors: &[String], units: Units) -> String {
     };
     let doubt = if least.confirmed == Some(true) { "" } else { "; not confirmed by longer marching" };
     format!(
-        "Smallest push found from the main motion that ends on {onto}: {}{when}; of pushes in {}{doubt}.",
+        "Smallest push found from the main motion that ends on {onto}: {}{when}; of pushes in {} at this frequency, the middle of \
+         what is stable of it{doubt}.",
         strength(least, monitors),
         crate::words::modes(&tried)
     )
@@ -92,10 +93,11 @@ mod tests {
         assert_eq!(
             said,
             "Smallest push found from the main motion that ends on isola 1 at A = 60 and 2665.46 rad/s: 5.43 J, all dofs at once in the shape \
-             of mode 1, +2.33 m/s at tip (+4.66 N s there for that mode alone), 0.25 of a period after the forcing is largest; of pushes in modes 1 to 3."
+             of mode 1, +2.33 m/s at tip (+4.66 N s there for that mode alone), 0.25 of a period after the forcing is largest; of pushes in modes 1 to 3 at this frequency, the \
+             middle of what is stable of it."
         );
         let doubtful = PushRow { confirmed: Some(false), ..row(1, Some(4.66), None) };
-        assert!(told(&[doubtful]).ends_with("of pushes in mode 1; not confirmed by longer marching."));
+        assert!(told(&[doubtful]).ends_with("the middle of what is stable of it; not confirmed by longer marching."));
     }
 
     #[test]

@@ -44,7 +44,11 @@ impl<'r> Rows<'r> {
 
     fn peak(&self, row: &BranchRow) -> String {
         let Units { length, frequency } = self.units;
-        format!("{}{} at {}", row.at_least(), length.digits(row.amplitude_max), frequency.digits(row.omega_at_max))
+        let omega = row.omega_at_max;
+        let is_bound = |bound: &f64| (omega - bound).abs() <= BESIDE * bound;
+        let is_cut = !row.at_least().is_empty() && self.given.min.iter().chain(&self.given.max).any(is_bound);
+        let bound = if is_cut { " (bound)" } else { "" };
+        format!("{}{} at {}{bound}", row.at_least(), length.digits(row.amplitude_max), frequency.digits(omega))
     }
 
     fn main(&mut self, level: &Level) -> String {
@@ -92,10 +96,26 @@ impl<'r> Rows<'r> {
             kind if kind == BranchKind::Branched.name() => &format!("; {}", self.lesser.than("what it branches off")),
             _ => "; whether it is detached is not known",
         };
+        if let Some(bounds) = self.cut_at(row) {
+            let mark =
+                self.notes.mark(format!("leaves through {bounds}: whether it is closed is seen if that is moved"));
+            return format!("{}: {range}, {peak}{mark}", row.kind);
+        }
         // `open` is the name of a kind as well.
         let ends = row.status.strip_prefix("open: ").map_or_else(|| row.status.clone(), |ends| format!("from {ends}"));
         let mark = self.notes.mark(format!("{ends}{meaning}"));
         format!("{}: {range}, {peak}{mark}", row.kind)
+    }
+
+    /// The bounds that cut a branch off, as far as they were given.
+    fn cut_at(&self, row: &BranchRow) -> Option<String> {
+        let FrequencySettings { min, max } = self.given;
+        let is_at = |omega: f64, bound: f64| (omega - bound).abs() <= BESIDE * bound;
+        let named = |name: &str, bound: f64| format!("frequency.{name} = {}", self.units.frequency.digits(bound));
+        let low = min.filter(|min| is_at(row.omega.0, *min)).map(|min| named("min", min));
+        let high = max.filter(|max| is_at(row.omega.1, *max)).map(|max| named("max", max));
+        let bounds: Vec<String> = low.into_iter().chain(high).collect();
+        (row.kind == BranchKind::Cut.name() && !bounds.is_empty()).then(|| bounds.join(" and "))
     }
 
     /// In how many windows their seeds led to a branch, of how many, and what is missing of the level.
@@ -110,7 +130,8 @@ impl<'r> Rows<'r> {
                 }
                 None => reason,
             };
-            self.notes.mark(format!("A = {}, window {low}–{high}: not found: {why}", level.amplitude))
+            let place = if low == high { format!("at {low}") } else { format!("{low}–{high}") };
+            self.notes.mark(format!("A = {}, window {place}: not found: {why}", level.amplitude))
         });
         let missed: Vec<String> = missed.collect();
         let found = level.windows.iter().filter(|window| matches!(window.outcome, WindowOutcome::Found(_))).count();

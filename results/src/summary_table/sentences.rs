@@ -22,7 +22,7 @@ fn first(known: &Known) -> Vec<String> {
     let is_at_least = known.shown().flat_map(|level| &level.branches).any(|row| !row.at_least().is_empty());
     let more = levels.len().saturating_sub(LEVELS);
     let is_untouched = model.is_some_and(|model| model.contacts().count() > 0) && is_untouched(levels);
-    let meaning = "At least (≥): no more of the branch is known, and it may go on to larger responses.";
+    let meaning = "At least (≥): the branch is known up to there only, and may go on to larger responses.";
     (search::excitation(known).into_iter())
         .chain(is_at_least.then(|| meaning.into()))
         .chain((more > 0).then(|| format!("... and {more} more levels: see summary.csv")))

@@ -1,6 +1,7 @@
 //! Settings as types; what serde refuses of them is told in the words of whoever writes such files.
 
 use super::layers::{Layers, dotted, set};
+use crate::settings::SECTIONS;
 use crate::structure::ModelError;
 use serde::de::DeserializeOwned;
 use toml::{Table, Value};
@@ -41,6 +42,12 @@ impl Layers {
         if message.starts_with("unknown field") || message.starts_with("unknown variant") {
             let mut names = message.split('`').skip(1).step_by(2);
             if let Some(name) = names.next() {
+                if !path.contains(['.', '[']) && (name == "amplitudes" || SECTIONS.contains(&name)) {
+                    return ModelError::Type {
+                        place,
+                        message: "this belongs to a study: move it to study.toml".into(),
+                    };
+                }
                 // Contacts are laws that have a section of their own.
                 let known: Vec<&str> = names.filter(|known| *known != "contact" || !path.starts_with("laws")).collect();
                 // A choice is called by its key: there is no law, shape, effort of this name.
@@ -59,12 +66,22 @@ fn in_words(path: &str, message: &str) -> String {
         return format!("`{key}` is missing, and it has no default");
     }
     if message.starts_with("wanted exactly 1 element") {
-        return "give exactly one choice, like `{mode = 1}` for a forcing shape".into();
+        let example = if path.starts_with("laws") {
+            "`{penalty_spring = {stiffness = 1, gap = 0.1}}` for a law"
+        } else {
+            "`{mode = 1}` for a forcing shape"
+        };
+        return format!("give exactly one choice, like {example}");
     }
     if message == "invalid type: map, expected a sequence" {
         return format!(
             "a single table, where a list of them is expected: each begins with `[[{path}]]`, in double brackets"
         );
+    }
+    let lengths =
+        message.strip_prefix("invalid length ").and_then(|rest| rest.split_once(", expected an array of length "));
+    if let Some((found, expected)) = lengths {
+        return format!("a list of {found}, where one of {expected} is expected");
     }
     let described = message.strip_prefix("invalid type: ").or_else(|| message.strip_prefix("invalid value: "));
     let Some((found, expected)) = described.and_then(|described| described.rsplit_once(", expected ")) else {

@@ -50,7 +50,10 @@ impl Layers {
             let line = e.span().and_then(|span| Some(text.get(..span.start)?.matches('\n').count()));
             let has_comma = line.and_then(|line| text.lines().nth(line)).is_some_and(has_decimal_comma);
             let hint = if has_comma { "\nnumbers have a decimal point, as in 0.1" } else { "" };
-            ModelError::Syntax { file: file.into(), message: format!("{}{hint}", e.to_string().trim_end()) }
+            let account = e.to_string();
+            // It begins with where it is.
+            let account = account.trim_end().trim_start_matches("TOML parse error ");
+            ModelError::Syntax { file: file.into(), message: format!("{account}{hint}") }
         };
         let table: Table = text.parse().map_err(syntax)?;
         let source = Source::File(file.to_path_buf());
@@ -306,7 +309,7 @@ mod tests {
         assert_eq!(place("contact.gap"), "model.toml: `contact.gap`");
         assert_eq!(place("contact.friction"), "study.toml: `contact.friction`");
         assert_eq!(place("contact.nodes[0].gap"), "--set contact.nodes.0.gap=5: `contact.nodes[0].gap`");
-        assert_eq!(place("contact.nodes[1].gap"), "model.toml: entry 2 of contact.nodes: `contact.nodes[1].gap`");
+        assert_eq!(place("contact.nodes[1].gap"), "model.toml: second entry of contact.nodes: `contact.nodes[1].gap`");
         assert_eq!(place("contact.epsilon"), "model.toml: `contact.epsilon`");
         assert!(layers.given("contact") && !layers.given("contact.epsilon") && !layers.given("cont"));
         layers.set("--set", "matrices", "{mass = \"m.mtx\"}").unwrap();

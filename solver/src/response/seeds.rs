@@ -92,12 +92,10 @@ impl Landing {
 #[serde(rename_all = "snake_case")]
 pub enum LandingFailure {
     /// No point of the window converged.
-    #[error("no seed of the window converged: {0}")]
+    #[error("nothing converged: {0}")]
     NotConverged(Unreached),
     /// Every point that converged did so far from its prediction, this relative distance at best, on a known branch.
-    #[error(
-        "every seed that converged ended far from its prediction, on a known branch (relative distance {0:.2} or more)"
-    )]
+    #[error("what converged lies on a known branch, far from the prediction (relative distance {0:.2} or more)")]
     Far(f64),
     /// All that converged repeats itself after fewer periods of the force: it is of another order ([`crate::response::orders`]).
     #[error("every motion that converged repeats itself after fewer periods of the force")]

@@ -1,5 +1,6 @@
 //! Why a folder or a set of matrices is not a model. Every message names the file, the key, the value and a remedy.
 
+use super::laws::meant;
 use std::fmt;
 use std::path::PathBuf;
 use thiserror::Error;
@@ -27,9 +28,9 @@ impl fmt::Display for Place {
         match (&self.file, &self.set_by) {
             (Some(file), None) => {
                 write!(f, "{}: ", file.display())?;
-                // Files do not number their entries.
-                if let Some((number, list)) = entry(&self.key) {
-                    write!(f, "entry {number} of {list}: ")?;
+                // Files do not number their entries, and numbers in keys begin with 0.
+                if let Some((which, list)) = entry(&self.key) {
+                    write!(f, "{which} of {list}: ")?;
                 }
             }
             (Some(file), Some(_)) => write!(f, "{}: ", file.display())?,
@@ -47,11 +48,15 @@ impl fmt::Display for Place {
     }
 }
 
-/// Which entry of which list a key is, or is below: its number from 1.
-fn entry(key: &str) -> Option<(usize, &str)> {
+/// Which entry of which list a key is, or is below.
+fn entry(key: &str) -> Option<(String, &str)> {
+    const ORDINALS: [&str; 5] = ["first", "second", "third", "fourth", "fifth"];
     let (list, rest) = key.split_once('[')?;
     let (index, _) = rest.split_once(']')?;
-    Some((index.parse::<usize>().ok()? + 1, list))
+    let index: usize = index.parse().ok()?;
+    let which =
+        ORDINALS.get(index).map_or_else(|| format!("entry {} (counted from 1)", index + 1), |o| format!("{o} entry"));
+    Some((which, list))
 }
 
 /// Why a model was refused.
@@ -68,7 +73,7 @@ pub enum ModelError {
         remedy: String,
     },
     /// The settings are not TOML.
-    #[error("{}: not valid TOML: {message}", file.display())]
+    #[error("{}: not valid TOML {message}", file.display())]
     Syntax {
         /// The file.
         file: PathBuf,
@@ -294,7 +299,8 @@ impl ModelError {
             .iter()
             .filter(|(similarity, _)| *similarity > 0.7)
             .max_by(|a, b| a.0.total_cmp(&b.0))
-            .map(|(_, name)| name.to_string());
+            .map(|(_, name)| *name);
+        let nearest = meant(name).filter(|_| what == "law").or(nearest);
         let more = known.len().saturating_sub(SHOWN);
         if more > 0 {
             known.sort_by(|a, b| b.0.total_cmp(&a.0));

@@ -100,6 +100,12 @@ fn unknown_keys_and_names() {
     refused("radius =", "radios =", &["contact.nodes[0]", "`radios`", "did you mean `radius`"]);
     let known = ["laws[0].law", "`cubic_spring`", "`polynomial_spring`", "`jenkins`", "`penalty_spring`"];
     refused("polynomial_spring", "cubic_spring", &known);
+    refused(
+        "[forcing]",
+        "[frequency]\nmin = 1\n[forcing]",
+        &["`frequency`: this belongs to a study: move it to study.toml"],
+    );
+    refused("polynomial_spring", "cubic", &["there is no law `cubic`; did you mean `polynomial_spring`?"]);
     refused("{ mode = 1 }", "{ node = 1 }", &["forcing.shape", "`node`", "did you mean `mode`", "`constant`"]);
     refused("coefficient = 1.0", "coeficient = 1.0", &["laws[0].law", "`coeficient`", "did you mean `coefficient`"]);
 }
@@ -197,7 +203,7 @@ fn contact_ranges() {
     refused("radius = 0.25", "radius = 0", &["`contact.nodes[0].radius` = 0", "positive", "in m"]);
     refused("radius = 0.25", "", &["`contact.nodes[0].radius`", "friction is 0.2", "set friction = 0"]);
     refused("tangential = [\"blade.theta\"]", "", &["`contact.nodes[0].tangential`", "friction is 0.2", "is needed"]);
-    refused("radius = 0.25", "radius = 0.25\ngap = -1", &["entry 1 of contact.nodes: `contact.nodes[0].gap` = -1"]);
+    refused("radius = 0.25", "radius = 0.25\ngap = -1", &["first entry of contact.nodes: `contact.nodes[0].gap` = -1"]);
 }
 
 #[test]
@@ -284,6 +290,8 @@ fn laws() {
     refused("polynomial_spring", "cubic_spring", &["`cubic_spring`", "known here: `penalty_spring`"]);
     let same = "between = [\"blade.r\", \"blade.r\"]";
     refused("dof = \"blade.r\"", same, &["`laws[0].between`", "[blade.r, blade.r]", "two different dofs"]);
+    let alone = "between = [\"blade.r\"]";
+    refused("dof = \"blade.r\"", alone, &["`laws[0].between`: a list of 1, where one of 2 is expected"]);
     let ground = "between = [\"blade.r\", \"ground\"]";
     refused("dof = \"blade.r\"", ground, &["there is no dof `ground`", "against the ground has `dof = \"blade.r\"`"]);
     refused("dof = \"blade.r\"", "coefficients = {}", &["`laws[0].coefficients`", "at least one dof"]);

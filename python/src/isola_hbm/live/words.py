@@ -34,7 +34,7 @@ _LEFT_OUT = {
     "out_of_range": "its resonance is out of reach of the frequency range",
     "too_many": "8 modes are followed already",
 }
-_FAR = "every seed that converged ended far from its prediction, on a known branch (relative distance {:.2f} or more)"
+_FAR = "what converged lies on a known branch, far from the prediction (relative distance {:.2f} or more)"
 
 
 def failure(value: Any) -> str:
@@ -99,7 +99,7 @@ def seed_outcome(value: Any) -> str:
             return _FAR.format(content)
         if name == "shorter":
             return "every motion that converged repeats itself after fewer periods of the force"
-        return f"no seed of the window converged: {failure(content)}"
+        return f"nothing converged: {failure(content)}"
     if name == "not_traced":
         return f"landed, but no branch starts there: {failure(content)}"
     if name == "out_of_bounds":

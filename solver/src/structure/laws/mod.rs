@@ -248,6 +248,21 @@ laws! {
 }
 pub(crate) use with_law;
 
+/// What people call laws, and the laws that they mean by it, in the order in which a name is searched for the words.
+const CALLED: [(&[&str], &str); 5] = [
+    (&["damp", "viscous"], "polynomial_damper"),
+    (&["iwan", "masing", "hyster", "slider"], "jenkins"),
+    (&["friction", "coulomb", "tanh", "slip"], "tanh_friction"),
+    (&["stop", "gap", "impact", "unilateral", "bilinear", "penalty", "contact"], "penalty_spring"),
+    (&["cubic", "quadratic", "quintic", "duffing", "poly", "spring", "stiffness"], "polynomial_spring"),
+];
+
+/// The law that is probably meant by a name that none has.
+pub(super) fn meant(name: &str) -> Option<&'static str> {
+    let name = name.to_lowercase();
+    CALLED.iter().find(|(words, _)| words.iter().any(|word| name.contains(word))).map(|(_, law)| *law)
+}
+
 /// For code that asks once per element; sample loops take the concrete law out with `with_law!`.
 impl Law for LawKind {
     fn arguments(&self) -> usize {
@@ -318,6 +333,26 @@ impl Law for LawKind {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn names_that_people_use_are_understood() {
+        let laws =
+            ["cubic", "Duffing", "cubic_damper", "elastic_stop", "coulomb_friction", "iwan", "magnet"].map(meant);
+        let meant = [
+            "polynomial_spring",
+            "polynomial_spring",
+            "polynomial_damper",
+            "penalty_spring",
+            "tanh_friction",
+            "jenkins",
+        ];
+        assert_eq!(laws[..6], meant.map(Some));
+        assert_eq!(laws[6], None);
+        for (_, law) in CALLED {
+            let told = toml::from_str::<std::collections::BTreeMap<String, LawKind>>(&format!("law = {{ {law} = 1 }}"));
+            assert!(!told.unwrap_err().to_string().contains("unknown variant"), "{law}");
+        }
+    }
 
     #[test]
     fn laws_are_read_by_their_snake_case_names_and_unknown_keys_are_refused() {

@@ -1,0 +1,62 @@
+//! Springs that push away: beyond some displacement with more than the structure holds.
+
+use super::touch::shape;
+use super::work::projection;
+use crate::study::Study;
+use results::words::digits;
+use solver::structure::laws::{LawKind, Term};
+use solver::structure::{Element, Model};
+
+/// Displacements looked at below the static response, evenly by their logarithms over so many decades.
+const LOOKED_AT: (i32, f64) = (400, 8.0);
+/// Times that the interval between two of them is halved.
+const HALVINGS: usize = 20;
+
+/// Sentences about springs that are passed at the largest level by the static response of the linear structure alone.
+pub(super) fn warnings(study: &Study) -> Vec<String> {
+    let Some(highest) = study.amplitudes.iter().max_by(|a, b| a.value.total_cmp(&b.value)) else { return Vec::new() };
+    let told = |element: &Element| {
+        let LawKind::PolynomialSpring(spring) = &element.law else { return None };
+        let (compliance, displacement) = statics(&study.model, element)?;
+        let response = highest.value * displacement;
+        let limit = limit(compliance, &spring.terms, response)?;
+        Some(format!(
+            "`{}` pushes away beyond {} m, with more than the structure holds, and the static response to A = {} alone would be {} m: check \
+             units and signs",
+            element.name,
+            digits(limit, 2),
+            highest.text,
+            digits(response, 2)
+        ))
+    };
+    study.model.elements().iter().filter_map(told).collect()
+}
+
+/// What a force of 1 N at an element displaces there, m/N, and what one unit of the forcing does, m, both at rest and without laws.
+/// `None` where the structure is free to move.
+fn statics(model: &Model, element: &Element) -> Option<(f64, f64)> {
+    let (along, force, modes) = (shape(model, element), projection(model), model.modes());
+    let bent = || (0..along.len()).map(|j| (along[j], force[j], modes.frequencies[j]));
+    let is_free = (0..along.len()).any(|j| along[j] != 0.0 && modes.is_rigid(j));
+    let compliance: f64 = bent().map(|(b, _, omega)| (b / omega).powi(2)).sum();
+    let displacement: f64 = bent().map(|(b, f, omega)| b * f / (omega * omega)).sum();
+    (!is_free && compliance > 0.0).then_some((compliance, displacement.abs()))
+}
+
+/// The smallest displacement, either way and up to this one, where structure and spring together do not pull back.
+fn limit(compliance: f64, terms: &[Term], up_to: f64) -> Option<f64> {
+    let (count, decades) = LOOKED_AT;
+    let pulls_back = |x: f64| {
+        let spring: f64 = terms.iter().map(|term| term.coefficient * x.powi(term.power as i32)).sum();
+        (x / compliance + spring) * x.signum() > 0.0
+    };
+    let is_held = |size: f64| pulls_back(size) && pulls_back(-size);
+    let size = |i: i32| up_to * 10_f64.powf(decades * (f64::from(i) / f64::from(count) - 1.0));
+    let first = (0..=count).filter(|_| up_to > 0.0).find(|&i| !is_held(size(i)))?;
+    let (mut below, mut above) = (size(first - 1), size(first));
+    for _ in 0..HALVINGS {
+        let middle = f64::midpoint(below, above);
+        *(if is_held(middle) { &mut below } else { &mut above }) = middle;
+    }
+    Some(above)
+}

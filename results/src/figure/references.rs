@@ -1,0 +1,77 @@
+//! Backbones and clearances, for comparison in figures of amplitudes.
+
+use super::column_store::ColumnStore;
+use super::data::{Axis, Direction, Label, Series, Side, Span};
+use super::style::{BOLD, Color, FINE, Style};
+use super::subject::{BackboneColumns, Subject};
+use crate::curves::{BackboneCurve, Column, Monitor};
+
+/// What a backbone is called in the legend.
+pub(super) const BACKBONE: &str = "backbone";
+/// What switches backbones on.
+const SWITCH: &str = "Backbone, bold where the largest level shown is predicted to respond";
+
+/// The backbone, and its parts inside of windows.
+pub fn backbone_series(backbone: &BackboneColumns) -> Vec<Series> {
+    let whole = Series {
+        x: vec![backbone.omega.clone()],
+        y: backbone.amplitude.clone(),
+        style: Style::line(Color::Soft, FINE).with_dash(1),
+        switch: Some(SWITCH),
+        ..Series::default()
+    };
+    let inside = Series { style: Style::line(Color::Soft, BOLD), along_runs: true, ..whole.clone() };
+    vec![whole, inside]
+}
+
+/// The backbones of further modes that come within axes.
+pub(super) fn further_backbones(
+    subject: &Subject<'_>,
+    axes: (&Axis, &[Axis]),
+    columns: &mut ColumnStore,
+) -> Vec<Series> {
+    let shown = subject.further.iter().filter(|further| is_within(further, axes));
+    shown.map(|further| further_backbone(further, columns)).collect()
+}
+
+/// Whether some of a backbone lies within axes, of any of the monitored dofs.
+fn is_within(backbone: &BackboneCurve, (across, up): (&Axis, &[Axis])) -> bool {
+    let lies = |axis: &Axis, value: f64| (0.0..=1.0).contains(&axis.share(value));
+    let of = |(axis, heights): (&Axis, &Column)| {
+        let mut points = backbone.omega.values.iter().zip(&heights.values);
+        points.any(|(&omega, &height)| lies(across, omega) && lies(axis, height))
+    };
+    up.iter().zip(&backbone.amplitude).any(of)
+}
+
+/// The backbone of a further mode.
+fn further_backbone(backbone: &BackboneCurve, columns: &mut ColumnStore) -> Series {
+    Series {
+        x: vec![columns.add(backbone.omega.clone())],
+        y: columns.add_all(&backbone.amplitude),
+        style: Style::line(Color::Soft, FINE).with_dash(1),
+        switch: Some(SWITCH),
+        ..Series::default()
+    }
+}
+
+/// A line at the clearance of each monitored dof, if one has a clearance.
+pub fn gaps(monitors: &[Monitor]) -> Option<Span> {
+    let at: Vec<Option<f64>> = monitors.iter().map(|monitor| monitor.gap).collect();
+    let style = Style::line(Color::Soft, FINE).with_dash(2);
+    at.iter().any(Option::is_some).then_some(Span { axis: Direction::Y, at, by_amplitude: false, style })
+}
+
+/// The label of that line.
+pub fn gap_label(monitors: &[Monitor]) -> Vec<Label> {
+    let gap = monitors.iter().find_map(|monitor| monitor.gap);
+    let label = |_| Label {
+        text: "gap".into(),
+        x: vec![None],
+        y: monitors.iter().map(|monitor| monitor.gap).collect(),
+        color: Color::Soft,
+        level: None,
+        side: Side::Above,
+    };
+    gap.map(label).into_iter().collect()
+}
