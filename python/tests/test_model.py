@@ -385,7 +385,7 @@ def test_the_program_says_what_is_wrong(
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"laws": [{"dof": "x1", "law": {"cubic": {}}}]}, "the model given: `laws[0].law`: there is no law `cubic`; known here: "),
+        ({"laws": [{"dof": "x1", "law": {"cubic": {}}}]}, "the model given: `laws[0].law`: there is no law `cubic`; did you mean `polynomial_spring`?"),
         (
             {"laws": [CUBIC, {"dof": "x1", "law": {"polynomial_spring": {"terms": [{"power": 3, "coeff": 1}]}}}]},
             "the model given: `laws[1].law.polynomial_spring.terms[0].coeff`: there is no key `coeff`; did you mean",

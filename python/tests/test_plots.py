@@ -16,7 +16,7 @@ import pytest
 from runs import MODELS, change, isola
 
 import isola_hbm
-from isola_hbm.drawing import spread
+from isola_hbm.drawing import along_ramp, faded, spread
 from isola_hbm.plots import _mark
 
 
@@ -26,8 +26,8 @@ def _figures() -> Iterator[None]:
     plt.close("all")
 
 
-#: What the legend says of dashes.
-UNSTABLE = "unstable (solid: stable, or not known)"
+#: What the legend says of stability.
+UNSTABLE, UNKNOWN = "unstable", "stability not known"
 
 
 def labels(axes: plt.Axes) -> list[str]:
@@ -38,23 +38,30 @@ def labels(axes: plt.Axes) -> list[str]:
 def test_response(damper: Path) -> None:
     run = isola_hbm.load(damper)
     axes = run.plot.response(units="mm,Hz")
-    # What is unstable is dashed, as backbones are.
-    drawn = [line for line in axes.get_lines() if line.get_linestyle() == "-" and len(line.get_xdata())]
-    assert len(drawn) == len(run)
+    # Every segment of a branch is drawn once: dashed where it is unstable, pale beside a point of which nothing is known. A closed
+    # branch ends where it began.
+    looks = segments(axes)
+    stable = run.columns("stable")
+    for name, kinds in {"0.006/isola 1": {"solid", "dashed"}, "0.006/main": {"solid", "pale"}}.items():
+        branch = run[name]
+        at = (branch["omega"] / (2 * np.pi)).to_numpy()
+        height = 1e3 * branch["amplitude"][:, 0].to_numpy()
+        known = stable.query("name == @name")["stable"].to_numpy()
+        if branch.attrs["closed"]:
+            at, height, known = (np.append(values, values[0]) for values in (at, height, known))
+        told = {"stable": "solid", "unstable": "dashed"}
+        seen = set()
+        for k in range(len(at) - 1):
+            ends = {told.get(str(word), "pale") for word in known[k : k + 2]}
+            expected = "pale" if "pale" in ends else "dashed" if ends == {"dashed"} else "solid"
+            assert looks[segment(at, height, k)] == [expected], (name, k)
+            seen.add(expected)
+        assert seen >= kinds, name
     isola = run["0.006/isola 1"]
-    line = drawn[list(run).index("0.006/isola 1")]
-    # A closed branch ends where it began; between points that are both unstable there is a gap.
-    at, height = (values[np.isfinite(values)] for values in line.get_data())
-    np.testing.assert_allclose(height[:-1], 1e3 * isola["amplitude"][:, 0])
-    np.testing.assert_allclose(at[:-1], isola["omega"] / (2 * np.pi))
-    assert at[0] == at[-1]
-    unstable = run.columns("stable").query("name == '0.006/isola 1'")["stable"].to_numpy() == "unstable"
-    unstable = np.append(unstable, unstable[0])
-    assert np.isnan(line.get_xdata()).sum() == (unstable[1:] & unstable[:-1]).sum()
     levels = ["A = 0.004", "A = 0.005", "A = 0.006", "A = 0.007"]
-    assert labels(axes) == [*levels, "main branch", "isola", UNSTABLE, "peak", "fold", "backbone"]
+    assert labels(axes) == [*levels, "main branch", "isola", UNSTABLE, UNKNOWN, "peak", "fold", "backbone"]
     widths = {line.get_label(): line.get_linewidth() for line in axes.get_lines()}
-    assert widths["A = 0.006"] == widths["main branch"] < widths["isola"] == line.get_linewidth()
+    assert widths["A = 0.006"] == widths["main branch"] < widths["isola"]
     assert list(axes.texts) == []
     assert axes.get_xlabel() == "frequency f (Hz)"
     assert axes.get_ylabel() == "amplitude of x1 (mm)"
@@ -64,15 +71,34 @@ def test_response(damper: Path) -> None:
     assert low < float(isola["omega"].min()) / (2 * np.pi) < float(isola["omega"].max()) / (2 * np.pi) < high
 
 
+def segment(at: np.ndarray, height: np.ndarray, k: int) -> tuple[str, ...]:
+    """A segment of a line, by its ends."""
+    return tuple(f"{value:.9g}" for value in (at[k], height[k], at[k + 1], height[k + 1]))
+
+
+def segments(axes: plt.Axes) -> dict[tuple[str, ...], list[str]]:
+    """Segments of lines, with how they look: solid, dashed or pale."""
+    looks: dict[tuple[str, ...], list[str]] = {}
+    full = {along_ramp(4)[k] for k in range(4)}
+    for line in axes.get_lines():
+        is_pale = line.get_color() in {faded(color) for color in full}
+        look = "pale" if is_pale else "solid" if line.get_linestyle() == "-" else "dashed"
+        at, height = line.get_data()
+        for k in range(len(at) - 1):
+            if np.isfinite([*at[k : k + 2], *height[k : k + 2]]).all():
+                looks.setdefault(segment(at, height, k), []).append(look)
+    return looks
+
+
 def test_levels_are_chosen_and_axes_given(damper: Path) -> None:
     run = isola_hbm.load(damper)
     _, mine = plt.subplots()
     assert labels(run.plot.response(0.006)) == labels(run.plot.response(["0.006"]))
     axes = run.plot.response(["0.006", 0.007], ax=mine, backbone=False)
     assert axes is mine
-    assert labels(axes) == ["A = 0.006", "A = 0.007", "main branch", "isola", UNSTABLE, "peak", "fold"]
+    assert labels(axes) == ["A = 0.006", "A = 0.007", "main branch", "isola", UNSTABLE, UNKNOWN, "peak", "fold"]
     # Of main branches alone none need be told from others.
-    assert labels(run.plot.response(0.004, backbone=False)) == ["A = 0.004", "peak"]
+    assert labels(run.plot.response(0.004, backbone=False)) == ["A = 0.004", UNKNOWN, "peak"]
     with pytest.raises(ValueError, match=r"no branch at A = 0.3; there are branches at A = 0.004, 0.005"):
         run.plot.response([0.3])
     with pytest.raises(ValueError, match="one of m, mm, um and one of rad/s, Hz"):
@@ -92,21 +118,22 @@ def test_response_of_another_dof(tmp_path: Path) -> None:
     axes = run.plot.response(monitor="x1", units="um")
     assert axes.get_ylabel() == "amplitude of x1 (um)"
     drawn = {line.get_label(): line.get_ydata() for line in axes.get_lines()}
-    for name in run:
-        amplitude = run[name]["amplitude"].sel(monitor="x1")
-        np.testing.assert_allclose(drawn[f"A = {name.removesuffix('/main')}"], 1e6 * amplitude)
+    # Without verification nothing is dashed or pale.
+    curves = [line.get_ydata() for line in axes.get_lines() if line.get_linestyle() == "-" and len(line.get_ydata())]
+    for name, curve in zip(run, curves[: len(run)], strict=True):
+        np.testing.assert_allclose(curve, 1e6 * run[name]["amplitude"].sel(monitor="x1"))
     backbone = 1e6 * run.backbone(2)["amplitude"].sel(monitor="x1").to_numpy()
     shown = drawn["backbone of mode 2"][np.isfinite(drawn["backbone of mode 2"])]
     below = backbone[: len(shown) - 1]
     # It ends where it leaves the figure, between two points; the limits are those of branches.
     assert len(below) and below[-1] < shown[-1] < backbone[len(below)]
     np.testing.assert_allclose(shown[:-1], below)
-    top = max(height.max() for name, height in drawn.items() if name.startswith("A = "))
+    top = max(height.max() for height in curves[: len(run)])
     assert top < axes.get_ylim()[1] < 1.1 * top
     assert shown[-1] == pytest.approx(axes.get_ylim()[1])
     first, same = (run.plot.response(monitor=monitor) for monitor in (None, "x2"))
     assert first.get_ylabel() == same.get_ylabel() == "amplitude of x2 (m)"
-    np.testing.assert_array_equal(first.get_lines()[0].get_ydata(), same.get_lines()[0].get_ydata())
+    np.testing.assert_array_equal(first.get_lines()[1].get_ydata(), same.get_lines()[1].get_ydata())
     with pytest.raises(ValueError, match="monitor = 'x3': the run monitors no such dof, but x2, x1$"):
         run.plot.response(monitor="x3")
     # What is damaged is left out, as in figures of the first dof.
@@ -271,7 +298,10 @@ def test_balance(damper: Path) -> None:
     # A response is predicted where more is supplied than needed: where A* is below A.
     backbone = run.backbone()
     predicted = supplied.get_ydata() > needed.get_ydata()
-    np.testing.assert_array_equal(predicted, backbone["threshold"] < 0.005)
+    np.testing.assert_array_equal(predicted, (backbone["threshold"] < 0.005)[: len(predicted)])
+    # It ends where no level comes near the threshold any more.
+    rest = backbone["threshold"][len(predicted) :]
+    assert len(rest) and (rest > 2 * 0.007).all() and backbone["threshold"][len(predicted) - 1] <= 2 * 0.007
     assert 0 < predicted.sum() < len(predicted)
     assert "windows" in labels(axes)
     # It is that of every forcing amplitude, whether the run has it or not; a low one has no windows.
@@ -296,6 +326,8 @@ def test_motion(blade: Path) -> None:
     modes = run.backbones["mode"].unique().tolist()
     assert len(modes) == 2
     assert [run.plot.balance(20, mode=mode).get_title() for mode in modes] == [f"A = 20, mode {mode}" for mode in modes]
+    # The highest of what is not open, where there is no isola.
+    assert run.plot.motion().get_title() == run.plot.motion("40/main").get_title()
     axes = run.plot.motion("20/main", units="mm")
     (line,) = axes.get_lines()
     branch = run["20/main"]
@@ -308,6 +340,8 @@ def test_motion(blade: Path) -> None:
     assert labels(axes) == ["b0.r", "b1.theta"]
     axes = run.plot.motion("20/main", variable="argument", dofs=["b0 1"])
     assert axes.get_ylabel() == "argument of the law (N)"
+    # A law of several arguments has them all under its name.
+    assert labels(run.plot.motion("20/main", variable="argument", dofs="b0")) == ["b0 1", "b0 2", "b0 3"]
     assert run.plot.motion("20/main", variable="argument", dofs=["b0 1", "b0 2"]).get_ylabel() == "argument of the law (N, m)"
     with pytest.raises(ValueError, match="variable = 'modal': displacement or argument is drawn"):
         run.plot.motion("20/main", variable="modal")

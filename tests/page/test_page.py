@@ -209,6 +209,12 @@ def colour(palette, name):
     """The colour of a role, a forcing level or a category, as #rrggbb."""
     if isinstance(name, str):
         return palette[name]
+    pale = {"pale_level": "level", "pale_category": "category"}
+    if faded := [key for key in name if key in pale]:
+        full = colour(palette, {pale[faded[0]]: name[faded[0]]})
+        channels = [[int(text[i : i + 2], 16) for i in (1, 3, 5)] for text in (palette["paper"], full)]
+        mixed = (int(paper + palette["pale"] * (own - paper) + 0.5) for paper, own in zip(*channels))
+        return "#" + "".join(f"{part:02x}" for part in mixed)
     if "category" in name:
         return palette["categories"][name["category"] % len(palette["categories"])]
     ramp = [[int(text[i : i + 2], 16) for i in (1, 3, 5)] for text in palette["ramp"]]
@@ -236,7 +242,7 @@ def drawn(page, place):
 def test_labels_and_colours_are_those_of_the_description(run, browser, scheme):
     with report(browser, run, viewport={"width": 1400, "height": 900}, color_scheme=scheme) as page:
         data = json.loads(page.locator("#data").text_content())
-        palette = data["palette"][scheme]
+        palette = {**data["palette"][scheme], "pale": data["palette"]["pale"]}
         [panel] = data["figures"]["response"]["panels"]
         labels, lines = drawn(page, page.locator("#response"))
         described = {label["text"]: colour(palette, label["color"]) for label in panel["labels"]}

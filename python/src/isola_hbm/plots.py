@@ -314,7 +314,7 @@ class Plots:
         """One period at a point of a branch.
 
         Args:
-            branch: Name of the branch, ``"60/isola 1"``; by default the highest one apart from main branches, else the highest of all.
+            branch: Name of the branch, ``"60/isola 1"``; by default the highest isola, else the highest branch that is not open.
             point: Index of the point from 0, ``"peak"`` or ``"start"``.
             dofs: Names of dofs; by default the monitored ones. Of ``variable="argument"`` names of laws and contacts, or of one of
                 their arguments (``"tip 1"``); by default all.
@@ -365,12 +365,12 @@ class Plots:
         return axes
 
     def _highest(self) -> str:
-        """Name of the highest branch apart from main ones, else of the highest of all."""
+        """Name of the highest isola, else of the highest branch but those that leave through both ends, else of the highest of all."""
         summary = self._branches(None)
-        others = summary[summary["kind"] != "main"]
-        chosen = others if len(others) else summary
-        if not len(chosen):
+        if not len(summary):
             raise NoSuchBranch("the run has no branch yet")
+        kinds = (summary["kind"] == "isola", summary["kind"] != "open", summary["kind"].notna())
+        chosen = next(summary[of_kind] for of_kind in kinds if of_kind.any())
         return str(chosen["amplitude_max"].astype(float).idxmax())
 
     @staticmethod

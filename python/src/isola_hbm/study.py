@@ -143,7 +143,8 @@ def reason(said: Sequence[str], code: int, file: Path | None, *, is_written: boo
     why = program.message(said) or f"isola ended with {code}"
     if is_written and file is not None:
         # The key numbers its entry as Python does.
-        written = rf"^{re.escape(str(file.parent))}{re.escape(os.sep)}[^:]*\.(toml|mtx)(, line \d+)?: (entry \d+ of [a-z.]+: )?"
+        listed = r"((\w+ entry|entry \d+ \(counted from 1\)) of [a-z.]+: )?"
+        written = rf"^{re.escape(str(file.parent))}{re.escape(os.sep)}[^:]*\.(toml|mtx)(, line \d+)?: {listed}"
         why = re.sub(written, _GIVEN, why)
         for matrix, name in _MATRICES.items():
             why = why.replace(f"`{matrix}`", f"`{name}`")

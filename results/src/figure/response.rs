@@ -48,7 +48,7 @@ pub fn figure(
     if subject.branches.is_empty() {
         return Err(subject.nothing("the branch", "no branch of these levels has been computed yet"));
     }
-    let colors = level_colors(&subject.levels.iter().map(|level| level.value).collect::<Vec<f64>>());
+    let colors = level_colors(subject.levels.len());
     let has_marks = subject.branches.len() <= FEW;
     let marking = Marking::of(subject.branches.iter());
     let outline = Outline::new(subject.branches.iter(), subject, &colors);

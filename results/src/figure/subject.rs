@@ -9,9 +9,6 @@ use crate::overview::Level;
 use crate::store::CurveRow;
 use solver::response::columns;
 
-/// Levels that span more than so many decades are coloured by the logarithm of their amplitudes.
-const DECADES: f64 = 1.5;
-
 /// What there is of a run.
 #[derive(Debug, Clone, Copy)]
 pub struct Subject<'r> {
@@ -109,14 +106,10 @@ const NEAR: f64 = 2.0;
 /// With fewer points a piece of a backbone says nothing: all of it is shown.
 const FEWEST: usize = 4;
 
-/// Colours of levels: by amplitude, or by its logarithm where they span decades.
-pub fn level_colors(values: &[f64]) -> Vec<Color> {
-    let ends = (values.first().copied().unwrap_or(0.0), values.last().copied().unwrap_or(0.0));
-    let is_wide = ends.0 > 0.0 && (ends.1 / ends.0).log10() > DECADES;
-    let measure = |value: f64| if is_wide { value.ln() } else { value };
-    let (low, high) = (measure(ends.0), measure(ends.1));
-    let share = |value: f64| if high > low { (measure(value) - low) / (high - low) } else { 1.0 };
-    values.iter().map(|&value| Color::Level(share(value))).collect()
+/// Colours of so many levels, evenly in their order: those that lie close together are told apart as well.
+pub fn level_colors(count: usize) -> Vec<Color> {
+    let share = |place: usize| if count > 1 { place as f64 / (count - 1) as f64 } else { 1.0 };
+    (0..count).map(|place| Color::Level(share(place))).collect()
 }
 
 impl BackboneColumns {

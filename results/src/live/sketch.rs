@@ -62,7 +62,7 @@ impl Sketch {
     pub fn new(start: Start) -> (Self, String) {
         let level = |(amplitude, value): (String, f64)| Level { amplitude, value, ..Level::default() };
         let levels: Vec<Level> = start.levels.into_iter().map(level).collect();
-        let colors = level_colors(&levels.iter().map(|level| level.value).collect::<Vec<f64>>());
+        let colors = level_colors(levels.len());
         let mut sketch = Self {
             levels,
             monitors: start.monitors,

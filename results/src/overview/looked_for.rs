@@ -69,9 +69,16 @@ impl LookedFor<'_> {
                 )
             }
         };
+        let scouts = match self.search.scouts {
+            0 => String::new(),
+            scouts => format!(" (and others at {})", count(scouts, "larger forcing amplitude")),
+        };
         let starts = match self.search.starts {
             0 => String::new(),
-            number => format!("{} from {}", if folds.is_empty() { " and" } else { "," }, count(number, "random start")),
+            number => {
+                let and = if folds.is_empty() { " and" } else { "," };
+                format!("{and} from {}{scouts}", count(number, "random start"))
+            }
         };
         let homotopies = match self.search.homotopies {
             0 => String::new(),
@@ -111,10 +118,10 @@ impl LookedFor<'_> {
             _ => String::new(),
         };
         let mode = self.mode();
-        let led = if self.curves == 0 {
-            format!("those that no energy balance of {mode} leads to")
+        let leads = if self.curves == 0 {
+            format!("no energy balance of {mode} leads")
         } else {
-            format!("those that neither an energy balance of {mode} nor a fold curve leads to")
+            format!("neither an energy balance of {mode} nor a fold curve leads")
         };
         let folds = match self.why_no_folds {
             Some(why) => format!("; folds were not followed ({why})"),
@@ -123,22 +130,18 @@ impl LookedFor<'_> {
         };
         let folds = folds + &self.beyond_backbones();
         match self.search.starts {
-            0 => format!("isolas {modes}of {harmonics}{beside} and {led} were not looked for{folds}"),
-            starts => {
+            0 => format!("isolas {modes}of {harmonics}{beside} and those to which {leads} were not looked for{folds}"),
+            _ => {
                 let at_least = match self.search.fewest {
-                    0 => "at some levels none".to_string(),
-                    fewest => format!(
-                        "{fewest} a level at least: what one finds with probability p is missed with \
-                        probability (1 − p)^{fewest}"
-                    ),
-                };
-                let starts = count(starts, "random start");
-                let scouts = match self.search.scouts {
-                    0 => String::new(),
-                    scouts => format!(", beside others at {}", count(scouts, "larger forcing amplitude")),
+                    0 => ", of which some levels have none".to_string(),
+                    fewest => {
+                        format!(
+                            ": {fewest} a level at least, which miss with probability (1 − p)^{fewest} what one finds with probability p"
+                        )
+                    }
                 };
                 format!(
-                    "isolas of other periods{beside} were not looked for, and {led} by {starts} only ({at_least}){scouts}{folds}"
+                    "isolas of other periods{beside} were not looked for{folds}. Isolas to which {leads} are met by random starts alone{at_least}"
                 )
             }
         }

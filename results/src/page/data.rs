@@ -83,7 +83,7 @@ impl<'r> PageData<'r> {
             palette: PALETTE,
             columns: &report.figures.columns,
             levels: levels.iter().map(in_brief).collect(),
-            level_colors: level_colors(&levels.iter().map(|level| level.value).collect::<Vec<f64>>()),
+            level_colors: level_colors(levels.len()),
             branches: &report.branches,
             motions: figures.get("motion").map(|figure| MotionData::new(report, figure)),
             frames,

@@ -13,6 +13,7 @@ use protocol::array::ArrayError;
 use protocol::curve::Size;
 use protocol::to_everyone::StoredResult;
 use solver::formulation::state::State;
+use solver::response::branch::BranchKind;
 
 /// The figure, at `A/branch/index` or at the highest isola's peak.
 pub fn sheet(report: &Report, reader: &Reader, monitor: usize, at: Option<&str>) -> Result<Sheet, Error> {
@@ -96,14 +97,15 @@ fn named<'s>(report: &'s Report, text: &str) -> Result<(&'s BranchRow, &'s str, 
     Ok((row, &summary.amplitude, index))
 }
 
-/// The highest isola, else the highest branch.
+/// The highest isola, else the highest branch that does not leave through both ends of the frequencies, else the highest of all.
 fn highest(report: &Report) -> Result<(&BranchRow, &str, Index), Error> {
     let all = || {
         report.overview.levels.iter().flat_map(|level| level.branches.iter().map(|row| (row, level.amplitude.as_str())))
     };
     let by_amplitude = |a: &(&BranchRow, &str), b: &(&BranchRow, &str)| a.0.amplitude_max.total_cmp(&b.0.amplitude_max);
-    let isola = all().filter(|(row, _)| !row.is_main()).max_by(by_amplitude);
+    let isola = all().filter(|(row, _)| row.is_isola()).max_by(by_amplitude);
     let (row, amplitude) = isola
+        .or_else(|| all().filter(|(row, _)| row.kind != BranchKind::Open.name()).max_by(by_amplitude))
         .or_else(|| all().max_by(by_amplitude))
         .ok_or_else(|| Error::Other("nothing to draw: no branch has been computed yet".into()))?;
     Ok((row, amplitude, Index::Peak))

@@ -84,8 +84,8 @@ fn texts(levels: &[Level]) -> [String; 3] {
     told(levels, |_| {})
 }
 
-const NOT_SEARCHED: &str = "isolas of other modes, of sub- and super-harmonics and those that no energy balance of mode 1 \
-                            leads to were not looked for.";
+const NOT_SEARCHED: &str = "isolas of other modes, of sub- and super-harmonics and those to which no energy balance of mode 1 \
+                            leads were not looked for.";
 
 #[test]
 fn isolas_apart() {
@@ -104,7 +104,7 @@ fn isolas_apart() {
          2 mm at tip. The largest computed response, 2.5 mm at tip (gap 0.4 mm), is on the main branch, at 100 rad/s \
          (15.92 Hz) and A = 4. Whether isolas are stable and what leads there was not verified. Whether the largest \
          response is stable was not verified. Looked for: the windows of mode 1 at 5 levels (10 seeds tried); isolas of other modes, of sub- \
-         and super-harmonics and those that no energy balance of mode 1 leads to were not looked for."
+         and super-harmonics and those to which no energy balance of mode 1 leads were not looked for."
     );
     let [danger, ..] = texts(&levels[..3]);
     assert!(danger.contains(", taken over both levels with isolas (A = 2 and 3): there an isola"), "{danger}");
