@@ -5,6 +5,7 @@ mod damping;
 mod defaults;
 mod early;
 mod laws;
+mod small_motion;
 mod softening;
 mod touch;
 mod work;
@@ -36,6 +37,7 @@ pub fn report(study: &Study) -> String {
     let choice = ModesFollowed::choose(model, &study.settings);
     let modes = (0..model.size().min(MODES)).map(|j| (if j == 0 { "modes" } else { "" }, mode(study, &choice, j)));
     lines.extend(modes);
+    lines.extend(small_motion::frequencies(model).map(|frequencies| ("", frequencies)));
     lines.extend(modes::sentence(&choice, true).map(|_| ("followed", followed(&choice))));
     lines.extend(defaults::damping(study).map(|damping| ("damping", damping)));
     lines.push(("forcing", forcing(study)));

@@ -340,6 +340,20 @@ fn laws_that_hardly_do_anything() {
     assert!(checked(&friction, "0.2", &[]).0.is_empty());
 }
 
+/// A joint of 3e4 N/m beside a spring of 1e4 N/m doubles the frequency as long as it sticks.
+#[test]
+fn modes_of_small_motions() {
+    let (_, text) = checked(&with_law("{ jenkins = { stiffness = 3e4, limit = 1 } }"), "0.2", &[]);
+    let told =
+        "            of small motions, with `spring` (30000 N/m): 200 rad/s; those above are of the matrices alone\n";
+    assert!(text.contains(told), "{text}");
+    let linear = with_law(
+        "{ polynomial_spring = { terms = [{ power = 3, coefficient = 2e8 }, { power = 1, coefficient = 2.1e3 }] } }",
+    );
+    assert!(checked(&linear, "0.2", &[]).1.contains("`spring` (2100 N/m): 110 rad/s"));
+    assert!(!checked(MODEL, "0.2", &[]).1.contains("small motions"));
+}
+
 /// The structure holds 1e4 N/m: a spring of −1e8 N/m³ takes that away at 10 mm, to which a force of 100 N bends it.
 #[test]
 fn a_spring_that_pushes_away() {

@@ -24,6 +24,8 @@ pub struct Resonance {
     pub omega: Vec<f64>,
     /// Its amplitude, m.
     pub amplitude: Vec<f64>,
+    /// Which of them are known only as far as their branch is: the response may be larger.
+    pub at_least: Vec<usize>,
 }
 
 impl Resonance {
@@ -36,12 +38,14 @@ impl Resonance {
     fn of_branches<'l>(levels: &'l [Level], pick: impl Fn(&'l Level) -> Option<&'l BranchRow>) -> Self {
         let mut curve = Self::default();
         for (level, branch) in levels.iter().filter_map(|level| Some((level, pick(level)?))) {
+            curve.at_least.extend((!branch.at_least().is_empty()).then_some(curve.value.len()));
             curve.push(level.value, branch.omega_at_max, branch.amplitude_max);
         }
         curve
     }
 
-    /// Up to A = `limit`. Where a window is born with a larger response than any before, the curve steps.
+    /// Up to A = `limit`, or to where the backbone ends before. Where a window is born with a larger response than any before, the curve
+    /// steps.
     fn of_balance(backbone: &BackboneCurve, limit: f64) -> Self {
         let (threshold, omega) = (&backbone.threshold.values, &backbone.omega.values);
         let amplitude = &backbone.amplitude[0].values;
@@ -58,7 +62,15 @@ impl Resonance {
             curve.push(threshold[i], omega[i], amplitude[i]);
             best = Some(i);
         }
-        if let Some(best) = best {
+        let Some(best) = best else { return curve };
+        // Towards a larger amplitude the threshold passes the limit between two points; at the end nothing is known beyond.
+        let beside = [best.checked_sub(1), Some(best + 1).filter(|&i| i < threshold.len())];
+        let next = beside.into_iter().flatten().find(|&i| amplitude[i] > amplitude[best] && threshold[i] > limit);
+        if let Some(next) = next.filter(|&i| threshold[i].is_finite()) {
+            let share = (limit - threshold[best]) / (threshold[next] - threshold[best]);
+            let between = |column: &[f64]| column[best] + share * (column[next] - column[best]);
+            curve.push(limit, between(omega), between(amplitude));
+        } else if best + 1 < threshold.len() {
             curve.push(limit, omega[best], amplitude[best]);
         }
         curve

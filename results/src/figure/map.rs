@@ -71,8 +71,7 @@ pub fn figure(
     ] {
         drawing.bars(name, style, of_kind(kind));
     }
-    let missed =
-        windows(subject, |outcome| matches!(outcome, WindowOutcome::NotFound(_) | WindowOutcome::Elsewhere(_)));
+    let missed = windows(subject, is_missed);
     let alert = Style::line(Color::Alert, MEDIUM.min(thin)).with_dash(1);
     drawing.bars("windows not found", alert, missed.clone().map(|(value, window)| (value, window.omega)));
     drawing.points(
@@ -212,7 +211,7 @@ fn computed<'s>(subject: &Subject<'s>, y: &'s Axis, wanted: &str) -> impl Iterat
     events_of(subject.curves, wanted).into_iter().filter(|point| (0.0..=1.0).contains(&y.share(point.forcing)))
 }
 
-/// Frequencies that the figure is drawn around: of branches apart from the main ones, and of what happens beside the levels; of folds,
+/// Frequencies that the figure is drawn around: of branches apart from the main ones, of windows that led to nothing, and of what happens beside the levels; of folds,
 /// thresholds and what happens elsewhere as far as they lie beside these. Without any, of all of them.
 fn frequencies(subject: &Subject<'_>, y: &Axis, thresholds: impl Iterator<Item = f64>) -> Vec<f64> {
     let (low, high) = super::axis::bounds(subject.levels.iter().map(|level| level.value));
@@ -224,7 +223,9 @@ fn frequencies(subject: &Subject<'_>, y: &Axis, thresholds: impl Iterator<Item =
     let predicted = subject.backbone.into_iter().chain(subject.further).flat_map(|backbone| &backbone.events);
     let events = computed().map(|point| (point.forcing, point.omega));
     let events = events.chain(predicted.map(|event| (event.threshold, event.omega)));
-    let core: Vec<f64> = events.filter(|(forcing, _)| is_beside(forcing)).map(|(_, omega)| omega).chain(ends).collect();
+    let missed = windows(subject, is_missed).flat_map(|(_, window)| [window.omega.0, window.omega.1]);
+    let core = events.filter(|(forcing, _)| is_beside(forcing)).map(|(_, omega)| omega).chain(ends);
+    let core: Vec<f64> = core.chain(missed).collect();
     let folds = subject.curves.iter().flat_map(|curve| &curve.points);
     let folds = folds.filter(|point| (low..=high).contains(&point.forcing)).map(|point| point.omega);
     let beside = computed().map(|point| point.omega).chain(folds).chain(thresholds);
@@ -250,6 +251,11 @@ fn near(subject: &Subject<'_>) -> impl Fn(f64) -> bool {
     let happens = computed.chain(predicted.map(|event| event.threshold)).filter(|forcing| followed.contains(forcing));
     let (low, high) = happens.fold((low / ROOM, high * ROOM), |(low, high), a| (low.min(a), high.max(a)));
     move |threshold| (low..=high).contains(&threshold)
+}
+
+/// Whether nothing was found where a window says.
+fn is_missed(outcome: &WindowOutcome) -> bool {
+    matches!(outcome, WindowOutcome::NotFound(_) | WindowOutcome::Elsewhere(_))
 }
 
 /// Windows of the levels with such an outcome, each with its forcing amplitude.

@@ -84,8 +84,8 @@ pub fn drawn(mut figure: Figure, motions: &Motions, coefficients: &[f64], store:
 
 /// With the marched period in the panel of displacements, over those of the balance.
 pub fn with_marched(mut figure: Figure, marched: &MarchedPeriod, store: &mut ColumnStore) -> Figure {
-    // Dashed, so that what lies below is seen.
-    let style = Style::line(Color::Ink, FINE).with_dash(1);
+    // Dotted and of another colour, so that what lies below is seen.
+    let style = Style::line(Color::Category(0), FINE).with_dash(2);
     let Some(panel) = figure.panels.first_mut() else { return figure };
     let highest = marched.displacements.iter().flatten().copied();
     if let Some(axis) = panel.y.first_mut() {

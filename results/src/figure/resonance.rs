@@ -94,9 +94,23 @@ fn drawn(
         let [x, omega, amplitude] = columns.map(|values| store.exact(values.clone()));
         above.series.push(series(curve, &x, &omega, (&omega, &amplitude)));
         below.series.push(series(curve, &x, &amplitude, (&omega, &amplitude)));
+        let places = &curve.resonance.at_least;
+        if !places.is_empty() {
+            let marks = |y: &Ref| Series {
+                x: vec![x.at(places)],
+                y: vec![y.at(places)],
+                style: at_least(curve.style.color),
+                ..Series::default()
+            };
+            above.series.push(marks(&omega));
+            below.series.push(marks(&amplitude));
+        }
     }
     let entry = |curve: &ResonanceCurve<'_>| Entry::new(curve.name.clone(), Kind::Line, curve.style.clone());
     let mut legend: Vec<Entry> = curves.iter().map(entry).collect();
+    if curves.iter().any(|curve| !curve.resonance.at_least.is_empty()) {
+        legend.push(Entry::new("at least: known only as far as its branch", Kind::Line, at_least(Color::Ink)));
+    }
     for (kind, text) in [(EventKind::Birth, "▲ window born"), (EventKind::Merge, "▼ windows merge")] {
         let event = shown.iter().find(|event| event.kind == kind);
         legend.extend(event.map(|event| Entry::new(text, Kind::Line, span(event).style)));
@@ -110,6 +124,11 @@ fn drawn(
         legend,
         panels: vec![above, below],
     })
+}
+
+/// Marks what may be larger.
+fn at_least(color: Color) -> Style {
+    Style::marks(color, Shape::Triangle, 1.8 * MARK, true)
 }
 
 fn curves<'s>(subject: &Subject<'s>) -> Vec<ResonanceCurve<'s>> {

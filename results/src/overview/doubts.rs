@@ -59,10 +59,7 @@ pub fn doubts(reader: &Reader) -> Result<Option<String>> {
     if curves.is_empty() {
         return Ok(None);
     }
-    let remedy = match curves.iter().any(|curve| curve.contains(&Stop::PointBudget.to_string())) {
-        true => " (branch.max_points and backbone.max_points allow more points)",
-        false => "",
-    };
+    let remedy = more_points(&curves);
     let more = curves.len().saturating_sub(NAMED);
     curves.truncate(NAMED);
     let more = if more > 0 { format!(" and {more} more") } else { String::new() };
@@ -70,6 +67,20 @@ pub fn doubts(reader: &Reader) -> Result<Option<String>> {
     Ok(Some(format!(
         "not known to its end: {list}{more}{remedy}; responses beyond may be larger, and others may begin there"
     )))
+}
+
+/// Which keys allow more points, if some of these curves used up theirs.
+fn more_points(curves: &[String]) -> String {
+    let short = |what: &str| {
+        curves.iter().any(|curve| curve.starts_with(what) && curve.contains(&Stop::PointBudget.to_string()))
+    };
+    let keys = [("the main branch", "branch.max_points"), ("the backbone", "backbone.max_points")];
+    let keys: Vec<&str> = keys.into_iter().filter(|(what, _)| short(what)).map(|(_, key)| key).collect();
+    match keys[..] {
+        [] => String::new(),
+        [key] => format!(" ({key} allows more points)"),
+        _ => format!(" ({} allow more points)", keys.join(" and ")),
+    }
 }
 
 /// A fold curve, by where it ends.

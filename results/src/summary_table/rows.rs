@@ -140,7 +140,12 @@ impl<'r> Rows<'r> {
             all => format!("{found} of {all}{}", missed.join(" ")),
         }];
         lines.extend((level.pending > 0).then(|| format!("{} to come", count(level.pending, "task"))));
-        let given_up = || format!("A = {}: tasks given up: isola retry-dead RUN tries them again", level.amplitude);
+        let given_up = || {
+            format!(
+                "A = {}: tasks given up: isola retry-dead RUN, then isola resume RUN, tries them again",
+                level.amplitude
+            )
+        };
         lines.extend(
             (level.dead > 0).then(|| format!("{} given up{}", count(level.dead, "task"), self.notes.mark(given_up()))),
         );

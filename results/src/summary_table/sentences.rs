@@ -76,6 +76,10 @@ fn shift(overview: &Overview, units: Units) -> Option<String> {
     // Where a level is not known to its end the frequency there may be another one.
     let of = if overview.levels.iter().all(Level::is_known) { "" } else { ", of levels that are known to their ends," };
     if shift.size() < NEGLIGIBLE * after {
+        // Of some of the levels that says nothing.
+        if !of.is_empty() {
+            return None;
+        }
         let percent = 100.0 * NEGLIGIBLE;
         return Some(format!(
             "From one level to the next the frequency of the largest computed response{of} changes by less than {percent} %."

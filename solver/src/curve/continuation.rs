@@ -4,7 +4,7 @@
 //! progress and cancelling belong to whoever drives it.
 
 use crate::curve::corner;
-use crate::curve::newton::{Constraint, Newton};
+use crate::curve::newton::{Constraint, Newton, NewtonSettings};
 pub use crate::curve::point::CurvePoint;
 use crate::curve::point::{land, unit};
 use crate::curve::problem::{Failure, Problem, inner, norm, weighted};
@@ -25,6 +25,12 @@ const STRAIGHT: f64 = 0.996;
 /// Scaled size from which on the largest step grows with a state: of a motion many times as large as the reference length, steps
 /// that suit that length resolve more than anybody can see, and use up the points of a branch.
 const LARGE: f64 = 5.0;
+
+/// An iteration that fails with a smaller residual fails by rounding.
+const NOISE: f64 = 1e-8;
+
+/// How many times as many iterations are spent on a step then.
+const PATIENCE: usize = 3;
 
 /// Why a step was not accepted.
 #[derive(Debug, Clone, Copy, PartialEq, Error, Serialize, Deserialize)]
@@ -316,17 +322,46 @@ impl<'p, P: Problem> Continuation<'p, P> {
         true
     }
 
+    /// Whether a step failed with next to nothing left of the residual: beside a branch point rounding alone makes every step of the
+    /// iteration one along the curve that crosses.
+    fn is_noise(&self, rejection: Rejection) -> bool {
+        matches!(rejection, Rejection::Newton(Failure::NotConverged { residual, .. }) if residual < NOISE)
+    }
+
+    /// Steps on with iterations that take no more of a step than helps, and longer ones first; whether there is such a step.
+    fn step_patiently(&mut self) -> bool {
+        let usual = self.settings.newton;
+        let max_iterations = PATIENCE * usual.max_iterations;
+        self.settings.newton = NewtonSettings { damped: true, max_iterations, ..usual };
+        self.step = self.settings.initial_step.min(self.longest);
+        let mut found = None;
+        while found.is_none() && self.step >= self.shortest() {
+            found = self.attempt().ok();
+            if found.is_none() {
+                self.rejections += 1;
+                self.step *= 0.5;
+            }
+        }
+        self.settings.newton = usual;
+        found.map(|point| self.take(point)).is_some()
+    }
+
+    /// Takes a step.
+    fn take(&mut self, point: CurvePoint) {
+        self.adapt(&point);
+        self.refreshed = false;
+        self.previous = Some(std::mem::replace(&mut self.current, point).y);
+        if self.has_stale_tangent() {
+            self.refresh_tangent();
+        }
+    }
+
     /// Steps on to the next point; whether there is one.
     fn advance(&mut self) -> bool {
         loop {
             match self.attempt() {
                 Ok(point) => {
-                    self.adapt(&point);
-                    self.refreshed = false;
-                    self.previous = Some(std::mem::replace(&mut self.current, point).y);
-                    if self.has_stale_tangent() {
-                        self.refresh_tangent();
-                    }
+                    self.take(point);
                     return true;
                 }
                 Err(rejection) => {
@@ -334,7 +369,9 @@ impl<'p, P: Problem> Continuation<'p, P> {
                     self.refresh_tangent();
                     self.step *= 0.5;
                     if self.step < self.shortest() {
-                        if matches!(rejection, Rejection::Newton(_)) && self.turn_corner() {
+                        if matches!(rejection, Rejection::Newton(_))
+                            && (self.turn_corner() || self.is_noise(rejection) && self.step_patiently())
+                        {
                             return true;
                         }
                         self.stalled = Some(rejection);

@@ -42,7 +42,8 @@ impl Layers {
         if message.starts_with("unknown field") || message.starts_with("unknown variant") {
             let mut names = message.split('`').skip(1).step_by(2);
             if let Some(name) = names.next() {
-                if !path.contains(['.', '[']) && (name == "amplitudes" || SECTIONS.contains(&name)) {
+                let is_at_top = !path.contains(['.', '[']);
+                if name == "amplitudes" || is_at_top && SECTIONS.contains(&name) {
                     return ModelError::Type {
                         place,
                         message: "this belongs to a study: move it to study.toml".into(),

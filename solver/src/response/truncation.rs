@@ -1,6 +1,7 @@
 //! What the harmonics that were left out would change: penetration, pressure beyond H, the peak and the ends of the range
 //! with twice the harmonics.
 
+use crate::curve::outcome::{Outcome, Stop};
 use crate::formulation::Formulation;
 use crate::formulation::harmonics::{Transform, width};
 use crate::formulation::modal::Modal;
@@ -12,6 +13,9 @@ use crate::response::climb::maximum_near;
 use crate::settings::{HarmonicSettings, Settings};
 use crate::structure::Model;
 use crate::structure::laws::Law;
+
+/// A peak that is higher than a branch point by no more than this share is one with it.
+const BRANCHING: f64 = 1e-3;
 
 /// The certificate of a branch. The observer is told of every step; breaking leaves out what is missing.
 pub(super) fn certificate<'m, F: Formulation<'m>>(
@@ -107,10 +111,23 @@ fn doubled<'m, F: Formulation<'m>>(
         let curve = (points.as_slice(), branch.is_closed());
         maximum_near(&mut problem, settings.continuation, curve, top, measure, observer)
     };
+    if is_highest_where_it_branches_off(branch) {
+        return None;
+    }
     let peak = maximum(&|point| point.amplitude())?;
     let mut end = |sign: f64| maximum(&|point| sign * point.omega()).map(|point| point.omega());
     let range = if branch.is_closed() { end(-1.0).zip(end(1.0)) } else { None };
     Some(Doubled { amplitude: peak.amplitude(), shift: peak.omega() / branch.peak().omega() - 1.0, range })
+}
+
+/// Whether a branch is as high as anywhere at a branch point where it ends: what it branches off may go on to larger amplitudes there,
+/// and uphill from its peak is up that.
+fn is_highest_where_it_branches_off(branch: &Branch) -> bool {
+    let Outcome::Open(first, last) = branch.outcome else { return false };
+    let ends = [(first, branch.points.first()), (last, branch.points.last())];
+    let peak = branch.peak().amplitude();
+    let is_high = |point: &BranchPoint| point.amplitude() > (1.0 - BRANCHING) * peak;
+    ends.into_iter().any(|(stop, end)| stop == Stop::Branching && end.is_some_and(is_high))
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 
 mod bad_input;
 mod balance;
+mod branch_points;
 mod branching;
 mod carried;
 mod cases;

@@ -1,0 +1,60 @@
+//! Modes of small motions, which some laws make others than those of the matrices.
+
+use super::touch::shape;
+use results::words::{digits, number};
+use solver::linalg::{Matrix, symmetric_eigen};
+use solver::structure::laws::{Law, LawKind};
+use solver::structure::{Element, Model};
+
+/// Frequencies shown.
+const MODES: usize = 6;
+/// Frequencies that laws change by a smaller share are those of the matrices.
+const SAME: f64 = 1e-3;
+
+/// What the eigenfrequencies of small motions are, if laws change them: joints that stick, springs that are linear there.
+pub(super) fn frequencies(model: &Model) -> Option<String> {
+    let stiff: Vec<(&Element, f64)> =
+        model.elements().iter().filter_map(|element| Some((element, stiffness(element)?))).collect();
+    let squares: Vec<f64> = model.modes().frequencies.iter().map(|omega| omega * omega).collect();
+    let mut matrix = Matrix::diagonal(&squares);
+    for (element, stiffness) in &stiff {
+        let along = shape(model, element);
+        for (i, a) in along.iter().enumerate() {
+            for (j, b) in along.iter().enumerate() {
+                matrix[(i, j)] += stiffness * a * b;
+            }
+        }
+    }
+    let (values, _) = symmetric_eigen(&matrix, &Matrix::diagonal(&vec![1.0; squares.len()])).ok()?;
+    let is_other = |(value, square): (&f64, &f64)| (value - square).abs() > 2.0 * SAME * square.abs().max(value.abs());
+    let changed = values.iter().zip(&squares).any(is_other);
+    let shown = values
+        .iter()
+        .take(MODES)
+        .map(|value| if *value < 0.0 { "none (it snaps away)".into() } else { number(value.sqrt()) });
+    let shown: Vec<String> = shown.collect();
+    let names: Vec<String> = stiff
+        .iter()
+        .map(|(element, stiffness)| format!("`{}` ({} N/m)", element.name, digits(*stiffness, 3)))
+        .collect();
+    changed.then(|| {
+        format!(
+            "of small motions, with {}: {} rad/s; those above are of the matrices alone",
+            names.join(", "),
+            shown.join(", ")
+        )
+    })
+}
+
+/// The stiffness of a law at rest, N/m, if it has one.
+fn stiffness(element: &Element) -> Option<f64> {
+    let at_rest = match &element.law {
+        LawKind::Jenkins(joint) => joint.stiffness,
+        LawKind::PolynomialSpring(spring) => {
+            spring.terms.iter().filter(|term| term.power == 1).map(|term| term.coefficient).sum()
+        }
+        law if law.clearance().is_some_and(|gap| gap < 0.0) => law.stiffness_bound(),
+        _ => 0.0,
+    };
+    (at_rest != 0.0).then_some(at_rest)
+}
