@@ -26,6 +26,8 @@ const AT_ONCE: usize = 8;
 const LABELLED: usize = 40;
 /// A main branch is shown at least where it is higher than this share of its peak.
 const HIGH: f64 = 0.8;
+/// Folds of main branches are shown that are higher than this share of the peak.
+const TURNS: f64 = 0.1;
 /// Room beside what is shown at least, as a share of its width.
 const ROOM: f64 = 0.25;
 /// Room beside ends of branches, as a share of the same width.
@@ -173,7 +175,8 @@ impl<'r> Outline<'r> {
             let floor = if branch.kind == "main" { HIGH * largest(values.iter().copied()) } else { 0.0 };
             // Between its folds a main branch goes back: without them it looks like two.
             let folds = branch.special.iter().filter(|special| special.kind == SpecialKind::Fold);
-            let folds = folds.map(|special| special.index).filter(|&i| i < branch.size);
+            let low = TURNS * largest(values.iter().copied());
+            let folds = folds.map(|special| special.index).filter(move |&i| i < branch.size && values[i] >= low);
             let shown = (0..branch.size).filter(move |&i| values[i] >= floor).chain(folds);
             shown.map(|i| branch.omega.values[i])
         });
