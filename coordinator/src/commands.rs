@@ -143,9 +143,13 @@ async fn sweep(args: SweepArgs) -> Result<Ending, Error> {
     let store = Store::create(&directory, &header)?;
     announce(&header, &directory);
     let ended = drive(&directory, store, study.model, connection, args.serve).await;
-    if is_new && ended.as_ref().is_err_and(Error::is_of_study) {
+    if ended.as_ref().is_err_and(Error::is_of_study) {
         // There is nothing to go on with, and whoever mends the study may want the same folder.
-        let _ = std::fs::remove_dir_all(&directory);
+        if is_new {
+            let _ = std::fs::remove_dir_all(&directory);
+        } else {
+            Store::discard(&directory);
+        }
     }
     ended
 }

@@ -10,11 +10,16 @@ use solver::structure::{Element, Model};
 const MODES: usize = 6;
 /// Frequencies that laws change by a smaller share are those of the matrices.
 const SAME: f64 = 1e-3;
+/// Eigenvalues below this share of the largest are rounding.
+const ROUNDED: f64 = 1e-9;
 
 /// What the eigenfrequencies of small motions are, if laws change them: joints that stick, springs that are linear there.
 pub(super) fn frequencies(model: &Model) -> Option<String> {
     let stiff: Vec<(&Element, f64)> =
         model.elements().iter().filter_map(|element| Some((element, stiffness(element)?))).collect();
+    if stiff.is_empty() {
+        return None;
+    }
     let squares: Vec<f64> = model.modes().frequencies.iter().map(|omega| omega * omega).collect();
     let mut matrix = Matrix::diagonal(&squares);
     for (element, stiffness) in &stiff {
@@ -26,12 +31,17 @@ pub(super) fn frequencies(model: &Model) -> Option<String> {
         }
     }
     let (values, _) = symmetric_eigen(&matrix, &Matrix::diagonal(&vec![1.0; squares.len()])).ok()?;
-    let is_other = |(value, square): (&f64, &f64)| (value - square).abs() > 2.0 * SAME * square.abs().max(value.abs());
+    // Rigid bodies have what rounding leaves.
+    let floor = ROUNDED * values.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
+    let is_other =
+        |(value, square): (&f64, &f64)| (value - square).abs() > floor.max(2.0 * SAME * square.abs().max(value.abs()));
     let changed = values.iter().zip(&squares).any(is_other);
-    let shown = values
-        .iter()
-        .take(MODES)
-        .map(|value| if *value < 0.0 { "none (it snaps away)".into() } else { number(value.sqrt()) });
+    let frequency = |value: &f64| match *value {
+        value if value < -floor => "none (it snaps away)".into(),
+        value if value <= floor => "0".into(),
+        value => number(value.sqrt()),
+    };
+    let shown = values.iter().take(MODES).map(frequency);
     let shown: Vec<String> = shown.collect();
     let names: Vec<String> = stiff
         .iter()

@@ -9,6 +9,8 @@ use solver::structure::{Element, Model};
 
 /// Displacements looked at below the static response, evenly by their logarithms over so many decades.
 const LOOKED_AT: (i32, f64) = (400, 8.0);
+/// A share of the largest entry of a shape that is rounding.
+const STILL: f64 = 1e-9;
 /// Times that the interval between two of them is halved.
 const HALVINGS: usize = 20;
 
@@ -36,14 +38,17 @@ pub(super) fn warnings(study: &Study) -> Vec<String> {
 /// `None` where the structure is free to move.
 fn statics(model: &Model, element: &Element) -> Option<(f64, f64)> {
     let (along, force, modes) = (shape(model, element), projection(model), model.modes());
-    let bent = || (0..along.len()).map(|j| (along[j], force[j], modes.frequencies[j]));
-    let is_free = (0..along.len()).any(|j| along[j] != 0.0 && modes.is_rigid(j));
-    let compliance: f64 = bent().map(|(b, _, omega)| (b / omega).powi(2)).sum();
-    let displacement: f64 = bent().map(|(b, f, omega)| b * f / (omega * omega)).sum();
+    let largest = along.iter().fold(0.0_f64, |largest, b| largest.max(b.abs()));
+    let (rigid, bent): (Vec<usize>, Vec<usize>) = (0..along.len()).partition(|&j| modes.is_rigid(j));
+    let is_free = rigid.into_iter().any(|j| along[j].abs() > STILL * largest);
+    let square = |j: usize| modes.frequencies[j] * modes.frequencies[j];
+    let compliance: f64 = bent.iter().map(|&j| along[j] * along[j] / square(j)).sum();
+    let displacement: f64 = bent.iter().map(|&j| along[j] * force[j] / square(j)).sum();
     (!is_free && compliance > 0.0).then_some((compliance, displacement.abs()))
 }
 
-/// The smallest displacement, either way and up to this one, where structure and spring together do not pull back.
+/// The displacement from which on structure and spring together do not pull back, one way at least, if they do not at this one: below it
+/// they may let go and catch again.
 fn limit(compliance: f64, terms: &[Term], up_to: f64) -> Option<f64> {
     let (count, decades) = LOOKED_AT;
     let pulls_back = |x: f64| {
@@ -52,8 +57,12 @@ fn limit(compliance: f64, terms: &[Term], up_to: f64) -> Option<f64> {
     };
     let is_held = |size: f64| pulls_back(size) && pulls_back(-size);
     let size = |i: i32| up_to * 10_f64.powf(decades * (f64::from(i) / f64::from(count) - 1.0));
-    let first = (0..=count).filter(|_| up_to > 0.0).find(|&i| !is_held(size(i)))?;
-    let (mut below, mut above) = (size(first - 1), size(first));
+    if up_to <= 0.0 || is_held(up_to) {
+        return None;
+    }
+    // What nothing holds anywhere is not held by this spring.
+    let last = (0..count).rev().find(|&i| is_held(size(i)))?;
+    let (mut below, mut above) = (size(last), size(last + 1));
     for _ in 0..HALVINGS {
         let middle = f64::midpoint(below, above);
         *(if is_held(middle) { &mut below } else { &mut above }) = middle;

@@ -77,13 +77,20 @@ pub(super) fn first_touch<'s>(study: &'s Study, followed: &[usize]) -> Option<Fi
         return None;
     }
     let at = |omega: f64| touch_at(&problem, model, omega);
-    let about = own.into_iter().filter_map(|mode| {
-        let (omega, reach) = (resonance(mode), BESIDE * 0.5 * model.damping().rates()[mode].abs() / m);
-        let low = (omega - reach).max(min.unwrap_or(0.0)).max(omega / LOOKED_AT as f64);
-        let high = (omega + reach).min(max.unwrap_or(f64::INFINITY));
-        let first = smallest(|omega| at(omega).map(|(forcing, _)| forcing), omega, (low, high))?;
-        Some((Place::Resonance(mode), first))
-    });
+    let all: Vec<f64> = driven(model).into_iter().map(resonance).collect();
+    let about =
+        own.into_iter().filter_map(|mode| {
+            let (omega, reach) = (resonance(mode), BESIDE * 0.5 * model.damping().rates()[mode].abs() / m);
+            // Beyond the middle between two resonances it is that of the other.
+            let others = all.iter().filter(|&&other| other != omega).map(|other| f64::midpoint(*other, omega));
+            let middle = others.fold((0.0_f64, f64::INFINITY), |(low, high), at| {
+                if at < omega { (low.max(at), high) } else { (low, high.min(at)) }
+            });
+            let low = (omega - reach).max(min.unwrap_or(0.0)).max(middle.0).max(omega / LOOKED_AT as f64);
+            let high = (omega + reach).min(max.unwrap_or(f64::INFINITY)).min(middle.1);
+            let first = smallest(|omega| at(omega).map(|(forcing, _)| forcing), omega, (low, high))?;
+            Some((Place::Resonance(mode), first))
+        });
     let bounds = [min, max].into_iter().flatten().map(|omega| (Place::Bound, omega));
     let touches = about.chain(bounds).filter_map(|(place, omega)| {
         let (forcing, name) = at(omega)?;

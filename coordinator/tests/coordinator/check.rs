@@ -364,6 +364,13 @@ fn a_spring_that_pushes_away() {
     let told = "`spring` pushes away beyond 0.01 m, with more than the structure holds, and the static response to A = 1e6 alone would be \
                 100 m: check units and signs";
     assert_eq!(warnings, [told], "{text}");
+    // A buckled beam is held farther out, and so is what lets go in between only.
+    let buckled = spring("{ power = 1, coefficient = -1.5e4 }, { power = 3, coefficient = 1e8 }");
+    let snapping = spring("{ power = 3, coefficient = -1e8 }, { power = 5, coefficient = 2e11 }");
+    for model in [&buckled, &snapping] {
+        let warnings = checked(model, "1e6", &[]).0;
+        assert!(!warnings.iter().any(|warning| warning.contains("pushes away")), "{warnings:?}");
+    }
     // One way is enough; what grows again holds.
     assert_eq!(checked(&spring("{ power = 2, coefficient = 1e6 }"), "200", &[]).0.len(), 1);
     let held = spring("{ power = 3, coefficient = -1e8 }, { power = 5, coefficient = 1e12 }");

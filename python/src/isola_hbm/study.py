@@ -19,7 +19,9 @@ Amplitudes: TypeAlias = "str | float | Iterable[str | float]"
 
 #: How lines of ``isola check`` begin that are of the study, and of its amplitudes, not of the model.
 _OF_STUDY = {"study ", "file ", "model "}
-_OF_AMPLITUDES = {"amplitudes ", "warning     nothing will touch"}
+_OF_AMPLITUDES = {"amplitudes ", "warning     nothing touches", "warning     at A = "}
+#: What a warning of an amplitude has somewhere.
+_AT_AMPLITUDE = " the static response to A = "
 
 #: How what is said of a model made in Python begins, and what its matrices are called there.
 _GIVEN = "the model given: "
@@ -112,7 +114,8 @@ def check(folder: Path, amplitudes: Amplitudes | None, settings: dict[str, Any])
         raise refusal([said], process.returncode, file, is_written=True)
     # What is of the study here is that of this function.
     hidden = _OF_STUDY if amplitudes is not None else _OF_STUDY | _OF_AMPLITUDES
-    return "\n".join(line for line in found.splitlines() if not line.startswith(tuple(hidden)))
+    lines = (line for line in found.splitlines() if not line.startswith(tuple(hidden)))
+    return "\n".join(line for line in lines if amplitudes is not None or _AT_AMPLITUDE not in line)
 
 
 def require_meant(settings: dict[str, Any], keywords: Iterable[str]) -> None:

@@ -97,10 +97,12 @@ impl Resonance {
         let mut last: Option<usize> = None;
         for value in values {
             let of = |k: usize| Some((k, curves[k].at(value)?));
-            let Some((k, (omega, amplitude))) = (0..curves.len()).filter_map(of).max_by(|a, b| a.1.1.total_cmp(&b.1.1))
-            else {
-                continue;
-            };
+            // Those that go on beyond it, if there are any.
+            let goes_on = |k: &usize| curves[*k].value.last().is_some_and(|last| *last > value);
+            let on: Vec<usize> = (0..curves.len()).filter(goes_on).collect();
+            let among: Vec<usize> = if on.iter().any(|&k| of(k).is_some()) { on } else { (0..curves.len()).collect() };
+            let largest = among.into_iter().filter_map(of).max_by(|a, b| a.1.1.total_cmp(&b.1.1));
+            let Some((k, (omega, amplitude))) = largest else { continue };
             // What was largest up to here, then what is from here on; also where one curve steps.
             let own = curves[last.unwrap_or(k)].before(value);
             if let Some((omega, amplitude)) = own {
@@ -152,6 +154,14 @@ mod tests {
         let one = curve(&[(1.0, 1.0), (2.0, 2.0), (3.0, 2.5), (3.0, 4.0), (5.0, 5.0)]);
         assert_eq!(Resonance::largest(std::slice::from_ref(&one)), one);
         assert_eq!(Resonance::largest(&[]), Resonance::default());
+    }
+
+    #[test]
+    fn where_the_larger_one_ends_the_other_goes_on() {
+        let largest =
+            Resonance::largest(&[curve(&[(1.0, 1.0), (3.0, 5.0)]), curve(&[(1.0, 0.5), (2.0, 0.6), (10.0, 2.2)])]);
+        assert_eq!(largest.value, [1.0, 2.0, 3.0, 3.0, 10.0]);
+        assert_eq!(largest.amplitude, [1.0, 3.0, 5.0, 0.8, 2.2]);
     }
 
     #[test]

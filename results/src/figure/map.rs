@@ -211,8 +211,9 @@ fn computed<'s>(subject: &Subject<'s>, y: &'s Axis, wanted: &str) -> impl Iterat
     events_of(subject.curves, wanted).into_iter().filter(|point| (0.0..=1.0).contains(&y.share(point.forcing)))
 }
 
-/// Frequencies that the figure is drawn around: of branches apart from the main ones, of windows that led to nothing, and of what happens beside the levels; of folds,
-/// thresholds and what happens elsewhere as far as they lie beside these. Without any, of all of them.
+/// Frequencies that the figure is drawn around: of branches apart from the main ones, of windows that led to nothing, and of what
+/// happens beside the levels; of folds, thresholds and what happens elsewhere as far as they lie beside these. Without any, of all
+/// of them.
 fn frequencies(subject: &Subject<'_>, y: &Axis, thresholds: impl Iterator<Item = f64>) -> Vec<f64> {
     let (low, high) = super::axis::bounds(subject.levels.iter().map(|level| level.value));
     let is_beside = |forcing: &f64| (low / AMONG.0..=high * AMONG.1).contains(forcing);

@@ -11,6 +11,8 @@ use crate::curves::{Column, Curve};
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Marking {
     has_unstable: bool,
+    /// Whether others, and what is known of them, will follow.
+    is_growing: bool,
     /// Whether a solid line means that it is stable: not while verifications are still to come.
     has_unknown: bool,
 }
@@ -18,19 +20,20 @@ pub struct Marking {
 impl Marking {
     /// Of branches that are all there.
     pub fn of<'c>(branches: impl Iterator<Item = &'c Curve> + Clone) -> Self {
-        let is_verified = branches.clone().any(|branch| !branch.stable.is_empty());
+        let is_verified = branches.clone().any(|branch| (0..branch.size).any(|i| is_known(branch, i)));
         let has_unknown = is_verified && branches.clone().any(|branch| (0..branch.size).any(|i| !is_known(branch, i)));
-        Self { has_unknown, ..Self::growing(branches) }
+        Self { has_unknown, is_growing: false, ..Self::growing(branches) }
     }
 
     /// Of branches that others, and what is known of them, will follow.
     pub fn growing<'c>(mut branches: impl Iterator<Item = &'c Curve>) -> Self {
-        Self { has_unstable: branches.any(|branch| branch.unstable.contains(&true)), has_unknown: false }
+        let has_unstable = branches.any(|branch| branch.unstable.contains(&true));
+        Self { has_unstable, is_growing: true, has_unknown: false }
     }
 
     /// What the legend says, curves being of a colour.
     pub fn entries(self, color: Color) -> impl Iterator<Item = Entry> {
-        let unstable = if self.has_unknown { "unstable" } else { "unstable (solid: stable, or not known)" };
+        let unstable = if self.is_growing { "unstable (solid: stable, or not known)" } else { "unstable" };
         let entries = [
             (self.has_unstable, unstable, Style::line(color, BOLD).with_dash(1)),
             (self.has_unknown, "stability not known", Style::line(color.pale(), BOLD)),

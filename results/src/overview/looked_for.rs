@@ -140,8 +140,12 @@ impl LookedFor<'_> {
                         )
                     }
                 };
+                let by = match self.search.homotopies {
+                    0 => "by random starts alone",
+                    _ => "by homotopies and random starts alone",
+                };
                 format!(
-                    "isolas of other periods{beside} were not looked for{folds}. Isolas to which {leads} are met by random starts alone{at_least}"
+                    "isolas of other periods{beside} were not looked for{folds}. Isolas to which {leads} are met {by}{at_least}"
                 )
             }
         }

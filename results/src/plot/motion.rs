@@ -14,6 +14,7 @@ use protocol::curve::Size;
 use protocol::to_everyone::StoredResult;
 use solver::formulation::state::State;
 use solver::response::branch::BranchKind;
+use solver::stability::multipliers::Verdict;
 
 /// The figure, at `A/branch/index` or at the highest isola's peak.
 pub fn sheet(report: &Report, reader: &Reader, monitor: usize, at: Option<&str>) -> Result<Sheet, Error> {
@@ -35,7 +36,9 @@ pub fn sheet(report: &Report, reader: &Reader, monitor: usize, at: Option<&str>)
         Ok(period) => {
             // What the run says of this point was looked at more closely.
             let known = reader.verification(&row.task)?.filter(|known| known.count == curve.size);
-            let known = known.and_then(|known| known.verdicts().get(index).copied().flatten());
+            let is_there = digits(period.omega, 6) == omega;
+            let known = known.and_then(|known| known.verdicts().get(index).copied().flatten()).filter(|_| is_there);
+            let known = known.filter(|known| matches!(known, Verdict::Stable | Verdict::Unstable | Verdict::Marginal));
             let period = MarchedPeriod { verdict: known.unwrap_or(period.verdict), ..period };
             figure = motion_marched(figure, &period, &mut columns);
             match digits(period.omega, 6) {

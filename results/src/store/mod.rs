@@ -151,6 +151,14 @@ impl Store {
         Self::with_lock(dir, lock)
     }
 
+    /// Removes what [`Store::create`] made in a folder, of a run that holds nothing.
+    pub fn discard(dir: &Path) {
+        // Missing is as good as removed.
+        for file in [FILE, "run.sqlite-wal", "run.sqlite-shm", LOCK] {
+            let _ = fs::remove_file(dir.join(file));
+        }
+    }
+
     /// Opens the run in folder `dir` to go on with it.
     ///
     /// # Errors

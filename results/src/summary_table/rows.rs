@@ -97,8 +97,9 @@ impl<'r> Rows<'r> {
             _ => "; whether it is detached is not known",
         };
         if let Some(bounds) = self.cut_at(row) {
-            let mark =
-                self.notes.mark(format!("leaves through {bounds}: whether it is closed is seen if that is moved"));
+            let mark = self
+                .notes
+                .mark(format!("both ends leave through {bounds}: whether it is closed is seen with wider bounds"));
             return format!("{}: {range}, {peak}{mark}", row.kind);
         }
         // `open` is the name of a kind as well.
@@ -107,15 +108,15 @@ impl<'r> Rows<'r> {
         format!("{}: {range}, {peak}{mark}", row.kind)
     }
 
-    /// The bounds that cut a branch off, as far as they were given.
+    /// The bounds of the frequency that cut a branch off at both ends, as far as they were given.
     fn cut_at(&self, row: &BranchRow) -> Option<String> {
         let FrequencySettings { min, max } = self.given;
-        let is_at = |omega: f64, bound: f64| (omega - bound).abs() <= BESIDE * bound;
-        let named = |name: &str, bound: f64| format!("frequency.{name} = {}", self.units.frequency.digits(bound));
-        let low = min.filter(|min| is_at(row.omega.0, *min)).map(|min| named("min", min));
-        let high = max.filter(|max| is_at(row.omega.1, *max)).map(|max| named("max", max));
-        let bounds: Vec<String> = low.into_iter().chain(high).collect();
-        (row.kind == BranchKind::Cut.name() && !bounds.is_empty()).then(|| bounds.join(" and "))
+        let is_at = |omega: f64, bound: Option<f64>| bound.is_some_and(|bound| (omega - bound).abs() <= BESIDE * bound);
+        let low = is_at(row.omega.0, min).then_some("frequency.min");
+        let high = is_at(row.omega.1, max).then_some("frequency.max");
+        let bounds: Vec<&str> = low.into_iter().chain(high).collect();
+        let is_cut = row.kind == BranchKind::Cut.name() && row.status.matches("frequency bound").count() == 2;
+        (is_cut && !bounds.is_empty()).then(|| bounds.join(" and "))
     }
 
     /// In how many windows their seeds led to a branch, of how many, and what is missing of the level.

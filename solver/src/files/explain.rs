@@ -1,5 +1,6 @@
 //! Settings as types; what serde refuses of them is told in the words of whoever writes such files.
 
+use super::MODEL;
 use super::layers::{Layers, dotted, set};
 use crate::settings::SECTIONS;
 use crate::structure::ModelError;
@@ -42,8 +43,9 @@ impl Layers {
         if message.starts_with("unknown field") || message.starts_with("unknown variant") {
             let mut names = message.split('`').skip(1).step_by(2);
             if let Some(name) = names.next() {
+                let is_of_model = place.file.as_ref().is_some_and(|file| file.ends_with(MODEL));
                 let is_at_top = !path.contains(['.', '[']);
-                if name == "amplitudes" || is_at_top && SECTIONS.contains(&name) {
+                if is_of_model && (name == "amplitudes" || is_at_top && SECTIONS.contains(&name)) {
                     return ModelError::Type {
                         place,
                         message: "this belongs to a study: move it to study.toml".into(),

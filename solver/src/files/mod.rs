@@ -11,6 +11,9 @@ pub use layers::Layers;
 use crate::structure::{Model, ModelError};
 use std::path::Path;
 
+/// The file of a model, in its folder.
+const MODEL: &str = "model.toml";
+
 /// Reads the folder `dir`: `model.toml` and the matrices that it names.
 ///
 /// # Errors
@@ -38,7 +41,7 @@ pub fn load_with(dir: &Path, overrides: &[(&str, &str)]) -> Result<Model, ModelE
 /// # Errors
 /// A file that cannot be read or is not TOML.
 pub fn settings(dir: &Path) -> Result<Layers, ModelError> {
-    Layers::read(&dir.join("model.toml"), "give a folder that holds a model.toml")
+    Layers::read(&dir.join(MODEL), "give a folder that holds a model.toml")
 }
 
 /// Model of the folder `dir` with these settings; those of its own `model.toml` are not read again.

@@ -14,8 +14,7 @@ const STEPS: usize = 80;
 const BESIDE: usize = 2;
 
 /// The maximum of a measure on the curve of `problem` near the point `top` of `points`, where that of a curve with fewer harmonics
-/// is; nothing beside an end of an open curve, where the curve with more harmonics may end earlier, and go on as another one where it
-/// ends at a branch point. The observer is told of every step; breaking gives it up.
+/// is; nothing at an end of an open curve. The observer is told of every step; breaking gives it up.
 pub(super) fn maximum_near<'m, F: Formulation<'m>>(
     problem: &mut F,
     steps: ContinuationSettings,
@@ -25,12 +24,15 @@ pub(super) fn maximum_near<'m, F: Formulation<'m>>(
     observer: &mut Observer<'_>,
 ) -> Option<BranchPoint> {
     let n = points.len();
-    if n < 3 || (!is_closed && (top <= BESIDE || top + BESIDE + 1 >= n)) {
+    if n < 3 || (!is_closed && (top == 0 || top + 1 == n)) {
         return None;
     }
     // From a little before it, so that it lies ahead if it has not moved.
-    let (before, after) =
-        if is_closed { ((top + n - BESIDE % n) % n, (top + BESIDE) % n) } else { (top - BESIDE, top + BESIDE) };
+    let (before, after) = if is_closed {
+        ((top + n - BESIDE % n) % n, (top + BESIDE) % n)
+    } else {
+        (top.saturating_sub(BESIDE), (top + BESIDE).min(n - 1))
+    };
     let harmonics = problem.system().harmonics;
     let ends = [before, after].map(|i| problem.encode(&points[i].state.with_harmonics(harmonics)));
     climb(problem, steps, ends, measure, observer)

@@ -251,7 +251,7 @@ pub(crate) use with_law;
 /// What people call laws, and the laws that they mean by it, in the order in which a name is searched for the words.
 const CALLED: [(&[&str], &str); 5] = [
     (&["damp", "viscous"], "polynomial_damper"),
-    (&["iwan", "masing", "hyster", "slider"], "jenkins"),
+    (&["jenkin", "iwan", "masing", "hyster", "slider"], "jenkins"),
     (&["friction", "coulomb", "tanh", "slip"], "tanh_friction"),
     (&["stop", "gap", "impact", "unilateral", "bilinear", "penalty", "contact"], "penalty_spring"),
     (&["cubic", "quadratic", "quintic", "duffing", "poly", "spring", "stiffness"], "polynomial_spring"),
