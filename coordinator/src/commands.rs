@@ -5,7 +5,7 @@ use crate::cli::{
     VerifyArgs,
 };
 use crate::error::Error;
-use crate::run::directory::default_directory;
+use crate::run::directory::{default_directory, discard};
 use crate::run::endpoint::{Connection, open};
 use crate::run::{Ending, drive, preparation};
 use crate::study::{Study, levels};
@@ -145,11 +145,7 @@ async fn sweep(args: SweepArgs) -> Result<Ending, Error> {
     let ended = drive(&directory, store, study.model, connection, args.serve).await;
     if ended.as_ref().is_err_and(Error::is_of_study) {
         // There is nothing to go on with, and whoever mends the study may want the same folder.
-        if is_new {
-            let _ = std::fs::remove_dir_all(&directory);
-        } else {
-            Store::discard(&directory);
-        }
+        discard(&directory, is_new);
     }
     ended
 }

@@ -193,7 +193,7 @@ impl Default for BranchSettings {
     }
 }
 
-/// Sections of a study that hold them.
+/// Names of the sections of [`Settings`].
 pub const SECTIONS: [&str; 7] = ["harmonics", "frequency", "continuation", "backbone", "branch", "search", "verify"];
 
 /// All numerical settings of a study.

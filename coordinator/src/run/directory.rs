@@ -1,5 +1,6 @@
 //! The folder of a run: where it is, and how to reach whoever serves it.
 
+use results::store::Store;
 use std::io::{self, Write};
 use std::os::unix::fs::OpenOptionsExt;
 use std::path::{Path, PathBuf};
@@ -24,6 +25,17 @@ pub fn default_directory(study: &str) -> PathBuf {
         return plain;
     }
     (2..).map(numbered).find(|directory| !directory.exists()).unwrap_or(plain)
+}
+
+/// Removes a run that holds nothing, with its folder if that was made for it.
+pub fn discard(directory: &Path, is_new: bool) {
+    // Missing is as good as removed.
+    if is_new {
+        let _ = std::fs::remove_dir_all(directory);
+    } else {
+        Store::discard(directory);
+        let _ = std::fs::remove_file(directory.join(protocol::secret::FILE));
+    }
 }
 
 /// Notes where the coordinator of a run is reached.

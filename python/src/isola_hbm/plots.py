@@ -75,7 +75,8 @@ class Plots:
         frequency: tuple[float, float] | None = None,
     ) -> Axes:
         """Amplitude of a monitored dof over frequency: main branches thin, isolas and others bold, what time marching found
-        unstable dashed, and pale what of their stability is not known. Peaks and folds are marked, unless there are many branches; more than six levels are named at their peaks.
+        unstable dashed, and pale what of their stability is not known. Peaks and folds are marked, unless there are many branches; more
+        than six levels are named at their peaks.
 
         Args:
             amplitudes: Forcing amplitudes shown; by default all.

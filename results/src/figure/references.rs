@@ -6,8 +6,6 @@ use super::style::{BOLD, Color, FINE, Style};
 use super::subject::{BackboneColumns, Subject};
 use crate::curves::{BackboneCurve, Column, Monitor};
 
-/// What a backbone is called in the legend.
-pub(super) const BACKBONE: &str = "backbone";
 /// What switches backbones on.
 const SWITCH: &str = "Backbone, bold where the largest level shown is predicted to respond";
 
@@ -25,13 +23,11 @@ pub fn backbone_series(backbone: &BackboneColumns) -> Vec<Series> {
 }
 
 /// The backbones of further modes that come within axes.
-pub(super) fn further_backbones(
-    subject: &Subject<'_>,
+pub(super) fn further_within<'r>(
+    subject: &Subject<'r>,
     axes: (&Axis, &[Axis]),
-    columns: &mut ColumnStore,
-) -> Vec<Series> {
-    let shown = subject.further.iter().filter(|further| is_within(further, axes));
-    shown.map(|further| further_backbone(further, columns)).collect()
+) -> impl Iterator<Item = &'r BackboneCurve> {
+    subject.further.iter().filter(move |further| is_within(further, axes))
 }
 
 /// Whether some of a backbone lies within axes, of any of the monitored dofs.
@@ -45,7 +41,7 @@ fn is_within(backbone: &BackboneCurve, (across, up): (&Axis, &[Axis])) -> bool {
 }
 
 /// The backbone of a further mode.
-fn further_backbone(backbone: &BackboneCurve, columns: &mut ColumnStore) -> Series {
+pub(super) fn further_backbone(backbone: &BackboneCurve, columns: &mut ColumnStore) -> Series {
     Series {
         x: vec![columns.add(backbone.omega.clone())],
         y: columns.add_all(&backbone.amplitude),

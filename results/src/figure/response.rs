@@ -4,7 +4,7 @@ use super::axis::largest;
 use super::bands::bands;
 use super::column_store::{ColumnStore, Ref};
 use super::data::{Axis, Detail, Entry, Figure, Format, Kind, Label, Panel, Series, Side, Size};
-use super::references::{BACKBONE, backbone_series, further_backbones, gap_label, gaps};
+use super::references::{backbone_series, further_backbone, further_within, gap_label, gaps};
 use super::smooth::smooth;
 use super::stability::Marking;
 use super::style::{BOLD, Color, FINE, MARK, MEDIUM, Shape, Style, THIN};
@@ -60,11 +60,8 @@ pub fn figure(
     let panel = &mut figure.panels[0];
     let axes = (panel.x[0].clone(), panel.y.clone());
     let series = &mut panel.series;
-    let further = further_backbones(subject, (&axes.0, &axes.1), columns);
-    if let Some(entry) = figure.legend.iter_mut().find(|entry| entry.text == BACKBONE && !further.is_empty()) {
-        entry.text += "s";
-    }
-    series.extend(further);
+    let further = further_within(subject, (&axes.0, &axes.1));
+    series.extend(further.map(|further| further_backbone(further, columns)));
     // What a lower level has lies inside of what a higher one has.
     let mut order: Vec<usize> = (0..subject.branches.len()).collect();
     order.sort_by_key(|&i| std::cmp::Reverse(subject.branches[i].level));
@@ -117,11 +114,13 @@ impl<'r> Outline<'r> {
 
     /// The figure with the backbone alone.
     pub fn figure(&self, backbone: Option<&BackboneColumns>) -> Figure {
+        let (across, up) = (self.frequencies(), self.amplitudes());
+        let backbones = backbone.map_or(0, |_| 1 + further_within(self.subject, (&across, &up)).count());
         let panel = Panel {
             about: "Forced response: amplitude over frequency. Arrow keys go from point to point, Enter selects one.",
             size: Size::Tall,
-            x: vec![self.frequencies()],
-            y: self.amplitudes(),
+            x: vec![across],
+            y: up,
             series: backbone.map(backbone_series).unwrap_or_default(),
             spans: gaps(self.subject.monitors).into_iter().collect(),
             labels: self.labels(),
@@ -134,7 +133,7 @@ impl<'r> Outline<'r> {
             columns: 1,
             choice: "Amplitude of",
             linked_x: false,
-            legend: self.legend(backbone.is_some()),
+            legend: self.legend(backbones),
             panels: vec![panel],
         }
     }
@@ -193,7 +192,7 @@ impl<'r> Outline<'r> {
         Axis { whole, ..Axis::of_frequencies(range) }
     }
 
-    fn legend(&self, has_backbone: bool) -> Vec<Entry> {
+    fn legend(&self, backbones: usize) -> Vec<Entry> {
         let color = self.colors.last().copied().unwrap_or_default();
         let has = |kind: BranchKind| self.branches.iter().any(|branch| branch.kind == kind.name());
         let marked = |wanted| {
@@ -211,6 +210,7 @@ impl<'r> Outline<'r> {
             (has(BranchKind::Branched), "branches off another", line, Style::line(color, MEDIUM)),
             (has(BranchKind::Unfinished), "unfinished", line, Style::line(color, BOLD)),
         ];
+        let backbone = if backbones > 1 { "backbones" } else { "backbone" };
         let others = [
             (
                 self.branches.iter().any(|branch| branch.beyond.iter().any(Beyond::is_shown)),
@@ -218,7 +218,7 @@ impl<'r> Outline<'r> {
                 Kind::Band,
                 Style::area(color),
             ),
-            (has_backbone, BACKBONE, line, Style::line(Color::Soft, FINE).with_dash(1)),
+            (backbones > 0, backbone, line, Style::line(Color::Soft, FINE).with_dash(1)),
             (marked(SpecialKind::Peak), "peak", line, mark(SpecialKind::Peak, color)),
             (marked(SpecialKind::Fold), "fold", line, mark(SpecialKind::Fold, color)),
         ];

@@ -78,8 +78,8 @@ fn more_points(curves: &[String]) -> String {
     let keys: Vec<&str> = keys.into_iter().filter(|(what, _)| short(what)).map(|(_, key)| key).collect();
     match keys[..] {
         [] => String::new(),
-        [key] => format!(" ({key} allows more points)"),
-        _ => format!(" ({} allow more points)", keys.join(" and ")),
+        [key] => format!("; {key} allows more points"),
+        _ => format!("; {} allow more points", keys.join(" and ")),
     }
 }
 

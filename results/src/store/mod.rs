@@ -154,7 +154,7 @@ impl Store {
     /// Removes what [`Store::create`] made in a folder, of a run that holds nothing.
     pub fn discard(dir: &Path) {
         // Missing is as good as removed.
-        for file in [FILE, "run.sqlite-wal", "run.sqlite-shm", LOCK] {
+        for file in [FILE.to_string(), format!("{FILE}-wal"), format!("{FILE}-shm"), LOCK.to_string()] {
             let _ = fs::remove_file(dir.join(file));
         }
     }

@@ -45,8 +45,8 @@ impl<'r> Rows<'r> {
     fn peak(&self, row: &BranchRow) -> String {
         let Units { length, frequency } = self.units;
         let omega = row.omega_at_max;
-        let is_bound = |bound: &f64| (omega - bound).abs() <= BESIDE * bound;
-        let is_cut = !row.at_least().is_empty() && self.given.min.iter().chain(&self.given.max).any(is_bound);
+        let FrequencySettings { min, max } = self.given;
+        let is_cut = !row.at_least().is_empty() && (is_at(omega, min) || is_at(omega, max));
         let bound = if is_cut { " (bound)" } else { "" };
         format!("{}{} at {}{bound}", row.at_least(), length.digits(row.amplitude_max), frequency.digits(omega))
     }
@@ -96,10 +96,8 @@ impl<'r> Rows<'r> {
             kind if kind == BranchKind::Branched.name() => &format!("; {}", self.lesser.than("what it branches off")),
             _ => "; whether it is detached is not known",
         };
-        if let Some(bounds) = self.cut_at(row) {
-            let mark = self
-                .notes
-                .mark(format!("both ends leave through {bounds}: whether it is closed is seen with wider bounds"));
+        if let Some(cut) = self.cut_at(row) {
+            let mark = self.notes.mark(format!("{cut}: whether it is closed is seen with wider bounds"));
             return format!("{}: {range}, {peak}{mark}", row.kind);
         }
         // `open` is the name of a kind as well.
@@ -108,15 +106,17 @@ impl<'r> Rows<'r> {
         format!("{}: {range}, {peak}{mark}", row.kind)
     }
 
-    /// The bounds of the frequency that cut a branch off at both ends, as far as they were given.
+    /// By which bounds of the frequency that were given both ends of a branch are cut off, if they are.
     fn cut_at(&self, row: &BranchRow) -> Option<String> {
         let FrequencySettings { min, max } = self.given;
-        let is_at = |omega: f64, bound: Option<f64>| bound.is_some_and(|bound| (omega - bound).abs() <= BESIDE * bound);
         let low = is_at(row.omega.0, min).then_some("frequency.min");
         let high = is_at(row.omega.1, max).then_some("frequency.max");
-        let bounds: Vec<&str> = low.into_iter().chain(high).collect();
-        let is_cut = row.kind == BranchKind::Cut.name() && row.status.matches("frequency bound").count() == 2;
-        (is_cut && !bounds.is_empty()).then(|| bounds.join(" and "))
+        let both_through = |bound: &str| format!("both ends leave through {bound}");
+        let how = match (low, high) {
+            (Some(low), Some(high)) => Some(format!("leaves through {low} and {high}")),
+            (one, other) => one.or(other).map(both_through),
+        };
+        how.filter(|_| row.kind == BranchKind::Cut.name() && row.status.matches("frequency bound").count() == 2)
     }
 
     /// In how many windows their seeds led to a branch, of how many, and what is missing of the level.
@@ -155,4 +155,9 @@ impl<'r> Rows<'r> {
         lines.extend((results > 0).then(|| format!("{results} doubtful{}", self.notes.mark(contradicted()))));
         lines.join("\n")
     }
+}
+
+/// Whether a frequency is a bound.
+fn is_at(omega: f64, bound: Option<f64>) -> bool {
+    bound.is_some_and(|bound| (omega - bound).abs() <= BESIDE * bound)
 }

@@ -102,6 +102,9 @@ fn doubled<'m, F: Formulation<'m>>(
     branch: &Branch,
     observer: &mut Observer<'_>,
 ) -> Option<Doubled> {
+    if is_highest_where_it_branches_off(branch) {
+        return None;
+    }
     let unknown = Unknown::Frequency { forcing: branch.forcing };
     let scales = Scales::new(model, settings.tracked(model));
     let mut problem = F::build(model, settings.harmonics.doubled(), settings.tracked(model), unknown, scales).ok()?;
@@ -111,9 +114,6 @@ fn doubled<'m, F: Formulation<'m>>(
         let curve = (points.as_slice(), branch.is_closed());
         maximum_near(&mut problem, settings.continuation, curve, top, measure, observer)
     };
-    if is_highest_where_it_branches_off(branch) {
-        return None;
-    }
     let peak = maximum(&|point| point.amplitude())?;
     let mut end = |sign: f64| maximum(&|point| sign * point.omega()).map(|point| point.omega());
     let range = if branch.is_closed() { end(-1.0).zip(end(1.0)) } else { None };
