@@ -61,7 +61,8 @@ fn no_search_no_folds() {
 /// The distributed sweep finds what the solver finds in one piece.
 #[test]
 fn the_same_as_the_solver_alone() {
-    let mut system = System::sweep_with(DAMPER, &[LEVELS, &["--workers", "2", "--verify", "none"]].concat());
+    let quick = ["--workers", "2", "--search", "none", "--verify", "none"];
+    let mut system = System::sweep_with(DAMPER, &[LEVELS, &quick].concat());
     system.expect_complete();
     let study = coordinator::study::Study::load(&tests::repository(DAMPER), &[], Some(LEVELS[1])).unwrap();
     let backbone = solver::response::backbone::Backbone::compute(&study.model, &study.settings).unwrap();
@@ -90,7 +91,8 @@ fn curves_that_stop_before_their_ends() {
     ] {
         let run = folder.path().join(name).display().to_string();
         let workers = ["--workers", "2"];
-        let sweep = ["sweep", &study, "--out", &run, "--amplitudes", "0.004", "--set", key, "--verify", "none"];
+        let quick = ["--search", "none", "--verify", "none"];
+        let sweep = [&["sweep", &study, "--out", &run, "--amplitudes", "0.004", "--set", key][..], &quick].concat();
         let sweep = [&sweep[..], &workers].concat();
         for arguments in [sweep, [&["resume", &run][..], &workers].concat()] {
             let output = isola(&arguments);

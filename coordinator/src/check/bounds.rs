@@ -4,6 +4,7 @@ use super::work::driven;
 use crate::study::Study;
 use results::overview::is_within;
 use results::words::{digits, number, times};
+use solver::response::modes::ModesFollowed;
 use std::f64::consts::TAU;
 
 /// Bounds nearer to a resonance than so many of its half-widths ζω cut it: there it has a fifth of its height.
@@ -15,7 +16,23 @@ const ORDERS: usize = 3;
 
 /// Sentences about bounds that are probably not meant.
 pub(super) fn warnings(study: &Study) -> Vec<String> {
-    hertz(study).into_iter().chain(flanks(study)).collect()
+    hertz(study).into_iter().chain(flanks(study)).chain(out_of_reach(study)).collect()
+}
+
+/// That none of the modes that the force drives is followed, since they are beyond what is looked at without bounds.
+fn out_of_reach(study: &Study) -> Option<String> {
+    let (given, m) = (study.settings.frequency, study.model.forcing().harmonic);
+    let followed = ModesFollowed::choose(&study.model, &study.settings).followed;
+    let driven = driven(&study.model);
+    let nearest = *driven.first()?;
+    (given.min.is_none() && given.max.is_none() && !driven.iter().any(|mode| followed.contains(mode))).then(|| {
+        format!(
+            "the force drives none of the modes that are followed: its first resonance, of mode {} at {} rad/s, is out of reach; give \
+             frequency.min and frequency.max about it",
+            nearest + 1,
+            number(study.model.modes().frequencies[nearest] / m as f64)
+        )
+    })
 }
 
 /// What a sweep notes of bounds that may well be meant: nothing resonates between them, of no order that is looked at.

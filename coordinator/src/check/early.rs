@@ -47,6 +47,7 @@ pub(super) fn warnings(study: &Study, touch: Option<&FirstTouch<'_>>) -> Vec<Str
     list.extend(negative_damping(&study.model).or_else(|| indefinite_damping(&study.model)));
     list.extend(nothing_nonlinear(&study.model));
     list.extend(nothing_driven(&study.model));
+    let touch = touch.filter(|touch| touch.left_out.is_empty());
     list.extend(touch.and_then(|touch| nothing_touches(study, touch)));
     list.extend(touch.filter(|_| units.is_none()).and_then(|touch| far_beyond(study, touch)));
     list.extend(epsilon_ratios(&study.model).and_then(epsilon));

@@ -31,6 +31,8 @@ pub(super) struct FirstTouch<'m> {
     pub place: Place,
     /// At which frequency, rad/s.
     pub omega: f64,
+    /// Elements that act on small motions and are left out here.
+    pub left_out: Vec<&'m str>,
 }
 
 /// What stands out among the frequencies.
@@ -45,16 +47,19 @@ pub(super) enum Place {
 impl std::fmt::Display for FirstTouch<'_> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let (forcing, omega) = (number(self.forcing), number(self.omega));
+        let names: Vec<String> = self.left_out.iter().map(|name| format!("`{name}`")).collect();
+        let linear = if names.is_empty() {
+            "in the linear response (isolas may touch much earlier)".into()
+        } else {
+            format!("in the response of the matrices alone; with {} it may be much earlier or later", names.join(", "))
+        };
         write!(f, "from A = {forcing} on, {} first, ", self.name)?;
         match self.place {
-            Place::Resonance(mode) => write!(f, "at {omega} rad/s, at the resonance of mode {}, {LINEAR}", mode + 1),
-            Place::Bound => write!(f, "at the bound {omega} rad/s, {LINEAR}, here and at resonances"),
+            Place::Resonance(mode) => write!(f, "at {omega} rad/s, at the resonance of mode {}, {linear}", mode + 1),
+            Place::Bound => write!(f, "at the bound {omega} rad/s, {linear}, here and at resonances"),
         }
     }
 }
-
-/// What isolas have to do with it.
-const LINEAR: &str = "in the linear response (isolas may touch much earlier)";
 
 /// Where contacts and elastic stops touch first, the forcing growing, in the linear response at its bounds and about the resonances of
 /// the modes that are followed and driven. `None` if nothing has a gap, or where the linear response has no bound.
@@ -94,7 +99,7 @@ pub(super) fn first_touch<'s>(study: &'s Study, followed: &[usize]) -> Option<Fi
     let bounds = [min, max].into_iter().flatten().map(|omega| (Place::Bound, omega));
     let touches = about.chain(bounds).filter_map(|(place, omega)| {
         let (forcing, name) = at(omega)?;
-        Some(FirstTouch { forcing, name, place, omega })
+        Some(FirstTouch { forcing, name, place, omega, left_out: acting_at_rest(model) })
     });
     touches.min_by(|a, b| a.forcing.total_cmp(&b.forcing))
 }
@@ -119,6 +124,12 @@ pub(super) fn pressed_at_rest(model: &Model) -> impl Iterator<Item = (&Element, 
         LawKind::PenaltySpring(spring) if spring.gap < 0.0 => Some((element, spring.gap)),
         _ => None,
     })
+}
+
+/// Elements that act on the smallest motions: joints that stick, friction, linear terms.
+fn acting_at_rest(model: &Model) -> Vec<&str> {
+    let acts = |law: &LawKind| law.clearance().is_none() && (law.stiffness_bound() > 0.0 || law.damping_bound() > 0.0);
+    model.elements().iter().filter(|element| acts(&element.law)).map(|element| element.name.as_str()).collect()
 }
 
 /// What touches first at a frequency, and from which forcing on.

@@ -62,7 +62,7 @@ pub(super) const NUMERICS: &[Key] = &[
         kind: Whole(Range::within(4.0, 1_048_576.0)),
         default: Value("512"),
         unit: "",
-        meaning: "Instants a period at which laws that do not switch are evaluated, at least 4 H.",
+        meaning: "Instants a period at which laws that do not switch are evaluated, at least 4 H; polynomials, which need fewer, at fewer.",
         example: "1024",
     },
     Key {

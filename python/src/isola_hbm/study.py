@@ -42,6 +42,9 @@ _WORDS = {
     r"write \[([\w.]+)\] and its keys below, or \S+ = value": r"give a dict of its keys, as \1={…}",
 }
 
+#: Sections of which a text alone is the effort.
+EFFORTS = ("search", "verify")
+
 #: Folder of a model made in Python, beside its study.
 MODEL = "model"
 
@@ -58,7 +61,7 @@ def options(amplitudes: Amplitudes | None, workers: int | None, settings: dict[s
         if not isinstance(workers, numbers.Integral) or workers < 0:
             raise BadStudy(f"workers = {workers!r}: a number of processes is needed, 0 or more")
         command += ["--workers", str(workers)]
-    for name in ("search", "verify"):
+    for name in EFFORTS:
         if isinstance(settings.get(name), str):
             command.append(f"--{name}={settings.pop(name)}")
     try:
@@ -96,11 +99,13 @@ def _shortest(value: float) -> str:
     return text if float(text) == value else repr(value)
 
 
-def write(folder: Path, model: str, amplitudes: Amplitudes) -> Path:
+def write(folder: Path, model: str, amplitudes: Amplitudes, settings: Mapping[str, Any] | None = None) -> Path:
     """The file of a study in `folder`, of a model whose folder is named as seen from there."""
-    file = folder / "study.toml"
-    levels = toml.literal(typed(amplitudes))
-    file.write_text(f"model = {toml.literal(model)}\namplitudes = {levels}\n", encoding="utf-8")
+    file, given = folder / "study.toml", settings or {}
+    efforts = {name: {"effort": given[name]} for name in EFFORTS if isinstance(given.get(name), str)}
+    lines = [f"model = {toml.literal(model)}", f"amplitudes = {toml.literal(typed(amplitudes))}"]
+    lines += [f"{key} = {value}" for key, value in toml.dotted({**given, **efforts})]
+    file.write_text("\n".join(lines) + "\n", encoding="utf-8")
     return file
 
 

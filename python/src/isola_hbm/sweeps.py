@@ -89,6 +89,7 @@ def sweep(
             f" isola_hbm.resume({str(folder)!r}) goes on with the run, isola_hbm.extend({str(folder)!r}, amplitudes) adds levels to it"
         )
     study.require_meant(settings, ("amplitudes", "out", "workers", "progress"))
+    written = dict(settings)
     options = study.options(amplitudes, workers, settings)
     program.find()
     if file := next(
@@ -96,7 +97,7 @@ def sweep(
     ):
         raise FolderInUse(f"{file}: a file, where the folder of the run is to be; name another folder")
     is_new = not folder.exists()
-    file = _study(model, folder, amplitudes)
+    file = _study(model, folder, amplitudes, written)
     said, code = _heard(["sweep", str(file), "--out", str(folder), *options], show := shown(progress))
     if code not in _ENDED:
         if is_new and not (folder / FILE).exists():
@@ -219,7 +220,9 @@ def _new_folder(model: Model | str | os.PathLike[str]) -> Path:
     return folder
 
 
-def _study(model: Model | str | os.PathLike[str], folder: Path, amplitudes: Amplitudes | None) -> Path:
+def _study(
+    model: Model | str | os.PathLike[str], folder: Path, amplitudes: Amplitudes | None, settings: dict[str, Any]
+) -> Path:
     """The file of the study: of a model that has none, a new one beside its run."""
     if not isinstance(model, Model):
         path = Path(model)
@@ -229,7 +232,7 @@ def _study(model: Model | str | os.PathLike[str], folder: Path, amplitudes: Ampl
         raise BadModel(f"{model}: no study; give amplitudes, as in sweep(model, amplitudes=[20, 60])")
     folder.mkdir(parents=True, exist_ok=True)
     at = model.save(folder / study.MODEL, overwrite=True) if isinstance(model, Model) else path
-    return study.write(folder, os.path.relpath(at, folder), amplitudes)
+    return study.write(folder, os.path.relpath(at, folder), amplitudes, settings)
 
 
 def _heard(arguments: Sequence[str], show: Callable[[str], None]) -> tuple[list[str], int]:

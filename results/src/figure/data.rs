@@ -311,6 +311,8 @@ pub enum Side {
     Below,
     /// On the right.
     Right,
+    /// On the right, at the same height: where labels of several points lie one above the other.
+    Level,
 }
 
 /// The one that is chosen among several, or the only one.

@@ -27,6 +27,8 @@ const ABOVE: [(f64, f64); 8] =
     [(0.0, -1.0), (1.0, -1.0), (-1.0, -1.0), (1.0, 0.0), (-1.0, 0.0), (1.0, 1.0), (-1.0, 1.0), (0.0, 1.0)];
 const BESIDE: [(f64, f64); 8] =
     [(1.0, -1.0), (1.0, 1.0), (1.0, 0.0), (-1.0, -1.0), (-1.0, 1.0), (-1.0, 0.0), (0.0, -1.0), (0.0, 1.0)];
+const LEVEL: [(f64, f64); 8] =
+    [(1.0, 0.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 0.0), (-1.0, -1.0), (-1.0, 1.0), (0.0, -1.0), (0.0, 1.0)];
 
 /// How large a panel and its texts are, px.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -119,6 +121,7 @@ impl Room {
             Side::Above => ABOVE,
             Side::Below => ABOVE.map(|(right, down)| (right, -down)),
             Side::Right => BESIDE,
+            Side::Level => LEVEL,
         };
         let near = DISTANCES.iter().filter(|(distance, _)| *distance < self.reach);
         let spots = near.flat_map(|&(distance, penalty)| {

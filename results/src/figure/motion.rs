@@ -194,7 +194,8 @@ fn shapes(nodes: &[Node]) -> Panel {
         of_all(Quantity::Shapes, Style::line(Color::Shade, THIN), Some(count)),
         of_all(Quantity::Shape, Style::line(Color::Category(1), BOLD).with_marker(Shape::Circle, MARK, false), None),
     ];
-    panel("Shape at instants of the period", x, "displacement", series)
+    // A label that has to stand away from its shape is led to it.
+    Panel { has_leaders: true, ..panel("Shape at instants of the period", x, "displacement", series) }
 }
 
 /// Labels of the shapes beside their last node.
@@ -207,7 +208,7 @@ fn instants(x: &[f64], y: &[f64], nodes: usize) -> Vec<Label> {
             y: vec![y.get(place).copied()],
             color: Color::Soft,
             level: None,
-            side: Side::Right,
+            side: Side::Level,
         }
     };
     let drawn = if nodes < CROSSING { 2 } else { 1 };

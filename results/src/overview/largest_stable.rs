@@ -45,7 +45,10 @@ pub fn largest_stable_sentence(
     let is_whole =
         |row: &BranchRow| row.stability.as_ref().is_some_and(|known| known.is_whole && known.sampled.is_none());
     let among = if branches.into_iter().all(is_whole) { "" } else { ", of the points that were marched" };
-    Some(format!("Largest response found stable{among}: {size}, on {on} at A = {} and {at}.", largest.level.amplitude))
+    Some(format!(
+        "Largest periodic response found stable{among}: {size}, on {on} at A = {} and {at}.",
+        largest.level.amplitude
+    ))
 }
 
 #[cfg(test)]
@@ -80,7 +83,7 @@ mod tests {
     fn it_is_told_wherever_it_is() {
         let rows = [("main", 2.1, 1.4), ("isola", 21.2, 8.7), ("branched", 20.1, 20.1)];
         let levels = [level("10", &rows[..2], "unstable"), level("14", &rows, "unstable")];
-        let expected = "Largest response found stable: 20.1 m, on branched 1 at A = 14 and 7 rad/s.";
+        let expected = "Largest periodic response found stable: 20.1 m, on branched 1 at A = 14 and 7 rad/s.";
         assert_eq!(told(&levels).unwrap(), expected);
         // What was not marched may be stable too.
         let mut sampled = levels.clone();

@@ -187,13 +187,13 @@ impl<'r> Evidence<'r> {
         list.extend(sampled(self.levels));
         list.extend(self.largest().map(|(_, largest)| self.stability_of_peak(largest)));
         list.extend(self.largest_stable());
+        list.extend(motions::sentences(self.motions, Units::default(), self.is_further));
         let is_untouched = self.structure.stops > 0 && is_untouched(self.levels);
         list.extend(is_untouched.then(|| UNTOUCHED.into()));
         list.extend(self.others());
         list.extend(self.not_found());
         list.extend(unknown_beyond(self));
         list.extend(truncation(self.levels, self.harmonics, self.least_added));
-        list.extend(motions::sentences(self.motions, Units::default(), self.is_further));
         list
     }
 

@@ -5,7 +5,7 @@ mod error;
 
 use crate::curve::continuation::Continuation;
 use crate::curve::extrema::{insert_maxima, locate_maximum};
-use crate::curve::problem::Failure;
+use crate::curve::problem::{Failure, norm};
 use crate::curve::walk::{Bounds, relative_distance, walk, walk_both};
 use crate::formulation::linear;
 use crate::formulation::pressure::PressureForm;
@@ -249,7 +249,8 @@ impl Backbone {
             if !is_alike || !is_within(problem, &first, bounds) {
                 return None;
             }
-            Self::both_ways(problem, settings, first, bounds, observer).ok()
+            let rest = norm(problem.motion_metric(), &problem.encode(start));
+            Self::both_ways(problem, settings, first, bounds, rest, observer).ok()
         })
     }
 
@@ -268,20 +269,25 @@ impl Backbone {
         let mut problem: PressureForm<'_> = system(model, settings, BackboneEquation::PhaseResonance)?;
         let y = problem.encode(near);
         let bounds = Bounds { closes: true, ..bounds(settings, problem.scales()) };
-        Self::both_ways(&mut problem, settings, y, &bounds, observer)
+        Self::both_ways(&mut problem, settings, y, &bounds, 0.0, observer)
             .map_err(|failure| BackboneError::Resonance { omega: near.omega, failure })
     }
 
-    /// The curve through a state near it, towards larger motions and towards smaller ones.
+    /// The curve through a state near it, towards larger motions and towards smaller ones, down to motions of size `rest` in the metric
+    /// of motions: on the other side of rest are the same ones, half a period later.
     fn both_ways<'m, F: Formulation<'m>>(
         problem: &mut F,
         settings: &Settings,
         y: Vec<f64>,
         bounds: &Bounds,
+        rest: f64,
         observer: &mut Observer<'_>,
     ) -> Result<Self, Failure> {
         let direction = problem.growth(&y);
-        let walked = walk_both(problem, y, &direction, &settings.continuation, bounds, observer, &mut |_, _| None)?;
+        let mut ending = |problem: &mut F, last: &TracedPoint| {
+            (norm(problem.motion_metric(), &last.curve.y) < rest).then_some(Stop::Start)
+        };
+        let walked = walk_both(problem, y, &direction, &settings.continuation, bounds, observer, &mut ending)?;
         let first = walked.visited[walked.start].curve.clone();
         let mut continuation = Continuation::start(problem, first.y, &first.tangent, settings.continuation)?;
         let backbone = Self::assemble(&mut continuation, settings, walked.visited, walked.outcome);

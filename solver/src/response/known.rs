@@ -4,6 +4,7 @@ use crate::formulation::Formulation;
 use crate::formulation::state::State;
 use crate::response::branch::{Branch, BranchKind, Outcome, SpecialKind, Stop};
 use crate::response::forced::Forced;
+use crate::response::meeting::passes_through;
 use crate::response::name::BranchId;
 
 /// A curve along a main branch is another one only if it is higher by more than this, relative.
@@ -18,13 +19,17 @@ const SAME_PEAK: f64 = 1e-3;
 /// Places along a branch that are looked at where something breaks off.
 const PLACES: usize = 24;
 
-/// A new branch, of the kind that it has in view of those known: a piece of a main branch is main, and as long as a known branch
+/// A new branch, of the kind that it has in view of those known: a closed curve that passes through a main branch branches off it, a
+/// piece of a main branch is main, and as long as a known branch
 /// goes on where it ends, nobody knows whether an open curve is detached from it.
 pub(super) fn named<'m, F: Formulation<'m>>(
     forced: &mut Forced<'m, F>,
     branch: Branch,
     known: &[(BranchId, &Branch)],
 ) -> Branch {
+    if branch.is_closed() && known.iter().any(|(id, main)| id.is_main() && passes_through(forced, &branch, main)) {
+        return Branch { kind: BranchKind::Branched, ..branch };
+    }
     if branch.is_cancelled() || branch.is_closed() || branch.is_branched() {
         return branch;
     }

@@ -22,6 +22,7 @@ pub mod interrupt;
 mod known;
 pub mod level;
 pub mod marched;
+mod meeting;
 pub mod melnikov;
 pub mod modes;
 pub mod name;

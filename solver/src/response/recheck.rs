@@ -146,8 +146,12 @@ impl<'m> Recheck<'m> {
         }
         self.forced(states, forcing)?;
         finite(points)?;
-        if (branch.kind == BranchKind::Isola) != branch.is_closed() {
-            return Err(Refutation::Whole("an isola is closed, and a closed branch an isola"));
+        if match branch.kind {
+            BranchKind::Isola => !branch.is_closed(),
+            BranchKind::Branched => false,
+            _ => branch.is_closed(),
+        } {
+            return Err(Refutation::Whole("an isola is closed, and a closed branch an isola or branched"));
         }
         if !is_finite(&branch.certificate) {
             return Err(Refutation::Whole("what is said of the harmonics left out is not finite"));

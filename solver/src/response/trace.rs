@@ -14,7 +14,7 @@ use crate::response::scout::scout;
 use crate::response::seeds::{Landing, LandingFailure, land_all};
 use crate::response::starts;
 use crate::response::symmetry::parents;
-use crate::response::task::{CrossingPlace, SeedOutcome, Task, TaskResult};
+use crate::response::task::{CrossingPlace, SeedOutcome, SeedPlace, Task, TaskResult};
 use std::ops::ControlFlow;
 
 /// Relative distance of a response from where it is looked for, up to which it is that.
@@ -36,7 +36,7 @@ pub fn execute<'m, F: Formulation<'m>>(
             |failure| TaskResult::Nothing(SeedOutcome::NotLanded(LandingFailure::NotConverged(failure))),
             |landings| landed(forced, landings),
         ),
-        Task::Seed(_) => follow(forced, landings, known, observer),
+        Task::Seed(place) => follow(forced, place, landings, known, observer),
         Task::Fold(_) | Task::Carry(_) => return follow_over_forcing(forced, task, given, observer),
         Task::Crossing(place) => cross(forced, place, given, observer),
         Task::Start(place) => starts::land(forced, place).map_or_else(
@@ -280,6 +280,7 @@ fn ends_ordinarily<'m, F: Formulation<'m>>(forced: &mut Forced<'m, F>, branch: &
 /// Traces the branch through the first landing that lies on no known one.
 fn follow<'m, F: Formulation<'m>>(
     forced: &mut Forced<'m, F>,
+    place: &SeedPlace,
     landings: &[Landing],
     known: &[(BranchId, &Branch)],
     observer: &mut Observer<'_>,
@@ -289,7 +290,7 @@ fn follow<'m, F: Formulation<'m>>(
     for landing in landings {
         // What is not known yet is what seeds are for, wherever it lies.
         let outcome = match identify(forced, &landing.state, known) {
-            Some(id) if landing.is_near() => SeedOutcome::Found(id),
+            Some(id) if landing.is_near() || (id.is_main() && place.is_of_main(landing)) => SeedOutcome::Found(id),
             Some(_) => SeedOutcome::NotLanded(LandingFailure::Far(landing.distance)),
             None if forced.contains(&landing.state) => match forced.branch_through(&landing.state, observer) {
                 Ok(branch) => {

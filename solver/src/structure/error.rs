@@ -314,8 +314,10 @@ impl ModelError {
     }
 }
 
-/// Similarity of a name with a known one, or with the last part of a known dotted key, which a letter is like no word.
+/// Similarity of a name with a known one, or of the last parts of dotted keys, which a letter is like no word; what stands before tells
+/// keys of the same last part apart.
 fn similarity(name: &str, known: &str) -> f64 {
-    let last = known.rsplit('.').next().filter(|last| last.len() > 1).unwrap_or(known);
-    strsim::jaro_winkler(name, known).max(strsim::jaro_winkler(name, last))
+    let last = |key| str::rsplit(key, '.').next().filter(|last| last.len() > 1).unwrap_or(key);
+    let (whole, parts) = (strsim::jaro_winkler(name, known), strsim::jaro_winkler(last(name), last(known)));
+    whole.max(0.9 * parts + 0.1 * whole)
 }

@@ -1,9 +1,10 @@
 //! Backbones that are followed as far as the forcing needs.
 
 use crate::support::study::{Kind, Study, of_kind, with_harmonics};
-use solver::laws::{PolynomialSpring, Term};
+use solver::laws::{PenaltySpring, PolynomialSpring, TanhFriction, Term};
 use solver::response::modes::Backbones;
 use solver::{Backbone, Model};
+use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 use std::sync::atomic::AtomicBool;
 
@@ -50,4 +51,31 @@ fn an_isola_beyond_where_backbones_end_by_themselves() {
     });
     let nearest = amplitudes.map(|amplitude| (amplitude / 0.29152 - 1.0).abs()).fold(f64::INFINITY, f64::min);
     assert!(nearest < 2e-3, "{nearest:.1e}");
+}
+
+/// A frame whose arm friction holds at rest: no backbone begins there, and the one that is found among larger motions ends there, instead
+/// of going on along the same motions half a period later.
+#[test]
+fn a_backbone_ends_where_it_comes_to_rest() {
+    let (frame, arm) = (8.0 * (TAU * 12.0).powi(2), 0.4 * (TAU * 11.0).powi(2));
+    let model = Model::builder("frame and arm")
+        .dofs(["frame", "arm"])
+        .mass([[8.0, 0.0], [0.0, 0.4]])
+        .stiffness([[frame + arm, -arm], [-arm, arm]])
+        .damping_matrix([[2.5, -1.0], [-1.0, 1.0]])
+        .force("frame", 1.0)
+        .monitor("arm")
+        .element("stop", PenaltySpring { stiffness: 2e4, gap: 0.003 }, [[("arm", -1.0), ("frame", 1.0)]])
+        .element("friction", TanhFriction { limit: 0.8, velocity: 0.01 }, [[("arm", 1.0), ("frame", -1.0)]])
+        .build()
+        .unwrap();
+    let mut settings = with_harmonics(5);
+    settings.backbone.max_amplitude = Some(0.02);
+    let backbone = Backbone::compute(&model, &settings).unwrap();
+    let amplitudes: Vec<f64> = backbone.points.iter().map(|point| point.point.amplitude()).collect();
+    let smallest = amplitudes.iter().copied().fold(f64::INFINITY, f64::min);
+    let largest = amplitudes.iter().copied().fold(0.0, f64::max);
+    assert!(largest > 0.01 && smallest < 1e-3 * largest, "{smallest:e} to {largest:e}");
+    let small = amplitudes.iter().position(|amplitude| *amplitude == smallest).unwrap();
+    assert!(small == 0 || small + 1 == amplitudes.len(), "it goes on beyond rest: {small} of {}", amplitudes.len());
 }

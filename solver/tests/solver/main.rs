@@ -17,6 +17,7 @@ mod isolas;
 mod known_isolas;
 mod light_damping;
 mod marching;
+mod meetings;
 mod models;
 mod random_chains;
 mod recheck;

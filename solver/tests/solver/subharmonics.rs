@@ -100,8 +100,8 @@ fn samples_tell_orders_apart_as_well() {
         main.points.iter().map(|point| share(&point.state)).fold(0.0, f64::max)
     };
     let as_given = Settings { harmonics: settings.harmonics, ..order.settings };
-    assert!(content(&as_given) > 1e-5, "the samples that were given tell them apart too");
-    assert!(content(&order.settings) < 1e-9);
+    // Also with samples that are not: harmonics that such a motion cannot have are left out of its forces.
+    assert!(content(&as_given) < 1e-9 && content(&order.settings) < 1e-9);
 }
 
 #[test]

@@ -73,7 +73,7 @@ impl Aft {
         rate: Rate,
         out: &mut ElementForce,
     ) {
-        let (c, harmonics) = (law.arguments(), self.transform.harmonics());
+        let (c, harmonics) = (law.arguments(), self.harmonics());
         let nc = width(harmonics);
         let (list, count) = targets(law);
         let list: &[Target] = &list[..count];

@@ -1,8 +1,8 @@
 //! Alternating frequency–time: from the harmonics of a law's arguments to those of its forces, with the exact Jacobian.
 //!
-//! Laws are evaluated on a uniform grid and transformed by FFT. By default those that switch are integrated between their
-//! switches instead: unilateral laws at the Gauss points of the arcs on which they act ([`crate::formulation::arcs`]),
-//! regularised friction at those of `panels.rs`, sliders by their phases (`slider.rs`).
+//! Laws are evaluated on a uniform grid, polynomials on one that is just fine enough for them, and transformed by FFT. By default
+//! those that switch are integrated between their switches instead: unilateral laws at the Gauss points of the arcs on which they act
+//! ([`crate::formulation::arcs`]), regularised friction at those of `panels.rs`, sliders by their phases (`slider.rs`).
 
 mod gauss;
 mod hysteresis;
@@ -10,6 +10,7 @@ mod hysteresis;
 mod limit_tests;
 mod samples;
 mod second;
+mod shape;
 
 use crate::formulation::arcs::{Coverage, positive_arcs};
 use crate::formulation::harmonics::{
@@ -22,6 +23,7 @@ use gauss::ArcWork;
 use num_complex::Complex64;
 pub use second::Along;
 use second::Basis;
+use shape::Shape;
 
 /// Harmonics of an element's forces and their derivatives. `c` arguments, nc = 2H + 1.
 #[derive(Debug, Clone, Default)]
@@ -47,7 +49,8 @@ pub struct Rate {
 
 /// Work space for the alternating frequency–time method.
 pub struct Aft {
-    transform: Transform,
+    /// Grids on which laws are sampled: the one that was set, and coarser ones for polynomials.
+    grids: Vec<Transform>,
     /// A grid just fine enough to find arcs and maxima, which are then refined.
     search: Transform,
     u: [Vec<f64>; MAX_ARGUMENTS],
@@ -59,6 +62,8 @@ pub struct Aft {
     quadrature: Quadrature,
     arcs: ArcWork,
     basis: Basis,
+    /// Whether what rounding makes of a force is left in it: see [`Aft::rounded`].
+    is_rounded: bool,
 }
 
 /// What the forces of a law are summed over.
@@ -90,7 +95,7 @@ impl Aft {
         let HarmonicSettings { count: harmonics, samples, quadrature } = truncation;
         let empty = || vec![0.0; samples];
         Self {
-            transform: Transform::new(harmonics, samples),
+            grids: vec![Transform::new(harmonics, samples)],
             search: Transform::new(harmonics, (8 * harmonics).next_power_of_two().max(64)),
             u: std::array::from_fn(|_| empty()),
             v: std::array::from_fn(|_| empty()),
@@ -101,7 +106,14 @@ impl Aft {
             quadrature,
             arcs: ArcWork::default(),
             basis: Basis::default(),
+            is_rounded: false,
         }
+    }
+
+    /// The same with all samples for all laws, and with what rounding makes of harmonics that a force has not. By that a backbone may
+    /// turn, where motions of less symmetry branch off, onto these, and come to responses that no other backbone leads to.
+    pub fn rounded(self) -> Self {
+        Self { is_rounded: true, ..self }
     }
 
     /// Where on the period a series exceeds `threshold`, to rounding.
@@ -118,7 +130,7 @@ impl Aft {
         match self.quadrature {
             Quadrature::Arcs => self.coverage(pressure, 0.0) != Coverage::Never,
             Quadrature::Samples => {
-                self.transform.synthesise(pressure, None, &mut self.u[0], &mut self.v[0]);
+                self.grids[0].synthesise(pressure, None, &mut self.u[0], &mut self.v[0]);
                 self.u[0].iter().any(|&p| p > 0.0)
             }
         }
@@ -131,7 +143,7 @@ impl Aft {
 
     /// Forces of `law` for `arguments` (c × nc) and their derivatives, into `out`.
     pub fn evaluate<L: Law>(&mut self, law: &L, arguments: &[f64], rate: Rate, out: &mut ElementForce) {
-        let (c, nc) = (law.arguments(), width(self.transform.harmonics()));
+        let (c, nc) = (law.arguments(), width(self.harmonics()));
         out.force.clear();
         out.force.resize(c * nc, 0.0);
         out.domega.clear();
@@ -144,18 +156,44 @@ impl Aft {
             Parts::Arcs(arcs) => {
                 self.evaluate_arcs(law, arguments, &arcs, rate, out);
                 out.arcs = arcs;
-                return;
             }
-            Parts::Panels(panels) => return self.evaluate_arcs(law, arguments, &panels, rate, out),
-            Parts::Slider(slider) => return self.evaluate_slider(slider, arguments, out),
-            Parts::Samples => {}
+            Parts::Panels(panels) => self.evaluate_arcs(law, arguments, &panels, rate, out),
+            Parts::Slider(slider) => self.evaluate_slider(slider, arguments, out),
+            Parts::Samples => {
+                let grid = self.grid_of(law);
+                self.sample_arguments(law, arguments, rate.omega, grid);
+                if law.has_memory() {
+                    self.evaluate_with_memory(law, rate, grid, out);
+                } else {
+                    self.evaluate_samples(law, rate, grid, out);
+                }
+            }
         }
-        self.sample_arguments(law, arguments, rate.omega);
-        if law.has_memory() {
-            self.evaluate_with_memory(law, rate, out);
-        } else {
-            self.evaluate_samples(law, rate, out);
+        if !self.is_rounded {
+            Shape::of(arguments, nc, law.is_odd()).impose(out, nc);
         }
+    }
+
+    fn harmonics(&self) -> usize {
+        self.search.harmonics()
+    }
+
+    /// The grid on which a law is sampled.
+    fn grid_of<L: Law>(&mut self, law: &L) -> usize {
+        let (samples, harmonics) = (self.samples_of(law), self.harmonics());
+        self.grids.iter().position(|grid| grid.samples() == samples).unwrap_or_else(|| {
+            self.grids.push(Transform::new(harmonics, samples));
+            self.grids.len() - 1
+        })
+    }
+
+    /// How many samples of the period a law is evaluated at: as many as were set, or fewer that are exact as well. Of a polynomial of
+    /// degree p the force has p H harmonics and its derivatives, of which 2H are needed, have (p − 1)H: with more than (p + 1)H
+    /// samples none of the others is taken for one that is needed, and with twice as many rounding averages out better.
+    fn samples_of<L: Law>(&self, law: &L) -> usize {
+        let (set, harmonics) = (self.grids[0].samples(), self.harmonics());
+        let enough = |degree: usize| 2 * ((degree + 1) * harmonics + 1).next_power_of_two();
+        law.degree().filter(|_| !self.is_rounded).map_or(set, |degree| enough(degree as usize).min(set))
     }
 
     /// What the forces of a law are summed over; `argument` is its first one.
@@ -173,7 +211,7 @@ impl Aft {
         } else if let Some(velocity) = law.turnover() {
             differentiate(argument, &mut self.slope[0]);
             let (slope, width) = (&self.slope[0], velocity / rate.omega);
-            let is_gentle = is_sampled_well(slope, width, self.transform.samples());
+            let is_gentle = is_sampled_well(slope, width, self.grids[0].samples());
             if is_gentle { Parts::Samples } else { Parts::Panels(panels(slope, width)) }
         } else if let Some(slider) = law.slider() {
             Parts::Slider(slider)
@@ -183,8 +221,8 @@ impl Aft {
     }
 
     /// Fills `u` and `v` with the samples the law needs.
-    fn sample_arguments<L: Law>(&mut self, law: &L, arguments: &[f64], omega: f64) {
-        let nc = width(self.transform.harmonics());
+    fn sample_arguments<L: Law>(&mut self, law: &L, arguments: &[f64], omega: f64, grid: usize) {
+        let nc = width(self.harmonics());
         let pattern = law.pattern();
         for j in 0..law.arguments() {
             let series = &arguments[j * nc..(j + 1) * nc];
@@ -194,7 +232,7 @@ impl Aft {
                 self.slope[0].iter_mut().for_each(|x| *x *= omega);
             }
             let slope = velocity.then_some(self.slope[0].as_slice());
-            self.transform.synthesise(series, slope, &mut self.u[j], &mut self.v[j]);
+            self.grids[grid].synthesise(series, slope, &mut self.u[j], &mut self.v[j]);
         }
     }
 

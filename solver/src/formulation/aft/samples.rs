@@ -5,12 +5,12 @@ use crate::formulation::harmonics::{self, width};
 use crate::structure::laws::{Before, Law};
 
 impl Aft {
-    pub(super) fn evaluate_samples<L: Law>(&mut self, law: &L, rate: Rate, out: &mut ElementForce) {
-        let (c, samples) = (law.arguments(), self.transform.samples());
+    pub(super) fn evaluate_samples<L: Law>(&mut self, law: &L, rate: Rate, grid: usize, out: &mut ElementForce) {
+        let (c, samples) = (law.arguments(), self.grids[grid].samples());
         let (targets, count) = targets(law);
         let targets = &targets[..count];
         while self.signals.len() < targets.len() + 1 {
-            self.signals.push(vec![0.0; samples]);
+            self.signals.push(vec![0.0; self.grids[0].samples()]);
         }
         let mut signals = std::mem::take(&mut self.signals);
         for n in 0..samples {
@@ -23,7 +23,7 @@ impl Aft {
         for (pair, target) in signals.chunks(2).zip(targets.chunks(2)) {
             let second = pair.get(1).unwrap_or(&pair[0]);
             let [first_spectrum, second_spectrum] = &mut self.spectra;
-            self.transform.analyse(&pair[0], second, first_spectrum, second_spectrum);
+            self.grids[grid].analyse(&pair[0], second, first_spectrum, second_spectrum);
             for (&target, spectrum) in target.iter().zip(&self.spectra) {
                 scatter(target, spectrum, c, rate.omega, out);
             }
@@ -33,9 +33,9 @@ impl Aft {
 
     /// Laws with memory: two passes round the period (the first one forgets the start), with the derivatives of the
     /// force at each instant carried along as rows over the argument's harmonics.
-    pub(super) fn evaluate_with_memory<L: Law>(&mut self, law: &L, rate: Rate, out: &mut ElementForce) {
+    pub(super) fn evaluate_with_memory<L: Law>(&mut self, law: &L, rate: Rate, grid: usize, out: &mut ElementForce) {
         debug_assert_eq!(law.arguments(), 1);
-        let (samples, nc) = (self.transform.samples(), width(self.transform.harmonics()));
+        let (samples, nc) = (self.grids[grid].samples(), width(self.harmonics()));
         let step = std::f64::consts::TAU / samples as f64;
         let mut basis = vec![0.0; nc];
         let mut basis_before = vec![0.0; nc];

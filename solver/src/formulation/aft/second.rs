@@ -129,7 +129,7 @@ impl Aft {
         along: Along<'_>,
         row: &mut [f64],
     ) -> f64 {
-        let harmonics = self.transform.harmonics();
+        let harmonics = self.harmonics();
         let nc = width(harmonics);
         let weights = along.weights.iter().enumerate().map(|(h, w)| if h % nc == 0 { *w } else { 2.0 * w }).collect();
         let bend = Bend { law, arguments, rate, along, weights };
@@ -159,7 +159,7 @@ impl Aft {
     }
 
     fn over_samples<L: Law>(&self, bend: &Bend<'_, L>, basis: &mut Basis, row: &mut [f64]) -> f64 {
-        let samples = self.transform.samples();
+        let samples = self.samples_of(bend.law);
         linalg::vectorised(
             #[inline(always)]
             || {
@@ -183,7 +183,7 @@ impl Aft {
         let mut by_omega = 0.0;
         for &(begin, end) in arcs {
             let (centre, half) = (0.5 * (begin + end), 0.5 * (end - begin));
-            let points = super::gauss::points(self.transform.harmonics(), half, bend.law);
+            let points = super::gauss::points(self.harmonics(), half, bend.law);
             let rule = self.arcs.rule(points).clone();
             by_omega += linalg::vectorised(
                 #[inline(always)]

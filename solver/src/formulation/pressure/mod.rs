@@ -124,7 +124,7 @@ impl<'m> PressureForm<'m> {
             phase: phase(unknown, &layout, tracked, &modal),
             condition: Condition::new(unknown, &layout),
             receptance: Receptance::new(model, harmonics, modal, unknown.is_damped()),
-            aft: Aft::new(truncation),
+            aft: if unknown.is_backbone() { Aft::new(truncation).rounded() } else { Aft::new(truncation) },
             forces: elements.iter().map(|_| ElementForce::default()).collect(),
             displacement: arguments.clone(),
             unknowns: Unknowns::default(),

@@ -177,6 +177,10 @@ pub trait Law {
     fn is_odd(&self) -> bool {
         false
     }
+    /// Degree of the forces as polynomials in the arguments and their derivatives; none if they are no polynomials.
+    fn degree(&self) -> Option<u32> {
+        None
+    }
     /// What a rigid contact is made of; none for a law that is a function of the motion.
     fn rigid(&self) -> Option<RigidContact<'_>> {
         None
@@ -299,6 +303,10 @@ impl Law for LawKind {
 
     fn is_odd(&self) -> bool {
         with_law!(self, law => law.is_odd())
+    }
+
+    fn degree(&self) -> Option<u32> {
+        with_law!(self, law => law.degree())
     }
 
     fn rigid(&self) -> Option<RigidContact<'_>> {

@@ -60,6 +60,10 @@ fn is_odd(terms: &[Term]) -> bool {
     terms.iter().all(|term| term.power % 2 == 1)
 }
 
+fn degree(terms: &[Term]) -> Option<u32> {
+    terms.iter().map(|term| term.power).max()
+}
+
 fn validate(terms: &[Term]) -> Result<(), ParameterError> {
     require("terms", "[]", !terms.is_empty(), "at least one term, like {power = 3, coefficient = 1}")?;
     for (index, &Term { power, coefficient }) in terms.iter().enumerate() {
@@ -81,6 +85,10 @@ impl Law for PolynomialSpring {
 
     fn is_odd(&self) -> bool {
         is_odd(&self.terms)
+    }
+
+    fn degree(&self) -> Option<u32> {
+        degree(&self.terms)
     }
 
     fn stiffness_bound(&self) -> f64 {
@@ -121,6 +129,10 @@ impl Law for PolynomialDamper {
 
     fn is_odd(&self) -> bool {
         is_odd(&self.terms)
+    }
+
+    fn degree(&self) -> Option<u32> {
+        degree(&self.terms)
     }
 
     fn stiffness_bound(&self) -> f64 {

@@ -51,7 +51,7 @@ fn what_can_settle_is_told() {
     for (isolas, expected) in cases {
         let said = danger(isolas);
         assert!(said.contains(expected), "{said}");
-        assert!(!said.contains("Largest response found stable"), "{said}");
+        assert!(!said.contains("Largest periodic response found stable"), "{said}");
         assert!(said.contains("; what leads there was not looked for (isola disturb does)."), "{said}");
     }
     for (peak, expected) in [
@@ -86,7 +86,7 @@ fn what_is_larger_than_isolas_is_told() {
     ];
     let all = told(&levels, |evidence| evidence.search = SearchCounts { hanging: 2, ..SearchCounts::default() });
     let settles = "Both isolas are stable in parts, where the structure can settle, on isolas up to 8 mm (isola 1 at A = 1) at 61 rad/s";
-    let largest = "Largest response found stable, of the points that were marched: 20 mm, on branched 1 at A = 2 and 61 rad/s (9.708 Hz).";
+    let largest = "Largest periodic response found stable, of the points that were marched: 20 mm, on branched 1 at A = 2 and 61 rad/s (9.708 Hz).";
     assert!(all[0].contains(settles) && all[0].contains(largest), "{}", all[0]);
     // Nothing over the forcing hangs on what is not followed if nothing is followed.
     assert!(!all[1].contains("branch off"), "{}", all[1]);
