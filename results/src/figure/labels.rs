@@ -27,8 +27,7 @@ const ABOVE: [(f64, f64); 8] =
     [(0.0, -1.0), (1.0, -1.0), (-1.0, -1.0), (1.0, 0.0), (-1.0, 0.0), (1.0, 1.0), (-1.0, 1.0), (0.0, 1.0)];
 const BESIDE: [(f64, f64); 8] =
     [(1.0, -1.0), (1.0, 1.0), (1.0, 0.0), (-1.0, -1.0), (-1.0, 1.0), (-1.0, 0.0), (0.0, -1.0), (0.0, 1.0)];
-const LEVEL: [(f64, f64); 8] =
-    [(1.0, 0.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 0.0), (-1.0, -1.0), (-1.0, 1.0), (0.0, -1.0), (0.0, 1.0)];
+const LEVEL: [(f64, f64); 3] = [(1.0, 0.0), (1.0, -1.0), (1.0, 1.0)];
 
 /// How large a panel and its texts are, px.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -118,10 +117,10 @@ impl Room {
     fn best(&self, point: Point, width: f64, side: Side) -> Option<Spot> {
         let (scale, height) = (self.field.text / TEXT, LINE * self.field.text);
         let directions = match side {
-            Side::Above => ABOVE,
-            Side::Below => ABOVE.map(|(right, down)| (right, -down)),
-            Side::Right => BESIDE,
-            Side::Level => LEVEL,
+            Side::Above => ABOVE.to_vec(),
+            Side::Below => ABOVE.map(|(right, down)| (right, -down)).to_vec(),
+            Side::Right => BESIDE.to_vec(),
+            Side::Level => LEVEL.to_vec(),
         };
         let near = DISTANCES.iter().filter(|(distance, _)| *distance < self.reach);
         let spots = near.flat_map(|&(distance, penalty)| {

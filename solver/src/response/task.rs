@@ -20,9 +20,6 @@ use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use thiserror::Error;
 
-/// How far outside of the frequencies of a window a response that it predicts may be, relative.
-const BESIDE: f64 = 0.05;
-
 /// Where a task starts from: a well of a window, with phase and method of landing.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct SeedPlace {
@@ -35,16 +32,6 @@ pub struct SeedPlace {
     /// How it is landed.
     #[serde(rename = "way")]
     pub method: LandingMethod,
-}
-
-impl SeedPlace {
-    /// Whether a response on a main branch is what is predicted here, however far from the prediction: a window that begins at rest is
-    /// of the resonance that a main branch passes, where much damping makes another shape of it. Only once all else has been tried.
-    pub(super) fn is_of_main(&self, landing: &Landing) -> bool {
-        let (low, high) = self.well.omega;
-        let about = (1.0 - BESIDE) * low..=(1.0 + BESIDE) * high;
-        self.method == LandingMethod::SteppedForcing && self.well.first == 0 && about.contains(&landing.state.omega)
-    }
 }
 
 /// One piece of work: continues one branch at one forcing amplitude, or one curve over the forcing amplitudes, or lands where

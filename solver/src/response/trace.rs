@@ -11,7 +11,7 @@ pub use crate::response::given::Given;
 use crate::response::known::{identify, named, retraced, unknown_part};
 use crate::response::name::BranchId;
 use crate::response::scout::scout;
-use crate::response::seeds::{Landing, LandingFailure, land_all};
+use crate::response::seeds::{Landing, LandingFailure, LandingMethod, land_all};
 use crate::response::starts;
 use crate::response::symmetry::parents;
 use crate::response::task::{CrossingPlace, SeedOutcome, SeedPlace, Task, TaskResult};
@@ -19,6 +19,9 @@ use std::ops::ControlFlow;
 
 /// Relative distance of a response from where it is looked for, up to which it is that.
 const BESIDE: f64 = 0.05;
+
+/// How far outside of the frequencies of a window a response that it predicts may be, relative.
+const ABOUT: f64 = 0.05;
 
 /// Carries out a task; of one that marches nothing, which takes no balance. `None` if `observer` breaks, or the
 /// task is interrupted.
@@ -277,6 +280,14 @@ fn ends_ordinarily<'m, F: Formulation<'m>>(forced: &mut Forced<'m, F>, branch: &
     is_there && (is_cut || forced.is_ordinary(&last.state))
 }
 
+/// Whether a response on a main branch is what is predicted, however far from the prediction: a window that begins at rest is of the
+/// resonance that a main branch passes, where much damping makes another shape of it. Only once all else has been tried.
+fn is_of_main(place: &SeedPlace, landing: &Landing) -> bool {
+    let (low, high) = place.well.omega;
+    let about = (1.0 - ABOUT) * low..=(1.0 + ABOUT) * high;
+    place.method == LandingMethod::SteppedForcing && place.well.first == 0 && about.contains(&landing.state.omega)
+}
+
 /// Traces the branch through the first landing that lies on no known one.
 fn follow<'m, F: Formulation<'m>>(
     forced: &mut Forced<'m, F>,
@@ -290,7 +301,7 @@ fn follow<'m, F: Formulation<'m>>(
     for landing in landings {
         // What is not known yet is what seeds are for, wherever it lies.
         let outcome = match identify(forced, &landing.state, known) {
-            Some(id) if landing.is_near() || (id.is_main() && place.is_of_main(landing)) => SeedOutcome::Found(id),
+            Some(id) if landing.is_near() || (id.is_main() && is_of_main(place, landing)) => SeedOutcome::Found(id),
             Some(_) => SeedOutcome::NotLanded(LandingFailure::Far(landing.distance)),
             None if forced.contains(&landing.state) => match forced.branch_through(&landing.state, observer) {
                 Ok(branch) => {
