@@ -4,7 +4,7 @@ use super::work::driven;
 use crate::study::Study;
 use results::overview::is_within;
 use results::words::{digits, number, times};
-use solver::response::modes::ModesFollowed;
+use solver::response::modes::{LeftOut, ModesFollowed};
 use std::f64::consts::TAU;
 
 /// Bounds nearer to a resonance than so many of its half-widths ζω cut it: there it has a fifth of its height.
@@ -22,10 +22,11 @@ pub(super) fn warnings(study: &Study) -> Vec<String> {
 /// That none of the modes that the force drives is followed, since they are beyond what is looked at without bounds.
 fn out_of_reach(study: &Study) -> Option<String> {
     let (given, m) = (study.settings.frequency, study.model.forcing().harmonic);
-    let followed = ModesFollowed::choose(&study.model, &study.settings).followed;
+    let choice = ModesFollowed::choose(&study.model, &study.settings);
     let driven = driven(&study.model);
+    let is_beyond = |mode: &usize| choice.left_out.contains(&(*mode, LeftOut::OutOfRange));
     let nearest = *driven.first()?;
-    (given.min.is_none() && given.max.is_none() && !driven.iter().any(|mode| followed.contains(mode))).then(|| {
+    (given.min.is_none() && given.max.is_none() && driven.iter().all(is_beyond)).then(|| {
         format!(
             "the force drives none of the modes that are followed: its first resonance, of mode {} at {} rad/s, is out of reach; give \
              frequency.min and frequency.max about it",

@@ -319,5 +319,9 @@ fn a_force_on_a_mode_that_is_out_of_reach() {
                 frequency.min and frequency.max about it";
     assert_eq!(checked(model, "1", &[]).0, [told]);
     assert_eq!(checked(model, "1", &[("frequency.min", "8"), ("frequency.max", "15")]).0, [] as [&str; 0]);
+    // A list of modes leaves it out for another reason.
+    assert!(
+        !checked(model, "1", &[("backbone.modes", "[1]")]).0.iter().any(|warning| warning.contains("out of reach"))
+    );
     assert_eq!(checked(&model.replace("mode = 2", "mode = 1"), "1", &[]).0, [] as [&str; 0]);
 }

@@ -21,7 +21,7 @@ const OVERLAP: f64 = 0.2;
 /// points they may be many times nearer, and two branch points may be near to each other.
 const SPACINGS: [f64; 3] = [2.5e-2, 2.5e-3, 2.5e-4];
 
-/// How far the other curve may be from a chord, as a share of that.
+/// How far the other curve may be from a chord of it, as a share of the distance of those points.
 const SAG: f64 = 0.1;
 
 /// Most bisections of a chord.
