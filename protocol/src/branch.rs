@@ -56,9 +56,9 @@ impl BranchMessage {
         self.kind.unwrap_or_else(|| BranchKind::of_detached(&self.outcome, false))
     }
 
-    /// Number of its folds.
-    pub fn folds(&self) -> usize {
-        self.special.iter().filter(|special| special.kind == SpecialKind::Fold).count()
+    /// Number of its special points of a kind.
+    pub fn count(&self, kind: SpecialKind) -> usize {
+        self.special.iter().filter(|special| special.kind == kind).count()
     }
 
     /// The branch, for a model of this size.
@@ -119,7 +119,11 @@ impl TaskResultMessage {
     pub fn brought(&self) -> Brought {
         match self {
             Self::Landings(landings) => Brought::Landings(landings.motions.len()),
-            Self::Branch(branch) => Brought::Branch { kind: branch.kind(), folds: branch.folds() },
+            Self::Branch(branch) => Brought::Branch {
+                kind: branch.kind(),
+                folds: branch.count(SpecialKind::Fold),
+                branch_points: branch.count(SpecialKind::BranchPoint),
+            },
             Self::Curve(curve) => Brought::Curve(curve.forcing().into()),
             Self::Verification(verification) => {
                 Brought::Verification(verification.points.len(), verification.unsettled().into())

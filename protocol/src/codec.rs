@@ -7,7 +7,7 @@ use thiserror::Error;
 
 /// A message of the bus. Both ways are compiled once, here, and not again wherever a message is sent or read.
 pub trait Message: Sized {
-    /// Its name in the encoding `application/msgpack;<name>.v10`.
+    /// Its name in the encoding `application/msgpack;<name>.v11`.
     const NAME: &'static str;
 
     /// Its bytes.

@@ -1,4 +1,4 @@
-//! Key expressions: `<namespace>/v10/<run>/…`.
+//! Key expressions: `<namespace>/v11/<run>/…`.
 
 use crate::VERSION;
 use crate::ids::{NameError, RunId, TaskId, WorkerId};

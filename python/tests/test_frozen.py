@@ -317,6 +317,14 @@ def test_result_with_responses_of_an_open_branch():
     assert curve is not None and curve.quantity is None and len(curve) == 2 and not curve.events
 
 
+def test_result_with_a_branch_that_crosses_another_one():
+    result = Result.read(sample("result_switched"), model())
+    branch = result.branch
+    assert result.work == {"switch": {"branch": {"main": 0}, "point": 1}} and branch is not None
+    assert branch.kind == "branched"
+    assert [point.kind for point in branch.special] == ["peak", "start", "branch_point"]
+
+
 def test_result_of_a_landing():
     result = Result.read(sample("result_landings"), model())
     assert (result.branch, result.curve, result.outcome) == (None, None, "2 forced responses")

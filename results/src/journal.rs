@@ -15,8 +15,10 @@ use std::sync::Arc;
 use std::time::Duration;
 
 /// Kinds of tasks, as [`kind`] names them.
-pub const KINDS: [&str; 12] =
-    ["main", "land", "seed", "fold", "crossing", "start", "begin", "scout", "verify", "disturb", "march", "carry"];
+pub const KINDS: [&str; 13] = [
+    "main", "land", "seed", "fold", "crossing", "start", "begin", "scout", "verify", "disturb", "march", "carry",
+    "switch",
+];
 
 /// What kind of task this is, in one word.
 pub fn kind(task: &Task) -> &'static str {
@@ -38,6 +40,7 @@ pub fn place_of_kind(task: &Task) -> usize {
         Task::Disturb(_) => 9,
         Task::March(_) => 10,
         Task::Carry(_) => 11,
+        Task::Switch(_) => 12,
     }
 }
 

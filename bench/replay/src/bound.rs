@@ -44,7 +44,8 @@ fn longest_chain(tasks: &[Recorded]) -> f64 {
 /// Tasks of a later stage never come before those of an earlier one that they depend on.
 fn stage(work: &Task) -> usize {
     match work {
-        Task::Main(_) | Task::Land(_) | Task::Seed(_) | Task::Start(_) | Task::Begin(_) | Task::Scout(_) => 0,
+        Task::Main(_) | Task::Land(_) | Task::Seed(_) | Task::Start(_) | Task::Begin(_) | Task::Switch(_) => 0,
+        Task::Scout(_) => 0,
         Task::Fold(_) | Task::Carry(_) => 1,
         Task::Crossing(_) => 2,
         Task::Verify(_) | Task::Disturb(_) => 3,
@@ -93,6 +94,7 @@ impl Ends {
             Task::Land(_) | Task::Start(_) | Task::Scout(_) => 0.0,
             Task::Seed(place) => own.max(landed(Task::Land(place))),
             Task::Begin(place) => own.max(landed(Task::Start(place.landing()))),
+            Task::Switch(place) => own.max(self.found(level, SeedOutcome::Found(place.branch))),
             Task::Fold(FoldPlace::Branch { branch, .. }) | Task::Carry(CarryPlace { branch, .. }) => {
                 self.folds.max(self.found(level, SeedOutcome::Found(branch)))
             }

@@ -71,6 +71,7 @@ pub(super) struct LevelRecord {
 pub(super) struct Branch {
     pub known: Known,
     pub folds: usize,
+    pub branch_points: usize,
 }
 
 /// A curve over the forcing that was found.
@@ -206,7 +207,7 @@ impl Chain {
             Task::Land(_) | Task::Start(_) => matches!(outcome, SeedOutcome::Landed(_) | SeedOutcome::NotLanded(_)),
             Task::Scout(_) => matches!(outcome, SeedOutcome::Landed(_) | SeedOutcome::NoFold),
             Task::Fold(_) | Task::Carry(_) => !matches!(outcome, SeedOutcome::Found(_)) && !is_of_others(outcome),
-            Task::Main(_) | Task::Seed(_) | Task::Crossing(_) | Task::Begin(_) => {
+            Task::Main(_) | Task::Seed(_) | Task::Crossing(_) | Task::Begin(_) | Task::Switch(_) => {
                 !matches!(outcome, SeedOutcome::OnCurve(_)) && !is_of_others(outcome)
             }
             Task::Verify(_) => matches!(outcome, SeedOutcome::Verified(_)),
@@ -242,8 +243,11 @@ impl Chain {
         match (&mut self.record, outcome, brought) {
             (Record::Level(level), outcome, brought) => {
                 level.account.record(&entry.task, outcome);
-                if let (SeedOutcome::Found(branch), Some(Brought::Branch { folds, .. })) = (outcome, brought) {
-                    level.branches.push(Branch { known: Known { branch, task }, folds: *folds });
+                if let (SeedOutcome::Found(branch), Some(Brought::Branch { folds, branch_points, .. })) =
+                    (outcome, brought)
+                {
+                    let known = Known { branch, task };
+                    level.branches.push(Branch { known, folds: *folds, branch_points: *branch_points });
                     self.unverified.push(branch);
                 }
             }

@@ -86,5 +86,10 @@ impl Ledger {
             _ => None,
         });
         self.crossings = crossings.collect();
+        let switches = self.entries().filter_map(|entry| match entry.task {
+            Task::Switch(place) => Some((entry.level, place)),
+            _ => None,
+        });
+        self.switched = switches.collect();
     }
 }

@@ -1,5 +1,5 @@
-//! What follows from what was found: curves from the folds of branches and from what is open, and branches from where curves
-//! cross levels.
+//! What follows from what was found: branches from branch points of others, curves from the folds of branches and from what is open,
+//! and branches from where curves cross levels.
 //!
 //! Which tasks there are does not depend on the order in which results come: the folds of a level are taken when it and those
 //! before it are done, crossings when everything is. Where everything is verified, unstable motions are followed.
@@ -9,7 +9,9 @@ use super::state::Ledger;
 use super::task::TaskEntry;
 use protocol::ids::TaskId;
 use results::journal::{AddedTask, Change, TaskState};
-use solver::response::task::{CarryPlace, CrossingPlace, FoldPlace, Origin, SeedOutcome, Task, VerifyPlace};
+use solver::response::task::{
+    CarryPlace, CrossingPlace, FoldPlace, Origin, SeedOutcome, SwitchPlace, Task, VerifyPlace,
+};
 use solver::settings::{Stretch, VerifyEffort};
 
 impl Ledger {
@@ -18,6 +20,9 @@ impl Ledger {
         let mut changes = Vec::new();
         loop {
             let mut added = self.rounds();
+            if added.is_empty() {
+                added = self.switches();
+            }
             if added.is_empty() {
                 added = self.curves_over_forcing();
             }
@@ -66,6 +71,26 @@ impl Ledger {
         added
     }
 
+    /// Tasks for the branch points of branches.
+    fn switches(&mut self) -> Vec<(usize, TaskEntry)> {
+        if self.rules.most_folds == 0 {
+            return Vec::new();
+        }
+        let mut added = Vec::new();
+        for (l, chain) in self.chains.iter().enumerate() {
+            let Some(level) = chain.level() else { continue };
+            let places = level.branches.iter().flat_map(|found| {
+                (0..found.branch_points).map(|point| SwitchPlace { branch: found.known.branch, point })
+            });
+            let new = places.filter(|place| self.switched.insert((l, *place)));
+            for (i, place) in new.enumerate() {
+                let id = TaskId::of_level(&level.amplitude.text, chain.entries.len() + i);
+                added.push((l, TaskEntry::new(id.expect("amplitudes are numbers"), l, Task::Switch(place))));
+            }
+        }
+        added
+    }
+
     /// Tasks for what is open and the folds of levels whose branches are known, and when everything is done at all levels for the
     /// folds that scouts met; as many as are allowed that lie on no curve known by then.
     fn curves_over_forcing(&mut self) -> Vec<(usize, TaskEntry)> {
@@ -77,7 +102,7 @@ impl Ledger {
         let are_done = levels.all(|l| {
             let chain = &self.chains[l];
             let Some(level) = chain.level().filter(|_| chain.has_branches()) else { return chain.level().is_none() };
-            for Branch { known, folds } in &level.branches[self.unfolded[l]..] {
+            for Branch { known, folds, .. } in &level.branches[self.unfolded[l]..] {
                 let branch = known.branch;
                 let folds = FoldPlace::of(branch, *folds).map(Origin::Fold);
                 let places = CarryPlace::of(branch).map(Origin::Carry).chain(folds).map(|origin| (l, origin));

@@ -12,7 +12,8 @@ use protocol::ids::{Attempt, TaskId, WorkerId};
 use protocol::to_worker::{Known, KnownCurve};
 use results::journal::{AttemptEnd, Change, Holder, KINDS, LevelPlan, TaskState};
 use solver::response::task::{
-    BranchId, Brought, CarryPlace, CrossingPlace, DisturbPlace, FoldPlace, Origin, SeedOutcome, Task, VerifyPlace,
+    BranchId, Brought, CarryPlace, CrossingPlace, DisturbPlace, FoldPlace, Origin, SeedOutcome, SwitchPlace, Task,
+    VerifyPlace,
 };
 use std::collections::{BTreeMap, HashMap, HashSet, VecDeque};
 use std::time::Duration;
@@ -40,6 +41,8 @@ pub struct Ledger {
     pub(super) marched: HashSet<(usize, BranchId, usize)>,
     /// Crossings of curves that had tasks when this process began: level, curve and segment.
     pub(super) crossings: HashSet<(usize, usize, usize)>,
+    /// Branch points of branches that have tasks, with the numbers of their levels.
+    pub(super) switched: HashSet<(usize, SwitchPlace)>,
     /// Number of curves whose crossings were looked at since this process began.
     pub(super) crossed: usize,
     /// Number of announcements so far.
@@ -70,7 +73,8 @@ impl Ledger {
         let index = chains.iter().enumerate().flat_map(place).collect();
         let (workers, followed, queue, verified, marched) = Default::default();
         let unfolded = vec![0; chains.len()];
-        let (crossings, crossed, sequence, cancelled, forbearance, repeats, costs, measured) = Default::default();
+        let (crossings, switched, crossed, sequence, cancelled, forbearance, repeats, costs, measured) =
+            Default::default();
         Self {
             rules,
             chains,
@@ -83,6 +87,7 @@ impl Ledger {
             verified,
             marched,
             crossings,
+            switched,
             crossed,
             sequence,
             cancelled,
@@ -131,7 +136,7 @@ impl Ledger {
         let curves = curves.filter(|curve| self.order_of(&curve.known.task) == level.amplitude.order());
         let (known, curves): (Vec<Known>, Vec<KnownCurve>) = match entry.task {
             Task::Land(_) | Task::Start(_) | Task::Scout(_) => Default::default(),
-            Task::Main(_) | Task::Seed(_) | Task::Begin(_) | Task::March(_) => {
+            Task::Main(_) | Task::Seed(_) | Task::Begin(_) | Task::March(_) | Task::Switch(_) => {
                 (branches.cloned().collect(), Vec::new())
             }
             Task::Fold(FoldPlace::Scout { .. }) => (Vec::new(), near(curves, &entry.task, level)),

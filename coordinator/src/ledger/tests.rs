@@ -25,8 +25,8 @@ use solver::response::scout::ScoutPlace;
 use solver::response::seeds::{LandingFailure, LandingMethod, Phase};
 use solver::response::starts::StartPlace;
 use solver::response::task::{
-    BranchEnd, BranchId, Brought, CarryPlace, CrossingPlace, DisturbPlace, FoldPlace, SeedOutcome, SeedPlace, Task,
-    Unfollowed,
+    BranchEnd, BranchId, Brought, CarryPlace, CrossingPlace, DisturbPlace, FoldPlace, SeedOutcome, SeedPlace,
+    SwitchPlace, Task, Unfollowed,
 };
 use solver::response::windows::Window;
 use solver::settings::VerifyEffort;
@@ -68,7 +68,9 @@ fn find(granted: &Granted) -> Brought {
     let amplitude = amplitude.value;
     let main = Brought::Nothing(SeedOutcome::Found(BranchId::MAIN));
     let place = match work {
-        Task::Main(_) if known.is_empty() => return Brought::Branch { kind: BranchKind::Main, folds: 2 },
+        Task::Main(_) if known.is_empty() => {
+            return Brought::Branch { kind: BranchKind::Main, folds: 2, branch_points: 2 };
+        }
         Task::Main(_) => return main,
         Task::Scout(scout) => {
             assert!(known.is_empty() && curves.is_empty(), "a scout does not depend on what is known");
@@ -104,10 +106,22 @@ fn find(granted: &Granted) -> Brought {
                 (None, BranchEnd::Last) => Brought::Curve([0.25, 4.5].into()),
             };
         }
+        // What crosses the main branch twice is new once, and where it does that it crosses the main branch.
+        Task::Switch(SwitchPlace { branch, point }) => {
+            assert!(known.iter().any(|known| known.branch == *branch), "the branch that is crossed");
+            let across = known.iter().map(|known| known.branch).find(|branch| branch.kind == BranchKind::Branched);
+            return match (branch.kind, point, across) {
+                (BranchKind::Main, 0, None) => {
+                    Brought::Branch { kind: BranchKind::Branched, folds: 1, branch_points: 1 }
+                }
+                (BranchKind::Main, _, Some(across)) => Brought::Nothing(SeedOutcome::Found(across)),
+                _ => main,
+            };
+        }
         Task::Crossing(CrossingPlace { curve, .. }) => {
             assert_eq!(curves.len(), 1, "the curve that crosses");
             let is_new = (curve + amplitude as usize).is_multiple_of(2);
-            return if is_new { Brought::Branch { kind: BranchKind::Isola, folds: 2 } } else { main };
+            return if is_new { Brought::Branch { kind: BranchKind::Isola, folds: 2, branch_points: 0 } } else { main };
         }
         Task::Verify(place) => {
             assert_eq!(
@@ -153,7 +167,7 @@ fn find(granted: &Granted) -> Brought {
     let seed = |phase: usize| TaskId::of_level(&granted.amplitude.text, 2 + 8 * place.window + 1 + 2 * phase).unwrap();
     let isola = match known.iter().find(|known| [seed(0), seed(1)].contains(&known.task)) {
         Some(isola) => Brought::Nothing(SeedOutcome::Found(isola.branch)),
-        None => Brought::Branch { kind: BranchKind::Isola, folds: 1 },
+        None => Brought::Branch { kind: BranchKind::Isola, folds: 1, branch_points: 0 },
     };
     match ((place.window + amplitude as usize) % 4, place.method, place.phase) {
         (0, _, _) => main,

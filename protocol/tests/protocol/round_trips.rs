@@ -331,7 +331,7 @@ proptest! {
             && let Ok(branch) = message.branch(&SIZE)
         {
             prop_assert_eq!(branch.peak().amplitudes().len(), 1);
-            for kind in [SpecialKind::Start, SpecialKind::Peak, SpecialKind::Fold] {
+            for kind in [SpecialKind::Start, SpecialKind::Peak, SpecialKind::Fold, SpecialKind::BranchPoint] {
                 prop_assert!(Branch::special(&branch, kind).count() <= branch.special.len());
             }
         }

@@ -6,7 +6,7 @@ mod results;
 pub use endings::outcomes;
 pub use results::{
     done, done_nothing, result, result_carried, result_curve, result_disturbance, result_landings, result_nothing,
-    result_settling, result_verification,
+    result_settling, result_switched, result_verification,
 };
 
 use protocol::VERSION;
@@ -67,6 +67,7 @@ pub fn all(visitor: &mut impl Visit) {
     visitor.visit("result_nothing", &result_nothing());
     visitor.visit("result_curve", &result_curve());
     visitor.visit("result_carried", &result_carried());
+    visitor.visit("result_switched", &result_switched());
     visitor.visit("result_landings", &result_landings());
     visitor.visit("result_verification", &result_verification());
     visitor.visit("result_disturbance", &result_disturbance());

@@ -275,6 +275,7 @@ fn special(group: &mut Group<'_>, branch: &BranchMessage) {
         SpecialKind::Start => "start",
         SpecialKind::Peak => "peak",
         SpecialKind::Fold => "fold",
+        SpecialKind::BranchPoint => "branch_point",
     };
     group.add("special_kind", branch.special.iter().map(|point| kind(point.kind).to_string()).collect::<Vec<String>>());
     group.add("special_index", branch.special.iter().map(|point| point.index).collect::<Vec<usize>>());

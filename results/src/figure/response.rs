@@ -316,6 +316,7 @@ fn word(kind: SpecialKind) -> &'static str {
         SpecialKind::Start => "start",
         SpecialKind::Peak => "peak",
         SpecialKind::Fold => "fold",
+        SpecialKind::BranchPoint => "branch point",
     }
 }
 

@@ -69,6 +69,10 @@ impl LookedFor<'_> {
                 )
             }
         };
+        let crossings = match self.search.switched {
+            0 => String::new(),
+            number => format!("; what crosses the branches found, at {}", count(number, "branch point")),
+        };
         let scouts = match self.search.scouts {
             0 => String::new(),
             scouts => format!(" (and others at {})", count(scouts, "larger forcing amplitude")),
@@ -85,7 +89,7 @@ impl LookedFor<'_> {
             _ => format!("; {}, where nothing else had led to a branch", self.by_homotopies()),
         };
         format!(
-            "the windows of {mode} at {levels} ({} tried{nowhere}{harmonic}){starts}{folds}{carried}{homotopies}",
+            "the windows of {mode} at {levels} ({} tried{nowhere}{harmonic}){starts}{folds}{crossings}{carried}{homotopies}",
             count(tried, "seed")
         )
     }

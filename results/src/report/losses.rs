@@ -115,6 +115,11 @@ pub(super) fn losses(evidence: &Evidence<'_>) -> Vec<Loss> {
         let sentence = format!("{brief}: the branches there are missing.");
         list.push(Loss::new(brief, sentence));
     }
+    if search.uncrossed > 0 {
+        let brief = format!("{} without what crosses there", count(search.uncrossed, "branch point"));
+        let sentence = format!("{brief}: the branches through them are missing.");
+        list.push(Loss::new(brief, sentence));
+    }
     if search.uncarried > 0 {
         let brief = format!("{} of open branches not followed over all levels", count(search.uncarried, "response"));
         let sentence = format!("{brief}: where such branches are at other levels is not known.");

@@ -96,6 +96,10 @@ pub struct SearchCounts {
     pub crossings: usize,
     /// Crossings that led to no branch, though they lie within the bounds.
     pub lost: usize,
+    /// Branch points at which it was looked for what crosses.
+    pub switched: usize,
+    /// Of these those at which nothing was found that does.
+    pub uncrossed: usize,
     /// Random starts tried.
     pub starts: usize,
     /// Homotopies from motions of the fundamental tried, where nothing else had led to motions of several periods of the force.
@@ -250,14 +254,15 @@ impl Reader {
         let levels = self.levels_told_of();
         let told_of = |sql: &str| sql.replace("{levels}", &levels);
         let sql = "SELECT kind, state <> 'done' OR found OR coalesce(outcome, '') LIKE 'outside %' \
-                   OR outcome LIKE 'on asymmetric %' FROM tasks \
-                   WHERE kind IN ('fold', 'crossing') AND origin NOT LIKE 'scout %' AND level IN {levels}";
+                   OR outcome LIKE 'on asymmetric %' OR outcome LIKE 'every motion that converged repeats %' FROM tasks \
+                   WHERE kind IN ('fold', 'crossing', 'switch') AND origin NOT LIKE 'scout %' AND level IN {levels}";
         let mut counts = SearchCounts::default();
         for (kind, is_well) in
             self.all(&told_of(sql), [], |row| Ok((row.get::<_, String>(0)?, row.get::<_, bool>(1)?)))?
         {
             let (all, lost) = match kind.as_str() {
                 "fold" => (&mut counts.folds, &mut counts.unfollowed),
+                "switch" => (&mut counts.switched, &mut counts.uncrossed),
                 _ => (&mut counts.crossings, &mut counts.lost),
             };
             *all += 1;

@@ -286,6 +286,7 @@ fn insert_task(db: &Connection, file: &Path, level: i64, position: usize, id: &T
             (None, Some(format!("scout {}, fold {}", scout.number + 1, fold + 1)))
         }
         Task::Crossing(CrossingPlace { curve, .. }) => (None, Some(format!("curve {}", curve + 1))),
+        Task::Switch(place) => (None, Some(format!("{}, branch point {}", place.branch, place.point + 1))),
         Task::Carry(CarryPlace { branch, end: BranchEnd::First }) => (None, Some(format!("{branch}, first end"))),
         Task::Carry(CarryPlace { branch, end: BranchEnd::Last }) => (None, Some(format!("{branch}, last end"))),
         Task::Start(place) | Task::Begin(place) => {

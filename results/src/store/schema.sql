@@ -104,6 +104,7 @@ CREATE TABLE tasks (
     -- Turn within the level, from 0; of a 'verify', a 'disturb' and a 'march' the turn among all of its kind, of a 'fold' and a 'carry' among all of both.
     position INTEGER NOT NULL,
     -- 'carry' (follows a response of an open branch over the forcing at fixed frequency),
+    -- 'switch' (from a branch point of a branch onto what crosses it there),
     -- 'main' (from a frequency bound), 'land' (lands a seed of a window), 'seed' (from what a seed landed on), 'fold'
     -- (follows a fold of a branch over the forcing), 'crossing' (from where a curve crosses the level), 'start' (a
     -- batch of random starts), 'begin' (from what they led to), 'scout' (random starts beyond the forcing amplitudes of

@@ -41,8 +41,9 @@ impl Reader {
         let Some((kind, special)) = &row.branch else { return Ok(None) };
         let kind = BranchKind::named(kind).ok_or_else(|| self.corrupt(format!("a branch of kind `{kind}`")))?;
         let special: Vec<SpecialPoint> = serde_json::from_str(special).map_err(|error| self.corrupt(error))?;
-        let folds = special.iter().filter(|special| special.kind == SpecialKind::Fold).count();
-        Ok(Some(Brought::Branch { kind, folds }))
+        let count = |kind| special.iter().filter(|special| special.kind == kind).count();
+        let (folds, branch_points) = (count(SpecialKind::Fold), count(SpecialKind::BranchPoint));
+        Ok(Some(Brought::Branch { kind, folds, branch_points }))
     }
 
     /// What follows from what marching says of a branch.

@@ -201,8 +201,7 @@ impl<'p, P: Problem> Continuation<'p, P> {
         };
         self.symmetry.keep(self.problem, &mut point.y, &mut point.tangent);
         if inner(self.problem.metric(), &point.tangent, &from.tangent) < 0.0 {
-            point.tangent.iter_mut().for_each(|t| *t = -*t);
-            point.orientation = -point.orientation;
+            point.turn_round();
         }
         Ok(point)
     }

@@ -7,7 +7,7 @@ pub mod identity;
 pub mod least_norm;
 pub mod newton;
 pub mod outcome;
-mod point;
+pub(crate) mod point;
 pub mod problem;
 pub mod record;
 mod settings;

@@ -23,6 +23,12 @@ pub struct CurvePoint {
 }
 
 impl CurvePoint {
+    /// Travels the other way.
+    pub(crate) fn turn_round(&mut self) {
+        self.tangent.iter_mut().for_each(|t| *t = -*t);
+        self.orientation = -self.orientation;
+    }
+
     /// Whether it is one of a state of this length, with finite numbers.
     pub(super) fn is_of(&self, length: usize) -> bool {
         let is_whole = |values: &[f64]| values.len() == length && values.iter().all(|value| value.is_finite());
@@ -56,7 +62,7 @@ pub(super) fn land<P: Problem>(
 }
 
 /// Unit direction of the curve by the Jacobian at a state next to it, the way in which `row` grows; none if there is none.
-pub(super) fn direction_at<P: Problem>(problem: &mut P, mut y: Vec<f64>, row: &[f64]) -> Option<Vec<f64>> {
+pub(crate) fn direction_at<P: Problem>(problem: &mut P, mut y: Vec<f64>, row: &[f64]) -> Option<Vec<f64>> {
     problem.linearise(&mut y).is_finite().then_some(())?;
     problem.factor(row).ok()?;
     let (mut step, mut direction) = (vec![0.0; y.len()], vec![0.0; y.len()]);

@@ -217,7 +217,7 @@ fn join<T>(backwards: Vec<TracedPoint<T>>, mut forwards: Vec<TracedPoint<T>>) ->
     let steps: Vec<f64> = backwards.iter().map(|v| v.curve.step).collect();
     let mut joined = Vec::with_capacity(backwards.len() + forwards.len());
     for (i, mut visited) in backwards.into_iter().enumerate().skip(1).rev() {
-        visited.curve.tangent.iter_mut().for_each(|t| *t = -*t);
+        visited.curve.turn_round();
         visited.curve.step = steps.get(i + 1).copied().unwrap_or(0.0);
         joined.push(visited);
     }
@@ -275,7 +275,7 @@ fn point_at_bound<P: Problem, T: Evaluated<P>>(
         return None;
     }
     if inner(problem.metric(), &curve.tangent, &beyond.curve.tangent) < 0.0 {
-        curve.tangent.iter_mut().for_each(|t| *t = -*t);
+        curve.turn_round();
     }
     let point = T::evaluate(problem, &curve);
     Some((TracedPoint { curve, point }, share))
@@ -368,7 +368,15 @@ fn revisit<P: Problem, T: Evaluated<P>>(
             && is_beside(problem.metric(), &a.y, &b.y, &last.curve.y)
             && identity.passes(problem, &newton, [&a.y, &b.y], &last.curve.y)
         {
-            return Some(if cosine < 0.0 { Revisit::Backwards } else { Revisit::Forwards(index) });
+            if cosine < 0.0 {
+                return Some(Revisit::Backwards);
+            }
+            // Next to a branch point steps become so short that many of them are beside the end of one that was taken before.
+            let since: f64 = visited[index + 2..].iter().map(|visited| visited.curve.step).sum();
+            let chord: Vec<f64> = b.y.iter().zip(&a.y).map(|(b, a)| b - a).collect();
+            if since > norm(problem.metric(), &chord) {
+                return Some(Revisit::Forwards(index));
+            }
         }
     }
     None

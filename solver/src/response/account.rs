@@ -85,7 +85,7 @@ impl Account {
             Task::Main(_) | Task::Fold(_) | Task::Carry(_) | Task::Scout(_) => true,
             Task::Verify(_) | Task::Disturb(_) | Task::March(_) => true,
             Task::Land(SeedPlace { method: LandingMethod::FullForcing, .. }) => true,
-            Task::Crossing(_) => !is_without_main,
+            Task::Crossing(_) | Task::Switch(_) => !is_without_main,
             Task::Begin(place) => {
                 let is_open = self.starts.iter().all(|(start, _)| start != place);
                 !is_without_main && is_open && self.needs(&Task::Start(place.landing()))
@@ -155,7 +155,7 @@ impl Account {
             }
             Task::Crossing(place) => self.crossings.push((*place, outcome)),
             Task::Start(place) | Task::Begin(place) => self.starts.push((*place, outcome)),
-            Task::Fold(_) | Task::Carry(_) | Task::Scout(_) => {}
+            Task::Fold(_) | Task::Carry(_) | Task::Scout(_) | Task::Switch(_) => {}
             Task::Verify(_) | Task::Disturb(_) | Task::March(_) => {}
         }
     }

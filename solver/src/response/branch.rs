@@ -147,6 +147,9 @@ pub enum SpecialKind {
     Peak,
     /// Turning point in frequency.
     Fold,
+    /// Where another branch crosses: between this point and the next the determinant of the Jacobian bordered by the tangent
+    /// changes its sign.
+    BranchPoint,
 }
 
 /// A special point: its kind and its index among the branch's points.
@@ -187,6 +190,13 @@ impl Branch {
     /// Whether it ends where it branches off others.
     pub fn is_branched(&self) -> bool {
         self.outcome.is_branched()
+    }
+
+    /// The same, known to cross another one: detached it is not.
+    pub(super) fn branching_off(self) -> Self {
+        let is_detached = matches!(self.kind, BranchKind::Isola | BranchKind::Open | BranchKind::Cut);
+        let kind = if is_detached { BranchKind::Branched } else { self.kind };
+        Self { kind, ..self }
     }
 
     /// Whether it ends at a branch that was known before it.

@@ -35,6 +35,7 @@ mod search_range;
 pub mod seeds;
 mod special;
 pub mod starts;
+mod switch;
 mod symmetry;
 pub mod task;
 pub mod trace;

@@ -63,6 +63,15 @@ impl CarryPlace {
     }
 }
 
+/// Where a branch crosses another one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub struct SwitchPlace {
+    /// The branch that is crossed, of the task's level.
+    pub branch: BranchId,
+    /// Number of the branch point along it, from 0.
+    pub point: usize,
+}
+
 /// Where a curve over the forcing amplitude starts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Origin {

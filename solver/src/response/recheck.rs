@@ -355,7 +355,7 @@ fn special(branch: &Branch) -> Result<(), Refutation> {
         let index = special.index;
         let refuted = |kind| Err(Refutation::Special { point: index, kind });
         match special.kind {
-            SpecialKind::Start => {}
+            SpecialKind::Start | SpecialKind::BranchPoint => {}
             SpecialKind::Peak if points[index].amplitude() < branch.peak().amplitude() => return refuted("peak"),
             SpecialKind::Peak => {}
             SpecialKind::Fold if !branch.is_closed() && (index == 0 || index + 1 == count) => {}

@@ -1,8 +1,8 @@
-//! Special points of a branch: folds and peak, located along the arc.
+//! Special points of a branch: folds and peak, located along the arc, and branch points, where its steps came upon them.
 
-use crate::curve::continuation::{Continuation, ContinuationSettings};
+use crate::curve::continuation::{Continuation, ContinuationSettings, CurvePoint};
 use crate::curve::extrema::{Maximum, Measure, insert_maxima, locate_maximum, turning_points};
-use crate::curve::problem::{Problem, norm};
+use crate::curve::problem::{Problem, inner, norm};
 use crate::curve::walk::{Evaluated, TracedCurve};
 use crate::response::branch::{BranchPoint, Outcome, SpecialKind, SpecialPoint, TracedPoint};
 
@@ -32,6 +32,10 @@ where
             kinds.resize(maxima.len(), SpecialKind::Peak);
         }
     }
+    for anchor in branch_points(problem.metric(), &visited) {
+        maxima.push(Maximum { anchor, located: None });
+        kinds.push(SpecialKind::BranchPoint);
+    }
     let (visited, indices) = insert_maxima(visited, maxima);
     let mut special: Vec<SpecialPoint> =
         kinds.into_iter().zip(indices).map(|(kind, index)| SpecialPoint { kind, index }).collect();
@@ -43,6 +47,18 @@ where
     }
     special.sort_by_key(|s| s.index);
     (visited.into_iter().map(|v| v.point).collect(), special)
+}
+
+/// Points from which on the determinant of the Jacobian bordered by the tangent has the other sign.
+fn branch_points(metric: &[f64], visited: &[TracedPoint]) -> Vec<usize> {
+    let sign = |point: &CurvePoint, chord: &[f64]| point.orientation * inner(metric, &point.tangent, chord).signum();
+    let is_crossed = |pair: &[TracedPoint]| {
+        let [from, to] = [&pair[0].curve, &pair[1].curve];
+        let chord: Vec<f64> = to.y.iter().zip(&from.y).map(|(to, from)| to - from).collect();
+        sign(from, &chord) * sign(to, &chord) < 0.0
+    };
+    let pairs = visited.windows(2).enumerate();
+    pairs.filter(|(_, pair)| is_crossed(pair)).map(|(index, _)| index).collect()
 }
 
 /// A local maximum among the points this close to the highest may be the peak once both are located.

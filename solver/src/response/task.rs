@@ -1,5 +1,7 @@
 //! The work of a run in pieces: each task lands a seed, continues one branch of a forcing level, or one curve over all levels.
 
+mod message;
+
 use crate::curve::problem::Failure;
 use crate::formulation::modal::Modal;
 use crate::response::backbone::Backbone;
@@ -8,14 +10,12 @@ use crate::response::critical::{CriticalCurve, CriticalError};
 use crate::response::forcing::Unreached;
 pub use crate::response::marched::{DisturbPlace, MarchPlace, VerifyPlace};
 pub use crate::response::name::BranchId;
-pub use crate::response::origin::{BranchEnd, CarryPlace, CrossingPlace, FoldPlace, Origin};
+pub use crate::response::origin::{BranchEnd, CarryPlace, CrossingPlace, FoldPlace, Origin, SwitchPlace};
 use crate::response::scout::ScoutPlace;
 use crate::response::seeds::{Landing, LandingFailure, LandingMethod, Phase, Seed, candidates};
 use crate::response::starts::StartPlace;
 use crate::response::windows::{Window, windows};
 use crate::settings::FrequencySettings;
-use serde::de::{Deserializer, Error, IgnoredAny, MapAccess, Visitor};
-use serde::ser::Serializer;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use thiserror::Error;
@@ -37,7 +37,7 @@ pub struct SeedPlace {
 /// One piece of work: continues one branch at one forcing amplitude, or one curve over the forcing amplitudes, or lands where
 /// one may begin, or verifies one. Messages say `"main"` for the main branch from below, `{"main": "above"}` for the one from above,
 /// `{"land": …}`, `{"seed": …}`, `{"fold": …}`, `{"crossing": …}`, `{"start": …}`, `{"begin": …}`, `{"scout": …}`,
-/// `{"verify": …}`, `{"disturb": …}`, `{"march": …}` and `{"carry": …}`.
+/// `{"verify": …}`, `{"disturb": …}`, `{"march": …}`, `{"carry": …}` and `{"switch": …}`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Task {
     /// The main branch, from one of the frequency bounds.
@@ -65,6 +65,8 @@ pub enum Task {
     March(MarchPlace),
     /// The curve that a response of an open branch follows over the forcing amplitude at fixed frequency, unless it is known.
     Carry(CarryPlace),
+    /// The branch that crosses a known one at a branch point of that, unless it is known.
+    Switch(SwitchPlace),
 }
 
 impl Task {
@@ -119,88 +121,6 @@ impl From<Origin> for Task {
             Origin::Fold(place) => Self::Fold(place),
             Origin::Carry(place) => Self::Carry(place),
         }
-    }
-}
-
-impl Serialize for Task {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        match self {
-            Task::Main(Side::Below) => serializer.serialize_unit_variant("Task", 0, "main"),
-            Task::Main(side) => serializer.serialize_newtype_variant("Task", 0, "main", side),
-            Task::Land(place) => serializer.serialize_newtype_variant("Task", 1, "land", place),
-            Task::Seed(place) => serializer.serialize_newtype_variant("Task", 2, "seed", place),
-            Task::Fold(place) => serializer.serialize_newtype_variant("Task", 3, "fold", place),
-            Task::Crossing(place) => serializer.serialize_newtype_variant("Task", 4, "crossing", place),
-            Task::Start(place) => serializer.serialize_newtype_variant("Task", 5, "start", place),
-            Task::Begin(place) => serializer.serialize_newtype_variant("Task", 6, "begin", place),
-            Task::Scout(place) => serializer.serialize_newtype_variant("Task", 7, "scout", place),
-            Task::Verify(place) => serializer.serialize_newtype_variant("Task", 8, "verify", place),
-            Task::Disturb(place) => serializer.serialize_newtype_variant("Task", 9, "disturb", place),
-            Task::March(place) => serializer.serialize_newtype_variant("Task", 10, "march", place),
-            Task::Carry(place) => serializer.serialize_newtype_variant("Task", 11, "carry", place),
-        }
-    }
-}
-
-impl<'de> Deserialize<'de> for Task {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_any(TaskVisitor)
-    }
-}
-
-struct TaskVisitor;
-
-#[derive(Deserialize)]
-#[serde(rename_all = "snake_case")]
-enum TaskKind {
-    Main,
-    Land,
-    Seed,
-    Fold,
-    Crossing,
-    Start,
-    Begin,
-    Scout,
-    Verify,
-    Disturb,
-    March,
-    Carry,
-}
-
-impl<'de> Visitor<'de> for TaskVisitor {
-    type Value = Task;
-
-    fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(
-            "\"main\", or a map of `main`, `land`, `seed`, `fold`, `crossing`, `start`, `begin`, `scout`, `verify`, \
-                     `disturb`, `march` or `carry`",
-        )
-    }
-
-    fn visit_str<E: Error>(self, text: &str) -> Result<Task, E> {
-        if text == "main" { Ok(Task::Main(Side::Below)) } else { Err(E::unknown_variant(text, &["main"])) }
-    }
-
-    fn visit_map<M: MapAccess<'de>>(self, mut map: M) -> Result<Task, M::Error> {
-        let task = match map.next_key()? {
-            Some(TaskKind::Main) => Task::Main(map.next_value()?),
-            Some(TaskKind::Land) => Task::Land(map.next_value()?),
-            Some(TaskKind::Seed) => Task::Seed(map.next_value()?),
-            Some(TaskKind::Fold) => Task::Fold(map.next_value()?),
-            Some(TaskKind::Crossing) => Task::Crossing(map.next_value()?),
-            Some(TaskKind::Start) => Task::Start(map.next_value()?),
-            Some(TaskKind::Begin) => Task::Begin(map.next_value()?),
-            Some(TaskKind::Scout) => Task::Scout(map.next_value()?),
-            Some(TaskKind::Verify) => Task::Verify(map.next_value()?),
-            Some(TaskKind::Disturb) => Task::Disturb(map.next_value()?),
-            Some(TaskKind::March) => Task::March(map.next_value()?),
-            Some(TaskKind::Carry) => Task::Carry(map.next_value()?),
-            None => return Err(M::Error::invalid_length(0, &self)),
-        };
-        if map.next_key::<IgnoredAny>()?.is_some() {
-            return Err(M::Error::invalid_length(2, &self));
-        }
-        Ok(task)
     }
 }
 
@@ -302,7 +222,9 @@ impl TaskResult {
         match self {
             TaskResult::Landings(landings) => Brought::Landings(landings.len()),
             TaskResult::Branch(branch) => {
-                Brought::Branch { kind: branch.kind, folds: branch.special(SpecialKind::Fold).count() }
+                let count = |kind| branch.special(kind).count();
+                let (folds, branch_points) = (count(SpecialKind::Fold), count(SpecialKind::BranchPoint));
+                Brought::Branch { kind: branch.kind, folds, branch_points }
             }
             TaskResult::Curve(curve) => Brought::Curve(curve.forcing().collect()),
             TaskResult::Nothing(outcome) => Brought::Nothing(*outcome),
@@ -321,6 +243,8 @@ pub enum Brought {
         kind: BranchKind,
         /// Number of its folds.
         folds: usize,
+        /// Number of its branch points.
+        branch_points: usize,
     },
     /// A curve that was not known: the forcing amplitudes of its points.
     Curve(Arc<[f64]>),
@@ -336,9 +260,9 @@ pub enum Brought {
 }
 
 impl Brought {
-    /// A branch of this kind without folds.
+    /// A branch of this kind without folds or branch points.
     pub fn branch(kind: BranchKind) -> Self {
-        Self::Branch { kind, folds: 0 }
+        Self::Branch { kind, folds: 0, branch_points: 0 }
     }
 }
 

@@ -13,8 +13,9 @@ use crate::response::name::BranchId;
 use crate::response::scout::scout;
 use crate::response::seeds::{Landing, LandingFailure, LandingMethod, land_all};
 use crate::response::starts;
+use crate::response::switch::beside;
 use crate::response::symmetry::parents;
-use crate::response::task::{CrossingPlace, SeedOutcome, SeedPlace, Task, TaskResult};
+use crate::response::task::{CrossingPlace, SeedOutcome, SeedPlace, SwitchPlace, Task, TaskResult};
 use std::ops::ControlFlow;
 
 /// Relative distance of a response from where it is looked for, up to which it is that.
@@ -42,6 +43,7 @@ pub fn execute<'m, F: Formulation<'m>>(
         Task::Seed(place) => follow(forced, place, landings, known, observer),
         Task::Fold(_) | Task::Carry(_) => return follow_over_forcing(forced, task, given, observer),
         Task::Crossing(place) => cross(forced, place, given, observer),
+        Task::Switch(place) => switch(forced, place, given, observer),
         Task::Start(place) => starts::land(forced, place).map_or_else(
             |failure| TaskResult::Nothing(SeedOutcome::NotLanded(LandingFailure::NotConverged(failure.into()))),
             |landings| landed(forced, landings),
@@ -155,6 +157,30 @@ fn cross<'m, F: Formulation<'m>>(
         Ok(state) => branch_from(forced, &State { forcing, ..state }, given.known, observer),
         Err(failure) => TaskResult::Nothing(SeedOutcome::NotLanded(LandingFailure::NotConverged(failure.into()))),
     }
+}
+
+/// Traces the first branch that crosses a known one at a branch point of that and is not known.
+fn switch<'m, F: Formulation<'m>>(
+    forced: &mut Forced<'m, F>,
+    place: &SwitchPlace,
+    given: &Given<'_>,
+    observer: &mut Observer<'_>,
+) -> TaskResult {
+    let crossed = given.branch(place.branch);
+    let states = crossed.map_or_else(Vec::new, |branch| beside(forced, branch, place.point));
+    let mut nothing = SeedOutcome::NotLanded(LandingFailure::NotConverged(Failure::Diverged.into()));
+    for state in &states {
+        if forced.is_shorter(state) {
+            nothing = SeedOutcome::NotLanded(LandingFailure::Shorter);
+            continue;
+        }
+        match branch_from(forced, state, given.known, observer) {
+            TaskResult::Nothing(outcome) => nothing = outcome,
+            TaskResult::Branch(branch) => return TaskResult::Branch(branch.branching_off()),
+            found => return found,
+        }
+    }
+    TaskResult::Nothing(nothing)
 }
 
 /// The branch through a converged state, unless it is known; of one beyond the bounds of the study the first part within them

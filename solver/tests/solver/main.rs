@@ -28,4 +28,5 @@ mod starts;
 mod steps;
 mod subharmonics;
 mod support;
+mod switching;
 mod two_formulations;

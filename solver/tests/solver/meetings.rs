@@ -1,41 +1,15 @@
 //! Closed curves that pass through main branches, where motions lose a symmetry of the structure that nobody tells the solver.
 
-use crate::support::study::with_harmonics;
-use solver::laws::{PolynomialSpring, Term};
+use crate::support::ring::{quiet, reach, ring, within};
 use solver::response::branch::{BranchKind, BranchPoint, Side};
 use solver::response::name::BranchId;
 use solver::response::starts::{StartPlace, land};
 use solver::response::task::{Task, TaskResult};
 use solver::response::trace::{Given, execute};
-use solver::{Branch, Forced, Matrix, Model, SearchRange, State};
-use std::ops::ControlFlow;
+use solver::{Branch, Forced, State};
 
 /// Batches of random starts.
 const BATCHES: usize = 12;
-
-fn quiet(_: &BranchPoint) -> ControlFlow<()> {
-    ControlFlow::Continue(())
-}
-
-/// Four sectors in a ring, on springs that harden; two opposite ones are driven against each other.
-fn ring() -> Model {
-    let spring = PolynomialSpring { terms: vec![Term { power: 3, coefficient: 0.5 }] };
-    let coupling = |i: usize, j: usize| match i.abs_diff(j) {
-        0 => 1.1,
-        2 => 0.0,
-        _ => -0.05,
-    };
-    let ring = Model::builder("ring")
-        .dofs(["s1", "s2", "s3", "s4"])
-        .mass(Matrix::diagonal(&[1.0; 4]))
-        .stiffness(Matrix::from_fn(4, 4, coupling))
-        .damping_matrix(Matrix::diagonal(&[0.006; 4]))
-        .force("s1", 1.0)
-        .force("s3", -1.0)
-        .monitor("s1");
-    let sectors = ["s1", "s2", "s3", "s4"].into_iter();
-    sectors.fold(ring, |ring, sector| ring.element(sector, spring.clone(), [[(sector, 1.0)]])).build().unwrap()
-}
 
 /// Smallest relative distance of two branches: of the points of the first one from the chords of the second.
 fn apart(forced: &Forced<'_>, branch: &Branch, main: &Branch) -> f64 {
@@ -53,10 +27,8 @@ fn apart(forced: &Forced<'_>, branch: &Branch, main: &Branch) -> f64 {
 /// come back a little higher; such curves are no isolas. The others are.
 #[test]
 fn closed_curves_through_a_main_branch_branch_off_it() {
-    let (model, mut settings) = (ring(), with_harmonics(3));
-    (settings.frequency.min, settings.frequency.max) = (Some(0.9), Some(1.8));
-    let reach = SearchRange { frequency: (0.9, 1.8), amplitude: 10.0, natural: None, forcing: None };
-    let mut forced = Forced::new(&model, &settings, reach, 0.02);
+    let (model, settings) = (ring(), within(3));
+    let mut forced = Forced::new(&model, &settings, reach(), 0.02);
     let main = forced.main_branch(Side::Below, &mut quiet).unwrap();
     assert_eq!(main.kind, BranchKind::Main);
     let mut found = vec![(BranchId::new(BranchKind::Main, 0), main)];

@@ -3,8 +3,8 @@
 use super::*;
 
 /// What tasks bring.
-pub(super) const MAIN: Brought = Brought::Branch { kind: BranchKind::Main, folds: 0 };
-pub(super) const ISOLA: Brought = Brought::Branch { kind: BranchKind::Isola, folds: 0 };
+pub(super) const MAIN: Brought = Brought::Branch { kind: BranchKind::Main, folds: 0, branch_points: 0 };
+pub(super) const ISOLA: Brought = Brought::Branch { kind: BranchKind::Isola, folds: 0, branch_points: 0 };
 pub(super) const ON_MAIN: Brought = Brought::Nothing(SeedOutcome::Found(BranchId::MAIN));
 const UNREACHED: Brought = Brought::Nothing(SeedOutcome::NotTraced(Unreached::OutOfReach));
 
@@ -255,7 +255,7 @@ fn cancelling_is_heard_in_the_answer_to_a_sign_of_life() {
 fn folds_are_followed_over_the_levels_and_lead_to_branches_where_they_cross() {
     let rules = Rules { most_folds: 2, ..Rules::default() };
     let mut ledger = Ledger::new(rules, vec![plan(1.0, 0), plan(2.0, 0)]);
-    let main = Brought::Branch { kind: BranchKind::Main, folds: 2 };
+    let main = Brought::Branch { kind: BranchKind::Main, folds: 2, branch_points: 0 };
     let mut take = |expected: &str, brought: &Brought| {
         let lease = leased(&mut ledger, "a", Duration::ZERO);
         assert_eq!(lease.task.as_str(), expected);
@@ -292,8 +292,8 @@ fn curves_are_of_an_order_of_motions() {
     further.amplitude = further.amplitude.of_order(3);
     further.tasks = vec![Task::Begin(StartPlace::random(0))];
     let mut ledger = Ledger::new(rules, vec![plan(1.0, 0), plan(2.0, 0), further]);
-    let main = Brought::Branch { kind: BranchKind::Main, folds: 1 };
-    let isola = Brought::Branch { kind: BranchKind::Isola, folds: 1 };
+    let main = Brought::Branch { kind: BranchKind::Main, folds: 1, branch_points: 0 };
+    let isola = Brought::Branch { kind: BranchKind::Isola, folds: 1, branch_points: 0 };
     let curve = Brought::Curve([0.5, 1.5, 3.0].into());
     let mut take = |expected: &str, curves: &[usize], brought: &Brought| {
         let (Leased::Grant(granted), _) = ledger.lease(&name(0), 0, Duration::ZERO) else { panic!("no {expected}") };
@@ -328,9 +328,9 @@ fn curves_are_of_an_order_of_motions() {
 fn open_branches_are_carried_over_the_levels() {
     let rules = Rules { most_folds: 9, ..Rules::default() };
     let mut ledger = Ledger::new(rules, vec![plan(1.0, 0), plan(2.0, 0)]);
-    let main = Brought::Branch { kind: BranchKind::Main, folds: 0 };
+    let main = Brought::Branch { kind: BranchKind::Main, folds: 0, branch_points: 0 };
     let open = Brought::branch(BranchKind::Open);
-    let fold = Brought::Branch { kind: BranchKind::Open, folds: 1 };
+    let fold = Brought::Branch { kind: BranchKind::Open, folds: 1, branch_points: 0 };
     let on_curve = |number| Brought::Nothing(SeedOutcome::OnCurve(number));
     let curve = Brought::Curve([0.5, 3.0].into());
     let is_given = |granted: &Granted, curves: &[usize]| {

@@ -1,15 +1,17 @@
 //! Announcements and stored results.
 
 use super::{amplitude, branch, counting, landing, motions, not_landed, points, program, task, work, worker};
+use protocol::branch::BranchMessage;
 use protocol::codec::{encode, sha256};
 use protocol::critical::CriticalMessage;
 use protocol::ids::{Attempt, TaskId};
 use protocol::landings::LandingsMessage;
 use protocol::to_everyone::{Done, StoredResult};
-use solver::response::branch::{BranchKind, Outcome, Side, Stop};
+use solver::response::branch::{BranchKind, Outcome, Side, SpecialKind, SpecialPoint, Stop};
 use solver::response::critical::{Corner, CriticalEvent, CriticalKind, Quantity};
 use solver::response::task::{
-    BranchEnd, BranchId, CarryPlace, DisturbPlace, FoldPlace, MarchPlace, Origin, SeedOutcome, Task, VerifyPlace,
+    BranchEnd, BranchId, CarryPlace, DisturbPlace, FoldPlace, MarchPlace, Origin, SeedOutcome, SwitchPlace, Task,
+    VerifyPlace,
 };
 use solver::settings::Stretch;
 use solver::stability::disturbance::{Disturbance, Ending, Push};
@@ -129,6 +131,26 @@ pub fn result_carried() -> StoredResult {
         work: Task::Carry(place),
         outcome: SeedOutcome::OnCurve(1),
         ..result_curve()
+    }
+}
+
+/// A branch that crosses another one, as that crosses it.
+pub fn result_switched() -> StoredResult {
+    let special = [(SpecialKind::Peak, 1), (SpecialKind::Start, 0), (SpecialKind::BranchPoint, 0)];
+    let crossing = BranchMessage {
+        kind: Some(BranchKind::Branched),
+        outcome: Outcome::Closed,
+        special: special.map(|(kind, index)| SpecialPoint { kind, index }).to_vec(),
+        ..branch()
+    };
+    let id = BranchId::new(BranchKind::Branched, 0);
+    StoredResult {
+        task: TaskId::of_level("2.5", 5).unwrap(),
+        work: Task::Switch(SwitchPlace { branch: BranchId::MAIN, point: 1 }),
+        outcome: SeedOutcome::Found(id),
+        name: Some(id),
+        branch: Some(crossing),
+        ..result()
     }
 }
 

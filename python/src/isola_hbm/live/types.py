@@ -612,7 +612,7 @@ class Result:
     amplitude: Amplitude
     #: What was to be done: ``"main"``, ``{"main": "above"}``, ``{"land": {…}}``, ``{"seed": {…}}``, ``{"fold": {…}}``,
     #: ``{"crossing": {…}}``, ``{"start": {…}}``, ``{"begin": {…}}``, ``{"scout": {…}}``, ``{"verify": {…}}``, ``{"disturb": {…}}``,
-    #: ``{"march": {…}}`` or ``{"carry": {…}}``.
+    #: ``{"march": {…}}``, ``{"carry": {…}}`` or ``{"switch": {…}}``.
     work: Any
     #: What became of it, in words.
     outcome: str

@@ -7,4 +7,5 @@ pub mod fold_curves;
 pub mod geometry;
 pub mod linear;
 pub mod march;
+pub mod ring;
 pub mod study;

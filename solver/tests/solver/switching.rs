@@ -1,0 +1,119 @@
+//! Branches that cross others at their branch points: of a ring of sectors, where these are the frequencies at which the equation of
+//! motion linearised about the main branch has a solution that repeats itself, by Runge–Kutta integration.
+
+use crate::support::ring::{COUPLING, CUBIC, DAMPING, LINEAR, quiet, reach, ring, within};
+use solver::response::branch::{BranchKind, Side};
+use solver::response::name::BranchId;
+use solver::response::task::{SeedOutcome, SwitchPlace, Task, TaskResult};
+use solver::response::trace::{Given, execute};
+use solver::{Branch, Forced, SpecialKind, State};
+use std::f64::consts::TAU;
+
+const FORCING: f64 = 0.02;
+const HARMONICS: usize = 7;
+/// Points over a period.
+const SAMPLES: usize = 4000;
+/// Relative difference of frequencies: what 7 harmonics leave.
+const CLOSE: f64 = 1e-5;
+
+/// What the branch points of known branches lead to, until nothing new does, and how often they lead to what is known.
+fn switch_all(forced: &mut Forced<'_>, found: &mut Vec<(BranchId, Branch)>) -> usize {
+    let (mut next, mut again) = (0, 0);
+    while let Some((id, branch)) = found.get(next) {
+        let (id, count) = (*id, branch.special(SpecialKind::BranchPoint).count());
+        for point in 0..count {
+            let known: Vec<(BranchId, &Branch)> = found.iter().map(|(id, branch)| (*id, branch)).collect();
+            let given = Given { known: &known, ..Given::default() };
+            match execute(forced, &Task::Switch(SwitchPlace { branch: id, point }), &given, &mut quiet) {
+                Some(TaskResult::Branch(branch)) => found.push((BranchId::new(branch.kind, found.len()), branch)),
+                Some(TaskResult::Nothing(SeedOutcome::Found(_))) => again += 1,
+                other => panic!("point {point} of {id}: {other:?}"),
+            }
+        }
+        next += 1;
+    }
+    again
+}
+
+/// det(Φ − I) over a period, of motions in which opposite sectors move alike, about one in which two move against each other and the
+/// others rest.
+fn characteristic(forced: &Forced<'_>, state: &State) -> f64 {
+    let motion = state.over_period(forced.model(), 0, 2 * SAMPLES);
+    let h = TAU / state.omega / SAMPLES as f64;
+    let rate = |u: [f64; 4], at: usize| {
+        let slope = 3.0 * CUBIC * motion[at % motion.len()][0].powi(2);
+        let driven = -DAMPING * u[2] - (LINEAR + slope) * u[0] - 2.0 * COUPLING * u[1];
+        [u[2], u[3], driven, -DAMPING * u[3] - LINEAR * u[1] - 2.0 * COUPLING * u[0]]
+    };
+    let columns = [0, 1, 2, 3].map(|column| {
+        let mut u = [0.0; 4];
+        u[column] = 1.0;
+        for at in (0..2 * SAMPLES).step_by(2) {
+            let moved = |by: f64, r: [f64; 4]| [0, 1, 2, 3].map(|i| u[i] + by * r[i]);
+            let r1 = rate(u, at);
+            let r2 = rate(moved(0.5 * h, r1), at + 1);
+            let r3 = rate(moved(0.5 * h, r2), at + 1);
+            let r4 = rate(moved(h, r3), at + 2);
+            u = [0, 1, 2, 3].map(|i| u[i] + h / 6.0 * (r1[i] + 2.0 * r2[i] + 2.0 * r3[i] + r4[i]));
+        }
+        u[column] -= 1.0;
+        u
+    });
+    determinant(columns)
+}
+
+/// By elimination with pivots.
+fn determinant(mut m: [[f64; 4]; 4]) -> f64 {
+    let mut product = 1.0;
+    for k in 0..4 {
+        let pivot = (k..4).max_by(|&a, &b| m[a][k].abs().total_cmp(&m[b][k].abs())).unwrap();
+        if pivot != k {
+            m.swap(pivot, k);
+            product = -product;
+        }
+        product *= m[k][k];
+        for i in k + 1..4 {
+            let share = m[i][k] / m[k][k];
+            let row = m[k];
+            m[i].iter_mut().zip(row).for_each(|(entry, pivot)| *entry -= share * pivot);
+        }
+    }
+    product
+}
+
+#[test]
+fn what_crosses_the_main_branch_of_a_ring_is_found() {
+    let (model, settings) = (ring(), within(HARMONICS));
+    let mut forced = Forced::new(&model, &settings, reach(), FORCING);
+    let main = forced.main_branch(Side::Below, &mut quiet).unwrap();
+    let crossed: Vec<State> = main.special(SpecialKind::BranchPoint).map(|point| point.state.clone()).collect();
+    assert!(!crossed.is_empty());
+    for state in &crossed {
+        let beside = [1.0 - CLOSE, 1.0 + CLOSE].map(|share| {
+            let near = State { omega: share * state.omega, ..state.clone() };
+            let near = forced.converge(&near).unwrap();
+            characteristic(&forced, &near)
+        });
+        assert!(beside[0] * beside[1] < 0.0, "{beside:?} beside {} rad/s", state.omega);
+    }
+    // Nor does it change elsewhere.
+    let signs: Vec<bool> = main.points.iter().map(|point| characteristic(&forced, &point.state) > 0.0).collect();
+    assert_eq!(signs.windows(2).filter(|pair| pair[0] != pair[1]).count(), crossed.len());
+
+    let mut found = vec![(BranchId::new(BranchKind::Main, 0), main)];
+    let again = switch_all(&mut forced, &mut found);
+    let branched: Vec<&Branch> = found[1..].iter().map(|(_, branch)| branch).collect();
+    assert!(!branched.is_empty() && again > 0);
+    for branch in &branched {
+        assert_eq!((branch.kind, branch.is_closed()), (BranchKind::Branched, true));
+        // It is no motion of those that it crosses.
+        let rests = |state: &State| state.over_period(&model, 1, 64).iter().all(|at| at[0].abs() < 1e-3);
+        assert!(!rests(&branch.peak().state));
+    }
+    let crosses = |state: &State| {
+        let nearest =
+            |branch: &Branch| branch.points.iter().map(|p| forced.distance(&p.state, state)).fold(1.0, f64::min);
+        branched.iter().any(|branch| nearest(branch) < 1e-2)
+    };
+    assert!(crossed.iter().all(crosses), "every branch point lies on one of them");
+}
