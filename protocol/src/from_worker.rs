@@ -8,7 +8,7 @@ use crate::steps::Steps;
 use serde::{Deserialize, Serialize};
 
 /// Slots of a computing thread, which take turns: while the result of one is on its way, another one computes.
-pub const LANES: u32 = 2;
+pub const LANES: u32 = 4;
 
 /// The computing thread of a slot.
 pub fn thread_of(slot: u32) -> u32 {

@@ -1,11 +1,11 @@
 //! Half of a computing thread's work: lease, trace, submit. The other half goes on meanwhile: while the result of one lane is on its
-//! way, maybe a long one, and until it is stored, the other lane computes.
+//! way, maybe a long one, and until it is stored, the other lane computes; where tasks are brief there are more lanes than two.
 
 use crate::checkpoints;
 use crate::compute::{Computed, Computer, Finished, Job, Watch};
 use crate::error::WorkerError;
 use crate::findings::{Findings, Found};
-use crate::leasing::{self, LAST_WORDS, Next, lease_of, notice_cancelled, release};
+use crate::leasing::{LAST_WORDS, lease_of, next_task, notice_cancelled, release};
 use crate::patience::OutOfPatience;
 use crate::renewal::{Interruption, keep};
 use crate::shared::Shared;
@@ -17,7 +17,7 @@ use solver::response::task::{FoldPlace, Task, TaskResult};
 use std::pin::{Pin, pin};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use zenoh::bytes::ZBytes;
 
 /// Works with computing thread `number` until all is done, the run is cancelled, there is nothing to do for too long, or the worker
@@ -26,13 +26,18 @@ pub async fn work_with_thread(shared: Arc<Shared>, number: u32) -> Result<(), Wo
     let computer = Computer::start(number, shared.orders.clone())
         .map_err(|source| WorkerError::System { what: "start a computing thread", source })?;
     let (computer, turns) = (Arc::new(computer), Arc::new(Turns::default()));
-    let [first, second] = [0, 1].map(|lane| {
+    let [first, second, third, fourth] = [0, 1, 2, 3].map(|lane| {
         let slot = LANES * number + lane;
         let known = Findings::new(shared.size, shared.harmonics, shared.max_result_bytes);
         Lane { shared: shared.clone(), slot, computer: computer.clone(), turns: turns.clone(), known }.run()
     });
-    let (first, second) = tokio::join!(first, second);
-    first.and(second)
+    let steady = async {
+        let (first, second) = tokio::join!(first, second);
+        turns.end();
+        first.and(second)
+    };
+    let (steady, third, fourth) = tokio::join!(steady, third, fourth);
+    steady.and(third).and(fourth)
 }
 
 /// One of those that take turns on a computing thread.
@@ -48,18 +53,9 @@ impl Lane {
     async fn run(mut self) -> Result<(), WorkerError> {
         let mut at_hand = None;
         loop {
-            let (grant, turn) = match at_hand {
-                Some(grant) => (leasing::take(&self.shared, self.slot, grant).await, None),
-                None => {
-                    let turn = self.turns.take().await;
-                    match leasing::next(&self.shared, self.slot, &self.turns).await? {
-                        Next::Task(grant) => (Some(*grant), Some(turn)),
-                        Next::GiveWay => continue,
-                        Next::Over => (None, None),
-                    }
-                }
+            let Some((grant, turn)) = next_task(&self.shared, self.slot, &self.turns, at_hand).await? else {
+                return Ok(());
             };
-            let Some(grant) = grant else { return Ok(()) };
             at_hand = self.execute(grant, turn).await?;
         }
     }
@@ -123,7 +119,10 @@ impl Lane {
                 () = self.shared.shutdown.reached(Phase::Finishing) => return None,
             }
         }
-        Some(self.computer.compute(job, watch.clone()).await)
+        let begin = Instant::now();
+        let computed = self.computer.compute(job, watch.clone()).await;
+        self.turns.note(begin.elapsed());
+        Some(computed)
     }
 
     /// Everything that a task needs.

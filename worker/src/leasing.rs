@@ -4,8 +4,8 @@ use crate::error::WorkerError;
 use crate::patience::{OutOfPatience, Patience};
 use crate::shared::Shared;
 use crate::shutdown::Phase;
-use crate::turns::Turns;
-use protocol::from_worker::Lease;
+use crate::turns::{STEADY, Turn, Turns};
+use protocol::from_worker::{LANES, Lease};
 use protocol::session::RequestError;
 use protocol::to_everyone::Stage;
 use protocol::to_worker::{Grant, LeaseReply};
@@ -19,7 +19,7 @@ pub const LAST_WORDS: Duration = Duration::from_secs(2);
 const SHORTEST_WAIT: Duration = Duration::from_millis(5);
 
 /// What comes of asking for work.
-pub enum Next {
+enum Next {
     /// A task.
     Task(Box<Grant>),
     /// There is none yet, and another lane of the thread has one.
@@ -28,11 +28,41 @@ pub enum Next {
     Over,
 }
 
-/// Asks for work for `slot`, whose turn it is, until there is some or somebody else wants the turn.
+/// The next task of `slot`, with its turn unless the task was at hand and the turn is still to be waited for; `None` if there is no more
+/// for it. Lanes beyond the first ones take no tasks while these are long, and give back what they have at hand: it would wait behind them.
 ///
 /// # Errors
 /// If the coordinator has no work for this worker, ever, or is gone for longer than patience lasts.
-pub async fn next(shared: &Shared, slot: u32, turns: &Turns) -> Result<Next, WorkerError> {
+pub async fn next_task(
+    shared: &Shared,
+    slot: u32,
+    turns: &Turns,
+    at_hand: Option<Grant>,
+) -> Result<Option<(Grant, Option<Turn>)>, WorkerError> {
+    let is_spare = slot % LANES >= STEADY;
+    match at_hand {
+        Some(grant) if is_spare && !turns.are_brief() => release(shared, &lease_of(shared, slot, &grant)).await,
+        Some(grant) => return Ok(take(shared, slot, grant).await.map(|grant| (grant, None))),
+        None => {}
+    }
+    loop {
+        if is_spare && !turns.become_brief().await {
+            return Ok(None);
+        }
+        let turn = turns.take().await;
+        if is_spare && !turns.are_brief() {
+            continue;
+        }
+        match next(shared, slot, turns).await? {
+            Next::Task(grant) => return Ok(Some((*grant, Some(turn)))),
+            Next::GiveWay => {}
+            Next::Over => return Ok(None),
+        }
+    }
+}
+
+/// Asks for work for `slot`, whose turn it is, until there is some or somebody else wants the turn.
+async fn next(shared: &Shared, slot: u32, turns: &Turns) -> Result<Next, WorkerError> {
     let mut patience = Patience::new(shared.bus.patience);
     let mut wakes = shared.wakes.subscribe();
     while !shared.is_over() {
@@ -73,7 +103,7 @@ pub async fn next(shared: &Shared, slot: u32, turns: &Turns) -> Result<Next, Wor
 }
 
 /// Takes a task that was handed out, or gives it back if the worker takes no more.
-pub async fn take(shared: &Shared, slot: u32, grant: Grant) -> Option<Grant> {
+async fn take(shared: &Shared, slot: u32, grant: Grant) -> Option<Grant> {
     if shared.shutdown.phase() > Phase::Working {
         release(shared, &lease_of(shared, slot, &grant)).await;
         return None;

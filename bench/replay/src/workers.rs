@@ -10,6 +10,7 @@ use protocol::keys::Keys;
 use protocol::to_worker::{Grant, SubmitReply};
 use std::collections::HashSet;
 use std::error::Error;
+use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
@@ -18,12 +19,12 @@ use tokio::task::JoinSet;
 use tokio::time::sleep;
 use worker::bus::Bus;
 use worker::compute::Watch;
-use worker::leasing::{Next, lease_of, next, take};
+use worker::leasing::{lease_of, next_task};
 use worker::patience::OutOfPatience;
 use worker::renewal::keep;
 use worker::shared::Shared;
 use worker::shutdown::{Phase, Shutdown};
-use worker::turns::{Turn, Turns};
+use worker::turns::{STEADY, Turn, Turns};
 use worker::{Options, join};
 use zenoh::Session;
 use zenoh::bytes::ZBytes;
@@ -87,12 +88,18 @@ fn bus(session: Session, options: &Options, run: &protocol::ids::RunId, number: 
 async fn run(replay: Arc<Replay>, shared: Arc<Shared>) -> Result<(), String> {
     let _presence = shared.appear().await.map_err(|error| error.to_string())?;
     let turns = Arc::new(Turns::default());
-    let mut lanes = JoinSet::new();
-    for slot in 0..LANES {
-        let (replay, shared, turns) = (replay.clone(), shared.clone(), turns.clone());
-        lanes.spawn(Lane { replay, shared, slot, turns, known: HashSet::new(), landed: HashSet::new() }.run());
-    }
-    lanes.join_all().await.into_iter().collect()
+    let lanes = |slots: Range<u32>| {
+        let mut lanes = JoinSet::new();
+        for slot in slots {
+            let (replay, shared, turns) = (replay.clone(), shared.clone(), turns.clone());
+            lanes.spawn(Lane { replay, shared, slot, turns, known: HashSet::new(), landed: HashSet::new() }.run());
+        }
+        lanes
+    };
+    let (steady, spare) = (lanes(0..STEADY), lanes(STEADY..LANES));
+    let steady = steady.join_all().await;
+    turns.end();
+    steady.into_iter().chain(spare.join_all().await).collect()
 }
 
 /// One of those that take turns on a computing thread.
@@ -111,18 +118,8 @@ impl Lane {
     async fn run(mut self) -> Result<(), String> {
         let mut at_hand = None;
         loop {
-            let (grant, turn) = match at_hand {
-                Some(grant) => (take(&self.shared, self.slot, grant).await, None),
-                None => {
-                    let turn = self.turns.take().await;
-                    match next(&self.shared, self.slot, &self.turns).await.map_err(|error| error.to_string())? {
-                        Next::Task(grant) => (Some(*grant), Some(turn)),
-                        Next::GiveWay => continue,
-                        Next::Over => (None, None),
-                    }
-                }
-            };
-            let Some(grant) = grant else { return Ok(()) };
+            let next = next_task(&self.shared, self.slot, &self.turns, at_hand).await;
+            let Some((grant, turn)) = next.map_err(|error| error.to_string())? else { return Ok(()) };
             self.replay.meter.granted();
             at_hand = self.execute(grant, turn).await?;
         }
@@ -153,6 +150,7 @@ impl Lane {
                 None => self.turns.take_with_task().await,
             };
             sleep(Duration::from_secs_f64(seconds)).await;
+            self.turns.note(Duration::from_secs_f64(seconds));
             payload
         };
         let payload = tokio::select! {

@@ -12,7 +12,9 @@ use solver::response::critical::{Quantity, crossed};
 use solver::response::scout::ScoutPlace;
 use solver::response::seeds::LandingMethod;
 use solver::response::starts::{StartPlace, StartWay};
-use solver::response::task::{BranchId, Brought, MarchPlace, Origin, SeedOutcome, SeedPlace, Task, VerifyPlace};
+use solver::response::task::{
+    BranchId, Brought, MarchPlace, Origin, SeedOutcome, SeedPlace, SwitchPlace, Task, VerifyPlace,
+};
 use solver::settings::Stretch;
 use std::sync::Arc;
 use std::time::Duration;
@@ -42,6 +44,8 @@ pub(super) struct Chain {
     pub rounds: Vec<StartPlace>,
     /// Folds that scouts met, by their numbers, not yet considered.
     pub scouted: Vec<(ScoutPlace, usize)>,
+    /// Branch points of branches that were found, not yet considered.
+    pub crossed: Vec<SwitchPlace>,
     /// Branches that were found and not yet considered for verification.
     pub unverified: Vec<BranchId>,
     /// Unstable motions that were found, with the numbers of their levels, and not yet considered for marching.
@@ -71,7 +75,6 @@ pub(super) struct LevelRecord {
 pub(super) struct Branch {
     pub known: Known,
     pub folds: usize,
-    pub branch_points: usize,
 }
 
 /// A curve over the forcing that was found.
@@ -125,8 +128,8 @@ impl Chain {
     }
 
     fn of(record: Record) -> Self {
-        let (entries, ready, held, rounds, scouted, unverified, unsettled) = Default::default();
-        Self { record, entries, ready, held, rounds, scouted, unverified, unsettled }
+        let (entries, ready, held, rounds, scouted, crossed, unverified, unsettled) = Default::default();
+        Self { record, entries, ready, held, rounds, scouted, crossed, unverified, unsettled }
     }
 
     /// What a level is known by; `None` for the curves and for verifications.
@@ -246,8 +249,8 @@ impl Chain {
                 if let (SeedOutcome::Found(branch), Some(Brought::Branch { folds, branch_points, .. })) =
                     (outcome, brought)
                 {
-                    let known = Known { branch, task };
-                    level.branches.push(Branch { known, folds: *folds, branch_points: *branch_points });
+                    level.branches.push(Branch { known: Known { branch, task }, folds: *folds });
+                    self.crossed.extend((0..*branch_points).map(|point| SwitchPlace { branch, point }));
                     self.unverified.push(branch);
                 }
             }

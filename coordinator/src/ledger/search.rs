@@ -77,13 +77,10 @@ impl Ledger {
             return Vec::new();
         }
         let mut added = Vec::new();
-        for (l, chain) in self.chains.iter().enumerate() {
-            let Some(level) = chain.level() else { continue };
-            let places = level.branches.iter().flat_map(|found| {
-                (0..found.branch_points).map(|point| SwitchPlace { branch: found.known.branch, point })
-            });
-            let new = places.filter(|place| self.switched.insert((l, *place)));
+        for (l, chain) in self.chains.iter_mut().enumerate() {
+            let new = std::mem::take(&mut chain.crossed).into_iter().filter(|place| self.switched.insert((l, *place)));
             for (i, place) in new.enumerate() {
+                let level = chain.level().expect("branches are of levels");
                 let id = TaskId::of_level(&level.amplitude.text, chain.entries.len() + i);
                 added.push((l, TaskEntry::new(id.expect("amplitudes are numbers"), l, Task::Switch(place))));
             }
@@ -102,7 +99,7 @@ impl Ledger {
         let are_done = levels.all(|l| {
             let chain = &self.chains[l];
             let Some(level) = chain.level().filter(|_| chain.has_branches()) else { return chain.level().is_none() };
-            for Branch { known, folds, .. } in &level.branches[self.unfolded[l]..] {
+            for Branch { known, folds } in &level.branches[self.unfolded[l]..] {
                 let branch = known.branch;
                 let folds = FoldPlace::of(branch, *folds).map(Origin::Fold);
                 let places = CarryPlace::of(branch).map(Origin::Carry).chain(folds).map(|origin| (l, origin));
