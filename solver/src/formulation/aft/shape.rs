@@ -34,11 +34,11 @@ impl Shape {
         }
     }
 
-    /// Whether a change of harmonic k of the motion changes harmonic j of the force: derivatives have the even multiples where the
-    /// force has the odd ones.
-    fn couples(self, j: usize, k: usize) -> bool {
+    /// A change of harmonic k of the motion changes harmonic j of the force if they are of the same class, j ± k a harmonic of
+    /// the derivatives: these have the even multiples where the force has the odd ones.
+    fn class(self, k: usize) -> usize {
         let period = if self.is_odd { 2 * self.step } else { self.step };
-        if period == 0 { j == k } else { j.abs_diff(k).is_multiple_of(period) || (j + k).is_multiple_of(period) }
+        if period == 0 { k } else { (k % period).min(period - k % period) }
     }
 
     /// Leaves of a force and its derivatives what there can be; the arguments have `nc` coefficients each.
@@ -46,17 +46,19 @@ impl Shape {
         if self.step == 1 && !self.is_odd {
             return;
         }
-        let harmonic = |entry: usize| (entry % nc).div_ceil(2);
-        let stride = out.force.len();
-        for row in 0..stride {
-            let j = harmonic(row);
-            if !self.has(j) {
-                (out.force[row], out.domega[row]) = (0.0, 0.0);
+        let harmonic = |entry: usize| entry.div_ceil(2);
+        let classes: Vec<usize> = (0..nc).map(|entry| self.class(harmonic(entry))).collect();
+        let lacks = (0..nc).filter(|&entry| !self.has(harmonic(entry)));
+        for entry in lacks {
+            for series in [&mut out.force, &mut out.domega] {
+                series[entry..].iter_mut().step_by(nc).for_each(|coefficient| *coefficient = 0.0);
             }
-            for column in 0..stride {
-                if !self.couples(j, harmonic(column)) {
-                    out.jacobian[row * stride + column] = 0.0;
-                }
+        }
+        let stride = out.force.len();
+        for (row, class) in out.jacobian.chunks_exact_mut(stride).zip(classes.iter().cycle()) {
+            for series in row.chunks_exact_mut(nc) {
+                let entries = series.iter_mut().zip(&classes);
+                entries.for_each(|(entry, other)| *entry = if other == class { *entry } else { 0.0 });
             }
         }
     }
@@ -92,6 +94,10 @@ mod tests {
         assert_eq!(harmonics(shape(&[4, 6], true)), [0, 2, 4, 6, 8, 10, 12]);
         assert_eq!(harmonics(shape(&[1, 2], true)).len(), 13);
         let odd = shape(&[1, 3], true);
-        assert!(odd.couples(1, 3) && odd.couples(2, 0) && !odd.couples(1, 2) && !odd.couples(0, 1));
+        let couples = |shape: Shape, j: usize, k: usize| shape.class(j) == shape.class(k);
+        assert!(couples(odd, 1, 3) && couples(odd, 2, 0) && !couples(odd, 1, 2) && !couples(odd, 0, 1));
+        let third = shape(&[3, 6], false);
+        assert!(couples(third, 1, 2) && couples(third, 4, 1) && couples(third, 0, 6) && !couples(third, 0, 1));
+        assert!(couples(shape(&[0], true), 3, 3) && !couples(shape(&[], true), 3, 0));
     }
 }
