@@ -99,9 +99,14 @@ pub fn warnings_of_sweep(study: &Study) -> Vec<String> {
 }
 
 /// What a sweep notes, of what may well be meant: that nothing resonates within its bounds, where the force acts if nobody said so, stops
-/// that are pressed at rest. Sentences.
+/// that are pressed at rest, laws that are too soft to matter. Sentences.
 pub fn notes_of_sweep(study: &Study) -> Vec<String> {
-    bounds::note(study).into_iter().chain(defaults::forcing(study)).chain(laws::pressed(study)).collect()
+    bounds::note(study)
+        .into_iter()
+        .chain(defaults::forcing(study))
+        .chain(laws::pressed(study))
+        .chain(laws::soft(study))
+        .collect()
 }
 
 /// Why the mode that a sweep begins with has no backbone, if that is known before: a sentence.

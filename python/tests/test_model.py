@@ -244,8 +244,11 @@ def test_a_law_acts_in_one_place(tmp_path: Path) -> None:
 
 def test_a_law_is_one_that_there_is() -> None:
     for kind, parameters, message in (
-        ("cubic", {}, "there is no law `cubic`; known: jenkins, penalty_spring, "),
-        ("penalty", {"gap": 1}, "there is no law `penalty`; did you mean `penalty_spring`? known: "),
+        ("cubic", {}, "there is no law `cubic`; did you mean `polynomial_spring`? known: polynomial_spring, jenkins, penalty_spring, "),
+        ("penalty", {"gap": 1}, "there is no law `penalty`; did you mean `penalty_spring`? known: penalty_spring, jenkins, "),
+        ("viscous damper", {}, "did you mean `polynomial_damper`? known: polynomial_damper, "),
+        ("jenkns", {}, "did you mean `jenkins`? known: jenkins, "),
+        ("magnet", {}, "there is no law `magnet`; known: jenkins, penalty_spring, polynomial_damper, polynomial_spring, tanh_friction"),
         (
             "polynomial_spring",
             {"terms": [{"power": 3, "coeficient": 1}]},

@@ -1,9 +1,10 @@
 //! What is probably not meant of laws.
 
+use super::softening::compliance;
 use super::touch::{pressed_at_rest, shape};
 use super::work::projection;
 use crate::study::Study;
-use results::words::digits;
+use results::words::{digits, number};
 use solver::formulation::Formulation;
 use solver::formulation::harmonics::complex;
 use solver::formulation::linear::forced_response;
@@ -19,10 +20,15 @@ const LINEAR: f64 = 100.0;
 /// Times the linear response that are looked at, at most.
 const FARTHEST: f64 = 1e4;
 
+/// Stiffness of a law, in that of the structure there, below which it matters to no motion.
+const SOFT: f64 = 5e-5;
+/// The same in damping ratios.
+const NARROW: f64 = 0.1;
+
 /// Sentences about polynomials: of dampers that feed energy in, and of all laws if they hardly do anything.
 pub(super) fn warnings(study: &Study, followed: &[usize]) -> Vec<String> {
     let even = study.model.elements().iter().filter_map(even_damper);
-    even.chain(pressed(study)).chain(practically_linear(study, followed)).collect()
+    even.chain(pressed(study)).chain(soft(study)).chain(practically_linear(study, followed)).collect()
 }
 
 /// Elastic stops that are pressed at rest, which is seldom meant: sentences.
@@ -34,6 +40,33 @@ pub(super) fn pressed(study: &Study) -> impl Iterator<Item = String> + '_ {
             element.name,
             digits(gap, 3)
         )
+    })
+}
+
+/// Elastic stops and joints that are so soft that they change next to nothing, which is seldom meant: sentences.
+pub(super) fn soft(study: &Study) -> impl Iterator<Item = String> + '_ {
+    let model = &study.model;
+    // A frequency moves by half of this share, which has to be little beside the width of a resonance as well.
+    let ratios = model.damping().rates().into_iter().zip(&model.modes().frequencies);
+    let damped = ratios.filter(|(rate, omega)| **omega > 0.0 && *rate > 0.0).map(|(rate, omega)| rate / (2.0 * omega));
+    let width = damped.reduce(f64::min).unwrap_or(0.0);
+    model.elements().iter().filter_map(move |element| {
+        let stiffness = match &element.law {
+            LawKind::PenaltySpring(spring) => spring.stiffness,
+            LawKind::Jenkins(joint) => joint.stiffness,
+            _ => return None,
+        };
+        let structure = 1.0 / compliance(model, element)?;
+        let share = stiffness / structure;
+        (share < SOFT && share < NARROW * width).then(|| {
+            format!(
+                "`{}`: its stiffness, {} N/m, is {} of that of the structure there, {} N/m, and changes next to nothing: are the units N/m?",
+                element.name,
+                number(stiffness),
+                digits(share, 1),
+                number(structure)
+            )
+        })
     })
 }
 

@@ -38,13 +38,19 @@ pub(super) fn warnings(study: &Study) -> Vec<String> {
 /// `None` where the structure is free to move.
 fn statics(model: &Model, element: &Element) -> Option<(f64, f64)> {
     let (along, force, modes) = (shape(model, element), projection(model), model.modes());
+    let bent = (0..along.len()).filter(|&j| !modes.is_rigid(j));
+    let displacement: f64 = bent.map(|j| along[j] * force[j] / modes.frequencies[j].powi(2)).sum();
+    Some((compliance(model, element)?, displacement.abs()))
+}
+
+/// What a force of 1 N at an element displaces there at rest, without laws, m/N. `None` where the structure is free to move.
+pub(super) fn compliance(model: &Model, element: &Element) -> Option<f64> {
+    let (along, modes) = (shape(model, element), model.modes());
     let largest = along.iter().fold(0.0_f64, |largest, b| largest.max(b.abs()));
     let (rigid, bent): (Vec<usize>, Vec<usize>) = (0..along.len()).partition(|&j| modes.is_rigid(j));
     let is_free = rigid.into_iter().any(|j| along[j].abs() > STILL * largest);
-    let square = |j: usize| modes.frequencies[j] * modes.frequencies[j];
-    let compliance: f64 = bent.iter().map(|&j| along[j] * along[j] / square(j)).sum();
-    let displacement: f64 = bent.iter().map(|&j| along[j] * force[j] / square(j)).sum();
-    (!is_free && compliance > 0.0).then_some((compliance, displacement.abs()))
+    let compliance: f64 = bent.iter().map(|&j| (along[j] / modes.frequencies[j]).powi(2)).sum();
+    (!is_free && compliance > 0.0).then_some(compliance)
 }
 
 /// The displacement from which on structure and spring together do not pull back, one way at least, if they do not at this one: below it

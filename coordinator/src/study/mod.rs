@@ -12,6 +12,7 @@ mod amplitudes;
 mod entry;
 mod error;
 mod locate;
+mod meant;
 mod range;
 
 pub use amplitudes::typed;
@@ -143,6 +144,7 @@ fn load_model(dir: &Path, scenario: Layers, set: &[(String, String)]) -> Result<
     for (key, value) in set.iter().filter(|(key, _)| is_scenario(first(key))) {
         layers.set("--set", key, value)?;
     }
+    meant::shape_of_forcing(&layers)?;
     Ok((files::from_layers(dir, &layers)?, layers.table().clone()))
 }
 
@@ -200,6 +202,7 @@ fn known_keys(study: &Layers) -> Result<(), ModelError> {
 fn load_settings(numerics: &Layers, model: &Model) -> Result<Settings, ModelError> {
     numerics.check_sections(&SECTIONS)?;
     numerics.check_sections(&["continuation.newton"])?;
+    meant::unit_of_frequencies(numerics)?;
     let settings: Settings = numerics.parsed()?;
     settings.validate(model).map_err(|SettingsError { key, value, remedy }| {
         let key = if key == "backbone.modes" && numerics.given("backbone.mode") { "backbone.mode" } else { key };

@@ -33,6 +33,25 @@ fn laws_that_hardly_do_anything() {
     assert!(checked(&friction, "0.2", &[]).0.is_empty());
 }
 
+/// The structure holds 1e4 N/m: a stop given in kN/m is a thousand times too soft, and one of a hundredth of it may well matter.
+#[test]
+fn stops_and_joints_that_are_too_soft() {
+    let stop = |stiffness: &str| with_law(&format!("{{ penalty_spring = {{ stiffness = {stiffness}, gap = 1e-3 }} }}"));
+    let (warnings, text) = checked(&stop("0.06"), "0.3", &[]);
+    let told = "`spring`: its stiffness, 0.06 N/m, is 6e-6 of that of the structure there, 10000 N/m, and changes next to nothing: are the units \
+                N/m?";
+    assert_eq!(warnings, [told], "{text}");
+    let joint = with_law("{ jenkins = { stiffness = 0.06, limit = 1 } }");
+    assert_eq!(checked(&joint, "0.3", &[]).0, [told]);
+    for stiffness in ["6", "100", "1e4", "1e9"] {
+        assert_eq!(checked(&stop(stiffness), "0.3", &[]).0, [] as [&str; 0], "{stiffness}");
+    }
+    // Where next to nothing damps a resonance it moves by more than its width.
+    let undamped = stop("0.06").replace("ratio = 1e-2", "ratio = 1e-6");
+    assert_ne!(undamped, stop("0.06"));
+    assert!(!checked(&undamped, "3e-5", &[]).0.iter().any(|warning| warning.contains("next to nothing")));
+}
+
 /// A joint of 3e4 N/m beside a spring of 1e4 N/m doubles the frequency as long as it sticks.
 #[test]
 fn modes_of_small_motions() {

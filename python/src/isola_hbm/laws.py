@@ -27,6 +27,16 @@ _TERM = ("power", "coefficient")
 _MOST = 15
 
 
+#: Words in what people call laws, and the law that is meant, in the order in which the program searches a name for them.
+_CALLED = (
+    (("damp", "viscous"), "polynomial_damper"),
+    (("jenkin", "iwan", "masing", "hyster", "slider"), "jenkins"),
+    (("friction", "coulomb", "tanh", "slip"), "tanh_friction"),
+    (("stop", "gap", "impact", "unilateral", "bilinear", "penalty", "contact"), "penalty_spring"),
+    (("cubic", "quadratic", "quintic", "duffing", "poly", "spring", "stiffness"), "polynomial_spring"),
+)
+
+
 class Law(dict[str, Any]):
     """A nonlinear element, as under ``[[laws]]`` of a model file.
 
@@ -61,7 +71,7 @@ class Law(dict[str, Any]):
     ) -> None:
         """Of a `kind` with its `parameters`, acting on one of `dof` (against the ground), `between` two dofs and `coefficients` (a
         sum): ``help(Law)`` says more."""
-        _require_known("law", kind, (*_PARAMETERS, *_POLYNOMIALS))
+        _require_law(kind)
         where = {"name": name, "dof": dof, "between": between, "coefficients": coefficients}
         given = {key: value for key, value in where.items() if value is not None}
         if len(given.keys() - {"name"}) != 1:
@@ -117,6 +127,19 @@ def guess(given: Any, known: Iterable[str]) -> str:
 def _require_known(what: str, given: Any, known: Collection[str]) -> None:
     if given not in known:
         raise BadModel(f"there is no {what} `{given}`; {guess(given, known)}known: {', '.join(sorted(known))}")
+
+
+def _require_law(kind: Any) -> None:
+    """Refuses laws that there are not, with all that there are: the one first that is probably meant."""
+    known = sorted((*_PARAMETERS, *_POLYNOMIALS))
+    if kind in known:
+        return
+    name = str(kind).lower()
+    meant = next((law for words, law in _CALLED if any(word in name for word in words)), None)
+    nearest = [meant] if meant else difflib.get_close_matches(name, known, 1)
+    hint = f"did you mean `{nearest[0]}`? " if nearest else ""
+    ordered = [*nearest, *(law for law in known if law not in nearest)]
+    raise BadModel(f"there is no law `{kind}`; {hint}known: {', '.join(ordered)}")
 
 
 def _require_all(what: str, given: Mapping[str, Any], needed: Collection[str]) -> None:

@@ -1,0 +1,95 @@
+//! What is refused in general words elsewhere, told as what was probably meant.
+
+use solver::files::Layers;
+use solver::structure::ModelError;
+use std::f64::consts::TAU;
+use toml::Value;
+
+/// Refuses a unit of frequencies: there is one, and bounds in another one have to be converted.
+pub(super) fn unit_of_frequencies(numerics: &Layers) -> Result<(), ModelError> {
+    let Some(Value::Table(section)) = numerics.table().get("frequency") else { return Ok(()) };
+    let Some(unit) = section.get("unit") else { return Ok(()) };
+    let is_hertz = unit.as_str().is_some_and(|unit| unit.trim().eq_ignore_ascii_case("hz"));
+    let converted = ["min", "max"].into_iter().filter_map(|bound| {
+        let value = section.get(bound)?;
+        let hertz = value.as_float().or_else(|| value.as_integer().map(|whole| whole as f64))?;
+        Some(format!("{bound} = {} for {hertz} Hz", results::words::number(TAU * hertz)))
+    });
+    let converted: Vec<String> = converted.filter(|_| is_hertz).collect();
+    let remedy = match &converted[..] {
+        [] if is_hertz => "frequencies are in rad/s, 2π times those in Hz; leave the key out".into(),
+        [] => "frequencies are in rad/s, always; leave the key out".into(),
+        bounds => format!(
+            "frequencies are in rad/s, 2π times those in Hz: write {}, and leave the key out",
+            bounds.join(" and ")
+        ),
+    };
+    Err(ModelError::value(numerics.place("frequency.unit"), unit.to_string(), remedy))
+}
+
+/// Refuses a shape of the forcing that names dofs where the kind of shape is to be.
+pub(super) fn shape_of_forcing(model: &Layers) -> Result<(), ModelError> {
+    let table = model.table();
+    let names: Vec<&str> = match table.get("dofs") {
+        Some(Value::Array(list)) => list.iter().filter_map(Value::as_str).collect(),
+        _ => Vec::new(),
+    };
+    let shape = table.get("forcing").and_then(|forcing| forcing.get("shape")).and_then(Value::as_table);
+    let Some(shape) = shape.filter(|shape| !shape.is_empty() && shape.keys().all(|key| names.contains(&key.as_str())))
+    else {
+        return Ok(());
+    };
+    let forces: Vec<String> = shape.iter().map(|(dof, force)| format!("{dof} = {force}")).collect();
+    let (forces, dofs) = (forces.join(", "), if shape.len() == 1 { "is a dof" } else { "are dofs" });
+    let listed: Vec<String> = shape.keys().map(|key| format!("`{key}`")).collect();
+    let message =
+        format!("{} {dofs}, and no kind of shape: write shape = {{ dofs = {{ {forces} }} }}", listed.join(", "));
+    Err(ModelError::Type { place: model.place("forcing.shape"), message })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    fn layers(text: &str) -> Layers {
+        Layers::parse(Path::new("study.toml"), text).unwrap()
+    }
+
+    #[test]
+    fn bounds_in_hertz_are_converted() {
+        let refused = |text: &str| unit_of_frequencies(&layers(text)).map_err(|error| error.to_string());
+        let said = refused("[frequency]\nunit = \"Hz\"\nmin = 0.5\nmax = 2").unwrap_err();
+        for part in [
+            "study.toml",
+            "`frequency.unit`",
+            "\"Hz\"",
+            "2π times those in Hz: write min = 3.14159 for 0.5 Hz and max = 12.5664 for 2 Hz, and leave the key out",
+        ] {
+            assert!(said.contains(part), "{said}");
+        }
+        assert!(refused("[frequency]\nunit = \"hz\"").unwrap_err().contains("2π times"));
+        let other = refused("[frequency]\nunit = \"rad/s\"\nmin = 0.5").unwrap_err();
+        assert!(other.contains("in rad/s, always; leave") && !other.contains("3.14"), "{other}");
+        assert_eq!(refused("[frequency]\nmin = 0.5"), Ok(()));
+    }
+
+    #[test]
+    fn dofs_of_a_shape_stand_a_level_deeper() {
+        let refused = |shape: &str| {
+            let text = format!("dofs = [\"frame\", \"machine\"]\n[forcing]\nshape = {shape}");
+            shape_of_forcing(&layers(&text)).map_err(|error| error.to_string())
+        };
+        let said = refused("{ machine = 1 }").unwrap_err();
+        let expected = "`machine` is a dof, and no kind of shape: write shape = { dofs = { machine = 1 } }";
+        assert!(said.contains(expected) && said.contains("`forcing.shape`") && said.contains("study.toml"), "{said}");
+        let both = refused("{ frame = 0.5, machine = 1 }").unwrap_err();
+        assert!(
+            both.contains("`machine` are dofs") && both.contains("{ dofs = { frame = 0.5, machine = 1 } }"),
+            "{both}"
+        );
+        for other in ["{ dofs = { machine = 1 } }", "{ mode = 1 }", "{ motor = 1 }", "{}"] {
+            assert_eq!(refused(other), Ok(()), "{other}");
+        }
+    }
+}
