@@ -15,8 +15,14 @@ pub const EVENTS: [(&str, Shape, bool, &str, &str); 3] = [
     ("merge", Shape::InvertedTriangle, true, "merges or partings, computed", "merge or part"),
 ];
 
+/// How places are marked where two folds of one branch meet: neither births nor ends, and not labelled.
+pub const CUSPS: (&str, Shape, bool, &str) = ("cusp", Shape::Square, true, "cusps, computed (two folds meet)");
+
 /// Follows the forcing amplitude of what was not found with twice the harmonics (H is their number).
-const UNKNOWN: &str = " (2H: ?)";
+const UNKNOWN: &str = " (2H: not found)";
+
+/// What is said of labels with a number that is one with twice the harmonics, or that has none.
+const TWICE: &str = "; 2H: with twice the harmonics";
 
 /// The figure.
 ///
@@ -42,10 +48,17 @@ pub fn figure(subject: &Subject<'_>, store: &mut ColumnStore) -> Result<Figure, 
             continue;
         }
         let style = Style::marks(Color::Category(3), shape, 1.4 * MARK, is_hollow);
-        legend.push(Entry::new(name, Kind::Line, style.clone()));
+        legend.push(Entry::new(explained(name, found.iter()), Kind::Line, style.clone()));
         let named = |point| event_label(word, point, (point.forcing, point.amplitude), Side::Right);
         labels.extend(found.iter().map(named));
         series.push(of_points(&found, &style, store));
+    }
+    let (wanted, shape, is_hollow, name) = CUSPS;
+    let cusps: Vec<CurvePoint> = events_of(subject.curves, wanted).into_iter().cloned().collect();
+    if !cusps.is_empty() {
+        let style = Style::marks(Color::Category(3), shape, MARK, is_hollow);
+        legend.push(Entry::new(name, Kind::Line, style.clone()));
+        series.push(of_points(&cusps, &style, store));
     }
     let panel = Panel {
         about: "Fold curves: amplitude at which branches turn back, over the forcing amplitude.",
@@ -76,11 +89,21 @@ fn of_points(points: &[CurvePoint], style: &Style, store: &mut ColumnStore) -> S
     }
 }
 
+/// The name of marks in the legend, with what stands on their labels explained if it has to be.
+pub(super) fn explained<'p>(name: &str, mut points: impl Iterator<Item = &'p CurvePoint>) -> String {
+    let has_twice = |point: &CurvePoint| point.doubled.is_none() || forcing_label(point, DIGITS).contains("2H");
+    let twice = if points.any(has_twice) { TWICE } else { "" };
+    format!("{name}{twice}")
+}
+
+/// Digits of forcing amplitudes on labels.
+const DIGITS: i32 = 4;
+
 /// Names a computed event of a fold curve at its place in a figure, with the doubt where it was not found with twice the harmonics.
 pub(super) fn event_label(word: &str, point: &CurvePoint, (x, y): (f64, f64), side: Side) -> Label {
     let doubt = if point.doubled.is_none() { UNKNOWN } else { "" };
     Label {
-        text: format!("{word} at {}{doubt}", forcing_label(point, 4)),
+        text: format!("{word} at {}{doubt}", forcing_label(point, DIGITS)),
         x: vec![Some(x)],
         y: vec![Some(y)],
         color: Color::Category(3),

@@ -2,7 +2,7 @@
 
 use super::column_store::ColumnStore;
 use super::data::{Axis, Direction, Entry, Figure, Kind, Label, Panel, Series, Side, Size, Span, Unit};
-use super::folds::{EVENTS, event_label};
+use super::folds::{CUSPS, EVENTS, event_label, explained};
 use super::style::{BOLD, Color, FINE, MARK, MEDIUM, Shape, Style};
 use super::subject::{BackboneColumns, Subject};
 use crate::curves::BackboneCurve;
@@ -179,8 +179,11 @@ impl Drawing<'_> {
         for (wanted, shape, is_hollow, name, _) in EVENTS {
             let style = Style::marks(Color::Category(3), shape, 1.4 * MARK, is_hollow);
             let of_kind: Vec<(f64, f64)> = computed(subject, y, wanted).map(|p| (p.omega, p.forcing)).collect();
-            self.points(Some(name), style, of_kind.into_iter());
+            self.points(Some(&explained(name, computed(subject, y, wanted))), style, of_kind.into_iter());
         }
+        let (wanted, shape, is_hollow, name) = CUSPS;
+        let style = Style::marks(Color::Category(3), shape, MARK, is_hollow);
+        self.points(Some(name), style, computed(subject, y, wanted).map(|point| (point.omega, point.forcing)));
     }
 
     fn points(&mut self, name: Option<&str>, style: Style, points: impl Iterator<Item = (f64, f64)>) {

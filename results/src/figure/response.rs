@@ -22,6 +22,8 @@ const NEAR_PEAK: f64 = 0.02;
 const CROWD: usize = 40;
 /// Levels whose isolas are named before their main branches, and both before other levels.
 const AT_ONCE: usize = 8;
+/// So few levels have labels each.
+const ALL_NAMED: usize = 4;
 /// Branches with labels at most.
 const LABELLED: usize = 40;
 /// A main branch is shown at least where it is higher than this share of its peak.
@@ -224,8 +226,26 @@ impl<'r> Outline<'r> {
         ];
         type Candidate<'c> = (bool, &'c str, Kind, Style);
         let shown = |(is_shown, text, kind, style): Candidate<'_>| is_shown.then(|| Entry::new(text, kind, style));
-        let branches = branches.into_iter().filter_map(shown);
+        let branches = self.scale().into_iter().chain(branches.into_iter().filter_map(shown));
         branches.chain(self.marking.entries(color)).chain(others.into_iter().filter_map(shown)).collect()
+    }
+
+    /// Which colours the lowest and the highest level have, where there are so many that some may have no label: those between follow in their
+    /// order.
+    fn scale(&self) -> Vec<Entry> {
+        let mut levels: Vec<usize> = self.branches.iter().map(|branch| branch.level).collect();
+        levels.sort_unstable();
+        levels.dedup();
+        if levels.len() <= ALL_NAMED {
+            return Vec::new();
+        }
+        let entry = |level: Option<&usize>, which: &str| {
+            let level = *level?;
+            let amplitude = &self.subject.levels.get(level)?.amplitude;
+            let style = Style::line(self.colors.get(level).copied().unwrap_or_default(), BOLD);
+            Some(Entry::new(format!("A = {amplitude}, the {which} of {} levels", levels.len()), Kind::Line, style))
+        };
+        [entry(levels.first(), "lowest"), entry(levels.last(), "highest")].into_iter().flatten().collect()
     }
 
     /// The gap, then branches at their peaks: isolas before main branches, the highest level, the lowest one, and those

@@ -36,7 +36,8 @@ pub fn compose(reader: &Reader, request: &Request) -> Result<(Sheet, Omissions),
         }
     }
     let mut sheet = if request.figure == FigureName::Motion {
-        motion::sheet(&report, reader, monitor, request.at.as_deref())?
+        let unit = request.units.frequency.unwrap_or_default();
+        motion::sheet(&report, reader, monitor, request.at.as_deref(), unit)?
     } else {
         let name = request.figure.name();
         let why = report.figures.nothing.get(name);

@@ -8,6 +8,7 @@ use crate::figure::{ColumnStore, motion_drawn, motion_marched, motion_template};
 use crate::overview::{BranchRow, verified_result};
 use crate::report::Report;
 use crate::store::Reader;
+use crate::summary_table::FrequencyUnit;
 use crate::words::digits;
 use protocol::array::ArrayError;
 use protocol::curve::Size;
@@ -16,8 +17,14 @@ use solver::formulation::state::State;
 use solver::response::branch::BranchKind;
 use solver::stability::multipliers::Verdict;
 
-/// The figure, at `A/branch/index` or at the highest isola's peak.
-pub fn sheet(report: &Report, reader: &Reader, monitor: usize, at: Option<&str>) -> Result<Sheet, Error> {
+/// The figure, at `A/branch/index` or at the highest isola's peak; frequencies are written in `unit`.
+pub fn sheet(
+    report: &Report,
+    reader: &Reader,
+    monitor: usize,
+    at: Option<&str>,
+    unit: FrequencyUnit,
+) -> Result<Sheet, Error> {
     let (row, amplitude, index) = match at {
         Some(text) => named(report, text)?,
         None => highest(report)?,
@@ -30,25 +37,28 @@ pub fn sheet(report: &Report, reader: &Reader, monitor: usize, at: Option<&str>)
     let motion = motion.ok_or_else(|| Error::Usage(format!("--at: {} has no point {index}", curve.name)))?;
     let mut columns = ColumnStore::default();
     let mut figure = motion_drawn(motion_template(motions), motions, &motion.coefficients.values, &mut columns);
-    let omega = digits(curve.omega.values[index], 6);
+    let written = |omega: f64| digits(unit.factor() * omega, 6);
+    let omega = written(curve.omega.values[index]);
     let states = states(&result, &Size::of(&model)).map_err(|error| reader.corrupt(error))?;
     let beside = match marched(motions, &model, (&states, curve.closed), index) {
         Ok(period) => {
             // What the run says of this point was looked at more closely.
             let known = reader.verification(&row.task)?.filter(|known| known.count == curve.size);
-            let is_there = digits(period.omega, 6) == omega;
+            let is_there = written(period.omega) == omega;
             let known = known.and_then(|known| known.verdicts().get(index).copied().flatten()).filter(|_| is_there);
             let known = known.filter(|known| matches!(known, Verdict::Stable | Verdict::Unstable | Verdict::Marginal));
             let period = MarchedPeriod { verdict: known.unwrap_or(period.verdict), ..period };
             figure = motion_marched(figure, &period, &mut columns);
-            match digits(period.omega, 6) {
+            match written(period.omega) {
                 same if same == omega => "marched there".into(),
-                other => format!("marched at {other} rad/s, for at this frequency time marching has no such motion"),
+                other => format!("marched at {other} {unit}, for at this frequency time marching has no such motion"),
             }
         }
         Err(reason) => reason.to_string(),
     };
-    figure.title = Some(format!("A = {amplitude}, {}, point {index}, ω = {omega} rad/s; {beside}", curve.name));
+    // ω is in rad/s.
+    let symbol = if unit == FrequencyUnit::Hertz { "f" } else { "ω" };
+    figure.title = Some(format!("A = {amplitude}, {}, point {index}, {symbol} = {omega} {unit}; {beside}", curve.name));
     Ok(Sheet { figure, columns, choice: 0, frame: None })
 }
 

@@ -1,5 +1,6 @@
 //! What figures show of small runs, and what they say when they cannot.
 
+mod legends;
 mod looks;
 
 use super::*;
@@ -220,6 +221,17 @@ fn motion_at_any_point() {
     assert_eq!(highest.figure.panels.len(), 2);
     assert_eq!(title("6e-3/isola 1/peak").unwrap(), highest.figure.title.unwrap());
     assert!(title("3e-3/main/0").unwrap().starts_with("A = 3e-3, main, point 0, ω = "));
+    // In Hz where that was asked for.
+    let of = |units: &[&str]| {
+        let options = [&["--figure", "motion", "--at", "3e-3/main/0"], units].concat();
+        let title = sheet(&run, &options).unwrap().figure.title.unwrap();
+        let (symbol, rest) = title.split_once("point 0, ").unwrap().1.split_once(" = ").unwrap();
+        let (value, rest) = rest.split_once(' ').unwrap();
+        (symbol.to_string(), value.parse::<f64>().unwrap(), rest.split(';').next().unwrap().to_string())
+    };
+    let ((omega, rate, radians), (f, frequency, hertz)) = (of(&[]), of(&["--units", "Hz"]));
+    assert_eq!([omega, radians, f, hertz], ["ω", "rad/s", "f", "Hz"]);
+    assert!((rate / frequency / std::f64::consts::TAU - 1.0).abs() < 1e-5, "{rate} and {frequency}");
     assert_eq!(
         title("0.006/isola 2").unwrap_err(),
         "--at 0.006/isola 2: A = 0.006 has no such branch, but main, isola 1"

@@ -1,0 +1,65 @@
+//! What legends explain.
+
+use super::damper;
+use crate::curves::Curve;
+use crate::figure::Figures;
+use crate::overview::Level;
+use crate::report::{Report, Selection};
+use crate::store::{CurvePoint, CurveRow, Reader};
+
+/// Cusps have marks in figures of fold curves and in the map, and labels with a number that is one with twice the harmonics are explained.
+#[test]
+fn marks_of_fold_curves_are_explained() {
+    let dir = damper();
+    let mut report = Report::read(&Reader::open(&dir.path().join("run")).unwrap(), &Selection::All).unwrap();
+    let point = |forcing, event: Option<&str>, doubled| CurvePoint {
+        forcing,
+        omega: 1.0,
+        amplitude: 1.0,
+        event: event.map(String::from),
+        doubled,
+        ..CurvePoint::default()
+    };
+    let mut legends = |doubled| {
+        let points =
+            vec![point(4e-3, Some("birth"), doubled), point(5e-3, Some("cusp"), None), point(4.5e-3, None, None)];
+        report.curves = vec![CurveRow { points, ..CurveRow::default() }];
+        let mut drawn = Figures::new(&report.subject()).drawn;
+        ["folds", "map"].map(|name| {
+            let figure = drawn.remove(name).unwrap();
+            let labels: Vec<String> = figure.panels[0].labels.iter().map(|label| label.text.clone()).collect();
+            (figure.legend.iter().map(|entry| entry.text.clone()).collect::<Vec<_>>(), labels)
+        })
+    };
+    for (legend, labels) in legends(None) {
+        assert!(legend.iter().any(|text| text == "births, computed; 2H: with twice the harmonics"), "{legend:?}");
+        assert!(legend.iter().any(|text| text == "cusps, computed (two folds meet)"), "{legend:?}");
+        assert!(
+            labels.iter().any(|text| text == "born at 4e-3 (2H: not found)" || text == "born at 0.004 (2H: not found)"),
+            "{labels:?}"
+        );
+        assert!(!labels.iter().any(|text| text.contains("cusp")), "{labels:?}");
+    }
+    for (legend, _) in legends(Some((4e-3, 1.0))) {
+        assert!(legend.iter().any(|text| text == "births, computed"), "{legend:?}");
+    }
+}
+
+/// Of many levels not all have room for a label: which colours they have is in the legend.
+#[test]
+fn colours_of_many_levels_are_in_the_legend() {
+    let dir = damper();
+    let mut report = Report::read(&Reader::open(&dir.path().join("run")).unwrap(), &Selection::All).unwrap();
+    let legend = |report: &Report| {
+        let figure = Figures::new(&report.subject()).drawn.remove("response").unwrap();
+        figure.legend.into_iter().map(|entry| entry.text).collect::<Vec<_>>()
+    };
+    assert!(!legend(&report).iter().any(|text| text.contains("lowest")));
+    let (level, branch) = (report.overview.levels[1].clone(), report.branches[0].clone());
+    for (k, amplitude) in (2..).zip(["0.007", "0.008", "0.009", "0.010"]) {
+        report.overview.levels.push(Level { amplitude: amplitude.into(), ..level.clone() });
+        report.branches.push(Curve { level: k, ..branch.clone() });
+    }
+    let told = legend(&report);
+    assert_eq!(told[..2], ["A = 3e-3, the lowest of 6 levels", "A = 0.010, the highest of 6 levels"]);
+}
