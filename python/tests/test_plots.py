@@ -357,3 +357,15 @@ def test_a_run_without_branches_has_empty_figures(copy: Path) -> None:
     run = isola_hbm.load(copy)
     assert labels(run.plot.response(backbone=False)) == []
     assert "threshold A*" in labels(run.plot.map())
+
+
+@pytest.mark.needs_program
+def test_figures_of_the_program(damper: Path, tmp_path: Path) -> None:
+    plot = isola_hbm.load(damper).plot
+    for name in ("backbone", "modes", "resonance"):
+        drawn = plot.figure(name)
+        assert drawn.svg.startswith("<svg") and drawn._repr_svg_() == drawn.svg, name
+    file = plot.figure("response", frequency=(0.9, 1.1), units="mm,Hz").save(tmp_path / "response.svg")
+    assert "(Hz)" in file.read_text() and "rad/s" not in file.read_text()
+    with pytest.raises(isola_hbm.ProgramFailed, match="folds"):
+        plot.figure("bode")

@@ -31,6 +31,7 @@ from .drawing import (
     text,
     up_to,
 )
+from .drawn import Drawn
 from .errors import Damaged, LeftOut, NoSuchBranch
 from .maps import isola_map
 from .stored.motions import index_of
@@ -58,7 +59,7 @@ _FEWEST = 4
 _NAMED = 6
 
 
-class Plots:
+class Plots(Drawn):
     """The figures of a run. Each takes `ax`, matplotlib axes to draw on (by default new ones), and returns them."""
 
     def __init__(self, run: StoredRun) -> None:
@@ -321,7 +322,7 @@ class Plots:
                 their arguments (``"tip 1"``); by default all.
             variable: ``displacement``; ``argument``: of the laws, for contacts the predicted pressure in N.
             ax: Axes to draw on.
-            units: ``m``, ``mm`` or ``um``, of displacements.
+            units: ``m``, ``mm`` or ``um``, of displacements, and ``rad/s`` or ``Hz``, of the frequency in the title.
 
         Raises:
             NoSuchBranch: There is no such branch.

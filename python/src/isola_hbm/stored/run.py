@@ -280,8 +280,14 @@ class StoredRun(Mapping[str, Motions]):
         return self._read(lambda reading, _: check.check(reading))
 
     @property
+    def order(self) -> int | None:
+        """How many periods of the force the motions last, where they are of a further order that the run looks for; else `None`."""
+        return self._store.order
+
+    @property
     def plot(self) -> Plots:
-        """Figures with matplotlib: ``run.plot.response()``, ``.map()``, ``.balance()``, ``.motion(…)``."""
+        """Figures with matplotlib: ``run.plot.response()``, ``.map()``, ``.balance()``, ``.motion(…)``; and all that the program draws:
+        ``run.plot.figure("folds")``."""
         from ..plots import Plots
 
         return Plots(self)

@@ -1,0 +1,71 @@
+"""Figures that the program draws, of a run on disk."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from .errors import ProgramFailed
+from .program import message, start
+
+if TYPE_CHECKING:
+    from .stored.run import StoredRun
+
+
+class Drawing:
+    """A figure as SVG: a notebook shows it, a browser opens its file."""
+
+    def __init__(self, svg: str) -> None:
+        #: The figure.
+        self.svg = svg
+
+    def save(self, file: str | os.PathLike[str]) -> Path:
+        """Writes it, as SVG; PDF and PNG come from ``isola plot``."""
+        path = Path(file)
+        path.write_text(self.svg, encoding="utf-8")
+        return path
+
+    def _repr_svg_(self) -> str:
+        return self.svg
+
+
+class Drawn:
+    """What of the figures of a run the program draws."""
+
+    _run: StoredRun
+
+    def figure(self, name: str, **options: str | float | tuple[float, float]) -> Drawing:
+        """A figure as ``isola plot`` draws it: ``backbone``, ``folds``, ``modes`` and ``resonance``, which are here alone, and
+        ``response``, ``map``, ``balance`` and ``motion``.
+
+        >>> run.plot.figure("folds").save("folds.svg")  # doctest: +SKIP
+        >>> run.plot.figure("modes", mode=2, along="omega")  # doctest: +SKIP
+
+        Needs the program.
+
+        Args:
+            name: Name of the figure.
+            options: Those of ``isola plot`` (``isola plot --help``): `amplitude`, `mode`, `along`, `monitor`, `levels`, `frequency` (two),
+                `at`, `units`, `width`, …
+
+        Raises:
+            NoProgram: It is not there.
+            ProgramFailed: There is no such figure or option, or the run has nothing for it yet: the message says which there are.
+        """
+        chosen: list[str] = []
+        for key, value in options.items():
+            values = value if isinstance(value, (tuple, list)) else [value]
+            chosen += [f"--{key.replace('_', '-')}", *(str(one) for one in values)]
+        order = self._run.order
+        if order is not None:
+            chosen += ["--order", str(order)]
+        with tempfile.TemporaryDirectory() as scratch:
+            file = Path(scratch) / "figure.svg"
+            command = ["plot", str(self._run.folder), "--figure", name, "--out", str(file), *chosen]
+            with start(command) as process:
+                _, said = process.communicate()
+            if not file.is_file():
+                raise ProgramFailed(message([said]), process.returncode)
+            return Drawing(file.read_text(encoding="utf-8"))
