@@ -13,6 +13,7 @@ use solver::response::starts::{BATCH, StartWay};
 use solver::response::task::Task;
 use solver::settings::VerifyEffort;
 use std::io::IsTerminal;
+use std::path::Path;
 use std::time::{Duration, Instant};
 use worker::terminal;
 
@@ -180,6 +181,12 @@ pub fn layout(units: Option<Units>) -> Layout {
     let size = console::Term::stdout().size_checked();
     let width = size.map_or(Layout::default().width, |(_, columns)| columns);
     Layout { width, units: units.unwrap_or_default() }
+}
+
+/// Where what the table leaves out is told.
+pub fn all_of_it(directory: &Path) -> String {
+    let directory = directory.display();
+    format!("more (stability of every branch, what was looked for, figures): isola report {directory}")
 }
 
 /// What a sweep is going to cost, in one line: known when the backbones are.

@@ -2,7 +2,7 @@
 
 use crate::access::known;
 use crate::cli::{RemoteArgs, StatusArgs};
-use crate::display::{layout, stall, summary};
+use crate::display::{all_of_it, layout, stall, summary};
 use crate::error::Error;
 use crate::ledger::{Ledger, Rules};
 use crate::run::directory::read_address;
@@ -163,7 +163,7 @@ pub fn stored_status(directory: &Path) -> Result<String, Error> {
         _ => format!("interrupted; to go on: isola resume {}", directory.display()),
     };
     let table = results::summary_table::table(&reader, layout(None))?;
-    Ok(format!("run {} ({}), {stage}\n{table}\n", header.run, header.name))
+    Ok(format!("run {} ({}), {stage}\n{table}\n{}\n", header.run, header.name, all_of_it(directory)))
 }
 
 /// The same, for programs.

@@ -328,7 +328,7 @@ def test_a_sweep_is_the_one_of_the_command_line(tmp_path: Path) -> None:
     assert said[-1].startswith("finished: 3 branches in ")
     # What the terminal says at the end.
     told = run.status()
-    assert "isolas and others" in told and "Looked for: the windows of mode 1 at 2 levels" in told, told
+    assert "isolas and others" in told and "Looked for: windows of mode 1, " in " ".join(told.split()), told
     counts = run.counts
     assert (counts.branches, counts.running, counts.waiting, counts.dead) == (3, 0, 0, 0)
     text = (tmp_path / "mine" / "model" / "model.toml").read_text()
@@ -586,8 +586,8 @@ def test_what_vibrates_by_itself_is_called_that_first(tmp_path: Path) -> None:
     model = Model([[1]], [[1]], C=[[-0.1]], laws=[damper])
     settings = {"search": "none", "verify": "none", "harmonics": {"count": 3}, "workers": 1}
     run = isola_hbm.sweep(model, [0.1], out=tmp_path / "run", progress=False, **settings)  # type: ignore[arg-type]
-    below = " ".join(run.status().rpartition("┘")[2].split())
-    assert below.startswith("Mode 1 has negative linear damping: the structure can vibrate by itself, from rest"), below
+    first = run.status().splitlines()[1]
+    assert first.startswith("Mode 1 has negative linear damping: the structure can vibrate by itself, from"), first
 
 
 @pytest.mark.needs_program

@@ -1,5 +1,7 @@
-//! The closing table of a run: what was found at every forcing level, no line longer than its reader's terminal.
+//! The closing table of a run: the answer, what was found at every forcing level, and what of it asks for something; no line longer than
+//! its reader's terminal.
 
+mod answer;
 mod footnotes;
 mod known;
 pub(crate) mod motions;
@@ -7,7 +9,7 @@ pub(crate) mod pushes;
 mod rows;
 mod search;
 mod sentences;
-mod stability;
+pub(crate) mod stability;
 mod units;
 
 pub use units::{FrequencyUnit, LengthUnit, UnitChoice, Units};
@@ -75,8 +77,9 @@ fn of_order(reader: &Reader, layout: Layout) -> Result<String> {
     let mut rows = Rows::new(&known, layout.units);
     let table = grid(&known, &mut rows, layout.width);
     let below = sentences::all(&known, layout.units).into_iter().map(|sentence| wrapped(&sentence, layout.width, ""));
-    let parts = [wrapped(&caption(&known, layout.units), layout.width, ""), table];
-    Ok(parts.into_iter().chain(rows.notes.lines(layout.width)).chain(below).collect::<Vec<_>>().join("\n"))
+    let answer = answer::answer(&known, layout.units).into_iter().map(|sentence| wrapped(&sentence, layout.width, ""));
+    let parts = [String::new(), wrapped(&caption(&known, layout.units), layout.width, ""), table];
+    Ok(answer.chain(parts).chain(rows.notes.lines(layout.width)).chain(below).collect::<Vec<_>>().join("\n"))
 }
 
 /// What the numbers of the table are.

@@ -52,6 +52,15 @@ pub fn modes(list: &[usize]) -> String {
     format!("{} {numbers}", if list.len() == 1 { "mode" } else { "modes" })
 }
 
+/// `1`, `1 and 2`, `1, 2 and 3`.
+pub fn listed(list: &[String]) -> String {
+    match list {
+        [] => String::new(),
+        [only] => only.clone(),
+        [first @ .., last] => format!("{} and {last}", first.join(", ")),
+    }
+}
+
 /// A number with so many digits at most, without exponent unless it is very small.
 pub fn digits(value: f64, count: i32) -> String {
     if value == 0.0 || !value.is_finite() {

@@ -8,7 +8,7 @@ use super::preparation::{self, Prepared};
 use super::services::{Services, Start};
 use crate::access;
 use crate::cli::ServeArgs;
-use crate::display::{self, Display, layout};
+use crate::display::{self, Display, all_of_it, layout};
 use crate::engine::Event;
 use crate::error::Error;
 use crate::ledger::Rules;
@@ -266,7 +266,7 @@ impl Run {
         }
         let table = summary_table::table(&reader, layout(self.options.units))?;
         let directory = self.directory.display();
-        let closing = format!("{table}\nresults: {directory}\na page that shows them: isola report {directory}\n");
+        let closing = format!("{table}\nresults: {directory}\n{}\n", all_of_it(&self.directory));
         terminal::print(closing).map_err(Error::io("standard output"))?;
         Ok(match (refuted, has_doubts) {
             (0, false) => Ending::Complete,
@@ -335,7 +335,7 @@ impl Run {
     }
 }
 
-/// Says what is not known to its end; whether there is something. Of a finished run it stands below the table as well: whoever sees
+/// Says what is not known to its end; whether there is something. Of a finished run it stands with the table as well: whoever sees
 /// both has it once.
 fn tell_doubts(reader: &Reader, is_finished: bool) -> Result<bool, Error> {
     let mut told: Vec<String> = doubts(reader)?.into_iter().collect();

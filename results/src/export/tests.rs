@@ -10,7 +10,7 @@ use super::table::text;
 use super::*;
 use crate::fixture::{Study, worker};
 use crate::journal::{AttemptEnd, Change, Holder};
-use crate::overview::{Omissions, Overview};
+use crate::overview::{Omissions, Overview, shift};
 use crate::store::{Reader, verdict_name};
 use protocol::ids::{Attempt, TaskId};
 use solver::curve::problem::Failure;
@@ -156,7 +156,8 @@ fn before_the_backbone() {
     assert!(rows.is_empty());
     let overview = Overview::read(&store, &mut Omissions::default()).unwrap();
     assert!(
-        overview.shift().is_none() && overview.levels.iter().all(|level| level.main().is_none() && level.pending == 0)
+        shift(&overview.levels).is_none()
+            && overview.levels.iter().all(|level| level.main().is_none() && level.pending == 0)
     );
 }
 
@@ -226,7 +227,7 @@ fn levels_in_numbers() {
     assert_eq!(overview.levels.iter().map(|level| level.isolas().count()).collect::<Vec<_>>(), [0, 1, 1]);
     let peaks: Vec<f64> = overview.levels.iter().map(|level| level.peak().unwrap().omega_at_max).collect();
     let largest = peaks.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max);
-    assert_eq!(overview.shift().unwrap().size(), largest);
+    assert_eq!(shift(&overview.levels).unwrap().size(), largest);
 }
 
 #[test]

@@ -30,8 +30,7 @@ pub fn reach_sentence(
         _ => "frequency.max gives another upper bound",
     };
     Some(format!(
-        "Looked at: frequencies from {} to {}, where no bound was given as the backbones suggest; branches may go on beyond, and others may lie there \
-         ({key}).",
+        "Looked at: {} to {}, as the backbones suggest ({key}); branches may go on beyond, and others may lie there.",
         frequency(low),
         frequency(high)
     ))
@@ -56,11 +55,14 @@ mod tests {
         let said = |min, max| {
             reach_sentence(FrequencySettings { min, max }, Some((0.9, 1.1)), |omega| format!("{omega} rad/s"))
         };
-        let from = "Looked at: frequencies from 0.9 rad/s to 1.1 rad/s, where no bound was given as the backbones suggest; branches may go on \
-                    beyond, and others may lie there (frequency.";
-        assert_eq!(said(None, None).unwrap(), format!("{from}min and frequency.max give other bounds)."));
-        assert_eq!(said(Some(0.9), None).unwrap(), format!("{from}max gives another upper bound)."));
-        assert_eq!(said(None, Some(1.1)).unwrap(), format!("{from}min gives another lower bound)."));
+        let told = |key: &str| {
+            format!(
+                "Looked at: 0.9 rad/s to 1.1 rad/s, as the backbones suggest ({key}); branches may go on beyond, and others may lie there."
+            )
+        };
+        assert_eq!(said(None, None).unwrap(), told("frequency.min and frequency.max give other bounds"));
+        assert_eq!(said(Some(0.9), None).unwrap(), told("frequency.max gives another upper bound"));
+        assert_eq!(said(None, Some(1.1)).unwrap(), told("frequency.min gives another lower bound"));
         assert_eq!(said(Some(0.9), Some(1.1)), None);
     }
 

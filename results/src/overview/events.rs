@@ -1,6 +1,8 @@
 //! What happens along fold curves, in a sentence.
 
+use super::counted::{Counted, counted};
 use super::folds::{events_of, is_same};
+use super::level::Level;
 use super::lives::{Life, lives};
 use super::merges::{Merge, merges};
 use crate::store::{CurvePoint, CurveRow};
@@ -16,11 +18,21 @@ const LIVES: usize = 6;
 /// Of merges whose branches are not known, after others: they may be the same branches.
 const ALSO: &str = "branches also merge or part";
 
+/// Of merges which the numbers of isolas at the levels tell from partings.
+const MERGES: &str = "an isola merges with another branch";
+
+/// Of partings.
+const PARTS: &str = "an isola parts from another branch";
+
 /// Of births and ends that are not known to be those of one isola.
 const UNRELATED: &str = "which of these belong together is not known";
 
 /// Marks what was not found with twice the harmonics.
 const UNKNOWN: &str = "*";
+
+/// What that means.
+const UNCONFIRMED: &str =
+    "Not confirmed: with twice the harmonics it was not found near there, and may happen at another A or not at all.";
 
 /// Most digits of a forcing amplitude.
 const DIGITS: i32 = 5;
@@ -48,14 +60,14 @@ pub fn forcing_label(point: &CurvePoint, most: i32) -> String {
 pub fn truncation_doubt(points: &[&CurvePoint]) -> &'static str {
     match points.iter().filter(|point| point.doubled.is_none()).count() {
         0 => "",
-        unknown if unknown == points.len() => ", not known with twice the harmonics",
-        _ => ", not all known with twice the harmonics",
+        unknown if unknown == points.len() => ", not confirmed with twice the harmonics",
+        _ => ", not all confirmed with twice the harmonics",
     }
 }
 
 /// Where isolas are born and where branches merge, as fold curves say: isola by isola, and which branches, where that is known for
-/// sure.
-pub fn events_sentence(curves: &[CurveRow], frequency: impl Fn(f64) -> String) -> Option<String> {
+/// sure; from `levels` whether they merge or part, where the curves do not tell.
+pub fn events_sentence(curves: &[CurveRow], levels: &[Level], frequency: impl Fn(f64) -> String) -> Option<String> {
     let place = |point: &CurvePoint| {
         let (own, doubled) = forcing_digits(point, DIGITS);
         let mark = if point.doubled.is_none() { UNKNOWN } else { "" };
@@ -86,27 +98,41 @@ pub fn events_sentence(curves: &[CurveRow], frequency: impl Fn(f64) -> String) -
             _ => others.push(merge.point),
         }
     }
-    let others = match told.is_empty() && lives.is_empty() {
-        true => part(&others, "two branches merge or part", "branches merge or part"),
-        false => part(&others, ALSO, ALSO),
+    let of_kind = |kind: Option<Counted>| {
+        let is_so = |point: &&CurvePoint| counted(point, levels, curves) == kind;
+        others.iter().copied().filter(is_so).collect::<Vec<_>>()
     };
-    let unrelated = [!births.is_empty(), !deaths.is_empty(), others.is_some()].into_iter().filter(|is| *is).count() > 1;
+    let others = [
+        part(&of_kind(Some(Counted::Merges)), MERGES, MERGES),
+        part(&of_kind(Some(Counted::Parts)), PARTS, PARTS),
+        match told.is_empty() && lives.is_empty() {
+            true => part(&of_kind(None), "two branches merge or part", "branches merge or part"),
+            false => part(&of_kind(None), ALSO, ALSO),
+        },
+    ];
+    let are_others = others.iter().any(Option::is_some);
+    let unrelated = [!births.is_empty(), !deaths.is_empty(), are_others].into_iter().filter(|is| *is).count() > 1;
     let more = lives.len().saturating_sub(LIVES);
-    let parts: Vec<String> = (lives.iter().take(LIVES).map(|life| in_words(life, &merged, place)))
-        .chain((more > 0).then(|| format!("{more} more isolas are born and end")))
-        .chain(part(&births, "an isola is born", "isolas are born"))
-        .chain(part(&deaths, "an isola vanishes", "isolas vanish"))
-        .chain(told)
-        .chain(others)
-        .chain(unrelated.then(|| UNRELATED.into()))
-        .collect();
-    let doubt =
-        if is_any_doubtful { format!(" ({UNKNOWN} Not known with twice the harmonics.)") } else { String::new() };
+    let parts: Vec<String> =
+        (lives.iter().take(LIVES).map(|life| in_words(life, &merged, |point| counted(point, levels, curves), place)))
+            .chain((more > 0).then(|| format!("{more} more isolas are born and end")))
+            .chain(part(&births, "an isola is born", "isolas are born"))
+            .chain(part(&deaths, "an isola vanishes", "isolas vanish"))
+            .chain(told)
+            .chain(others.into_iter().flatten())
+            .chain(unrelated.then(|| UNRELATED.into()))
+            .collect();
+    let doubt = if is_any_doubtful { format!(" ({UNKNOWN} {UNCONFIRMED})") } else { String::new() };
     (!parts.is_empty()).then(|| format!("Computed along fold curves: {}.{doubt}", parts.join("; ")))
 }
 
 /// An isola from its birth to its end.
-fn in_words(life: &Life<'_>, merged: &[Merge<'_>], place: impl Fn(&CurvePoint) -> String) -> String {
+fn in_words(
+    life: &Life<'_>,
+    merged: &[Merge<'_>],
+    counted: impl Fn(&CurvePoint) -> Option<Counted>,
+    place: impl Fn(&CurvePoint) -> String,
+) -> String {
     let what = |point: &CurvePoint| {
         let merge = merged.iter().find(|merge| is_same(merge.point, point));
         merge.map(|merge| merge.what.clone())
@@ -114,13 +140,18 @@ fn in_words(life: &Life<'_>, merged: &[Merge<'_>], place: impl Fn(&CurvePoint) -
     let (from, to) = (place(life.from), place(life.to));
     let end = match what(life.to) {
         None => "where it vanishes".into(),
-        Some(None) => "where it merges or parts".into(),
-        Some(Some(what)) => format!("where {what}"),
+        Some(None) => match counted(life.to) {
+            Some(Counted::Merges) => "where it merges with another branch".into(),
+            _ => "where it merges or parts".into(),
+        },
+        // That isola is this one.
+        Some(Some(what)) => format!("where {}", what.replacen("an isola merges", "it merges", 1)),
     };
     match what(life.from) {
         None => format!("an isola is born at A = {from} and lasts to A = {to}, {end}"),
         Some(start) => {
             let start = start.unwrap_or_else(|| "branches merge or part".into());
+            let start = start.replacen("an isola parts", "it parts", 1);
             format!("an isola begins at A = {from}, where {start}, and lasts to A = {to}, {end}")
         }
     }
@@ -129,15 +160,15 @@ fn in_words(life: &Life<'_>, merged: &[Merge<'_>], place: impl Fn(&CurvePoint) -
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::store::Crossing;
+    use crate::store::{BranchRow, Crossing};
 
     #[test]
     fn how_many_are_known_with_twice_the_harmonics() {
         let known = CurvePoint { doubled: Some((1.0, 2.0)), ..CurvePoint::default() };
         let unknown = CurvePoint::default();
         assert_eq!(truncation_doubt(&[&known, &known]), "");
-        assert_eq!(truncation_doubt(&[&unknown, &unknown]), ", not known with twice the harmonics");
-        assert_eq!(truncation_doubt(&[&known, &unknown]), ", not all known with twice the harmonics");
+        assert_eq!(truncation_doubt(&[&unknown, &unknown]), ", not confirmed with twice the harmonics");
+        assert_eq!(truncation_doubt(&[&known, &unknown]), ", not all confirmed with twice the harmonics");
     }
 
     #[test]
@@ -154,7 +185,7 @@ mod tests {
         let crossing =
             |segment, branch: &str| Crossing { segment, forcing: 2.0, amplitude: "2".into(), branch: branch.into() };
         let mut known = curve(&[(1.0, ""), (4.0, "merge"), (1.5, "birth"), (3.0, "")]);
-        let say = |curves: &[CurveRow]| events_sentence(curves, |omega| format!("{omega} rad/s"));
+        let say = |curves: &[CurveRow]| events_sentence(curves, &[], |omega| format!("{omega} rad/s"));
         let before = "Computed along fold curves: an isola is born at A = 1.5 (3 rad/s); ";
         let unknown = "two branches merge or part at A = 4 (8 rad/s); which of these belong together is not known.";
         assert_eq!(say(&[known.clone()]).unwrap(), format!("{before}{unknown}"));
@@ -177,6 +208,27 @@ mod tests {
                       vanishes.";
         let both = say(&[whole, dies]).unwrap();
         assert!(both.starts_with(lasts) && both.ends_with(begins), "{both}");
+    }
+
+    /// Between a level with an isola and one without there is a merge, whatever else is known of it.
+    #[test]
+    fn levels_tell_merges_from_partings() {
+        let row = |kind: &str| BranchRow { kind: kind.into(), closed: kind == "isola", ..BranchRow::default() };
+        let level = |value, kinds: &[&str]| Level {
+            value,
+            branches: kinds.iter().map(|kind| row(kind)).collect(),
+            ..Level::default()
+        };
+        let (one, none) = (["main", "isola"], ["main"]);
+        let point = CurvePoint { forcing: 3.0, omega: 1.0, event: Some("merge".into()), ..CurvePoint::default() };
+        let curves = [CurveRow { points: vec![point], ..CurveRow::default() }];
+        let said = |kinds: [&[&str]; 2]| {
+            let levels = [level(2.0, kinds[0]), level(4.0, kinds[1])];
+            events_sentence(&curves, &levels, |omega| omega.to_string()).unwrap()
+        };
+        assert!(said([&one, &none]).contains(": an isola merges with another branch at A = 3"));
+        assert!(said([&none, &one]).contains(": an isola parts from another branch at A = 3"));
+        assert!(said([&one, &one]).contains(": two branches merge or part at A = 3"));
     }
 
     #[test]
@@ -203,10 +255,10 @@ mod tests {
         };
         let said = |second| {
             let curve = CurveRow { points: vec![point(2.0, Some(2.1)), point(3.0, second)], ..CurveRow::default() };
-            events_sentence(&[curve], |omega| omega.to_string()).unwrap()
+            events_sentence(&[curve], &[], |omega| omega.to_string()).unwrap()
         };
         let first = "Computed along fold curves: isolas are born at A = 2 (2.1 with twice the harmonics; 2)";
         assert_eq!(said(Some(3.0)), format!("{first}, 3 (3)."));
-        assert_eq!(said(None), format!("{first}, 3* (3). (* Not known with twice the harmonics.)"));
+        assert_eq!(said(None), format!("{first}, 3* (3). (* {UNCONFIRMED})"));
     }
 }

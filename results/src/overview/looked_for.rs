@@ -43,6 +43,63 @@ impl LookedFor<'_> {
         if followed.is_empty() { "a mode".into() } else { words::modes(&followed) }
     }
 
+    /// The same in short: what was done, and that nothing else was; `next` says how to look for motions of other periods.
+    pub fn brief(&self, next: Option<String>) -> String {
+        let (with, none) = self.windows();
+        let windows = none.map_or_else(|| with.clone(), |none| format!("{with} ({none})"));
+        let starts = match (self.search.starts, self.search.fewest) {
+            (0, _) => None,
+            (number, 0) => Some(format!("{} (none at some levels)", count(number, "random start"))),
+            (number, _) => Some(count(number, "random start")),
+        };
+        let homotopies = (self.search.homotopies > 0).then(|| "homotopies".to_string());
+        let folds = (self.curves > 0).then(|| count(self.curves, "fold curve"));
+        let ways: Vec<String> = std::iter::once(windows).chain(starts).chain(homotopies).chain(folds).collect();
+        let alone = if ways.len() == 1 { " alone" } else { "" };
+        let folds = self.why_no_folds.map_or_else(String::new, |why| format!("; folds were not followed ({why})"));
+        let modes: String =
+            self.modes.into_iter().flat_map(modes::too_many).map(|modes| format!("; not of {modes}")).collect();
+        format!(
+            "Looked for: {}{alone}{modes}{folds}{}; an isola to which none of these leads is not found, nor one of {}{}.",
+            ways.join(", "),
+            self.beyond_backbones(),
+            self.other_periods(),
+            next.map_or_else(String::new, |next| format!(" ({next})"))
+        )
+    }
+
+    /// Motions of which orders were not looked for.
+    fn other_periods(&self) -> String {
+        match self.asked {
+            [_, _, ..] => format!("other periods{}", self.beside()),
+            _ => "another period".into(),
+        }
+    }
+
+    /// Whether there was anything to try.
+    fn has_seeds(&self) -> bool {
+        self.levels.iter().any(|level| level.seeds.tried > 0)
+    }
+
+    /// The windows of which modes there are, and which modes with backbones have none at the levels and frequencies.
+    fn windows(&self) -> (String, Option<String>) {
+        let has_window = |mode: usize| {
+            let mut windows = self.levels.iter().flat_map(|level| &level.windows);
+            windows.any(|window| window.mode == mode + 1)
+        };
+        let followed = self.backbones.iter().map(|(mode, _)| *mode);
+        let (with, without): (Vec<usize>, Vec<usize>) = followed.partition(|&mode| has_window(mode));
+        let windows = |modes: &[usize]| format!("windows of {}", words::modes(modes));
+        let there = "at these levels and frequencies";
+        match (&with[..], &without[..]) {
+            ([], []) => ("windows of a mode".into(), None),
+            // Where seeds were tried there are windows, known or not.
+            ([], all) => (windows(all), (!self.has_seeds()).then(|| format!("there are none {there}"))),
+            (with, []) => (windows(with), None),
+            (with, without) => (windows(with), Some(format!("none of {} {there}", words::modes(without)))),
+        }
+    }
+
     /// Where isolas were looked for: `the windows of mode 1 at 7 levels (12 seeds tried, 2 without a branch near them)`.
     fn searched(&self) -> String {
         let complete = || self.levels.iter().filter(|level| level.is_complete());
@@ -55,7 +112,8 @@ impl LookedFor<'_> {
         };
         let nowhere = if failed > 0 { format!(", {failed} without a branch near them") } else { String::new() };
         let complete = if levels == self.levels.len() { "level" } else { "complete level" };
-        let (mode, levels) = (self.mode(), count(levels, complete));
+        let (windows, none) = self.windows();
+        let (none, levels) = (none.map_or_else(String::new, |none| format!("; {none}")), count(levels, complete));
         let folds = match self.curves {
             0 => String::new(),
             number => format!(" and along {}", count(number, "fold curve")),
@@ -89,7 +147,7 @@ impl LookedFor<'_> {
             _ => format!("; {}, where nothing else had led to a branch", self.by_homotopies()),
         };
         format!(
-            "the windows of {mode} at {levels} ({} tried{nowhere}{harmonic}){starts}{folds}{crossings}{carried}{homotopies}",
+            "the {windows} at {levels} ({} tried{nowhere}{harmonic}{none}){starts}{folds}{crossings}{carried}{homotopies}",
             count(tried, "seed")
         )
     }
@@ -113,14 +171,7 @@ impl LookedFor<'_> {
             true => "other sub- and super-harmonics",
             false => "sub- and super-harmonics",
         };
-        // The orders that are looked for are not among the others.
-        let beside = match self.asked {
-            [_, _, ..] => {
-                let list: Vec<String> = self.asked.iter().map(ToString::to_string).collect();
-                format!(" (than {} of the force)", list.join(", "))
-            }
-            _ => String::new(),
-        };
+        let beside = self.beside();
         let mode = self.mode();
         let leads = if self.curves == 0 {
             format!("no energy balance of {mode} leads")
@@ -155,6 +206,12 @@ impl LookedFor<'_> {
         }
     }
 
+    /// The orders that are looked for, which are not among the others.
+    fn beside(&self) -> String {
+        let list: Vec<String> = self.asked.iter().map(ToString::to_string).collect();
+        if list.len() > 1 { format!(" (than {} of the force)", list.join(", ")) } else { String::new() }
+    }
+
     /// Which backbones end, at bounds of theirs, before their threshold is beyond the levels: there are no windows beyond.
     fn beyond_backbones(&self) -> String {
         let highest = self.levels.iter().map(|level| level.value).fold(0.0, f64::max);
@@ -164,5 +221,95 @@ impl LookedFor<'_> {
             Some(format!("; the backbone of {mode} ends at A* = {threshold}, and no window beyond was looked for"))
         };
         self.backbones.iter().filter_map(end).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::store::{WindowOutcome, WindowRow};
+    use solver::response::modes::LeftOut;
+
+    fn level(modes: &[usize]) -> Level {
+        let window = |&mode: &usize| WindowRow {
+            number: 1,
+            mode,
+            points: [0; 3],
+            omega: (1.0, 2.0),
+            omega_best: 1.5,
+            threshold: 1.0,
+            outcome: WindowOutcome::Found("main".into()),
+        };
+        Level { windows: modes.iter().map(window).collect(), is_without_mains: true, value: 3.0, ..Level::default() }
+    }
+
+    fn looked_for<'r>(levels: &'r [Level], asked: &'r [usize]) -> LookedFor<'r> {
+        LookedFor {
+            levels,
+            backbones: vec![(0, None), (1, None)],
+            modes: None,
+            all_modes: 2,
+            harmonic: 1,
+            asked,
+            curves: 0,
+            search: SearchCounts::default(),
+            why_no_folds: None,
+        }
+    }
+
+    #[test]
+    fn modes_without_windows_are_not_said_to_have_some() {
+        for (modes, brief, whole) in [
+            (
+                &[1, 2][..],
+                "windows of modes 1 and 2 alone; an",
+                "the windows of modes 1 and 2 at 1 level (0 seeds tried);",
+            ),
+            (
+                &[1],
+                "windows of mode 1 (none of mode 2 at these levels and frequencies) alone; an",
+                "the windows of mode 1 at 1 level (0 seeds tried; none of mode 2 at these levels and frequencies);",
+            ),
+            (
+                &[],
+                "windows of modes 1 and 2 (there are none at these levels and frequencies) alone; an",
+                "the windows of modes 1 and 2 at 1 level (0 seeds tried; there are none at these levels and frequencies);",
+            ),
+        ] {
+            let levels = [level(modes)];
+            let told = looked_for(&levels, &[1]);
+            assert!(told.brief(None).starts_with(&format!("Looked for: {brief}")), "{}", told.brief(None));
+            assert!(told.sentence().starts_with(&format!("Looked for: {whole}")), "{}", told.sentence());
+        }
+    }
+
+    #[test]
+    fn in_short_what_was_done_and_what_was_not() {
+        let levels = [level(&[1, 2])];
+        let mut told = looked_for(&levels, &[1]);
+        (told.curves, told.search.starts, told.search.fewest, told.search.homotopies) = (3, 64, 16, 8);
+        assert_eq!(
+            told.brief(Some("search.harmonics does".into())),
+            "Looked for: windows of modes 1 and 2, 64 random starts, homotopies, 3 fold curves; an isola to which none of these leads is not \
+             found, nor one of another period (search.harmonics does)."
+        );
+        told.search.fewest = 0;
+        told.why_no_folds = Some("a law has a corner");
+        told.backbones[0].1 = Some(2.5);
+        let choice =
+            ModesFollowed { followed: vec![0, 1], left_out: vec![(2, LeftOut::TooMany), (3, LeftOut::OutOfRange)] };
+        told.modes = Some(&choice);
+        let said = told.brief(None);
+        for part in [
+            "64 random starts (none at some levels)",
+            "; not of mode 3 (more than are followed",
+            "; folds were not followed (a law has a corner)",
+            "; the backbone of mode 1 ends at A* = 2.5, and no window beyond was looked for;",
+        ] {
+            assert!(said.contains(part), "{said}");
+        }
+        assert!(!said.contains("mode 4"), "{said}");
+        let several = looked_for(&levels, &[1, 3]).brief(None);
+        assert!(several.ends_with("nor one of other periods (than 1, 3 of the force)."), "{several}");
     }
 }

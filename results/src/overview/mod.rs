@@ -2,6 +2,7 @@
 //! is missing.
 
 mod bounds;
+mod counted;
 mod doubts;
 mod events;
 mod excitation;
@@ -19,6 +20,7 @@ mod omissions;
 mod place;
 mod reasons;
 mod sampled;
+mod shift;
 mod truncation;
 mod unfinished;
 mod verified;
@@ -41,7 +43,8 @@ pub use omissions::Omissions;
 pub use place::undetermined;
 pub use reasons::briefly;
 pub use sampled::sampled;
-pub use truncation::{is_unconfirmed, least_added, truncation};
+pub use shift::{shift, shift_sentence};
+pub use truncation::{asks_for_harmonics, is_unconfirmed, least_added, truncation, truncation_of};
 pub use unfinished::unfinished;
 pub use windows::{elsewhere, overlaps};
 
@@ -64,24 +67,6 @@ pub struct Overview {
     pub model: Option<ModelMessage>,
     /// Levels by amplitude.
     pub levels: Vec<Level>,
-}
-
-/// How far the peak moves in frequency from one level to the next.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Shift {
-    /// Lower forcing amplitude and the next one, as typed.
-    pub amplitudes: (String, String),
-    /// Frequencies of the points of largest amplitude over all branches, rad/s.
-    pub omega: (f64, f64),
-    /// The branches that these are of, `None` where both are main, or of one family as far as that is known.
-    pub branches: Option<(String, String)>,
-}
-
-impl Shift {
-    /// By how much the frequency changes, rad/s.
-    pub fn size(&self) -> f64 {
-        (self.omega.1 - self.omega.0).abs()
-    }
 }
 
 impl Overview {
@@ -127,25 +112,10 @@ impl Overview {
         }
         Ok(())
     }
-
-    /// The largest change in frequency of the peak between neighbouring levels of which all is known, up or down; `None` if there
-    /// are no such levels.
-    pub fn shift(&self) -> Option<Shift> {
-        let shifts = self.levels.windows(2).filter(|pair| pair.iter().all(Level::is_known)).filter_map(|pair| {
-            let (a, b) = (pair[0].peak()?, pair[1].peak()?);
-            let is_one = a.is_main() && b.is_main() || a.family.is_some() && a.family == b.family;
-            Some(Shift {
-                amplitudes: (pair[0].amplitude.clone(), pair[1].amplitude.clone()),
-                omega: (a.omega_at_max, b.omega_at_max),
-                branches: (!is_one).then(|| (in_words(a), in_words(b))),
-            })
-        });
-        shifts.max_by(|a, b| a.size().total_cmp(&b.size()))
-    }
 }
 
 /// What a branch is called in a sentence.
-fn in_words(branch: &BranchRow) -> String {
+pub(crate) fn in_words(branch: &BranchRow) -> String {
     let name = branch.name();
     if name == BranchId::MAIN.to_string() { "the main branch".into() } else { name }
 }

@@ -11,24 +11,36 @@ pub fn followed(choice: &ModesFollowed) -> String {
 /// Which modes are meant, and why one or many of them are left out.
 type Reason = (fn(&LeftOut) -> bool, [&'static str; 2]);
 
+/// Why modes are left out, and what that is called.
+const REASONS: [Reason; 5] = [
+    (|why| *why == LeftOut::NotListed, ["not in the list of modes"; 2]),
+    (
+        |why| *why == LeftOut::RigidBody,
+        ["a rigid body but for laws, without a backbone", "rigid bodies but for laws, without backbones"],
+    ),
+    (|why| *why == LeftOut::OutOfRange, ["out of reach of the frequency range"; 2]),
+    (|why| *why == LeftOut::TooMany, ["more than are followed unless backbone.modes lists them"; 2]),
+    (|why| matches!(why, LeftOut::NotStarted(_)), ["its backbone does not start", "their backbones do not start"]),
+];
+
 /// The modes that were not followed, reason by reason: `modes 2 to 4 (not in the list of modes)`.
 pub fn left_out(choice: &ModesFollowed) -> Vec<String> {
-    let reasons: [Reason; 5] = [
-        (|why| *why == LeftOut::NotListed, ["not in the list of modes"; 2]),
-        (
-            |why| *why == LeftOut::RigidBody,
-            ["a rigid body but for laws, without a backbone", "rigid bodies but for laws, without backbones"],
-        ),
-        (|why| *why == LeftOut::OutOfRange, ["out of reach of the frequency range"; 2]),
-        (|why| *why == LeftOut::TooMany, ["more than are followed unless backbone.modes lists them"; 2]),
-        (|why| matches!(why, LeftOut::NotStarted(_)), ["its backbone does not start", "their backbones do not start"]),
-    ];
+    for_reasons(choice, |_| true)
+}
+
+/// Those of them that the number of modes leaves out, which a list of modes brings back.
+pub fn too_many(choice: &ModesFollowed) -> Vec<String> {
+    for_reasons(choice, |why| *why == LeftOut::TooMany)
+}
+
+fn for_reasons(choice: &ModesFollowed, is_wanted: impl Fn(&LeftOut) -> bool) -> Vec<String> {
+    let left_out = || choice.left_out.iter().filter(|(_, why)| is_wanted(why));
     let group = |(is_meant, [one, many]): Reason| {
-        let list: Vec<usize> = choice.left_out.iter().filter(|(_, why)| is_meant(why)).map(|(mode, _)| *mode).collect();
+        let list: Vec<usize> = left_out().filter(|(_, why)| is_meant(why)).map(|(mode, _)| *mode).collect();
         let reason = if list.len() == 1 { one } else { many };
         (!list.is_empty()).then(|| format!("{} ({reason})", modes(&list)))
     };
-    reasons.into_iter().filter_map(group).collect()
+    REASONS.into_iter().filter_map(group).collect()
 }
 
 /// Modes whose backbones do not start, from 0, with the reasons.

@@ -17,3 +17,24 @@ pub fn sampled(levels: &[Level]) -> Option<String> {
         "{branches} were looked at, not all: two changes between neighbours that undo each other are not seen."
     ))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::store::{BranchRow, Stability};
+
+    #[test]
+    fn how_many_points_were_looked_at() {
+        let row = |sampled| {
+            let stability = Some(Stability { sampled, ..Stability::default() });
+            BranchRow { stability, ..BranchRow::default() }
+        };
+        let told = |list: &[Option<usize>]| {
+            sampled(&[Level { branches: list.iter().map(|number| row(*number)).collect(), ..Level::default() }])
+        };
+        let said = told(&[Some(22), None, Some(31)]).unwrap();
+        assert!(said.starts_with("Of 2 branches 22 to 31 points each were looked at, not all: two changes"), "{said}");
+        assert!(told(&[Some(22)]).unwrap().starts_with("Of one branch 22 points were"));
+        assert_eq!(told(&[None]), None);
+    }
+}

@@ -4,6 +4,7 @@ use super::level::Level;
 use crate::store::{BranchRow, Stability};
 use crate::words::digits;
 use solver::response::certificate::Standing;
+use solver::settings::Settings;
 use solver::structure::Model;
 
 /// A peak of which neither amplitude nor frequency changes by more than this with twice the harmonics is taken to be converged.
@@ -21,6 +22,9 @@ const SAME_AMPLITUDE: f64 = 1e-9;
 
 /// How what is told of a peak that changes or is lost begins.
 const NOT_CONVERGED: &str = "Not converged in H";
+
+/// Of isolas whose ends stay where they are.
+const SAME_WIDTHS: &str = "Widths of isolas change by less than 0.01 % with twice the harmonics.";
 
 /// Of isolas none of whose ends is known with twice the harmonics.
 const UNKNOWN_ENDS: &str = "What twice the harmonics change of the ends of isolas is not known.";
@@ -51,9 +55,23 @@ pub fn truncation(levels: &[Level], harmonics: usize, least: usize) -> Option<St
             2 * harmonics
         ));
     }
+    let widths = of_widths(&rows, "");
+    if peaks == unchanged("Peaks", harmonics) && widths.as_deref() == Some(SAME_WIDTHS) {
+        return Some(unchanged("Peaks and widths of isolas", harmonics));
+    }
     // What to set is said once.
     let remedy = if peaks.contains(&remedy) { String::new() } else { format!("; {remedy}") };
     Some([Some(peaks), of_widths(&rows, &remedy)].into_iter().flatten().collect::<Vec<String>>().join(" "))
+}
+
+/// The same of a run, as far as its model and settings are known; `is_further`: of a further order of motions.
+pub fn truncation_of(
+    model: Option<&Model>,
+    levels: &[Level],
+    settings: Option<&Settings>,
+    is_further: bool,
+) -> Option<String> {
+    truncation(levels, settings?.harmonics.count, model.map_or(1, |model| least_added(model, is_further)))
 }
 
 fn of_widths<'l, I: Iterator<Item = (&'l Level, &'l BranchRow)>>(
@@ -79,7 +97,7 @@ fn of_widths<'l, I: Iterator<Item = (&'l Level, &'l BranchRow)>>(
     };
     let percent = digits(100.0 * largest.abs(), 2);
     if largest.abs() < NEGLIGIBLE {
-        return Some(format!("Widths of isolas change by less than 0.01 % with twice the harmonics.{lost}"));
+        return Some(format!("{SAME_WIDTHS}{lost}"));
     }
     if largest.abs() <= SAME_WIDTH {
         return Some(format!("Widths of isolas change by {percent} % at most with twice the harmonics.{lost}"));
@@ -119,12 +137,11 @@ fn of_peaks<'l, I: Iterator<Item = (&'l Level, &'l BranchRow)>>(
     let (level, row, [change, shift]) = changes.max_by(|a, b| largest(a.2).total_cmp(&largest(b.2)))?;
     if largest([change, shift]) <= CONVERGED {
         let most = largest([change, shift]);
-        let to = if most < NEGLIGIBLE {
-            "less than 0.01 %".into()
-        } else {
-            format!("{} % at most", digits(100.0 * most, 1))
-        };
-        return Some(format!("Peaks change by {to} with twice the harmonics (H = {}).", 2 * harmonics));
+        if most < NEGLIGIBLE {
+            return Some(unchanged("Peaks", harmonics));
+        }
+        let percent = digits(100.0 * most, 1);
+        return Some(format!("Peaks change by {percent} % at most with twice the harmonics (H = {}).", 2 * harmonics));
     }
     let moves = if shift.abs() > CONVERGED {
         format!(" and its frequency by {} %", digits(100.0 * shift, 2))
@@ -140,6 +157,16 @@ fn of_peaks<'l, I: Iterator<Item = (&'l Level, &'l BranchRow)>>(
         digits(100.0 * change, 2),
         depth.unwrap_or_default()
     ))
+}
+
+/// What is told of quantities that stay as they are.
+fn unchanged(what: &str, harmonics: usize) -> String {
+    format!("{what} change by less than 0.01 % with twice the harmonics (H = {}).", 2 * harmonics)
+}
+
+/// Whether a sentence of [`truncation`] asks for more harmonics.
+pub fn asks_for_harmonics(sentence: &str) -> bool {
+    sentence.contains("set harmonics.count")
 }
 
 /// Whether nothing confirms an isola: no peak like its own was found with twice the harmonics, no motion near it by time marching,
@@ -323,7 +350,7 @@ mod tests {
         let peaks = "Peaks change by less than 0.01 % with twice the harmonics (H = 20).";
         assert_eq!(
             isola((2.001, 2.101)),
-            format!("{peaks} Widths of isolas change by less than 0.01 % with twice the harmonics.")
+            "Peaks and widths of isolas change by less than 0.01 % with twice the harmonics (H = 20)."
         );
         let narrower = "With twice the harmonics isola 1 at A = 60 is 40 % narrower; set harmonics.count = 20.";
         assert_eq!(isola((2.02, 2.08)), format!("{peaks} {narrower}"));

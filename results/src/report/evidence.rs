@@ -41,6 +41,10 @@ pub struct Evidence<'r> {
     pub least_added: usize,
     /// Bounds at which branches apart from the main ones end.
     pub bounds: FrequencySettings,
+    /// Bounds of the frequency that were given.
+    pub given: FrequencySettings,
+    /// Those that were looked at, once the backbones are known.
+    pub reached: Option<(f64, f64)>,
     /// Orders of motions that the run looks for.
     pub asked: Vec<usize>,
     /// What was found of further orders of motions, where the run looks for several and these are the first.

@@ -4,6 +4,7 @@ mod account;
 mod evidence;
 mod losses;
 mod predictions;
+mod ranges;
 mod read;
 mod stability;
 #[cfg(test)]

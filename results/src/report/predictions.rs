@@ -11,6 +11,9 @@ use crate::words::{self, count, digits, frequency};
 use solver::response::critical::CriticalKind;
 use solver::response::windows::{Event, EventKind};
 
+/// Predicted events of a kind that a sentence names.
+const NAMED: usize = 6;
+
 /// Largest forcing, in highest levels, at which an isola is born just above them.
 const JUST_ABOVE: f64 = 1.25;
 
@@ -86,6 +89,30 @@ impl Evidence<'_> {
         }
         let threshold = digits(birth.threshold, 3);
         format!("; the energy balance of {mode} predicts separate responses from A = {threshold} on, near {near}")
+    }
+
+    /// Births and merges of the energy balance among the levels, which is an estimate of what fold curves compute.
+    pub(super) fn predicted_events(&self) -> Option<String> {
+        let values = || self.levels.iter().map(|level| level.value);
+        let (low, high) = (values().fold(f64::INFINITY, f64::min), values().fold(0.0, f64::max));
+        let all = self.backbones().flat_map(|backbone| backbone.events.iter());
+        let mut among: Vec<&Event> = all
+            .filter(|event| (low..=high).contains(&event.threshold) && is_within(self.bounds, event.omega))
+            .collect();
+        among.sort_by(|a, b| a.threshold.total_cmp(&b.threshold));
+        let of = |kind: EventKind, one: &str, many: &str| {
+            let list: Vec<&&Event> = among.iter().filter(|event| event.kind == kind).collect();
+            let place =
+                |event: &&&Event| format!("{} (near {} rad/s)", digits(event.threshold, 3), digits(event.omega, 4));
+            let named: Vec<String> = list.iter().take(NAMED).map(place).collect();
+            let more = if list.len() > NAMED { format!(" and {} more", list.len() - NAMED) } else { String::new() };
+            let what = if list.len() == 1 { one } else { many };
+            (!list.is_empty()).then(|| format!("{what} at A = {}{more}", named.join(", ")))
+        };
+        let births = of(EventKind::Birth, "a birth", "births");
+        let merges = of(EventKind::Merge, "a merge", "merges");
+        let parts: Vec<String> = births.into_iter().chain(merges).collect();
+        (!parts.is_empty()).then(|| format!("The energy balance predicts, as an estimate, {}.", parts.join(" and ")))
     }
 
     /// What led to isolas beside the energy balance.

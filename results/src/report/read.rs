@@ -154,6 +154,8 @@ impl Report {
             harmonics: header.settings.harmonics.count,
             least_added: least_added(&model, reader.order().is_some()),
             bounds: bounds(header.settings.frequency, reach.map(|reach| reach.frequency), reader.order().is_some()),
+            given: header.settings.frequency,
+            reached: reach.map(|reach| reach.frequency),
             asked: orders(&model, &header.settings.search),
             orders: further_orders(reader, &mut omissions),
             is_further: reader.order().is_some(),

@@ -7,13 +7,14 @@ mod tests;
 
 use super::evidence::{Evidence, OrderFound};
 use super::losses::{Loss, losses, named, unknown_beyond};
+use super::ranges::{in_words, joined, over, runs};
 use crate::curves::BackboneCurve;
 use crate::overview::{
-    BranchRow, Level, SmallestMotion, UNTOUCHED, beyond, events_sentence, highest, is_untouched, not_followed_sentence,
-    sampled, truncation,
+    BranchRow, Level, SmallestMotion, UNTOUCHED, beyond, events_sentence, highest, is_untouched, modes,
+    not_followed_sentence, reach_sentence, sampled, shift_sentence, truncation,
 };
-use crate::summary_table::{Units, motions};
-use crate::words::{self, count, digits, frequency, range};
+use crate::summary_table::{Units, motions, stability};
+use crate::words::{self, count, digits, frequency};
 use protocol::to_everyone::Stage;
 use serde::Serialize;
 use solver::response::branch::BranchKind;
@@ -56,7 +57,7 @@ pub fn verdict(evidence: &Evidence<'_>) -> [Sentence; 3] {
         Sentence {
             title: "From which forcing on?",
             text: caveat.clone() + &evidence.onset(),
-            details: Vec::new(),
+            details: further(evidence.over_the_forcing()),
             reach: None,
         },
         Sentence {
@@ -184,6 +185,7 @@ impl<'r> Evidence<'r> {
         }
         list.extend(self.structure.undetermined.iter().map(|place| format!("Note: {place}.")));
         list.extend(self.with_isolas().next().into_iter().flat_map(|_| self.stability_of_isolas()));
+        list.extend(stability::of_others(self.levels));
         list.extend(sampled(self.levels));
         list.extend(self.largest().map(|(_, largest)| self.stability_of_peak(largest)));
         list.extend(self.largest_stable());
@@ -195,6 +197,11 @@ impl<'r> Evidence<'r> {
         list.extend(unknown_beyond(self));
         list.extend(truncation(self.levels, self.harmonics, self.least_added));
         list
+    }
+
+    /// How the frequency of the largest response goes, and what the energy balance predicts between the levels.
+    fn over_the_forcing(&self) -> Vec<String> {
+        shift_sentence(self.levels, frequency).into_iter().chain(self.predicted_events()).collect()
     }
 
     /// What ordinary continuation leaves out beside isolas; other branches where there are no isolas to tell them with.
@@ -240,7 +247,8 @@ impl<'r> Evidence<'r> {
         }
         let prediction = self.prediction();
         let place = |omega: f64| format!("{} rad/s{}", digits(omega, 5), beyond(self.bounds, omega));
-        let computed = events_sentence(self.curves, place).map(|sentence| format!(" {sentence}")).unwrap_or_default();
+        let computed =
+            events_sentence(self.curves, self.levels, place).map(|sentence| format!(" {sentence}")).unwrap_or_default();
         let missing = not_followed_sentence(self.search.hanging).filter(|_| !computed.is_empty());
         let computed = computed + &missing.map_or_else(String::new, |sentence| format!(" {sentence}"));
         let runs = runs(self.levels);
@@ -273,9 +281,14 @@ impl<'r> Evidence<'r> {
         format!("Isolas were found {}{prediction}.{computed}{}", found.join(", and "), end.unwrap_or_default())
     }
 
-    /// What was looked for, and what was not.
+    /// Which frequencies and modes were looked at, what was looked for, and what was not.
     fn reach(&self) -> String {
-        self.looked_for().sentence()
+        let frequencies = reach_sentence(self.given, self.reached, frequency).filter(|_| !self.is_further);
+        let is_done = self.levels.iter().all(|level| level.pending == 0);
+        let with_others = self.modes.filter(|choice| !modes::left_out(choice).is_empty());
+        let modes = with_others.and_then(|choice| modes::sentence(choice, is_done));
+        let all: Vec<String> = frequencies.into_iter().chain(modes).chain([self.looked_for().sentence()]).collect();
+        all.join(" ")
     }
 
     fn missed(&self) -> String {
@@ -354,52 +367,4 @@ fn of_order(found: &OrderFound) -> String {
             count(levels.len(), "level")
         ),
     }
-}
-
-/// Complete levels with isolas as runs of neighbours: first and last, as typed. A level of which not all is known ends a
-/// run.
-fn runs(levels: &[Level]) -> Vec<(String, String)> {
-    let state = |level: &Level| (level.is_complete(), level.highest_isola().is_some());
-    let runs = levels.chunk_by(|a, b| state(a) == state(b)).filter(|run| state(&run[0]) == (true, true));
-    runs.map(|run| (run[0].amplitude.clone(), run[run.len() - 1].amplitude.clone())).collect()
-}
-
-/// Ranges in order, those that overlap as one.
-fn joined(ranges: impl Iterator<Item = (f64, f64)>) -> Vec<(f64, f64)> {
-    let mut sorted: Vec<(f64, f64)> = ranges.filter(|(low, high)| low.is_finite() && high.is_finite()).collect();
-    sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut list: Vec<(f64, f64)> = Vec::new();
-    for (low, high) in sorted {
-        match list.last_mut() {
-            Some(last) if low <= last.1 => last.1 = last.1.max(high),
-            _ => list.push((low, high)),
-        }
-    }
-    list
-}
-
-/// Of which levels the ranges of isolas are: at one of them alone, or of all together, each of which has a part of them.
-fn over(levels: &[&Level]) -> String {
-    match levels {
-        [] => String::new(),
-        [only] => format!(", at A = {}", only.amplitude),
-        [first, last] => {
-            format!(", taken over both levels with isolas (A = {} and {})", first.amplitude, last.amplitude)
-        }
-        [first, .., last] => {
-            let (first, last) = (&first.amplitude, &last.amplitude);
-            format!(", taken over all {} levels with isolas (A = {first} to {last})", levels.len())
-        }
-    }
-}
-
-/// Ranges that a sentence names; the others are only counted.
-const NAMED: usize = 3;
-
-fn in_words(ranges: &[(f64, f64)]) -> String {
-    let mut list: Vec<String> = ranges.iter().take(NAMED).map(|&omega| range(omega)).collect();
-    if ranges.len() > NAMED {
-        list.push(format!("in {} more ranges", ranges.len() - NAMED));
-    }
-    list.join(", or between ")
 }

@@ -1,26 +1,56 @@
 //! Reasons below a table, each once, and lines that are not too long.
 
+/// Most places that a text names.
+const PLACES: usize = 3;
+
 /// Texts with numbers, from 1.
 #[derive(Debug, Default)]
 pub(super) struct Footnotes {
-    texts: Vec<String>,
+    texts: Vec<Note>,
+}
+
+/// A text with the places that it is about.
+#[derive(Debug)]
+struct Note {
+    text: String,
+    places: Vec<String>,
 }
 
 impl Footnotes {
     /// The mark of a text: its number, raised. The same text has the same mark.
     pub(super) fn mark(&mut self, text: String) -> String {
-        let known = self.texts.iter().position(|other| *other == text);
-        let index = known.unwrap_or_else(|| {
-            self.texts.push(text);
-            self.texts.len() - 1
-        });
+        raised(self.index(text) + 1)
+    }
+
+    /// The same of a text that is about several places: it names some of them.
+    pub(super) fn mark_at(&mut self, text: String, place: String) -> String {
+        let index = self.index(text);
+        self.texts[index].places.push(place);
         raised(index + 1)
+    }
+
+    fn index(&mut self, text: String) -> usize {
+        self.texts.iter().position(|other| other.text == text).unwrap_or_else(|| {
+            self.texts.push(Note { text, places: Vec::new() });
+            self.texts.len() - 1
+        })
     }
 
     /// The texts with their marks, in lines of this width.
     pub(super) fn lines(&self, width: u16) -> Vec<String> {
-        let line = |(i, text): (usize, &String)| wrapped(&format!("{} {text}", raised(i + 1)), width, "  ");
+        let line = |(i, note): (usize, &Note)| wrapped(&format!("{} {note}", raised(i + 1)), width, "  ");
         self.texts.iter().enumerate().map(line).collect()
+    }
+}
+
+impl std::fmt::Display for Note {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.text)?;
+        match self.places.len() {
+            0 => Ok(()),
+            all if all <= PLACES => write!(f, " ({})", self.places.join("; ")),
+            all => write!(f, " ({}; and {} more: windows.csv)", self.places[..PLACES].join("; "), all - PLACES),
+        }
     }
 }
 
@@ -58,6 +88,15 @@ mod tests {
         assert_eq!(marks, ["¹", "²", "¹"]);
         assert_eq!(notes.lines(80), ["¹ stalled", "² reversed"]);
         assert_eq!(raised(120), "¹²⁰");
+    }
+
+    #[test]
+    fn places_of_one_reason_stand_behind_it() {
+        let mut notes = Footnotes::default();
+        let marks = [1, 2].map(|a| notes.mark_at("not found".into(), format!("A = {a}")));
+        assert_eq!((marks, notes.lines(80)), (["¹", "¹"].map(String::from), vec!["¹ not found (A = 1; A = 2)".into()]));
+        (3..6).for_each(|a| drop(notes.mark_at("not found".into(), format!("A = {a}"))));
+        assert_eq!(notes.lines(80), ["¹ not found (A = 1; A = 2; A = 3; and 2 more: windows.csv)"]);
     }
 
     #[test]

@@ -4,11 +4,44 @@ use super::Units;
 use crate::store::MotionRow;
 use crate::words::count;
 
+/// Of motions that no branch has.
+const UNFOUND: &str = "is on no marched orbit of";
+
 /// A sentence for every branch of which unstable motions were marched on; `is_further`: they are of a further order, and what they turn
 /// into may be of an earlier one.
 pub(crate) fn sentences(motions: &[MotionRow], units: Units, is_further: bool) -> Vec<String> {
     let of_one = |a: &MotionRow, b: &MotionRow| a.forcing == b.forcing && a.branch == b.branch;
     motions.chunk_by(of_one).map(|rows| sentence(rows, units, is_further)).collect()
+}
+
+/// Most branches of which a sentence each is said.
+const NAMED: usize = 2;
+
+/// The same of few branches, and in one sentence of many: what motions turn into that was not found, which the search may have missed, is told
+/// of every branch.
+pub(super) fn brief(motions: &[MotionRow], units: Units, is_further: bool) -> Vec<String> {
+    let of_one = |a: &MotionRow, b: &MotionRow| a.forcing == b.forcing && a.branch == b.branch;
+    let is_missed = |rows: &&[MotionRow]| rows.iter().any(|row| kind(row, is_further).contains(UNFOUND));
+    let (missed, others): (Vec<&[MotionRow]>, Vec<&[MotionRow]>) = motions.chunk_by(of_one).partition(is_missed);
+    let named = if others.len() > NAMED { &others[..0] } else { &others[..] };
+    let told = missed.into_iter().chain(named.iter().copied()).map(|rows| sentence(rows, units, is_further));
+    told.chain((others.len() > NAMED).then(|| of_many(&others, units, is_further))).collect()
+}
+
+/// What unstable motions of many branches turn into.
+fn of_many(branches: &[&[MotionRow]], units: Units, is_further: bool) -> String {
+    let rows = || branches.iter().copied().flatten();
+    let mut kinds: Vec<String> = rows().map(|row| kind(row, is_further)).collect();
+    kinds.sort();
+    kinds.dedup();
+    let largest = rows().filter_map(|row| row.amplitude).map(|(_, high)| high).fold(0.0, f64::max);
+    format!(
+        "From unstable motions of {} branches time marching came to {}, of amplitudes up to {} {} (motions.csv).",
+        branches.len(),
+        kinds.join(", to "),
+        units.length.digits(largest),
+        units.length
+    )
 }
 
 fn sentence(rows: &[MotionRow], units: Units, is_further: bool) -> String {
@@ -36,11 +69,10 @@ pub(crate) fn kind(row: &MotionRow, is_further: bool) -> String {
         ("periodic", Some(1), Some(branch)) if *branch == row.branch => "the same branch".into(),
         ("periodic", Some(1), Some(branch)) => branch.clone(),
         ("periodic", Some(1), None) if is_further => {
-            "a periodic motion that is on no marched orbit of the branches of this order (it may be of an earlier one)"
-                .into()
+            format!("a periodic motion that {UNFOUND} the branches of this order (it may be of an earlier one)")
         }
         ("periodic", Some(1), None) => {
-            "a periodic motion that is on no marched orbit of the branches found (the search may have missed it)".into()
+            format!("a periodic motion that {UNFOUND} the branches found (the search may have missed it)")
         }
         ("periodic", Some(repeats), _) => format!("motions that repeat after {repeats} periods"),
         ("quasi_periodic", ..) => "quasi-periodic motions".into(),
@@ -85,6 +117,22 @@ mod tests {
             growth: None,
             periods: 300,
         }
+    }
+
+    #[test]
+    fn of_many_branches_what_was_not_found_is_told() {
+        let of = |forcing: &str, onto| MotionRow {
+            forcing: forcing.into(),
+            ..row(2600.0, "periodic", Some(1), onto, (1e-3, 2e-3))
+        };
+        let told = |rows: &[MotionRow]| brief(rows, Units::default(), false);
+        let few = [of("1", Some("main")), of("2", Some("main"))];
+        assert_eq!(told(&few), sentences(&few, Units::default(), false));
+        let many = [of("1", Some("main")), of("2", None), of("3", Some("main")), of("4", Some("isola 1"))];
+        let missed = sentences(&many[1..2], Units::default(), false).remove(0);
+        let rest = "From unstable motions of 3 branches time marching came to main, to the same branch, of amplitudes up to 2.0000e-3 m \
+                    (motions.csv).";
+        assert_eq!(told(&many), [missed, rest.to_string()]);
     }
 
     #[test]

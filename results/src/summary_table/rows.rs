@@ -86,8 +86,8 @@ impl<'r> Rows<'r> {
         let range = format!("{}–{}", unit.digits(row.omega.0), unit.digits(row.omega.1));
         let peak = self.peak(row);
         if row.is_isola() {
-            let doubt = "perhaps of the truncation alone: no peak like its own was found with twice the harmonics, and no motion near \
-                         it by time marching";
+            let doubt = "perhaps an artefact of too few harmonics: with twice as many no such peak was found, nor a motion near it by time \
+                         marching";
             let mark = if is_unconfirmed(row) { self.notes.mark(doubt.into()) } else { String::new() };
             return format!("{range}, {peak}{mark}");
         }
@@ -131,10 +131,11 @@ impl<'r> Rows<'r> {
                 }
                 None => reason,
             };
-            let place = if low == high { format!("at {low}") } else { format!("{low}–{high}") };
-            self.notes.mark(format!("A = {}, window {place}: not found: {why}", level.amplitude))
+            let place = if low == high { low } else { format!("{low}–{high}") };
+            self.notes.mark_at(format!("window not found: {why}"), format!("A = {}: {place} {unit}", level.amplitude))
         });
-        let missed: Vec<String> = missed.collect();
+        let mut missed: Vec<String> = missed.collect();
+        missed.dedup();
         let found = level.windows.iter().filter(|window| matches!(window.outcome, WindowOutcome::Found(_))).count();
         let mut lines = vec![match level.windows.len() {
             0 => "no window".into(),

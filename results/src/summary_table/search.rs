@@ -2,8 +2,8 @@
 
 use super::known::Known;
 use crate::overview::{
-    BranchRow, Excitation, Level, LookedFor, SmallestMotion, born_above, born_between, levels_after, modes,
-    truncation_doubt, why_no_folds,
+    BranchRow, Excitation, Level, LookedFor, SmallestMotion, born_above, born_between, levels_after, truncation_doubt,
+    why_no_folds,
 };
 use crate::store::CurveRow;
 use solver::response::backbone::Backbone;
@@ -11,19 +11,15 @@ use solver::response::branch::BranchKind;
 use solver::response::orders::orders;
 use solver::settings::{Effort, FrequencySettings};
 
-/// What was looked for and what was not; modes that were left out, with the reasons.
-pub(super) fn looked_for(known: &Known) -> Vec<String> {
-    let (Some(model), Some(settings)) = (&known.model, &known.settings) else { return Vec::new() };
-    let (levels, choice) = (known.levels(), known.modes.as_ref());
+/// What was looked for, in short.
+pub(super) fn looked_for(known: &Known) -> Option<String> {
+    let (model, settings) = (known.model.as_ref()?, known.settings.as_ref()?);
     let why = why_no_folds(model, settings);
+    let end = |(mode, backbone): &(usize, Option<Backbone>)| (*mode, backbone.as_ref().and_then(last_threshold));
     let looked_for = LookedFor {
-        levels,
-        backbones: known
-            .backbones
-            .iter()
-            .map(|(mode, backbone)| (*mode, backbone.as_ref().and_then(last_threshold)))
-            .collect(),
-        modes: choice,
+        levels: known.levels(),
+        backbones: known.backbones.iter().map(end).collect(),
+        modes: known.modes.as_ref(),
         all_modes: model.size(),
         harmonic: model.forcing().harmonic,
         asked: &orders(model, &settings.search),
@@ -31,10 +27,9 @@ pub(super) fn looked_for(known: &Known) -> Vec<String> {
         search: known.search,
         why_no_folds: why.as_deref(),
     };
-    let is_done = levels.iter().all(|level| level.pending == 0);
-    let with_others = choice.filter(|choice| !modes::left_out(choice).is_empty());
-    let left_out = with_others.and_then(|choice| modes::sentence(choice, is_done));
-    left_out.into_iter().chain([looked_for.sentence()]).collect()
+    let has_isola = known.levels().iter().any(|level| level.highest_isola().is_some());
+    let next = other_orders(looked_for.asked, settings.harmonics.count, model.is_odd()).filter(|_| !has_isola);
+    Some(looked_for.brief(next))
 }
 
 /// What the structure does of itself.
@@ -57,15 +52,13 @@ pub(super) fn no_isola(known: &Known) -> Option<String> {
         Effort::None => " in windows of the energy balance, where alone they were looked for (search.effort)",
         _ => "",
     };
-    let other =
-        other_orders(&orders(model, &settings.search), settings.harmonics.count, model.is_odd()).unwrap_or_default();
     let is_undecided =
         |row: &BranchRow| [BranchKind::Cut, BranchKind::Unfinished].iter().any(|kind| row.kind == kind.name());
     let unknown = match levels.iter().flat_map(Level::others).any(is_undecided) {
         true => "; what is cut or unfinished may be one",
         false => "",
     };
-    Some(format!("No isola was found{born}{only}{unknown}.{other}"))
+    Some(format!("No isola was found{born}{only}{unknown}."))
 }
 
 /// The threshold A* where a backbone ends.
@@ -73,7 +66,7 @@ fn last_threshold(backbone: &Backbone) -> Option<f64> {
     Some(backbone.points.last()?.threshold())
 }
 
-/// That nobody looked for motions of further periods, and which are the next: where all laws are odd the resonances of symmetric
+/// How motions of further periods, for which nobody looked, are looked for, and which are the next: where all laws are odd the resonances of symmetric
 /// motions of the free structure have odd harmonics alone, to which a force on an even one supplies nothing.
 fn other_orders(asked: &[usize], harmonics: usize, is_odd: bool) -> Option<String> {
     let [own] = *asked else { return None };
@@ -81,8 +74,7 @@ fn other_orders(asked: &[usize], harmonics: usize, is_odd: bool) -> Option<Strin
     let next: Vec<String> = next.map(|m| m.to_string()).collect();
     (!next.is_empty()).then(|| {
         format!(
-            " Responses of other periods were not looked for: search.harmonics = [{own}, {}] looks for those as well that last {} \
-             periods of the force.",
+            "search.harmonics = [{own}, {}] looks for those that last {} periods of the force as well",
             next.join(", "),
             next.join(" and ")
         )
@@ -114,11 +106,11 @@ mod tests {
     #[test]
     fn orders_that_were_not_looked_for() {
         for (asked, harmonics, is_odd, expected) in [
-            (&[1][..], 10, false, Some("[1, 2, 3] looks for those as well that last 2 and 3 periods")),
-            (&[1], 10, true, Some("[1, 3] looks for those as well that last 3 periods")),
+            (&[1][..], 10, false, Some("[1, 2, 3] looks for those that last 2 and 3 periods")),
+            (&[1], 10, true, Some("[1, 3] looks for those that last 3 periods")),
             (&[2], 10, true, Some("[2, 3] looks")),
             (&[3], 10, true, Some("[3, 5] looks")),
-            (&[1], 2, false, Some("[1, 2] looks for those as well that last 2 periods")),
+            (&[1], 2, false, Some("[1, 2] looks for those that last 2 periods")),
             (&[1], 2, true, None),
             (&[1], 1, false, None),
             (&[1, 3], 10, false, None),

@@ -1,9 +1,7 @@
 //! What time marching says of branches, in a sentence or two.
 
 use super::Units;
-use crate::overview::{
-    BranchRow, Level, StableResponse, highest, largest_stable, largest_stable_sentence, near_largest, sampled,
-};
+use crate::overview::{BranchRow, Level, StableResponse, largest_stable};
 use crate::store::Stability;
 use crate::words::shares;
 
@@ -16,25 +14,40 @@ const CLASSES: [&str; 6] = [
     "beyond what it could tell",
     "not verified",
 ];
+const STABLE_IN_PARTS: usize = 1;
 const UNVERIFIED: usize = 5;
 
-/// What is known of the stability of branches and of the largest response. `None` if nothing was verified.
-pub(super) fn sentences(levels: &[Level], units: Units) -> Option<String> {
+/// What is known of the stability of isolas, and of other branches where it is not that they are stable or so in parts. `None` if nothing
+/// was verified, or there is nothing to be told; `is_told`: that the largest one is stable is known already.
+pub(super) fn sentence(levels: &[Level], units: Units, is_told: bool) -> Option<String> {
     let (length, frequency) = (units.length, units.frequency);
-    let rows = || levels.iter().flat_map(|level| &level.branches);
-    let isolas: Vec<&BranchRow> = rows().filter(|row| row.is_isola()).collect();
-    let mains: Vec<&BranchRow> = rows().filter(|row| row.is_main()).collect();
-    let others: Vec<&BranchRow> = rows().filter(|row| !row.is_main() && !row.is_isola()).collect();
-    let size = |amplitude| format!("{} {length}", length.digits(amplitude));
-    let rate = |omega| format!("{} {frequency}", frequency.digits(omega));
-    let largest = largest_stable(levels, BranchRow::is_isola);
+    let isolas: Vec<&BranchRow> = levels.iter().flat_map(Level::isolas).collect();
+    let largest = largest_stable(levels, BranchRow::is_isola).filter(|_| !is_told);
     let up_to = largest.map_or_else(String::new, |StableResponse { level, branch, omega, amplitude }| {
-        let (up_to, at) = (size(amplitude), rate(omega));
+        let (up_to, at) =
+            (format!("{} {length}", length.digits(amplitude)), format!("{} {frequency}", frequency.digits(omega)));
         match isolas.len() {
             1 => format!(" (stable up to {up_to} at {at})"),
             _ => format!(" (stable on isolas up to {up_to}, {} at A = {} and {at})", branch.name(), level.amplitude),
         }
     });
+    let of_isolas = of(&isolas, ["isola", "isolas"], "").map(|(found, _)| found + &up_to);
+    let doubtful = beside_isolas(levels).filter(|(_, is_stable)| !is_stable).map(|(found, _)| found);
+    let groups: Vec<String> = of_isolas.into_iter().chain(doubtful).collect();
+    (!groups.is_empty()).then(|| format!("By time marching, {}.", groups.join("; ")))
+}
+
+/// What is known of the stability of branches that are no isolas. `None` if none of them was verified.
+pub(crate) fn of_others(levels: &[Level]) -> Option<String> {
+    let groups: Vec<String> = beside_isolas(levels).map(|(found, _)| found).collect();
+    (!groups.is_empty()).then(|| format!("By time marching, {}.", groups.join("; ")))
+}
+
+/// The same of main branches and of others, and whether all of them are stable at least in parts.
+fn beside_isolas(levels: &[Level]) -> impl Iterator<Item = (String, bool)> {
+    let rows = || levels.iter().flat_map(|level| &level.branches);
+    let mains: Vec<&BranchRow> = rows().filter(|row| row.is_main()).collect();
+    let others: Vec<&BranchRow> = rows().filter(|row| !row.is_main() && !row.is_isola()).collect();
     let is_part = |row: &&BranchRow| row.stability.as_ref().is_some_and(|stability| !stability.is_whole);
     let is_cut = mains.iter().any(|row| !row.at_least().is_empty());
     let around = match (mains.iter().any(is_part), mains.len() == 1, is_cut) {
@@ -47,27 +60,14 @@ pub(super) fn sentences(levels: &[Level], units: Units) -> Option<String> {
     // What comes from both sides and does not meet is one branch or two.
     let are_pieces = levels.iter().any(|level| level.mains().count() > 1);
     let main_branches = if are_pieces { "main branches or pieces of them" } else { "main branches" };
-    let groups = [
-        of(&isolas, ["isola", "isolas"], "").map(|found| found + &up_to),
-        of(&mains, ["main branch", main_branches], around),
-        of(&others, ["other branch", "other branches"], ""),
-    ];
-    let groups: Vec<String> = groups.into_iter().flatten().collect();
-    if groups.is_empty() {
-        return None;
-    }
-    let peak = highest(rows()).and_then(|row| Some((row.stability.as_ref()?.peak.as_ref()?, row.amplitude_max)));
-    let peak = peak.map_or("Whether the largest response is stable was not verified.".into(), |(peak, amplitude)| {
-        near_largest(peak, amplitude, size, rate)
-    });
-    let sampled = sampled(levels).map_or_else(String::new, |sentence| format!("{sentence} "));
-    let stable =
-        largest_stable_sentence(levels, size, rate).map_or_else(String::new, |sentence| format!(" {sentence}"));
-    Some(format!("By time marching, {}. {sampled}{peak}{stable}", groups.join("; ")))
+    let groups =
+        [of(&mains, ["main branch", main_branches], around), of(&others, ["other branch", "other branches"], "")];
+    groups.into_iter().flatten()
 }
 
-/// How many branches of a kind are stable and unstable, of those that were verified; `around`: what of them alone was.
-fn of(rows: &[&BranchRow], [one, several]: [&str; 2], around: &str) -> Option<String> {
+/// How many branches of a kind are stable and unstable, of those that were verified, and whether all are stable at least in parts; `around`:
+/// what of them alone was.
+fn of(rows: &[&BranchRow], [one, several]: [&str; 2], around: &str) -> Option<(String, bool)> {
     let class = |row: &&BranchRow| {
         let Some(Stability { stable, unstable, is_marginal_in_parts, .. }) = row.stability.as_ref() else {
             return UNVERIFIED;
@@ -86,10 +86,12 @@ fn of(rows: &[&BranchRow], [one, several]: [&str; 2], around: &str) -> Option<St
         return None;
     }
     let found: Vec<(usize, &str)> = counts.into_iter().zip(CLASSES).filter(|(count, _)| *count > 0).collect();
-    Some(match (rows, &found[..]) {
+    let told = match (rows, &found[..]) {
         ([_], [(_, class), ..]) => format!("the {one}{around} is {class}"),
         _ => shares(&format!("{several}{around}"), &found),
-    })
+    };
+    let stable: usize = counts[..=STABLE_IN_PARTS].iter().sum();
+    Some((told, stable == rows.len()))
 }
 
 #[cfg(test)]
@@ -118,44 +120,48 @@ mod tests {
         }
     }
 
-    fn told(branches: Vec<BranchRow>) -> Option<String> {
-        sentences(&[Level { amplitude: "14".into(), branches, ..Level::default() }], Units::default())
+    fn level(branches: Vec<BranchRow>) -> [Level; 1] {
+        [Level { amplitude: "14".into(), branches, ..Level::default() }]
     }
 
-    #[test]
-    fn what_was_sampled_is_said() {
-        let sampled = |number| {
-            let row = branch("isola", [0.5, 0.5], 2.0);
-            BranchRow { stability: row.stability.map(|known| Stability { sampled: Some(number), ..known }), ..row }
-        };
-        let said = told(vec![sampled(22), branch("isola", [0.5, 0.5], 2.0), sampled(31)]).unwrap();
-        assert!(
-            said.contains("rad/s). Of 2 branches 22 to 31 points each were looked at, not all: two changes"),
-            "{said}"
-        );
-        assert!(told(vec![sampled(22)]).unwrap().contains("Of one branch 22 points were"));
+    fn told(branches: Vec<BranchRow>) -> Option<String> {
+        sentence(&level(branches), Units::default(), false)
     }
 
     #[test]
     fn pieces_of_main_branches_are_called_so() {
         let cut = BranchRow { peak_standing: Some(Standing::AtLeast), ..branch("main", [0.2, 0.0], 1.0) };
-        let said = told(vec![cut.clone(), cut.clone()]).unwrap();
+        let said = of_others(&level(vec![cut.clone(), cut.clone()])).unwrap();
         let expected =
             "both main branches or pieces of them, around their largest responses, are stable wherever it could tell";
         assert!(said.contains(expected), "{said}");
-        assert!(told(vec![cut]).unwrap().contains("the main branch, around its largest response, is stable"), "{said}");
+        let said = of_others(&level(vec![cut])).unwrap();
+        assert!(said.contains("the main branch, around its largest response, is stable"), "{said}");
     }
 
+    /// What is stable at least in parts is no doubt: of branches that are no isolas the report tells it, with all others.
     #[test]
     fn every_kind_has_its_counts() {
         let isolas = [branch("isola", [0.5, 0.5], 2.0), branch("isola", [0.0, 0.1], 3.0)];
         let others = vec![branch("main", [0.2, 0.0], 1.0), branch("cut", [0.0, 0.0], 0.5)];
+        let all = [isolas.to_vec(), others].concat();
+        let begins = "By time marching, of 2 isolas 1 is stable in parts, 1 is unstable wherever it could tell";
         assert_eq!(
-            told([isolas.to_vec(), others].concat()).unwrap(),
-            "By time marching, of 2 isolas 1 is stable in parts, 1 is unstable wherever it could tell (stable on isolas up to 1.0000 m, \
-             isola 1 at A = 14 and 2.00000 rad/s); the main branch, around its peak, is stable wherever it could tell; the other branch is beyond what it could \
-             tell. The periodic motion that time marching has near the largest response, 3.0000 m at 2.50000 rad/s, is unstable."
+            told(all.clone()).unwrap(),
+            format!(
+                "{begins} (stable on isolas up to 1.0000 m, isola 1 at A = 14 and 2.00000 rad/s); the other branch is beyond what it could \
+                 tell."
+            )
         );
+        // Up to where they are stable need not be told twice.
+        let briefly = sentence(&level(all.clone()), Units::default(), true).unwrap();
+        assert_eq!(briefly, format!("{begins}; the other branch is beyond what it could tell."));
+        assert_eq!(
+            of_others(&level(all)).unwrap(),
+            "By time marching, the main branch, around its peak, is stable wherever it could tell; the other branch is beyond what it could \
+             tell."
+        );
+        assert_eq!(told(vec![branch("main", [0.2, 0.0], 1.0), branch("main", [0.2, 0.1], 1.0)]), None);
     }
 
     /// A structure that nothing holds goes on anywhere: a multiplier is 1 on all of it that its unstable part is not.
@@ -164,10 +170,7 @@ mod tests {
         let row = branch("main", [0.0, 0.2], 1.0);
         let marginal = row.stability.clone().map(|known| Stability { is_marginal_in_parts: true, ..known });
         let said = told(vec![BranchRow { stability: marginal, ..row }]).unwrap();
-        assert!(
-            said.starts_with("By time marching, the main branch, around its peak, is unstable or marginal. "),
-            "{said}"
-        );
+        assert_eq!(said, "By time marching, the main branch, around its peak, is unstable or marginal.");
     }
 
     #[test]
@@ -177,7 +180,10 @@ mod tests {
         assert_eq!(
             told(vec![bare("main"), bare("isola"), branch("isola", [1.0, 0.0], 2.0)]).unwrap(),
             "By time marching, of 2 isolas 1 is stable wherever it could tell, 1 is not verified (stable on isolas up to 1.0000 m, \
-             isola 1 at A = 14 and 2.00000 rad/s). Whether the largest response is stable was not verified."
+             isola 1 at A = 14 and 2.00000 rad/s)."
         );
+        // Of some main branches alone it is a doubt.
+        let said = told(vec![bare("main"), branch("main", [0.2, 0.0], 1.0)]).unwrap();
+        assert!(said.contains("1 is not verified"), "{said}");
     }
 }

@@ -14,7 +14,8 @@ fn none_was_found_where_it_was_looked_for() {
     // What it was looked for with is said once.
     assert_eq!(missed, "No isola was found where it was looked for (see the first answer).");
     let balance = "the energy balance of mode 1 predicts no separate response at the levels of the run";
-    assert_eq!(onset, format!("None was found where it was looked for (see the first answer); {balance}."));
+    let same = "From one level to the next the frequency of the largest computed response changes by less than 0.1 %.";
+    assert_eq!(onset, format!("None was found where it was looked for (see the first answer); {balance}. {same}"));
     // One mode has no others; a forcing on the third harmonic is a search for one subharmonic.
     let [danger, ..] = told(&levels, |evidence| {
         (evidence.structure.modes, evidence.structure.harmonic) = (1, 3);
@@ -68,7 +69,7 @@ fn a_prediction_that_was_not_found_is_one() {
         let mut curves = curves;
         curves[0].points[0].doubled = None;
         let [danger, ..] = told(&levels, |evidence| evidence.curves = &curves);
-        let doubtful = "(105 rad/s, not known with twice the harmonics).";
+        let doubtful = "(105 rad/s, not confirmed with twice the harmonics).";
         assert_eq!(danger.contains(doubtful), is_near, "{danger}");
     }
     // Whether it is still there at the next level is another question.
@@ -141,4 +142,36 @@ fn the_first_prediction_of_all_modes_is_told() {
     let [_, onset, _] = told(&levels, |evidence| evidence.further = &further);
     let predicted = "(see the first answer); the energy balance of mode 2 predicts separate";
     assert!(onset.contains(predicted), "{onset}");
+}
+
+/// Births and merges that the balance has between the levels stand beside what fold curves compute, as estimates.
+#[test]
+fn what_the_balance_predicts_between_levels_is_told() {
+    let study = crate::fixture::Study::damper();
+    let mut curve = BackboneCurve::new(&study.backbone, &study.model);
+    let first = curve.events[0];
+    let event = |kind, threshold, omega| Event { kind, threshold, omega, ..first };
+    curve.events = vec![
+        event(EventKind::Birth, 1.75, 105.0),
+        event(EventKind::Birth, 1.25, 110.0),
+        event(EventKind::Merge, 1.5, 100.0),
+        event(EventKind::Merge, 2.5, 100.0),
+    ];
+    let further = [BackboneCurve { mode: 1, ..curve }];
+    let levels = [level(1.0, vec![main(1e-3)]), level(2.0, vec![main(1e-3)])];
+    let said = |change: &dyn Fn(&mut Evidence<'_>)| {
+        let [_, onset, _] = told(&levels, |evidence| {
+            evidence.further = &further;
+            change(evidence);
+        });
+        onset
+    };
+    let both = "The energy balance predicts, as an estimate, births at A = 1.25 (near 110 rad/s), 1.75 (near 105 rad/s) and a merge at A = 1.5 \
+                (near 100 rad/s).";
+    assert!(said(&|_| {}).ends_with(both), "{}", said(&|_| {}));
+    // Beyond the frequencies of the study nothing is told.
+    let within = said(&|evidence| evidence.bounds.min = Some(108.0));
+    assert!(within.ends_with("as an estimate, a birth at A = 1.25 (near 110 rad/s)."), "{within}");
+    let [_, onset, _] = told(&levels, |_| {});
+    assert!(!onset.contains("as an estimate"), "{onset}");
 }

@@ -1,0 +1,185 @@
+//! What is said above the table: what its reader has to know first, whether there are isolas, the largest response, and what is doubtful.
+
+use super::known::Known;
+use super::units::Units;
+use super::{search, stability};
+use crate::overview::{
+    Level, asks_for_harmonics, highest, in_words, is_unconfirmed, largest_stable_sentence, near_largest, truncation_of,
+    unfinished,
+};
+use crate::words::{capitalised, listed};
+use solver::response::branch::BranchKind;
+
+/// Levels with isolas that are named one by one.
+const NAMED: usize = 6;
+
+/// A relative difference of amplitudes that is told of what time marching has beside a response.
+const TOLD: f64 = 1e-3;
+
+/// All of it, sentence by sentence.
+pub(super) fn answer(known: &Known, units: Units) -> Vec<String> {
+    let levels = known.levels();
+    (search::excitation(known).into_iter())
+        .chain(isolas(levels).or_else(|| search::no_isola(known)).map(|found| found + &detached(levels)))
+        .chain(largest(levels, units))
+        .chain(stability::sentence(levels, units, is_told(levels)))
+        .chain(known.doubts.as_deref().map(|doubts| format!("{}.", capitalised(doubts))))
+        .chain(unfinished(levels, !known.awaits_backbones))
+        .chain(
+            truncation_of(known.model.as_ref(), levels, known.settings.as_ref(), known.is_further)
+                .filter(|said| asks_for_harmonics(said)),
+        )
+        .collect()
+}
+
+/// At which levels isolas were found, and whether something speaks against them. `None` if there are none.
+fn isolas(levels: &[Level]) -> Option<String> {
+    let with: Vec<&Level> = levels.iter().filter(|level| level.isolas().next().is_some()).collect();
+    let list = match &with[..] {
+        [] => return None,
+        few if few.len() <= NAMED => {
+            let number = |level: &Level| match level.isolas().count() {
+                1 => level.amplitude.clone(),
+                several => format!("{} ({several} there)", level.amplitude),
+            };
+            listed(&few.iter().map(|level| number(level)).collect::<Vec<_>>())
+        }
+        many => format!("{} to {}", many[0].amplitude, many[many.len() - 1].amplitude),
+    };
+    let branches = || with.iter().flat_map(|level| level.isolas());
+    let (all, unconfirmed) = (branches().count(), branches().filter(|row| is_unconfirmed(row)).count());
+    let doubt = match unconfirmed {
+        0 => "",
+        some if some < all => ", some of which may be artefacts of too few harmonics (see the table)",
+        _ if all == 1 => ", which may be an artefact of too few harmonics",
+        _ => ", all of which may be artefacts of too few harmonics",
+    };
+    let found = if all == 1 { "An isola was found" } else { "Isolas were found" };
+    let so_far = if levels.iter().all(Level::is_complete) { "" } else { " so far" };
+    Some(format!("{found}{so_far} at {} of {} levels, A = {list}{doubt}.", with.len(), levels.len()))
+}
+
+/// That what is detached need not be closed.
+fn detached(levels: &[Level]) -> String {
+    let open = levels.iter().flat_map(Level::others).filter(|row| row.kind == BranchKind::Open.name()).count();
+    match open {
+        0 => String::new(),
+        1 => " One branch that is not closed is detached from the main branch as well (open).".into(),
+        several => format!(" {several} branches that are not closed are detached from the main branch as well (open)."),
+    }
+}
+
+/// Whether the largest response is on an isola, and stable: nothing larger can be.
+fn is_told(levels: &[Level]) -> bool {
+    let row = highest(levels.iter().flat_map(|level| &level.branches)).filter(|row| row.is_isola());
+    let peak = row.and_then(|row| row.stability.as_ref()?.peak.as_ref());
+    peak.is_some_and(|peak| peak.verdict == "stable")
+}
+
+/// The largest response, and whether it is stable.
+fn largest(levels: &[Level], units: Units) -> Option<String> {
+    let size = |amplitude| format!("{} {}", units.length.digits(amplitude), units.length);
+    let rate = |omega| format!("{} {}", units.frequency.digits(omega), units.frequency);
+    let rows = levels.iter().flat_map(|level| level.peak().map(|row| (level, row)));
+    let (level, row) = rows.max_by(|a, b| a.1.amplitude_max.total_cmp(&b.1.amplitude_max))?;
+    let at_least = if row.at_least().is_empty() { "" } else { "at least " };
+    let place = format!(
+        "{} at {}, on {} at A = {}",
+        size(row.amplitude_max),
+        rate(row.omega_at_max),
+        in_words(row),
+        level.amplitude
+    );
+    let peak = row.stability.as_ref().and_then(|known| known.peak.as_ref());
+    let is_as_marched = |amplitude: f64| (amplitude / row.amplitude_max - 1.0).abs() < TOLD;
+    let stability = match peak {
+        None => ". Whether it is stable was not verified (isola verify RUN does).".to_string(),
+        Some(peak) if peak.verdict == "stable" && peak.at.is_some_and(|(_, amplitude)| is_as_marched(amplitude)) => {
+            ", stable by time marching.".into()
+        }
+        Some(peak) => format!(". {}", near_largest(peak, row.amplitude_max, size, rate)),
+    };
+    let stable =
+        largest_stable_sentence(levels, size, rate).map_or_else(String::new, |sentence| format!(" {sentence}"));
+    Some(format!("Largest response: {at_least}{place}{stability}{stable}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::overview::BranchRow;
+    use crate::store::{PeakOrbit, Stability};
+
+    fn row(kind: &str, amplitude: f64, verdict: Option<&str>) -> BranchRow {
+        let at = Some((2.0, 1.01 * amplitude));
+        let stability = verdict.map(|verdict| Stability {
+            peak: Some(PeakOrbit { verdict: verdict.into(), at: if verdict == "none" { None } else { at } }),
+            ..Stability::default()
+        });
+        BranchRow {
+            kind: kind.into(),
+            number: 1,
+            closed: kind == "isola",
+            amplitude_max: amplitude,
+            omega_at_max: 2.0,
+            stability,
+            ..BranchRow::default()
+        }
+    }
+
+    fn level(amplitude: &str, branches: Vec<BranchRow>) -> Level {
+        Level { amplitude: amplitude.into(), branches, ..Level::default() }
+    }
+
+    #[test]
+    fn levels_with_isolas_are_named() {
+        let main = || row("main", 1.0, None);
+        let isola = || row("isola", 2.0, None);
+        let mut levels = vec![level("1", vec![main()]), level("2", vec![main(), isola()])];
+        assert_eq!(isolas(&levels[..1]), None);
+        assert_eq!(isolas(&levels).unwrap(), "An isola was found at 1 of 2 levels, A = 2.");
+        levels.push(level("3", vec![main(), isola(), isola()]));
+        assert_eq!(isolas(&levels).unwrap(), "Isolas were found at 2 of 3 levels, A = 2 and 3 (2 there).");
+        levels[0].pending = 1;
+        assert!(isolas(&levels).unwrap().starts_with("Isolas were found so far at 2 of 3"));
+        levels.extend((4..9).map(|a| level(&a.to_string(), vec![main(), isola()])));
+        assert!(isolas(&levels).unwrap().ends_with("at 7 of 8 levels, A = 2 to 8."));
+        assert_eq!(detached(&levels), "");
+        let open = level("9", vec![main(), row("open", 3.0, None)]);
+        assert!(detached(&[open]).contains("One branch that is not closed"));
+    }
+
+    /// What neither more harmonics nor time marching confirm is said to be doubtful where isolas are told.
+    #[test]
+    fn isolas_that_nothing_confirms() {
+        let unconfirmed = || row("isola", 2.0, Some("none"));
+        let confirmed = || row("isola", 2.0, Some("stable"));
+        let told = |branches| isolas(&[level("1", branches)]).unwrap();
+        assert!(told(vec![unconfirmed()]).ends_with(", which may be an artefact of too few harmonics."));
+        assert!(
+            told(vec![unconfirmed(), unconfirmed()]).ends_with(", all of which may be artefacts of too few harmonics.")
+        );
+        assert!(told(vec![unconfirmed(), confirmed()]).contains(", some of which may be"));
+    }
+
+    #[test]
+    fn the_largest_response_and_whether_it_is_stable() {
+        let told = |verdict| {
+            largest(&[level("1", vec![row("main", 1.0, Some("stable")), row("isola", 2.0, verdict)])], Units::default())
+        };
+        let begins = "Largest response: 2.0000 m at 2.00000 rad/s, on isola 1 at A = 1";
+        assert_eq!(
+            told(None).unwrap(),
+            format!("{begins}. Whether it is stable was not verified (isola verify RUN does).")
+        );
+        let said = told(Some("stable")).unwrap();
+        assert!(said.starts_with(&format!("{begins}. The periodic motion")) && said.contains("(1.0 % more)"), "{said}");
+        assert!(told(Some("unstable")).unwrap().ends_with("is unstable."));
+        assert!(told(Some("none")).unwrap().contains("came to no periodic motion near the largest response"));
+        let mut exact = row("isola", 2.0, Some("stable"));
+        exact.stability.as_mut().unwrap().peak.as_mut().unwrap().at = Some((2.0, 2.0001));
+        let said = largest(&[level("1", vec![exact])], Units::default()).unwrap();
+        assert_eq!(said, format!("{begins}, stable by time marching."));
+        assert_eq!(largest(&[Level::default()], Units::default()), None);
+    }
+}
