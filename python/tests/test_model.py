@@ -246,8 +246,8 @@ def test_a_law_is_one_that_there_is() -> None:
     for kind, parameters, message in (
         ("cubic", {}, "there is no law `cubic`; did you mean `polynomial_spring`? known: polynomial_spring, jenkins, penalty_spring, "),
         ("penalty", {"gap": 1}, "there is no law `penalty`; did you mean `penalty_spring`? known: penalty_spring, jenkins, "),
-        ("viscous damper", {}, "did you mean `polynomial_damper`? known: polynomial_damper, "),
-        ("jenkns", {}, "did you mean `jenkins`? known: jenkins, "),
+        ("viscous damper", {}, "there is no law `viscous damper`; did you mean `polynomial_damper`? known: polynomial_damper, "),
+        ("jenkns", {}, "there is no law `jenkns`; did you mean `jenkins`? known: jenkins, "),
         ("magnet", {}, "there is no law `magnet`; known: jenkins, penalty_spring, polynomial_damper, polynomial_spring, tanh_friction"),
         (
             "polynomial_spring",
@@ -328,7 +328,7 @@ def test_a_sweep_is_the_one_of_the_command_line(tmp_path: Path) -> None:
     assert said[-1].startswith("finished: 3 branches in ")
     # What the terminal says at the end.
     told = run.status()
-    assert "isolas and others" in told and "Looked for: windows of mode 1, " in " ".join(told.split()), told
+    assert "isolas and others" in told and "Looked for: windows of mode 1 alone;" in " ".join(told.split()), told
     counts = run.counts
     assert (counts.branches, counts.running, counts.waiting, counts.dead) == (3, 0, 0, 0)
     text = (tmp_path / "mine" / "model" / "model.toml").read_text()

@@ -40,8 +40,9 @@ class Drawn:
         """A figure as ``isola plot`` draws it: ``backbone``, ``folds``, ``modes`` and ``resonance``, which are here alone, and
         ``response``, ``map``, ``balance`` and ``motion``.
 
-        >>> run.plot.figure("folds").save("folds.svg")  # doctest: +SKIP
-        >>> run.plot.figure("modes", mode=2, along="omega")  # doctest: +SKIP
+        >>> drawing = run.plot.figure("backbone", units="mm,Hz")
+        >>> drawing.svg[:4]
+        '<svg'
 
         Needs the program.
 
