@@ -247,8 +247,10 @@ impl<'r> Evidence<'r> {
         }
         let prediction = self.prediction();
         let place = |omega: f64| format!("{} rad/s{}", digits(omega, 5), beyond(self.bounds, omega));
+        // What was lost may count.
+        let levels = if self.search.is_whole() { self.levels } else { &[] };
         let computed =
-            events_sentence(self.curves, self.levels, place).map(|sentence| format!(" {sentence}")).unwrap_or_default();
+            events_sentence(self.curves, levels, place).map(|sentence| format!(" {sentence}")).unwrap_or_default();
         let missing = not_followed_sentence(self.search.hanging).filter(|_| !computed.is_empty());
         let computed = computed + &missing.map_or_else(String::new, |sentence| format!(" {sentence}"));
         let runs = runs(self.levels);

@@ -114,6 +114,14 @@ pub struct SearchCounts {
     pub unverified: usize,
 }
 
+impl SearchCounts {
+    /// Whether every fold that counts was followed and every crossing led to its branch: what happens along fold curves, and what levels have,
+    /// is then all that the search could find.
+    pub fn is_whole(&self) -> bool {
+        self.left_out + self.unfollowed + self.uncarried + self.lost == 0
+    }
+}
+
 /// Whether it is a curve of folds or peaks, not of responses at one frequency, curve by curve.
 const IS_CRITICAL: &str = "SELECT kind <> 'response' FROM curves ORDER BY number";
 

@@ -35,7 +35,9 @@ fn numbers(known: &Known) -> Vec<String> {
 fn over_the_forcing(known: &Known, units: Units) -> Vec<String> {
     let (bounds, unit) = (known.bounds(), units.frequency);
     let place = |omega: f64| format!("{} {unit}{}", unit.digits(omega), beyond(bounds, omega));
-    let events = events_sentence(&known.curves, known.levels(), place);
+    // What was lost may count.
+    let levels = if known.search.is_whole() { known.levels() } else { &[] };
+    let events = events_sentence(&known.curves, levels, place);
     let missing = not_followed_sentence(known.search.hanging).filter(|_| events.is_some());
     let names = |model: &ModelMessage| model.monitors.iter().filter_map(|&dof| model.dofs.get(dof)).cloned().collect();
     let monitors: Vec<String> = known.overview.model.as_ref().map(names).unwrap_or_default();
