@@ -42,7 +42,7 @@ pub(super) fn excitation(known: &Known) -> Option<String> {
 
 /// That no level has an isola, once all of them are complete.
 pub(super) fn no_isola(known: &Known) -> Option<String> {
-    let (model, settings, levels) = (known.model.as_ref()?, known.settings.as_ref()?, known.levels());
+    let (settings, levels) = (known.settings.as_ref()?, known.levels());
     let has_none = |level: &Level| level.is_complete() && level.highest_isola().is_none();
     if levels.is_empty() || !levels.iter().all(has_none) {
         return None;

@@ -18,7 +18,6 @@ fn marks_of_fold_curves_are_explained() {
         amplitude: 1.0,
         event: event.map(String::from),
         doubled,
-        ..CurvePoint::default()
     };
     let mut legends = |doubled| {
         let points =
