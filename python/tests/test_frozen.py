@@ -320,7 +320,7 @@ def test_result_with_responses_of_an_open_branch():
 def test_result_with_a_branch_that_crosses_another_one():
     result = Result.read(sample("result_switched"), model())
     branch = result.branch
-    assert result.work == {"switch": {"branch": {"main": 0}, "point": 1}} and branch is not None
+    assert result.work == {"switch": {"branch": "main", "point": 1}} and branch is not None
     assert branch.kind == "branched"
     assert [point.kind for point in branch.special] == ["peak", "start", "branch_point"]
 
