@@ -388,7 +388,7 @@ def test_what_is_no_run(tmp_path: Path, copy: Path) -> None:
         isola_hbm.load(file)
     change(copy, "PRAGMA user_version = 99")
     with pytest.raises(
-        isola_hbm.OtherVersion, match="version 99 of the format, this package knows version 9"
+        isola_hbm.OtherVersion, match="version 99 of the format, this package knows version 10"
     ):
         isola_hbm.load(copy)
 

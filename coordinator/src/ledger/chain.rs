@@ -272,8 +272,15 @@ impl Chain {
 
     /// Whether a result of entry `e` fits what is known: it comes from who holds it, or nobody went on without it.
     pub fn takes(&self, e: usize, lease: &Lease) -> bool {
-        let mut later = self.entries[e + 1..].iter().filter(|later| later.task.is_ordered());
-        self.entries[e].is_held(lease) || !self.entries[e].task.is_ordered() || later.all(|later| later.attempts() == 0)
+        let entry = &self.entries[e];
+        let is_before = |later: &TaskEntry| !later.task.is_ordered() || rank(&later.task) < rank(&entry.task);
+        let mut later = self.entries[e + 1..].iter().filter(|later| !is_before(later));
+        let is_last = match entry.task {
+            // Others come before it in the list, and after it in turn; they wait for it unless it is given up.
+            Task::Switch(_) => entry.state != TaskState::Dead,
+            _ => later.all(|later| later.attempts() == 0),
+        };
+        entry.is_held(lease) || !entry.task.is_ordered() || is_last
     }
 
     /// Finds the tasks that can be handed out, and those that are not needed any more. Where a main branch was given up and
@@ -285,7 +292,9 @@ impl Chain {
         // What is under way is waited for, whatever came back before it.
         let mut taken = self.waits_for_main() || self.held.iter().any(|&e| self.entries[e].task.is_ordered());
         let mut landings = Vec::new();
-        for e in 0..self.entries.len() {
+        let mut order: Vec<usize> = (0..self.entries.len()).collect();
+        order.sort_by_key(|&e| rank(&self.entries[e].task));
+        for e in order {
             if self.entries[e].state != TaskState::Waiting {
                 continue;
             }
@@ -361,6 +370,16 @@ impl Chain {
         }
         changes.extend(self.settle());
         changes
+    }
+}
+
+/// Which tasks come first: main branches, then what crosses branches that are known, so that it is not taken for detached where other
+/// tasks come upon it.
+fn rank(task: &Task) -> u8 {
+    match task {
+        Task::Main(_) => 0,
+        Task::Switch(_) => 1,
+        _ => 2,
     }
 }
 

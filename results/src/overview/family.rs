@@ -7,10 +7,13 @@ use crate::store::{BranchRow, CurveRow};
 /// straight lines.
 const AT_END: f64 = 0.05;
 
+/// Relative difference of overlaps that are the same.
+const SAME_OVERLAP: f64 = 1e-4;
+
 /// Numbers the branches beside the main ones by families, from 1 in the order in which they appear level by level: two of
 /// neighbouring levels are of one family if their frequency ranges overlap by more than half of the smaller one, or else if a
 /// fold curve leads from an end of the one to the same end of the other. Where families split or merge, the larger overlap
-/// keeps its number.
+/// keeps its number, and of equal ones the one with the more similar peak.
 pub(super) fn join(levels: &mut [Level], curves: &[CurveRow]) {
     let mut count = 0;
     for i in 0..levels.len() {
@@ -19,17 +22,22 @@ pub(super) fn join(levels: &mut [Level], curves: &[CurveRow]) {
         let earlier: Vec<&BranchRow> = before.last().map(|level| level.others().collect()).unwrap_or_default();
         let passages = before.last().map(|lower| passages(curves, [lower.value, level.value])).unwrap_or_default();
         let mut now: Vec<&mut BranchRow> = level.branches.iter_mut().filter(|branch| !branch.is_main()).collect();
-        let mut pairs: Vec<(f64, usize, usize)> = Vec::new();
+        let mut pairs: Vec<(f64, f64, usize, usize)> = Vec::new();
         for (e, one) in earlier.iter().enumerate() {
             // What branches off another lies within its range.
             let alike = now.iter().enumerate().filter(|(_, other)| one.is_branched() == other.is_branched());
-            let overlaps = alike.filter_map(|(n, other)| Some((overlap(one.omega, other.omega)?, e, n)));
+            let overlaps = alike.filter_map(|(n, other)| {
+                let apart = (one.amplitude_max / other.amplitude_max).ln().abs();
+                Some((overlap(one.omega, other.omega)?, if apart.is_nan() { 0.0 } else { apart }, e, n))
+            });
             pairs.extend(overlaps);
         }
-        // The sort is stable: of equal overlaps the first counts.
-        pairs.sort_by(|a, b| b.0.total_cmp(&a.0));
+        // Images of each other by a symmetry of the structure have the same ranges: of these, those belong together whose peaks are
+        // alike, and else the first ones, as the sort is stable.
+        let steps = |overlap: f64| (overlap.ln() / SAME_OVERLAP).round();
+        pairs.sort_by(|a, b| steps(b.0).total_cmp(&steps(a.0)).then(a.1.total_cmp(&b.1)));
         let mut is_continued = vec![false; earlier.len()];
-        for (_, e, n) in pairs {
+        for (.., e, n) in pairs {
             if !is_continued[e] && now[n].family.is_none() {
                 is_continued[e] = true;
                 now[n].family = earlier[e].family;
@@ -131,6 +139,27 @@ mod tests {
         ]);
         let expected = [vec![None], vec![None, Some(1)], vec![None, Some(2), Some(1)], vec![None, Some(1)]];
         assert_eq!(found, expected);
+    }
+
+    #[test]
+    fn images_of_each_other_keep_to_their_own() {
+        let row = |amplitude_max, low| BranchRow {
+            kind: "isola".into(),
+            closed: true,
+            omega: (low, 3.0),
+            amplitude_max,
+            ..BranchRow::default()
+        };
+        let level = |value, branches: [(f64, f64); 2]| Level {
+            value,
+            branches: branches.map(|(amplitude, low)| row(amplitude, low)).to_vec(),
+            ..Level::default()
+        };
+        // The ranges differ by what is left of Newton's method.
+        let mut levels = [level(1.0, [(0.57, 1.0), (0.25, 1.0)]), level(2.0, [(0.26, 0.9), (0.60, 0.9 + 1e-9)])];
+        join(&mut levels, &[]);
+        let families = levels.map(|level| level.branches.iter().map(|row| row.family).collect::<Vec<_>>());
+        assert_eq!(families, [[Some(1), Some(2)], [Some(2), Some(1)]]);
     }
 
     #[test]

@@ -15,14 +15,14 @@ pub enum Lesser {
 }
 
 impl Lesser {
-    /// Of a structure: only one of odd laws has motions that are their own mirror images, and only where the force acts on a higher
-    /// harmonic of the response do motions repeat themselves within its period.
+    /// Of a structure: only where the force acts on a higher harmonic of the response do motions repeat themselves within its period, and
+    /// one mass whose laws are not all odd has no symmetry to lose. Others may have one that nobody tells the program.
     pub fn of(model: &Model) -> Self {
-        let is_symmetric = model.is_odd();
-        match (is_symmetric, model.forcing().harmonic > 1) {
-            (true, false) => Self::Symmetry,
+        let has_symmetry = model.is_odd() || model.dofs().len() > 1;
+        match (has_symmetry, model.forcing().harmonic > 1) {
+            (_, false) => Self::Symmetry,
             (false, true) => Self::Period,
-            _ => Self::Either,
+            (true, true) => Self::Either,
         }
     }
 
@@ -59,6 +59,7 @@ mod tests {
         };
         for (is_odd, harmonic, expected) in [
             (true, 1, "less symmetric than those"),
+            (false, 1, "less symmetric than those"),
             (false, 2, "of a longer period than those"),
             (true, 3, "less symmetric than those or of a longer period"),
         ] {

@@ -28,7 +28,7 @@ pub(super) fn looked_for(known: &Known) -> Option<String> {
         why_no_folds: why.as_deref(),
     };
     let has_isola = known.levels().iter().any(|level| level.highest_isola().is_some());
-    let next = other_orders(looked_for.asked, settings.harmonics.count, model.is_odd()).filter(|_| !has_isola);
+    let next = other_orders(looked_for.asked, settings.harmonics.count).filter(|_| !has_isola);
     Some(looked_for.brief(next))
 }
 
@@ -66,12 +66,10 @@ fn last_threshold(backbone: &Backbone) -> Option<f64> {
     Some(backbone.points.last()?.threshold())
 }
 
-/// How motions of further periods, for which nobody looked, are looked for, and which are the next: where all laws are odd the resonances of symmetric
-/// motions of the free structure have odd harmonics alone, to which a force on an even one supplies nothing.
-fn other_orders(asked: &[usize], harmonics: usize, is_odd: bool) -> Option<String> {
+/// How motions of further periods, for which nobody looked, are looked for, and which are the next.
+fn other_orders(asked: &[usize], harmonics: usize) -> Option<String> {
     let [own] = *asked else { return None };
-    let next = (own + 1..=harmonics.min(own + 2)).filter(|m| m % 2 == 1 || !is_odd);
-    let next: Vec<String> = next.map(|m| m.to_string()).collect();
+    let next: Vec<String> = (own + 1..=harmonics.min(own + 2)).map(|m| m.to_string()).collect();
     (!next.is_empty()).then(|| {
         format!(
             "search.harmonics = [{own}, {}] looks for those that last {} periods of the force as well",
@@ -105,19 +103,16 @@ mod tests {
 
     #[test]
     fn orders_that_were_not_looked_for() {
-        for (asked, harmonics, is_odd, expected) in [
-            (&[1][..], 10, false, Some("[1, 2, 3] looks for those that last 2 and 3 periods")),
-            (&[1], 10, true, Some("[1, 3] looks for those that last 3 periods")),
-            (&[2], 10, true, Some("[2, 3] looks")),
-            (&[3], 10, true, Some("[3, 5] looks")),
-            (&[1], 2, false, Some("[1, 2] looks for those that last 2 periods")),
-            (&[1], 2, true, None),
-            (&[1], 1, false, None),
-            (&[1, 3], 10, false, None),
+        for (asked, harmonics, expected) in [
+            (&[1][..], 10, Some("[1, 2, 3] looks for those that last 2 and 3 periods")),
+            (&[3], 10, Some("[3, 4, 5] looks")),
+            (&[1], 2, Some("[1, 2] looks for those that last 2 periods")),
+            (&[1], 1, None),
+            (&[1, 3], 10, None),
         ] {
-            let told = other_orders(asked, harmonics, is_odd);
+            let told = other_orders(asked, harmonics);
             assert_eq!(told.is_some(), expected.is_some(), "{told:?}");
-            assert!(told.unwrap_or_default().contains(expected.unwrap_or_default()), "{asked:?} {is_odd}");
+            assert!(told.unwrap_or_default().contains(expected.unwrap_or_default()), "{asked:?}");
         }
     }
 }

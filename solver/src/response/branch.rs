@@ -192,9 +192,10 @@ impl Branch {
         self.outcome.is_branched()
     }
 
-    /// The same, known to cross another one: detached it is not.
+    /// The same, known to cross another one: neither detached nor a piece of a main branch.
     pub(super) fn branching_off(self) -> Self {
-        let is_detached = matches!(self.kind, BranchKind::Isola | BranchKind::Open | BranchKind::Cut);
+        let is_piece = self.kind == BranchKind::Main && self.is_joined();
+        let is_detached = is_piece || matches!(self.kind, BranchKind::Isola | BranchKind::Open | BranchKind::Cut);
         let kind = if is_detached { BranchKind::Branched } else { self.kind };
         Self { kind, ..self }
     }

@@ -4,8 +4,8 @@ use crate::formulation::Formulation;
 use crate::formulation::state::State;
 use crate::response::branch::{Branch, BranchKind, Outcome, SpecialKind, Stop};
 use crate::response::forced::Forced;
-use crate::response::meeting::passes_through;
 use crate::response::name::BranchId;
+use crate::response::switch::beside;
 
 /// A curve along a main branch is another one only if it is higher by more than this, relative.
 const HIGHER: f64 = 1e-3;
@@ -19,18 +19,21 @@ const SAME_PEAK: f64 = 1e-3;
 /// Places along a branch that are looked at where something breaks off.
 const PLACES: usize = 24;
 
-/// A new branch, of the kind that it has in view of those known: a closed curve that passes through a main branch branches off it, a
-/// piece of a main branch is main, and as long as a known branch
+/// A new branch, of the kind that it has in view of those known: one that crosses a main branch branches off it, a piece of a main branch
+/// is main, and as long as a known branch
 /// goes on where it ends, nobody knows whether an open curve is detached from it.
 pub(super) fn named<'m, F: Formulation<'m>>(
     forced: &mut Forced<'m, F>,
     branch: Branch,
     known: &[(BranchId, &Branch)],
 ) -> Branch {
-    if branch.is_closed() && known.iter().any(|(id, main)| id.is_main() && passes_through(forced, &branch, main)) {
-        return Branch { kind: BranchKind::Branched, ..branch };
+    if branch.is_cancelled() || branch.is_branched() {
+        return branch;
     }
-    if branch.is_cancelled() || branch.is_closed() || branch.is_branched() {
+    if crosses(forced, &branch, known) {
+        return branch.branching_off();
+    }
+    if branch.is_closed() {
         return branch;
     }
     let ends = |branch: &Branch| [branch.points.first(), branch.points.last()].map(|end| end.map(|p| p.state.clone()));
@@ -47,6 +50,18 @@ pub(super) fn named<'m, F: Formulation<'m>>(
         None => branch.kind,
     };
     Branch { kind, ..branch }
+}
+
+/// Whether a branch crosses, at a branch point of its own, one that is no isola: in a cyclic structure, say, closed curves of motions that
+/// lose a symmetry of the structure leave the main branch at one point and come back to it at another.
+fn crosses<'m, F: Formulation<'m>>(forced: &mut Forced<'m, F>, branch: &Branch, known: &[(BranchId, &Branch)]) -> bool {
+    let is_attached = |id: &BranchId| matches!(id.kind, BranchKind::Main | BranchKind::Branched);
+    let attached: Vec<&Branch> = known.iter().filter(|(id, _)| is_attached(id)).map(|(_, other)| *other).collect();
+    let count = if attached.is_empty() { 0 } else { branch.special(SpecialKind::BranchPoint).count() };
+    (0..count).any(|point| {
+        let states = beside(forced, branch, point);
+        states.iter().any(|state| attached.iter().any(|other| forced.lies_on(state, other)))
+    })
 }
 
 /// The branch that a converged state lies on, if it is known.

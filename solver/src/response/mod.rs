@@ -22,7 +22,6 @@ pub mod interrupt;
 mod known;
 pub mod level;
 pub mod marched;
-mod meeting;
 pub mod melnikov;
 pub mod modes;
 pub mod name;

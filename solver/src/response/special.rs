@@ -32,7 +32,7 @@ where
             kinds.resize(maxima.len(), SpecialKind::Peak);
         }
     }
-    for anchor in branch_points(problem.metric(), &visited) {
+    for anchor in branch_points(problem.metric(), &visited, closed) {
         maxima.push(Maximum { anchor, located: None });
         kinds.push(SpecialKind::BranchPoint);
     }
@@ -49,16 +49,22 @@ where
     (visited.into_iter().map(|v| v.point).collect(), special)
 }
 
-/// Points from which on the determinant of the Jacobian bordered by the tangent has the other sign.
-fn branch_points(metric: &[f64], visited: &[TracedPoint]) -> Vec<usize> {
+/// Least cosine between the tangents on either side of a branch point.
+const STRAIGHT: f64 = 0.9;
+
+/// Points from which on the determinant of the Jacobian bordered by the tangent has the other sign, though the curve goes straight on: at
+/// corners it may change as well.
+fn branch_points(metric: &[f64], visited: &[TracedPoint], closed: bool) -> Vec<usize> {
     let sign = |point: &CurvePoint, chord: &[f64]| point.orientation * inner(metric, &point.tangent, chord).signum();
-    let is_crossed = |pair: &[TracedPoint]| {
-        let [from, to] = [&pair[0].curve, &pair[1].curve];
+    let count = visited.len();
+    let is_crossed = |index: &usize| {
+        let [from, to] = [*index, (*index + 1) % count].map(|index| &visited[index].curve);
         let chord: Vec<f64> = to.y.iter().zip(&from.y).map(|(to, from)| to - from).collect();
-        sign(from, &chord) * sign(to, &chord) < 0.0
+        let turn = inner(metric, &from.tangent, &to.tangent).abs();
+        turn > STRAIGHT && sign(from, &chord) * sign(to, &chord) < 0.0
     };
-    let pairs = visited.windows(2).enumerate();
-    pairs.filter(|(_, pair)| is_crossed(pair)).map(|(index, _)| index).collect()
+    let last = if closed { count } else { count.saturating_sub(1) };
+    (0..last).filter(is_crossed).collect()
 }
 
 /// A local maximum among the points this close to the highest may be the peak once both are located.
