@@ -9,9 +9,7 @@ use super::state::Ledger;
 use super::task::TaskEntry;
 use protocol::ids::TaskId;
 use results::journal::{AddedTask, Change, TaskState};
-use solver::response::task::{
-    CarryPlace, CrossingPlace, FoldPlace, Origin, SeedOutcome, SwitchPlace, Task, VerifyPlace,
-};
+use solver::response::task::{CarryPlace, CrossingPlace, FoldPlace, Origin, SeedOutcome, Task, VerifyPlace};
 use solver::settings::{Stretch, VerifyEffort};
 
 impl Ledger {

@@ -2,7 +2,7 @@
 //! branch that few starts meet at one forcing may be met by many at a larger one, and its folds lead back down.
 
 use crate::formulation::Formulation;
-use crate::response::branch::{Branch, BranchKind, SpecialKind};
+use crate::response::branch::{Branch, BranchKind, BranchPoint, SpecialKind};
 use crate::response::forced::Forced;
 use crate::response::name::BranchId;
 use crate::response::seeds::Landing;
@@ -75,7 +75,20 @@ pub(super) fn scout<'m, F: Formulation<'m>>(
             }
         }
     }
-    let followed = known.iter().filter(|branch| !branch.is_branched());
-    let folds = followed.flat_map(|branch| branch.special(SpecialKind::Fold));
+    let folds = known.iter().filter(|branch| !branch.is_branched()).flat_map(true_folds);
     Some(folds.map(|fold| Landing { state: fold.state.clone(), distance: 0.0 }).collect())
+}
+
+/// How many points from a branch point a curve may turn because of it: it was located by steps that are hardly longer than nothing.
+const BESIDE: usize = 2;
+
+/// The folds of a branch that are none of the turns which it makes where it crosses one of more symmetric motions.
+fn true_folds(branch: &Branch) -> impl Iterator<Item = &BranchPoint> {
+    let of = |kind| branch.special.iter().filter(move |special| special.kind == kind).map(|special| special.index);
+    let count = branch.points.len();
+    let is_beside = move |a: usize, b: usize| a.abs_diff(b).min(count - a.abs_diff(b)) <= BESIDE;
+    let crossed: Vec<usize> = of(SpecialKind::BranchPoint).collect();
+    of(SpecialKind::Fold)
+        .filter(move |&fold| !crossed.iter().any(|&point| is_beside(point, fold)))
+        .map(|index| &branch.points[index])
 }
