@@ -50,7 +50,6 @@ pub fn doubts(reader: &Reader) -> Result<Option<String>> {
         (search.unfollowed, "fold", "not followed over the forcing"),
         (left_out, "fold", "beyond the limit of the search"),
         (search.lost, "crossing", "of a curve and a level, without a branch"),
-        (search.uncrossed, "branch point", "where nothing was found that crosses"),
         (search.uncarried, "open branch", "not followed to all levels"),
     ];
     let lost = lost.into_iter().filter(|(number, ..)| *number > 0);

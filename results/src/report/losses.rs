@@ -116,8 +116,8 @@ pub(super) fn losses(evidence: &Evidence<'_>) -> Vec<Loss> {
         list.push(Loss::new(brief, sentence));
     }
     if search.uncrossed > 0 {
-        let brief = format!("{} without what crosses there", count(search.uncrossed, "branch point"));
-        let sentence = format!("{brief}: the branches through them are missing.");
+        let brief = format!("nothing found at {}", count(search.uncrossed, "possible branch point"));
+        let sentence = format!("{brief}: other branches may cross there, or a law changes its slope.");
         list.push(Loss::new(brief, sentence));
     }
     if search.uncarried > 0 {

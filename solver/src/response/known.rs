@@ -20,8 +20,7 @@ const SAME_PEAK: f64 = 1e-3;
 const PLACES: usize = 24;
 
 /// A new branch, of the kind that it has in view of those known: one that crosses a main branch branches off it, a piece of a main branch
-/// is main, and as long as a known branch
-/// goes on where it ends, nobody knows whether an open curve is detached from it.
+/// is main, and as long as a known branch goes on where it ends, nobody knows whether an open curve is detached from it.
 pub(super) fn named<'m, F: Formulation<'m>>(
     forced: &mut Forced<'m, F>,
     branch: Branch,
