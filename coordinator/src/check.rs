@@ -8,7 +8,6 @@ mod laws;
 mod small_motion;
 mod softening;
 mod touch;
-mod work;
 
 use crate::study::Study;
 use protocol::to_everyone::Amplitude;
@@ -206,7 +205,7 @@ fn frequency(study: &Study) -> String {
     let bound = |omega: f64| format!("{} rad/s ({} Hz)", number(omega), number(omega / TAU));
     match (range.min, range.max) {
         (None, None) => {
-            "10 % beyond those of the backbones, which the sweep computes; branches are followed on from there".into()
+            "10 % beyond the resonances, which the sweep computes; branches are followed on from there".into()
         }
         (Some(min), None) => format!("{} to 10 % above the backbones", bound(min)),
         (None, Some(max)) => format!("10 % below the backbones to {}", bound(max)),

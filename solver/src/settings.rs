@@ -368,10 +368,11 @@ impl Settings {
         Ok(())
     }
 
-    /// Index of the primary mode of a model, from 0: the first one of the list; with `"auto"` the lowest that deforms the structure.
+    /// Index of the primary mode of a model, from 0: the first one of the list; with `"auto"` the lowest that the force
+    /// drives ([`Model::primary_mode`]).
     pub fn tracked(&self, model: &Model) -> usize {
         match &self.backbone.modes {
-            ModeChoice::Auto => model.modes().lowest_deforming().unwrap_or(0),
+            ModeChoice::Auto => model.primary_mode().unwrap_or(0),
             ModeChoice::These(list) => list.numbers().first().copied().unwrap_or_default().saturating_sub(1),
         }
     }

@@ -1,10 +1,8 @@
 //! Bounds of the frequency that are probably not meant, and what lies between them.
 
-use super::work::driven;
 use crate::study::Study;
 use results::overview::is_within;
 use results::words::{digits, number, times};
-use solver::response::modes::{LeftOut, ModesFollowed};
 use std::f64::consts::TAU;
 
 /// Bounds nearer to a resonance than so many of its half-widths ζω cut it: there it has a fifth of its height.
@@ -16,24 +14,7 @@ const ORDERS: usize = 3;
 
 /// Sentences about bounds that are probably not meant.
 pub(super) fn warnings(study: &Study) -> Vec<String> {
-    hertz(study).into_iter().chain(flanks(study)).chain(out_of_reach(study)).collect()
-}
-
-/// That none of the modes that the force drives is followed, since they are beyond what is looked at without bounds.
-fn out_of_reach(study: &Study) -> Option<String> {
-    let (given, m) = (study.settings.frequency, study.model.forcing().harmonic);
-    let choice = ModesFollowed::choose(&study.model, &study.settings);
-    let driven = driven(&study.model);
-    let is_beyond = |mode: &usize| choice.left_out.contains(&(*mode, LeftOut::OutOfRange));
-    let nearest = *driven.first()?;
-    (given.min.is_none() && given.max.is_none() && driven.iter().all(is_beyond)).then(|| {
-        format!(
-            "the force drives none of the modes that are followed: its first resonance, of mode {} at {} rad/s, is out of reach; give \
-             frequency.min and frequency.max about it",
-            nearest + 1,
-            number(study.model.modes().frequencies[nearest] / m as f64)
-        )
-    })
+    hertz(study).into_iter().chain(flanks(study)).collect()
 }
 
 /// What a sweep notes of bounds that may well be meant: nothing resonates between them, of no order that is looked at.
@@ -45,7 +26,7 @@ pub(super) fn note(study: &Study) -> Option<String> {
 /// That the linear structure resonates nowhere between the bounds, and where it does next to them.
 pub(super) fn quiet(study: &Study) -> Option<String> {
     let (given, m) = (study.settings.frequency, study.model.forcing().harmonic);
-    let all = driven(&study.model).into_iter().map(|mode| (mode, study.model.modes().frequencies[mode] / m as f64));
+    let all = study.model.driven().into_iter().map(|mode| (mode, study.model.modes().frequencies[mode] / m as f64));
     if all.clone().any(|(_, omega)| is_within(given, omega)) {
         return None;
     }
@@ -105,7 +86,7 @@ fn flanks(study: &Study) -> Vec<String> {
     let resonance = |j: usize| (j, modes.frequencies[j] / m, 0.5 * rates[j] / m);
     let is_sharp = |(_, omega, half): &(usize, f64, f64)| FLANK * half < SHARP * omega;
     let resonances: Vec<_> =
-        driven(model).into_iter().filter(|&j| rates[j] > 0.0).map(resonance).filter(is_sharp).collect();
+        model.driven().into_iter().filter(|&j| rates[j] > 0.0).map(resonance).filter(is_sharp).collect();
     let cut = |key: &str, bound: f64, outwards: f64| {
         let distance = |(_, omega, half): &(usize, f64, f64)| (bound - omega).abs() / half;
         let nearest = resonances.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))?;

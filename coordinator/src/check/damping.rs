@@ -1,6 +1,5 @@
 //! Modes with so much damping that they do not vibrate, and with none.
 
-use super::work::driven;
 use crate::study::Study;
 use results::words::{self, digits};
 use solver::response::modes::ModesFollowed;
@@ -19,7 +18,7 @@ pub(super) fn without(study: &Study) -> Option<String> {
     if model.elements().iter().any(|element| takes(&element.law)) {
         return None;
     }
-    let bare: Vec<usize> = driven(model).into_iter().filter(|&mode| model.damping().rates()[mode] == 0.0).collect();
+    let bare: Vec<usize> = model.driven().into_iter().filter(|&mode| model.damping().rates()[mode] == 0.0).collect();
     let (have, their) = if bare.len() == 1 { ("has", "its") } else { ("have", "their") };
     (!bare.is_empty()).then(|| {
         format!(

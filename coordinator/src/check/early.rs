@@ -2,7 +2,6 @@
 
 use super::bounds;
 use super::touch::{FirstTouch, Place, shape};
-use super::work::driven;
 use crate::study::Study;
 use protocol::session::MAX_RESULT_BYTES;
 use results::words::{count, digits, number};
@@ -115,7 +114,7 @@ fn nothing_nonlinear(model: &Model) -> Option<String> {
 
 /// Of a force that drives no mode that vibrates.
 fn nothing_driven(model: &Model) -> Option<String> {
-    driven(model).is_empty().then(|| {
+    model.driven().is_empty().then(|| {
         "the force drives rigid-body motions alone; forcing.shape = {mode = N} or {dofs = {NAME = 1}} gives another"
             .into()
     })

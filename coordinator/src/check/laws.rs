@@ -2,7 +2,6 @@
 
 use super::softening::compliance;
 use super::touch::{pressed_at_rest, shape};
-use super::work::projection;
 use crate::study::Study;
 use results::words::{digits, number};
 use solver::formulation::Formulation;
@@ -93,7 +92,7 @@ fn practically_linear(study: &Study, followed: &[usize]) -> Option<String> {
         let omega = model.modes().frequencies[mode] / m as f64;
         let response = forced_response(&problem, highest.value, omega).ok()?;
         let displacement = |modal: Vec<f64>| complex(&response.combine(modal), m).norm();
-        let supplied = highest.value * displacement(projection(model));
+        let supplied = highest.value * displacement(model.modal_force());
         let of_law = |multiple: f64, (element, terms, is_damper): &(&Element, &[Term], bool)| {
             let argument = displacement(shape(model, element));
             let rate = if *is_damper { argument * omega * m as f64 } else { argument };

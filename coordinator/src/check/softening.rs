@@ -1,7 +1,6 @@
 //! Springs that push away: beyond some displacement with more than the structure holds.
 
 use super::touch::shape;
-use super::work::projection;
 use crate::study::Study;
 use results::words::digits;
 use solver::structure::laws::{LawKind, Term};
@@ -37,7 +36,7 @@ pub(super) fn warnings(study: &Study) -> Vec<String> {
 /// What a force of 1 N at an element displaces there, m/N, and what one unit of the forcing does, m, both at rest and without laws.
 /// `None` where the structure is free to move.
 fn statics(model: &Model, element: &Element) -> Option<(f64, f64)> {
-    let (along, force, modes) = (shape(model, element), projection(model), model.modes());
+    let (along, force, modes) = (shape(model, element), model.modal_force(), model.modes());
     let bent = (0..along.len()).filter(|&j| !modes.is_rigid(j));
     let displacement: f64 = bent.map(|j| along[j] * force[j] / modes.frequencies[j].powi(2)).sum();
     Some((compliance(model, element)?, displacement.abs()))

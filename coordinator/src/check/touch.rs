@@ -1,6 +1,5 @@
 //! From which forcing on something touches.
 
-use super::work::driven;
 use crate::study::Study;
 use results::overview::is_within;
 use results::words::number;
@@ -74,7 +73,8 @@ pub(super) fn first_touch<'s>(study: &'s Study, followed: &[usize]) -> Option<Fi
     if pressed_at_rest(model).next().is_some() {
         return None;
     }
-    let (own, others): (Vec<usize>, Vec<usize>) = driven(model)
+    let (own, others): (Vec<usize>, Vec<usize>) = model
+        .driven()
         .into_iter()
         .filter(|&mode| is_within(settings.frequency, resonance(mode)))
         .partition(|mode| followed.contains(mode));
@@ -82,7 +82,7 @@ pub(super) fn first_touch<'s>(study: &'s Study, followed: &[usize]) -> Option<Fi
         return None;
     }
     let at = |omega: f64| touch_at(&problem, model, omega);
-    let all: Vec<f64> = driven(model).into_iter().map(resonance).collect();
+    let all: Vec<f64> = model.driven().into_iter().map(resonance).collect();
     let about =
         own.into_iter().filter_map(|mode| {
             let (omega, reach) = (resonance(mode), BESIDE * 0.5 * model.damping().rates()[mode].abs() / m);

@@ -89,7 +89,7 @@ pub(super) const NUMERICS: &[Key] = &[
     Key {
         path: "frequency.min",
         kind: POSITIVE,
-        default: Words("10 % below the lowest frequency of the backbone"),
+        default: Words("10 % below the lowest resonance: of the backbones, of the force with their modes"),
         unit: "rad/s",
         meaning: "Lower bound.",
         example: "0.1",
@@ -97,7 +97,7 @@ pub(super) const NUMERICS: &[Key] = &[
     Key {
         path: "frequency.max",
         kind: POSITIVE,
-        default: Words("10 % above the highest frequency of the backbone"),
+        default: Words("10 % above the highest resonance: of the backbones, of the force with their modes"),
         unit: "rad/s",
         meaning: "Upper bound, above frequency.min.",
         example: "9.5",
@@ -197,7 +197,7 @@ pub(super) const NUMERICS: &[Key] = &[
         ]),
         default: Value("\"auto\""),
         unit: "",
-        meaning: "Modes followed, from 1, the primary one first; or \"auto\": the lowest that deforms the structure, and every other one that frequency range and forcing can reach.",
+        meaning: "Modes followed, from 1, the primary one first; or \"auto\": the lowest that the force drives, and every other one that frequency range and forcing can reach.",
         example: "[1, 2]",
     },
     Key {

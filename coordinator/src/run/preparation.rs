@@ -85,6 +85,7 @@ impl<'o> Part<'o> {
             None => order.settings,
         };
         let reach = SearchRange::over(&settings, primary, further, largest(all))?.with_folds_of(values());
+        let reach = if order.is_first { reach.with_resonances(&order.model, &settings) } else { reach };
         Ok(Self { order, backbones, reach })
     }
 

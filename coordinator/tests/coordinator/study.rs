@@ -397,7 +397,7 @@ fn the_report_says_what_will_be_computed() {
         "amplitudes  7: 20 … 140\n",
         "harmonics   10, 512 samples a period, contact over its exact arcs\n",
         "unknowns    at most 567 (27 channels × 21 coefficients)",
-        "frequency   10 % beyond those of the backbones",
+        "frequency   10 % beyond the resonances",
     ];
     for line in lines {
         assert!(blade.contains(line), "{blade}\ndoes not say {line:?}");

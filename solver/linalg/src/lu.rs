@@ -6,6 +6,9 @@ use faer::linalg::lu::partial_pivoting::{factor, solve};
 use faer::{MatMut, MatRef, Par, Spec};
 use num_complex::Complex64;
 
+/// The golden ratio.
+const GOLDEN: f64 = 1.618_033_988_749_895;
+
 /// LU factorisation with partial pivoting of a row-major matrix, in a buffer that is kept between factorisations.
 pub struct Lu {
     size: usize,
@@ -101,6 +104,17 @@ impl Lu {
         if (negative + n - cycles).is_multiple_of(2) { 1.0 } else { -1.0 }
     }
 
+    /// How far A is from a singular matrix: 1/‖A⁻ᵀ r‖ for a fixed r of unit length in all directions, which is its smallest singular value,
+    /// or larger by the share that r has of the direction of that one, or smaller by what others add.
+    pub fn distance_from_singular(&mut self) -> f64 {
+        // The fractions of multiples of the golden ratio repeat nothing.
+        let mut weights: Vec<f64> = (1..=self.size).map(|i| (i as f64 * GOLDEN).fract() - 0.5).collect();
+        let norm = |values: &[f64]| values.iter().map(|value| value * value).sum::<f64>().sqrt();
+        let length = norm(&weights);
+        self.solve_transposed(&mut weights);
+        length / norm(&weights)
+    }
+
     /// Solves A x = b in place, for one right-hand side or several one after the other.
     pub fn solve(&mut self, b: &mut [f64]) {
         let n = self.size;
@@ -167,6 +181,18 @@ mod tests {
         for (b, x) in b.iter().zip(x) {
             assert!((b - x).abs() < 1e-14);
         }
+    }
+
+    #[test]
+    fn the_distance_from_a_singular_matrix_is_proportional_to_what_is_missing() {
+        let mut lu = Lu::default();
+        let mut distance = |missing: f64| {
+            lu.reset(3).copy_from_slice(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0 + missing]);
+            lu.factor().unwrap();
+            lu.distance_from_singular()
+        };
+        let (far, near) = (distance(1e-4), distance(-1e-6));
+        assert!((far / near / 100.0 - 1.0).abs() < 1e-3, "{far:e}, {near:e}");
     }
 
     #[test]

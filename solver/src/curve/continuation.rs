@@ -3,7 +3,6 @@
 //! The iterator only walks: it yields converged points until its smallest step fails, and no sharp corner is why. Bounds, closed loops, storing,
 //! progress and cancelling belong to whoever drives it.
 
-use crate::curve::corner;
 use crate::curve::newton::{Constraint, Newton, NewtonSettings};
 pub use crate::curve::point::CurvePoint;
 use crate::curve::point::{land, unit};
@@ -11,6 +10,7 @@ use crate::curve::problem::{Failure, Problem, inner, norm, weighted};
 use crate::curve::record::{Ahead, Recorder, Step};
 pub use crate::curve::settings::{ContinuationSettings, Corrector, Predictor};
 use crate::curve::stabiliser::Stabiliser;
+use crate::curve::{corner, crossing};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
@@ -25,6 +25,13 @@ const STRAIGHT: f64 = 0.996;
 /// Scaled size from which on the largest step grows with a state: of a motion many times as large as the reference length, steps
 /// that suit that length resolve more than anybody can see, and use up the points of a branch.
 const LARGE: f64 = 5.0;
+
+/// Steps of so many shortest ones may change the sign of the determinant.
+const CROSSING: f64 = 64.0;
+
+/// How far before a crossing the walk stops to pass it, as a share of the way there: near enough to know that it is led to it, and so far
+/// that the Jacobian still tells the direction.
+const BEFORE: f64 = 0.02;
 
 /// An iteration that fails with a smaller residual fails by rounding.
 const NOISE: f64 = 1e-8;
@@ -59,7 +66,7 @@ pub struct Continuation<'p, P: Problem> {
     /// Of the first point, and so of all.
     symmetry: Stabiliser,
     current: CurvePoint,
-    previous: Option<Vec<f64>>,
+    previous: Option<CurvePoint>,
     step: f64,
     /// Longest step that the problem allows from the current point.
     longest: f64,
@@ -210,7 +217,7 @@ impl<'p, P: Problem> Continuation<'p, P> {
     fn attempt(&mut self) -> Result<CurvePoint, Rejection> {
         let from = self.current.clone();
         let previous = self.previous.take();
-        let result = self.correct(&from, previous.as_deref(), self.step);
+        let result = self.correct(&from, previous.as_ref().map(|previous| &previous.y[..]), self.step);
         self.previous = previous;
         let point = result.map_err(Rejection::Newton)?;
         let metric = self.problem.metric();
@@ -221,15 +228,22 @@ impl<'p, P: Problem> Continuation<'p, P> {
         // A step that does not move has no angle.
         let is_bent = self.step > self.settings.max_step && straightness < STRAIGHT;
         let is_off = cosine.is_nan() || cosine < self.settings.min_cosine || is_bent;
-        let turns = point.orientation != from.orientation;
+        let turns = point.orientation.signum() != from.orientation.signum();
         if !self.problem.are_neighbours(&from.y, &point.y) || self.problem.hops(&from.y, &point.y) {
             return Err(Rejection::Distance);
         }
         // Corners (a law that changes its slope) and crossings stay what they are however short the step. So does the way back:
         // where two curves nearly meet, it leads across as well, but only as long as the step is longer than the gap.
         if is_off || turns {
-            let is_shortest = self.step <= 64.0 * self.shortest();
-            if !(is_shortest && cosine > 0.0 && self.leads_back(&point, &from)) {
+            let is_shortest = self.step <= CROSSING * self.shortest();
+            let may_cross = !is_off && self.problem.goes_straight_on();
+            let crossing = if may_cross && !is_shortest { self.crossing(&from, &point) } else { None };
+            let is_led = |before: &CurvePoint| crossing::is_led_to(before, [&from, &point]);
+            let is_next = is_shortest || (crossing.is_some() && self.previous.as_ref().is_some_and(is_led));
+            if !(is_next && cosine > 0.0 && self.leads_back(&point, &from)) {
+                if let Some(point) = crossing.and_then(|arc| self.before_crossing(&from, arc)) {
+                    return Ok(point);
+                }
                 return Err(if is_off {
                     Rejection::Angle(if is_bent { straightness } else { cosine })
                 } else {
@@ -238,6 +252,20 @@ impl<'p, P: Problem> Continuation<'p, P> {
             }
         }
         Ok(point)
+    }
+
+    /// Arc length to the crossing that a step has led over, if it has.
+    fn crossing(&mut self, from: &CurvePoint, to: &CurvePoint) -> Option<f64> {
+        let near = 0.1 * CROSSING * self.shortest();
+        crossing::between(self.problem, &mut self.newton, &self.settings.newton, [from, to], near)
+    }
+
+    /// A point before the crossing at an arc length. The next step is just long enough to pass it.
+    fn before_crossing(&mut self, from: &CurvePoint, arc: f64) -> Option<CurvePoint> {
+        let distance = BEFORE * arc;
+        let point = self.correct(from, None, arc - distance).ok()?;
+        self.step = 3.0 * distance;
+        (point.orientation * from.orientation > 0.0).then_some(point)
     }
 
     /// Whether the way back from a point along its own tangent leads to the one it was reached from, as it does where
@@ -259,7 +287,7 @@ impl<'p, P: Problem> Continuation<'p, P> {
     fn has_stale_tangent(&self) -> bool {
         let Some(previous) = self.previous.as_ref().filter(|_| self.is_narrow) else { return false };
         let metric = self.problem.metric();
-        let moved: Vec<f64> = self.current.y.iter().zip(previous).map(|(a, b)| a - b).collect();
+        let moved: Vec<f64> = self.current.y.iter().zip(&previous.y).map(|(a, b)| a - b).collect();
         inner(metric, &moved, &self.current.tangent) < STALE * norm(metric, &moved)
     }
 
@@ -299,7 +327,7 @@ impl<'p, P: Problem> Continuation<'p, P> {
         self.problem.recall(&memory);
         (self.step, self.longest, self.is_narrow) = (ahead.step, ahead.longest, ahead.is_narrow);
         (self.rejections, self.refreshed) = (ahead.rejections, ahead.is_refreshed);
-        self.previous = Some(std::mem::replace(&mut self.current, point).y);
+        self.previous = Some(std::mem::replace(&mut self.current, point));
     }
 
     /// What the next step depends on beside the last two points.
@@ -317,7 +345,7 @@ impl<'p, P: Problem> Continuation<'p, P> {
         (self.longest, self.is_narrow) = longest_from(self.problem, &self.settings, &point);
         self.step = point.step.min(self.longest);
         self.refreshed = true;
-        self.previous = Some(std::mem::replace(&mut self.current, point).y);
+        self.previous = Some(std::mem::replace(&mut self.current, point));
         true
     }
 
@@ -349,7 +377,7 @@ impl<'p, P: Problem> Continuation<'p, P> {
     fn take(&mut self, point: CurvePoint) {
         self.adapt(&point);
         self.refreshed = false;
-        self.previous = Some(std::mem::replace(&mut self.current, point).y);
+        self.previous = Some(std::mem::replace(&mut self.current, point));
         if self.has_stale_tangent() {
             self.refresh_tangent();
         }

@@ -48,7 +48,7 @@ pub fn beyond<P: Problem>(
         let along = inner(metric, &moved, &point.tangent);
         let miss: Vec<f64> = moved.iter().zip(&point.tangent).map(|(m, t)| m - along * t).collect();
         let is_next = cosine > ALONG
-            && point.orientation == current.orientation
+            && point.orientation.signum() == current.orientation.signum()
             && norm(metric, &miss) < 2.0 * ahead + (1.0 - ALONG) * step
             && problem.are_neighbours(&current.y, &point.y)
             && !problem.hops(&current.y, &point.y);
@@ -64,7 +64,7 @@ fn direction<P: Problem>(problem: &mut P, current: &CurvePoint, ahead: f64) -> O
     let row = weighted(problem.metric(), &current.tangent);
     let forward = direction_at(problem, y, &row)?;
     // Forward is where the row grows: the determinant with it has the sign of that with the row.
-    if problem.orientation() == current.orientation {
+    if problem.orientation().signum() == current.orientation.signum() {
         return None;
     }
     let direction: Vec<f64> = forward.iter().map(|t| -t).collect();
@@ -124,7 +124,7 @@ mod tests {
             true
         }
 
-        fn orientation(&self) -> f64 {
+        fn orientation(&mut self) -> f64 {
             self.determinant().signum()
         }
 

@@ -2,6 +2,7 @@
 
 pub mod continuation;
 pub mod corner;
+mod crossing;
 pub mod extrema;
 pub mod identity;
 pub mod least_norm;

@@ -16,7 +16,8 @@ pub struct CurvePoint {
     pub factorisations: usize,
     /// Largest scaled residual.
     pub residual: f64,
-    /// Sign of the bordered Jacobian's determinant; a change between points marks a bifurcation.
+    /// Sign of the bordered Jacobian's determinant times a measure of its distance from a singular one
+    /// ([`Problem::orientation`]); a change of the sign between points marks a bifurcation.
     pub orientation: f64,
     /// Arc length of the step that led here.
     pub step: f64,
@@ -72,7 +73,7 @@ pub(crate) fn direction_at<P: Problem>(problem: &mut P, mut y: Vec<f64>, row: &[
 }
 
 /// A direction of unit length.
-pub(super) fn unit(metric: &[f64], mut direction: Vec<f64>) -> Vec<f64> {
+pub(crate) fn unit(metric: &[f64], mut direction: Vec<f64>) -> Vec<f64> {
     let length = norm(metric, &direction);
     direction.iter_mut().for_each(|d| *d /= length);
     direction

@@ -40,8 +40,9 @@ pub trait Problem {
     /// of a simplified Newton method.
     fn is_factorisation_current(&self) -> bool;
 
-    /// Sign of the determinant of the matrix last factorised. Along a smooth branch it does not change.
-    fn orientation(&self) -> f64;
+    /// Of the matrix last factorised: the sign of its determinant, which does not change along a smooth branch, times a measure of how far
+    /// it is from a singular one, which goes to zero where the sign changes.
+    fn orientation(&mut self) -> f64;
 
     /// With the matrix last factorised: Newton correction J δ = −R, row·δ = −`mismatch`, and direction of the solution
     /// curve J t = 0, row·t = 1.
@@ -81,6 +82,12 @@ pub trait Problem {
     /// Whether a walk may go on beyond a sharp corner by the sign of the determinant alone. Not where the Jacobian has no limit at a
     /// corner, as on curves of extrema, whose corners are told and passed by whoever drives the walk.
     fn turns_corners(&self) -> bool {
+        true
+    }
+
+    /// Whether a walk passes crossings of curves at a distance from which it knows where it goes on straight. Curves of free motions are
+    /// followed to the crossing itself, where rounding tells whether they turn.
+    fn goes_straight_on(&self) -> bool {
         true
     }
 

@@ -33,8 +33,7 @@ impl Modal {
                 });
             }
         }
-        let forcing = model.modes().shapes.transpose().mul_vec(&model.forcing().shape);
-        Self { modes, harmonic: model.forcing().harmonic, forcing, shapes, open }
+        Self { modes, harmonic: model.forcing().harmonic, forcing: model.modal_force(), shapes, open }
     }
 
     /// Forcing harmonic m.

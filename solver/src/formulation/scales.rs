@@ -33,8 +33,7 @@ impl Scales {
         let length = smallest_gap(model).unwrap_or_else(|| nonlinear_amplitude(model, tracked).unwrap_or(1.0) * phi);
         let modal = length / phi;
         let damping = model.damping().diagonal(tracked);
-        let projections = model.modes().shapes.transpose().mul_vec(&model.forcing().shape);
-        let force = projections.iter().fold(0.0f64, |m, f| m.max(f.abs()));
+        let force = model.modal_force().into_iter().fold(0.0f64, |m, f| m.max(f.abs()));
         let forcing = modal * frequency * damping.max(1e-3 * frequency) / force;
         Self { length, frequency, modal, forcing }
     }

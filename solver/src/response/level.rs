@@ -87,7 +87,8 @@ impl Level {
             return Err(LevelError::Forcing(forcing));
         }
         let (primary, further) = backbones.as_ref().split_first().ok_or(LevelError::NoBackbone)?;
-        let mut forced = Forced::new(model, settings, SearchRange::over(settings, primary, further, forcing)?, forcing);
+        let reach = SearchRange::over(settings, primary, further, forcing)?.with_resonances(model, settings);
+        let mut forced = Forced::new(model, settings, reach, forcing);
         let (windows, tasks) = plan(backbones, forcing, &settings.frequency, 0);
         let mut account = Account::new(windows);
         let mut branches: Vec<(BranchId, Branch)> = Vec::new();

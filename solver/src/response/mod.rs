@@ -3,6 +3,7 @@
 pub mod account;
 pub mod backbone;
 pub mod branch;
+mod branch_points;
 pub mod certificate;
 mod climb;
 mod column;

@@ -9,8 +9,6 @@ use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 
-/// Modes whose share of the forcing is below this part of the largest one are not forced as long as they move alone.
-const NO_WORK: f64 = 1e-6;
 /// Backbones bend: a resonance within this factor of a bound can come into the range.
 const BENDS: f64 = 2.0;
 /// Where no upper bound is given: up to this multiple of the primary mode's eigenfrequency.
@@ -56,7 +54,7 @@ pub struct ModesFollowed {
 }
 
 impl ModesFollowed {
-    /// The choice of valid settings. With `"auto"` it is the lowest mode that deforms the structure and every other one whose
+    /// The choice of valid settings. With `"auto"` it is the lowest mode that the force drives and every other one whose
     /// resonance, in the motion's own harmonic or in the one that is forced, can reach the range of frequencies. The forcing need not work on the linear mode: nonlinear
     /// motion carries others along. Where there are too many, those on which it does come first.
     pub fn choose(model: &Model, settings: &Settings) -> Self {
@@ -69,8 +67,6 @@ impl ModesFollowed {
             left_out.extend(others.map(|mode| (mode, LeftOut::NotListed)));
             return Self { followed, left_out };
         }
-        let shares = shares(model);
-        let largest = shares.iter().copied().fold(0.0, f64::max);
         for mode in (0..model.size()).filter(|&mode| mode != primary) {
             match () {
                 () if model.modes().is_rigid(mode) => left_out.push((mode, LeftOut::RigidBody)),
@@ -79,7 +75,8 @@ impl ModesFollowed {
             }
         }
         if followed.len() > MOST {
-            followed[1..].sort_by_key(|&mode| shares[mode] <= NO_WORK * largest);
+            let driven = model.driven();
+            followed[1..].sort_by_key(|mode| !driven.contains(mode));
             left_out.extend(followed.drain(MOST..).map(|mode| (mode, LeftOut::TooMany)));
             followed[1..].sort_unstable();
             left_out.sort_by_key(|(mode, _)| *mode);
@@ -88,10 +85,17 @@ impl ModesFollowed {
     }
 }
 
-/// |φ_jᵀ s| of every mode.
-fn shares(model: &Model) -> Vec<f64> {
-    let projections = model.modes().shapes.transpose().mul_vec(&model.forcing().shape);
-    projections.into_iter().map(f64::abs).collect()
+/// Frequencies of the response at which the force resonates with the modes followed, rad/s: ω_j/m of those that it drives. Of a choice
+/// without a list, as far as the force's frequency is in reach of the primary mode's.
+pub(super) fn driven_resonances(model: &Model, settings: &Settings) -> Vec<f64> {
+    let frequencies = &model.modes().frequencies;
+    let followed = ModesFollowed::choose(model, settings).followed;
+    let highest = match settings.backbone.modes {
+        ModeChoice::Auto => FAR * frequencies[followed[0]],
+        ModeChoice::These(_) => f64::INFINITY,
+    };
+    let resonances = model.driven().into_iter().filter(|mode| followed.contains(mode)).map(|mode| frequencies[mode]);
+    resonances.filter(|omega| *omega <= highest).map(|omega| omega / model.forcing().harmonic as f64).collect()
 }
 
 /// Whether a mode's resonance can come into the range of frequencies, and its backbone starts within its own bounds.
@@ -240,11 +244,11 @@ mod tests {
         let (followed, left_out) = chosen(&masses(&omegas, &[1.0; 10]).build().unwrap(), |_| {});
         assert_eq!(followed, [0, 1, 2, 3, 4, 5, 6, 7]);
         assert_eq!(left_out, [(8, LeftOut::TooMany), (9, LeftOut::TooMany)]);
-        // Those that are forced come first.
+        // Those that are forced come first, the lowest of them as the primary one.
         let mut forces = [1.0; 10];
         (forces[0], forces[2], forces[9]) = (0.0, 0.0, 1e-9);
         let (followed, left_out) = chosen(&masses(&omegas, &forces).build().unwrap(), |_| {});
-        assert_eq!(followed, [0, 1, 3, 4, 5, 6, 7, 8]);
+        assert_eq!(followed, [1, 0, 3, 4, 5, 6, 7, 8]);
         assert_eq!(left_out, [(2, LeftOut::TooMany), (9, LeftOut::TooMany)]);
     }
 

@@ -1,8 +1,10 @@
 //! The room in which branches are looked for.
 
 use crate::response::backbone::Backbone;
+use crate::response::modes::driven_resonances;
 use crate::response::windows::windows;
 use crate::settings::{Settings, SettingsError};
+use crate::structure::Model;
 use serde::{Deserialize, Serialize};
 
 /// Within which frequencies and amplitudes branches are followed: settings, completed by the backbones.
@@ -53,7 +55,7 @@ impl SearchRange {
         };
         let windows = further.iter().flat_map(|backbone| windows(backbone, forcing));
         let (low, end) = windows.fold((low, end), |(low, end), w| (low.min(w.omega.0), end.max(w.omega.1)));
-        let natural = (0.9 * low, 1.1 * end);
+        let natural = ((1.0 - MARGIN) * low, (1.0 + MARGIN) * end);
         let (low, high) = (settings.frequency.min.unwrap_or(natural.0), settings.frequency.max.unwrap_or(natural.1));
         if low >= high {
             let (key, value, remedy) = match settings.frequency.max {
@@ -70,6 +72,22 @@ impl SearchRange {
         }
         let amplitude = settings.branch.max_amplitude.unwrap_or(3.0 * backbone.max_amplitude());
         Ok(Self { frequency: (low, high), amplitude, natural: Some(natural), forcing: None })
+    }
+
+    /// The same; bounds that the settings leave open also 10 % beyond the resonances of the force with the modes followed. Main branches
+    /// have them, which motions that last several periods of the force need not.
+    #[must_use]
+    pub fn with_resonances(self, model: &Model, settings: &Settings) -> Self {
+        let (mut low, mut high) = self.frequency;
+        for omega in driven_resonances(model, settings) {
+            if settings.frequency.min.is_none() {
+                low = low.min((1.0 - MARGIN) * omega);
+            }
+            if settings.frequency.max.is_none() {
+                high = high.max((1.0 + MARGIN) * omega);
+            }
+        }
+        Self { frequency: (low, high), ..self }
     }
 
     /// The same for a study of these forcing amplitudes: folds are followed a factor of two beyond them.
@@ -89,6 +107,9 @@ impl SearchRange {
         (low.min(self.frequency.0), high.max(self.frequency.1))
     }
 }
+
+/// By what share of their frequency bounds that nobody gave lie beyond backbones and resonances.
+const MARGIN: f64 = 0.1;
 
 /// Where a backbone ends early, main branches are walked up to this multiple of its lowest frequency.
 const FAR: f64 = 4.0;

@@ -1,10 +1,11 @@
 //! Special points of a branch: folds and peak, located along the arc, and branch points, where its steps came upon them.
 
-use crate::curve::continuation::{Continuation, ContinuationSettings, CurvePoint};
+use crate::curve::continuation::{Continuation, ContinuationSettings};
 use crate::curve::extrema::{Maximum, Measure, insert_maxima, locate_maximum, turning_points};
-use crate::curve::problem::{Problem, inner, norm};
+use crate::curve::problem::{Problem, norm};
 use crate::curve::walk::{Evaluated, TracedCurve};
 use crate::response::branch::{BranchPoint, Outcome, SpecialKind, SpecialPoint, TracedPoint};
+use crate::response::branch_points::{Passed, branch_points};
 
 /// The points of a branch that was walked, with its folds and its peak among them.
 pub(super) fn with_special_points<P: Problem>(
@@ -18,27 +19,28 @@ where
     let TracedCurve { visited, start, outcome, .. } = walked;
     let closed = outcome == Outcome::Closed;
     let mut maxima = vec![Maximum { anchor: start, located: None }];
-    let mut kinds = vec![SpecialKind::Start];
+    let mut kinds = vec![Some(SpecialKind::Start)];
     let first = visited[start].curve.clone();
     if let Ok(mut continuation) = Continuation::start(problem, first.y.clone(), &first.tangent, settings) {
         for (anchor, sign) in frequency_folds(&visited, closed) {
             let measure = move |_: &mut P, v: &TracedPoint| sign * v.point.omega();
             maxima.push(refine(&mut continuation, &visited, anchor, closed, &measure));
-            kinds.resize(maxima.len(), SpecialKind::Fold);
+            kinds.resize(maxima.len(), Some(SpecialKind::Fold));
         }
         let measure = move |_: &mut P, v: &TracedPoint| v.point.amplitude();
         for anchor in highest_steps(&visited, closed) {
             maxima.push(refine(&mut continuation, &visited, anchor, closed, &measure));
-            kinds.resize(maxima.len(), SpecialKind::Peak);
+            kinds.resize(maxima.len(), Some(SpecialKind::Peak));
+        }
+        for Passed { place, is_branch_point } in branch_points(&mut continuation, &visited, closed) {
+            maxima.push(place);
+            kinds.push(is_branch_point.then_some(SpecialKind::BranchPoint));
         }
     }
-    for anchor in branch_points(problem.metric(), &visited, closed) {
-        maxima.push(Maximum { anchor, located: None });
-        kinds.push(SpecialKind::BranchPoint);
-    }
     let (visited, indices) = insert_maxima(visited, maxima);
+    let placed = kinds.into_iter().zip(indices);
     let mut special: Vec<SpecialPoint> =
-        kinds.into_iter().zip(indices).map(|(kind, index)| SpecialPoint { kind, index }).collect();
+        placed.filter_map(|(kind, index)| Some(SpecialPoint { kind: kind?, index })).collect();
     // A fold may turn out higher than the point refined from the highest step.
     let highest = |a: &usize, b: &usize| visited[*a].point.amplitude().total_cmp(&visited[*b].point.amplitude());
     if let Some(index) = (0..visited.len()).max_by(highest) {
@@ -47,24 +49,6 @@ where
     }
     special.sort_by_key(|s| s.index);
     (visited.into_iter().map(|v| v.point).collect(), special)
-}
-
-/// Least cosine between the tangents on either side of a branch point.
-const STRAIGHT: f64 = 0.9;
-
-/// Points from which on the determinant of the Jacobian bordered by the tangent has the other sign, though the curve goes straight on: at
-/// corners it may change as well.
-fn branch_points(metric: &[f64], visited: &[TracedPoint], closed: bool) -> Vec<usize> {
-    let sign = |point: &CurvePoint, chord: &[f64]| point.orientation * inner(metric, &point.tangent, chord).signum();
-    let count = visited.len();
-    let is_crossed = |index: &usize| {
-        let [from, to] = [*index, (*index + 1) % count].map(|index| &visited[index].curve);
-        let chord: Vec<f64> = to.y.iter().zip(&from.y).map(|(to, from)| to - from).collect();
-        let turn = inner(metric, &from.tangent, &to.tangent).abs();
-        turn > STRAIGHT && sign(from, &chord) * sign(to, &chord) < 0.0
-    };
-    let last = if closed { count } else { count.saturating_sub(1) };
-    (0..last).filter(is_crossed).collect()
 }
 
 /// A local maximum among the points this close to the highest may be the peak once both are located.

@@ -5,7 +5,7 @@
 //! from the Jacobian at states beside the curve, whose null direction lies in the plane of both: no second derivatives are asked for.
 
 use crate::curve::newton::{Constraint, Newton};
-use crate::curve::point::direction_at;
+use crate::curve::point::{direction_at, unit};
 use crate::curve::problem::{Problem, inner, norm, weighted};
 use crate::formulation::Formulation;
 use crate::formulation::state::State;
@@ -13,6 +13,9 @@ use crate::response::branch::{Branch, SpecialKind};
 use crate::response::forced::Forced;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+
+/// Relative distance from a branch point at which the Jacobian tells the tangent.
+const APART: f64 = 1e-4;
 
 /// How far beside the curve the Jacobian is asked, as a share of the motion.
 const ASIDE: f64 = 1e-3;
@@ -34,16 +37,33 @@ const NEAR: f64 = 2.0;
 pub(super) fn beside<'m, F: Formulation<'m>>(forced: &mut Forced<'m, F>, branch: &Branch, point: usize) -> Vec<State> {
     let mut indices = branch.special.iter().filter(|special| special.kind == SpecialKind::BranchPoint);
     let Some(index) = indices.nth(point).map(|special| special.index) else { return Vec::new() };
-    let count = branch.points.len();
+    let from = forced.problem().encode(&branch.points[index].state);
+    let Some(tangent) = tangent(forced, branch, index) else { return Vec::new() };
     let problem = forced.problem();
-    let [from, to] = [index, (index + 1) % count].map(|index| problem.encode(&branch.points[index].state));
-    let chord: Vec<f64> = to.iter().zip(&from).map(|(to, from)| to - from).collect();
-    let Some(tangent) = direction_at(problem, from.clone(), &weighted(problem.metric(), &chord)) else {
-        return Vec::new();
-    };
     let Some(across) = second_null_direction(problem, &from, &tangent) else { return Vec::new() };
     let ways = [1.0, -1.0].map(|sign| across.iter().map(|entry| sign * entry).collect::<Vec<f64>>());
     ways.iter().filter_map(|way| landed(forced, branch, &from, way)).collect()
+}
+
+/// The tangent of a branch at a point whose own Jacobian is as good as singular, so that what Newton's method has left over turns its null
+/// direction: the mean of those at the nearest points before and behind it that are far enough away.
+fn tangent<'m, F: Formulation<'m>>(forced: &mut Forced<'m, F>, branch: &Branch, index: usize) -> Option<Vec<f64>> {
+    let (points, count) = (&branch.points, branch.points.len());
+    let at = &points[index].state;
+    let far = |forced: &Forced<'m, F>, near: usize| forced.distance(&points[near].state, at) > APART;
+    let (behind, before): (Vec<usize>, Vec<usize>) = if branch.is_closed() {
+        ((1..count).map(|i| (index + i) % count).collect(), (1..count).map(|i| (index + count - i) % count).collect())
+    } else {
+        ((index + 1..count).collect(), (0..index).rev().collect())
+    };
+    let ends = [before, behind].map(|way| way.into_iter().find(|&near| far(forced, near)).unwrap_or(index));
+    let problem = forced.problem();
+    let ends = ends.map(|index| problem.encode(&points[index].state));
+    let chord: Vec<f64> = ends[1].iter().zip(&ends[0]).map(|(to, from)| to - from).collect();
+    let row = weighted(problem.metric(), &chord);
+    let directions = ends.into_iter().filter_map(|y| direction_at(problem, y, &row));
+    let sum = directions.reduce(|a, b| a.iter().zip(&b).map(|(a, b)| a + b).collect())?;
+    Some(unit(problem.metric(), sum))
 }
 
 /// The null direction of the Jacobian at a branch point that is normal to the tangent, of unit length.

@@ -78,8 +78,8 @@ impl BranchPoints {
         })
     }
 
-    /// Puts points before the last one of a walk that has come to a motion which is its own image by a step along what it
-    /// branches off, up to where that is, instead of it.
+    /// Puts points up to a motion which is its own image instead of the last one of a walk, whose step has led past it, along what it
+    /// branches off or along its own images.
     fn resolve<P: Problem, T: Evaluated<P>>(
         mut self,
         continuation: &mut Continuation<'_, P>,
@@ -87,18 +87,11 @@ impl BranchPoints {
     ) {
         let [.., before, last] = &visited[..] else { return };
         let (mut from, end) = (before.curve.clone(), last.curve.y.clone());
-        let problem = continuation.problem();
-        let metric = problem.motion_metric();
-        let is_own = |(index, _): &(usize, Vec<f64>)| {
-            norm(metric, &away(problem, &end, *index)) < SAME_IMAGE * norm(metric, &end)
-        };
-        if !self.away.iter().any(is_own) {
-            return;
-        }
         let piece: Vec<f64> = end.iter().zip(&from.y).map(|(end, from)| end - from).collect();
-        let mut step = norm(problem.metric(), &piece);
+        let mut step = norm(continuation.problem().metric(), &piece);
         visited.pop();
         self.meets(continuation.problem(), &from.y);
+        let mut beyond = None;
         for _ in 0..HALVINGS {
             step *= 0.5;
             let Ok(curve) = continuation.probe(&from, step) else { continue };
@@ -108,12 +101,19 @@ impl BranchPoints {
             let cosine = inner(problem.metric(), &moved, &from.tangent) / norm(problem.metric(), &moved);
             let is_next = cosine > AHEAD && problem.are_neighbours(&from.y, &curve.y);
             if !is_next || self.is_passed(problem, &curve.y, &next) {
+                let size = norm(problem.motion_metric(), &curve.y);
+                let is_own = next.iter().any(|away| norm(problem.motion_metric(), away) < SAME_IMAGE * size);
+                beyond = if is_next && !is_own { Some(curve) } else { beyond };
                 continue;
             }
             self.away.iter_mut().zip(next).for_each(|((_, last), next)| *last = next);
             let point = T::evaluate(continuation.problem(), &curve);
             visited.push(TracedPoint { curve: curve.clone(), point });
             from = curve;
+        }
+        if let Some(curve) = beyond {
+            let point = T::evaluate(continuation.problem(), &curve);
+            visited.push(TracedPoint { curve, point });
         }
     }
 }

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 /// scales and phase conditions of forced responses are made of it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum ModeChoice {
-    /// The lowest mode that deforms the structure, and every other one that frequency range and forcing can reach: see [`crate::response::modes`].
+    /// The lowest mode that the force drives, and every other one that frequency range and forcing can reach: see [`crate::response::modes`].
     #[default]
     Auto,
     /// These.

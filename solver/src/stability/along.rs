@@ -1,10 +1,11 @@
 //! Stability along a branch: points chosen where they tell something, bifurcations located between them.
 
-use super::bifurcation::{Bifurcation, BifurcationKind, Changes, Known, Obstacle, Unresolved, between};
+use super::bifurcation::{Bifurcation, Changes, Known, Obstacle, Unresolved, between};
+use super::branch_ends::with_ends;
 use super::crossing::Event;
 use super::polish::{Around, Polish, PolishSettings, polish};
 use crate::formulation::state::State;
-use crate::response::branch::{Branch, BranchPoint, Outcome, Stop};
+use crate::response::branch::Branch;
 use crate::settings::Stretch;
 use crate::structure::Model;
 use serde::{Deserialize, Serialize};
@@ -94,34 +95,11 @@ pub fn along(
 ) -> BranchStability {
     let mut pass = Pass { model, settings, branch, polished: BTreeMap::new() };
     let end = pass.run(observer);
-    let Changes { mut bifurcations, unresolved } = pass.account(end);
-    bifurcations
-        .iter_mut()
-        .filter(|found| is_end(branch, found))
-        .for_each(|found| found.kind = BifurcationKind::BranchPoint);
+    let Changes { bifurcations, unresolved } = pass.account(end);
+    let bifurcations = with_ends(branch, bifurcations, |end| pass.polished.get(&end)?.polished.as_ref());
     let point = |(index, polish)| PolishedPoint { index, polish };
     let points = pass.polished.into_iter().map(point).collect();
     BranchStability { points, bifurcations, unresolved, end }
-}
-
-/// Relative distances of frequency and amplitude within which marching has the branch point at which a branch ends.
-const AT_END: (f64, f64) = (1e-3, 0.01);
-
-/// One in so many points of a branch is next to its begin, and as many next to its end.
-const NEXT_TO_END: usize = 10;
-
-/// Whether a fold is the branch point at which a branch begins or ends. The responses that branch off turn there, into their own images.
-fn is_end(branch: &Branch, found: &Bifurcation) -> bool {
-    let Outcome::Open(begins, ends) = branch.outcome else { return false };
-    let (count, next_to) = (branch.points.len(), branch.points.len() / NEXT_TO_END);
-    let ends = [(begins, branch.points.first(), found.after), (ends, branch.points.last(), count - 1 - found.after)];
-    let is_near = |at: f64, end: f64, distance: f64| (at / end - 1.0).abs() < distance;
-    let is_there = |end: &BranchPoint| {
-        let amplitude = found.amplitudes.first().is_none_or(|&found| is_near(found, end.amplitude(), AT_END.1));
-        is_near(found.omega, end.omega(), AT_END.0) && amplitude
-    };
-    let mut branching = ends.into_iter().filter(|(stop, _, away)| *stop == Stop::Branching && *away <= next_to);
-    found.kind == BifurcationKind::Fold && branching.any(|(_, end, _)| end.is_some_and(is_there))
 }
 
 struct Pass<'a> {

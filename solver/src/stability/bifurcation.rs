@@ -354,7 +354,9 @@ impl<'m> Search<'m> {
         let at_outer = jumps || crossing.inner.is_none_or(|inner| outer < inner.excess().abs());
         let (near, far) = if is_low_outer == at_outer { (low, high) } else { (high, low) };
         let is_marched = |orbit: &Between| orbit.period.is_some();
-        let marched = [near.clone(), far.clone()].into_iter().find(is_marched).or_else(|| self.at(&near, &far, 0.5));
+        // Of a known one, at which the crossing may be, the period is marched once more.
+        let marched = Some(near.clone()).filter(is_marched).or_else(|| self.at(&near, &far, 0.0));
+        let marched = marched.or_else(|| Some(far.clone()).filter(is_marched)).or_else(|| self.at(&near, &far, 0.5));
         let Some(Between { point, period: Some(period), .. }) = marched else {
             let (low, high) = if near.share < far.share { (near, far) } else { (far, near) };
             return self.give_up(&low, &high, Obstacle::NotConverged);

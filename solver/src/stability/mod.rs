@@ -3,6 +3,7 @@
 pub mod along;
 mod basin;
 pub mod bifurcation;
+mod branch_ends;
 mod crossing;
 pub mod disturbance;
 pub mod marching;

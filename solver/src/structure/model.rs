@@ -27,6 +27,9 @@ pub struct Modes {
     pub shapes: Matrix,
 }
 
+/// A mode of which the forcing has less than this share of what it has of another is not driven.
+const DRIVEN: f64 = 1e-9;
+
 /// Eigenfrequencies below this share of the highest one are those of rigid-body modes.
 const RIGID: f64 = 1e-6;
 
@@ -216,6 +219,25 @@ impl Model {
     /// Forcing shape and harmonic.
     pub fn forcing(&self) -> &Forcing {
         &self.forcing
+    }
+
+    /// Shape of the forcing in modal coordinates Φᵀs, n entries, N/kg^½ per unit of A.
+    pub fn modal_force(&self) -> Vec<f64> {
+        self.modes.shapes.transpose().mul_vec(&self.forcing.shape)
+    }
+
+    /// Modes that vibrate and that the force drives, from 0, ascending.
+    pub fn driven(&self) -> Vec<usize> {
+        let force = self.modal_force();
+        let largest = force.iter().fold(0.0_f64, |largest, f| largest.max(f.abs()));
+        let is_driven = |&mode: &usize| !self.modes.is_rigid(mode) && force[mode].abs() > DRIVEN * largest;
+        (0..self.size()).filter(is_driven).collect()
+    }
+
+    /// The mode that is followed first unless it is chosen, from 0: the lowest that deforms the structure and that the force drives, or
+    /// the lowest that deforms it if the force drives none.
+    pub fn primary_mode(&self) -> Option<usize> {
+        self.driven().first().copied().or_else(|| self.modes.lowest_deforming())
     }
 
     /// Nonlinear elements.

@@ -9,6 +9,7 @@ mod carried;
 mod cases;
 mod closed_forms;
 mod continuation;
+mod default_range;
 mod examples;
 mod far_backbones;
 mod folds;

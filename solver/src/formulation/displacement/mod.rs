@@ -257,8 +257,8 @@ impl Problem for DisplacementForm<'_> {
         true
     }
 
-    fn orientation(&self) -> f64 {
-        self.lu.determinant_sign()
+    fn orientation(&mut self) -> f64 {
+        self.lu.determinant_sign() * self.lu.distance_from_singular()
     }
 
     fn rounding(&self) -> f64 {
@@ -292,6 +292,10 @@ impl Problem for DisplacementForm<'_> {
                 };
                 passes_over_beginning(slider, [&motion(from), &motion(to)])
             })
+    }
+
+    fn goes_straight_on(&self) -> bool {
+        !self.system.unknown.is_backbone()
     }
 
     fn images(&self) -> usize {

@@ -311,8 +311,9 @@ impl Problem for PressureForm<'_> {
         self.factored == self.unknowns
     }
 
-    fn orientation(&self) -> f64 {
-        self.lu.determinant_sign() * self.condition.as_ref().map_or(1.0, Condition::sign)
+    fn orientation(&mut self) -> f64 {
+        let sign = self.lu.determinant_sign() * self.condition.as_ref().map_or(1.0, Condition::sign);
+        sign * self.lu.distance_from_singular()
     }
 
     fn rounding(&self) -> f64 {
@@ -345,6 +346,10 @@ impl Problem for PressureForm<'_> {
 
     fn turns_corners(&self) -> bool {
         self.condition.is_none()
+    }
+
+    fn goes_straight_on(&self) -> bool {
+        !self.system.unknown.is_backbone()
     }
 
     fn images(&self) -> usize {

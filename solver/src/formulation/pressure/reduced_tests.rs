@@ -38,7 +38,7 @@ fn compare(form: &mut PressureForm<'_>, state: &State) -> (usize, usize) {
     form.assemble(&row);
     form.lu.factor().unwrap();
     let (expected, whole) = solutions(form, &forms);
-    assert_eq!(orientation, whole);
+    assert_eq!(orientation.signum(), whole.signum());
     for (found, expected) in found.iter().zip(&expected) {
         let difference: Vec<f64> = found.iter().zip(expected).map(|(a, b)| a - b).collect();
         let relative = (dot(&difference, &difference) / dot(expected, expected)).sqrt();

@@ -133,7 +133,7 @@ fn a_rod_before_a_stop() {
 
 #[test]
 fn a_subharmonic_of_a_chain() {
-    check_level("chain_subharmonic", 1.5, 12, [15, 20]);
+    check_level("chain_subharmonic", 1.5, 16, [15, 20]);
 }
 
 #[test]
@@ -153,7 +153,7 @@ fn a_mass_with_friction() {
 
 #[test]
 fn a_subharmonic_with_impacts() {
-    check_level("impact_subharmonic", 0.2, 12, [10, 0]);
+    check_level("impact_subharmonic", 0.2, 24, [10, 0]);
 }
 
 #[test]

@@ -46,10 +46,14 @@ fn branch_points_of_a_symmetric_structure_are_no_folds() {
     let at = |index: usize| (branch.points[index].omega(), branch.points[index].amplitude());
     let distance = |i: usize| distance_from_one(&branch.points[i].state.displacement(&model, 0), at(i).0);
     let distances: Vec<f64> = (0..branch.points.len()).map(distance).collect();
-    let crossings = (1..distances.len()).filter(|&i| distances[i - 1] * distances[i] < 0.0);
-    let mut expected: Vec<(usize, BifurcationKind)> = crossings.map(|i| (i, BifurcationKind::BranchPoint)).collect();
-    let folds = branch.special.iter().filter(|special| special.kind == SpecialKind::Fold);
-    expected.extend(folds.map(|special| (special.index, BifurcationKind::Fold)));
+    let crossings = (1..distances.len()).filter(|&i| distances[i - 1] * distances[i] < 0.0).map(|i| i - 1);
+    let crossings: Vec<usize> = crossings.collect();
+    let special = |kind: SpecialKind| branch.special.iter().filter(move |special| special.kind == kind);
+    let of = |kind: SpecialKind| special(kind).map(|special| special.index);
+    assert_eq!(of(SpecialKind::BranchPoint).collect::<Vec<_>>(), crossings);
+    let mut expected: Vec<(usize, BifurcationKind)> =
+        crossings.into_iter().map(|i| (i, BifurcationKind::BranchPoint)).collect();
+    expected.extend(of(SpecialKind::Fold).map(|index| (index, BifurcationKind::Fold)));
     expected.sort_unstable();
     let kinds: Vec<_> = found.bifurcations.iter().map(|b| b.kind).collect();
     assert_eq!(kinds, expected.iter().map(|(_, kind)| *kind).collect::<Vec<_>>());
