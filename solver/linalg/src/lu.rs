@@ -6,6 +6,13 @@ use faer::linalg::lu::partial_pivoting::{factor, solve};
 use faer::{MatMut, MatRef, Par, Spec};
 use num_complex::Complex64;
 
+fn norm(values: &[f64]) -> f64 {
+    values.iter().map(|value| value * value).sum::<f64>().sqrt()
+}
+
+/// Solutions with a matrix or its transpose by which its smallest singular value is told.
+const INVERSE_ITERATIONS: usize = 4;
+
 /// The golden ratio.
 const GOLDEN: f64 = 1.618_033_988_749_895;
 
@@ -104,15 +111,22 @@ impl Lu {
         if (negative + n - cycles).is_multiple_of(2) { 1.0 } else { -1.0 }
     }
 
-    /// How far A is from a singular matrix: 1/‖A⁻ᵀ r‖ for a fixed r of unit length in all directions, which is its smallest singular value,
-    /// or larger by the share that r has of the direction of that one, or smaller by what others add.
+    /// How far A is from a singular matrix: its smallest singular value by inverse iteration, or a little more.
     pub fn distance_from_singular(&mut self) -> f64 {
         // The fractions of multiples of the golden ratio repeat nothing.
-        let mut weights: Vec<f64> = (1..=self.size).map(|i| (i as f64 * GOLDEN).fract() - 0.5).collect();
-        let norm = |values: &[f64]| values.iter().map(|value| value * value).sum::<f64>().sqrt();
-        let length = norm(&weights);
-        self.solve_transposed(&mut weights);
-        length / norm(&weights)
+        let mut vector: Vec<f64> = (1..=self.size).map(|i| (i as f64 * GOLDEN).fract() - 0.5).collect();
+        let mut distance = f64::INFINITY;
+        for iteration in 0..INVERSE_ITERATIONS {
+            let length = norm(&vector);
+            vector.iter_mut().for_each(|entry| *entry /= length);
+            if iteration % 2 == 0 {
+                self.solve_transposed(&mut vector)
+            } else {
+                self.solve(&mut vector)
+            }
+            distance = 1.0 / norm(&vector);
+        }
+        distance
     }
 
     /// Solves A x = b in place, for one right-hand side or several one after the other.

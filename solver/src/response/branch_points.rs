@@ -2,7 +2,7 @@
 //! on, or touches zero and keeps it (two eigenvalues at once, as structures with symmetries have them).
 //!
 //! A walk notices where one step changes the sign. Two changes within a step, or none at a zero, it does not notice: they are told by the
-//! distance of the Jacobian from a singular one, which falls before the step and rises beyond it as if it went to zero in between.
+//! distance of the Jacobian from a singular one, which falls towards the step from one of its sides as if it went to zero within it.
 
 use crate::curve::continuation::{Continuation, CurvePoint};
 use crate::curve::extrema::Maximum;
@@ -13,14 +13,13 @@ use crate::response::branch::{BranchPoint, TracedPoint};
 /// Least cosine between the tangents on either side of a branch point, and between a way there and the tangent that it began with.
 const STRAIGHT: f64 = 0.9;
 
-/// Straight lines on from both sides of a step have a zero between them, perhaps, if they meet below this share of its lower end.
-const LOW: f64 = 0.25;
-
 /// At this share of the distance at the lower end a Jacobian is singular, as far as can be told.
 const SINGULAR: f64 = 1e-3;
 
-/// A singular Jacobian is looked for until this share of a step is left.
+/// A singular Jacobian is looked for until this share of a step is left, or the least distance from one is more than so many times what it
+/// is on the way down to zero and up again.
 const NARROW: f64 = 1e-4;
+const STEEP: f64 = 2.0;
 
 /// Share of the longer part of a step at which it is looked at next (golden section).
 const SECTION: f64 = 0.382;
@@ -85,8 +84,8 @@ fn within<P: Problem>(
         let last = if length > SHORT { step.last_before((0.0, length), from.orientation) } else { None };
         return vec![(last, true)];
     }
-    let lowest = around.and_then(|[before, behind]| meeting(metric, [before, from, to, behind]));
-    let points = lowest.map_or_else(Vec::new, |lowest| Step { continuation, from, length }.singular(to, lowest));
+    let zero = around.and_then(|[before, behind]| zero(metric, [before, from, to, behind]));
+    let points = zero.map_or_else(Vec::new, |zero| Step { continuation, from, length }.singular(to, zero));
     points.into_iter().map(|(point, is_branch_point)| (Some(point), is_branch_point)).collect()
 }
 
@@ -96,18 +95,21 @@ fn distance(metric: &[f64], [from, to]: [&CurvePoint; 2]) -> f64 {
     norm(metric, &chord)
 }
 
-/// Where within the step between the middle ones of four points straight lines on from both sides meet, if they do so low, as an arc length
-/// from the second one.
-fn meeting(metric: &[f64], [before, from, to, behind]: [&CurvePoint; 4]) -> Option<f64> {
-    let [first, left, right, last] = [before, from, to, behind].map(|point| point.orientation.abs());
-    if from.orientation * to.orientation <= 0.0 || left >= first || right >= last {
+/// Where within the step between the middle ones of four points the distance from a singular Jacobian goes to zero if it goes on from one of
+/// its sides as it fell up to there, as an arc length from the second one, and how steeply it falls.
+fn zero(metric: &[f64], [before, from, to, behind]: [&CurvePoint; 4]) -> Option<(f64, f64)> {
+    if from.orientation * to.orientation <= 0.0 {
         return None;
     }
+    let [first, left, right, last] = [before, from, to, behind].map(|point| point.orientation.abs());
     let length = distance(metric, [from, to]);
-    let (falls, rises) =
-        ((first - left) / distance(metric, [before, from]), (last - right) / distance(metric, [to, behind]));
-    let lowest = (left - right + rises * length) / (falls + rises);
-    (0.0 < lowest && lowest < length && left - falls * lowest < LOW * left.min(right)).then_some(lowest)
+    let falls = (first - left) / distance(metric, [before, from]);
+    let rises = (last - right) / distance(metric, [to, behind]);
+    let zeros = [(falls, left, 0.0), (rises, right, length)].into_iter().filter(|(slope, ..)| *slope > 0.0);
+    let nearest = zeros.min_by(|(a, left, _), (b, right, _)| (left / a).total_cmp(&(right / b)))?;
+    let (slope, value, side) = nearest;
+    let arc = (side - value / slope).abs();
+    (value < slope * length).then_some((arc, slope))
 }
 
 /// A step of a curve, from a point on.
@@ -130,16 +132,20 @@ impl<P: Problem> Step<'_, '_, P> {
         is_next.then_some(point)
     }
 
-    /// Branch points on the way to the next point, looked for from `lowest` on. Where the determinant keeps its sign, there is one. Where it
+    /// Branch points on the way to the next point, looked for from an arc length on to which the distance from a singular Jacobian falls as
+    /// steeply. Where the determinant keeps its sign, there is one. Where it
     /// does not there are two, and the point that tells so lies between them.
-    fn singular(&mut self, to: &CurvePoint, lowest: f64) -> Vec<(CurvePoint, bool)> {
+    fn singular(&mut self, to: &CurvePoint, (mut arc, mut slope): (f64, f64)) -> Vec<(CurvePoint, bool)> {
         let sign = self.from.orientation;
         let [left, right] = [self.from, to].map(|point| point.orientation.abs());
         let (mut below, mut above) = (0.0, self.length);
         let mut best = if left < right { (below, left) } else { (above, right) };
-        let (singular, mut arc) = (SINGULAR * best.1, lowest);
-        while above - below > NARROW * self.length {
-            let Some(point) = self.at(arc) else { break };
+        let singular = SINGULAR * best.1;
+        loop {
+            if above - below < NARROW * self.length || best.1 > STEEP * slope * (above - below) {
+                return Vec::new();
+            }
+            let Some(point) = self.at(arc) else { return Vec::new() };
             if point.orientation * sign < 0.0 {
                 let first = self.last_before((0.0, arc), sign);
                 let second = self.last_before((arc, self.length), -sign);
@@ -153,6 +159,7 @@ impl<P: Problem> Step<'_, '_, P> {
             if value < singular {
                 return vec![(point, true)];
             }
+            slope = slope.max((value - best.1).abs() / (arc - best.0).abs());
             // The step narrows to where the lowest point has others on either side.
             let is_lower = value < best.1;
             let bound = if is_lower { best.0 } else { arc };
@@ -165,7 +172,6 @@ impl<P: Problem> Step<'_, '_, P> {
             let (before, behind) = (best.0 - below, above - best.0);
             arc = best.0 + if behind > before { SECTION * behind } else { -SECTION * before };
         }
-        Vec::new()
     }
 
     /// The last point between two arc lengths at which the determinant has this sign, which it has at the first of them alone.

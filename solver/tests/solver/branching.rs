@@ -1,6 +1,7 @@
 //! Branches that branch off others, against the multipliers of those by Runge–Kutta integration of the equation of motion linearised
 //! about them: of one mass, where all is known that is needed for it.
 
+use crate::support::hill::hill;
 use crate::support::study::{Kind, Study, of_kind, with_harmonics};
 use solver::curve::outcome::{Outcome, Stop};
 use solver::laws::{Jenkins, PenaltySpring, PolynomialSpring, Term};
@@ -55,22 +56,8 @@ struct Case<'c> {
 
 /// det(Φ − μI) over half the period of the response.
 fn characteristic(case: &Case<'_>, state: &State) -> f64 {
-    let motion = state.over_period(&case.study.model, 0, SAMPLES);
-    let h = 2.0 * TAU / state.omega / SAMPLES as f64;
-    let rate = |u: [f64; 2], at: usize| [u[1], -2.0 * RATIO * u[1] - (1.0 + (case.slope)(motion[at][0])) * u[0]];
-    let columns = [[1.0, 0.0], [0.0, 1.0]].map(|mut u: [f64; 2]| {
-        for at in (0..SAMPLES / 2).step_by(2) {
-            let moved = |by: f64, r: [f64; 2]| [u[0] + by * r[0], u[1] + by * r[1]];
-            let r1 = rate(u, at);
-            let r2 = rate(moved(0.5 * h, r1), at + 1);
-            let r3 = rate(moved(0.5 * h, r2), at + 1);
-            let r4 = rate(moved(h, r3), at + 2);
-            u = [0, 1].map(|i| u[i] + h / 6.0 * (r1[i] + 2.0 * r2[i] + 2.0 * r3[i] + r4[i]));
-        }
-        u
-    });
-    let [[a, c], [b, d]] = columns;
-    (a - case.multiplier) * (d - case.multiplier) - b * c
+    let motion: Vec<f64> = state.over_period(&case.study.model, 0, SAMPLES).iter().map(|at| at[0]).collect();
+    hill(&motion, state.omega, SAMPLES / 2, 2.0 * RATIO, |x| 1.0 + (case.slope)(x), case.multiplier)
 }
 
 /// Frequencies at which it passes through zero along a branch.

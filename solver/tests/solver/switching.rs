@@ -1,7 +1,8 @@
 //! Branches that cross others at their branch points: of a ring of sectors, where these are the frequencies at which the equation of
 //! motion linearised about the main branch has a solution that repeats itself, by Runge–Kutta integration.
 
-use crate::support::ring::{COUPLING, CUBIC, DAMPING, LINEAR, quiet, reach, ring, within};
+use crate::support::hill::hill;
+use crate::support::ring::{COUPLING, CUBIC, DAMPING, LINEAR, driven_alike, quiet, reach, ring, within};
 use solver::response::branch::{BranchKind, Side};
 use solver::response::name::BranchId;
 use solver::response::task::{SeedOutcome, SwitchPlace, Task, TaskResult};
@@ -116,4 +117,46 @@ fn what_crosses_the_main_branch_of_a_ring_is_found() {
         branched.iter().any(|branch| nearest(branch) < 1e-2)
     };
     assert!(crossed.iter().all(crosses), "every branch point lies on one of them");
+}
+
+/// Where all sectors move alike, every deviation that does not obeys an equation of its own, and most of them have the same as another one:
+/// there the determinant touches zero without changing its sign. What is told is true; of single modes all are told, of double ones those that
+/// the steps come near enough to.
+#[test]
+fn branch_points_of_double_modes_are_told_where_they_are() {
+    for (sectors, least) in [(3, 1), (4, 2), (6, 3)] {
+        let model = driven_alike(sectors);
+        let settings = within(HARMONICS);
+        let mut forced = Forced::new(&model, &settings, reach(), FORCING);
+        let main = forced.main_branch(Side::Below, &mut quiet).unwrap();
+        let of_mode = |state: &State, mode: usize| {
+            let motion: Vec<f64> = state.over_period(&model, 0, SAMPLES).iter().map(|at| at[0]).collect();
+            let square = model.modes().frequencies[mode].powi(2);
+            hill(&motion, state.omega, SAMPLES, DAMPING, |x| square + 3.0 * CUBIC * x * x, 1.0)
+        };
+        let found: Vec<State> = main.special(SpecialKind::BranchPoint).map(|point| point.state.clone()).collect();
+        let has_zero = |forced: &mut Forced<'_>, state: &State, mode: usize| {
+            let [below, above] = [1.0 - CLOSE, 1.0 + CLOSE].map(|share| {
+                let near = State { omega: share * state.omega, ..state.clone() };
+                of_mode(&forced.converge(&near).unwrap(), mode)
+            });
+            below * above < 0.0
+        };
+        let (mut singles, mut doubles) = (0, 0);
+        for state in &found {
+            let modes: Vec<usize> = (0..sectors - 1).filter(|&mode| has_zero(&mut forced, state, mode)).collect();
+            match modes.len() {
+                1 => singles += 1,
+                2 => doubles += 1,
+                _ => panic!("{sectors} sectors: {modes:?} at {} rad/s", state.omega),
+            }
+        }
+        assert!(doubles >= least, "{sectors} sectors: {doubles}");
+        // With an even number of sectors, neighbours against each other are a single mode, the lowest.
+        let zeros = || {
+            let values: Vec<f64> = main.points.iter().map(|point| of_mode(&point.state, 0)).collect();
+            values.windows(2).filter(|pair| pair[0] * pair[1] < 0.0).count()
+        };
+        assert_eq!(singles, if sectors % 2 == 0 { zeros() } else { 0 });
+    }
 }

@@ -5,6 +5,7 @@
 pub mod balance;
 pub mod fold_curves;
 pub mod geometry;
+pub mod hill;
 pub mod linear;
 pub mod march;
 pub mod ring;

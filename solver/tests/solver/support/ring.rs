@@ -40,6 +40,24 @@ pub fn ring() -> Model {
     sectors.fold(ring, |ring, sector| ring.element(sector, spring.clone(), [[(sector, 1.0)]])).build().unwrap()
 }
 
+/// So many sectors in a ring, all driven alike, each softly coupled to its neighbours, so that all other modes are below the one that is
+/// driven; most of them are double.
+pub fn driven_alike(sectors: usize) -> Model {
+    let spring = PolynomialSpring { terms: vec![Term { power: 3, coefficient: CUBIC }] };
+    let coupling = |i: usize, j: usize| match i.abs_diff(j) {
+        0 => LINEAR,
+        d if d == 1 || d == sectors - 1 => -COUPLING,
+        _ => 0.0,
+    };
+    let ring = Model::builder("ring")
+        .mass(Matrix::diagonal(&vec![1.0; sectors]))
+        .stiffness(Matrix::from_fn(sectors, sectors, coupling))
+        .damping_matrix(Matrix::diagonal(&vec![DAMPING; sectors]))
+        .force_shape(vec![1.0; sectors])
+        .monitor(0);
+    (0..sectors).fold(ring, |ring, i| ring.element(format!("s{i}"), spring.clone(), [vec![(i, 1.0)]])).build().unwrap()
+}
+
 /// Around its resonance, with so many harmonics.
 pub fn within(harmonics: usize) -> Settings {
     let mut settings = with_harmonics(harmonics);
