@@ -6,6 +6,7 @@ use protocol::ids::{TaskId, WorkerId};
 use protocol::level;
 use protocol::to_everyone::{Stage, StalledTask, Status};
 use results::journal::{LevelPlan, SweepPlan};
+use results::store::Reader;
 use results::summary_table::{Layout, Units};
 use results::words::{count, duration, fixed_digits, length};
 use solver::response::seeds::LandingMethod;
@@ -176,11 +177,17 @@ fn eta(status: &Status) -> String {
     status.eta.map_or(String::new(), |eta| format!(", {} to go", duration(eta)))
 }
 
-/// How tables are written for whoever reads standard output.
-pub fn layout(units: Option<Units>) -> Layout {
+/// Width of lines for whoever reads standard output.
+pub fn width() -> u16 {
     let size = console::Term::stdout().size_checked();
-    let width = size.map_or(Layout::default().width, |(_, columns)| columns);
-    Layout { width, units: units.unwrap_or_default() }
+    size.map_or(Layout::default().width, |(_, columns)| columns)
+}
+
+/// The closing table of the run in a folder for whoever reads standard output.
+pub fn closing_table(reader: &Reader, directory: &Path, units: Option<Units>) -> results::store::Result<String> {
+    let run = directory.display().to_string();
+    let layout = Layout { width: width(), units: units.unwrap_or_default(), run: &run };
+    results::summary_table::table(reader, layout)
 }
 
 /// Where what the table leaves out is told.

@@ -165,10 +165,7 @@ fn compare(args: &crate::cli::ReportArgs) -> Result<ExitCode, Error> {
     let file = args.out.clone().unwrap_or_else(|| args.runs[0].join("compare.html"));
     export::write_atomically(&file, results::page::compare(&comparison).as_bytes())?;
     let omissions: Vec<&Omissions> = comparison.reports.iter().map(|report| &report.omissions).collect();
-    told_of_all(
-        format_args!("{}{}\n", table(&comparison, crate::display::layout(None).width), file.display()),
-        &omissions,
-    )
+    told_of_all(format_args!("{}{}\n", table(&comparison, crate::display::width()), file.display()), &omissions)
 }
 
 /// Runs with the names of their folders.

@@ -2,7 +2,7 @@
 
 use crate::access::known;
 use crate::cli::{RemoteArgs, StatusArgs};
-use crate::display::{all_of_it, layout, stall, summary};
+use crate::display::{all_of_it, closing_table, stall, summary};
 use crate::error::Error;
 use crate::ledger::{Ledger, Rules};
 use crate::run::directory::read_address;
@@ -16,6 +16,7 @@ use protocol::to_everyone::{Manifest, Status};
 use results::journal::{Change, TaskState};
 use results::overview::most_folds;
 use results::store::{Holder, Reader, Store, holder};
+use results::summary_table::Units;
 use serde::Serialize;
 use std::path::Path;
 use std::time::Duration;
@@ -133,9 +134,9 @@ pub async fn health(args: &RemoteArgs) -> Result<String, Error> {
 
 /// How a run is doing, in lines or as JSON.
 pub async fn status(args: &StatusArgs) -> Result<String, Error> {
-    let StatusArgs { run: args, json: is_json } = args;
+    let StatusArgs { run: args, json: is_json, units } = args;
     let Some(run) = RemoteRun::find(args).await? else {
-        return if *is_json { stored_json(folder(args)) } else { stored_status(folder(args)) };
+        return if *is_json { stored_json(folder(args)) } else { stored_status(folder(args), *units) };
     };
     let status = run.status().await?;
     if *is_json {
@@ -152,7 +153,7 @@ pub async fn status(args: &StatusArgs) -> Result<String, Error> {
 }
 
 /// How a run that nobody conducts is doing, in lines.
-pub fn stored_status(directory: &Path) -> Result<String, Error> {
+pub fn stored_status(directory: &Path, units: Option<Units>) -> Result<String, Error> {
     let reader = Reader::open(directory)?;
     let header = reader.header()?;
     let stage = match (reader.stage()?, holder(directory)) {
@@ -162,7 +163,7 @@ pub fn stored_status(directory: &Path) -> Result<String, Error> {
         }
         _ => format!("interrupted; to go on: isola resume {}", directory.display()),
     };
-    let table = results::summary_table::table(&reader, layout(None))?;
+    let table = closing_table(&reader, directory, units)?;
     Ok(format!("run {} ({}), {stage}\n{table}\n{}\n", header.run, header.name, all_of_it(directory)))
 }
 

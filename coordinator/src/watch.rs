@@ -28,7 +28,7 @@ pub async fn watch(args: &WatchArgs) -> Result<(), Error> {
     match found {
         Some(run) => follow(&run).await,
         None => {
-            let status = stored_status(args.run.directory.as_deref().unwrap_or(Path::new(".")))?;
+            let status = stored_status(args.run.directory.as_deref().unwrap_or(Path::new(".")), None)?;
             terminal::print(status).map_err(Error::io("standard output"))
         }
     }

@@ -156,7 +156,8 @@ def test_one_period(blade: Path) -> None:
     branch = isola_hbm.load(blade)["20/main"]
     series = branch.time(samples=500)
     assert series.dims == ("point", "dof", "time")
-    assert series.attrs["units"] == "m"
+    assert series.attrs["units"] == "m" and "comment" not in series.attrs
+    assert "exp(i k ω t)" in branch["displacement"].attrs["comment"]
     # The largest |x| of the program is refined between its samples.
     top = abs(series.sel(dof="b0.r")).max("time")
     np.testing.assert_allclose(top, branch["amplitude"].isel(monitor=0), rtol=1e-3)

@@ -16,28 +16,34 @@ pub use units::{FrequencyUnit, LengthUnit, UnitChoice, Units};
 
 use crate::export::order_folder;
 use crate::store::{Reader, Result};
-use crate::words::times;
+use crate::words::{number, times};
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets::UTF8_FULL_CONDENSED};
 use footnotes::wrapped;
 use known::Known;
 use rows::Rows;
+use solver::structure::Model;
 
 /// Levels shown at most; all of them are in summary.csv.
 const LEVELS: usize = 60;
 
+/// What stands for the folder of the run in commands that sentences name.
+const RUN: &str = "RUN";
+
 /// How a table is written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Layout {
+pub struct Layout<'r> {
     /// Largest number of characters of a line.
     pub width: u16,
     /// Units of amplitudes and frequencies.
     pub units: Units,
+    /// The folder of the run, as commands are given it.
+    pub run: &'r str,
 }
 
-impl Default for Layout {
-    /// That of files, as wide as terminals once were, in m and rad/s.
+impl Default for Layout<'_> {
+    /// That of files, as wide as terminals once were, in m and rad/s, of a run in a folder that nobody has named.
     fn default() -> Self {
-        Self { width: 80, units: Units::default() }
+        Self { width: 80, units: Units::default(), run: RUN }
     }
 }
 
@@ -45,7 +51,7 @@ impl Default for Layout {
 ///
 /// # Errors
 /// If the store cannot be read.
-pub fn table(reader: &Reader, layout: Layout) -> Result<String> {
+pub fn table(reader: &Reader, layout: Layout<'_>) -> Result<String> {
     let further = reader.further_orders()?;
     if further.is_empty() || reader.order().is_some() {
         return of_order(reader, layout);
@@ -71,13 +77,14 @@ pub fn table(reader: &Reader, layout: Layout) -> Result<String> {
 }
 
 /// The table of the order that the reader tells of.
-fn of_order(reader: &Reader, layout: Layout) -> Result<String> {
+fn of_order(reader: &Reader, layout: Layout<'_>) -> Result<String> {
     let _snapshot = reader.snapshot()?;
     let known = Known::read(reader)?;
     let mut rows = Rows::new(&known, layout.units);
     let table = grid(&known, &mut rows, layout.width);
-    let below = sentences::all(&known, layout.units).into_iter().map(|sentence| wrapped(&sentence, layout.width, ""));
-    let answer = answer::answer(&known, layout.units).into_iter().map(|sentence| wrapped(&sentence, layout.width, ""));
+    let said = |sentence: String| wrapped(&sentence.replace(RUN, layout.run), layout.width, "");
+    let below = sentences::all(&known, layout.units).into_iter().map(said);
+    let answer = answer::answer(&known, layout.units).into_iter().map(said);
     let parts = [String::new(), wrapped(&caption(&known, layout.units), layout.width, ""), table];
     Ok(answer.chain(parts).chain(rows.notes.lines(layout.width)).chain(below).collect::<Vec<_>>().join("\n"))
 }
@@ -89,7 +96,20 @@ fn caption(known: &Known, Units { length, frequency }: Units) -> String {
         m if m > 1 && known.is_only_order => format!(" (of the response: the force has {} as much)", times(m)),
         _ => String::new(),
     };
-    format!("Largest amplitudes in {length}, frequencies in {frequency}{force}:")
+    let unit = known.model.as_ref().and_then(unit_of_forcing).unwrap_or_default();
+    format!("Largest amplitudes in {length}, frequencies in {frequency}{force}{unit}:")
+}
+
+/// What A = 1 is, of a force on one dof.
+fn unit_of_forcing(model: &Model) -> Option<String> {
+    let shape = model.forcing().shape.iter().zip(model.dofs());
+    let mut acting = shape.filter(|(force, _)| **force != 0.0);
+    let ((force, dof), None) = (acting.next()?, acting.next()) else { return None };
+    Some(if *force == 1.0 {
+        format!(", A in N at {dof}")
+    } else {
+        format!(", A in units of {} N at {dof}", number(*force))
+    })
 }
 
 /// The table itself.

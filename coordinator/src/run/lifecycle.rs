@@ -8,16 +8,16 @@ use super::preparation::{self, Prepared};
 use super::services::{Services, Start};
 use crate::access;
 use crate::cli::ServeArgs;
-use crate::display::{self, Display, all_of_it, layout};
+use crate::display::{self, Display, all_of_it, closing_table};
 use crate::engine::Event;
 use crate::error::Error;
 use crate::ledger::Rules;
 use protocol::keys::Keys;
 use protocol::to_everyone::Stage;
+use results::export;
 use results::overview::{doubts, most_folds};
 use results::store::{Reader, RunHeader, Store};
 use results::words::count;
-use results::{export, summary_table};
 use solver::structure::Model;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
@@ -264,7 +264,7 @@ impl Run {
         for sentence in export::csv(&reader, &self.directory)?.damaged {
             terminal::note(sentence);
         }
-        let table = summary_table::table(&reader, layout(self.options.units))?;
+        let table = closing_table(&reader, &self.directory, self.options.units)?;
         let directory = self.directory.display();
         let closing = format!("{table}\nresults: {directory}\n{}\n", all_of_it(&self.directory));
         terminal::print(closing).map_err(Error::io("standard output"))?;

@@ -52,6 +52,13 @@ pub fn born_above<'c>(levels: &[Level], curves: &'c [CurveRow], bounds: Frequenc
     events_of(curves, CriticalKind::Birth.name()).into_iter().find(is_above)
 }
 
+/// The births along fold curves below the lowest level, by forcing, at frequencies within `bounds`.
+pub fn born_below<'c>(levels: &[Level], curves: &'c [CurveRow], bounds: FrequencySettings) -> Vec<&'c CurvePoint> {
+    let lowest = levels.iter().map(|level| level.value).fold(f64::INFINITY, f64::min);
+    let is_below = |birth: &&CurvePoint| birth.forcing < lowest && is_within(bounds, birth.omega);
+    events_of(curves, CriticalKind::Birth.name()).into_iter().filter(is_below).collect()
+}
+
 /// Levels at which what is born at none can be looked at, the lowest first, in few digits: half way to the next level above, or to where
 /// isolas end or folds are followed to before.
 pub fn levels_after(births: &[&CurvePoint], levels: &[Level], curves: &[CurveRow]) -> Vec<String> {

@@ -31,8 +31,8 @@ pub use doubts::{doubts, ends_far_beyond};
 pub use events::{events_sentence, forcing_label, truncation_doubt};
 pub use excitation::{Excitation, SmallestMotion};
 pub use folds::{
-    CurveEvent, born_above, born_between, curve_events, events_of, later_birth, levels_after, most_folds, not_followed,
-    not_followed_sentence, why_no_folds,
+    CurveEvent, born_above, born_below, born_between, curve_events, events_of, later_birth, levels_after, most_folds,
+    not_followed, not_followed_sentence, why_no_folds,
 };
 pub use largest_stable::{StableResponse, largest_stable, largest_stable_sentence};
 pub use lesser::Lesser;

@@ -2,10 +2,10 @@
 
 use super::known::Known;
 use crate::overview::{
-    BranchRow, Excitation, Level, LookedFor, SmallestMotion, born_above, born_between, levels_after, truncation_doubt,
-    why_no_folds,
+    BranchRow, Excitation, Level, LookedFor, SmallestMotion, born_above, born_below, born_between, levels_after,
+    truncation_doubt, why_no_folds,
 };
-use crate::store::CurveRow;
+use crate::store::{CurvePoint, CurveRow};
 use solver::response::backbone::Backbone;
 use solver::response::branch::BranchKind;
 use solver::response::orders::orders;
@@ -79,15 +79,23 @@ fn other_orders(asked: &[usize], harmonics: usize) -> Option<String> {
     })
 }
 
-/// What is born between or above levels that have no isola, and how to look at it: what follows "no isola was found".
+/// What is born between levels that have no isola, or else below or above them, and how to look at it: what follows "no isola was found".
 fn born(levels: &[Level], curves: &[CurveRow], bounds: FrequencySettings) -> String {
     let between = born_between(levels, curves, bounds);
-    let above = born_above(levels, curves, bounds);
-    let (births, what) = match (&between[..], above) {
-        ([], None) => return String::new(),
-        ([], Some(birth)) => (vec![birth], "one is born above them".to_string()),
-        ([_], _) => (between, "one is born between them".to_string()),
-        (several, _) => (several.to_vec(), format!("{} are born between them", several.len())),
+    let (below, above) = (born_below(levels, curves, bounds), born_above(levels, curves, bounds));
+    let several = |births: &[&CurvePoint], where_: &str| match births.len() {
+        1 => format!("one is born {where_} them"),
+        count => format!("{count} are born {where_} them"),
+    };
+    let (births, what) = match (&between[..], &below[..], above) {
+        ([], [], None) => return String::new(),
+        ([], [], Some(birth)) => (vec![birth], several(&[birth], "above")),
+        ([], births, None) => (below.clone(), several(births, "below")),
+        ([], births, Some(birth)) => {
+            let what = format!("{}, {}", several(births, "below"), several(&[birth], "above"));
+            (below.iter().copied().chain([birth]).collect(), what)
+        }
+        (births, ..) => (between.clone(), several(births, "between")),
     };
     let how = match &levels_after(&births, levels, curves)[..] {
         [] => String::new(),

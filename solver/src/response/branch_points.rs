@@ -24,11 +24,8 @@ const STEEP: f64 = 2.0;
 /// Share of the longer part of a step at which it is looked at next (golden section).
 const SECTION: f64 = 0.382;
 
-/// Branch points are located to this share of the step.
-const LOCATED: f64 = 1e-5;
-
-/// Steps no longer than this tell where the branch point is that they have passed.
-const SHORT: f64 = 1e-5;
+/// Branch points are located to this arc length: nearer to them Newton's method may lead to the curve that crosses.
+const LOCATED: f64 = 2e-5;
 
 /// A point of a branch that its steps have passed over.
 pub(super) struct Passed {
@@ -81,8 +78,7 @@ fn within<P: Problem>(
     let length = distance(metric, [from, to]);
     if is_crossed(metric, [from, to]) {
         let mut step = Step { continuation, from, length };
-        let last = if length > SHORT { step.last_before((0.0, length), from.orientation) } else { None };
-        return vec![(last, true)];
+        return vec![(step.last_before((0.0, length), from.orientation), true)];
     }
     let zero = around.and_then(|[before, behind]| zero(metric, [before, from, to, behind]));
     let points = zero.map_or_else(Vec::new, |zero| Step { continuation, from, length }.singular(to, zero));
@@ -177,7 +173,7 @@ impl<P: Problem> Step<'_, '_, P> {
     /// The last point between two arc lengths at which the determinant has this sign, which it has at the first of them alone.
     fn last_before(&mut self, (mut low, mut high): (f64, f64), sign: f64) -> Option<CurvePoint> {
         let mut last = None;
-        while high - low > LOCATED * self.length {
+        while high - low > LOCATED {
             let Some(point) = self.at(f64::midpoint(low, high)) else { break };
             if point.orientation * sign > 0.0 {
                 low = point.step;

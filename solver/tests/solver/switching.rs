@@ -5,13 +5,14 @@ use crate::support::hill::hill;
 use crate::support::ring::{COUPLING, CUBIC, DAMPING, LINEAR, driven_alike, quiet, reach, ring, within};
 use solver::response::branch::{BranchKind, Side};
 use solver::response::name::BranchId;
+use solver::response::recheck::Recheck;
 use solver::response::task::{SeedOutcome, SwitchPlace, Task, TaskResult};
 use solver::response::trace::{Given, execute};
 use solver::{Branch, Forced, SpecialKind, State};
 use std::f64::consts::TAU;
 
 const FORCING: f64 = 0.02;
-const HARMONICS: usize = 7;
+const HARMONICS: usize = 5;
 /// Points over a period.
 const SAMPLES: usize = 4000;
 /// Relative difference of frequencies: what 7 harmonics leave.
@@ -103,6 +104,9 @@ fn what_crosses_the_main_branch_of_a_ring_is_found() {
 
     let mut found = vec![(BranchId::new(BranchKind::Main, 0), main)];
     let again = switch_all(&mut forced, &mut found);
+    for (id, branch) in &found {
+        assert_eq!(Recheck::new(&model, &settings, 1).branch(branch, FORCING), Ok(()), "{id}");
+    }
     let branched: Vec<&Branch> = found[1..].iter().map(|(_, branch)| branch).collect();
     assert!(!branched.is_empty() && again > 0);
     for branch in &branched {

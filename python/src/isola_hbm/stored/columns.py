@@ -35,16 +35,19 @@ class Column:
         return {"long_name": self.meaning, "units": self.unit, **comment}
 
 
+#: What the attribute `comment` says of complex harmonics.
+_SERIES = "complex harmonics X_k: x(t) = Re Σ_k X_k exp(i k ω t); time() has a period"
+
 #: What tables of points do not document: arrays that have no column of their own.
 ARRAYS = {
     "omega": Column("Frequency ω", "rad/s", ()),
     "decay": Column("Decay rate ζ", "1/s", ()),
     "forcing": Column("Forcing amplitude A", "1", ()),
     "argument": Column(
-        "Arguments of the laws: contact normals predicted pressure, N, else m", "m", ("channel",)
+        "Arguments of the laws: contact normals predicted pressure, N, else m", "m", ("channel",), _SERIES
     ),
-    "modal": Column("Modal amplitudes y", "kg^0.5 m", ("mode",)),
-    "displacement": Column("Displacements", "m", ("dof",)),
+    "modal": Column("Modal amplitudes y", "kg^0.5 m", ("mode",), _SERIES),
+    "displacement": Column("Displacements", "m", ("dof",), _SERIES),
     "contributions": Column("Modal contributions, summing to 1", "1", ("mode",)),
 }
 #: What the attribute `comment` says of columns that are known at some points only.

@@ -57,8 +57,10 @@ class Motions(xr.Dataset):
         coordinates = {
             name: values for name, values in harmonics.coords.items() if "harmonic" not in values.dims
         }
+        # What is said of harmonics is not true of their sum.
+        attributes = {name: value for name, value in harmonics.attrs.items() if name != "comment"}
         # Of a dataset, which does not read what it is made from.
-        values = lazily(axes, series, harmonics.attrs)
+        values = lazily(axes, series, attributes)
         return xr.Dataset({variable: values}, {**coordinates, "time": instants})[variable]
 
     def verified(self) -> Motions:
