@@ -3,6 +3,9 @@
 //! The iterator only walks: it yields converged points until its smallest step fails, and no sharp corner is why. Bounds, closed loops, storing,
 //! progress and cancelling belong to whoever drives it.
 
+mod attempt;
+
+use crate::curve::corner;
 use crate::curve::newton::{Constraint, Newton, NewtonSettings};
 pub use crate::curve::point::CurvePoint;
 use crate::curve::point::{land, unit};
@@ -10,28 +13,15 @@ use crate::curve::problem::{Failure, Problem, inner, norm, weighted};
 use crate::curve::record::{Ahead, Recorder, Step};
 pub use crate::curve::settings::{ContinuationSettings, Corrector, Predictor};
 use crate::curve::stabiliser::Stabiliser;
-use crate::curve::{corner, crossing};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 /// Cosine between a step and the tangent at its end below which the tangent is computed anew.
 const STALE: f64 = 0.97;
 
-/// Smallest cosine between a step longer than the largest one of the settings and the mean of the tangents at its ends, which on
-/// a smooth curve is next to 1. A step that has hopped across the gap between two curves that nearly meet, where both turn sharply,
-/// is not along it; nor is one whose tangents belong to points nearby, which is then taken shorter without need.
-const STRAIGHT: f64 = 0.996;
-
 /// Scaled size from which on the largest step grows with a state: of a motion many times as large as the reference length, steps
 /// that suit that length resolve more than anybody can see, and use up the points of a branch.
 const LARGE: f64 = 5.0;
-
-/// Steps of so many shortest ones may change the sign of the determinant.
-const CROSSING: f64 = 64.0;
-
-/// How far before a crossing the walk stops to pass it, as a share of the way there: near enough to know that it is led to it, and so far
-/// that the Jacobian still tells the direction.
-const BEFORE: f64 = 0.02;
 
 /// An iteration that fails with a smaller residual fails by rounding.
 const NOISE: f64 = 1e-8;
@@ -211,76 +201,6 @@ impl<'p, P: Problem> Continuation<'p, P> {
             point.turn_round();
         }
         Ok(point)
-    }
-
-    /// A candidate next point with the present step, or why not.
-    fn attempt(&mut self) -> Result<CurvePoint, Rejection> {
-        let from = self.current.clone();
-        let previous = self.previous.take();
-        let result = self.correct(&from, previous.as_ref().map(|previous| &previous.y[..]), self.step);
-        self.previous = previous;
-        let point = result.map_err(Rejection::Newton)?;
-        let metric = self.problem.metric();
-        let moved: Vec<f64> = point.y.iter().zip(&from.y).map(|(a, b)| a - b).collect();
-        let cosine = inner(metric, &moved, &from.tangent) / norm(metric, &moved);
-        let mean: Vec<f64> = point.tangent.iter().zip(&from.tangent).map(|(a, b)| a + b).collect();
-        let straightness = inner(metric, &moved, &mean) / (norm(metric, &moved) * norm(metric, &mean));
-        // A step that does not move has no angle.
-        let is_bent = self.step > self.settings.max_step && straightness < STRAIGHT;
-        let is_off = cosine.is_nan() || cosine < self.settings.min_cosine || is_bent;
-        let turns = point.orientation.signum() != from.orientation.signum();
-        if !self.problem.are_neighbours(&from.y, &point.y) || self.problem.hops(&from.y, &point.y) {
-            return Err(Rejection::Distance);
-        }
-        // Corners (a law that changes its slope) and crossings stay what they are however short the step. So does the way back:
-        // where two curves nearly meet, it leads across as well, but only as long as the step is longer than the gap.
-        if is_off || turns {
-            let is_shortest = self.step <= CROSSING * self.shortest();
-            let may_cross = !is_off && self.problem.goes_straight_on();
-            let crossing = if may_cross && !is_shortest { self.crossing(&from, &point) } else { None };
-            let is_led = |before: &CurvePoint| crossing::is_led_to(before, [&from, &point]);
-            let is_next = is_shortest || (crossing.is_some() && self.previous.as_ref().is_some_and(is_led));
-            if !(is_next && cosine > 0.0 && self.leads_back(&point, &from)) {
-                if let Some(point) = crossing.and_then(|arc| self.before_crossing(&from, arc)) {
-                    return Ok(point);
-                }
-                return Err(if is_off {
-                    Rejection::Angle(if is_bent { straightness } else { cosine })
-                } else {
-                    Rejection::Orientation
-                });
-            }
-        }
-        Ok(point)
-    }
-
-    /// Arc length to the crossing that a step has led over, if it has.
-    fn crossing(&mut self, from: &CurvePoint, to: &CurvePoint) -> Option<f64> {
-        let near = 0.1 * CROSSING * self.shortest();
-        crossing::between(self.problem, &mut self.newton, &self.settings.newton, [from, to], near)
-    }
-
-    /// A point before the crossing at an arc length. The next step is just long enough to pass it.
-    fn before_crossing(&mut self, from: &CurvePoint, arc: f64) -> Option<CurvePoint> {
-        let distance = BEFORE * arc;
-        let point = self.correct(from, None, arc - distance).ok()?;
-        self.step = 3.0 * distance;
-        (point.orientation * from.orientation > 0.0).then_some(point)
-    }
-
-    /// Whether the way back from a point along its own tangent leads to the one it was reached from, as it does where
-    /// curves cross. After a hop to another part of the curve it leads past it.
-    fn leads_back(&mut self, point: &CurvePoint, from: &CurvePoint) -> bool {
-        let metric = self.problem.metric();
-        let row = weighted(metric, &point.tangent);
-        let back: Vec<f64> = point.y.iter().zip(&from.y).map(|(p, f)| p - f).collect();
-        let distance = norm(metric, &back);
-        let arc = inner(metric, &back, &point.tangent);
-        let y = point.y.iter().zip(&point.tangent).map(|(y, t)| y - arc * t).collect();
-        let Ok(mut landed) = land(self.problem, &mut self.newton, y, &row, &self.settings.newton) else { return false };
-        self.symmetry.keep(self.problem, &mut landed.y, &mut landed.tangent);
-        let miss: Vec<f64> = landed.y.iter().zip(&from.y).map(|(a, b)| a - b).collect();
-        norm(self.problem.metric(), &miss) < 1e-3 * distance
     }
 
     /// Whether the tangent has little to do with the step that led here, on a curve that may turn within a narrow range.
