@@ -34,7 +34,7 @@ fn isolas(folder: &Path) -> Vec<String> {
 fn an_order_has_what_the_structure_forced_on_its_harmonic_has() {
     let folder = tempdir().unwrap();
     let (alone, output) = sweep(&folder, "alone", &["--amplitudes", "1.5,2"]);
-    let of_response = "frequencies in rad/s (of the response: the force has 3 times as much):";
+    let of_response = "frequencies in rad/s (of the response: the force has 3 times as much)";
     let words = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(words(&text(&output)).contains(of_response));
     let (run, output) = sweep(
