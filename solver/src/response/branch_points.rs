@@ -128,9 +128,9 @@ impl<P: Problem> Step<'_, '_, P> {
         is_next.then_some(point)
     }
 
-    /// Branch points on the way to the next point, looked for from an arc length on to which the distance from a singular Jacobian falls as
-    /// steeply. Where the determinant keeps its sign, there is one. Where it
-    /// does not there are two, and the point that tells so lies between them.
+    /// Branch points on the way to the next point, looked for from an arc length on; the distance from a singular Jacobian falls there with
+    /// this slope. Where the determinant keeps its sign, there is one. Where it does not there are two, and the point that tells so lies
+    /// between them.
     fn singular(&mut self, to: &CurvePoint, (mut arc, mut slope): (f64, f64)) -> Vec<(CurvePoint, bool)> {
         let sign = self.from.orientation;
         let [left, right] = [self.from, to].map(|point| point.orientation.abs());

@@ -79,7 +79,7 @@ pub(super) fn scout<'m, F: Formulation<'m>>(
     Some(folds.map(|fold| Landing { state: fold.state.clone(), distance: 0.0 }).collect())
 }
 
-/// How many points from a branch point a curve may turn because of it: it was located by steps that are hardly longer than nothing.
+/// How many points from a branch point a curve may turn because of it: both are located, next to each other.
 const BESIDE: usize = 2;
 
 /// The folds of a branch that are none of the turns which it makes where it crosses one of more symmetric motions.

@@ -18,6 +18,9 @@ const CROSSING: f64 = 64.0;
 /// that the Jacobian still tells the direction.
 const BEFORE: f64 = 0.02;
 
+/// Length of the step over a crossing, in distances at which the walk has stopped before it: half as long, it still passes.
+const PASSING: f64 = 3.0;
+
 impl<P: Problem> Continuation<'_, P> {
     /// A candidate next point with the present step, or why not.
     pub(super) fn attempt(&mut self) -> Result<CurvePoint, Rejection> {
@@ -69,9 +72,10 @@ impl<P: Problem> Continuation<'_, P> {
     /// A point before the crossing at an arc length. The next step is just long enough to pass it.
     fn before_crossing(&mut self, from: &CurvePoint, arc: f64) -> Option<CurvePoint> {
         let distance = BEFORE * arc;
-        let point = self.correct(from, None, arc - distance).ok()?;
-        self.step = 3.0 * distance;
-        (point.orientation * from.orientation > 0.0).then_some(point)
+        let point = self.correct(from, None, arc - distance).ok();
+        let point = point.filter(|point| point.orientation * from.orientation > 0.0)?;
+        self.step = PASSING * distance;
+        Some(point)
     }
 
     /// Whether the way back from a point along its own tangent leads to the one it was reached from, as it does where
