@@ -14,8 +14,11 @@ use solver::response::columns;
 pub struct BackboneMessage {
     /// Mode it starts from, from 0.
     pub mode: usize,
-    /// How it begins and ends.
+    /// How its first piece begins and ends.
     pub outcome: Outcome,
+    /// How further pieces begin and end; not written without any.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub crossing: Vec<Outcome>,
     /// Steps refused and repeated shorter.
     pub rejections: usize,
     /// The points.
@@ -37,6 +40,7 @@ impl From<&Backbone> for BackboneMessage {
         Self {
             mode: backbone.mode,
             outcome: backbone.outcome,
+            crossing: backbone.crossing.clone(),
             rejections: backbone.rejections,
             points: Points::new(points.iter().map(|point| &point.point)),
             columns: Columns::new(columns::of_backbone(), points.iter().map(|point| &point.values)),
@@ -53,7 +57,7 @@ impl BackboneMessage {
         let points = self.points.points(size)?;
         let rows = self.columns.rows(columns::of_backbone(), points.len(), size)?;
         let points = points.into_iter().zip(rows).map(|(point, values)| BackbonePoint { point, values });
-        let (mode, outcome, rejections) = (self.mode, self.outcome, self.rejections);
-        Ok(Backbone { mode, points: points.collect(), outcome, rejections })
+        let (mode, outcome, crossing) = (self.mode, self.outcome, self.crossing.clone());
+        Ok(Backbone { mode, points: points.collect(), outcome, crossing, rejections: self.rejections })
     }
 }

@@ -278,6 +278,7 @@ pub fn backbone() -> BackboneMessage {
     BackboneMessage {
         mode: 0,
         outcome: Outcome::Open(Stop::Start, Stop::AmplitudeBound),
+        crossing: vec![Outcome::Open(Stop::Branching, Stop::FrequencyBound)],
         rejections: 2,
         points: points(3),
         columns: Columns::from_iter([
@@ -288,6 +289,7 @@ pub fn backbone() -> BackboneMessage {
             ("threshold", Array::new([3], [0.5, 0.25, f64::INFINITY])),
             ("arc", counting(&[3], 0.0)),
             ("contributions", Array::new([3, 2], [1.0, 0.0, 0.75, 0.25, 0.5, 0.5])),
+            ("piece", Array::new([3], [0.0, 0.0, 1.0])),
         ]),
     }
 }

@@ -11,9 +11,11 @@ import numpy as np
 from .live.wire import Floats
 
 if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.lines import Line2D
-    from numpy.typing import NDArray
+    from numpy.typing import ArrayLike, NDArray
 
 #: Colours as in the figures of the program, of what is not a branch.
 INK, SHADE, ISOLA, FOLDS, WORK = "#1a2027", "#8b96a1", "#d55e00", "#b0508a", "#7a3300"
@@ -256,6 +258,15 @@ def name_curves(axes: Axes, curves: Iterable[Line2D], names: Iterable[tuple[str,
 def text(value: float) -> str:
     """A number as people write it."""
     return f"{value:g}"
+
+
+def by_pieces(curve: pd.DataFrame | xr.Dataset, values: ArrayLike) -> Floats:
+    """Values along a backbone, NaN at the first point of every piece but one: lines break there."""
+    values = np.array(values, dtype=float)
+    # Runs of before have one piece.
+    if "piece" in curve and len(values):
+        values[1:][np.diff(curve["piece"].to_numpy()) != 0] = np.nan
+    return values
 
 
 def up_to(top: float, at: Floats, height: Floats) -> tuple[Floats, Floats]:

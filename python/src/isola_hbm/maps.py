@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pandas as pd
 
-from .drawing import FOLDS, INK, ISOLA, SHADE, WORK, Units, beside, legend, logarithmic, text
+from .drawing import FOLDS, INK, ISOLA, SHADE, WORK, Units, beside, by_pieces, legend, logarithmic, text
 from .live.wire import Floats
 
 if TYPE_CHECKING:
@@ -93,7 +93,7 @@ def _draw_thresholds(run: StoredRun, axes: Axes, units: Units, levels: list[floa
     near = _near(run, levels) if levels else (0.0, np.inf)
     shown = []
     for i, (_, curve) in enumerate(table.groupby("mode", sort=False)):
-        threshold = curve["threshold"].where(curve["threshold"].between(*near))
+        threshold = pd.Series(by_pieces(curve, curve["threshold"].where(curve["threshold"].between(*near))), curve.index)
         if i and not threshold.notna().any():
             continue
         # The primary mode comes first; the others stand back.

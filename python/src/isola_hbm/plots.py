@@ -22,6 +22,7 @@ from .drawing import (
     along_ramp,
     around,
     axes_of,
+    by_pieces,
     faded,
     legend,
     limits_of,
@@ -213,9 +214,8 @@ class Plots(Drawn):
         (left, right), top = axes.get_xlim(), axes.get_ylim()[1]
         for mode, curve in table.groupby("mode", sort=False):
             label = f"backbone of mode {mode}" if table["mode"].nunique() > 1 else "backbone"
-            at, height = up_to(
-                top, units.frequencies(curve["omega"]).to_numpy(), units.lengths(curve["amplitude"]).to_numpy()
-            )
+            lengths = by_pieces(curve, units.lengths(curve["amplitude"]))
+            at, height = up_to(top, units.frequencies(curve["omega"]).to_numpy(), lengths)
             low, high = np.minimum(at[1:], at[:-1]), np.maximum(at[1:], at[:-1])
             if ((low <= right) & (high >= left) & np.isfinite(height[1:] + height[:-1])).any():
                 add_line(axes, at, height, color=SHADE, linestyle="--", linewidth=1.0, zorder=1, label=label)
@@ -279,9 +279,10 @@ class Plots(Drawn):
         curve = curve.isel(point=slice(near[-1] + 1)) if len(near) and near[-1] >= _FEWEST else curve
         axes = axes_of(ax)
         arc, work = curve["arc"].to_numpy(), float(amplitude) * curve["work_per_amplitude"].to_numpy()
+        work = by_pieces(curve, work)
         # A* is infinite where the forcing does no work.
         with np.errstate(invalid="ignore"):
-            needed = (curve["threshold"] * curve["work_per_amplitude"]).to_numpy()
+            needed = by_pieces(curve, curve["threshold"] * curve["work_per_amplitude"])
         axes.plot(arc, needed, color=INK, label="to be supplied, A*·W")
         axes.plot(arc, work, color=WORK, linestyle="--", label="supplied, A·W")
         # Windows of one or two points have a width as well.

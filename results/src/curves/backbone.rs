@@ -2,12 +2,13 @@
 
 use super::column::{Column, Quantity};
 use crate::overview::SmallestMotion;
-use solver::curve::extrema::turning_points;
 use solver::formulation::harmonics::complex;
 use solver::response::backbone::{Backbone, BackbonePoint};
+use solver::response::branch::Outcome;
 use solver::response::columns;
 use solver::response::windows::{Event, EventKind, events};
 use solver::structure::Model;
+use std::ops::Range;
 
 /// Modes drawn at most.
 const MODES: usize = 6;
@@ -27,11 +28,9 @@ const RESONANT: f64 = 0.1;
 pub struct BackboneCurve {
     /// Mode it starts from, from 0.
     pub mode: usize,
-    /// How it ends, in words.
-    pub status: String,
-    /// Whether it goes on where it ends.
-    pub is_unfinished: bool,
-    /// Frequency.
+    /// The curve that grows out of the linear mode, and those that cross it or each other.
+    pub pieces: Vec<Piece>,
+    /// Frequency. It, amplitudes and arc are NaN at the first point of every piece but one, where lines break.
     pub omega: Column,
     /// Decay rate.
     pub decay: Column,
@@ -61,6 +60,17 @@ pub struct BackboneCurve {
     pub modes: Vec<ModeShare>,
     /// Where the share of a mode peaks.
     pub peaks: Vec<Peak>,
+}
+
+/// A piece of the backbone.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Piece {
+    /// Its points, by index.
+    pub points: Range<usize>,
+    /// How it begins and ends, in words.
+    pub status: String,
+    /// Whether it goes on where it ends.
+    pub is_unfinished: bool,
 }
 
 /// A mode along the backbone.
@@ -99,17 +109,24 @@ impl BackboneCurve {
         let points = &backbone.points;
         let column = |of: &dyn Fn(&BackbonePoint) -> f64| points.iter().map(of).collect::<Vec<f64>>();
         let short = |of: &dyn Fn(&BackbonePoint) -> f64| Column::short(column(of));
+        let pieces = pieces(backbone);
+        // Lines break where a piece begins.
+        let drawn = |of: &dyn Fn(&BackbonePoint) -> f64| {
+            let mut values = column(of);
+            pieces.iter().skip(1).for_each(|piece| values[piece.points.start] = f64::NAN);
+            values
+        };
         let modes = modes(backbone, model);
         let mut peaks: Vec<Peak> = modes.iter().skip(1).flat_map(|mode| peaks(backbone, mode)).collect();
         peaks.sort_by(|a, b| b.share.total_cmp(&a.share));
         peaks.truncate(PEAKS);
         Self {
             mode: backbone.mode,
-            status: backbone.outcome.to_string(),
-            is_unfinished: backbone.outcome.is_unfinished(),
-            omega: Column::exact(column(&|p| p.point.omega())),
+            omega: Column::exact(drawn(&|p| p.point.omega())),
             decay: short(&|p| p.point.state.decay),
-            amplitude: (0..model.monitors().len()).map(|m| short(&|p| p.point.amplitudes()[m])).collect(),
+            amplitude: (0..model.monitors().len())
+                .map(|m| Column::short(drawn(&|p| p.point.amplitudes()[m])))
+                .collect(),
             contact: short(&|p| p.point.contact().iter().copied().fold(f64::NAN, f64::max)),
             r_lin: short(&|p| p.energies().linear),
             r_nl: short(&|p| p.energies().nonlinear),
@@ -117,12 +134,18 @@ impl BackboneCurve {
             needed: short(&|p| p.threshold() * p.energies().work_per_amplitude),
             threshold: short(&|p| p.threshold()),
             certificate: short(&|p| p.energies().certificate),
-            arc: short(&|p| p.arc()),
+            arc: Column::short(drawn(&|p| p.arc())),
             later: later(points),
             events: events(backbone),
             modes,
             peaks,
+            pieces,
         }
+    }
+
+    /// Where the curve ends that grows out of the linear mode, by index; `None` without a point.
+    pub fn end(&self) -> Option<usize> {
+        self.pieces.first()?.points.end.checked_sub(1)
     }
 }
 
@@ -176,6 +199,17 @@ impl BackboneCurve {
     }
 }
 
+fn pieces(backbone: &Backbone) -> Vec<Piece> {
+    let mut first = 0;
+    let outcomes = std::iter::once(&backbone.outcome).chain(&backbone.crossing);
+    let of = |(outcome, points): (&Outcome, &[BackbonePoint])| {
+        let begin = first;
+        first += points.len();
+        Piece { points: begin..first, status: outcome.to_string(), is_unfinished: outcome.is_unfinished() }
+    };
+    outcomes.zip(backbone.pieces()).map(of).collect()
+}
+
 /// What every point has of the columns that were added later and are shown.
 fn later(points: &[BackbonePoint]) -> Vec<Quantity> {
     let is_shown = |(_, column): &(usize, &columns::Column)| column.is_later && column.hover.is_some();
@@ -207,9 +241,8 @@ fn modes(backbone: &Backbone, model: &Model) -> Vec<ModeShare> {
 
 fn peaks<'b>(backbone: &'b Backbone, mode: &'b ModeShare) -> impl Iterator<Item = Peak> + 'b {
     let logs: Vec<f64> = mode.share.values.iter().map(|share| share.max(1e-12).ln()).collect();
-    let found = turning_points(&logs, PROMINENCE.ln()).into_iter();
-    let is_peak = move |&(index, is_maximum): &(usize, bool)| is_maximum && index > 0 && index + 1 < logs.len();
-    found.filter(is_peak).filter(|&(index, _)| mode.share.values[index] > LABELLED).map(move |(index, _)| {
+    let maxima = backbone.turning_points(&logs, PROMINENCE.ln()).into_iter().filter(|&(_, is_maximum)| is_maximum);
+    maxima.filter(|&(index, _)| mode.share.values[index] > LABELLED).map(move |(index, _)| {
         let state = &backbone.points[index].point.state;
         let series = state.mode(mode.mode);
         let size = |k: usize| complex(series, k).norm();

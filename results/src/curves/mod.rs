@@ -8,7 +8,7 @@ mod monitor;
 mod motion;
 mod resonance;
 
-pub use backbone::{BackboneCurve, ModeShare, Peak};
+pub use backbone::{BackboneCurve, ModeShare, Peak, Piece};
 pub use branch::{Beyond, Curve, largest};
 pub use column::{Column, Quantity};
 pub use marched::{MarchedPeriod, marched};

@@ -49,7 +49,8 @@ impl Resonance {
     fn of_balance(backbone: &BackboneCurve, limit: f64) -> Self {
         let (threshold, omega) = (&backbone.threshold.values, &backbone.omega.values);
         let amplitude = &backbone.amplitude[0].values;
-        let mut order: Vec<usize> = (0..threshold.len()).filter(|&i| threshold[i] <= limit).collect();
+        let is_known = |&i: &usize| threshold[i] <= limit && !amplitude[i].is_nan();
+        let mut order: Vec<usize> = (0..threshold.len()).filter(is_known).collect();
         order.sort_by(|&i, &j| threshold[i].total_cmp(&threshold[j]));
         let mut curve = Self::default();
         let mut best: Option<usize> = None;
@@ -70,7 +71,7 @@ impl Resonance {
             let share = (limit - threshold[best]) / (threshold[next] - threshold[best]);
             let between = |column: &[f64]| column[best] + share * (column[next] - column[best]);
             curve.push(limit, between(omega), between(amplitude));
-        } else if best + 1 < threshold.len() {
+        } else if backbone.pieces.iter().all(|piece| piece.points.end != best + 1) {
             curve.push(limit, omega[best], amplitude[best]);
         }
         curve

@@ -3,7 +3,7 @@
 
 use super::style::Color;
 use super::subject::Subject;
-use crate::curves::BackboneCurve;
+use crate::curves::{BackboneCurve, Piece};
 use crate::overview::{Level, WindowOutcome, WindowRow, briefly, elsewhere};
 use crate::words::{count, digits};
 use serde::Serialize;
@@ -40,6 +40,14 @@ pub struct Run {
     pub color: Color,
 }
 
+impl Run {
+    /// The same, so many points later.
+    fn after(self, points: usize) -> Self {
+        let later = points as f64;
+        Self { first: self.first + later, last: self.last + later, best: self.best + points, ..self }
+    }
+}
+
 impl Frame {
     /// Of a level of a run.
     pub fn of_level(subject: &Subject<'_>, backbone: &BackboneCurve, level: usize) -> Option<Self> {
@@ -54,7 +62,12 @@ impl Frame {
     }
 
     fn new(backbone: &BackboneCurve, amplitude: f64, level: Option<(usize, &Level)>) -> Self {
-        let mut runs = runs(&backbone.threshold.values, amplitude);
+        let mut runs: Vec<Run> = Vec::new();
+        for piece in &backbone.pieces {
+            let first = piece.points.start;
+            let found = self::runs(&backbone.threshold.values[piece.points.clone()], amplitude).into_iter();
+            runs.extend(found.map(|run| run.after(first)));
+        }
         let row = |run: &Run| level.and_then(|(_, level)| window_of(level, backbone, run));
         for (k, run) in runs.iter_mut().enumerate() {
             run.name = name(row(run), k + 1);
@@ -170,7 +183,8 @@ fn sentence(backbone: &BackboneCurve, number: usize, run: &Run, level: Option<(u
     // The same numbers as in the account.
     let (low, high) = window.map_or((low, high), |window| window.omega);
     let threshold = digits(backbone.threshold.values[run.best], 4);
-    let is_inside = run.best > 0 && run.best + 1 < backbone.threshold.values.len();
+    let is_end = |piece: &Piece| [piece.points.start, piece.points.end - 1].contains(&run.best);
+    let is_inside = !backbone.pieces.iter().any(is_end);
     let begins = if is_inside { "born at A* =" } else { "A* down to" };
     let (low, high) = (digits(low, 5), digits(high, 5));
     format!("Window {number}: {low} to {high} rad/s, {begins} {threshold}; {which}.{outcome}")

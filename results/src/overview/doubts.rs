@@ -29,10 +29,13 @@ pub fn doubts(reader: &Reader) -> Result<Option<String>> {
     let levels: Vec<f64> = reader.levels()?.into_iter().map(|(_, _, value)| value).collect();
     let highest = levels.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let stop_of = |outcome: &Outcome| unfinished(outcome).map(|stop| plain(&stop.to_string()));
-    let stopped = |backbone: &BackboneMessage| stop_of(&backbone.outcome).filter(|_| !is_beyond(backbone, highest));
     for backbone in reader.backbone()?.into_iter().chain(reader.further_backbones()?) {
-        let stop = stopped(&backbone);
-        curves.extend(stop.map(|stop| format!("the backbone of mode {} ({stop})", backbone.mode + 1)));
+        let ends = last_points(&backbone).into_iter().enumerate();
+        let stopped = ends.filter(|(_, (_, end))| !is_beyond(&backbone, *end, highest));
+        curves.extend(stopped.filter_map(|(piece, (outcome, _))| {
+            let what = if piece == 0 { "the" } else { "a curve that crosses the" };
+            Some(format!("{what} backbone of mode {} ({})", backbone.mode + 1, stop_of(outcome)?))
+        }));
     }
     if let Some(choice) = reader.modes()? {
         curves.extend(not_started(&choice).map(|(mode, _)| format!("the backbone of mode {} (no start)", mode + 1)));
@@ -106,16 +109,26 @@ pub fn ends_far_beyond(threshold: f64, share: f64, forcing: f64) -> bool {
     threshold.is_finite() && threshold > FAR * forcing && share > 0.5
 }
 
-/// The same of a backbone as it is stored.
-fn is_beyond(backbone: &BackboneMessage, forcing: f64) -> bool {
+/// How the pieces of a backbone begin and end, with the number of the last point of each.
+fn last_points(backbone: &BackboneMessage) -> Vec<(&Outcome, usize)> {
+    let count = backbone.points.len();
+    let pieces = backbone.columns.get("piece").and_then(|array| array.values("piece", &[count]).ok());
+    let pieces = pieces.unwrap_or_else(|| vec![0.0; count]);
+    let is_last = |&i: &usize| i + 1 == count || pieces[i] != pieces[i + 1];
+    let outcomes = std::iter::once(&backbone.outcome).chain(&backbone.crossing);
+    outcomes.zip((0..count).filter(is_last)).collect()
+}
+
+/// Whether a piece of a backbone as it is stored ends far beyond a forcing amplitude, at this point.
+fn is_beyond(backbone: &BackboneMessage, end: usize, forcing: f64) -> bool {
     let count = backbone.points.len();
     let column = |name| backbone.columns.get(name);
     let thresholds = column("threshold").and_then(|array| array.values("threshold", &[count]).ok());
-    let last = thresholds.and_then(|values| values.last().copied());
+    let last = thresholds.and_then(|values| values.get(end).copied());
     let contributions = column("contributions").filter(|array| array.is_sound() && array.shape.len() == 2);
     let share = contributions.and_then(|array| {
         let values = array.values("contributions", &[count, array.shape[1]]).ok()?;
-        values.get(count.checked_sub(1)? * array.shape[1] + backbone.mode).copied()
+        values.get(end * array.shape[1] + backbone.mode).copied()
     });
     last.zip(share).is_some_and(|(last, share)| ends_far_beyond(last, share, forcing))
 }

@@ -81,7 +81,7 @@ impl<'r> Evidence<'r> {
 
     /// What was looked for and what was not.
     pub fn looked_for(&self) -> LookedFor<'_> {
-        let end = |backbone: &BackboneCurve| (backbone.mode, backbone.threshold.values.last().copied());
+        let end = |backbone: &BackboneCurve| (backbone.mode, backbone.end().map(|end| backbone.threshold.values[end]));
         LookedFor {
             levels: self.levels,
             backbones: self.backbones().map(end).collect(),

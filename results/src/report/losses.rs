@@ -1,7 +1,7 @@
 //! What a run has lost: why what was found may not be all that its search would have found.
 
 use super::evidence::Evidence;
-use crate::curves::{BackboneCurve, Column};
+use crate::curves::{Column, Piece};
 use crate::overview::modes::not_started;
 use crate::overview::{Level, ends_far_beyond};
 use crate::store::{CurvePoint, CurveRow};
@@ -73,18 +73,22 @@ pub(super) fn losses(evidence: &Evidence<'_>) -> Vec<Loss> {
         list.push(Loss::new(format!("{main} unfinished"), sentence));
     }
     let highest = levels.iter().map(|level| level.value).fold(f64::NEG_INFINITY, f64::max);
-    let matters = |backbone: &&BackboneCurve| {
-        let last = |column: &Column| column.values.last().copied().unwrap_or(f64::NAN);
-        let share = backbone.modes.first().map_or(f64::NAN, |own| last(&own.share));
-        backbone.is_unfinished && !ends_far_beyond(last(&backbone.threshold), share, highest)
-    };
-    for backbone in evidence.backbones().filter(matters) {
-        let (mode, status) = (backbone.mode + 1, &backbone.status);
-        let sentence =
-            format!("The backbone of mode {mode} stopped early ({status}): the energy balance beyond is not known.");
+    for backbone in evidence.backbones() {
+        let matters = |piece: &&Piece| {
+            let last = |column: &Column| column.values.get(piece.points.end - 1).copied().unwrap_or(f64::NAN);
+            let share = backbone.modes.first().map_or(f64::NAN, |own| last(&own.share));
+            piece.is_unfinished && !ends_far_beyond(last(&backbone.threshold), share, highest)
+        };
+        let mode = backbone.mode + 1;
         let is_primary = evidence.backbone.is_some_and(|primary| primary.mode == backbone.mode);
         let of = if is_primary { String::new() } else { format!(" of mode {mode}") };
-        list.push(Loss::new(format!("backbone{of} stopped early"), sentence));
+        for piece in backbone.pieces.iter().filter(matters) {
+            let (what, status) = (if piece.points.start == 0 { "" } else { "curve that crosses the " }, &piece.status);
+            let sentence = format!(
+                "The {what}backbone of mode {mode} stopped early ({status}): the energy balance beyond is not known."
+            );
+            list.push(Loss::new(format!("{what}backbone{of} stopped early"), sentence));
+        }
     }
     for (mode, reason) in evidence.modes.into_iter().flat_map(not_started) {
         let brief = format!("no backbone of mode {}", mode + 1);

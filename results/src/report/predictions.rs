@@ -64,7 +64,9 @@ impl Evidence<'_> {
         };
         let births = births.filter(is_met);
         let is_separate = |(backbone, birth): &(&BackboneCurve, &Event)| {
-            let barrier = backbone.threshold.values[..birth.index].iter().copied().fold(0.0, f64::max);
+            let piece = backbone.pieces.iter().find(|piece| piece.points.contains(&birth.index));
+            let first = piece.map_or(0, |piece| piece.points.start);
+            let barrier = backbone.threshold.values[first..birth.index].iter().copied().fold(0.0, f64::max);
             self.levels.iter().any(|level| (birth.threshold..barrier).contains(&level.value))
         };
         let first = births.filter(is_separate).min_by(|(_, a), (_, b)| a.threshold.total_cmp(&b.threshold));

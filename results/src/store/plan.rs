@@ -135,6 +135,7 @@ fn without_numbers(backbone: &BackboneMessage) -> BackboneMessage {
     BackboneMessage {
         mode: backbone.mode,
         outcome: backbone.outcome,
+        crossing: backbone.crossing.clone(),
         rejections: backbone.rejections,
         points: empty_points(&backbone.points),
         columns: backbone.columns.emptied(),

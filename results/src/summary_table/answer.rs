@@ -56,7 +56,11 @@ fn isolas(levels: &[Level]) -> Option<String> {
     };
     let found = if all == 1 { "An isola was found" } else { "Isolas were found" };
     let so_far = if levels.iter().all(Level::is_complete) { "" } else { " so far" };
-    Some(format!("{found}{so_far} at {} of {} levels, A = {list}{doubt}.", with.len(), levels.len()))
+    let share = match levels.len() {
+        1 => String::new(),
+        count => format!("{} of {count} levels, ", with.len()),
+    };
+    Some(format!("{found}{so_far} at {share}A = {list}{doubt}."))
 }
 
 /// That what is detached need not be closed.
@@ -138,6 +142,7 @@ mod tests {
         let mut levels = vec![level("1", vec![main()]), level("2", vec![main(), isola()])];
         assert_eq!(isolas(&levels[..1]), None);
         assert_eq!(isolas(&levels).unwrap(), "An isola was found at 1 of 2 levels, A = 2.");
+        assert_eq!(isolas(&levels[1..]).unwrap(), "An isola was found at A = 2.");
         levels.push(level("3", vec![main(), isola(), isola()]));
         assert_eq!(isolas(&levels).unwrap(), "Isolas were found at 2 of 3 levels, A = 2 and 3 (2 there).");
         levels[0].pending = 1;

@@ -15,7 +15,8 @@ use solver::settings::{Effort, FrequencySettings};
 pub(super) fn looked_for(known: &Known) -> Option<String> {
     let (model, settings) = (known.model.as_ref()?, known.settings.as_ref()?);
     let why = why_no_folds(model, settings);
-    let end = |(mode, backbone): &(usize, Option<Backbone>)| (*mode, backbone.as_ref().and_then(last_threshold));
+    let end =
+        |(mode, backbone): &(usize, Option<Backbone>)| (*mode, backbone.as_ref().and_then(Backbone::last_threshold));
     let looked_for = LookedFor {
         levels: known.levels(),
         backbones: known.backbones.iter().map(end).collect(),
@@ -59,11 +60,6 @@ pub(super) fn no_isola(known: &Known) -> Option<String> {
         false => "",
     };
     Some(format!("No isola was found{born}{only}{unknown}."))
-}
-
-/// The threshold A* where a backbone ends.
-fn last_threshold(backbone: &Backbone) -> Option<f64> {
-    Some(backbone.points.last()?.threshold())
 }
 
 /// How motions of further periods, for which nobody looked, are looked for, and which are the next.

@@ -29,6 +29,24 @@ pub struct Identity {
 }
 
 impl Identity {
+    /// Number of the point of a curve between which and the next one a solution lies, or an image of it, if it lies on the curve.
+    pub fn position<P: Problem>(
+        &mut self,
+        problem: &mut P,
+        settings: &NewtonSettings,
+        points: &[&[f64]],
+        is_closed: bool,
+        target: &[f64],
+    ) -> Option<usize> {
+        let targets = problem.distinct_images(target);
+        let last = if is_closed { points.first() } else { None };
+        let successors = points.iter().skip(1).chain(last);
+        points
+            .iter()
+            .zip(successors)
+            .position(|(a, b)| targets.iter().any(|target| self.passes(problem, settings, [a, b], target)))
+    }
+
     /// Whether the curve between two of its neighbouring points `a` and `b` passes through the solution `target`.
     pub fn passes<P: Problem>(
         &mut self,

@@ -13,4 +13,5 @@ pub mod problem;
 pub mod record;
 mod settings;
 mod stabiliser;
+pub mod switch;
 pub mod walk;

@@ -85,12 +85,6 @@ pub trait Problem {
         true
     }
 
-    /// Whether a walk passes crossings of curves at a distance from which it knows where it goes on straight. Curves of free motions are
-    /// followed to the crossing itself, where rounding tells whether they turn.
-    fn goes_straight_on(&self) -> bool {
-        true
-    }
-
     /// Number of states that are the same solution: itself and what symmetries of the problem make of it.
     fn images(&self) -> usize {
         1

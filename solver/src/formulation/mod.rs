@@ -25,6 +25,7 @@ use aft::Aft;
 use modal::Modal;
 use scales::Scales;
 use state::State;
+use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 use thiserror::Error;
 use unknown::Unknown;
@@ -89,24 +90,30 @@ impl<'m> System<'m> {
     }
 
     /// Number of motions that are the same solution: time shifts by whole periods of the forcing, m in a period of the response,
-    /// and for a symmetric structure as many by half a period more, mirrored.
+    /// and for a symmetric structure as many by half a period more, mirrored. Of free motions those that keep their phase condition: half
+    /// a period later, and for a symmetric structure mirrored, or both.
     fn images(&self) -> usize {
+        let shifts = if self.unknown.is_autonomous() { 2 } else { self.modal.harmonic() };
+        if self.is_symmetric { 2 * shifts } else { shifts }
+    }
+
+    /// How image `index` comes about: a shift of the phase, and whether it is mirrored.
+    fn image_of(&self, index: usize) -> (f64, bool) {
         match (self.unknown.is_autonomous(), self.is_symmetric) {
-            (true, _) => 1,
-            (false, false) => self.modal.harmonic(),
-            (false, true) => 2 * self.modal.harmonic(),
+            (true, false) => (PI * index as f64, false),
+            (true, true) => [(0.0, false), (PI, true), (PI, false), (0.0, true)][index],
+            (false, false) => (TAU * index as f64 / self.modal.harmonic() as f64, false),
+            (false, true) => (PI * index as f64 / self.modal.harmonic() as f64, index % 2 == 1),
         }
     }
 
-    /// Image `index` of a state or direction whose first `motion` entries are series: shifted in time by so many periods of the
-    /// forcing, or half periods, and then mirrored if the number is odd.
+    /// Image `index` of a state or direction whose first `motion` entries are series.
     fn image(&self, y: &[f64], motion: usize, index: usize) -> Vec<f64> {
-        let halves = if self.is_symmetric { index } else { 2 * index };
-        let phase = std::f64::consts::PI * halves as f64 / self.modal.harmonic() as f64;
+        let (phase, is_mirrored) = self.image_of(index);
         let mut image = y.to_vec();
         for series in image[..motion].chunks_mut(harmonics::width(self.harmonics)) {
             harmonics::shift_phase(series, phase);
-            if halves % 2 == 1 {
+            if is_mirrored {
                 series.iter_mut().for_each(|x| *x = -*x);
             }
         }

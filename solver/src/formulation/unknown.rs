@@ -78,11 +78,6 @@ impl Unknown {
         matches!(self, Unknown::Mode { .. })
     }
 
-    /// Whether solutions are a backbone.
-    pub fn is_backbone(self) -> bool {
-        matches!(self, Unknown::Mode { .. } | Unknown::PhaseResonance)
-    }
-
     /// Complex amplitude of a force on harmonic 1 beside that of amplitude A, in units of it.
     pub fn fundamental(self) -> Complex64 {
         match self {

@@ -1,12 +1,13 @@
 //! Backbone: the nonlinear normal mode of one mode, or its resonances in quadrature with the forcing, with energies and
 //! modal contributions (paper [20–26]).
 
+mod crossing;
 mod error;
 
 use crate::curve::continuation::Continuation;
-use crate::curve::extrema::{insert_maxima, locate_maximum};
+use crate::curve::extrema::{insert_maxima, locate_maximum, turning_points};
 use crate::curve::problem::{Failure, norm};
-use crate::curve::walk::{Bounds, relative_distance, walk, walk_both};
+use crate::curve::walk::{Bounds, TracedCurve, relative_distance, walk, walk_both};
 use crate::formulation::linear;
 use crate::formulation::pressure::PressureForm;
 use crate::formulation::scales::Scales;
@@ -18,6 +19,7 @@ use crate::response::columns::{self, OnBackbone, Row};
 use crate::response::melnikov::Energies;
 use crate::settings::{BackboneEquation, Criterion, Settings, SettingsError};
 use crate::structure::Model;
+use crossing::{Way, curves_across};
 pub use error::BackboneError;
 use error::drifting;
 use serde::{Deserialize, Serialize};
@@ -53,9 +55,14 @@ impl BackbonePoint {
         self.values.all(columns::CONTRIBUTIONS)
     }
 
-    /// Scaled arc length from the first point.
+    /// Scaled arc length from the first point; that of a piece goes on from the end of the one before.
     pub fn arc(&self) -> f64 {
         self.values.first(columns::ARC)
+    }
+
+    /// Number of the piece it belongs to, from 0.
+    pub fn piece(&self) -> usize {
+        self.values.get(columns::PIECE).map_or(0, |values| values[0] as usize)
     }
 }
 
@@ -64,10 +71,13 @@ impl BackbonePoint {
 pub struct Backbone {
     /// Mode it starts from, from 0.
     pub mode: usize,
-    /// Points along the arc.
+    /// Points along the arc, piece after piece: the first piece grows out of the linear mode, further ones cross it or each other at
+    /// branch points ([`BackbonePoint::piece`]).
     pub points: Vec<BackbonePoint>,
-    /// How it begins and ends.
+    /// How its first piece begins and ends.
     pub outcome: Outcome,
+    /// How further pieces begin and end.
+    pub crossing: Vec<Outcome>,
     /// Steps refused and repeated shorter.
     pub rejections: usize,
 }
@@ -148,8 +158,8 @@ impl Backbone {
         Self::compute_in::<PressureForm<'_>>(model, settings, observer)
     }
 
-    /// The same, as far as responses to forcing amplitudes up to `forcing` go: unless the settings give a largest amplitude, a backbone
-    /// whose threshold is not beyond that where it ends is followed farther.
+    /// The same, as far as responses to forcing amplitudes up to `forcing` go, with the curves that cross it where it matters for these:
+    /// unless the settings give a largest amplitude, a backbone whose threshold is not beyond that where it ends is followed farther.
     ///
     /// # Errors
     /// Those of [`Backbone::compute`].
@@ -159,19 +169,19 @@ impl Backbone {
         forcing: f64,
         observer: &mut Observer<'_>,
     ) -> Result<Self, BackboneError> {
-        let mut backbone = Self::compute_with(model, settings, observer)?;
+        let mut compute =
+            |settings: &Settings| Self::compute_for::<PressureForm<'_>>(model, settings, forcing, observer);
+        let mut backbone = compute(settings)?;
         let (farther, times) = FARTHER;
         let mut wider = *settings;
         let mut bound = FOLLOWED * Scales::new(model, settings.tracked(model)).length;
         for _ in 0..times {
-            let is_at_bound = matches!(backbone.outcome, Outcome::Open(_, Stop::AmplitudeBound));
-            let is_enough = backbone.points.last().is_none_or(|last| last.threshold() > ENOUGH * forcing);
-            if settings.backbone.max_amplitude.is_some() || !is_at_bound || is_enough {
+            if settings.backbone.max_amplitude.is_some() || backbone.is_enough(forcing) {
                 break;
             }
             bound *= farther;
             wider.backbone.max_amplitude = Some(bound);
-            backbone = Self::compute_with(model, &wider, observer)?;
+            backbone = compute(&wider)?;
         }
         Ok(backbone)
     }
@@ -183,6 +193,15 @@ impl Backbone {
     pub fn compute_in<'m, F: Formulation<'m>>(
         model: &'m Model,
         settings: &Settings,
+        observer: &mut Observer<'_>,
+    ) -> Result<Self, BackboneError> {
+        Self::compute_for::<F>(model, settings, 0.0, observer)
+    }
+
+    fn compute_for<'m, F: Formulation<'m>>(
+        model: &'m Model,
+        settings: &Settings,
+        forcing: f64,
         observer: &mut Observer<'_>,
     ) -> Result<Self, BackboneError> {
         settings.validate(model)?;
@@ -212,20 +231,22 @@ impl Backbone {
                 if start.omega < low { ("backbone.min_frequency", low) } else { ("backbone.max_frequency", high) };
             return Err(SettingsError { key, value: value.to_string(), remedy }.into());
         }
+        let way = Way { settings, bounds, rest: norm(problem.motion_metric(), &y), forcing };
         let begin = |problem: &mut F, observer: &mut Observer<'_>| {
             let mut continuation = Continuation::start(problem, y.clone(), &direction, settings.continuation)?;
-            let (visited, stop) = walk(&mut continuation, &bounds, observer, &mut |_, _| None);
-            Ok(Self::assemble(&mut continuation, settings, visited, Outcome::Open(Stop::Start, stop)))
+            let (visited, stop) = walk(&mut continuation, &way.bounds, observer, &mut |_, _| None);
+            let (outcome, rejections) = (Outcome::Open(Stop::Start, stop), continuation.rejections());
+            Self::with_crossing(problem, &way, TracedCurve { visited, start: 0, outcome, rejections }, observer)
         };
         let first = Continuation::start(&mut problem, y.clone(), &direction, settings.continuation);
         let failure = match first.map(|started| started.current().y.clone()) {
-            Ok(first) if is_within(&mut problem, &first, &bounds) => {
+            Ok(first) if is_within(&mut problem, &first, &way.bounds) => {
                 return begin(&mut problem, observer).map_err(not_started);
             }
             Ok(_) => None,
             Err(failure) => Some(failure),
         };
-        if let Some(backbone) = Self::of_larger(&mut problem, settings, &start, &bounds, observer) {
+        if let Some(backbone) = Self::of_larger(&mut problem, &way, &start, observer) {
             return Ok(backbone);
         }
         // All there is begins beyond the bounds of its frequency.
@@ -235,22 +256,20 @@ impl Backbone {
     /// The curve through a motion that is larger than `start` and like it otherwise, if there is one within the bounds.
     fn of_larger<'m, F: Formulation<'m>>(
         problem: &mut F,
-        settings: &Settings,
+        way: &Way<'_>,
         start: &State,
-        bounds: &Bounds,
         observer: &mut Observer<'_>,
     ) -> Option<Self> {
         LARGER.into_iter().find_map(|factor| {
             let y = problem.encode(&linear::times(problem, start.clone(), factor));
             let direction = problem.growth(&y);
-            let started = Continuation::start(problem, y.clone(), &direction, settings.continuation).ok()?;
+            let started = Continuation::start(problem, y.clone(), &direction, way.settings.continuation).ok()?;
             let first = started.current().y.clone();
             let is_alike = relative_distance(problem.motion_metric(), &first, &y) < ALIKE;
-            if !is_alike || !is_within(problem, &first, bounds) {
+            if !is_alike || !is_within(problem, &first, &way.bounds) {
                 return None;
             }
-            let rest = norm(problem.motion_metric(), &problem.encode(start));
-            Self::both_ways(problem, settings, first, bounds, rest, observer).ok()
+            Self::both_ways(problem, way, first, observer).ok()
         })
     }
 
@@ -269,50 +288,122 @@ impl Backbone {
         let mut problem: PressureForm<'_> = system(model, settings, BackboneEquation::PhaseResonance)?;
         let y = problem.encode(near);
         let bounds = Bounds { closes: true, ..bounds(settings, problem.scales()) };
-        Self::both_ways(&mut problem, settings, y, &bounds, 0.0, observer)
+        Self::both_ways(&mut problem, &Way { settings, bounds, rest: 0.0, forcing: 0.0 }, y, observer)
             .map_err(|failure| BackboneError::Resonance { omega: near.omega, failure })
     }
 
-    /// The curve through a state near it, towards larger motions and towards smaller ones, down to motions of size `rest` in the metric
-    /// of motions: on the other side of rest are the same ones, half a period later.
+    /// The curve through a state near it, towards larger motions and towards smaller ones, down to those at rest.
     fn both_ways<'m, F: Formulation<'m>>(
         problem: &mut F,
-        settings: &Settings,
+        way: &Way<'_>,
         y: Vec<f64>,
-        bounds: &Bounds,
-        rest: f64,
         observer: &mut Observer<'_>,
     ) -> Result<Self, Failure> {
         let direction = problem.growth(&y);
         let mut ending = |problem: &mut F, last: &TracedPoint| {
-            (norm(problem.motion_metric(), &last.curve.y) < rest).then_some(Stop::Start)
+            (norm(problem.motion_metric(), &last.curve.y) < way.rest).then_some(Stop::Start)
         };
-        let walked = walk_both(problem, y, &direction, &settings.continuation, bounds, observer, &mut ending)?;
-        let first = walked.visited[walked.start].curve.clone();
-        let mut continuation = Continuation::start(problem, first.y, &first.tangent, settings.continuation)?;
-        let backbone = Self::assemble(&mut continuation, settings, walked.visited, walked.outcome);
-        Ok(Self { rejections: walked.rejections, ..backbone })
+        let continuation = &way.settings.continuation;
+        let walked = walk_both(problem, y, &direction, continuation, &way.bounds, observer, &mut ending)?;
+        Self::with_crossing(problem, way, walked, observer)
     }
 
-    /// Locates the extrema of the threshold curve and evaluates every point.
-    fn assemble<'m, F: Formulation<'m>>(
-        continuation: &mut Continuation<'_, F>,
+    /// A curve that was walked, and what crosses it where the force does work.
+    fn with_crossing<'m, F: Formulation<'m>>(
+        problem: &mut F,
+        way: &Way<'_>,
+        walked: TracedCurve<BranchPoint>,
+        observer: &mut Observer<'_>,
+    ) -> Result<Self, Failure> {
+        let across = match walked.outcome {
+            Outcome::Open(_, Stop::Cancelled) => Vec::new(),
+            _ => curves_across(problem, way, &walked, observer),
+        };
+        let mut backbone = Self {
+            mode: way.settings.tracked(problem.model()),
+            points: Vec::new(),
+            outcome: walked.outcome,
+            crossing: Vec::new(),
+            rejections: walked.rejections,
+        };
+        backbone.add(problem, way.settings, walked)?;
+        for curve in across {
+            let (outcome, rejections) = (curve.outcome, curve.rejections);
+            if backbone.add(problem, way.settings, curve)? {
+                backbone.crossing.push(outcome);
+                backbone.rejections += rejections;
+            }
+        }
+        Ok(backbone)
+    }
+
+    /// Adds a piece: locates the extrema of its threshold curve and evaluates every point. Whether it has been added; a further one is not
+    /// along which the force does no work.
+    fn add<'m, F: Formulation<'m>>(
+        &mut self,
+        problem: &mut F,
         settings: &Settings,
-        visited: Vec<TracedPoint>,
-        outcome: Outcome,
-    ) -> Self {
+        curve: TracedCurve<BranchPoint>,
+    ) -> Result<bool, Failure> {
         let criterion = settings.backbone.criterion;
-        let visited = with_threshold_extrema(continuation, visited, criterion);
-        let rejections = continuation.rejections();
-        let mut arc = 0.0;
-        let points = visited
+        let first = curve.visited[curve.start].curve.clone();
+        let mut continuation = Continuation::start(problem, first.y, &first.tangent, settings.continuation)?;
+        let visited = with_threshold_extrema(&mut continuation, curve.visited, criterion);
+        let (piece, mut arc) = match self.points.last() {
+            Some(last) => (last.piece() + 1, last.arc()),
+            None => (0, 0.0),
+        };
+        let points: Vec<BackbonePoint> = visited
             .into_iter()
             .map(|visited| {
                 arc += visited.curve.step;
-                evaluate(continuation.problem(), visited, arc, criterion)
+                evaluate(problem, visited, (piece, arc), criterion)
             })
             .collect();
-        Self { mode: settings.tracked(continuation.problem().model()), points, outcome, rejections }
+        let is_added = piece == 0 || points.iter().any(|point| point.threshold().is_finite());
+        if is_added {
+            self.points.extend(points);
+        }
+        Ok(is_added)
+    }
+
+    /// Whether no piece ends at the amplitude bound where its threshold is not beyond a forcing amplitude.
+    fn is_enough(&self, forcing: f64) -> bool {
+        let outcomes = std::iter::once(&self.outcome).chain(&self.crossing);
+        outcomes.zip(self.pieces()).all(|(outcome, piece)| {
+            let is_cut = |stop: Stop, end: Option<&BackbonePoint>| {
+                stop == Stop::AmplitudeBound && end.is_some_and(|end| end.threshold() <= ENOUGH * forcing)
+            };
+            match *outcome {
+                Outcome::Open(first, last) => !is_cut(first, piece.first()) && !is_cut(last, piece.last()),
+                Outcome::Closed => true,
+            }
+        })
+    }
+
+    /// The points of every piece.
+    pub fn pieces(&self) -> impl Iterator<Item = &[BackbonePoint]> {
+        self.points.chunk_by(|a, b| a.piece() == b.piece())
+    }
+
+    /// The threshold A* where the first piece ends.
+    pub fn last_threshold(&self) -> Option<f64> {
+        Some(self.pieces().next()?.last()?.threshold())
+    }
+
+    /// Turning points of what has a value at every point (see [`turning_points`]), within pieces.
+    pub fn turning_points(&self, values: &[f64], prominence: f64) -> Vec<(usize, bool)> {
+        let mut first = 0;
+        let turns = self.pieces().flat_map(|piece| {
+            let begin = first;
+            first += piece.len();
+            let turns = turning_points(&values[begin..first], prominence).into_iter();
+            let last = piece.len() - 1;
+            turns
+                .filter(move |(index, _)| (1..last).contains(index))
+                .map(move |(index, is_max)| (begin + index, is_max))
+        });
+        turns.collect()
     }
 
     /// Lowest and highest frequency, rad/s.
@@ -358,11 +449,11 @@ fn with_threshold_extrema<'m, F: Formulation<'m>>(
 fn evaluate<'m>(
     problem: &mut impl Formulation<'m>,
     visited: TracedPoint,
-    arc: f64,
+    (piece, arc): (usize, f64),
     criterion: Criterion,
 ) -> BackbonePoint {
     let energies = Energies::evaluate(problem, &visited.curve.y, &visited.point.state);
     let (aft, state) = (problem.aft(), &visited.point.state);
-    let values = Row::of_backbone(OnBackbone { aft, state, energies, criterion, arc });
+    let values = Row::of_backbone(OnBackbone { aft, state, energies, criterion, arc, piece });
     BackbonePoint { point: visited.point, values }
 }

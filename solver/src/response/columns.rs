@@ -103,6 +103,8 @@ pub(super) struct OnBackbone<'p> {
     pub criterion: Criterion,
     /// Scaled arc length from the first point.
     pub arc: f64,
+    /// Piece it belongs to, from 0.
+    pub piece: usize,
 }
 
 /// A column that a backbone has besides.
@@ -112,7 +114,7 @@ struct BackboneColumn {
 }
 
 /// What points of a backbone have besides, in the order of the wire.
-static BACKBONE: [BackboneColumn; 7] = [
+static BACKBONE: [BackboneColumn; 8] = [
     BackboneColumn {
         column: Column::new("r_lin", "J a period", Axis::Point, "work of the linear damping")
             .hover("R_lin", 4)
@@ -156,6 +158,18 @@ static BACKBONE: [BackboneColumn; 7] = [
         column: Column::new("contributions", "", Axis::Modes, "modal contributions, summing to 1")
             .csv(Csv::No, Csv::Every("contribution")),
         compute: contributions,
+    },
+    BackboneColumn {
+        column: Column::new(
+            "piece",
+            "",
+            Axis::Point,
+            "piece of the backbone: 0 grows out of the linear mode, others cross it, or each other, at branch points",
+        )
+        .of_integers()
+        .csv(Csv::No, Csv::One)
+        .later(),
+        compute: |at| vec![at.piece as f64],
     },
 ];
 
@@ -257,7 +271,7 @@ macro_rules! places {
 places! {
     POINTS: AMPLITUDE = "amplitude", CONTACT = "contact", RESIDUAL = "residual";
     BACKBONE: R_LIN = "r_lin", R_NL = "r_nl", WORK = "work_per_amplitude", CERTIFICATE = "certificate",
-        THRESHOLD = "threshold", ARC = "arc", CONTRIBUTIONS = "contributions";
+        THRESHOLD = "threshold", ARC = "arc", CONTRIBUTIONS = "contributions", PIECE = "piece";
 }
 
 #[cfg(test)]

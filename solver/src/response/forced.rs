@@ -357,13 +357,9 @@ impl<'m, F: Formulation<'m>> Forced<'m, F> {
     pub fn position_on(&mut self, state: &State, branch: &Branch) -> Option<usize> {
         let newton = self.settings.continuation.newton;
         let target = self.problem.encode(state);
-        let targets = self.problem.distinct_images(&target);
         let points: Vec<Vec<f64>> = branch.points.iter().map(|point| self.problem.encode(&point.state)).collect();
-        let last = if branch.is_closed() { points.first() } else { None };
-        let successors = points.iter().skip(1).chain(last);
-        points.iter().zip(successors).position(|(a, b)| {
-            targets.iter().any(|target| self.identity.passes(&mut self.problem, &newton, [a, b], target))
-        })
+        let points: Vec<&[f64]> = points.iter().map(|point| &point[..]).collect();
+        self.identity.position(&mut self.problem, &newton, &points, branch.is_closed(), &target)
     }
 
     /// Locates folds and peak, and drops what only the continuation needs.

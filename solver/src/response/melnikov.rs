@@ -25,11 +25,16 @@ pub struct Energies {
 impl Energies {
     /// Threshold amplitude A*: forced responses are predicted for A > A*. Infinite where the forcing does no work.
     pub fn threshold(&self, criterion: Criterion) -> f64 {
-        let dissipated = match criterion {
+        let dissipated = self.dissipated(criterion);
+        if self.work_per_amplitude > 0.0 { dissipated / self.work_per_amplitude } else { f64::INFINITY }
+    }
+
+    /// What the forcing has to do at least, by a criterion.
+    pub fn dissipated(&self, criterion: Criterion) -> f64 {
+        match criterion {
             Criterion::Balance => (self.linear + self.nonlinear).abs(),
             Criterion::Sufficient => self.linear.abs() + self.nonlinear.abs(),
-        };
-        if self.work_per_amplitude > 0.0 { dissipated / self.work_per_amplitude } else { f64::INFINITY }
+        }
     }
 
     /// (R_lin + R_nl)/(W/A): sine of the phase between forcing and motion, times A.

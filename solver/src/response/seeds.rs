@@ -5,7 +5,7 @@ use crate::curve::problem::Failure;
 use crate::formulation::Formulation;
 use crate::formulation::modal::Modal;
 use crate::formulation::state::State;
-use crate::response::backbone::Backbone;
+use crate::response::backbone::{Backbone, BackbonePoint};
 use crate::response::forced::Forced;
 use crate::response::forcing::{Unreached, through_motion};
 use crate::response::windows::Window;
@@ -229,8 +229,10 @@ fn places(backbone: &Backbone, window: &Window, method: LandingMethod, forcing: 
     };
     let (left, right) = (window.first..=window.best, window.best..=window.last);
     let inner = nearest(right.clone(), 0.5) as f64;
-    let after = Some(window.last + 1).filter(|&index| index < backbone.points.len());
-    let edges = [edge(right, window.last, after), edge(left, window.first, window.first.checked_sub(1))];
+    let piece = |index: usize| backbone.points.get(index).map(BackbonePoint::piece);
+    let outside = |index: Option<usize>| index.filter(|&index| piece(index) == piece(window.first));
+    let (before, after) = (outside(window.first.checked_sub(1)), outside(Some(window.last + 1)));
+    let edges = [edge(right, window.last, after), edge(left, window.first, before)];
     let span = (window.last - window.first) as f64;
     let between = [0.5, 0.25, 0.75].map(|share| (window.first as f64 + share * span).round());
     let all: Vec<f64> = match method {

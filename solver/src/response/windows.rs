@@ -1,10 +1,10 @@
 //! Windows of the Melnikov balance: where along the backbone forced responses are predicted, for any forcing amplitude.
 
 use crate::curve::extrema::turning_points;
-use crate::response::backbone::Backbone;
+use crate::response::backbone::{Backbone, BackbonePoint};
 use serde::{Deserialize, Serialize};
 
-/// A maximal arc of the backbone with threshold A* < A.
+/// A maximal arc of a piece of the backbone with threshold A* < A.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Window {
     /// Mode of its backbone, from 0. Mode 0 is not written: results of before, which knew one backbone, keep their bytes.
@@ -28,23 +28,15 @@ fn is_first(mode: &usize) -> bool {
 
 /// Windows at forcing amplitude `forcing`, in the order of the backbone.
 pub fn windows(backbone: &Backbone, forcing: f64) -> Vec<Window> {
-    let mut windows = Vec::new();
-    let mut first = None;
-    for (index, point) in backbone.points.iter().enumerate() {
-        let inside = point.threshold() < forcing;
-        match (inside, first) {
-            (true, None) => first = Some(index),
-            (false, Some(begin)) => {
-                windows.extend(Window::covering(backbone, begin, index - 1));
-                first = None;
-            }
-            _ => {}
-        }
-    }
-    if let Some(begin) = first {
-        windows.extend(Window::covering(backbone, begin, backbone.points.len() - 1));
-    }
-    windows
+    let is_inside = |point: &BackbonePoint| point.threshold() < forcing;
+    let is_same = |a: &BackbonePoint, b: &BackbonePoint| a.piece() == b.piece() && is_inside(a) == is_inside(b);
+    let mut first = 0;
+    let stretches = backbone.points.chunk_by(is_same).filter_map(|stretch| {
+        let begin = first;
+        first += stretch.len();
+        if is_inside(&stretch[0]) { Window::covering(backbone, begin, first - 1) } else { None }
+    });
+    stretches.collect()
 }
 
 impl Window {
@@ -109,12 +101,12 @@ pub struct Event {
 const PROMINENCE: f64 = 1e-3;
 
 /// Births and merges along the backbone, alternating, in its order. The start of the backbone is not a birth: the main
-/// response is always there.
+/// response is always there. Nor are the ends of its pieces.
 pub fn events(backbone: &Backbone) -> Vec<Event> {
     let logs: Vec<f64> = backbone.points.iter().map(|p| p.threshold().ln()).collect();
-    turning_points(&logs, PROMINENCE)
+    backbone
+        .turning_points(&logs, PROMINENCE)
         .into_iter()
-        .filter(|&(index, _)| index > 0 && index + 1 < logs.len())
         .map(|(index, is_maximum)| {
             let point = &backbone.points[index];
             let others = point.contributions().iter().enumerate().filter(|&(j, _)| j != backbone.mode);

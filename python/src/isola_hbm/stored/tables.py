@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Collection
 from functools import partial
+from itertools import pairwise
 
 import numpy as np
 import pandas as pd
@@ -215,7 +216,9 @@ def _once(events: list[Row]) -> list[Row]:
 def _predicted(reading: Reading, row: Row) -> list[Row]:
     """Births and merges along a backbone: extrema of its threshold A*, as far as they mean something for the levels."""
     mode = row["mode"]
-    columns = ["threshold", "omega", "amplitude", "r_lin", "r_nl"]
+    # Runs of before have one piece.
+    pieces = ["piece"] if "piece" in reading.columns("backbone") else []
+    columns = ["threshold", "omega", "amplitude", "r_lin", "r_nl", *pieces]
     points = table(reading, "backbone", "mode", mode, columns)
     if not len(points["omega"]):
         return []
@@ -227,8 +230,12 @@ def _predicted(reading: Reading, row: Row) -> list[Row]:
     others = contributions.shape[1] - np.argmax(contributions[:, ::-1], axis=1)
     threshold = points["threshold"]
     with np.errstate(divide="ignore"):
-        extrema = turning_points(np.log(threshold), _PROMINENCE)
-    inner = [extremum for extremum in extrema if 0 < extremum[0] < len(contributions) - 1]
+        logarithms = np.log(threshold)
+    begins = 1 + np.flatnonzero(np.diff(points["piece"])) if pieces else []
+    inner = []
+    for begin, end in pairwise([0, *begins, len(threshold)]):
+        extrema = turning_points(logarithms[begin:end], _PROMINENCE)
+        inner += [(int(begin) + i, is_maximum) for i, is_maximum in extrema if 0 < i < end - begin - 1]
     levels = [float(value) for value in reading.column("SELECT value FROM levels")]
     low = max(_NOTHING, min(levels, default=np.inf) / _FAR)
     high = max(levels, default=0.0) * _FAR

@@ -191,8 +191,8 @@ fn a_cancelled_run_says_so_first() {
 fn losses_come_first() {
     let mut levels = [level(1.0, vec![main(1e-3)]), level(2.0, Vec::new())];
     (levels[0].dead, levels[1].main_failure) = (1, Some("it did not converge".into()));
-    let short =
-        BackboneCurve { is_unfinished: true, status: "open: linear range to stalled".into(), ..BACKBONE.clone() };
+    let mut short = BACKBONE.clone();
+    (short.pieces[0].is_unfinished, short.pieces[0].status) = (true, "open: linear range to stalled".into());
     let [danger, onset, _] = told(&levels, |evidence| evidence.backbone = Some(&short));
     assert!(
         danger.starts_with(

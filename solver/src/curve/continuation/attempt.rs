@@ -45,8 +45,7 @@ impl<P: Problem> Continuation<'_, P> {
         // where two curves nearly meet, it leads across as well, but only as long as the step is longer than the gap.
         if is_off || turns {
             let is_shortest = self.step <= CROSSING * self.shortest();
-            let may_cross = !is_off && self.problem.goes_straight_on();
-            let crossing = if may_cross && !is_shortest { self.crossing(&from, &point) } else { None };
+            let crossing = if is_off || is_shortest { None } else { self.crossing(&from, &point) };
             let is_led = |before: &CurvePoint| crossing::is_led_to(before, [&from, &point]);
             let is_next = is_shortest || (crossing.is_some() && self.previous.as_ref().is_some_and(is_led));
             if !(is_next && cosine > 0.0 && self.leads_back(&point, &from)) {

@@ -62,8 +62,6 @@ pub struct Aft {
     quadrature: Quadrature,
     arcs: ArcWork,
     basis: Basis,
-    /// Whether what rounding makes of a force is left in it: see [`Aft::rounded`].
-    is_rounded: bool,
 }
 
 /// What the forces of a law are summed over.
@@ -106,14 +104,7 @@ impl Aft {
             quadrature,
             arcs: ArcWork::default(),
             basis: Basis::default(),
-            is_rounded: false,
         }
-    }
-
-    /// The same with all samples for all laws, and with what rounding makes of harmonics that a force has not. By that a backbone may
-    /// turn, where motions of less symmetry branch off, onto these, and come to responses that no other backbone leads to.
-    pub fn rounded(self) -> Self {
-        Self { is_rounded: true, ..self }
     }
 
     /// Where on the period a series exceeds `threshold`, to rounding.
@@ -169,9 +160,7 @@ impl Aft {
                 }
             }
         }
-        if !self.is_rounded {
-            Shape::of(arguments, nc, law.is_odd()).impose(out, nc);
-        }
+        Shape::of(arguments, nc, law.is_odd()).impose(out, nc);
     }
 
     fn harmonics(&self) -> usize {
@@ -193,7 +182,7 @@ impl Aft {
     fn samples_of<L: Law>(&self, law: &L) -> usize {
         let (set, harmonics) = (self.grids[0].samples(), self.harmonics());
         let enough = |degree: usize| 2 * ((degree + 1) * harmonics + 1).next_power_of_two();
-        law.degree().filter(|_| !self.is_rounded).map_or(set, |degree| enough(degree as usize).min(set))
+        law.degree().map_or(set, |degree| enough(degree as usize).min(set))
     }
 
     /// What the forces of a law are summed over; `argument` is its first one.

@@ -294,10 +294,6 @@ impl Problem for DisplacementForm<'_> {
             })
     }
 
-    fn goes_straight_on(&self) -> bool {
-        !self.system.unknown.is_backbone()
-    }
-
     fn images(&self) -> usize {
         self.system.images()
     }

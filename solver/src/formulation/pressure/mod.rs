@@ -124,7 +124,7 @@ impl<'m> PressureForm<'m> {
             phase: phase(unknown, &layout, tracked, &modal),
             condition: Condition::new(unknown, &layout),
             receptance: Receptance::new(model, harmonics, modal, unknown.is_damped()),
-            aft: if unknown.is_backbone() { Aft::new(truncation).rounded() } else { Aft::new(truncation) },
+            aft: Aft::new(truncation),
             forces: elements.iter().map(|_| ElementForce::default()).collect(),
             displacement: arguments.clone(),
             unknowns: Unknowns::default(),
@@ -346,10 +346,6 @@ impl Problem for PressureForm<'_> {
 
     fn turns_corners(&self) -> bool {
         self.condition.is_none()
-    }
-
-    fn goes_straight_on(&self) -> bool {
-        !self.system.unknown.is_backbone()
     }
 
     fn images(&self) -> usize {
