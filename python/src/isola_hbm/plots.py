@@ -56,6 +56,8 @@ _MARKS: dict[str, dict[str, Any]] = {
 }
 #: With fewer points a piece of a backbone says nothing: all of it is shown.
 _FEWEST = 4
+#: Energies below this share of the largest are not shown.
+_FLOOR = 1e-6
 #: Of more levels, neighbours cannot be told apart by their colours: they are named at their peaks, not in the legend.
 _NAMED = 6
 
@@ -283,6 +285,9 @@ class Plots(Drawn):
         # A* is infinite where the forcing does no work.
         with np.errstate(invalid="ignore"):
             needed = by_pieces(curve, curve["threshold"] * curve["work_per_amplitude"])
+        # Where the forcing does no work, rounding does.
+        floor = _FLOOR * np.nanmax([*needed, *work], initial=0.0)
+        work, needed = np.where(work > floor, work, np.nan), np.where(needed > floor, needed, np.nan)
         axes.plot(arc, needed, color=INK, label="to be supplied, A*·W")
         axes.plot(arc, work, color=WORK, linestyle="--", label="supplied, A·W")
         # Windows of one or two points have a width as well.
@@ -299,7 +304,8 @@ class Plots(Drawn):
         )
         beside = "" if amplitude in levels else " (no level of the run)"
         title = f"A = {text(amplitude)}{beside}, mode {curve.attrs['mode']}"
-        axes.set(xlabel="arc length (scaled)", ylabel="energy a period (J)", title=title)
+        across = ", then along curves that cross it" if "piece" in curve and curve["piece"].max() > 0 else ""
+        axes.set(xlabel=f"arc length along the backbone{across} (scaled)", ylabel="energy a period (J)", title=title)
         logarithmic(axes)
         legend(axes)
         return axes

@@ -143,6 +143,11 @@ impl BackboneCurve {
         }
     }
 
+    /// Whether other curves cross the one that grows out of the linear mode.
+    pub fn is_crossed(&self) -> bool {
+        self.pieces.len() > 1
+    }
+
     /// Where the curve ends that grows out of the linear mode, by index; `None` without a point.
     pub fn end(&self) -> Option<usize> {
         self.pieces.first()?.points.end.checked_sub(1)

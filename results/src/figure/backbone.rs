@@ -41,7 +41,10 @@ pub fn figure(subject: &Subject<'_>, columns: Option<&BackboneColumns>) -> Resul
         columns: 1,
         choice: "Amplitude of",
         linked_x: false,
-        legend: vec![entry("backbone", thin), entry("windows, a colour each", Style { color: Color::Soft, ..bold })],
+        legend: vec![
+            entry(if backbone.is_crossed() { "backbone, curves that cross it" } else { "backbone" }, thin),
+            entry("windows, a colour each", Style { color: Color::Soft, ..bold }),
+        ],
         panels: vec![panel],
     })
 }

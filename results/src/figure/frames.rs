@@ -62,12 +62,7 @@ impl Frame {
     }
 
     fn new(backbone: &BackboneCurve, amplitude: f64, level: Option<(usize, &Level)>) -> Self {
-        let mut runs: Vec<Run> = Vec::new();
-        for piece in &backbone.pieces {
-            let first = piece.points.start;
-            let found = self::runs(&backbone.threshold.values[piece.points.clone()], amplitude).into_iter();
-            runs.extend(found.map(|run| run.after(first)));
-        }
+        let mut runs = runs_of(backbone, amplitude);
         let row = |run: &Run| level.and_then(|(_, level)| window_of(level, backbone, run));
         for (k, run) in runs.iter_mut().enumerate() {
             run.name = name(row(run), k + 1);
@@ -98,6 +93,16 @@ impl Frame {
             sentences,
         }
     }
+}
+
+/// Runs of a backbone, each within one of its pieces, along which the threshold lies below an amplitude.
+fn runs_of(backbone: &BackboneCurve, amplitude: f64) -> Vec<Run> {
+    let of = |piece: &Piece| {
+        let found = runs(&backbone.threshold.values[piece.points.clone()], amplitude);
+        let first = piece.points.start;
+        found.into_iter().map(move |run| run.after(first))
+    };
+    backbone.pieces.iter().flat_map(of).collect()
 }
 
 /// Runs along which the threshold lies below an amplitude, without names and colours.
@@ -238,6 +243,11 @@ pub fn ladder(subject: &Subject<'_>, backbone: &BackboneCurve) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use solver::laws::{PolynomialSpring, Term};
+    use solver::response::windows::windows;
+    use solver::settings::HarmonicSettings;
+    use solver::{Backbone, Model, Settings};
+    use std::ops::ControlFlow;
 
     #[test]
     fn runs_end_between_points() {
@@ -247,6 +257,44 @@ mod tests {
         assert!((found[1].first - 2.0).abs() < 1e-12 && found[1].best == 3);
         assert!((found[1].last - (3.0 + 1.0 / 3.0)).abs() < 1e-12, "{}", found[1].last);
         assert!(runs(&[f64::NAN, f64::NAN], 2.0).is_empty());
+    }
+
+    /// Two masses alike on springs that stiffen, pushed alike: motions of one of them leave those against each other.
+    #[test]
+    fn runs_are_within_pieces_as_windows_are() {
+        let spring = || PolynomialSpring { terms: vec![Term { power: 3, coefficient: 0.5 }] };
+        let model = Model::builder("pair")
+            .dofs(["left", "right"])
+            .mass([[1.0, 0.0], [0.0, 1.0]])
+            .stiffness([[1.1, -0.1], [-0.1, 1.1]])
+            .damping_matrix([[0.002, 0.0], [0.0, 0.002]])
+            .force_shape([1.0, 1.0])
+            .monitor("left")
+            .element("left spring", spring(), [[("left", 1.0)]])
+            .element("right spring", spring(), [[("right", 1.0)]])
+            .build()
+            .unwrap();
+        let settings =
+            Settings { harmonics: HarmonicSettings { count: 3, ..Default::default() }, ..Default::default() };
+        let mut quiet = |_: &_| ControlFlow::Continue(());
+        let backbone = Backbone::reaching(&model, &settings.tracking(1), 0.006, &mut quiet).unwrap();
+        let curve = BackboneCurve::new(&backbone, &model);
+        let begins: Vec<usize> = curve.pieces.iter().map(|piece| piece.points.start).collect();
+        assert_eq!(begins.len(), 3);
+        let gaps: Vec<usize> = (0..backbone.points.len()).filter(|&i| curve.omega.values[i].is_nan()).collect();
+        assert_eq!(gaps, begins[1..]);
+        // What would be one run across pieces at an amplitude above all thresholds.
+        for amplitude in [0.006, 1e30] {
+            let runs = runs_of(&curve, amplitude);
+            let places: Vec<[usize; 3]> =
+                runs.iter().map(|run| [run.first.ceil() as usize, run.best, run.last as usize]).collect();
+            let windows = windows(&backbone, amplitude);
+            let expected: Vec<[usize; 3]> =
+                windows.iter().map(|window| [window.first, window.best, window.last]).collect();
+            assert_eq!(places, expected, "{amplitude}");
+            assert_eq!(places.len(), if amplitude < 1.0 { 2 } else { 3 });
+        }
+        assert!(curve.peaks.iter().all(|peak| !begins.contains(&peak.index)), "{:?}", curve.peaks);
     }
 
     #[test]

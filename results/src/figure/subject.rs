@@ -158,7 +158,9 @@ impl BackboneColumns {
     pub fn over<'b>(&self, backbone: &'b BackboneCurve, subject: &Subject<'_>) -> (Vec<Axis>, Vec<Ref>) {
         let count = subject.shown(backbone);
         let values = |column: &'b Column| column.values.iter().copied().take(count);
-        let arc = Axis::around("arc length along the backbone (scaled)", Unit::none(), values(&backbone.arc));
+        let across = if backbone.is_crossed() { ", then along curves that cross it" } else { "" };
+        let title = format!("arc length along the backbone{across} (scaled)");
+        let arc = Axis::around(title, Unit::none(), values(&backbone.arc));
         let mut omega = Axis::around("", Unit::none(), values(&backbone.omega));
         omega = Axis::of_frequencies(omega.range);
         let amplitudes = subject.monitors.iter().zip(&backbone.amplitude).enumerate().map(|(m, (monitor, column))| {

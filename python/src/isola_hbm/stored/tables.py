@@ -231,11 +231,11 @@ def _predicted(reading: Reading, row: Row) -> list[Row]:
     threshold = points["threshold"]
     with np.errstate(divide="ignore"):
         logarithms = np.log(threshold)
-    begins = 1 + np.flatnonzero(np.diff(points["piece"])) if pieces else []
+    breaks = np.flatnonzero(np.diff(points["piece"])) if pieces else np.zeros(0, dtype=int)
     inner = []
-    for begin, end in pairwise([0, *begins, len(threshold)]):
+    for begin, end in pairwise([0, *(1 + breaks).tolist(), len(threshold)]):
         extrema = turning_points(logarithms[begin:end], _PROMINENCE)
-        inner += [(int(begin) + i, is_maximum) for i, is_maximum in extrema if 0 < i < end - begin - 1]
+        inner += [(begin + i, is_maximum) for i, is_maximum in extrema if 0 < i < end - begin - 1]
     levels = [float(value) for value in reading.column("SELECT value FROM levels")]
     low = max(_NOTHING, min(levels, default=np.inf) / _FAR)
     high = max(levels, default=0.0) * _FAR
