@@ -164,7 +164,7 @@ impl Teller {
         };
         let backbone = backbone(&follower, &backbone_key, &model).await?;
         let is_known = backbone.is_some();
-        let start = Start::new(shown, monitors(&model), levels.clone(), backbone);
+        let start = Start::new(shown, monitors(&model), levels.clone(), model.forcing().harmonic, backbone);
         let teller = Self {
             follower,
             backbone_key,

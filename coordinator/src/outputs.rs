@@ -231,6 +231,7 @@ fn chosen_levels(reader: &Reader, list: Option<&str>) -> Result<Option<Vec<f64>>
     let wanted: Vec<f64> = wanted.into_iter().map(|amplitude| amplitude.value).collect();
     let mut stored = reader.header()?.amplitudes;
     stored.retain(|amplitude| amplitude.order().is_none());
+    stored.sort_by(|a, b| a.value.total_cmp(&b.value));
     let text: Vec<&str> = stored.iter().map(|amplitude| amplitude.text.as_str()).collect();
     match wanted.iter().find(|value| !stored.iter().any(|amplitude| amplitude.value == **value)) {
         Some(value) => {

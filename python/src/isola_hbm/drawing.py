@@ -67,9 +67,11 @@ class Units:
         """Frequencies in rad/s in these units."""
         return values * self.FREQUENCIES[self.frequency]
 
-    def of_frequency(self) -> str:
-        """The label of an axis."""
-        return f"frequency {'ω' if self.frequency == 'rad/s' else 'f'} ({self.frequency})"
+    def of_frequency(self, harmonic: int = 1) -> str:
+        """The label of an axis: of the frequency of a response whose harmonic of this number is forced."""
+        name = "ω" if self.frequency == "rad/s" else "f"
+        force = f" of the response, 1/{harmonic} of the force's" if harmonic > 1 else ""
+        return f"frequency {name}{force} ({self.frequency})"
 
 
 def axes_of(ax: Axes | None) -> Axes:

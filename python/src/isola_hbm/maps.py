@@ -69,7 +69,7 @@ def isola_map(
         axes.set_xlim(limits)
     elif len(shown):
         axes.set_xlim(units.frequencies(beside(shown)))
-    axes.set(xlabel=units.of_frequency(), ylabel="forcing amplitude A, threshold A*")
+    axes.set(xlabel=units.of_frequency(run.model.forcing_harmonic), ylabel="forcing amplitude A, threshold A*")
     logarithmic(axes)
     legend(axes)
     return axes

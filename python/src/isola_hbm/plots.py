@@ -170,7 +170,7 @@ class Plots(Drawn):
                 add_line(axes, [], [], label=label, **{"color": SHADE, **how})
         self._draw_backbone(axes, measured, number, backbone)
         axes.set(
-            xlabel=measured.of_frequency(),
+            xlabel=measured.of_frequency(self._run.model.forcing_harmonic),
             ylabel=f"amplitude of {self._monitors()[number]} ({measured.length})",
         )
         legend(axes)

@@ -30,6 +30,8 @@ pub struct BackboneCurve {
     pub mode: usize,
     /// The curve that grows out of the linear mode, and those that cross it or each other.
     pub pieces: Vec<Piece>,
+    /// Whether as many of these are known as are followed: there may be more.
+    pub is_crowded: bool,
     /// Frequency. It, amplitudes and arc are NaN at the first point of every piece but one, where lines break.
     pub omega: Column,
     /// Decay rate.
@@ -140,6 +142,7 @@ impl BackboneCurve {
             modes,
             peaks,
             pieces,
+            is_crowded: backbone.is_crowded(),
         }
     }
 

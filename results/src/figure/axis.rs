@@ -40,9 +40,9 @@ impl Axis {
         Self { scale: Scale::Log, ..Self::exact(title, unit, ends) }
     }
 
-    /// Of frequencies, rad/s.
-    pub fn of_frequencies(ends: (f64, f64)) -> Self {
-        Self::exact("frequency ω", Unit::si("rad/s"), ends).called("frequency")
+    /// Of frequencies of a response whose harmonic of this number is forced, rad/s.
+    pub fn of_frequencies(ends: (f64, f64), harmonic: usize) -> Self {
+        Self::exact(frequency(harmonic), Unit::si("rad/s"), ends).called("frequency")
     }
 
     /// With a name for a choice.
@@ -107,9 +107,27 @@ pub fn bounds(values: impl IntoIterator<Item = f64>) -> (f64, f64) {
     if high - low > 1e-9 * size { (low, high) } else { (low - 0.05 * size.max(1e-15), high + 0.05 * size.max(1e-15)) }
 }
 
+/// What the frequency is called of a response whose harmonic of this number is forced, in words.
+pub fn frequency(harmonic: usize) -> String {
+    if harmonic == 1 {
+        "frequency ω".into()
+    } else {
+        format!("frequency ω of the response, 1/{harmonic} of the force's")
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn whose_frequency_it_is() {
+        let heading = |harmonic| Axis::of_frequencies((1.0, 2.0), harmonic).heading();
+        assert_eq!(
+            [heading(1), heading(3)],
+            ["frequency ω (rad/s)", "frequency ω of the response, 1/3 of the force's (rad/s)"]
+        );
+    }
 
     #[test]
     fn an_axis_around_one_value_has_a_length() {

@@ -26,7 +26,7 @@ pub fn figure(subject: &Subject<'_>, columns: Option<&BackboneColumns>) -> Resul
     let panel = Panel {
         title: Some("Where that is on the backbone"),
         about: "Backbone with the windows of the chosen forcing amplitude",
-        x: vec![Axis::of_frequencies(frequencies.range)],
+        x: vec![Axis::of_frequencies(frequencies.range, subject.harmonic)],
         y: subject.amplitudes(|m| backbone.amplitude[m].values.iter().copied().take(count)),
         series,
         spans: gaps(subject.monitors).into_iter().collect(),

@@ -125,7 +125,8 @@ fn resonances(runs: &[Compared<'_>], store: &mut ColumnStore) -> Result<Figure, 
         (run.name.to_string(), run.subject.resonance.isolas.clone(), style)
     };
     let ways: Vec<_> = runs.iter().enumerate().map(way).collect();
-    resonance::compared(&ways, &monitors(runs).join("|, |"), store)
+    let harmonic = runs.first().map_or(1, |run| run.subject.harmonic);
+    resonance::compared(&ways, (&monitors(runs).join("|, |"), harmonic), store)
 }
 
 /// The dofs whose amplitudes runs have, each once.

@@ -119,7 +119,7 @@ pub fn figure(
     let panel = Panel {
         about: "Isola map: threshold of the forcing amplitude over frequency. Drag the line to move A.",
         size: Size::Tall,
-        x: vec![Axis::of_frequencies(x.range)],
+        x: vec![Axis::of_frequencies(x.range, subject.harmonic)],
         y: vec![y],
         series,
         spans: vec![Span { axis: Direction::Y, at: Vec::new(), by_amplitude: true, style: chosen() }],

@@ -1,6 +1,6 @@
 //! Frequency and size of the largest response over the forcing amplitude, three ways.
 
-use super::axis::{bounds, largest};
+use super::axis::{bounds, frequency, largest};
 use super::column_store::{ColumnStore, Ref};
 use super::data::{Axis, Detail, Direction, Entry, Figure, Format, Kind, Label, Panel, Series, Side, Size, Span, Unit};
 use super::style::{Color, FINE, MARK, MEDIUM, Shape, Style};
@@ -32,7 +32,7 @@ pub fn figure(subject: &Subject<'_>, store: &mut ColumnStore) -> Result<Figure, 
     let events = subject.backbone.map_or(&[][..], |backbone| &backbone.events);
     let levels = || subject.levels.iter().map(|level| level.value);
     let lowest = if has_branches(subject) { levels().fold(f64::INFINITY, f64::min) / NEAR } else { 0.0 };
-    drawn(&curves(subject), (monitor, events), lowest, store)
+    drawn(&curves(subject), (monitor, subject.harmonic, events), lowest, store)
 }
 
 /// The same of several runs: what each is called, its largest response, and how that looks.
@@ -41,7 +41,7 @@ pub fn figure(subject: &Subject<'_>, store: &mut ColumnStore) -> Result<Figure, 
 /// If none of them has a branch: in words.
 pub(super) fn compared(
     runs: &[(String, Resonance, Style)],
-    monitor: &str,
+    (monitor, harmonic): (&str, usize),
     store: &mut ColumnStore,
 ) -> Result<Figure, String> {
     let curves = runs.iter().map(|(name, curve, style)| ResonanceCurve {
@@ -50,7 +50,7 @@ pub(super) fn compared(
         style: style.clone(),
     });
     let curves: Vec<_> = curves.filter(|curve| !curve.resonance.value.is_empty()).collect();
-    drawn(&curves, (monitor, &[]), 0.0, store)
+    drawn(&curves, (monitor, harmonic, &[]), 0.0, store)
 }
 
 /// Whether there is anything but what the energy balance predicts.
@@ -61,7 +61,7 @@ fn has_branches(subject: &Subject<'_>) -> bool {
 /// The figure, of the forcing amplitudes from `lowest` on.
 fn drawn(
     curves: &[ResonanceCurve<'_>],
-    (monitor, events): (&str, &[Event]),
+    (monitor, harmonic, events): (&str, usize, &[Event]),
     lowest: f64,
     store: &mut ColumnStore,
 ) -> Result<Figure, String> {
@@ -72,7 +72,7 @@ fn drawn(
         return Err("the run has neither a backbone nor a branch yet".into());
     }
     let x = forcing(values(|curve| &curve.value).filter(|&value| value >= lowest));
-    let frequency = Axis::around("frequency ω", Unit::si("rad/s"), values(|curve| &curve.omega));
+    let frequency = Axis::around(frequency(harmonic), Unit::si("rad/s"), values(|curve| &curve.omega));
     let unit = Unit::of_lengths(largest(amplitudes.clone()));
     let amplitude = Axis::around(format!("largest |{monitor}|"), unit, amplitudes.chain([0.0]));
 

@@ -2,7 +2,7 @@
 
 use super::axis::largest;
 use super::bands::bands;
-use super::column_store::{ColumnStore, Ref};
+use super::column_store::ColumnStore;
 use super::data::{Axis, Detail, Entry, Figure, Format, Kind, Label, Panel, Series, Side, Size};
 use super::references::{backbone_series, further_backbone, further_within, gap_label, gaps};
 use super::smooth::smooth;
@@ -191,7 +191,7 @@ impl<'r> Outline<'r> {
             if self.branches.is_empty() { whole } else { (whole.0.min(low - edge), whole.1.max(high + edge)) };
         let is_near = farther.1 - farther.0 <= WIDE * (range.1 - range.0);
         let whole = is_near.then(|| super::axis::bounds([farther.0, farther.1]));
-        Axis { whole, ..Axis::of_frequencies(range) }
+        Axis { whole, ..Axis::of_frequencies(range, self.subject.harmonic) }
     }
 
     fn legend(&self, backbones: usize) -> Vec<Entry> {
@@ -350,6 +350,11 @@ pub fn is_crowd(isolas: usize) -> bool {
     isolas > CROWD
 }
 
+/// Index of the largest value.
+fn highest(values: &[f64]) -> Option<usize> {
+    (0..values.len()).max_by(|&a, &b| values[a].total_cmp(&values[b]))
+}
+
 /// Marks at the peaks and folds of a branch.
 pub fn special_points<'s>(branch: &'s Curve, curve: &'s Series, color: Color) -> impl Iterator<Item = Series> + 's {
     let spread = |values: &[f64]| super::axis::bounds(values.iter().copied());
@@ -367,10 +372,14 @@ pub fn special_points<'s>(branch: &'s Curve, curve: &'s Series, color: Color) ->
         let is_wanted = |i: usize| if kind == SpecialKind::Peak { !is_end(i) } else { !is_at_peak(i) };
         let is_shown = |i: &usize| *i < heights.len() && is_wanted(*i);
         let places: Vec<usize> = special.filter(is_shown).collect();
-        let of = |refs: &[Ref]| refs.iter().map(|column| column.at(&places)).collect();
+        // Each monitored dof has its own peak.
+        let places_of = |m: usize| match kind {
+            SpecialKind::Peak if m > 0 => highest(&branch.amplitude[m].values).into_iter().collect(),
+            _ => places.clone(),
+        };
         let marks = || Series {
-            x: of(&curve.x),
-            y: of(&curve.y),
+            x: (0..curve.y.len()).map(|m| curve.x[0].at(&places_of(m))).collect(),
+            y: curve.y.iter().enumerate().map(|(m, column)| column.at(&places_of(m))).collect(),
             style: mark(kind, color),
             level: curve.level,
             ..Series::default()

@@ -18,6 +18,8 @@ pub struct Subject<'r> {
     pub branches: &'r [Curve],
     /// Monitored dofs.
     pub monitors: &'r [Monitor],
+    /// The harmonic of the response that is forced.
+    pub harmonic: usize,
     /// The backbone, once it is known.
     pub backbone: Option<&'r BackboneCurve>,
     /// The backbones of further modes.
@@ -162,7 +164,7 @@ impl BackboneColumns {
         let title = format!("arc length along the backbone{across} (scaled)");
         let arc = Axis::around(title, Unit::none(), values(&backbone.arc));
         let mut omega = Axis::around("", Unit::none(), values(&backbone.omega));
-        omega = Axis::of_frequencies(omega.range);
+        omega = Axis::of_frequencies(omega.range, subject.harmonic);
         let amplitudes = subject.monitors.iter().zip(&backbone.amplitude).enumerate().map(|(m, (monitor, column))| {
             let unit = Unit::of_lengths(largest(values(column)));
             let name = if m == 0 { "amplitude".into() } else { format!("amplitude of {}", monitor.name) };

@@ -24,6 +24,7 @@ pub struct Start {
     run: Run,
     monitors: Vec<Monitor>,
     levels: Vec<(String, f64)>,
+    harmonic: usize,
     backbone: Option<BackboneCurve>,
 }
 
@@ -41,9 +42,15 @@ pub struct Run {
 }
 
 impl Start {
-    /// Of a run with forcing levels (as typed, and their values) in ascending order.
-    pub fn new(run: Run, monitors: Vec<Monitor>, levels: Vec<(String, f64)>, backbone: Option<BackboneCurve>) -> Self {
-        Self { run, monitors, levels, backbone }
+    /// Of a run with forcing levels (as typed, and their values) in ascending order; `harmonic` of the response is forced.
+    pub fn new(
+        run: Run,
+        monitors: Vec<Monitor>,
+        levels: Vec<(String, f64)>,
+        harmonic: usize,
+        backbone: Option<BackboneCurve>,
+    ) -> Self {
+        Self { run, monitors, levels, harmonic, backbone }
     }
 }
 

@@ -17,6 +17,7 @@ const POINTS: usize = 64;
 pub struct Sketch {
     levels: Vec<Level>,
     monitors: Vec<Monitor>,
+    harmonic: usize,
     colors: Vec<Color>,
     backbone: Option<BackboneCurve>,
     branches: Vec<Curve>,
@@ -66,6 +67,7 @@ impl Sketch {
         let mut sketch = Self {
             levels,
             monitors: start.monitors,
+            harmonic: start.harmonic,
             colors,
             backbone: start.backbone,
             branches: Vec::new(),
@@ -98,6 +100,7 @@ impl Sketch {
             levels: &self.levels,
             branches: &self.branches,
             monitors: &self.monitors,
+            harmonic: self.harmonic,
             backbone: self.backbone.as_ref(),
             further: &[],
             curves: &[],

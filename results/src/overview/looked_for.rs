@@ -6,6 +6,7 @@ use super::level::Level;
 use super::modes;
 use crate::store::SearchCounts;
 use crate::words::{self, count, digits};
+use solver::response::backbone::MOST_CROSSING;
 use solver::response::modes::ModesFollowed;
 
 /// What a run, or one order of motions of it, has been searched by.
@@ -15,6 +16,8 @@ pub struct LookedFor<'r> {
     pub levels: &'r [Level],
     /// Modes whose backbones are known, from 0, that of the primary mode first, each with the threshold A* where its backbone ends.
     pub backbones: Vec<(usize, Option<f64>)>,
+    /// Modes, from 0, whose backbones are crossed by as many curves as are followed, or more.
+    pub crowded: Vec<usize>,
     /// Which modes were followed and which not, if that is known.
     pub modes: Option<&'r ModesFollowed>,
     /// Number of modes of the model.
@@ -220,7 +223,15 @@ impl LookedFor<'_> {
             let (mode, threshold) = (words::modes(&[mode]), digits(last, 3));
             Some(format!("; the backbone of {mode} ends at A* = {threshold}, and no window beyond was looked for"))
         };
-        self.backbones.iter().filter_map(end).collect()
+        self.backbones.iter().filter_map(end).chain(self.across()).collect()
+    }
+
+    /// Whose backbones may be crossed by more curves than were followed.
+    fn across(&self) -> Option<String> {
+        let modes = (!self.crowded.is_empty()).then(|| words::modes(&self.crowded))?;
+        Some(format!(
+            "; of the curves that cross the backbone of {modes} {MOST_CROSSING} were followed, and there may be more"
+        ))
     }
 }
 
@@ -247,6 +258,7 @@ mod tests {
         LookedFor {
             levels,
             backbones: vec![(0, None), (1, None)],
+            crowded: Vec::new(),
             modes: None,
             all_modes: 2,
             harmonic: 1,
@@ -295,7 +307,7 @@ mod tests {
         );
         told.search.fewest = 0;
         told.why_no_folds = Some("a law has a corner");
-        told.backbones[0].1 = Some(2.5);
+        (told.backbones[0].1, told.crowded) = (Some(2.5), vec![1]);
         let choice =
             ModesFollowed { followed: vec![0, 1], left_out: vec![(2, LeftOut::TooMany), (3, LeftOut::OutOfRange)] };
         told.modes = Some(&choice);
@@ -304,7 +316,8 @@ mod tests {
             "64 random starts (none at some levels)",
             "; not of mode 3 (more than are followed",
             "; folds were not followed (a law has a corner)",
-            "; the backbone of mode 1 ends at A* = 2.5, and no window beyond was looked for;",
+            "; the backbone of mode 1 ends at A* = 2.5, and no window beyond was looked for; of the curves that cross the backbone of mode 2 8 \
+             were followed, and there may be more;",
         ] {
             assert!(said.contains(part), "{said}");
         }

@@ -6,7 +6,7 @@ use crate::figure::{Axis, ColumnStore, Figure, Panel, Scale, Series};
 /// where there are none, of all curves.
 pub fn cut(figure: &mut Figure, store: &ColumnStore, range: (f64, f64)) {
     for panel in &mut figure.panels {
-        let is_over_frequency = |axis: &Axis| axis.name == Axis::of_frequencies(range).name;
+        let is_over_frequency = |axis: &Axis| axis.name == Axis::of_frequencies(range, 1).name;
         let tops = tops(panel, store, range);
         for axis in panel.x.iter_mut().filter(|axis| is_over_frequency(axis)) {
             (axis.range, axis.whole) = (range, None);

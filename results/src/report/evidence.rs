@@ -85,6 +85,7 @@ impl<'r> Evidence<'r> {
         LookedFor {
             levels: self.levels,
             backbones: self.backbones().map(end).collect(),
+            crowded: self.backbones().filter(|backbone| backbone.is_crowded).map(|backbone| backbone.mode).collect(),
             modes: self.modes,
             all_modes: self.structure.modes,
             harmonic: self.structure.harmonic,

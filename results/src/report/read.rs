@@ -39,6 +39,8 @@ pub struct Report {
     pub account: CostAccount,
     /// Monitored dofs; the first one counts.
     pub monitors: Vec<Monitor>,
+    /// The harmonic of the response that is forced.
+    pub harmonic: usize,
     /// Fold curves.
     pub curves: Vec<CurveRow>,
     /// Lowest and highest frequency of the sweep, rad/s; known when the backbone is.
@@ -167,6 +169,7 @@ impl Report {
             resonance: ResonanceComparison::new(&overview.levels, backbone.iter().chain(&further)),
             run: facts(header, model.name().to_string(), stage, omissions.sentences().cloned().collect()),
             monitors,
+            harmonic: reader.order().unwrap_or(model.forcing().harmonic),
             branches,
             backbone,
             further,
@@ -219,6 +222,7 @@ impl Report {
             levels: &self.overview.levels,
             branches: &self.branches,
             monitors: &self.monitors,
+            harmonic: self.harmonic,
             backbone: self.backbone.as_ref(),
             further: &self.further,
             curves: &self.curves,

@@ -101,7 +101,8 @@ impl<'r> Rows<'r> {
             return format!("{}: {range}, {peak}{mark}", row.kind);
         }
         // `open` is the name of a kind as well.
-        let ends = row.status.strip_prefix("open: ").map_or_else(|| row.status.clone(), |ends| format!("from {ends}"));
+        let ends = row.status.strip_prefix("open: ").and_then(|ends| ends.split_once(" to "));
+        let ends = ends.map_or_else(|| row.status.clone(), |(first, last)| format!("ends: {first}, {last}"));
         let mark = self.notes.mark(format!("{ends}{meaning}"));
         format!("{}: {range}, {peak}{mark}", row.kind)
     }

@@ -17,9 +17,11 @@ pub(super) fn looked_for(known: &Known) -> Option<String> {
     let why = why_no_folds(model, settings);
     let end =
         |(mode, backbone): &(usize, Option<Backbone>)| (*mode, backbone.as_ref().and_then(Backbone::last_threshold));
+    let is_crowded = |(_, backbone): &&(usize, Option<Backbone>)| backbone.as_ref().is_some_and(Backbone::is_crowded);
     let looked_for = LookedFor {
         levels: known.levels(),
         backbones: known.backbones.iter().map(end).collect(),
+        crowded: known.backbones.iter().filter(is_crowded).map(|(mode, _)| *mode).collect(),
         modes: known.modes.as_ref(),
         all_modes: model.size(),
         harmonic: model.forcing().harmonic,

@@ -19,7 +19,8 @@ use crate::response::columns::{self, OnBackbone, Row};
 use crate::response::melnikov::Energies;
 use crate::settings::{BackboneEquation, Criterion, Settings, SettingsError};
 use crate::structure::Model;
-use crossing::{Way, curves_across};
+pub use crossing::MOST as MOST_CROSSING;
+use crossing::{Rest, Way, curves_across};
 pub use error::BackboneError;
 use error::drifting;
 use serde::{Deserialize, Serialize};
@@ -231,10 +232,16 @@ impl Backbone {
                 if start.omega < low { ("backbone.min_frequency", low) } else { ("backbone.max_frequency", high) };
             return Err(SettingsError { key, value: value.to_string(), remedy }.into());
         }
-        let way = Way { settings, bounds, rest: norm(problem.motion_metric(), &y), forcing };
+        let way = Way { settings, bounds, forcing };
         let begin = |problem: &mut F, observer: &mut Observer<'_>| {
             let mut continuation = Continuation::start(problem, y.clone(), &direction, settings.continuation)?;
-            let (visited, stop) = walk(&mut continuation, &way.bounds, observer, &mut |_, _| None);
+            let mut rest = Rest::default();
+            let mut ending =
+                |problem: &mut F, last: &TracedPoint| rest.is_passed(problem, &last.curve.y).then_some(Stop::Start);
+            let (mut visited, stop) = walk(&mut continuation, &way.bounds, observer, &mut ending);
+            if stop == Stop::Start {
+                visited.pop();
+            }
             let (outcome, rejections) = (Outcome::Open(Stop::Start, stop), continuation.rejections());
             Self::with_crossing(problem, &way, TracedCurve { visited, start: 0, outcome, rejections }, observer)
         };
@@ -269,7 +276,8 @@ impl Backbone {
             if !is_alike || !is_within(problem, &first, &way.bounds) {
                 return None;
             }
-            Self::both_ways(problem, way, first, observer).ok()
+            let rest = norm(problem.motion_metric(), &problem.encode(start));
+            Self::both_ways(problem, way, (first, rest), observer).ok()
         })
     }
 
@@ -288,20 +296,21 @@ impl Backbone {
         let mut problem: PressureForm<'_> = system(model, settings, BackboneEquation::PhaseResonance)?;
         let y = problem.encode(near);
         let bounds = Bounds { closes: true, ..bounds(settings, problem.scales()) };
-        Self::both_ways(&mut problem, &Way { settings, bounds, rest: 0.0, forcing: 0.0 }, y, observer)
+        Self::both_ways(&mut problem, &Way { settings, bounds, forcing: 0.0 }, (y, 0.0), observer)
             .map_err(|failure| BackboneError::Resonance { omega: near.omega, failure })
     }
 
-    /// The curve through a state near it, towards larger motions and towards smaller ones, down to those at rest.
+    /// The curve through a state near it, towards larger motions and towards smaller ones, down to motions of size `rest` in the metric
+    /// of motions.
     fn both_ways<'m, F: Formulation<'m>>(
         problem: &mut F,
         way: &Way<'_>,
-        y: Vec<f64>,
+        (y, rest): (Vec<f64>, f64),
         observer: &mut Observer<'_>,
     ) -> Result<Self, Failure> {
         let direction = problem.growth(&y);
         let mut ending = |problem: &mut F, last: &TracedPoint| {
-            (norm(problem.motion_metric(), &last.curve.y) < way.rest).then_some(Stop::Start)
+            (norm(problem.motion_metric(), &last.curve.y) < rest).then_some(Stop::Start)
         };
         let continuation = &way.settings.continuation;
         let walked = walk_both(problem, y, &direction, continuation, &way.bounds, observer, &mut ending)?;
@@ -328,23 +337,20 @@ impl Backbone {
         };
         backbone.add(problem, way.settings, walked)?;
         for curve in across {
-            let (outcome, rejections) = (curve.outcome, curve.rejections);
-            if backbone.add(problem, way.settings, curve)? {
-                backbone.crossing.push(outcome);
-                backbone.rejections += rejections;
-            }
+            backbone.crossing.push(curve.outcome);
+            backbone.rejections += curve.rejections;
+            backbone.add(problem, way.settings, curve)?;
         }
         Ok(backbone)
     }
 
-    /// Adds a piece: locates the extrema of its threshold curve and evaluates every point. Whether it has been added; a further one is not
-    /// along which the force does no work.
+    /// Adds a piece: locates the extrema of its threshold curve and evaluates every point.
     fn add<'m, F: Formulation<'m>>(
         &mut self,
         problem: &mut F,
         settings: &Settings,
         curve: TracedCurve<BranchPoint>,
-    ) -> Result<bool, Failure> {
+    ) -> Result<(), Failure> {
         let criterion = settings.backbone.criterion;
         let first = curve.visited[curve.start].curve.clone();
         let mut continuation = Continuation::start(problem, first.y, &first.tangent, settings.continuation)?;
@@ -353,18 +359,16 @@ impl Backbone {
             Some(last) => (last.piece() + 1, last.arc()),
             None => (0, 0.0),
         };
-        let points: Vec<BackbonePoint> = visited
-            .into_iter()
-            .map(|visited| {
-                arc += visited.curve.step;
-                evaluate(problem, visited, (piece, arc), criterion)
-            })
-            .collect();
-        let is_added = piece == 0 || points.iter().any(|point| point.threshold().is_finite());
-        if is_added {
-            self.points.extend(points);
-        }
-        Ok(is_added)
+        self.points.extend(visited.into_iter().map(|visited| {
+            arc += visited.curve.step;
+            evaluate(problem, visited, (piece, arc), criterion)
+        }));
+        Ok(())
+    }
+
+    /// Whether as many curves cross it as are followed: there may be more.
+    pub fn is_crowded(&self) -> bool {
+        self.crossing.len() == MOST_CROSSING
     }
 
     /// Whether no piece ends at the amplitude bound where its threshold is not beyond a forcing amplitude.

@@ -5,7 +5,7 @@ use crate::formulation::state::State;
 use crate::response::branch::{Branch, BranchKind, Outcome, SpecialKind, Stop};
 use crate::response::forced::Forced;
 use crate::response::name::BranchId;
-use crate::response::switch::beside;
+use crate::response::switch::{Crossed, beside};
 
 /// A curve along a main branch is another one only if it is higher by more than this, relative.
 const HIGHER: f64 = 1e-3;
@@ -51,15 +51,22 @@ pub(super) fn named<'m, F: Formulation<'m>>(
     Branch { kind, ..branch }
 }
 
-/// Whether a branch crosses, at a branch point of its own, one that is no isola: in a cyclic structure, say, closed curves of motions that
-/// lose a symmetry of the structure leave the main branch at one point and come back to it at another.
+/// Whether a branch crosses, at a branch point of its own, one that is attached to a main branch, or leaves an isola there: in a cyclic
+/// structure, say, closed curves of motions that lose a symmetry of the structure leave the main branch at one point and come back to it at
+/// another.
 fn crosses<'m, F: Formulation<'m>>(forced: &mut Forced<'m, F>, branch: &Branch, known: &[(BranchId, &Branch)]) -> bool {
-    let is_attached = |id: &BranchId| matches!(id.kind, BranchKind::Main | BranchKind::Branched);
-    let attached: Vec<&Branch> = known.iter().filter(|(id, _)| is_attached(id)).map(|(_, other)| *other).collect();
-    let count = if attached.is_empty() { 0 } else { branch.special(SpecialKind::BranchPoint).count() };
+    let is_crossed = |id: &BranchId, is_parent: bool| match id.kind {
+        BranchKind::Main | BranchKind::Branched => true,
+        // Either may branch off the other one.
+        BranchKind::Isola => is_parent,
+        _ => false,
+    };
+    let others: Vec<&(BranchId, &Branch)> = known.iter().filter(|(id, _)| is_crossed(id, true)).collect();
+    let count = if others.is_empty() { 0 } else { branch.special(SpecialKind::BranchPoint).count() };
     (0..count).any(|point| {
-        let states = beside(forced, branch, point);
-        states.iter().any(|state| attached.iter().any(|other| forced.lies_on(state, other)))
+        let Crossed { states, is_parent } = beside(forced, branch, point);
+        let mut others = others.iter().filter(|(id, _)| is_crossed(id, is_parent));
+        others.any(|(_, other)| states.iter().any(|state| forced.lies_on(state, other)))
     })
 }
 

@@ -20,12 +20,15 @@ where
     let closed = outcome == Outcome::Closed;
     let mut maxima = vec![Maximum { anchor: start, located: None }];
     let mut kinds = vec![Some(SpecialKind::Start)];
+    // Of a fold whether the frequency is largest (1) or smallest (−1) there.
+    let mut signs = vec![None];
     let first = visited[start].curve.clone();
     if let Ok(mut continuation) = Continuation::start(problem, first.y.clone(), &first.tangent, settings) {
         for (anchor, sign) in frequency_folds(&visited, closed) {
             let measure = move |_: &mut P, v: &TracedPoint| sign * v.point.omega();
             maxima.push(refine(&mut continuation, &visited, anchor, closed, &measure));
             kinds.resize(maxima.len(), Some(SpecialKind::Fold));
+            signs.push(Some(sign));
         }
         let measure = move |_: &mut P, v: &TracedPoint| v.point.amplitude();
         for anchor in highest_steps(&visited, closed) {
@@ -38,9 +41,12 @@ where
         }
     }
     let (visited, indices) = insert_maxima(visited, maxima);
-    let placed = kinds.into_iter().zip(indices);
+    let omegas: Vec<f64> = visited.iter().map(|visited| visited.point.omega()).collect();
+    signs.resize(kinds.len(), None);
+    let placed = kinds.into_iter().zip(signs).zip(indices);
+    let at = |sign: Option<f64>, index| sign.map_or(index, |sign| turn(&omegas, (index, sign), closed));
     let mut special: Vec<SpecialPoint> =
-        placed.filter_map(|(kind, index)| Some(SpecialPoint { kind: kind?, index })).collect();
+        placed.filter_map(|((kind, sign), index)| Some(SpecialPoint { kind: kind?, index: at(sign, index) })).collect();
     // A fold may turn out higher than the point refined from the highest step.
     let highest = |a: &usize, b: &usize| visited[*a].point.amplitude().total_cmp(&visited[*b].point.amplitude());
     if let Some(index) = (0..visited.len()).max_by(highest) {
@@ -49,6 +55,25 @@ where
     }
     special.sort_by_key(|s| s.index);
     (visited.into_iter().map(|v| v.point).collect(), special)
+}
+
+/// How many points from where it was located a fold may be.
+const BESIDE: usize = 3;
+
+/// Where the frequency turns next to a fold: a point of another kind that was located beside it may lie farther out.
+fn turn(omegas: &[f64], (mut index, sign): (usize, f64), closed: bool) -> usize {
+    let count = omegas.len();
+    for _ in 0..BESIDE {
+        let before = if index > 0 || closed { Some((index + count - 1) % count) } else { None };
+        let after = if index + 1 < count || closed { Some((index + 1) % count) } else { None };
+        let outermost =
+            [before, after].into_iter().flatten().max_by(|&a, &b| (sign * omegas[a]).total_cmp(&(sign * omegas[b])));
+        match outermost {
+            Some(next) if sign * omegas[next] > sign * omegas[index] => index = next,
+            _ => break,
+        }
+    }
+    index
 }
 
 /// A local maximum among the points this close to the highest may be the peak once both are located.

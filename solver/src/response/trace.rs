@@ -13,7 +13,7 @@ use crate::response::name::BranchId;
 use crate::response::scout::scout;
 use crate::response::seeds::{Landing, LandingFailure, LandingMethod, land_all};
 use crate::response::starts;
-use crate::response::switch::beside;
+use crate::response::switch::{Crossed, beside};
 use crate::response::symmetry::parents;
 use crate::response::task::{CrossingPlace, SeedOutcome, SeedPlace, SwitchPlace, Task, TaskResult};
 use std::ops::ControlFlow;
@@ -167,7 +167,10 @@ fn switch<'m, F: Formulation<'m>>(
     observer: &mut Observer<'_>,
 ) -> TaskResult {
     let crossed = given.branch(place.branch);
-    let states = crossed.map_or_else(Vec::new, |branch| beside(forced, branch, place.point));
+    let Crossed { states, is_parent } =
+        crossed.map_or_else(Crossed::default, |branch| beside(forced, branch, place.point));
+    // An isola may be what branches off another one, which was not known.
+    let is_parent = is_parent && place.branch.kind == BranchKind::Isola;
     let mut nothing = SeedOutcome::NotLanded(LandingFailure::NotConverged(Failure::Diverged.into()));
     for state in &states {
         if forced.is_shorter(state) {
@@ -176,6 +179,7 @@ fn switch<'m, F: Formulation<'m>>(
         }
         match branch_from(forced, state, given.known, observer) {
             TaskResult::Nothing(outcome) => nothing = outcome,
+            TaskResult::Branch(branch) if is_parent => return TaskResult::Branch(branch),
             TaskResult::Branch(branch) => return TaskResult::Branch(branch.branching_off()),
             found => return found,
         }

@@ -4,6 +4,7 @@ use super::bifurcation::{Bifurcation, Changes, Known, Obstacle, Unresolved, betw
 use super::branch_ends::with_ends;
 use super::crossing::Event;
 use super::polish::{Around, Polish, PolishSettings, polish};
+use super::returns::once_each;
 use crate::formulation::state::State;
 use crate::response::branch::Branch;
 use crate::settings::Stretch;
@@ -96,6 +97,7 @@ pub fn along(
     let mut pass = Pass { model, settings, branch, polished: BTreeMap::new() };
     let end = pass.run(observer);
     let Changes { bifurcations, unresolved } = pass.account(end);
+    let bifurcations = once_each(bifurcations);
     let bifurcations = with_ends(branch, bifurcations, |end| pass.polished.get(&end)?.polished.as_ref());
     let point = |(index, polish)| PolishedPoint { index, polish };
     let points = pass.polished.into_iter().map(point).collect();

@@ -11,6 +11,7 @@ pub mod multipliers;
 pub mod nearby;
 pub mod polish;
 pub mod recheck;
+mod returns;
 pub mod settling;
 pub mod shooting;
 mod symmetry;

@@ -1,11 +1,8 @@
 //! Backbones that are followed as far as the forcing needs.
 
 use crate::support::study::{Kind, Study, of_kind, with_harmonics};
-use solver::formulation::state::State;
 use solver::laws::{PenaltySpring, PolynomialSpring, TanhFriction, Term};
-use solver::response::backbone::BackbonePoint;
 use solver::response::modes::Backbones;
-use solver::settings::BackboneEquation;
 use solver::{Backbone, Model};
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
@@ -81,92 +78,4 @@ fn a_backbone_ends_where_it_comes_to_rest() {
     assert!(largest > 0.01 && smallest < 1e-3 * largest, "{smallest:e} to {largest:e}");
     let small = amplitudes.iter().position(|amplitude| *amplitude == smallest).unwrap();
     assert!(small == 0 || small + 1 == amplitudes.len(), "it goes on beyond rest: {small} of {}", amplitudes.len());
-}
-
-/// Springs and damping of [`pair`].
-const SPRING: f64 = 1.0;
-const COUPLING: f64 = 0.1;
-const CUBIC: f64 = 0.5;
-const DAMPING: f64 = 0.002;
-
-/// Two masses of 1 kg, each on a hardening spring of its own, with a weak spring between them, that are pushed alike.
-fn pair() -> Model {
-    let spring = || PolynomialSpring { terms: vec![Term { power: 3, coefficient: CUBIC }] };
-    Model::builder("pair")
-        .dofs(["left", "right"])
-        .mass([[1.0, 0.0], [0.0, 1.0]])
-        .stiffness([[SPRING + COUPLING, -COUPLING], [-COUPLING, SPRING + COUPLING]])
-        .damping_matrix([[DAMPING, 0.0], [0.0, DAMPING]])
-        .force_shape([1.0, 1.0])
-        .monitor("left")
-        .element("left spring", spring(), [[("left", 1.0)]])
-        .element("right spring", spring(), [[("right", 1.0)]])
-        .build()
-        .unwrap()
-}
-
-/// Frequency of the free motions of a [`pair`] in which the left mass moves by `left` and the right one by less, against it, and how far that
-/// moves. With one harmonic they leave those in which both move alike at a² = 4 k_c/(3 γ): a_1 a_2 = −4 k_c/(3 γ) and
-/// ω² = k + k_c + ¾ γ (a_1² + a_2²) (A. F. Vakakis et al., Normal Modes and Localization in Nonlinear Systems, 1996).
-fn localised(left: f64) -> (f64, f64) {
-    let right = 4.0 * COUPLING / (3.0 * CUBIC) / left;
-    ((SPRING + COUPLING + 0.75 * CUBIC * (left * left + right * right)).sqrt(), right)
-}
-
-/// A force that pushes both masses alike does no work on motions of these against each other, but on those that leave them.
-#[test]
-fn localised_motions_leave_a_mode_on_which_the_force_does_no_work() {
-    let model = pair();
-    let mut settings = with_harmonics(1);
-    settings.backbone.equation = BackboneEquation::ConservativeMode;
-    let mut quiet = |_: &_| ControlFlow::Continue(());
-    let backbone = Backbone::reaching(&model, &settings.tracking(1), 0.05, &mut quiet).unwrap();
-    let pieces: Vec<_> = backbone.pieces().collect();
-    assert_eq!(pieces.len(), 3, "one for each mass that moves more: {:?}", backbone.crossing);
-    assert!(pieces[0].iter().all(|point| point.threshold() > 1e9));
-    let amplitude =
-        |state: &State, dof: usize| state.displacement(&model, dof)[1..].iter().map(|x| x * x).sum::<f64>().sqrt();
-    for piece in &pieces[1..] {
-        for (i, point) in piece.iter().enumerate() {
-            let [larger, less] = {
-                let [left, right] = [0, 1].map(|dof| amplitude(&point.point.state, dof));
-                [left.max(right), left.min(right)]
-            };
-            let (omega, right) = localised(larger);
-            // The branch point itself is located to 2e-5.
-            let tolerance = if i == 0 { 1e-4 } else { 1e-8 };
-            let errors = [less / right - 1.0, point.point.omega() / omega - 1.0];
-            assert!(errors.iter().all(|error| error.abs() < tolerance), "{i}: {larger} {less} {errors:?}");
-        }
-        assert!(piece.iter().any(|point| point.threshold() < 0.05));
-    }
-    let ratio = |piece: &[BackbonePoint]| {
-        let last = &piece[piece.len() - 1].point.state;
-        amplitude(last, 0) / amplitude(last, 1)
-    };
-    let [one, other] = [ratio(pieces[1]), ratio(pieces[2])];
-    assert!((one.max(other) > 10.0) && (one * other - 1.0).abs() < 1e-6, "{one} {other}");
-}
-
-/// The isolas of such motions, of either mass: they reach to where what the force supplies, π A (a_1 − a_2), is what the dampers take,
-/// π ω c (a_1² + a_2²).
-#[test]
-fn isolas_of_localised_motions() {
-    let (model, settings, forcing) = (pair(), with_harmonics(5), 0.006);
-    let mut quiet = |_: &_| ControlFlow::Continue(());
-    let backbones = Backbones::reaching(&model, &settings, forcing, &mut quiet, &AtomicBool::new(false)).unwrap().list;
-    let study = Study { model, settings, backbones };
-    let level = study.level(forcing);
-    let isolas = of_kind(&level, Kind::Isola);
-    let needed = |left: f64| {
-        let (omega, right) = localised(left);
-        omega * DAMPING * (left * left + right * right) / (left - right)
-    };
-    let highest = (1000..3000).map(|i| 1e-3 * f64::from(i)).take_while(|left| needed(*left) < forcing).last().unwrap();
-    let expected = localised(highest).0;
-    assert_eq!(isolas.len(), 2, "{level:#?}");
-    for isola in isolas {
-        let (_, high) = isola.branch.frequency_range();
-        assert!((high / expected - 1.0).abs() < 5e-3, "{high}, expected {expected}");
-    }
 }

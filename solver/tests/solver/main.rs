@@ -9,6 +9,7 @@ mod carried;
 mod cases;
 mod closed_forms;
 mod continuation;
+mod crossing_backbones;
 mod default_range;
 mod examples;
 mod far_backbones;

@@ -5,9 +5,9 @@ use crate::curve::continuation::Continuation;
 use crate::curve::extrema::Maximum;
 use crate::curve::identity::Identity;
 use crate::curve::point::unit;
-use crate::curve::problem::norm;
+use crate::curve::problem::{Problem, inner, norm};
 use crate::curve::switch::{Crossing, SIDES};
-use crate::curve::walk::{Bounds, TracedCurve, walk};
+use crate::curve::walk::{Bounds, TracedCurve, relative_distance, walk};
 use crate::formulation::Formulation;
 use crate::response::branch::{BranchPoint, Observer, Outcome, Stop, TracedPoint};
 use crate::response::branch_points::{Passed, branch_points};
@@ -15,9 +15,13 @@ use crate::response::melnikov::Energies;
 use crate::response::symmetry::up_to_branch_point;
 use crate::settings::Settings;
 use std::f64::consts::PI;
+use std::iter;
 
-/// Most curves that are followed beside a backbone.
-const MOST: usize = 8;
+/// Most curves of interest that are followed beside a backbone.
+pub const MOST: usize = 8;
+
+/// Most of all, those on which the force does next to no work among them.
+const ALL: usize = 24;
 
 /// Fewest points of such a curve: what is shorter is one that is known, where it cannot be told next to a branch point.
 const FEWEST: usize = 3;
@@ -28,19 +32,43 @@ const NEAR: f64 = 10.0;
 /// Up to a least threshold of this many times the highest forcing amplitude curves are followed from there.
 const FAR: f64 = 100.0;
 
+/// Nearer to the frequency of two modes than this, relative, nothing but rounding tells a branch point: all their small motions lie on
+/// curves.
+const DOUBLE: f64 = 1e-5;
+
+/// Relative distance of a motion from a multiple of the linear one, up to which it is that.
+const LINEAR: f64 = 1e-6;
+
 /// How curves of free motions are walked.
 pub(super) struct Way<'w> {
     /// The settings.
     pub settings: &'w Settings,
     /// Where walks end.
     pub bounds: Bounds,
-    /// Size of motions at rest, in the metric of motions: on the other side of it are the same ones, half a period later.
-    pub rest: f64,
     /// Highest forcing amplitude that curves across are for.
     pub forcing: f64,
 }
 
+/// Tells a walk that it has come to rest: on the other side are the same motions, half a period later.
+#[derive(Default)]
+pub(super) struct Rest {
+    before: Option<Vec<f64>>,
+}
+
+impl Rest {
+    /// Whether the next point of a walk is beyond.
+    pub fn is_passed<P: Problem>(&mut self, problem: &P, y: &[f64]) -> bool {
+        let before = self.before.replace(y.to_vec());
+        before.is_some_and(|before| inner(problem.motion_metric(), &before, y) < 0.0)
+    }
+}
+
 impl Way<'_> {
+    /// Threshold A* of a point.
+    fn threshold<'m, F: Formulation<'m>>(&self, problem: &mut F, at: &TracedPoint) -> f64 {
+        Energies::evaluate(problem, &at.curve.y, &at.point.state).threshold(self.settings.backbone.criterion)
+    }
+
     /// Threshold A* of a point if the forcing did as much work as one of its size can: W/A = π m |s| |X|. On motions that cross each other
     /// one and the same force may do very different work.
     fn least_threshold<'m, F: Formulation<'m>>(&self, problem: &mut F, at: &TracedPoint) -> f64 {
@@ -61,33 +89,38 @@ struct Place {
 }
 
 /// The curves that cross `first` at its branch points, those that cross these, and so on, each from its branch point on. Of images of each
-/// other the first.
+/// other the first; those along which the force does enough work to be of interest.
 pub(super) fn curves_across<'m, F: Formulation<'m>>(
     problem: &mut F,
     way: &Way<'_>,
     first: &TracedCurve<BranchPoint>,
     observer: &mut Observer<'_>,
 ) -> Vec<TracedCurve<BranchPoint>> {
-    let mut found: Vec<TracedCurve<BranchPoint>> = Vec::new();
+    let sizes = first.visited.iter().map(|visited| norm(problem.motion_metric(), &visited.curve.y));
+    let largest = sizes.fold(0.0, f64::max);
+    let mut found: Vec<(TracedCurve<BranchPoint>, bool)> = Vec::new();
     let mut places = places(problem, way, first);
     let mut looked_at = 0;
-    loop {
+    'all: loop {
         for (place, side) in places.iter().flat_map(|place| SIDES.map(|side| (place, side))) {
-            if found.len() == MOST {
-                return found;
+            if found.len() == ALL || found.iter().filter(|(_, matters)| *matters).count() == MOST {
+                break 'all;
             }
-            let known: Vec<&TracedCurve<BranchPoint>> = std::iter::once(first).chain(&found).collect();
-            let Some(curve) = across(problem, way, place, side, &known, observer) else { continue };
+            let known: Vec<&TracedCurve<BranchPoint>> =
+                iter::once(first).chain(found.iter().map(|(curve, _)| curve)).collect();
+            let Some(curve) = across(problem, way, place, side, (&known, largest), observer) else { continue };
+            let matters = curve.visited.iter().any(|point| way.threshold(problem, point) < FAR * way.forcing);
             let is_cancelled = matches!(curve.outcome, Outcome::Open(_, Stop::Cancelled));
-            found.push(curve);
+            found.push((curve, matters));
             if is_cancelled {
-                return found;
+                break 'all;
             }
         }
-        let Some(next) = found.get(looked_at) else { return found };
+        let Some((next, _)) = found.get(looked_at) else { break };
         places = self::places(problem, way, next);
         looked_at += 1;
     }
+    found.into_iter().filter(|(_, matters)| *matters).map(|(curve, _)| curve).collect()
 }
 
 /// The branch points of a curve whose threshold is not far beyond the forcing.
@@ -98,29 +131,41 @@ fn places<'m, F: Formulation<'m>>(problem: &mut F, way: &Way<'_>, curve: &Traced
     let Ok(mut continuation) = continuation else { return Vec::new() };
     let passed = branch_points(&mut continuation, visited, curve.outcome == Outcome::Closed);
     let found = passed.into_iter().filter(|passed| passed.is_branch_point);
+    let (frequencies, mode) = (&problem.model().modes().frequencies, way.settings.tracked(problem.model()));
+    let is_like = |omega: f64| (omega / frequencies[mode] - 1.0).abs() < DOUBLE;
+    let is_double = frequencies.iter().filter(|omega| is_like(**omega)).count() > 1;
     let place = |Passed { place: Maximum { anchor, located }, .. }: Passed| {
         let [before, behind] = [anchor, anchor + 1].map(|index| &visited[index % visited.len()]);
         // The tangent at the branch point itself is one of the plane of both curves.
         let mean = before.curve.tangent.iter().zip(&behind.curve.tangent).map(|(a, b)| a + b).collect();
         let point = located.map_or_else(|| before.clone(), |(_, point)| point);
-        let is_near = way.least_threshold(problem, &point) <= NEAR * way.forcing;
+        let is_told = !(is_double && is_like(point.point.omega()));
+        let is_near = is_told && way.least_threshold(problem, &point) <= NEAR * way.forcing;
         is_near.then(|| Place { point, tangent: unit(problem.metric(), mean) })
     };
     found.filter_map(place).collect()
 }
 
-/// The curve that crosses another one, followed to one side, unless it is known.
+/// The curve that crosses another one, followed to one side up to motions as large as `largest`, unless it is known.
 fn across<'m, F: Formulation<'m>>(
     problem: &mut F,
     way: &Way<'_>,
     Place { point, tangent }: &Place,
     side: f64,
-    known: &[&TracedCurve<BranchPoint>],
+    (known, largest): (&[&TracedCurve<BranchPoint>], f64),
     observer: &mut Observer<'_>,
 ) -> Option<TracedCurve<BranchPoint>> {
     let settings = way.settings.continuation;
     let mut identity = Identity::default();
     let mut is_known = |problem: &mut F, y: &[f64]| {
+        let metric = problem.motion_metric();
+        let linear = &known[0].visited[0].curve.y;
+        let along = inner(metric, y, linear) / inner(metric, linear, linear);
+        let multiple: Vec<f64> = linear.iter().map(|entry| along * entry).collect();
+        // Motions smaller than the first one of a backbone are linear.
+        if along.abs() < 1.0 && relative_distance(metric, &multiple, y) < LINEAR {
+            return true;
+        }
         known.iter().any(|known| {
             let points: Vec<&[f64]> = known.visited.iter().map(|visited| &visited.curve.y[..]).collect();
             identity.position(problem, &settings.newton, &points, known.outcome == Outcome::Closed, y).is_some()
@@ -129,16 +174,24 @@ fn across<'m, F: Formulation<'m>>(
     let crossing = Crossing::at(problem, &point.curve.y, tangent)?;
     let y = crossing.beside(problem, &settings.newton, side, &mut |problem, y| !is_known(problem, y))?;
     let mut continuation = Continuation::start(problem, y, &crossing.way(side), settings).ok()?;
+    // How far the first monitored dof moves along the backbone need not say how far it does here.
+    let amplitude = way.settings.backbone.max_amplitude.unwrap_or(f64::INFINITY);
+    let bounds = Bounds { closes: true, amplitude, ..way.bounds };
     let (mut visited, stop) = up_to_branch_point(&mut continuation, |continuation, branches_off| {
+        let mut rest = Rest::default();
         let mut ending = |problem: &mut F, last: &TracedPoint| match () {
-            () if norm(problem.motion_metric(), &last.curve.y) < way.rest => Some(Stop::Start),
+            () if rest.is_passed(problem, &last.curve.y) => Some(Stop::Start),
+            () if norm(problem.motion_metric(), &last.curve.y) > largest => Some(Stop::AmplitudeBound),
             () if way.least_threshold(problem, last) > FAR * way.forcing => Some(Stop::ForcingBound),
             () if is_known(problem, &last.curve.y) => Some(Stop::Joined),
             () => branches_off(problem, last),
         };
-        walk(continuation, &Bounds { closes: true, ..way.bounds }, observer, &mut ending)
+        walk(continuation, &bounds, observer, &mut ending)
     });
     let rejections = continuation.rejections();
+    if stop == Stop::Start {
+        visited.pop();
+    }
     while visited.last().is_some_and(|last| is_known(problem, &last.curve.y)) {
         visited.pop();
     }

@@ -1,0 +1,194 @@
+//! Curves that cross backbones at branch points: their motions, and the isolas about them.
+
+use crate::support::study::{Kind, Study, of_kind, with_harmonics};
+use solver::formulation::state::State;
+use solver::laws::{PenaltySpring, PolynomialSpring, Term};
+use solver::response::backbone::BackbonePoint;
+use solver::response::branch::{BranchPoint, Outcome, Stop};
+use solver::response::modes::Backbones;
+use solver::response::recheck::Recheck;
+use solver::settings::BackboneEquation;
+use solver::{Backbone, Matrix, Model, ModelBuilder};
+use std::ops::ControlFlow;
+use std::sync::atomic::AtomicBool;
+
+fn quiet(_: &BranchPoint) -> ControlFlow<()> {
+    ControlFlow::Continue(())
+}
+
+/// So many masses of 1 kg in a chain or, more than two, in a ring, each on a spring of 1 N/m, with these springs between neighbours, all
+/// pushed alike.
+fn masses(count: usize, coupling: f64, damping: f64) -> ModelBuilder {
+    let neighbours = if count > 2 { 2.0 } else { 1.0 };
+    let entry = |i: usize, j: usize| match i.abs_diff(j) {
+        0 => 1.0 + neighbours * coupling,
+        d if d == 1 || d == count - 1 => -coupling,
+        _ => 0.0,
+    };
+    Model::builder("masses")
+        .mass(Matrix::diagonal(&vec![1.0; count]))
+        .stiffness(Matrix::from_fn(count, count, entry))
+        .damping_matrix(Matrix::diagonal(&vec![damping; count]))
+        .force_shape(vec![1.0; count])
+        .monitor(0)
+}
+
+/// The same, their springs to the ground stiffening.
+fn stiffening(count: usize, coupling: f64, cubic: f64) -> Model {
+    let spring = PolynomialSpring { terms: vec![Term { power: 3, coefficient: cubic }] };
+    let model = masses(count, coupling, 0.002);
+    (0..count).fold(model, |model, i| model.element(format!("s{i}"), spring.clone(), [vec![(i, 1.0)]])).build().unwrap()
+}
+
+/// Springs and damping of [`pair`].
+const SPRING: f64 = 1.0;
+const COUPLING: f64 = 0.1;
+const CUBIC: f64 = 0.5;
+const DAMPING: f64 = 0.002;
+
+/// Two masses on stiffening springs.
+fn pair() -> Model {
+    stiffening(2, COUPLING, CUBIC)
+}
+
+/// Frequency of the free motions of a [`pair`] in which the left mass moves by `left` and the right one by less, against it, and how far that
+/// moves. With one harmonic they leave those in which both move alike at a² = 4 k_c/(3 γ): a_1 a_2 = −4 k_c/(3 γ) and
+/// ω² = k + k_c + ¾ γ (a_1² + a_2²) (A. F. Vakakis et al., Normal Modes and Localization in Nonlinear Systems, 1996).
+fn localised(left: f64) -> (f64, f64) {
+    let right = 4.0 * COUPLING / (3.0 * CUBIC) / left;
+    ((SPRING + COUPLING + 0.75 * CUBIC * (left * left + right * right)).sqrt(), right)
+}
+
+/// A force that pushes both masses alike does no work on motions of these against each other, but on those that leave them.
+#[test]
+fn localised_motions_leave_a_mode_on_which_the_force_does_no_work() {
+    let model = pair();
+    let mut settings = with_harmonics(1);
+    settings.backbone.equation = BackboneEquation::ConservativeMode;
+    let backbone = Backbone::reaching(&model, &settings.tracking(1), 0.05, &mut quiet).unwrap();
+    let pieces: Vec<_> = backbone.pieces().collect();
+    assert_eq!(pieces.len(), 3, "one for each mass that moves more: {:?}", backbone.crossing);
+    assert!(pieces[0].iter().all(|point| point.threshold() > 1e9));
+    let amplitude =
+        |state: &State, dof: usize| state.displacement(&model, dof)[1..].iter().map(|x| x * x).sum::<f64>().sqrt();
+    for piece in &pieces[1..] {
+        for (i, point) in piece.iter().enumerate() {
+            let [larger, less] = {
+                let [left, right] = [0, 1].map(|dof| amplitude(&point.point.state, dof));
+                [left.max(right), left.min(right)]
+            };
+            let (omega, right) = localised(larger);
+            // The branch point itself is located to 2e-5.
+            let tolerance = if i == 0 { 1e-4 } else { 1e-8 };
+            let errors = [less / right - 1.0, point.point.omega() / omega - 1.0];
+            assert!(errors.iter().all(|error| error.abs() < tolerance), "{i}: {larger} {less} {errors:?}");
+        }
+        assert!(piece.iter().any(|point| point.threshold() < 0.05));
+    }
+    let ratio = |piece: &[BackbonePoint]| {
+        let last = &piece[piece.len() - 1].point.state;
+        amplitude(last, 0) / amplitude(last, 1)
+    };
+    let [one, other] = [ratio(pieces[1]), ratio(pieces[2])];
+    assert!((one.max(other) > 10.0) && (one * other - 1.0).abs() < 1e-6, "{one} {other}");
+}
+
+/// The isolas of such motions, of either mass: they reach to where what the force supplies, π A (a_1 − a_2), is what the dampers take,
+/// π ω c (a_1² + a_2²).
+#[test]
+fn isolas_of_localised_motions() {
+    let (model, settings, forcing) = (pair(), with_harmonics(5), 0.006);
+    let backbones = Backbones::reaching(&model, &settings, forcing, &mut quiet, &AtomicBool::new(false)).unwrap().list;
+    let study = Study { model, settings, backbones };
+    let level = study.level(forcing);
+    let isolas = of_kind(&level, Kind::Isola);
+    let needed = |left: f64| {
+        let (omega, right) = localised(left);
+        omega * DAMPING * (left * left + right * right) / (left - right)
+    };
+    let highest = (1000..3000).map(|i| 1e-3 * f64::from(i)).take_while(|left| needed(*left) < forcing).last().unwrap();
+    let expected = localised(highest).0;
+    assert_eq!(isolas.len(), 2, "{level:#?}");
+    for isola in isolas {
+        let (_, high) = isola.branch.frequency_range();
+        assert!((high / expected - 1.0).abs() < 5e-3, "{high}, expected {expected}");
+    }
+}
+
+/// Two masses before elastic stops of 2 N/m at 0.5 m: those motions leave just above the first touch. A harmonic balance with arc length
+/// of its own, its points 1e-3 rad/s apart, has them down to A* = 0.00619, at 1.1075 rad/s.
+#[test]
+fn localised_motions_before_stops() {
+    let stop = PenaltySpring { stiffness: 2.0, gap: 0.5 };
+    let model = masses(2, 0.05, 0.005);
+    let model = (0..2).fold(model, |model, i| model.element(format!("s{i}"), stop.clone(), [vec![(i, 1.0)]])).build();
+    let (model, settings) = (model.unwrap(), with_harmonics(9));
+    let backbone = Backbone::reaching(&model, &settings.tracking(1), 0.03, &mut quiet).unwrap();
+    let lowest = backbone.points.iter().min_by(|a, b| a.threshold().total_cmp(&b.threshold())).unwrap();
+    assert!(lowest.piece() > 0 && (lowest.threshold() / 0.00619 - 1.0).abs() < 1e-3, "{}", lowest.threshold());
+    assert!((lowest.point.omega() - 1.1075).abs() < 1e-3, "{}", lowest.point.omega());
+}
+
+/// All small motions of a double mode lie on curves: nothing branches off there.
+#[test]
+fn a_double_mode_is_crossed_by_nothing_where_it_begins() {
+    let (model, settings) = (stiffening(3, 0.05, 0.5), with_harmonics(5));
+    for mode in [1, 2] {
+        let backbone = Backbone::reaching(&model, &settings.tracking(mode), 0.006, &mut quiet).unwrap();
+        assert!(backbone.crossing.is_empty(), "mode {}: {:?}", mode + 1, backbone.crossing);
+    }
+}
+
+/// Two modes at 1:2, with a quadratic spring: the backbone comes back to rest. Beyond are the same motions, half a period later.
+#[test]
+fn a_backbone_that_comes_back_to_rest_ends_there() {
+    let terms = vec![Term { power: 2, coefficient: 0.3 }, Term { power: 3, coefficient: 0.3 }];
+    let model = Model::builder("one to two")
+        .mass([[1.0, 0.0], [0.0, 1.0]])
+        .stiffness([[1.0, 0.0], [0.0, 4.1]])
+        .damping_matrix([[0.005, 0.0], [0.0, 0.01]])
+        .force(0, 1.0)
+        .monitor(0)
+        .element("spring", PolynomialSpring { terms }, [[(0, 1.0), (1, 0.5)]])
+        .build()
+        .unwrap();
+    let backbone = Backbone::compute(&model, &with_harmonics(5)).unwrap();
+    assert_eq!(backbone.outcome, Outcome::Open(Stop::Start, Stop::Start));
+    let largest = backbone.max_amplitude();
+    assert!((largest - 0.663).abs() < 1e-2 && backbone.points.len() < 200, "{largest} {}", backbone.points.len());
+    assert!(backbone.points.last().unwrap().point.amplitude() < 0.05 * largest);
+}
+
+/// Of four masses in a ring, closed curves of motions in which two opposite ones move alike, and of others that leave these at branch points
+/// and come back to them: only the former are isolas.
+#[test]
+fn what_leaves_an_isola_branches_off() {
+    let (model, settings) = (stiffening(4, 0.02, 0.5), with_harmonics(5));
+    for forcing in [0.006, 0.02] {
+        let all = Backbones::reaching(&model, &settings, forcing, &mut quiet, &AtomicBool::new(false)).unwrap();
+        let study = Study { model: model.clone(), settings, backbones: all.list };
+        let level = study.level(forcing);
+        // Nothing of it is refused.
+        for listed in &level {
+            assert_eq!(
+                Recheck::new(&model, &settings, 1).branch(&listed.branch, forcing),
+                Ok(()),
+                "{} at A = {forcing}",
+                listed.name
+            );
+        }
+        let is_alike = |state: &State| {
+            let motion = |dof: usize| state.displacement(&model, dof);
+            let apart = |i: usize, j: usize| {
+                let (one, other) = (motion(i), motion(j));
+                one.iter().zip(&other).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+            };
+            apart(0, 2) < 1e-6 && apart(1, 3) < 1e-6
+        };
+        let isolas = of_kind(&level, Kind::Isola);
+        if forcing == 0.006 {
+            assert_eq!((isolas.len(), of_kind(&level, Kind::Branched).len()), (2, 2), "{level:#?}");
+            assert!(isolas.iter().all(|isola| is_alike(&isola.branch.peak().state)), "{level:#?}");
+        }
+    }
+}
