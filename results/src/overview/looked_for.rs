@@ -228,9 +228,14 @@ impl LookedFor<'_> {
 
     /// Whose backbones may be crossed by more curves than were followed.
     fn across(&self) -> Option<String> {
-        let modes = (!self.crowded.is_empty()).then(|| words::modes(&self.crowded))?;
+        let (backbones, each) = match self.crowded.len() {
+            0 => return None,
+            1 => ("backbone", ""),
+            _ => ("backbones", " each"),
+        };
+        let modes = words::modes(&self.crowded);
         Some(format!(
-            "; of the curves that cross the backbone of {modes} {MOST_CROSSING} were followed, and there may be more"
+            "; of the curves that cross the {backbones} of {modes}, {MOST_CROSSING}{each} were followed, and there may be more"
         ))
     }
 }
@@ -316,7 +321,7 @@ mod tests {
             "64 random starts (none at some levels)",
             "; not of mode 3 (more than are followed",
             "; folds were not followed (a law has a corner)",
-            "; the backbone of mode 1 ends at A* = 2.5, and no window beyond was looked for; of the curves that cross the backbone of mode 2 8 \
+            "; the backbone of mode 1 ends at A* = 2.5, and no window beyond was looked for; of the curves that cross the backbone of mode 2, 8 \
              were followed, and there may be more;",
         ] {
             assert!(said.contains(part), "{said}");

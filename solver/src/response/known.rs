@@ -16,7 +16,7 @@ const SAME_ENDS: f64 = 1e-2;
 /// Relative distance of the largest motions of a closed curve that is traced twice.
 const SAME_PEAK: f64 = 1e-3;
 
-/// Places along a branch that are looked at where something breaks off.
+/// Places along a branch that are looked at where something breaks off, or goes on.
 const PLACES: usize = 24;
 
 /// A new branch, of the kind that it has in view of those known: one that crosses a main branch branches off it, a piece of a main branch
@@ -103,11 +103,17 @@ pub(super) fn unknown_part<'m, F: Formulation<'m>>(
     let start = branch.special.iter().find(|special| special.kind == SpecialKind::Start).map(|special| special.index);
     let (begin, end) = match (start.filter(|&start| at(start).is_none()), at(0), at(count - 1)) {
         (Some(start), ..) => {
-            probes.retain(|&index| at(index).is_some());
-            let before = probes.iter().copied().filter(|&index| index < start).max();
-            let after = probes.iter().copied().filter(|&index| index > start).min();
-            let begin = before.map_or(0, |known| known + boundary(start - known, |step| at(known + step).is_some()));
-            (begin, after.map_or(count, |known| start + boundary(known - start, |step| at(start + step).is_none())))
+            // Where it crosses a known one it is on that at one point alone.
+            let mut goes_on = |index: usize, next: Option<usize>| {
+                at(index).is_some() && next.filter(|&next| next < count).is_none_or(|next| at(next).is_some())
+            };
+            let mut behind = |index: usize| goes_on(index, index.checked_sub(1));
+            probes.sort_unstable();
+            let before = probes.iter().copied().rev().find(|&index| index < start && behind(index));
+            let begin = before.map_or(0, |known| known + boundary(start - known, |step| behind(known + step)));
+            let mut ahead = |index: usize| goes_on(index, Some(index + 1));
+            let after = probes.iter().copied().find(|&index| index > start && ahead(index));
+            (begin, after.map_or(count, |known| start + boundary(known - start, |step| !ahead(start + step))))
         }
         (None, Some(id), Some(_)) => return Err(id),
         (None, None, None) => match start.and_then(at) {
@@ -130,8 +136,8 @@ pub(super) fn unknown_part<'m, F: Formulation<'m>>(
 }
 
 /// Numbers of the points of a branch where it may be on known ones: its ends, and those beside the ends of open ones that lie on
-/// it. Where one of them breaks off, its end need not lie on the other, which may have passed over the place: then places all along
-/// the branch as well.
+/// it. Where one of them breaks off, its end need not lie on the other, which may have passed over the place; nor need that of a known one
+/// on one that goes on beyond it, with steps that are long there: then places all along the branch as well.
 fn meetings<'m, F: Formulation<'m>>(
     forced: &mut Forced<'m, F>,
     branch: &Branch,
@@ -142,7 +148,9 @@ fn meetings<'m, F: Formulation<'m>>(
     let met = ends.filter_map(|end| forced.position_on(&end.state, branch)).flat_map(|before| [before, before + 1]);
     let last = branch.points.len() - 1;
     let breaks_off = branch.outcome.is_unfinished() || known.iter().any(|(_, other)| other.outcome.is_unfinished());
-    let along = (1..PLACES).map(|place| place * last / PLACES).filter(|_| breaks_off);
+    let leaves = |stop: Stop| matches!(stop, Stop::FrequencyBound | Stop::AmplitudeBound);
+    let goes_on = matches!(branch.outcome, Outcome::Open(first, last) if leaves(first) || leaves(last));
+    let along = (1..PLACES).map(|place| place * last / PLACES).filter(|_| breaks_off || goes_on);
     met.chain(along).chain([0, last]).collect()
 }
 

@@ -192,3 +192,25 @@ fn what_leaves_an_isola_branches_off() {
         }
     }
 }
+
+/// Two masses before stops: motions in which one moves more than the other leave the main branch at one branch point and come back to it at
+/// another. They end there, whatever follows on the main branch, which nobody gave bounds.
+#[test]
+fn what_branches_off_ends_on_the_main_branch() {
+    let stop = PenaltySpring { stiffness: 0.5, gap: 0.2 };
+    let model = masses(2, 0.02, 0.002);
+    let model = (0..2).fold(model, |model, i| model.element(format!("s{i}"), stop.clone(), [vec![(i, 1.0)]])).build();
+    let (model, settings, forcing) = (model.unwrap(), with_harmonics(9), 0.01);
+    let all = Backbones::reaching(&model, &settings, forcing, &mut quiet, &AtomicBool::new(false)).unwrap();
+    let study = Study { model: model.clone(), settings, backbones: all.list };
+    let level = study.level(forcing);
+    let branched = of_kind(&level, Kind::Branched);
+    let [branched] = branched[..] else { panic!("{level:#?}") };
+    let points = &branched.branch.points;
+    let apart = |point: &BranchPoint| {
+        let [one, other] = [0, 1].map(|dof| point.state.displacement(&model, dof));
+        one.iter().zip(&other).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / point.amplitude()
+    };
+    let alike = points[2..points.len() - 2].iter().filter(|point| apart(point) < 1e-6).count();
+    assert_eq!(alike, 0, "of {} points, {level:#?}", points.len());
+}
