@@ -3,7 +3,7 @@
 use crate::curve::continuation::{Continuation, ContinuationSettings, CurvePoint, Rejection};
 use crate::curve::identity::{Identity, is_beside};
 use crate::curve::outcome::{Outcome, Stop};
-use crate::curve::problem::{Failure, Problem, inner, norm};
+use crate::curve::problem::{Failure, Problem, SAME_IMAGE, inner, norm};
 use std::ops::ControlFlow;
 
 /// What is evaluated of every point of a curve of `P`, once, when it is reached.
@@ -292,13 +292,19 @@ fn rounds<P: Problem, T>(
     let [first, _, .., before, last] = visited else { return None };
     let newton = continuation.settings().newton;
     let problem = continuation.problem();
-    let images = problem.images();
-    let index = (0..images).find(|&index| {
+    let index = (0..problem.images()).find(|&index| {
         let (y, tangent) = (problem.image(&first.curve.y, index), problem.image(&first.curve.tangent, index));
         inner(problem.metric(), &tangent, &last.curve.tangent) > 0.0
             && identity.passes(problem, &newton, [&before.curve.y, &last.curve.y], &y)
     })?;
-    (1..=images).find(|rounds| (rounds * index).is_multiple_of(images))
+    let metric = problem.motion_metric();
+    let mut image = problem.image(&first.curve.y, index);
+    let mut rounds = 1;
+    while rounds < problem.images() && relative_distance(metric, &image, &first.curve.y) > SAME_IMAGE {
+        image = problem.image(&image, index);
+        rounds += 1;
+    }
+    Some(rounds)
 }
 
 /// Most points that are added where a curve closes.

@@ -1,21 +1,20 @@
 //! Curves that cross a backbone: where modes interact, or motions lose a symmetry, further families of free motions leave it at branch
 //! points, and isolas grow about these as about the backbone itself.
 
-use crate::curve::continuation::Continuation;
+use super::assemble::energies;
+use super::known::Known;
+use crate::curve::continuation::{Continuation, CurvePoint};
 use crate::curve::extrema::Maximum;
-use crate::curve::identity::Identity;
 use crate::curve::point::unit;
 use crate::curve::problem::{Problem, inner, norm};
 use crate::curve::switch::{Crossing, SIDES};
-use crate::curve::walk::{Bounds, TracedCurve, relative_distance, walk};
+use crate::curve::walk::{Bounds, TracedCurve, walk};
 use crate::formulation::Formulation;
 use crate::response::branch::{BranchPoint, Observer, Outcome, Stop, TracedPoint};
 use crate::response::branch_points::{Passed, branch_points};
-use crate::response::melnikov::Energies;
 use crate::response::symmetry::up_to_branch_point;
 use crate::settings::Settings;
 use std::f64::consts::PI;
-use std::iter;
 
 /// Most curves of interest that are followed beside a backbone.
 pub const MOST: usize = 8;
@@ -35,9 +34,6 @@ const FAR: f64 = 100.0;
 /// Nearer to the frequency of two modes than this, relative, nothing but rounding tells a branch point: all their small motions lie on
 /// curves.
 const DOUBLE: f64 = 1e-5;
-
-/// Relative distance of a motion from a multiple of the linear one, up to which it is that.
-const LINEAR: f64 = 1e-6;
 
 /// How curves of free motions are walked.
 pub(super) struct Way<'w> {
@@ -66,17 +62,17 @@ impl Rest {
 impl Way<'_> {
     /// Threshold A* of a point.
     fn threshold<'m, F: Formulation<'m>>(&self, problem: &mut F, at: &TracedPoint) -> f64 {
-        Energies::evaluate(problem, &at.curve.y, &at.point.state).threshold(self.settings.backbone.criterion)
+        energies(problem, at).threshold(self.settings.backbone.criterion)
     }
 
     /// Threshold A* of a point if the forcing did as much work as one of its size can: W/A = π m |s| |X|. On motions that cross each other
     /// one and the same force may do very different work.
     fn least_threshold<'m, F: Formulation<'m>>(&self, problem: &mut F, at: &TracedPoint) -> f64 {
-        let energies = Energies::evaluate(problem, &at.curve.y, &at.point.state);
+        let needed = energies(problem, at).dissipated(self.settings.backbone.criterion);
         let size = |values: &[f64]| values.iter().map(|value| value * value).sum::<f64>().sqrt();
         let (modal, m) = (problem.modal(), problem.modal().harmonic() as f64);
         let work = PI * m * size(modal.forcing()) * size(&at.point.state.modal);
-        energies.dissipated(self.settings.backbone.criterion) / work
+        needed / work
     }
 }
 
@@ -106,9 +102,9 @@ pub(super) fn curves_across<'m, F: Formulation<'m>>(
             if found.len() == ALL || found.iter().filter(|(_, matters)| *matters).count() == MOST {
                 break 'all;
             }
-            let known: Vec<&TracedCurve<BranchPoint>> =
-                iter::once(first).chain(found.iter().map(|(curve, _)| curve)).collect();
-            let Some(curve) = across(problem, way, place, side, (&known, largest), observer) else { continue };
+            let across = found.iter().map(|(curve, _)| curve);
+            let mut known = Known::new(first, across, way.settings.continuation.newton);
+            let Some(curve) = way.across(problem, (place, side), &mut known, largest, observer) else { continue };
             let matters = curve.visited.iter().any(|point| way.threshold(problem, point) < FAR * way.forcing);
             let is_cancelled = matches!(curve.outcome, Outcome::Open(_, Stop::Cancelled));
             found.push((curve, matters));
@@ -146,64 +142,63 @@ fn places<'m, F: Formulation<'m>>(problem: &mut F, way: &Way<'_>, curve: &Traced
     found.filter_map(place).collect()
 }
 
-/// The curve that crosses another one, followed to one side up to motions as large as `largest`, unless it is known.
-fn across<'m, F: Formulation<'m>>(
-    problem: &mut F,
-    way: &Way<'_>,
-    Place { point, tangent }: &Place,
-    side: f64,
-    (known, largest): (&[&TracedCurve<BranchPoint>], f64),
-    observer: &mut Observer<'_>,
-) -> Option<TracedCurve<BranchPoint>> {
-    let settings = way.settings.continuation;
-    let mut identity = Identity::default();
-    let mut is_known = |problem: &mut F, y: &[f64]| {
-        let metric = problem.motion_metric();
-        let linear = &known[0].visited[0].curve.y;
-        let along = inner(metric, y, linear) / inner(metric, linear, linear);
-        let multiple: Vec<f64> = linear.iter().map(|entry| along * entry).collect();
-        // Motions smaller than the first one of a backbone are linear.
-        if along.abs() < 1.0 && relative_distance(metric, &multiple, y) < LINEAR {
-            return true;
+impl Way<'_> {
+    /// The curve that crosses another one at a place, followed to one side, unless it is known.
+    fn across<'m, F: Formulation<'m>>(
+        &self,
+        problem: &mut F,
+        (Place { point, tangent }, side): (&Place, f64),
+        known: &mut Known<'_>,
+        largest: f64,
+        observer: &mut Observer<'_>,
+    ) -> Option<TracedCurve<BranchPoint>> {
+        let settings = self.settings.continuation;
+        let crossing = Crossing::at(problem, &point.curve.y, tangent)?;
+        let y = crossing.beside(problem, &settings.newton, side, &mut |problem, y| !known.has(problem, y))?;
+        let mut continuation = Continuation::start(problem, y, &crossing.way(side), settings).ok()?;
+        let (mut visited, stop) = self.walk(&mut continuation, known, largest, observer);
+        let rejections = continuation.rejections();
+        while visited.last().is_some_and(|last| known.has(problem, &last.curve.y)) {
+            visited.pop();
         }
-        known.iter().any(|known| {
-            let points: Vec<&[f64]> = known.visited.iter().map(|visited| &visited.curve.y[..]).collect();
-            identity.position(problem, &settings.newton, &points, known.outcome == Outcome::Closed, y).is_some()
-        })
-    };
-    let crossing = Crossing::at(problem, &point.curve.y, tangent)?;
-    let y = crossing.beside(problem, &settings.newton, side, &mut |problem, y| !is_known(problem, y))?;
-    let mut continuation = Continuation::start(problem, y, &crossing.way(side), settings).ok()?;
-    // How far the first monitored dof moves along the backbone need not say how far it does here.
-    let amplitude = way.settings.backbone.max_amplitude.unwrap_or(f64::INFINITY);
-    let bounds = Bounds { closes: true, amplitude, ..way.bounds };
-    let (mut visited, stop) = up_to_branch_point(&mut continuation, |continuation, branches_off| {
-        let mut rest = Rest::default();
-        let mut ending = |problem: &mut F, last: &TracedPoint| match () {
-            () if rest.is_passed(problem, &last.curve.y) => Some(Stop::Start),
-            () if norm(problem.motion_metric(), &last.curve.y) > largest => Some(Stop::AmplitudeBound),
-            () if way.least_threshold(problem, last) > FAR * way.forcing => Some(Stop::ForcingBound),
-            () if is_known(problem, &last.curve.y) => Some(Stop::Joined),
-            () => branches_off(problem, last),
-        };
-        walk(continuation, &bounds, observer, &mut ending)
-    });
-    let rejections = continuation.rejections();
-    if stop == Stop::Start {
-        visited.pop();
+        if visited.len() < FEWEST {
+            return None;
+        }
+        if stop == Stop::Closed {
+            return Some(TracedCurve { visited, start: 0, outcome: Outcome::Closed, rejections });
+        }
+        let chord: Vec<f64> = visited[0].curve.y.iter().zip(&point.curve.y).map(|(a, b)| a - b).collect();
+        visited[0].curve.step = norm(problem.metric(), &chord);
+        visited.insert(0, TracedPoint { curve: CurvePoint { step: 0.0, ..point.curve.clone() }, ..point.clone() });
+        // Where it was entered it has the symmetries of its own.
+        Some(TracedCurve { visited, start: 1, outcome: Outcome::Open(Stop::Branching, stop), rejections })
     }
-    while visited.last().is_some_and(|last| is_known(problem, &last.curve.y)) {
-        visited.pop();
+
+    /// Walks up to motions as large as `largest`, to what is known or is its own image, or to where no forcing of interest leads.
+    fn walk<'c, 'm, F: Formulation<'m>>(
+        &self,
+        continuation: &mut Continuation<'c, F>,
+        known: &mut Known<'_>,
+        largest: f64,
+        observer: &mut Observer<'_>,
+    ) -> (Vec<TracedPoint>, Stop) {
+        // How far the first monitored dof moves along the backbone need not say how far it does here.
+        let amplitude = self.settings.backbone.max_amplitude.unwrap_or(f64::INFINITY);
+        let bounds = Bounds { closes: true, amplitude, ..self.bounds };
+        let (mut visited, stop) = up_to_branch_point(continuation, |continuation, branches_off| {
+            let mut rest = Rest::default();
+            let mut ending = |problem: &mut F, last: &TracedPoint| match () {
+                () if rest.is_passed(problem, &last.curve.y) => Some(Stop::Start),
+                () if norm(problem.motion_metric(), &last.curve.y) > largest => Some(Stop::AmplitudeBound),
+                () if self.least_threshold(problem, last) > FAR * self.forcing => Some(Stop::ForcingBound),
+                () if known.has(problem, &last.curve.y) => Some(Stop::Joined),
+                () => branches_off(problem, last),
+            };
+            walk(continuation, &bounds, observer, &mut ending)
+        });
+        if stop == Stop::Start {
+            visited.pop();
+        }
+        (visited, stop)
     }
-    if visited.len() < FEWEST {
-        return None;
-    }
-    if stop == Stop::Closed {
-        return Some(TracedCurve { visited, start: 0, outcome: Outcome::Closed, rejections });
-    }
-    let chord: Vec<f64> = visited[0].curve.y.iter().zip(&point.curve.y).map(|(a, b)| a - b).collect();
-    visited[0].curve.step = norm(problem.metric(), &chord);
-    visited.insert(0, point.clone());
-    // Where it was entered it has the symmetries of its own.
-    Some(TracedCurve { visited, start: 1, outcome: Outcome::Open(Stop::Branching, stop), rejections })
 }

@@ -1,0 +1,262 @@
+//! Computing a backbone: where it begins, and how far it is followed.
+
+use super::crossing::{Rest, Way};
+use super::error::drifting;
+use super::{Backbone, BackboneError, BackbonePoint};
+use crate::curve::continuation::Continuation;
+use crate::curve::problem::{Failure, norm};
+use crate::curve::walk::{Bounds, TracedCurve, relative_distance, walk, walk_both};
+use crate::formulation::linear;
+use crate::formulation::pressure::PressureForm;
+use crate::formulation::scales::Scales;
+use crate::formulation::state::State;
+use crate::formulation::unknown::Unknown;
+use crate::formulation::{Formulation, FormulationError};
+use crate::response::branch::{Observer, Outcome, Stop, TracedPoint};
+use crate::settings::{BackboneEquation, Settings, SettingsError};
+use crate::structure::Model;
+use std::iter;
+use std::ops::ControlFlow;
+
+/// How many times as large as in the linear range the motion may be that a backbone starts with: dry friction may keep smaller ones
+/// from swinging.
+const LARGER: [f64; 3] = [10.0, 100.0, 1000.0];
+
+/// Amplitude up to which a backbone is followed, reference lengths, unless the settings say so.
+const FOLLOWED: f64 = 8.0;
+
+/// How many times as far it is followed again where that is not far enough for the forcing, and how often.
+const FARTHER: (f64, usize) = (4.0, 5);
+
+/// It is far enough once its threshold is this many times the forcing.
+const ENOUGH: f64 = 2.0;
+
+/// Relative distance of the first motion from the linear one, at most, if that is larger.
+const ALIKE: f64 = 0.5;
+
+fn system<'m, F: Formulation<'m>>(
+    model: &'m Model,
+    settings: &Settings,
+    equation: BackboneEquation,
+) -> Result<F, FormulationError> {
+    let unknown = match equation {
+        BackboneEquation::DampedMode => Unknown::Mode { damped: true },
+        BackboneEquation::ConservativeMode => Unknown::Mode { damped: false },
+        BackboneEquation::PhaseResonance => Unknown::PhaseResonance,
+    };
+    let scales = Scales::new(model, settings.tracked(model));
+    F::build(model, settings.harmonics, settings.tracked(model), unknown, scales)
+}
+
+/// Bounds of a backbone that is followed up to so many reference lengths, unless the settings say otherwise.
+fn bounds(settings: &Settings, scales: &Scales, followed: f64) -> Bounds {
+    let limits = &settings.backbone;
+    let omega = scales.frequency;
+    Bounds {
+        frequency: (limits.min_frequency.unwrap_or(0.25 * omega), limits.max_frequency.unwrap_or(4.0 * omega)),
+        amplitude: limits.max_amplitude.unwrap_or(followed * scales.length),
+        points: limits.max_points,
+        closes: false,
+    }
+}
+
+/// Whether the frequency of a state is within bounds.
+fn is_within<'m, F: Formulation<'m>>(problem: &mut F, y: &[f64], bounds: &Bounds) -> bool {
+    let (low, high) = bounds.frequency;
+    problem.decode(y).is_ok_and(|state| (low..=high).contains(&state.omega))
+}
+
+impl Backbone {
+    /// Computes the backbone of the primary mode, the first one of `settings.backbone.modes`; those of all modes:
+    /// [`crate::response::modes::Backbones`].
+    ///
+    /// # Errors
+    /// If a setting is out of range, or the first point does not converge. What stops the curve later is part of the result.
+    pub fn compute(model: &Model, settings: &Settings) -> Result<Self, BackboneError> {
+        Self::compute_with(model, settings, &mut |_| ControlFlow::Continue(()))
+    }
+
+    /// The same, telling `observer` of every point.
+    ///
+    /// # Errors
+    /// Those of [`Backbone::compute`].
+    pub fn compute_with(
+        model: &Model,
+        settings: &Settings,
+        observer: &mut Observer<'_>,
+    ) -> Result<Self, BackboneError> {
+        Self::compute_in::<PressureForm<'_>>(model, settings, observer)
+    }
+
+    /// The same, as far as responses to forcing amplitudes up to `forcing` go, with the curves that cross it where it matters for these:
+    /// unless the settings give a largest amplitude, a backbone whose threshold is not beyond that where it ends is followed farther.
+    ///
+    /// # Errors
+    /// Those of [`Backbone::compute`].
+    pub fn reaching(
+        model: &Model,
+        settings: &Settings,
+        forcing: f64,
+        observer: &mut Observer<'_>,
+    ) -> Result<Self, BackboneError> {
+        let mut compute =
+            |followed| Self::compute_for::<PressureForm<'_>>(model, settings, (forcing, followed), observer);
+        let mut followed = FOLLOWED;
+        let mut backbone = compute(followed)?;
+        let (farther, times) = FARTHER;
+        for _ in 0..times {
+            if settings.backbone.max_amplitude.is_some() || backbone.is_enough(forcing) {
+                break;
+            }
+            followed *= farther;
+            backbone = compute(followed)?;
+        }
+        Ok(backbone)
+    }
+
+    /// Computes the backbone of the primary mode in any formulation, telling `observer` of every point.
+    ///
+    /// # Errors
+    /// Those of [`Backbone::compute`], and if the formulation does not have this backbone.
+    pub fn compute_in<'m, F: Formulation<'m>>(
+        model: &'m Model,
+        settings: &Settings,
+        observer: &mut Observer<'_>,
+    ) -> Result<Self, BackboneError> {
+        Self::compute_for::<F>(model, settings, (0.0, FOLLOWED), observer)
+    }
+
+    /// The same for forcing amplitudes up to `forcing`, followed up to so many reference lengths.
+    fn compute_for<'m, F: Formulation<'m>>(
+        model: &'m Model,
+        settings: &Settings,
+        (forcing, followed): (f64, f64),
+        observer: &mut Observer<'_>,
+    ) -> Result<Self, BackboneError> {
+        settings.validate(model)?;
+        let mode = settings.tracked(model);
+        let omega = model.modes().frequencies[mode];
+        let not_started = |failure| {
+            let drifting = if failure == Failure::Singular { drifting(model) } else { None };
+            BackboneError::Start { mode: mode + 1, omega, failure, drifting }
+        };
+        let equation = settings.backbone.equation;
+        let mut problem: F = system(model, settings, equation)?;
+        let start = match equation {
+            BackboneEquation::PhaseResonance => {
+                linear::forced_response(&problem, 1.0, omega / model.forcing().harmonic as f64)
+                    .map(|state| linear::below_first_touch(&problem, state))
+                    .map_err(|_| not_started(Failure::Singular))?
+            }
+            _ => linear::mode_motion(&problem, mode),
+        };
+        let y = problem.encode(&start);
+        let direction = problem.growth(&y);
+        let bounds = bounds(settings, problem.scales(), followed);
+        let (low, high) = bounds.frequency;
+        if !(low..=high).contains(&start.omega) {
+            let remedy = format!("mode {} starts at {} rad/s: choose bounds round it", mode + 1, start.omega);
+            let (key, value) =
+                if start.omega < low { ("backbone.min_frequency", low) } else { ("backbone.max_frequency", high) };
+            return Err(SettingsError { key, value: value.to_string(), remedy }.into());
+        }
+        let way = Way { settings, bounds, forcing };
+        let begin = |problem: &mut F, observer: &mut Observer<'_>| {
+            let mut continuation = Continuation::start(problem, y.clone(), &direction, settings.continuation)?;
+            let mut rest = Rest::default();
+            let mut ending =
+                |problem: &mut F, last: &TracedPoint| rest.is_passed(problem, &last.curve.y).then_some(Stop::Start);
+            let (mut visited, stop) = walk(&mut continuation, &way.bounds, observer, &mut ending);
+            if stop == Stop::Start {
+                visited.pop();
+            }
+            let (outcome, rejections) = (Outcome::Open(Stop::Start, stop), continuation.rejections());
+            let walked = TracedCurve { visited, start: 0, outcome, rejections };
+            Ok(Self::with_crossing(problem, &way, walked, observer))
+        };
+        let first = Continuation::start(&mut problem, y.clone(), &direction, settings.continuation);
+        let failure = match first.map(|started| started.current().y.clone()) {
+            Ok(first) if is_within(&mut problem, &first, &way.bounds) => {
+                return begin(&mut problem, observer).map_err(not_started);
+            }
+            Ok(_) => None,
+            Err(failure) => Some(failure),
+        };
+        if let Some(backbone) = Self::of_larger(&mut problem, &way, &start, observer) {
+            return Ok(backbone);
+        }
+        // All there is begins beyond the bounds of its frequency.
+        failure.map_or_else(|| begin(&mut problem, observer), Err).map_err(not_started)
+    }
+
+    /// The curve through a motion that is larger than `start` and like it otherwise, if there is one within the bounds.
+    fn of_larger<'m, F: Formulation<'m>>(
+        problem: &mut F,
+        way: &Way<'_>,
+        start: &State,
+        observer: &mut Observer<'_>,
+    ) -> Option<Self> {
+        LARGER.into_iter().find_map(|factor| {
+            let y = problem.encode(&linear::times(problem, start.clone(), factor));
+            let direction = problem.growth(&y);
+            let started = Continuation::start(problem, y.clone(), &direction, way.settings.continuation).ok()?;
+            let first = started.current().y.clone();
+            let is_alike = relative_distance(problem.motion_metric(), &first, &y) < ALIKE;
+            if !is_alike || !is_within(problem, &first, &way.bounds) {
+                return None;
+            }
+            let rest = norm(problem.motion_metric(), &problem.encode(start));
+            Self::both_ways(problem, way, (first, rest), observer).ok()
+        })
+    }
+
+    /// The phase-resonance backbone through a forced response near quadrature (see [`crate::response::forced::Forced::resonances`]),
+    /// both ways: finds the backbones that are not connected to any linear mode, from branches that are.
+    ///
+    /// # Errors
+    /// If a setting is out of range, or the first point does not converge.
+    pub fn through(
+        model: &Model,
+        settings: &Settings,
+        near: &State,
+        observer: &mut Observer<'_>,
+    ) -> Result<Self, BackboneError> {
+        settings.validate(model)?;
+        let mut problem: PressureForm<'_> = system(model, settings, BackboneEquation::PhaseResonance)?;
+        let y = problem.encode(near);
+        let bounds = Bounds { closes: true, ..bounds(settings, problem.scales(), FOLLOWED) };
+        Self::both_ways(&mut problem, &Way { settings, bounds, forcing: 0.0 }, (y, 0.0), observer)
+            .map_err(|failure| BackboneError::Resonance { omega: near.omega, failure })
+    }
+
+    /// The curve through a state near it, towards larger motions and towards smaller ones, down to motions of size `rest` in the metric
+    /// of motions.
+    fn both_ways<'m, F: Formulation<'m>>(
+        problem: &mut F,
+        way: &Way<'_>,
+        (y, rest): (Vec<f64>, f64),
+        observer: &mut Observer<'_>,
+    ) -> Result<Self, Failure> {
+        let direction = problem.growth(&y);
+        let mut ending = |problem: &mut F, last: &TracedPoint| {
+            (norm(problem.motion_metric(), &last.curve.y) < rest).then_some(Stop::Start)
+        };
+        let continuation = &way.settings.continuation;
+        let walked = walk_both(problem, y, &direction, continuation, &way.bounds, observer, &mut ending)?;
+        Ok(Self::with_crossing(problem, way, walked, observer))
+    }
+
+    /// Whether no piece ends at the amplitude bound where its threshold is not beyond a forcing amplitude.
+    fn is_enough(&self, forcing: f64) -> bool {
+        let outcomes = iter::once(&self.outcome).chain(&self.crossing);
+        outcomes.zip(self.pieces()).all(|(outcome, piece)| {
+            let is_cut = |stop: Stop, end: Option<&BackbonePoint>| {
+                stop == Stop::AmplitudeBound && end.is_some_and(|end| end.threshold() <= ENOUGH * forcing)
+            };
+            match *outcome {
+                Outcome::Open(first, last) => !is_cut(first, piece.first()) && !is_cut(last, piece.last()),
+                Outcome::Closed => true,
+            }
+        })
+    }
+}
