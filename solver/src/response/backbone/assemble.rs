@@ -11,11 +11,6 @@ use crate::response::columns::{OnBackbone, Row};
 use crate::response::melnikov::Energies;
 use crate::settings::{Criterion, Settings};
 
-/// Energies at a point.
-pub(super) fn energies<'m>(problem: &mut impl Formulation<'m>, at: &TracedPoint) -> Energies {
-    Energies::evaluate(problem, &at.curve.y, &at.point.state)
-}
-
 impl Backbone {
     /// A curve that was walked, and what crosses it where the force does work.
     pub(super) fn with_crossing<'m, F: Formulation<'m>>(
@@ -59,7 +54,7 @@ impl Backbone {
         };
         self.points.extend(visited.into_iter().map(|visited| {
             arc += visited.curve.step;
-            let energies = energies(problem, &visited);
+            let energies = Energies::evaluate(problem, &visited.curve.y, &visited.point.state);
             let (aft, state) = (problem.aft(), &visited.point.state);
             let values = Row::of_backbone(OnBackbone { aft, state, energies, criterion, arc, piece });
             BackbonePoint { point: visited.point, values }
@@ -73,7 +68,9 @@ fn with_threshold_extrema<'m, F: Formulation<'m>>(
     visited: Vec<TracedPoint>,
     criterion: Criterion,
 ) -> Vec<TracedPoint> {
-    let log_threshold = |problem: &mut F, v: &TracedPoint| energies(problem, v).threshold(criterion).ln();
+    let log_threshold = |problem: &mut F, v: &TracedPoint| {
+        Energies::evaluate(problem, &v.curve.y, &v.point.state).threshold(criterion).ln()
+    };
     let values: Vec<f64> = visited.iter().map(|v| log_threshold(continuation.problem(), v)).collect();
     let mut maxima = Vec::new();
     for i in 1..visited.len().saturating_sub(1) {

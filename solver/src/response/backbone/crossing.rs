@@ -1,7 +1,6 @@
 //! Curves that cross a backbone: where modes interact, or motions lose a symmetry, further families of free motions leave it at branch
 //! points, and isolas grow about these as about the backbone itself.
 
-use super::assemble::energies;
 use super::known::Known;
 use crate::curve::continuation::{Continuation, CurvePoint};
 use crate::curve::extrema::Maximum;
@@ -12,6 +11,7 @@ use crate::curve::walk::{Bounds, TracedCurve, walk};
 use crate::formulation::Formulation;
 use crate::response::branch::{BranchPoint, Observer, Outcome, Stop, TracedPoint};
 use crate::response::branch_points::{Passed, branch_points};
+use crate::response::melnikov::Energies;
 use crate::response::symmetry::up_to_branch_point;
 use crate::settings::Settings;
 use std::f64::consts::PI;
@@ -62,13 +62,14 @@ impl Rest {
 impl Way<'_> {
     /// Threshold A* of a point.
     fn threshold<'m, F: Formulation<'m>>(&self, problem: &mut F, at: &TracedPoint) -> f64 {
-        energies(problem, at).threshold(self.settings.backbone.criterion)
+        Energies::evaluate(problem, &at.curve.y, &at.point.state).threshold(self.settings.backbone.criterion)
     }
 
     /// Threshold A* of a point if the forcing did as much work as one of its size can: W/A = π m |s| |X|. On motions that cross each other
     /// one and the same force may do very different work.
     fn least_threshold<'m, F: Formulation<'m>>(&self, problem: &mut F, at: &TracedPoint) -> f64 {
-        let needed = energies(problem, at).dissipated(self.settings.backbone.criterion);
+        let energies = Energies::evaluate(problem, &at.curve.y, &at.point.state);
+        let needed = energies.dissipated(self.settings.backbone.criterion);
         let size = |values: &[f64]| values.iter().map(|value| value * value).sum::<f64>().sqrt();
         let (modal, m) = (problem.modal(), problem.modal().harmonic() as f64);
         let work = PI * m * size(modal.forcing()) * size(&at.point.state.modal);
