@@ -300,8 +300,8 @@ pub struct PlotArgs {
     /// Show these frequencies only, rad/s or Hz as in --units [default: where something happens] (response, map, backbone).
     #[arg(long, num_args = 2, value_names = ["MIN", "MAX"], allow_negative_numbers = true)]
     pub frequency: Option<Vec<f64>>,
-    /// Units of axes and of --frequency: one of m, mm, um and one of rad/s, Hz, as in mm,Hz, or one of them only [default: rad/s, and
-    /// what lengths are read best in].
+    /// Units of axes and of --frequency: one of m, mm, um and one of rad/s, Hz, as in mm,Hz, or one of them only [default: those of
+    /// the run, else rad/s, and what lengths are read best in].
     #[arg(long, value_name = "UNITS", value_parser = str::parse::<UnitChoice>)]
     pub units: Option<UnitChoice>,
     /// Width, mm.

@@ -16,7 +16,7 @@ use protocol::ids::RunId;
 use protocol::model::ModelMessage;
 use protocol::to_everyone::Stage;
 use results::journal::Change;
-use results::resolved_study::differences;
+use results::resolved_study::{UNITS, differences};
 use results::store::{RunHeader, Store, network_file_system};
 use solver::response::orders::Orders;
 use solver::settings::VerifyEffort;
@@ -43,7 +43,7 @@ pub fn execute(cli: Cli) -> Result<ExitCode, Error> {
         }
         Command::Schema(args) => schema(&args),
         Command::Cert(args) => show(certificates::make(&args)?),
-        Command::Check(args) => show(check::report(&load(&args)?)),
+        Command::Check(args) => show(check::report(&load(&args, &args.changes())?)),
         Command::Export(args) => outputs::export(&args),
         #[cfg(feature = "page")]
         Command::Report(args) => outputs::report(&args),
@@ -120,12 +120,14 @@ fn code(ending: Ending) -> ExitCode {
     }
 }
 
-fn load(args: &StudyArgs) -> Result<Study, Error> {
-    Ok(Study::load(&args.study, &args.changes(), args.amplitudes.as_deref())?)
+fn load(args: &StudyArgs, changes: &[(String, String)]) -> Result<Study, Error> {
+    Ok(Study::load(&args.study, changes, args.amplitudes.as_deref())?)
 }
 
 async fn sweep(args: SweepArgs) -> Result<Ending, Error> {
-    let study = load(&args.study)?;
+    let mut changes = args.study.changes();
+    changes.extend(args.serve.units.map(|units| (UNITS.to_string(), format!("\"{units}\""))));
+    let study = load(&args.study, &changes)?;
     for key in &study.without_effect {
         terminal::note(format_args!("{key} has no effect any more: branches close by convergence"));
     }
@@ -138,7 +140,7 @@ async fn sweep(args: SweepArgs) -> Result<Ending, Error> {
     let directory = args.out.unwrap_or_else(|| default_directory(&study.name));
     // What is in use is said before a folder is made.
     let connection = open(&args.serve, None).await?;
-    let header = header(&study, &args.study, &args.serve)?;
+    let header = header(&study, changes, &args.study, &args.serve)?;
     let is_new = !directory.exists();
     let store = Store::create(&directory, &header)?;
     announce(&header, &directory);
@@ -150,10 +152,15 @@ async fn sweep(args: SweepArgs) -> Result<Ending, Error> {
     ended
 }
 
-fn header(study: &Study, args: &StudyArgs, serve: &ServeArgs) -> Result<RunHeader, Error> {
+fn header(
+    study: &Study,
+    changes: Vec<(String, String)>,
+    args: &StudyArgs,
+    serve: &ServeArgs,
+) -> Result<RunHeader, Error> {
     let id = uuid::Uuid::new_v4().simple().to_string();
     let model = ModelMessage::from(&study.model);
-    let mut overrides = args.changes();
+    let mut overrides = changes;
     overrides.extend(args.amplitudes.iter().map(|list| ("amplitudes".to_string(), list.clone())));
     Ok(RunHeader {
         run: RunId::new(&id[..12]).map_err(|error| Error::Other(error.to_string()))?,

@@ -7,7 +7,7 @@ use protocol::level;
 use protocol::to_everyone::{Stage, StalledTask, Status};
 use results::journal::{LevelPlan, SweepPlan};
 use results::store::Reader;
-use results::summary_table::{Layout, Units};
+use results::summary_table::{Layout, UnitChoice};
 use results::words::{count, duration, fixed_digits, length};
 use solver::response::seeds::LandingMethod;
 use solver::response::starts::{BATCH, StartWay};
@@ -183,10 +183,11 @@ pub fn width() -> u16 {
     size.map_or(Layout::default().width, |(_, columns)| columns)
 }
 
-/// The closing table of the run in a folder for whoever reads standard output.
-pub fn closing_table(reader: &Reader, directory: &Path, units: Option<Units>) -> results::store::Result<String> {
+/// The closing table of the run in a folder for whoever reads standard output, in these units or else those of the run.
+pub fn closing_table(reader: &Reader, directory: &Path, units: Option<UnitChoice>) -> results::store::Result<String> {
     let run = directory.display().to_string();
-    let layout = Layout { width: width(), units: units.unwrap_or_default(), run: &run };
+    let own = UnitChoice::of_study(&reader.header()?.study);
+    let layout = Layout { width: width(), units: units.unwrap_or_default().or(own).of_table(), run: &run };
     results::summary_table::table(reader, layout)
 }
 

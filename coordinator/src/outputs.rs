@@ -200,9 +200,11 @@ fn of_this_order(runs: Vec<(String, Reader)>, order: Option<usize>) -> Result<Ve
 #[cfg(feature = "figures")]
 pub fn plot(args: &crate::cli::PlotArgs) -> Result<ExitCode, Error> {
     use results::plot::{FileFormat, Request, compose, compose_several};
+    use results::summary_table::UnitChoice;
     let format = FileFormat::of(&args.out)?;
     let runs = of_this_order(opened(&args.runs)?, args.order)?;
-    let units = args.units.unwrap_or_default();
+    let own = UnitChoice::of_study(&runs[0].1.header()?.study);
+    let units = args.units.unwrap_or_default().or(own);
     let request = Request {
         figure: args.figure,
         levels: chosen_levels(&runs[0].1, args.levels.as_deref())?,

@@ -16,7 +16,7 @@ use protocol::to_everyone::{Manifest, Status};
 use results::journal::{Change, TaskState};
 use results::overview::most_folds;
 use results::store::{Holder, Reader, Store, holder};
-use results::summary_table::Units;
+use results::summary_table::UnitChoice;
 use serde::Serialize;
 use std::path::Path;
 use std::time::Duration;
@@ -153,7 +153,7 @@ pub async fn status(args: &StatusArgs) -> Result<String, Error> {
 }
 
 /// How a run that nobody conducts is doing, in lines.
-pub fn stored_status(directory: &Path, units: Option<Units>) -> Result<String, Error> {
+pub fn stored_status(directory: &Path, units: Option<UnitChoice>) -> Result<String, Error> {
     let reader = Reader::open(directory)?;
     let header = reader.header()?;
     let stage = match (reader.stage()?, holder(directory)) {

@@ -4,6 +4,9 @@ use std::collections::BTreeMap;
 use std::fmt;
 use toml::{Table, Value};
 
+/// Key of the units in which a run is shown.
+pub const UNITS: &str = "units";
+
 /// A key whose values differ.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Difference {
@@ -22,7 +25,7 @@ impl fmt::Display for Difference {
 }
 
 /// Keys whose values differ between two texts of resolved studies, in alphabetical order. A
-/// text that is not TOML differs as a whole.
+/// text that is not TOML differs as a whole. In which units tables are shown is no difference.
 pub fn differences(old_resolved: &str, new_resolved: &str) -> Vec<Difference> {
     let (old, new) = match (old_resolved.parse::<Table>(), new_resolved.parse::<Table>()) {
         (Ok(old), Ok(new)) => (flatten(old), flatten(new)),
@@ -33,6 +36,7 @@ pub fn differences(old_resolved: &str, new_resolved: &str) -> Vec<Difference> {
         }
     };
     let mut keys: Vec<&String> = old.keys().chain(new.keys()).collect();
+    keys.retain(|key| *key != UNITS);
     keys.sort();
     keys.dedup();
     let pairs = keys.into_iter().map(|key| (key, old.get(key), new.get(key)));
@@ -145,6 +149,7 @@ mod tests {
         assert_eq!((&*shorter[0].old, &*shorter[0].new), ("[…, 99, 100] (100 entries)", "[…, 99] (99 entries)"));
         let other = differences(&list(&old), &list(&["1"]));
         assert_eq!((&*other[0].old, &*other[0].new), ("[1, 2, 3, 4, 5, 6, 7, …, 100] (100 entries)", "[1]"));
+        assert!(differences("units = 'Hz'", "units = 'mm'").is_empty());
         // 1 and 1.0 are the same; a text that is not TOML differs from everything but itself.
         assert!(differences("a = 1\nb = [2]", "a = 1.0\nb = [2.0]").is_empty());
         assert_eq!(differences("a = [", "a = 1")[0].old, "not readable as a study");

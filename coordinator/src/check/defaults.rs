@@ -3,9 +3,12 @@
 use crate::study::Study;
 use solver::structure::DEFAULT_RATIO;
 
+/// Keys that give the damping; a section `damping` without any of its own gives none.
+const DAMPING: [&str; 4] = ["damping.ratios", "damping.default_ratio", "damping.rayleigh", "matrices.damping"];
+
 /// The damping, if the study gives none.
 pub(super) fn damping(study: &Study) -> Option<String> {
-    let is_given = ["damping", "matrices.damping"].into_iter().any(|key| study.gives(key));
+    let is_given = DAMPING.into_iter().any(|key| study.gives(key));
     (!is_given).then(|| {
         format!(
             "not given: {} % of critical in every mode; damping.default_ratio, among others, gives another",

@@ -3,7 +3,7 @@
 use clap::Args;
 use protocol::ids::RunId;
 use protocol::keys::namespace;
-use results::summary_table::Units;
+use results::summary_table::UnitChoice;
 use std::path::PathBuf;
 
 /// A run, by folder or on the bus.
@@ -39,7 +39,8 @@ pub struct StatusArgs {
     /// For programs: the `status` message of MESSAGES.md as JSON, and whether somebody conducts the run.
     #[arg(long)]
     pub json: bool,
-    /// Units of the table of a run that nobody conducts: one of m, mm, um and one of rad/s, Hz, as in mm,Hz [default: m,rad/s].
-    #[arg(long, value_name = "UNITS", value_parser = str::parse::<Units>, conflicts_with = "json")]
-    pub units: Option<Units>,
+    /// Units of the table of a run that nobody conducts: one of m, mm, um and one of rad/s, Hz, as in mm,Hz [default: those of
+    /// the run].
+    #[arg(long, value_name = "UNITS", value_parser = str::parse::<UnitChoice>, conflicts_with = "json")]
+    pub units: Option<UnitChoice>,
 }

@@ -4,7 +4,7 @@ use super::{whole, within};
 use crate::access::AccessArgs;
 use clap::Args;
 use protocol::keys::namespace;
-use results::summary_table::Units;
+use results::summary_table::UnitChoice;
 use worker::LogFormat;
 
 /// Where a run is served and who works for it.
@@ -33,9 +33,10 @@ pub struct ServeArgs {
     /// A task without a sign of life for so many seconds is handed out again.
     #[arg(long, value_name = "SECONDS", default_value_t = 15.0, value_parser = lease)]
     pub lease: f64,
-    /// Units of the closing table: one of m, mm, um and one of rad/s, Hz, as in mm,Hz [default: m,rad/s].
-    #[arg(long, value_name = "UNITS", value_parser = str::parse::<Units>)]
-    pub units: Option<Units>,
+    /// Units of tables and figures: one of m, mm, um and one of rad/s, Hz, as in mm,Hz; a sweep's run keeps them [default: as the study
+    /// says, else m,rad/s].
+    #[arg(long, value_name = "UNITS", value_parser = str::parse::<UnitChoice>)]
+    pub units: Option<UnitChoice>,
     /// How lines on standard error are written, also those of local workers.
     #[arg(long, value_name = "FORMAT", value_enum, default_value_t)]
     pub log_format: LogFormat,

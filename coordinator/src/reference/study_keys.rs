@@ -9,6 +9,14 @@ use solver::settings::NumberList;
 const LEVEL: Kind = Number(Range::POSITIVE);
 const COUNT: Kind = Whole(Range::from(1.0));
 const POSITIVE: Kind = Number(Range::POSITIVE);
+/// A number of rad/s, or a text with its unit.
+const FREQUENCY: Kind = Either(&[
+    POSITIVE,
+    Pattern(r"^\s*(?=[^eE]*[1-9])([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?\s*(Hz|hz|rad/s)\s*$"),
+]);
+
+/// A length, a frequency or both.
+const UNITS: &str = r"^\s*((m|mm|um|µm)\s*(,\s*(rad/s|Hz)\s*)?|(rad/s|Hz)\s*(,\s*(m|mm|um|µm)\s*)?)$";
 
 /// Keys of the study itself.
 pub(super) const OWN: &[Key] = &[
@@ -27,6 +35,14 @@ pub(super) const OWN: &[Key] = &[
         unit: "",
         meaning: "Folder of the model, relative to that of the study.",
         example: "\".\"",
+    },
+    Key {
+        path: "units",
+        kind: Pattern(UNITS),
+        default: Value("\"m,rad/s\""),
+        unit: "",
+        meaning: "Units of the tables and figures of the run: a length (m, mm or um), a frequency (rad/s or Hz), or both. What models and studies give stays in SI units. Also --units.",
+        example: "\"mm,Hz\"",
     },
     Key {
         path: "amplitudes",
@@ -84,19 +100,19 @@ pub(super) const NUMERICS: &[Key] = &[
     },
     section(
         "frequency",
-        "Frequencies of the response between which responses are wanted. Main branches are followed beyond them until the response is the ordinary one there; other branches end at bounds that are given.",
+        "Frequencies of the response between which responses are wanted. Numbers are in rad/s; a text has its unit with it, as in \"150 Hz\". Main branches are followed beyond them until the response is the ordinary one there; other branches end at bounds that are given.",
     ),
     Key {
         path: "frequency.min",
-        kind: POSITIVE,
+        kind: FREQUENCY,
         default: Words("10 % below the lowest resonance: of the backbones, of the force with their modes"),
         unit: "rad/s",
         meaning: "Lower bound.",
-        example: "0.1",
+        example: "\"14.5 Hz\"",
     },
     Key {
         path: "frequency.max",
-        kind: POSITIVE,
+        kind: FREQUENCY,
         default: Words("10 % above the highest resonance: of the backbones, of the force with their modes"),
         unit: "rad/s",
         meaning: "Upper bound, above frequency.min.",
@@ -220,7 +236,7 @@ pub(super) const NUMERICS: &[Key] = &[
     },
     Key {
         path: "backbone.min_frequency",
-        kind: POSITIVE,
+        kind: FREQUENCY,
         default: Words("a quarter of the eigenfrequency of the mode"),
         unit: "rad/s",
         meaning: "Lowest frequency.",
@@ -228,7 +244,7 @@ pub(super) const NUMERICS: &[Key] = &[
     },
     Key {
         path: "backbone.max_frequency",
-        kind: POSITIVE,
+        kind: FREQUENCY,
         default: Words("four times the eigenfrequency of the mode"),
         unit: "rad/s",
         meaning: "Highest frequency, above min_frequency.",

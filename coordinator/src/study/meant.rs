@@ -2,27 +2,19 @@
 
 use solver::files::Layers;
 use solver::structure::ModelError;
-use std::f64::consts::TAU;
 use toml::Value;
 
-/// Refuses a unit of frequencies: there is one, and bounds in another one have to be converted.
+/// Refuses a unit of frequencies: each has its own beside it.
 pub(super) fn unit_of_frequencies(numerics: &Layers) -> Result<(), ModelError> {
     let Some(Value::Table(section)) = numerics.table().get("frequency") else { return Ok(()) };
     let Some(unit) = section.get("unit") else { return Ok(()) };
     let is_hertz = unit.as_str().is_some_and(|unit| unit.trim().eq_ignore_ascii_case("hz"));
-    let converted = ["min", "max"].into_iter().filter_map(|bound| {
-        let value = section.get(bound)?;
-        let hertz = value.as_float().or_else(|| value.as_integer().map(|whole| whole as f64))?;
-        Some(format!("{bound} = {} for {hertz} Hz", results::words::number(TAU * hertz)))
-    });
-    let converted: Vec<String> = converted.filter(|_| is_hertz).collect();
-    let remedy = match &converted[..] {
-        [] if is_hertz => "frequencies are in rad/s, 2π times those in Hz; leave the key out".into(),
-        [] => "frequencies are in rad/s, always; leave the key out".into(),
-        bounds => format!(
-            "frequencies are in rad/s, 2π times those in Hz: write {}, and leave the key out",
-            bounds.join(" and ")
-        ),
+    let bounds =
+        ["min", "max"].into_iter().filter_map(|bound| Some(format!("{bound} = \"{} Hz\"", section.get(bound)?)));
+    let bounds: Vec<String> = bounds.filter(|_| is_hertz).collect();
+    let remedy = match &bounds[..] {
+        [] => "numbers are in rad/s, and a text has its unit with it, like min = \"150 Hz\"; leave the key out".into(),
+        bounds => format!("write {}, and leave the key out", bounds.join(" and ")),
     };
     Err(ModelError::value(numerics.place("frequency.unit"), unit.to_string(), remedy))
 }
@@ -57,20 +49,15 @@ mod tests {
     }
 
     #[test]
-    fn bounds_in_hertz_are_converted() {
+    fn a_unit_stands_with_each_bound() {
         let refused = |text: &str| unit_of_frequencies(&layers(text)).map_err(|error| error.to_string());
         let said = refused("[frequency]\nunit = \"Hz\"\nmin = 0.5\nmax = 2").unwrap_err();
-        for part in [
-            "study.toml",
-            "`frequency.unit`",
-            "\"Hz\"",
-            "2π times those in Hz: write min = 3.14159 for 0.5 Hz and max = 12.5664 for 2 Hz, and leave the key out",
-        ] {
+        let remedy = "write min = \"0.5 Hz\" and max = \"2 Hz\", and leave the key out";
+        for part in ["study.toml", "`frequency.unit`", "\"Hz\"", remedy] {
             assert!(said.contains(part), "{said}");
         }
-        assert!(refused("[frequency]\nunit = \"hz\"").unwrap_err().contains("2π times"));
         let other = refused("[frequency]\nunit = \"rad/s\"\nmin = 0.5").unwrap_err();
-        assert!(other.contains("in rad/s, always; leave") && !other.contains("3.14"), "{other}");
+        assert!(other.contains("numbers are in rad/s") && !other.contains("write min"), "{other}");
         assert_eq!(refused("[frequency]\nmin = 0.5"), Ok(()));
     }
 

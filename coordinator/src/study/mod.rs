@@ -1,8 +1,9 @@
 //! The study: a model, forcing amplitudes, numerics and a scenario, in one file.
 //!
-//! A study is a TOML file, `study.toml` where a folder has only one. Unknown keys are refused. SI units.
+//! A study is a TOML file, `study.toml` where a folder has only one. Unknown keys are refused. SI units;
+//! frequencies may have their unit, as in "150 Hz".
 //!
-//! It has a `name`, the folder of its `model` and `amplitudes`; the sections of [`Settings`]; and, as its scenario, the keys of
+//! It has a `name`, the folder of its `model`, `amplitudes` and the `units` of its tables; the sections of [`Settings`]; and, as its scenario, the keys of
 //! [`config`] but `name`, which come over those of `model.toml`. [`crate::reference`] describes all of them.
 //!
 //! Sections are merged key by key; a list or an inline table is replaced as a whole. One way to give the damping replaces
@@ -11,6 +12,7 @@
 mod amplitudes;
 mod entry;
 mod error;
+mod frequencies;
 mod locate;
 mod meant;
 mod range;
@@ -21,6 +23,8 @@ pub use error::StudyError;
 
 use locate::{locate, model_folder};
 use protocol::to_everyone::Amplitude;
+use results::resolved_study::UNITS;
+use results::summary_table::UnitChoice;
 use serde::Deserialize;
 use solver::files;
 use solver::files::{Layers, config};
@@ -31,7 +35,7 @@ use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 
 /// Keys of the study itself.
-const OWN: [&str; 3] = ["name", "model", "amplitudes"];
+const OWN: [&str; 4] = ["name", "model", "amplitudes", UNITS];
 
 /// Keys that are often varied: proposed to whoever leaves the section out.
 const OFTEN: [&str; 10] = [
@@ -77,6 +81,7 @@ pub struct Study {
 struct Header {
     name: Option<String>,
     model: Option<String>,
+    units: Option<String>,
 }
 
 impl Study {
@@ -99,13 +104,13 @@ impl Study {
         };
 
         let scenario = study.split(is_scenario);
-        let numerics = study.split(|key| SECTIONS.contains(&key));
+        let mut numerics = study.split(|key| SECTIONS.contains(&key));
         study.split(is_amplitudes);
         let header: Header = study.parsed()?;
         let written = header.model.unwrap_or_else(|| ".".into());
         let model_dir = model_folder(&file, &written, || study.place("model"))?;
         let (model, merged) = load_model(&model_dir, scenario, set)?;
-        let settings = load_settings(&numerics, &model)?;
+        let settings = load_settings(&mut numerics, &model)?;
         let orders = Orders::of(&model, &settings);
         let model = orders.first().model.as_ref().clone();
         let name = header.name.unwrap_or_else(|| model.name().to_string());
@@ -113,7 +118,12 @@ impl Study {
             let remedy = "give a name, or leave the key out";
             return Err(ModelError::value(study.place("name"), format!("\"{name}\""), remedy).into());
         }
-        let resolved = resolved(&name, &written, &amplitudes, &settings, merged)
+        let units = header.units.map(|text| {
+            text.parse::<UnitChoice>()
+                .map_err(|remedy| ModelError::value(study.place(UNITS), format!("\"{text}\""), remedy))
+        });
+        let units = units.transpose()?;
+        let resolved = resolved(&name, &written, &amplitudes, units, &settings, merged)
             .map_err(|source| StudyError::Unwritable { file: file.clone(), source })?;
         let without_effect = WITHOUT_EFFECT.into_iter().filter(|key| is_there(numerics.table(), key)).collect();
         Ok(Self { name, file, model_dir, model, settings, amplitudes, without_effect, resolved })
@@ -199,10 +209,11 @@ fn known_keys(study: &Layers) -> Result<(), ModelError> {
 }
 
 /// Numerical settings, checked for the model.
-fn load_settings(numerics: &Layers, model: &Model) -> Result<Settings, ModelError> {
+fn load_settings(numerics: &mut Layers, model: &Model) -> Result<Settings, ModelError> {
     numerics.check_sections(&SECTIONS)?;
     numerics.check_sections(&["continuation.newton"])?;
     meant::unit_of_frequencies(numerics)?;
+    frequencies::to_radians(numerics)?;
     let settings: Settings = numerics.parsed()?;
     settings.validate(model).map_err(|SettingsError { key, value, remedy }| {
         let key = if key == "backbone.modes" && numerics.given("backbone.mode") { "backbone.mode" } else { key };
@@ -218,11 +229,13 @@ fn resolved(
     name: &str,
     model: &str,
     amplitudes: &[Amplitude],
+    units: Option<UnitChoice>,
     settings: &Settings,
     mut table: Table,
 ) -> Result<String, toml::ser::Error> {
     table.insert("name".into(), name.into());
     table.insert("model".into(), model.into());
+    table.extend(units.map(|units| (UNITS.to_string(), Value::from(units.to_string()))));
     let levels = amplitudes.iter().map(|amplitude| Value::from(amplitude.text.as_str())).collect();
     table.insert("amplitudes".into(), Value::Array(levels));
     table.extend(Table::try_from(settings)?);

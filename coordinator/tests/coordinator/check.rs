@@ -153,11 +153,13 @@ fn damping_and_forcing_that_are_not_given() {
     let shape = "shape = { dofs = { x = 1 } }\n";
     let (warnings, text) = checked(MODEL, "0.3", &[]);
     assert!(!text.contains("not given") && warnings.is_empty(), "{text}");
-    let (_, text) = checked(&MODEL.replace(damping, ""), "0.3", &[]);
-    assert!(
-        text.contains("\ndamping     not given: 1 % of critical in every mode; damping.default_ratio, among"),
-        "{text}"
-    );
+    for none in ["", "[damping]\n"] {
+        let (_, text) = checked(&MODEL.replace(damping, none), "0.3", &[]);
+        assert!(
+            text.contains("\ndamping     not given: 1 % of critical in every mode; damping.default_ratio, among"),
+            "{text}"
+        );
+    }
     let (_, text) = checked(&MODEL.replace(damping, ""), "0.3", &[("damping.default_ratio", "0.01")]);
     assert!(!text.contains("not given"), "{text}");
     // Of one dof there is no choice.

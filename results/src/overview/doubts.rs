@@ -6,6 +6,7 @@ use crate::words::{count, digits};
 use protocol::backbone::BackboneMessage;
 use protocol::to_everyone::Stage;
 use solver::response::branch::{Outcome, Stop};
+use solver::settings::Effort;
 
 /// Digits of forcing amplitudes.
 const DIGITS: i32 = 4;
@@ -62,13 +63,15 @@ pub fn doubts(reader: &Reader) -> Result<Option<String>> {
     if curves.is_empty() {
         return Ok(None);
     }
-    let remedy = more_points(&curves);
+    let points = more_points(&curves);
+    let is_thorough = reader.header()?.settings.search.effort == Effort::Thorough;
+    let search = if is_thorough { "" } else { " (search.effort = \"thorough\" looks for them by more random starts)" };
     let more = curves.len().saturating_sub(NAMED);
     curves.truncate(NAMED);
     let more = if more > 0 { format!(" and {more} more") } else { String::new() };
     let list = curves.join(", ");
     Ok(Some(format!(
-        "not known to its end: {list}{more}{remedy}; responses beyond may be larger, and others may begin there"
+        "not known to its end: {list}{more}{points}; responses beyond may be larger, and others may begin there{search}"
     )))
 }
 

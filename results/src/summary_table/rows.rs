@@ -12,6 +12,13 @@ use solver::settings::FrequencySettings;
 /// Relative distance from a bound up to which a peak counts as at it.
 const BESIDE: f64 = 1e-6;
 
+/// Relative difference of the ranges of frequency of branches that may be copies of each other.
+const SAME: f64 = 1e-6;
+
+/// What is said of them in a structure with equal parts.
+const COPY: &str = "of the same frequencies as one above: as the structure stays the same when equal parts are exchanged, the one may be the \
+                    other with these exchanged";
+
 /// Makes the rows.
 pub(super) struct Rows<'r> {
     units: Units,
@@ -21,6 +28,8 @@ pub(super) struct Rows<'r> {
     curves: &'r [CurveRow],
     /// What motions that branch off others have lost.
     lesser: Lesser,
+    /// Whether the structure stays the same when equal parts are exchanged.
+    has_exchanges: bool,
     /// Bounds of the frequency that were given.
     given: FrequencySettings,
     /// Reasons, in the order in which rows are made.
@@ -30,15 +39,25 @@ pub(super) struct Rows<'r> {
 impl<'r> Rows<'r> {
     pub(super) fn new(known: &'r Known, units: Units) -> Self {
         let lesser = known.model.as_ref().map(Lesser::of).unwrap_or_default();
+        let has_exchanges = known.model.as_ref().is_some_and(|model| !model.exchanges().is_empty());
         let notes = Footnotes::default();
-        Self { units, mains: &known.mains, curves: &known.curves, lesser, given: known.given, notes }
+        Self { units, mains: &known.mains, curves: &known.curves, lesser, has_exchanges, given: known.given, notes }
     }
 
     /// The cells of a level: its forcing amplitude, main branches, others, windows.
     pub(super) fn of(&mut self, level: &Level) -> [String; 4] {
         // From left to right: footnotes are numbered as they are met.
         let main = self.main(level);
-        let others = level.others().map(|row| self.other(row)).collect::<Vec<_>>();
+        let mut others: Vec<String> = Vec::new();
+        let mut before: Vec<&BranchRow> = Vec::new();
+        for row in level.others() {
+            let mut text = self.other(row);
+            if self.has_exchanges && before.iter().any(|earlier| is_copy(earlier, row)) {
+                text += &self.notes.mark(COPY.into());
+            }
+            others.push(text);
+            before.push(row);
+        }
         [level.amplitude.clone(), main, others.join("\n"), self.windows(level)]
     }
 
@@ -159,7 +178,28 @@ impl<'r> Rows<'r> {
     }
 }
 
+/// Whether two branches have the same frequencies.
+fn is_copy(one: &BranchRow, other: &BranchRow) -> bool {
+    let is_near = |a: f64, b: f64| (a - b).abs() <= SAME * a.abs();
+    one.kind == other.kind && is_near(one.omega.0, other.omega.0) && is_near(one.omega.1, other.omega.1)
+}
+
 /// Whether a frequency is a bound.
 fn is_at(omega: f64, bound: Option<f64>) -> bool {
     bound.is_some_and(|bound| (omega - bound).abs() <= BESIDE * bound)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn copies_have_one_kind_and_the_same_frequencies() {
+        let row = |kind: &str, omega| BranchRow { kind: kind.into(), omega, ..BranchRow::default() };
+        let isola = row("isola", (1.0, 2.0));
+        assert!(is_copy(&isola, &row("isola", (1.0 + 1e-8, 2.0))));
+        for other in [row("branched", (1.0, 2.0)), row("isola", (1.0, 2.001)), row("isola", (f64::NAN, 2.0))] {
+            assert!(!is_copy(&isola, &other));
+        }
+    }
 }

@@ -1,5 +1,6 @@
 //! Units in which people want their tables.
 
+use crate::resolved_study::UNITS;
 use crate::words::fixed_digits;
 use std::f64::consts::TAU;
 use std::fmt::{Display, Formatter};
@@ -92,19 +93,34 @@ impl Display for FrequencyUnit {
 }
 
 impl UnitChoice {
+    /// What the text of a resolved study chooses (its key [`UNITS`]).
+    pub fn of_study(resolved: &str) -> Self {
+        let table: toml::Table = resolved.parse().unwrap_or_default();
+        table.get(UNITS).and_then(|units| units.as_str()?.parse().ok()).unwrap_or_default()
+    }
+
+    /// These where they are chosen, else others.
+    pub fn or(self, others: Self) -> Self {
+        Self { length: self.length.or(others.length), frequency: self.frequency.or(others.frequency) }
+    }
+
+    /// m and rad/s where nothing is chosen.
+    pub fn of_table(self) -> Units {
+        Units { length: self.length.unwrap_or_default(), frequency: self.frequency.unwrap_or_default() }
+    }
+
     /// A frequency in the unit that was chosen, in rad/s.
     pub fn rate(self, frequency: f64) -> f64 {
         frequency / self.frequency.unwrap_or_default().factor()
     }
 }
 
-impl FromStr for Units {
-    type Err = String;
-
-    /// Those that are chosen; m and rad/s where nothing is.
-    fn from_str(text: &str) -> Result<Self, String> {
-        let UnitChoice { length, frequency } = text.parse()?;
-        Ok(Self { length: length.unwrap_or_default(), frequency: frequency.unwrap_or_default() })
+impl Display for UnitChoice {
+    /// As it is read.
+    fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
+        let names =
+            [self.length.map(|length| length.to_string()), self.frequency.map(|frequency| frequency.to_string())];
+        f.write_str(&names.into_iter().flatten().collect::<Vec<_>>().join(","))
     }
 }
 
@@ -137,17 +153,25 @@ mod tests {
 
     #[test]
     fn units_are_read_and_written() {
-        let units: Units = "mm,Hz".parse().unwrap();
+        let units = "mm,Hz".parse::<UnitChoice>().unwrap().of_table();
         assert_eq!(
             (units.length.digits(9.4809e-4), units.frequency.digits(2495.39)),
             ("0.94809".into(), "397.154".into())
         );
-        assert_eq!("Hz".parse::<Units>().unwrap().length.digits(9.4809e-4), "9.4809e-4");
-        assert_eq!("um, rad/s".parse::<Units>().unwrap().length.digits(1e-12), "1.0000e-6");
+        assert_eq!("Hz".parse::<UnitChoice>().unwrap().of_table().length.digits(9.4809e-4), "9.4809e-4");
+        assert_eq!("um, rad/s".parse::<UnitChoice>().unwrap().of_table().length.digits(1e-12), "1.0000e-6");
         let choice: UnitChoice = "Hz".parse().unwrap();
         assert_eq!((choice.length, choice.rate(1.0)), (None, TAU));
         assert_eq!(UnitChoice::default().rate(2.0), 2.0);
-        assert!("inch".parse::<Units>().unwrap_err().contains("inch"));
-        assert!("mm,um".parse::<Units>().unwrap_err().contains("one unit"));
+        assert!("inch".parse::<UnitChoice>().unwrap_err().contains("inch"));
+        assert!("mm,um".parse::<UnitChoice>().unwrap_err().contains("one unit"));
+    }
+
+    #[test]
+    fn a_study_chooses_units_and_whoever_asks_others() {
+        let of_study = UnitChoice::of_study("name = 'x'\nunits = 'Hz, mm'");
+        assert_eq!(of_study.to_string(), "mm,Hz");
+        assert_eq!("um".parse::<UnitChoice>().unwrap().or(of_study).to_string(), "µm,Hz");
+        assert_eq!(UnitChoice::of_study("name = 'x'").of_table(), Units::default());
     }
 }

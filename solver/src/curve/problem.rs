@@ -112,6 +112,12 @@ pub trait Problem {
         list
     }
 
+    /// How far a state is from being its own image by each exchange of equal parts of the structure, relative to its size: along curves
+    /// that end where it becomes its own image.
+    fn asymmetries(&self, _y: &[f64]) -> Vec<f64> {
+        Vec::new()
+    }
+
     /// The part of the metric that measures motions, without the parameters.
     fn motion_metric(&self) -> &[f64] {
         &self.metric()[..self.len() - self.parameters()]

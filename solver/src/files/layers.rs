@@ -108,6 +108,23 @@ impl Layers {
         Ok(())
     }
 
+    /// The value of a dotted key without entries of lists, as it stands.
+    pub fn value(&self, key: &str) -> Option<&Value> {
+        let (sections, name) = key.rsplit_once('.').unwrap_or(("", key));
+        let mut sections = sections.split('.').filter(|section| !section.is_empty());
+        sections.try_fold(&self.table, |table, section| table.get(section)?.as_table())?.get(name)
+    }
+
+    /// Puts what a value of such a key means in its place. Who set it stays as it is.
+    pub fn replace(&mut self, key: &str, meant: Value) {
+        let (sections, name) = key.rsplit_once('.').unwrap_or(("", key));
+        let mut sections = sections.split('.').filter(|section| !section.is_empty());
+        let table = sections.try_fold(&mut self.table, |table, section| table.get_mut(section)?.as_table_mut());
+        if let Some(value) = table.and_then(|table| table.get_mut(name)) {
+            *value = meant;
+        }
+    }
+
     /// Whether anybody set this key, one above or one below.
     pub fn given(&self, key: &str) -> bool {
         self.source(key).is_some()

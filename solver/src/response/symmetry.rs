@@ -7,7 +7,8 @@ use crate::curve::problem::{Problem, SAME_IMAGE, inner, norm};
 use crate::curve::walk::{Ending, Evaluated, TracedPoint, relative_distance};
 use crate::formulation::Formulation;
 use crate::formulation::state::State;
-use crate::response::branch::{Branch, BranchKind, Outcome, SpecialKind, Stop};
+use crate::response::branch::{Branch, BranchKind, BranchPoint, Outcome, SpecialKind, Stop};
+use crate::structure::Model;
 use std::ops::Range;
 
 /// Of the largest distance from an image along a branch, the share below which its end lies next to a motion that is its own image.
@@ -22,6 +23,12 @@ const TURN: usize = 2;
 
 /// Cosine between the differences of two neighbouring motions from their images, below which one in between is its own image.
 const FLIPPED: f64 = -0.5;
+
+/// Distance from the image by an exchange of equal parts, relative to the motion, from which on a motion is another one than its image.
+const ASYMMETRIC: f64 = 1e-2;
+
+/// The same below which it is the same. Newton's method knows motions next to branch points to the root of its tolerance.
+const SYMMETRIC: f64 = 1e-3;
 
 /// Least cosine between a probe and the tangent.
 const AHEAD: f64 = 0.9;
@@ -46,10 +53,14 @@ pub(super) fn up_to_branch_point<'c, P: Problem, T: Evaluated<P>>(
 }
 
 /// What tells a walk along motions that are not their own images that it has come to one that is: what follows is the same curve
-/// again, its continuation if there are more than two images, or that which it branches off.
+/// again, its continuation if there are more than two images, or that which it branches off. Along folds, also that what they are folds
+/// of branches off there: what follows is the curve's image by the symmetry that is lost, or the branch points, which solve the equations
+/// of folds, too.
 struct BranchPoints {
     /// Numbers of the images, and how far the last motion was from each.
     away: Vec<(usize, Vec<f64>)>,
+    /// Whether the walk has been away from motions that are their own images by an exchange, of each.
+    asymmetric: Vec<bool>,
 }
 
 impl BranchPoints {
@@ -59,23 +70,31 @@ impl BranchPoints {
         let problem = continuation.problem();
         let metric = problem.motion_metric();
         let list = (1..problem.images()).map(|index| (index, away(problem, &y, index)));
-        Self { away: list.filter(|(_, away)| norm(metric, away) > SAME_IMAGE * norm(metric, &y)).collect() }
+        let away = list.filter(|(_, away)| norm(metric, away) > SAME_IMAGE * norm(metric, &y)).collect();
+        let mut branch_points = Self { away, asymmetric: Vec::new() };
+        branch_points.asymmetric = problem.asymmetries(&y).iter().map(|asymmetry| *asymmetry > ASYMMETRIC).collect();
+        branch_points
     }
 
     /// Whether the next motion, or one between it and the last, is its own image.
     fn meets<P: Problem>(&mut self, problem: &P, y: &[f64]) -> bool {
         let next: Vec<Vec<f64>> = self.away.iter().map(|(index, _)| away(problem, y, *index)).collect();
         let is_met = self.is_passed(problem, y, &next);
+        let asymmetries = problem.asymmetries(y);
+        self.asymmetric.iter_mut().zip(asymmetries).for_each(|(was, now)| *was |= now > ASYMMETRIC);
         self.away.iter_mut().zip(next).for_each(|((_, last), next)| *last = next);
         is_met
     }
 
     fn is_passed<P: Problem>(&self, problem: &P, y: &[f64], next: &[Vec<f64>]) -> bool {
         let metric = problem.motion_metric();
-        self.away.iter().zip(next).any(|((_, last), next)| {
-            let (length, before) = (norm(metric, next), norm(metric, last));
-            length < SAME_IMAGE * norm(metric, y) || inner(metric, next, last) < FLIPPED * length * before
-        })
+        let asymmetries = problem.asymmetries(y);
+        let is_symmetric = self.asymmetric.iter().zip(asymmetries).any(|(was, now)| *was && now < SYMMETRIC);
+        is_symmetric
+            || self.away.iter().zip(next).any(|((_, last), next)| {
+                let (length, before) = (norm(metric, next), norm(metric, last));
+                length < SAME_IMAGE * norm(metric, y) || inner(metric, next, last) < FLIPPED * length * before
+            })
     }
 
     /// Puts points up to a motion which is its own image instead of the last one of a walk, whose step has led past it, along what it
@@ -216,6 +235,23 @@ impl Asymmetry {
         let begin = turns.iter().copied().filter(|&turn| turn < middle).min();
         let end = turns.iter().copied().filter(|&turn| turn >= middle).max();
         begin.unwrap_or(0)..end.map_or(self.shares.len(), |turn| turn + 1)
+    }
+}
+
+/// Takes from the folds of a branch its turns at branch points: where it crosses motions that are their own images by an exchange of equal
+/// parts it goes on as its own image, and its frequency turns, but nothing is singular along it.
+pub(super) fn without_turns_at_crossings(model: &Model, branch: &mut Branch) {
+    for exchange in model.exchanges() {
+        let asymmetry = |point: &BranchPoint| {
+            let motions: Vec<Vec<f64>> = (0..model.size()).map(|dof| point.state.displacement(model, dof)).collect();
+            exchange.asymmetry(model, &motions)
+        };
+        let shares: Vec<f64> = branch.points.iter().map(asymmetry).collect();
+        let farthest = shares.iter().copied().fold(0.0, f64::max);
+        let is_next_to = |index: usize| shares[index] < ASYMMETRIC.min(NEXT_TO * farthest);
+        if farthest > ASYMMETRIC {
+            branch.special.retain(|special| special.kind != SpecialKind::Fold || !is_next_to(special.index));
+        }
     }
 }
 

@@ -10,6 +10,7 @@ mod error;
 pub mod laws;
 mod model;
 mod restore;
+mod symmetry;
 pub(crate) mod validation;
 
 pub use builder::DEFAULT_RATIO;
@@ -17,3 +18,4 @@ pub use builder::{Channel, Dof, ModelBuilder};
 pub use error::{ModelError, Place};
 pub use model::{ContactElement, Damping, Element, Forcing, Model, Modes};
 pub use restore::ModelData;
+pub use symmetry::Exchange;

@@ -1,9 +1,11 @@
 //! Branches that cross others at their branch points: of a ring of sectors, where these are the frequencies at which the equation of
 //! motion linearised about the main branch has a solution that repeats itself, by Runge–Kutta integration.
 
+use crate::support::fold_curves::all;
 use crate::support::hill::hill;
 use crate::support::ring::{COUPLING, CUBIC, DAMPING, LINEAR, driven_alike, quiet, reach, ring, within};
-use solver::response::branch::{BranchKind, Side};
+use solver::response::branch::{BranchKind, Outcome, Side, Stop};
+use solver::response::folds::{Critical, CriticalKind, Extent, Quantity};
 use solver::response::name::BranchId;
 use solver::response::recheck::Recheck;
 use solver::response::task::{SeedOutcome, SwitchPlace, Task, TaskResult};
@@ -162,5 +164,39 @@ fn branch_points_of_double_modes_are_told_where_they_are() {
             values.windows(2).filter(|pair| pair[0] * pair[1] < 0.0).count()
         };
         assert_eq!(singles, if sectors % 2 == 0 { zeros() } else { 0 });
+    }
+}
+
+/// The folds of what branches off the motions in which both masses move alike end over the forcing where they fall upon branch points of
+/// those, and are born nowhere.
+#[test]
+fn folds_of_what_branches_off_end_at_branch_points() {
+    let (model, settings) = (driven_alike(2), within(HARMONICS));
+    let mut forced = Forced::new(&model, &settings, reach(), FORCING);
+    let main = forced.main_branch(Side::Below, &mut quiet).unwrap();
+    let mut found = vec![(BranchId::new(BranchKind::Main, 0), main)];
+    switch_all(&mut forced, &mut found);
+    let extent = Extent { forcing: (0.1 * FORCING, 4.0 * FORCING), frequency: reach().frequency, points: 2000 };
+    let mut critical = Critical::new(&model, &settings, Quantity::Frequency, extent).unwrap();
+    let mut ends: Vec<State> = Vec::new();
+    for fold in found[1..].iter().flat_map(|(_, branch)| branch.special(SpecialKind::Fold)) {
+        let curve = critical.curve(&fold.state, &mut quiet).unwrap();
+        let Outcome::Open(first, last) = curve.outcome else { panic!("closed") };
+        for (stop, end) in [(first, curve.points.first()), (last, curve.points.last())] {
+            match stop {
+                Stop::Branching => ends.push(end.unwrap().state.clone()),
+                stop => assert!(matches!(stop, Stop::ForcingBound | Stop::FrequencyBound), "{}", curve.outcome),
+            }
+        }
+        assert!(all(&curve, CriticalKind::Unknown).is_empty());
+    }
+    assert!(ends.len() > 1);
+    // A deviation in which the masses move against each other obeys an equation of its own.
+    let square = model.modes().frequencies[0].powi(2);
+    for state in &ends {
+        let motion: Vec<f64> = state.over_period(&model, 0, SAMPLES).iter().map(|at| at[0]).collect();
+        let [below, above] = [0.999, 1.001]
+            .map(|share| hill(&motion, share * state.omega, SAMPLES, DAMPING, |x| square + 3.0 * CUBIC * x * x, 1.0));
+        assert!(below * above < 0.0, "{below} and {above} beside {} rad/s at A = {}", state.omega, state.forcing);
     }
 }

@@ -4,7 +4,7 @@ use super::{names, table};
 use crate::export::csv;
 use crate::fixture::Study;
 use crate::overview::doubts;
-use crate::summary_table::{self, Layout, Units};
+use crate::summary_table::{self, Layout, UnitChoice, Units};
 use solver::response::branch::{BranchKind, Standing};
 use solver::response::task::BranchId;
 use tempfile::tempdir;
@@ -29,7 +29,7 @@ fn a_cut_branch_is_called_so_everywhere() {
     let (_, windows) = table(&dir.path().join("windows.csv"));
     assert!(windows.iter().any(|window| window["branch"].starts_with("cut 1")), "{windows:?}");
 
-    let layout = Layout { units: "mm,Hz".parse().unwrap(), ..Layout::default() };
+    let layout = Layout { units: "mm,Hz".parse::<UnitChoice>().unwrap().of_table(), ..Layout::default() };
     for layout in [Layout::default(), layout, Layout { width: 60, ..layout }, Layout { width: 160, ..layout }] {
         let table = summary_table::table(&store, layout).unwrap();
         let widest = table.lines().map(|line| line.chars().count()).max().unwrap();

@@ -43,8 +43,8 @@ use crate::formulation::unknown::{Parameter, Unknown};
 use crate::formulation::{Formulation, FormulationError, System};
 use crate::linalg::{LinalgError, Lu};
 use crate::settings::HarmonicSettings;
-use crate::structure::Model;
 use crate::structure::laws::{LawKind, with_law};
+use crate::structure::{Exchange, Model};
 use assemble::Receptances;
 use compressed::Compressed;
 use condition::Condition;
@@ -76,6 +76,8 @@ pub struct PressureForm<'m> {
     phase: Option<Vec<f64>>,
     /// Extremum that a fold or peak curve follows.
     condition: Option<Condition>,
+    /// Exchanges of equal parts of the structure, along such curves.
+    exchanges: Vec<Exchange>,
     /// The state last linearised, in physical units.
     current: State,
     /// Forces per element; jacobian columns are per scaled argument.
@@ -119,10 +121,12 @@ impl<'m> PressureForm<'m> {
         let mut metric = vec![0.0; layout.len()];
         metric[layout.modal().start..].fill(1.0);
         let Parameters { omega, decay, forcing } = unknown.fixed(&scales);
+        let condition = Condition::new(unknown, &layout);
         let (arguments, amplitudes) = (vec![0.0; layout.arguments().len()], vec![0.0; layout.modal().len()]);
         Self {
             phase: phase(unknown, &layout, tracked, &modal),
-            condition: Condition::new(unknown, &layout),
+            exchanges: condition.as_ref().map(|_| model.exchanges()).unwrap_or_default(),
+            condition,
             receptance: Receptance::new(model, harmonics, modal, unknown.is_damped()),
             aft: Aft::new(truncation),
             forces: elements.iter().map(|_| ElementForce::default()).collect(),
@@ -261,6 +265,17 @@ impl<'m> Formulation<'m> for PressureForm<'m> {
 impl Problem for PressureForm<'_> {
     fn len(&self) -> usize {
         self.metric.len()
+    }
+
+    fn asymmetries(&self, y: &[f64]) -> Vec<f64> {
+        if self.exchanges.is_empty() {
+            return Vec::new();
+        }
+        let modal = y[self.layout.modal()].iter().map(|s| s * self.system.scales.modal).collect();
+        let state = State { modal, arguments: Vec::new(), ..self.current };
+        let model = self.system.model;
+        let motions: Vec<Vec<f64>> = (0..model.size()).map(|dof| state.displacement(model, dof)).collect();
+        self.exchanges.iter().map(|exchange| exchange.asymmetry(model, &motions)).collect()
     }
 
     fn parameters(&self) -> usize {

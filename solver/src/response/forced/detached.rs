@@ -8,7 +8,7 @@ use crate::curve::walk::{TracedCurve, both_ways, walk};
 use crate::formulation::Formulation;
 use crate::formulation::state::State;
 use crate::response::branch::{Branch, BranchKind, BranchPoint, Observer, Outcome, Stop};
-use crate::response::symmetry::{Asymmetry, up_to_branch_point};
+use crate::response::symmetry::{Asymmetry, up_to_branch_point, without_turns_at_crossings};
 
 impl<'m, F: Formulation<'m>> Forced<'m, F> {
     /// The branch through a converged state: forwards, and if it does not close, backwards as well. Bounds that the settings
@@ -54,6 +54,7 @@ impl<'m, F: Formulation<'m>> Forced<'m, F> {
             asymmetry = Asymmetry::of(&self.problem, &branch);
         }
         asymmetry.end(&mut branch);
+        without_turns_at_crossings(self.model(), &mut branch);
         Ok(branch)
     }
 
