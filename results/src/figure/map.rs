@@ -87,7 +87,7 @@ pub fn figure(
     drawing.further(subject, &y);
 
     let threshold = Series {
-        name: Some("backbone".into()),
+        name: vec!["backbone".into()],
         x: vec![columns.omega.clone()],
         y: vec![columns.threshold.clone()],
         style: curve,
@@ -95,7 +95,7 @@ pub fn figure(
         ..Series::default()
     };
     let below =
-        Series { along_runs: true, name: None, details: Vec::new(), style: below_chosen(), ..threshold.clone() };
+        Series { along_runs: true, name: Vec::new(), details: Vec::new(), style: below_chosen(), ..threshold.clone() };
     drawing.series.extend([below, threshold]);
     let is_shown = |event: &&Event| (0.0..=1.0).contains(&y.share(event.threshold));
     let events =

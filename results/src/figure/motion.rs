@@ -119,7 +119,7 @@ fn look(node: usize, count: usize) -> Style {
 
 fn of_each(nodes: &[Node], of: Quantity, style: impl Fn(Style) -> Style) -> Vec<Series> {
     let series = |(node, named): (usize, &Node)| Series {
-        name: Some(named.name.clone()),
+        name: vec![named.name.clone()],
         style: style(look(node, nodes.len())),
         signal: Some(Signal { node, of, instants: None }),
         ..Series::default()
