@@ -13,10 +13,11 @@ mpl.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
-from runs import MODELS, change, isola
+from runs import MODELS, ROOT, change, isola
 
 import isola_hbm
 from isola_hbm.drawing import along_ramp, faded, spread
+from isola_hbm.maps import _EVENTS
 from isola_hbm.responses import _mark
 
 
@@ -200,6 +201,13 @@ def test_map(damper: Path) -> None:
 def in_words(axes: plt.Axes) -> list[mpl.text.Text]:
     """What stands at points."""
     return [text for text in axes.texts if text.get_text()]
+
+
+def test_events_are_worded_as_elsewhere() -> None:
+    lines = (ROOT / "results" / "COLUMNS.md").read_text(encoding="utf-8").splitlines()
+    (words,) = [line for line in lines if line.startswith("| birth, death, merge |")]
+    assert all(event.word in words for event in _EVENTS.values())
+    assert {kind for _, kind in _EVENTS} == {"birth", "death", "merge"}
 
 
 @pytest.mark.parametrize("size", [(4, 3), (8, 5)])

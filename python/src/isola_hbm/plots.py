@@ -56,7 +56,8 @@ class Plots(Drawn):
         frequency: tuple[float, float] | None = None,
     ) -> Axes:
         """Amplitude of a monitored dof over frequency: main branches thin, isolas and others bold, what time marching found
-        unstable dashed, and pale what of their stability is not known. Peaks and folds are marked, unless there are many branches; more
+        unstable dashed, and pale what of their stability is not known. Branches whose curves lie on each
+        other (mirror images) are drawn once, under the names of all of them. Peaks and folds are marked, unless there are many branches; more
         than six levels are named at their peaks.
 
         Args:
