@@ -144,7 +144,7 @@ async fn sweep(args: SweepArgs) -> Result<Ending, Error> {
     let is_new = !directory.exists();
     let store = Store::create(&directory, &header)?;
     announce(&header, &directory);
-    let ended = drive(&directory, store, study.model, connection, args.serve).await;
+    let ended = drive(&directory, store, study.model, connection, args.serve, false).await;
     if ended.as_ref().is_err_and(Error::is_of_study) {
         // There is nothing to go on with, and whoever mends the study may want the same folder.
         discard(&directory, is_new);
@@ -217,13 +217,14 @@ async fn disturb(args: DisturbArgs) -> Result<Ending, Error> {
     if !args.as_started && !is_finished {
         unchanged(&store.header()?)?;
     }
+    announce(&store.header()?, &args.run);
     if !is_finished || store.unverified_isolas()? > 0 {
         terminal::note("what the run has left to do comes first, and which parts of its isolas are stable");
         let connection = reopen(&store, &args.run, &args.serve).await?;
         if store.header()?.settings.verify.effort == VerifyEffort::None {
             store.set_verify(VerifyEffort::Standard)?;
         }
-        match go_on(&args.run, store, connection, args.serve.clone()).await? {
+        match carry_out(&args.run, store, connection, args.serve.clone(), true).await? {
             Ending::Complete | Ending::Doubtful => {}
             ending => return Ok(ending),
         }
@@ -240,7 +241,7 @@ async fn disturb(args: DisturbArgs) -> Result<Ending, Error> {
         });
     }
     store.commit(&[Change::Added(pushes)])?;
-    go_on(&args.run, store, connection, args.serve).await
+    carry_out(&args.run, store, connection, args.serve, false).await
 }
 
 /// Opens the bus in the namespace that a run began in.
@@ -248,13 +249,23 @@ async fn reopen(store: &Store, directory: &Path, serve: &ServeArgs) -> Result<Co
     open(&ServeArgs { namespace: store.header()?.namespace, ..serve.clone() }, Some(directory)).await
 }
 
-/// Does what a run has left to do.
+/// Says where a run is, and does what it has left to do.
 async fn go_on(directory: &Path, store: Store, connection: Connection, serve: ServeArgs) -> Result<Ending, Error> {
-    let header = store.header()?;
+    announce(&store.header()?, directory);
+    carry_out(directory, store, connection, serve, false).await
+}
+
+/// Does what a run has left to do; `is_followed`: the command does more with it.
+async fn carry_out(
+    directory: &Path,
+    store: Store,
+    connection: Connection,
+    serve: ServeArgs,
+    is_followed: bool,
+) -> Result<Ending, Error> {
     let model = preparation::model(&store)?;
-    let serve = ServeArgs { namespace: header.namespace.clone(), ..serve };
-    announce(&header, directory);
-    drive(directory, store, model, connection, serve).await
+    let serve = ServeArgs { namespace: store.header()?.namespace, ..serve };
+    drive(directory, store, model, connection, serve, is_followed).await
 }
 
 /// Says where the run is, and what it lies on if that matters.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sqlite3
 from pathlib import Path
 
@@ -309,9 +310,17 @@ def test_names_of_branches(damper: Path) -> None:
         "0.005/isola 7": "there is no branch `isola 7` at A = 0.005; there are main, isola 1",
         "0.3/main": "there is no branch `main` at A = 0.3; levels are 0.004, 0.005, 0.006, 0.007",
         "0.005/isola x": "there is no branch `isola x`",
-        "main": "'main' is no branch",
+        # What says but a part of the name is answered with what there is of it, and how that is written.
+        # What says but a part of a name is answered with what there is of it, and how that is written.
+        "main": '`main` is a branch at A = 0.004, 0.005, 0.006, 0.007: write run["0.004/main"] or run[0.004, "main"]',
+        "isola 1": '`isola 1` is a branch at A = 0.005, 0.006, 0.007: write run["0.005/isola 1"] or run[0.005, "isola 1"]',
+        0.005: '`0.005` is a level, with main, isola 1: write run["0.005/isola 1"] or run[0.005, "isola 1"]',
+        "5e-3": "`5e-3` is a level, with main, isola 1: ",
+        6000: '`6000` is no level and no branch; levels are 0.004, 0.005, 0.006, 0.007, branches main, isola 1: write run["0.007/isola 1"]',
+        "isola 9": "`isola 9` is no level and no branch; levels are 0.004, ",
+        None: "`None` is no level and no branch",
     }.items():
-        with pytest.raises(isola_hbm.NoSuchBranch, match=message):
+        with pytest.raises(isola_hbm.NoSuchBranch, match=re.escape(message)):
             run[name]
         with pytest.raises(KeyError):
             run[name]

@@ -13,11 +13,12 @@ mpl.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
-from runs import MODELS, change, isola
+from runs import MODELS, ROOT, change, isola
 
 import isola_hbm
 from isola_hbm.drawing import along_ramp, faded, spread
-from isola_hbm.plots import _mark
+from isola_hbm.maps import _EVENTS
+from isola_hbm.responses import _mark
 
 
 @pytest.fixture(autouse=True)
@@ -160,7 +161,7 @@ def test_many_levels_are_named_at_their_peaks(damper: Path, tmp_path: Path, monk
         branch = run[f"{text.get_text().removeprefix('A = ')}/main"]
         assert text.xy == (branch["omega"][branch.attrs["peak"]], branch["amplitude"][branch.attrs["peak"], 0])
     # Isolas are named as well, in figures with parts of their own, too.
-    monkeypatch.setattr("isola_hbm.plots._NAMED", 2)
+    monkeypatch.setattr("isola_hbm.responses._NAMED", 2)
     part = plt.figure(figsize=(12, 5)).subfigures(1, 2)[0].subplots()
     axes = isola_hbm.load(damper).plot.response(ax=part)
     assert {"A = 0.007", "isola 1, A = 0.006"} <= {text.get_text() for text in axes.texts}
@@ -195,6 +196,64 @@ def test_map(damper: Path) -> None:
     ends = np.concatenate([segment[:, 0] for segment in isolas.get_segments()])
     left, right = axes.get_xlim()
     assert left < ends.min() - 0.04 * (right - left) and ends.max() + 0.04 * (right - left) < right
+
+
+def in_words(axes: plt.Axes) -> list[mpl.text.Text]:
+    """What stands at points."""
+    return [text for text in axes.texts if text.get_text()]
+
+
+def test_events_are_worded_as_elsewhere() -> None:
+    lines = (ROOT / "results" / "COLUMNS.md").read_text(encoding="utf-8").splitlines()
+    (words,) = [line for line in lines if line.startswith("| birth, death, merge |")]
+    assert all(event.word in words for event in _EVENTS.values())
+    assert {kind for _, kind in _EVENTS} == {"birth", "death", "merge"}
+
+
+@pytest.mark.parametrize("size", [(4, 3), (8, 5)])
+def test_texts_of_a_map_have_room(damper: Path, copy: Path, size: tuple[float, float]) -> None:
+    # Events of both sources at one point, and longer texts along the axis.
+    change(copy, "UPDATE curve_points SET event = 'merge' WHERE event = 'birth'")
+    for run in map(isola_hbm.load, (damper, copy)):
+        axes = run.plot.map(ax=plt.subplots(figsize=size, layout="constrained")[1], units="Hz")
+        axes.figure.draw_without_rendering()
+        figure, names = axes.figure.bbox, in_words(axes)
+        assert len(names) > 1 and all(" at 0.0" in text.get_text() for text in names)
+        boxes = [part.get_window_extent() for part in (*names, axes.get_legend(), axes.xaxis.label)]
+        assert not any(box.count_overlaps(boxes[:i]) for i, box in enumerate(boxes))
+        assert all(figure.x0 <= box.x0 and box.x1 <= figure.x1 and box.y1 <= figure.y1 for box in boxes)
+
+
+@pytest.mark.parametrize("draw", ["response", "balance", "motion"])
+def test_texts_have_room_in_small_figures(damper: Path, draw: str) -> None:
+    axes = plt.subplots(figsize=(4, 3), layout="constrained")[1]
+    getattr(isola_hbm.load(damper).plot, draw)(ax=axes)
+    axes.figure.draw_without_rendering()
+    figure = axes.figure.bbox
+    for part in (axes.get_legend(), axes.title, axes.xaxis.label):
+        box = part.get_window_extent()
+        assert figure.x0 <= box.x0 and box.x1 <= figure.x1 and box.y1 <= figure.y1, part
+    assert axes.bbox.width > 0.6 * figure.width and axes.bbox.height > 0.4 * figure.height
+
+
+def test_curves_that_lie_on_each_other_are_drawn_once(copy: Path) -> None:
+    before = isola_hbm.load(copy).plot.response()
+    change(
+        copy,
+        "CREATE TABLE image AS SELECT * FROM branches WHERE amplitude = '0.006' AND kind = 'isola';"
+        "UPDATE image SET number = 2, id = id + 1000, task = 'image'; INSERT INTO branches SELECT * FROM image; DROP TABLE image;"
+        "CREATE TABLE image AS SELECT * FROM points WHERE branch = (SELECT id - 1000 FROM branches WHERE number = 2);"
+        "UPDATE image SET branch = branch + 1000, stable = NULL; INSERT INTO points SELECT * FROM image; DROP TABLE image",
+    )
+    run = isola_hbm.load(copy)
+    assert "0.006/isola 2" in run
+    axes = run.plot.response()
+    # The image, whose stability is not known, would be pale, and fill the dashes.
+    assert segments(axes) == segments(before)
+    assert [text.get_text() for text in in_words(axes)] == ["isola 1 and 2, A = 0.006"] and not in_words(before)
+    # What differs by more than the width of a line is drawn.
+    change(copy, "UPDATE points SET amplitude = 1.1 * amplitude WHERE branch > 1000")
+    assert segments(isola_hbm.load(copy).plot.response()) != segments(before)
 
 
 def test_the_map_is_about_isolas(copy: Path) -> None:

@@ -274,6 +274,21 @@ def test_page_and_file_name_the_same(run, browser, tmp_path, figure):
         assert labels.keys() - known <= {frame["name"]}
 
 
+@pytest.mark.parametrize("width", [390, 1280])
+def test_answers_come_before_what_is_lost(run, browser, tmp_path, width):
+    folder = tmp_path / "run"
+    shutil.copytree(run, folder)
+    with sqlite3.connect(folder / "run.sqlite") as db:
+        db.execute("UPDATE meta SET value = 'cancelled' WHERE key = 'stage'")
+    db.close()
+    isola("report", folder)
+    with report(browser, folder, viewport={"width": width, "height": 900}) as page:
+        answers = [card.locator("p").all_inner_texts() for card in page.locator("#verdict > div").all()]
+        assert all(not answer[0].startswith("Not all is known") for answer in answers), answers
+        assert [answer[1] for answer in answers] == ["Not all is known. The run was cancelled.", *2 * ["Not all is known (cancelled)."]]
+        assert page.locator("#verdict p.lost").first.is_visible()
+
+
 def test_names_are_text(run, browser, tmp_path):
     """A study cannot put markup into its report."""
     study = tmp_path / "study.toml"

@@ -51,6 +51,8 @@ struct Run {
     directory: PathBuf,
     header: RunHeader,
     options: ServeArgs,
+    /// Whether the command goes on after it, and says at its end what was found.
+    is_followed: bool,
     /// Most folds that are followed.
     most_folds: usize,
     connection: Connection,
@@ -80,7 +82,7 @@ impl Interrupts {
     }
 }
 
-/// Carries out a run from where its store stands.
+/// Carries out a run from where its store stands; `is_followed`: the command does more with it, and says at its end what was found.
 ///
 /// # Errors
 /// If the store cannot be written, or there is no backbone. What was accepted is stored; the run can be resumed.
@@ -90,6 +92,7 @@ pub async fn drive(
     model: Model,
     mut connection: Connection,
     options: ServeArgs,
+    is_followed: bool,
 ) -> Result<Ending, Error> {
     let header = store.header()?;
     refuse_second_coordinator(&connection.session, &Keys::new(&header.namespace, &header.run)).await?;
@@ -121,7 +124,7 @@ pub async fn drive(
     write_address(directory, &connection.endpoint).map_err(Error::io(directory))?;
     let interrupts = Interrupts::new()?;
     let folder = directory.to_path_buf();
-    let run = Run { directory: folder, header, options, most_folds, connection, interrupts, services };
+    let run = Run { directory: folder, header, options, is_followed, most_folds, connection, interrupts, services };
     let ending = run.all_steps((!is_prepared).then_some(model)).await;
     drop(server);
     remove_address(directory);
@@ -260,15 +263,22 @@ impl Run {
         self.dismiss_workers().await;
         let reader = Reader::open(&self.directory)?;
         let (refuted, disputed) = reader.contradictions()?;
-        let has_doubts = tell_doubts(&reader, self.services.stage() == Stage::Finished)? || disputed > 0;
+        let is_finished = self.services.stage() == Stage::Finished;
+        let doubts = doubts_of_all(&reader)?;
+        // A command that goes on says all of it at its end.
+        let is_last = !(self.is_followed && is_finished && refuted == 0);
+        if is_last {
+            tell_doubts(&doubts, is_finished);
+        }
         for sentence in export::csv(&reader, &self.directory)?.damaged {
             terminal::note(sentence);
         }
-        let table = closing_table(&reader, &self.directory, self.options.units)?;
-        let directory = self.directory.display();
-        let closing = format!("{table}\nresults: {directory}\n{}\n", all_of_it(&self.directory));
-        terminal::print(closing).map_err(Error::io("standard output"))?;
-        Ok(match (refuted, has_doubts) {
+        if is_last {
+            let table = closing_table(&reader, &self.directory, self.options.units)?;
+            let closing = format!("{table}\nresults: {}\n{}\n", self.directory.display(), all_of_it(&self.directory));
+            terminal::print(closing).map_err(Error::io("standard output"))?;
+        }
+        Ok(match (refuted, !doubts.is_empty() || disputed > 0) {
             (0, false) => Ending::Complete,
             (0, true) => Ending::Doubtful,
             _ => Ending::Incomplete,
@@ -335,19 +345,22 @@ impl Run {
     }
 }
 
-/// Says what is not known to its end; whether there is something. Of a finished run it stands with the table as well: whoever sees
-/// both has it once.
-fn tell_doubts(reader: &Reader, is_finished: bool) -> Result<bool, Error> {
-    let mut told: Vec<String> = doubts(reader)?.into_iter().collect();
+/// What is not known to its end, order by order.
+fn doubts_of_all(reader: &Reader) -> Result<Vec<String>, Error> {
+    let mut all: Vec<String> = doubts(reader)?.into_iter().collect();
     for order in reader.further_orders()? {
         let of_order = doubts(&reader.of_order(order)?)?;
-        told.extend(of_order.map(|doubts| format!("motions that last {order} periods of the force: {doubts}")));
+        all.extend(of_order.map(|doubts| format!("motions that last {order} periods of the force: {doubts}")));
     }
+    Ok(all)
+}
+
+/// Says so. Of a finished run it stands with the table as well: whoever sees both has it once.
+fn tell_doubts(doubts: &[String], is_finished: bool) {
     let is_seen_below = is_finished && std::io::stdout().is_terminal() && std::io::stderr().is_terminal();
-    for doubts in told.iter().filter(|_| !is_seen_below) {
+    for doubts in doubts.iter().filter(|_| !is_seen_below) {
         terminal::note(doubts);
     }
-    Ok(!told.is_empty())
 }
 
 fn abnormal(error: JoinError) -> Error {

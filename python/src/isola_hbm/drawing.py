@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from itertools import product
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
@@ -14,7 +15,9 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
     from matplotlib.axes import Axes
+    from matplotlib.collections import Collection
     from matplotlib.lines import Line2D
+    from matplotlib.path import Path
     from numpy.typing import ArrayLike, NDArray
 
 #: Colours as in the figures of the program, of what is not a branch.
@@ -33,10 +36,13 @@ _MARGIN = 0.05
 _FREE: tuple[Any, ...] = ("upper right", "upper left", "lower left", "lower right", "center right", "center left")
 #: How far marks reach, pixels; a share of the height that curves have at least below a legend.
 MARK, _LEAST = 6.0, 0.3
-#: Where the name of a curve may stand beside its peak, points: above it, else at the end of a line to one side.
-_PLACES = [((0, 3), "center")] + [
-    ((way * far, 0), align) for far in (8, 20, 36, 60) for way, align in ((1, "left"), (-1, "right"))
-]
+#: A share of the height of the figure that axes below a legend have at least.
+_CURVES = 0.5
+#: A share of the width of the figure that texts along axes take at most: axes stand a little to the right.
+_ACROSS = 0.8
+#: How far above or below its point a name stands, points; else at the end of a line that leads so far to a side, and up or down.
+_BESIDE = 3.0
+_AWAY = [(way * far, up) for far in (8, 20, 36, 60) for up in (0, 12, -12, 26, -26) for way in (1, -1)]
 
 
 @dataclass(frozen=True)
@@ -163,7 +169,7 @@ def along(wanted: NDArray[np.bool_], at: Floats, height: Floats) -> tuple[Floats
 
 
 def legend(axes: Axes) -> None:
-    """A legend, if there is anything to tell: inside of the axes where it covers nothing, else beside them where the figure makes
+    """A legend, if there is anything to tell: inside of the axes where it covers nothing, else above them where the figure makes
     room for what stands there, else above all curves, which then end below it."""
     handles, labels = axes.get_legend_handles_labels()
     if not labels:
@@ -176,12 +182,9 @@ def legend(axes: Axes) -> None:
         root.draw_without_rendering()
         if drawn.is_free(found.get_window_extent()):
             return
-    if axes.figure.get_layout_engine() is not None:
-        if axes.get_title():
-            beside: dict[str, Any] = {"loc": "upper left", "bbox_to_anchor": (1.0, 1.0)}
-        else:
-            beside = {"loc": "lower center", "bbox_to_anchor": (0.5, 1.0), "ncols": 2 if len(labels) < 7 else 3}
-        axes.legend(handles, labels, fontsize="small", **beside)
+    # A title stands where such a legend would.
+    if axes.figure.get_layout_engine() is not None and not axes.get_title():
+        _legend_above(axes, handles, labels)
         return
     found = axes.legend(handles, labels, fontsize="small", loc="upper center", ncols=2)
     root.draw_without_rendering()
@@ -189,6 +192,36 @@ def legend(axes: Axes) -> None:
     if share > _LEAST:
         low, high = axes.transData.inverted().transform(axes.transAxes.transform([(0.0, 0.0), (0.0, 1.0 / share)]))[:, 1]
         axes.set_ylim(low, high)
+
+
+def _legend_above(axes: Axes, handles: list[Any], labels: list[str]) -> None:
+    """A legend above axes, in as many columns, and if need be as small, as leave all of it in the figure."""
+    root = axes.figure.canvas.figure
+    place: dict[str, Any] = {"loc": "lower center", "bbox_to_anchor": (0.5, 1.0), "columnspacing": 1.2, "handlelength": 1.6}
+    for size in ("small", "x-small", "xx-small"):
+        for count in (3, 2, 1):
+            found = axes.legend(handles, labels, fontsize=size, ncols=count, **place)
+            # What is too wide would leave the axes no room.
+            if found.get_window_extent().width > root.bbox.width:
+                found.remove()
+                continue
+            root.draw_without_rendering()
+            box = found.get_window_extent()
+            if box.x0 < 0.0 or box.x1 > root.bbox.x1:
+                continue
+            # Most of the room is that of the curves; fewer columns would take more of it.
+            if box.y1 <= root.bbox.y1 and axes.bbox.height > _CURVES * root.bbox.height:
+                return
+            break
+
+
+def fit_texts(axes: Axes) -> None:
+    """Makes the title and what is written along the axis across as small as has room in the figure."""
+    for written in (axes.title, axes.xaxis.label):
+        for size in ("medium", "small", "x-small", "xx-small"):
+            if written.get_window_extent().width <= _ACROSS * axes.figure.bbox.width:
+                break
+            written.set_fontsize(size)
 
 
 class _Drawn:
@@ -224,37 +257,72 @@ def spread(count: int) -> list[int]:
     return order
 
 
-def name_curves(axes: Axes, curves: Iterable[Line2D], names: Iterable[tuple[str, float, float, Any]]) -> None:
-    """Names at points, each with its place and its colour, where they cover neither these curves nor the legend nor each other: the
-    first ones first."""
+@dataclass(frozen=True)
+class Named:
+    """A name at a point, with its colour; where it stands best."""
+
+    name: str
+    x: float
+    y: float
+    color: Any
+    is_below: bool = False
+
+
+def write_names(
+    axes: Axes,
+    curves: Iterable[Line2D | Collection],
+    names: Iterable[Named],
+    mark: float = 0.0,
+    faint: Iterable[Line2D | Collection] = (),
+) -> None:
+    """Names where they cover neither these curves nor the legend nor each other, nor marks at their points, which reach so far (points),
+    nor faint curves if that can be: the first ones first."""
     from matplotlib.patheffects import withStroke
+    from matplotlib.transforms import Bbox
 
     # Places are known once all else is laid out; the root of subfigures does that.
-    axes.figure.canvas.figure.draw_without_rendering()
-    left, right = axes.get_xlim()
-    paths = [line.get_path().transformed(line.get_transform()) for line in curves]
+    root, names = axes.figure.canvas.figure, list(names)
+    root.draw_without_rendering()
+    (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
+    firm, thin = ([path for curve in some for path in _paths(curve)] for some in (curves, faint))
     halo = [withStroke(linewidth=2, foreground="white")]
-    legend = axes.get_legend()
+    legend, reach = axes.get_legend(), mark * root.dpi / 72.0
     taken: list[Any] = [legend.get_window_extent()] if legend else []
-    for name, x, y, color in names:
-        for offset, align in _PLACES if left <= x <= right else ():
-            vertical = "baseline" if align == "center" else "center"
-            place: dict[str, Any] = {"xy": (x, y), "xytext": offset, "textcoords": "offset points"}
-            written = axes.annotate(name, **place, color=color, fontsize="small", ha=align, va=vertical)
+    for named in names if mark else ():
+        x, y = axes.transData.transform((named.x, named.y))
+        taken.append(Bbox.from_extents(x - reach, y - reach, x + reach, y + reach))
+    for named in names:
+        is_shown = left <= named.x <= right and low <= named.y <= high
+        places = list(_places(named.is_below, mark)) if is_shown else []
+        for paths, (offset, align, vertical) in product([firm + thin, firm] if thin else [firm], places):
+            place: dict[str, Any] = {"xy": (named.x, named.y), "xytext": offset, "textcoords": "offset points"}
+            written = axes.annotate(named.name, **place, color=named.color, fontsize="small", ha=align, va=vertical)
             written.set(in_layout=False, path_effects=halo)
             box = written.get_window_extent().padded(1)
-            is_inside = axes.bbox.x0 < box.x0 and box.x1 < axes.bbox.x1
+            is_inside = axes.bbox.x0 < box.x0 and box.x1 < axes.bbox.x1 and axes.bbox.y0 < box.y0
             is_free = not box.count_overlaps(taken) and not any(
                 path.intersects_bbox(box, filled=False) for path in paths
             )
             if is_inside and is_free:
                 taken.append(box)
                 if align != "center":
-                    axes.annotate(
-                        "", **place, arrowprops={"arrowstyle": "-", "color": color, "linewidth": 0.5}
-                    )
+                    arrow = {"arrowstyle": "-", "color": named.color, "linewidth": 0.5}
+                    axes.annotate("", **place, arrowprops=arrow)
                 break
             written.remove()
+
+
+def _places(is_below: bool, mark: float) -> Iterator[tuple[tuple[float, float], str, str]]:
+    """Where a name may stand: offset from its point, and what of it is there."""
+    beside = [((0.0, _BESIDE + mark), "center", "bottom"), ((0.0, -_BESIDE - mark), "center", "top")]
+    yield from beside[::-1] if is_below else beside
+    yield from (((right, up), "left" if right > 0 else "right", "center") for right, up in _AWAY if abs(right) > mark)
+
+
+def _paths(curve: Line2D | Collection) -> list[Path]:
+    """What is drawn of a curve, in pixels."""
+    own = curve.get_paths() if hasattr(curve, "get_paths") else [curve.get_path()]
+    return [path.transformed(curve.get_transform()) for path in own]
 
 
 def text(value: float) -> str:

@@ -2,12 +2,28 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
 
-from .drawing import FOLDS, INK, ISOLA, SHADE, WORK, Units, beside, by_pieces, legend, logarithmic, text
+from .drawing import (
+    FOLDS,
+    INK,
+    ISOLA,
+    SHADE,
+    WORK,
+    Named,
+    Units,
+    beside,
+    by_pieces,
+    fit_texts,
+    legend,
+    logarithmic,
+    text,
+    write_names,
+)
 from .live.wire import Floats
 
 if TYPE_CHECKING:
@@ -15,17 +31,30 @@ if TYPE_CHECKING:
 
     from .stored.run import StoredRun
 
-#: Marks of events by kind, as in the figures of the program: mark, whether it is hollow, name. Cusps are not marked.
-_MARKS = {
-    "birth": ("^", False, "births"),
-    "merge": ("v", True, "merges or partings"),
-    "death": ("x", False, "ends of isolas"),
+@dataclass(frozen=True)
+class _Event:
+    """How a kind of events is marked and worded, as in the figures of the program."""
+
+    mark: str
+    is_hollow: bool
+    #: In the legend.
+    many: str
+    #: On labels.
+    word: str
+
+
+#: Events by source and kind. Cusps are not marked. Where A* has a maximum windows merge; along a fold curve branches may part as well.
+_EVENTS = {
+    ("computed", "birth"): _Event("^", False, "births", "born"),
+    ("computed", "death"): _Event("x", False, "deaths", "dies"),
+    ("computed", "merge"): _Event("v", True, "merges or partings", "merge or part"),
+    ("predicted", "birth"): _Event("^", False, "births", "born"),
+    ("predicted", "merge"): _Event("v", True, "merges", "merge"),
 }
-#: What their labels say, unless there are more than so many events; where they stand, points; how.
-_MARKED = {"birth": "born at", "merge": "merge or part at", "death": "ends at"}
-_BELOW = {"birth": (0, -14), "merge": (0, 7), "death": (0, 7)}
-_LABELLED = 8
-_NOTE: dict[str, Any] = {"textcoords": "offset points", "ha": "center", "fontsize": "small"}
+#: Of more events none has a label; how far marks reach, points.
+_LABELLED, _MARK = 8, 4.0
+#: Bars from this width on are not written over.
+_THICK = 1.0
 #: What happens from the lowest level divided by the first to the highest one times the second, as folds are followed, is shown.
 _NEAR = (4.0, 2.0)
 #: Where nothing happens beyond the levels, thresholds are shown this factor below and above them.
@@ -57,11 +86,11 @@ def isola_map(
             axes.hlines(rows["amplitude"].to_numpy(float), *ends, label=label, **look)
     levels = list(summary["amplitude"])
     thresholds = _draw_thresholds(run, axes, units, levels)
-    events, folds = _draw_folds(run, axes, units, levels)
+    events, folds, names = _draw_folds(run, axes, units, levels)
     # Main and open branches go from one end of the frequencies to the other.
     others = summary[~summary["kind"].isin(["main", "open"])]
     ends = np.concatenate([others["omega_min"], others["omega_max"]])
-    happens = run.events[run.events["kind"].isin(list(_MARKS))] if levels else run.events[:0]
+    happens = _marked(run.events) if levels else run.events[:0]
     among: Any = happens["forcing"].between(min(levels) / _AMONG[0], max(levels) * _AMONG[1]) if levels else []
     core = np.concatenate([ends, happens["omega"][among].to_numpy(float)])
     shown = _around(core, np.concatenate([events, folds, thresholds]))
@@ -70,9 +99,19 @@ def isola_map(
     elif len(shown):
         axes.set_xlim(units.frequencies(beside(shown)))
     axes.set(xlabel=units.of_frequency(run.model.forcing_harmonic), ylabel="forcing amplitude A, threshold A*")
+    fit_texts(axes)
     logarithmic(axes)
     legend(axes)
+    # Lines from end to end are thin, and may be written over.
+    bars = [bars for bars in axes.collections if np.max(bars.get_linewidth()) >= _THICK]
+    faint = [lines for lines in axes.collections if lines not in bars]
+    write_names(axes, [*axes.get_lines(), *bars], names if len(names) <= _LABELLED else [], _MARK, faint)
     return axes
+
+
+def _marked(events: pd.DataFrame) -> pd.DataFrame:
+    """Those events that have marks."""
+    return events[[key in _EVENTS for key in zip(events["source"], events["kind"])]]
 
 
 def _around(core: Floats, others: Floats) -> Floats:
@@ -106,35 +145,35 @@ def _draw_thresholds(run: StoredRun, axes: Axes, units: Units, levels: list[floa
 
 def _near(run: StoredRun, levels: list[float]) -> tuple[float, float]:
     """Forcing amplitudes about the levels, and as far beyond as something happens near them."""
-    forcing = run.events["forcing"][run.events["kind"].isin(list(_MARKS))]
+    forcing = _marked(run.events)["forcing"]
     happens = forcing[forcing.between(min(levels) / _NEAR[0], max(levels) * _NEAR[1])]
     return min([min(levels) / _ROOM, *happens]), max([max(levels) * _ROOM, *happens])
 
 
-def _draw_folds(run: StoredRun, axes: Axes, units: Units, levels: list[float]) -> tuple[Floats, Floats]:
-    """Fold curves and events, where they are near the levels. Frequencies, rad/s: of computed events, and of folds among the levels."""
+def _draw_folds(
+    run: StoredRun, axes: Axes, units: Units, levels: list[float]
+) -> tuple[Floats, Floats, list[Named]]:
+    """Fold curves and events, where they are near the levels. Frequencies, rad/s: of computed events, and of folds among the levels; then
+    names of events, the computed ones first."""
     low, high = axes.get_ylim()
-    folds, events = run.folds, run.events
+    folds, events, names = run.folds, _marked(run.events), []
     for i, (_, curve) in enumerate(folds.groupby("curve", sort=False)):
         forcing = curve["forcing"].where(curve["forcing"].between(low, high))
         label = "folds" if i == 0 else None
         axes.plot(units.frequencies(curve["omega"]), forcing, color=FOLDS, linewidth=1.2, label=label)
     shown = events[events["forcing"].between(low, high)]
-    for (source, kind), group in shown.groupby(["source", "kind"], sort=False):
-        if kind not in _MARKS:
-            continue
-        mark, is_hollow, name = _MARKS[str(kind)]
-        color = FOLDS if source == "computed" else INK
+    for (source, kind), group in shown.groupby(["source", "kind"]):
+        event, color = _EVENTS[str(source), str(kind)], FOLDS if source == "computed" else INK
         axes.plot(
             units.frequencies(group["omega"]),
             group["forcing"],
-            mark,
+            event.mark,
             color=color,
-            markerfacecolor="none" if is_hollow else color,
-            label=f"{name}, {source}",
+            markerfacecolor="none" if event.is_hollow else color,
+            label=f"{event.many}, {source}",
         )
-        for x, y in zip(units.frequencies(group["omega"]), group["forcing"]) if len(shown) <= _LABELLED else ():
-            axes.annotate(f"{_MARKED[str(kind)]} {text(float(f'{y:.3g}'))}", (x, y), _BELOW[str(kind)], **_NOTE, color=color)
-    is_marked = (shown["source"] == "computed") & shown["kind"].isin(list(_MARKS))
+        for x, y in zip(units.frequencies(group["omega"]), group["forcing"]):
+            names.append(Named(f"{event.word} at {text(float(f'{y:.3g}'))}", x, y, color, kind == "birth"))
+    computed = shown["omega"][shown["source"] == "computed"].to_numpy(float)
     among = folds["forcing"].between(min(levels), max(levels)) if levels else folds["forcing"].isna()
-    return shown["omega"][is_marked].to_numpy(float), folds["omega"][among].to_numpy(float)
+    return computed, folds["omega"][among].to_numpy(float), names

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import warnings
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from numbers import Real
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
@@ -13,53 +12,31 @@ import pandas as pd
 from .drawing import (
     INK,
     ISOLA,
-    MARK,
-    SHADE,
     WORK,
     Units,
-    add_line,
-    along,
-    along_ramp,
-    around,
     axes_of,
     by_pieces,
-    faded,
+    fit_texts,
     legend,
     limits_of,
     logarithmic,
-    name_curves,
-    spread,
     text,
-    up_to,
 )
 from .drawn import Drawn
-from .errors import Damaged, LeftOut, NoSuchBranch
+from .errors import NoSuchBranch
 from .maps import isola_map
+from .responses import forced_response
 from .stored.motions import index_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.lines import Line2D
 
-    from .stored.motions import Motions
     from .stored.run import Key, StoredRun
 
-#: A main branch is shown at least where it is higher than this share of its peak.
-_HIGH = 0.8
-#: Widths of main branches, of those that branch off others, and of isolas and others.
-_THIN, _MEDIUM, _BOLD = 1.0, 1.6, 2.2
-#: Peaks are marked while there are so few, and folds with them; how.
-_MARKED = 12
-_MARKS: dict[str, dict[str, Any]] = {
-    "peak": {"marker": "^", "markersize": 4.5, "markerfacecolor": "white", "linestyle": "none"},
-    "fold": {"marker": "o", "markersize": 3.5, "markerfacecolor": "white", "linestyle": "none"},
-}
 #: With fewer points a piece of a backbone says nothing: all of it is shown.
 _FEWEST = 4
 #: Energies below this share of the largest are not shown.
 _FLOOR = 1e-6
-#: Of more levels, neighbours cannot be told apart by their colours: they are named at their peaks, not in the legend.
-_NAMED = 6
 
 
 class Plots(Drawn):
@@ -79,7 +56,8 @@ class Plots(Drawn):
         frequency: tuple[float, float] | None = None,
     ) -> Axes:
         """Amplitude of a monitored dof over frequency: main branches thin, isolas and others bold, what time marching found
-        unstable dashed, and pale what of their stability is not known. Peaks and folds are marked, unless there are many branches; more
+        unstable dashed, and pale what of their stability is not known. Branches whose curves lie on each
+        other (mirror images) are drawn once, under the names of all of them. Peaks and folds are marked, unless there are many branches; more
         than six levels are named at their peaks.
 
         Args:
@@ -94,89 +72,9 @@ class Plots(Drawn):
             ValueError: There is no branch at these amplitudes, no such monitored dof or unit: with those there are. The
                 frequencies are no range.
         """
-        limits = limits_of(frequency)
-        measured, number, summary = Units.read(units), self._number(monitor), self._branches(amplitudes)
-        axes = axes_of(ax)
-        table = self._points(number)
-        points = table.groupby("name", sort=False)
-        levels = sorted(summary["amplitude"].unique())
-        colors = dict(zip(levels, along_ramp(len(levels))))
-        rank = {levels[place]: i for i, place in enumerate(spread(len(levels)))}
-        shown, peaks, folds = [], [], self._run._folds()
-        # While nothing was verified, nothing is said of stability.
-        known = table["stable"][table["name"].isin(summary.index)].isin(["stable", "unstable"])
-        has_unstable, is_verified, has_unknown = False, known.any(), known.any() and not known.all()
-        marks: dict[str, list[tuple[float, float, Any]]] = {"peak": [], "fold": []}
-        for name, row in summary.iterrows():
-            if name not in points.groups:
-                continue  # its points are damaged: reading them has warned
-            curve = points.get_group(name)
-            is_high = curve["amplitude"] >= _HIGH * curve["amplitude"].max()
-            is_main, level = row["kind"] == "main", row["amplitude"]
-            shown.append(curve["omega"][is_high] if is_main else curve["omega"])
-            if row["closed"]:
-                curve = pd.concat([curve, curve.iloc[:1]])
-            style = {
-                "color": colors[level],
-                "linewidth": _THIN if is_main else _MEDIUM if row["kind"] == "branched" else _BOLD,
-                # What a lower level has lies inside of what a higher one has.
-                "zorder": 3.0 - levels.index(level) / len(levels),
-            }
-            at = measured.frequencies(curve["omega"]).to_numpy()
-            height = measured.lengths(curve["amplitude"]).to_numpy()
-            forcing, top = f"A = {text(level)}", height.argmax()
-            called = forcing if is_main else f"{str(name).partition('/')[2]}, {forcing}"
-            peaks.append((rank[level], is_main, (called, at[top], height[top], colors[level])))
-            label = forcing if is_main and len(levels) <= _NAMED else None
-            unstable = (curve["stable"] == "unstable").to_numpy()
-            unknown = ~(unstable | (curve["stable"] == "stable").to_numpy()) & is_verified
-            # Segments are dashed from one unstable point to the next, and pale beside a point of which nothing is known.
-            dashed, pale = unstable[1:] & unstable[:-1], unknown[1:] | unknown[:-1]
-            axes.plot([], [], label=label, **style)
-            for wanted, look in (
-                (~(dashed | pale), {}),
-                (dashed, {"linestyle": (0, (2.5, 1.5))}),
-                (pale, {"color": faded(style["color"])}),
-            ):
-                if wanted.any():
-                    axes.plot(*along(wanted, at, height), **{**style, **look})
-            has_unstable |= bool(unstable.any())
-            # What is only as far as the branch is known is no peak.
-            if row.get("peak_standing") == "at":
-                marks["peak"].append((at[top], height[top], colors[level]))
-            places = [i for i in folds.get(str(name), []) if i < len(at)]
-            marks["fold"] += [(at[i], height[i], colors[level]) for i in places]
-        curves = list(axes.get_lines())
-        if limits is not None:
-            axes.set_xlim(limits)
-            _fit_height(axes, curves, limits)
-        elif shown:
-            axes.set_xlim(measured.frequencies(around(np.concatenate(shown), self._reach(summary))))
-        # Amplitudes begin at zero; what is drawn on these axes later may change the limits as before.
-        axes.set_ylim(bottom=0.0, auto=None)
-        marked = _mark(axes, marks)
-        others = set(summary["kind"]) - {"main", "branched"}
-        has_branched = (summary["kind"] == "branched").any()
-        told: tuple[tuple[Any, str, dict[str, Any]], ...] = (
-            (others or has_branched, "main branch", {"linewidth": _THIN}),
-            (others, "isola" if others == {"isola"} else "isola or other", {"linewidth": _BOLD}),
-            (has_branched, "branches off another", {"linewidth": _MEDIUM}),
-            (has_unstable, "unstable", {"linestyle": (0, (2.5, 1.5))}),
-            (has_unknown, "stability not known", {"linewidth": _BOLD, "color": faded(SHADE)}),
-            *((kind in marked, kind, look) for kind, look in _MARKS.items()),
-        )
-        for wanted, label, how in told:
-            if wanted:
-                add_line(axes, [], [], label=label, **{"color": SHADE, **how})
-        self._draw_backbone(axes, measured, number, backbone)
-        axes.set(
-            xlabel=measured.of_frequency(self._run.model.forcing_harmonic),
-            ylabel=f"amplitude of {self._monitors()[number]} ({measured.length})",
-        )
-        legend(axes)
-        if len(levels) > _NAMED:
-            name_curves(axes, curves, [name for *_, name in sorted(peaks, key=lambda peak: peak[:2])])
-        return axes
+        limits, measured, number = limits_of(frequency), Units.read(units), self._number(monitor)
+        summary = self._branches(amplitudes)
+        return forced_response(self._run, summary, axes_of(ax), measured, number, limits, backbone)
 
     def _monitors(self) -> list[str]:
         """Names of the monitored dofs."""
@@ -188,39 +86,6 @@ class Plots(Drawn):
         if monitor is not None and monitor not in names:
             raise ValueError(f"monitor = {monitor!r}: the run monitors no such dof, but {', '.join(names)}")
         return 0 if monitor is None else names.index(monitor)
-
-    def _points(self, monitor: int) -> pd.DataFrame:
-        """Points of all branches, with what is known of their stability: nothing in runs of the first programs."""
-        try:
-            points = self._run.columns("omega", "amplitude", "stable")
-        except KeyError:
-            points = self._run.columns("omega", "amplitude").assign(stable="")
-        return self._of(monitor, points, "name", lambda name: self._run[name])
-
-    @staticmethod
-    def _of(monitor: int, table: pd.DataFrame, by: str, read: Callable[[Any], Motions]) -> pd.DataFrame:
-        """The table with the amplitude of this monitored dof: tables of points have that of the first one alone."""
-        for name, rows in table.groupby(by, sort=False).groups.items() if monitor else ():
-            try:
-                table.loc[rows, "amplitude"] = read(name)["amplitude"].values[:, monitor]
-            except Damaged as damage:
-                warnings.warn(f"{by} {name} is left out: {damage.detail}.", LeftOut, stacklevel=4)
-                table = table.drop(rows)
-        return table
-
-    def _draw_backbone(self, axes: Axes, units: Units, monitor: int, wanted: bool) -> None:
-        """The backbones, as far up as the axes go: they need not set the scale."""
-        if not wanted:
-            return
-        table = self._of(monitor, self._run.backbones, "mode", lambda mode: self._run.backbone(int(mode)))
-        (left, right), top = axes.get_xlim(), axes.get_ylim()[1]
-        for mode, curve in table.groupby("mode", sort=False):
-            label = f"backbone of mode {mode}" if table["mode"].nunique() > 1 else "backbone"
-            lengths = by_pieces(curve, units.lengths(curve["amplitude"]))
-            at, height = up_to(top, units.frequencies(curve["omega"]).to_numpy(), lengths)
-            low, high = np.minimum(at[1:], at[:-1]), np.maximum(at[1:], at[:-1])
-            if ((low <= right) & (high >= left) & np.isfinite(height[1:] + height[:-1])).any():
-                add_line(axes, at, height, color=SHADE, linestyle="--", linewidth=1.0, zorder=1, label=label)
 
     def map(
         self,
@@ -306,6 +171,7 @@ class Plots(Drawn):
         title = f"A = {text(amplitude)}{beside}, mode {curve.attrs['mode']}"
         across = ", then along curves that cross it" if "piece" in curve and curve["piece"].max() > 0 else ""
         axes.set(xlabel=f"arc length along the backbone{across} (scaled)", ylabel="energy a period (J)", title=title)
+        fit_texts(axes)
         logarithmic(axes)
         legend(axes)
         return axes
@@ -370,6 +236,7 @@ class Plots(Drawn):
         at = f"{measured.frequencies(float(curve['omega'][index])):.6g} {measured.frequency}"
         title = f"A = {curve.attrs['level']}, {curve.attrs['name']}, point {index}, {at}"
         axes.set(xlabel="time (periods)", ylabel=quantity, title=title)
+        fit_texts(axes)
         legend(axes)
         return axes
 
@@ -381,11 +248,6 @@ class Plots(Drawn):
         kinds = (summary["kind"] == "isola", summary["kind"] != "open", summary["kind"].notna())
         chosen = next(summary[of_kind] for of_kind in kinds if of_kind.any())
         return str(chosen["amplitude_max"].astype(float).idxmax())
-
-    @staticmethod
-    def _reach(summary: pd.DataFrame) -> tuple[float, float]:
-        """Lowest and highest frequency of any branch, rad/s."""
-        return float(summary["omega_min"].min()), float(summary["omega_max"].max())
 
     def _branches(self, amplitudes: Iterable[str | float] | str | float | None) -> pd.DataFrame:
         """Rows of the summary, of these levels, that are branches."""
@@ -412,26 +274,3 @@ class Plots(Drawn):
 def _arguments(name: str, there: Sequence[str]) -> list[str]:
     """The arguments of a law or contact of this name, unless it is one of them."""
     return [] if name in there else [one for one in there if one.rpartition(" ")[0] == name]
-
-
-def _mark(axes: Axes, marks: dict[str, list[tuple[float, float, Any]]]) -> set[str]:
-    """Marks peaks and folds within the axes, each with its place and its colour, but no fold that a peak covers; which kinds there are."""
-    (left, right), marked = axes.get_xlim(), set()
-    places = {kind: [mark for mark in found if left <= mark[0] <= right] for kind, found in marks.items()}
-    taken = axes.transData.transform(np.array([mark[:2] for mark in places["peak"]]).reshape(-1, 2))
-    for kind, found in places.items() if len(taken) <= _MARKED else ():
-        for x, y, color in found:
-            if kind == "peak" or np.hypot(*(taken - axes.transData.transform((x, y))).T).min(initial=np.inf) > MARK:
-                add_line(axes, [x], [y], color=color, zorder=4, **_MARKS[kind])
-                marked.add(kind)
-    return marked
-
-
-def _fit_height(axes: Axes, curves: Sequence[Line2D], limits: tuple[float, float]) -> None:
-    """The axis upwards as far as curves go between these limits."""
-    places = [np.asarray(line.get_xydata(), dtype=float) for line in curves]
-    heights = [place[(place[:, 0] >= limits[0]) & (place[:, 0] <= limits[1]), 1] for place in places]
-    shown = np.concatenate([np.zeros(0), *heights])
-    shown = shown[np.isfinite(shown)]
-    if len(shown) and shown.max() > 0.0:
-        axes.set_ylim(0.0, 1.08 * shown.max())

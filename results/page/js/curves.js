@@ -3,7 +3,8 @@
 /**
  * @typedef {object} Series
  * @property {"line"|"closed"|"band"} kind closed: back to its first point; band: filled between y and y2
- * @property {string} [name] title of what is said of its points; without, nothing is
+ * @property {string[]} [name] title of what is said of its points, one or one an option; without, nothing is
+ * @property {boolean[]} [hidden] options for which it is not drawn, for it would lie on another one
  * @property {Ref[]} [x] one, or one an option; likewise y and y2
  * @property {Signal} [signal] in place of x and y: from the motion shown
  * @property {Style} style

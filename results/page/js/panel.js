@@ -90,11 +90,14 @@ class Panel {
     const axes = this.axes();
     const isShown = ({ level, switch: name }) =>
       (level === undefined || (view.shown?.has(level) ?? true)) && (name === undefined || view.switched.has(name));
-    this.curves = series.filter(isShown).flatMap((one) => this.made.of(one, view, axes));
+    const shown = series.filter(isShown);
+    const isDrawn = ({ hidden }) => !hidden || !ofOption(hidden, view.choice);
+    this.curves = shown.filter(isDrawn).flatMap((one) => this.made.of(one, view, axes));
     this.drawMarks(this.curves);
     const { selected } = view;
-    const chosen = selected && this.curves.find(({ series: { name, branch } }) => name && branch === selected.branch);
-    this.drawSelection(chosen ? { curve: chosen, index: selected.index } : null);
+    // What lies on another curve can be selected all the same.
+    const chosen = selected && shown.find(({ name, branch }) => name && branch === selected.branch);
+    this.drawSelection(chosen ? { curve: this.made.of(chosen, view, axes)[0], index: selected.index } : null);
     this.drawSpans(this.factors());
     this.relabel();
   }
@@ -161,18 +164,24 @@ class Panel {
     const { x, y } = this.axes();
     const quoted = (text) => `"${String(text).replaceAll('"', '""')}"`;
     const rows = this.curves.flatMap(({ series: { name }, x: across, y: up }, k) =>
-      Array.from(across, (value, i) => `${quoted(name ?? `curve ${k + 1}`)},${value},${up[i]}`),
+      Array.from(across, (value, i) => `${quoted(name ? this.called(name) : `curve ${k + 1}`)},${value},${up[i]}`),
     );
     return [["curve", axisLabel(x), axisLabel(y)].map(quoted).join(","), ...rows, ""].join("\n");
   }
 
+  /** The name of a series where the reader looks. @param {string[]} name one, or one an option */
+  called(name) {
+    return ofOption(name, this.view.choice);
+  }
+
   /** All that is known of a point: what its series says or, without, the numbers on the axes. @returns {Description} */
   describe({ series, x, y }, index) {
-    const { name, details, marks = [], columns } = series;
+    const { details, marks = [], columns } = series;
+    const title = this.called(series.name);
     if (!details) {
       const axes = this.axes();
-      const row = ({ title, unit }, value) => [title, `${formatNumber(value, 4)} ${unit.name}`];
-      return { title: name, rows: [row(axes.x, x[index]), row(axes.y, y[index])] };
+      const row = ({ title: quantity, unit }, value) => [quantity, `${formatNumber(value, 4)} ${unit.name}`];
+      return { title, rows: [row(axes.x, x[index]), row(axes.y, y[index])] };
     }
     const rows = details.map(({ label, format, digits, unit, values }) => [
       label,
@@ -180,7 +189,7 @@ class Panel {
     ]);
     const special = marks.filter(([at]) => at === index).map(([, text]) => text);
     const place = `${index} of ${x.length}${special.length > 0 ? ` (${special.join(", ")})` : ""}`;
-    return { title: name, rows: [...rows, ["point", place]] };
+    return { title, rows: [...rows, ["point", place]] };
   }
 }
 

@@ -87,7 +87,7 @@ fn numbers_differ_by_what_they_do() {
 fn curves_of_all_runs_are_over_each_other() {
     let compared = compared();
     let figure = &compared.figures.drawn["response"];
-    let names: Vec<&str> = figure.panels[0].series.iter().filter_map(|series| series.name.as_deref()).collect();
+    let names: Vec<&str> = figure.panels[0].series.iter().flat_map(|series| &series.name).map(String::as_str).collect();
     let expected = [
         "three: A = 3e-3, main",
         "three: A = 0.006, main",
@@ -99,7 +99,7 @@ fn curves_of_all_runs_are_over_each_other() {
     ];
     assert_eq!(names, expected);
     let levels: Vec<Option<usize>> =
-        figure.panels[0].series.iter().filter(|series| series.name.is_some()).map(|series| series.level).collect();
+        figure.panels[0].series.iter().filter(|series| !series.name.is_empty()).map(|series| series.level).collect();
     assert_eq!(levels, [0, 1, 1, 1, 1, 2, 2].map(Some));
     let styles: Vec<_> = figure.panels[0].series.iter().map(|series| series.style.color).collect();
     assert!(styles[0] != styles[styles.len() - 1]);

@@ -20,7 +20,7 @@ pub fn figure(subject: &Subject<'_>, columns: Option<&BackboneColumns>) -> Resul
     let (thin, bold) = (Style::line(Color::Ink, THIN), Style::line(Color::Category(1), 2.0 * BOLD));
     let series = vec![
         Series { along_runs: true, ..line(bold.clone()) },
-        Series { name: Some("backbone".into()), details: columns.details(), ..line(thin.clone()) },
+        Series { name: vec!["backbone".into()], details: columns.details(), ..line(thin.clone()) },
     ];
     let entry = |text: &str, style| Entry::new(text, Kind::Line, style);
     let panel = Panel {

@@ -25,7 +25,7 @@ pub fn figure(subject: &Subject<'_>, store: &ColumnStore, columns: Option<&Backb
     let count = subject.shown(backbone);
     let y = energies(backbone.needed.values.iter().copied().take(count).chain(work.into_iter().take(count)));
 
-    let name = Some("backbone".to_string());
+    let name = vec!["backbone".to_string()];
     let supplied = Style::line(Color::Category(4), MEDIUM).with_dash(1);
     let needed = Style::line(Color::Ink, MEDIUM);
     let line = |y, style| Series { x: over.clone(), y: vec![y], style, ..Series::default() };

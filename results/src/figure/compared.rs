@@ -1,13 +1,15 @@
 //! Figures of several runs together, one colour a run.
 
+use super::coincidence::Coincidence;
 use super::column_store::ColumnStore;
 use super::data::{Axis, Entry, Figure, Kind, Label};
-use super::response::{Outline, branch_series, is_crowd};
+use super::response::{Outline, branch_series, called, is_crowd};
 use super::smooth::smooth;
 use super::stability::Marking;
 use super::style::{BOLD, Color, MEDIUM, Shape, Style};
 use super::subject::Subject;
 use super::{resonance, style};
+use crate::curves::Curve;
 use std::collections::BTreeMap;
 
 /// A run among others.
@@ -74,19 +76,20 @@ fn response(runs: &[Compared<'_>], levels: &[f64], store: &mut ColumnStore) -> R
     let marking = Marking::of(runs.iter().flat_map(|run| run.subject.branches));
     let mut labels: Vec<Label> = Vec::new();
     for (k, Compared { name, subject }) in runs.iter().enumerate() {
-        for branch in subject.branches {
+        let all: Vec<&Curve> = subject.branches.iter().collect();
+        let same = Coincidence::of(&all, 1);
+        for (i, branch) in all.iter().enumerate() {
             let level = subject.levels.get(branch.level);
             let amplitude = level.map_or("", |level| &level.amplitude);
             let mut curve = branch_series(branch, amplitude, color(k), is_crowd(branches), store);
-            curve.name = curve.name.map(|text| format!("{name}: {text}"));
+            curve.name = same.names(&all, i).iter().map(|own| format!("{name}: {}", called(amplitude, own))).collect();
             curve.level = level.and_then(|level| place(level.value));
             curve.y.truncate(1);
             curve.style.fill = false;
             let heights = branch.amplitude.first().map_or(&[][..], |column| &column.values);
             smooth(&mut curve, (&branch.omega.values, &[heights]), (&axes.0, &axes.1), store);
             let over = marking.over(branch, &curve, (&axes.0, &axes.1), store);
-            panel.series.push(curve);
-            panel.series.extend(over);
+            panel.series.extend(std::iter::once(curve).chain(over).map(|series| same.veiled(i, series)));
         }
         let own = Outline::new(subject.branches.iter(), subject, &colors[k]).figure(None).panels.swap_remove(0).labels;
         labels.extend(own.into_iter().filter_map(|label| {

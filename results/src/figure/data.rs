@@ -130,9 +130,9 @@ pub enum Scale {
 pub struct Series {
     /// What its points make.
     pub kind: Kind,
-    /// What it is, where its points are looked at.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub name: Option<String>,
+    /// What it is, where its points are looked at: one name, or one for each axis up.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub name: Vec<String>,
     /// Values across: one column, or one for each axis.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub x: Vec<Ref>,
@@ -150,6 +150,9 @@ pub struct Series {
     /// The branch whose points they are, by index.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub branch: Option<usize>,
+    /// For each axis up whether it is not drawn, for it would lie on another one.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub hidden: Vec<bool>,
     /// Whether it is drawn along the windows of the forcing amplitude looked at, in their colours.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub along_runs: bool,
@@ -324,6 +327,13 @@ impl Entry {
     /// Of what is drawn in every case.
     pub fn new(text: impl Into<String>, kind: Kind, style: Style) -> Self {
         Self { text: text.into(), kind, style, by_amplitude: false }
+    }
+}
+
+impl Series {
+    /// Whether it is drawn on the axes that are chosen.
+    pub fn is_drawn(&self, choice: usize) -> bool {
+        chosen(&self.hidden, choice) != Some(&true)
     }
 }
 

@@ -5,15 +5,12 @@ use super::column_store::ColumnStore;
 use super::data::{Axis, Detail, Entry, Figure, Format, Kind, Label, Panel, Series, Side, Size, Unit};
 use super::style::{Color, MARK, MEDIUM, Shape, Style};
 use super::subject::Subject;
-use crate::overview::{events_of, forcing_label};
+use crate::overview::{BIRTH, DEATH, EventWords, MERGE, events_of, forcing_label, merge_verb};
 use crate::store::CurvePoint;
 
-/// How what happens along a curve is marked: kind, mark, whether it is hollow, name in the legend, word on the label.
-pub const EVENTS: [(&str, Shape, bool, &str, &str); 3] = [
-    ("birth", Shape::Triangle, false, "births, computed", "born"),
-    ("death", Shape::Cross, false, "ends of isolas, computed", "ends"),
-    ("merge", Shape::InvertedTriangle, true, "merges or partings, computed", "merge or part"),
-];
+/// How what happens along a curve is marked: words, mark, whether it is hollow.
+pub const MARKS: [(EventWords, Shape, bool); 3] =
+    [(BIRTH, Shape::Triangle, false), (DEATH, Shape::Cross, false), (MERGE, Shape::InvertedTriangle, true)];
 
 /// How places are marked where two folds of one branch meet: neither births nor ends, and not labelled.
 pub const CUSPS: (&str, Shape, bool, &str) = ("cusp", Shape::Square, true, "cusps, computed (two folds meet)");
@@ -42,14 +39,14 @@ pub fn figure(subject: &Subject<'_>, store: &mut ColumnStore) -> Result<Figure, 
     let mut legend = vec![Entry::new("folds, computed", Kind::Line, line.clone())];
     let mut series: Vec<Series> = subject.curves.iter().map(|curve| of_points(&curve.points, &line, store)).collect();
     let mut labels = Vec::new();
-    for (wanted, shape, is_hollow, name, word) in EVENTS {
-        let found: Vec<CurvePoint> = events_of(subject.curves, wanted).into_iter().cloned().collect();
+    for (words, shape, is_hollow) in MARKS {
+        let found: Vec<CurvePoint> = events_of(subject.curves, words.kind.name()).into_iter().cloned().collect();
         if found.is_empty() {
             continue;
         }
         let style = Style::marks(Color::Category(3), shape, 1.4 * MARK, is_hollow);
-        legend.push(Entry::new(explained(name, found.iter()), Kind::Line, style.clone()));
-        let named = |point| event_label(word, point, (point.forcing, point.amplitude), Side::Right);
+        legend.push(Entry::new(explained(words, found.iter()), Kind::Line, style.clone()));
+        let named = |point| event_label(subject, words, point, (point.forcing, point.amplitude), Side::Right);
         labels.extend(found.iter().map(named));
         series.push(of_points(&found, &style, store));
     }
@@ -90,20 +87,27 @@ fn of_points(points: &[CurvePoint], style: &Style, store: &mut ColumnStore) -> S
 }
 
 /// The name of marks in the legend, with what stands on their labels explained if it has to be.
-pub(super) fn explained<'p>(name: &str, mut points: impl Iterator<Item = &'p CurvePoint>) -> String {
+pub(super) fn explained<'p>(words: EventWords, mut points: impl Iterator<Item = &'p CurvePoint>) -> String {
     let has_twice = |point: &CurvePoint| point.doubled.is_none() || forcing_label(point, DIGITS).contains("2H");
     let twice = if points.any(has_twice) { TWICE } else { "" };
-    format!("{name}{twice}")
+    format!("{}, computed{twice}", words.many)
 }
 
 /// Digits of forcing amplitudes on labels.
 const DIGITS: i32 = 4;
 
 /// Names a computed event of a fold curve at its place in a figure, with the doubt where it was not found with twice the harmonics.
-pub(super) fn event_label(word: &str, point: &CurvePoint, (x, y): (f64, f64), side: Side) -> Label {
+pub(super) fn event_label(
+    subject: &Subject<'_>,
+    words: EventWords,
+    point: &CurvePoint,
+    (x, y): (f64, f64),
+    side: Side,
+) -> Label {
+    let verb = if words == MERGE { merge_verb(subject.curves, point) } else { words.verb };
     let doubt = if point.doubled.is_none() { UNKNOWN } else { "" };
     Label {
-        text: format!("{word} at {}{doubt}", forcing_label(point, DIGITS)),
+        text: format!("{verb} at {}{doubt}", forcing_label(point, DIGITS)),
         x: vec![Some(x)],
         y: vec![Some(y)],
         color: Color::Category(3),

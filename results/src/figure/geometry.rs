@@ -42,8 +42,11 @@ impl View<'_> {
         panel.axes(self.choice)
     }
 
-    /// The parts of a series: one, or one for each window.
+    /// The parts of a series: one, or one for each window; none of one that is not drawn.
     pub fn parts(&self, series: &Series, (across, up): (&Axis, &Axis)) -> Vec<Part> {
+        if !series.is_drawn(self.choice) {
+            return Vec::new();
+        }
         let (x, y, y2) = (self.column(&series.x), self.column(&series.y), self.column(&series.y2));
         let shares = |x: &[f64], y: &[f64]| -> Shares {
             x.iter().zip(y).map(|(&x, &y)| (across.share(x), up.share(y))).collect()

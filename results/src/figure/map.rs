@@ -2,11 +2,11 @@
 
 use super::column_store::ColumnStore;
 use super::data::{Axis, Direction, Entry, Figure, Kind, Label, Panel, Series, Side, Size, Span, Unit};
-use super::folds::{CUSPS, EVENTS, event_label, explained};
+use super::folds::{CUSPS, MARKS, event_label, explained};
 use super::style::{BOLD, Color, FINE, MARK, MEDIUM, Shape, Style};
 use super::subject::{BackboneColumns, Subject};
 use crate::curves::BackboneCurve;
-use crate::overview::{Level, WindowOutcome, WindowRow, events_of};
+use crate::overview::{BIRTH, EVENTS, Level, MERGES, WindowOutcome, WindowRow, events_of};
 use crate::store::CurvePoint;
 use crate::words::digits;
 use solver::response::branch::BranchKind;
@@ -87,7 +87,7 @@ pub fn figure(
     drawing.further(subject, &y);
 
     let threshold = Series {
-        name: Some("backbone".into()),
+        name: vec!["backbone".into()],
         x: vec![columns.omega.clone()],
         y: vec![columns.threshold.clone()],
         style: curve,
@@ -95,25 +95,26 @@ pub fn figure(
         ..Series::default()
     };
     let below =
-        Series { along_runs: true, name: None, details: Vec::new(), style: below_chosen(), ..threshold.clone() };
+        Series { along_runs: true, name: Vec::new(), details: Vec::new(), style: below_chosen(), ..threshold.clone() };
     drawing.series.extend([below, threshold]);
     let is_shown = |event: &&Event| (0.0..=1.0).contains(&y.share(event.threshold));
     let events =
         || backbone.events.iter().chain(subject.further.iter().flat_map(|further| &further.events)).filter(is_shown);
     for (kind, shape, name) in [
-        (EventKind::Birth, Shape::Triangle, "births, predicted"),
-        (EventKind::Merge, Shape::InvertedTriangle, "merges, predicted"),
+        (EventKind::Birth, Shape::Triangle, BIRTH.many),
+        // Where the threshold has a maximum windows merge.
+        (EventKind::Merge, Shape::InvertedTriangle, "merges"),
     ] {
+        let name = format!("{name}, predicted");
         let style = Style::marks(Color::Ink, shape, 1.4 * MARK, kind == EventKind::Merge);
         let of_kind = events().filter(|event| event.kind == kind);
-        drawing.points(Some(name), style, of_kind.map(|event| (event.omega, event.threshold)));
+        drawing.points(Some(&name), style, of_kind.map(|event| (event.omega, event.threshold)));
     }
     let mut labels: Vec<Label> = events().map(label).collect();
-    for (kind, _, _, _, word) in EVENTS {
-        let side = if kind == "birth" { Side::Below } else { Side::Above };
-        labels.extend(
-            computed(subject, &y, kind).map(|point| event_label(word, point, (point.omega, point.forcing), side)),
-        );
+    for words in EVENTS {
+        let side = if words == BIRTH { Side::Below } else { Side::Above };
+        let label = |point: &CurvePoint| event_label(subject, words, point, (point.omega, point.forcing), side);
+        labels.extend(computed(subject, &y, words.kind.name()).map(label));
     }
     let Drawing { series, legend, .. } = drawing;
     let panel = Panel {
@@ -176,10 +177,11 @@ impl Drawing<'_> {
         };
         let points = subject.curves.iter().flat_map(|curve| curve.points.iter().map(shown).chain([gap]));
         self.points(Some("folds, computed"), Style::line(Color::Category(3), MEDIUM), points);
-        for (wanted, shape, is_hollow, name, _) in EVENTS {
+        for (words, shape, is_hollow) in MARKS {
             let style = Style::marks(Color::Category(3), shape, 1.4 * MARK, is_hollow);
-            let of_kind: Vec<(f64, f64)> = computed(subject, y, wanted).map(|p| (p.omega, p.forcing)).collect();
-            self.points(Some(&explained(name, computed(subject, y, wanted))), style, of_kind.into_iter());
+            let found = || computed(subject, y, words.kind.name());
+            let of_kind: Vec<(f64, f64)> = found().map(|p| (p.omega, p.forcing)).collect();
+            self.points(Some(&explained(words, found())), style, of_kind.into_iter());
         }
         let (wanted, shape, is_hollow, name) = CUSPS;
         let style = Style::marks(Color::Category(3), shape, MARK, is_hollow);
@@ -223,7 +225,7 @@ fn frequencies(subject: &Subject<'_>, y: &Axis, thresholds: impl Iterator<Item =
     // Main and open branches go from one end of the frequencies to the other.
     let detached = subject.levels.iter().flat_map(Level::others).filter(|other| other.kind != BranchKind::Open.name());
     let ends = detached.flat_map(|other| [other.omega.0, other.omega.1]);
-    let computed = || EVENTS.iter().flat_map(|(kind, ..)| computed(subject, y, kind));
+    let computed = || EVENTS.iter().flat_map(|words| computed(subject, y, words.kind.name()));
     let predicted = subject.backbone.into_iter().chain(subject.further).flat_map(|backbone| &backbone.events);
     let events = computed().map(|point| (point.forcing, point.omega));
     let events = events.chain(predicted.map(|event| (event.threshold, event.omega)));
@@ -250,7 +252,8 @@ fn points(backbone: &BackboneCurve) -> impl Iterator<Item = (f64, f64)> {
 fn near(subject: &Subject<'_>) -> impl Fn(f64) -> bool {
     let (low, high) = super::axis::bounds(subject.levels.iter().map(|level| level.value));
     let followed = low / NEAR.0..=high * NEAR.1;
-    let computed = EVENTS.iter().flat_map(|(kind, ..)| events_of(subject.curves, kind)).map(|point| point.forcing);
+    let computed =
+        EVENTS.iter().flat_map(|words| events_of(subject.curves, words.kind.name())).map(|point| point.forcing);
     let predicted = subject.backbone.into_iter().chain(subject.further).flat_map(|backbone| &backbone.events);
     let happens = computed.chain(predicted.map(|event| event.threshold)).filter(|forcing| followed.contains(forcing));
     let (low, high) = happens.fold((low / ROOM, high * ROOM), |(low, high), a| (low.min(a), high.max(a)));
@@ -273,7 +276,7 @@ fn windows<'s>(
 
 /// Births are named below the curve, merges above it.
 fn label(event: &Event) -> Label {
-    let (word, side) = if event.kind == EventKind::Birth { ("born", Side::Below) } else { ("merge", Side::Above) };
+    let (word, side) = if event.kind == EventKind::Birth { (BIRTH.verb, Side::Below) } else { (MERGES, Side::Above) };
     Label {
         text: format!("{word} at {}", digits(event.threshold, 3)),
         x: vec![Some(event.omega)],

@@ -35,7 +35,7 @@ pub fn figure(
         let ratio = backbone.omega.values.iter().map(|omega| mode.frequency / omega).collect();
         let ratio = store.add(Column::short(ratio));
         series.push(Series {
-            name: Some(format!("mode {}", mode.mode + 1)),
+            name: vec![format!("mode {}", mode.mode + 1)],
             x: over.clone(),
             y: vec![share.clone()],
             style: look(i),

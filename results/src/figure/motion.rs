@@ -7,9 +7,10 @@ use super::data::{
 use super::places::Placement;
 use super::style::{BOLD, Color, FINE, MARK, Shape, Style, THIN};
 use crate::curves::{MarchedPeriod, Motions, Node};
+use crate::overview::verdict_words;
+use crate::store::verdict_name;
 use serde::Serialize;
 use solver::formulation::harmonics::{complex, evaluate, width};
-use solver::stability::multipliers::Verdict;
 use std::f64::consts::TAU;
 
 /// Instants of a period at which curves are computed.
@@ -97,18 +98,9 @@ pub fn with_marched(mut figure: Figure, marched: &MarchedPeriod, store: &mut Col
         let y = vec![store.exact(displacement.clone())];
         panel.series.push(Series { x: vec![x.clone()], y, style: style.clone(), ..Series::default() });
     }
-    let text = format!("marched in time ({})", word(marched.verdict));
+    let text = format!("marched in time ({})", verdict_words(verdict_name(marched.verdict)).word);
     figure.legend.push(Entry::new(text, Kind::Line, style));
     figure
-}
-
-fn word(verdict: Verdict) -> &'static str {
-    match verdict {
-        Verdict::Stable => "stable",
-        Verdict::Unstable => "unstable",
-        Verdict::Marginal => "at the edge of stability",
-        Verdict::NoOrbitNearby | Verdict::NotComparable => "not comparable",
-    }
 }
 
 /// Nodes have the colours of the ramp in their order.
@@ -119,7 +111,7 @@ fn look(node: usize, count: usize) -> Style {
 
 fn of_each(nodes: &[Node], of: Quantity, style: impl Fn(Style) -> Style) -> Vec<Series> {
     let series = |(node, named): (usize, &Node)| Series {
-        name: Some(named.name.clone()),
+        name: vec![named.name.clone()],
         style: style(look(node, nodes.len())),
         signal: Some(Signal { node, of, instants: None }),
         ..Series::default()

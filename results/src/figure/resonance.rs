@@ -168,7 +168,7 @@ fn forcing(values: impl Iterator<Item = f64> + Clone) -> Axis {
 
 fn series(curve: &ResonanceCurve<'_>, x: &Ref, y: &Ref, (omega, amplitude): (&Ref, &Ref)) -> Series {
     Series {
-        name: Some(curve.name.clone()),
+        name: vec![curve.name.clone()],
         x: vec![x.clone()],
         y: vec![y.clone()],
         style: curve.style.clone(),

@@ -2,22 +2,21 @@
 
 use super::axis::largest;
 use super::bands::bands;
+use super::coincidence::Coincidence;
 use super::column_store::ColumnStore;
 use super::data::{Axis, Detail, Entry, Figure, Format, Kind, Label, Panel, Series, Side, Size};
 use super::references::{backbone_series, further_backbone, further_within, gap_label, gaps};
 use super::smooth::smooth;
+use super::special::{mark, special_points, word};
 use super::stability::Marking;
-use super::style::{BOLD, Color, FINE, MARK, MEDIUM, Shape, Style, THIN};
+use super::style::{BOLD, Color, FINE, MEDIUM, Style, THIN};
 use super::subject::{BackboneColumns, Subject, level_colors};
 use crate::curves::{Beyond, Curve};
 use solver::response::branch::{BranchKind, SpecialKind};
-use solver::response::certificate::Standing;
 use solver::response::columns;
 
 /// Peaks and folds are marked while there are so few branches.
 pub const FEW: usize = 24;
-/// A fold so near to the peak, as a share of the branch, is not marked: resonances turn back just below their peaks.
-const NEAR_PEAK: f64 = 0.02;
 /// Of more isolas, thin lines show more.
 const CROWD: usize = 40;
 /// Levels whose isolas are named before their main branches, and both before other levels.
@@ -56,7 +55,8 @@ pub fn figure(
     let has_marks = subject.branches.len() <= FEW;
     let marking = Marking::of(subject.branches.iter());
     let outline = Outline::new(subject.branches.iter(), subject, &colors);
-    let mut figure = outline.with_marks(has_marks).marked(marking).figure(backbone);
+    let outline = outline.with_marks(has_marks).marked(marking);
+    let mut figure = outline.figure(backbone);
     let is_crowded = is_crowd(subject.branches.iter().filter(|branch| branch.kind != "main").count());
     let mut marks = Vec::new();
     let panel = &mut figure.panels[0];
@@ -71,16 +71,18 @@ pub fn figure(
         let branch = &subject.branches[i];
         let amplitude = subject.levels.get(branch.level).map_or("", |level| &level.amplitude);
         let color = colors.get(branch.level).copied().unwrap_or_default();
-        let mut curve = Series { branch: Some(i), ..branch_series(branch, amplitude, color, is_crowded, columns) };
+        let own = branch_series(branch, amplitude, color, is_crowded, columns);
+        let name = outline.same.names(&outline.branches, i).iter().map(|own| called(amplitude, own)).collect();
+        let mut curve = Series { branch: Some(i), name, ..own };
         let heights: Vec<&[f64]> = branch.amplitude.iter().map(|column| column.values.as_slice()).collect();
         smooth(&mut curve, (&branch.omega.values, &heights), (&axes.0, &axes.1), columns);
+        let veiled = |series| outline.same.veiled(i, series);
         if has_marks {
-            marks.extend(special_points(branch, &curve, color));
+            marks.extend(special_points(branch, &curve, color).map(veiled));
         }
         let over = marking.over(branch, &curve, (&axes.0, &axes.1), columns);
-        series.extend(bands(branch, &curve, color, columns));
-        series.push(curve);
-        series.extend(over);
+        let bands = bands(branch, &curve, color, columns);
+        series.extend(bands.into_iter().chain([curve]).chain(over).map(veiled));
     }
     series.append(&mut marks);
     Ok(figure)
@@ -94,6 +96,7 @@ pub struct Outline<'r> {
     colors: &'r [Color],
     has_marks: bool,
     marking: Marking,
+    same: Coincidence,
 }
 
 impl<'r> Outline<'r> {
@@ -101,7 +104,8 @@ impl<'r> Outline<'r> {
     pub fn new(branches: impl Iterator<Item = &'r Curve>, subject: &'r Subject<'r>, colors: &'r [Color]) -> Self {
         let branches: Vec<&'r Curve> = branches.collect();
         let marking = Marking::growing(branches.iter().copied());
-        Self { branches, subject, colors, has_marks: false, marking }
+        let same = Coincidence::of(&branches, subject.monitors.len());
+        Self { branches, subject, colors, has_marks: false, marking, same }
     }
 
     /// With what is known of the stability of branches that are all there.
@@ -259,22 +263,33 @@ impl<'r> Outline<'r> {
         let of_kind = |levels: &[usize], is_main| levels.iter().map(move |level| (is_main, *level)).collect::<Vec<_>>();
         let kinds = levels.chunks(AT_ONCE).flat_map(|levels| [of_kind(levels, false), of_kind(levels, true)].concat());
         let of = |(is_main, level)| {
-            self.branches.iter().filter(move |branch| (branch.kind == "main") == is_main && branch.level == level)
+            let is_wanted = move |branch: &Curve| (branch.kind == "main") == is_main && branch.level == level;
+            (0..self.branches.len()).filter(move |&i| is_wanted(self.branches[i]))
         };
-        let label = |branch: &&Curve| {
+        let labels = |i: usize| {
+            let branch = self.branches[i];
             let peak = |m: usize| crate::curves::largest(&branch.amplitude[m].values);
             let level = self.subject.levels.get(branch.level);
             let forcing = format!("A = {}", level.map_or("", |level| &level.amplitude));
-            Label {
-                text: if branch.kind == "main" { forcing } else { format!("{}, {forcing}", branch.name) },
-                x: (0..monitors.len()).map(|m| branch.omega.values.get(peak(m)).copied()).collect(),
-                y: (0..monitors.len()).map(|m| branch.amplitude[m].values.get(peak(m)).copied()).collect(),
-                color: self.colors.get(branch.level).copied().unwrap_or_default(),
-                level: Some(branch.level),
-                side: Side::Above,
-            }
+            let names = self.same.names(&self.branches, i);
+            let mut different = names.clone();
+            different.dedup();
+            // It may lie on others where one dof is looked at, and not where another one is.
+            let label = move |name: String| {
+                let is_so = |m: usize| !self.same.is_hidden(i, m) && names[m] == name;
+                let height = |m: usize| branch.amplitude[m].values.get(peak(m)).copied().filter(|_| is_so(m));
+                Label {
+                    text: if branch.kind == "main" { forcing.clone() } else { format!("{name}, {forcing}") },
+                    x: (0..monitors.len()).map(|m| branch.omega.values.get(peak(m)).copied()).collect(),
+                    y: (0..monitors.len()).map(height).collect(),
+                    color: self.colors.get(branch.level).copied().unwrap_or_default(),
+                    level: Some(branch.level),
+                    side: Side::Above,
+                }
+            };
+            different.into_iter().map(label).filter(|label| label.y.iter().any(Option::is_some))
         };
-        gap_label(monitors).into_iter().chain(kinds.flat_map(of).take(LABELLED).map(label)).collect()
+        gap_label(monitors).into_iter().chain(kinds.flat_map(of).flat_map(labels).take(LABELLED)).collect()
     }
 }
 
@@ -320,7 +335,7 @@ pub fn branch_series(
     };
     Series {
         kind: if is_loop { Kind::Closed } else { Kind::Line },
-        name: Some(format!("A = {amplitude}, {}", branch.name)),
+        name: vec![called(amplitude, &branch.name)],
         x: vec![omega],
         y,
         style: Style { fill: is_loop && !is_crowded, ..Style::line(color, width) },
@@ -331,61 +346,14 @@ pub fn branch_series(
     }
 }
 
-fn word(kind: SpecialKind) -> &'static str {
-    match kind {
-        SpecialKind::Start => "start",
-        SpecialKind::Peak => "peak",
-        SpecialKind::Fold => "fold",
-        SpecialKind::BranchPoint => "branch point",
-    }
-}
-
-fn mark(kind: SpecialKind, color: Color) -> Style {
-    let shape = if kind == SpecialKind::Peak { Shape::Triangle } else { Shape::Circle };
-    Style::marks(color, shape, 0.8 * MARK, true)
+/// What branches of a level are called where their points are looked at.
+pub(super) fn called(amplitude: &str, names: &str) -> String {
+    format!("A = {amplitude}, {names}")
 }
 
 /// Whether so many isolas are drawn thin and empty.
 pub fn is_crowd(isolas: usize) -> bool {
     isolas > CROWD
-}
-
-/// Index of the largest value.
-fn highest(values: &[f64]) -> Option<usize> {
-    (0..values.len()).max_by(|&a, &b| values[a].total_cmp(&values[b]))
-}
-
-/// Marks at the peaks and folds of a branch.
-pub fn special_points<'s>(branch: &'s Curve, curve: &'s Series, color: Color) -> impl Iterator<Item = Series> + 's {
-    let spread = |values: &[f64]| super::axis::bounds(values.iter().copied());
-    let heights = branch.amplitude.first().map_or(&[][..], |column| &column.values);
-    let ((left, right), (low, high)) = (spread(&branch.omega.values), spread(heights));
-    let is_at_peak = move |i: usize| {
-        let across = (branch.omega.values[i] - branch.omega_at_peak) / (right - left);
-        let up = (heights[i] - branch.amplitude_at_peak) / (high - low);
-        across.hypot(up) < NEAR_PEAK
-    };
-    [SpecialKind::Fold, SpecialKind::Peak].into_iter().filter_map(move |kind| {
-        let special = branch.special.iter().filter(|special| special.kind == kind).map(|special| special.index);
-        // The largest amplitude at an end is no peak: the response may be larger beyond.
-        let is_end = |i: usize| branch.peak_standing == Some(Standing::AtLeast) && (i == 0 || i + 1 == heights.len());
-        let is_wanted = |i: usize| if kind == SpecialKind::Peak { !is_end(i) } else { !is_at_peak(i) };
-        let is_shown = |i: &usize| *i < heights.len() && is_wanted(*i);
-        let places: Vec<usize> = special.filter(is_shown).collect();
-        // Each monitored dof has its own peak.
-        let places_of = |m: usize| match kind {
-            SpecialKind::Peak if m > 0 => highest(&branch.amplitude[m].values).into_iter().collect(),
-            _ => places.clone(),
-        };
-        let marks = || Series {
-            x: (0..curve.y.len()).map(|m| curve.x[0].at(&places_of(m))).collect(),
-            y: curve.y.iter().enumerate().map(|(m, column)| column.at(&places_of(m))).collect(),
-            style: mark(kind, color),
-            level: curve.level,
-            ..Series::default()
-        };
-        (!places.is_empty()).then(marks)
-    })
 }
 
 #[cfg(test)]

@@ -6,6 +6,7 @@ use super::data::{Axis, Entry, Kind, Series};
 use super::smooth::smooth;
 use super::style::{self, BOLD, Color, Style};
 use crate::curves::{Column, Curve};
+use crate::overview::NOT_KNOWN;
 
 /// How branches of a figure are marked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -36,7 +37,7 @@ impl Marking {
         let unstable = if self.is_growing { "unstable (solid: stable, or not known)" } else { "unstable" };
         let entries = [
             (self.has_unstable, unstable, Style::line(color, BOLD).with_dash(1)),
-            (self.has_unknown, "stability not known", Style::line(color.pale(), BOLD)),
+            (self.has_unknown, NOT_KNOWN, Style::line(color.pale(), BOLD)),
         ];
         let shown = entries.into_iter().filter(|(is_there, ..)| *is_there);
         shown.map(|(_, text, style)| Entry::new(text, Kind::Line, style))

@@ -3,8 +3,8 @@
 use super::{Run, Start};
 use crate::curves::{BackboneCurve, Column, Curve, Monitor, Motions, ResonanceComparison, largest};
 use crate::figure::{
-    BackboneColumns, Color, ColumnStore, FEW, Figure, Font, Frame, Outline, PALETTE, Palette, Series, Subject,
-    backbone_series, branch_series, is_crowd, level_colors, place_for_page, special_points, straight_gaps,
+    BackboneColumns, Coincidence, Color, ColumnStore, FEW, Figure, Font, Frame, Outline, PALETTE, Palette, Series,
+    Subject, backbone_series, branch_series, is_crowd, level_colors, place_for_page, special_points, straight_gaps,
 };
 use crate::overview::Level;
 use serde::Serialize;
@@ -121,22 +121,20 @@ impl Sketch {
     /// Takes a branch in, or what is known of its stability since.
     pub fn branch<'c>(&mut self, curve: &'c Curve) -> BranchEvent<'c> {
         let name = |curve: &Curve| (curve.level, curve.kind, curve.number);
-        let has_marks = match self.branches.iter().position(|known| name(known) == name(curve)) {
-            Some(place) => {
-                self.branches[place] = thinned(curve);
-                place < FEW
-            }
-            None => {
-                self.branches.push(thinned(curve));
-                self.branches.len() <= FEW
-            }
-        };
+        let known = self.branches.iter().position(|known| name(known) == name(curve));
+        let place = known.unwrap_or(self.branches.len());
+        match known {
+            Some(place) => self.branches[place] = thinned(curve),
+            None => self.branches.push(thinned(curve)),
+        }
+        let same = Coincidence::of(&self.branches.iter().collect::<Vec<_>>(), self.monitors.len());
         let first_column = self.end;
         let mut columns = ColumnStore::starting_at(first_column);
         let drawn = self.series(curve, &mut columns);
-        let marks = special_points(curve, &drawn, drawn.style.color).filter(|_| has_marks);
+        let marks = special_points(curve, &drawn, drawn.style.color).filter(|_| place < FEW);
         let gaps = straight_gaps(curve, &drawn, &mut columns);
-        let series = std::iter::once(drawn.clone()).chain(gaps).chain(marks).collect();
+        let series = std::iter::once(drawn.clone()).chain(gaps).chain(marks);
+        let series = series.map(|series| same.veiled(place, series)).collect();
         self.end = columns.end();
         BranchEvent { first_column, columns, series, branch: curve }
     }

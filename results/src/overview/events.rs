@@ -1,6 +1,7 @@
 //! What happens along fold curves, in a sentence.
 
 use super::counted::{Counted, counted};
+use super::event_words::{BIRTH, DEATH, MERGE};
 use super::folds::{events_of, is_same};
 use super::level::Level;
 use super::lives::{Life, lives};
@@ -106,7 +107,7 @@ pub fn events_sentence(curves: &[CurveRow], levels: &[Level], frequency: impl Fn
         part(&of_kind(Some(Counted::Merges)), MERGES, MERGES),
         part(&of_kind(Some(Counted::Parts)), PARTS, PARTS),
         match told.is_empty() && lives.is_empty() {
-            true => part(&of_kind(None), "two branches merge or part", "branches merge or part"),
+            true => part(&of_kind(None), MERGE.one, MERGE.several),
             false => part(&of_kind(None), ALSO, ALSO),
         },
     ];
@@ -116,8 +117,8 @@ pub fn events_sentence(curves: &[CurveRow], levels: &[Level], frequency: impl Fn
     let parts: Vec<String> =
         (lives.iter().take(LIVES).map(|life| in_words(life, &merged, |point| counted(point, levels, curves), place)))
             .chain((more > 0).then(|| format!("{more} more isolas are born and end")))
-            .chain(part(&births, "an isola is born", "isolas are born"))
-            .chain(part(&deaths, "an isola vanishes", "isolas vanish"))
+            .chain(part(&births, BIRTH.one, BIRTH.several))
+            .chain(part(&deaths, DEATH.one, DEATH.several))
             .chain(told)
             .chain(others.into_iter().flatten())
             .chain(unrelated.then(|| UNRELATED.into()))
@@ -139,7 +140,7 @@ fn in_words(
     };
     let (from, to) = (place(life.from), place(life.to));
     let end = match what(life.to) {
-        None => "where it vanishes".into(),
+        None => format!("where it {}", DEATH.verb),
         Some(None) => match counted(life.to) {
             Some(Counted::Merges) => "where it merges with another branch".into(),
             _ => "where it merges or parts".into(),
@@ -148,9 +149,9 @@ fn in_words(
         Some(Some(what)) => format!("where {}", what.replacen("an isola merges", "it merges", 1)),
     };
     match what(life.from) {
-        None => format!("an isola is born at A = {from} and lasts to A = {to}, {end}"),
+        None => format!("{} at A = {from} and lasts to A = {to}, {end}", BIRTH.one),
         Some(start) => {
-            let start = start.unwrap_or_else(|| "branches merge or part".into());
+            let start = start.unwrap_or_else(|| MERGE.several.into());
             let start = start.replacen("an isola parts", "it parts", 1);
             format!("an isola begins at A = {from}, where {start}, and lasts to A = {to}, {end}")
         }
@@ -205,7 +206,7 @@ mod tests {
         assert_eq!(say(&[whole.clone()]).unwrap(), format!("{lasts} {}.", told.replace(" at A = 4 (8 rad/s)", "")));
         let dies = curve(&[(5.0, ""), (9.0, "death"), (6.0, "merge"), (7.0, "")]);
         let begins = "an isola begins at A = 6 (12 rad/s), where branches merge or part, and lasts to A = 9 (18 rad/s), where it \
-                      vanishes.";
+                      dies.";
         let both = say(&[whole, dies]).unwrap();
         assert!(both.starts_with(lasts) && both.ends_with(begins), "{both}");
     }

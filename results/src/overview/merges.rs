@@ -1,5 +1,6 @@
 //! Which branches merge and part along fold curves.
 
+use super::event_words::{MERGE, MERGES, PARTS};
 use super::folds::{events_of, is_same};
 use crate::store::{CurvePoint, CurveRow};
 use crate::words::digits;
@@ -17,6 +18,14 @@ pub struct Merge<'c> {
     pub point: &'c CurvePoint,
     /// Which branches do what there as the forcing grows, if that is known for sure.
     pub what: Option<String>,
+    /// What that is, in a word or so.
+    pub verb: &'static str,
+}
+
+/// What happens as the forcing grows where branches are known to merge or part: which of both, if that is known for sure.
+pub fn merge_verb(curves: &[CurveRow], point: &CurvePoint) -> &'static str {
+    let known = merges(curves).into_iter().find(|merge| is_same(merge.point, point));
+    known.map_or(MERGE.verb, |merge| merge.verb)
 }
 
 /// Merges along fold curves, by forcing; what two curves share once.
@@ -26,7 +35,10 @@ pub fn merges(curves: &[CurveRow]) -> Vec<Merge<'_>> {
             let here = move |(_, other): &(usize, &CurvePoint)| is_merge(other) && is_same(point, other);
             curve.points.iter().enumerate().filter(here).map(move |(i, _)| (curve, i))
         });
-        Merge { point, what: places.into_iter().find_map(|(curve, i)| words(curves, curve, i)) }
+        match places.into_iter().find_map(|(curve, i)| words(curves, curve, i)) {
+            Some((what, verb)) => Merge { point, what: Some(what), verb },
+            None => Merge { point, what: None, verb: MERGE.verb },
+        }
     };
     events_of(curves, CriticalKind::Merge.name()).into_iter().map(merge).collect()
 }
@@ -40,7 +52,7 @@ enum Party<'c> {
     Isola(f64, bool),
 }
 
-fn words(curves: &[CurveRow], curve: &CurveRow, merge: usize) -> Option<String> {
+fn words(curves: &[CurveRow], curve: &CurveRow, merge: usize) -> Option<(String, &'static str)> {
     let (first, from) = beside(curve, merge, false)?;
     let (second, to) = beside(curve, merge, true)?;
     let point = &curve.points[merge];
@@ -84,15 +96,15 @@ fn words(curves: &[CurveRow], curve: &CurveRow, merge: usize) -> Option<String> 
         // Two strands of one curve: beside what goes from bound to bound there is a closed one on the other side.
         let (it, is_closed) = (one.name(), one.kind() == Some(BranchKind::Isola));
         return Some(match (is_below, is_closed) {
-            (true, true) => format!("{it} parts in two"),
-            (true, false) => format!("an isola parts from {it}"),
-            (false, true) => format!("two isolas merge into {it}"),
-            (false, false) => format!("an isola merges into {it}"),
+            (true, true) => (format!("{it} parts in two"), PARTS),
+            (true, false) => (format!("an isola parts from {it}"), PARTS),
+            (false, true) => (format!("two isolas merge into {it}"), MERGES),
+            (false, false) => (format!("an isola merges into {it}"), MERGES),
         });
     }
     let verb = match kinds.contains(&Some(BranchKind::Isola)) {
-        true if is_below => "merge",
-        true => "part",
+        true if is_below => MERGES,
+        true => PARTS,
         // Of two that go from bound to bound two are left, too.
         false => "exchange ends",
     };
@@ -100,7 +112,7 @@ fn words(curves: &[CurveRow], curve: &CurveRow, merge: usize) -> Option<String> 
         (Party::Branch(one, level), Party::Branch(_, same)) if level == same => format!("{one} and {}", other.name()),
         _ => format!("{} and {}", one.name(), other.name()),
     };
-    Some(format!("{names} {verb}"))
+    Some((format!("{names} {verb}"), verb))
 }
 
 /// What turns back along a curve on one side of a merge: the branch of the first level that the curve comes to, or an isola that
@@ -188,7 +200,7 @@ impl Party<'_> {
             // Numbers are those of a level.
             Party::Branch(name, level) => format!("{name} of A = {level}"),
             Party::Isola(forcing, false) => format!("the isola born at A = {}", digits(*forcing, NAME)),
-            Party::Isola(forcing, true) => format!("the isola that ends at A = {}", digits(*forcing, NAME)),
+            Party::Isola(forcing, true) => format!("the isola that dies at A = {}", digits(*forcing, NAME)),
         }
     }
 }
@@ -264,7 +276,7 @@ mod tests {
         // It may be the one that is born before the level.
         assert_eq!(told(&[isola("1.75")]), None);
         let end = curve(&[5.0, 2.0, 3.5, 3.0], &[(1, "merge"), (2, "death")], &[(0, "4", "main")]);
-        assert_eq!(told(&[end]).unwrap(), "the isola that ends at A = 3.5 and the main branch part");
+        assert_eq!(told(&[end]).unwrap(), "the isola that dies at A = 3.5 and the main branch part");
     }
 
     #[test]

@@ -4,6 +4,7 @@
 mod bounds;
 mod counted;
 mod doubts;
+mod event_words;
 mod events;
 mod excitation;
 mod family;
@@ -21,6 +22,7 @@ mod place;
 mod reasons;
 mod sampled;
 mod shift;
+mod stability_words;
 mod truncation;
 mod unfinished;
 mod verified;
@@ -28,6 +30,7 @@ mod windows;
 
 pub use bounds::{beyond, bounds, is_within, reach_sentence};
 pub use doubts::{doubts, ends_far_beyond};
+pub use event_words::{BIRTH, DEATH, EVENTS, EventWords, MERGE, MERGES};
 pub use events::{events_sentence, forcing_label, truncation_doubt};
 pub use excitation::{Excitation, SmallestMotion};
 pub use folds::{
@@ -38,12 +41,14 @@ pub use largest_stable::{StableResponse, largest_stable, largest_stable_sentence
 pub use lesser::Lesser;
 pub use level::{Level, Seeds, UNTOUCHED, highest, is_untouched};
 pub use looked_for::LookedFor;
+pub use merges::merge_verb;
 pub use near_largest::near_largest;
 pub use omissions::Omissions;
 pub use place::undetermined;
 pub use reasons::briefly;
 pub use sampled::sampled;
 pub use shift::{shift, shift_sentence};
+pub use stability_words::{NOT_KNOWN, StabilityOf, VERDICTS, VerdictWords, stability_of, verdict_words};
 pub use truncation::{asks_for_harmonics, is_unconfirmed, least_added, truncation, truncation_of};
 pub use unfinished::unfinished;
 pub use windows::{elsewhere, overlaps};

@@ -1,5 +1,6 @@
 //! What time marching has near the largest response.
 
+use super::stability_words::{VerdictWords, verdict_words};
 use crate::store::PeakOrbit;
 
 /// Relative difference of amplitudes from which it is told.
@@ -17,16 +18,17 @@ pub fn near_largest(
         let (size, place) = (length(amplitude) + &beside(amplitude / largest - 1.0), frequency(omega));
         format!("The periodic motion that time marching has near the largest response, {size} at {place},")
     });
-    match peak.verdict.as_str() {
-        "stable" => motion + " is stable.",
-        "unstable" => motion + " is unstable.",
-        "marginal" => motion + " is at the edge of stability.",
+    let VerdictWords { name, word, meaning } = verdict_words(&peak.verdict);
+    match name {
+        "stable" | "unstable" => format!("{motion} is {word}."),
+        "marginal" => format!("{motion} is {word} ({meaning})."),
         "not_comparable" => {
-            "Whether the largest response is stable is not known: marching loses impact energy that the balance keeps."
-                .into()
+            format!("Whether the largest response is stable is not known: time marching is {word} there ({meaning}).")
         }
-        _ => "Time marching came to no periodic motion near the largest response: whether the structure can stay there is not known."
-            .into(),
+        _ => format!(
+            "Whether the largest response is stable is not known: time marching came to {} it.",
+            verdict_words("none").word
+        ),
     }
 }
 

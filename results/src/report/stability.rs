@@ -1,10 +1,12 @@
 //! What time marching says of isolas and of the largest response.
 
 use super::evidence::Evidence;
-use crate::overview::{BranchRow, Level, StableResponse, largest_stable, largest_stable_sentence, near_largest};
-use crate::store::{Stability, least_energy};
+use crate::overview::{
+    BranchRow, Level, StabilityOf, StableResponse, largest_stable, largest_stable_sentence, near_largest, stability_of,
+};
+use crate::store::least_energy;
 use crate::summary_table::{motions, pushes};
-use crate::words::{capitalised, frequency, shares};
+use crate::words::frequency;
 use solver::response::branch::BranchKind;
 
 /// Relative difference of amplitudes from which it is told.
@@ -14,24 +16,15 @@ impl Evidence<'_> {
     /// Whether isolas can be settled on, of one of them and all of them, and what leads there.
     pub(super) fn stability_of_isolas(&self) -> Vec<String> {
         let isolas: Vec<&BranchRow> = self.levels.iter().flat_map(Level::isolas).collect();
-        let verified: Vec<&Stability> = isolas.iter().filter_map(|isola| isola.stability.as_ref()).collect();
-        if verified.is_empty() {
+        let Some(StabilityOf { told, stable, known }) = stability_of(&isolas, ["isola", "isolas"], "") else {
             return vec!["Whether isolas are stable and what leads there was not verified.".into()];
-        }
-        let is_stable = |stability: &&&Stability| stability.stable > 0.0;
-        let is_unknown = |stability: &&&Stability| stability.stable == 0.0 && stability.unstable == 0.0;
-        let (stable, unknown) = (verified.iter().filter(is_stable).count(), verified.iter().filter(is_unknown).count());
-        let unstable = verified.len() - stable - unknown;
-        let found = match [stable, unstable, unknown] {
-            [1, 0, 0] if isolas.len() == 1 => {
-                format!("Time marching found parts of the isola stable: there the structure can settle{}", self.up_to())
-            }
-            [0, 1, 0] if isolas.len() == 1 => {
-                "Time marching found the isola unstable where it could tell: it separates, but nothing was seen to settle there".into()
-            }
-            [0, 0, 1] if isolas.len() == 1 => "Time marching could not tell whether any of the isola is stable".into(),
-            _ => self.several(isolas.len(), [stable, unstable, unknown], &self.up_to()),
         };
+        let settling = match (stable, known) {
+            (0, 0) => String::new(),
+            (0, _) => "; nothing was seen to settle there".into(),
+            _ => format!(": there the structure can settle{}", self.up_to()),
+        };
+        let found = format!("By time marching, {told}{settling}");
         match self.what_leads_there() {
             None => vec![format!("{found}; what leads there was not looked for (isola disturb does).")],
             Some(push) => vec![format!("{found}."), push],
@@ -63,18 +56,6 @@ impl Evidence<'_> {
             frequency(push.omega),
             pushes::strength(push, &self.structure.monitors)
         ))
-    }
-
-    /// The same of several isolas: how many are stable in parts, unstable wherever that is known, and how many nothing is known of.
-    fn several(&self, all: usize, [stable, unstable, unknown]: [usize; 3], up_to: &str) -> String {
-        let stable_in_parts = format!("stable in parts, where the structure can settle{up_to}");
-        let parts = [
-            (stable, stable_in_parts.as_str()),
-            (unstable, "unstable wherever time marching could tell"),
-            (unknown, "beyond what time marching could tell"),
-            (all - stable - unstable - unknown, "not verified"),
-        ];
-        capitalised(&shares("isolas", &parts))
     }
 
     /// What unstable motions of main branches turn into where that is larger than anything on these, at the level where it is most so:

@@ -157,19 +157,20 @@ fn at_every_stage() {
     let report = read(&store);
     assert!(report.backbone.is_none() && report.branches.is_empty() && report.motions.points.is_empty());
     assert_eq!(report.run.missing, ["There is no backbone yet, and so there are no windows and no branches."]);
-    assert_eq!(
-        report.verdict[0].text,
-        "The run is not finished. The backbone is not known, nor what its energy balance predicts. No branch has been \
-         computed yet."
-    );
+    assert_eq!(report.verdict[0].text, "No branch has been computed yet.");
+    let lost =
+        "Not all is known. The run is not finished. The backbone is not known, nor what its energy balance predicts.";
+    assert_eq!(report.verdict[0].lost.as_deref(), Some(lost));
 
     let (mut store, mut sweep) = study.begin(&dir.path().join("run"));
     assert!(sweep.step(&mut store));
     let report = read(&store);
     assert_eq!((report.run.stage, report.branches.len()), (Some(Stage::Sweep), 1));
     assert!(report.run.missing[0].contains("still to be done, at A = 3e-3, 0.006"), "{:?}", report.run.missing);
-    let begins = "Not all is known (not finished; 2 levels unfinished). No isola was found where it was looked for";
-    assert!(report.verdict[2].text.starts_with(begins), "{}", report.verdict[2].text);
+    let text = &report.verdict[2].text;
+    assert!(text.starts_with("No isola was found where it was looked for"), "{text}");
+    let lost = "Not all is known (not finished; 2 levels unfinished).";
+    assert_eq!(report.verdict[2].lost.as_deref(), Some(lost));
     let reach = report.verdict[0].reach.as_deref().unwrap();
     assert!(reach.starts_with("Looked at: 0.88303 rad/s"), "{reach}");
     assert!(reach.contains("others may lie there. Looked for: the windows of mode 1"), "{reach}");
@@ -185,7 +186,8 @@ fn of_a_damaged_run_what_is_left() {
     assert_eq!(report.run.missing.len(), 1);
     assert!(report.run.missing[0].starts_with("The branch of task 0.006-"), "{}", report.run.missing[0]);
     // What the store's tables say of it is still there.
-    assert!(report.verdict[2].text.contains(" Yes. At A = 0.006 "), "{}", report.verdict[2].text);
+    assert!(report.verdict[2].text.starts_with("Yes. At A = 0.006 "), "{}", report.verdict[2].text);
+    assert!(report.verdict[2].lost.is_some());
 
     // Numbers that do not agree with each other are not shown.
     let report = damaged(&dir.path().join("c"), "UPDATE branches SET amplitude_max = 99 WHERE kind = 'isola'");

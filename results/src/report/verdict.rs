@@ -1,6 +1,6 @@
 //! Three answers that the store supports: where it is dangerous, from which forcing on, and what ordinary continuation
-//! would have missed. Each says first what is lost, then what was found; what was and what was not looked for stands once, in the first
-//! answer.
+//! would have missed. Each says first what was found, then what is lost, in the first answer one by one; what was and what was not looked
+//! for stands once, there.
 
 #[cfg(test)]
 mod tests;
@@ -26,6 +26,8 @@ pub struct Sentence {
     pub title: &'static str,
     /// The answer.
     pub text: String,
+    /// That not all is known, and what is not.
+    pub lost: Option<String>,
     /// What else is known, sentence by sentence.
     pub details: Vec<String>,
     /// How far it reaches: what was looked for, and what was not.
@@ -35,7 +37,7 @@ pub struct Sentence {
 impl Sentence {
     /// All of the answer.
     pub fn whole(&self) -> String {
-        let all = std::iter::once(&self.text).chain(&self.details).chain(&self.reach);
+        let all = std::iter::once(&self.text).chain(&self.lost).chain(&self.details).chain(&self.reach);
         all.map(String::as_str).collect::<Vec<_>>().join(" ")
     }
 }
@@ -43,26 +45,31 @@ impl Sentence {
 /// The three answers.
 pub fn verdict(evidence: &Evidence<'_>) -> [Sentence; 3] {
     let losses = losses(evidence);
-    let brief: Vec<&str> = losses.iter().map(|loss| loss.brief.as_str()).collect();
-    let caveat = if brief.is_empty() { String::new() } else { format!("Not all is known ({}). ", brief.join("; ")) };
+    let list = |of: fn(&Loss) -> &str| losses.iter().map(of).collect::<Vec<_>>();
+    let whole = format!("Not all is known. {}", list(|loss| &loss.sentence).join(" "));
+    let brief = format!("Not all is known ({}).", list(|loss| &loss.brief).join("; "));
+    let lost = |text: &str| (!losses.is_empty()).then(|| text.to_string());
     let is_known = evidence.largest().is_some() || evidence.has_nothing();
     let further = |details: Vec<String>| if is_known { details } else { Vec::new() };
     [
         Sentence {
             title: "Where is it dangerous?",
-            text: evidence.danger(&losses),
+            text: evidence.danger(),
+            lost: lost(&whole),
             details: further(evidence.details()),
             reach: is_known.then(|| evidence.reach()),
         },
         Sentence {
             title: "From which forcing on?",
-            text: caveat.clone() + &evidence.onset(),
+            text: evidence.onset(),
+            lost: lost(&brief),
             details: further(evidence.over_the_forcing()),
             reach: None,
         },
         Sentence {
             title: "Would ordinary continuation have missed it?",
-            text: caveat + &evidence.missed(),
+            text: evidence.missed(),
+            lost: lost(&brief),
             details: further(evidence.beside_ordinary_continuation()),
             reach: None,
         },
@@ -122,8 +129,8 @@ impl<'r> Evidence<'r> {
         peaks.max_by(|a, b| a.1.amplitude_max.total_cmp(&b.1.amplitude_max))
     }
 
-    fn danger(&self, losses: &[Loss]) -> String {
-        let mut parts: Vec<String> = losses.iter().map(|loss| loss.sentence.clone()).collect();
+    fn danger(&self) -> String {
+        let mut parts: Vec<String> = Vec::new();
         let smallest: Vec<SmallestMotion> = self.backbones().filter_map(BackboneCurve::smallest_motion).collect();
         parts.extend(self.structure.excitation.sentence(&smallest));
         parts.extend(self.whose());

@@ -2,46 +2,74 @@
 
 use super::Units;
 use crate::store::{PushRow, least_energy};
-use crate::words::digits;
+use crate::words::{digits, listed};
 
 /// Digits of energies, impulses and velocities: they are bisected to 1 %.
 const DIGITS: i32 = 3;
 
-/// A sentence for every isola that was pushed onto; `monitors`: names of the monitored dofs.
+/// What is known of every isola that was pushed onto, alike ones in one sentence; `monitors`: names of the monitored dofs.
 pub(crate) fn sentences(pushes: &[PushRow], monitors: &[String], units: Units) -> Vec<String> {
     let of_one = |a: &PushRow, b: &PushRow| a.forcing == b.forcing && a.branch == b.branch;
-    pushes.chunk_by(of_one).map(|rows| sentence(rows, monitors, units)).collect()
+    let (mut found, mut unfound, mut untried) = (Vec::new(), Vec::new(), Vec::new());
+    for rows in pushes.chunk_by(of_one) {
+        let onto = place(&rows[0], units);
+        match (least_energy(rows), rows.iter().find_map(|row| row.reason.as_deref())) {
+            (Some(least), _) => found.push((rows, least, onto)),
+            (None, Some(reason)) => untried.push(format!("No push onto {onto} was tried: {reason}.")),
+            (None, None) => unfound.push((rows, onto)),
+        }
+    }
+    [smallest(&found, monitors), none(&unfound, monitors)].into_iter().flatten().chain(untried).collect()
 }
 
-fn sentence(rows: &[PushRow], monitors: &[String], units: Units) -> String {
-    let at = format!("{} {}", units.frequency.digits(rows[0].omega), units.frequency);
-    let onto = format!("{} at A = {} and {at}", rows[0].branch, rows[0].forcing);
-    let tried: Vec<usize> = rows.iter().map(|row| row.mode.saturating_sub(1)).collect();
-    let Some(least) = least_energy(rows) else {
-        return match rows.iter().find_map(|row| row.reason.as_deref()) {
-            Some(reason) => format!("No push onto {onto} was tried: {reason}."),
-            None => {
-                let of_mode = |row: &PushRow| {
-                    let (largest, dof) = (digits(row.largest.unwrap_or_default(), DIGITS), dof(row, monitors));
-                    format!("in mode {} (up to {largest} N s at {dof})", row.mode)
-                };
-                let modes: Vec<String> = rows.iter().map(of_mode).collect();
-                format!("No push {} was found that ends on {onto}.", modes.join(" or "))
+/// An isola, and the frequency at which it is pushed onto.
+fn place(row: &PushRow, units: Units) -> String {
+    let unit = units.frequency;
+    format!("{} at A = {} and {} {unit}", row.branch, row.forcing, unit.digits(row.omega))
+}
+
+/// The smallest push onto each of these isolas.
+fn smallest(found: &[(&[PushRow], &PushRow, String)], monitors: &[String]) -> Option<String> {
+    let told = |(_, least, onto): &(&[PushRow], &PushRow, String)| {
+        let when = match least.phase {
+            Some(phase) if phase != 0.0 => {
+                format!(", {} of a period after the forcing is largest", digits(phase, DIGITS))
             }
+            Some(_) => ", when the forcing is largest".into(),
+            None => String::new(),
         };
+        let doubt = if least.confirmed == Some(true) { "" } else { " (not confirmed by longer marching)" };
+        format!("{onto}: {}{when}{doubt}", strength(least, monitors))
     };
-    let when = match least.phase {
-        Some(phase) if phase != 0.0 => format!(", {} of a period after the forcing is largest", digits(phase, DIGITS)),
-        Some(_) => ", when the forcing is largest".into(),
-        None => String::new(),
+    let mut tried: Vec<usize> =
+        found.iter().flat_map(|(rows, ..)| rows.iter().map(|row| row.mode.saturating_sub(1))).collect();
+    tried.sort_unstable();
+    tried.dedup();
+    let list: Vec<String> = found.iter().map(told).collect();
+    let begins = match list.len() {
+        0 => return None,
+        1 => "Smallest push found from the main motion that ends on",
+        _ => "Smallest pushes found from main motions, one isola each that they end on:",
     };
-    let doubt = if least.confirmed == Some(true) { "" } else { "; not confirmed by longer marching" };
-    format!(
-        "Smallest push found from the main motion that ends on {onto}: {}{when}; of pushes in {} at this frequency, the middle of \
-         what is stable of it{doubt}.",
-        strength(least, monitors),
+    Some(format!(
+        "{begins} {}; of pushes in {} at one frequency an isola, the middle of what is stable of it.",
+        list.join("; "),
         crate::words::modes(&tried)
-    )
+    ))
+}
+
+/// The isolas onto which no push was found, with the largest ones that were tried.
+fn none(unfound: &[(&[PushRow], String)], monitors: &[String]) -> Option<String> {
+    let told = |(rows, onto): &(&[PushRow], String)| {
+        let of_mode = |row: &PushRow| {
+            let (largest, dof) = (digits(row.largest.unwrap_or_default(), DIGITS), dof(row, monitors));
+            format!("mode {} up to {largest} N s at {dof}", row.mode)
+        };
+        let modes: Vec<String> = rows.iter().map(of_mode).collect();
+        format!("{onto} ({})", modes.join(", "))
+    };
+    let list: Vec<String> = unfound.iter().map(told).collect();
+    (!list.is_empty()).then(|| format!("No push was found that ends on {}.", listed(&list)))
 }
 
 /// How strong a push is: its energy, and its impulse with the dof that it is given for.
@@ -93,11 +121,25 @@ mod tests {
         assert_eq!(
             said,
             "Smallest push found from the main motion that ends on isola 1 at A = 60 and 2665.46 rad/s: 5.43 J, all dofs at once in the shape \
-             of mode 1, +2.33 m/s at tip (+4.66 N s there for that mode alone), 0.25 of a period after the forcing is largest; of pushes in modes 1 to 3 at this frequency, the \
-             middle of what is stable of it."
+             of mode 1, +2.33 m/s at tip (+4.66 N s there for that mode alone), 0.25 of a period after the forcing is largest; of pushes in modes 1 to 3 at one frequency \
+             an isola, the middle of what is stable of it."
         );
         let doubtful = PushRow { confirmed: Some(false), ..row(1, Some(4.66), None) };
-        assert!(told(&[doubtful]).ends_with("the middle of what is stable of it; not confirmed by longer marching."));
+        assert!(told(&[doubtful]).contains(" is largest (not confirmed by longer marching); of pushes in mode 1 at"));
+    }
+
+    #[test]
+    fn what_several_isolas_have_in_common_is_said_once() {
+        let other = |row: PushRow| PushRow { forcing: "80".into(), ..row };
+        let said = told(&[row(1, Some(4.66), None), other(row(1, Some(5.0), None)), other(row(2, None, None))]);
+        let begins = "Smallest pushes found from main motions, one isola each that they end on: isola 1 at A = 60 and 2665.46 rad/s: 5.43 J, ";
+        assert!(said.starts_with(begins) && said.contains("; isola 1 at A = 80 and 2665.46 rad/s: 6.25 J, "), "{said}");
+        assert_eq!(said.matches("of pushes in modes 1 and 2 at one frequency an isola").count(), 1, "{said}");
+        assert_eq!(
+            told(&[row(1, None, None), other(row(1, None, None))]),
+            "No push was found that ends on isola 1 at A = 60 and 2665.46 rad/s (mode 1 up to 9 N s at tip) and isola 1 at A = 80 and \
+             2665.46 rad/s (mode 1 up to 9 N s at tip)."
+        );
     }
 
     #[test]
@@ -117,8 +159,7 @@ mod tests {
         let said = told(&[row(1, None, None), PushRow { largest: Some(4.0), ..row(2, None, None) }]);
         assert_eq!(
             said,
-            "No push in mode 1 (up to 9 N s at tip) or in mode 2 (up to 4 N s at tip) was found that ends on isola 1 at A = 60 and \
-             2665.46 rad/s."
+            "No push was found that ends on isola 1 at A = 60 and 2665.46 rad/s (mode 1 up to 9 N s at tip, mode 2 up to 4 N s at tip)."
         );
         let said = told(&[row(1, None, Some("no stable motion on the branch at this frequency"))]);
         let end = "was tried: no stable motion on the branch at this frequency.";

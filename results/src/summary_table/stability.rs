@@ -1,21 +1,7 @@
 //! What time marching says of branches, in a sentence or two.
 
 use super::Units;
-use crate::overview::{BranchRow, Level, StableResponse, largest_stable};
-use crate::store::Stability;
-use crate::words::shares;
-
-/// What may be known of a branch.
-const CLASSES: [&str; 6] = [
-    "stable wherever it could tell",
-    "stable in parts",
-    "unstable wherever it could tell",
-    "unstable or marginal",
-    "beyond what it could tell",
-    "not verified",
-];
-const STABLE_IN_PARTS: usize = 1;
-const UNVERIFIED: usize = 5;
+use crate::overview::{BranchRow, Level, StableResponse, largest_stable, stability_of};
 
 /// What is known of the stability of isolas, and of other branches where it is not that they are stable or so in parts. `None` if nothing
 /// was verified, or there is nothing to be told; `is_told`: that the largest one is stable is known already.
@@ -31,7 +17,7 @@ pub(super) fn sentence(levels: &[Level], units: Units, is_told: bool) -> Option<
             _ => format!(" (stable on isolas up to {up_to}, {} at A = {} and {at})", branch.name(), level.amplitude),
         }
     });
-    let of_isolas = of(&isolas, ["isola", "isolas"], "").map(|(found, _)| found + &up_to);
+    let of_isolas = stability_of(&isolas, ["isola", "isolas"], "").map(|found| found.told + &up_to);
     let doubtful = beside_isolas(levels).filter(|(_, is_stable)| !is_stable).map(|(found, _)| found);
     let groups: Vec<String> = of_isolas.into_iter().chain(doubtful).collect();
     (!groups.is_empty()).then(|| format!("By time marching, {}.", groups.join("; ")))
@@ -60,44 +46,17 @@ fn beside_isolas(levels: &[Level]) -> impl Iterator<Item = (String, bool)> {
     // What comes from both sides and does not meet is one branch or two.
     let are_pieces = levels.iter().any(|level| level.mains().count() > 1);
     let main_branches = if are_pieces { "main branches or pieces of them" } else { "main branches" };
-    let groups =
-        [of(&mains, ["main branch", main_branches], around), of(&others, ["other branch", "other branches"], "")];
-    groups.into_iter().flatten()
-}
-
-/// How many branches of a kind are stable and unstable, of those that were verified, and whether all are stable at least in parts; `around`:
-/// what of them alone was.
-fn of(rows: &[&BranchRow], [one, several]: [&str; 2], around: &str) -> Option<(String, bool)> {
-    let class = |row: &&BranchRow| {
-        let Some(Stability { stable, unstable, is_marginal_in_parts, .. }) = row.stability.as_ref() else {
-            return UNVERIFIED;
-        };
-        match (*stable > 0.0, *unstable > 0.0) {
-            (true, false) => 0,
-            (true, true) => 1,
-            (false, true) if !is_marginal_in_parts => 2,
-            (false, true) => 3,
-            (false, false) => 4,
-        }
-    };
-    let mut counts = [0; CLASSES.len()];
-    rows.iter().for_each(|row| counts[class(row)] += 1);
-    if counts[UNVERIFIED] == rows.len() {
-        return None;
-    }
-    let found: Vec<(usize, &str)> = counts.into_iter().zip(CLASSES).filter(|(count, _)| *count > 0).collect();
-    let told = match (rows, &found[..]) {
-        ([_], [(_, class), ..]) => format!("the {one}{around} is {class}"),
-        _ => shares(&format!("{several}{around}"), &found),
-    };
-    let stable: usize = counts[..=STABLE_IN_PARTS].iter().sum();
-    Some((told, stable == rows.len()))
+    let groups = [
+        (stability_of(&mains, ["main branch", main_branches], around), mains.len()),
+        (stability_of(&others, ["other branch", "other branches"], ""), others.len()),
+    ];
+    groups.into_iter().filter_map(|(found, all)| found.map(|found| (found.told, found.stable == all)))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::store::PeakOrbit;
+    use crate::store::{PeakOrbit, Stability};
     use solver::response::branch::Standing;
 
     fn branch(kind: &str, [stable, unstable]: [f64; 2], amplitude: f64) -> BranchRow {
@@ -149,17 +108,17 @@ mod tests {
         assert_eq!(
             told(all.clone()).unwrap(),
             format!(
-                "{begins} (stable on isolas up to 1.0000 m, isola 1 at A = 14 and 2.00000 rad/s); the other branch is beyond what it could \
-                 tell."
+                "{begins} (stable on isolas up to 1.0000 m, isola 1 at A = 14 and 2.00000 rad/s); the other branch is not known to be \
+                 stable or unstable."
             )
         );
         // Up to where they are stable need not be told twice.
         let briefly = sentence(&level(all.clone()), Units::default(), true).unwrap();
-        assert_eq!(briefly, format!("{begins}; the other branch is beyond what it could tell."));
+        assert_eq!(briefly, format!("{begins}; the other branch is not known to be stable or unstable."));
         assert_eq!(
             of_others(&level(all)).unwrap(),
-            "By time marching, the main branch, around its peak, is stable wherever it could tell; the other branch is beyond what it could \
-             tell."
+            "By time marching, the main branch, around its peak, is stable wherever it could tell; the other branch is not known to be stable or \
+             unstable."
         );
         assert_eq!(told(vec![branch("main", [0.2, 0.0], 1.0), branch("main", [0.2, 0.1], 1.0)]), None);
     }

@@ -53,7 +53,8 @@ ARRAYS = {
 #: What the attribute `comment` says of columns that are known at some points only.
 _COMMENTS = {
     "multiplier": "NaN at points whose frequency no marched orbit has, and so of all points that were not verified: verified() has the others",
-    "stable": "stable, unstable, marginal, none (no periodic motion near) or not_comparable; empty where nothing was verified",
+    "stable": "stable, unstable, marginal, none (no periodic motion near), not_comparable (not comparable: marching loses impact energy "
+    "that the balance keeps), empty: not verified",
 }
 #: Those of them that are complex harmonics, axis k last.
 HARMONIC = ("argument", "modal", "displacement")

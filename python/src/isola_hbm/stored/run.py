@@ -18,7 +18,7 @@ from ..errors import Damaged, LeftOut, NoSuchBranch, NoSuchRun
 from ..live import types
 from ..program import Page, page, status
 from . import check, curves, tables
-from .keys import Key, find, missing, parts
+from .keys import Key, find, missing
 from .levels import Omissions, levels, named
 from .motions import Motions, index_of
 from .names import Names, model
@@ -326,9 +326,9 @@ class StoredRun(Mapping[str, Motions]):
         """
 
         def read(reading: Reading, _: Omissions) -> Motions:
-            found = find(reading, *parts(key))
+            found = find(reading, key)
             if found is None:
-                raise NoSuchBranch(missing(reading, *parts(key)))
+                raise NoSuchBranch(missing(reading, key))
             return curves.branch(reading, *found, self._names(reading))
 
         return self._read(read)
@@ -340,11 +340,7 @@ class StoredRun(Mapping[str, Motions]):
         return len(self._read(_branches))
 
     def __contains__(self, key: object) -> bool:
-        try:
-            amplitude, name = parts(key)
-        except NoSuchBranch:
-            return False
-        return self._read(lambda reading, _: find(reading, amplitude, name)) is not None
+        return self._read(lambda reading, _: find(reading, key)) is not None
 
     # Two runs are the same if they are one object: comparing all numbers is no question to ask in passing.
     __eq__ = object.__eq__

@@ -85,6 +85,24 @@ fn words_have_a_meaning() {
     assert!(words.iter().any(|(word, _)| *word == "main branch"));
 }
 
+/// What is said of stability and of events elsewhere is explained under the same words.
+#[test]
+fn words_of_stability_and_events_are_explained() {
+    use crate::overview::{EVENTS, NOT_KNOWN, VERDICTS};
+    let words: Vec<(&str, &str)> = crate::export::words().collect();
+    let meaning = |word: &str| words.iter().find(|(known, _)| *known == word).map(|(_, what)| *what);
+    for verdict in VERDICTS {
+        let told = meaning(verdict.word).unwrap_or_else(|| panic!("{} is not explained", verdict.word));
+        assert!(told.starts_with(verdict.meaning), "{told}");
+        let column = crate::export::COLUMNS.lines().find(|line| line.starts_with("| `stable` | `stable`")).unwrap();
+        let name = if verdict.name.is_empty() { "empty: not verified".into() } else { format!("`{}`", verdict.name) };
+        assert!(column.contains(&name), "{name}: {column}");
+    }
+    assert!(meaning(NOT_KNOWN).is_some());
+    let events = meaning("birth, death, merge").unwrap();
+    assert!(EVENTS.iter().all(|event| events.contains(event.verb)), "{events}");
+}
+
 #[test]
 fn columns_of_files_are_explained() {
     use crate::export::files::{BIFURCATIONS, EVENTS, FOLDS, MOTIONS, PUSHES, SUMMARY, WINDOWS};

@@ -2,7 +2,7 @@
 
 use super::damper;
 use crate::curves::Curve;
-use crate::figure::Figures;
+use crate::figure::{Figures, Series};
 use crate::overview::Level;
 use crate::report::{Report, Selection};
 use crate::store::{CurvePoint, CurveRow, Reader};
@@ -61,4 +61,24 @@ fn colours_of_many_levels_are_in_the_legend() {
     }
     let told = legend(&report);
     assert_eq!(told[..2], ["A = 3e-3, the lowest of 6 levels", "A = 0.010, the highest of 6 levels"]);
+}
+
+/// One's solid line would fill the other's dashes.
+#[test]
+fn curves_that_lie_on_each_other_are_drawn_once() {
+    let dir = damper();
+    let mut report = Report::read(&Reader::open(&dir.path().join("run")).unwrap(), &Selection::All).unwrap();
+    let isola = report.branches.iter().find(|branch| branch.kind == "isola").unwrap().clone();
+    let alone = Figures::new(&report.subject()).drawn.remove("response").unwrap().panels.remove(0);
+    report.branches.push(Curve { number: 2, name: "isola 2".into(), ..isola });
+    let panel = Figures::new(&report.subject()).drawn.remove("response").unwrap().panels.remove(0);
+    let isolas: Vec<&str> =
+        panel.labels.iter().map(|label| label.text.as_str()).filter(|t| t.contains("isola")).collect();
+    assert_eq!(isolas, ["isola 1 and 2, A = 0.006"]);
+    let is_named = |series: &Series| series.name.first().is_some_and(|name| name == "A = 0.006, isola 1 and 2");
+    assert_eq!(panel.series.iter().filter(|series| is_named(series)).count(), 1);
+    // Neither are its marks and gaps; it can be selected all the same.
+    let (drawn, hidden): (Vec<&Series>, Vec<&Series>) = panel.series.iter().partition(|series| series.is_drawn(0));
+    assert_eq!(drawn.len(), alone.series.len());
+    assert!(hidden.len() > 1 && hidden.iter().any(|series| series.branch == Some(report.branches.len() - 1)));
 }

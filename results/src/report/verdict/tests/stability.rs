@@ -27,25 +27,26 @@ fn what_can_settle_is_told() {
         let levels: Vec<Level> = isolas.into_iter().map(one).collect();
         texts(&levels)[0].clone()
     };
+    let unstable = "By time marching, the isola is unstable wherever it could tell; nothing was seen to settle there;";
     let cases = [
         (
             vec![verified(0.5, 0.5, "unstable", isola(2e-3))],
-            "Time marching found parts of the isola stable: there the structure can settle, up to 1.8 mm at 115 rad/s (18.3 Hz);",
+            "By time marching, the isola is stable in parts: there the structure can settle, up to 1.8 mm at 115 rad/s (18.3 Hz);",
         ),
+        (vec![verified(0.0, 1.0, "unstable", isola(2e-3))], unstable),
+        (vec![verified(0.0, 0.9, "none", isola(2e-3))], unstable),
         (
-            vec![verified(0.0, 1.0, "unstable", isola(2e-3))],
-            "found the isola unstable where it could tell: it separates",
+            vec![verified(0.0, 0.0, "not_comparable", isola(2e-3))],
+            "By time marching, the isola is not known to be stable or unstable; what leads there",
         ),
-        (vec![verified(0.0, 0.9, "none", isola(2e-3))], "found the isola unstable where it could tell: it separates"),
-        (vec![verified(0.0, 0.0, "not_comparable", isola(2e-3))], "could not tell whether any of the isola is stable;"),
         (
             vec![verified(0.5, 0.5, "stable", isola(2e-3)), verified(0.0, 1.0, "unstable", isola(1e-3)), isola(1e-3)],
-            "Of 3 isolas 1 is stable in parts, where the structure can settle, on isolas up to 1.8 mm (isola 1 at A = 1) at 115 rad/s (18.3 Hz), 1 is unstable wherever time marching could tell, 1 is not \
-             verified;",
+            "By time marching, of 3 isolas 1 is stable in parts, 1 is unstable wherever it could tell, 1 is not verified: there the structure \
+             can settle, on isolas up to 1.8 mm (isola 1 at A = 1) at 115 rad/s (18.3 Hz);",
         ),
         (
             vec![verified(0.0, 0.0, "none", isola(2e-3)), verified(0.0, 0.0, "none", isola(1e-3))],
-            "Both isolas are beyond what time marching could tell;",
+            "By time marching, both isolas are not known to be stable or unstable;",
         ),
     ];
     for (isolas, expected) in cases {
@@ -59,12 +60,15 @@ fn what_can_settle_is_told() {
         ("unstable", "near the largest response, 1.5 mm (25 % less) at 120 rad/s (19.1 Hz), is unstable."),
         (
             "marginal",
-            "near the largest response, 1.5 mm (25 % less) at 120 rad/s (19.1 Hz), is at the edge of stability.",
+            "near the largest response, 1.5 mm (25 % less) at 120 rad/s (19.1 Hz), is marginal (at the edge of stability).",
         ),
-        ("none", "Time marching came to no periodic motion near the largest response: whether the structure"),
+        (
+            "none",
+            "Whether the largest response is stable is not known: time marching came to no periodic motion near it.",
+        ),
         (
             "not_comparable",
-            "Whether the largest response is stable is not known: marching loses impact energy that the balance keeps.",
+            "is stable is not known: time marching is not comparable there (marching loses impact energy that the balance keeps).",
         ),
     ] {
         let said = danger(vec![verified(0.0, 0.5, peak, isola(2e-3))]);
@@ -85,7 +89,7 @@ fn what_is_larger_than_isolas_is_told() {
         level(2.0, vec![main(1e-3), stable(7e-3, isola(2.1e-2)), branched]),
     ];
     let all = told(&levels, |evidence| evidence.search = SearchCounts { hanging: 2, ..SearchCounts::default() });
-    let settles = "Both isolas are stable in parts, where the structure can settle, on isolas up to 8 mm (isola 1 at A = 1) at 61 rad/s";
+    let settles = "By time marching, both isolas are stable in parts: there the structure can settle, on isolas up to 8 mm (isola 1 at A = 1) at 61 rad/s";
     let largest = "Largest periodic response found stable, of the points that were marched: 20 mm, on branched 1 at A = 2 and 61 rad/s (9.708 Hz).";
     assert!(all[0].contains(settles) && all[0].contains(largest), "{}", all[0]);
     // Nothing over the forcing hangs on what is not followed if nothing is followed.

@@ -1,0 +1,256 @@
+"""The forced response: amplitude of a monitored dof over frequency."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pandas as pd
+
+from .coincidence import is_same
+from .counted import listed
+from .drawing import (
+    MARK,
+    SHADE,
+    Named,
+    Units,
+    add_line,
+    along,
+    along_ramp,
+    around,
+    by_pieces,
+    faded,
+    fit_texts,
+    legend,
+    spread,
+    text,
+    up_to,
+    write_names,
+)
+from .errors import Damaged, LeftOut
+from .live.wire import Floats
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.lines import Line2D
+
+    from .stored.motions import Motions
+    from .stored.run import StoredRun
+
+#: A main branch is shown at least where it is higher than this share of its peak.
+_HIGH = 0.8
+#: Widths of main branches, of those that branch off others, and of isolas and others.
+_THIN, _MEDIUM, _BOLD = 1.0, 1.6, 2.2
+#: How what is unstable is drawn.
+_DASHES = (0, (2.5, 1.5))
+#: Peaks are marked while there are so few, and folds with them; how.
+_MARKED = 12
+_MARKS: dict[str, dict[str, Any]] = {
+    "peak": {"marker": "^", "markersize": 4.5, "markerfacecolor": "white", "linestyle": "none"},
+    "fold": {"marker": "o", "markersize": 3.5, "markerfacecolor": "white", "linestyle": "none"},
+}
+#: Of more levels, neighbours cannot be told apart by their colours: they are named at their peaks, not in the legend.
+_NAMED = 6
+
+
+@dataclass(frozen=True)
+class _Branch:
+    """A branch as it is drawn."""
+
+    #: Its row of the summary.
+    row: pd.Series
+    #: Frequencies and amplitudes, in the units shown; the first point once more at the end of a closed one.
+    at: Floats
+    height: Floats
+    #: What is known of the stability of the same points.
+    stable: Floats
+    #: Frequencies that are to be seen, rad/s.
+    shown: pd.Series
+    #: Names of it and of others that lie on it.
+    names: list[str]
+
+    @property
+    def is_main(self) -> bool:
+        return bool(self.row["kind"] == "main")
+
+    @property
+    def forcing(self) -> str:
+        return f"A = {text(self.row['amplitude'])}"
+
+    def is_beneath(self, other: _Branch) -> bool:
+        """Whether another one of its kind and level lies on it."""
+        rows, curves = (self.row, other.row), [np.column_stack([one.at, one.height]) for one in (self, other)]
+        return all(rows[0][name] == rows[1][name] for name in ("amplitude", "kind")) and is_same(*curves)
+
+    def name_at_peak(self, color: Any) -> Named:
+        """The name of all that lie on it, as ``isola 1 and 2, A = 60``."""
+        kind, top = str(self.row["kind"]), self.height.argmax()
+        numbers = listed([name.removeprefix(kind).strip() or "1" for name in self.names])
+        name = self.forcing if self.is_main else f"{kind} {numbers}, {self.forcing}"
+        return Named(name, self.at[top], self.height[top], color)
+
+
+def forced_response(
+    run: StoredRun,
+    summary: pd.DataFrame,
+    axes: Axes,
+    units: Units,
+    monitor: int,
+    limits: tuple[float, float] | None,
+    backbone: bool,
+) -> Axes:
+    """Draws the branches that are these rows of the summary, amplitudes being those of this monitored dof, between these frequencies of
+    the axis or, without, around what happens. Branches whose curves lie on each other are drawn once, under the names of all of them: one's
+    solid line would fill the other's dashes."""
+    table = _points(run, monitor)
+    levels = sorted(summary["amplitude"].unique())
+    colors = dict(zip(levels, along_ramp(len(levels))))
+    rank = {levels[place]: i for i, place in enumerate(spread(len(levels)))}
+    branches, folds = _branches(summary, table, units), run._folds()
+    # While nothing was verified, nothing is said of stability.
+    known = table["stable"][table["name"].isin(summary.index)].isin(["stable", "unstable"])
+    has_unstable, is_verified, has_unknown = False, known.any(), known.any() and not known.all()
+    marks: dict[str, list[tuple[float, float, Any]]] = {"peak": [], "fold": []}
+    for branch in branches:
+        row, level, at, height = branch.row, branch.row["amplitude"], branch.at, branch.height
+        style = {
+            "color": colors[level],
+            "linewidth": _THIN if branch.is_main else _MEDIUM if row["kind"] == "branched" else _BOLD,
+            # What a lower level has lies inside of what a higher one has.
+            "zorder": 3.0 - levels.index(level) / len(levels),
+        }
+        unstable = branch.stable == "unstable"
+        unknown = ~(unstable | (branch.stable == "stable")) & is_verified
+        # Segments are dashed from one unstable point to the next, and pale beside a point of which nothing is known.
+        dashed, pale = unstable[1:] & unstable[:-1], unknown[1:] | unknown[:-1]
+        axes.plot([], [], label=branch.forcing if branch.is_main and len(levels) <= _NAMED else None, **style)
+        for wanted, look in (
+            (~(dashed | pale), {}),
+            (dashed, {"linestyle": _DASHES}),
+            (pale, {"color": faded(style["color"])}),
+        ):
+            if wanted.any():
+                axes.plot(*along(wanted, at, height), **{**style, **look})
+        has_unstable |= bool(unstable.any())
+        # What is only as far as the branch is known is no peak.
+        if row.get("peak_standing") == "at":
+            top = height.argmax()
+            marks["peak"].append((at[top], height[top], colors[level]))
+        places = [i for i in folds.get(str(row.name), []) if i < len(at)]
+        marks["fold"] += [(at[i], height[i], colors[level]) for i in places]
+    curves = list(axes.get_lines())
+    if limits is not None:
+        axes.set_xlim(limits)
+        _fit_height(axes, curves, limits)
+    elif branches:
+        reach = float(summary["omega_min"].min()), float(summary["omega_max"].max())
+        axes.set_xlim(units.frequencies(around(np.concatenate([branch.shown for branch in branches]), reach)))
+    # Amplitudes begin at zero; what is drawn on these axes later may change the limits as before.
+    axes.set_ylim(bottom=0.0, auto=None)
+    marked = _mark(axes, marks)
+    others = set(summary["kind"]) - {"main", "branched"}
+    has_branched = (summary["kind"] == "branched").any()
+    told: tuple[tuple[Any, str, dict[str, Any]], ...] = (
+        (others or has_branched, "main branch", {"linewidth": _THIN}),
+        (others, "isola" if others == {"isola"} else "isola or other", {"linewidth": _BOLD}),
+        (has_branched, "branches off another", {"linewidth": _MEDIUM}),
+        (has_unstable, "unstable", {"linestyle": _DASHES}),
+        (has_unknown, "stability not known", {"linewidth": _BOLD, "color": faded(SHADE)}),
+        *((kind in marked, kind, look) for kind, look in _MARKS.items()),
+    )
+    for wanted, label, how in told:
+        if wanted:
+            add_line(axes, [], [], label=label, **{"color": SHADE, **how})
+    if backbone:
+        _draw_backbones(run, axes, units, monitor)
+    axes.set(
+        xlabel=units.of_frequency(run.model.forcing_harmonic),
+        ylabel=f"amplitude of {run.model.dofs[run.model.monitors[monitor]]} ({units.length})",
+    )
+    fit_texts(axes)
+    legend(axes)
+    named = [branch for branch in branches if len(levels) > _NAMED or len(branch.names) > 1]
+    named.sort(key=lambda branch: (rank[branch.row["amplitude"]], branch.is_main))
+    write_names(axes, curves, [branch.name_at_peak(colors[branch.row["amplitude"]]) for branch in named])
+    return axes
+
+
+def _branches(summary: pd.DataFrame, table: pd.DataFrame, units: Units) -> list[_Branch]:
+    """Curves to be drawn, each once, in the order of the summary."""
+    points = table.groupby("name", sort=False)
+    found: list[_Branch] = []
+    for name, row in summary.iterrows():
+        if name not in points.groups:
+            continue  # its points are damaged: reading them has warned
+        curve = points.get_group(name)
+        is_high = curve["amplitude"] >= _HIGH * curve["amplitude"].max()
+        shown = curve["omega"][is_high] if row["kind"] == "main" else curve["omega"]
+        if row["closed"]:
+            curve = pd.concat([curve, curve.iloc[:1]])
+        at, height = units.frequencies(curve["omega"]).to_numpy(), units.lengths(curve["amplitude"]).to_numpy()
+        branch = _Branch(row, at, height, curve["stable"].to_numpy(), shown, [str(name).partition("/")[2]])
+        same = next((one for one in found if one.is_beneath(branch)), None)
+        if same is None:
+            found.append(branch)
+        else:
+            same.names.extend(branch.names)
+    return found
+
+
+def _points(run: StoredRun, monitor: int) -> pd.DataFrame:
+    """Points of all branches, with what is known of their stability: nothing in runs of the first programs."""
+    try:
+        points = run.columns("omega", "amplitude", "stable")
+    except KeyError:
+        points = run.columns("omega", "amplitude").assign(stable="")
+    return _of(monitor, points, "name", lambda name: run[name])
+
+
+def _of(monitor: int, table: pd.DataFrame, by: str, read: Callable[[Any], Motions]) -> pd.DataFrame:
+    """The table with the amplitude of this monitored dof: tables of points have that of the first one alone."""
+    for name, rows in table.groupby(by, sort=False).groups.items() if monitor else ():
+        try:
+            table.loc[rows, "amplitude"] = read(name)["amplitude"].values[:, monitor]
+        except Damaged as damage:
+            warnings.warn(f"{by} {name} is left out: {damage.detail}.", LeftOut, stacklevel=5)
+            table = table.drop(rows)
+    return table
+
+
+def _draw_backbones(run: StoredRun, axes: Axes, units: Units, monitor: int) -> None:
+    """The backbones, as far up as the axes go: they need not set the scale."""
+    table = _of(monitor, run.backbones, "mode", lambda mode: run.backbone(int(mode)))
+    (left, right), top = axes.get_xlim(), axes.get_ylim()[1]
+    for mode, curve in table.groupby("mode", sort=False):
+        label = f"backbone of mode {mode}" if table["mode"].nunique() > 1 else "backbone"
+        lengths = by_pieces(curve, units.lengths(curve["amplitude"]))
+        at, height = up_to(top, units.frequencies(curve["omega"]).to_numpy(), lengths)
+        low, high = np.minimum(at[1:], at[:-1]), np.maximum(at[1:], at[:-1])
+        if ((low <= right) & (high >= left) & np.isfinite(height[1:] + height[:-1])).any():
+            add_line(axes, at, height, color=SHADE, linestyle="--", linewidth=1.0, zorder=1, label=label)
+
+
+def _mark(axes: Axes, marks: dict[str, list[tuple[float, float, Any]]]) -> set[str]:
+    """Marks peaks and folds within the axes, each with its place and its colour, but no fold that a peak covers; which kinds there are."""
+    (left, right), marked = axes.get_xlim(), set()
+    places = {kind: [mark for mark in found if left <= mark[0] <= right] for kind, found in marks.items()}
+    taken = axes.transData.transform(np.array([mark[:2] for mark in places["peak"]]).reshape(-1, 2))
+    for kind, found in places.items() if len(taken) <= _MARKED else ():
+        for x, y, color in found:
+            if kind == "peak" or np.hypot(*(taken - axes.transData.transform((x, y))).T).min(initial=np.inf) > MARK:
+                add_line(axes, [x], [y], color=color, zorder=4, **_MARKS[kind])
+                marked.add(kind)
+    return marked
+
+
+def _fit_height(axes: Axes, curves: Sequence[Line2D], limits: tuple[float, float]) -> None:
+    """The axis upwards as far as curves go between these limits."""
+    places = [np.asarray(line.get_xydata(), dtype=float) for line in curves]
+    heights = [place[(place[:, 0] >= limits[0]) & (place[:, 0] <= limits[1]), 1] for place in places]
+    shown = np.concatenate([np.zeros(0), *heights])
+    shown = shown[np.isfinite(shown)]
+    if len(shown) and shown.max() > 0.0:
+        axes.set_ylim(0.0, 1.08 * shown.max())

@@ -1,0 +1,89 @@
+//! How the stability of responses is worded: in terminal and report, on the page and in figures, and in `COLUMNS.md`.
+
+use super::BranchRow;
+use crate::store::Stability;
+use crate::words::shares;
+
+/// What time marching says of a response.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct VerdictWords {
+    /// In files and tables.
+    pub name: &'static str,
+    /// In sentences and legends.
+    pub word: &'static str,
+    /// What that means.
+    pub meaning: &'static str,
+}
+
+/// All of them; what has no name was not verified.
+pub const VERDICTS: [VerdictWords; 6] = [
+    VerdictWords { name: "stable", word: "stable", meaning: "small deviations die out" },
+    VerdictWords { name: "unstable", word: "unstable", meaning: "almost every small deviation grows" },
+    VerdictWords { name: "marginal", word: "marginal", meaning: "at the edge of stability" },
+    VerdictWords { name: "none", word: "no periodic motion near", meaning: "time marching came to none" },
+    VerdictWords {
+        name: "not_comparable",
+        word: "not comparable",
+        meaning: "marching loses impact energy that the balance keeps",
+    },
+    VerdictWords { name: "", word: "not verified", meaning: "time marching was not asked" },
+];
+
+/// What legends call responses that are not known to be stable or unstable.
+pub const NOT_KNOWN: &str = "stability not known";
+
+/// The words for what is stored; of what this program does not know, those for what was not verified.
+pub fn verdict_words(name: &str) -> VerdictWords {
+    VERDICTS.into_iter().find(|verdict| verdict.name == name).unwrap_or(VERDICTS[VERDICTS.len() - 1])
+}
+
+/// What may be known of a branch, after "by time marching".
+const CLASSES: [&str; 6] = [
+    "stable wherever it could tell",
+    "stable in parts",
+    "unstable wherever it could tell",
+    "unstable or marginal",
+    "not known to be stable or unstable",
+    "not verified",
+];
+const STABLE_IN_PARTS: usize = 1;
+const UNVERIFIED: usize = 5;
+
+/// Branches of a kind by what is known of their stability.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct StabilityOf {
+    /// How many there are of each class, in words: what follows "by time marching".
+    pub told: String,
+    /// How many of them are stable, all of what is known or parts.
+    pub stable: usize,
+    /// How many are known to be stable or unstable anywhere.
+    pub known: usize,
+}
+
+/// Of these branches, called so; `around`: what of them alone was looked at. `None` if nothing was verified.
+pub fn stability_of(rows: &[&BranchRow], [one, several]: [&str; 2], around: &str) -> Option<StabilityOf> {
+    let class = |row: &&BranchRow| {
+        let Some(Stability { stable, unstable, is_marginal_in_parts, .. }) = row.stability.as_ref() else {
+            return UNVERIFIED;
+        };
+        match (*stable > 0.0, *unstable > 0.0) {
+            (true, false) => 0,
+            (true, true) => 1,
+            (false, true) if !is_marginal_in_parts => 2,
+            (false, true) => 3,
+            (false, false) => 4,
+        }
+    };
+    let mut counts = [0; CLASSES.len()];
+    rows.iter().for_each(|row| counts[class(row)] += 1);
+    if counts[UNVERIFIED] == rows.len() {
+        return None;
+    }
+    let found: Vec<(usize, &str)> = counts.into_iter().zip(CLASSES).filter(|(count, _)| *count > 0).collect();
+    let told = match (rows, &found[..]) {
+        ([_], [(_, class), ..]) => format!("the {one}{around} is {class}"),
+        _ => shares(&format!("{several}{around}"), &found),
+    };
+    let (stable, known) = (counts[..=STABLE_IN_PARTS].iter().sum(), counts[..UNVERIFIED - 1].iter().sum());
+    Some(StabilityOf { told, stable, known })
+}
