@@ -87,7 +87,7 @@ fn every_key_of_a_table_is_documented_and_the_other_way_round() {
     let top: BTreeSet<String> = solver::files::config::KEYS.map(String::from).into();
     assert_eq!(documented(File::Model, None), top);
     let numerics = Table::try_from(Settings::default()).unwrap();
-    let own = ["name", "model", "amplitudes"].map(String::from);
+    let own = ["name", "model", "amplitudes", "units"].map(String::from);
     let all: BTreeSet<String> = top.into_iter().chain(numerics.keys().cloned()).chain(own).collect();
     assert_eq!(documented(File::Study, None), all);
 }

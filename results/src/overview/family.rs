@@ -1,61 +1,127 @@
 //! Families: which branches of neighbouring levels are the same thing at another forcing.
 
 use super::level::Level;
-use crate::store::{BranchRow, CurveRow};
+use crate::store::{BranchRow, CrossSpectrum, CurveRow, Reader};
+use std::collections::HashMap;
 
 /// How far from an end of an isola's range a fold curve may cross its level, as a share of its width: points of curves are joined by
 /// straight lines.
 const AT_END: f64 = 0.05;
 
-/// Relative difference of overlaps that are the same.
-const SAME_OVERLAP: f64 = 1e-4;
+/// Relative difference of overlaps that do not tell which ranges belong together: those of images of each other by a symmetry of the
+/// structure are the same but for how sharply the steps of each have shown its ends.
+const SAME_OVERLAP: f64 = 0.01;
+
+/// The motions of branches, read where ranges do not tell branches from each other.
+pub(super) struct Motions<'r> {
+    reader: Option<&'r Reader>,
+    /// Of branches by their numbers in the file, as far as asked for.
+    known: HashMap<i64, Option<CrossSpectrum>>,
+}
+
+impl<'r> Motions<'r> {
+    /// Those of a run.
+    pub(super) fn of(reader: &'r Reader) -> Self {
+        Self { reader: Some(reader), known: HashMap::new() }
+    }
+
+    /// How different the motions of two branches are; where they cannot be read, how different their peaks are.
+    fn distance(&mut self, one: &BranchRow, other: &BranchRow) -> f64 {
+        for row in [one, other] {
+            let read = || self.reader.and_then(|reader| reader.cross_spectrum(row).ok().flatten());
+            self.known.entry(row.id).or_insert_with(read);
+        }
+        let of = |row: &BranchRow| self.known.get(&row.id).and_then(Option::as_ref);
+        match (of(one), of(other)) {
+            (Some(one), Some(other)) => one.distance(other),
+            _ => (one.amplitude_max / other.amplitude_max).ln().abs(),
+        }
+    }
+}
 
 /// Numbers the branches beside the main ones by families, from 1 in the order in which they appear level by level: two of
 /// neighbouring levels are of one family if their frequency ranges overlap by more than half of the smaller one, or else if a
 /// fold curve leads from an end of the one to the same end of the other. Where families split or merge, the larger overlap
-/// keeps its number, and of equal ones the one with the more similar peak.
-pub(super) fn join(levels: &mut [Level], curves: &[CurveRow]) {
+/// keeps its number. Images of each other by a symmetry of the structure have the same ranges: of these, those belong together whose
+/// motions are alike.
+pub(super) fn join(levels: &mut [Level], curves: &[CurveRow], motions: &mut Motions<'_>) {
     let mut count = 0;
     for i in 0..levels.len() {
         let (before, rest) = levels.split_at_mut(i);
         let Some(level) = rest.first_mut() else { return };
-        let earlier: Vec<&BranchRow> = before.last().map(|level| level.others().collect()).unwrap_or_default();
         let passages = before.last().map(|lower| passages(curves, [lower.value, level.value])).unwrap_or_default();
-        let mut now: Vec<&mut BranchRow> = level.branches.iter_mut().filter(|branch| !branch.is_main()).collect();
-        let mut pairs: Vec<(f64, f64, usize, usize)> = Vec::new();
-        for (e, one) in earlier.iter().enumerate() {
-            // What branches off another lies within its range.
-            let alike = now.iter().enumerate().filter(|(_, other)| one.is_branched() == other.is_branched());
-            let overlaps = alike.filter_map(|(n, other)| {
-                let apart = (one.amplitude_max / other.amplitude_max).ln().abs();
-                Some((overlap(one.omega, other.omega)?, if apart.is_nan() { 0.0 } else { apart }, e, n))
-            });
-            pairs.extend(overlaps);
-        }
-        // Images of each other by a symmetry of the structure have the same ranges: of these, those belong together whose peaks are
-        // alike, and else the first ones, as the sort is stable.
-        let steps = |overlap: f64| (overlap.ln() / SAME_OVERLAP).round();
-        pairs.sort_by(|a, b| steps(b.0).total_cmp(&steps(a.0)).then(a.1.total_cmp(&b.1)));
-        let mut is_continued = vec![false; earlier.len()];
-        for (.., e, n) in pairs {
-            if !is_continued[e] && now[n].family.is_none() {
-                is_continued[e] = true;
-                now[n].family = earlier[e].family;
-            }
-        }
-        for [from, to] in passages {
-            let starts = |(e, row): (usize, &&BranchRow)| Some((e, end_at(row, from).filter(|_| !is_continued[e])?));
-            let Some((e, end)) = earlier.iter().enumerate().find_map(starts) else { continue };
-            let next = now.iter().position(|row| row.family.is_none() && end_at(row, to) == Some(end));
-            if let Some(n) = next {
-                is_continued[e] = true;
-                now[n].family = earlier[e].family;
-            }
-        }
-        for branch in now.into_iter().filter(|branch| branch.family.is_none()) {
+        let earlier: Vec<&BranchRow> = before.last().map(|level| level.others().collect()).unwrap_or_default();
+        let now: Vec<&mut BranchRow> = level.branches.iter_mut().filter(|branch| !branch.is_main()).collect();
+        let mut neighbours = Neighbours { is_continued: vec![false; earlier.len()], earlier, now };
+        neighbours.join_by_ranges(motions);
+        neighbours.join_by_curves(&passages, motions);
+        for branch in neighbours.now.into_iter().filter(|branch| branch.family.is_none()) {
             count += 1;
             branch.family = Some(count);
         }
+    }
+}
+
+/// Branches of two neighbouring levels.
+struct Neighbours<'l> {
+    earlier: Vec<&'l BranchRow>,
+    /// Which of them have been found at the next level.
+    is_continued: Vec<bool>,
+    now: Vec<&'l mut BranchRow>,
+}
+
+impl Neighbours<'_> {
+    /// Joins those whose ranges overlap, the largest overlap first.
+    fn join_by_ranges(&mut self, motions: &mut Motions<'_>) {
+        let mut pairs: Vec<(f64, [usize; 2])> = Vec::new();
+        for (e, one) in self.earlier.iter().enumerate() {
+            // What branches off another lies within its range.
+            let alike = self.now.iter().enumerate().filter(|(_, other)| one.is_branched() == other.is_branched());
+            pairs.extend(alike.filter_map(|(n, other)| Some((overlap(one.omega, other.omega)?, [e, n]))));
+        }
+        loop {
+            pairs.retain(|(_, pair)| self.is_open(*pair));
+            let largest = pairs.iter().map(|(overlap, _)| *overlap).fold(0.0, f64::max);
+            let alike = pairs.iter().filter(|(overlap, _)| *overlap >= (1.0 - SAME_OVERLAP) * largest);
+            let alike: Vec<[usize; 2]> = alike.map(|(_, pair)| *pair).collect();
+            if !self.join_nearest(&alike, motions) {
+                return;
+            }
+        }
+    }
+
+    /// Joins isolas where fold curves lead from an end of the one to the same end of the other.
+    fn join_by_curves(&mut self, passages: &[[f64; 2]], motions: &mut Motions<'_>) {
+        for &[from, to] in passages {
+            let ends = |e: usize, n: usize| end_at(self.earlier[e], from).zip(end_at(self.now[n], to));
+            let all = (0..self.earlier.len()).flat_map(|e| (0..self.now.len()).map(move |n| [e, n]));
+            let joined = all.filter(|&[e, n]| self.is_open([e, n]) && ends(e, n).is_some_and(|(a, b)| a == b));
+            let joined: Vec<[usize; 2]> = joined.collect();
+            self.join_nearest(&joined, motions);
+        }
+    }
+
+    /// Whether neither of two is joined to another one.
+    fn is_open(&self, [e, n]: [usize; 2]) -> bool {
+        !self.is_continued[e] && self.now[n].family.is_none()
+    }
+
+    /// Joins of these pairs the one with the most similar motions, of equal ones the first; whether there is one.
+    fn join_nearest(&mut self, pairs: &[[usize; 2]], motions: &mut Motions<'_>) -> bool {
+        let nearest = match pairs {
+            [] => return false,
+            [only] => *only,
+            _ => {
+                let distance = |&[e, n]: &[usize; 2]| motions.distance(self.earlier[e], self.now[n]);
+                let distances: Vec<f64> = pairs.iter().map(distance).collect();
+                let best = (0..pairs.len()).min_by(|&a, &b| distances[a].total_cmp(&distances[b]));
+                pairs[best.unwrap_or(0)]
+            }
+        };
+        let [e, n] = nearest;
+        self.is_continued[e] = true;
+        self.now[n].family = self.earlier[e].family;
+        true
     }
 }
 
@@ -105,6 +171,11 @@ mod tests {
     use super::*;
     use crate::store::CurvePoint;
 
+    /// Motions that cannot be read.
+    fn none() -> Motions<'static> {
+        Motions { reader: None, known: HashMap::new() }
+    }
+
     type Branches<'b> = &'b [(&'b str, (f64, f64))];
 
     /// Families of levels, at A = 1, 2, …, whose branches have these kinds and ranges.
@@ -125,7 +196,7 @@ mod tests {
             ..Level::default()
         };
         let mut levels: Vec<Level> = levels.iter().enumerate().map(level).collect();
-        join(&mut levels, curves);
+        join(&mut levels, curves, &mut none());
         levels.iter().map(|level| level.branches.iter().map(|branch| branch.family).collect()).collect()
     }
 
@@ -157,9 +228,44 @@ mod tests {
         };
         // The ranges differ by what is left of Newton's method.
         let mut levels = [level(1.0, [(0.57, 1.0), (0.25, 1.0)]), level(2.0, [(0.26, 0.9), (0.60, 0.9 + 1e-9)])];
-        join(&mut levels, &[]);
+        join(&mut levels, &[], &mut none());
         let families = levels.map(|level| level.branches.iter().map(|row| row.family).collect::<Vec<_>>());
         assert_eq!(families, [[Some(1), Some(2)], [Some(2), Some(1)]]);
+    }
+
+    /// Of three masses in a ring two move alike: which two, the first one alone does not tell.
+    #[test]
+    fn images_with_the_same_first_amplitude_keep_to_their_own() {
+        let row = |id: i64, low: f64| BranchRow {
+            kind: "isola".into(),
+            closed: true,
+            omega: (low, 3.0),
+            amplitude_max: 0.2,
+            id,
+            ..BranchRow::default()
+        };
+        let level = |value, branches: [BranchRow; 3]| Level { value, branches: branches.to_vec(), ..Level::default() };
+        // The second has hardly fewer frequencies at one level, by its steps.
+        let mut levels = [
+            level(1.0, [row(1, 1.0), row(2, 1.001), row(3, 1.0)]),
+            level(2.0, [row(4, 0.9), row(5, 0.9), row(6, 0.9)]),
+        ];
+        let moving = |large: usize, size: f64| {
+            let motion: Vec<f64> =
+                (0..3).flat_map(|dof| [0.0, 0.0, if dof == large { size } else { 0.2 }, 0.0]).collect();
+            CrossSpectrum::along(&[1.0, 3.0], &[&motion[..], &motion].concat(), 3, true)
+        };
+        let known = HashMap::from([
+            (1, moving(0, 1.0)),
+            (2, moving(1, 1.0)),
+            (3, moving(2, 1.0)),
+            (4, moving(2, 1.1)),
+            (5, moving(0, 1.1)),
+            (6, moving(1, 1.1)),
+        ]);
+        join(&mut levels, &[], &mut Motions { reader: None, known });
+        let families = levels.map(|level| level.branches.iter().map(|row| row.family).collect::<Vec<_>>());
+        assert_eq!(families, [[Some(1), Some(2), Some(3)], [Some(3), Some(1), Some(2)]]);
     }
 
     #[test]

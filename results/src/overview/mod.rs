@@ -89,7 +89,7 @@ impl Overview {
         let levels = omissions.read("Levels and branches are", levels).unwrap_or_default();
         let mut levels: Vec<Level> = levels.into_iter().map(|row| Level::read(reader, row, omissions)).collect();
         let curves = omissions.read("What fold curves join is", reader.curves()).unwrap_or_default();
-        family::join(&mut levels, &curves);
+        family::join(&mut levels, &curves, &mut family::Motions::of(reader));
         Ok(Self { header, model, levels })
     }
 

@@ -10,6 +10,7 @@ mod arrays;
 mod branch_id;
 mod changes;
 mod checkpoints;
+mod cross_spectrum;
 mod curves;
 mod database;
 mod displacement;
@@ -34,6 +35,7 @@ mod tasks;
 mod tests;
 mod verifications;
 
+pub(crate) use cross_spectrum::CrossSpectrum;
 pub(crate) use curves::GRAZING;
 pub use curves::{Crossing, CurvePoint, CurveRow, SearchCounts};
 pub use error::StoreError;

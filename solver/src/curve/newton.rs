@@ -65,9 +65,9 @@ impl Default for NewtonSettings {
     }
 }
 
-/// Largest error of a converged motion, relative, as estimated from the last step. Near a lightly damped resonance a small
+/// Largest error of a converged motion, relative to its size, as estimated from the last step. Near a lightly damped resonance a small
 /// residual alone does not make a small error.
-const ACCURACY: f64 = 1e-7;
+pub(super) const ACCURACY: f64 = 1e-7;
 
 /// What [`Problem::rounding`] is of a residual whose largest term is one. Residuals of smaller motions have to be smaller in
 /// proportion: beyond the tip of a resonance next to nothing may be left of a balance that nothing fulfils.

@@ -6,6 +6,7 @@ use crate::response::branch::{Branch, BranchKind, Outcome, SpecialKind, Stop};
 use crate::response::forced::Forced;
 use crate::response::name::BranchId;
 use crate::response::switch::{Crossed, beside};
+use crate::response::task::{SeedOutcome, TaskResult};
 
 /// A curve along a main branch is another one only if it is higher by more than this, relative.
 const HIGHER: f64 = 1e-3;
@@ -77,6 +78,25 @@ pub(super) fn identify<'m, F: Formulation<'m>>(
     known: &[(BranchId, &Branch)],
 ) -> Option<BranchId> {
     known.iter().find(|(_, branch)| forced.lies_on(state, branch)).map(|(id, _)| *id)
+}
+
+/// What is new of a branch. Of a closed curve that was come upon by a wrong step nothing is known but that it is closed.
+pub(super) fn new_part<'m, F: Formulation<'m>>(
+    forced: &mut Forced<'m, F>,
+    branch: Branch,
+    known: &[(BranchId, &Branch)],
+) -> TaskResult {
+    let first = branch.points.first().filter(|_| branch.is_closed());
+    if let Some(id) = first.and_then(|first| identify(forced, &first.state, known)) {
+        return TaskResult::Nothing(SeedOutcome::Found(id));
+    }
+    if let Some(id) = retraced(forced, &branch, known) {
+        return TaskResult::Nothing(SeedOutcome::Found(id));
+    }
+    match unknown_part(forced, branch, known) {
+        Ok(branch) => TaskResult::Branch(branch),
+        Err(id) => TaskResult::Nothing(SeedOutcome::Found(id)),
+    }
 }
 
 /// What of an open branch is not part of known ones: from where it leaves one to where it comes to another, around the point
@@ -172,7 +192,7 @@ fn boundary(count: usize, mut holds: impl FnMut(usize) -> bool) -> usize {
 /// and the same peak (a very narrow one turns too much from point to point to be met between them), such a one between branch
 /// points, or the main branch that an open curve runs along from end to end and is no higher than within its range (what the steps
 /// of one of the two have passed over is no branch of its own).
-pub(super) fn retraced<'m, F: Formulation<'m>>(
+fn retraced<'m, F: Formulation<'m>>(
     forced: &mut Forced<'m, F>,
     branch: &Branch,
     known: &[(BranchId, &Branch)],

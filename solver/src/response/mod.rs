@@ -22,6 +22,7 @@ mod homotopy;
 pub mod interrupt;
 mod known;
 pub mod level;
+mod lineage;
 pub mod marched;
 pub mod melnikov;
 pub mod modes;

@@ -8,18 +8,15 @@ use crate::response::follow::follow as follow_over_forcing;
 use crate::response::forced::Forced;
 use crate::response::forcing::Unreached;
 pub use crate::response::given::Given;
-use crate::response::known::{identify, named, retraced, unknown_part};
+use crate::response::known::{identify, named, new_part, unknown_part};
+use crate::response::lineage::{parent_first, whole_main};
 use crate::response::name::BranchId;
 use crate::response::scout::scout;
 use crate::response::seeds::{Landing, LandingFailure, LandingMethod, land_all};
 use crate::response::starts;
 use crate::response::switch::{Crossed, beside};
-use crate::response::symmetry::parents;
 use crate::response::task::{CrossingPlace, SeedOutcome, SeedPlace, SwitchPlace, Task, TaskResult};
 use std::ops::ControlFlow;
-
-/// Relative distance of a response from where it is looked for, up to which it is that.
-const BESIDE: f64 = 0.05;
 
 /// How far outside of the frequencies of a window a response that it predicts may be, relative.
 const ABOUT: f64 = 0.05;
@@ -154,7 +151,10 @@ fn cross<'m, F: Formulation<'m>>(
     });
     match crossing.unwrap_or(Err(Failure::Diverged)) {
         Ok(state) if forced.is_shorter(&state) => TaskResult::Nothing(SeedOutcome::NotLanded(LandingFailure::Shorter)),
-        Ok(state) => branch_from(forced, &State { forcing, ..state }, given.known, observer),
+        Ok(state) => {
+            let found = branch_from(forced, &State { forcing, ..state }, given.known, observer);
+            parent_first(forced, found, given.known, false, observer)
+        }
         Err(failure) => TaskResult::Nothing(SeedOutcome::NotLanded(LandingFailure::NotConverged(failure.into()))),
     }
 }
@@ -246,53 +246,6 @@ fn branch_through<'m, F: Formulation<'m>>(
     new_part(forced, branch, known)
 }
 
-/// What is new of a branch. Of a closed curve that was come upon by a wrong step nothing is known but that it is closed.
-fn new_part<'m, F: Formulation<'m>>(
-    forced: &mut Forced<'m, F>,
-    branch: Branch,
-    known: &[(BranchId, &Branch)],
-) -> TaskResult {
-    let first = branch.points.first().filter(|_| branch.is_closed());
-    if let Some(id) = first.and_then(|first| identify(forced, &first.state, known)) {
-        return TaskResult::Nothing(SeedOutcome::Found(id));
-    }
-    if let Some(id) = retraced(forced, &branch, known) {
-        return TaskResult::Nothing(SeedOutcome::Found(id));
-    }
-    match unknown_part(forced, branch, known) {
-        Ok(branch) => TaskResult::Branch(branch),
-        Err(id) => TaskResult::Nothing(SeedOutcome::Found(id)),
-    }
-}
-
-/// What a branch branches off, if that is not known either; not if it branches off itself.
-fn parent<'m, F: Formulation<'m>>(
-    forced: &mut Forced<'m, F>,
-    branch: &Branch,
-    known: &[(BranchId, &Branch)],
-    observer: &mut Observer<'_>,
-) -> Option<Branch> {
-    for motion in parents(forced.problem(), branch) {
-        let Ok(state) = forced.converge(&motion) else { continue };
-        let is_it = forced.distance(&state, &motion) < BESIDE;
-        if !is_it || forced.is_shorter(&state) || identify(forced, &state, known).is_some() {
-            continue;
-        }
-        let Ok(branch) = forced.branch_through(&state, observer) else { continue };
-        let branch = named(forced, branch, known);
-        let is_spare = branch.kind == BranchKind::Main && whole_main(known).is_some();
-        if branch.is_cancelled() || !(is_spare || branch.is_branched()) {
-            return Some(branch);
-        }
-    }
-    None
-}
-
-/// A main branch that is whole: it goes on beyond the range, and what is not on it is a loop that its steps have passed over.
-fn whole_main(known: &[(BranchId, &Branch)]) -> Option<BranchId> {
-    known.iter().find(|(id, main)| id.is_main() && !main.outcome.is_unfinished()).map(|(id, _)| *id)
-}
-
 /// Whether a main branch ends at the other side of the range with the response that one from there would begin with.
 fn ends_ordinarily<'m, F: Formulation<'m>>(forced: &mut Forced<'m, F>, branch: &Branch, side: Side) -> bool {
     let ((low, high), given) = (forced.reach().frequency, forced.settings().frequency);
@@ -340,7 +293,8 @@ fn follow<'m, F: Formulation<'m>>(
                         return TaskResult::Nothing(SeedOutcome::NotLanded(LandingFailure::Far(landing.distance)));
                     }
                     let branch = named(forced, branch, known);
-                    return new_part(forced, branch, known);
+                    let found = new_part(forced, branch, known);
+                    return parent_first(forced, found, known, false, observer);
                 }
                 Err(failure) => SeedOutcome::NotTraced(failure.into()),
             },
@@ -389,15 +343,8 @@ fn begin<'m, F: Formulation<'m>>(
             (BranchKind::Main, Some(id)) => SeedOutcome::Found(id),
             _ => match new_part(forced, branch.clone(), known) {
                 TaskResult::Nothing(outcome) => outcome,
-                // What it branches off comes first: it may be an isola, and a further round brings the branch itself.
-                found => match parent(forced, &branch, known, observer) {
-                    Some(parent) if parent.is_cancelled() => return TaskResult::Branch(parent),
-                    Some(parent) => match new_part(forced, parent, known) {
-                        TaskResult::Nothing(_) => return found,
-                        parent => return parent,
-                    },
-                    None => return found,
-                },
+                // A further round brings the branch itself.
+                found => return parent_first(forced, found, known, true, observer),
             },
         };
         passed.push(branch);

@@ -18,6 +18,7 @@ mod free_structures;
 mod isolas;
 mod known_isolas;
 mod light_damping;
+mod lineage;
 mod marching;
 mod meetings;
 mod models;

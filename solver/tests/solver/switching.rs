@@ -4,13 +4,14 @@
 use crate::support::fold_curves::all;
 use crate::support::hill::hill;
 use crate::support::ring::{COUPLING, CUBIC, DAMPING, LINEAR, driven_alike, quiet, reach, ring, within};
+use solver::laws::{PolynomialSpring, Term};
 use solver::response::branch::{BranchKind, Outcome, Side, Stop};
 use solver::response::folds::{Critical, CriticalKind, Extent, Quantity};
 use solver::response::name::BranchId;
 use solver::response::recheck::Recheck;
 use solver::response::task::{SeedOutcome, SwitchPlace, Task, TaskResult};
 use solver::response::trace::{Given, execute};
-use solver::{Branch, Forced, SpecialKind, State};
+use solver::{Branch, Forced, Matrix, Model, SearchRange, SpecialKind, State};
 use std::f64::consts::TAU;
 
 const FORCING: f64 = 0.02;
@@ -198,5 +199,42 @@ fn folds_of_what_branches_off_end_at_branch_points() {
         let [below, above] = [0.999, 1.001]
             .map(|share| hill(&motion, share * state.omega, SAMPLES, DAMPING, |x| square + 3.0 * CUBIC * x * x, 1.0));
         assert!(below * above < 0.0, "{below} and {above} beside {} rad/s at A = {}", state.omega, state.forcing);
+    }
+}
+
+/// Four sectors driven alike with hardly any damping, so that a closed curve of motions of which only opposite ones are alike meets, next to
+/// the tip of its resonance, the one that it branches off: within 1e-6 of the frequency.
+#[test]
+fn a_closed_curve_is_closed_from_wherever_it_is_followed() {
+    let spring = PolynomialSpring { terms: vec![Term { power: 3, coefficient: CUBIC }] };
+    let coupling = |i: usize, j: usize| [1.04, -0.02, 0.0, -0.02][i.abs_diff(j)];
+    let model = Model::builder("ring")
+        .mass(Matrix::diagonal(&[1.0; 4]))
+        .stiffness(Matrix::from_fn(4, 4, coupling))
+        .damping_ratio(0.002)
+        .force_shape(vec![1.0; 4])
+        .monitor(0);
+    let model = (0..4).fold(model, |model, i| model.element(format!("s{i}"), spring.clone(), [vec![(i, 1.0)]])).build();
+    let (model, mut settings) = (model.unwrap(), within(HARMONICS));
+    settings.frequency.max = Some(2.9);
+    let reach = SearchRange { frequency: (0.9, 2.9), ..reach() };
+    let mut forced = Forced::new(&model, &settings, reach, FORCING);
+    let main = forced.main_branch(Side::Below, &mut quiet).unwrap();
+    let mut known = vec![(BranchId::MAIN, main)];
+    for _ in 0..2 {
+        let (branch, parent) = (known.last().unwrap().0, known.len() - 1);
+        let given: Vec<(BranchId, &Branch)> = known.iter().map(|(id, branch)| (*id, branch)).collect();
+        let given = Given { known: &given, ..Given::default() };
+        let task = Task::Switch(SwitchPlace { branch, point: 0 });
+        let Some(TaskResult::Branch(branch)) = execute(&mut forced, &task, &given, &mut quiet) else { panic!() };
+        known.push((BranchId::new(BranchKind::Branched, parent), branch));
+    }
+    let (_, closed) = known.pop().unwrap();
+    let (low, high) = closed.frequency_range();
+    assert!(closed.is_closed() && high / low > 1.5);
+    // Within rounding of the crossing it may be the other curve that is followed on, which closes as well.
+    for from in (0..closed.points.len()).step_by(8) {
+        let again = forced.branch_through(&closed.points[from].state, &mut quiet).unwrap();
+        assert!(again.is_closed(), "from point {from}: {}", again.outcome);
     }
 }

@@ -3,6 +3,7 @@
 
 use super::{Continuation, Rejection};
 use crate::curve::crossing;
+use crate::curve::newton::ACCURACY;
 use crate::curve::point::{CurvePoint, land};
 use crate::curve::problem::{Problem, inner, norm, weighted};
 
@@ -20,6 +21,10 @@ const BEFORE: f64 = 0.02;
 
 /// Length of the step over a crossing, in distances at which the walk has stopped before it: half as long, it still passes.
 const PASSING: f64 = 3.0;
+
+/// Share of a step by which the way back from its end may miss where it began; what Newton's method leaves of the motions at both ends is no
+/// miss, as long as it is not more than the larger share.
+const MISS: [f64; 2] = [1e-3, 0.1];
 
 impl<P: Problem> Continuation<'_, P> {
     /// A candidate next point with the present step, or why not.
@@ -89,6 +94,7 @@ impl<P: Problem> Continuation<'_, P> {
         let Ok(mut landed) = land(self.problem, &mut self.newton, y, &row, &self.settings.newton) else { return false };
         self.symmetry.keep(self.problem, &mut landed.y, &mut landed.tangent);
         let miss: Vec<f64> = landed.y.iter().zip(&from.y).map(|(a, b)| a - b).collect();
-        norm(self.problem.metric(), &miss) < 1e-3 * distance
+        let left = 2.0 * ACCURACY * norm(self.problem.motion_metric(), &from.y);
+        norm(self.problem.metric(), &miss) < left.clamp(MISS[0] * distance, MISS[1] * distance)
     }
 }
