@@ -4,6 +4,7 @@
 mod answer;
 mod footnotes;
 mod known;
+mod monitors;
 pub(crate) mod motions;
 pub(crate) mod pushes;
 mod rows;
@@ -97,7 +98,12 @@ fn caption(known: &Known, Units { length, frequency }: Units) -> String {
         _ => String::new(),
     };
     let unit = known.model.as_ref().and_then(unit_of_forcing).unwrap_or_default();
-    format!("Largest amplitudes in {length}, frequencies in {frequency}{force}{unit}:")
+    // Of one alone there is nothing to tell it from.
+    let of = match &known.monitors[..] {
+        [first, _, ..] => format!(" of {first}"),
+        _ => String::new(),
+    };
+    format!("Largest amplitudes{of} in {length}, frequencies in {frequency}{force}{unit}:")
 }
 
 /// What A = 1 is, of a force on one dof.

@@ -1,20 +1,32 @@
 //! Why windows led to nothing, in few words.
 
-/// Reasons, of those that differ in their last number alone the one where it is smallest.
+/// How the reason of seeds begins none of which converged, and what is said of them beside others that did.
+const NONE: &str = "nothing converged";
+const OTHERS: &str = "other seeds did not converge";
+
+/// Reasons, each once and without the numbers in brackets, which are in `windows.csv`: so windows have the same reason that differ in these
+/// alone.
 pub fn briefly(reasons: &str) -> String {
-    let number = |word: &str| word.trim_matches(|c: char| !c.is_ascii_digit()).parse::<f64>().ok();
-    let mut kept: Vec<(String, f64, &str)> = Vec::new();
-    for reason in reasons.split("; ") {
-        let last = reason.split(' ').rev().find_map(|word| Some((word, number(word)?)));
-        let (word, value) = last.unwrap_or(("", 0.0));
-        let rest = if word.is_empty() { reason.into() } else { reason.replace(word, "") };
-        match kept.iter_mut().find(|(known, ..)| *known == rest) {
-            Some(known) if value < known.1 => *known = (rest, value, reason),
-            Some(_) => {}
-            None => kept.push((rest, value, reason)),
+    let mut kept: Vec<String> = Vec::new();
+    for reason in reasons.split("; ").map(without_brackets) {
+        if !kept.contains(&reason) {
+            kept.push(reason);
         }
     }
-    kept.into_iter().map(|(_, _, reason)| reason).collect::<Vec<_>>().join("; ")
+    let is_none = |reason: &String| reason.starts_with(NONE);
+    if kept.iter().any(is_none) && !kept.iter().all(is_none) {
+        kept.retain(|reason| !is_none(reason));
+        kept.push(OTHERS.into());
+    }
+    kept.join("; ")
+}
+
+/// A reason up to what it has in brackets, and from there on.
+fn without_brackets(reason: &str) -> String {
+    match (reason.find(" ("), reason.rfind(')')) {
+        (Some(open), Some(close)) if open < close => format!("{}{}", &reason[..open], &reason[close + 1..]),
+        _ => reason.into(),
+    }
 }
 
 #[cfg(test)]
@@ -23,10 +35,13 @@ mod tests {
 
     #[test]
     fn reasons_that_differ_in_a_number_are_one() {
-        let far = |distance| format!("every seed ended far away (relative distance {distance} or more)");
-        let none = |residual| format!("no convergence in 20 iterations (scaled residual {residual})");
-        let all = [far("0.78"), none("4.8e2"), far("0.75"), none("6.0e-1"), "the iteration diverged".into()];
-        assert_eq!(briefly(&all.join("; ")), [far("0.75"), none("6.0e-1"), "the iteration diverged".into()].join("; "));
+        let far = |distance| format!("what converged lies on a known branch (relative distance {distance} or more)");
+        let none = |residual| format!("nothing converged: no convergence (scaled residual {residual})");
+        let all = [far("0.78"), none("4.8e2"), far("0.75"), none("6.0e-1")];
+        assert_eq!(briefly(&all.join("; ")), "what converged lies on a known branch; other seeds did not converge");
+        assert_eq!(briefly(&all[1]), "nothing converged: no convergence");
+        let two = [none("1"), "nothing converged: the iteration diverged".into()].join("; ");
+        assert_eq!(briefly(&two), "nothing converged: no convergence; nothing converged: the iteration diverged");
         assert_eq!(briefly(""), "");
     }
 }

@@ -22,6 +22,7 @@ mod header;
 mod holder;
 mod levels;
 mod lock;
+mod monitor_peaks;
 mod motions;
 mod number;
 mod orders;

@@ -1,10 +1,12 @@
 //! What the table and the sentences below it are made of, as the store has it.
 
 use super::LEVELS;
+use super::monitors::{self, Largest};
 use crate::overview::{Level, Omissions, Overview, bounds, doubts};
 use crate::store::{CurveRow, MotionRow, PushRow, Reader, Result, SearchCounts};
 use protocol::backbone::BackboneMessage;
 use protocol::curve::Size;
+use protocol::model::ModelMessage;
 use protocol::to_everyone::Stage;
 use solver::response::backbone::Backbone;
 use solver::response::branch::Outcome;
@@ -18,6 +20,10 @@ pub(super) struct Known {
     pub overview: Overview,
     /// The model, its force on the harmonic of this order.
     pub model: Option<Model>,
+    /// Names of the monitored dofs; the table is of the first.
+    pub monitors: Vec<String>,
+    /// How far the others move at most.
+    pub others: Vec<Largest>,
     /// Settings of the study.
     pub settings: Option<Settings>,
     /// Bounds of the frequency that were given.
@@ -57,6 +63,10 @@ impl Known {
         let awaits_backbones = backbone.as_ref().is_some_and(Option::is_none);
         let further = omissions.read("Further backbones are", reader.further_backbones()).unwrap_or_default();
         let model = overview.model.as_ref().and_then(|message| message.model().ok());
+        let names =
+            |model: &ModelMessage| model.monitors.iter().filter_map(|&dof| model.dofs.get(dof)).cloned().collect();
+        let monitors: Vec<String> = overview.model.as_ref().map(names).unwrap_or_default();
+        let others = monitors::others(reader, &overview.levels, &monitors);
         let decoded = |message: BackboneMessage| {
             (message.mode, model.as_ref().and_then(|model| message.backbone(&Size::of(model)).ok()))
         };
@@ -68,6 +78,8 @@ impl Known {
         let doubts =
             omissions.read("What is not known to its end is", doubts(reader)).flatten().filter(|_| is_finished);
         Ok(Self {
+            others: omissions.read("How far monitored dofs move is", others).unwrap_or_default(),
+            monitors,
             settings,
             given: settings.map(|settings| settings.frequency).unwrap_or_default(),
             reached: reach.map(|reach| reach.frequency),

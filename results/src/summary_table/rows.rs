@@ -154,12 +154,16 @@ impl<'r> Rows<'r> {
             let place = if low == high { low } else { format!("{low}–{high}") };
             self.notes.mark_at(format!("window not found: {why}"), format!("A = {}: {place} {unit}", level.amplitude))
         });
-        let mut missed: Vec<String> = missed.collect();
-        missed.dedup();
+        let mut marks: Vec<String> = Vec::new();
+        for mark in missed {
+            if !marks.contains(&mark) {
+                marks.push(mark);
+            }
+        }
         let found = level.windows.iter().filter(|window| matches!(window.outcome, WindowOutcome::Found(_))).count();
         let mut lines = vec![match level.windows.len() {
             0 => "no window".into(),
-            all => format!("{found} of {all}{}", missed.join(" ")),
+            all => format!("{found} of {all}{}", marks.join(" ")),
         }];
         lines.extend((level.pending > 0).then(|| format!("{} to come", count(level.pending, "task"))));
         let given_up = || {

@@ -3,20 +3,19 @@
 
 use super::known::Known;
 use super::units::Units;
-use super::{LEVELS, motions, pushes, search};
+use super::{LEVELS, monitors, motions, pushes, search};
 use crate::overview::{
     UNTOUCHED, asks_for_harmonics, beyond, events_sentence, is_untouched, not_followed_sentence, reach_sentence,
     truncation_of, undetermined,
 };
-use protocol::model::ModelMessage;
 
 /// All of them.
 pub(super) fn all(known: &Known, units: Units) -> Vec<String> {
-    [numbers(known), over_the_forcing(known, units), reach(known, units)].concat()
+    [numbers(known, units), over_the_forcing(known, units), reach(known, units)].concat()
 }
 
 /// What the numbers of the table mean, and how sure they are.
-fn numbers(known: &Known) -> Vec<String> {
+fn numbers(known: &Known, units: Units) -> Vec<String> {
     let (levels, model) = (known.levels(), known.model.as_ref());
     let is_at_least = known.shown().flat_map(|level| &level.branches).any(|row| !row.at_least().is_empty());
     let more = levels.len().saturating_sub(LEVELS);
@@ -25,6 +24,7 @@ fn numbers(known: &Known) -> Vec<String> {
     let truncation = truncation_of(model, levels, known.settings.as_ref(), known.is_further);
     (is_at_least.then(|| meaning.into()).into_iter())
         .chain((more > 0).then(|| format!("... and {more} more levels: see summary.csv")))
+        .chain(monitors::sentence(&known.others, units))
         .chain(model.and_then(undetermined).map(|place| format!("Note: {place}.")))
         .chain(is_untouched.then(|| UNTOUCHED.into()))
         .chain(truncation.filter(|said| !asks_for_harmonics(said)))
@@ -39,11 +39,9 @@ fn over_the_forcing(known: &Known, units: Units) -> Vec<String> {
     let levels = if known.search.is_whole() { known.levels() } else { &[] };
     let events = events_sentence(&known.curves, levels, place);
     let missing = not_followed_sentence(known.search.hanging).filter(|_| events.is_some());
-    let names = |model: &ModelMessage| model.monitors.iter().filter_map(|&dof| model.dofs.get(dof)).cloned().collect();
-    let monitors: Vec<String> = known.overview.model.as_ref().map(names).unwrap_or_default();
     ([events, missing].into_iter().flatten())
         .chain(motions::brief(&known.motions, units, known.is_further))
-        .chain(pushes::sentences(&known.pushes, &monitors, units))
+        .chain(pushes::sentences(&known.pushes, &known.monitors, units))
         .collect()
 }
 

@@ -13,6 +13,9 @@ const MOST: usize = 24;
 /// Most places tried for dofs: of many equal parts there are more exchanges than anybody wants.
 const TRIED: usize = 20_000;
 
+/// A direction, by dofs.
+type Direction = Vec<(usize, f64)>;
+
 /// With a motion x(t) of the structure x′(t) is one: x′ᵢ = sᵢ x_{p(i)}, p a permutation of the dofs and sᵢ = ±1.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Exchange {
@@ -36,7 +39,7 @@ impl Exchange {
     }
 
     /// bᵀx′ as a direction of x, by dofs.
-    fn image(&self, direction: &[(usize, f64)]) -> Vec<(usize, f64)> {
+    fn image(&self, direction: &[(usize, f64)]) -> Direction {
         let moved = direction.iter().map(|&(i, b)| (self.dofs[i].0, self.dofs[i].1 * b));
         sorted(moved.filter(|(_, b)| *b != 0.0).collect())
     }
@@ -45,10 +48,10 @@ impl Exchange {
     fn keeps(&self, elements: &[Element]) -> bool {
         let mut taken = vec![false; elements.len()];
         elements.iter().all(|element| {
-            let images: Vec<Vec<(usize, f64)>> = element.channels.iter().map(|channel| self.image(channel)).collect();
+            let images: Vec<Direction> = element.channels.iter().map(|channel| self.image(channel)).collect();
             let is_image = |other: &Element| {
                 let sign = |sign: f64| {
-                    let same = |(image, own): (&Vec<(usize, f64)>, &Vec<(usize, f64)>)| is_same(image, own, sign);
+                    let same = |(image, own): (&Direction, &Direction)| is_same(image, own, sign);
                     images.len() == other.channels.len() && images.iter().zip(&other.channels).all(same)
                 };
                 other.law == element.law && (sign(1.0) || (images.len() == 1 && element.law.is_odd() && sign(-1.0)))
@@ -66,7 +69,7 @@ fn is_same(one: &[(usize, f64)], other: &[(usize, f64)], sign: f64) -> bool {
     one.len() == other.len() && one.iter().zip(&other).all(is_equal)
 }
 
-fn sorted(mut direction: Vec<(usize, f64)>) -> Vec<(usize, f64)> {
+fn sorted(mut direction: Direction) -> Direction {
     direction.sort_by_key(|&(dof, _)| dof);
     direction
 }

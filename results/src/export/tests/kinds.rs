@@ -4,7 +4,8 @@ use super::{names, table};
 use crate::export::csv;
 use crate::fixture::Study;
 use crate::overview::doubts;
-use crate::summary_table::{self, Layout, UnitChoice, Units};
+use crate::summary_table::{self, Layout, LengthUnit, UnitChoice, Units};
+use protocol::branch::BranchMessage;
 use solver::response::branch::{BranchKind, Standing};
 use solver::response::task::BranchId;
 use tempfile::tempdir;
@@ -45,4 +46,22 @@ fn a_cut_branch_is_called_so_everywhere() {
     }
     // A cut branch is no reason to doubt what hangs on main branches.
     assert_eq!(doubts(&store).unwrap(), None);
+}
+
+/// The table is of the first monitored dof; how far the others move stands below it.
+#[test]
+fn other_monitored_dofs_are_told_with_their_largest_amplitudes() {
+    let (study, dir) = (Study::new("nltva", 3, &["0.11", "0.13"]), tempdir().unwrap());
+    let (store, results) = study.finished(&dir.path().join("run"));
+    let [first, second] = study.model.dofs() else { panic!("{:?}", study.model.dofs()) };
+    let amplitudes = |branch: &BranchMessage| {
+        let array = branch.points.columns.get("amplitude").unwrap();
+        array.values("amplitude", &array.shape).unwrap().chunks(2).map(|pair| pair[1]).collect::<Vec<_>>()
+    };
+    let largest = results.iter().filter_map(|result| result.branch.as_ref()).flat_map(amplitudes).fold(0.0, f64::max);
+    let table = summary_table::table(&store, Layout { width: 400, ..Layout::default() }).unwrap();
+    assert!(table.contains(&format!("\nLargest amplitudes of {first} in m,")), "{table}");
+    let told =
+        format!("\nLargest amplitudes of other monitored dofs: {second} {} m at ", LengthUnit::Metre.digits(largest));
+    assert!(table.contains(&told), "{told}: {table}");
 }

@@ -12,6 +12,13 @@ use crate::curve::problem::{Problem, inner, norm, weighted};
 /// is not along it; nor is one whose tangents belong to points nearby, which is then taken shorter without need.
 const STRAIGHT: f64 = 0.996;
 
+/// Smallest cosine between the tangents at both ends of a step, somewhat less than an arc has whose chord just stays near the tangent. Beside
+/// a crossing the plane that a step ends on holds all of the other curve, nearly, and Newton's method may end there.
+const TURNED: f64 = 0.5;
+
+/// Where a step leads this much nearer to a singular Jacobian, the sign of its determinant may be that of the other side of a crossing.
+const NEAR_CROSSING: f64 = 0.2;
+
 /// Steps of so many shortest ones may change the sign of the determinant.
 const CROSSING: f64 = 64.0;
 
@@ -33,7 +40,14 @@ impl<P: Problem> Continuation<'_, P> {
         let previous = self.previous.take();
         let result = self.correct(&from, previous.as_ref().map(|previous| &previous.y[..]), self.step);
         self.previous = previous;
-        let point = result.map_err(Rejection::Newton)?;
+        let mut point = result.map_err(Rejection::Newton)?;
+        // It is that of the last matrix factorised, which belongs to a point nearby: on the other side of a crossing, perhaps. Along
+        // extrema a determinant that falls tells of corners instead.
+        let is_near_crossing =
+            self.problem.turns_corners() && point.orientation.abs() < NEAR_CROSSING * from.orientation.abs();
+        if is_near_crossing {
+            point.orientation = self.orientation_at(&point).unwrap_or(point.orientation);
+        }
         let metric = self.problem.metric();
         let moved: Vec<f64> = point.y.iter().zip(&from.y).map(|(a, b)| a - b).collect();
         let cosine = inner(metric, &moved, &from.tangent) / norm(metric, &moved);
@@ -41,7 +55,9 @@ impl<P: Problem> Continuation<'_, P> {
         let straightness = inner(metric, &moved, &mean) / (norm(metric, &moved) * norm(metric, &mean));
         // A step that does not move has no angle.
         let is_bent = self.step > self.settings.max_step && straightness < STRAIGHT;
-        let is_off = cosine.is_nan() || cosine < self.settings.min_cosine || is_bent;
+        let turned = inner(metric, &point.tangent, &from.tangent);
+        let is_off =
+            cosine.is_nan() || cosine < self.settings.min_cosine || is_bent || (is_near_crossing && turned < TURNED);
         let turns = point.orientation.signum() != from.orientation.signum();
         if !self.problem.are_neighbours(&from.y, &point.y) || self.problem.hops(&from.y, &point.y) {
             return Err(Rejection::Distance);
@@ -58,13 +74,23 @@ impl<P: Problem> Continuation<'_, P> {
                     return Ok(point);
                 }
                 return Err(if is_off {
-                    Rejection::Angle(if is_bent { straightness } else { cosine })
+                    Rejection::Angle(if is_bent { straightness } else { cosine.min(turned) })
                 } else {
                     Rejection::Orientation
                 });
             }
         }
         Ok(point)
+    }
+
+    /// The determinant at a point itself.
+    fn orientation_at(&mut self, point: &CurvePoint) -> Option<f64> {
+        let row = weighted(self.problem.metric(), &point.tangent);
+        let mut own = land(self.problem, &mut self.newton, point.y.clone(), &row, &self.settings.newton).ok()?;
+        if inner(self.problem.metric(), &own.tangent, &point.tangent) < 0.0 {
+            own.turn_round();
+        }
+        Some(own.orientation)
     }
 
     /// Arc length to the crossing that a step has led over, if it has.

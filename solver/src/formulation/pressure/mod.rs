@@ -13,6 +13,7 @@
 //! Contact nodes with p < 0 at every instant have no force and identity columns; they are eliminated exactly.
 
 mod assemble;
+mod asymmetry;
 mod compressed;
 #[cfg(test)]
 mod compressed_tests;
@@ -268,14 +269,7 @@ impl Problem for PressureForm<'_> {
     }
 
     fn asymmetries(&self, y: &[f64]) -> Vec<f64> {
-        if self.exchanges.is_empty() {
-            return Vec::new();
-        }
-        let modal = y[self.layout.modal()].iter().map(|s| s * self.system.scales.modal).collect();
-        let state = State { modal, arguments: Vec::new(), ..self.current };
-        let model = self.system.model;
-        let motions: Vec<Vec<f64>> = (0..model.size()).map(|dof| state.displacement(model, dof)).collect();
-        self.exchanges.iter().map(|exchange| exchange.asymmetry(model, &motions)).collect()
+        self.asymmetries_of(&y[self.layout.modal()])
     }
 
     fn parameters(&self) -> usize {
