@@ -79,7 +79,7 @@ impl Model {
     /// very many.
     pub fn exchanges(&self) -> Vec<Exchange> {
         let mut search = Search {
-            matrices: [self.mass().clone(), self.stiffness().clone(), self.physical_damping()].map(Scaled::new),
+            matrices: [self.mass(), self.stiffness()].map(Scaled::new),
             force: &self.forcing().shape,
             least: SAME * self.forcing().shape.iter().fold(0.0, |largest: f64, f| largest.max(f.abs())),
             placed: Vec::new(),
@@ -87,48 +87,57 @@ impl Model {
             found: Vec::new(),
         };
         search.place();
+        let mut found = search.found;
         let is_other =
             |exchange: &Exchange| exchange.dofs.iter().enumerate().any(|(i, &(p, sign))| p != i || sign < 0.0);
-        search.found.retain(|exchange| is_other(exchange) && exchange.keeps(self.elements()));
-        search.found.truncate(MOST);
-        search.found
+        found.retain(|exchange| is_other(exchange) && exchange.keeps(self.elements()));
+        if !found.is_empty() {
+            let damping = self.physical_damping();
+            let damping = Scaled::new(&damping);
+            found.retain(|exchange| damping.is_kept_by(&exchange.dofs));
+        }
+        found.truncate(MOST);
+        found
     }
 
-    /// C = MΦ Ĉ ΦᵀM, n × n, N·s/m.
+    /// C = MΦ Ĉ (MΦ)ᵀ, n × n, N·s/m.
     fn physical_damping(&self) -> Matrix {
         let (n, shapes) = (self.size(), &self.modes().shapes);
-        let columns: Vec<Vec<f64>> =
-            (0..n).map(|j| self.mass().mul_vec(&(0..n).map(|i| shapes[(i, j)]).collect::<Vec<_>>())).collect();
-        let mut damping = Matrix::zeros(n, n);
-        for (i, j, rate) in self.damping().entries() {
-            for (row, a) in columns[i].iter().enumerate() {
-                for (column, b) in columns[j].iter().enumerate() {
-                    damping[(row, column)] += rate * a * b;
-                }
-            }
-        }
-        damping
+        let column = |j: usize| self.mass().mul_vec(&(0..n).map(|i| shapes[(i, j)]).collect::<Vec<_>>());
+        let columns: Vec<Vec<f64>> = (0..n).map(column).collect();
+        let force = |p: usize| self.damping().times(&columns.iter().map(|column| column[p]).collect::<Vec<_>>());
+        let forces: Vec<Vec<f64>> = (0..n).map(force).collect();
+        Matrix::from_fn(n, n, |i, p| columns.iter().zip(&forces[p]).map(|(column, force)| column[i] * force).sum())
     }
 }
 
 /// A matrix, and by how much its entries may differ.
-struct Scaled {
-    matrix: Matrix,
+struct Scaled<'m> {
+    matrix: &'m Matrix,
     tolerance: f64,
 }
 
-impl Scaled {
-    fn new(matrix: Matrix) -> Self {
-        let rows = 0..matrix.rows();
-        let largest =
-            rows.flat_map(|i| matrix.row(i).to_vec()).fold(0.0, |largest: f64, entry| largest.max(entry.abs()));
-        Self { matrix, tolerance: SAME * largest }
+impl<'m> Scaled<'m> {
+    fn new(matrix: &'m Matrix) -> Self {
+        let entries = (0..matrix.rows()).flat_map(|i| matrix.row(i));
+        Self { matrix, tolerance: SAME * entries.fold(0.0, |largest: f64, entry| largest.max(entry.abs())) }
+    }
+
+    /// Whether the entries of two dofs with each other are those of the dofs in their places.
+    fn is_same(&self, [(i, (p, sign)), (k, (q, other))]: [(usize, (usize, f64)); 2]) -> bool {
+        let is_near = |own: f64, image: f64| (own - sign * other * image).abs() <= self.tolerance;
+        is_near(self.matrix[(i, k)], self.matrix[(p, q)]) && is_near(self.matrix[(k, i)], self.matrix[(q, p)])
+    }
+
+    fn is_kept_by(&self, dofs: &[(usize, f64)]) -> bool {
+        let all = || dofs.iter().copied().enumerate();
+        all().all(|one| all().all(|other| self.is_same([one, other])))
     }
 }
 
 /// Places for one dof after the other.
 struct Search<'m> {
-    matrices: [Scaled; 3],
+    matrices: [Scaled<'m>; 2],
     force: &'m [f64],
     least: f64,
     placed: Vec<(usize, f64)>,
@@ -161,9 +170,9 @@ impl Search<'_> {
         if !is_free || (self.force[i] - sign * self.force[p]).abs() > self.least {
             return false;
         }
-        let with = self.placed.iter().copied().chain([(p, sign)]).enumerate();
-        let mut pairs = with.flat_map(|(k, (q, other))| self.matrices.iter().map(move |of| (k, q, sign * other, of)));
-        pairs.all(|(k, q, product, of)| (of.matrix[(i, k)] - product * of.matrix[(p, q)]).abs() <= of.tolerance)
+        let own = (i, (p, sign));
+        let mut with = self.placed.iter().copied().enumerate().chain([own]);
+        with.all(|other| self.matrices.iter().all(|of| of.is_same([own, other])))
     }
 }
 
@@ -221,6 +230,10 @@ mod tests {
             two.element("c", third, [vec![(2, 1.0)]]).build().unwrap().exchanges().len()
         };
         assert_eq!((springs(spring(3, 0.5)), springs(spring(3, 0.51))), (5, 1));
+        // Of dampers one may differ as well.
+        let damped =
+            |last: f64| on_all(alike().damping_matrix(Matrix::diagonal(&[0.1, 0.1, last])), 3, 3).exchanges().len();
+        assert_eq!((damped(0.1), damped(0.2)), (5, 1));
         let between = alike().element("a", spring(2, 0.5), [vec![(0, 1.0), (1, -1.0)]]).build().unwrap();
         // The spring, not odd, would be turned round.
         assert!(between.exchanges().is_empty());
