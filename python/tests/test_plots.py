@@ -36,6 +36,16 @@ def labels(axes: plt.Axes) -> list[str]:
     return axes.get_legend_handles_labels()[1]
 
 
+def test_units_are_those_of_the_run(damper: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    run = isola_hbm.load(damper)
+    assert run.units == "m,rad/s"
+    monkeypatch.setattr(type(run), "study", property(lambda _: 'units = "µm,Hz"'))
+    assert run.units == "um,Hz"
+    texts = [(axes.get_xlabel(), axes.get_ylabel()) for axes in (run.plot.response(), run.plot.response(units="mm"))]
+    assert "Hz" in texts[0][0] and "µm" in texts[0][1] + texts[0][1].replace("um", "µm")
+    assert "rad/s" in texts[1][0] and "mm" in texts[1][1]
+
+
 def test_response(damper: Path) -> None:
     run = isola_hbm.load(damper)
     axes = run.plot.response(units="mm,Hz")

@@ -45,13 +45,16 @@ class Plots(Drawn):
     def __init__(self, run: StoredRun) -> None:
         self._run = run
 
+    def _units(self, chosen: str | None) -> Units:
+        return Units.read(self._run.units if chosen is None else chosen)
+
     def response(
         self,
         amplitudes: Iterable[str | float] | str | float | None = None,
         *,
         monitor: str | None = None,
         ax: Axes | None = None,
-        units: str = "m,rad/s",
+        units: str | None = None,
         backbone: bool = True,
         frequency: tuple[float, float] | None = None,
     ) -> Axes:
@@ -64,7 +67,7 @@ class Plots(Drawn):
             amplitudes: Forcing amplitudes shown; by default all.
             monitor: Monitored dof whose amplitude is shown; by default the first one.
             ax: Axes to draw on.
-            units: ``m``, ``mm`` or ``um`` and ``rad/s`` or ``Hz``, as in ``"mm,Hz"``.
+            units: ``m``, ``mm`` or ``um`` and ``rad/s`` or ``Hz``, as in ``"mm,Hz"``; by default those of the run.
             backbone: Whether the backbone is drawn as well.
             frequency: Lowest and highest frequency shown, in the unit of the axis; by default where something happens.
 
@@ -72,7 +75,7 @@ class Plots(Drawn):
             ValueError: There is no branch at these amplitudes, no such monitored dof or unit: with those there are. The
                 frequencies are no range.
         """
-        limits, measured, number = limits_of(frequency), Units.read(units), self._number(monitor)
+        limits, measured, number = limits_of(frequency), self._units(units), self._number(monitor)
         summary = self._branches(amplitudes)
         return forced_response(self._run, summary, axes_of(ax), measured, number, limits, backbone)
 
@@ -91,7 +94,7 @@ class Plots(Drawn):
         self,
         *,
         ax: Axes | None = None,
-        units: str = "m,rad/s",
+        units: str | None = None,
         frequency: tuple[float, float] | None = None,
     ) -> Axes:
         """Which responses exist at which forcing: branches of every level, the threshold A* along the backbones, fold
@@ -100,14 +103,14 @@ class Plots(Drawn):
 
         Args:
             ax: Axes to draw on.
-            units: ``rad/s`` or ``Hz``.
+            units: ``rad/s`` or ``Hz``; by default that of the run.
             frequency: Lowest and highest frequency shown, in the unit of the axis; by default where something happens.
 
         Raises:
             ValueError: There is no such unit, or the frequencies are no range.
         """
         limits = limits_of(frequency)
-        return isola_map(self._run, self._branches(None), axes_of(ax), Units.read(units), limits)
+        return isola_map(self._run, self._branches(None), axes_of(ax), self._units(units), limits)
 
     def balance(
         self, amplitude: float | None = None, *, mode: int | None = None, ax: Axes | None = None
@@ -184,7 +187,7 @@ class Plots(Drawn):
         dofs: Sequence[str] | str | None = None,
         variable: str = "displacement",
         ax: Axes | None = None,
-        units: str = "m,rad/s",
+        units: str | None = None,
     ) -> Axes:
         """One period at a point of a branch.
 
@@ -195,7 +198,8 @@ class Plots(Drawn):
                 their arguments (``"tip 1"``); by default all.
             variable: ``displacement``; ``argument``: of the laws, for contacts the predicted pressure in N.
             ax: Axes to draw on.
-            units: ``m``, ``mm`` or ``um``, of displacements, and ``rad/s`` or ``Hz``, of the frequency in the title.
+            units: ``m``, ``mm`` or ``um``, of displacements, and ``rad/s`` or ``Hz``, of the frequency in the title; by default those
+                of the run.
 
         Raises:
             NoSuchBranch: There is no such branch.
@@ -205,7 +209,7 @@ class Plots(Drawn):
         """
         if variable not in ("displacement", "argument"):
             raise ValueError(f"variable = {variable!r}: displacement or argument is drawn; run[branch].time() has others")
-        measured, curve = Units.read(units), self._run[self._highest() if branch is None else branch]
+        measured, curve = self._units(units), self._run[self._highest() if branch is None else branch]
         index = index_of(curve, point)
         series = curve.isel(point=index).time(variable, samples=512).load()
         along = next(str(axis) for axis in series.dims if axis != "time")

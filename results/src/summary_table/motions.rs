@@ -66,7 +66,7 @@ fn sentence(rows: &[MotionRow], units: Units, is_further: bool) -> String {
 /// What a motion is, as far as that is known.
 pub(crate) fn kind(row: &MotionRow, is_further: bool) -> String {
     match (row.motion.as_str(), row.repeats, &row.onto) {
-        ("periodic", Some(1), Some(branch)) if *branch == row.branch => "the same branch".into(),
+        ("periodic", Some(1), Some(branch)) if *branch == row.branch => "the branch that they are on".into(),
         ("periodic", Some(1), Some(branch)) => branch.clone(),
         ("periodic", Some(1), None) if is_further => {
             format!("a periodic motion that {UNFOUND} the branches of this order (it may be of an earlier one)")
@@ -130,7 +130,7 @@ mod tests {
         assert_eq!(told(&few), sentences(&few, Units::default(), false));
         let many = [of("1", Some("main")), of("2", None), of("3", Some("main")), of("4", Some("isola 1"))];
         let missed = sentences(&many[1..2], Units::default(), false).remove(0);
-        let rest = "From unstable motions of 3 branches time marching came to main, to the same branch, of amplitudes up to 2.0000e-3 m \
+        let rest = "From unstable motions of 3 branches time marching came to main, to the branch that they are on, of amplitudes up to 2.0000e-3 m \
                     (motions.csv).";
         assert_eq!(told(&many), [missed, rest.to_string()]);
     }

@@ -95,7 +95,10 @@ fn born(levels: &[Level], curves: &[CurveRow], bounds: FrequencySettings) -> Str
         }
         (births, ..) => (between.clone(), several(births, "between")),
     };
-    let how = match &levels_after(&births, levels, curves)[..] {
+    let (cut, open): (Vec<&CurvePoint>, Vec<&CurvePoint>) =
+        births.iter().partition(|birth| is_cut_above(levels, birth));
+    let how = match &levels_after(&open, levels, curves)[..] {
+        [] if !cut.is_empty() => ": what is cut off by a bound may be it, which wider bounds show".into(),
         [] => String::new(),
         [level] => format!(": isola extend RUN --amplitudes {level} computes a level there"),
         list => format!(": isola extend RUN --amplitudes {} computes levels there", list.join(",")),
@@ -103,9 +106,34 @@ fn born(levels: &[Level], curves: &[CurveRow], bounds: FrequencySettings) -> Str
     format!(" at these levels ({what}{}{how})", truncation_doubt(&births))
 }
 
+/// Whether at the level next above a birth a branch that a bound cuts off is at its frequency.
+fn is_cut_above(levels: &[Level], birth: &CurvePoint) -> bool {
+    let above = levels.iter().filter(|level| level.value > birth.forcing);
+    let next = above.min_by(|a, b| a.value.total_cmp(&b.value));
+    let is_at = |row: &BranchRow| {
+        row.kind == BranchKind::Cut.name() && row.omega.0 <= birth.omega && birth.omega <= row.omega.1
+    };
+    next.is_some_and(|level| level.others().any(is_at))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_a_bound_cuts_off_is_not_found_at_other_levels() {
+        let birth = CurvePoint { forcing: 1.0, omega: 2.0, event: Some("birth".into()), ..CurvePoint::default() };
+        let curves = [CurveRow { points: vec![birth], ..CurveRow::default() }];
+        let told = |kind: &str, omega| {
+            let row = BranchRow { kind: kind.into(), omega, ..BranchRow::default() };
+            let level = Level { amplitude: "2".into(), value: 2.0, branches: vec![row], ..Level::default() };
+            born(&[level], &curves, FrequencySettings::default())
+        };
+        assert!(told("cut", (1.5, 2.5)).ends_with("(one is born below them, not confirmed with twice the harmonics: what is cut off by a bound may be it, which wider bounds show)"), "{}", told("cut", (1.5, 2.5)));
+        for other in [told("cut", (2.5, 3.0)), told("branched", (1.5, 2.5))] {
+            assert!(other.contains(": isola extend RUN --amplitudes "), "{other}");
+        }
+    }
 
     #[test]
     fn orders_that_were_not_looked_for() {

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+import sys
 import warnings
 from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property
@@ -23,6 +24,11 @@ from .levels import Omissions, levels, named
 from .motions import Motions, index_of
 from .names import Names, model
 from .store import Reading, Store
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
 
 if TYPE_CHECKING:
     from ..plots import Plots
@@ -96,6 +102,15 @@ class StoredRun(Mapping[str, Motions]):
     def study(self) -> str:
         """The study with every setting spelled out, TOML."""
         return str(self.meta.get("study", ""))
+
+    @property
+    def units(self) -> str:
+        """Units in which the run is shown, as ``isola sweep --units`` takes them; numbers of the run are in SI units."""
+        try:
+            study = tomllib.loads(self.study)
+        except tomllib.TOMLDecodeError:
+            study = {}
+        return str(study.get("units", "m,rad/s")).replace("µm", "um")
 
     @property
     def stage(self) -> str:
