@@ -6,8 +6,7 @@ use std::f64::consts::TAU;
 use toml::Value;
 
 /// Numerical settings that are frequencies.
-pub const FREQUENCIES: [&str; 4] =
-    ["frequency.min", "frequency.max", "backbone.min_frequency", "backbone.max_frequency"];
+const FREQUENCIES: [&str; 4] = ["frequency.min", "frequency.max", "backbone.min_frequency", "backbone.max_frequency"];
 
 /// Puts numbers of rad/s in place of texts with a unit.
 ///

@@ -172,9 +172,13 @@ fn sentence(backbone: &BackboneCurve, number: usize, run: &Run, level: Option<(u
         WindowOutcome::Found(branches) => branches.split("; ").any(|branch| branch.starts_with("main")),
         _ => false,
     };
+    // The first point of a piece stands for the gap before it.
+    let starts = |piece: &Piece| (piece.points.start..=piece.points.start + 1).contains(&(run.first.ceil() as usize));
+    let crosses = backbone.pieces.iter().skip(1).any(starts);
     let which = match (run.first == 0.0, window.is_some_and(is_main)) {
         (true, true) => "begins where the backbone does: main branch",
         (true, false) => "begins where the backbone does: main branch, as a rule",
+        _ if crosses => "begins where a curve crosses the backbone: branches off another response, as a rule",
         _ => "separate: an isola, unless the main branch reaches it",
     };
     let outcome = match (level, window.map(|window| &window.outcome)) {
@@ -293,6 +297,10 @@ mod tests {
                 windows.iter().map(|window| [window.first, window.best, window.last]).collect();
             assert_eq!(places, expected, "{amplitude}");
             assert_eq!(places.len(), if amplitude < 1.0 { 2 } else { 3 });
+            // Next to the crossing the force does no work, and windows of any forcing but this are separate.
+            let told = sentence(&curve, 2, &runs[1], None);
+            let which = if amplitude < 1.0 { "; separate: an isola" } else { "; begins where a curve crosses" };
+            assert!(told.contains(which), "{amplitude}: {told}");
         }
         assert!(curve.peaks.iter().all(|peak| !begins.contains(&peak.index)), "{:?}", curve.peaks);
     }

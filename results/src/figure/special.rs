@@ -2,7 +2,7 @@
 
 use super::data::Series;
 use super::style::{Color, MARK, Shape, Style};
-use crate::curves::Curve;
+use crate::curves::{Curve, largest};
 use solver::response::branch::SpecialKind;
 use solver::response::certificate::Standing;
 
@@ -25,11 +25,6 @@ pub(super) fn mark(kind: SpecialKind, color: Color) -> Style {
     Style::marks(color, shape, 0.8 * MARK, true)
 }
 
-/// Index of the largest value.
-fn highest(values: &[f64]) -> Option<usize> {
-    (0..values.len()).max_by(|&a, &b| values[a].total_cmp(&values[b]))
-}
-
 /// Marks at the peaks and folds of a branch.
 pub fn special_points<'s>(branch: &'s Curve, curve: &'s Series, color: Color) -> impl Iterator<Item = Series> + 's {
     let spread = |values: &[f64]| super::axis::bounds(values.iter().copied());
@@ -49,7 +44,7 @@ pub fn special_points<'s>(branch: &'s Curve, curve: &'s Series, color: Color) ->
         let places: Vec<usize> = special.filter(is_shown).collect();
         // Each monitored dof has its own peak.
         let places_of = |m: usize| match kind {
-            SpecialKind::Peak if m > 0 => highest(&branch.amplitude[m].values).into_iter().collect(),
+            SpecialKind::Peak if m > 0 => vec![largest(&branch.amplitude[m].values)],
             _ => places.clone(),
         };
         let marks = || Series {

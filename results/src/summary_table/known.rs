@@ -6,7 +6,6 @@ use crate::overview::{Level, Omissions, Overview, bounds, doubts};
 use crate::store::{CurveRow, MotionRow, PushRow, Reader, Result, SearchCounts};
 use protocol::backbone::BackboneMessage;
 use protocol::curve::Size;
-use protocol::model::ModelMessage;
 use protocol::to_everyone::Stage;
 use solver::response::backbone::Backbone;
 use solver::response::branch::Outcome;
@@ -63,9 +62,8 @@ impl Known {
         let awaits_backbones = backbone.as_ref().is_some_and(Option::is_none);
         let further = omissions.read("Further backbones are", reader.further_backbones()).unwrap_or_default();
         let model = overview.model.as_ref().and_then(|message| message.model().ok());
-        let names =
-            |model: &ModelMessage| model.monitors.iter().filter_map(|&dof| model.dofs.get(dof)).cloned().collect();
-        let monitors: Vec<String> = overview.model.as_ref().map(names).unwrap_or_default();
+        let names = |model: &Model| model.monitors().iter().map(|&dof| model.dofs()[dof].clone()).collect();
+        let monitors: Vec<String> = model.as_ref().map(names).unwrap_or_default();
         let others = monitors::others(reader, &overview.levels, &monitors);
         let decoded = |message: BackboneMessage| {
             (message.mode, model.as_ref().and_then(|model| message.backbone(&Size::of(model)).ok()))

@@ -2,7 +2,7 @@
 
 use super::units::Units;
 use crate::overview::{Level, in_words};
-use crate::store::{Reader, Result};
+use crate::store::{BranchRow, Reader, Result};
 
 /// Monitored dofs that are named.
 const NAMED: usize = 4;
@@ -10,8 +10,10 @@ const NAMED: usize = 4;
 /// How far one of them moves at most.
 pub(super) struct Largest {
     name: String,
-    /// Amplitude, m, and frequency, rad/s.
-    peak: (f64, f64),
+    /// m.
+    amplitude: f64,
+    /// rad/s.
+    omega: f64,
     /// The branch, and its level.
     at: String,
 }
@@ -21,30 +23,29 @@ pub(super) struct Largest {
 /// # Errors
 /// If the store cannot be read.
 pub(super) fn others(reader: &Reader, levels: &[Level], names: &[String]) -> Result<Vec<Largest>> {
-    let mut list: Vec<Largest> = Vec::new();
-    if names.len() < 2 {
-        return Ok(list);
-    }
-    for level in levels {
-        for row in &level.branches {
-            let peaks = reader.monitor_peaks(row)?;
-            for (name, &peak) in names.iter().zip(&peaks).skip(1).filter(|(_, peak)| peak.0.is_finite()) {
-                let at = || format!("{} at A = {}", in_words(row), level.amplitude);
-                match list.iter_mut().find(|largest| largest.name == *name) {
-                    None => list.push(Largest { name: name.clone(), peak, at: at() }),
-                    Some(largest) if peak.0 > largest.peak.0 => (largest.peak, largest.at) = (peak, at()),
-                    Some(_) => {}
-                }
+    let mut highest: Vec<Option<(f64, usize, &Level, &BranchRow)>> = vec![None; names.len()];
+    let rows = levels.iter().flat_map(|level| level.branches.iter().map(move |row| (level, row)));
+    for (level, row) in rows.filter(|_| names.len() > 1) {
+        for (known, (amplitude, point)) in highest.iter_mut().zip(reader.monitor_peaks(row)?) {
+            if amplitude.is_finite() && known.is_none_or(|known| amplitude > known.0) {
+                *known = Some((amplitude, point, level, row));
             }
         }
+    }
+    let mut list = Vec::new();
+    for (name, largest) in names.iter().zip(highest).skip(1) {
+        let Some((amplitude, point, level, row)) = largest else { continue };
+        let Some(omega) = reader.omega_at(row, point)? else { continue };
+        let at = format!("{} at A = {}", in_words(row), level.amplitude);
+        list.push(Largest { name: name.clone(), amplitude, omega, at });
     }
     Ok(list)
 }
 
 /// All of them in a sentence.
 pub(super) fn sentence(others: &[Largest], Units { length, frequency }: Units) -> Option<String> {
-    let of = |Largest { name, peak, at }: &Largest| {
-        format!("{name} {} {length} at {} {frequency}, on {at}", length.digits(peak.0), frequency.digits(peak.1))
+    let of = |Largest { name, amplitude, omega, at }: &Largest| {
+        format!("{name} {} {length} at {} {frequency}, on {at}", length.digits(*amplitude), frequency.digits(*omega))
     };
     let named: Vec<String> = others.iter().take(NAMED).map(of).collect();
     let more = others.len().saturating_sub(NAMED);

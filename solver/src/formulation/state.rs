@@ -92,6 +92,11 @@ impl State {
         self.combine(model.modes().shapes.row(dof).iter().copied())
     }
 
+    /// The same of every dof.
+    pub fn displacements(&self, model: &Model) -> Vec<Vec<f64>> {
+        (0..model.size()).map(|dof| self.displacement(model, dof)).collect()
+    }
+
     /// Displacement (m) and velocity (m/s) of a dof at `count` instants, evenly spread over a period from t = 0 on. A decaying motion is
     /// taken as periodic: ζ is left out.
     pub fn over_period(&self, model: &Model, dof: usize, count: usize) -> Vec<[f64; 2]> {

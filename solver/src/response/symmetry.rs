@@ -242,10 +242,7 @@ impl Asymmetry {
 /// parts it goes on as its own image, and its frequency turns, but nothing is singular along it.
 pub(super) fn without_turns_at_crossings(model: &Model, branch: &mut Branch) {
     for exchange in model.exchanges() {
-        let asymmetry = |point: &BranchPoint| {
-            let motions: Vec<Vec<f64>> = (0..model.size()).map(|dof| point.state.displacement(model, dof)).collect();
-            exchange.asymmetry(model, &motions)
-        };
+        let asymmetry = |point: &BranchPoint| exchange.asymmetry(model, &point.state.displacements(model));
         let shares: Vec<f64> = branch.points.iter().map(asymmetry).collect();
         let farthest = shares.iter().copied().fold(0.0, f64::max);
         let is_next_to = |index: usize| shares[index] < ASYMMETRIC.min(NEXT_TO * farthest);

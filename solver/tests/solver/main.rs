@@ -2,6 +2,7 @@
 //! the compiler links the solver once.
 
 mod bad_input;
+mod bad_values;
 mod balance;
 mod branch_points;
 mod branching;

@@ -48,39 +48,44 @@ impl<P: Problem> Continuation<'_, P> {
         if is_near_crossing {
             point.orientation = self.orientation_at(&point).unwrap_or(point.orientation);
         }
-        let metric = self.problem.metric();
-        let moved: Vec<f64> = point.y.iter().zip(&from.y).map(|(a, b)| a - b).collect();
-        let cosine = inner(metric, &moved, &from.tangent) / norm(metric, &moved);
-        let mean: Vec<f64> = point.tangent.iter().zip(&from.tangent).map(|(a, b)| a + b).collect();
-        let straightness = inner(metric, &moved, &mean) / (norm(metric, &moved) * norm(metric, &mean));
-        // A step that does not move has no angle.
-        let is_bent = self.step > self.settings.max_step && straightness < STRAIGHT;
-        let turned = inner(metric, &point.tangent, &from.tangent);
-        let is_off =
-            cosine.is_nan() || cosine < self.settings.min_cosine || is_bent || (is_near_crossing && turned < TURNED);
+        let (ahead, off) = self.angles([&from, &point], is_near_crossing);
         let turns = point.orientation.signum() != from.orientation.signum();
         if !self.problem.are_neighbours(&from.y, &point.y) || self.problem.hops(&from.y, &point.y) {
             return Err(Rejection::Distance);
         }
         // Corners (a law that changes its slope) and crossings stay what they are however short the step. So does the way back:
         // where two curves nearly meet, it leads across as well, but only as long as the step is longer than the gap.
-        if is_off || turns {
+        if off.is_some() || turns {
             let is_shortest = self.step <= CROSSING * self.shortest();
-            let crossing = if is_off || is_shortest { None } else { self.crossing(&from, &point) };
+            let crossing = if off.is_some() || is_shortest { None } else { self.crossing(&from, &point) };
             let is_led = |before: &CurvePoint| crossing::is_led_to(before, [&from, &point]);
             let is_next = is_shortest || (crossing.is_some() && self.previous.as_ref().is_some_and(is_led));
-            if !(is_next && cosine > 0.0 && self.leads_back(&point, &from)) {
+            if !(is_next && ahead > 0.0 && self.leads_back(&point, &from)) {
                 if let Some(point) = crossing.and_then(|arc| self.before_crossing(&from, arc)) {
                     return Ok(point);
                 }
-                return Err(if is_off {
-                    Rejection::Angle(if is_bent { straightness } else { cosine.min(turned) })
-                } else {
-                    Rejection::Orientation
-                });
+                return Err(off.map_or(Rejection::Orientation, Rejection::Angle));
             }
         }
         Ok(point)
+    }
+
+    /// Cosine between a step and the tangent that it was taken along, and the one that says that it is none along the curve, if one does.
+    fn angles(&self, [from, to]: [&CurvePoint; 2], is_near_crossing: bool) -> (f64, Option<f64>) {
+        let metric = self.problem.metric();
+        let moved: Vec<f64> = to.y.iter().zip(&from.y).map(|(a, b)| a - b).collect();
+        let ahead = inner(metric, &moved, &from.tangent) / norm(metric, &moved);
+        let mean: Vec<f64> = to.tangent.iter().zip(&from.tangent).map(|(a, b)| a + b).collect();
+        let straightness = inner(metric, &moved, &mean) / (norm(metric, &moved) * norm(metric, &mean));
+        let turned = inner(metric, &to.tangent, &from.tangent);
+        // A step that does not move has no angle.
+        let is_off = ahead.is_nan() || ahead < self.settings.min_cosine;
+        let off = match (self.step > self.settings.max_step && straightness < STRAIGHT, is_off) {
+            (true, _) => Some(straightness),
+            (false, true) => Some(ahead),
+            (false, false) => Some(turned).filter(|turned| is_near_crossing && *turned < TURNED),
+        };
+        (ahead, off)
     }
 
     /// The determinant at a point itself.

@@ -12,7 +12,7 @@ impl PressureForm<'_> {
         let modal = scaled.iter().map(|s| s * self.system.scales.modal).collect();
         let state = State { modal, arguments: Vec::new(), ..self.current };
         let model = self.system.model;
-        let motions: Vec<Vec<f64>> = (0..model.size()).map(|dof| state.displacement(model, dof)).collect();
+        let motions = state.displacements(model);
         self.exchanges.iter().map(|exchange| exchange.asymmetry(model, &motions)).collect()
     }
 }

@@ -8,5 +8,6 @@ pub mod geometry;
 pub mod hill;
 pub mod linear;
 pub mod march;
+pub mod messages;
 pub mod ring;
 pub mod study;
