@@ -242,7 +242,9 @@ def _heard(arguments: Sequence[str], show: Callable[[str], None]) -> tuple[list[
     try:
         for line in process.stderr:
             said.append(line)
-            show(line.rstrip())
+            # What ends it is raised, in the words of Python.
+            if not line.startswith("error: "):
+                show(line.rstrip())
         return said, process.wait()
     except BaseException:
         _stop(process)

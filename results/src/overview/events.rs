@@ -4,7 +4,7 @@ use super::counted::{Counted, counted};
 use super::event_words::{BIRTH, DEATH, MERGE};
 use super::folds::{events_of, is_same};
 use super::level::Level;
-use super::lives::{Life, lives};
+use super::lives::{Lasting, Life, lasting, lives};
 use super::merges::{Merge, merges};
 use crate::store::{CurvePoint, CurveRow};
 use crate::words::digits;
@@ -87,8 +87,10 @@ pub fn events_sentence(curves: &[CurveRow], levels: &[Level], frequency: impl Fn
     let [births, deaths] = [CriticalKind::Birth, CriticalKind::Death].map(|kind| events_of(curves, kind.name()));
     let is_doubtful = |point: &&CurvePoint| point.doubled.is_none();
     let is_any_doubtful = births.iter().chain(&deaths).any(is_doubtful) || merged.iter().any(|m| is_doubtful(&m.point));
+    let lasting: Vec<Lasting<'_>> = lasting(curves).into_iter().filter(|lasting| !is_told(lasting.from)).collect();
+    let lasts = |point: &CurvePoint| lasting.iter().any(|lasting| is_same(lasting.from, point));
     let [births, deaths] = [births, deaths].map(|mut points| {
-        points.retain(|point| !is_told(point));
+        points.retain(|point| !is_told(point) && !lasts(point));
         points
     });
     let mut told = Vec::new();
@@ -114,17 +116,27 @@ pub fn events_sentence(curves: &[CurveRow], levels: &[Level], frequency: impl Fn
     let are_others = others.iter().any(Option::is_some);
     let unrelated = [!births.is_empty(), !deaths.is_empty(), are_others].into_iter().filter(|is| *is).count() > 1;
     let more = lives.len().saturating_sub(LIVES);
-    let parts: Vec<String> =
-        (lives.iter().take(LIVES).map(|life| in_words(life, &merged, |point| counted(point, levels, curves), place)))
-            .chain((more > 0).then(|| format!("{more} more isolas are born and end")))
-            .chain(part(&births, BIRTH.one, BIRTH.several))
-            .chain(part(&deaths, DEATH.one, DEATH.several))
-            .chain(told)
-            .chain(others.into_iter().flatten())
-            .chain(unrelated.then(|| UNRELATED.into()))
-            .collect();
+    let parts: Vec<String> = (lives
+        .iter()
+        .take(LIVES)
+        .map(|life| in_words(life, &merged, |point| counted(point, levels, curves), place)))
+    .chain((more > 0).then(|| format!("{more} more isolas are born and end")))
+    .chain(lasting.iter().take(NAMED).map(|one| without_end(one, place)))
+    .chain((lasting.len() > NAMED).then(|| format!("{} more are born and come to no end", lasting.len() - NAMED)))
+    .chain(part(&births, BIRTH.one, BIRTH.several))
+    .chain(part(&deaths, DEATH.one, DEATH.several))
+    .chain(told)
+    .chain(others.into_iter().flatten())
+    .chain(unrelated.then(|| UNRELATED.into()))
+    .collect();
     let doubt = if is_any_doubtful { format!(" ({UNKNOWN} {UNCONFIRMED})") } else { String::new() };
     (!parts.is_empty()).then(|| format!("Computed along fold curves: {}.{doubt}", parts.join("; ")))
+}
+
+/// An isola from its birth to where its edges are followed to.
+fn without_end(lasting: &Lasting<'_>, place: impl Fn(&CurvePoint) -> String) -> String {
+    let (from, to) = (place(lasting.from), digits(lasting.to, AGREED));
+    format!("{} at A = {from}, and its edges, followed up to A = {to}, come to no end", BIRTH.one)
 }
 
 /// An isola from its birth to its end.
@@ -134,26 +146,23 @@ fn in_words(
     counted: impl Fn(&CurvePoint) -> Option<Counted>,
     place: impl Fn(&CurvePoint) -> String,
 ) -> String {
-    let what = |point: &CurvePoint| {
-        let merge = merged.iter().find(|merge| is_same(merge.point, point));
-        merge.map(|merge| merge.what.clone())
-    };
+    let merge = |point: &CurvePoint| merged.iter().find(|merge| is_same(merge.point, point));
+    // That isola is this one.
+    let it =
+        |merge: &Merge<'_>| merge.of_isola.as_ref().map(|does| format!("it {does}")).or_else(|| merge.what.clone());
     let (from, to) = (place(life.from), place(life.to));
-    let end = match what(life.to) {
-        None => format!("where it {}", DEATH.verb),
-        Some(None) => match counted(life.to) {
-            Some(Counted::Merges) => "where it merges with another branch".into(),
-            _ => "where it merges or parts".into(),
-        },
-        // That isola is this one.
-        Some(Some(what)) => format!("where {}", what.replacen("an isola merges", "it merges", 1)),
+    let end = match (merge(life.to), counted(life.to)) {
+        (None, _) => format!("it {}", DEATH.verb),
+        (Some(merge), counted) => it(merge).unwrap_or_else(|| match counted {
+            Some(Counted::Merges) => "it merges with another branch".into(),
+            _ => "it merges or parts".into(),
+        }),
     };
-    match what(life.from) {
-        None => format!("{} at A = {from} and lasts to A = {to}, {end}", BIRTH.one),
-        Some(start) => {
-            let start = start.unwrap_or_else(|| MERGE.several.into());
-            let start = start.replacen("an isola parts", "it parts", 1);
-            format!("an isola begins at A = {from}, where {start}, and lasts to A = {to}, {end}")
+    match merge(life.from) {
+        None => format!("{} at A = {from} and lasts to A = {to}, where {end}", BIRTH.one),
+        Some(merge) => {
+            let start = it(merge).unwrap_or_else(|| MERGE.several.into());
+            format!("an isola begins at A = {from}, where {start}, and lasts to A = {to}, where {end}")
         }
     }
 }
@@ -197,13 +206,19 @@ mod tests {
         let others = "branches also merge or part at A = 7 (14 rad/s); which of these belong together is not known.";
         assert_eq!(say(&[known, other]).unwrap(), format!("{before}{told}; {others}"));
         assert_eq!(say(&[]), None);
+        // Of one that ends nowhere it is told how far it was looked for.
+        let lasting = curve(&[(6.0, ""), (1.5, "birth"), (3.0, "")]);
+        assert_eq!(
+            say(&[lasting]).unwrap(),
+            "Computed along fold curves: an isola is born at A = 1.5 (3 rad/s), and its edges, followed up to A = 3, come to no end."
+        );
         // One whose other edge is known beyond is told from its birth to its end, and so is what leads to a death.
         let mut whole = curve(&[(1.0, ""), (4.0, "merge"), (1.5, "birth"), (5.0, "")]);
         let lasts =
             "Computed along fold curves: an isola is born at A = 1.5 (3 rad/s) and lasts to A = 4 (8 rad/s), where";
         assert_eq!(say(&[whole.clone()]).unwrap(), format!("{lasts} it merges or parts."));
         whole.crossings = vec![crossing(0, "main"), crossing(1, "isola 1")];
-        assert_eq!(say(&[whole.clone()]).unwrap(), format!("{lasts} {}.", told.replace(" at A = 4 (8 rad/s)", "")));
+        assert_eq!(say(&[whole.clone()]).unwrap(), format!("{lasts} it merges with the main branch."));
         let dies = curve(&[(5.0, ""), (9.0, "death"), (6.0, "merge"), (7.0, "")]);
         let begins = "an isola begins at A = 6 (12 rad/s), where branches merge or part, and lasts to A = 9 (18 rad/s), where it \
                       dies.";

@@ -68,14 +68,19 @@ pub fn levels_after(births: &[&CurvePoint], levels: &[Level], curves: &[CurveRow
     let others: Vec<f64> = values.chain(ends.map(|end| end.forcing)).chain([followed]).collect();
     let after = |birth: &&CurvePoint| {
         let above = others.iter().copied().filter(|other| *other > birth.forcing * (1.0 + SAME)).reduce(f64::min)?;
-        let middle = f64::midpoint(birth.forcing, above);
-        // A digit less than that keeps it between the two.
-        let between = |count: &i32| digits(middle, *count).parse().is_ok_and(|a: f64| a > birth.forcing && a < above);
-        (1..=DIGITS).find(between).map(|count| digits(middle, count))
+        level_between(birth.forcing, above)
     };
     let mut list: Vec<String> = births.iter().filter_map(after).collect();
     list.dedup();
     list
+}
+
+/// A level half way between two forcing amplitudes, in few digits.
+pub fn level_between(low: f64, high: f64) -> Option<String> {
+    let middle = f64::midpoint(low, high);
+    // A digit less than that keeps it between the two.
+    let is_between = |count: &i32| digits(middle, *count).parse().is_ok_and(|a: f64| a > low && a < high);
+    (1..=DIGITS).find(is_between).map(|count| digits(middle, count))
 }
 
 /// Most digits of such a level.

@@ -34,6 +34,44 @@ pub fn lives(curves: &[CurveRow]) -> Vec<Life<'_>> {
     found
 }
 
+/// An isola that is not known to end.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Lasting<'c> {
+    /// Where it is born.
+    pub from: &'c CurvePoint,
+    /// Largest forcing amplitude up to which both of its edges are known.
+    pub to: f64,
+}
+
+/// The isolas of which a birth is known and no end, where it is sure that both edges up to there are those of an isola, by forcing.
+pub fn lasting(curves: &[CurveRow]) -> Vec<Lasting<'_>> {
+    let mut found: Vec<Lasting<'_>> = curve_events(curves)
+        .into_iter()
+        .filter(|event| event.kind == CriticalKind::Birth.name())
+        .filter_map(|event| known_up_to(curves, event.point))
+        .collect();
+    found.sort_by(|a, b| a.from.forcing.total_cmp(&b.from.forcing));
+    found
+}
+
+/// How far what is born at a point is known, if nothing ends it before.
+fn known_up_to<'c>(curves: &'c [CurveRow], from: &'c CurvePoint) -> Option<Lasting<'c>> {
+    let (curve, at) = curves.iter().find_map(|curve| {
+        let at = curve.points.iter().position(|other| std::ptr::eq(other, from))?;
+        Some((curve, at))
+    })?;
+    let edges = [false, true].map(|is_onwards| edge(curve, at, is_onwards, true));
+    let to = edges.iter().map(|edge| edge.farthest).fold(f64::INFINITY, f64::min);
+    let is_isola =
+        |edge: &Edge<'_>| edge.crossings.iter().all(|crossing| crossing.branch.starts_with(BranchKind::Isola.name()));
+    let end = CurvePoint { forcing: to, ..CurvePoint::default() };
+    let is_sure = to > from.forcing
+        && edges.iter().all(|edge| edge.is_open && is_isola(edge))
+        && !is_disturbed(curves, &[from, &end])
+        && !is_lost(curves, from, &end);
+    is_sure.then_some(Lasting { from, to })
+}
+
 /// Whether a curve is lost between two forcing amplitudes: what happens where it goes on may be about anything.
 fn is_lost(curves: &[CurveRow], from: &CurvePoint, to: &CurvePoint) -> bool {
     let unfinished = curves.iter().filter(|curve| curve.is_unfinished);
@@ -73,6 +111,8 @@ fn other_end<'c>(curves: &'c [CurveRow], point: &CurvePoint, is_birth: bool) -> 
 struct Edge<'c> {
     /// The event that it comes to, if that is known.
     event: Option<&'c CurvePoint>,
+    /// Whether it goes on to the end of the curve.
+    is_open: bool,
     /// The forcing amplitude farthest from where it begins, up to there.
     farthest: f64,
     /// Levels that it crosses up to there.
@@ -84,9 +124,12 @@ fn edge(curve: &CurveRow, start: usize, is_onwards: bool, is_birth: bool) -> Edg
     let points = &curve.points;
     let origin = points[start].forcing;
     let (mut i, mut is_rising) = (start, is_birth);
-    let mut edge = Edge { event: None, farthest: origin, crossings: Vec::new() };
+    let mut edge = Edge { event: None, is_open: false, farthest: origin, crossings: Vec::new() };
     for _ in 0..points.len() {
-        let Some((segment, j)) = next(curve, i, is_onwards) else { break };
+        let Some((segment, j)) = next(curve, i, is_onwards) else {
+            edge.is_open = true;
+            break;
+        };
         let there = points[j].forcing;
         if (there > points[i].forcing) != is_rising {
             match points[i].event.as_deref() {
@@ -138,6 +181,24 @@ mod tests {
         closed.points.push(CurvePoint { event: None, ..closed.points[0].clone() });
         assert_eq!(told(&[closed]), [(1.0, 3.0)]);
         assert_eq!(told(&[curve(&[(1.0, "birth"), (2.0, "")])]), []);
+    }
+
+    #[test]
+    fn what_comes_to_no_end() {
+        let told =
+            |curves: &[CurveRow]| lasting(curves).iter().map(|one| (one.from.forcing, one.to)).collect::<Vec<_>>();
+        let both = curve(&[(4.0, ""), (1.0, "birth"), (2.0, ""), (3.0, "")]);
+        assert_eq!(told(std::slice::from_ref(&both)), [(1.0, 3.0)]);
+        // Something else may be its end, or an edge turns or is lost before.
+        for other in [curve(&[(9.0, ""), (2.5, "merge"), (9.0, "")]), curve(&[(9.0, ""), (2.5, "unknown"), (9.0, "")])]
+        {
+            assert_eq!(told(&[both.clone(), other]), []);
+        }
+        assert_eq!(told(&[curve(&[(4.0, ""), (1.0, "birth"), (3.0, ""), (2.0, "")])]), []);
+        assert_eq!(told(&[curve(&[(4.0, ""), (1.0, "birth"), (3.0, "merge"), (2.0, "")])]), []);
+        assert_eq!(told(&[CurveRow { is_unfinished: true, ..both.clone() }]), []);
+        let met = Crossing { segment: 1, forcing: 1.5, branch: "main".into(), ..Crossing::default() };
+        assert_eq!(told(&[CurveRow { crossings: vec![met], ..both }]), []);
     }
 
     #[test]

@@ -18,6 +18,8 @@ pub struct Merge<'c> {
     pub point: &'c CurvePoint,
     /// Which branches do what there as the forcing grows, if that is known for sure.
     pub what: Option<String>,
+    /// What that is of the isola that takes part in it, if that is only one: what follows its name, as in "merges with the main branch".
+    pub of_isola: Option<String>,
     /// What that is, in a word or so.
     pub verb: &'static str,
 }
@@ -36,8 +38,8 @@ pub fn merges(curves: &[CurveRow]) -> Vec<Merge<'_>> {
             curve.points.iter().enumerate().filter(here).map(move |(i, _)| (curve, i))
         });
         match places.into_iter().find_map(|(curve, i)| words(curves, curve, i)) {
-            Some((what, verb)) => Merge { point, what: Some(what), verb },
-            None => Merge { point, what: None, verb: MERGE.verb },
+            Some(Told { what, of_isola, verb }) => Merge { point, what: Some(what), of_isola, verb },
+            None => Merge { point, what: None, of_isola: None, verb: MERGE.verb },
         }
     };
     events_of(curves, CriticalKind::Merge.name()).into_iter().map(merge).collect()
@@ -52,7 +54,14 @@ enum Party<'c> {
     Isola(f64, bool),
 }
 
-fn words(curves: &[CurveRow], curve: &CurveRow, merge: usize) -> Option<(String, &'static str)> {
+/// A merge in words, as [`Merge`] has them.
+struct Told {
+    what: String,
+    of_isola: Option<String>,
+    verb: &'static str,
+}
+
+fn words(curves: &[CurveRow], curve: &CurveRow, merge: usize) -> Option<Told> {
     let (first, from) = beside(curve, merge, false)?;
     let (second, to) = beside(curve, merge, true)?;
     let point = &curve.points[merge];
@@ -95,11 +104,16 @@ fn words(curves: &[CurveRow], curve: &CurveRow, merge: usize) -> Option<(String,
     if one == other {
         // Two strands of one curve: beside what goes from bound to bound there is a closed one on the other side.
         let (it, is_closed) = (one.name(), one.kind() == Some(BranchKind::Isola));
+        let of_one = |does: &str, verb| Told {
+            what: format!("an isola {does} {it}"),
+            of_isola: Some(format!("{does} {it}")),
+            verb,
+        };
         return Some(match (is_below, is_closed) {
-            (true, true) => (format!("{it} parts in two"), PARTS),
-            (true, false) => (format!("an isola parts from {it}"), PARTS),
-            (false, true) => (format!("two isolas merge into {it}"), MERGES),
-            (false, false) => (format!("an isola merges into {it}"), MERGES),
+            (true, true) => Told { what: format!("{it} parts in two"), of_isola: None, verb: PARTS },
+            (true, false) => of_one("parts from", PARTS),
+            (false, true) => Told { what: format!("two isolas merge into {it}"), of_isola: None, verb: MERGES },
+            (false, false) => of_one("merges into", MERGES),
         });
     }
     let verb = match kinds.contains(&Some(BranchKind::Isola)) {
@@ -112,7 +126,11 @@ fn words(curves: &[CurveRow], curve: &CurveRow, merge: usize) -> Option<(String,
         (Party::Branch(one, level), Party::Branch(_, same)) if level == same => format!("{one} and {}", other.name()),
         _ => format!("{} and {}", one.name(), other.name()),
     };
-    Some((format!("{names} {verb}"), verb))
+    // Of two isolas each could be the one.
+    let is_one = one.kind() == Some(BranchKind::Isola) && other.kind() != Some(BranchKind::Isola);
+    let does = if verb == MERGES { "merges with" } else { "parts from" };
+    let of_isola = is_one.then(|| format!("{does} {}", other.name()));
+    Some(Told { what: format!("{names} {verb}"), of_isola, verb })
 }
 
 /// What turns back along a curve on one side of a merge: the branch of the first level that the curve comes to, or an isola that

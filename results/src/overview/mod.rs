@@ -19,6 +19,7 @@ pub mod modes;
 mod near_largest;
 mod omissions;
 mod place;
+mod predicted;
 mod reasons;
 mod sampled;
 mod shift;
@@ -34,8 +35,8 @@ pub use event_words::{BIRTH, DEATH, EVENTS, EventWords, MERGE, MERGES};
 pub use events::{events_sentence, forcing_label, truncation_doubt};
 pub use excitation::{Excitation, SmallestMotion};
 pub use folds::{
-    CurveEvent, born_above, born_below, born_between, curve_events, events_of, later_birth, levels_after, most_folds,
-    not_followed, not_followed_sentence, why_no_folds,
+    CurveEvent, born_above, born_below, born_between, curve_events, events_of, later_birth, level_between,
+    levels_after, most_folds, not_followed, not_followed_sentence, why_no_folds,
 };
 pub use largest_stable::{StableResponse, largest_stable, largest_stable_sentence};
 pub use lesser::Lesser;
@@ -45,6 +46,7 @@ pub use merges::merge_verb;
 pub use near_largest::near_largest;
 pub use omissions::Omissions;
 pub use place::undetermined;
+pub use predicted::{Predicted, between_levels};
 pub use reasons::briefly;
 pub use sampled::sampled;
 pub use shift::{shift, shift_sentence};

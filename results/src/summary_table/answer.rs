@@ -20,7 +20,9 @@ const TOLD: f64 = 1e-3;
 pub(super) fn answer(known: &Known, units: Units) -> Vec<String> {
     let levels = known.levels();
     (search::excitation(known).into_iter())
-        .chain(isolas(levels).or_else(|| search::no_isola(known)).map(|found| found + &detached(levels)))
+        .chain(
+            isolas(levels).or_else(|| search::no_isola(known, units.frequency)).map(|found| found + &detached(levels)),
+        )
         .chain(largest(levels, units))
         .chain(stability::sentence(levels, units, is_told(levels)))
         .chain(known.doubts.as_deref().map(|doubts| format!("{}.", capitalised(doubts))))

@@ -1,8 +1,12 @@
 //! Pushes in words: for every isola the one of least energy found that ends on it.
 
 use super::Units;
-use crate::store::{PushRow, least_energy};
+use crate::overview::Level;
+use crate::store::{BranchRow, PushRow, least_energy};
 use crate::words::{digits, listed};
+
+/// Branches that are named of those that are not pushed onto.
+const NAMED: usize = 4;
 
 /// Digits of energies, impulses and velocities: they are bisected to 1 %.
 const DIGITS: i32 = 3;
@@ -20,6 +24,22 @@ pub(crate) fn sentences(pushes: &[PushRow], monitors: &[String], units: Units) -
         }
     }
     [smallest(&found, monitors), none(&unfound, monitors)].into_iter().flatten().chain(untried).collect()
+}
+
+/// Other detached branches that are stable in parts: only isolas are pushed onto.
+pub(crate) fn not_pushed_onto(levels: &[Level]) -> Option<String> {
+    let is_stable =
+        |row: &&BranchRow| !row.is_isola() && row.stability.as_ref().is_some_and(|known| known.stable > 0.0);
+    let name = |level: &Level, row: &BranchRow| format!("{} at A = {}", row.name(), level.amplitude);
+    let others: Vec<String> =
+        levels.iter().flat_map(|level| level.others().filter(is_stable).map(move |row| name(level, row))).collect();
+    let named = match &others[..] {
+        [] => return None,
+        few if few.len() <= NAMED => listed(few),
+        many => format!("{} and {} more", many[..NAMED].join(", "), many.len() - NAMED),
+    };
+    let are = if others.len() == 1 { "which is" } else { "which are" };
+    Some(format!("No push was tried onto {named}, {are} stable in parts too: only isolas are pushed onto."))
 }
 
 /// An isola, and the frequency at which it is pushed onto.
@@ -52,7 +72,7 @@ fn smallest(found: &[(&[PushRow], &PushRow, String)], monitors: &[String]) -> Op
         _ => "Smallest pushes found from main motions, one isola each that they end on:",
     };
     Some(format!(
-        "{begins} {}; of pushes in {} at one frequency an isola, the middle of what is stable of it.",
+        "{begins} {}; of pushes in {} at one frequency an isola, the middle of its stable part.",
         list.join("; "),
         crate::words::modes(&tried)
     ))
@@ -78,7 +98,7 @@ pub(crate) fn strength(push: &PushRow, monitors: &[String]) -> String {
         [push.energy(), push.impulse, push.velocity].map(|value| digits(value.unwrap_or_default().abs(), DIGITS));
     let sense = if push.velocity.is_some_and(|velocity| velocity < 0.0) { "−" } else { "+" };
     format!(
-        "{energy} J, all dofs at once in the shape of mode {}, {sense}{velocity} m/s at {} ({sense}{size} N s there for that mode alone)",
+        "{energy} J, all dofs at once in the shape of mode {}, {sense}{velocity} m/s at {} (what {sense}{size} N s at that dof put into the mode)",
         push.mode,
         dof(push, monitors)
     )
@@ -92,6 +112,7 @@ fn dof<'m>(push: &PushRow, monitors: &'m [String]) -> &'m str {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::store::Stability;
 
     fn row(mode: usize, impulse: Option<f64>, reason: Option<&str>) -> PushRow {
         PushRow {
@@ -121,8 +142,8 @@ mod tests {
         assert_eq!(
             said,
             "Smallest push found from the main motion that ends on isola 1 at A = 60 and 2665.46 rad/s: 5.43 J, all dofs at once in the shape \
-             of mode 1, +2.33 m/s at tip (+4.66 N s there for that mode alone), 0.25 of a period after the forcing is largest; of pushes in modes 1 to 3 at one frequency \
-             an isola, the middle of what is stable of it."
+             of mode 1, +2.33 m/s at tip (what +4.66 N s at that dof put into the mode), 0.25 of a period after the forcing is largest; of pushes in modes 1 \
+             to 3 at one frequency an isola, the middle of its stable part."
         );
         let doubtful = PushRow { confirmed: Some(false), ..row(1, Some(4.66), None) };
         assert!(told(&[doubtful]).contains(" is largest (not confirmed by longer marching); of pushes in mode 1 at"));
@@ -143,13 +164,34 @@ mod tests {
     }
 
     #[test]
+    fn other_branches_that_are_stable_in_parts_are_named() {
+        let row = |kind: &str, stable| BranchRow {
+            kind: kind.into(),
+            number: 1,
+            closed: kind == "isola",
+            stability: Some(Stability { stable, ..Stability::default() }),
+            ..BranchRow::default()
+        };
+        let told = |branches| not_pushed_onto(&[Level { amplitude: "2".into(), branches, ..Level::default() }]);
+        assert_eq!(told(vec![row("main", 1.0), row("isola", 1.0), row("branched", 0.0)]), None);
+        let said =
+            "No push was tried onto branched 1 at A = 2, which is stable in parts too: only isolas are pushed onto.";
+        assert_eq!(told(vec![row("branched", 0.5)]).unwrap(), said);
+        assert!(
+            told(vec![row("branched", 0.5), row("open", 1.0)])
+                .unwrap()
+                .contains("at A = 2 and open 1 at A = 2, which are")
+        );
+    }
+
+    #[test]
     fn energy_tells_which_is_the_smallest() {
         // A light dof takes a small impulse and much energy.
         let light = PushRow { velocity: Some(40.0), ..row(1, Some(0.5), None) };
         let heavy = PushRow { velocity: Some(0.2), ..row(2, Some(8.0), None) };
         let said = told(&[light, heavy]);
         assert!(
-            said.contains(": 0.8 J, all dofs at once in the shape of mode 2, +0.2 m/s at tip (+8 N s there"),
+            said.contains(": 0.8 J, all dofs at once in the shape of mode 2, +0.2 m/s at tip (what +8 N s at"),
             "{said}"
         );
     }

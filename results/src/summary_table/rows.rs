@@ -5,7 +5,8 @@ use super::known::Known;
 use super::units::Units;
 use crate::overview::{Lesser, Level, WindowOutcome, forcing_label, is_unconfirmed, later_birth, truncation_doubt};
 use crate::store::{BranchRow, CurveRow};
-use crate::words::count;
+use crate::words::{count, digits};
+use solver::response::backbone::{Backbone, BackbonePoint};
 use solver::response::branch::{BranchKind, Outcome};
 use solver::settings::FrequencySettings;
 
@@ -32,6 +33,8 @@ pub(super) struct Rows<'r> {
     has_exchanges: bool,
     /// Bounds of the frequency that were given.
     given: FrequencySettings,
+    /// The smallest threshold of the backbones; `None` if one of them is not known.
+    smallest: Option<f64>,
     /// Reasons, in the order in which rows are made.
     pub(super) notes: Footnotes,
 }
@@ -40,8 +43,16 @@ impl<'r> Rows<'r> {
     pub(super) fn new(known: &'r Known, units: Units) -> Self {
         let lesser = known.model.as_ref().map(Lesser::of).unwrap_or_default();
         let has_exchanges = known.model.as_ref().is_some_and(|model| !model.exchanges().is_empty());
-        let notes = Footnotes::default();
-        Self { units, mains: &known.mains, curves: &known.curves, lesser, has_exchanges, given: known.given, notes }
+        Self {
+            units,
+            mains: &known.mains,
+            curves: &known.curves,
+            lesser,
+            has_exchanges,
+            given: known.given,
+            smallest: smallest_threshold(&known.backbones),
+            notes: Footnotes::default(),
+        }
     }
 
     /// The cells of a level: its forcing amplitude, main branches, others, windows.
@@ -139,6 +150,19 @@ impl<'r> Rows<'r> {
         how.filter(|_| row.kind == BranchKind::Cut.name() && row.status.matches("frequency bound").count() == 2)
     }
 
+    /// The mark that tells why a level has no window, once the backbones are known.
+    fn without_window(&mut self, level: &Level) -> String {
+        let Some(smallest) = self.smallest else { return String::new() };
+        let why = match self.given {
+            _ if level.value < smallest => {
+                format!("the backbones, and with them windows, begin at A = {}", digits(smallest, 3))
+            }
+            FrequencySettings { min: None, max: None } => "no point of a backbone has this A as its threshold".into(),
+            _ => "no point of a backbone within frequency.min and frequency.max has this A as its threshold".into(),
+        };
+        self.notes.mark(why)
+    }
+
     /// In how many windows their seeds led to a branch, of how many, and what is missing of the level.
     fn windows(&mut self, level: &Level) -> String {
         let unit = self.units.frequency;
@@ -162,7 +186,7 @@ impl<'r> Rows<'r> {
         }
         let found = level.windows.iter().filter(|window| matches!(window.outcome, WindowOutcome::Found(_))).count();
         let mut lines = vec![match level.windows.len() {
-            0 => "no window".into(),
+            0 => format!("no window{}", self.without_window(level)),
             all => format!("{found} of {all}{}", marks.join(" ")),
         }];
         lines.extend((level.pending > 0).then(|| format!("{} to come", count(level.pending, "task"))));
@@ -180,6 +204,12 @@ impl<'r> Rows<'r> {
         lines.extend((results > 0).then(|| format!("{results} doubtful{}", self.notes.mark(contradicted()))));
         lines.join("\n")
     }
+}
+
+/// The smallest threshold of all backbones, if all of them are known.
+fn smallest_threshold(backbones: &[(usize, Option<Backbone>)]) -> Option<f64> {
+    let all: Vec<&Backbone> = backbones.iter().map(|(_, backbone)| backbone.as_ref()).collect::<Option<_>>()?;
+    all.into_iter().flat_map(|backbone| &backbone.points).map(BackbonePoint::threshold).reduce(f64::min)
 }
 
 /// Whether two branches have the same frequencies.

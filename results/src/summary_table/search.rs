@@ -1,15 +1,24 @@
 //! What was looked for, and that nothing was found: how much the table may be trusted to be complete.
 
 use super::known::Known;
+use super::units::FrequencyUnit;
 use crate::overview::{
-    BranchRow, Excitation, Level, LookedFor, SmallestMotion, born_above, born_below, born_between, levels_after,
-    truncation_doubt, why_no_folds,
+    BranchRow, Excitation, Level, LookedFor, Predicted, SmallestMotion, between_levels, born_above, born_below,
+    born_between, level_between, levels_after, truncation_doubt, why_no_folds,
 };
 use crate::store::{CurvePoint, CurveRow};
+use crate::words::{digits, listed};
 use solver::response::backbone::Backbone;
 use solver::response::branch::BranchKind;
+use solver::response::forced::SearchRange;
 use solver::response::orders::orders;
 use solver::settings::{Effort, FrequencySettings};
+
+/// Digits of forcing amplitudes that the energy balance, an estimate, predicts.
+const DIGITS: i32 = 3;
+
+/// Windows between levels that are named.
+const NAMED: usize = 3;
 
 /// What was looked for, in short.
 pub(super) fn looked_for(known: &Known) -> Option<String> {
@@ -44,13 +53,18 @@ pub(super) fn excitation(known: &Known) -> Option<String> {
 }
 
 /// That no level has an isola, once all of them are complete.
-pub(super) fn no_isola(known: &Known) -> Option<String> {
+pub(super) fn no_isola(known: &Known, unit: FrequencyUnit) -> Option<String> {
     let (settings, levels) = (known.settings.as_ref()?, known.levels());
     let has_none = |level: &Level| level.is_complete() && level.highest_isola().is_none();
     if levels.is_empty() || !levels.iter().all(has_none) {
         return None;
     }
-    let born = born(levels, &known.curves, known.bounds());
+    let backbones: Vec<&Backbone> = known.backbones.iter().filter_map(|(_, backbone)| backbone.as_ref()).collect();
+    let elsewhere = match born(levels, &known.curves, known.bounds()) {
+        // What was computed tells more than an estimate.
+        born if born.is_empty() => predicted(&between_levels(&backbones, levels, known.bounds()), levels, unit),
+        born => born,
+    };
     let only = match settings.search.effort {
         Effort::None => " in windows of the energy balance, where alone they were looked for (search.effort)",
         _ => "",
@@ -61,7 +75,7 @@ pub(super) fn no_isola(known: &Known) -> Option<String> {
         true => "; what is cut or unfinished may be one",
         false => "",
     };
-    Some(format!("No isola was found{born}{only}{unknown}."))
+    Some(format!("No isola was found{only}{elsewhere}{unknown}."))
 }
 
 /// How motions of further periods, for which nobody looked, are looked for, and which are the next.
@@ -103,7 +117,39 @@ fn born(levels: &[Level], curves: &[CurveRow], bounds: FrequencySettings) -> Str
         [level] => format!(": isola extend RUN --amplitudes {level} computes a level there"),
         list => format!(": isola extend RUN --amplitudes {} computes levels there", list.join(",")),
     };
-    format!(" at these levels ({what}{}{how})", truncation_doubt(&births))
+    format!(" at {} ({what}{}{how})", these(levels), truncation_doubt(&births))
+}
+
+/// What is predicted where there is no level, and how to look at it: what follows "no isola was found".
+fn predicted(windows: &[Predicted], levels: &[Level], unit: FrequencyUnit) -> String {
+    let place = |window: &Predicted| {
+        let to = if window.to.is_finite() { format!("to {}", digits(window.to, DIGITS)) } else { "on".into() };
+        let near = format!("near {} {unit}", unit.digits(window.omega));
+        format!("from A = {} {to} ({near})", digits(window.from, DIGITS))
+    };
+    let level = |window: &Predicted| {
+        let others = levels.iter().map(|level| level.value).chain([window.to, SearchRange::BEYOND * window.from]);
+        level_between(window.from, others.filter(|other| *other > window.from).fold(f64::INFINITY, f64::min))
+    };
+    let mut named: Vec<String> = windows.iter().take(NAMED).filter_map(level).collect();
+    named.dedup();
+    let places: Vec<String> = windows.iter().take(NAMED).map(place).collect();
+    match named.len() {
+        0 => String::new(),
+        count => format!(
+            " at {} (the energy balance, an estimate, predicts responses apart from the main branch {}: isola extend RUN --amplitudes {} computes \
+             {})",
+            these(levels),
+            listed(&places),
+            named.join(","),
+            if count == 1 { "a level there" } else { "levels there" }
+        ),
+    }
+}
+
+/// All levels, in words.
+fn these(levels: &[Level]) -> &'static str {
+    if levels.len() == 1 { "this level" } else { "these levels" }
 }
 
 /// Whether at the level next above a birth a branch that a bound cuts off is at its frequency.
@@ -133,6 +179,29 @@ mod tests {
         for other in [told("cut", (2.5, 3.0)), told("branched", (1.5, 2.5))] {
             assert!(other.contains(": isola extend RUN --amplitudes "), "{other}");
         }
+    }
+
+    #[test]
+    fn what_is_predicted_where_there_is_no_level() {
+        let told = |windows: &[Predicted], levels: &[f64]| {
+            let level = |value: &f64| Level { value: *value, ..Level::default() };
+            predicted(windows, &levels.iter().map(level).collect::<Vec<_>>(), FrequencyUnit::default())
+        };
+        let window = Predicted { from: 2.0, to: 3.0, omega: 5.0 };
+        assert_eq!(
+            told(&[window], &[1.0]),
+            " at this level (the energy balance, an estimate, predicts responses apart from the main branch from A = 2 to 3 (near 5.00000 rad/s): \
+             isola extend RUN --amplitudes 2.5 computes a level there)"
+        );
+        let last = Predicted { from: 7.0, to: f64::INFINITY, omega: 6.0 };
+        let both = told(&[window, last], &[1.0, 4.0]);
+        assert!(
+            both.contains(
+                " and from A = 7 on (near 6.00000 rad/s): isola extend RUN --amplitudes 2.5,10 computes levels"
+            ),
+            "{both}"
+        );
+        assert_eq!(told(&[], &[1.0]), "");
     }
 
     #[test]

@@ -42,6 +42,7 @@ fn over_the_forcing(known: &Known, units: Units) -> Vec<String> {
     ([events, missing].into_iter().flatten())
         .chain(motions::brief(&known.motions, units, known.is_further))
         .chain(pushes::sentences(&known.pushes, &known.monitors, units))
+        .chain(pushes::not_pushed_onto(known.levels()).filter(|_| !known.pushes.is_empty()))
         .collect()
 }
 

@@ -1,0 +1,88 @@
+//! Separate responses that the energy balance predicts where the run has no level.
+
+use super::bounds::is_within;
+use super::level::Level;
+use solver::response::backbone::Backbone;
+use solver::response::forced::SearchRange;
+use solver::response::windows::{Event, EventKind, events};
+use solver::settings::FrequencySettings;
+use std::ops::Range;
+
+/// A window that no level looks into, over the forcing: an estimate of an isola.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Predicted {
+    /// Forcing amplitude A* at which it is born.
+    pub from: f64,
+    /// That at which it merges with its neighbour; infinite if the backbone ends before.
+    pub to: f64,
+    /// Frequency at which it is born, rad/s.
+    pub omega: f64,
+}
+
+/// The windows that are born, and merge, between the levels, below the lowest, or above the highest as far as folds are followed there,
+/// at frequencies within `bounds`; by forcing.
+pub fn between_levels(backbones: &[&Backbone], levels: &[Level], bounds: FrequencySettings) -> Vec<Predicted> {
+    let highest = levels.iter().map(|level| level.value).fold(0.0, f64::max);
+    let is_missed = |window: &Predicted| {
+        let has_level = levels.iter().any(|level| (window.from..window.to).contains(&level.value));
+        !has_level && window.from < highest * SearchRange::BEYOND && is_within(bounds, window.omega)
+    };
+    let mut all: Vec<Predicted> = backbones.iter().flat_map(|backbone| separate(backbone)).filter(is_missed).collect();
+    all.sort_by(|a, b| a.from.total_cmp(&b.from));
+    all
+}
+
+/// Every window of a backbone that is born apart from others, from its birth to its merge.
+fn separate(backbone: &Backbone) -> Vec<Predicted> {
+    let events = events(backbone);
+    let mut first = 0;
+    let pieces = backbone.pieces().flat_map(|piece| {
+        let range = first..first + piece.len();
+        first = range.end;
+        let births = events.iter().filter(|event| event.kind == EventKind::Birth);
+        births.filter(|birth| range.contains(&birth.index)).map(|birth| (birth, range.clone())).collect::<Vec<_>>()
+    });
+    let window = |(birth, piece): (&Event, Range<usize>)| {
+        let barrier = |side: Range<usize>| {
+            let merges = events.iter().filter(|event| event.kind == EventKind::Merge && side.contains(&event.index));
+            merges
+                .map(|merge| (merge.index.abs_diff(birth.index), merge.threshold))
+                .min_by_key(|(distance, _)| *distance)
+        };
+        let sides = [barrier(piece.start..birth.index), barrier(birth.index..piece.end)];
+        let to = sides.into_iter().flatten().map(|(_, threshold)| threshold).fold(f64::INFINITY, f64::min);
+        Predicted { from: birth.threshold, to, omega: birth.omega }
+    };
+    pieces.map(window).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fixture::Study;
+
+    /// A window counts where no level looks into it, within twice the largest forcing and the bounds of the frequency.
+    #[test]
+    fn windows_between_levels() {
+        let backbone = Study::damper().backbone;
+        let all = separate(&backbone);
+        let [window] = all[..] else { panic!("{all:?}") };
+        let birth = events(&backbone).into_iter().find(|event| event.kind == EventKind::Birth).unwrap();
+        assert_eq!((window.from, window.omega), (birth.threshold, birth.omega));
+        assert!(window.to > window.from);
+        let missed = |multiples: &[f64], bounds| {
+            let level = |multiple: &f64| Level { value: multiple * window.from, ..Level::default() };
+            let levels: Vec<Level> = multiples.iter().map(level).collect();
+            between_levels(&[&backbone], &levels, bounds)
+        };
+        let anywhere = FrequencySettings::default();
+        assert_eq!(missed(&[0.9], anywhere), [window]);
+        assert_eq!(missed(&[0.9, 1.01], anywhere), []);
+        assert_eq!(missed(&[0.4], anywhere), []);
+        assert_eq!(missed(&[0.9], FrequencySettings { max: Some(0.9 * window.omega), ..anywhere }), []);
+        let beyond = 1.01 * window.to / window.from;
+        if beyond.is_finite() {
+            assert_eq!(missed(&[beyond], anywhere), [window]);
+        }
+    }
+}
