@@ -8,6 +8,7 @@ mod laws;
 mod small_motion;
 mod softening;
 mod touch;
+mod weight;
 
 use crate::study::Study;
 use protocol::to_everyone::Amplitude;
@@ -43,6 +44,11 @@ pub fn report(study: &Study) -> String {
     lines.extend(contact(model).map(|contact| ("contact", contact)));
     let touch = touch::first_touch(study, &choice.followed);
     lines.extend(touch.as_ref().map(|touch| ("touches", touch.to_string())));
+    let overdamped = damping::overdamped(model, &study.settings);
+    // Where nothing resonates no law is measured by the response at resonance.
+    let resonant = if overdamped.is_empty() { &choice.followed[..] } else { &[] };
+    let weight = weight::Weight::of(study, resonant);
+    lines.extend(weight.as_ref().map(|weight| ("laws", weight.to_string())));
     let ratios = early::epsilon_ratios(model).map(|(low, high)| span([low, high].into_iter()));
     lines.extend(ratios.map(|ratio| ("epsilon", format!("{ratio} times the stiffness of the structure there"))));
     let monitors: Vec<&str> = model.monitors().iter().map(|&dof| model.dofs()[dof].as_str()).collect();
@@ -53,16 +59,13 @@ pub fn report(study: &Study) -> String {
     lines.push(("frequency", frequency(study)));
     lines.extend(bounds::quiet(study).map(|sentence| ("", sentence)));
     lines.extend(orders(study).into_iter().map(|order| ("order", order)));
-    let overdamped = damping::overdamped(model, &study.settings);
-    // Where nothing resonates no law is measured by the response at resonance.
-    let resonant = if overdamped.is_empty() { &choice.followed[..] } else { &[] };
     let warnings = overdamped
         .into_iter()
         .chain(early::warnings(study, touch.as_ref()))
         .chain(damping::without(study))
         .chain(undetermined(model))
         .chain(softening::warnings(study))
-        .chain(laws::warnings(study, resonant));
+        .chain(laws::warnings(study, weight.as_ref()));
     lines.extend(warnings.map(|warning| ("warning", warning)));
     lines.into_iter().map(|(what, text)| format!("{what:<12}{text}\n")).collect()
 }

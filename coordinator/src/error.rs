@@ -7,6 +7,7 @@ use protocol::follow::FollowError;
 use protocol::session::{RequestError, SessionError};
 use results::store::StoreError;
 use solver::response::backbone::BackboneError;
+use solver::structure::ModelError;
 use std::io;
 use std::path::PathBuf;
 use thiserror::Error;
@@ -15,7 +16,7 @@ use thiserror::Error;
 #[derive(Debug, Error)]
 pub enum Error {
     /// The study is not one.
-    #[error(transparent)]
+    #[error("{_0}{}", written(_0))]
     Study(#[from] StudyError),
     /// The run cannot be read or written.
     #[error(transparent)]
@@ -63,6 +64,12 @@ pub enum Error {
     /// Anything else, in words.
     #[error("{0}")]
     Other(String),
+}
+
+/// How a key is written, after a value of a wrong type.
+fn written(error: &StudyError) -> String {
+    let StudyError::Refused(ModelError::Type { place, .. }) = error else { return String::new() };
+    crate::reference::example_of(&place.key).map_or_else(String::new, |example| format!("; for example {example}"))
 }
 
 impl From<results::export::ExportError> for Error {

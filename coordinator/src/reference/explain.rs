@@ -14,7 +14,14 @@ pub fn explain(asked: &str) -> Result<String, String> {
     let wanted = plain(asked);
     let files: Vec<(&Key, Vec<File>)> = keys();
     let whole: Vec<_> = files.iter().filter(|(key, _)| key.path == wanted).collect();
-    let found = if whole.is_empty() { files.iter().filter(|(key, _)| key.name() == wanted).collect() } else { whole };
+    let found: Vec<_> = match whole {
+        // The file's name before it, as messages of Python and of other tools have it.
+        none if none.is_empty() => match File::ALL.into_iter().find_map(|file| file.within(&wanted)) {
+            Some((file, path)) => files.iter().filter(|(key, of)| key.path == path && of.contains(&file)).collect(),
+            None => files.iter().filter(|(key, _)| key.name() == wanted).collect(),
+        },
+        some => some,
+    };
     if found.is_empty() {
         if is_word_of_results(asked) {
             let what = "no key of a model or a study, but a word of results or a column of theirs";
@@ -25,6 +32,13 @@ pub fn explain(asked: &str) -> Result<String, String> {
         return Err(solver::structure::ModelError::unknown(place, "key", &wanted, known).to_string());
     }
     Ok(found.iter().map(|(key, files)| of_key(key, files)).collect::<Vec<_>>().join("\n"))
+}
+
+/// How a key is written, for example; in whichever file.
+pub fn example_of(asked: &str) -> Option<String> {
+    let wanted = plain(asked);
+    let found = keys().into_iter().find(|(key, _)| key.path == wanted)?;
+    Some(example(found.0)).filter(|text| !text.is_empty())
 }
 
 /// Whether the text about words and columns explains it: a word of its own, or a column or a value.
@@ -101,6 +115,8 @@ mod tests {
             assert!(said.ends_with("`isola schema --columns` explains it") && said.contains(word.trim()), "{said}");
         }
         assert!(explain("gap").is_ok() && explain("harmonics.count").is_ok());
+        assert_eq!(explain("study.units"), explain("units"));
+        assert!(explain("model.units").is_err() && explain("study.").is_err());
         for word in ["gpa", "", "what", "word"] {
             assert!(explain(word).is_err_and(|said| !said.contains("--columns")), "{word}");
         }

@@ -10,7 +10,7 @@ mod schema;
 mod study_keys;
 
 pub use document::{document, file};
-pub use explain::explain;
+pub use explain::{example_of, explain};
 pub use key::{Absent, Key, Kind, List, Range, Tables};
 pub use schema::schema;
 
@@ -33,6 +33,12 @@ impl File {
             Self::Model => "model.toml",
             Self::Study => "study.toml",
         }
+    }
+
+    /// The path of a key after the name of the file, as in `study.units`, if that is what it begins with.
+    fn within(self, path: &str) -> Option<(Self, &str)> {
+        let name = self.name().strip_suffix(".toml")?;
+        Some((self, path.strip_prefix(name)?.strip_prefix('.')?))
     }
 
     /// All its keys, each after the table that it belongs to.

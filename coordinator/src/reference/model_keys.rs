@@ -87,7 +87,7 @@ pub(super) const SCENARIO: &[Key] = &[
         default: Nothing,
         unit: "",
         meaning: "Ratios of single modes or of ranges of modes.",
-        example: "",
+        example: "[{ modes = \"1-2\", ratio = 1e-3 }]",
     },
     Key {
         path: "damping.ratios.modes",

@@ -26,11 +26,20 @@ fn laws_that_hardly_do_anything() {
         "{warning}"
     );
     assert!(warning.ends_with(" times the linear one or more; check units of `spring`"), "{warning}");
+    // From which forcing on it does is said where nothing has a gap that tells it: here from √(2e8/c) times 0.2 on.
+    for (coefficient, forcing) in [("2e8", "0.2"), ("2e10", "0.02"), ("2e6", "2")] {
+        let (_, text) = checked(&cubic(coefficient), "0.1,0.2", &[]);
+        let told = format!(
+            "laws        their forces are as large as that of the damping from about A = {forcing} on, at the resonance of mode 1, "
+        );
+        assert!(text.contains(&told), "{text}");
+    }
     // Ten times the force is enough of a law ten times as hard.
     assert!(checked(&cubic("2e2"), "20", &[]).0.is_empty());
     // A law that is no polynomial may matter at any amplitude.
     let friction = with_law("{ jenkins = { stiffness = 1, limit = 1e-9 } }");
-    assert!(checked(&friction, "0.2", &[]).0.is_empty());
+    let (warnings, text) = checked(&friction, "0.2", &[]);
+    assert!(warnings.is_empty() && !text.contains("laws    "), "{text}");
 }
 
 /// The structure holds 1e4 N/m: a stop given in kN/m is a thousand times too soft, and one of a hundredth of it may well matter.

@@ -109,6 +109,12 @@ fn the_example_of_every_key_is_accepted_and_nothing_else_of_that_name() {
         let message = with(&folder, &format!("{path}x"), key.example).expect_err(&path);
         assert!(message.contains("there is no"), "{path}x: {message}");
     }
+    // Lists of tables, as far as they have one.
+    for key in File::Study.keys().filter(|key| key.has_keys() && !key.example.is_empty()) {
+        if let Err(refused) = with(&folder(MODEL), &typed(File::Study, key), key.example) {
+            panic!("{} = {}: {refused}", key.path, key.example);
+        }
+    }
     // Laws, each as a whole.
     for law in File::Model.keys().filter(|key| key.parent() == Some("laws.law")) {
         let parameters: Vec<String> = File::Model
