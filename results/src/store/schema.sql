@@ -138,6 +138,8 @@ CREATE TABLE tasks (
     record BLOB
 );
 CREATE UNIQUE INDEX turns ON tasks (level, position) WHERE kind NOT IN ('fold', 'carry', 'verify', 'disturb', 'march');
+-- What is told level by level is looked up so.
+CREATE INDEX tasks_of_level ON tasks (level);
 
 -- Every time a task was handed out.
 CREATE TABLE attempts (
@@ -327,6 +329,7 @@ CREATE TABLE verifications (
     -- Number of the point of largest amplitude, = verified_points.i, if it was verified.
     peak INTEGER
 ) WITHOUT ROWID;
+CREATE INDEX verifications_of_branch ON verifications (branch);
 
 -- Points of branches that were verified: the marched orbit near each, and its stability.
 CREATE TABLE verified_points (

@@ -26,6 +26,23 @@ fn tables_have_the_columns_of_the_list() {
     }
 }
 
+/// Level by level, or task by task, no table is read from end to end: of many levels that would take their number squared.
+#[test]
+fn levels_are_looked_up() {
+    let (study, dir) = (Study::damper(), tempdir().unwrap());
+    let store = Store::create(dir.path(), &study.header()).unwrap();
+    for of_level in [
+        "tasks WHERE level = ?1 AND kind NOT IN ('verify', 'disturb', 'march')",
+        "attempts JOIN results USING (task) JOIN tasks ON tasks.id = task WHERE level = ?1",
+        "branches LEFT JOIN tasks ON tasks.id = branches.task WHERE branches.level = ?1",
+        "verifications JOIN branches ON branches.id = branch WHERE level = ?1",
+    ] {
+        let sql = format!("EXPLAIN QUERY PLAN SELECT count(*) FROM {of_level}");
+        let steps: Vec<String> = store.all(&sql, [1], |row| row.get(3)).unwrap();
+        assert!(!steps.is_empty() && steps.iter().all(|step| !step.starts_with("SCAN")), "{of_level}: {steps:?}");
+    }
+}
+
 #[test]
 fn a_file_without_some_columns_is_written_and_read() {
     let (study, dir) = (Study::damper(), tempdir().unwrap());
