@@ -13,6 +13,7 @@ use crate::formulation::state::State;
 use crate::formulation::unknown::Unknown;
 use crate::formulation::{Formulation, FormulationError};
 use crate::response::branch::{Observer, Outcome, Stop, TracedPoint};
+use crate::response::symmetry::up_to_branch_point;
 use crate::settings::{BackboneEquation, Settings, SettingsError};
 use crate::structure::Model;
 use std::iter;
@@ -163,10 +164,15 @@ impl Backbone {
         let way = Way { settings, bounds, forcing };
         let begin = |problem: &mut F, observer: &mut Observer<'_>| {
             let mut continuation = Continuation::start(problem, y.clone(), &direction, settings.continuation)?;
-            let mut rest = Rest::default();
-            let mut ending =
-                |problem: &mut F, last: &TracedPoint| rest.is_passed(problem, &last.curve.y).then_some(Stop::Start);
-            let (mut visited, stop) = walk(&mut continuation, &way.bounds, observer, &mut ending);
+            // Beyond rest, and beyond a motion that is its own image, as at the end of a tongue, are the same motions half a period later.
+            let (mut visited, stop) = up_to_branch_point(&mut continuation, |continuation, branches_off| {
+                let mut rest = Rest::default();
+                let mut ending = |problem: &mut F, last: &TracedPoint| match rest.is_passed(problem, &last.curve.y) {
+                    true => Some(Stop::Start),
+                    false => branches_off(problem, last),
+                };
+                walk(continuation, &way.bounds, observer, &mut ending)
+            });
             if stop == Stop::Start {
                 visited.pop();
             }
