@@ -164,7 +164,9 @@ impl Teller {
         };
         let backbone = backbone(&follower, &backbone_key, &model).await?;
         let is_known = backbone.is_some();
+        let units = manifest.units.as_deref().and_then(|units| units.parse().ok()).unwrap_or_default();
         let start = Start::new(shown, monitors(&model), levels.clone(), model.forcing().harmonic, backbone);
+        let start = start.with_units(units);
         let teller = Self {
             follower,
             backbone_key,

@@ -69,6 +69,9 @@ pub struct Manifest {
     pub lease_ms: u64,
     /// Largest result accepted, bytes.
     pub max_result_bytes: usize,
+    /// Units in which the run is shown, as in the study, if any are chosen there.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub units: Option<String>,
 }
 
 impl Manifest {

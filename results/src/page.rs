@@ -8,6 +8,7 @@ mod tests;
 use crate::compare::Comparison;
 use crate::report::Report;
 pub use data::PageOfOrder;
+pub(crate) use data::lengths;
 use miniz_oxide::inflate::decompress_to_vec_zlib;
 use serde::Serialize;
 

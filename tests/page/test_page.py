@@ -170,6 +170,24 @@ def test_charts_in_other_units_and_as_files(run, browser):
         assert max(isola) == pytest.approx(float(known["omega_max"]) * 60 / 6.283185307179586)
 
 
+def test_the_page_begins_in_the_units_of_the_run(run, browser, tmp_path):
+    """Those of its study; the reader's own choice holds afterwards."""
+    shutil.copytree(run, tmp_path / "run")
+    with sqlite3.connect(tmp_path / "run" / "run.sqlite") as database:
+        database.execute("UPDATE meta SET value = ? || value WHERE key = 'study'", ("units = 'um,Hz'\n",))
+    isola("report", tmp_path / "run")
+    with report(browser, tmp_path / "run", viewport={"width": 1400, "height": 900}) as page:
+        titles = """(box) => {
+            const { below: [across], left: [up] } = [...Bokeh.index].find((view) => box.contains(view.el)).model;
+            return [across.axis_label.text, up.axis_label.text];
+        }"""
+        chart = page.locator("#response .chart").first.element_handle()
+        across, up = page.evaluate(titles, chart)
+        assert across == "frequency (Hz)" and up.endswith("(µm)")
+        page.get_by_label("Frequencies in").select_option("rad/s")
+        assert page.evaluate(titles, chart) == ["frequency ω (rad/s)", up]
+
+
 def test_a_point_looked_at_is_marked_in_other_figures(run, browser):
     """A point of the backbone: in figures 2, 3 and 5 at once."""
     with report(browser, run, viewport={"width": 1400, "height": 900}) as page:

@@ -12,6 +12,7 @@ use protocol::to_everyone::{Amplitude, Manifest, Stage};
 use results::journal::{LevelPlan, MorePlan, OrderPlan, SweepPlan};
 use results::overview::most_folds;
 use results::store::{RunHeader, Store};
+use results::summary_table::UnitChoice;
 use solver::formulation::modal::Modal;
 use solver::response::backbone::Backbone;
 use solver::response::branch::BranchPoint;
@@ -42,6 +43,7 @@ pub struct Prepared {
 /// The manifest of a run that begins or goes on.
 pub fn manifest(header: &RunHeader, stage: Stage, lease: Duration) -> Manifest {
     let dof = |&index: &usize| header.model.dofs[index].clone();
+    let units = UnitChoice::of_study(&header.study).to_string();
     Manifest {
         protocol: protocol::VERSION,
         program: protocol::PROGRAM.into(),
@@ -56,6 +58,7 @@ pub fn manifest(header: &RunHeader, stage: Stage, lease: Duration) -> Manifest {
         stage,
         lease_ms: lease.as_millis() as u64,
         max_result_bytes: MAX_RESULT_BYTES,
+        units: (!units.is_empty()).then_some(units),
     }
 }
 

@@ -235,6 +235,7 @@ pub fn manifest() -> Manifest {
         stage: Stage::Sweep,
         lease_ms: 30_000,
         max_result_bytes: 1 << 28,
+        units: Some("mm,Hz".into()),
     }
 }
 

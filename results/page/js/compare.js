@@ -31,6 +31,7 @@ function startCompared() {
   startTheme(document.querySelector("#theme"));
   startCharts();
   document.querySelector("#print").addEventListener("click", printPage);
+  frequencyUnit.set(data.frequency_unit);
   document.querySelector("nav").append(frequencyControl());
   const facts = data.runs.map((run, k) => `${k + 1}: ${data.names[k]}, model ${run.model}, started ${formatTime(run.created)}`);
   document.querySelector("#run-facts").textContent = facts.join(" · ");

@@ -138,6 +138,7 @@ function startReport() {
   startTheme(document.querySelector("#theme"));
   startCharts();
   document.querySelector("#print").addEventListener("click", printPage);
+  frequencyUnit.set(run.frequency_unit);
   document.querySelector("nav").append(frequencyControl());
   fillHeader(run);
   run.frames.forEach((frame, index) => (frame.index = index));

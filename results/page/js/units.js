@@ -7,7 +7,7 @@ const FREQUENCY_UNITS = {
   rpm: { name: "rpm", factor: 30 / Math.PI },
 };
 
-/** The unit of frequencies that all figures of the page share, by its name. */
+/** The unit of frequencies that all figures of the page share, by its name: at first that of the run. */
 const frequencyUnit = shared("rad/s");
 
 /** An axis in that unit, if it is one of frequencies. @param {Axis} axis @returns {Axis} */

@@ -28,6 +28,7 @@ mod stability;
 mod style;
 mod subject;
 mod text;
+mod units;
 
 pub use coincidence::Coincidence;
 pub use column_store::{ColumnStore, Ref};
@@ -49,3 +50,4 @@ pub use stability::straight_gaps;
 pub use style::{Color, Marker, Shape, Style};
 pub use subject::{BackboneColumns, Subject, level_colors};
 pub use text::{CAPITALS, Font, LINE};
+pub use units::convert;

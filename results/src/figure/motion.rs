@@ -6,9 +6,11 @@ use super::data::{
 };
 use super::places::Placement;
 use super::style::{BOLD, Color, FINE, MARK, Shape, Style, THIN};
+use super::units::convert_length;
 use crate::curves::{MarchedPeriod, Motions, Node};
 use crate::overview::verdict_words;
 use crate::store::verdict_name;
+use crate::summary_table::LengthUnit;
 use serde::Serialize;
 use solver::formulation::harmonics::{complex, evaluate, width};
 use std::f64::consts::TAU;
@@ -31,6 +33,14 @@ const DASHES: usize = 3;
 pub struct MotionAxis {
     range: (f64, f64),
     unit: Unit,
+}
+
+impl MotionAxis {
+    /// In this unit, if it is one of lengths and one is chosen.
+    pub fn with_length(mut self, chosen: Option<LengthUnit>) -> Self {
+        convert_length(&mut self.unit, chosen);
+        self
+    }
 }
 
 /// The figure without a motion.

@@ -7,6 +7,7 @@ pub use feed::Feed;
 
 use crate::curves::{BackboneCurve, Monitor};
 use crate::page;
+use crate::summary_table::UnitChoice;
 use axum::Router;
 use axum::extract::State;
 use axum::http::header::CONTENT_TYPE;
@@ -26,6 +27,7 @@ pub struct Start {
     levels: Vec<(String, f64)>,
     harmonic: usize,
     backbone: Option<BackboneCurve>,
+    units: UnitChoice,
 }
 
 /// Which run.
@@ -42,7 +44,8 @@ pub struct Run {
 }
 
 impl Start {
-    /// Of a run with forcing levels (as typed, and their values) in ascending order; `harmonic` of the response is forced.
+    /// Of a run with forcing levels (as typed, and their values) in ascending order, shown in m and rad/s; `harmonic` of the response is
+    /// forced.
     pub fn new(
         run: Run,
         monitors: Vec<Monitor>,
@@ -50,7 +53,12 @@ impl Start {
         harmonic: usize,
         backbone: Option<BackboneCurve>,
     ) -> Self {
-        Self { run, monitors, levels, harmonic, backbone }
+        Self { run, monitors, levels, harmonic, backbone, units: UnitChoice::default() }
+    }
+
+    /// Shown in these units.
+    pub fn with_units(self, units: UnitChoice) -> Self {
+        Self { units, ..self }
     }
 }
 

@@ -4,9 +4,11 @@ use super::{Run, Start};
 use crate::curves::{BackboneCurve, Column, Curve, Monitor, Motions, ResonanceComparison, largest};
 use crate::figure::{
     BackboneColumns, Coincidence, Color, ColumnStore, FEW, Figure, Font, Frame, Outline, PALETTE, Palette, Series,
-    Subject, backbone_series, branch_series, is_crowd, level_colors, place_for_page, special_points, straight_gaps,
+    Subject, backbone_series, branch_series, convert, is_crowd, level_colors, place_for_page, special_points, straight_gaps,
 };
 use crate::overview::Level;
+use crate::page::lengths;
+use crate::summary_table::UnitChoice;
 use serde::Serialize;
 
 /// Points of a branch that labels keep away from, about.
@@ -23,6 +25,7 @@ pub struct Sketch {
     branches: Vec<Curve>,
     resonance: ResonanceComparison,
     motions: Motions,
+    units: UnitChoice,
     /// Where the next column goes.
     end: usize,
     font: Font,
@@ -33,6 +36,7 @@ pub struct Sketch {
 struct Opening {
     run: Run,
     palette: Palette,
+    frequency_unit: String,
     levels: Vec<Level>,
     level_colors: Vec<Color>,
     frames: Vec<Frame>,
@@ -73,6 +77,7 @@ impl Sketch {
             branches: Vec::new(),
             resonance: ResonanceComparison::default(),
             motions: Motions { harmonics: 0, nodes: Vec::new(), points: Vec::new() },
+            units: start.units,
             end: 0,
             font: Font::bundled(),
         };
@@ -85,6 +90,7 @@ impl Sketch {
         let opening = Opening {
             run: start.run,
             palette: PALETTE,
+            frequency_unit: sketch.units.of_table().frequency.to_string(),
             levels: sketch.levels.clone(),
             level_colors: sketch.colors.clone(),
             frames: sketch.frames(),
@@ -163,6 +169,7 @@ impl Sketch {
         let mut figure = Outline::new(self.branches.iter(), &subject, &self.colors).with_marks(true).figure(None);
         let series = self.branches.iter().map(|branch| self.series(branch, &mut columns));
         figure.panels[0].series = series.collect();
+        convert(&mut figure, lengths(self.units));
         place_for_page(&mut figure, &columns, &[], &self.font);
         figure.panels[0].series.clear();
         figure

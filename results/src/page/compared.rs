@@ -1,8 +1,9 @@
 //! What the page of several runs is given, as JSON.
 
+use super::data::lengths;
 use crate::compare::{Comparison, NumberRow, SettingRow};
-use crate::figure::{Color, ColumnStore, Figure, Font, PALETTE, Palette, place_for_page};
-use crate::report::RunFacts;
+use crate::figure::{Color, ColumnStore, Figure, Font, PALETTE, Palette, convert, place_for_page};
+use crate::report::{Report, RunFacts};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -12,6 +13,7 @@ pub struct ComparedData<'c> {
     names: &'c [String],
     runs: Vec<&'c RunFacts>,
     palette: Palette,
+    frequency_unit: String,
     columns: &'c ColumnStore,
     levels: &'c [crate::compare::ComparedLevel],
     level_colors: Vec<Color>,
@@ -36,7 +38,10 @@ impl<'c> ComparedData<'c> {
         let Comparison { names, reports, levels, settings, numbers, figures } = comparison;
         let mut drawn = figures.drawn.clone();
         let font = Font::bundled();
+        // Those of the first run, as in files.
+        let units = reports.first().map(Report::units).unwrap_or_default();
         for figure in drawn.values_mut() {
+            convert(figure, lengths(units));
             place_for_page(figure, &figures.columns, &[], &font);
         }
         let branches = reports.iter().zip(names).flat_map(|(report, run)| {
@@ -50,6 +55,7 @@ impl<'c> ComparedData<'c> {
             names,
             runs: reports.iter().map(|report| &report.run).collect(),
             palette: PALETTE,
+            frequency_unit: units.of_table().frequency.to_string(),
             columns: &figures.columns,
             levels,
             level_colors: vec![Color::Soft; levels.len()],

@@ -3,11 +3,12 @@
 use crate::curves::{Curve, Motion, Node};
 use crate::export;
 use crate::figure::{
-    Color, ColumnStore, Figure, Font, Frame, MotionAxis, PALETTE, Palette, ladder, level_colors, motion_axes,
+    Color, ColumnStore, Figure, Font, Frame, MotionAxis, PALETTE, Palette, convert, ladder, level_colors, motion_axes,
     place_for_page,
 };
 use crate::overview::{Level, WindowOutcome, briefly};
 use crate::report::{CostAccount, Report, RunFacts, Sentence};
+use crate::summary_table::UnitChoice;
 use crate::words::{digits, length};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -20,6 +21,8 @@ pub struct PageData<'r> {
     orders: &'r [PageOfOrder],
     verdict: &'r [Sentence],
     palette: Palette,
+    /// The unit in which frequencies are shown until the reader chooses another one.
+    frequency_unit: String,
     columns: &'r ColumnStore,
     levels: Vec<Level>,
     level_colors: Vec<Color>,
@@ -72,8 +75,9 @@ impl<'r> PageData<'r> {
         let first = subject.first_level();
         let first_frame = frames.iter().position(|frame| frame.level.is_some() && frame.level == first).unwrap_or(0);
         let mut figures = report.figures.drawn.clone();
-        let font = Font::bundled();
+        let (font, units) = (Font::bundled(), report.units());
         for figure in figures.values_mut() {
+            convert(figure, lengths(units));
             place_for_page(figure, &report.figures.columns, &frames, &font);
         }
         Self {
@@ -81,6 +85,7 @@ impl<'r> PageData<'r> {
             orders,
             verdict: &report.verdict,
             palette: PALETTE,
+            frequency_unit: units.of_table().frequency.to_string(),
             columns: &report.figures.columns,
             levels: levels.iter().map(in_brief).collect(),
             level_colors: level_colors(levels.len()),
@@ -99,13 +104,19 @@ impl<'r> PageData<'r> {
 impl<'r> MotionData<'r> {
     fn new(report: &'r Report, figure: &Figure) -> Self {
         let motions = &report.motions;
-        let point = |motion: &'r Motion| MotionPoint {
-            motion,
-            words: words(report, motion),
-            panels: motion_axes(figure, motions, &motion.coefficients.values),
+        let length = report.units().length;
+        let point = |motion: &'r Motion| {
+            let axes = motion_axes(figure, motions, &motion.coefficients.values);
+            let panels = axes.into_iter().map(|axis| axis.with_length(length)).collect();
+            MotionPoint { motion, words: words(report, motion), panels }
         };
         Self { harmonics: motions.harmonics, nodes: &motions.nodes, points: motions.points.iter().map(point).collect() }
     }
+}
+
+/// Units without that of frequencies, which the page turns itself.
+pub(crate) fn lengths(units: UnitChoice) -> UnitChoice {
+    UnitChoice { frequency: None, ..units }
 }
 
 /// A level whose windows tell each reason once.

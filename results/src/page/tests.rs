@@ -65,6 +65,26 @@ fn page_and_file_are_of_one_description() {
 }
 
 #[test]
+fn the_page_begins_in_the_units_of_the_run() {
+    let dir = tempdir().unwrap();
+    let (store, _) = Study::new("two_masses_stop", 3, &["0.02"]).finished(dir.path());
+    let mut report = Report::read(&store, &Selection::Fitting).unwrap();
+    let told = |report: &Report| {
+        let page = serde_json::to_value(PageData::new(report, &[])).unwrap();
+        let unit = |panel: usize, figure: &str| page["figures"][figure]["panels"][panel]["y"][0]["unit"].clone();
+        let of_motion = page["motions"]["points"][0]["panels"][0]["unit"]["name"].clone();
+        // Frequencies are turned by the page.
+        assert_eq!(page["figures"]["response"]["panels"][0]["x"][0]["unit"]["name"], "rad/s");
+        (page["frequency_unit"].clone(), unit(0, "response"), unit(1, "resonance"), of_motion)
+    };
+    let (frequency, ..) = told(&report);
+    assert_eq!(frequency, "rad/s");
+    report.account.study = "units = 'um,Hz'".into();
+    let micrometres = json!({ "name": "µm", "factor": 1e6 });
+    assert_eq!(told(&report), (json!("Hz"), micrometres.clone(), micrometres, json!("µm")));
+}
+
+#[test]
 fn labels_have_places_at_every_width() {
     let (page, ..) = page(&Study::damper());
     let panel = &page["figures"]["response"]["panels"][0];

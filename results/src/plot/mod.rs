@@ -14,7 +14,6 @@ mod svg;
 #[cfg(test)]
 mod tests;
 mod ticks;
-mod units;
 
 pub use compose::{compose, compose_several};
 pub use file::FileFormat;

@@ -11,6 +11,7 @@ use crate::overview::{
     BranchRow, Level, Omissions, Overview, bounds, least_added, unfinished, verified_result, why_no_folds,
 };
 use crate::store::{CurveRow, Reader, Result, RunHeader};
+use crate::summary_table::UnitChoice;
 use protocol::backbone::BackboneMessage;
 use protocol::curve::Size;
 use protocol::to_everyone::Stage;
@@ -214,6 +215,11 @@ impl Report {
         let mode = own.or_else(|| self.overview.levels.iter().find_map(Level::mode_of_isola));
         let is_turned = mode.map_or(Ok(()), |number| self.turn_to(number));
         is_turned.unwrap_or_default();
+    }
+
+    /// Units in which it is shown.
+    pub fn units(&self) -> UnitChoice {
+        UnitChoice::of_study(&self.account.study)
     }
 
     /// What its figures are drawn from.

@@ -73,6 +73,7 @@ impl Study {
             stage: Stage::Sweep,
             lease_ms: LEASE_MS,
             max_result_bytes: 100_000_000,
+            units: None,
         }
     }
 
