@@ -16,6 +16,7 @@ from .drawing import (
     WORK,
     Named,
     Units,
+    add_line,
     beside,
     by_pieces,
     fit_texts,
@@ -90,6 +91,7 @@ def isola_map(
     # Main and open branches go from one end of the frequencies to the other.
     others = summary[~summary["kind"].isin(["main", "open"])]
     ends = np.concatenate([others["omega_min"], others["omega_max"]])
+    logarithmic(axes)
     happens = _marked(run.events) if levels else run.events[:0]
     among: Any = happens["forcing"].between(min(levels) / _AMONG[0], max(levels) * _AMONG[1]) if levels else []
     core = np.concatenate([ends, happens["omega"][among].to_numpy(float)])
@@ -100,7 +102,6 @@ def isola_map(
         axes.set_xlim(units.frequencies(beside(shown)))
     axes.set(xlabel=units.of_frequency(run.model.forcing_harmonic), ylabel="forcing amplitude A, threshold A*")
     fit_texts(axes)
-    logarithmic(axes)
     legend(axes)
     # Lines from end to end are thin, and may be written over.
     bars = [bars for bars in axes.collections if np.max(bars.get_linewidth()) >= _THICK]
@@ -157,10 +158,10 @@ def _draw_folds(
     names of events, the computed ones first."""
     low, high = axes.get_ylim()
     folds, events, names = run.folds, _marked(run.events), []
-    for i, (_, curve) in enumerate(folds.groupby("curve", sort=False)):
-        forcing = curve["forcing"].where(curve["forcing"].between(low, high))
+    is_met = folds.groupby("curve")["forcing"].transform(lambda forcing: low <= forcing.max() and forcing.min() <= high)
+    for i, (_, curve) in enumerate(folds[is_met.astype(bool)].groupby("curve", sort=False)):
         label = "folds" if i == 0 else None
-        axes.plot(units.frequencies(curve["omega"]), forcing, color=FOLDS, linewidth=1.2, label=label)
+        add_line(axes, units.frequencies(curve["omega"]), curve["forcing"], color=FOLDS, linewidth=1.2, label=label)
     shown = events[events["forcing"].between(low, high)]
     for (source, kind), group in shown.groupby(["source", "kind"]):
         event, color = _EVENTS[str(source), str(kind)], FOLDS if source == "computed" else INK

@@ -59,6 +59,18 @@ impl Axis {
         }
     }
 
+    /// Whether a value lies on it.
+    pub fn shows(&self, value: f64) -> bool {
+        (0.0..=1.0).contains(&self.share(value))
+    }
+
+    /// Whether a curve through these values comes onto it.
+    pub fn is_met_by(&self, values: impl Iterator<Item = f64>) -> bool {
+        let shares = values.map(|value| self.share(value)).filter(|share| !share.is_nan());
+        let (low, high) = shares.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), s| (low.min(s), high.max(s)));
+        low <= 1.0 && high >= 0.0
+    }
+
     /// The value at a share.
     pub fn value_at(&self, share: f64) -> f64 {
         let (low, high) = self.range;
@@ -142,6 +154,17 @@ mod tests {
             let (low, high) = axis.range;
             assert!(high > low && axis.share(low) == 0.0 && axis.share(high) == 1.0, "{axis:?}");
         }
+    }
+
+    #[test]
+    fn a_curve_may_cross_an_axis_between_its_points() {
+        let axis = Axis::exact("", Unit::none(), (1.0, 2.0));
+        let met = |values: &[f64]| axis.is_met_by(values.iter().copied());
+        assert_eq!(
+            [met(&[0.5, 1.5]), met(&[0.5, 2.5]), met(&[0.5, f64::NAN, 0.9]), met(&[])],
+            [true, true, false, false]
+        );
+        assert!(axis.shows(2.0) && !axis.shows(2.1) && !axis.shows(f64::NAN));
     }
 
     #[test]

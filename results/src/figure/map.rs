@@ -7,7 +7,7 @@ use super::style::{BOLD, Color, FINE, MARK, MEDIUM, Shape, Style};
 use super::subject::{BackboneColumns, Subject};
 use crate::curves::BackboneCurve;
 use crate::overview::{BIRTH, EVENTS, Level, MERGES, WindowOutcome, WindowRow, events_of};
-use crate::store::CurvePoint;
+use crate::store::{CurvePoint, CurveRow};
 use crate::words::digits;
 use solver::response::branch::BranchKind;
 use solver::response::windows::{Event, EventKind};
@@ -97,7 +97,7 @@ pub fn figure(
     let below =
         Series { along_runs: true, name: Vec::new(), details: Vec::new(), style: below_chosen(), ..threshold.clone() };
     drawing.series.extend([below, threshold]);
-    let is_shown = |event: &&Event| (0.0..=1.0).contains(&y.share(event.threshold));
+    let is_shown = |event: &&Event| y.shows(event.threshold);
     let events =
         || backbone.events.iter().chain(subject.further.iter().flat_map(|further| &further.events)).filter(is_shown);
     for (kind, shape, name) in [
@@ -157,25 +157,21 @@ impl Drawing<'_> {
         self.points(Some(name), style, points);
     }
 
-    /// Thresholds of further modes, as far as the axis of A shows them.
+    /// Thresholds of further modes that come onto the axis of A.
     fn further(&mut self, subject: &Subject<'_>, y: &Axis) {
-        let gap = (f64::NAN, f64::NAN);
-        let shown =
-            |(threshold, omega)| if (0.0..=1.0).contains(&y.share(threshold)) { (omega, threshold) } else { gap };
-        let curves = subject.further.iter().flat_map(|backbone| points(backbone).map(shown).chain([gap]));
-        let curves: Vec<(f64, f64)> = curves.collect();
-        if curves.iter().any(|(_, threshold)| threshold.is_finite()) {
-            self.points(Some("threshold A* of further modes"), Style::line(Color::Ink, FINE), curves.into_iter());
-        }
+        let is_shown = |further: &&BackboneCurve| y.is_met_by(further.threshold.values.iter().copied());
+        let curve =
+            |further| points(further).map(|(threshold, omega)| (omega, threshold)).chain([(f64::NAN, f64::NAN)]);
+        let curves = subject.further.iter().filter(is_shown).flat_map(curve);
+        self.points(Some("threshold A* of further modes"), Style::line(Color::Ink, FINE), curves);
     }
 
     /// Fold curves, and where isolas are born and branches merge on them.
     fn folds(&mut self, subject: &Subject<'_>, y: &Axis) {
-        let gap = (f64::NAN, f64::NAN);
-        let shown = |point: &CurvePoint| {
-            if (0.0..=1.0).contains(&y.share(point.forcing)) { (point.omega, point.forcing) } else { gap }
-        };
-        let points = subject.curves.iter().flat_map(|curve| curve.points.iter().map(shown).chain([gap]));
+        let is_shown = |curve: &&CurveRow| y.is_met_by(curve.points.iter().map(|point| point.forcing));
+        let place = |point: &CurvePoint| (point.omega, point.forcing);
+        let curves = subject.curves.iter().filter(is_shown);
+        let points = curves.flat_map(|curve| curve.points.iter().map(place).chain([(f64::NAN, f64::NAN)]));
         self.points(Some("folds, computed"), Style::line(Color::Category(3), MEDIUM), points);
         for (words, shape, is_hollow) in MARKS {
             let style = Style::marks(Color::Category(3), shape, 1.4 * MARK, is_hollow);
@@ -213,7 +209,7 @@ fn below_chosen() -> Style {
 
 /// Where this happens along fold curves, as far as the axis of A shows it.
 fn computed<'s>(subject: &Subject<'s>, y: &'s Axis, wanted: &str) -> impl Iterator<Item = &'s CurvePoint> {
-    events_of(subject.curves, wanted).into_iter().filter(|point| (0.0..=1.0).contains(&y.share(point.forcing)))
+    events_of(subject.curves, wanted).into_iter().filter(|point| y.shows(point.forcing))
 }
 
 /// Frequencies that the figure is drawn around: of branches apart from the main ones, of windows that led to nothing, and of what

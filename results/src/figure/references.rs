@@ -32,10 +32,9 @@ pub(super) fn further_within<'r>(
 
 /// Whether some of a backbone lies within axes, of any of the monitored dofs.
 fn is_within(backbone: &BackboneCurve, (across, up): (&Axis, &[Axis])) -> bool {
-    let lies = |axis: &Axis, value: f64| (0.0..=1.0).contains(&axis.share(value));
     let of = |(axis, heights): (&Axis, &Column)| {
         let mut points = backbone.omega.values.iter().zip(&heights.values);
-        points.any(|(&omega, &height)| lies(across, omega) && lies(axis, height))
+        points.any(|(&omega, &height)| across.shows(omega) && axis.shows(height))
     };
     up.iter().zip(&backbone.amplitude).any(of)
 }

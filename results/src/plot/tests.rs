@@ -5,7 +5,7 @@ mod looks;
 
 use super::*;
 use crate::curves::BackboneCurve;
-use crate::figure::{Figures, LIGHT, Ref, Style, run_points};
+use crate::figure::{Color, Figures, LIGHT, Ref, Series, Style, run_points};
 use crate::fixture::Study;
 use crate::report::{Report, Selection};
 use crate::store::{BranchRow, CurvePoint, CurveRow, Reader};
@@ -183,6 +183,14 @@ fn the_map_is_about_isolas_and_frequencies_are_chosen() {
     let (low, high) = range(&report);
     assert!(low <= before.0 && before.1 <= high && high - low < 3.5 * width, "{low} to {high}, {before:?}");
     // Where nothing is there but main branches, and nothing happens, folds and thresholds are what it is about.
+    // Curves that leave the figure go on beyond its frame, where they are cut.
+    let far = [1e-9, 0.005, 1e3];
+    let fold = |forcing| CurvePoint { forcing, omega: 1.0, amplitude: 1.0, ..CurvePoint::default() };
+    report.curves.push(CurveRow { points: far.map(fold).to_vec(), ..CurveRow::default() });
+    let figures = Figures::new(&report.subject());
+    let is_curve = |series: &&Series| series.style.color == Color::Category(3) && series.style.width > 0.0;
+    let folds = figures.drawn["map"].panels[0].series.iter().find(is_curve).unwrap();
+    assert_eq!(figures.columns.values(&folds.y[0], 1.0)[3..6], far);
     report.overview.levels[1].branches.retain(BranchRow::is_main);
     report.further[0].events.clear();
     report.backbone.iter_mut().for_each(|backbone| backbone.events.clear());

@@ -1,7 +1,6 @@
 //! In which order things are drawn, and in which units.
 
 use super::*;
-use crate::figure::Color;
 
 #[test]
 fn what_a_curve_encloses_hides_no_other() {
