@@ -123,8 +123,7 @@ fn page(
     use results::report::{Report, Selection};
     let _snapshot = reader.snapshot()?;
     let levels = chosen_levels(reader, args.levels.as_deref())?;
-    let mut report = Report::read(reader, &levels.map_or(Selection::Fitting, Selection::Amplitudes))?;
-    report.turn_to_isola(None);
+    let report = Report::read(reader, &levels.map_or(Selection::Fitting, Selection::Amplitudes))?;
     let folder = reader.order().map_or_else(|| reader.dir().into(), |order| reader.dir().join(order_folder(order)));
     std::fs::create_dir_all(&folder).map_err(Error::io(&folder))?;
     let file = args.out.clone().unwrap_or_else(|| folder.join(PAGE));

@@ -24,6 +24,7 @@ from .drawing import (
 )
 from .drawn import Drawn
 from .errors import NoSuchBranch
+from .isolas import mode_of_isola, windows_of_isolas
 from .maps import isola_map
 from .responses import forced_response
 from .stored.motions import index_of
@@ -122,27 +123,25 @@ class Plots(Drawn):
 
         Args:
             amplitude: Any forcing amplitude A, for the balance is that of all of them; by default the lowest level at which a window led
-                to an isola, else the lowest with an isola, else the middle one.
-            mode: Mode of the backbone, from 1; by default that of the window that led to an isola at this amplitude or, if none did, at
-                the lowest level, else the primary one.
+                to an isola of its frequencies, else the lowest with an isola, else the middle one.
+            mode: Mode of the backbone, from 1; by default that of the window that led to an isola of its frequencies at this amplitude
+                or, if none did, at the lowest level, else the primary one.
             ax: Axes to draw on.
 
         Raises:
             ValueError: The amplitude is no number above zero.
             NoSuchBranch: There is no backbone of this mode.
         """
-        summary, windows = self._run.summary, self._run.windows
+        summary = self._run.summary
         levels = sorted(summary["amplitude"].unique())
-        to_isola = windows[windows["branch"].fillna("").str.contains("isola")].sort_values("amplitude", kind="stable")
         if amplitude is None:
             others = summary[summary["kind"] != "main"]["amplitude"]
             middle = levels[len(levels) // 2 : len(levels) // 2 + 1]
-            amplitude = float(min(to_isola["amplitude"], default=min(others, default=sum(middle) or 1.0)))
+            predicted = windows_of_isolas(self._run)["amplitude"]
+            amplitude = float(min(predicted, default=min(others, default=sum(middle) or 1.0)))
         elif isinstance(amplitude, bool) or not isinstance(amplitude, Real) or not 0.0 < amplitude < np.inf:
             raise ValueError(f"amplitude = {amplitude!r}: a number above zero is needed")
-        if mode is None:
-            here = to_isola[to_isola["amplitude"] == float(amplitude)]
-            mode = next(iter(pd.concat([here, to_isola])["mode"].astype(int)), None)
+        mode = mode_of_isola(self._run, float(amplitude)) if mode is None else mode
         curve = self._run.backbone(mode)
         # Beyond the last threshold of twice the highest level nothing is predicted for any of them.
         near = np.flatnonzero(curve["threshold"].to_numpy() <= 2.0 * max([*levels, float(amplitude)]))

@@ -4,7 +4,7 @@
 use super::style::Color;
 use super::subject::Subject;
 use crate::curves::{BackboneCurve, Piece};
-use crate::overview::{Level, WindowOutcome, WindowRow, briefly, elsewhere};
+use crate::overview::{Level, WindowOutcome, WindowRow, briefly, elsewhere, within};
 use crate::words::{count, digits};
 use serde::Serialize;
 
@@ -65,7 +65,7 @@ impl Frame {
         let mut runs = runs_of(backbone, amplitude);
         let row = |run: &Run| level.and_then(|(_, level)| window_of(level, backbone, run));
         for (k, run) in runs.iter_mut().enumerate() {
-            run.name = name(row(run), k + 1);
+            run.name = name(level.map(|(_, level)| level).zip(row(run)), k + 1);
         }
         paint(&mut runs);
         let numbered =
@@ -139,14 +139,14 @@ fn window_of<'l>(level: &'l Level, backbone: &BackboneCurve, run: &Run) -> Optio
     windows.find(|window| (window.points[0]..=window.points[1]).contains(&run.best))
 }
 
-fn name(window: Option<&WindowRow>, number: usize) -> String {
-    match window.map(|window| (window.number, &window.outcome)) {
-        Some((_, WindowOutcome::Found(branches))) => branches.clone(),
-        Some((number, WindowOutcome::NotFound(_) | WindowOutcome::Elsewhere(_))) => {
-            format!("window {number}, not found")
-        }
-        Some((number, WindowOutcome::Pending(_))) => format!("window {number}, pending"),
-        None => format!("window {number}"),
+/// What there is of a window, if it is one of a level; else its number.
+fn name(known: Option<(&Level, &WindowRow)>, number: usize) -> String {
+    let Some((level, window)) = known else { return format!("window {number}") };
+    let number = window.number;
+    match &window.outcome {
+        WindowOutcome::Found(found) => within(found, window, &level.branches).0.join("; "),
+        WindowOutcome::NotFound(_) | WindowOutcome::Elsewhere(_) => format!("window {number}, not found"),
+        WindowOutcome::Pending(_) => format!("window {number}, pending"),
     }
 }
 
@@ -181,13 +181,13 @@ fn sentence(backbone: &BackboneCurve, number: usize, run: &Run, level: Option<(u
         _ if crosses => "begins where a curve crosses the backbone: branches off another response, as a rule",
         _ => "separate: an isola, unless the main branch reaches it",
     };
-    let outcome = match (level, window.map(|window| &window.outcome)) {
-        (None, _) => String::new(),
-        (_, None) => " Not among the windows of this level.".into(),
-        (_, Some(WindowOutcome::Found(branches))) => format!(" Computed: {branches}."),
-        (_, Some(WindowOutcome::Pending(_))) => " Not computed yet.".into(),
-        (_, Some(WindowOutcome::NotFound(reasons))) => format!(" Computed, not found: {}.", briefly(reasons)),
-        (_, Some(WindowOutcome::Elsewhere(branches))) => format!(" Computed, not found: {}.", elsewhere(branches)),
+    let outcome = match level.zip(window).map(|((_, level), window)| (level, window, &window.outcome)) {
+        None if level.is_none() => String::new(),
+        None => " Not among the windows of this level.".into(),
+        Some((level, window, WindowOutcome::Found(found))) => computed(found, window, level),
+        Some((.., WindowOutcome::Pending(_))) => " Not computed yet.".into(),
+        Some((.., WindowOutcome::NotFound(reasons))) => format!(" Computed, not found: {}.", briefly(reasons)),
+        Some((.., WindowOutcome::Elsewhere(branches))) => format!(" Computed, not found: {}.", elsewhere(branches)),
     };
     // The same numbers as in the account.
     let (low, high) = window.map_or((low, high), |window| window.omega);
@@ -197,6 +197,13 @@ fn sentence(backbone: &BackboneCurve, number: usize, run: &Run, level: Option<(u
     let begins = if is_inside { "born at A* =" } else { "A* down to" };
     let (low, high) = (digits(low, 5), digits(high, 5));
     format!("Window {number}: {low} to {high} rad/s, {begins} {threshold}; {which}.{outcome}")
+}
+
+/// What the seeds of a window led to.
+fn computed(found: &str, window: &WindowRow, level: &Level) -> String {
+    let (there, others) = within(found, window, &level.branches);
+    let others = if others.is_empty() { String::new() } else { format!("; {}", elsewhere(&others.join("; "))) };
+    format!(" Computed: {}{others}.", there.join("; "))
 }
 
 /// A column at a place between its points.
@@ -247,6 +254,7 @@ pub fn ladder(subject: &Subject<'_>, backbone: &BackboneCurve) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::store::BranchRow;
     use solver::laws::{PolynomialSpring, Term};
     use solver::response::windows::windows;
     use solver::settings::HarmonicSettings;
@@ -303,6 +311,23 @@ mod tests {
             assert!(told.contains(which), "{amplitude}: {told}");
         }
         assert!(curve.peaks.iter().all(|peak| !begins.contains(&peak.index)), "{:?}", curve.peaks);
+    }
+
+    /// A window is called by what is there, not by what its seeds came upon elsewhere.
+    #[test]
+    fn a_window_has_the_names_of_branches_of_its_frequencies() {
+        let branch = |kind: &str, omega| BranchRow { kind: kind.into(), number: 1, omega, ..BranchRow::default() };
+        let branches = vec![branch("main", (0.0, 1.5)), branch("isola", (3.0, 4.0))];
+        let outcome = WindowOutcome::Found("isola 1; main".into());
+        let (points, omega) = ([0, 2, 1], (1.0, 1.2));
+        let window = WindowRow { number: 1, mode: 1, points, omega, omega_best: 1.1, threshold: 1.0, outcome };
+        let level = Level { branches, ..Level::default() };
+        assert_eq!(name(Some((&level, &window)), 1), "main");
+        assert_eq!(
+            computed("isola 1; main", &window, &level),
+            " Computed: main; its seeds led to isola 1, which has other frequencies."
+        );
+        assert_eq!(name(None, 3), "window 3");
     }
 
     #[test]

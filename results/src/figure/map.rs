@@ -49,7 +49,8 @@ pub fn figure(
 
     let mut drawing = Drawing { series: Vec::new(), legend: Vec::new(), store };
     let curve = Style::line(Color::Ink, MEDIUM);
-    drawing.name("threshold A* of the backbone", curve.clone());
+    let whose = if subject.further.is_empty() { "the backbone".into() } else { format!("mode {}", backbone.mode + 1) };
+    drawing.name(&format!("threshold A* of {whose}"), curve.clone());
     drawing.of_the_amplitude();
     let levels = subject.levels.len().max(1) as f64;
     let thin = (TOGETHER.0 / levels).max(0.5 * FINE);

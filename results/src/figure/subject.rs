@@ -20,9 +20,9 @@ pub struct Subject<'r> {
     pub monitors: &'r [Monitor],
     /// The harmonic of the response that is forced.
     pub harmonic: usize,
-    /// The backbone, once it is known.
+    /// The backbone that figures are about, once it is known.
     pub backbone: Option<&'r BackboneCurve>,
-    /// The backbones of further modes.
+    /// The backbones of other modes.
     pub further: &'r [BackboneCurve],
     /// Fold curves.
     pub curves: &'r [CurveRow],
@@ -84,7 +84,7 @@ impl<'r> Subject<'r> {
         self.missing.iter().find(left_out).map_or(otherwise, String::as_str).into()
     }
 
-    /// The level to look at first: the lowest at which a window led to an isola, else the lowest with an isola, else the middle one.
+    /// The level to look at first: the lowest at which a window led to an isola of its frequencies, else the lowest with an isola, else the middle one.
     pub fn first_level(&self) -> Option<usize> {
         let predicted = self.levels.iter().position(|level| level.mode_of_isola().is_some());
         let with_isola = || self.levels.iter().position(|level| level.others().next().is_some());

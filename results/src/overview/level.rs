@@ -2,7 +2,7 @@
 
 use super::omissions::Omissions;
 use super::reasons::briefly;
-use super::windows::{elsewhere, tell_elsewhere};
+use super::windows::{elsewhere, tell_elsewhere, within};
 use crate::store::{BranchRow, Reader, WindowOutcome, WindowRow};
 use serde::Serialize;
 use solver::response::branch::BranchKind;
@@ -106,10 +106,12 @@ impl Level {
         highest(self.isolas())
     }
 
-    /// Mode, from 1, of the first window that led to an isola.
+    /// Mode, from 1, of the first window that led to an isola of its frequencies.
     pub fn mode_of_isola(&self) -> Option<usize> {
         let leads = |window: &&WindowRow| match &window.outcome {
-            WindowOutcome::Found(to) | WindowOutcome::Elsewhere(to) => to.contains(BranchKind::Isola.name()),
+            WindowOutcome::Found(to) => {
+                within(to, window, &self.branches).0.iter().any(|name| name.starts_with(BranchKind::Isola.name()))
+            }
             _ => false,
         };
         self.windows.iter().find(leads).map(|window| window.mode)

@@ -53,7 +53,7 @@ pub use shift::{shift, shift_sentence};
 pub use stability_words::{NOT_KNOWN, StabilityOf, VERDICTS, VerdictWords, stability_of, verdict_words};
 pub use truncation::{asks_for_harmonics, is_unconfirmed, least_added, truncation, truncation_of};
 pub use unfinished::unfinished;
-pub use windows::{elsewhere, overlaps};
+pub use windows::{elsewhere, overlaps, within};
 
 pub use crate::store::{BranchRow, Origin, WindowOutcome, WindowRow};
 

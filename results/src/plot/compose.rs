@@ -31,7 +31,8 @@ pub fn compose(reader: &Reader, request: &Request) -> Result<(Sheet, Omissions),
     if matches!(request.figure, FigureName::Balance | FigureName::Backbone | FigureName::Modes) {
         match request.mode {
             Some(number) => report.turn_to(number).map_err(Error::Usage)?,
-            None => report.turn_to_isola(level),
+            None if level.is_some() => report.turn_to_isola(level),
+            None => {}
         }
     }
     let mut sheet = if request.figure == FigureName::Motion {

@@ -48,9 +48,9 @@ pub struct Report {
     pub sweep: Option<(f64, f64)>,
     /// Branches, level by level, main before isolas.
     pub branches: Vec<Curve>,
-    /// The backbone, once it is known.
+    /// The backbone that figures are about, once it is known: see [`Self::turn_to_isola`].
     pub backbone: Option<BackboneCurve>,
-    /// The backbones of further modes.
+    /// The backbones of other modes.
     pub further: Vec<BackboneCurve>,
     /// Frequency and amplitude of the largest response, three ways.
     pub resonance: ResonanceComparison,
@@ -180,6 +180,9 @@ impl Report {
             overview,
             omissions,
         };
+        if let Some(number) = report.mode_of_isola(None) {
+            report.put_first(number);
+        }
         report.figures = Figures::new(&report.subject());
         Ok(report)
     }
@@ -199,22 +202,34 @@ impl Report {
                 }
             });
         }
-        if let Some(place) = self.further.iter().position(|further| further.mode + 1 == number) {
-            let chosen = self.further.remove(place);
-            self.further.extend(self.backbone.replace(chosen));
+        if self.put_first(number) {
             self.figures = Figures::new(&self.subject());
         }
         Ok(())
     }
 
-    /// The same of the mode whose window led to an isola at a level, by index, by default at the level to look at first; if none did there,
-    /// at the lowest level where one did. If none did anywhere, or that mode has no backbone, nothing changes.
+    /// Whether another backbone, that of this mode, from 1, takes the place of the first.
+    fn put_first(&mut self, number: usize) -> bool {
+        let place = self.further.iter().position(|further| further.mode + 1 == number);
+        if let Some(place) = place {
+            let chosen = self.further.remove(place);
+            self.further.extend(self.backbone.replace(chosen));
+        }
+        place.is_some()
+    }
+
+    /// The same of the mode whose window led to an isola of its frequencies at a level, by index, by default at the level to look at first;
+    /// if none did there, at the lowest level where one did. If none did anywhere, or that mode has no backbone, nothing changes: figures are
+    /// about the primary mode, the first one followed.
     pub fn turn_to_isola(&mut self, level: Option<usize>) {
+        let is_turned = self.mode_of_isola(level).map_or(Ok(()), |number| self.turn_to(number));
+        is_turned.unwrap_or_default();
+    }
+
+    fn mode_of_isola(&self, level: Option<usize>) -> Option<usize> {
         let level = level.or_else(|| self.subject().first_level());
         let own = level.and_then(|level| self.overview.levels[level].mode_of_isola());
-        let mode = own.or_else(|| self.overview.levels.iter().find_map(Level::mode_of_isola));
-        let is_turned = mode.map_or(Ok(()), |number| self.turn_to(number));
-        is_turned.unwrap_or_default();
+        own.or_else(|| self.overview.levels.iter().find_map(Level::mode_of_isola))
     }
 
     /// Units in which it is shown.
