@@ -21,6 +21,9 @@ const ROOM: f64 = 1.5;
 const AMONG: (f64, f64) = (2.0, 1.25);
 /// Curves are shown this far on each side of what the figure is about, as a share of its range: those of other modes may go much farther.
 const BESIDE: f64 = 1.0;
+/// Marks of what is predicted show behind those of the same thing as computed, which lie over them.
+const PREDICTED: f64 = 1.9 * MARK;
+const COMPUTED: f64 = 1.15 * MARK;
 /// Bars are thinner where there are many: their widths together, px, and those of the main branches, which are wide.
 const TOGETHER: (f64, f64) = (100.0, 30.0);
 
@@ -107,16 +110,18 @@ pub fn figure(
         (EventKind::Merge, Shape::InvertedTriangle, "merges"),
     ] {
         let name = format!("{name}, predicted");
-        let style = Style::marks(Color::Ink, shape, 1.4 * MARK, kind == EventKind::Merge);
+        let style = Style::marks(Color::Ink, shape, PREDICTED, kind == EventKind::Merge);
         let of_kind = events().filter(|event| event.kind == kind);
         drawing.points(Some(&name), style, of_kind.map(|event| (event.omega, event.threshold)));
     }
-    let mut labels: Vec<Label> = events().map(label).collect();
+    drawing.happens(subject, &y);
+    let mut labels = Vec::new();
     for words in EVENTS {
         let side = if words == BIRTH { Side::Below } else { Side::Above };
         let label = |point: &CurvePoint| event_label(subject, words, point, (point.omega, point.forcing), side);
         labels.extend(computed(subject, &y, words.kind.name()).map(label));
     }
+    labels.extend(events().map(label));
     let Drawing { series, legend, .. } = drawing;
     let panel = Panel {
         about: "Isola map: threshold of the forcing amplitude over frequency. Drag the line to move A.",
@@ -167,15 +172,19 @@ impl Drawing<'_> {
         self.points(Some("threshold A* of further modes"), Style::line(Color::Ink, FINE), curves);
     }
 
-    /// Fold curves, and where isolas are born and branches merge on them.
+    /// Fold curves.
     fn folds(&mut self, subject: &Subject<'_>, y: &Axis) {
         let is_shown = |curve: &&CurveRow| y.is_met_by(curve.points.iter().map(|point| point.forcing));
         let place = |point: &CurvePoint| (point.omega, point.forcing);
         let curves = subject.curves.iter().filter(is_shown);
         let points = curves.flat_map(|curve| curve.points.iter().map(place).chain([(f64::NAN, f64::NAN)]));
         self.points(Some("folds, computed"), Style::line(Color::Category(3), MEDIUM), points);
+    }
+
+    /// Where isolas are born and branches merge on fold curves.
+    fn happens(&mut self, subject: &Subject<'_>, y: &Axis) {
         for (words, shape, is_hollow) in MARKS {
-            let style = Style::marks(Color::Category(3), shape, 1.4 * MARK, is_hollow);
+            let style = Style::marks(Color::Category(3), shape, COMPUTED, is_hollow);
             let found = || computed(subject, y, words.kind.name());
             let of_kind: Vec<(f64, f64)> = found().map(|p| (p.omega, p.forcing)).collect();
             self.points(Some(&explained(words, found())), style, of_kind.into_iter());

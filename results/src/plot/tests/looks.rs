@@ -18,6 +18,27 @@ fn what_a_curve_encloses_hides_no_other() {
     assert!(lines[inside..].iter().filter(is_curve).count() >= 3);
 }
 
+/// Births as computed and as predicted are at one place, nearly: what is computed lies over, and the other one shows behind it.
+#[test]
+fn marks_of_one_event_hide_none() {
+    let dir = damper();
+    let mut report = Report::read(&Reader::open(&dir.path().join("run")).unwrap(), &Selection::All).unwrap();
+    let birth = report.backbone.as_ref().unwrap().events[0];
+    let event = Some("birth".to_string());
+    let point = CurvePoint { forcing: birth.threshold, omega: birth.omega, event, ..CurvePoint::default() };
+    report.curves = vec![CurveRow { points: vec![point], ..CurveRow::default() }];
+    let panel = Figures::new(&report.subject()).drawn.remove("map").unwrap().panels.remove(0);
+    let mark = |color: Color| {
+        let is_mark = |series: &&Series| series.style.color == color && series.style.marker.is_some();
+        let place = panel.series.iter().rposition(|series| is_mark(&series)).unwrap();
+        (place, panel.series[place].style.marker.unwrap().size)
+    };
+    let (predicted, computed) = (mark(Color::Ink), mark(Color::Category(3)));
+    assert!(predicted.0 < computed.0 && predicted.1 > 1.5 * computed.1, "{predicted:?}, {computed:?}");
+    // What is computed is named before what is predicted.
+    assert_eq!(panel.labels[0].color, Color::Category(3));
+}
+
 #[test]
 fn axes_have_the_units_that_were_asked_for() {
     let dir = damper();
