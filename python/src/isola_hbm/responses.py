@@ -44,6 +44,8 @@ if TYPE_CHECKING:
 _HIGH = 0.8
 #: Widths of main branches, of those that branch off others, and of isolas and others.
 _THIN, _MEDIUM, _BOLD = 1.0, 1.6, 2.2
+#: The least width of an isola, and how many times as far apart as they are wide its two strands are, on average, at least.
+_FINE, _APART = 0.75, 2.0
 #: How what is unstable is drawn.
 _DASHES = (0, (2.5, 1.5))
 #: Peaks are marked while there are so few, and folds with them; how.
@@ -80,6 +82,15 @@ class _Branch:
     def forcing(self) -> str:
         return f"A = {text(self.row['amplitude'])}"
 
+    def narrowed(self, axes: Axes, full: float) -> float:
+        """The width of its line on these axes, points: that given, or less where the strands of an isola would touch."""
+        if self.is_main or not self.row["closed"]:
+            return full
+        x, y = (72.0 / axes.figure.canvas.figure.dpi) * axes.transData.transform(np.column_stack([self.at, self.height])).T
+        area = 0.5 * abs(np.sum(x[:-1] * y[1:] - x[1:] * y[:-1]))
+        length = np.hypot(np.diff(x), np.diff(y)).sum()
+        return float(min(full, max(_FINE, 2.0 * area / max(length, 1e-9) / _APART)))
+
     def is_beneath(self, other: _Branch) -> bool:
         """Whether another one of its kind and level lies on it."""
         rows, curves = (self.row, other.row), [np.column_stack([one.at, one.height]) for one in (self, other)]
@@ -110,10 +121,12 @@ def forced_response(
     colors = dict(zip(levels, along_ramp(len(levels))))
     rank = {levels[place]: i for i, place in enumerate(spread(len(levels)))}
     branches, folds = _branches(summary, table, units), run._folds()
-    # While nothing was verified, nothing is said of stability.
-    known = table["stable"][table["name"].isin(summary.index)].isin(["stable", "unstable"])
-    has_unstable, is_verified, has_unknown = False, known.any(), known.any() and not known.all()
+    # Where nothing was verified nothing is pale, and the legend says so.
+    told = table["stable"][table["name"].isin(summary.index)]
+    is_verified, known = bool((told.notna() & (told != "")).any()), told.isin(["stable", "unstable"])
+    has_unstable, has_unknown = False, is_verified and not known.all()
     marks: dict[str, list[tuple[float, float, Any]]] = {"peak": [], "fold": []}
+    strands: list[tuple[_Branch, Line2D]] = []
     for branch in branches:
         row, level, at, height = branch.row, branch.row["amplitude"], branch.at, branch.height
         style = {
@@ -133,7 +146,7 @@ def forced_response(
             (pale, {"color": faded(style["color"])}),
         ):
             if wanted.any():
-                axes.plot(*along(wanted, at, height), **{**style, **look})
+                strands += [(branch, line) for line in axes.plot(*along(wanted, at, height), **{**style, **look})]
         has_unstable |= bool(unstable.any())
         # What is only as far as the branch is known is no peak.
         if row.get("peak_standing") == "at":
@@ -150,18 +163,25 @@ def forced_response(
         axes.set_xlim(units.frequencies(around(np.concatenate([branch.shown for branch in branches]), reach)))
     # Amplitudes begin at zero; what is drawn on these axes later may change the limits as before.
     axes.set_ylim(bottom=0.0, auto=None)
+    is_any_narrow = False
+    for branch, line in strands:
+        width = branch.narrowed(axes, line.get_linewidth())
+        is_any_narrow |= width < line.get_linewidth()
+        line.set_linewidth(width)
     marked = _mark(axes, marks)
     others = set(summary["kind"]) - {"main", "branched"}
+    thinner = ", thinner where narrow" if is_any_narrow else ""
     has_branched = (summary["kind"] == "branched").any()
-    told: tuple[tuple[Any, str, dict[str, Any]], ...] = (
+    entries: tuple[tuple[Any, str, dict[str, Any]], ...] = (
         (others or has_branched, "main branch", {"linewidth": _THIN}),
-        (others, "isola" if others == {"isola"} else "isola or other", {"linewidth": _BOLD}),
+        (others, ("isola" if others == {"isola"} else "isola or other") + thinner, {"linewidth": _BOLD}),
         (has_branched, "branches off another", {"linewidth": _MEDIUM}),
         (has_unstable, "unstable", {"linestyle": _DASHES}),
         (has_unknown, "stability not known", {"linewidth": _BOLD, "color": faded(SHADE)}),
+        (branches and not is_verified, "stability not known: nothing was verified", {"linewidth": _BOLD}),
         *((kind in marked, kind, look) for kind, look in _MARKS.items()),
     )
-    for wanted, label, how in told:
+    for wanted, label, how in entries:
         if wanted:
             add_line(axes, [], [], label=label, **{"color": SHADE, **how})
     if backbone:

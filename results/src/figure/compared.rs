@@ -3,7 +3,7 @@
 use super::coincidence::Coincidence;
 use super::column_store::ColumnStore;
 use super::data::{Axis, Entry, Figure, Kind, Label};
-use super::response::{Outline, branch_series, called, is_crowd};
+use super::response::{Outline, branch_series, called, is_crowd, make_room};
 use super::smooth::smooth;
 use super::stability::Marking;
 use super::style::{BOLD, Color, MEDIUM, Shape, Style};
@@ -86,6 +86,7 @@ fn response(runs: &[Compared<'_>], levels: &[f64], store: &mut ColumnStore) -> R
             curve.level = level.and_then(|level| place(level.value));
             curve.y.truncate(1);
             curve.style.fill = false;
+            make_room(&mut curve, branch, (&axes.0, &axes.1[0]));
             let heights = branch.amplitude.first().map_or(&[][..], |column| &column.values);
             smooth(&mut curve, (&branch.omega.values, &[heights]), (&axes.0, &axes.1), store);
             let over = marking.over(branch, &curve, (&axes.0, &axes.1), store);

@@ -16,6 +16,7 @@ mod labels;
 mod map;
 mod modes;
 mod motion;
+mod narrow;
 mod palette;
 mod placement;
 mod places;
@@ -44,7 +45,7 @@ pub use motion::{
 pub use palette::{Colors, LIGHT, PALETTE, Palette, Rgb};
 pub use placement::{place, place_for_page, point as label_point, run_points};
 pub use references::backbone_series;
-pub use response::{FEW, Outline, branch_series, is_crowd};
+pub use response::{FEW, Outline, branch_series, called, is_crowd};
 pub use special::special_points;
 pub use stability::straight_gaps;
 pub use style::{Color, Marker, Shape, Style};

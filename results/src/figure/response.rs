@@ -5,6 +5,7 @@ use super::bands::bands;
 use super::coincidence::Coincidence;
 use super::column_store::ColumnStore;
 use super::data::{Axis, Detail, Entry, Figure, Format, Kind, Label, Panel, Series, Side, Size};
+use super::narrow;
 use super::references::{backbone_series, further_backbone, further_within, gap_label, gaps};
 use super::smooth::smooth;
 use super::special::{mark, special_points, word};
@@ -57,6 +58,7 @@ pub fn figure(
     let outline = Outline::new(subject.branches.iter(), subject, &colors);
     let outline = outline.with_marks(has_marks).marked(marking);
     let mut figure = outline.figure(backbone);
+    let mut is_any_thinner = false;
     let is_crowded = is_crowd(subject.branches.iter().filter(|branch| branch.kind != "main").count());
     let mut marks = Vec::new();
     let panel = &mut figure.panels[0];
@@ -74,6 +76,7 @@ pub fn figure(
         let own = branch_series(branch, amplitude, color, is_crowded, columns);
         let name = outline.same.names(&outline.branches, i).iter().map(|own| called(amplitude, own)).collect();
         let mut curve = Series { branch: Some(i), name, ..own };
+        is_any_thinner |= make_room(&mut curve, branch, (&axes.0, &axes.1[0]));
         let heights: Vec<&[f64]> = branch.amplitude.iter().map(|column| column.values.as_slice()).collect();
         smooth(&mut curve, (&branch.omega.values, &heights), (&axes.0, &axes.1), columns);
         let veiled = |series| outline.same.veiled(i, series);
@@ -85,6 +88,10 @@ pub fn figure(
         series.extend(bands.into_iter().chain([curve]).chain(over).map(veiled));
     }
     series.append(&mut marks);
+    if is_any_thinner {
+        let isolas = figure.legend.iter_mut().filter(|entry| entry.text == BranchKind::Isola.name());
+        isolas.for_each(|entry| entry.text += ", thinner where narrow");
+    }
     Ok(figure)
 }
 
@@ -346,8 +353,18 @@ pub fn branch_series(
     }
 }
 
+/// Makes the line of a closed curve thinner if it is narrow; whether it was.
+pub(super) fn make_room(curve: &mut Series, branch: &Curve, axes: (&Axis, &Axis)) -> bool {
+    let heights = branch.amplitude.first().map_or(&[][..], |column| &column.values);
+    let full = curve.style.width;
+    if curve.kind == Kind::Closed {
+        curve.style.width = narrow::width((&branch.omega.values, heights), axes, (full, FINE));
+    }
+    curve.style.width < full
+}
+
 /// What branches of a level are called where their points are looked at.
-pub(super) fn called(amplitude: &str, names: &str) -> String {
+pub fn called(amplitude: &str, names: &str) -> String {
     format!("A = {amplitude}, {names}")
 }
 

@@ -1,6 +1,7 @@
 //! In which order things are drawn, and in which units.
 
 use super::*;
+use crate::figure::Kind;
 
 #[test]
 fn what_a_curve_encloses_hides_no_other() {
@@ -37,6 +38,25 @@ fn marks_of_one_event_hide_none() {
     assert!(predicted.0 < computed.0 && predicted.1 > 1.5 * computed.1, "{predicted:?}, {computed:?}");
     // What is computed is named before what is predicted.
     assert_eq!(panel.labels[0].color, Color::Category(3));
+}
+
+#[test]
+fn narrow_isolas_have_thin_lines() {
+    let dir = damper();
+    let mut report = Report::read(&Reader::open(&dir.path().join("run")).unwrap(), &Selection::All).unwrap();
+    let drawn = |report: &Report| {
+        let mut figure = Figures::new(&report.subject()).drawn.remove("response").unwrap();
+        let isola = figure.panels.remove(0).series.into_iter().find(|series| series.kind == Kind::Closed).unwrap();
+        (isola.style.width, figure.legend[1].text.clone())
+    };
+    let (full, name) = drawn(&report);
+    assert_eq!(name, "isola");
+    let isola = report.branches.iter_mut().find(|branch| branch.kind == "isola").unwrap();
+    let top = isola.amplitude_at_peak;
+    isola.amplitude[0].values.iter_mut().for_each(|height| *height = top + 0.01 * (*height - top));
+    let (width, name) = drawn(&report);
+    assert!(width < 0.6 * full, "{width} and {full}");
+    assert_eq!(name, "isola, thinner where narrow");
 }
 
 #[test]
