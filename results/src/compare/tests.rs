@@ -104,7 +104,10 @@ fn curves_of_all_runs_are_over_each_other() {
     let styles: Vec<_> = figure.panels[0].series.iter().map(|series| series.style.color).collect();
     assert!(styles[0] != styles[styles.len() - 1]);
     let legend: Vec<&str> = figure.legend.iter().map(|entry| entry.text.as_str()).collect();
-    assert_eq!(legend, ["three", "five", "main branch", "isola and others"]);
+    assert_eq!(
+        legend,
+        ["three", "five", "main branch", "isola and others", "stability not known: nothing was verified"]
+    );
     // The axis holds the largest of both.
     let [low, high] = [0, 1].map(|run| compared.reports[run].figures.drawn["response"].panels[0].y[0].range.1);
     assert_eq!(figure.panels[0].y[0].range.1, low.max(high));

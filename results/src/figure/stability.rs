@@ -1,5 +1,5 @@
 //! What time marching says of branches: their lines are dashed where they are unstable, and pale where nothing is known although other
-//! parts were verified.
+//! parts were verified. Where nothing was verified at all nothing is pale, and the legend says so.
 
 use super::column_store::ColumnStore;
 use super::data::{Axis, Entry, Kind, Series};
@@ -14,30 +14,36 @@ pub struct Marking {
     has_unstable: bool,
     /// Whether others, and what is known of them, will follow.
     is_growing: bool,
-    /// Whether a solid line means that it is stable: not while verifications are still to come.
+    /// Whether a solid line means that it is stable, and a pale one that nothing is known: not while verifications are still to come.
     has_unknown: bool,
+    /// Whether nothing was verified.
+    is_unverified: bool,
 }
+
+/// What solid lines say of branches none of which was verified.
+const UNVERIFIED: &str = "nothing was verified";
 
 impl Marking {
     /// Of branches that are all there.
     pub fn of<'c>(branches: impl Iterator<Item = &'c Curve> + Clone) -> Self {
-        let is_verified = branches.clone().any(|branch| (0..branch.size).any(|i| is_known(branch, i)));
+        let is_verified = branches.clone().any(|branch| !branch.stable.is_empty());
         let has_unknown = is_verified && branches.clone().any(|branch| (0..branch.size).any(|i| !is_known(branch, i)));
-        Self { has_unknown, is_growing: false, ..Self::growing(branches) }
+        Self { has_unknown, is_growing: false, is_unverified: !is_verified, ..Self::growing(branches) }
     }
 
     /// Of branches that others, and what is known of them, will follow.
     pub fn growing<'c>(mut branches: impl Iterator<Item = &'c Curve>) -> Self {
         let has_unstable = branches.any(|branch| branch.unstable.contains(&true));
-        Self { has_unstable, is_growing: true, has_unknown: false }
+        Self { has_unstable, is_growing: true, has_unknown: false, is_unverified: false }
     }
 
     /// What the legend says, curves being of a colour.
     pub fn entries(self, color: Color) -> impl Iterator<Item = Entry> {
         let unstable = if self.is_growing { "unstable (solid: stable, or not known)" } else { "unstable" };
         let entries = [
-            (self.has_unstable, unstable, Style::line(color, BOLD).with_dash(1)),
-            (self.has_unknown, NOT_KNOWN, Style::line(color.pale(), BOLD)),
+            (self.has_unstable, unstable.to_string(), Style::line(color, BOLD).with_dash(1)),
+            (self.has_unknown, NOT_KNOWN.into(), Style::line(color.pale(), BOLD)),
+            (self.is_unverified, format!("{NOT_KNOWN}: {UNVERIFIED}"), Style::line(color, BOLD)),
         ];
         let shown = entries.into_iter().filter(|(is_there, ..)| *is_there);
         shown.map(|(_, text, style)| Entry::new(text, Kind::Line, style))

@@ -87,7 +87,8 @@ fn response_has_branches_backbone_and_labels() {
     assert_eq!(panel.series.iter().filter(|series| series.branch.is_some()).count(), 3);
     assert_eq!(panel.series.iter().filter(|series| series.switch.is_some() && !series.along_runs).count(), 1);
     assert_eq!(labels(&drawn, 0), ["isola 1, A = 0.006", "A = 0.006", "A = 3e-3"]);
-    assert_eq!(legend(&drawn), ["main branch", "isola", "backbone", "peak", "fold"]);
+    let unverified = "stability not known: nothing was verified";
+    assert_eq!(legend(&drawn), ["main branch", "isola", unverified, "backbone", "peak", "fold"]);
     assert_eq!(panel.y[0].heading(), "amplitude of x1 (m)");
     let (x, isola) = (&panel.x[0], panel.labels[0].x[0].unwrap());
     assert!((0.0..1.0).contains(&x.share(isola)) && x.range.1 - x.range.0 < 0.1, "{x:?}");
@@ -182,7 +183,6 @@ fn the_map_is_about_isolas_and_frequencies_are_chosen() {
     report.curves = vec![CurveRow { points: vec![fold(0.1), fold(9.0)], ..CurveRow::default() }];
     let (low, high) = range(&report);
     assert!(low <= before.0 && before.1 <= high && high - low < 3.5 * width, "{low} to {high}, {before:?}");
-    // Where nothing is there but main branches, and nothing happens, folds and thresholds are what it is about.
     // Curves that leave the figure go on beyond its frame, where they are cut.
     let far = [1e-9, 0.005, 1e3];
     let fold = |forcing| CurvePoint { forcing, omega: 1.0, amplitude: 1.0, ..CurvePoint::default() };
@@ -191,6 +191,7 @@ fn the_map_is_about_isolas_and_frequencies_are_chosen() {
     let is_curve = |series: &&Series| series.style.color == Color::Category(3) && series.style.width > 0.0;
     let folds = figures.drawn["map"].panels[0].series.iter().find(is_curve).unwrap();
     assert_eq!(figures.columns.values(&folds.y[0], 1.0)[3..6], far);
+    // Where nothing is there but main branches, and nothing happens, folds and thresholds are what it is about.
     report.overview.levels[1].branches.retain(BranchRow::is_main);
     report.further[0].events.clear();
     report.backbone.iter_mut().for_each(|backbone| backbone.events.clear());
