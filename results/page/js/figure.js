@@ -96,6 +96,13 @@ class Figure {
     description.series = description.series.filter((series) => series.branch !== branch);
   }
 
+  /** Calls what is drawn of a branch by another name. @param {string[]} name one, or one an option */
+  rename(branch, name) {
+    for (const series of this.panels[0].description.series) {
+      if (series.branch === branch && series.name) series.name = name;
+    }
+  }
+
   /** Takes over axes, lines across, labels and legend; series and what the reader has zoomed into stay. */
   update({ panels, legend: entries = [] }) {
     const next = legend(entries);

@@ -30,8 +30,8 @@ function listenForBranches(section, levels, say) {
   const events = new EventSource("/events");
   const on = (name, take) => events.addEventListener(name, ({ data }) => take(JSON.parse(data)));
   events.addEventListener("open", () => say("Connected: branches appear as they are computed."));
-  on("branch", ({ branch, series, ...rest }) => {
-    section.add(branch, series, columnsOf(rest));
+  on("branch", ({ branch, series, renamed, ...rest }) => {
+    section.add(branch, series, columnsOf(rest), renamed);
     const received = `${countOf(section.branches.length, "branch", "branches")} received`;
     say(`${received}; last: ${branch.name} at A = ${levels[branch.level].amplitude}`);
   });

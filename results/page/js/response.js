@@ -45,8 +45,11 @@ class ResponseSection {
     this.figure.set({ selected: { branch, index } });
   }
 
-  /** Takes a branch in; another of the same level, kind and number is replaced. */
-  add(branch, series, columns) {
+  /**
+   * Takes a branch in; another of the same level, kind and number is replaced.
+   * @param {[number, string[]][]} renamed what branches that it lies on are called from now on
+   */
+  add(branch, series, columns, renamed) {
     const isSame = ({ level, kind, number }) =>
       level === branch.level && kind === branch.kind && number === branch.number;
     const known = this.branches.findIndex(isSame);
@@ -54,6 +57,7 @@ class ResponseSection {
     this.branches[place] = branch;
     if (known >= 0) this.figure.remove(known);
     this.figure.add(series.map((one) => ({ ...one, branch: place })), columns);
+    for (const [other, name] of renamed) this.figure.rename(other, name);
     noteIsolas(this.picker, this.branches);
     this.tell();
   }

@@ -34,6 +34,15 @@ impl Coincidence {
         self.firsts[axis][branch] != branch
     }
 
+    /// The branches that a branch lies on, on any axis.
+    pub fn beneath(&self, branch: usize) -> Vec<usize> {
+        let mut beneath: Vec<usize> = self.firsts.iter().map(|firsts| firsts[branch]).collect();
+        beneath.sort_unstable();
+        beneath.dedup();
+        beneath.retain(|&first| first != branch);
+        beneath
+    }
+
     /// The names of all that lie on a branch, one for each axis: `isola 1 and 2`.
     pub fn names(&self, branches: &[&Curve], branch: usize) -> Vec<String> {
         let of_axis = |firsts: &Vec<usize>| {
@@ -154,6 +163,7 @@ mod tests {
         let same = Coincidence::of(&branches, 2);
         let hidden = |axis| (0..4).map(|i| same.is_hidden(i, axis)).collect::<Vec<_>>();
         assert_eq!([hidden(0), hidden(1)], [[false, true, true, false], [false, false, true, false]]);
+        assert_eq!([0, 1, 2].map(|branch| same.beneath(branch)), [vec![], vec![0], vec![0]]);
         assert_eq!(same.names(&branches, 0), ["isola 1, 2 and 3", "isola 1 and 3"]);
         assert_eq!(same.names(&branches, 3), ["isola 4", "isola 4"]);
         let veiled = |branch| same.veiled(branch, Series::default());

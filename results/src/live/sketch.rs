@@ -4,7 +4,8 @@ use super::{Run, Start};
 use crate::curves::{BackboneCurve, Column, Curve, Monitor, Motions, ResonanceComparison, largest};
 use crate::figure::{
     BackboneColumns, Coincidence, Color, ColumnStore, FEW, Figure, Font, Frame, Outline, PALETTE, Palette, Series,
-    Subject, backbone_series, branch_series, convert, is_crowd, level_colors, place_for_page, special_points, straight_gaps,
+    Subject, backbone_series, branch_series, called, convert, is_crowd, level_colors, place_for_page, special_points,
+    straight_gaps,
 };
 use crate::overview::Level;
 use crate::page::lengths;
@@ -51,6 +52,8 @@ pub struct BranchEvent<'c> {
     columns: ColumnStore,
     series: Vec<Series>,
     branch: &'c Curve,
+    /// What others are called from now on, for the branch lies on them: which of those that came, and its name on each axis.
+    renamed: Vec<(usize, Vec<String>)>,
 }
 
 /// The backbone when it has come.
@@ -133,16 +136,20 @@ impl Sketch {
             Some(place) => self.branches[place] = thinned(curve),
             None => self.branches.push(thinned(curve)),
         }
-        let same = Coincidence::of(&self.branches.iter().collect::<Vec<_>>(), self.monitors.len());
+        let branches: Vec<&Curve> = self.branches.iter().collect();
+        let same = Coincidence::of(&branches, self.monitors.len());
+        let amplitude = self.levels.get(curve.level).map_or("", |level| &level.amplitude);
+        let names = |place| same.names(&branches, place).iter().map(|own| called(amplitude, own)).collect();
+        let renamed = same.beneath(place).into_iter().map(|first| (first, names(first))).collect();
         let first_column = self.end;
         let mut columns = ColumnStore::starting_at(first_column);
-        let drawn = self.series(curve, &mut columns);
+        let drawn = Series { name: names(place), ..self.series(curve, &mut columns) };
         let marks = special_points(curve, &drawn, drawn.style.color).filter(|_| place < FEW);
         let gaps = straight_gaps(curve, &drawn, &mut columns);
         let series = std::iter::once(drawn.clone()).chain(gaps).chain(marks);
         let series = series.map(|series| same.veiled(place, series)).collect();
         self.end = columns.end();
-        BranchEvent { first_column, columns, series, branch: curve }
+        BranchEvent { first_column, columns, series, branch: curve, renamed }
     }
 
     fn series(&self, curve: &Curve, columns: &mut ColumnStore) -> Series {
@@ -193,5 +200,36 @@ fn thinned(curve: &Curve) -> Curve {
         stable: Vec::new(),
         others: Vec::new(),
         ..curve.clone()
+    }
+}
+
+#[cfg(all(test, feature = "figures"))]
+mod tests {
+    use super::*;
+    use crate::fixture::Study;
+    use crate::report::{Report, Selection};
+    use protocol::to_everyone::Stage;
+    use tempfile::tempdir;
+
+    /// Whoever looks at a curve is told of all that lie on it, whichever came first.
+    #[test]
+    fn curves_that_lie_on_each_other_have_the_names_of_all() {
+        let dir = tempdir().unwrap();
+        let (store, _) = Study::damper().finished(dir.path());
+        let report = Report::read(&store, &Selection::Fitting).unwrap();
+        let isola = report.branches.iter().find(|branch| branch.kind == "isola").unwrap();
+        let image = Curve { number: 2, name: "isola 2".into(), ..isola.clone() };
+        let run = Run { id: "run".into(), name: "run".into(), model: "model".into(), stage: Stage::Sweep };
+        let levels = report.overview.levels.iter().map(|level| (level.amplitude.clone(), level.value)).collect();
+        let (mut sketch, _) = Sketch::new(Start::new(run, report.monitors.clone(), levels, 1, None));
+        let first = sketch.branch(isola);
+        assert_eq!((&first.series[0].name, first.renamed.len()), (&vec!["A = 0.006, isola 1".to_string()], 0));
+        let second = sketch.branch(&image);
+        let both = vec!["A = 0.006, isola 1 and 2".to_string()];
+        assert_eq!(second.renamed, [(0, both.clone())]);
+        assert!(!second.series[0].is_drawn(0));
+        // Neither loses it when more is known of its stability.
+        let again = sketch.branch(isola);
+        assert_eq!((&again.series[0].name, again.renamed.len()), (&both, 0));
     }
 }
