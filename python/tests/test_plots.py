@@ -16,7 +16,9 @@ import pytest
 from runs import MODELS, ROOT, change, isola
 
 import isola_hbm
+from isola_hbm.counted import digits
 from isola_hbm.drawing import along_ramp, faded, spread
+from isola_hbm.isolas import mode_of_isola
 from isola_hbm.maps import _EVENTS
 from isola_hbm.responses import _mark
 
@@ -129,7 +131,8 @@ def test_response_of_another_dof(tmp_path: Path) -> None:
     axes = run.plot.response(monitor="x1", units="um")
     assert axes.get_ylabel() == "amplitude of x1 (um)"
     drawn = {line.get_label(): line.get_ydata() for line in axes.get_lines()}
-    # Without verification nothing is dashed or pale.
+    # Without verification nothing is dashed or pale, and the legend says what that means.
+    assert "stability not known: nothing was verified" in labels(axes) and UNKNOWN not in labels(axes)
     curves = [line.get_ydata() for line in axes.get_lines() if line.get_linestyle() == "-" and len(line.get_ydata())]
     for name, curve in zip(run, curves[: len(run)], strict=True):
         np.testing.assert_allclose(curve, 1e6 * run[name]["amplitude"].sel(monitor="x1"))
@@ -188,8 +191,8 @@ def test_map(damper: Path) -> None:
     expected = {
         "main branches",
         "isolas",
-        "threshold A*",
-        "folds",
+        "threshold A* of the backbone",
+        "folds, computed",
         "births, computed",
         "births, predicted",
     }
@@ -218,6 +221,64 @@ def test_events_are_worded_as_elsewhere() -> None:
     (words,) = [line for line in lines if line.startswith("| birth, death, merge |")]
     assert all(event.word in words for event in _EVENTS.values())
     assert {kind for _, kind in _EVENTS} == {"birth", "death", "merge"}
+
+
+def test_curves_of_a_map_run_to_its_frame(copy: Path) -> None:
+    change(copy, "UPDATE curve_points SET forcing = 1e3 * forcing WHERE event IS NULL")
+    run = isola_hbm.load(copy)
+    axes = run.plot.map()
+    drawn = {line.get_label(): line.get_ydata() for line in axes.get_lines()}
+    bottom, top = axes.get_ylim()
+    # They are cut there, and do not set the scale.
+    assert top < 0.1 and np.nanmax(drawn["folds, computed"]) > 1e2 * top
+    threshold = run.backbone()["threshold"].to_numpy()
+    np.testing.assert_array_equal(drawn["threshold A* of the backbone"], np.where(np.isfinite(threshold), threshold, np.nan))
+    assert np.nanmin(drawn["threshold A* of the backbone"]) < bottom < top < np.nanmax(drawn["threshold A* of the backbone"])
+
+
+def test_merges_are_told_as_by_the_program(copy: Path) -> None:
+    change(copy, "UPDATE curve_points SET event = 'merge', forcing_2h = forcing WHERE event = 'birth'")
+    run = isola_hbm.load(copy)
+    computed = run.events.query("source == 'computed' and kind == 'merge'")
+    assert (computed["outcome"] == "").all()
+    (forcing, *_), said = computed["forcing"], lambda: {text.get_text() for text in in_words(run.plot.map())}
+    assert f"merge or part at {digits(forcing, 4)}" in said()
+    # What is known beyond the store is in the file.
+    computed.assign(outcome="part").to_csv(copy / "events.csv", index=False)
+    assert f"part at {digits(forcing, 4)}" in said()
+    change(copy, "UPDATE curve_points SET forcing_2h = NULL")
+    assert f"part at {digits(forcing, 4)} (2H: not found)" in said()
+    assert "2H: with twice the harmonics" in labels(run.plot.map())
+
+
+def test_numbers_are_written_as_by_the_program() -> None:
+    written = [digits(value, 3) for value in (0.12466, 14.8261, 3.3, 1200.0, 1.5e-5, 0.0)]
+    assert written == ["0.125", "14.8", "3.3", "1200", "1.50e-5", "0"]
+
+
+def test_figures_are_about_the_mode_that_led_to_an_isola(damper: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    run = isola_hbm.load(damper)
+    isola = run.summary.query("kind == 'isola'").iloc[0]
+    window = run.windows[run.windows["branch"].str.contains("isola")].iloc[[0]]
+    found = window.assign(mode=2, branch="isola 1; main", amplitude=isola["amplitude"], outcome="found")
+    there = found.assign(omega_min=isola["omega_min"], omega_max=isola["omega_max"])
+    # Seeds may come upon an isola that lies elsewhere.
+    elsewhere = found.assign(omega_min=2 * isola["omega_max"], omega_max=3 * isola["omega_max"])
+    for windows, mode in ((there, 2), (elsewhere, None)):
+        monkeypatch.setattr(type(run), "windows", property(lambda _, windows=windows: windows))
+        assert mode_of_isola(run) == mode
+
+
+def test_lines_of_narrow_isolas_are_thin(copy: Path) -> None:
+    def width(axes: plt.Axes) -> float:
+        return max(line.get_linewidth() for line in axes.get_lines() if line.get_label().startswith("_") and len(line.get_xdata()) > 2)
+
+    axes = isola_hbm.load(copy).plot.response(0.006, backbone=False)
+    assert width(axes) == 2.2 and "isola" in labels(axes)
+    of_isola = "branch = (SELECT id FROM branches WHERE kind = 'isola' AND amplitude = '0.006')"
+    change(copy, f"UPDATE points SET amplitude = 1 + 0.01 * amplitude WHERE {of_isola}")
+    axes = isola_hbm.load(copy).plot.response(0.006, backbone=False)
+    assert width(axes) < 1.5 and "isola, thinner where narrow" in labels(axes)
 
 
 @pytest.mark.parametrize("size", [(4, 3), (8, 5)])
@@ -338,7 +399,9 @@ def test_legends_cover_no_curve(damper: Path, layout: str | None) -> None:
         axes = draw(plt.subplots(figsize=(5, 3.5), layout=layout)[1])
         axes.figure.draw_without_rendering()
         box = axes.get_legend().get_window_extent()
-        lines = [line for line in axes.get_lines() if line.get_linestyle() != "None"]
+        # What goes on beyond what is shown is cut below a legend.
+        above = [line for line in axes.get_lines() if line.get_clip_box().y1 > box.y0]
+        lines = [line for line in above if line.get_linestyle() != "None"]
         covered = [
             line for line in lines if line.get_path().transformed(line.get_transform()).intersects_bbox(box, filled=False)
         ]
@@ -425,7 +488,7 @@ def test_a_run_without_branches_has_empty_figures(copy: Path) -> None:
     change(copy, "DELETE FROM points; DELETE FROM branches; DELETE FROM curve_points; DELETE FROM curves")
     run = isola_hbm.load(copy)
     assert labels(run.plot.response(backbone=False)) == []
-    assert "threshold A*" in labels(run.plot.map())
+    assert "threshold A* of the backbone" in labels(run.plot.map())
 
 
 @pytest.mark.needs_program

@@ -2,12 +2,25 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 
 def count(number: int, thing: str, plural: str | None = None) -> str:
     """A number of things: ``1 branch``, ``2 branches``."""
     return f"{number} {thing if number == 1 else plural or thing + 's'}"
+
+
+def digits(value: float, count: int) -> str:
+    """A number with so many digits at most, without exponent unless it is very small, as the program writes it."""
+    if value == 0.0 or not math.isfinite(value):
+        return f"{value:g}"
+    before = math.floor(math.log10(abs(value))) + 1
+    if before < -3:
+        mantissa, _, exponent = f"{value:.{max(count - 1, 0)}e}".partition("e")
+        return f"{mantissa}e{int(exponent)}"
+    written = f"{value:.{max(count - before, 0)}f}"
+    return written.rstrip("0").rstrip(".") if "." in written else written
 
 
 def listed(texts: Sequence[str]) -> str:

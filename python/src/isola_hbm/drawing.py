@@ -171,6 +171,8 @@ def along(wanted: NDArray[np.bool_], at: Floats, height: Floats) -> tuple[Floats
 def legend(axes: Axes) -> None:
     """A legend, if there is anything to tell: inside of the axes where it covers nothing, else above them where the figure makes
     room for what stands there, else above all curves, which then end below it."""
+    from matplotlib.transforms import Bbox, TransformedBbox
+
     handles, labels = axes.get_legend_handles_labels()
     if not labels:
         return
@@ -192,6 +194,10 @@ def legend(axes: Axes) -> None:
     if share > _LEAST:
         low, high = axes.transData.inverted().transform(axes.transAxes.transform([(0.0, 0.0), (0.0, 1.0 / share)]))[:, 1]
         axes.set_ylim(low, high)
+        # What goes on beyond what is shown is cut below the legend, as it was at the frame.
+        below = TransformedBbox(Bbox([[0.0, 0.0], [1.0, share]]), axes.transAxes)
+        for line in axes.get_lines():
+            line.set_clip_box(below)
 
 
 def _legend_above(axes: Axes, handles: list[Any], labels: list[str]) -> None:
@@ -299,7 +305,7 @@ def write_names(
             written = axes.annotate(named.name, **place, color=named.color, fontsize="small", ha=align, va=vertical)
             written.set(in_layout=False, path_effects=halo)
             box = written.get_window_extent().padded(1)
-            is_inside = axes.bbox.x0 < box.x0 and box.x1 < axes.bbox.x1 and axes.bbox.y0 < box.y0
+            is_inside = axes.bbox.x0 < box.x0 and box.x1 < axes.bbox.x1 and axes.bbox.y0 < box.y0 and box.y1 < axes.bbox.y1
             is_free = not box.count_overlaps(taken) and not any(
                 path.intersects_bbox(box, filled=False) for path in paths
             )

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pandas as pd
 
+from .counted import digits
 from .drawing import (
     FOLDS,
     INK,
@@ -22,9 +23,9 @@ from .drawing import (
     fit_texts,
     legend,
     logarithmic,
-    text,
     write_names,
 )
+from .isolas import mode_of_isola
 from .live.wire import Floats
 
 if TYPE_CHECKING:
@@ -42,18 +43,23 @@ class _Event:
     many: str
     #: On labels.
     word: str
+    #: How large marks are, points: those of what is predicted show behind those of the same thing as computed, which lie over them.
+    size: float
+    order: float
 
 
 #: Events by source and kind. Cusps are not marked. Where A* has a maximum windows merge; along a fold curve branches may part as well.
 _EVENTS = {
-    ("computed", "birth"): _Event("^", False, "births", "born"),
-    ("computed", "death"): _Event("x", False, "deaths", "dies"),
-    ("computed", "merge"): _Event("v", True, "merges or partings", "merge or part"),
-    ("predicted", "birth"): _Event("^", False, "births", "born"),
-    ("predicted", "merge"): _Event("v", True, "merges", "merge"),
+    ("computed", "birth"): _Event("^", False, "births", "born", 5.0, 2.6),
+    ("computed", "death"): _Event("x", False, "deaths", "dies", 5.0, 2.6),
+    ("computed", "merge"): _Event("v", True, "merges or partings", "merge or part", 5.0, 2.6),
+    ("predicted", "birth"): _Event("^", False, "births", "born", 9.0, 2.5),
+    ("predicted", "merge"): _Event("v", True, "merges", "merge", 9.0, 2.5),
 }
 #: Of more events none has a label; how far marks reach, points.
-_LABELLED, _MARK = 8, 4.0
+_LABELLED, _MARK = 8, 5.0
+#: Digits of a forcing that have to agree with those of twice the harmonics, which are told otherwise.
+_AGREED = 3
 #: Bars from this width on are not written over.
 _THICK = 1.0
 #: What happens from the lowest level divided by the first to the highest one times the second, as folds are followed, is shown.
@@ -87,11 +93,11 @@ def isola_map(
             axes.hlines(rows["amplitude"].to_numpy(float), *ends, label=label, **look)
     levels = list(summary["amplitude"])
     thresholds = _draw_thresholds(run, axes, units, levels)
+    logarithmic(axes)
     events, folds, names = _draw_folds(run, axes, units, levels)
     # Main and open branches go from one end of the frequencies to the other.
     others = summary[~summary["kind"].isin(["main", "open"])]
     ends = np.concatenate([others["omega_min"], others["omega_max"]])
-    logarithmic(axes)
     happens = _marked(run.events) if levels else run.events[:0]
     among: Any = happens["forcing"].between(min(levels) / _AMONG[0], max(levels) * _AMONG[1]) if levels else []
     core = np.concatenate([ends, happens["omega"][among].to_numpy(float)])
@@ -128,19 +134,27 @@ def _around(core: Floats, others: Floats) -> Floats:
 
 
 def _draw_thresholds(run: StoredRun, axes: Axes, units: Units, levels: list[float]) -> Floats:
-    """The thresholds near the levels: elsewhere they say nothing. Their frequencies, rad/s."""
-    table = run.backbones
+    """The thresholds: the axis upwards is that of those near the levels. Frequencies of these, rad/s."""
+    table, about = run.backbones, mode_of_isola(run)
+    # The mode that figures are about comes first, as a rule the primary one; the others stand back.
+    modes = sorted(table["mode"].unique().tolist(), key=lambda mode: about is not None and mode != about)
     near = _near(run, levels) if levels else (0.0, np.inf)
     shown = []
-    for i, (_, curve) in enumerate(table.groupby("mode", sort=False)):
-        threshold = pd.Series(by_pieces(curve, curve["threshold"].where(curve["threshold"].between(*near))), curve.index)
-        if i and not threshold.notna().any():
+    for i, mode in enumerate(modes):
+        curve = table[table["mode"] == mode]
+        is_near = curve["threshold"].between(*near).to_numpy()
+        if i and not is_near.any():
             continue
-        # The primary mode comes first; the others stand back.
-        label = ("threshold A*", "threshold A* of further modes", None)[min(i, 2)]
+        # A* is infinite where the forcing does no work.
+        threshold = by_pieces(curve, curve["threshold"].where(np.isfinite(curve["threshold"])))
+        omega = units.frequencies(curve["omega"].to_numpy())
+        first = f"threshold A* of mode {mode}" if len(modes) > 1 else "threshold A* of the backbone"
+        label = (first, "threshold A* of further modes", None)[min(i, 2)]
         width = 0.75 if i else 1.2
-        axes.plot(units.frequencies(curve["omega"]), threshold, color=INK, linewidth=width, label=label)
-        shown.append(curve["omega"][threshold.notna()].to_numpy())
+        add_line(axes, omega, threshold, color=INK, linewidth=width, label=label)
+        axes.update_datalim(np.column_stack([omega, curve["threshold"]])[is_near])
+        shown.append(curve["omega"].to_numpy()[is_near])
+    axes.autoscale_view()
     return np.concatenate([np.zeros(0), *shown])
 
 
@@ -149,6 +163,16 @@ def _near(run: StoredRun, levels: list[float]) -> tuple[float, float]:
     forcing = _marked(run.events)["forcing"]
     happens = forcing[forcing.between(min(levels) / _NEAR[0], max(levels) * _NEAR[1])]
     return min([min(levels) / _ROOM, *happens]), max([max(levels) * _ROOM, *happens])
+
+
+def _name(event: _Event, row: Any) -> str:
+    """What happens, and at which forcing, in the words and the digits of the program: those that twice the harmonics leave as they are."""
+    if row.source == "predicted":
+        return f"{event.word} at {digits(row.forcing, _AGREED)}"
+    own, doubled = ([digits(value, _AGREED + more) for more in (1, 0)] for value in (row.forcing, row.forcing_2h))
+    same = next((one for one, other in zip(own, doubled) if one == other), None)
+    doubt = "not found" if np.isnan(row.forcing_2h) else doubled[0]
+    return f"{row.outcome or event.word} at {same or f'{own[0]} (2H: {doubt})'}"
 
 
 def _draw_folds(
@@ -160,21 +184,26 @@ def _draw_folds(
     folds, events, names = run.folds, _marked(run.events), []
     is_met = folds.groupby("curve")["forcing"].transform(lambda forcing: low <= forcing.max() and forcing.min() <= high)
     for i, (_, curve) in enumerate(folds[is_met.astype(bool)].groupby("curve", sort=False)):
-        label = "folds" if i == 0 else None
+        label = "folds, computed" if i == 0 else None
         add_line(axes, units.frequencies(curve["omega"]), curve["forcing"], color=FOLDS, linewidth=1.2, label=label)
     shown = events[events["forcing"].between(low, high)]
     for (source, kind), group in shown.groupby(["source", "kind"]):
         event, color = _EVENTS[str(source), str(kind)], FOLDS if source == "computed" else INK
+        own = [_name(event, row) for row in group.itertuples()]
         axes.plot(
             units.frequencies(group["omega"]),
             group["forcing"],
             event.mark,
             color=color,
             markerfacecolor="none" if event.is_hollow else color,
+            markersize=event.size,
+            zorder=event.order,
             label=f"{event.many}, {source}",
         )
-        for x, y in zip(units.frequencies(group["omega"]), group["forcing"]):
-            names.append(Named(f"{event.word} at {text(float(f'{y:.3g}'))}", x, y, color, kind == "birth"))
+        for name, x, y in zip(own, units.frequencies(group["omega"]), group["forcing"]):
+            names.append(Named(name, x, y, color, kind == "birth"))
+    if any("2H" in named.name for named in names):
+        add_line(axes, [], [], linestyle="none", label="2H: with twice the harmonics")
     computed = shown["omega"][shown["source"] == "computed"].to_numpy(float)
     among = folds["forcing"].between(min(levels), max(levels)) if levels else folds["forcing"].isna()
     return computed, folds["omega"][among].to_numpy(float), names

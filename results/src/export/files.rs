@@ -6,7 +6,7 @@ use super::contents::{backbone, further, monitors};
 use super::csv_columns::CsvColumns;
 use super::table::{Table, optional, text};
 use crate::curves::BackboneCurve;
-use crate::overview::{BranchRow, CurveEvent, Level, Omissions, Overview, curve_events, unfinished};
+use crate::overview::{BranchRow, CurveEvent, Level, MERGE, Omissions, Overview, curve_events, merge_verb, unfinished};
 use crate::store::{BifurcationRow, CurveRow, MotionRow, PushRow, Reader};
 use protocol::array::ArrayError;
 use protocol::backbone::BackboneMessage;
@@ -40,8 +40,19 @@ pub(super) const WINDOWS: [&str; 10] =
     ["amplitude", "window", "omega_min", "omega_max", "omega_best", "threshold", "outcome", "branch", "reason", "mode"];
 
 pub(super) const FOLDS: [&str; 5] = ["curve", "forcing", "omega", "amplitude", "kind"];
-pub(super) const EVENTS: [&str; 10] =
-    ["kind", "source", "forcing", "omega", "amplitude", "mode", "curve", "backbone", "forcing_2h", "omega_2h"];
+pub(super) const EVENTS: [&str; 11] = [
+    "kind",
+    "source",
+    "forcing",
+    "omega",
+    "amplitude",
+    "mode",
+    "curve",
+    "backbone",
+    "forcing_2h",
+    "omega_2h",
+    "outcome",
+];
 
 pub(super) const BIFURCATIONS: [&str; 5] = ["forcing", "branch", "kind", "omega", "amplitude"];
 
@@ -143,13 +154,15 @@ fn write_folds(dir: &Path, curves: &[CurveRow]) -> Result<(), ExportError> {
 }
 
 /// Writes births and merges, those that were computed, each once, and those that the energy balance predicts.
-fn write_events(dir: &Path, curves: &[CurveRow], predicted: &[(usize, Event)]) -> Result<(), ExportError> {
+pub(super) fn write_events(dir: &Path, curves: &[CurveRow], predicted: &[(usize, Event)]) -> Result<(), ExportError> {
     let mut table = Table::create(dir, "events.csv", &names(&EVENTS))?;
     for CurveEvent { curve, kind, point } in curve_events(curves) {
         let [forcing, omega, amplitude] = [point.forcing, point.omega, point.amplitude].map(text);
         let [forcing_2h, omega_2h] = point.doubled.map_or([const { String::new() }; 2], |(a, w)| [text(a), text(w)]);
         let curve = curve.to_string();
-        table.row([kind, "computed", &forcing, &omega, &amplitude, "", &curve, "", &forcing_2h, &omega_2h])?;
+        let verb = if kind == MERGE.kind.name() { merge_verb(curves, point) } else { "" };
+        let outcome = if verb == MERGE.verb { "" } else { verb };
+        table.row([kind, "computed", &forcing, &omega, &amplitude, "", &curve, "", &forcing_2h, &omega_2h, outcome])?;
     }
     for (backbone, event) in predicted {
         let kind = match event.kind {
@@ -158,7 +171,8 @@ fn write_events(dir: &Path, curves: &[CurveRow], predicted: &[(usize, Event)]) -
         };
         let [forcing, omega, amplitude] = [event.threshold, event.omega, event.amplitude].map(text);
         let mode = event.mode.map_or_else(String::new, |mode| (mode + 1).to_string());
-        table.row([kind, "predicted", &forcing, &omega, &amplitude, &mode, "", &(backbone + 1).to_string(), "", ""])?;
+        let backbone = (backbone + 1).to_string();
+        table.row([kind, "predicted", &forcing, &omega, &amplitude, &mode, "", &backbone, "", "", ""])?;
     }
     table.finish()
 }

@@ -154,9 +154,11 @@ class StoredRun(Mapping[str, Motions]):
     @property
     def events(self) -> pd.DataFrame:
         """Births, deaths and merges of isolas, `computed` along fold curves and `predicted` by the energy balance: the
-        columns of ``events.csv`` (rad/s, m). `mode` is the one that contributes most beside that of the `backbone`. Of a further order
-        of motions, without what is predicted."""
-        return self._read(tables.events)
+        columns of ``events.csv`` (rad/s, m). `mode` is the one that contributes most beside that of the `backbone`; `outcome`, what branches
+        do where they merge or part, is what that file says, empty as long as it is not there. Of a further order of motions, without what is
+        predicted."""
+        files = self.folder if self.order is None else self.folder / f"m{self.order}"
+        return tables.told(self._read(tables.events), files / "events.csv")
 
     @property
     def bifurcations(self) -> pd.DataFrame:

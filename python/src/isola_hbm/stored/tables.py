@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import csv
 import json
 from collections.abc import Collection
 from functools import partial
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -39,7 +41,7 @@ PUSHES = [
 FOLDS = ["curve", "forcing", "omega", "amplitude", "kind"]
 EVENTS = [
     *("kind", "source", "forcing", "omega", "amplitude", "mode", "curve", "backbone"),
-    *("forcing_2h", "omega_2h"),
+    *("forcing_2h", "omega_2h", "outcome"),
 ]
 #: Columns of the table of branches that say where something is in the file, or stand under another name.
 _INTERNAL = {"id", "level", "special", "number"}
@@ -192,6 +194,19 @@ def events(reading: Reading, omissions: Omissions) -> pd.DataFrame:
         what = f"Events predicted along the backbone of mode {mode['mode']} are"
         rows += omissions.attempt(what, partial(_predicted, reading, mode)) or []
     return _frame(EVENTS, rows)
+
+
+def told(events: pd.DataFrame, file: Path) -> pd.DataFrame:
+    """Events with what branches do where they merge or part, as far as this ``events.csv`` says it: that follows from fold curves and
+    all that is known of levels, and is found out by the program alone."""
+    try:
+        with file.open(encoding="utf-8", newline="") as lines:
+            rows = [row for row in csv.DictReader(lines) if row.get("outcome")]
+            known = {(row["kind"], float(row["forcing"]), float(row["omega"])): row["outcome"] for row in rows}
+    except (OSError, ValueError, KeyError, csv.Error):
+        return events
+    keys = zip(events["kind"], events["forcing"], events["omega"])
+    return events.assign(outcome=pd.Series([known.get(key, "") for key in keys], events.index, dtype=str))
 
 
 def _once(events: list[Row]) -> list[Row]:

@@ -2,13 +2,40 @@
 
 use super::{names, table};
 use crate::export::csv;
+use crate::export::files::write_events;
 use crate::fixture::Study;
 use crate::overview::doubts;
+use crate::store::{Crossing, CurvePoint, CurveRow};
 use crate::summary_table::{self, Layout, LengthUnit, UnitChoice, Units};
 use protocol::branch::BranchMessage;
 use solver::response::branch::{BranchKind, Standing};
 use solver::response::task::BranchId;
 use tempfile::tempdir;
+
+/// Which of both happens where branches merge or part is a column of its own, empty where it is not known.
+#[test]
+fn events_say_what_branches_do_where_they_touch() {
+    let dir = tempdir().unwrap();
+    let point = |(i, &forcing): (usize, &f64)| {
+        let event = (i == 2).then(|| "merge".to_string());
+        CurvePoint { forcing, omega: i as f64, event, ..CurvePoint::default() }
+    };
+    let points = [1.0, 3.0, 4.0, 3.0, 1.0].iter().enumerate().map(point).collect();
+    let crossing = |(segment, branch): (usize, &str)| Crossing {
+        segment,
+        forcing: 2.0,
+        amplitude: "2".into(),
+        branch: branch.into(),
+    };
+    let crossings = [(0, "isola 1"), (3, "main")].map(crossing).to_vec();
+    let known = CurveRow { points, crossings, ..CurveRow::default() };
+    let told = |curve: &CurveRow| {
+        write_events(dir.path(), std::slice::from_ref(curve), &[]).unwrap();
+        table(&dir.path().join("events.csv")).1[0]["outcome"].clone()
+    };
+    assert_eq!(told(&known), "merge");
+    assert_eq!(told(&CurveRow { crossings: Vec::new(), ..known }), "");
+}
 
 #[test]
 fn a_cut_branch_is_called_so_everywhere() {
