@@ -17,7 +17,7 @@ from runs import MODELS, ROOT, change, isola
 
 import isola_hbm
 from isola_hbm.counted import digits
-from isola_hbm.drawing import along_ramp, faded, spread
+from isola_hbm.drawing import Named, along_ramp, faded, spread, write_names
 from isola_hbm.isolas import mode_of_isola
 from isola_hbm.maps import _EVENTS
 from isola_hbm.responses import _mark
@@ -279,6 +279,26 @@ def test_lines_of_narrow_isolas_are_thin(copy: Path) -> None:
     change(copy, f"UPDATE points SET amplitude = 1 + 0.01 * amplitude WHERE {of_isola}")
     axes = isola_hbm.load(copy).plot.response(0.006, backbone=False)
     assert width(axes) < 1.5 and "isola, thinner where narrow" in labels(axes)
+
+
+def test_names_are_nearest_to_their_own_curves() -> None:
+    axes = plt.subplots()[1]
+    axes.plot([0.0, 1.0], [0.5, 0.5])
+    axes.set(xlim=(0.0, 1.0), ylim=(0.0, 1.0))
+
+    def written() -> tuple[float, float]:
+        write_names(axes, axes.get_lines(), [Named("own", 0.5, 0.5, "k")])
+        (text,) = in_words(axes)
+        box = text.get_window_extent()
+        text.remove()
+        (_, low), (_, high) = axes.transData.inverted().transform([(box.x0, box.y0 - 2.0), (box.x1, box.y1 + 2.0)])
+        return low, high
+
+    low, high = written()
+    assert 0.5 < low
+    # There is room below another one, which is nearer.
+    axes.plot([0.0, 1.0], [high, high])
+    assert written()[1] < 0.5
 
 
 @pytest.mark.parametrize("size", [(4, 3), (8, 5)])

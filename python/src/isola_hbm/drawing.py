@@ -292,7 +292,7 @@ def write_names(
     (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
     firm, thin = ([path for curve in some for path in _paths(curve)] for some in (curves, faint))
     halo = [withStroke(linewidth=2, foreground="white")]
-    legend, reach = axes.get_legend(), mark * root.dpi / 72.0
+    legend, reach, beside = axes.get_legend(), mark * root.dpi / 72.0, (_BESIDE + mark) * root.dpi / 72.0
     taken: list[Any] = [legend.get_window_extent()] if legend else []
     for named in names if mark else ():
         x, y = axes.transData.transform((named.x, named.y))
@@ -300,13 +300,18 @@ def write_names(
     for named in names:
         is_shown = left <= named.x <= right and low <= named.y <= high
         places = list(_places(named.is_below, mark)) if is_shown else []
+        x, y = axes.transData.transform((named.x, named.y))
+        here = Bbox.from_extents(x - MARK, y - MARK, x + MARK, y + MARK)
+        others = [path for path in firm if not path.intersects_bbox(here, filled=False)]
         for paths, (offset, align, vertical) in product([firm + thin, firm] if thin else [firm], places):
             place: dict[str, Any] = {"xy": (named.x, named.y), "xytext": offset, "textcoords": "offset points"}
             written = axes.annotate(named.name, **place, color=named.color, fontsize="small", ha=align, va=vertical)
             written.set(in_layout=False, path_effects=halo)
             box = written.get_window_extent().padded(1)
             is_inside = axes.bbox.x0 < box.x0 and box.x1 < axes.bbox.x1 and axes.bbox.y0 < box.y0 and box.y1 < axes.bbox.y1
-            is_free = not box.count_overlaps(taken) and not any(
+            # Without a line that leads there it is nearest to its own curve.
+            is_own = align != "center" or not any(path.intersects_bbox(box.padded(beside), filled=False) for path in others)
+            is_free = is_own and not box.count_overlaps(taken) and not any(
                 path.intersects_bbox(box, filled=False) for path in paths
             )
             if is_inside and is_free:

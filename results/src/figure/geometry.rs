@@ -3,7 +3,7 @@
 use super::column_store::{ColumnStore, Ref};
 use super::data::{Axis, Direction, Panel, Series, chosen};
 use super::frames::{Frame, Run, along};
-use super::labels::Mark;
+use super::labels::{Mark, Obstacle};
 use super::style::Color;
 
 /// What panels are looked at with.
@@ -68,15 +68,16 @@ impl View<'_> {
     }
 
     /// What labels of a panel keep away from: curves and upright lines, and marks. What is switched on later does not count.
-    pub fn obstacles(&self, panel: &Panel, axes: (&Axis, &Axis)) -> (Vec<Shares>, Vec<Mark>) {
+    pub fn obstacles(&self, panel: &Panel, axes: (&Axis, &Axis)) -> (Vec<Obstacle>, Vec<Mark>) {
         let upright = panel.spans.iter().filter(|span| span.axis == Direction::X);
         let at = upright.filter_map(|span| chosen(&span.at, self.choice).copied().flatten());
-        let mut curves: Vec<Shares> = at.map(|value| axes.0.share(value)).map(|x| vec![(x, 0.0), (x, 1.0)]).collect();
+        let upright = |x: f64| Obstacle { points: vec![(x, 0.0), (x, 1.0)], may_have_label: false };
+        let mut curves: Vec<Obstacle> = at.map(|value| upright(axes.0.share(value))).collect();
         let mut marks = Vec::new();
         for series in panel.series.iter().filter(|series| series.switch.is_none() && series.y2.is_empty()) {
             for part in self.parts(series, axes) {
                 if series.style.width > 0.0 {
-                    curves.push(part.points);
+                    curves.push(Obstacle { points: part.points, may_have_label: may_have_label(series.style.color) });
                 } else {
                     let size = series.style.marker.map_or(0.0, |marker| marker.size);
                     marks.extend(part.points.into_iter().map(|at| Mark { at, size }));
@@ -85,6 +86,11 @@ impl View<'_> {
         }
         (curves, marks)
     }
+}
+
+/// Whether a label may be taken for that of a curve of this colour: not of what stands back or lies over another one.
+fn may_have_label(color: Color) -> bool {
+    matches!(color, Color::Ink | Color::Alert | Color::Level(_) | Color::Category(_))
 }
 
 fn with_smooth(series: &Series, points: &Shares, resolve: &dyn Fn(&super::data::Smooth) -> Shares) -> Shares {

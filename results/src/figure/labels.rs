@@ -1,6 +1,8 @@
 //! Labels where there is room: beside their points, within the panel, off the curves and off each other.
 
 use super::data::Side;
+use super::rectangle::Rect;
+use super::strands::Strands;
 use super::text::LINE;
 
 /// Distances of a label from its point that are tried, for texts of [`TEXT`], and how many crossings of curves each is as
@@ -12,6 +14,8 @@ const TEXT: f64 = 9.3;
 const FAR: f64 = 10.0;
 /// How bad each point of a curve is that a label covers.
 const CROSSING: usize = 2;
+/// How bad it is if a label without a line stands nearer to another curve than to its own one.
+const ELSEWHERE: usize = 6;
 /// A label that covers more of the curves than so many of their points is left out.
 const COVERED: usize = 8;
 /// Between a mark and a label.
@@ -53,17 +57,13 @@ pub struct Spot {
     pub area: Rect,
 }
 
-/// A rectangle; right and down from the panel's upper left corner.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Rect {
-    /// Left edge.
-    pub left: f64,
-    /// Upper edge.
-    pub top: f64,
-    /// Right edge.
-    pub right: f64,
-    /// Lower edge.
-    pub bottom: f64,
+/// A curve in shares of the axes, right and up, that labels keep off.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Obstacle {
+    /// Its points; NaN in gaps.
+    pub points: Vec<(f64, f64)>,
+    /// Whether a label beside it may be taken for its.
+    pub may_have_label: bool,
 }
 
 /// A mark at a point.
@@ -84,14 +84,19 @@ pub struct Room {
     field: Field,
     reach: f64,
     curves: Cells,
+    strands: Strands,
     taken: Vec<Rect>,
     leaders: Vec<Point>,
 }
 
 impl Room {
-    /// With curves, in shares of the axes, right and up, and marks.
-    pub fn new(field: Field, has_leaders: bool, curves: &[Vec<(f64, f64)>], marks: &[Mark]) -> Self {
-        let points = curves.iter().flat_map(|curve| dense(curve, field));
+    /// With curves and marks.
+    pub fn new(field: Field, has_leaders: bool, curves: &[Obstacle], marks: &[Mark]) -> Self {
+        let curves: Vec<(Vec<Point>, bool)> =
+            curves.iter().map(|curve| (dense(&curve.points, field), curve.may_have_label)).collect();
+        let named = curves.iter().filter(|(_, may_have_label)| *may_have_label);
+        let strands = Strands::new(named.map(|(points, _)| points.as_slice()));
+        let points = curves.iter().flat_map(|(points, _)| points.iter().copied());
         let half = |size: f64| 0.5 * size * field.text / TEXT + BESIDE_MARK;
         let marks = marks.iter().map(|mark| (place(mark.at, field), half(mark.size)));
         let marks = marks.filter(|(point, _)| is_somewhere(point));
@@ -99,6 +104,7 @@ impl Room {
             field,
             reach: if has_leaders { f64::INFINITY } else { FAR },
             curves: Cells::new(points, field),
+            strands,
             taken: marks.map(|(point, half)| around(point, half)).collect(),
             leaders: Vec::new(),
         }
@@ -134,7 +140,12 @@ impl Room {
             })
         });
         let free = spots.filter(|(spot, _)| self.is_free(spot, point));
-        let rated = free.map(|(spot, far)| (self.curves.count(&spot.area), far, spot));
+        let own = self.strands.through(point);
+        let is_elsewhere = |spot: &Spot| !spot.has_leader && self.strands.is_elsewhere(&spot.area, point, &own);
+        let rated = free.map(|(spot, far)| {
+            let far = far + if is_elsewhere(&spot) { ELSEWHERE } else { 0 };
+            (self.curves.count(&spot.area), far, spot)
+        });
         let clear = rated.filter(|(covered, ..)| *covered <= COVERED);
         clear.min_by_key(|(covered, far, _)| CROSSING * covered + far).map(|(.., spot)| spot)
     }
@@ -163,17 +174,6 @@ impl Spot {
             (_, 1) => "bottom_center",
             _ => "center_center",
         }
-    }
-}
-
-impl Rect {
-    fn holds(&self, point: &Point) -> bool {
-        (self.left..self.right).contains(&point.0) && (self.top..self.bottom).contains(&point.1)
-    }
-
-    fn overlaps(&self, other: &Self) -> bool {
-        let is_beside = self.left >= other.right || other.left >= self.right;
-        !(is_beside || self.top >= other.bottom || other.top >= self.bottom)
     }
 }
 
@@ -266,6 +266,7 @@ mod tests {
     #[test]
     fn labels_keep_off_each_other_marks_and_curves() {
         let curve: Vec<(f64, f64)> = (0..=10).map(|i| (f64::from(i) / 10.0, 0.5)).collect();
+        let curve = Obstacle { points: curve, may_have_label: true };
         let mut room = Room::new(FIELD, true, &[curve], &[Mark { at: (0.5, 0.5), size: 6.0 }]);
         let spots: Vec<Spot> = (0..4).map_while(|_| room.take((0.5, 0.5), 60.0, Side::Above)).collect();
         assert_eq!(spots.len(), 4);
@@ -275,6 +276,24 @@ mod tests {
             assert!(spot.area.bottom <= 100.0 || spot.area.top >= 100.0, "{spot:?} is on the curve");
             assert!(!spot.area.overlaps(&around((150.0, 100.0), 3.0)), "{spot:?} is on the mark");
         }
+    }
+
+    /// Between two curves a label is beside its own, or a line leads there.
+    #[test]
+    fn labels_are_nearest_to_their_curves() {
+        let curve = |up: f64| {
+            let points = (0..=10).map(|i| (f64::from(i) / 10.0, up)).collect();
+            Obstacle { points, may_have_label: true }
+        };
+        let spot = |others: &[f64]| {
+            let curves: Vec<Obstacle> = others.iter().chain(&[0.5]).map(|&up| curve(up)).collect();
+            Room::new(FIELD, true, &curves, &[]).take((0.5, 0.5), 60.0, Side::Above).unwrap()
+        };
+        // Another one is 16 px above the own one: the text between is nearer to it.
+        let (alone, between) = (spot(&[]), spot(&[0.58]));
+        assert!(alone.area.bottom <= 100.0 && !alone.has_leader, "{alone:?}");
+        assert!(between.area.top >= 100.0, "{between:?}");
+        assert!(spot(&[0.58, 0.42]).has_leader);
     }
 
     #[test]
