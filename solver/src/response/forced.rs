@@ -1,5 +1,6 @@
 //! Forced responses: the linear start, tracing a main branch, special points, identity of branches.
 
+mod between;
 mod detached;
 
 use crate::curve::continuation::Continuation;

@@ -30,6 +30,7 @@ pub mod name;
 pub mod orders;
 mod ordinary;
 pub mod origin;
+mod passing;
 pub mod recheck;
 pub mod scout;
 mod search_range;

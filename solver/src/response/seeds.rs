@@ -7,7 +7,7 @@ use crate::formulation::modal::Modal;
 use crate::formulation::state::State;
 use crate::response::backbone::{Backbone, BackbonePoint};
 use crate::response::forced::Forced;
-use crate::response::forcing::{Unreached, through_motion};
+use crate::response::forcing::{Unreached, from_rest, through_motion};
 use crate::response::windows::Window;
 use serde::{Deserialize, Serialize};
 use std::ops::RangeInclusive;
@@ -109,8 +109,8 @@ pub enum LandingMethod {
     /// With the full forcing, at whatever frequency is nearest. Runs and messages know it by what it once was.
     #[serde(rename = "fixed_frequency")]
     FullForcing,
-    /// By fold-safe steps in the forcing amplitude, from where the energy balance just closes: slower, for windows where
-    /// the other method finds nothing.
+    /// By fold-safe steps in the forcing amplitude, from where the energy balance just closes, or else from rest: slower, for
+    /// windows where the other method finds nothing.
     SteppedForcing,
 }
 
@@ -132,7 +132,8 @@ pub fn candidates(
 }
 
 /// Lands on forced responses from seeds of the backbone of mode `mode` (from 0), in their order. Steps in the forcing, which
-/// cost the most, end with the first landing on what was predicted.
+/// cost the most, end with the first landing on what was predicted; where they lead nowhere, the forcing grows from rest at the
+/// frequency of the first seed.
 ///
 /// # Errors
 /// If none converges: why the last one did not.
@@ -159,7 +160,20 @@ pub fn land_all<'m, F: Formulation<'m>>(
             Err(reason) => failure = reason,
         }
     }
+    if landings.is_empty() && method == LandingMethod::SteppedForcing {
+        landings.extend(seeds.first().and_then(|seed| grown_from_rest(forced, seed, mode)));
+    }
     if landings.is_empty() { Err(failure) } else { Ok(landings) }
+}
+
+/// What a growing forcing leads to from rest at the frequency of a seed, if it is of the order that is looked for: hardly ever what
+/// was predicted, but known branches are compared with seeds that landed.
+fn grown_from_rest<'m, F: Formulation<'m>>(forced: &mut Forced<'m, F>, seed: &Seed, mode: usize) -> Option<Landing> {
+    let (forcing, omega) = (forced.forcing(), seed.state.omega);
+    let grown = from_rest::<F>(forced.model(), forced.settings(), forcing, omega, forced.interrupt()).ok()?;
+    let state = forced.converge(&grown).ok().filter(|state| !forced.is_shorter(state))?;
+    let distance = forced.motion_distance(&state, &seed.state, mode);
+    Some(Landing { state, distance })
 }
 
 /// Lands on a forced response from a seed of the backbone of mode `mode` (from 0).

@@ -70,16 +70,18 @@ pub enum Task {
 }
 
 impl Task {
-    /// Seeds to start from, the most promising first; none where it starts from something else, or without
-    /// the backbone of the window's mode.
+    /// Seeds to start from, the most promising first, or to compare known branches with; none where it starts from something
+    /// else, or without the backbone of the window's mode.
     pub fn seeds(&self, modal: &Modal, backbones: &(impl AsRef<[Backbone]> + ?Sized), forcing: f64) -> Vec<Seed> {
-        match self {
-            Task::Land(SeedPlace { well, phase, method, .. }) => {
-                let backbone = backbones.as_ref().iter().find(|backbone| backbone.mode == well.mode);
-                backbone.map_or_else(Vec::new, |backbone| candidates(modal, backbone, well, *phase, *method, forcing))
-            }
-            _ => Vec::new(),
-        }
+        let (place, method) = match self {
+            Task::Land(place) => (place, place.method),
+            // All places of the well that are landed from, at the forcing of the level.
+            Task::Seed(place) if place.method == LandingMethod::SteppedForcing => (place, LandingMethod::FullForcing),
+            _ => return Vec::new(),
+        };
+        let backbone = backbones.as_ref().iter().find(|backbone| backbone.mode == place.well.mode);
+        backbone
+            .map_or_else(Vec::new, |backbone| candidates(modal, backbone, &place.well, place.phase, method, forcing))
     }
 
     /// The tasks of a batch of starts, and of the first branch through what it led to.

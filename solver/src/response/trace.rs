@@ -11,15 +11,13 @@ pub use crate::response::given::Given;
 use crate::response::known::{identify, named, new_part, unknown_part};
 use crate::response::lineage::{parent_first, whole_main};
 use crate::response::name::BranchId;
+use crate::response::passing::passing;
 use crate::response::scout::scout;
 use crate::response::seeds::{Landing, LandingFailure, LandingMethod, land_all};
 use crate::response::starts;
 use crate::response::switch::{Crossed, beside};
 use crate::response::task::{CrossingPlace, SeedOutcome, SeedPlace, SwitchPlace, Task, TaskResult};
 use std::ops::ControlFlow;
-
-/// How far outside of the frequencies of a window a response that it predicts may be, relative.
-const ABOUT: f64 = 0.05;
 
 /// Carries out a task; of one that marches nothing, which takes no balance. `None` if `observer` breaks, or the
 /// task is interrupted.
@@ -37,7 +35,16 @@ pub fn execute<'m, F: Formulation<'m>>(
             |failure| TaskResult::Nothing(SeedOutcome::NotLanded(LandingFailure::NotConverged(failure))),
             |landings| landed(forced, landings),
         ),
-        Task::Seed(place) => follow(forced, place, landings, known, observer),
+        Task::Seed(place) => match follow(forced, place, landings, known, observer) {
+            // Only once all else has been tried: what is not known yet is what seeds are for.
+            TaskResult::Nothing(failed @ SeedOutcome::NotLanded(_))
+                if place.method == LandingMethod::SteppedForcing =>
+            {
+                let passing = passing(forced, seeds, &place.well, known);
+                TaskResult::Nothing(passing.map_or(failed, SeedOutcome::Found))
+            }
+            finding => finding,
+        },
         Task::Fold(_) | Task::Carry(_) => return follow_over_forcing(forced, task, given, observer),
         Task::Crossing(place) => cross(forced, place, given, observer),
         Task::Switch(place) => switch(forced, place, given, observer),
@@ -266,9 +273,9 @@ fn ends_ordinarily<'m, F: Formulation<'m>>(forced: &mut Forced<'m, F>, branch: &
 /// Whether a response on a main branch is what is predicted, however far from the prediction: a window that begins at rest is of the
 /// resonance that a main branch passes, where much damping makes another shape of it. Only once all else has been tried.
 fn is_of_main(place: &SeedPlace, landing: &Landing) -> bool {
-    let (low, high) = place.well.omega;
-    let about = (1.0 - ABOUT) * low..=(1.0 + ABOUT) * high;
-    place.method == LandingMethod::SteppedForcing && place.well.first == 0 && about.contains(&landing.state.omega)
+    place.method == LandingMethod::SteppedForcing
+        && place.well.first == 0
+        && place.well.about().contains(&landing.state.omega)
 }
 
 /// Traces the branch through the first landing that lies on no known one.

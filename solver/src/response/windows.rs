@@ -3,6 +3,7 @@
 use crate::curve::extrema::turning_points;
 use crate::response::backbone::{Backbone, BackbonePoint};
 use serde::{Deserialize, Serialize};
+use std::ops::RangeInclusive;
 
 /// A maximal arc of a piece of the backbone with threshold A* < A.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -39,7 +40,15 @@ pub fn windows(backbone: &Backbone, forcing: f64) -> Vec<Window> {
     stretches.collect()
 }
 
+/// How far outside of the frequencies of a window a response that it predicts may be, relative.
+const ABOUT: f64 = 0.05;
+
 impl Window {
+    /// Frequencies at which a response that it predicts may be, rad/s.
+    pub fn about(&self) -> RangeInclusive<f64> {
+        (1.0 - ABOUT) * self.omega.0..=(1.0 + ABOUT) * self.omega.1
+    }
+
     /// The wells of a window: its parts between neighbouring maxima of A*, one for each minimum. A barrier below A is
     /// predicted to have been passed, but forced responses on its two sides may still be separate.
     pub fn wells(&self, backbone: &Backbone) -> Vec<Window> {

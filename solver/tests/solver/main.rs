@@ -23,6 +23,7 @@ mod lineage;
 mod marching;
 mod meetings;
 mod models;
+mod passing;
 mod random_chains;
 mod recheck;
 mod resuming;
