@@ -51,7 +51,7 @@ pub use reasons::briefly;
 pub use sampled::sampled;
 pub use shift::{shift, shift_sentence};
 pub use stability_words::{NOT_KNOWN, StabilityOf, VERDICTS, VerdictWords, stability_of, verdict_words};
-pub use truncation::{asks_for_harmonics, is_unconfirmed, least_added, truncation, truncation_of};
+pub use truncation::{asks_for_harmonics, is_unconfirmed, is_unmatched, least_added, truncation, truncation_of};
 pub use unfinished::unfinished;
 pub use windows::{elsewhere, overlaps, within};
 

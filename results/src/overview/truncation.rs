@@ -179,6 +179,14 @@ pub fn is_unconfirmed(row: &BranchRow) -> bool {
     row.is_isola() && row.certificate.doubled.is_none() && row.stability.as_ref().is_some_and(is_unmatched)
 }
 
+/// Whether no peak like that of an isola was found with twice the harmonics, and time marching did not find it or cannot tell.
+pub fn is_unmatched(row: &BranchRow) -> bool {
+    let is_marched = |stability: &Stability| stability.stable > 0.0 || stability.unstable > 0.0;
+    // The first programs did not look with twice the harmonics.
+    let is_lost = row.certificate.doubled.is_none() && row.peak_standing.is_some();
+    row.is_isola() && is_lost && !row.stability.as_ref().is_some_and(is_marched)
+}
+
 /// Whether the largest amplitude of a branch is that of a maximum. Of one that branches off another it may be at a branch point.
 fn has_maximum(row: &BranchRow) -> bool {
     row.is_isola() || (row.peak_standing == Some(Standing::At) && !row.is_branched())
@@ -264,6 +272,14 @@ mod tests {
             BranchRow { kind: "main".into(), ..isola(None, marched("none", 0.0)) },
         ] {
             assert!(!is_unconfirmed(&confirmed), "{confirmed:?}");
+        }
+        let looked_for = |row: BranchRow| BranchRow { peak_standing: Some(Standing::At), ..row };
+        for stability in [None, marched("not_comparable", 0.0), marched("none", 0.0)] {
+            assert!(is_unmatched(&looked_for(isola(None, stability))));
+        }
+        assert!(!is_unmatched(&isola(None, None)), "nobody looked");
+        for matched in [isola(Some(1.0), None), isola(None, marched("unstable", 1.0)), row("main", None)] {
+            assert!(!is_unmatched(&looked_for(matched)));
         }
     }
 

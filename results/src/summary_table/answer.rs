@@ -4,8 +4,8 @@ use super::known::Known;
 use super::units::Units;
 use super::{search, stability};
 use crate::overview::{
-    Level, asks_for_harmonics, highest, in_words, is_unconfirmed, largest_stable_sentence, near_largest, truncation_of,
-    unfinished,
+    BranchRow, Level, asks_for_harmonics, highest, in_words, is_unconfirmed, is_unmatched, largest_stable_sentence,
+    near_largest, truncation_of, unfinished,
 };
 use crate::words::{capitalised, listed};
 use solver::response::branch::BranchKind;
@@ -49,9 +49,13 @@ fn isolas(levels: &[Level]) -> Option<String> {
         many => format!("{} to {}", many[0].amplitude, many[many.len() - 1].amplitude),
     };
     let branches = || with.iter().flat_map(|level| level.isolas());
-    let (all, unconfirmed) = (branches().count(), branches().filter(|row| is_unconfirmed(row)).count());
+    let count = |is_doubtful: fn(&BranchRow) -> bool| branches().filter(|row| is_doubtful(row)).count();
+    let (all, unmatched, unconfirmed) = (branches().count(), count(is_unmatched), count(is_unconfirmed));
     let doubt = match unconfirmed {
-        0 => "",
+        0 if unmatched == 0 => "",
+        0 if unmatched < all => ", some of which twice the harmonics do not confirm (see below)",
+        0 if all == 1 => ", which twice the harmonics do not confirm",
+        0 => ", none of which twice the harmonics confirm",
         some if some < all => ", some of which may be artefacts of too few harmonics (see the table)",
         _ if all == 1 => ", which may be an artefact of too few harmonics",
         _ => ", all of which may be artefacts of too few harmonics",
@@ -113,8 +117,8 @@ fn largest(levels: &[Level], units: Units) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::overview::BranchRow;
     use crate::store::{PeakOrbit, Stability};
+    use solver::response::certificate::Standing;
 
     fn row(kind: &str, amplitude: f64, verdict: Option<&str>) -> BranchRow {
         let at = Some((2.0, 1.01 * amplitude));
@@ -167,6 +171,18 @@ mod tests {
             told(vec![unconfirmed(), unconfirmed()]).ends_with(", all of which may be artefacts of too few harmonics.")
         );
         assert!(told(vec![unconfirmed(), confirmed()]).contains(", some of which may be"));
+    }
+
+    /// Where time marching cannot tell, or was not asked, that twice the harmonics have no such isola is said where it is told.
+    #[test]
+    fn isolas_that_twice_the_harmonics_do_not_have() {
+        let lost = |verdict| BranchRow { peak_standing: Some(Standing::At), ..row("isola", 2.0, verdict) };
+        let told = |branches| isolas(&[level("1", branches)]).unwrap();
+        for verdict in [None, Some("not_comparable")] {
+            assert!(told(vec![lost(verdict)]).ends_with(", which twice the harmonics do not confirm."));
+        }
+        assert!(told(vec![lost(None), lost(None)]).ends_with(", none of which twice the harmonics confirm."));
+        assert!(told(vec![lost(None), row("isola", 2.0, None)]).contains(", some of which twice the harmonics do not"));
     }
 
     #[test]
