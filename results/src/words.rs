@@ -31,6 +31,11 @@ pub fn frequency(omega: f64) -> String {
     format!("{} rad/s ({} Hz)", digits(omega, 5), digits(omega / TAU, 4))
 }
 
+/// The same within parentheses: `2495 rad/s, 397.2 Hz`.
+pub fn in_both_units(omega: f64) -> String {
+    format!("{} rad/s, {} Hz", digits(omega, 5), digits(omega / TAU, 4))
+}
+
 /// Two frequencies: `2451.2 and 2496.6 rad/s (390.1 and 397.3 Hz)`.
 pub fn range((low, high): (f64, f64)) -> String {
     let hertz = |omega| digits(omega / TAU, 4);

@@ -88,8 +88,8 @@ impl<'o> Part<'o> {
             None => order.settings,
         };
         let reach = SearchRange::over(&settings, primary, further, largest(all))?.with_folds_of(values());
-        let reach = if order.is_first { reach.with_resonances(&order.model, &settings) } else { reach };
-        Ok(Self { order, backbones, reach })
+        // Periods double where the force resonates.
+        Ok(Self { order, backbones, reach: reach.with_resonances(&order.model, &settings) })
     }
 
     /// Its number, if it is not the first one.

@@ -30,7 +30,7 @@ pub fn reach_sentence(
         _ => "frequency.max gives another upper bound",
     };
     Some(format!(
-        "Looked at: {} to {}, as the resonances suggest ({key}); branches may go on beyond, and others may lie there.",
+        "Looked at: {} to {}, as the resonances suggest ({key}); branches and curves that lead out of there are followed, and isolas may be found beyond; others may lie there.",
         frequency(low),
         frequency(high)
     ))
@@ -57,7 +57,7 @@ mod tests {
         };
         let told = |key: &str| {
             format!(
-                "Looked at: 0.9 rad/s to 1.1 rad/s, as the resonances suggest ({key}); branches may go on beyond, and others may lie there."
+                "Looked at: 0.9 rad/s to 1.1 rad/s, as the resonances suggest ({key}); branches and curves that lead out of there are followed, and isolas may be found beyond; others may lie there."
             )
         };
         assert_eq!(said(None, None).unwrap(), told("frequency.min and frequency.max give other bounds"));

@@ -67,7 +67,11 @@ pub fn levels_after(births: &[&CurvePoint], levels: &[Level], curves: &[CurveRow
     let followed = values.clone().fold(0.0, f64::max) * SearchRange::BEYOND;
     let others: Vec<f64> = values.chain(ends.map(|end| end.forcing)).chain([followed]).collect();
     let after = |birth: &&CurvePoint| {
-        let above = others.iter().copied().filter(|other| *other > birth.forcing * (1.0 + SAME)).reduce(f64::min)?;
+        let above = others
+            .iter()
+            .copied()
+            .filter(|other| *other > birth.forcing * (1.0 + CurvePoint::SAME))
+            .reduce(f64::min)?;
         level_between(birth.forcing, above)
     };
     let mut list: Vec<String> = births.iter().filter_map(after).collect();
@@ -100,10 +104,6 @@ pub fn not_followed_sentence(branches: usize) -> Option<String> {
     let folds = not_followed(branches)?;
     Some(format!("Births and merges along {folds} are not among these: such folds were not followed over the forcing."))
 }
-
-/// Relative distance up to which what happens along two curves is one thing: where a curve stops at grazing, another one may
-/// begin on it again.
-const SAME: f64 = 1e-5;
 
 /// What happens along a fold curve.
 #[derive(Debug, Clone, Copy)]
@@ -140,11 +140,7 @@ pub fn events_of<'c>(curves: &'c [CurveRow], wanted: &str) -> Vec<&'c CurvePoint
 
 /// Whether what happens at two points is one thing.
 pub(super) fn is_same(one: &CurvePoint, other: &CurvePoint) -> bool {
-    is_near(one.forcing, other.forcing) && is_near(one.omega, other.omega)
-}
-
-fn is_near(a: f64, b: f64) -> bool {
-    (a - b).abs() <= SAME * a.abs().max(b.abs())
+    one.is_at(other)
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 use crate::curves::BackboneCurve;
 use crate::overview::{Excitation, Lesser, Level, LookedFor, undetermined};
 use crate::store::{CurveRow, MotionRow, PushRow, SearchCounts};
+use crate::summary_table::Units;
 use protocol::to_everyone::Stage;
 use solver::response::branch::Outcome;
 use solver::response::modes::ModesFollowed;
@@ -51,6 +52,8 @@ pub struct Evidence<'r> {
     pub orders: Vec<OrderFound>,
     /// Whether these are motions of a further order, of which no main branches are followed.
     pub is_further: bool,
+    /// Units of the run.
+    pub units: Units,
 }
 
 /// What was found of a further order of motions, in short.

@@ -5,7 +5,7 @@ use crate::curves::{Column, Piece};
 use crate::overview::modes::not_started;
 use crate::overview::{Level, ends_far_beyond};
 use crate::store::{CurvePoint, CurveRow};
-use crate::words::{count, digits};
+use crate::words::{count, digits, in_both_units};
 use protocol::to_everyone::Stage;
 use solver::response::critical::CriticalKind;
 
@@ -169,7 +169,7 @@ pub(super) fn unknown_beyond(evidence: &Evidence<'_>) -> Option<String> {
 }
 
 fn unknown_kind(events: &[&CurvePoint]) -> String {
-    let place = |point: &&CurvePoint| format!("{} ({} rad/s)", digits(point.forcing, 5), digits(point.omega, 5));
+    let place = |point: &&CurvePoint| format!("{} ({})", digits(point.forcing, 5), in_both_units(point.omega));
     let at: Vec<String> = events.iter().take(NAMED).map(place).collect();
     let more = if events.len() > NAMED { ", …" } else { "" };
     let at = at.join(", ");

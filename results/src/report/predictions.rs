@@ -7,7 +7,7 @@ use crate::overview::{
     Level, Origin, beyond, born_between, events_of, forcing_label, is_within, later_birth, overlaps, truncation_doubt,
 };
 use crate::store::CurvePoint;
-use crate::words::{self, count, digits, frequency};
+use crate::words::{self, count, digits, frequency, in_both_units};
 use solver::response::critical::CriticalKind;
 use solver::response::windows::{Event, EventKind};
 
@@ -27,8 +27,8 @@ impl Evidence<'_> {
         };
         let none = "No isola was found where it was looked for";
         let at = |birth: &CurvePoint| {
-            let (forcing, omega) = (forcing_label(birth, 4), digits(birth.omega, 4));
-            format!("at A = {forcing} ({omega} rad/s{})", truncation_doubt(&[birth]))
+            let forcing = forcing_label(birth, 4);
+            format!("at A = {forcing} ({}{})", in_both_units(birth.omega), truncation_doubt(&[birth]))
         };
         match &born_between(self.levels, self.curves, self.bounds)[..] {
             [only] => format!("{none}, but along fold curves one is born between two of the levels, {}.", at(only)),
@@ -105,7 +105,7 @@ impl Evidence<'_> {
         let of = |kind: EventKind, one: &str, many: &str| {
             let list: Vec<&&Event> = among.iter().filter(|event| event.kind == kind).collect();
             let place =
-                |event: &&&Event| format!("{} (near {} rad/s)", digits(event.threshold, 3), digits(event.omega, 4));
+                |event: &&&Event| format!("{} (near {})", digits(event.threshold, 3), in_both_units(event.omega));
             let named: Vec<String> = list.iter().take(NAMED).map(place).collect();
             let more = if list.len() > NAMED { format!(" and {} more", list.len() - NAMED) } else { String::new() };
             let what = if list.len() == 1 { one } else { many };

@@ -162,6 +162,7 @@ impl Report {
             asked: orders(&model, &header.settings.search),
             orders: further_orders(reader, &mut omissions),
             is_further: reader.order().is_some(),
+            units: UnitChoice::of_study(&header.study).of_table(),
         };
         let mut report = Self {
             verdict: verdict(&evidence),

@@ -13,8 +13,8 @@ use crate::overview::{
     BranchRow, Level, SmallestMotion, UNTOUCHED, beyond, events_sentence, highest, is_untouched, modes,
     not_followed_sentence, reach_sentence, sampled, shift_sentence, truncation,
 };
-use crate::summary_table::{Units, motions, stability};
-use crate::words::{self, count, digits, frequency};
+use crate::summary_table::{motions, stability};
+use crate::words::{self, count, digits, frequency, in_both_units};
 use protocol::to_everyone::Stage;
 use serde::Serialize;
 use solver::response::branch::BranchKind;
@@ -196,7 +196,7 @@ impl<'r> Evidence<'r> {
         list.extend(sampled(self.levels));
         list.extend(self.largest().map(|(_, largest)| self.stability_of_peak(largest)));
         list.extend(self.largest_stable());
-        list.extend(motions::sentences(self.motions, Units::default(), self.is_further));
+        list.extend(motions::brief(self.motions, self.units, self.is_further));
         let is_untouched = self.structure.stops > 0 && is_untouched(self.levels);
         list.extend(is_untouched.then(|| UNTOUCHED.into()));
         list.extend(self.others());
@@ -253,7 +253,7 @@ impl<'r> Evidence<'r> {
             return format!("Nothing is known yet: {} to come.", count(self.levels.len(), "forcing level"));
         }
         let prediction = self.prediction();
-        let place = |omega: f64| format!("{} rad/s{}", digits(omega, 5), beyond(self.bounds, omega));
+        let place = |omega: f64| format!("{}{}", in_both_units(omega), beyond(self.bounds, omega));
         // What was lost may count.
         let levels = if self.search.is_whole() { self.levels } else { &[] };
         let computed =

@@ -4,7 +4,7 @@ use super::error::At;
 use super::header::unpack;
 use super::number::number;
 use super::scalars::Scalars;
-use super::{Reader, Result, StoreError};
+use super::{Reader, Result};
 use protocol::critical::CriticalMessage;
 use protocol::ids::TaskId;
 use protocol::level::typed;
@@ -12,7 +12,6 @@ use rusqlite::{Connection, Row, params};
 use serde::Serialize;
 use solver::response::branch::{Outcome, Stop};
 use solver::response::critical::{CriticalKind, name};
-use solver::response::starts::BATCH;
 use solver::response::task::{CrossingPlace, Task};
 use std::collections::HashMap;
 use std::path::Path;
@@ -77,61 +76,36 @@ pub struct CurvePoint {
     pub doubled: Option<(f64, f64)>,
 }
 
-/// What became of random starts and of the tasks that follow from folds.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct SearchCounts {
-    /// Folds of branches that are to be followed, or found to lie on known curves; what scouts met is none of the study.
-    pub folds: usize,
-    /// Folds of branches beyond the limit of the search.
-    pub left_out: usize,
-    /// Folds from which no curve could be followed.
-    pub unfollowed: usize,
-    /// Branches that branch off others and have folds: these are not followed.
-    pub hanging: usize,
-    /// Curves at one frequency, along which responses of open branches were carried over the forcing.
-    pub carried: usize,
-    /// Of these those that stopped before their ends, and responses that could not be carried.
-    pub uncarried: usize,
-    /// Crossings of curves with levels.
-    pub crossings: usize,
-    /// Crossings that led to no branch, though they lie within the bounds.
-    pub lost: usize,
-    /// Branch points at which it was looked for what crosses.
-    pub switched: usize,
-    /// Of these those at which nothing was found that does.
-    pub uncrossed: usize,
-    /// Random starts tried.
-    pub starts: usize,
-    /// Homotopies from motions of the fundamental tried, where nothing else had led to motions of several periods of the force.
-    pub homotopies: usize,
-    /// Of these at the level that has the fewest.
-    pub fewest: usize,
-    /// Branches that they led to.
-    pub started: usize,
-    /// Forcing amplitudes beyond the study's at which random starts were tried as well.
-    pub scouts: usize,
-    /// Verifications that were given up.
-    pub unverified: usize,
+impl CurvePoint {
+    /// Relative distance up to which what happens along two curves is one thing: where a curve stops at grazing, another one may
+    /// begin on it again.
+    pub const SAME: f64 = 1e-5;
+
+    /// Whether what happens at two points is one thing.
+    pub fn is_at(&self, other: &Self) -> bool {
+        let is_near = |a: f64, b: f64| (a - b).abs() <= Self::SAME * a.abs().max(b.abs());
+        is_near(self.forcing, other.forcing) && is_near(self.omega, other.omega)
+    }
 }
 
-impl SearchCounts {
-    /// Whether every fold that counts was followed and every crossing led to its branch: what happens along fold curves, and what levels have,
-    /// is then all that the search could find.
-    pub fn is_whole(&self) -> bool {
-        self.left_out + self.unfollowed + self.uncarried + self.lost == 0
+/// What twice the harmonics make of an event is known along all curves that have it, if along one: after a run is extended the same
+/// curve is followed again, farther.
+fn share_doubled(curves: &mut [CurveRow]) {
+    let is_event = |point: &&CurvePoint| point.event.is_some();
+    let known: Vec<CurvePoint> = (curves.iter().flat_map(|curve| &curve.points).filter(is_event))
+        .filter(|point| point.doubled.is_some())
+        .cloned()
+        .collect();
+    for point in curves.iter_mut().flat_map(|curve| &mut curve.points) {
+        if point.event.is_some() && point.doubled.is_none() {
+            let same = known.iter().find(|other| other.event == point.event && other.is_at(point));
+            point.doubled = same.and_then(|same| same.doubled);
+        }
     }
 }
 
 /// Whether it is a curve of folds or peaks, not of responses at one frequency, curve by curve.
 const IS_CRITICAL: &str = "SELECT kind <> 'response' FROM curves ORDER BY number";
-
-/// Folds that are followed if there is room (`FoldPlace::of`).
-const ALL_FOLDS: &str = "SELECT count(*) FROM branches, json_each(branches.special) \
-     WHERE json_extract(json_each.value, '$.kind') = 'fold' AND branches.kind <> 'branched' AND level IN {levels}";
-
-/// Branches whose folds are not (`FoldPlace::of`).
-const HANGING: &str = "SELECT count(*) FROM branches WHERE kind = 'branched' AND level IN {levels} \
-     AND EXISTS (SELECT 1 FROM json_each(branches.special) WHERE json_extract(json_each.value, '$.kind') = 'fold')";
 
 /// The amplitude in the name of a level.
 fn level(row: &Row<'_>, column: usize) -> rusqlite::Result<String> {
@@ -225,6 +199,7 @@ impl Reader {
             let row = curves.get_mut(curve.wrapping_sub(1));
             row.ok_or_else(|| self.corrupt(format!("there is no fold curve {curve}")))?.points.push(point);
         }
+        share_doubled(&mut curves);
         for number in self.all("SELECT number FROM curves WHERE closed", [], |row| row.get::<_, usize>(0))? {
             let Some(curve) = curves.get_mut(number.wrapping_sub(1)) else { continue };
             let first = curve.points.first().map(|first| CurvePoint { event: None, doubled: None, ..first.clone() });
@@ -257,59 +232,6 @@ impl Reader {
         Ok(rows.into_iter().filter_map(place).collect())
     }
 
-    /// What became of random starts and of the tasks that follow from folds.
-    pub fn search_counts(&self) -> Result<SearchCounts> {
-        let levels = self.levels_told_of();
-        let told_of = |sql: &str| sql.replace("{levels}", &levels);
-        let sql = "SELECT kind, state <> 'done' OR found OR coalesce(outcome, '') LIKE 'outside %' \
-                   OR outcome LIKE 'on asymmetric %' OR outcome LIKE 'every motion that converged repeats %' FROM tasks \
-                   WHERE kind IN ('fold', 'crossing', 'switch') AND origin NOT LIKE 'scout %' AND level IN {levels}";
-        let mut counts = SearchCounts::default();
-        for (kind, is_well) in
-            self.all(&told_of(sql), [], |row| Ok((row.get::<_, String>(0)?, row.get::<_, bool>(1)?)))?
-        {
-            let (all, lost) = match kind.as_str() {
-                "fold" => (&mut counts.folds, &mut counts.unfollowed),
-                "switch" => (&mut counts.switched, &mut counts.uncrossed),
-                _ => (&mut counts.crossings, &mut counts.lost),
-            };
-            *all += 1;
-            *lost += usize::from(!is_well);
-        }
-        let number = |sql: &str| {
-            Ok::<_, StoreError>(self.one(&told_of(sql), [], |row| row.get::<_, usize>(0))?.unwrap_or_default())
-        };
-        // Without any task folds were not to be followed.
-        if counts.folds > 0 {
-            counts.left_out = number(ALL_FOLDS)?.saturating_sub(counts.folds);
-        }
-        counts.hanging = number(HANGING)?;
-        let batches = "SELECT count(*) FROM tasks WHERE kind = 'start' AND state = 'done' AND level IN {levels}";
-        counts.starts = BATCH * number(&format!("{batches} AND origin LIKE 'starts, %'"))?;
-        counts.homotopies = BATCH * number(&format!("{batches} AND origin LIKE 'homotopies, %'"))?;
-        let sql = "SELECT min(number) FROM (SELECT count(tasks.id) AS number FROM levels LEFT JOIN tasks \
-                   ON tasks.level = levels.level AND tasks.kind = 'start' AND tasks.state = 'done' AND origin LIKE 'starts, %' \
-                   WHERE levels.level IN {levels} GROUP BY levels.level)";
-        counts.fewest = BATCH * number(sql)?;
-        let sql = "SELECT count(*) FROM branches JOIN tasks ON tasks.id = branches.task \
-                   WHERE tasks.kind = 'begin' AND tasks.level IN {levels}";
-        counts.started = number(sql)?;
-        // Those of a level that was the largest once may lie within the study now.
-        let sql = "SELECT count(*) FROM tasks JOIN levels ON levels.level = tasks.level WHERE kind = 'scout' AND state = 'done' \
-                   AND value = (SELECT max(value) FROM levels) AND tasks.level IN {levels}";
-        counts.scouts = number(sql)?;
-        let responses = "SELECT count(*) FROM curves JOIN tasks ON tasks.id = curves.task \
-                         WHERE curves.kind = 'response' AND tasks.level IN {levels}";
-        counts.carried = number(responses)?;
-        let stopped = number(&format!("{responses} AND unfinished"))?;
-        let sql =
-            "SELECT count(*) FROM tasks WHERE kind = 'carry' AND (state <> 'done' OR NOT found) AND level IN {levels}";
-        counts.uncarried = stopped + number(sql)?;
-        let sql = "SELECT count(*) FROM tasks WHERE kind = 'verify' AND state = 'dead' AND level IN {levels}";
-        counts.unverified = number(sql)?;
-        Ok(counts)
-    }
-
     /// Forcing amplitudes of the points of curves, of closed ones the first again, by the tasks that found them.
     pub(super) fn forcings(&self) -> Result<HashMap<String, Arc<[f64]>>> {
         if self.version()? < SINCE {
@@ -331,6 +253,27 @@ impl Reader {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A curve that was followed again may be known with twice the harmonics where it was not before.
+    #[test]
+    fn what_twice_the_harmonics_make_of_an_event_is_known_along_all_curves() {
+        let point = |forcing, event: &str, doubled| CurvePoint {
+            forcing,
+            omega: 2.0,
+            event: Some(event.into()),
+            doubled,
+            ..CurvePoint::default()
+        };
+        let curve = |points| CurveRow { points, ..CurveRow::default() };
+        let known = Some((3.01, 2.0));
+        let mut curves = [
+            curve(vec![point(3.0, "birth", None), point(5.0, "birth", None), point(3.0, "merge", None)]),
+            curve(vec![point(3.0 + 1e-9, "birth", known)]),
+        ];
+        share_doubled(&mut curves);
+        let doubled: Vec<_> = curves.iter().flat_map(|curve| &curve.points).map(|point| point.doubled).collect();
+        assert_eq!(doubled, [known, None, None, known]);
+    }
 
     #[test]
     fn an_end_tells_where_an_element_begins_to_act() {

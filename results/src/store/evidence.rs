@@ -1,6 +1,7 @@
 //! How far what was said of tasks is to be believed: what came of comparing it, and what is said where two disagree.
 
 use super::header::{pack, set, unpack};
+use super::plan::OTHER_BOUNDS;
 use super::{Reader, Result};
 use crate::journal::{AttemptEnd, Evidence, Said};
 use protocol::ids::{Attempt, TaskId};
@@ -21,7 +22,10 @@ impl Reader {
     pub(super) fn evidence(&self) -> Result<HashMap<String, Evidence>> {
         let mut evidence: HashMap<String, Evidence> = HashMap::new();
         let read = |row: &Row<'_>| Ok((row.get::<_, String>(0)?, row.get(1)?, row.get::<_, Option<f64>>(2)?));
-        for (task, attempt, seconds) in self.all("SELECT task, attempt, seconds FROM results", [], read)? {
+        // To what is of other bounds, nobody would come again.
+        let sql = "SELECT task, attempt, seconds FROM results \
+                   WHERE sequence > coalesce((SELECT value FROM meta WHERE key = ?1), 0)";
+        for (task, attempt, seconds) in self.all(sql, [OTHER_BOUNDS], read)? {
             evidence.entry(task).or_default().result = Some((Attempt(attempt), seconds.unwrap_or_default()));
         }
         let sql = "SELECT task, attempt, \"end\", reason FROM attempts \

@@ -31,6 +31,7 @@ mod points_table;
 mod pushes;
 mod reader;
 mod scalars;
+mod search_counts;
 mod tasks;
 #[cfg(test)]
 mod tests;
@@ -38,7 +39,7 @@ mod verifications;
 
 pub(crate) use cross_spectrum::CrossSpectrum;
 pub(crate) use curves::GRAZING;
-pub use curves::{Crossing, CurvePoint, CurveRow, SearchCounts};
+pub use curves::{Crossing, CurvePoint, CurveRow};
 pub use error::StoreError;
 pub use extent::Extent;
 pub use file_system::network_file_system;
@@ -46,6 +47,7 @@ pub use holder::Holder;
 pub use motions::{MotionRow, motion_name};
 pub use pushes::{PushRow, least_energy};
 pub use reader::Reader;
+pub use search_counts::SearchCounts;
 pub use verifications::{BifurcationRow, PeakOrbit, Stability, verdict_name};
 
 #[cfg(any(feature = "figures", feature = "page"))]

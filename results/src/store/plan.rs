@@ -78,10 +78,19 @@ pub(super) fn insert_more(db: &Connection, file: &Path, more: &MorePlan) -> Resu
     for backbone in read_backbone(db, file)?.into_iter().chain(read_further(db, file)?) {
         omega.insert((None, backbone.mode), frequencies(file, &backbone)?);
     }
+    if !orders.is_empty() || read_reach(db, file)?.as_ref() != Some(reach) {
+        // What was said so far is of other bounds, and is compared with nothing that is said within these.
+        let sql = "INSERT INTO meta (key, value) SELECT ?1, coalesce(max(sequence), 0) FROM results WHERE true \
+                   ON CONFLICT (key) DO UPDATE SET value = excluded.value";
+        db.prepare_cached(sql).at(file)?.execute([OTHER_BOUNDS]).at(file)?;
+    }
     insert_reach(db, file, reach)?;
     insert_orders(db, file, orders, &mut omega)?;
     insert_levels(db, file, levels, &omega)
 }
+
+/// Key of the number of the last result that is of bounds from before the run was extended.
+pub(super) const OTHER_BOUNDS: &str = "other_bounds";
 
 /// Frequencies of the points of a backbone.
 fn frequencies(file: &Path, backbone: &BackboneMessage) -> Result<Vec<f64>> {

@@ -11,6 +11,7 @@ CREATE TABLE meta (
     -- run, name, study_file, overrides (of the command line, JSON), study (TOML, every setting spelled out), model_sha256, program, created (RFC 3339, UTC),
     -- namespace (of the keys on the bus), stage (backbone, sweep, finished, cancelled), settings (msgpack),
     -- verify (msgpack: what is verified, if that was changed after the run began);
+    -- once levels were added: other_bounds (sequence of the last result from before, within other bounds),
     -- with the backbones: omega_low, omega_high, amplitude_bound (reach of branches), backbone_status (of the primary mode),
     -- reach and backbone (msgpack), and where several orders of motions are looked for orders (msgpack: reach and backbones of all but
     -- the first);

@@ -2,24 +2,17 @@
 
 use super::Units;
 use crate::store::MotionRow;
-use crate::words::count;
+use crate::words::{count, listed};
 
 /// Of motions that no branch has.
 const UNFOUND: &str = "is on no marched orbit of";
-
-/// A sentence for every branch of which unstable motions were marched on; `is_further`: they are of a further order, and what they turn
-/// into may be of an earlier one.
-pub(crate) fn sentences(motions: &[MotionRow], units: Units, is_further: bool) -> Vec<String> {
-    let of_one = |a: &MotionRow, b: &MotionRow| a.forcing == b.forcing && a.branch == b.branch;
-    motions.chunk_by(of_one).map(|rows| sentence(rows, units, is_further)).collect()
-}
 
 /// Most branches of which a sentence each is said.
 const NAMED: usize = 2;
 
 /// The same of few branches, and in one sentence of many: what motions turn into that was not found, which the search may have missed, is told
 /// of every branch.
-pub(super) fn brief(motions: &[MotionRow], units: Units, is_further: bool) -> Vec<String> {
+pub(crate) fn brief(motions: &[MotionRow], units: Units, is_further: bool) -> Vec<String> {
     let of_one = |a: &MotionRow, b: &MotionRow| a.forcing == b.forcing && a.branch == b.branch;
     let is_missed = |rows: &&[MotionRow]| rows.iter().any(|row| kind(row, is_further).contains(UNFOUND));
     let (missed, others): (Vec<&[MotionRow]>, Vec<&[MotionRow]>) = motions.chunk_by(of_one).partition(is_missed);
@@ -31,12 +24,18 @@ pub(super) fn brief(motions: &[MotionRow], units: Units, is_further: bool) -> Ve
 /// What unstable motions of many branches turn into.
 fn of_many(branches: &[&[MotionRow]], units: Units, is_further: bool) -> String {
     let rows = || branches.iter().copied().flatten();
-    let mut kinds: Vec<String> = rows().map(|row| kind(row, is_further)).collect();
+    let repeats = |row: &MotionRow| row.repeats.filter(|repeats| row.motion == "periodic" && *repeats > 1);
+    let mut kinds: Vec<String> = rows().filter(|row| repeats(row).is_none()).map(|row| kind(row, is_further)).collect();
     kinds.sort();
     kinds.dedup();
+    let mut repeated: Vec<usize> = rows().filter_map(repeats).collect();
+    repeated.sort_unstable();
+    repeated.dedup();
+    let periods: Vec<String> = repeated.iter().map(ToString::to_string).collect();
+    kinds.extend((!periods.is_empty()).then(|| format!("motions that repeat after {} periods", listed(&periods))));
     let largest = rows().filter_map(|row| row.amplitude).map(|(_, high)| high).fold(0.0, f64::max);
     format!(
-        "From unstable motions of {} branches time marching came to {}, of amplitudes up to {} {} (motions.csv).",
+        "From unstable motions of {} branches time marching came to {}; the largest of all these has an amplitude of {} {} (motions.csv).",
         branches.len(),
         kinds.join(", to "),
         units.length.digits(largest),
@@ -66,7 +65,9 @@ fn sentence(rows: &[MotionRow], units: Units, is_further: bool) -> String {
 /// What a motion is, as far as that is known.
 pub(crate) fn kind(row: &MotionRow, is_further: bool) -> String {
     match (row.motion.as_str(), row.repeats, &row.onto) {
-        ("periodic", Some(1), Some(branch)) if *branch == row.branch => "the branch that they are on".into(),
+        ("periodic", Some(1), Some(branch)) if *branch == row.branch => {
+            "a stable part of the branch that they are on".into()
+        }
         ("periodic", Some(1), Some(branch)) => branch.clone(),
         ("periodic", Some(1), None) if is_further => {
             format!("a periodic motion that {UNFOUND} the branches of this order (it may be of an earlier one)")
@@ -127,11 +128,12 @@ mod tests {
         };
         let told = |rows: &[MotionRow]| brief(rows, Units::default(), false);
         let few = [of("1", Some("main")), of("2", Some("main"))];
-        assert_eq!(told(&few), sentences(&few, Units::default(), false));
+        let one = |row: &MotionRow| sentence(std::slice::from_ref(row), Units::default(), false);
+        assert_eq!(told(&few), few.iter().map(one).collect::<Vec<_>>());
         let many = [of("1", Some("main")), of("2", None), of("3", Some("main")), of("4", Some("isola 1"))];
-        let missed = sentences(&many[1..2], Units::default(), false).remove(0);
-        let rest = "From unstable motions of 3 branches time marching came to main, to the branch that they are on, of amplitudes up to 2.0000e-3 m \
-                    (motions.csv).";
+        let missed = one(&many[1]);
+        let rest = "From unstable motions of 3 branches time marching came to a stable part of the branch that they are on, to main; the largest of all these has an \
+                    amplitude of 2.0000e-3 m (motions.csv).";
         assert_eq!(told(&many), [missed, rest.to_string()]);
     }
 
@@ -144,7 +146,7 @@ mod tests {
             MotionRow { amplitude: None, ..row(2590.0, "unclear", None, None, (0.0, 0.0)) },
         ];
         assert_eq!(
-            sentences(&rows, Units::default(), false),
+            brief(&rows, Units::default(), false),
             [
                 "From 4 unstable motions of isola 1 at A = 60 time marching came to motions that repeat after 2 periods at \
                  2600.00–2602.50 rad/s (amplitudes of all of them 1.0000e-3–2.0000e-3 m), to main at 2595.00 rad/s (amplitudes 5.0000e-4 m), \

@@ -155,7 +155,10 @@ impl<'r> Rows<'r> {
         let Some(smallest) = self.smallest else { return String::new() };
         let why = match self.given {
             _ if level.value < smallest => {
-                format!("thresholds of the backbones, and with them windows, begin at A = {}", digits(smallest, 3))
+                format!(
+                    "thresholds of the backbones, and with them windows, begin at A = {} (the energy balance, an estimate)",
+                    digits(smallest, 3)
+                )
             }
             FrequencySettings { min: None, max: None } => "no point of a backbone has this A as its threshold".into(),
             _ => "no point of a backbone within frequency.min and frequency.max has this A as its threshold".into(),

@@ -50,6 +50,5 @@ fn over_the_forcing(known: &Known, units: Units) -> Vec<String> {
 fn reach(known: &Known, units: Units) -> Vec<String> {
     let unit = units.frequency;
     let frequencies = reach_sentence(known.given, known.reached, |omega| format!("{} {unit}", unit.digits(omega)));
-    // Main branches are of the first order's motions.
-    frequencies.filter(|_| !known.is_further).into_iter().chain(search::looked_for(known)).collect()
+    frequencies.into_iter().chain(search::looked_for(known)).collect()
 }

@@ -75,7 +75,7 @@ impl SearchRange {
     }
 
     /// The same; bounds that the settings leave open also 10 % beyond the resonances of the force with the modes followed. Main branches
-    /// have them, which motions that last several periods of the force need not.
+    /// have them, and motions that last several periods of the force branch off there.
     #[must_use]
     pub fn with_resonances(self, model: &Model, settings: &Settings) -> Self {
         let (mut low, mut high) = self.frequency;

@@ -8,6 +8,7 @@ use crate::curves::BackboneCurve;
 use crate::overview::Seeds;
 use crate::report::evidence::Structure;
 use crate::store::{CurvePoint, CurveRow, Origin, PeakOrbit, SearchCounts, Stability, WindowOutcome, WindowRow};
+use crate::summary_table::Units;
 use protocol::to_everyone::Stage;
 use solver::response::branch::{Outcome, Standing, Stop};
 use solver::response::modes::{LeftOut, ModesFollowed};
@@ -77,6 +78,7 @@ fn told<'r>(levels: &'r [Level], change: impl FnOnce(&mut Evidence<'r>)) -> [Str
         asked: vec![1],
         orders: Vec::new(),
         is_further: false,
+        units: Units::default(),
     };
     change(&mut evidence);
     verdict(&evidence).map(|sentence| sentence.whole())

@@ -2,10 +2,11 @@
 
 use super::*;
 use crate::fixture::accepted;
-use crate::journal::{AttemptEnd, Evidence, Holder, Said, TaskState};
+use crate::journal::{AttemptEnd, Evidence, Extension, Holder, MorePlan, Said, TaskState};
 use crate::overview::{Omissions, Overview, unfinished};
 use protocol::ids::Attempt;
 use protocol::to_everyone::{Done, StoredResult};
+use solver::response::forced::SearchRange;
 
 #[test]
 fn results_that_others_contradict() {
@@ -134,4 +135,24 @@ fn what_is_withdrawn_is_done_again() {
     );
     assert_eq!(store.contradictions().unwrap(), (0, 0));
     assert_eq!(evidence(&store).1.result.map(|(attempt, _)| attempt), Some(attempt));
+}
+
+/// After levels were added, within other bounds, nothing from before is to be said again; what is found then is.
+#[test]
+fn what_was_said_within_other_bounds_is_compared_with_nothing() {
+    let (study, dir) = (Study::damper(), tempdir().unwrap());
+    let (mut store, results) = study.finished(dir.path());
+    let compared = |store: &Store| store.tasks().unwrap().iter().filter(|task| task.evidence.result.is_some()).count();
+    assert_eq!(compared(&store), results.len());
+    let extension = |reach| Extension {
+        overrides: Vec::new(),
+        study: "model = \"damper\"\n".into(),
+        amplitudes: Vec::new(),
+        plan: Some(MorePlan { reach, orders: Vec::new(), levels: Vec::new() }),
+    };
+    store.extend(&extension(study.reach)).unwrap();
+    assert_eq!(compared(&store), results.len(), "the bounds are the same");
+    let (low, high) = study.reach.frequency;
+    store.extend(&extension(SearchRange { frequency: (low, 1.1 * high), ..study.reach })).unwrap();
+    assert_eq!(compared(&store), 0);
 }

@@ -63,13 +63,12 @@ fn a_prediction_that_was_not_found_is_one() {
     for (forcing, is_near) in [(1.25, true), (1.26, false), (0.75, false)] {
         let curves = [birth(forcing, 105.0)];
         let [danger, ..] = told(&levels, |evidence| evidence.curves = &curves);
-        let above =
-            "looked for, but along fold curves one is born just above the highest level, at A = 1.25 (105 rad/s).";
+        let above = "looked for, but along fold curves one is born just above the highest level, at A = 1.25 (105 rad/s, 16.71 Hz).";
         assert_eq!(danger.contains(above), is_near, "{danger}");
         let mut curves = curves;
         curves[0].points[0].doubled = None;
         let [danger, ..] = told(&levels, |evidence| evidence.curves = &curves);
-        let doubtful = "(105 rad/s, not confirmed with twice the harmonics).";
+        let doubtful = "(105 rad/s, 16.71 Hz, not confirmed with twice the harmonics).";
         assert_eq!(danger.contains(doubtful), is_near, "{danger}");
     }
     // Whether it is still there at the next level is another question.
@@ -77,8 +76,7 @@ fn a_prediction_that_was_not_found_is_one() {
     for (forcing, is_between) in [(1.25, true), (0.75, false), (2.75, false)] {
         let curves = [birth(forcing, 105.0)];
         let [danger, ..] = told(&higher, |evidence| evidence.curves = &curves);
-        let between =
-            "looked for, but along fold curves one is born between two of the levels, at A = 1.25 (105 rad/s).";
+        let between = "looked for, but along fold curves one is born between two of the levels, at A = 1.25 (105 rad/s, 16.71 Hz).";
         assert_eq!(danger.contains(between), is_between, "{danger}");
     }
     // Nor if one was born earlier there, or is there at this level.
@@ -166,12 +164,12 @@ fn what_the_balance_predicts_between_levels_is_told() {
         });
         onset
     };
-    let both = "The energy balance predicts, as an estimate, births at A = 1.25 (near 110 rad/s), 1.75 (near 105 rad/s) and a merge at A = 1.5 \
-                (near 100 rad/s).";
+    let both = "The energy balance predicts, as an estimate, births at A = 1.25 (near 110 rad/s, 17.51 Hz), 1.75 (near 105 rad/s, 16.71 Hz) and a \
+                merge at A = 1.5 (near 100 rad/s, 15.92 Hz).";
     assert!(said(&|_| {}).ends_with(both), "{}", said(&|_| {}));
     // Beyond the frequencies of the study nothing is told.
     let within = said(&|evidence| evidence.bounds.min = Some(108.0));
-    assert!(within.ends_with("as an estimate, a birth at A = 1.25 (near 110 rad/s)."), "{within}");
+    assert!(within.ends_with("as an estimate, a birth at A = 1.25 (near 110 rad/s, 17.51 Hz)."), "{within}");
     let [_, onset, _] = told(&levels, |_| {});
     assert!(!onset.contains("as an estimate"), "{onset}");
 }
