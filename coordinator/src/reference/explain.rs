@@ -37,8 +37,9 @@ pub fn explain(asked: &str) -> Result<String, String> {
 /// How a key is written, for example; in whichever file.
 pub fn example_of(asked: &str) -> Option<String> {
     let wanted = plain(asked);
-    let found = keys().into_iter().find(|(key, _)| key.path == wanted)?;
-    Some(example(found.0)).filter(|text| !text.is_empty())
+    let (key, _) = keys().into_iter().find(|(key, _)| key.path == wanted)?;
+    let unit = if key.unit.is_empty() { String::new() } else { format!(" ({})", key.unit) };
+    Some(example(key)).filter(|text| !text.is_empty()).map(|text| text + &unit)
 }
 
 /// Whether the text about words and columns explains it: a word of its own, or a column or a value.
@@ -116,6 +117,8 @@ mod tests {
         }
         assert!(explain("gap").is_ok() && explain("harmonics.count").is_ok());
         assert_eq!(explain("study.units"), explain("units"));
+        assert_eq!(example_of("contact.nodes.2.gap").unwrap(), "gap = 1e-3 (m)");
+        assert_eq!(example_of("harmonics.count").unwrap(), "count = 20");
         assert!(explain("model.units").is_err() && explain("study.").is_err());
         for word in ["gpa", "", "what", "word"] {
             assert!(explain(word).is_err_and(|said| !said.contains("--columns")), "{word}");

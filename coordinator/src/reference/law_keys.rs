@@ -38,7 +38,10 @@ pub(super) const LAWS: &[Key] = &[
         "Elastic stop, f = k max(0, u − g). One on the other side of a dof has coefficients = { DOF = -1 } instead of dof.",
     ),
     parameter("laws.law.penalty_spring.stiffness", Range::POSITIVE, "N/m", "Stiffness k."),
-    parameter("laws.law.penalty_spring.gap", Range::ANY, "m", "Gap g; below zero the spring is pressed at rest."),
+    Key {
+        example: "1e-3",
+        ..parameter("laws.law.penalty_spring.gap", Range::ANY, "m", "Gap g; below zero the spring is pressed at rest.")
+    },
     law("laws.law.polynomial_spring", "Polynomial spring, f = Σ c u^p: cubic and others."),
     terms("laws.law.polynomial_spring.terms"),
     power("laws.law.polynomial_spring.terms.power"),

@@ -72,7 +72,7 @@ fn smallest(found: &[(&[PushRow], &PushRow, String)], monitors: &[String]) -> Op
         _ => "Smallest pushes found from main motions, one isola each that they end on:",
     };
     Some(format!(
-        "{begins} {}; of pushes in {} at one frequency an isola, the middle of its stable part.",
+        "{begins} {}. Tried were pushes in {}, at one frequency an isola, the middle of its stable part.",
         list.join("; "),
         crate::words::modes(&tried)
     ))
@@ -142,11 +142,14 @@ mod tests {
         assert_eq!(
             said,
             "Smallest push found from the main motion that ends on isola 1 at A = 60 and 2665.46 rad/s: 5.43 J, all dofs at once in the shape \
-             of mode 1, +2.33 m/s at tip (what +4.66 N s at that dof put into the mode), 0.25 of a period after the forcing is largest; of pushes in modes 1 \
-             to 3 at one frequency an isola, the middle of its stable part."
+             of mode 1, +2.33 m/s at tip (what +4.66 N s at that dof put into the mode), 0.25 of a period after the forcing is largest. Tried were pushes in \
+             modes 1 to 3, at one frequency an isola, the middle of its stable part."
         );
         let doubtful = PushRow { confirmed: Some(false), ..row(1, Some(4.66), None) };
-        assert!(told(&[doubtful]).contains(" is largest (not confirmed by longer marching); of pushes in mode 1 at"));
+        assert!(
+            told(&[doubtful])
+                .contains(" is largest (not confirmed by longer marching). Tried were pushes in mode 1, at")
+        );
     }
 
     #[test]
@@ -155,7 +158,7 @@ mod tests {
         let said = told(&[row(1, Some(4.66), None), other(row(1, Some(5.0), None)), other(row(2, None, None))]);
         let begins = "Smallest pushes found from main motions, one isola each that they end on: isola 1 at A = 60 and 2665.46 rad/s: 5.43 J, ";
         assert!(said.starts_with(begins) && said.contains("; isola 1 at A = 80 and 2665.46 rad/s: 6.25 J, "), "{said}");
-        assert_eq!(said.matches("of pushes in modes 1 and 2 at one frequency an isola").count(), 1, "{said}");
+        assert_eq!(said.matches("Tried were pushes in modes 1 and 2, at one frequency an isola").count(), 1, "{said}");
         assert_eq!(
             told(&[row(1, None, None), other(row(1, None, None))]),
             "No push was found that ends on isola 1 at A = 60 and 2665.46 rad/s (mode 1 up to 9 N s at tip) and isola 1 at A = 80 and \
