@@ -48,7 +48,8 @@ pub fn report(study: &Study) -> String {
     // Where nothing resonates no law is measured by the response at resonance.
     let resonant = if overdamped.is_empty() { &choice.followed[..] } else { &[] };
     let weight = weight::Weight::of(study, resonant);
-    lines.extend(weight.as_ref().map(|weight| ("laws", weight.to_string())));
+    let known = weight.as_ref().filter(|weight| weight.forcing.is_finite());
+    lines.extend(known.map(|weight| ("laws", weight.to_string())));
     let ratios = early::epsilon_ratios(model).map(|(low, high)| span([low, high].into_iter()));
     lines.extend(ratios.map(|ratio| ("epsilon", format!("{ratio} times the stiffness of the structure there"))));
     let monitors: Vec<&str> = model.monitors().iter().map(|&dof| model.dofs()[dof].as_str()).collect();

@@ -23,8 +23,8 @@ const HALVINGS: usize = 60;
 
 /// Where the forces of all laws together are first as large as that of the damping.
 pub(super) struct Weight {
-    /// Forcing amplitude A.
-    forcing: f64,
+    /// Forcing amplitude A; infinite if nowhere.
+    pub forcing: f64,
     /// The mode, from 0, at whose linear resonance.
     mode: usize,
 }
@@ -47,7 +47,12 @@ impl Weight {
         let laws: Vec<Polynomial<'_>> = study.model.elements().iter().map(Polynomial::of).collect::<Option<_>>()?;
         let highest = study.amplitudes.iter().map(|amplitude| amplitude.value).fold(0.0, f64::max);
         let at = |&mode: &usize| Some(Self { forcing: weighs_from(study, &laws, mode, highest)?, mode });
-        followed.iter().filter_map(at).min_by(|a, b| a.forcing.total_cmp(&b.forcing))
+        let driven = study.model.driven();
+        followed
+            .iter()
+            .filter(|mode| driven.contains(mode))
+            .filter_map(at)
+            .min_by(|a, b| a.forcing.total_cmp(&b.forcing))
     }
 
     /// A sentence, if that is far above all levels.
@@ -55,6 +60,12 @@ impl Weight {
         let highest = study.amplitudes.iter().max_by(|a, b| a.value.total_cmp(&b.value))?;
         let multiple = self.forcing / highest.value;
         let names: Vec<String> = study.model.elements().iter().map(|element| format!("`{}`", element.name)).collect();
+        if multiple == f64::INFINITY {
+            return Some(format!(
+                "linear: the laws have no terms that matter at any response; check {}",
+                names.join(", ")
+            ));
+        }
         (multiple > LINEAR * (1.0 + ROUNDING)).then(|| {
             format!(
                 "practically linear: at A = {} the laws would matter only where the response is {} times the linear one or more; check units of \
@@ -111,8 +122,11 @@ fn weighs_from(study: &Study, laws: &[Polynomial<'_>], mode: usize, highest: f64
         let work = laws.iter().zip(&arguments).map(|(law, argument)| law.work(multiple * argument, omega * m as f64));
         work.sum::<f64>() >= multiple * multiple * supplied
     };
-    if is_heavy(-DECADES) || !is_heavy(DECADES) {
+    if is_heavy(-DECADES) {
         return None;
+    }
+    if !is_heavy(DECADES) {
+        return (!laws.is_empty()).then_some(f64::INFINITY);
     }
     let (mut low, mut high) = (-DECADES, DECADES);
     for _ in 0..HALVINGS {

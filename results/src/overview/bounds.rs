@@ -29,11 +29,13 @@ pub fn reach_sentence(
         (None, _) => "frequency.min gives another lower bound",
         _ => "frequency.max gives another upper bound",
     };
-    Some(format!(
-        "Looked at: {} to {}, as the resonances suggest ({key}); branches and curves that lead out of there are followed, and isolas may be found beyond; others may lie there.",
-        frequency(low),
-        frequency(high)
-    ))
+    let beyond = match (given.min, given.max) {
+        (None, None) => {
+            "branches and curves that lead out of there are followed, and isolas may be found beyond; others may lie there"
+        }
+        _ => "beyond that other bound branches may go on, and others may lie there",
+    };
+    Some(format!("Looked at: {} to {}, as the resonances suggest ({key}); {beyond}.", frequency(low), frequency(high)))
 }
 
 /// Whether branches are followed at a frequency.
@@ -55,14 +57,15 @@ mod tests {
         let said = |min, max| {
             reach_sentence(FrequencySettings { min, max }, Some((0.9, 1.1)), |omega| format!("{omega} rad/s"))
         };
-        let told = |key: &str| {
-            format!(
-                "Looked at: 0.9 rad/s to 1.1 rad/s, as the resonances suggest ({key}); branches and curves that lead out of there are followed, and isolas may be found beyond; others may lie there."
-            )
+        let told = |key: &str, beyond: &str| {
+            format!("Looked at: 0.9 rad/s to 1.1 rad/s, as the resonances suggest ({key}); {beyond}.")
         };
-        assert_eq!(said(None, None).unwrap(), told("frequency.min and frequency.max give other bounds"));
-        assert_eq!(said(Some(0.9), None).unwrap(), told("frequency.max gives another upper bound"));
-        assert_eq!(said(None, Some(1.1)).unwrap(), told("frequency.min gives another lower bound"));
+        let both = "branches and curves that lead out of there are followed, and isolas may be found beyond; others may lie there";
+        assert_eq!(said(None, None).unwrap(), told("frequency.min and frequency.max give other bounds", both));
+        // At the bound that was given everything ends.
+        let other = "beyond that other bound branches may go on, and others may lie there";
+        assert_eq!(said(Some(0.9), None).unwrap(), told("frequency.max gives another upper bound", other));
+        assert_eq!(said(None, Some(1.1)).unwrap(), told("frequency.min gives another lower bound", other));
         assert_eq!(said(Some(0.9), Some(1.1)), None);
     }
 

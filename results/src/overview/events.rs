@@ -135,7 +135,7 @@ pub fn events_sentence(curves: &[CurveRow], levels: &[Level], frequency: impl Fn
 
 /// An isola from its birth to where its edges are followed to.
 fn without_end(lasting: &Lasting<'_>, place: impl Fn(&CurvePoint) -> String) -> String {
-    let (from, to) = (place(lasting.from), digits(lasting.to, AGREED));
+    let (from, to) = (place(lasting.from), digits(lasting.to, DIGITS));
     format!("{} at A = {from}, and its edges, followed up to A = {to}, come to no end", BIRTH.one)
 }
 
@@ -207,7 +207,8 @@ mod tests {
         assert_eq!(say(&[known, other]).unwrap(), format!("{before}{told}; {others}"));
         assert_eq!(say(&[]), None);
         // Of one that ends nowhere it is told how far it was looked for.
-        let lasting = curve(&[(6.0, ""), (1.5, "birth"), (3.0, "")]);
+        let status = "open: forcing bound to forcing bound".into();
+        let lasting = CurveRow { status, ..curve(&[(6.0, ""), (1.5, "birth"), (3.0, "")]) };
         assert_eq!(
             say(&[lasting]).unwrap(),
             "Computed along fold curves: an isola is born at A = 1.5 (3 rad/s), and its edges, followed up to A = 3, come to no end."

@@ -1,9 +1,9 @@
 //! From which forcing amplitude to which an isola is there, where a fold curve tells it for sure.
 
-use super::folds::{curve_events, is_same};
+use super::folds::{CurveEvent, curve_events, is_same};
 use super::merges::{is_disturbed, next};
 use crate::store::{Crossing, CurvePoint, CurveRow};
-use solver::response::branch::BranchKind;
+use solver::response::branch::{BranchKind, Stop};
 use solver::response::critical::CriticalKind;
 
 /// An isola over the forcing.
@@ -18,13 +18,13 @@ pub struct Life<'c> {
 /// The isolas of which birth and end, or beginning and death, are known to belong together, by forcing.
 pub fn lives(curves: &[CurveRow]) -> Vec<Life<'_>> {
     let mut found: Vec<Life<'_>> = Vec::new();
-    for event in curve_events(curves) {
-        let is_birth = event.kind == CriticalKind::Birth.name();
-        if !is_birth && event.kind != CriticalKind::Death.name() {
+    for (kind, point) in curves.iter().flat_map(CurveRow::events) {
+        let is_birth = kind == CriticalKind::Birth.name();
+        if !is_birth && kind != CriticalKind::Death.name() {
             continue;
         }
-        let Some(other) = other_end(curves, event.point, is_birth) else { continue };
-        let (from, to) = if is_birth { (event.point, other) } else { (other, event.point) };
+        let Some(other) = other_end(curves, point, is_birth) else { continue };
+        let (from, to) = if is_birth { (point, other) } else { (other, point) };
         let is_new = |known: &Life<'_>| !is_same(known.from, from) || !is_same(known.to, to);
         if !is_disturbed(curves, &[from, to]) && !is_lost(curves, from, to) && found.iter().all(is_new) {
             found.push(Life { from, to });
@@ -44,22 +44,30 @@ pub struct Lasting<'c> {
 }
 
 /// The isolas of which a birth is known and no end, where it is sure that both edges up to there are those of an isola, by forcing.
-pub fn lasting(curves: &[CurveRow]) -> Vec<Lasting<'_>> {
-    let mut found: Vec<Lasting<'_>> = curve_events(curves)
-        .into_iter()
-        .filter(|event| event.kind == CriticalKind::Birth.name())
-        .filter_map(|event| known_up_to(curves, event.point))
-        .collect();
+pub fn lasting<'c>(curves: &'c [CurveRow]) -> Vec<Lasting<'c>> {
+    let births = curve_events(curves).into_iter().filter(|event| event.kind == CriticalKind::Birth.name());
+    // After a run was extended the same curve is followed again, farther: none of those through the birth may tell of an end.
+    let known = |birth: CurveEvent<'c>| {
+        let all = curves.iter().flat_map(|curve| curve.points.iter().map(move |point| (curve, point)));
+        let same = all.filter(|(_, point)| point.event.as_deref() == Some(birth.kind) && is_same(point, birth.point));
+        let known: Vec<Lasting<'_>> =
+            same.map(|(curve, point)| known_up_to(curves, curve, point)).collect::<Option<_>>()?;
+        known.into_iter().max_by(|a, b| a.to.total_cmp(&b.to)).map(|farthest| Lasting { from: birth.point, ..farthest })
+    };
+    let mut found: Vec<Lasting<'_>> = births.filter_map(known).collect();
     found.sort_by(|a, b| a.from.forcing.total_cmp(&b.from.forcing));
     found
 }
 
-/// How far what is born at a point is known, if nothing ends it before.
-fn known_up_to<'c>(curves: &'c [CurveRow], from: &'c CurvePoint) -> Option<Lasting<'c>> {
-    let (curve, at) = curves.iter().find_map(|curve| {
-        let at = curve.points.iter().position(|other| std::ptr::eq(other, from))?;
-        Some((curve, at))
-    })?;
+/// How far what is born at a point of a curve is known, if nothing ends it before: to where both edges are followed no farther.
+fn known_up_to<'c>(curves: &'c [CurveRow], curve: &CurveRow, from: &'c CurvePoint) -> Option<Lasting<'c>> {
+    let at = curve.points.iter().position(|other| std::ptr::eq(other, from))?;
+    // At other bounds, and at branch points, it may be no isola any more.
+    let bound = Stop::ForcingBound.to_string();
+    let (first, last) = curve.status.strip_prefix("open: ")?.split_once(" to ")?;
+    if first != bound || last != bound {
+        return None;
+    }
     let edges = [false, true].map(|is_onwards| edge(curve, at, is_onwards, true));
     let to = edges.iter().map(|edge| edge.farthest).fold(f64::INFINITY, f64::min);
     let is_isola =
@@ -185,20 +193,33 @@ mod tests {
 
     #[test]
     fn what_comes_to_no_end() {
+        let bounded = |points: &[(f64, &str)]| CurveRow {
+            status: "open: forcing bound to forcing bound".into(),
+            ..curve(points)
+        };
         let told =
             |curves: &[CurveRow]| lasting(curves).iter().map(|one| (one.from.forcing, one.to)).collect::<Vec<_>>();
-        let both = curve(&[(4.0, ""), (1.0, "birth"), (2.0, ""), (3.0, "")]);
+        let both = bounded(&[(4.0, ""), (1.0, "birth"), (2.0, ""), (3.0, "")]);
         assert_eq!(told(std::slice::from_ref(&both)), [(1.0, 3.0)]);
         // Something else may be its end, or an edge turns or is lost before.
-        for other in [curve(&[(9.0, ""), (2.5, "merge"), (9.0, "")]), curve(&[(9.0, ""), (2.5, "unknown"), (9.0, "")])]
-        {
-            assert_eq!(told(&[both.clone(), other]), []);
+        for event in ["merge", "unknown"] {
+            assert_eq!(told(&[both.clone(), curve(&[(9.0, ""), (2.5, event), (9.0, "")])]), []);
         }
-        assert_eq!(told(&[curve(&[(4.0, ""), (1.0, "birth"), (3.0, ""), (2.0, "")])]), []);
-        assert_eq!(told(&[curve(&[(4.0, ""), (1.0, "birth"), (3.0, "merge"), (2.0, "")])]), []);
+        assert_eq!(told(&[bounded(&[(4.0, ""), (1.0, "birth"), (3.0, ""), (2.0, "")])]), []);
+        assert_eq!(told(&[bounded(&[(4.0, ""), (1.0, "birth"), (3.0, "merge"), (2.0, "")])]), []);
         assert_eq!(told(&[CurveRow { is_unfinished: true, ..both.clone() }]), []);
         let met = Crossing { segment: 1, forcing: 1.5, branch: "main".into(), ..Crossing::default() };
-        assert_eq!(told(&[CurveRow { crossings: vec![met], ..both }]), []);
+        assert_eq!(told(&[CurveRow { crossings: vec![met], ..both.clone() }]), []);
+        // Elsewhere than at the bound of the forcing it may end as an isola.
+        for status in ["open: forcing bound to branch point", "open: frequency bound to forcing bound", "closed"] {
+            assert_eq!(told(&[CurveRow { status: status.into(), ..both.clone() }]), []);
+        }
+        // The same curve, followed again, knows more.
+        let farther = bounded(&[(8.0, ""), (1.0, "birth"), (2.0, ""), (6.0, "")]);
+        assert_eq!(told(&[both.clone(), farther]), [(1.0, 6.0)]);
+        let ends = bounded(&[(8.0, ""), (1.0, "birth"), (6.0, "merge"), (1.5, "")]);
+        assert_eq!(told(&[both.clone(), ends.clone()]), []);
+        assert_eq!(lives(&[both, ends]).len(), 1);
     }
 
     #[test]

@@ -50,7 +50,10 @@ fn separate(backbone: &Backbone) -> Vec<Predicted> {
                 .min_by_key(|(distance, _)| *distance)
         };
         let sides = [barrier(piece.start..birth.index), barrier(birth.index..piece.end)];
-        let to = sides.into_iter().flatten().map(|(_, threshold)| threshold).fold(f64::INFINITY, f64::min);
+        // Where a piece crosses another one its windows are one with those of that.
+        let crossing = (piece.start > 0).then(|| backbone.points[piece.start].threshold());
+        let barriers = sides.into_iter().flatten().map(|(_, threshold)| threshold).chain(crossing);
+        let to = barriers.filter(|barrier| *barrier > birth.threshold).fold(f64::INFINITY, f64::min);
         Predicted { from: birth.threshold, to, omega: birth.omega }
     };
     pieces.map(window).collect()

@@ -292,7 +292,7 @@ impl<'r> Evidence<'r> {
 
     /// Which frequencies and modes were looked at, what was looked for, and what was not.
     fn reach(&self) -> String {
-        let frequencies = reach_sentence(self.given, self.reached, frequency).filter(|_| !self.is_further);
+        let frequencies = reach_sentence(self.given, self.reached, frequency);
         let is_done = self.levels.iter().all(|level| level.pending == 0);
         let with_others = self.modes.filter(|choice| !modes::left_out(choice).is_empty());
         let modes = with_others.and_then(|choice| modes::sentence(choice, is_done));

@@ -78,7 +78,8 @@ pub(super) fn insert_more(db: &Connection, file: &Path, more: &MorePlan) -> Resu
     for backbone in read_backbone(db, file)?.into_iter().chain(read_further(db, file)?) {
         omega.insert((None, backbone.mode), frequencies(file, &backbone)?);
     }
-    if !orders.is_empty() || read_reach(db, file)?.as_ref() != Some(reach) {
+    let reach_of = |orders: &[OrderPlan]| orders.iter().map(|plan| (plan.order, plan.reach)).collect::<Vec<_>>();
+    if read_reach(db, file)?.as_ref() != Some(reach) || reach_of(&read_orders(db, file)?) != reach_of(orders) {
         // What was said so far is of other bounds, and is compared with nothing that is said within these.
         let sql = "INSERT INTO meta (key, value) SELECT ?1, coalesce(max(sequence), 0) FROM results WHERE true \
                    ON CONFLICT (key) DO UPDATE SET value = excluded.value";

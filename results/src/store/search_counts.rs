@@ -2,10 +2,14 @@
 
 use super::header::unpack;
 use super::number::number;
-use super::{Reader, Result, StoreError};
-use rusqlite::Row;
+use super::{CurvePoint, Reader, Result, StoreError};
+use rusqlite::{Row, params};
 use solver::response::starts::BATCH;
 use solver::response::task::{CrossingPlace, Task};
+
+/// Whether what follows from a fold was found, or is nothing that is missing.
+const IS_WELL: &str = "coalesce(found, 0) OR coalesce(outcome, '') LIKE 'outside %' OR coalesce(outcome, '') LIKE 'on asymmetric %' \
+                       OR coalesce(outcome, '') LIKE 'every motion that converged repeats %'";
 
 /// Relative difference of frequencies, and of amplitudes, up to which two curves cross a level at one place, as points along them tell.
 const BESIDE: f64 = 1e-3;
@@ -69,7 +73,7 @@ impl Reader {
     fn crossings_met_otherwise(&self, levels: &str) -> Result<usize> {
         let sql = format!(
             "SELECT work, level, value, coalesce(found, 0) FROM tasks JOIN levels USING (level) \
-             WHERE kind = 'crossing' AND state = 'done' AND origin NOT LIKE 'scout %' AND level IN {levels}"
+             WHERE kind = 'crossing' AND state = 'done' AND (found OR NOT ({IS_WELL})) AND origin NOT LIKE 'scout %' AND level IN {levels}"
         );
         let row = |row: &Row<'_>| {
             Ok((row.get::<_, Vec<u8>>(0)?, row.get::<_, i64>(1)?, number(row, 2)?, row.get::<_, bool>(3)?))
@@ -80,13 +84,28 @@ impl Reader {
             places.extend(self.between(place, value)?.map(|at| (place, level, at, is_found)));
         }
         let is_near = |a: f64, b: f64, share: f64| (a - b).abs() <= share * a.abs().max(b.abs());
-        let is_met = |(place, level, [omega, amplitude], _): &&(CrossingPlace, i64, [f64; 2], bool)| {
-            places.iter().any(|(other, at, [o, a], is_found)| {
+        let mut met = 0;
+        for (place, level, [omega, amplitude], _) in places.iter().filter(|(.., is_found)| !is_found) {
+            let there = places.iter().filter(|(other, at, [o, a], is_found)| {
                 let is_there = is_near(*o, *omega, BESIDE) && is_near(*a, *amplitude, ALIKE);
                 *is_found && at == level && other.curve != place.curve && is_there
-            })
-        };
-        Ok(places.iter().filter(|(.., is_found)| !is_found).filter(is_met).count())
+            });
+            for (other, ..) in there {
+                if self.is_same_curve(place.curve, other.curve)? {
+                    met += 1;
+                    break;
+                }
+            }
+        }
+        Ok(met)
+    }
+
+    /// Whether two curves, from 0, have something that happens along them in common.
+    fn is_same_curve(&self, one: usize, other: usize) -> Result<bool> {
+        let sql = "SELECT EXISTS (SELECT 1 FROM curve_points AS a JOIN curve_points AS b ON a.event = b.event \
+                   WHERE a.curve = ?1 AND b.curve = ?2 AND abs(a.forcing - b.forcing) <= ?3 * abs(a.forcing) \
+                   AND abs(a.omega - b.omega) <= ?3 * abs(a.omega))";
+        Ok(self.one(sql, params![one + 1, other + 1, CurvePoint::SAME], |row| row.get(0))?.unwrap_or_default())
     }
 
     /// Frequency and amplitude at which a segment of a curve has a forcing amplitude.
@@ -104,13 +123,12 @@ impl Reader {
     pub fn search_counts(&self) -> Result<SearchCounts> {
         let levels = self.levels_told_of();
         let told_of = |sql: &str| sql.replace("{levels}", &levels);
-        let sql = "SELECT kind, state <> 'done' OR found OR coalesce(outcome, '') LIKE 'outside %' \
-                   OR outcome LIKE 'on asymmetric %' OR outcome LIKE 'every motion that converged repeats %' FROM tasks \
-                   WHERE kind IN ('fold', 'crossing', 'switch') AND origin NOT LIKE 'scout %' AND level IN {levels}";
+        let sql = format!(
+            "SELECT kind, state <> 'done' OR {IS_WELL} FROM tasks \
+             WHERE kind IN ('fold', 'crossing', 'switch') AND origin NOT LIKE 'scout %' AND level IN {levels}"
+        );
         let mut counts = SearchCounts::default();
-        for (kind, is_well) in
-            self.all(&told_of(sql), [], |row| Ok((row.get::<_, String>(0)?, row.get::<_, bool>(1)?)))?
-        {
+        for (kind, is_well) in self.all(&sql, [], |row| Ok((row.get::<_, String>(0)?, row.get::<_, bool>(1)?)))? {
             let (all, lost) = match kind.as_str() {
                 "fold" => (&mut counts.folds, &mut counts.unfollowed),
                 "switch" => (&mut counts.switched, &mut counts.uncrossed),
@@ -175,16 +193,17 @@ mod tests {
         run("PRAGMA foreign_keys = OFF; DELETE FROM tasks WHERE kind = 'crossing'; DELETE FROM curve_points");
         let curve = |number: usize, omega: f64| {
             run(&format!(
-                "INSERT INTO curve_points (curve, i, forcing, omega, amplitude) VALUES \
-                          ({number}, 0, 0, {omega}, 1), ({number}, 1, 1, {omega}, 1)"
+                "INSERT INTO curve_points (curve, i, forcing, omega, amplitude, event) VALUES \
+                 ({number}, 0, 0, {omega}, 1, NULL), ({number}, 1, 1, {omega}, 1, NULL), ({number}, 2, 0.5, 3.0, 1, 'birth')"
             ));
         };
-        let crossing = |curve: usize, found: bool| {
+        let crossing_with = |curve: usize, found: bool, outcome: &str| {
             let sql = "INSERT INTO tasks (id, level, position, kind, origin, state, outcome, found, work) \
-                       VALUES (?1, (SELECT min(level) FROM levels), ?2, 'crossing', ?1, 'done', 'nothing converged', ?3, ?4)";
+                       VALUES (?1, (SELECT min(level) FROM levels), ?2, 'crossing', ?1, 'done', ?5, ?3, ?4)";
             let work = pack(&Task::Crossing(CrossingPlace { curve, segment: 0 }));
-            db.execute(sql, rusqlite::params![format!("curve {curve}"), 1000 + curve, found, work]).unwrap();
+            db.execute(sql, params![format!("curve {curve}"), 1000 + curve, found, work, outcome]).unwrap();
         };
+        let crossing = |curve, found| crossing_with(curve, found, "nothing converged");
         let lost = || Store::open(dir.path()).unwrap().search_counts().unwrap().lost;
         curve(1, 2.0);
         crossing(0, false);
@@ -196,5 +215,14 @@ mod tests {
         curve(3, 2.0 + 1e-4);
         crossing(2, true);
         assert_eq!(lost(), 0);
+        // What lies outside is none that is lost, and makes no other one found.
+        curve(4, 2.0);
+        crossing_with(3, false, "outside the frequency or amplitude bounds");
+        curve(5, 7.0);
+        crossing(4, false);
+        assert_eq!(lost(), 1);
+        // Another curve through the same place is no same one.
+        run("UPDATE curve_points SET omega = 4 WHERE curve = 3 AND event IS NOT NULL");
+        assert_eq!(lost(), 2);
     }
 }

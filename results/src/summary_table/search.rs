@@ -133,11 +133,13 @@ fn predicted(windows: &[Predicted], levels: &[Level], unit: FrequencyUnit) -> St
     };
     let mut named: Vec<String> = windows.iter().take(NAMED).filter_map(level).collect();
     named.dedup();
-    let places: Vec<String> = windows.iter().take(NAMED).map(place).collect();
+    let mut places: Vec<String> = windows.iter().take(NAMED).map(place).collect();
+    let more = windows.len().saturating_sub(NAMED);
+    places.extend((more > 0).then(|| format!("in {more} more ranges")));
     match named.len() {
         0 => String::new(),
         count => format!(
-            " at {} (the energy balance, an estimate, predicts responses apart from the main branch {}: isola extend RUN --amplitudes {} computes \
+            " at {} (the energy balance, an estimate, predicts further responses {}: isola extend RUN --amplitudes {} computes \
              {})",
             these(levels),
             listed(&places),
@@ -190,7 +192,7 @@ mod tests {
         let window = Predicted { from: 2.0, to: 3.0, omega: 5.0 };
         assert_eq!(
             told(&[window], &[1.0]),
-            " at this level (the energy balance, an estimate, predicts responses apart from the main branch from A = 2 to 3 (near 5.00000 rad/s): \
+            " at this level (the energy balance, an estimate, predicts further responses from A = 2 to 3 (near 5.00000 rad/s): \
              isola extend RUN --amplitudes 2.5 computes a level there)"
         );
         let last = Predicted { from: 7.0, to: f64::INFINITY, omega: 6.0 };

@@ -210,7 +210,7 @@ def told(events: pd.DataFrame, file: Path) -> pd.DataFrame:
 
 
 def _once(events: list[Row]) -> list[Row]:
-    """Computed events; what two curves share stands once, at the first of them."""
+    """Computed events; what two curves share stands once, at the first of them, with what twice the harmonics make of it if any has it."""
 
     def is_near(one: Row, other: Row, name: str) -> bool:
         a, b = one[name], other[name]
@@ -218,13 +218,15 @@ def _once(events: list[Row]) -> list[Row]:
 
     kept: list[Row] = []
     for event in events:
-        if not any(
-            event["kind"] == other["kind"]
-            and is_near(event, other, "forcing")
-            and is_near(event, other, "omega")
+        same = [
+            other
             for other in kept
-        ):
+            if event["kind"] == other["kind"] and is_near(event, other, "forcing") and is_near(event, other, "omega")
+        ]
+        if not same:
             kept.append(event)
+        elif same[0].get("forcing_2h") is None and "forcing_2h" in event:
+            same[0].update(forcing_2h=event["forcing_2h"], omega_2h=event["omega_2h"])
     return kept
 
 
