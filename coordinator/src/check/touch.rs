@@ -60,12 +60,18 @@ impl std::fmt::Display for FirstTouch<'_> {
     }
 }
 
+/// The structure of a study, whose linear responses are looked at.
+pub(super) fn linear_problem(study: &Study) -> Option<PressureForm<'_>> {
+    let (model, settings) = (&study.model, &study.settings);
+    let (unknown, scales) = (Unknown::Frequency { forcing: 1.0 }, Scales::new(model, settings.tracked(model)));
+    PressureForm::build(model, settings.harmonics, settings.tracked(model), unknown, scales).ok()
+}
+
 /// Where contacts and elastic stops touch first, the forcing growing, in the linear response at its bounds and about the resonances of
 /// the modes that are followed and driven. `None` if nothing has a gap, or where the linear response has no bound.
 pub(super) fn first_touch<'s>(study: &'s Study, followed: &[usize]) -> Option<FirstTouch<'s>> {
     let (model, settings) = (&study.model, &study.settings);
-    let (unknown, scales) = (Unknown::Frequency { forcing: 1.0 }, Scales::new(model, settings.tracked(model)));
-    let problem = PressureForm::build(model, settings.harmonics, settings.tracked(model), unknown, scales).ok()?;
+    let problem = linear_problem(study)?;
     let m = model.forcing().harmonic as f64;
     let resonance = |mode: usize| model.modes().frequencies[mode] / m;
     let FrequencySettings { min, max } = settings.frequency;

@@ -1,14 +1,12 @@
 //! From which forcing on polynomial laws weigh as much as the damping, where nothing has a gap that tells it.
 
-use super::touch::shape;
+use super::touch::{linear_problem, shape};
 use crate::study::Study;
 use results::words::digits;
 use solver::formulation::Formulation;
 use solver::formulation::harmonics::complex;
 use solver::formulation::linear::forced_response;
 use solver::formulation::pressure::PressureForm;
-use solver::formulation::scales::Scales;
-use solver::formulation::unknown::Unknown;
 use solver::structure::Element;
 use solver::structure::laws::{LawKind, Term};
 
@@ -46,7 +44,8 @@ impl Weight {
     pub fn of(study: &Study, followed: &[usize]) -> Option<Self> {
         let laws: Vec<Polynomial<'_>> = study.model.elements().iter().map(Polynomial::of).collect::<Option<_>>()?;
         let highest = study.amplitudes.iter().map(|amplitude| amplitude.value).fold(0.0, f64::max);
-        let at = |&mode: &usize| Some(Self { forcing: weighs_from(study, &laws, mode, highest)?, mode });
+        let problem = linear_problem(study)?;
+        let at = |&mode: &usize| Some(Self { forcing: weighs_from(&problem, &laws, mode, highest)?, mode });
         let driven = study.model.driven();
         followed
             .iter()
@@ -62,7 +61,7 @@ impl Weight {
         let names: Vec<String> = study.model.elements().iter().map(|element| format!("`{}`", element.name)).collect();
         if multiple == f64::INFINITY {
             return Some(format!(
-                "linear: the laws have no terms that matter at any response; check {}",
+                "practically linear: at the resonances followed no term of the laws beyond linear ones does any work; check {}",
                 names.join(", ")
             ));
         }
@@ -105,14 +104,12 @@ impl<'m> Polynomial<'m> {
 }
 
 /// The forcing amplitude from which on laws do as much virtual work as the damping, and so the forcing, at the linear resonance of a
-/// mode.
-fn weighs_from(study: &Study, laws: &[Polynomial<'_>], mode: usize, highest: f64) -> Option<f64> {
-    let (model, settings) = (&study.model, &study.settings);
-    let (unknown, scales) = (Unknown::Frequency { forcing: highest }, Scales::new(model, settings.tracked(model)));
-    let problem = PressureForm::build(model, settings.harmonics, settings.tracked(model), unknown, scales).ok()?;
+/// mode; infinite if they do none.
+fn weighs_from(problem: &PressureForm<'_>, laws: &[Polynomial<'_>], mode: usize, highest: f64) -> Option<f64> {
+    let model = problem.model();
     let m = model.forcing().harmonic;
     let omega = model.modes().frequencies[mode] / m as f64;
-    let response = forced_response(&problem, highest, omega).ok()?;
+    let response = forced_response(problem, highest, omega).ok()?;
     let displacement = |modal: Vec<f64>| complex(&response.combine(modal), m).norm();
     let supplied = highest * displacement(model.modal_force());
     let arguments: Vec<f64> = laws.iter().map(|law| displacement(shape(model, law.element))).collect();

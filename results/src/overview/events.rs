@@ -2,7 +2,7 @@
 
 use super::counted::{Counted, counted};
 use super::event_words::{BIRTH, DEATH, MERGE};
-use super::folds::{events_of, is_same};
+use super::folds::events_of;
 use super::level::Level;
 use super::lives::{Lasting, Life, lasting, lives};
 use super::merges::{Merge, merges};
@@ -83,12 +83,12 @@ pub fn events_sentence(curves: &[CurveRow], levels: &[Level], frequency: impl Fn
         (!points.is_empty()).then(|| format!("{verb} at A = {}{more}", named.join(", ")))
     };
     let (lives, merged) = (lives(curves), merges(curves));
-    let is_told = |point: &CurvePoint| lives.iter().any(|life| is_same(life.from, point) || is_same(life.to, point));
+    let is_told = |point: &CurvePoint| lives.iter().any(|life| life.from.is_at(point) || life.to.is_at(point));
     let [births, deaths] = [CriticalKind::Birth, CriticalKind::Death].map(|kind| events_of(curves, kind.name()));
     let is_doubtful = |point: &&CurvePoint| point.doubled.is_none();
     let is_any_doubtful = births.iter().chain(&deaths).any(is_doubtful) || merged.iter().any(|m| is_doubtful(&m.point));
     let lasting: Vec<Lasting<'_>> = lasting(curves).into_iter().filter(|lasting| !is_told(lasting.from)).collect();
-    let lasts = |point: &CurvePoint| lasting.iter().any(|lasting| is_same(lasting.from, point));
+    let lasts = |point: &CurvePoint| lasting.iter().any(|lasting| lasting.from.is_at(point));
     let [births, deaths] = [births, deaths].map(|mut points| {
         points.retain(|point| !is_told(point) && !lasts(point));
         points
@@ -116,19 +116,18 @@ pub fn events_sentence(curves: &[CurveRow], levels: &[Level], frequency: impl Fn
     let are_others = others.iter().any(Option::is_some);
     let unrelated = [!births.is_empty(), !deaths.is_empty(), are_others].into_iter().filter(|is| *is).count() > 1;
     let more = lives.len().saturating_sub(LIVES);
-    let parts: Vec<String> = (lives
-        .iter()
-        .take(LIVES)
-        .map(|life| in_words(life, &merged, |point| counted(point, levels, curves), place)))
-    .chain((more > 0).then(|| format!("{more} more isolas are born and end")))
-    .chain(lasting.iter().take(NAMED).map(|one| without_end(one, place)))
-    .chain((lasting.len() > NAMED).then(|| format!("{} more are born and come to no end", lasting.len() - NAMED)))
-    .chain(part(&births, BIRTH.one, BIRTH.several))
-    .chain(part(&deaths, DEATH.one, DEATH.several))
-    .chain(told)
-    .chain(others.into_iter().flatten())
-    .chain(unrelated.then(|| UNRELATED.into()))
-    .collect();
+    let told_whole = lives.iter().take(LIVES);
+    let parts: Vec<String> = told_whole
+        .map(|life| in_words(life, &merged, |point| counted(point, levels, curves), place))
+        .chain((more > 0).then(|| format!("{more} more isolas are born and end")))
+        .chain(lasting.iter().take(NAMED).map(|one| without_end(one, place)))
+        .chain((lasting.len() > NAMED).then(|| format!("{} more are born and come to no end", lasting.len() - NAMED)))
+        .chain(part(&births, BIRTH.one, BIRTH.several))
+        .chain(part(&deaths, DEATH.one, DEATH.several))
+        .chain(told)
+        .chain(others.into_iter().flatten())
+        .chain(unrelated.then(|| UNRELATED.into()))
+        .collect();
     let doubt = if is_any_doubtful { format!(" ({UNKNOWN} {UNCONFIRMED})") } else { String::new() };
     (!parts.is_empty()).then(|| format!("Computed along fold curves: {}.{doubt}", parts.join("; ")))
 }
@@ -146,7 +145,7 @@ fn in_words(
     counted: impl Fn(&CurvePoint) -> Option<Counted>,
     place: impl Fn(&CurvePoint) -> String,
 ) -> String {
-    let merge = |point: &CurvePoint| merged.iter().find(|merge| is_same(merge.point, point));
+    let merge = |point: &CurvePoint| merged.iter().find(|merge| merge.point.is_at(point));
     // That isola is this one.
     let it =
         |merge: &Merge<'_>| merge.of_isola.as_ref().map(|does| format!("it {does}")).or_else(|| merge.what.clone());

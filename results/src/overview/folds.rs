@@ -123,7 +123,7 @@ pub fn curve_events(curves: &[CurveRow]) -> Vec<CurveEvent<'_>> {
         .flat_map(|curve| curve.events().map(|(kind, point)| CurveEvent { curve: curve.number, kind, point }));
     let mut kept: Vec<CurveEvent<'_>> = Vec::new();
     for event in all {
-        if !kept.iter().any(|earlier| earlier.kind == event.kind && is_same(earlier.point, event.point)) {
+        if !kept.iter().any(|earlier| earlier.kind == event.kind && earlier.point.is_at(event.point)) {
             kept.push(event);
         }
     }
@@ -136,11 +136,6 @@ pub fn events_of<'c>(curves: &'c [CurveRow], wanted: &str) -> Vec<&'c CurvePoint
     let mut points: Vec<&CurvePoint> = found.map(|event| event.point).collect();
     points.sort_by(|a, b| a.forcing.total_cmp(&b.forcing));
     points
-}
-
-/// Whether what happens at two points is one thing.
-pub(super) fn is_same(one: &CurvePoint, other: &CurvePoint) -> bool {
-    one.is_at(other)
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! From which forcing amplitude to which an isola is there, where a fold curve tells it for sure.
 
-use super::folds::{CurveEvent, curve_events, is_same};
+use super::folds::{CurveEvent, curve_events};
 use super::merges::{is_disturbed, next};
 use crate::store::{Crossing, CurvePoint, CurveRow};
 use solver::response::branch::{BranchKind, Stop};
@@ -25,7 +25,7 @@ pub fn lives(curves: &[CurveRow]) -> Vec<Life<'_>> {
         }
         let Some(other) = other_end(curves, point, is_birth) else { continue };
         let (from, to) = if is_birth { (point, other) } else { (other, point) };
-        let is_new = |known: &Life<'_>| !is_same(known.from, from) || !is_same(known.to, to);
+        let is_new = |known: &Life<'_>| !known.from.is_at(from) || !known.to.is_at(to);
         if !is_disturbed(curves, &[from, to]) && !is_lost(curves, from, to) && found.iter().all(is_new) {
             found.push(Life { from, to });
         }
@@ -49,7 +49,7 @@ pub fn lasting<'c>(curves: &'c [CurveRow]) -> Vec<Lasting<'c>> {
     // After a run was extended the same curve is followed again, farther: none of those through the birth may tell of an end.
     let known = |birth: CurveEvent<'c>| {
         let all = curves.iter().flat_map(|curve| curve.points.iter().map(move |point| (curve, point)));
-        let same = all.filter(|(_, point)| point.event.as_deref() == Some(birth.kind) && is_same(point, birth.point));
+        let same = all.filter(|(_, point)| point.event.as_deref() == Some(birth.kind) && point.is_at(birth.point));
         let known: Vec<Lasting<'_>> =
             same.map(|(curve, point)| known_up_to(curves, curve, point)).collect::<Option<_>>()?;
         known.into_iter().max_by(|a, b| a.to.total_cmp(&b.to)).map(|farthest| Lasting { from: birth.point, ..farthest })
@@ -108,8 +108,7 @@ fn other_end<'c>(curves: &'c [CurveRow], point: &CurvePoint, is_birth: bool) -> 
         };
         let kind = first.event.as_deref()?;
         // It shrinks to a point where both of its edges do.
-        let is_whole =
-            kind != shrinks.name() || edges.iter().all(|edge| edge.event.is_some_and(|to| is_same(to, first)));
+        let is_whole = kind != shrinks.name() || edges.iter().all(|edge| edge.event.is_some_and(|to| to.is_at(first)));
         (kind != own.name() && is_whole && edges.iter().all(|edge| reaches(edge) && is_isola(edge))).then_some(first)
     };
     curves.iter().find_map(of_curve)

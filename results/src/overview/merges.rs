@@ -1,7 +1,7 @@
 //! Which branches merge and part along fold curves.
 
 use super::event_words::{MERGE, MERGES, PARTS};
-use super::folds::{events_of, is_same};
+use super::folds::events_of;
 use crate::store::{CurvePoint, CurveRow};
 use crate::words::digits;
 use solver::response::branch::BranchKind;
@@ -26,15 +26,15 @@ pub struct Merge<'c> {
 
 /// What happens as the forcing grows where branches are known to merge or part: which of both, if that is known for sure.
 pub fn merge_verb(curves: &[CurveRow], point: &CurvePoint) -> &'static str {
-    let known = merges(curves).into_iter().find(|merge| is_same(merge.point, point));
+    let known = merges(curves).into_iter().find(|merge| merge.point.is_at(point));
     known.map_or(MERGE.verb, |merge| merge.verb)
 }
 
 /// Merges along fold curves, by forcing; what two curves share once.
-pub fn merges(curves: &[CurveRow]) -> Vec<Merge<'_>> {
-    let merge = |point| {
+pub fn merges<'c>(curves: &'c [CurveRow]) -> Vec<Merge<'c>> {
+    let merge = |point: &'c CurvePoint| {
         let places = curves.iter().flat_map(|curve| {
-            let here = move |(_, other): &(usize, &CurvePoint)| is_merge(other) && is_same(point, other);
+            let here = move |(_, other): &(usize, &CurvePoint)| is_merge(other) && point.is_at(other);
             curve.points.iter().enumerate().filter(here).map(move |(i, _)| (curve, i))
         });
         match places.into_iter().find_map(|(curve, i)| words(curves, curve, i)) {
@@ -175,7 +175,7 @@ fn beside(curve: &CurveRow, merge: usize, is_onwards: bool) -> Option<(Party<'_>
 /// The point of a curve that follows in a direction, after the segment that leads there; a closed curve goes round.
 pub(super) fn next(curve: &CurveRow, i: usize, is_onwards: bool) -> Option<(usize, usize)> {
     let count = curve.points.len();
-    let is_closed = count > 2 && is_same(curve.points.first()?, curve.points.last()?);
+    let is_closed = count > 2 && curve.points.first()?.is_at(curve.points.last()?);
     match (is_onwards, i) {
         (true, i) if i + 1 < count => Some((i, i + 1)),
         (true, _) if is_closed => Some((0, 1)),
@@ -191,7 +191,7 @@ pub(super) fn is_disturbed(curves: &[CurveRow], known: &[&CurvePoint]) -> bool {
     let (low, high) = known.iter().fold((f64::INFINITY, f64::NEG_INFINITY), range);
     let mut others = curves.iter().flat_map(|curve| &curve.points).filter(|point| {
         let is_unknown = point.event.as_deref() == Some(CriticalKind::Unknown.name());
-        (is_unknown || is_merge(point)) && !known.iter().any(|known| is_same(known, point))
+        (is_unknown || is_merge(point)) && !known.iter().any(|known| known.is_at(point))
     });
     others.any(|point| (low..=high).contains(&point.forcing))
 }

@@ -1,7 +1,7 @@
 //! How far what was said of tasks is to be believed: what came of comparing it, and what is said where two disagree.
 
+use super::comparisons::OTHER_BOUNDS;
 use super::header::{pack, set, unpack};
-use super::plan::OTHER_BOUNDS;
 use super::{Reader, Result};
 use crate::journal::{AttemptEnd, Evidence, Said};
 use protocol::ids::{Attempt, TaskId};

@@ -10,6 +10,7 @@ mod arrays;
 mod branch_id;
 mod changes;
 mod checkpoints;
+mod comparisons;
 mod cross_spectrum;
 mod curves;
 mod database;

@@ -1,6 +1,7 @@
 //! Backbones, windows and tasks: what is known once the backbones are.
 
 use super::arrays::{empty_points, fill, insert, insert_rest, of_backbone, of_backbone_mut};
+use super::comparisons::forget_comparisons;
 use super::database::version;
 use super::displacement::Displacements;
 use super::error::At;
@@ -80,18 +81,12 @@ pub(super) fn insert_more(db: &Connection, file: &Path, more: &MorePlan) -> Resu
     }
     let reach_of = |orders: &[OrderPlan]| orders.iter().map(|plan| (plan.order, plan.reach)).collect::<Vec<_>>();
     if read_reach(db, file)?.as_ref() != Some(reach) || reach_of(&read_orders(db, file)?) != reach_of(orders) {
-        // What was said so far is of other bounds, and is compared with nothing that is said within these.
-        let sql = "INSERT INTO meta (key, value) SELECT ?1, coalesce(max(sequence), 0) FROM results WHERE true \
-                   ON CONFLICT (key) DO UPDATE SET value = excluded.value";
-        db.prepare_cached(sql).at(file)?.execute([OTHER_BOUNDS]).at(file)?;
+        forget_comparisons(db, file)?;
     }
     insert_reach(db, file, reach)?;
     insert_orders(db, file, orders, &mut omega)?;
     insert_levels(db, file, levels, &omega)
 }
-
-/// Key of the number of the last result that is of bounds from before the run was extended.
-pub(super) const OTHER_BOUNDS: &str = "other_bounds";
 
 /// Frequencies of the points of a backbone.
 fn frequencies(file: &Path, backbone: &BackboneMessage) -> Result<Vec<f64>> {
