@@ -16,6 +16,7 @@ import pytest
 from runs import MODELS, ROOT, change, isola
 
 import isola_hbm
+from isola_hbm.asked import instead, levels_of
 from isola_hbm.counted import digits
 from isola_hbm.drawing import Named, along_ramp, faded, spread, write_names
 from isola_hbm.isolas import mode_of_isola
@@ -76,7 +77,7 @@ def test_response(damper: Path) -> None:
     widths = {line.get_label(): line.get_linewidth() for line in axes.get_lines()}
     assert widths["A = 0.006"] == widths["main branch"] < widths["isola"]
     assert list(axes.texts) == []
-    assert axes.get_xlabel() == "frequency f (Hz)"
+    assert axes.get_xlabel() == "frequency (Hz)"
     assert axes.get_ylabel() == "amplitude of x1 (mm)"
     # Curves between the bounds of the figure do not end at its frame.
     assert axes.get_ylim()[0] == 0.0
@@ -116,11 +117,70 @@ def test_levels_are_chosen_and_axes_given(damper: Path) -> None:
         run.plot.response([0.3])
     with pytest.raises(ValueError, match="one of m, mm, um and one of rad/s, Hz"):
         run.plot.response(units="mm,inch")
-    for amplitudes, what in (("x", "'x'"), (["0.006", "x"], "['0.006', 'x']"), ([None], "None"), ("0.1:0.2:0.1", "")):
-        message = rf"amplitudes = {re.escape(what)}.*: give a number or a list of them; there are branches at A = 0.004, "
+    for levels, what in (("x", "'x'"), (["0.006", "x"], "['0.006', 'x']"), ([None], "None"), ("0.1:0.2", "")):
+        message = rf"levels = {re.escape(what)}.*: give numbers, .*; there are branches at A = 0.004, "
         with pytest.raises(ValueError, match=message) as caught:
-            run.plot.response(amplitudes)
+            run.plot.response(levels)  # type: ignore[arg-type]
         assert caught.value.__suppress_context__
+    # As after `isola plot --levels`, and under the name of before.
+    assert labels(run.plot.response("0.006:0.007:0.001", backbone=False)) == labels(axes)
+    assert labels(run.plot.response("0.006, 0.007", backbone=False)) == labels(axes)
+    assert labels(run.plot.response(amplitudes=[0.006, 0.007], backbone=False)) == labels(axes)
+    isolas = [lines for lines in run.plot.map(0.006).collections if lines.get_label() == "isolas"]
+    assert {y for path in isolas[0].get_paths() for y in path.vertices[:, 1]} == {0.006}
+
+
+def test_ranges_are_chosen(damper: Path) -> None:
+    run = isola_hbm.load(damper)
+    axes = run.plot.response(units="mm", frequency=(0.9, 1.1), response=(100, 300))
+    assert (axes.get_xlim(), axes.get_ylim()) == ((0.9, 1.1), (100, 300))
+    axes = run.plot.map(forcing=(0.001, 0.01), frequency=(0.9, 1.1))
+    assert (axes.get_xlim(), axes.get_ylim()) == ((0.9, 1.1), (0.001, 0.01))
+    drawn = run.plot.figure("response", levels=[0.006, 0.007], frequency=(0.9, 1.1), response=(0.1, 0.3))
+    assert drawn.svg == run.plot.figure("response", levels="0.006,0.007", frequency=(0.9, 1.1), response=(0.1, 0.3)).svg
+
+
+@pytest.mark.parametrize(
+    ("figure", "wrong", "kind", "message"),
+    [
+        ("response", {"level": 1}, TypeError, "response: no argument `level`; did you mean `levels`? there are levels, monitor, "),
+        ("response", {"levels": 1, "amplitudes": 1}, TypeError, "levels and amplitudes are the same"),
+        ("response", {"response": (2, 1)}, ValueError, "response = (2, 1): the lowest and the highest one shown"),
+        ("response", {"frequency": "23"}, ValueError, "frequency = '23': the lowest and the highest one shown"),
+        ("response", {"ax": 5}, TypeError, "ax = 5: axes of matplotlib are needed"),
+        ("response", {"ax": plt.Figure()}, TypeError, ": axes of matplotlib are needed"),
+        ("response", {"units": 5}, TypeError, "units = 5: a text is needed"),
+        ("response", {"backbone": "no"}, TypeError, "backbone = 'no': True or False is needed"),
+        ("response", {"monitor": 3}, ValueError, "monitor = 3: the run monitors no such dof, but x1"),
+        ("map", {"forcing": (0, 1)}, ValueError, "forcing = (0, 1): the lowest and the highest one shown, both above zero"),
+        ("map", {"monitor": "x1"}, TypeError, "map: no argument `monitor`; there are levels, ax, units, frequency, forcing"),
+        ("map", {"levels": 0.3}, ValueError, "levels: no branch at A = 0.3; there are branches at A = 0.004"),
+        ("balance", {"modes": 1}, TypeError, "balance: no argument `modes`; did you mean `mode`?"),
+        ("balance", {"ax": [1]}, TypeError, "ax = [1]: axes of matplotlib are needed"),
+        ("motion", {"dofs": 5}, TypeError, "dofs = 5: the name of a dof or a list of them is needed"),
+        ("motion", {"dofs": [5]}, TypeError, "dofs = [5]: the name of a dof or a list of them is needed"),
+        ("motion", {"point": 1.5}, TypeError, "point = 1.5: an index from 0, 'peak' or 'start' is needed"),
+        ("motion", {"units": None, "at": 1}, TypeError, "motion: no argument `at`"),
+    ],
+)
+def test_wrong_arguments_are_named(
+    damper: Path, figure: str, wrong: dict[str, object], kind: type[Exception], message: str
+) -> None:
+    run = isola_hbm.load(damper)
+    with pytest.raises(kind, match=re.escape(message)):
+        getattr(run.plot, figure)(**wrong)
+    # What is refused leaves no empty figure behind.
+    assert plt.get_fignums() == []
+
+
+def test_levels_beside_others_are_named() -> None:
+    assert instead([3.0], [1.0, 2.0]) == "1, 2"
+    many = [10.0 * k for k in range(1, 21)]
+    assert instead([25.0], many) == "20, 30 nearby (20 levels from 10 to 200)"
+    assert instead([1.0, 25.0, 35.0, 999.0], many) == "10, 20, 30, 40, 200 nearby (20 levels from 10 to 200)"
+    with pytest.raises(ValueError, match=r"^levels: no branch at A = 25; there are branches at A = 20, 30 nearby "):
+        levels_of("20,25", many)
+    assert levels_of("20:40:10, 50", many) == {20.0, 30.0, 40.0, 50.0}
 
 
 def test_response_of_another_dof(tmp_path: Path) -> None:
@@ -129,7 +189,7 @@ def test_response_of_another_dof(tmp_path: Path) -> None:
     isola("sweep", study, "--out", tmp_path / "run", *options, "--set", 'monitors=["x2","x1"]')
     run = isola_hbm.load(tmp_path / "run")
     axes = run.plot.response(monitor="x1", units="um")
-    assert axes.get_ylabel() == "amplitude of x1 (um)"
+    assert axes.get_ylabel() == "amplitude of x1 (µm)"
     drawn = {line.get_label(): line.get_ydata() for line in axes.get_lines()}
     # Without verification nothing is dashed or pale, and the legend says what that means.
     assert "stability not known: nothing was verified" in labels(axes) and UNKNOWN not in labels(axes)
@@ -248,7 +308,7 @@ def test_merges_are_told_as_by_the_program(copy: Path) -> None:
     assert f"part at {digits(forcing, 4)}" in said()
     change(copy, "UPDATE curve_points SET forcing_2h = NULL")
     assert f"part at {digits(forcing, 4)} (2H: not found)" in said()
-    assert "2H: with twice the harmonics" in labels(run.plot.map())
+    assert "merges or partings, computed; 2H: with twice the harmonics" in labels(run.plot.map())
 
 
 def test_numbers_are_written_as_by_the_program() -> None:
@@ -455,9 +515,9 @@ def test_balance(damper: Path) -> None:
     rest = backbone["threshold"][len(predicted) :]
     assert len(rest) and (rest > 2 * 0.007).all() and backbone["threshold"][len(predicted) - 1] <= 2 * 0.007
     assert 0 < predicted.sum() < len(predicted)
-    assert "windows" in labels(axes)
+    assert "supply is larger: windows" in labels(axes)
     # It is that of every forcing amplitude, whether the run has it or not; a low one has no windows.
-    assert "windows" not in labels(run.plot.balance(1e-12))
+    assert "supply is larger: windows" not in labels(run.plot.balance(1e-12))
     assert run.plot.balance(0.3).get_title() == "A = 0.3 (no level of the run), mode 1"
     plt.close("all")
     for mode, shown in ((5, "5"), ("1", "'1'")):

@@ -57,7 +57,14 @@ class Units:
 
     @classmethod
     def read(cls, text: str) -> Units:
-        """``mm,Hz``, ``mm`` or ``Hz``; what is not named is SI."""
+        """``mm,Hz``, ``mm`` or ``Hz``; what is not named is SI.
+
+        Raises:
+            ValueError: There is no such unit.
+            TypeError: They are no text.
+        """
+        if not isinstance(text, str):
+            raise TypeError(f"units = {text!r}: a text is needed, one of m, mm, um and one of rad/s, Hz, as in 'mm,Hz'")
         chosen = [part.strip() for part in text.split(",")]
         lengths = [part for part in chosen if part in cls.LENGTHS]
         frequencies = [part for part in chosen if part in cls.FREQUENCIES]
@@ -75,9 +82,15 @@ class Units:
 
     def of_frequency(self, harmonic: int = 1) -> str:
         """The label of an axis: of the frequency of a response whose harmonic of this number is forced."""
-        name = "ω" if self.frequency == "rad/s" else "f"
+        # ω is in rad/s.
+        name = "frequency ω" if self.frequency == "rad/s" else "frequency"
         force = f" of the response, 1/{harmonic} of the force's" if harmonic > 1 else ""
-        return f"frequency {name}{force} ({self.frequency})"
+        return f"{name}{force} ({self.frequency})"
+
+    @property
+    def of_length(self) -> str:
+        """The unit of lengths as figures have it."""
+        return self.length.replace("um", "µm")
 
 
 def axes_of(ax: Axes | None) -> Axes:
@@ -117,23 +130,6 @@ def around(shown: Floats, reach: tuple[float, float]) -> Floats:
     limits = limits if limits[1] > limits[0] else np.array(reach)
     # What ends at a limit, as the tip of an isola, is not cut in two.
     return limits + _EDGE * (limits[1] - limits[0]) * np.array([-1.0, 1.0])
-
-
-def limits_of(frequency: tuple[float, float] | None) -> tuple[float, float] | None:
-    """The limits of an axis of frequencies that were asked for.
-
-    Raises:
-        ValueError: They are no range.
-    """
-    if frequency is None:
-        return None
-    try:
-        low, high = (float(end) for end in frequency)
-    except (TypeError, ValueError):
-        low = high = np.nan
-    if not (np.isfinite([low, high]).all() and low < high):
-        raise ValueError(f"frequency = {frequency!r}: the lowest and the highest one shown, as in (2400.0, 2500.0)")
-    return low, high
 
 
 def beside(shown: Floats) -> Floats:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import tempfile
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -36,7 +37,7 @@ class Drawn:
 
     _run: StoredRun
 
-    def figure(self, name: str, **options: str | float | tuple[float, float]) -> Drawing:
+    def figure(self, name: str, **options: str | float | Sequence[str | float]) -> Drawing:
         """A figure as ``isola plot`` draws it: ``backbone``, ``folds``, ``modes`` and ``resonance``, which are here alone, and
         ``response``, ``map``, ``balance`` and ``motion``.
 
@@ -48,8 +49,8 @@ class Drawn:
 
         Args:
             name: Name of the figure.
-            options: Those of ``isola plot`` (``isola plot --help``): `amplitude`, `mode`, `along`, `monitor`, `levels`, `frequency` (two),
-                `at`, `units`, `width`, …
+            options: Those of ``isola plot`` (``isola plot --help``): `amplitude`, `mode`, `along`, `monitor`, `levels` (a list, or a text),
+                `frequency`, `response`, `forcing` (two numbers each), `at`, `units`, `width`, …
 
         Raises:
             NoProgram: It is not there.
@@ -57,14 +58,15 @@ class Drawn:
         """
         chosen: list[str] = []
         for key, value in options.items():
-            values = value if isinstance(value, (tuple, list)) else [value]
-            chosen += [f"--{key.replace('_', '-')}", *(str(one) for one in values)]
+            values = [str(one) for one in value] if isinstance(value, (tuple, list)) else [str(value)]
+            # Ends of an axis are two values, levels one list.
+            chosen += [f"--{key.replace('_', '-')}", *([",".join(values)] if key == "levels" else values)]
         order = self._run.order
         if order is not None:
             chosen += ["--order", str(order)]
         with tempfile.TemporaryDirectory() as scratch:
             file = Path(scratch) / "figure.svg"
-            command = ["plot", str(self._run.folder), "--figure", name, "--out", str(file), *chosen]
+            command = ["plot", str(self._run.folder), "--figure", str(name), "--out", str(file), *chosen]
             with start(command) as process:
                 _, said = process.communicate()
             if not file.is_file():

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pandas as pd
 
+from .asked import Limits
 from .counted import digits
 from .drawing import (
     FOLDS,
@@ -60,6 +61,10 @@ _EVENTS = {
 _LABELLED, _MARK = 8, 5.0
 #: Digits of a forcing that have to agree with those of twice the harmonics, which are told otherwise.
 _AGREED = 3
+#: What the legend says of labels with a number that is another one with twice the harmonics.
+_TWICE = "; 2H: with twice the harmonics"
+#: Bars are at most so thick, as a share of the distance between levels, and at least, points.
+_SHARE, _FINE = 0.5, 0.6
 #: Bars from this width on are not written over.
 _THICK = 1.0
 #: What happens from the lowest level divided by the first to the highest one times the second, as folds are followed, is shown.
@@ -82,10 +87,11 @@ _BARS: tuple[tuple[str, str, dict[str, Any]], ...] = (
 
 
 def isola_map(
-    run: StoredRun, summary: pd.DataFrame, axes: Axes, units: Units, limits: tuple[float, float] | None
+    run: StoredRun, summary: pd.DataFrame, axes: Axes, units: Units, limits: tuple[Limits | None, Limits | None]
 ) -> Axes:
     """Draws branches of every level, which are these rows of the summary, thresholds along the backbones, fold curves and
-    events, between these frequencies of the axis or, without, around what happens."""
+    events, between these limits of the axes (frequencies, forcing amplitudes) or, without, around what happens."""
+    across, up = limits
     for kind, label, look in _BARS:
         rows = summary[summary["kind"] == kind]
         ends = units.frequencies(rows[["omega_min", "omega_max"]]).to_numpy(float).T
@@ -93,6 +99,8 @@ def isola_map(
             axes.hlines(rows["amplitude"].to_numpy(float), *ends, label=label, **look)
     levels = list(summary["amplitude"])
     thresholds = _draw_thresholds(run, axes, units, levels)
+    if up is not None:
+        axes.set_ylim(up)
     logarithmic(axes)
     events, folds, names = _draw_folds(run, axes, units, levels)
     # Main and open branches go from one end of the frequencies to the other.
@@ -102,18 +110,28 @@ def isola_map(
     among: Any = happens["forcing"].between(min(levels) / _AMONG[0], max(levels) * _AMONG[1]) if levels else []
     core = np.concatenate([ends, happens["omega"][among].to_numpy(float)])
     shown = _around(core, np.concatenate([events, folds, thresholds]))
-    if limits is not None:
-        axes.set_xlim(limits)
+    if across is not None:
+        axes.set_xlim(across)
     elif len(shown):
         axes.set_xlim(units.frequencies(beside(shown)))
     axes.set(xlabel=units.of_frequency(run.model.forcing_harmonic), ylabel="forcing amplitude A, threshold A*")
     fit_texts(axes)
-    legend(axes)
     # Lines from end to end are thin, and may be written over.
     bars = [bars for bars in axes.collections if np.max(bars.get_linewidth()) >= _THICK]
     faint = [lines for lines in axes.collections if lines not in bars]
+    most = _room_of_bars(axes, levels)
+    for lines in bars:
+        lines.set_linewidth(float(min(np.max(lines.get_linewidth()), most)))
+    legend(axes)
     write_names(axes, [*axes.get_lines(), *bars], names if len(names) <= _LABELLED else [], _MARK, faint)
     return axes
+
+
+def _room_of_bars(axes: Axes, levels: list[float]) -> float:
+    """How thick bars are at most, points: a share of the distance between levels, but for a few that lie closer."""
+    places = axes.transData.transform([(axes.get_xlim()[0], level) for level in sorted(set(levels))] or [(0.0, 1.0)])[:, 1]
+    distances = np.sort(np.diff(places)) * 72.0 / axes.figure.canvas.figure.dpi
+    return max(_FINE, _SHARE * distances[len(distances) // 4]) if len(distances) else np.inf
 
 
 def _marked(events: pd.DataFrame) -> pd.DataFrame:
@@ -198,12 +216,10 @@ def _draw_folds(
             markerfacecolor="none" if event.is_hollow else color,
             markersize=event.size,
             zorder=event.order,
-            label=f"{event.many}, {source}",
+            label=f"{event.many}, {source}{_TWICE if any('2H' in name for name in own) else ''}",
         )
         for name, x, y in zip(own, units.frequencies(group["omega"]), group["forcing"]):
             names.append(Named(name, x, y, color, kind == "birth"))
-    if any("2H" in named.name for named in names):
-        add_line(axes, [], [], linestyle="none", label="2H: with twice the harmonics")
     computed = shown["omega"][shown["source"] == "computed"].to_numpy(float)
     among = folds["forcing"].between(min(levels), max(levels)) if levels else folds["forcing"].isna()
     return computed, folds["omega"][among].to_numpy(float), names

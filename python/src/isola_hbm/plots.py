@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from numbers import Real
 from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
 
+from .asked import Levels, Limits, checked, is_axes, is_flag, levels_of, limits_of
 from .drawing import (
     INK,
     ISOLA,
@@ -18,7 +19,6 @@ from .drawing import (
     by_pieces,
     fit_texts,
     legend,
-    limits_of,
     logarithmic,
     text,
 )
@@ -49,15 +49,18 @@ class Plots(Drawn):
     def _units(self, chosen: str | None) -> Units:
         return Units.read(self._run.units if chosen is None else chosen)
 
+    @checked
     def response(
         self,
-        amplitudes: Iterable[str | float] | str | float | None = None,
+        levels: Levels | None = None,
         *,
         monitor: str | None = None,
         ax: Axes | None = None,
         units: str | None = None,
         backbone: bool = True,
-        frequency: tuple[float, float] | None = None,
+        frequency: Limits | None = None,
+        response: Limits | None = None,
+        amplitudes: Levels | None = None,
     ) -> Axes:
         """Amplitude of a monitored dof over frequency: main branches thin, isolas and others bold, what time marching found
         unstable dashed, and pale what of their stability is not known. Branches whose curves lie on each
@@ -65,20 +68,26 @@ class Plots(Drawn):
         than six levels are named at their peaks.
 
         Args:
-            amplitudes: Forcing amplitudes shown; by default all.
+            levels: Forcing levels shown: numbers, or a text as after ``isola plot --levels`` (``"20:60:20"``); by default all.
             monitor: Monitored dof whose amplitude is shown; by default the first one.
             ax: Axes to draw on.
             units: ``m``, ``mm`` or ``um`` and ``rad/s`` or ``Hz``, as in ``"mm,Hz"``; by default those of the run.
             backbone: Whether the backbone is drawn as well.
             frequency: Lowest and highest frequency shown, in the unit of the axis; by default where something happens.
+            response: Lowest and highest amplitude of the response shown, in the unit of the axis; by default from zero on.
+            amplitudes: The same as `levels`.
 
         Raises:
-            ValueError: There is no branch at these amplitudes, no such monitored dof or unit: with those there are. The
-                frequencies are no range.
+            ValueError: There is no branch at these levels, no such monitored dof or unit: with those there are. Limits are no
+                range.
+            TypeError: An argument is of another type, or there is no such argument.
         """
-        limits, measured, number = limits_of(frequency), self._units(units), self._number(monitor)
-        summary = self._branches(amplitudes)
-        return forced_response(self._run, summary, axes_of(ax), measured, number, limits, backbone)
+        if levels is not None and amplitudes is not None:
+            raise TypeError("response: levels and amplitudes are the same; give one of them")
+        limits = limits_of("frequency", frequency), limits_of("response", response)
+        measured, number, has_backbone = self._units(units), self._number(monitor), is_flag("backbone", backbone)
+        summary = self._branches(amplitudes if levels is None else levels)
+        return forced_response(self._run, summary, axes_of(is_axes(ax)), measured, number, limits, has_backbone)
 
     def _monitors(self) -> list[str]:
         """Names of the monitored dofs."""
@@ -91,28 +100,36 @@ class Plots(Drawn):
             raise ValueError(f"monitor = {monitor!r}: the run monitors no such dof, but {', '.join(names)}")
         return 0 if monitor is None else names.index(monitor)
 
+    @checked
     def map(
         self,
+        levels: Levels | None = None,
         *,
         ax: Axes | None = None,
         units: str | None = None,
-        frequency: tuple[float, float] | None = None,
+        frequency: Limits | None = None,
+        forcing: Limits | None = None,
     ) -> Axes:
         """Which responses exist at which forcing: branches of every level, the threshold A* along the backbones, fold
         curves, births and merges as predicted and as computed. Drawn around the branches apart from the main ones; curves of other
         modes may go on beyond.
 
         Args:
+            levels: Forcing levels whose branches are shown, as of :meth:`response`; by default all.
             ax: Axes to draw on.
             units: ``rad/s`` or ``Hz``; by default that of the run.
             frequency: Lowest and highest frequency shown, in the unit of the axis; by default where something happens.
+            forcing: Lowest and highest forcing amplitude shown; by default where something happens.
 
         Raises:
-            ValueError: There is no such unit, or the frequencies are no range.
+            ValueError: There is no branch at these levels, or no such unit. Limits are no range.
+            TypeError: An argument is of another type, or there is no such argument.
         """
-        limits = limits_of(frequency)
-        return isola_map(self._run, self._branches(None), axes_of(ax), self._units(units), limits)
+        limits = limits_of("frequency", frequency), limits_of("forcing", forcing, is_positive=True)
+        measured, summary = self._units(units), self._branches(levels)
+        return isola_map(self._run, summary, axes_of(is_axes(ax)), measured, limits)
 
+    @checked
     def balance(
         self, amplitude: float | None = None, *, mode: int | None = None, ax: Axes | None = None
     ) -> Axes:
@@ -130,6 +147,7 @@ class Plots(Drawn):
 
         Raises:
             ValueError: The amplitude is no number above zero.
+            TypeError: The axes are none of matplotlib, or there is no such argument.
             NoSuchBranch: There is no backbone of this mode.
         """
         summary = self._run.summary
@@ -146,7 +164,7 @@ class Plots(Drawn):
         # Beyond the last threshold of twice the highest level nothing is predicted for any of them.
         near = np.flatnonzero(curve["threshold"].to_numpy() <= 2.0 * max([*levels, float(amplitude)]))
         curve = curve.isel(point=slice(near[-1] + 1)) if len(near) and near[-1] >= _FEWEST else curve
-        axes = axes_of(ax)
+        axes = axes_of(is_axes(ax))
         arc, work = curve["arc"].to_numpy(), float(amplitude) * curve["work_per_amplitude"].to_numpy()
         work = by_pieces(curve, work)
         # A* is infinite where the forcing does no work.
@@ -167,17 +185,18 @@ class Plots(Drawn):
             interpolate=True,
             color=ISOLA,
             alpha=0.2,
-            label="windows" if any(is_window) else None,
+            label="supply is larger: windows" if any(is_window) else None,
         )
         beside = "" if amplitude in levels else " (no level of the run)"
         title = f"A = {text(amplitude)}{beside}, mode {curve.attrs['mode']}"
         across = ", then along curves that cross it" if "piece" in curve and curve["piece"].max() > 0 else ""
-        axes.set(xlabel=f"arc length along the backbone{across} (scaled)", ylabel="energy a period (J)", title=title)
+        axes.set(xlabel=f"arc length along the backbone{across} (scaled)", ylabel="energy per period (J)", title=title)
         fit_texts(axes)
         logarithmic(axes)
         legend(axes)
         return axes
 
+    @checked
     def motion(
         self,
         branch: Key | None = None,
@@ -205,34 +224,34 @@ class Plots(Drawn):
             IndexError: It has no such point.
             KeyError: There is no such dof.
             ValueError: The variable is another one, or there is no such unit.
+            TypeError: An argument is of another type, or there is no such argument.
         """
         if variable not in ("displacement", "argument"):
             raise ValueError(f"variable = {variable!r}: displacement or argument is drawn; run[branch].time() has others")
+        names = [dofs] if isinstance(dofs, str) else [] if dofs is None else dofs
+        if not isinstance(names, Sequence) or not all(isinstance(name, str) for name in names):
+            raise TypeError(f"dofs = {dofs!r}: the name of a dof or a list of them is needed")
         measured, curve = self._units(units), self._run[self._highest() if branch is None else branch]
         index = index_of(curve, point)
         series = curve.isel(point=index).time(variable, samples=512).load()
         along = next(str(axis) for axis in series.dims if axis != "time")
         is_length = variable == "displacement"
         there = [str(name) for name in series[along].values]
-        shown = (
-            [dofs]
-            if isinstance(dofs, str)
-            else list(dofs or (curve["monitor"].values if is_length else there))
-        )
+        shown = list(names or (curve["monitor"].values if is_length else there))
         # A law has one argument or three, which are numbered.
         shown = [one for name in shown for one in (_arguments(name, there) if not is_length else []) or [name]]
         if unknown := [name for name in shown if name not in there]:
             raise KeyError(
                 f"no `{unknown[0]}` among what is stored of a motion; there are {', '.join(there)}"
             )
-        axes = axes_of(ax)
+        axes = axes_of(is_axes(ax))
         for name in shown:
             values = series.sel({along: name})
             axes.plot(series["time"], measured.lengths(values) if is_length else values, label=str(name))
         # What contacts have for an argument is a pressure, and what others have is a length.
         of_laws = series.sel({along: shown}).coords.get("unit", series.attrs["units"])
         quantity = (
-            f"displacement ({measured.length})"
+            f"displacement ({measured.of_length})"
             if is_length
             else f"argument of the law ({', '.join(dict.fromkeys(np.atleast_1d(of_laws).tolist()))})"
         )
@@ -252,26 +271,13 @@ class Plots(Drawn):
         chosen = next(summary[of_kind] for of_kind in kinds if of_kind.any())
         return str(chosen["amplitude_max"].astype(float).idxmax())
 
-    def _branches(self, amplitudes: Iterable[str | float] | str | float | None) -> pd.DataFrame:
+    def _branches(self, levels: Levels | None) -> pd.DataFrame:
         """Rows of the summary, of these levels, that are branches."""
         summary = self._run.summary
         summary = summary[summary["points"].notna()]
-        if amplitudes is None:
+        if levels is None:
             return summary
-        if isinstance(amplitudes, str) or not isinstance(amplitudes, Iterable):
-            amplitudes = [amplitudes]
-        there = ", ".join(text(value) for value in sorted(summary["amplitude"].unique()))
-        given = list(amplitudes)
-        try:
-            chosen = {float(amplitude) for amplitude in given}
-        except (TypeError, ValueError):
-            what = repr(given[0] if len(given) == 1 else given)
-            raise ValueError(
-                f"amplitudes = {what}: give a number or a list of them; there are branches at A = {there}"
-            ) from None
-        if unknown := chosen - set(summary["amplitude"]):
-            raise ValueError(f"no branch at A = {text(min(unknown))}; there are branches at A = {there}")
-        return summary[summary["amplitude"].isin(chosen)]
+        return summary[summary["amplitude"].isin(levels_of(levels, sorted(summary["amplitude"].unique())))]
 
 
 def _arguments(name: str, there: Sequence[str]) -> list[str]:

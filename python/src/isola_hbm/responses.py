@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pandas as pd
 
+from .asked import Limits
 from .coincidence import is_same
 from .counted import listed
 from .drawing import (
@@ -44,6 +45,14 @@ if TYPE_CHECKING:
 _HIGH = 0.8
 #: Widths of main branches, of those that branch off others, and of isolas and others.
 _THIN, _MEDIUM, _BOLD = 1.0, 1.6, 2.2
+#: Kinds of branches beside the main ones, as the program has them in legends.
+_KINDS: tuple[tuple[str, str, dict[str, Any]], ...] = (
+    ("isola", "isola", {"linewidth": _BOLD}),
+    ("open", "open branch", {"linewidth": _BOLD}),
+    ("cut", "cut off by a bound", {"linewidth": _BOLD}),
+    ("branched", "branches off another", {"linewidth": _MEDIUM}),
+    ("unfinished", "unfinished", {"linewidth": _BOLD}),
+)
 #: The least width of an isola, and how many times as far apart as they are wide its two strands are, on average, at least.
 _FINE, _APART = 0.75, 2.0
 #: How what is unstable is drawn.
@@ -110,11 +119,11 @@ def forced_response(
     axes: Axes,
     units: Units,
     monitor: int,
-    limits: tuple[float, float] | None,
+    limits: tuple[Limits | None, Limits | None],
     backbone: bool,
 ) -> Axes:
-    """Draws the branches that are these rows of the summary, amplitudes being those of this monitored dof, between these frequencies of
-    the axis or, without, around what happens. Branches whose curves lie on each other are drawn once, under the names of all of them: one's
+    """Draws the branches that are these rows of the summary, amplitudes being those of this monitored dof, between these limits of
+    the axes (frequencies, amplitudes) or, without, around what happens. Branches whose curves lie on each other are drawn once, under the names of all of them: one's
     solid line would fill the other's dashes."""
     table = _points(run, monitor)
     levels = sorted(summary["amplitude"].unique())
@@ -155,27 +164,26 @@ def forced_response(
         places = [i for i in folds.get(str(row.name), []) if i < len(at)]
         marks["fold"] += [(at[i], height[i], colors[level]) for i in places]
     curves = list(axes.get_lines())
-    if limits is not None:
-        axes.set_xlim(limits)
-        _fit_height(axes, curves, limits)
+    across, up = limits
+    if across is not None:
+        axes.set_xlim(across)
+        _fit_height(axes, curves, across)
     elif branches:
         reach = float(summary["omega_min"].min()), float(summary["omega_max"].max())
         axes.set_xlim(units.frequencies(around(np.concatenate([branch.shown for branch in branches]), reach)))
     # Amplitudes begin at zero; what is drawn on these axes later may change the limits as before.
-    axes.set_ylim(bottom=0.0, auto=None)
+    axes.set_ylim(*(up or (0.0, None)), auto=None)
     is_any_narrow = False
     for branch, line in strands:
         width = branch.narrowed(axes, line.get_linewidth())
         is_any_narrow |= width < line.get_linewidth()
         line.set_linewidth(width)
     marked = _mark(axes, marks)
-    others = set(summary["kind"]) - {"main", "branched"}
+    kinds = set(summary["kind"])
     thinner = ", thinner where narrow" if is_any_narrow else ""
-    has_branched = (summary["kind"] == "branched").any()
     entries: tuple[tuple[Any, str, dict[str, Any]], ...] = (
-        (others or has_branched, "main branch", {"linewidth": _THIN}),
-        (others, ("isola" if others == {"isola"} else "isola or other") + thinner, {"linewidth": _BOLD}),
-        (has_branched, "branches off another", {"linewidth": _MEDIUM}),
+        (kinds - {"main"}, "main branch", {"linewidth": _THIN}),
+        *((kind in kinds, word + (thinner if kind == "isola" else ""), look) for kind, word, look in _KINDS),
         (has_unstable, "unstable", {"linestyle": _DASHES}),
         (has_unknown, "stability not known", {"linewidth": _BOLD, "color": faded(SHADE)}),
         (branches and not is_verified, "stability not known: nothing was verified", {"linewidth": _BOLD}),
@@ -188,7 +196,7 @@ def forced_response(
         _draw_backbones(run, axes, units, monitor)
     axes.set(
         xlabel=units.of_frequency(run.model.forcing_harmonic),
-        ylabel=f"amplitude of {run.model.dofs[run.model.monitors[monitor]]} ({units.length})",
+        ylabel=f"amplitude of {run.model.dofs[run.model.monitors[monitor]]} ({units.of_length})",
     )
     fit_texts(axes)
     legend(axes)

@@ -78,7 +78,10 @@ def index_of(curve: Motions, point: int | str) -> int:
 
     Raises:
         IndexError: There is no such point.
+        TypeError: It is neither a whole number nor a text.
     """
+    if not hasattr(point, "__index__") and not isinstance(point, str):
+        raise TypeError(f"point = {point!r}: an index from 0, 'peak' or 'start' is needed")
     count = curve.sizes["point"]
     index = curve.attrs.get(point) if isinstance(point, str) else operator.index(point)
     if index is None or not -count <= index < count:
