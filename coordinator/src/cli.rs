@@ -3,22 +3,22 @@
 mod certificates;
 mod first_steps;
 mod marched;
+#[cfg(feature = "figures")]
+mod plot;
 mod remote;
 mod serving;
 
 pub use certificates::CertArgs;
 pub use first_steps::{NewArgs, SchemaArgs};
 pub use marched::{DisturbArgs, VerifyArgs};
+#[cfg(feature = "figures")]
+pub use plot::PlotArgs;
 pub use remote::{RemoteArgs, StatusArgs};
 pub use serving::ServeArgs;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand};
 use results::export::Format;
-#[cfg(feature = "figures")]
-use results::plot::{Along, FigureName};
-#[cfg(feature = "figures")]
-use results::summary_table::UnitChoice;
 #[cfg(feature = "page")]
 use serving::host_port;
 use std::ops::RangeInclusive;
@@ -262,56 +262,6 @@ pub struct ReportArgs {
     pub order: Option<usize>,
 }
 
-/// Arguments of `plot`.
-#[cfg(feature = "figures")]
-#[derive(Debug, Args)]
-pub struct PlotArgs {
-    /// Folders of runs; several are drawn over each other (response, resonance).
-    #[arg(required = true, value_name = "RUN")]
-    pub runs: Vec<PathBuf>,
-    /// Which figure.
-    #[arg(long, value_name = "NAME", value_parser = figure_names())]
-    pub figure: FigureName,
-    /// File to write; its ending says what: .svg, .pdf or .png (300 pixels an inch).
-    #[arg(short, long, value_name = "FILE")]
-    pub out: PathBuf,
-    /// Show these forcing amplitudes only: 20,60 or start:stop:step with both ends (response, map, resonance).
-    #[arg(long, value_name = "LIST")]
-    pub levels: Option<String>,
-    /// Show motions that last so many periods of the force (search.harmonics) [default: the first order].
-    #[arg(long, value_name = "M", value_parser = whole)]
-    pub order: Option<usize>,
-    /// Monitored dof whose amplitude is shown [default: the first one].
-    #[arg(long, value_name = "DOF")]
-    pub monitor: Option<String>,
-    /// Forcing amplitude of balance and backbone [default: the lowest with an isola, else the middle one].
-    #[arg(long, value_name = "A")]
-    pub amplitude: Option<String>,
-    /// Mode whose backbone is drawn, from 1 (balance, backbone, modes) [default: one whose window at this amplitude led to an isola, else
-    /// the first one that was followed].
-    #[arg(long, value_name = "NUMBER", value_parser = whole)]
-    pub mode: Option<usize>,
-    /// Point of motion: amplitude, branch and index from 0, or peak [default: peak of the highest isola].
-    #[arg(long, value_name = "A/BRANCH/INDEX")]
-    pub at: Option<String>,
-    /// What balance and modes are drawn over [default: arc].
-    #[arg(long, value_name = "QUANTITY", value_parser = quantities())]
-    pub along: Option<Along>,
-    /// Show these frequencies only, rad/s or Hz as in --units [default: where something happens] (response, map, backbone).
-    #[arg(long, num_args = 2, value_names = ["MIN", "MAX"], allow_negative_numbers = true)]
-    pub frequency: Option<Vec<f64>>,
-    /// Units of axes and of --frequency: one of m, mm, um and one of rad/s, Hz, as in mm,Hz, or one of them only [default: those of
-    /// the run, else rad/s, and what lengths are read best in].
-    #[arg(long, value_name = "UNITS", value_parser = str::parse::<UnitChoice>)]
-    pub units: Option<UnitChoice>,
-    /// Width, mm.
-    #[arg(long, value_name = "MM", allow_negative_numbers = true, default_value_t = 170.0, value_parser = millimetres)]
-    pub width: f64,
-    /// Height, mm.
-    #[arg(long, value_name = "MM", allow_negative_numbers = true, default_value_t = 110.0, value_parser = millimetres)]
-    pub height: f64,
-}
-
 /// Arguments of `export`.
 #[derive(Debug, Args)]
 pub struct ExportArgs {
@@ -344,11 +294,6 @@ fn within(text: &str, bounds: RangeInclusive<f64>, what: &str) -> Result<f64, St
     number.ok_or_else(|| format!("use {} to {} {what}", bounds.start(), bounds.end()))
 }
 
-#[cfg(feature = "figures")]
-fn millimetres(text: &str) -> Result<f64, String> {
-    within(text, 30.0..=1000.0, "mm")
-}
-
 /// One of a few values, each with its name and what it is.
 fn one_of<T: Copy + Send + Sync + 'static>(
     values: &'static [(T, &'static str, &'static str)],
@@ -366,24 +311,6 @@ fn formats() -> impl TypedValueParser<Value = Format> {
         (Format::Mat, "mat", "For MATLAB and Octave, with all harmonics: run.mat, branches/*.mat"),
         (Format::Npz, "npz", "For NumPy, with all harmonics: run.npz, branches/*.npz"),
     ])
-}
-
-#[cfg(feature = "figures")]
-fn quantities() -> impl TypedValueParser<Value = Along> {
-    one_of(&[
-        (Along::Arc, "arc", "Arc length"),
-        (Along::Omega, "omega", "Frequency"),
-        (Along::Amplitude, "amplitude", "Amplitude"),
-    ])
-}
-
-#[cfg(feature = "figures")]
-fn figure_names() -> impl TypedValueParser<Value = FigureName> {
-    let names = FigureName::ALL.map(|figure| PossibleValue::new(figure.name()).help(figure.about()));
-    PossibleValuesParser::new(names).map(|chosen| {
-        let figure = FigureName::ALL.into_iter().find(|figure| figure.name() == chosen);
-        figure.expect("clap lets no other name through")
-    })
 }
 
 #[cfg(test)]

@@ -8,6 +8,8 @@ use results::export;
 use results::export::order_folder;
 use results::overview::Omissions;
 use results::store::Reader;
+#[cfg(any(feature = "figures", feature = "page"))]
+use results::words::instead;
 use std::fmt::Display;
 #[cfg(feature = "page")]
 use std::path::Path;
@@ -212,7 +214,9 @@ pub fn plot(args: &crate::cli::PlotArgs) -> Result<ExitCode, Error> {
         mode: args.mode,
         at: args.at.clone(),
         along: args.along,
-        frequency: args.frequency.as_deref().map(|ends| (units.rate(ends[0]), units.rate(ends[1]))),
+        frequency: range(args.frequency.as_deref()),
+        response: range(args.response.as_deref()),
+        forcing: range(args.forcing.as_deref()),
         units,
     };
     let (sheet, omissions) = match &runs[..] {
@@ -224,6 +228,12 @@ pub fn plot(args: &crate::cli::PlotArgs) -> Result<ExitCode, Error> {
     told_of_all(format_args!("{}\n", args.out.display()), &omissions.iter().collect::<Vec<_>>())
 }
 
+/// Both ends of an axis, as typed.
+#[cfg(feature = "figures")]
+fn range(ends: Option<&[f64]>) -> Option<(f64, f64)> {
+    ends.map(|ends| (ends[0], ends[1]))
+}
+
 /// The levels that `--levels` names, if it is given.
 #[cfg(any(feature = "figures", feature = "page"))]
 fn chosen_levels(reader: &Reader, list: Option<&str>) -> Result<Option<Vec<f64>>, Error> {
@@ -233,11 +243,13 @@ fn chosen_levels(reader: &Reader, list: Option<&str>) -> Result<Option<Vec<f64>>
     let mut stored = reader.header()?.amplitudes;
     stored.retain(|amplitude| amplitude.order().is_none());
     stored.sort_by(|a, b| a.value.total_cmp(&b.value));
-    let text: Vec<&str> = stored.iter().map(|amplitude| amplitude.text.as_str()).collect();
-    match wanted.iter().find(|value| !stored.iter().any(|amplitude| amplitude.value == **value)) {
-        Some(value) => {
-            Err(Error::Usage(format!("--levels {value}: the run has no such level, but {}", text.join(", "))))
-        }
-        None => Ok(Some(wanted)),
+    let known: Vec<(f64, &str)> = stored.iter().map(|amplitude| (amplitude.value, amplitude.text.as_str())).collect();
+    let is_unknown = |value: &f64| !known.iter().any(|(level, _)| level == value);
+    let unknown: Vec<f64> = wanted.iter().copied().filter(is_unknown).collect();
+    if unknown.is_empty() {
+        return Ok(Some(wanted));
     }
+    let typed: Vec<String> = unknown.iter().map(f64::to_string).collect();
+    let typed = typed.join(",");
+    Err(Error::Usage(format!("--levels {typed}: the run has no such level, {}", instead(&unknown, &known))))
 }

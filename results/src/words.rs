@@ -66,6 +66,28 @@ pub fn listed(list: &[String]) -> String {
     }
 }
 
+/// So many levels are all named.
+const ALL_NAMED: usize = 12;
+
+/// Which forcing levels (values, and as they are written, ascending) there are instead of others: all of them or, of many, those beside the
+/// others. Follows "the run has no such level".
+pub fn instead(others: &[f64], levels: &[(f64, &str)]) -> String {
+    let names = |levels: &[(f64, &str)]| levels.iter().map(|(_, name)| *name).collect::<Vec<_>>().join(", ");
+    let [(_, first), .., (_, last)] = levels else { return format!("but {}", names(levels)) };
+    if levels.len() <= ALL_NAMED {
+        return format!("but {}", names(levels));
+    }
+    let mut places: Vec<usize> = Vec::new();
+    for other in others {
+        let above = levels.partition_point(|(value, _)| value < other);
+        places.extend([above.checked_sub(1), (above < levels.len()).then_some(above)].into_iter().flatten());
+    }
+    places.sort_unstable();
+    places.dedup();
+    let near: Vec<(f64, &str)> = places.into_iter().map(|place| levels[place]).collect();
+    format!("but {} nearby ({} levels from {first} to {last})", names(&near), levels.len())
+}
+
 /// A number with so many digits at most, without exponent unless it is very small.
 pub fn digits(value: f64, count: i32) -> String {
     if value == 0.0 || !value.is_finite() {
@@ -171,6 +193,16 @@ pub fn count(number: usize, noun: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn levels_beside_others_are_named() {
+        let names: Vec<String> = (1..=20).map(|k| format!("{k}0")).collect();
+        let levels: Vec<(f64, &str)> = names.iter().map(|name| (name.parse().unwrap(), name.as_str())).collect();
+        assert_eq!(instead(&[25.0, 999.0], &levels[..3]), "but 10, 20, 30");
+        assert_eq!(instead(&[25.0], &levels), "but 20, 30 nearby (20 levels from 10 to 200)");
+        let several = instead(&[1.0, 25.0, 35.0, 999.0], &levels);
+        assert_eq!(several, "but 10, 20, 30, 40, 200 nearby (20 levels from 10 to 200)");
+    }
 
     #[test]
     fn quantities() {

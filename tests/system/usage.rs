@@ -80,6 +80,7 @@ fn options_of_what_is_made_of_a_run() {
     let cases: &[(&[&str], &[&str])] = &[
         (&["--figure", "pie"], &["--figure", "response"]),
         (&["--figure", "response", "--levels", "7"], &["--levels 7", "no such level, but 0.007, 0.009"]),
+        (&["--figure", "response", "--levels", "7,0.007,8"], &["--levels 7,8: the run has no such level, but 0.007"]),
         (&["--figure", "response", "--levels", "much"], &["--levels", "not a number"]),
         (&["--figure", "response", "--monitor", "tip"], &["--monitor tip", "no such dof"]),
         (&["--figure", "response", "--along", "omega"], &["--along", "balance, modes"]),

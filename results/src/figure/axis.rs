@@ -1,6 +1,6 @@
 //! Axes around the values that they are for.
 
-use super::data::{Axis, Scale, Unit};
+use super::data::{Axis, Measure, Scale, Unit};
 use crate::words::length_unit;
 
 /// Decades that a logarithmic axis spans at most.
@@ -21,6 +21,7 @@ impl Axis {
             whole: None,
             scale: Scale::Linear,
             ticks: Vec::new(),
+            measure: None,
         }
     }
 
@@ -42,12 +43,17 @@ impl Axis {
 
     /// Of frequencies of a response whose harmonic of this number is forced, rad/s.
     pub fn of_frequencies(ends: (f64, f64), harmonic: usize) -> Self {
-        Self::exact(frequency(harmonic), Unit::si("rad/s"), ends).called("frequency")
+        Self::exact(frequency(harmonic), Unit::si("rad/s"), ends).called("frequency").of(Measure::Frequency)
     }
 
     /// With a name for a choice.
     pub fn called(self, name: impl Into<String>) -> Self {
         Self { name: name.into(), ..self }
+    }
+
+    /// Of this quantity.
+    pub fn of(self, measure: Measure) -> Self {
+        Self { measure: Some(measure), ..self }
     }
 
     /// Where a value lies: 0 at the lowest, 1 at the highest; NaN if it has no place.

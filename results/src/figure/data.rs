@@ -38,6 +38,9 @@ pub struct Entry {
     /// Whether it is drawn only where a forcing amplitude is looked at: always on the page, in files of some figures.
     #[serde(skip)]
     pub by_amplitude: bool,
+    /// A frequency that stands behind the text in brackets, rad/s.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub frequency: Option<f64>,
 }
 
 /// A panel.
@@ -103,6 +106,20 @@ pub struct Axis {
     /// Names at places, instead of numbers.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub ticks: Vec<(f64, String)>,
+    /// The quantity, if it is one of which people ask for a range.
+    #[serde(skip)]
+    pub measure: Option<Measure>,
+}
+
+/// A quantity along axes, of which people ask for a range.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Measure {
+    /// Frequency of the motion.
+    Frequency,
+    /// Amplitude of a monitored dof.
+    Response,
+    /// Forcing amplitude.
+    Forcing,
 }
 
 /// A unit: shown = SI × factor.
@@ -326,7 +343,7 @@ pub fn chosen<T>(options: &[T], choice: usize) -> Option<&T> {
 impl Entry {
     /// Of what is drawn in every case.
     pub fn new(text: impl Into<String>, kind: Kind, style: Style) -> Self {
-        Self { text: text.into(), kind, style, by_amplitude: false }
+        Self { text: text.into(), kind, style, by_amplitude: false, frequency: None }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::axis::largest;
 use super::column_store::ColumnStore;
-use super::data::{Axis, Detail, Entry, Figure, Format, Kind, Label, Panel, Series, Side, Size, Unit};
+use super::data::{Axis, Detail, Entry, Figure, Format, Kind, Label, Measure, Panel, Series, Side, Size, Unit};
 use super::style::{Color, MARK, MEDIUM, Shape, Style};
 use super::subject::Subject;
 use crate::overview::{BIRTH, DEATH, EventWords, MERGE, events_of, forcing_label, merge_verb};
@@ -31,9 +31,11 @@ pub fn figure(subject: &Subject<'_>, store: &mut ColumnStore) -> Result<Figure, 
     }
     let points = || subject.curves.iter().flat_map(|curve| &curve.points);
     let x = Axis::logarithmic("forcing amplitude A", Unit::none(), points().map(|point| point.forcing));
+    let x = x.of(Measure::Forcing);
     let highest = largest(points().map(|point| point.amplitude));
     let monitor = subject.monitors.first().map_or("", |monitor| &monitor.name);
     let y = Axis::exact(format!("amplitude of {monitor}"), Unit::of_lengths(highest), (0.0, 1.08 * highest));
+    let y = y.of(Measure::Response);
 
     let line = Style::line(Color::Category(3), MEDIUM);
     let mut legend = vec![Entry::new("folds, computed", Kind::Line, line.clone())];

@@ -1,7 +1,7 @@
 //! Isola map: the thresholds along the backbones, where windows are born and merge, and what every level has.
 
 use super::column_store::ColumnStore;
-use super::data::{Axis, Direction, Entry, Figure, Kind, Label, Panel, Series, Side, Size, Span, Unit};
+use super::data::{Axis, Direction, Entry, Figure, Kind, Label, Measure, Panel, Series, Side, Size, Span, Unit};
 use super::folds::{CUSPS, MARKS, event_label, explained};
 use super::style::{BOLD, Color, FINE, MARK, MEDIUM, Shape, Style};
 use super::subject::{BackboneColumns, Subject};
@@ -26,6 +26,9 @@ const PREDICTED: f64 = 1.9 * MARK;
 const COMPUTED: f64 = 1.15 * MARK;
 /// Bars are thinner where there are many: their widths together, px, and those of the main branches, which are wide.
 const TOGETHER: (f64, f64) = (100.0, 30.0);
+/// Where levels lie close together, a share of the distance between them, in a file about so high, px.
+const SHARE: f64 = 0.5;
+const HEIGHT: f64 = 330.0;
 
 /// The figure.
 ///
@@ -45,7 +48,7 @@ pub fn figure(
         || primary().chain(subject.further.iter().flat_map(points)).filter(|(threshold, _)| is_near(*threshold));
     let levels = subject.levels.iter().map(|level| level.value);
     let values = levels.chain(shown().map(|(threshold, _)| threshold));
-    let y = Axis::logarithmic("forcing amplitude A, threshold A*", Unit::none(), values);
+    let y = Axis::logarithmic("forcing amplitude A, threshold A*", Unit::none(), values).of(Measure::Forcing);
     let is_any = shown().next().is_some();
     let thresholds = shown().chain(primary().filter(|_| !is_any)).map(|(_, omega)| omega);
     let x = Axis::around("", Unit::none(), frequencies(subject, &y, thresholds));
@@ -55,8 +58,8 @@ pub fn figure(
     let whose = if subject.further.is_empty() { "the backbone".into() } else { format!("mode {}", backbone.mode + 1) };
     drawing.name(&format!("threshold A* of {whose}"), curve.clone());
     drawing.of_the_amplitude();
-    let levels = subject.levels.len().max(1) as f64;
-    let thin = (TOGETHER.0 / levels).max(0.5 * FINE);
+    let thin = (TOGETHER.0 / subject.levels.len().max(1) as f64).min(SHARE * HEIGHT * apart(subject, &y));
+    let (thin, levels) = (thin.max(0.5 * FINE), subject.levels.len().max(1) as f64);
     let mains = subject.levels.iter().flat_map(|level| level.mains().map(|main| (level.value, main.omega)));
     let of_kind = |kind: BranchKind| {
         let of_kind = others().filter(move |(_, other)| other.kind == kind.name());
@@ -135,6 +138,14 @@ pub fn figure(
         ..Panel::default()
     };
     Ok(Figure { name: "map", title: None, columns: 1, choice: "", linked_x: false, legend, panels: vec![panel] })
+}
+
+/// How far apart levels lie at least, but for a few, as a share of the axis.
+fn apart(subject: &Subject<'_>, y: &Axis) -> f64 {
+    let places: Vec<f64> = subject.levels.iter().map(|level| y.share(level.value)).collect();
+    let mut distances: Vec<f64> = places.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
+    distances.sort_by(f64::total_cmp);
+    distances.get(distances.len() / 4).copied().unwrap_or(1.0)
 }
 
 /// Series with their names in the legend.

@@ -2,7 +2,9 @@
 
 use super::axis::{bounds, frequency, largest};
 use super::column_store::{ColumnStore, Ref};
-use super::data::{Axis, Detail, Direction, Entry, Figure, Format, Kind, Label, Panel, Series, Side, Size, Span, Unit};
+use super::data::{
+    Axis, Detail, Direction, Entry, Figure, Format, Kind, Label, Measure, Panel, Series, Side, Size, Span, Unit,
+};
 use super::style::{Color, FINE, MARK, MEDIUM, Shape, Style};
 use super::subject::Subject;
 use crate::curves::Resonance;
@@ -71,10 +73,12 @@ fn drawn(
     if values(|curve| &curve.value).next().is_none() {
         return Err("the run has neither a backbone nor a branch yet".into());
     }
-    let x = forcing(values(|curve| &curve.value).filter(|&value| value >= lowest));
+    let x = forcing(values(|curve| &curve.value).filter(|&value| value >= lowest)).of(Measure::Forcing);
     let frequency = Axis::around(frequency(harmonic), Unit::si("rad/s"), values(|curve| &curve.omega));
+    let frequency = frequency.of(Measure::Frequency);
     let unit = Unit::of_lengths(largest(amplitudes.clone()));
     let amplitude = Axis::around(format!("largest |{monitor}|"), unit, amplitudes.chain([0.0]));
+    let amplitude = amplitude.of(Measure::Response);
 
     let shown: Vec<&Event> = events.iter().filter(|event| (0.0..=1.0).contains(&x.share(event.threshold))).collect();
     let panel = |y: Axis, about| Panel {

@@ -89,10 +89,15 @@ pub fn figure(
     }
     series.append(&mut marks);
     if is_any_thinner {
-        let isolas = figure.legend.iter_mut().filter(|entry| entry.text == BranchKind::Isola.name());
-        isolas.for_each(|entry| entry.text += ", thinner where narrow");
+        say_thinner(&mut figure);
     }
     Ok(figure)
+}
+
+/// Says that lines of some isolas are thinner than others.
+pub fn say_thinner(figure: &mut Figure) {
+    let isolas = figure.legend.iter_mut().filter(|entry| entry.text == BranchKind::Isola.name());
+    isolas.for_each(|entry| entry.text += ", thinner where narrow");
 }
 
 /// All of the figure but the curves of its branches: axes, backbone, lines across, labels.
@@ -354,7 +359,7 @@ pub fn branch_series(
 }
 
 /// Makes the line of a closed curve thinner if it is narrow; whether it was.
-pub(super) fn make_room(curve: &mut Series, branch: &Curve, axes: (&Axis, &Axis)) -> bool {
+pub fn make_room(curve: &mut Series, branch: &Curve, axes: (&Axis, &Axis)) -> bool {
     let heights = branch.amplitude.first().map_or(&[][..], |column| &column.values);
     let full = curve.style.width;
     if curve.kind == Kind::Closed {

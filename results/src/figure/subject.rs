@@ -2,7 +2,7 @@
 
 use super::axis::largest;
 use super::column_store::{ColumnStore, Ref};
-use super::data::{Axis, Detail, Format, Unit};
+use super::data::{Axis, Detail, Format, Measure, Unit};
 use super::style::Color;
 use crate::curves::{BackboneCurve, Column, Curve, Monitor, Motions, ResonanceComparison};
 use crate::overview::Level;
@@ -97,7 +97,8 @@ impl<'r> Subject<'r> {
         let axis = |(m, monitor): (usize, &Monitor)| {
             let largest = largest(values(m));
             let title = format!("amplitude of {}", monitor.name);
-            Axis::exact(title, Unit::of_lengths(largest), (0.0, 1.08 * largest)).called(&monitor.name)
+            let axis = Axis::exact(title, Unit::of_lengths(largest), (0.0, 1.08 * largest));
+            axis.called(&monitor.name).of(Measure::Response)
         };
         self.monitors.iter().enumerate().map(axis).collect()
     }

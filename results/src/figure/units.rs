@@ -2,7 +2,7 @@
 
 use super::data::{Axis, Figure, Unit};
 use crate::summary_table::{FrequencyUnit, LengthUnit, UnitChoice};
-use crate::words::LENGTH_UNITS;
+use crate::words::{LENGTH_UNITS, digits};
 
 /// Gives the axes of a figure these units.
 pub fn convert(figure: &mut Figure, units: UnitChoice) {
@@ -11,6 +11,14 @@ pub fn convert(figure: &mut Figure, units: UnitChoice) {
             Some(unit) if axis.unit == Unit::si(&FrequencyUnit::RadianPerSecond.to_string()) => turn(axis, unit),
             _ => convert_length(&mut axis.unit, units.length),
         }
+    }
+}
+
+/// Writes the frequencies of the legend behind its texts, in this unit: in files, for on the page the reader chooses it.
+pub fn write_frequencies(figure: &mut Figure, unit: FrequencyUnit) {
+    for entry in &mut figure.legend {
+        let frequency = entry.frequency.take().map(|omega| digits(unit.factor() * omega, 4));
+        entry.text += &frequency.map_or_else(String::new, |number| format!(" ({number} {unit})"));
     }
 }
 

@@ -7,7 +7,7 @@ use super::request::{Along, FigureName, Request};
 use super::sheet::Sheet;
 use crate::compare::Comparison;
 use crate::error::Error;
-use crate::figure::{Frame, convert};
+use crate::figure::{Frame, convert, write_frequencies};
 use crate::overview::Omissions;
 use crate::report::{Report, Selection};
 use crate::store::Reader;
@@ -55,13 +55,12 @@ pub fn compose(reader: &Reader, request: &Request) -> Result<(Sheet, Omissions),
             Some(frame) => Some(format!("windows{of_mode} at {}", frame.name)),
             None => mode.filter(|_| request.figure == FigureName::Modes).map(|mode| format!("backbone of mode {mode}")),
         };
-        if let Some(range) = request.frequency {
-            cut(&mut figure, &report.figures.columns, range);
-        }
         let choice = choice(request, monitor);
         Sheet { figure, columns: std::mem::take(&mut report.figures.columns), choice, frame }
     };
+    write_frequencies(&mut sheet.figure, request.units.frequency.unwrap_or_default());
     convert(&mut sheet.figure, request.units);
+    cut(&mut sheet.figure, &sheet.columns, &request.ranges());
     Ok((sheet, report.omissions))
 }
 
@@ -88,10 +87,8 @@ pub fn compose_several(runs: &[(String, Reader)], request: &Request) -> Result<(
         let why = comparison.figures.nothing.remove(name).unwrap_or_default();
         return Err(Error::Other(format!("nothing to draw: {why}")));
     };
-    if let Some(range) = request.frequency {
-        cut(&mut figure, &comparison.figures.columns, range);
-    }
     convert(&mut figure, request.units);
+    cut(&mut figure, &comparison.figures.columns, &request.ranges());
     let sheet = Sheet { figure, columns: std::mem::take(&mut comparison.figures.columns), choice: 0, frame: None };
     Ok((sheet, comparison.reports.into_iter().map(|report| report.omissions).collect()))
 }

@@ -3,6 +3,7 @@
 use crate::curves::Monitor;
 use crate::error::Error;
 use crate::overview::Level;
+use crate::words::instead;
 
 /// The monitored dof of this name.
 ///
@@ -17,10 +18,11 @@ pub fn monitor(monitors: &[Monitor], name: &str) -> Result<usize, Error> {
 /// The level of a forcing amplitude, as typed or any other way of writing the number.
 ///
 /// # Errors
-/// If there is none, with those there are.
+/// If there is none, with those there are, or near ones.
 pub fn level(levels: &[Level], option: &str, text: &str) -> Result<usize, Error> {
     let is_it = |level: &Level| level.amplitude == text || text.parse() == Ok(level.value);
-    let known: Vec<&str> = levels.iter().map(|level| level.amplitude.as_str()).collect();
-    let unknown = || Error::Usage(format!("{option} {text}: the run has no such level, but {}", known.join(", ")));
+    let known: Vec<(f64, &str)> = levels.iter().map(|level| (level.value, level.amplitude.as_str())).collect();
+    let others: Vec<f64> = text.parse::<f64>().into_iter().collect();
+    let unknown = || Error::Usage(format!("{option} {text}: the run has no such level, {}", instead(&others, &known)));
     levels.iter().position(is_it).ok_or_else(unknown)
 }

@@ -1,20 +1,26 @@
-//! A figure cut to a range of frequencies that was asked for.
+//! A figure cut to ranges of its axes that were asked for.
 
-use crate::figure::{Axis, ColumnStore, Figure, Panel, Scale, Series};
+use crate::figure::{Axis, ColumnStore, Figure, Measure, Panel, Scale, Series};
 
-/// Cuts the panels that are drawn over the frequency to a range of it, rad/s. Amplitudes are scaled by what is left of the branches;
-/// where there are none, of all curves.
-pub fn cut(figure: &mut Figure, store: &ColumnStore, range: (f64, f64)) {
+/// Cuts panels to ranges of what they are drawn over and of what they show, in the units of their axes. Where frequencies alone are
+/// given, amplitudes are scaled by what is left of the branches; where there are none, of all curves.
+pub fn cut(figure: &mut Figure, store: &ColumnStore, ranges: &[(Measure, (f64, f64))]) {
+    let of = |axis: &Axis| {
+        let (_, (low, high)) = ranges.iter().find(|(measure, _)| Some(*measure) == axis.measure)?;
+        Some((low / axis.unit.factor, high / axis.unit.factor))
+    };
     for panel in &mut figure.panels {
-        let is_over_frequency = |axis: &Axis| axis.name == Axis::of_frequencies(range, 1).name;
-        let tops = tops(panel, store, range);
-        for axis in panel.x.iter_mut().filter(|axis| is_over_frequency(axis)) {
-            (axis.range, axis.whole) = (range, None);
-        }
+        let across = panel.x.iter().find(|axis| axis.measure == Some(Measure::Frequency)).and_then(of);
+        let tops = across.map_or_else(Vec::new, |across| tops(panel, store, across));
         for (axis, top) in panel.y.iter_mut().zip(tops) {
             // What was too high to be shown with the others stays so.
             if axis.scale == Scale::Linear && axis.range.0 == 0.0 && top > 0.0 {
                 axis.range.1 = axis.range.1.min(ROOM * top);
+            }
+        }
+        for axis in panel.x.iter_mut().chain(&mut panel.y) {
+            if let Some(range) = of(axis) {
+                (axis.range, axis.whole) = (range, None);
             }
         }
     }

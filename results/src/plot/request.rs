@@ -1,6 +1,7 @@
 //! Which figure, and what of the run it shows.
 
 use crate::error::Error;
+use crate::figure::Measure;
 use crate::summary_table::UnitChoice;
 
 /// A figure.
@@ -54,8 +55,12 @@ pub struct Request {
     pub at: Option<String>,
     /// What balance and modes are drawn over.
     pub along: Option<Along>,
-    /// Frequencies that are shown, rad/s, lowest and highest; not for every figure. Where something happens if `None`.
+    /// Frequencies that are shown, lowest and highest, in the unit of the axis; not for every figure. Where something happens if `None`.
     pub frequency: Option<(f64, f64)>,
+    /// Amplitudes of the response that are shown, the same way.
+    pub response: Option<(f64, f64)>,
+    /// Forcing amplitudes along the axis that are shown, the same way.
+    pub forcing: Option<(f64, f64)>,
     /// Units of axes; where none is chosen rad/s, and what lengths are read best in.
     pub units: UnitChoice,
 }
@@ -72,9 +77,42 @@ impl Request {
             at: None,
             along: None,
             frequency: None,
+            response: None,
+            forcing: None,
             units: UnitChoice::default(),
         }
     }
+}
+
+impl Request {
+    /// The ranges of axes that are asked for.
+    pub(super) fn ranges(&self) -> Vec<(Measure, (f64, f64))> {
+        let asked = [
+            (Measure::Frequency, self.frequency),
+            (Measure::Response, self.response),
+            (Measure::Forcing, self.forcing),
+        ];
+        asked.into_iter().filter_map(|(measure, range)| Some((measure, range?))).collect()
+    }
+}
+
+/// Refuses what is no range of an axis.
+fn is_range(measure: Measure, (low, high): (f64, f64)) -> Result<(), Error> {
+    let (option, what) = match measure {
+        Measure::Frequency => ("--frequency", "frequency"),
+        Measure::Response => ("--response", "amplitude of the response"),
+        Measure::Forcing => ("--forcing", "forcing amplitude"),
+    };
+    if !(low.is_finite() && high.is_finite() && low < high) {
+        return Err(Error::Usage(format!(
+            "{option} {low} {high}: the lowest and the highest {what} shown, in the unit of the axis, the first below the second"
+        )));
+    }
+    // Axes of it may be logarithmic.
+    if measure == Measure::Forcing && low <= 0.0 {
+        return Err(Error::Usage(format!("{option} {low} {high}: both ends have to be above zero")));
+    }
+    Ok(())
 }
 
 impl FigureName {
@@ -118,30 +156,25 @@ impl FigureName {
         }
     }
 
-    /// Refuses options that mean nothing for this figure, and frequencies that are no range.
+    /// Refuses options that mean nothing for this figure, and ends of axes that are no range.
     ///
     /// # Errors
     /// With the figures that take the option, or what it has to be.
     pub(super) fn accepts(self, request: &Request) -> Result<(), Error> {
-        use FigureName::{Backbone, Balance, Map, Modes, Motion, Resonance, Response};
-        let options: [(&str, bool, &[Self]); 7] = [
+        use FigureName::{Backbone, Balance, Folds, Map, Modes, Motion, Resonance, Response};
+        let options: [(&str, bool, &[Self]); 9] = [
             ("--levels", request.levels.is_some(), &[Response, Map, Resonance]),
             ("--monitor", request.monitor.is_some(), &[Response, Backbone, Motion, Balance, Modes]),
             ("--amplitude", request.amplitude.is_some(), &[Balance, Backbone]),
             ("--mode", request.mode.is_some(), &[Balance, Backbone, Modes]),
             ("--at", request.at.is_some(), &[Motion]),
             ("--along", request.along.is_some(), &[Balance, Modes]),
-            ("--frequency", request.frequency.is_some(), &[Response, Map, Backbone]),
+            ("--frequency", request.frequency.is_some(), &[Response, Map, Backbone, Resonance]),
+            ("--response", request.response.is_some(), &[Response, Backbone, Folds, Resonance]),
+            ("--forcing", request.forcing.is_some(), &[Map, Folds, Resonance]),
         ];
         match options.into_iter().find(|(_, is_given, figures)| *is_given && !figures.contains(&self)) {
-            None => match request.frequency {
-                Some((low, high)) if !(low.is_finite() && high.is_finite() && low < high) => {
-                    Err(Error::Usage(format!(
-                        "--frequency {low} {high}: the lowest and the highest frequency shown, rad/s, the first below the second"
-                    )))
-                }
-                _ => Ok(()),
-            },
+            None => request.ranges().into_iter().try_for_each(|(measure, range)| is_range(measure, range)),
             Some((option, _, figures)) => {
                 let names: Vec<String> = figures.iter().map(|figure| figure.to_string()).collect();
                 Err(Error::Usage(format!("{option}: not for the figure {self}, but for {}", names.join(", "))))
