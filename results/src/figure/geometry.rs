@@ -4,7 +4,7 @@ use super::column_store::{ColumnStore, Ref};
 use super::data::{Axis, Direction, Panel, Series, chosen};
 use super::frames::{Frame, Run, along};
 use super::labels::{Mark, Obstacle};
-use super::style::Color;
+use super::style::{Color, FINE, Style};
 
 /// What panels are looked at with.
 #[derive(Debug, Clone, Copy)]
@@ -71,13 +71,15 @@ impl View<'_> {
     pub fn obstacles(&self, panel: &Panel, axes: (&Axis, &Axis)) -> (Vec<Obstacle>, Vec<Mark>) {
         let upright = panel.spans.iter().filter(|span| span.axis == Direction::X);
         let at = upright.filter_map(|span| chosen(&span.at, self.choice).copied().flatten());
-        let upright = |x: f64| Obstacle { points: vec![(x, 0.0), (x, 1.0)], may_have_label: false };
+        let upright = |x: f64| Obstacle { points: vec![(x, 0.0), (x, 1.0)], may_have_label: false, is_faint: false };
         let mut curves: Vec<Obstacle> = at.map(|value| upright(axes.0.share(value))).collect();
         let mut marks = Vec::new();
         for series in panel.series.iter().filter(|series| series.switch.is_none() && series.y2.is_empty()) {
             for part in self.parts(series, axes) {
                 if series.style.width > 0.0 {
-                    curves.push(Obstacle { points: part.points, may_have_label: may_have_label(series.style.color) });
+                    let Style { color, width, .. } = series.style;
+                    let is_faint = color == Color::Shade && width <= FINE;
+                    curves.push(Obstacle { points: part.points, may_have_label: may_have_label(color), is_faint });
                 } else {
                     let size = series.style.marker.map_or(0.0, |marker| marker.size);
                     marks.extend(part.points.into_iter().map(|at| Mark { at, size }));

@@ -16,6 +16,8 @@ const FAR: f64 = 10.0;
 const CROSSING: usize = 2;
 /// How bad it is if a label without a line stands nearer to another curve than to its own one.
 const ELSEWHERE: usize = 6;
+/// How bad it is if a label lies over faint curves.
+const FAINT: usize = 4;
 /// A label that covers more of the curves than so many of their points is left out.
 const COVERED: usize = 8;
 /// Between a mark and a label.
@@ -64,6 +66,8 @@ pub struct Obstacle {
     pub points: Vec<(f64, f64)>,
     /// Whether a label beside it may be taken for its.
     pub may_have_label: bool,
+    /// Whether it is so thin that a label may lie over it, if there is no better place.
+    pub is_faint: bool,
 }
 
 /// A mark at a point.
@@ -84,6 +88,7 @@ pub struct Room {
     field: Field,
     reach: f64,
     curves: Cells,
+    faint: Cells,
     strands: Strands,
     taken: Vec<Rect>,
     leaders: Vec<Point>,
@@ -92,18 +97,22 @@ pub struct Room {
 impl Room {
     /// With curves and marks.
     pub fn new(field: Field, has_leaders: bool, curves: &[Obstacle], marks: &[Mark]) -> Self {
-        let curves: Vec<(Vec<Point>, bool)> =
-            curves.iter().map(|curve| (dense(&curve.points, field), curve.may_have_label)).collect();
-        let named = curves.iter().filter(|(_, may_have_label)| *may_have_label);
+        let curves: Vec<(Vec<Point>, &Obstacle)> =
+            curves.iter().map(|curve| (dense(&curve.points, field), curve)).collect();
+        let named = curves.iter().filter(|(_, curve)| curve.may_have_label);
         let strands = Strands::new(named.map(|(points, _)| points.as_slice()));
-        let points = curves.iter().flat_map(|(points, _)| points.iter().copied());
+        let points = |is_faint| {
+            let wanted = curves.iter().filter(move |(_, curve)| curve.is_faint == is_faint);
+            wanted.flat_map(|(points, _)| points.iter().copied())
+        };
         let half = |size: f64| 0.5 * size * field.text / TEXT + BESIDE_MARK;
         let marks = marks.iter().map(|mark| (place(mark.at, field), half(mark.size)));
         let marks = marks.filter(|(point, _)| is_somewhere(point));
         Self {
             field,
             reach: if has_leaders { f64::INFINITY } else { FAR },
-            curves: Cells::new(points, field),
+            curves: Cells::new(points(false), field),
+            faint: Cells::new(points(true), field),
             strands,
             taken: marks.map(|(point, half)| around(point, half)).collect(),
             leaders: Vec::new(),
@@ -143,7 +152,8 @@ impl Room {
         let own = self.strands.through(point);
         let is_elsewhere = |spot: &Spot| !spot.has_leader && self.strands.is_elsewhere(&spot.area, point, &own);
         let rated = free.map(|(spot, far)| {
-            let far = far + if is_elsewhere(&spot) { ELSEWHERE } else { 0 };
+            let is_over_faint = self.faint.count(&spot.area) > 0;
+            let far = far + if is_elsewhere(&spot) { ELSEWHERE } else { 0 } + if is_over_faint { FAINT } else { 0 };
             (self.curves.count(&spot.area), far, spot)
         });
         let clear = rated.filter(|(covered, ..)| *covered <= COVERED);
@@ -266,7 +276,7 @@ mod tests {
     #[test]
     fn labels_keep_off_each_other_marks_and_curves() {
         let curve: Vec<(f64, f64)> = (0..=10).map(|i| (f64::from(i) / 10.0, 0.5)).collect();
-        let curve = Obstacle { points: curve, may_have_label: true };
+        let curve = Obstacle { points: curve, may_have_label: true, is_faint: false };
         let mut room = Room::new(FIELD, true, &[curve], &[Mark { at: (0.5, 0.5), size: 6.0 }]);
         let spots: Vec<Spot> = (0..4).map_while(|_| room.take((0.5, 0.5), 60.0, Side::Above)).collect();
         assert_eq!(spots.len(), 4);
@@ -283,7 +293,7 @@ mod tests {
     fn labels_are_nearest_to_their_curves() {
         let curve = |up: f64| {
             let points = (0..=10).map(|i| (f64::from(i) / 10.0, up)).collect();
-            Obstacle { points, may_have_label: true }
+            Obstacle { points, may_have_label: true, is_faint: false }
         };
         let spot = |others: &[f64]| {
             let curves: Vec<Obstacle> = others.iter().chain(&[0.5]).map(|&up| curve(up)).collect();
@@ -294,6 +304,21 @@ mod tests {
         assert!(alone.area.bottom <= 100.0 && !alone.has_leader, "{alone:?}");
         assert!(between.area.top >= 100.0, "{between:?}");
         assert!(spot(&[0.58, 0.42]).has_leader);
+    }
+
+    /// Where lines across leave no room between them, labels lie over those that are faint, and over no others.
+    #[test]
+    fn labels_lie_over_faint_lines_if_they_have_to() {
+        let line = |up: f64, is_faint| Obstacle { points: vec![(0.0, up), (1.0, up)], may_have_label: false, is_faint };
+        let spot = |is_faint, step: f64| {
+            let lines: Vec<Obstacle> = (1..20).map(|i| line(step * f64::from(i), is_faint)).collect();
+            Room::new(FIELD, true, &lines, &[]).take((0.5, 0.52), 60.0, Side::Below)
+        };
+        assert!(spot(false, 0.05).is_none());
+        assert!(spot(true, 0.05).is_some_and(|spot| !spot.has_leader));
+        // Between lines that are far apart there is room without.
+        let area = spot(true, 0.25).unwrap().area;
+        assert!((1..4).all(|i| !(area.top..area.bottom).contains(&(50.0 * f64::from(i)))), "{area:?}");
     }
 
     #[test]
