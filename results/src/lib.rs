@@ -25,4 +25,5 @@ pub mod report;
 pub mod resolved_study;
 pub mod store;
 pub mod summary_table;
+pub mod told;
 pub mod words;

@@ -8,7 +8,7 @@ mod tests;
 use crate::compare::Comparison;
 use crate::report::Report;
 pub use data::PageOfOrder;
-pub(crate) use data::lengths;
+pub(crate) use data::{length_unit, lengths};
 use miniz_oxide::inflate::decompress_to_vec_zlib;
 use serde::Serialize;
 

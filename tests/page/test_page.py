@@ -7,6 +7,7 @@ import csv
 import io
 import json
 import os
+import re
 import shutil
 import signal
 import sqlite3
@@ -117,6 +118,9 @@ def test_reasons_are_read_on_a_phone(run, browser):
         row = table.locator("tbody tr").first
         first, last = (row.locator("td").nth(k).bounding_box() for k in (0, 6))
         assert last["y"] >= first["y"] + first["height"] and last["width"] > 300
+        # No number of a row is broken into two lines.
+        heights = [row.locator("td").nth(k).bounding_box()["height"] for k in range(6)]
+        assert max(heights) < 1.5 * min(heights), heights
     with report(browser, run, viewport={"width": 1400, "height": 900}) as page:
         row = page.locator("#account .stacked tbody tr").first
         assert row.locator("td").nth(0).bounding_box()["y"] == row.locator("td").nth(6).bounding_box()["y"]
@@ -188,6 +192,27 @@ def test_the_page_begins_in_the_units_of_the_run(run, browser, tmp_path):
         assert page.evaluate(titles, chart) == ["frequency ω (rad/s)", up]
 
 
+def test_texts_are_in_the_unit_chosen(run, browser):
+    """What is written beside figures 2, 3, 5 and 6, and table 7, follows the axes."""
+    places = ["#balance ul.words", "#map ul.words", "#modes .legend", "#motion p[aria-live]", "#account thead"]
+    units = ["rad/s", "Hz", "rpm"]
+    with report(browser, run, viewport={"width": 1400, "height": 900}) as page:
+        text = lambda place: page.locator(place).first.text_content()
+        before = {place: text(place) for place in places}
+        for chosen in [*units[1:], units[0]]:
+            page.get_by_label("Frequencies in").select_option(chosen)
+            for place in places:
+                assert [unit for unit in units if unit in text(place)] == [chosen], (place, text(place))
+        assert {place: text(place) for place in places} == before
+        omega = float(re.search(r": ([\d.]+) rad/s, one period", before["#motion p[aria-live]"])[1])
+        page.get_by_label("Frequencies in").select_option("Hz")
+        shown = float(re.search(r": ([\d.]+) Hz, one period", text("#motion p[aria-live]"))[1])
+        assert shown == pytest.approx(omega / 6.283185307179586, rel=1e-5)
+        # The first numbers of the table are those of the sentences.
+        low = re.search(r"Window 1: ([\d.]+) to", text("#balance ul.words"))[1]
+        assert page.locator("#account .stacked tbody tr td").nth(3).inner_text().startswith(low)
+
+
 def test_a_point_looked_at_is_marked_in_other_figures(run, browser):
     """A point of the backbone: in figures 2, 3 and 5 at once."""
     with report(browser, run, viewport={"width": 1400, "height": 900}) as page:
@@ -221,6 +246,9 @@ def test_runs_are_compared(run, browser, tmp_path, width):
         _, lines = drawn(page, page.locator("#response"))
         assert {colour(data["palette"]["light"], {"category": k}) for k in (0, 1)} <= lines
         assert page.evaluate("document.documentElement.scrollWidth") <= width
+        page.get_by_label("Frequencies in").select_option("Hz")
+        numbers = page.locator("#numbers tbody").inner_text()
+        assert " Hz" in numbers and "rad/s" not in numbers
 
 
 def colour(palette, name):

@@ -3,8 +3,8 @@
 function accountSection(place, run) {
   const { account } = run;
   place.append(
-    windowTable(run),
-    branchTable(run),
+    followingUnits(() => windowTable(run)),
+    followingUnits(() => branchTable(run)),
     workerTable(account),
     taskDetails(run),
     details("Settings", tableOf("Settings of the computation", ["setting", "value"], account.settings)),
@@ -39,7 +39,7 @@ function windowTable({ levels }) {
   });
   const holder = tableOf(
     "Windows of every level",
-    ["A", "window", "mode", "frequencies, rad/s", "threshold A*", "outcome", "branches, or why not"],
+    ["A", "window", "mode", `frequencies, ${frequencyUnit.get()}`, "threshold A*", "outcome", "branches, or why not"],
     rows,
     "No window is predicted, or the backbone is not there yet.",
   );
@@ -51,7 +51,7 @@ function windowTable({ levels }) {
 function windowRow(level, { number, mode, omega, threshold, outcome }) {
   const [[name, text]] = Object.entries(outcome);
   const word = element(["not_found", "elsewhere"].includes(name) ? "span.bad" : "span", {}, name.replaceAll("_", " "));
-  return [level.value, number, mode, formatRange(omega), rounded(threshold, 5), word, text || NOT_KNOWN];
+  return [level.value, number, mode, formatRange(omega.map(inChosenUnit)), rounded(threshold, 5), word, text || NOT_KNOWN];
 }
 
 const rounded = (value, digits) => Number((value ?? NaN).toPrecision(digits));
@@ -64,7 +64,7 @@ function branchTable({ branches, levels }) {
   const largest = branches.map((branch) => branch.amplitude_at_peak ?? NaN);
   const unit = lengthUnit(Math.max(...largest.filter(Number.isFinite), 0));
   const size = `largest amplitude, ${unit.name}`;
-  const heads = ["A", "branch", "found by", "points", size, "at, rad/s", "how it ends", "time, s", "worker"];
+  const heads = ["A", "branch", "found by", "points", size, `at, ${frequencyUnit.get()}`, "how it ends", "time, s", "worker"];
   const origin = (branch) =>
     levels[branch.level].branches.find(({ kind, number }) => kind === branch.kind && number === branch.number)?.found_by;
   let rows = branches.map((branch, k) => [
@@ -73,7 +73,7 @@ function branchTable({ branches, levels }) {
     origin(branch) ?? NOT_KNOWN,
     branch.size,
     branch.peak_standing === "at_least" ? new AtLeast(rounded(largest[k] * unit.factor, 5)) : rounded(largest[k] * unit.factor, 5),
-    rounded(branch.omega_at_peak, 6),
+    rounded(inChosenUnit(branch.omega_at_peak ?? NaN), 6),
     branch.status,
     rounded(branch.seconds, 3),
     branch.worker ?? NOT_KNOWN,

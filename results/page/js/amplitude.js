@@ -47,10 +47,11 @@ function predictionInWords(looked) {
   const words = element("div", { "aria-live": "polite" });
   const say = (frame) => words.replaceChildren(
     element("p", {}, frame.words),
-    element("ul.words", {}, ...(frame.sentences ?? []).map((sentence) => element("li", {}, sentence))),
+    element("ul.words", {}, ...(frame.sentences ?? []).map((sentence) => element("li", {}, toldText(sentence)))),
   );
   say(looked.get());
   looked.listen(say);
+  frequencyUnit.listen(() => say(looked.get()));
   return words;
 }
 

@@ -9,8 +9,8 @@ function fillTables({ names, settings, numbers }) {
       ? emptyNote("The studies are the same but for their names.")
       : scrolling("Settings that differ", ["key", ...names], settings.map(({ key, values }) => [key, ...values])),
   );
-  const rows = numbers.map(({ amplitude, what, values }) => [amplitude, what, ...values]);
-  places.numbers.append(scrolling("What was found", ["A", "what", ...names], rows));
+  const rows = () => numbers.map(({ amplitude, what, values }) => [amplitude, what, ...values.map(toldText)]);
+  places.numbers.append(followingUnits(() => scrolling("What was found", ["A", "what", ...names], rows())));
 }
 
 function drawCompared(data) {
@@ -32,6 +32,7 @@ function startCompared() {
   startCharts();
   document.querySelector("#print").addEventListener("click", printPage);
   frequencyUnit.set(data.frequency_unit);
+  chosenLength.unit = data.length_unit;
   document.querySelector("nav").append(frequencyControl());
   const facts = data.runs.map((run, k) => `${k + 1}: ${data.names[k]}, model ${run.model}, started ${formatTime(run.created)}`);
   document.querySelector("#run-facts").textContent = facts.join(" · ");

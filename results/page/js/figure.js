@@ -31,6 +31,7 @@ class Figure {
     this.draw = oncePerFrame(() => this.drawNow());
     this.grow = oncePerFrame(() => this.growNow(), GROWTH_PAUSE);
     this.next = null;
+    this.thinner = [];
     this.controls = element("div.controls");
     this.switches = new Set();
     this.legend = legend(description.legend ?? []);
@@ -103,8 +104,12 @@ class Figure {
     }
   }
 
-  /** Takes over axes, lines across, labels and legend; series and what the reader has zoomed into stay. */
-  update({ panels, legend: entries = [] }) {
+  /**
+   * Takes over axes, lines across, labels and legend; series and what the reader has zoomed into stay.
+   * @param {FigureDescription & {thinner?: number[]}} description by how much lines of each branch are thinner than they came
+   */
+  update({ panels, legend: entries = [], thinner = [] }) {
+    this.thinner = thinner;
     const next = legend(entries);
     this.legend.replaceWith(next);
     this.legend = next;
@@ -115,6 +120,18 @@ class Figure {
   growNow() {
     this.next?.forEach((description, k) => this.panels[k].update(description));
     this.next = null;
+    this.makeThinner();
     this.drawNow();
+  }
+
+  /** Gives the lines of narrow branches the width that the axes have room for. */
+  makeThinner() {
+    const { description } = this.panels[0];
+    description.series = description.series.map((series) => {
+      const { branch, kind, style, full = style.width } = series;
+      const width = full - (this.thinner[branch] ?? 0);
+      // Others of a branch are its marks.
+      return kind !== "closed" || width === style.width ? series : { ...series, full, style: { ...style, width } };
+    });
   }
 }

@@ -23,8 +23,11 @@ function unitFor(base, size, from = "M") {
   return { name: found[0] + base, factor: found[1] };
 }
 
+/** The unit of all lengths, if the run has one. */
+const chosenLength = { unit: null };
+
 /** Lengths stay at m or below: nobody measures vibration in km. */
-const lengthUnit = (size) => unitFor("m", size, "");
+const lengthUnit = (size) => chosenLength.unit ?? unitFor("m", size, "");
 
 const formatIn = ({ name, factor }, value, digits) => `${formatNumber(value * factor, digits)} ${name}`;
 
@@ -32,13 +35,19 @@ const formatIn = ({ name, factor }, value, digits) => `${formatNumber(value * fa
 const FORMATS = {
   length: (value, digits) => formatIn(lengthUnit(Math.abs(value)), value, digits),
   energy: (value, digits) => formatIn(unitFor("J", Math.abs(value)), value, digits),
-  frequency: (value, digits) =>
-    `${formatNumber(value, digits)} rad/s = ${formatNumber(value / (2 * Math.PI), digits)} Hz`,
+  frequency: (value, digits) => frequencyInWords(value, digits),
   share: (value, digits) => `${formatNumber(100 * value, digits)} %`,
   rate: (value, digits) => `${formatNumber(value, digits)} 1/s`,
   number: formatNumber,
   count: (value) => formatNumber(value, 9),
 };
+
+/** In the unit chosen, and in another one. @param {number} value rad/s */
+function frequencyInWords(value, digits) {
+  const chosen = frequencyUnit.get();
+  const written = (name) => formatIn(FREQUENCY_UNITS[name], value, digits);
+  return `${written(chosen)} = ${written(chosen === "Hz" ? "rad/s" : "Hz")}`;
+}
 
 /** @param {string} format key of FORMATS @param {number|undefined} value SI @param {string} [unit] that FORMATS lack */
 function formatQuantity(format, value, digits = 5, unit = "") {

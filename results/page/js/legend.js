@@ -47,11 +47,13 @@ function legendSample(style) {
   return svg;
 }
 
-/** @param {{text: string, style: Style}[]} entries */
+/** @param {{text: string, style: Style, frequency?: number}[]} entries */
 function legend(entries) {
-  return element("div.legend", {}, ...entries.map(({ text, style }) => {
+  return element("div.legend", {}, ...entries.map(({ text, style, frequency }) => {
     const sample = legendSample(style);
     showInColour(sample, style.color);
-    return element("span", {}, sample, text);
+    const behind = () => `${formatNumber(inChosenUnit(frequency), 4)} ${frequencyUnit.get()}`;
+    const name = frequency === undefined ? text : followingUnits(() => element("span", {}, `${text} (${behind()})`));
+    return element("span", {}, sample, name);
   }));
 }

@@ -15,6 +15,7 @@ async function startLive() {
   const run = await answer.json();
   theme.palettes = run.palette;
   frequencyUnit.set(run.frequency_unit);
+  chosenLength.unit = run.length_unit;
   document.title = run.run.name;
   document.querySelector("#run-name").textContent = run.run.name;
   document.querySelector("#run-facts").textContent = `Model ${run.run.model}`;

@@ -139,6 +139,7 @@ function startReport() {
   startCharts();
   document.querySelector("#print").addEventListener("click", printPage);
   frequencyUnit.set(run.frequency_unit);
+  chosenLength.unit = run.length_unit;
   document.querySelector("nav").append(frequencyControl());
   fillHeader(run);
   run.frames.forEach((frame, index) => (frame.index = index));

@@ -14,9 +14,13 @@ function motionSection(place, run, context) {
   const moving = figure.panels.find(({ description }) => description.series.some(isMoving));
   if (moving) moving.box.append(timeControl((time) => figure.set({ time })));
 
-  const show = (wanted) => {
+  const say = (wanted) => {
     const stored = wanted && nearestMotion(motions, wanted);
     heading.textContent = motionInWords(run, wanted, stored);
+    return stored;
+  };
+  const show = (wanted) => {
+    const stored = say(wanted);
     const intro = stored?.index === wanted?.index ? "Any other point is drawn by " : "The point selected is drawn by ";
     hint.replaceChildren(...(wanted ? [intro, element("code", {}, plotCommand(run, wanted))] : []));
     if (!stored) return;
@@ -24,6 +28,7 @@ function motionSection(place, run, context) {
     for (const panel of figure.panels) panel.fit();
   };
   context.selection.listen(show);
+  frequencyUnit.listen(() => say(context.selection.get()));
   show(context.selection.get());
 }
 
@@ -54,8 +59,8 @@ function motionInWords(run, wanted, stored) {
   const { level, name } = run.branches[wanted.branch];
   const point = `Point ${wanted.index} of ${name}, A = ${run.levels[level].amplitude}`;
   if (!stored) return `${point}: its motion is not stored in this page.`;
-  if (stored.index === wanted.index) return stored.words;
-  return `${stored.words} It is the stored point nearest to the one selected (${wanted.index}).`;
+  if (stored.index === wanted.index) return toldText(stored.words);
+  return `${toldText(stored.words)} It is the stored point nearest to the one selected (${wanted.index}).`;
 }
 
 /** How the program draws the motion at any point. */

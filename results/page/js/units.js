@@ -18,6 +18,35 @@ function inFrequencyUnit(axis) {
     : axis;
 }
 
+/** A frequency in that unit. @param {number} omega rad/s */
+const inChosenUnit = (omega) => omega * FREQUENCY_UNITS[frequencyUnit.get()].factor;
+
+/**
+ * A text of the page in that unit.
+ * @param {string|(string|{omega: number, digits: number, signed: boolean}|{unit: null})[]} told with frequencies as numbers
+ */
+function toldText(told) {
+  if (typeof told === "string") return told;
+  const partText = (part) => {
+    if (typeof part === "string") return part;
+    if (part.omega === undefined) return frequencyUnit.get();
+    const text = formatNumber(inChosenUnit(part.omega), part.digits);
+    return part.signed && part.omega > 0 ? `+${text}` : text;
+  };
+  return told.map(partText).join("");
+}
+
+/** An element that is made anew where another unit is chosen. @param {() => Element} make */
+function followingUnits(make) {
+  let shown = make();
+  frequencyUnit.listen(() => {
+    const next = make();
+    shown.replaceWith(next);
+    shown = next;
+  });
+  return shown;
+}
+
 /** The control that chooses it. */
 const frequencyControl = () =>
   dropdown("Frequencies in", Object.keys(FREQUENCY_UNITS).map((name) => [name, name]), frequencyUnit.get(), (name) =>

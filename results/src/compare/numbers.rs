@@ -4,19 +4,21 @@ use super::{ComparedLevel, Comparison, is_one, monitor};
 use crate::overview::Level;
 use crate::report::Report;
 use crate::store::BranchRow;
-use crate::words::{digits, length};
+use crate::summary_table::LengthUnit;
+use crate::told::{Told, length_in};
+use crate::words::digits;
 use comfy_table::{ContentArrangement, Table, presets::UTF8_FULL_CONDENSED};
 use serde::Serialize;
 
 /// A quantity of a level in every run.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct NumberRow {
     /// Forcing amplitude, as typed.
     pub amplitude: String,
     /// The quantity.
     pub what: &'static str,
     /// In words, one a run; behind the number of a later run, by how much it differs from that of the first.
-    pub values: Vec<String>,
+    pub values: Vec<Told>,
 }
 
 /// Rows of all levels.
@@ -29,13 +31,15 @@ fn of_level(reports: &[Report], level: &ComparedLevel) -> [NumberRow; 3] {
     let each: Vec<Option<&Level>> =
         reports.iter().map(|report| found(report).map(|place| &report.overview.levels[place])).collect();
     let is_measured = is_one(&reports.iter().map(monitor).collect::<Vec<_>>());
-    let peaks = |of: fn(&Level) -> Option<&BranchRow>| -> Vec<String> {
+    // Those of the first run, as in figures.
+    let unit = reports.first().and_then(|report| report.units().length);
+    let peaks = |of: fn(&Level) -> Option<&BranchRow>| -> Vec<Told> {
         let peaks: Vec<Option<&BranchRow>> = each.iter().map(|level| level.and_then(of)).collect();
         let first = peaks.first().copied().flatten();
         let word = |(place, level): (usize, &Option<&Level>)| match (level, peaks[place]) {
             (None, _) => "no such level".into(),
             (_, None) => "none".into(),
-            (_, Some(peak)) => of_peak(peak, first.filter(|_| place > 0), is_measured),
+            (_, Some(peak)) => of_peak(peak, first.filter(|_| place > 0), is_measured, unit),
         };
         each.iter().enumerate().map(word).collect()
     };
@@ -49,15 +53,16 @@ fn of_level(reports: &[Report], level: &ComparedLevel) -> [NumberRow; 3] {
 }
 
 /// `2.322 mm at 2701.2 rad/s (+3.1 %, -12.4 rad/s)`; amplitudes of another dof than those of the first run are not measured by these.
-fn of_peak(peak: &BranchRow, first: Option<&BranchRow>, is_measured: bool) -> String {
-    let text = format!("{}{} at {} rad/s", peak.at_least(), length(peak.amplitude_max), digits(peak.omega_at_max, 6));
+fn of_peak(peak: &BranchRow, first: Option<&BranchRow>, is_measured: bool, unit: Option<LengthUnit>) -> Told {
+    let size = format!("{}{} at ", peak.at_least(), length_in(peak.amplitude_max, unit));
+    let told = Told::from(size).frequency(peak.omega_at_max, 6).unit();
     let difference = first.map(|first| {
         let share = 100.0 * (peak.amplitude_max / first.amplitude_max - 1.0);
         let shift = peak.omega_at_max - first.omega_at_max;
         let share = if is_measured { format!("{} %, ", signed(share, 3)) } else { String::new() };
-        format!(" ({share}{} rad/s)", signed(shift, 3))
+        Told::from(format!(" ({share}")).difference(shift, 3).unit().text(")")
     });
-    text + &difference.unwrap_or_default()
+    told.then(difference.unwrap_or_default())
 }
 
 fn signed(value: f64, count: i32) -> String {
@@ -66,17 +71,16 @@ fn signed(value: f64, count: i32) -> String {
 }
 
 /// `3: 2133.2–2149.8, 2178.3–2513, 2537.6–2701.3 rad/s`, others than isolas with their kinds.
-fn of_others(level: &Level) -> String {
+fn of_others(level: &Level) -> Told {
     let range = |row: &BranchRow| {
         let kind = if row.is_isola() { String::new() } else { format!("{} ", row.kind) };
-        format!("{kind}{}–{}", digits(row.omega.0, 5), digits(row.omega.1, 5))
+        Told::from(kind).frequency(row.omega.0, 5).text("–").frequency(row.omega.1, 5)
     };
     let mut others: Vec<&BranchRow> = level.others().collect();
     others.sort_by(|a, b| a.omega.0.total_cmp(&b.omega.0));
-    match others.len() {
-        0 => "none".into(),
-        count => format!("{count}: {} rad/s", others.into_iter().map(range).collect::<Vec<_>>().join(", ")),
-    }
+    let Some((first, further)) = others.split_first() else { return "none".into() };
+    let begin = Told::from(format!("{}: ", others.len())).then(range(first));
+    further.iter().fold(begin, |told, row| told.text(", ").then(range(row))).unit()
 }
 
 /// The numbers as a table for a terminal.
@@ -89,8 +93,10 @@ pub fn table(comparison: &Comparison, width: u16) -> String {
     for setting in &comparison.settings {
         table.add_row(["", &setting.key].into_iter().chain(setting.values.iter().map(String::as_str)));
     }
+    let unit = comparison.reports.first().and_then(|report| report.units().frequency).unwrap_or_default();
     for NumberRow { amplitude, what, values } in &comparison.numbers {
-        table.add_row([amplitude.as_str(), what].into_iter().chain(values.iter().map(String::as_str)));
+        let values = values.iter().map(|value| value.read_in(unit));
+        table.add_row([amplitude.clone(), what.to_string()].into_iter().chain(values));
     }
     format!("{table}\n")
 }

@@ -3,6 +3,7 @@
 use super::*;
 use crate::fixture::Study;
 use crate::report::Selection;
+use crate::summary_table::FrequencyUnit;
 use tempfile::tempdir;
 
 fn read(study: &Study, change: impl Fn(&mut Report)) -> Report {
@@ -26,7 +27,19 @@ fn amplitudes_of_different_dofs_are_told_apart() {
     assert_eq!(names, compared.names);
     // By how much they differ means nothing; frequencies are those of motions.
     let row = compared.numbers.iter().find(|row| row.amplitude == "0.006").unwrap();
-    assert!(!row.values[1].contains('%') && row.values[1].ends_with(" (0 rad/s)"), "{row:?}");
+    let second = row.values[1].read_in(FrequencyUnit::default());
+    assert!(!second.contains('%') && second.ends_with(" (0 rad/s)"), "{row:?}");
+}
+
+/// In the units of the first run, as figures are.
+#[test]
+fn numbers_are_in_the_units_of_the_first_run() {
+    let study = |report: &mut Report| report.account.study = "units = 'mm,Hz'".into();
+    let (one, other) = (read(&Study::damper(), study), read(&Study::damper(), |_| {}));
+    let compared = Comparison::new(vec![("one".into(), one), ("other".into(), other)]);
+    let table = table(&compared, 200);
+    assert!(table.contains(" Hz (+0 %, 0 Hz)") || table.contains(" Hz (0 %, 0 Hz)"), "{table}");
+    assert!(table.contains(" mm at ") && !table.contains("rad/s"), "{table}");
 }
 
 fn compared() -> Comparison {
@@ -56,7 +69,8 @@ fn numbers_differ_by_what_they_do() {
     let compared = compared();
     let row = |amplitude: &str, what: &str| {
         let row = compared.numbers.iter().find(|row| row.amplitude == amplitude && row.what == what);
-        row.unwrap_or_else(|| panic!("{amplitude}, {what}")).values.clone()
+        let values = &row.unwrap_or_else(|| panic!("{amplitude}, {what}")).values;
+        values.iter().map(|value| value.read_in(FrequencyUnit::default())).collect::<Vec<String>>()
     };
     assert_eq!(compared.numbers.len(), 9);
     assert_eq!(row("3e-3", "largest response")[1], "no such level");

@@ -5,6 +5,7 @@ use super::style::Color;
 use super::subject::Subject;
 use crate::curves::{BackboneCurve, Piece};
 use crate::overview::{Level, WindowOutcome, WindowRow, briefly, elsewhere, within};
+use crate::told::Told;
 use crate::words::{count, digits};
 use serde::Serialize;
 
@@ -22,7 +23,7 @@ pub struct Frame {
     /// How many windows are predicted.
     pub words: String,
     /// A sentence for each window.
-    pub sentences: Vec<String>,
+    pub sentences: Vec<Told>,
 }
 
 /// A window as a run of the backbone.
@@ -70,13 +71,14 @@ impl Frame {
         paint(&mut runs);
         let numbered =
             |(k, run): (usize, &Run)| sentence(backbone, row(run).map_or(k + 1, |row| row.number), run, level);
-        let mut sentences: Vec<String> = runs.iter().enumerate().map(numbered).collect();
+        let mut sentences: Vec<Told> = runs.iter().enumerate().map(numbered).collect();
         let elsewhere =
             level.map_or(0, |(_, level)| level.windows.iter().filter(|w| w.mode != backbone.mode + 1).count());
         if elsewhere > 0 {
             let windows = count(elsewhere, "window");
-            sentences
-                .push(format!("Of other modes, which are not drawn here, {windows} more: see the account (table 7)."));
+            let others =
+                format!("Of other modes, which are not drawn here, {windows} more: see the account (table 7).");
+            sentences.push(others.into());
         }
         let name = level.map_or_else(|| digits(amplitude, 4), |(_, level)| level.amplitude.clone());
         let note = if level.is_some() { "" } else { " (not a level of this run)" };
@@ -164,7 +166,7 @@ fn paint(runs: &mut [Run]) {
 }
 
 /// What is predicted and, at a level of the run, what was found there.
-fn sentence(backbone: &BackboneCurve, number: usize, run: &Run, level: Option<(usize, &Level)>) -> String {
+fn sentence(backbone: &BackboneCurve, number: usize, run: &Run, level: Option<(usize, &Level)>) -> Told {
     let omega = along(&backbone.omega.values, run.first, run.last);
     let (low, high) = super::axis::bounds(omega);
     let window = level.and_then(|(_, level)| window_of(level, backbone, run));
@@ -195,8 +197,8 @@ fn sentence(backbone: &BackboneCurve, number: usize, run: &Run, level: Option<(u
     let is_end = |piece: &Piece| [piece.points.start, piece.points.end - 1].contains(&run.best);
     let is_inside = !backbone.pieces.iter().any(is_end);
     let begins = if is_inside { "born at A* =" } else { "A* down to" };
-    let (low, high) = (digits(low, 5), digits(high, 5));
-    format!("Window {number}: {low} to {high} rad/s, {begins} {threshold}; {which}.{outcome}")
+    let range = Told::from(format!("Window {number}: ")).frequency(low, 5).text(" to ").frequency(high, 5).unit();
+    range.text(format!(", {begins} {threshold}; {which}.{outcome}"))
 }
 
 /// What the seeds of a window led to.
@@ -255,6 +257,7 @@ pub fn ladder(subject: &Subject<'_>, backbone: &BackboneCurve) -> Vec<f64> {
 mod tests {
     use super::*;
     use crate::store::BranchRow;
+    use crate::summary_table::FrequencyUnit;
     use solver::laws::{PolynomialSpring, Term};
     use solver::response::windows::windows;
     use solver::settings::HarmonicSettings;
@@ -306,7 +309,7 @@ mod tests {
             assert_eq!(places, expected, "{amplitude}");
             assert_eq!(places.len(), if amplitude < 1.0 { 2 } else { 3 });
             // Next to the crossing the force does no work, and windows of any forcing but this are separate.
-            let told = sentence(&curve, 2, &runs[1], None);
+            let told = sentence(&curve, 2, &runs[1], None).read_in(FrequencyUnit::default());
             let which = if amplitude < 1.0 { "; separate: an isola" } else { "; begins where a curve crosses" };
             assert!(told.contains(which), "{amplitude}: {told}");
         }

@@ -5,7 +5,6 @@ use super::data::{Axis, Detail, Entry, Figure, Format, Kind, Label, Panel, Serie
 use super::style::{Color, MARK, MEDIUM, Shape, Style, THIN};
 use super::subject::{BackboneColumns, Subject};
 use crate::curves::{BackboneCurve, Column, ModeShare, Peak};
-use crate::words::digits;
 
 /// Contributions below this are not drawn.
 const FLOOR: f64 = 1e-6;
@@ -70,7 +69,7 @@ pub fn figure(
         has_leaders: true,
         ..Panel::default()
     };
-    let entry = |(i, mode): (usize, &ModeShare)| Entry::new(legend(mode), Kind::Line, look(i));
+    let entry = |(i, mode): (usize, &ModeShare)| Entry { frequency: Some(mode.frequency), ..named(i, mode) };
     Ok(Figure {
         name: "modes",
         title: None,
@@ -90,8 +89,8 @@ fn look(place: usize) -> Style {
     }
 }
 
-fn legend(mode: &ModeShare) -> String {
-    format!("mode {} ({} rad/s)", mode.mode + 1, digits(mode.frequency, 4))
+fn named(place: usize, mode: &ModeShare) -> Entry {
+    Entry::new(format!("mode {}", mode.mode + 1), Kind::Line, look(place))
 }
 
 /// Modes are counted from 1. Out of resonance only the largest harmonic is said.

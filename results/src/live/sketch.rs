@@ -4,11 +4,11 @@ use super::{Run, Start};
 use crate::curves::{BackboneCurve, Column, Curve, Monitor, Motions, ResonanceComparison, largest};
 use crate::figure::{
     BackboneColumns, Coincidence, Color, ColumnStore, FEW, Figure, Font, Frame, Outline, PALETTE, Palette, Series,
-    Subject, backbone_series, branch_series, called, convert, is_crowd, level_colors, place_for_page, special_points,
-    straight_gaps,
+    Subject, Unit, backbone_series, branch_series, called, convert, is_crowd, level_colors, make_room, place_for_page,
+    say_thinner, special_points, straight_gaps,
 };
 use crate::overview::Level;
-use crate::page::lengths;
+use crate::page::{length_unit, lengths};
 use crate::summary_table::UnitChoice;
 use serde::Serialize;
 
@@ -38,6 +38,7 @@ struct Opening {
     run: Run,
     palette: Palette,
     frequency_unit: String,
+    length_unit: Option<Unit>,
     levels: Vec<Level>,
     level_colors: Vec<Color>,
     frames: Vec<Frame>,
@@ -54,6 +55,15 @@ pub struct BranchEvent<'c> {
     branch: &'c Curve,
     /// What others are called from now on, for the branch lies on them: which of those that came, and its name on each axis.
     renamed: Vec<(usize, Vec<String>)>,
+}
+
+/// The figure anew, without its series.
+#[derive(Debug, Serialize)]
+pub struct FigureEvent {
+    #[serde(flatten)]
+    figure: Figure,
+    /// By how much the lines of each branch that has come are thinner than told with it, for it is narrow on these axes.
+    thinner: Vec<f64>,
 }
 
 /// The backbone when it has come.
@@ -85,7 +95,7 @@ impl Sketch {
             font: Font::bundled(),
         };
         let mut columns = ColumnStore::default();
-        let mut figure = sketch.figure();
+        let mut figure = sketch.figure().figure;
         if let Some(backbone) = &sketch.backbone {
             figure.panels[0].series = backbone_series(&BackboneColumns::new(backbone, &mut columns));
         }
@@ -94,6 +104,7 @@ impl Sketch {
             run: start.run,
             palette: PALETTE,
             frequency_unit: sketch.units.of_table().frequency.to_string(),
+            length_unit: length_unit(sketch.units),
             levels: sketch.levels.clone(),
             level_colors: sketch.colors.clone(),
             frames: sketch.frames(),
@@ -169,17 +180,27 @@ impl Sketch {
         BackboneEvent { first_column, columns, series, frames: self.frames() }
     }
 
-    /// The figure without its series: axes, lines across, labels in their places.
-    pub fn figure(&self) -> Figure {
+    /// The figure without its series: axes, lines across, labels in their places, and how wide lines are there.
+    pub fn figure(&self) -> FigureEvent {
         let subject = self.subject();
         let mut columns = ColumnStore::default();
         let mut figure = Outline::new(self.branches.iter(), &subject, &self.colors).with_marks(true).figure(None);
-        let series = self.branches.iter().map(|branch| self.series(branch, &mut columns));
-        figure.panels[0].series = series.collect();
+        let panel = &mut figure.panels[0];
+        panel.series = self.branches.iter().map(|branch| self.series(branch, &mut columns)).collect();
+        let axes = (&panel.x[0], &panel.y[0]);
+        let thinner = panel.series.iter_mut().zip(&self.branches).map(|(series, branch)| {
+            let full = series.style.width;
+            make_room(series, branch, axes);
+            full - series.style.width
+        });
+        let thinner: Vec<f64> = thinner.collect();
+        if thinner.iter().any(|less| *less > 0.0) {
+            say_thinner(&mut figure);
+        }
         convert(&mut figure, lengths(self.units));
         place_for_page(&mut figure, &columns, &[], &self.font);
         figure.panels[0].series.clear();
-        figure
+        FigureEvent { figure, thinner }
     }
 }
 
@@ -206,10 +227,50 @@ fn thinned(curve: &Curve) -> Curve {
 #[cfg(all(test, feature = "figures"))]
 mod tests {
     use super::*;
+    use crate::figure::Figures;
     use crate::fixture::Study;
     use crate::report::{Report, Selection};
     use protocol::to_everyone::Stage;
     use tempfile::tempdir;
+
+    /// Lines of narrow isolas are as thin as in the report, once the axes are known.
+    #[test]
+    fn narrow_isolas_are_as_thin_as_in_the_report() {
+        let dir = tempdir().unwrap();
+        let (store, _) = Study::damper().finished(dir.path());
+        let report = Report::read(&store, &Selection::Fitting).unwrap();
+        let branches: Vec<Curve> = report.branches.iter().map(narrowed).collect();
+        let subject = Subject { branches: &branches, ..report.subject() };
+        let figures = Figures::new(&subject);
+        let drawn = &figures.drawn["response"];
+        let width = |branch: usize| {
+            let mut series = drawn.panels[0].series.iter();
+            series.find(|series| series.branch == Some(branch) && !series.name.is_empty()).unwrap().style.width
+        };
+        let run = Run { id: "run".into(), name: "run".into(), model: "model".into(), stage: Stage::Sweep };
+        let levels = report.overview.levels.iter().map(|level| (level.amplitude.clone(), level.value)).collect();
+        let (mut sketch, _) = Sketch::new(Start::new(run, report.monitors.clone(), levels, 1, None));
+        let told: Vec<f64> = branches.iter().map(|branch| sketch.branch(branch).series[0].style.width).collect();
+        let event = sketch.figure();
+        assert_eq!(event.thinner.len(), branches.len());
+        for (k, branch) in branches.iter().enumerate() {
+            let less = event.thinner[k];
+            assert_eq!(less > 0.0, branch.kind == "isola", "{}", branch.name);
+            assert!((told[k] - less - width(k)).abs() < 0.1, "{} {less} {}", told[k], width(k));
+        }
+        assert!(event.figure.legend.iter().any(|entry| entry.text == "isola, thinner where narrow"));
+    }
+
+    /// An isola that is a thin sliver.
+    fn narrowed(curve: &Curve) -> Curve {
+        let mut curve = curve.clone();
+        if curve.kind == "isola" {
+            let (low, high) = (curve.omega.values[0], curve.amplitude_at_peak);
+            let heights = curve.amplitude[0].values.clone();
+            curve.omega = Column::short(heights.iter().map(|height| low + 1e-3 * low * height / high).collect());
+        }
+        curve
+    }
 
     /// Whoever looks at a curve is told of all that lie on it, whichever came first.
     #[test]

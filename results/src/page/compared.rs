@@ -1,8 +1,8 @@
 //! What the page of several runs is given, as JSON.
 
-use super::data::lengths;
+use super::data::{length_unit, lengths};
 use crate::compare::{Comparison, NumberRow, SettingRow};
-use crate::figure::{Color, ColumnStore, Figure, Font, PALETTE, Palette, convert, place_for_page};
+use crate::figure::{Color, ColumnStore, Figure, Font, PALETTE, Palette, Unit, convert, place_for_page};
 use crate::report::{Report, RunFacts};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -14,6 +14,7 @@ pub struct ComparedData<'c> {
     runs: Vec<&'c RunFacts>,
     palette: Palette,
     frequency_unit: String,
+    length_unit: Option<Unit>,
     columns: &'c ColumnStore,
     levels: &'c [crate::compare::ComparedLevel],
     level_colors: Vec<Color>,
@@ -56,6 +57,7 @@ impl<'c> ComparedData<'c> {
             runs: reports.iter().map(|report| &report.run).collect(),
             palette: PALETTE,
             frequency_unit: units.of_table().frequency.to_string(),
+            length_unit: length_unit(units),
             columns: &figures.columns,
             levels,
             level_colors: vec![Color::Soft; levels.len()],

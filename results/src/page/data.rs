@@ -3,13 +3,14 @@
 use crate::curves::{Curve, Motion, Node};
 use crate::export;
 use crate::figure::{
-    Color, ColumnStore, Figure, Font, Frame, MotionAxis, PALETTE, Palette, convert, ladder, level_colors, motion_axes,
-    place_for_page,
+    Color, ColumnStore, Figure, Font, Frame, MotionAxis, PALETTE, Palette, Unit, convert, ladder, level_colors,
+    motion_axes, place_for_page,
 };
 use crate::overview::{Level, WindowOutcome, briefly};
 use crate::report::{CostAccount, Report, RunFacts, Sentence};
 use crate::summary_table::UnitChoice;
-use crate::words::{digits, length};
+use crate::told::{Told, length_in};
+use crate::words::digits;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
@@ -23,6 +24,8 @@ pub struct PageData<'r> {
     palette: Palette,
     /// The unit in which frequencies are shown until the reader chooses another one.
     frequency_unit: String,
+    /// The unit of lengths of the run, if it has one; without, each is shown in that in which it is read best.
+    length_unit: Option<Unit>,
     columns: &'r ColumnStore,
     levels: Vec<Level>,
     level_colors: Vec<Color>,
@@ -60,7 +63,7 @@ struct MotionData<'r> {
 struct MotionPoint<'r> {
     #[serde(flatten)]
     motion: &'r Motion,
-    words: String,
+    words: Told,
     panels: Vec<MotionAxis>,
 }
 
@@ -86,6 +89,7 @@ impl<'r> PageData<'r> {
             verdict: &report.verdict,
             palette: PALETTE,
             frequency_unit: units.of_table().frequency.to_string(),
+            length_unit: length_unit(units),
             columns: &report.figures.columns,
             levels: levels.iter().map(in_brief).collect(),
             level_colors: level_colors(levels.len()),
@@ -119,6 +123,11 @@ pub(crate) fn lengths(units: UnitChoice) -> UnitChoice {
     UnitChoice { frequency: None, ..units }
 }
 
+/// The unit of lengths that was chosen.
+pub(crate) fn length_unit(units: UnitChoice) -> Option<Unit> {
+    units.length.map(|unit| Unit { name: unit.to_string(), factor: unit.factor() })
+}
+
 /// A level whose windows tell each reason once.
 fn in_brief(level: &Level) -> Level {
     let mut level = level.clone();
@@ -131,17 +140,13 @@ fn in_brief(level: &Level) -> Level {
 }
 
 /// Which motion it is.
-fn words(report: &Report, motion: &Motion) -> String {
-    let Some(branch) = report.branches.get(motion.branch) else { return String::new() };
+fn words(report: &Report, motion: &Motion) -> Told {
+    let Some(branch) = report.branches.get(motion.branch) else { return Told::default() };
     let amplitude = report.overview.levels.get(branch.level).map_or("", |level| &level.amplitude);
     let omega = branch.omega.values.get(motion.index).copied().unwrap_or(f64::NAN);
     let size = branch.amplitude.first().and_then(|column| column.values.get(motion.index)).copied();
-    format!(
-        "Point {} of {}, A = {amplitude}: ω = {} rad/s, one period lasts {} ms, amplitude {}.",
-        motion.index,
-        branch.name,
-        digits(omega, 6),
-        digits(1e3 * TAU / omega, 4),
-        length(size.unwrap_or(f64::NAN))
-    )
+    let point = format!("Point {} of {}, A = {amplitude}: ", motion.index, branch.name);
+    let period = digits(1e3 * TAU / omega, 4);
+    let size = length_in(size.unwrap_or(f64::NAN), report.units().length);
+    Told::from(point).frequency(omega, 6).unit().text(format!(", one period lasts {period} ms, amplitude {size}."))
 }
