@@ -8,11 +8,13 @@ mod laws;
 mod small_motion;
 mod softening;
 mod touch;
+mod units;
 mod weight;
 
 use crate::study::Study;
 use protocol::to_everyone::Amplitude;
 use results::overview::{modes, undetermined};
+use results::summary_table::LengthUnit;
 use results::words::{self, count, digits, number};
 use solver::formulation::harmonics::width;
 use solver::response::modes::ModesFollowed;
@@ -37,13 +39,13 @@ pub fn report(study: &Study) -> String {
     let choice = ModesFollowed::choose(model, &study.settings);
     let modes = (0..model.size().min(MODES)).map(|j| (if j == 0 { "modes" } else { "" }, mode(study, &choice, j)));
     lines.extend(modes);
-    lines.extend(small_motion::frequencies(model).map(|frequencies| ("", frequencies)));
+    lines.extend(small_motion::frequencies(study).map(|frequencies| ("", frequencies)));
     lines.extend(modes::sentence(&choice, true).map(|_| ("followed", followed(&choice))));
     lines.extend(defaults::damping(study).map(|damping| ("damping", damping)));
     lines.push(("forcing", forcing(study)));
-    lines.extend(contact(model).map(|contact| ("contact", contact)));
+    lines.extend(contact(study).map(|contact| ("contact", contact)));
     let touch = touch::first_touch(study, &choice.followed);
-    lines.extend(touch.as_ref().map(|touch| ("touches", touch.to_string())));
+    lines.extend(touch.as_ref().map(|touch| ("touches", touch.told(study))));
     let overdamped = damping::overdamped(model, &study.settings);
     // Where nothing resonates no law is measured by the response at resonance.
     let resonant = if overdamped.is_empty() { &choice.followed[..] } else { &[] };
@@ -79,8 +81,11 @@ fn orders(study: &Study) -> Vec<String> {
         let is_within = |omega: f64| min.is_none_or(|min| omega >= min) && max.is_none_or(|max| omega <= max);
         let frequencies = &order.model.modes().frequencies;
         let own: Vec<usize> = (0..frequencies.len()).filter(|&mode| is_within(frequencies[mode])).collect();
-        let bound = |bound: Option<f64>| bound.map_or_else(|| "its backbones' end".into(), |omega| digits(omega, 6));
-        let between = format!("between {} and {} rad/s", bound(min), bound(max));
+        let unit = study.units.of_table().frequency;
+        let bound = |bound: Option<f64>| {
+            bound.map_or_else(|| "its backbones' end".into(), |omega| digits(unit.factor() * omega, 6))
+        };
+        let between = format!("between {} and {} {unit}", bound(min), bound(max));
         let modes = match &own[..] {
             [] => "no eigenfrequency there".to_string(),
             own => format!("eigenfrequencies there: {}", words::modes(own)),
@@ -97,7 +102,7 @@ fn orders(study: &Study) -> Vec<String> {
 /// spring that pushes away. Sentences.
 pub fn warnings_of_sweep(study: &Study) -> Vec<String> {
     let assumed = defaults::damping(study).map(|damping| format!("the damping is {damping}"));
-    let warnings = early::units(&study.model).into_iter().chain(bounds::warnings(study)).chain(damping::without(study));
+    let warnings = early::units(study).into_iter().chain(bounds::warnings(study)).chain(damping::without(study));
     warnings.chain(assumed).chain(undetermined(&study.model)).chain(softening::warnings(study)).collect()
 }
 
@@ -156,12 +161,14 @@ fn forcing(study: &Study) -> String {
     format!("shape of norm {} N per unit of A, on harmonic {}{assumed}", number(norm), forcing.harmonic)
 }
 
-fn contact(model: &Model) -> Option<String> {
-    let contacts: Vec<RigidContact<'_>> = model.contacts().map(|contact| contact.law).collect();
+fn contact(study: &Study) -> Option<String> {
+    let contacts: Vec<RigidContact<'_>> = study.model.contacts().map(|contact| contact.law).collect();
     if contacts.is_empty() {
         return None;
     }
-    let gap = span(contacts.iter().map(|contact| 1e3 * contact.gap));
+    // Clearances are millimetres to people.
+    let unit = study.units.length.unwrap_or(LengthUnit::Millimetre);
+    let gap = span(contacts.iter().map(|contact| unit.factor() * contact.gap));
     let epsilon = span(contacts.iter().map(|contact| contact.epsilon));
     let rubbing = contacts.iter().filter_map(|contact| contact.friction);
     let friction = match span(rubbing.clone().map(|friction| friction.coefficient)) {
@@ -172,7 +179,7 @@ fn contact(model: &Model) -> Option<String> {
         count if 0 < count && count < contacts.len() => format!(" (on {count} of {})", contacts.len()),
         _ => String::new(),
     };
-    Some(format!("gap {gap} mm, {friction}{some}, epsilon {epsilon} N/m"))
+    Some(format!("gap {gap} {unit}, {friction}{some}, epsilon {epsilon} N/m"))
 }
 
 fn amplitudes(amplitudes: &[Amplitude]) -> String {

@@ -9,7 +9,7 @@ mod remote;
 mod serving;
 
 pub use certificates::CertArgs;
-pub use first_steps::{NewArgs, SchemaArgs};
+pub use first_steps::{CheckArgs, NewArgs, SchemaArgs};
 pub use marched::{DisturbArgs, VerifyArgs};
 #[cfg(feature = "figures")]
 pub use plot::PlotArgs;
@@ -19,6 +19,8 @@ pub use serving::ServeArgs;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand};
 use results::export::Format;
+use results::resolved_study::UNITS;
+use results::summary_table::UnitChoice;
 #[cfg(feature = "page")]
 use serving::host_port;
 use std::ops::RangeInclusive;
@@ -57,8 +59,11 @@ pub enum Command {
     #[command(after_help = first_steps::SCHEMA)]
     Schema(SchemaArgs),
     /// Validate a study; print its eigenfrequencies, gaps and size.
-    #[command(after_help = "Example:\n  isola check models/rotor67/study.toml --set contact.gap=3e-4")]
-    Check(StudyArgs),
+    #[command(after_help = "\
+Examples:
+  isola check models/rotor67/study.toml --set contact.gap=3e-4
+  isola check models/rotor67/study.toml --units mm,Hz")]
+    Check(CheckArgs),
     /// Compute a study: backbone, windows, every branch of every forcing level.
     #[command(after_help = "\
 Examples:
@@ -176,15 +181,16 @@ pub struct StudyArgs {
 }
 
 impl StudyArgs {
-    /// All keys that are changed.
-    pub fn changes(&self) -> Vec<(String, String)> {
+    /// All keys that are changed, the units of the study among them if some are asked for.
+    pub fn changes(&self, units: Option<UnitChoice>) -> Vec<(String, String)> {
         let change = |key: &str, value: &Option<String>| value.clone().map(|value| (key.to_string(), value));
         let options = [
             change("search.effort", &self.search),
             change("search.harmonics", &self.orders),
             change("verify.effort", &self.verify),
         ];
-        self.set.iter().cloned().chain(options.into_iter().flatten()).collect()
+        let units = units.map(|units| (UNITS.to_string(), format!("\"{units}\"")));
+        self.set.iter().cloned().chain(options.into_iter().flatten()).chain(units).collect()
     }
 }
 

@@ -16,7 +16,7 @@ use protocol::ids::RunId;
 use protocol::model::ModelMessage;
 use protocol::to_everyone::Stage;
 use results::journal::Change;
-use results::resolved_study::{UNITS, differences};
+use results::resolved_study::differences;
 use results::store::{RunHeader, Store, network_file_system};
 use solver::response::orders::Orders;
 use solver::settings::VerifyEffort;
@@ -43,7 +43,7 @@ pub fn execute(cli: Cli) -> Result<ExitCode, Error> {
         }
         Command::Schema(args) => schema(&args),
         Command::Cert(args) => show(certificates::make(&args)?),
-        Command::Check(args) => show(check::report(&load(&args, &args.changes())?)),
+        Command::Check(args) => show(check::report(&load(&args.study, &args.study.changes(args.units))?)),
         Command::Export(args) => outputs::export(&args),
         #[cfg(feature = "page")]
         Command::Report(args) => outputs::report(&args),
@@ -125,8 +125,7 @@ fn load(args: &StudyArgs, changes: &[(String, String)]) -> Result<Study, Error> 
 }
 
 async fn sweep(args: SweepArgs) -> Result<Ending, Error> {
-    let mut changes = args.study.changes();
-    changes.extend(args.serve.units.map(|units| (UNITS.to_string(), format!("\"{units}\""))));
+    let changes = args.study.changes(args.serve.units);
     let study = load(&args.study, &changes)?;
     for key in &study.without_effect {
         terminal::note(format_args!("{key} has no effect any more: branches close by convergence"));

@@ -1,5 +1,6 @@
 //! Bounds of the frequency that are probably not meant, and what lies between them.
 
+use super::units::frequency;
 use crate::study::Study;
 use results::overview::is_within;
 use results::words::{digits, number, times};
@@ -32,7 +33,7 @@ pub(super) fn quiet(study: &Study) -> Option<String> {
     }
     let below = all.clone().rfind(|(_, omega)| given.min.is_some_and(|min| *omega < min));
     let above = all.clone().find(|(_, omega)| given.max.is_some_and(|max| *omega > max));
-    let place = |(mode, omega): (usize, f64)| format!("that of mode {} at {} rad/s", mode + 1, number(omega));
+    let place = |(mode, omega): (usize, f64)| format!("that of mode {} at {}", mode + 1, frequency(study, omega));
     let nearest: Vec<String> = [below, above].into_iter().flatten().map(place).collect();
     let are = if nearest.len() == 1 { "one is" } else { "ones are" };
     let whose =

@@ -2,6 +2,7 @@
 
 use super::bounds;
 use super::touch::{FirstTouch, Place, shape};
+use super::units::frequencies_between;
 use crate::study::Study;
 use protocol::session::MAX_RESULT_BYTES;
 use results::words::{count, digits, number};
@@ -40,7 +41,7 @@ pub(super) fn epsilon_ratios(model: &Model) -> Option<(f64, f64)> {
 
 /// Sentences about what is probably not meant.
 pub(super) fn warnings(study: &Study, touch: Option<&FirstTouch<'_>>) -> Vec<String> {
-    let units = units(&study.model);
+    let units = units(study);
     let mut list: Vec<String> = units.iter().cloned().collect();
     list.extend(bounds::warnings(study));
     list.extend(negative_damping(&study.model).or_else(|| indefinite_damping(&study.model)));
@@ -58,21 +59,23 @@ pub(super) fn warnings(study: &Study, touch: Option<&FirstTouch<'_>>) -> Vec<Str
 }
 
 /// Of structures that are none: units that slipped, or matrices exchanged.
-pub(super) fn units(model: &Model) -> Option<String> {
+pub(super) fn units(study: &Study) -> Option<String> {
+    let model = &study.model;
     let frequencies = &model.modes().frequencies;
     let highest = *frequencies.last()?;
     let lowest = frequencies[(0..model.size()).find(|&j| !model.modes().is_rigid(j))?];
-    let (low, high) = (number(lowest), number(highest));
+    let between = frequencies_between(study, lowest, highest);
     if highest < SLOW {
-        let exchanged = format!("{} to {} rad/s", number(1.0 / highest), number(1.0 / lowest));
+        let exchanged = frequencies_between(study, 1.0 / highest, 1.0 / lowest);
         let absurd = if highest < ABSURD.0 { "no structure has" } else { "hardly a structure has" };
         return Some(format!(
-            "{absurd} only modes from {low} to {high} rad/s: are K and M exchanged? The other way round they lie at \
-             {exchanged}"
+            "{absurd} only modes from {between}: are K and M exchanged? The other way round they lie at {exchanged}"
         ));
     }
     (lowest > ABSURD.1).then(|| {
-        format!("no structure has only modes from {low} to {high} rad/s: are K and M exchanged, or their units others than N/m and kg?")
+        format!(
+            "no structure has only modes from {between}: are K and M exchanged, or their units others than N/m and kg?"
+        )
     })
 }
 

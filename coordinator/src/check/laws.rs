@@ -2,6 +2,7 @@
 
 use super::softening::compliance;
 use super::touch::pressed_at_rest;
+use super::units::length;
 use super::weight::Weight;
 use crate::study::Study;
 use results::words::{digits, number};
@@ -24,10 +25,10 @@ pub(super) fn warnings(study: &Study, weight: Option<&Weight>) -> Vec<String> {
 pub(super) fn pressed(study: &Study) -> impl Iterator<Item = String> + '_ {
     pressed_at_rest(&study.model).map(|(element, gap)| {
         format!(
-            "`{}`: its gap is negative ({} m), so that it presses at rest, and the structure there is another one than the modes are of; a stop on \
+            "`{}`: its gap is negative ({}), so that it presses at rest, and the structure there is another one than the modes are of; a stop on \
              the other side has `coefficients = {{ DOF = -1 }}` instead of `dof`, and a positive gap",
             element.name,
-            digits(gap, 3)
+            length(study, gap, 3)
         )
     })
 }

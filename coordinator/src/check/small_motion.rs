@@ -1,10 +1,11 @@
 //! Modes of small motions, which some laws make others than those of the matrices.
 
 use super::touch::shape;
+use crate::study::Study;
 use results::words::{digits, number};
 use solver::linalg::{Matrix, symmetric_eigen};
 use solver::structure::laws::{Law, LawKind};
-use solver::structure::{Element, Model};
+use solver::structure::Element;
 
 /// Frequencies shown.
 const MODES: usize = 6;
@@ -14,7 +15,9 @@ const SAME: f64 = 1e-3;
 const ROUNDED: f64 = 1e-9;
 
 /// What the eigenfrequencies of small motions are, if laws change them: joints that stick, springs that are linear there.
-pub(super) fn frequencies(model: &Model) -> Option<String> {
+pub(super) fn frequencies(study: &Study) -> Option<String> {
+    let model = &study.model;
+    let unit = study.units.of_table().frequency;
     let stiff: Vec<(&Element, f64)> =
         model.elements().iter().filter_map(|element| Some((element, stiffness(element)?))).collect();
     if stiff.is_empty() {
@@ -39,7 +42,7 @@ pub(super) fn frequencies(model: &Model) -> Option<String> {
     let frequency = |value: &f64| match *value {
         value if value < -floor => "none (it snaps away)".into(),
         value if value <= floor => "0".into(),
-        value => number(value.sqrt()),
+        value => number(unit.factor() * value.sqrt()),
     };
     let shown = values.iter().take(MODES).map(frequency);
     let shown: Vec<String> = shown.collect();
@@ -49,7 +52,7 @@ pub(super) fn frequencies(model: &Model) -> Option<String> {
         .collect();
     changed.then(|| {
         format!(
-            "of small motions, with {}: {} rad/s; those above are of the matrices alone",
+            "of small motions, with {}: {} {unit}; those above are of the matrices alone",
             names.join(", "),
             shown.join(", ")
         )

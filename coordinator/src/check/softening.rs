@@ -1,8 +1,8 @@
 //! Springs that push away: beyond some displacement with more than the structure holds.
 
 use super::touch::shape;
+use super::units::length;
 use crate::study::Study;
-use results::words::digits;
 use solver::structure::laws::{LawKind, Term};
 use solver::structure::{Element, Model};
 
@@ -22,12 +22,12 @@ pub(super) fn warnings(study: &Study) -> Vec<String> {
         let response = highest.value * displacement;
         let limit = limit(compliance, &spring.terms, response)?;
         Some(format!(
-            "`{}` pushes away beyond {} m, with more than the structure holds, and the static response to A = {} alone would be {} m: check \
+            "`{}` pushes away beyond {}, with more than the structure holds, and the static response to A = {} alone would be {}: check \
              units and signs",
             element.name,
-            digits(limit, 2),
+            length(study, limit, 2),
             highest.text,
-            digits(response, 2)
+            length(study, response, 2)
         ))
     };
     study.model.elements().iter().filter_map(told).collect()

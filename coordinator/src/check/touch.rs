@@ -1,5 +1,6 @@
 //! From which forcing on something touches.
 
+use super::units::frequency;
 use crate::study::Study;
 use results::overview::is_within;
 use results::words::number;
@@ -43,20 +44,21 @@ pub(super) enum Place {
     Bound,
 }
 
-impl std::fmt::Display for FirstTouch<'_> {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let (forcing, omega) = (number(self.forcing), number(self.omega));
+impl FirstTouch<'_> {
+    /// In words.
+    pub fn told(&self, study: &Study) -> String {
+        let (forcing, omega) = (number(self.forcing), frequency(study, self.omega));
         let names: Vec<String> = self.left_out.iter().map(|name| format!("`{name}`")).collect();
         let linear = if names.is_empty() {
             "in the linear response (isolas may touch much earlier)".into()
         } else {
             format!("in the response of the matrices alone; with {} it may be much earlier or later", names.join(", "))
         };
-        write!(f, "from A = {forcing} on, {} first, ", self.name)?;
-        match self.place {
-            Place::Resonance(mode) => write!(f, "at {omega} rad/s, at the resonance of mode {}, {linear}", mode + 1),
-            Place::Bound => write!(f, "at the bound {omega} rad/s, {linear}, here and at resonances"),
-        }
+        let place = match self.place {
+            Place::Resonance(mode) => format!("at {omega}, at the resonance of mode {}, {linear}", mode + 1),
+            Place::Bound => format!("at the bound {omega}, {linear}, here and at resonances"),
+        };
+        format!("from A = {forcing} on, {} first, {place}", self.name)
     }
 }
 

@@ -1,10 +1,11 @@
 //! Options of what a newcomer needs: a model to start from, and what its keys mean.
 
-use super::one_of;
+use super::{StudyArgs, one_of};
 use crate::reference::File;
 use crate::templates::{TEMPLATES, Template};
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use results::summary_table::UnitChoice;
 use std::path::PathBuf;
 
 /// Examples of `new`.
@@ -34,6 +35,18 @@ pub struct NewArgs {
     pub template: &'static Template,
 }
 
+/// Arguments of `check`.
+#[derive(Debug, Args)]
+pub struct CheckArgs {
+    /// Study.
+    #[command(flatten)]
+    pub study: StudyArgs,
+    /// Units of what is printed: one of m, mm, um and one of rad/s, Hz, as in mm,Hz [default: as the study says, else m,rad/s]. Keys keep
+    /// their own.
+    #[arg(long, value_name = "UNITS", value_parser = str::parse::<UnitChoice>)]
+    pub units: Option<UnitChoice>,
+}
+
 /// Arguments of `schema`.
 #[derive(Debug, Args)]
 pub struct SchemaArgs {
@@ -61,4 +74,21 @@ fn templates() -> impl TypedValueParser<Value = &'static Template> {
 
 fn files() -> impl TypedValueParser<Value = File> {
     one_of(&[(File::Model, "model", "model.toml"), (File::Study, "study", "study.toml")])
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::cli::{Cli, Command};
+    use clap::Parser;
+
+    #[test]
+    fn a_check_is_in_the_units_that_are_asked_for() {
+        let line = ["isola", "check", "study", "--set", "units=m", "--units", "mm,Hz"];
+        let Command::Check(args) = Cli::try_parse_from(line).unwrap().command else { panic!("it is a check") };
+        // The last one counts.
+        let changes = args.study.changes(args.units);
+        assert_eq!(changes.last(), Some(&("units".to_string(), "\"mm,Hz\"".to_string())));
+        let refused = Cli::try_parse_from(["isola", "check", "study", "--units", "inch"]).unwrap_err().to_string();
+        assert!(refused.contains("`inch` is none of m, mm, um, rad/s and Hz"), "{refused}");
+    }
 }

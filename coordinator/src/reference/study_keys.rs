@@ -41,7 +41,7 @@ pub(super) const OWN: &[Key] = &[
         kind: Pattern(UNITS),
         default: Value("\"m,rad/s\""),
         unit: "",
-        meaning: "Units of the tables and figures of the run: a length (m, mm or um), a frequency (rad/s or Hz), or both. What models and studies give stays in SI units. Also --units.",
+        meaning: "Units of the tables and figures of the run, and of what isola check says: a length (m, mm or um), a frequency (rad/s or Hz), or both. What models and studies give stays in SI units. Also --units.",
         example: "\"mm,Hz\"",
     },
     Key {

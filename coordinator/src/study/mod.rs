@@ -69,6 +69,8 @@ pub struct Study {
     pub settings: Settings,
     /// Forcing amplitudes, in the order given.
     pub amplitudes: Vec<Amplitude>,
+    /// Units of what is told of it, where some are chosen.
+    pub units: UnitChoice,
     /// Keys given that have no effect any more.
     pub without_effect: Vec<&'static str>,
     /// The study as TOML: settings of model, study and command line merged, every numerical setting that has a value
@@ -126,7 +128,8 @@ impl Study {
         let resolved = resolved(&name, &written, &amplitudes, units, &settings, merged)
             .map_err(|source| StudyError::Unwritable { file: file.clone(), source })?;
         let without_effect = WITHOUT_EFFECT.into_iter().filter(|key| is_there(numerics.table(), key)).collect();
-        Ok(Self { name, file, model_dir, model, settings, amplitudes, without_effect, resolved })
+        let units = units.unwrap_or_default();
+        Ok(Self { name, file, model_dir, model, settings, amplitudes, units, without_effect, resolved })
     }
 
     /// Whether model, study or command line give this dotted key of a model.

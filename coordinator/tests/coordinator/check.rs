@@ -85,6 +85,32 @@ fn where_an_elastic_stop_touches() {
     );
 }
 
+/// All frequencies and lengths are in the units of the study, which --units replaces; keys keep theirs.
+#[test]
+fn frequencies_and_lengths_are_in_the_units_of_the_study() {
+    let (_, text) = checked(MODEL, "0.1,0.3", &[("units", "\"um,Hz\"")]);
+    assert!(text.contains("first, at 15.9139 Hz, at the resonance of mode 1, "), "{text}");
+    assert!(text.contains("contact     gap 1000 µm, no friction"), "{text}");
+    let bounds = [("units", "\"Hz\""), ("frequency.min", "200"), ("frequency.max", "400")];
+    let (_, text) = checked(MODEL, "0.1,0.3", &bounds);
+    assert!(text.contains("at the bound 31.831 Hz") && text.contains("is that of mode 1 at 15.9155 Hz\n"), "{text}");
+    assert!(text.contains("gap 1 mm, "), "{text}");
+    let exchanged = MODEL.replace("[[1]]", "[[1e4]]").replace("stiffness = [[1e4]]", "stiffness = [[1]]");
+    let (warnings, _) = checked(&exchanged, "0.3", &[("contact.epsilon", "2"), ("units", "\"Hz\"")]);
+    assert!(warnings[0].contains("The other way round they lie at 15.9155 to 15.9155 Hz"), "{warnings:?}");
+    let (_, text) =
+        checked(MODEL, "0.1", &[("units", "\"Hz\""), ("search.harmonics", "[1, 2]"), ("harmonics.count", "20")]);
+    assert!(text.contains(" Hz; ") && !text.contains("end rad/s"), "{text}");
+    let joint = MODEL.split("[contact]").next().unwrap().to_string()
+        + "[[laws]]\nname = \"joint\"\ndof = \"x\"\nlaw = { jenkins = { stiffness = 3e4, limit = 1 } }\n";
+    let (_, text) = checked(&joint, "0.1", &[("units", "\"Hz\"")]);
+    assert!(text.contains("of small motions, with `joint` (30000 N/m): 31.831 Hz; those above"), "{text}");
+    let stop =
+        joint.replace("jenkins = { stiffness = 3e4, limit = 1 }", "penalty_spring = { stiffness = 1e4, gap = -1e-3 }");
+    let (warnings, _) = checked(&stop, "0.1", &[("units", "\"mm\"")]);
+    assert!(warnings[0].contains("its gap is negative (-1 mm), "), "{warnings:?}");
+}
+
 #[test]
 fn matrices_exchanged() {
     let exchanged = MODEL.replace("[[1]]", "[[1e4]]").replace("stiffness = [[1e4]]", "stiffness = [[1]]");
