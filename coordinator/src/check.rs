@@ -5,6 +5,7 @@ mod damping;
 mod defaults;
 mod early;
 mod laws;
+mod slip;
 mod small_motion;
 mod softening;
 mod touch;
@@ -46,6 +47,7 @@ pub fn report(study: &Study) -> String {
     lines.extend(contact(study).map(|contact| ("contact", contact)));
     let touch = touch::first_touch(study, &choice.followed);
     lines.extend(touch.as_ref().map(|touch| ("touches", touch.told(study))));
+    lines.extend(slip::first_slip(study, &choice.followed).map(|slip| ("slips", slip.told(study))));
     let overdamped = damping::overdamped(model, &study.settings);
     // Where nothing resonates no law is measured by the response at resonance.
     let resonant = if overdamped.is_empty() { &choice.followed[..] } else { &[] };

@@ -5,7 +5,7 @@ use crate::study::Study;
 use results::words::{digits, number};
 use solver::linalg::{Matrix, symmetric_eigen};
 use solver::structure::laws::{Law, LawKind};
-use solver::structure::Element;
+use solver::structure::{Element, Model};
 
 /// Frequencies shown.
 const MODES: usize = 6;
@@ -18,24 +18,9 @@ const ROUNDED: f64 = 1e-9;
 pub(super) fn frequencies(study: &Study) -> Option<String> {
     let model = &study.model;
     let unit = study.units.of_table().frequency;
-    let stiff: Vec<(&Element, f64)> =
-        model.elements().iter().filter_map(|element| Some((element, stiffness(element)?))).collect();
-    if stiff.is_empty() {
-        return None;
-    }
+    let motion = SmallMotion::of(model, &stiffness).filter(|motion| !motion.stiff.is_empty())?;
     let squares: Vec<f64> = model.modes().frequencies.iter().map(|omega| omega * omega).collect();
-    let mut matrix = Matrix::diagonal(&squares);
-    for (element, stiffness) in &stiff {
-        let along = shape(model, element);
-        for (i, a) in along.iter().enumerate() {
-            for (j, b) in along.iter().enumerate() {
-                matrix[(i, j)] += stiffness * a * b;
-            }
-        }
-    }
-    let (values, _) = symmetric_eigen(&matrix, &Matrix::diagonal(&vec![1.0; squares.len()])).ok()?;
-    // Rigid bodies have what rounding leaves.
-    let floor = ROUNDED * values.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
+    let (values, floor) = (&motion.squares, motion.floor());
     let is_other =
         |(value, square): (&f64, &f64)| (value - square).abs() > floor.max(2.0 * SAME * square.abs().max(value.abs()));
     let changed = values.iter().zip(&squares).any(is_other);
@@ -46,7 +31,8 @@ pub(super) fn frequencies(study: &Study) -> Option<String> {
     };
     let shown = values.iter().take(MODES).map(frequency);
     let shown: Vec<String> = shown.collect();
-    let names: Vec<String> = stiff
+    let names: Vec<String> = motion
+        .stiff
         .iter()
         .map(|(element, stiffness)| format!("`{}` ({} N/m)", element.name, digits(*stiffness, 3)))
         .collect();
@@ -59,8 +45,50 @@ pub(super) fn frequencies(study: &Study) -> Option<String> {
     })
 }
 
+/// The structure with the stiffness that laws have at rest.
+pub(super) struct SmallMotion<'m> {
+    /// What is stiff, and how stiff, N/m.
+    stiff: Vec<(&'m Element, f64)>,
+    /// Squares of its eigenfrequencies, ascending.
+    squares: Vec<f64>,
+}
+
+impl<'m> SmallMotion<'m> {
+    /// With these stiffnesses of the elements; `None` where its modes are not found.
+    pub fn of(model: &'m Model, stiffness: &dyn Fn(&Element) -> Option<f64>) -> Option<Self> {
+        let stiff: Vec<(&Element, f64)> =
+            model.elements().iter().filter_map(|element| Some((element, stiffness(element)?))).collect();
+        let squares: Vec<f64> = model.modes().frequencies.iter().map(|omega| omega * omega).collect();
+        if stiff.is_empty() {
+            return Some(Self { stiff, squares });
+        }
+        let mut matrix = Matrix::diagonal(&squares);
+        for (element, stiffness) in &stiff {
+            let along = shape(model, element);
+            for (i, a) in along.iter().enumerate() {
+                for (j, b) in along.iter().enumerate() {
+                    matrix[(i, j)] += stiffness * a * b;
+                }
+            }
+        }
+        let (squares, _) = symmetric_eigen(&matrix, &Matrix::diagonal(&vec![1.0; squares.len()])).ok()?;
+        Some(Self { stiff, squares })
+    }
+
+    /// What rounding leaves of the square of a rigid body's frequency.
+    fn floor(&self) -> f64 {
+        ROUNDED * self.squares.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()))
+    }
+
+    /// Modes that vibrate, from 0, with their frequencies, rad/s.
+    pub fn frequencies(&self) -> Vec<(usize, f64)> {
+        let vibrating = self.squares.iter().enumerate().filter(|(_, square)| **square > self.floor());
+        vibrating.map(|(mode, square)| (mode, square.sqrt())).collect()
+    }
+}
+
 /// The stiffness of a law at rest, N/m, if it has one.
-fn stiffness(element: &Element) -> Option<f64> {
+pub(super) fn stiffness(element: &Element) -> Option<f64> {
     let at_rest = match &element.law {
         LawKind::Jenkins(joint) => joint.stiffness,
         LawKind::PolynomialSpring(spring) => {

@@ -113,7 +113,7 @@ pub(super) fn first_touch<'s>(study: &'s Study, followed: &[usize]) -> Option<Fi
 }
 
 /// Where a function is smallest between these ends; nowhere if it has no value at `middle`, a resonance without damping.
-fn smallest(of: impl Fn(f64) -> Option<f64>, middle: f64, (low, high): (f64, f64)) -> Option<f64> {
+pub(super) fn smallest(of: impl Fn(f64) -> Option<f64>, middle: f64, (low, high): (f64, f64)) -> Option<f64> {
     of(middle)?;
     let place = |i: usize| low + (high - low) * i as f64 / LOOKED_AT as f64;
     let value = |x: f64| of(x).unwrap_or(f64::INFINITY);

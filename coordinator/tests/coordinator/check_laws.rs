@@ -83,6 +83,80 @@ fn modes_of_small_motions() {
     assert!(!checked(MODEL, "0.2", &[]).1.contains("small motions"));
 }
 
+/// A joint of 3e4 N/m beside 1e4 N/m that sticks: 200 rad/s, and a damping of 2 N s/m is one of ζ = 5e-3 there. It slips at 1 N, beyond
+/// 1/3e4 m: from A = 2 ζ √(1 − ζ²) 4e4 N/m × 1/3e4 m on, at 200 √(1 − 2 ζ²) rad/s.
+#[test]
+fn where_a_joint_slips_first() {
+    let joint = with_law("{ jenkins = { stiffness = 3e4, limit = 1 } }");
+    let slips = |model: &str, set: &[(&str, &str)]| {
+        let (_, text) = checked(model, "0.2", set);
+        text.lines().find_map(|line| line.strip_prefix("slips       ")).map(String::from)
+    };
+    let told = slips(&joint, &[]).unwrap();
+    let expected = "from A = 0.0133332 on, spring slips first, at 199.995 rad/s, near the resonance of mode 1 as long as all sticks, in the linear \
+                    response (isolas may be there much earlier)";
+    assert_eq!(told, expected);
+    // Beyond the resonance it resists with about 400² − 4e4 N/m: at 400 rad/s A = 12e4/3e4.
+    let bounds = [("frequency.min", "400"), ("frequency.max", "500")];
+    let told = slips(&joint, &bounds).unwrap();
+    assert!(told.starts_with("from A = 4.00") && told.contains(" at the bound 400 rad/s, in the linear"), "{told}");
+    // The force has twice the frequency of the response.
+    let twice = joint.replace("[forcing]", "[forcing]\nharmonic = 2");
+    let told = slips(&twice, &[]).unwrap();
+    assert!(told.starts_with("from A = 0.0133332 on, spring slips first, at 99.9975 rad/s, "), "{told}");
+    // A velocity of v0 at resonance, where friction takes F/v0 beside 2 N s/m: A = (2 + F/v0) v0, wherever the structure would be locked.
+    let friction = with_law("{ tanh_friction = { limit = 0.1, velocity = 0.01 } }");
+    let told = slips(&friction, &[]).unwrap();
+    assert!(
+        told.starts_with(
+            "from A = 0.12 on, spring slides (its velocity reaches that of its regularisation) first, at 100 "
+        ),
+        "{told}"
+    );
+    // What has a gap may touch before.
+    let both = format!(
+        "{MODEL}\n[[laws]]\nname = \"strip\"\ndof = \"x\"\nlaw = {{ jenkins = {{ stiffness = 3e4, limit = 1 }} }}\n"
+    );
+    let told = slips(&both, &[]).unwrap();
+    assert!(
+        told.contains(", strip slips first, ") && told.contains("in the linear response with nothing that touches"),
+        "{told}"
+    );
+    assert_eq!(slips(MODEL, &[]), None);
+}
+
+/// Two masses of which a joint ties one to the ground: against the response of the structure with a spring in its place.
+#[test]
+fn where_one_of_two_joints_slips_first() {
+    let model = |stiffness: [f64; 2], laws: &str| {
+        let [a, b] = stiffness;
+        format!(
+            "name = \"pair\"\ndofs = [\"p\", \"q\"]\nmonitors = [\"q\"]\n[matrices]\nmass = [[1, 0], [0, 1]]\n\
+             stiffness = [[{a}, -1e4], [-1e4, {b}]]\ndamping = [[4, -2], [-2, 4]]\n[forcing]\nshape = {{ dofs = {{ p = 1 }} }}\n{laws}"
+        )
+    };
+    let law =
+        |name: &str, dof: &str, law: &str| format!("[[laws]]\nname = \"{name}\"\ndof = \"{dof}\"\nlaw = {{ {law} }}\n");
+    let joints = law("first", "p", "jenkins = { stiffness = 1e4, limit = 5 }")
+        + &law("second", "q", "jenkins = { stiffness = 2e4, limit = 2 }");
+    // Stops at 5/1e4 m and 2/2e4 m touch where such joints slip.
+    let stops = law("first", "p", "penalty_spring = { stiffness = 1e4, gap = 5e-4 }")
+        + &law("second", "q", "penalty_spring = { stiffness = 2e4, gap = 1e-4 }");
+    let said = |model: &str, what: &str| {
+        let (_, text) = checked(model, "1", &[("backbone.modes", "[1, 2]")]);
+        let line = text.lines().find(|line| line.starts_with(what)).unwrap_or_else(|| panic!("{text}")).to_string();
+        let numbers = line.split([' ', ',']).filter_map(|word| word.parse::<f64>().ok()).collect::<Vec<_>>();
+        (line, numbers)
+    };
+    let (slips, found) = said(&model([2e4, 2e4], &joints), "slips ");
+    let (touches, expected) = said(&model([3e4, 4e4], &stops), "touches ");
+    assert!(slips.contains(", second slips first, ") && touches.contains(", second first, "), "{slips}\n{touches}");
+    assert!(
+        (found[0] / expected[0] - 1.0).abs() < 1e-5 && (found[1] / expected[1] - 1.0).abs() < 1e-5,
+        "{slips}\n{touches}"
+    );
+}
+
 /// What holds a joint changes what touches: nothing is said of levels by a response without it.
 #[test]
 fn what_touches_first_without_what_acts_at_rest() {
