@@ -162,7 +162,7 @@ impl Command {
 pub struct StudyArgs {
     /// Study file, or a folder with a study.toml.
     pub study: PathBuf,
-    /// Change a key: contact.friction=0, harmonics.count=20, ...
+    /// Change a key: contact.friction=0, harmonics.count=20, laws.NAME.law.jenkins.limit=3 (of the law of this name) ...
     #[arg(long, value_name = "KEY=VALUE", value_parser = key_value)]
     pub set: Vec<(String, String)>,
     /// Forcing amplitudes: 20,60 or start:stop:step with both ends.

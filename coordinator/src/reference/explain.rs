@@ -34,6 +34,19 @@ pub fn explain(asked: &str) -> Result<String, String> {
     Ok(found.iter().map(|(key, files)| of_key(key, files)).collect::<Vec<_>>().join("\n"))
 }
 
+/// The keys whose last part is this word, outside of lists: those with the fewest parts before it.
+pub fn keys_called(word: &str) -> Vec<&'static str> {
+    let all = keys();
+    let is_in_list = |path: &str| {
+        let lists = all.iter().filter(|(key, _)| matches!(key.kind, Kind::Tables(_)));
+        lists.into_iter().any(|(list, _)| path.strip_prefix(list.path).is_some_and(|rest| rest.starts_with('.')))
+    };
+    let called = all.iter().map(|(key, _)| *key).filter(|key| key.name() == word && !is_in_list(key.path));
+    let depth = |path: &str| path.matches('.').count();
+    let fewest = called.clone().map(|key| depth(key.path)).min();
+    called.map(|key| key.path).filter(|path| Some(depth(path)) == fewest).collect()
+}
+
 /// How a key is written, for example; in whichever file.
 pub fn example_of(asked: &str) -> Option<String> {
     let wanted = plain(asked);

@@ -10,9 +10,10 @@ mod schema;
 mod study_keys;
 
 pub use document::{document, file};
-pub use explain::{example_of, explain};
+pub use explain::{example_of, explain, keys_called};
 pub use key::{Absent, Key, Kind, List, Range, Tables};
 pub use schema::schema;
+pub use study_keys::MAX_LEVELS;
 
 /// A file whose keys are known.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

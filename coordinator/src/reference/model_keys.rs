@@ -311,7 +311,7 @@ pub(super) const SCENARIO: &[Key] = &[
         kind: Text,
         default: Words("law1, law2, …"),
         unit: "",
-        meaning: "Shown to people; no two nodes and laws have the same.",
+        meaning: "Shown to people; no two nodes and laws have the same. After --set it stands for the position of the law: laws.NAME.law.jenkins.limit=3 as well as laws.0.law.jenkins.limit=3.",
         example: "\"cubic spring\"",
     },
     Key {

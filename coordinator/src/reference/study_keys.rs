@@ -3,8 +3,10 @@
 use super::key::Absent::{Nothing, Required, Value, Words};
 use super::key::Kind::{Either, List as List_, Number, Pattern, Table, Text, Truth, Whole, Word};
 use super::key::{Key, Kind, List, Range};
-use crate::study::MAX_LEVELS;
 use solver::settings::NumberList;
+
+/// Largest number of forcing amplitudes of a study.
+pub const MAX_LEVELS: usize = 100_000;
 
 const LEVEL: Kind = Number(Range::POSITIVE);
 const COUNT: Kind = Whole(Range::from(1.0));

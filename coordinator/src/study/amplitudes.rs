@@ -4,8 +4,9 @@
 //! `"start:stop:step"`, which includes both ends: `"20:140:20"`, its amplitudes named by the shortest decimals that are
 //! their values. The order is kept.
 
-use super::entry::{EXAMPLE, MAX_LEVELS, Refusal, number};
+use super::entry::{EXAMPLE, Refusal, number};
 use super::range;
+use crate::reference::MAX_LEVELS;
 use protocol::to_everyone::Amplitude;
 use solver::structure::{ModelError, Place};
 use std::collections::HashMap;

@@ -1,8 +1,5 @@
 //! A forcing amplitude as written, and why it is refused.
 
-/// Largest number of forcing amplitudes of a study.
-pub const MAX_LEVELS: usize = 100_000;
-
 /// What a list of amplitudes looks like.
 pub(super) const EXAMPLE: &str =
     "give a list like [20, 60, 100], or a text like \"20, 60, 100\" or \"20:140:20\" (start:stop:step)";

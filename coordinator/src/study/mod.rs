@@ -7,7 +7,8 @@
 //! [`config`] but `name`, which come over those of `model.toml`. [`crate::reference`] describes all of them.
 //!
 //! Sections are merged key by key; a list or an inline table is replaced as a whole. One way to give the damping replaces
-//! the others. Values typed on the command line come last and reach into lists (`contact.nodes.0.gap`).
+//! the others. Values typed on the command line come last and reach into lists
+//! (`contact.nodes.0.gap`, `laws.NAME.law.jenkins.limit`).
 
 mod amplitudes;
 mod entry;
@@ -18,9 +19,9 @@ mod meant;
 mod range;
 
 pub use amplitudes::typed;
-pub use entry::MAX_LEVELS;
 pub use error::StudyError;
 
+use crate::reference;
 use locate::{locate, model_folder};
 use protocol::to_everyone::Amplitude;
 use results::resolved_study::UNITS;
@@ -36,20 +37,6 @@ use toml::{Table, Value};
 
 /// Keys of the study itself.
 const OWN: [&str; 4] = ["name", "model", "amplitudes", UNITS];
-
-/// Keys that are often varied: proposed to whoever leaves the section out.
-const OFTEN: [&str; 10] = [
-    "harmonics.count",
-    "harmonics.samples",
-    "frequency.min",
-    "frequency.max",
-    "backbone.modes",
-    "backbone.max_amplitude",
-    "contact.friction",
-    "contact.sense",
-    "contact.gap",
-    "contact.epsilon",
-];
 
 /// Keys that are accepted and do nothing any more.
 const WITHOUT_EFFECT: [&str; 1] = ["branch.closure"];
@@ -205,7 +192,7 @@ fn known_keys(study: &Layers) -> Result<(), ModelError> {
         None => Ok(()),
         Some(key) => {
             // Those of a section are meant where one has this very name.
-            let meant = OFTEN.into_iter().filter(|often| often.rsplit('.').next() == Some(key));
+            let meant = reference::keys_called(key);
             Err(ModelError::unknown(study.place(key), "key", key, known().chain(meant)))
         }
     }

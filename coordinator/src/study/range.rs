@@ -1,6 +1,7 @@
 //! Ranges `start:stop:step` in exact decimal arithmetic.
 
-use super::entry::{MAX_LEVELS, Refusal, number};
+use super::entry::{Refusal, number};
+use crate::reference::MAX_LEVELS;
 use protocol::to_everyone::Amplitude;
 
 /// A decimal number, digits × 10^exponent.

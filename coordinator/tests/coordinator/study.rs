@@ -8,7 +8,7 @@ use results::resolved_study::differences;
 use solver::files;
 use solver::settings::{ModeChoice, NumberList, Settings};
 use solver::structure::Damping;
-use solver::structure::laws::LawKind;
+use solver::structure::laws::{Law, LawKind};
 use std::fs;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
@@ -178,6 +178,17 @@ enum At {
     CommandLine,
 }
 
+/// A law that has a name.
+const LAW: &str = "[[laws]]\nname = \"s\"\ndof = \"tip\"\nlaw = { jenkins = { stiffness = 1, limit = 1 } }";
+
+#[test]
+fn a_law_is_reached_by_its_name() {
+    let study = load(&format!("amplitudes = 20\n{LAW}"), &[("laws.s.law.jenkins.limit", "3")], None);
+    let limits: Vec<f64> =
+        study.model.elements().iter().filter_map(|element| Some(element.law.slider()?.limit)).collect();
+    assert_eq!(limits, [3.0]);
+}
+
 /// A text put into the good study, options, and what the message must say.
 type Case<'a> = (At, &'a str, &'a [(&'a str, &'a str)], &'a [&'a str]);
 
@@ -195,7 +206,11 @@ fn bad_input() {
         (File, "[backbone]\nequation = \"damped\"", &[], &["`backbone.equation`", "did you mean `damped_mode`"]),
         (CommandLine, "", &[("contact.fricton", "0")], &["--set contact.fricton=0: ", "did you mean `friction`"]),
         (CommandLine, "", &[("friction", "0")], &["--set friction=0: `friction`", "did you mean `contact.friction`"]),
+        (CommandLine, "", &[("mass", "2")], &["--set mass=2: `mass`", "did you mean `matrices.mass`"]),
+        (CommandLine, "", &[("effort", "2")], &["--set effort=2: `effort`", ".effort`?"]),
         (CommandLine, "", &[("harmonics.cuont", "3")], &["--set harmonics.cuont=3: ", "did you mean `count`"]),
+        (CommandLine, LAW, &[("laws.s.limit", "3")], &["--set laws.s.limit=3: ", "did you mean `law.jenkins.limit`"]),
+        (CommandLine, LAW, &[("laws.t.law", "3")], &["--set laws.t.law=3: ", "list of 1", "nor the name of one: `s`"]),
         (CommandLine, "", &[("contact..gap", "0")], &["--set contact..gap=0: ", "not a dotted key"]),
         (CommandLine, "", &[("", "0")], &["--set =0: ", "not a dotted key"]),
         (CommandLine, "", &[("contact.nodes.7.gap", "0")], &["--set contact.nodes.7.gap=0: ", "list of 1"]),

@@ -1,7 +1,8 @@
 //! Settings as types; what serde refuses of them is told in the words of whoever writes such files.
 
 use super::MODEL;
-use super::layers::{Layers, dotted, set};
+use super::keys::{dotted, set};
+use super::layers::Layers;
 use crate::settings::SECTIONS;
 use crate::structure::ModelError;
 use serde::de::DeserializeOwned;
@@ -56,10 +57,20 @@ impl Layers {
                 // A choice is called by its key: there is no law, shape, effort of this name.
                 let choice = path.rsplit('.').next().unwrap_or(path);
                 let what = if message.starts_with("unknown field") { "key" } else { choice };
-                return ModelError::unknown(place, what, name, known);
+                let parameter = self.parameter(path, name);
+                return ModelError::unknown(place, what, name, known.into_iter().chain(parameter.as_deref()));
             }
         }
         ModelError::Type { place, message: in_words(path, message) }
+    }
+
+    /// Where the law of an entry has a parameter that stands beside it: `law.penalty_spring.gap`.
+    fn parameter(&self, path: &str, name: &str) -> Option<String> {
+        let (position, key) = path.strip_prefix("laws[")?.split_once("].")?;
+        let position = position.parse().ok()?;
+        let law = self.law(position).filter(|_| key == name)?;
+        let parameters = self.table().get("laws")?.get(position)?.get("law")?.get(law)?;
+        parameters.get(name).map(|_| format!("law.{law}.{name}"))
     }
 }
 

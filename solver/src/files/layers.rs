@@ -2,6 +2,7 @@
 //!
 //! A section is merged key by key; what stands at a key of a section, list and inline table too, is replaced as a whole.
 
+use super::keys::{dotted, positions, segments, set};
 use crate::structure::{ModelError, Place};
 use std::path::{Path, PathBuf};
 use toml::{Table, Value};
@@ -89,8 +90,8 @@ impl Layers {
         self.set.extend(over.set);
     }
 
-    /// Puts one value over these settings: a dotted key (entries of lists counted from 0) and a TOML value as typed
-    /// after `option`. A bare word that is not a TOML value is a string.
+    /// Puts one value over these settings: a dotted key (entries of lists by their `name`, or counted from 0) and a TOML
+    /// value as typed after `option`. A bare word that is not a TOML value is a string.
     ///
     /// # Errors
     /// A key that is not dotted, or that reaches into a value without keys or entries.
@@ -100,7 +101,7 @@ impl Layers {
             let place = Place { file: None, key: key.to_string(), set_by: Some(by.as_str().into()) };
             ModelError::Type { place, message }
         };
-        let segments = segments(key).map_err(refused)?;
+        let segments = positions(&self.table, segments(key).map_err(refused)?);
         let dotted = segments.join(".");
         self.supersede(&dotted);
         set(&mut self.table, &segments, value(typed)).map_err(refused)?;
@@ -211,11 +212,6 @@ impl Layers {
     }
 }
 
-/// A path with its positions in lists as parts like others.
-pub(super) fn dotted(path: &str) -> String {
-    path.replace('[', ".").replace(']', "")
-}
-
 /// Dotted keys of a file: those of sections, and of values outside of sections.
 fn leaves(table: &Table) -> Vec<String> {
     let mut keys = Vec::new();
@@ -247,69 +243,28 @@ fn value(text: &str) -> Value {
     text.parse().unwrap_or_else(|_| Value::String(text.to_string()))
 }
 
-/// Parts of a dotted key; quotes protect a dot inside of a part, as in TOML.
-fn segments(key: &str) -> Result<Vec<String>, String> {
-    let malformed =
-        || "not a dotted key; write it like `contact.friction`, a dof name with a dot in quotes".to_string();
-    let mut current = Value::Table(format!("{key} = 0").parse().map_err(|_| malformed())?);
-    let mut segments = Vec::new();
-    while let Value::Table(table) = current {
-        let mut entries = table.into_iter();
-        let (Some((segment, inner)), None) = (entries.next(), entries.next()) else { return Err(malformed()) };
-        segments.push(segment);
-        current = inner;
-    }
-    if current.as_integer() == Some(0) { Ok(segments) } else { Err(malformed()) }
-}
-
-pub(super) fn set(table: &mut Table, segments: &[String], value: Value) -> Result<(), String> {
-    let Some((first, rest)) = segments.split_first() else { return Ok(()) };
-    let empty = || Value::Table(Table::new());
-    let mut current = table.entry(first.as_str()).or_insert_with(empty);
-    for segment in rest {
-        current = child(current, segment)?;
-    }
-    *current = value;
-    Ok(())
-}
-
-/// Entry of a table, created when missing, or of a list.
-fn child<'v>(parent: &'v mut Value, segment: &str) -> Result<&'v mut Value, String> {
-    match parent {
-        Value::Table(table) => Ok(table.entry(segment).or_insert_with(|| Value::Table(Table::new()))),
-        Value::Array(list) => {
-            let length = list.len();
-            let entry = segment.parse().ok().and_then(|i: usize| list.get_mut(i));
-            entry.ok_or_else(|| format!("`{segment}` is not an entry of a list of {length}, counted from 0"))
-        }
-        other => Err(format!("`{segment}` is looked for inside of `{other}`, which is neither a section nor a list")),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn merged(text: &str, key: &str, typed: &str) -> Result<Table, String> {
-        let mut table: Table = text.parse().unwrap();
-        set(&mut table, &segments(key)?, value(typed)).map(|()| table)
-    }
-
     #[test]
-    fn overrides_replace_create_and_reach_into_lists() {
-        let text = "[a]\nb = 1\n[[c.d]]\ne = 1\n[[c.d]]\ne = 2";
-        assert_eq!(merged(text, "a.b", "-1").unwrap()["a"]["b"].as_integer(), Some(-1));
-        assert_eq!(merged(text, "a.b", "1e7").unwrap()["a"]["b"].as_float(), Some(1e7));
-        assert_eq!(merged(text, "a.b", "K_tuned.mtx").unwrap()["a"]["b"].as_str(), Some("K_tuned.mtx"));
-        assert_eq!(merged(text, "a.b", "\"quoted\"").unwrap()["a"]["b"].as_str(), Some("quoted"));
-        assert_eq!(merged(text, "new.key", "{x = 1}").unwrap()["new"]["key"]["x"].as_integer(), Some(1));
-        assert_eq!(merged(text, "top", "true").unwrap()["top"].as_bool(), Some(true));
-        assert_eq!(merged(text, "c.d.1.e", "5").unwrap()["c"]["d"][1]["e"].as_integer(), Some(5));
-        assert!(merged(text, "c.d.2.e", "5").unwrap_err().contains("list of 2"));
-        assert!(merged(text, "a.b.c", "5").unwrap_err().contains("neither a section nor a list"));
-        assert!(merged(text, "a..b", "5").unwrap_err().contains("not a dotted key"));
-        assert!(merged(text, "a = 1 #", "5").unwrap_err().contains("not a dotted key"));
-        assert_eq!(merged(text, "new.\"b0.r\"", "5").unwrap()["new"]["b0.r"].as_integer(), Some(5));
+    fn entries_of_lists_have_names() {
+        let text =
+            "[[laws]]\nname = \"joint\"\nlaw.jenkins.limit = 1\n[[laws]]\nname = \"upper stop\"\n[[laws]]\ndof = \"x\"";
+        let mut layers = parse("model.toml", text);
+        layers.set("--set", "laws.\"upper stop\".law.penalty_spring.gap", "3").unwrap();
+        layers.set("--set", "laws.joint.law.jenkins.limit", "2").unwrap();
+        layers.set("--set", "laws.2.dof", "y").unwrap();
+        let laws = &layers.table()["laws"];
+        assert_eq!(laws[0]["law"]["jenkins"]["limit"].as_integer(), Some(2));
+        assert_eq!(laws[1]["law"]["penalty_spring"]["gap"].as_integer(), Some(3));
+        assert_eq!(laws[2]["dof"].as_str(), Some("y"));
+        // Messages know who set it.
+        let place = layers.place("laws[0].law.jenkins.limit").to_string();
+        assert_eq!(place, "--set laws.joint.law.jenkins.limit=2: `laws[0].law.jenkins.limit`");
+        let refused = layers.set("--set", "laws.lower.dof", "x").unwrap_err().to_string();
+        let said = "`lower` is not an entry of a list of 3, counted from 0, nor the name of one: `joint`, `upper stop`";
+        assert!(refused.contains(said), "{refused}");
     }
 
     fn parse(file: &str, text: &str) -> Layers {

@@ -3,6 +3,7 @@
 mod build;
 pub mod config;
 mod explain;
+mod keys;
 mod layers;
 mod matrix_market;
 
