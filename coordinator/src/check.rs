@@ -28,6 +28,9 @@ use std::f64::consts::TAU;
 /// Eigenfrequencies shown.
 const MODES: usize = 6;
 
+/// Levels from which on a sweep says how many there are.
+const MANY: usize = 300;
+
 /// The study in a few aligned lines.
 pub fn report(study: &Study) -> String {
     let model = &study.model;
@@ -108,15 +111,28 @@ pub fn warnings_of_sweep(study: &Study) -> Vec<String> {
     warnings.chain(assumed).chain(undetermined(&study.model)).chain(softening::warnings(study)).collect()
 }
 
-/// What a sweep notes, of what may well be meant: that nothing resonates within its bounds, where the force acts if nobody said so, stops
+/// What a sweep notes, of what may well be meant: that there are very many levels, that nothing resonates within its bounds, where the force acts if nobody said so, stops
 /// that are pressed at rest, laws that are too soft to matter. Sentences.
 pub fn notes_of_sweep(study: &Study) -> Vec<String> {
-    bounds::note(study)
-        .into_iter()
+    (many_levels(study).into_iter())
+        .chain(bounds::note(study))
         .chain(defaults::forcing(study))
         .chain(laws::pressed(study))
         .chain(laws::soft(study))
         .collect()
+}
+
+/// That there are many levels, which may not be meant: a sentence.
+fn many_levels(study: &Study) -> Option<String> {
+    let (amplitudes, orders) = (study.amplitudes.len(), Orders::of(&study.model, &study.settings).iter().count());
+    let levels = amplitudes * orders;
+    let of_orders = if orders > 1 { format!(" ({amplitudes} of each of {orders} orders)") } else { String::new() };
+    (levels >= MANY).then(|| {
+        format!(
+            "{levels} levels{of_orders}, each of which is searched: how long one takes is known when the first are done, and the progress of \
+             the sweep tells what is left then; a run of fewer is extended by isola extend RUN --amplitudes LIST"
+        )
+    })
 }
 
 /// Why the mode that a sweep begins with has no backbone, if that is known before: a sentence.

@@ -173,8 +173,9 @@ pub fn stall(StalledTask { task, worker, seconds }: &StalledTask) -> String {
     )
 }
 
+/// How long it will take: what is found may ask for more.
 fn eta(status: &Status) -> String {
-    status.eta.map_or(String::new(), |eta| format!(", {} to go", duration(eta)))
+    status.eta.map_or(String::new(), |eta| format!(", about {} to go as far as is known", duration(eta)))
 }
 
 /// Width of lines for whoever reads standard output.

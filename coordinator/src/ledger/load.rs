@@ -87,7 +87,7 @@ impl Ledger {
     }
 
     /// Computing threads of workers that are present.
-    fn threads(&self) -> usize {
+    pub(super) fn threads(&self) -> usize {
         self.workers.values().filter(|worker| !worker.gone).map(|worker| worker.threads.len()).sum()
     }
 
@@ -132,37 +132,5 @@ impl Ledger {
             })
             .collect();
         load
-    }
-
-    /// Time to the end, s, of what is known by now: what tasks of each kind took on average, as often as they were needed so far,
-    /// over the threads that are there; but no less than a level takes by itself, whose branches follow one after the other.
-    pub fn time_left(&self) -> Option<f64> {
-        let all = self.costs.iter().copied().fold(Cost::default(), Cost::and).mean()?;
-        let mut counts = [[0; STATES.len()]; KINDS.len()];
-        for entry in self.entries() {
-            counts[place_of_kind(&entry.task)][state_of(&entry.state)] += 1;
-        }
-        let expected: Vec<f64> = std::iter::zip(counts, &self.costs)
-            .map(|([_, _, done, skipped, _], cost)| {
-                let needed = (done + 1) as f64 / (done + skipped + 1) as f64;
-                needed * cost.expected(all)
-            })
-            .collect();
-        let (mut work, mut longest) = (0.0, 0.0f64);
-        for chain in &self.chains {
-            let mut row = 0.0;
-            for entry in &chain.entries {
-                let left = match entry.state {
-                    TaskState::Waiting => expected[place_of_kind(&entry.task)],
-                    TaskState::Leased { .. } => self.costs[place_of_kind(&entry.task)].expected(all) / 2.0,
-                    _ => continue,
-                };
-                work += left;
-                row += if entry.task.is_ordered() { left } else { 0.0 };
-            }
-            longest = longest.max(row);
-        }
-        let threads = self.threads();
-        (threads > 0).then(|| longest.max(work / threads as f64))
     }
 }

@@ -22,6 +22,7 @@ mod status;
 mod task;
 #[cfg(test)]
 mod tests;
+mod time_left;
 mod trust;
 mod withdraw;
 mod worker;

@@ -111,6 +111,20 @@ fn frequencies_and_lengths_are_in_the_units_of_the_study() {
     assert!(warnings[0].contains("its gap is negative (-1 mm), "), "{warnings:?}");
 }
 
+/// What a sweep of very many levels says before it begins.
+#[test]
+fn many_levels_are_told() {
+    let notes = |amplitudes: &str| {
+        let dir = tempfile::tempdir().unwrap();
+        fs::write(dir.path().join("model.toml"), MODEL).unwrap();
+        fs::write(dir.path().join("study.toml"), format!("amplitudes = \"{amplitudes}\"\n")).unwrap();
+        notes_of_sweep(&Study::load(dir.path(), &[], None).unwrap())
+    };
+    assert_eq!(notes("0.1:10:0.1"), [] as [&str; 0]);
+    let [note] = &notes("0.001:10:0.001")[..] else { panic!("no note") };
+    assert!(note.starts_with("10000 levels, each of which is searched: "), "{note}");
+}
+
 #[test]
 fn matrices_exchanged() {
     let exchanged = MODEL.replace("[[1]]", "[[1e4]]").replace("stiffness = [[1e4]]", "stiffness = [[1]]");

@@ -20,7 +20,7 @@ pub struct Level {
     pub windows: Vec<WindowRow>,
     /// Why no main branch starts at one side, if one was tried there.
     pub main_failure: Option<String>,
-    /// Tasks still to be done.
+    /// Tasks still to be done, verifications apart.
     pub pending: usize,
     /// Tasks given up.
     pub dead: usize,

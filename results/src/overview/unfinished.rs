@@ -17,7 +17,10 @@ pub fn unfinished(levels: &[Level], has_backbone: bool) -> Vec<String> {
     let bare = count(levels, |level| usize::from(level.is_bare()));
     let sentences = [
         pending
-            .map(|(tasks, list)| format!("{} still to be done, at A = {list}.", number(tasks, "task is", "tasks are"))),
+            .map(|(tasks, list)| {
+                let tasks = number(tasks, "task is", "tasks are");
+                format!("{tasks} still to be done, at A = {list}, verifications and what follows from results not counted.")
+            }),
         dead.map(|(tasks, list)| {
             format!("{} given up, at A = {list}: `isola retry-dead RUN` tries them again.", number(tasks, "task was", "tasks were"))
         }),

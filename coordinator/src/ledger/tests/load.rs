@@ -1,6 +1,6 @@
 //! How busy everybody is, and how long it will take.
 
-use super::cases::{MAIN, leased};
+use super::cases::{MAIN, ON_MAIN, leased};
 use super::*;
 use crate::ledger::STATES;
 use protocol::from_worker::Progress;
@@ -77,6 +77,29 @@ fn the_time_left_is_that_of_what_will_be_needed() {
     let seed = ledger.chains[0].entries[3].task;
     ledger.note_cost(&seed, f64::NAN);
     is_left(&ledger, 5.0 + 3.0 * 2.0 / 2.0);
+}
+
+/// What levels ask for that have not begun is told by those that are done, and threads that wait for the coordinator take longer.
+#[test]
+fn the_time_left_counts_what_levels_to_come_ask_for() {
+    let plans: Vec<LevelPlan> = (1..=100).map(|level| plan(f64::from(level), 0)).collect();
+    let mut ledger = Ledger::new(Rules { verify: VerifyEffort::All, ..Rules::default() }, plans);
+    while !ledger.chains[0].has_branches() {
+        let main = leased(&mut ledger, "a", at(0));
+        let is_first = ledger.chains[0].level().is_some_and(|level| level.branches.is_empty());
+        assert!(matches!(ledger.submit(&main, if is_first { &MAIN } else { &ON_MAIN }).0, Submitted::Accepted(_)));
+    }
+    (0..10_000).for_each(|_| ledger.note_cost(&Task::Main(Side::Below), 1.0));
+    let verification = ledger.entries().map(|entry| entry.task).find(|task| matches!(task, Task::Verify(_))).unwrap();
+    (0..10_000).for_each(|_| ledger.note_cost(&verification, 10.0));
+    // Its branch is to be verified for 10 s, and so will be those of the others.
+    let left = ledger.time_left().unwrap();
+    assert!((1000.0..1250.0).contains(&left), "{left}");
+    // Only half of the time was computed so far.
+    let computed = 10_000.0 * 11.0;
+    let worker = ledger.workers.values_mut().next().unwrap();
+    worker.present = Duration::from_secs_f64(2.0 * computed);
+    assert!((ledger.time_left().unwrap() / (2.0 * left) - 1.0).abs() < 1e-9);
 }
 
 /// One that took long does not make all of its kind.

@@ -97,7 +97,8 @@ def _open(reading: Reading, found: list[Level]) -> list[str]:
         return [sentence(sum(counts.values()), ", ".join(named[:_NAMED]) + more)] if named else []
 
     def tasks(states: str) -> Callable[[Level], int]:
-        sql = f"SELECT count(*) FROM tasks WHERE level = ? AND state IN ({states})"
+        searched = "kind NOT IN ('verify', 'disturb', 'march')"
+        sql = f"SELECT count(*) FROM tasks WHERE level = ? AND state IN ({states}) AND {searched}"
         return lambda level: int(reading.column(sql, level.number)[0])
 
     def number(count: int, one: str, many: str) -> str:
@@ -106,7 +107,8 @@ def _open(reading: Reading, found: list[Level]) -> list[str]:
     return [
         *counted(
             tasks("'waiting', 'leased'"),
-            lambda count, at: f"{number(count, 'task is', 'tasks are')} still to be done, at A = {at}.",
+            lambda count, at: f"{number(count, 'task is', 'tasks are')} still to be done, at A = {at}, "
+            "verifications and what follows from results not counted.",
         ),
         *counted(
             tasks("'dead'"),
