@@ -324,7 +324,7 @@ pub(super) const NUMERICS: &[Key] = &[
             ("none", "in the windows only"),
             (
                 "standard",
-                "up to 200 folds of the branches found are followed over the forcing, and random starts are tried, 16384 with a small model and fewer with larger ones, beside a quarter as many at up to twice the largest forcing, for folds that lead back; where nothing leads to motions of several periods of the force, homotopies as well, a thirty-second as many",
+                "up to 200 folds of the branches found are followed over the forcing, and random starts are tried, 16384 with a small model and fewer with larger ones, shared among the levels (those that isola extend adds have their own), beside a quarter as many at up to twice the largest forcing, for folds that lead back; where nothing leads to motions of several periods of the force, homotopies as well, a thirty-second as many",
             ),
             ("thorough", "up to 5000 folds, and 16 times as many starts"),
         ]),
