@@ -2,7 +2,7 @@
 
 use super::modes::not_started;
 use crate::store::{CurveRow, GRAZING, Reader, Result};
-use crate::words::{count, digits};
+use crate::words::{count, digits, listed};
 use protocol::backbone::BackboneMessage;
 use protocol::to_everyone::Stage;
 use solver::response::branch::{Outcome, Stop};
@@ -13,6 +13,9 @@ const DIGITS: i32 = 4;
 
 /// How many curves the sentence names.
 const NAMED: usize = 4;
+
+/// How many levels of crossings it names.
+const LEVELS: usize = 5;
 
 /// Where a backbone stops at a threshold this many times above the highest level, the rest is taken to be out of its reach.
 const FAR: f64 = 100.0;
@@ -48,12 +51,14 @@ pub fn doubts(reader: &Reader) -> Result<Option<String>> {
     let stopped = stopped.iter().filter(|curve| curve.is_unfinished && ends_near(curve, &levels));
     curves.extend(stopped.map(fold_curve));
     let search = reader.search_counts()?;
+    let without_branch =
+        format!("of a curve and a level, without a branch, {}", at(reader, &reader.levels_of_lost_crossings()?)?);
     // Folds of a run that goes on are still to come.
     let left_out = if reader.stage()? == Stage::Finished { search.left_out } else { 0 };
     let lost = [
         (search.unfollowed, "fold", "not followed over the forcing"),
         (left_out, "fold", "beyond the limit of the search"),
-        (search.lost, "crossing", "of a curve and a level, without a branch"),
+        (search.lost, "crossing", without_branch.as_str()),
         (search.uncarried, "open branch", "not followed to all levels"),
     ];
     let lost = lost.into_iter().filter(|(number, ..)| *number > 0);
@@ -73,6 +78,18 @@ pub fn doubts(reader: &Reader) -> Result<Option<String>> {
     Ok(Some(format!(
         "not known to its end: {list}{more}{points}; responses beyond may be larger, and others may begin there{search}"
     )))
+}
+
+/// Where levels are, each once: `at A = 3, 4 and 5`.
+fn at(reader: &Reader, numbers: &[i64]) -> Result<String> {
+    let levels = reader.levels()?.into_iter().filter(|(number, ..)| numbers.contains(number));
+    let mut names: Vec<String> = levels.map(|(_, name, _)| name).collect();
+    if names.len() > LEVELS {
+        let more = names.len() - LEVELS;
+        names.truncate(LEVELS);
+        names.push(format!("{more} more"));
+    }
+    Ok(format!("at A = {}", listed(&names)))
 }
 
 /// Which keys allow more points, if some of these curves used up theirs.

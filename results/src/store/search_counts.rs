@@ -69,8 +69,26 @@ const HANGING: &str = "SELECT count(*) FROM branches WHERE kind = 'branched' AND
      AND EXISTS (SELECT 1 FROM json_each(branches.special) WHERE json_extract(json_each.value, '$.kind') = 'fold')";
 
 impl Reader {
-    /// Number of crossings without a branch at which another curve, the same one followed again after the run was extended, has one.
-    fn crossings_met_otherwise(&self, levels: &str) -> Result<usize> {
+    /// The levels of crossings without a branch, though they lie within the bounds: of each as often as it has such.
+    pub(crate) fn levels_of_lost_crossings(&self) -> Result<Vec<i64>> {
+        let levels = self.levels_told_of();
+        let sql = format!(
+            "SELECT level FROM tasks JOIN levels USING (level) WHERE kind = 'crossing' AND NOT (state = 'done' AND ({IS_WELL})) \
+             AND origin NOT LIKE 'scout %' AND level IN {levels} ORDER BY value, level"
+        );
+        let mut lost: Vec<i64> = self.all(&sql, [], |row| row.get(0))?;
+        if !lost.is_empty() {
+            for met in self.crossings_met_otherwise(&levels)? {
+                if let Some(place) = lost.iter().position(|&level| level == met) {
+                    lost.remove(place);
+                }
+            }
+        }
+        Ok(lost)
+    }
+
+    /// The levels of crossings without a branch at which another curve, the same one followed again after the run was extended, has one.
+    fn crossings_met_otherwise(&self, levels: &str) -> Result<Vec<i64>> {
         let sql = format!(
             "SELECT work, level, value, coalesce(found, 0) FROM tasks JOIN levels USING (level) \
              WHERE kind = 'crossing' AND state = 'done' AND (found OR NOT ({IS_WELL})) AND origin NOT LIKE 'scout %' AND level IN {levels}"
@@ -84,7 +102,7 @@ impl Reader {
             places.extend(self.between(place, value)?.map(|at| (place, level, at, is_found)));
         }
         let is_near = |a: f64, b: f64, share: f64| (a - b).abs() <= share * a.abs().max(b.abs());
-        let mut met = 0;
+        let mut met = Vec::new();
         for (place, level, [omega, amplitude], _) in places.iter().filter(|(.., is_found)| !is_found) {
             let there = places.iter().filter(|(other, at, [o, a], is_found)| {
                 let is_there = is_near(*o, *omega, BESIDE) && is_near(*a, *amplitude, ALIKE);
@@ -92,7 +110,7 @@ impl Reader {
             });
             for (other, ..) in there {
                 if self.is_same_curve(place.curve, other.curve)? {
-                    met += 1;
+                    met.push(*level);
                     break;
                 }
             }
@@ -137,9 +155,7 @@ impl Reader {
             *all += 1;
             *lost += usize::from(!is_well);
         }
-        if counts.lost > 0 {
-            counts.lost -= self.crossings_met_otherwise(&levels)?.min(counts.lost);
-        }
+        counts.lost = self.levels_of_lost_crossings()?.len();
         let number = |sql: &str| {
             Ok::<_, StoreError>(self.one(&told_of(sql), [], |row| row.get::<_, usize>(0))?.unwrap_or_default())
         };
@@ -208,6 +224,14 @@ mod tests {
         curve(1, 2.0);
         crossing(0, false);
         assert_eq!(lost(), 1);
+        // It is told where.
+        let reader = Store::open(dir.path()).unwrap();
+        let lowest = reader.levels().unwrap().remove(0);
+        assert_eq!(reader.levels_of_lost_crossings().unwrap(), [lowest.0]);
+        let doubts = crate::overview::doubts(&reader).unwrap().unwrap();
+        let said = format!("1 crossing (of a curve and a level, without a branch, at A = {})", lowest.1);
+        assert!(doubts.contains(&said), "{doubts}");
+        drop(reader);
         // One elsewhere says nothing of it.
         curve(2, 2.01);
         crossing(1, true);

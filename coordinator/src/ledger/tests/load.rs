@@ -84,10 +84,12 @@ fn the_time_left_is_that_of_what_will_be_needed() {
 fn the_time_left_counts_what_levels_to_come_ask_for() {
     let plans: Vec<LevelPlan> = (1..=100).map(|level| plan(f64::from(level), 0)).collect();
     let mut ledger = Ledger::new(Rules { verify: VerifyEffort::All, ..Rules::default() }, plans);
+    let worker = WorkerId::new("a").unwrap();
     while !ledger.chains[0].has_branches() {
-        let main = leased(&mut ledger, "a", at(0));
-        let is_first = ledger.chains[0].level().is_some_and(|level| level.branches.is_empty());
-        assert!(matches!(ledger.submit(&main, if is_first { &MAIN } else { &ON_MAIN }).0, Submitted::Accepted(_)));
+        let (Leased::Grant(granted), _) = ledger.lease(&worker, 0, at(0)) else { panic!("no task") };
+        let found = if granted.known.is_empty() { &MAIN } else { &ON_MAIN };
+        let lease = Lease { task: granted.task, attempt: granted.attempt, worker: worker.clone(), slot: 0 };
+        assert!(matches!(ledger.submit(&lease, found).0, Submitted::Accepted(_)));
     }
     (0..10_000).for_each(|_| ledger.note_cost(&Task::Main(Side::Below), 1.0));
     let verification = ledger.entries().map(|entry| entry.task).find(|task| matches!(task, Task::Verify(_))).unwrap();
