@@ -80,7 +80,8 @@ pub fn events_sentence(curves: &[CurveRow], levels: &[Level], frequency: impl Fn
         let more = points.len().saturating_sub(NAMED);
         let more = if more > 0 { format!(" and {more} more") } else { String::new() };
         let named: Vec<String> = points.iter().take(NAMED).map(|point| place(point)).collect();
-        (!points.is_empty()).then(|| format!("{verb} at A = {}{more}", named.join(", ")))
+        let first = points.first().map(|point| point.forcing)?;
+        Some((first, format!("{verb} at A = {}{more}", named.join(", "))))
     };
     let (lives, merged) = (lives(curves), merges(curves));
     let is_told = |point: &CurvePoint| lives.iter().any(|life| life.from.is_at(point) || life.to.is_at(point));
@@ -97,7 +98,9 @@ pub fn events_sentence(curves: &[CurveRow], levels: &[Level], frequency: impl Fn
     let mut others = Vec::new();
     for merge in merged.iter().filter(|merge| !is_told(merge.point)) {
         match &merge.what {
-            Some(what) if told.len() < NAMED => told.push(format!("{what} at A = {}", place(merge.point))),
+            Some(what) if told.len() < NAMED => {
+                told.push((merge.point.forcing, format!("{what} at A = {}", place(merge.point))));
+            }
             _ => others.push(merge.point),
         }
     }
@@ -105,27 +108,32 @@ pub fn events_sentence(curves: &[CurveRow], levels: &[Level], frequency: impl Fn
         let is_so = |point: &&CurvePoint| counted(point, levels, curves) == kind;
         others.iter().copied().filter(is_so).collect::<Vec<_>>()
     };
-    let others = [
-        part(&of_kind(Some(Counted::Merges)), MERGES, MERGES),
-        part(&of_kind(Some(Counted::Parts)), PARTS, PARTS),
-        match told.is_empty() && lives.is_empty() {
-            true => part(&of_kind(None), MERGE.one, MERGE.several),
-            false => part(&of_kind(None), ALSO, ALSO),
-        },
-    ];
-    let are_others = others.iter().any(Option::is_some);
+    let others =
+        [part(&of_kind(Some(Counted::Merges)), MERGES, MERGES), part(&of_kind(Some(Counted::Parts)), PARTS, PARTS)];
+    let unknown = of_kind(None);
+    let are_others = others.iter().any(Option::is_some) || !unknown.is_empty();
     let unrelated = [!births.is_empty(), !deaths.is_empty(), are_others].into_iter().filter(|is| *is).count() > 1;
-    let more = lives.len().saturating_sub(LIVES);
-    let told_whole = lives.iter().take(LIVES);
-    let parts: Vec<String> = told_whole
-        .map(|life| in_words(life, &merged, |point| counted(point, levels, curves), place))
-        .chain((more > 0).then(|| format!("{more} more isolas are born and end")))
-        .chain(lasting.iter().take(NAMED).map(|one| without_end(one, place)))
-        .chain((lasting.len() > NAMED).then(|| format!("{} more are born and come to no end", lasting.len() - NAMED)))
+    let are_known = !told.is_empty() || !lives.is_empty();
+    let counted = |point: &CurvePoint| counted(point, levels, curves);
+    let whole = lives.iter().take(LIVES).map(|life| (life.from.forcing, in_words(life, &merged, counted, place)));
+    let open = lasting.iter().take(NAMED).map(|one| (one.from.forcing, without_end(one, place)));
+    let mut parts: Vec<(f64, String)> = (whole.chain(open))
         .chain(part(&births, BIRTH.one, BIRTH.several))
         .chain(part(&deaths, DEATH.one, DEATH.several))
         .chain(told)
         .chain(others.into_iter().flatten())
+        .collect();
+    // A story is told as the forcing grows.
+    parts.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let is_first = unknown.first().is_some_and(|point| parts.first().is_none_or(|(first, _)| point.forcing < *first));
+    let (one, several) = if are_known && !is_first { (ALSO, ALSO) } else { (MERGE.one, MERGE.several) };
+    if let Some(part) = part(&unknown, one, several) {
+        parts.insert(parts.partition_point(|(first, _)| *first <= part.0), part);
+    }
+    let more = lives.len().saturating_sub(LIVES);
+    let parts: Vec<String> = (parts.into_iter().map(|(_, part)| part))
+        .chain((more > 0).then(|| format!("{more} more isolas are born and end")))
+        .chain((lasting.len() > NAMED).then(|| format!("{} more are born and come to no end", lasting.len() - NAMED)))
         .chain(unrelated.then(|| UNRELATED.into()))
         .collect();
     let doubt = if is_any_doubtful { format!(" ({UNKNOWN} {UNCONFIRMED})") } else { String::new() };
@@ -222,8 +230,15 @@ mod tests {
         let dies = curve(&[(5.0, ""), (9.0, "death"), (6.0, "merge"), (7.0, "")]);
         let begins = "an isola begins at A = 6 (12 rad/s), where branches merge or part, and lasts to A = 9 (18 rad/s), where it \
                       dies.";
-        let both = say(&[whole, dies]).unwrap();
+        let both = say(&[whole.clone(), dies]).unwrap();
         assert!(both.starts_with(lasts) && both.ends_with(begins), "{both}");
+        // As the forcing grows, whatever kind of thing happens.
+        let early = curve(&[(0.9, ""), (0.5, "birth"), (0.8, "")]);
+        let late = curve(&[(0.1, ""), (0.2, "merge"), (0.1, ""), (8.0, "merge"), (7.0, "")]);
+        let all = say(&[whole, early, late]).unwrap();
+        let places: Vec<usize> =
+            ["at A = 0.2 (", "at A = 0.5 (", "at A = 1.5 ("].iter().map(|part| all.find(part).expect(&all)).collect();
+        assert!(places.is_sorted() && !all.contains(": branches also"), "{all}");
     }
 
     /// Between a level with an isola and one without there is a merge, whatever else is known of it.
