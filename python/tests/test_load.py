@@ -55,6 +55,23 @@ def folder(request: pytest.FixtureRequest) -> Path:
     return found
 
 
+def test_columns_of_tables_are_explained(folder: Path) -> None:
+    run = isola_hbm.load(folder)
+    text = (ROOT / "results" / "COLUMNS.md").read_text(encoding="utf-8")
+
+    def explained(text: str) -> set[str]:
+        rows = [line.split("|")[1] for line in text.splitlines() if line.startswith("| `")]
+        return {name for row in rows for name in re.findall("`([^`]+)`", row)}
+
+    for name in ("summary", "windows", "folds", "events", "bifurcations", "motions", "pushes"):
+        assert set(getattr(run, name).columns) <= explained(text), name
+    # What tables have besides the files stands in a section of its own; motions and pushes are of runs that have some.
+    besides = explained(text.split("\n## Tables in Python")[1])
+    in_tables = {*run.summary.columns, *run.windows.columns}
+    assert besides - in_tables == {"periods"}
+    assert {"task", "closed", "rejections", "first", "last", "best", "reason"} <= besides
+
+
 def test_tables_are_the_csv_files(folder: Path) -> None:
     run = isola_hbm.load(folder)
     texts = {"kind", "status", "peak_standing", "outcome", "reason", "source"}
