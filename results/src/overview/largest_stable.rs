@@ -51,6 +51,24 @@ pub fn largest_stable_sentence(
     ))
 }
 
+/// What an engineer can take from it that the largest response is unstable: `None` if it is not known to be. `is_marched_on`: motions
+/// that unstable ones turn into are told.
+pub fn unstable_peak_sentence(levels: &[Level], is_marched_on: bool) -> Option<String> {
+    let peak = highest(levels.iter().flat_map(|level| &level.branches))?.stability.as_ref()?.peak.as_ref()?;
+    if peak.verdict != "unstable" {
+        return None;
+    }
+    let mut known = levels.iter().flat_map(|level| &level.branches).filter_map(|branch| branch.stability.as_ref());
+    // Runs of earlier programs know where it is stable without knowing the largest.
+    let is_any = known.any(|known| known.stable > 0.0 || known.largest.is_some());
+    let none = if is_any { "" } else { "No periodic response was found stable. " };
+    let how = if is_marched_on { "" } else { "; isola verify RUN marches on from unstable ones" };
+    Some(format!(
+        "{none}An unstable motion does not last: what does is a stable one, or a motion that is not periodic or has a longer period, which \
+         may be as large or larger{how}."
+    ))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -95,5 +113,24 @@ mod tests {
         let main = told(&[level("14", &[("main", 2.1, 1.4), ("isola", 21.2, 0.0)], "unstable")]).unwrap();
         assert!(main.contains("1.4 m, on the main branch at A = 14"), "{main}");
         assert_eq!(told(&[level("14", &[("isola", 21.2, 0.0)], "unstable")]), None);
+    }
+
+    #[test]
+    fn what_lasts_where_the_largest_response_does_not() {
+        let said = |stable: f64, verdict, is_marched_on| {
+            unstable_peak_sentence(&[level("14", &[("isola", 21.2, stable)], verdict)], is_marched_on)
+        };
+        let expected = "An unstable motion does not last: what does is a stable one, or a motion that is not periodic or has a longer period, \
+                        which may be as large or larger";
+        let how = "; isola verify RUN marches on from unstable ones.";
+        assert_eq!(said(8.0, "unstable", false).unwrap(), format!("{expected}{how}"));
+        assert_eq!(said(8.0, "unstable", true).unwrap(), format!("{expected}."));
+        let mut none = level("14", &[("isola", 21.2, 0.0)], "unstable");
+        none.branches[0].stability.as_mut().unwrap().stable = 0.0;
+        let none = unstable_peak_sentence(&[none], true).unwrap();
+        assert_eq!(none, format!("No periodic response was found stable. {expected}."));
+        for verdict in ["stable", "marginal", "none", "not_comparable"] {
+            assert_eq!(said(8.0, verdict, false), None);
+        }
     }
 }

@@ -38,7 +38,7 @@ pub use folds::{
     CurveEvent, born_above, born_below, born_between, curve_events, events_of, later_birth, level_between,
     levels_after, most_folds, not_followed, not_followed_sentence, why_no_folds,
 };
-pub use largest_stable::{StableResponse, largest_stable, largest_stable_sentence};
+pub use largest_stable::{StableResponse, largest_stable, largest_stable_sentence, unstable_peak_sentence};
 pub use lesser::Lesser;
 pub use level::{Level, Seeds, UNTOUCHED, highest, is_untouched};
 pub use looked_for::LookedFor;

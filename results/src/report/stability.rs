@@ -3,6 +3,7 @@
 use super::evidence::Evidence;
 use crate::overview::{
     BranchRow, Level, StabilityOf, StableResponse, largest_stable, largest_stable_sentence, near_largest, stability_of,
+    unstable_peak_sentence,
 };
 use crate::store::least_energy;
 use crate::summary_table::{motions, pushes};
@@ -82,6 +83,11 @@ impl Evidence<'_> {
     /// The largest response that was found stable, where that is not told by what is said of isolas and of the largest response.
     pub(super) fn largest_stable(&self) -> Option<String> {
         largest_stable_sentence(self.levels, |x| self.length(x), frequency)
+    }
+
+    /// What lasts where the largest response does not.
+    pub(super) fn unstable_peak(&self) -> Option<String> {
+        unstable_peak_sentence(self.levels, !self.motions.is_empty())
     }
 
     /// What is known of the stability of the largest response.

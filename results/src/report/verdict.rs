@@ -196,6 +196,7 @@ impl<'r> Evidence<'r> {
         list.extend(sampled(self.levels));
         list.extend(self.largest().map(|(_, largest)| self.stability_of_peak(largest)));
         list.extend(self.largest_stable());
+        list.extend(self.unstable_peak());
         list.extend(motions::brief(self.motions, self.units, self.is_further));
         let is_untouched = self.structure.stops > 0 && is_untouched(self.levels);
         list.extend(is_untouched.then(|| UNTOUCHED.into()));

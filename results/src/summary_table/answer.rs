@@ -5,7 +5,7 @@ use super::units::Units;
 use super::{search, stability};
 use crate::overview::{
     BranchRow, Level, asks_for_harmonics, highest, in_words, is_unconfirmed, is_unmatched, largest_stable_sentence,
-    near_largest, truncation_of, unfinished,
+    near_largest, truncation_of, unfinished, unstable_peak_sentence,
 };
 use crate::words::{capitalised, listed};
 use solver::response::branch::BranchKind;
@@ -25,6 +25,7 @@ pub(super) fn answer(known: &Known, units: Units) -> Vec<String> {
         )
         .chain(largest(levels, units))
         .chain(stability::sentence(levels, units, is_told(levels)))
+        .chain(unstable_peak_sentence(levels, !known.motions.is_empty()))
         .chain(known.doubts.as_deref().map(|doubts| format!("{}.", capitalised(doubts))))
         .chain(unfinished(levels, !known.awaits_backbones))
         .chain(
