@@ -19,7 +19,7 @@ use crate::export::order_folder;
 use crate::store::{Reader, Result};
 use crate::words::{number, times};
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets::UTF8_FULL_CONDENSED};
-use footnotes::wrapped;
+pub(crate) use footnotes::wrapped;
 use known::Known;
 use rows::Rows;
 use solver::structure::Model;

@@ -1,6 +1,7 @@
 //! Several runs beside each other: what of their studies differs, what each found, level by level, and by how much that is
 //! another.
 
+mod found;
 mod numbers;
 #[cfg(test)]
 mod tests;
@@ -10,6 +11,7 @@ pub use numbers::{NumberRow, table};
 use crate::figure::{Compared, ComparedFigures};
 use crate::report::Report;
 use crate::resolved_study::differences;
+use crate::told::Told;
 use serde::Serialize;
 
 /// Keys of studies whose differences say nothing of the structure or its computation.
@@ -29,6 +31,8 @@ pub struct Comparison {
     pub settings: Vec<SettingRow>,
     /// What was found at every level, in numbers.
     pub numbers: Vec<NumberRow>,
+    /// Isolas and births that only one of the first run and another one has: sentences.
+    pub alone: Vec<Told>,
     /// Figures with the curves of all runs.
     pub figures: ComparedFigures,
 }
@@ -62,7 +66,8 @@ impl Comparison {
         let values: Vec<f64> = levels.iter().map(|level| level.value).collect();
         let figures = ComparedFigures::new(&sides, &values);
         let (settings, numbers) = (settings(&reports), numbers::rows(&reports, &levels));
-        Self { settings, numbers, figures, names, levels, reports }
+        let alone = found::alone(&names, &reports);
+        Self { settings, numbers, alone, figures, names, levels, reports }
     }
 }
 

@@ -4,7 +4,7 @@ use super::{ComparedLevel, Comparison, is_one, monitor};
 use crate::overview::Level;
 use crate::report::Report;
 use crate::store::BranchRow;
-use crate::summary_table::LengthUnit;
+use crate::summary_table::{LengthUnit, wrapped};
 use crate::told::{Told, length_in};
 use crate::words::digits;
 use comfy_table::{ContentArrangement, Table, presets::UTF8_FULL_CONDENSED};
@@ -83,7 +83,7 @@ fn of_others(level: &Level) -> Told {
     further.iter().fold(begin, |told, row| told.text(", ").then(range(row))).unit()
 }
 
-/// The numbers as a table for a terminal.
+/// The numbers as a table for a terminal, and below it what only one of two runs has.
 pub fn table(comparison: &Comparison, width: u16) -> String {
     let mut table = Table::new();
     table.load_preset(UTF8_FULL_CONDENSED);
@@ -98,5 +98,6 @@ pub fn table(comparison: &Comparison, width: u16) -> String {
         let values = values.iter().map(|value| value.read_in(unit));
         table.add_row([amplitude.clone(), what.to_string()].into_iter().chain(values));
     }
-    format!("{table}\n")
+    let alone = comparison.alone.iter().map(|told| wrapped(&told.read_in(unit), width, "") + "\n");
+    format!("{table}\n{}", alone.collect::<String>())
 }

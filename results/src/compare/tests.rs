@@ -97,6 +97,34 @@ fn numbers_differ_by_what_they_do() {
     assert!(table.contains("harmonics.count") && table.contains(second.as_str()), "{table}");
 }
 
+/// Isolas and births of one run alone are told in words, whichever it is.
+#[test]
+fn what_only_one_run_has() {
+    let whole = || read(&Study::damper(), |_| {});
+    let bare = read(&Study::damper(), |report| {
+        report.curves.clear();
+        for level in &mut report.overview.levels {
+            level.branches.retain(|branch| !branch.is_isola());
+        }
+    });
+    assert_eq!(Comparison::new(vec![("a".into(), whole()), ("b".into(), whole())]).alone, []);
+    let births = crate::overview::events_of(&whole().curves, "birth").len();
+    let both = Comparison::new(vec![("a".into(), whole()), ("b".into(), bare)]);
+    let alone: Vec<String> = both.alone.iter().map(|told| told.read_in(FrequencyUnit::RadianPerSecond)).collect();
+    let isolas = &alone[0];
+    assert!(
+        isolas.starts_with("Isolas of `a` at whose frequencies `b` has none: isola 1 at A = 0.006 (")
+            && isolas.ends_with(" rad/s)."),
+        "{isolas}"
+    );
+    assert!(births > 0 && alone.len() == 2, "{alone:?}");
+    let begins = "Births along fold curves of `a` that are not found in `b`, which has no fold curves (within 10 % of A and 3 % of the frequency): \
+                  A = ";
+    assert!(alone[1].starts_with(begins), "{alone:?}");
+    let table: String = table(&both, 200).split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(table.ends_with(&alone[1]), "{table}");
+}
+
 #[test]
 fn curves_of_all_runs_are_over_each_other() {
     let compared = compared();

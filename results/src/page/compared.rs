@@ -4,6 +4,7 @@ use super::data::{length_unit, lengths};
 use crate::compare::{Comparison, NumberRow, SettingRow};
 use crate::figure::{Color, ColumnStore, Figure, Font, PALETTE, Palette, Unit, convert, place_for_page};
 use crate::report::{Report, RunFacts};
+use crate::told::Told;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -23,6 +24,7 @@ pub struct ComparedData<'c> {
     nothing: &'c BTreeMap<&'static str, String>,
     settings: &'c [SettingRow],
     numbers: &'c [NumberRow],
+    alone: &'c [Told],
 }
 
 /// What the choice of levels says of a branch.
@@ -36,7 +38,7 @@ struct Branch<'c> {
 impl<'c> ComparedData<'c> {
     /// Of a comparison: labels are placed for the page here.
     pub fn new(comparison: &'c Comparison) -> Self {
-        let Comparison { names, reports, levels, settings, numbers, figures } = comparison;
+        let Comparison { names, reports, levels, settings, numbers, alone, figures } = comparison;
         let mut drawn = figures.drawn.clone();
         let font = Font::bundled();
         // Those of the first run, as in files.
@@ -66,6 +68,7 @@ impl<'c> ComparedData<'c> {
             nothing: &figures.nothing,
             settings,
             numbers,
+            alone,
         }
     }
 }

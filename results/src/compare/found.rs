@@ -1,0 +1,90 @@
+//! What one run found and another one did not, in words.
+
+use crate::overview::events_of;
+use crate::report::Report;
+use crate::store::{BranchRow, CurvePoint};
+use crate::told::Told;
+use crate::words::digits;
+use solver::response::critical::CriticalKind;
+
+/// Relative distances of forcing and frequency up to which births of two runs are taken to be one.
+const NEAR: (f64, f64) = (0.1, 0.03);
+
+/// How many things a sentence names.
+const NAMED: usize = 8;
+
+/// Of the first run and each other one: isolas and births that only one of both has. Sentences.
+pub(super) fn alone(names: &[String], reports: &[Report]) -> Vec<Told> {
+    let mut runs = names.iter().zip(reports);
+    let Some(first) = runs.next() else { return Vec::new() };
+    runs.flat_map(|other| [of_one(first, other), of_one(other, first)].concat()).collect()
+}
+
+/// What the first of two runs has alone.
+fn of_one((own, report): (&String, &Report), (name, other): (&String, &Report)) -> Vec<Told> {
+    let mut isolas = Vec::new();
+    for level in &report.overview.levels {
+        // Of what is still to be computed nothing is lacking.
+        let there = other.overview.levels.iter().find(|there| there.value == level.value && there.is_complete());
+        let Some(there) = there else { continue };
+        for isola in level.isolas().filter(|isola| !there.isolas().any(|known| meets(known, isola))) {
+            // It may be known there by another name.
+            let instead: Vec<String> = there.others().filter(|row| meets(row, isola)).map(BranchRow::name).collect();
+            let instead = if instead.is_empty() {
+                String::new()
+            } else {
+                format!(", where the other has {}", instead.join(", "))
+            };
+            let begin = Told::from(format!("{} at A = {} (", isola.name(), level.amplitude));
+            let range = begin.frequency(isola.omega.0, 5).text("–").frequency(isola.omega.1, 5).unit();
+            isolas.push(range.text(format!("{instead})")));
+        }
+    }
+    let born = |report: &'_ Report| -> Vec<CurvePoint> {
+        events_of(&report.curves, CriticalKind::Birth.name()).into_iter().cloned().collect()
+    };
+    let known = born(other);
+    let births = born(report).into_iter().filter(|birth| !known.iter().any(|other| is_near(birth, other)));
+    let births: Vec<Told> = births
+        .map(|birth| {
+            Told::from(format!("A = {} (", digits(birth.forcing, 4))).frequency(birth.omega, 5).unit().text(")")
+        })
+        .collect();
+    let followed = if other.curves.is_empty() { ", which has no fold curves" } else { "" };
+    let percent = |share: f64| digits(100.0 * share, 2);
+    [
+        listed(&isolas, &format!("Isolas of `{own}` at whose frequencies `{name}` has none")),
+        listed(
+            &births,
+            &format!(
+                "Births along fold curves of `{own}` that are not found in `{name}`{followed} (within {} % of A and {} % of the frequency)",
+                percent(NEAR.0),
+                percent(NEAR.1)
+            ),
+        ),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
+}
+
+/// Whether branches share frequencies.
+fn meets(a: &BranchRow, b: &BranchRow) -> bool {
+    a.omega.0 <= b.omega.1 && b.omega.0 <= a.omega.1
+}
+
+fn is_near(a: &CurvePoint, b: &CurvePoint) -> bool {
+    let within = |a: f64, b: f64, share: f64| (a - b).abs() <= share * a.abs().max(b.abs());
+    within(a.forcing, b.forcing, NEAR.0) && within(a.omega, b.omega, NEAR.1)
+}
+
+fn listed(things: &[Told], what: &str) -> Option<Told> {
+    let more = match things.len().saturating_sub(NAMED) {
+        0 => String::new(),
+        more => format!(" and {more} more"),
+    };
+    let (first, further) = things.split_first()?;
+    let begin = Told::from(format!("{what}: ")).then(first.clone());
+    let named = further.iter().take(NAMED - 1).fold(begin, |told, thing| told.text(", ").then(thing.clone()));
+    Some(named.text(format!("{more}.")))
+}
