@@ -224,7 +224,9 @@ impl Chain {
         match (&self.record, outcome) {
             (_, outcome) if is_marched(outcome) => false,
             (_, SeedOutcome::Landed(_)) => false,
-            (Record::Level(level), SeedOutcome::Found(id)) => level.branches.iter().any(|b| b.known.branch == *id),
+            (Record::Level(level), SeedOutcome::Found(id) | SeedOutcome::Passing(id, _)) => {
+                level.branches.iter().any(|b| b.known.branch == *id)
+            }
             (Record::Curves(curves), SeedOutcome::OnCurve(number)) => *number < curves.len(),
             _ => true,
         }

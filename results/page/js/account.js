@@ -50,8 +50,8 @@ function windowTable({ levels }) {
 /** What became of a window comes with the branches that it led to, or with the reason why there are none. */
 function windowRow(level, { number, mode, omega, threshold, outcome }) {
   const [[name, text]] = Object.entries(outcome);
-  const word = element(["not_found", "elsewhere"].includes(name) ? "span.bad" : "span", {}, name.replaceAll("_", " "));
-  return [level.value, number, mode, formatRange(omega.map(inChosenUnit)), rounded(threshold, 5), word, text || NOT_KNOWN];
+  const word = element(["not_found", "elsewhere", "passed"].includes(name) ? "span.bad" : "span", {}, name.replaceAll("_", " "));
+  return [level.value, number, mode, formatRange(omega.map(inChosenUnit)), rounded(threshold, 5), word, (text.told ?? text) || NOT_KNOWN];
 }
 
 const rounded = (value, digits) => Number((value ?? NaN).toPrecision(digits));

@@ -147,6 +147,9 @@ fn name(known: Option<(&Level, &WindowRow)>, number: usize) -> String {
     let number = window.number;
     match &window.outcome {
         WindowOutcome::Found(found) => within(found, window, &level.branches).0.join("; "),
+        WindowOutcome::Passed { branches, .. } => {
+            format!("window {number}, passed by {}", branches.replace("; ", " and "))
+        }
         WindowOutcome::NotFound(_) | WindowOutcome::Elsewhere(_) => format!("window {number}, not found"),
         WindowOutcome::Pending(_) => format!("window {number}, pending"),
     }
@@ -187,6 +190,7 @@ fn sentence(backbone: &BackboneCurve, number: usize, run: &Run, level: Option<(u
         None if level.is_none() => String::new(),
         None => " Not among the windows of this level.".into(),
         Some((level, window, WindowOutcome::Found(found))) => computed(found, window, level),
+        Some((.., WindowOutcome::Passed { told, .. })) => format!(" Computed: {}.", briefly(told)),
         Some((.., WindowOutcome::Pending(_))) => " Not computed yet.".into(),
         Some((.., WindowOutcome::NotFound(reasons))) => format!(" Computed, not found: {}.", briefly(reasons)),
         Some((.., WindowOutcome::Elsewhere(branches))) => format!(" Computed, not found: {}.", elsewhere(branches)),

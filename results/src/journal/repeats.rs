@@ -27,7 +27,7 @@ impl Said {
     /// What an outcome without anything new says; `None` of what is marched.
     pub fn of(outcome: &SeedOutcome) -> Option<Self> {
         match *outcome {
-            SeedOutcome::Found(branch) => Some(Self::OnBranch(branch)),
+            SeedOutcome::Found(branch) | SeedOutcome::Passing(branch, _) => Some(Self::OnBranch(branch)),
             SeedOutcome::OnCurve(number) => Some(Self::OnCurve(number)),
             SeedOutcome::Landed(_) => Some(Self::Landed),
             SeedOutcome::Verified(_) | SeedOutcome::Disturbed(_) | SeedOutcome::Marched(_) => None,

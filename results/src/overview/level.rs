@@ -139,9 +139,9 @@ impl Level {
         self.is_complete() && self.branches.iter().all(|branch| branch.at_least().is_empty())
     }
 
-    /// Whether every window ended on a branch and nothing is left to be done.
+    /// Whether a seed of every window landed on a branch and nothing is left to be done.
     pub fn is_settled(&self) -> bool {
-        self.is_complete() && self.not_found().next().is_none()
+        self.is_complete() && self.not_found().chain(self.passed()).next().is_none()
     }
 
     /// Windows in whose range of frequencies their seeds led to no branch, with the reasons in few words.
@@ -149,7 +149,15 @@ impl Level {
         self.windows.iter().filter_map(|window| match &window.outcome {
             WindowOutcome::NotFound(reasons) => Some((window, briefly(reasons))),
             WindowOutcome::Elsewhere(branches) => Some((window, elsewhere(branches))),
-            WindowOutcome::Found(_) | WindowOutcome::Pending(_) => None,
+            WindowOutcome::Found(_) | WindowOutcome::Passed { .. } | WindowOutcome::Pending(_) => None,
+        })
+    }
+
+    /// Windows near which no seed landed, but by which known branches pass, with what that leaves open in few words.
+    pub fn passed(&self) -> impl Iterator<Item = (&WindowRow, String)> {
+        self.windows.iter().filter_map(|window| match &window.outcome {
+            WindowOutcome::Passed { told, .. } => Some((window, briefly(told))),
+            _ => None,
         })
     }
 }

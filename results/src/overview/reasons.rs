@@ -43,5 +43,8 @@ mod tests {
         let two = [none("1"), "nothing converged: the iteration diverged".into()].join("; ");
         assert_eq!(briefly(&two), "nothing converged: no convergence; nothing converged: the iteration diverged");
         assert_eq!(briefly(""), "");
+        let passed =
+            "no seed landed near it, but main passes by (relative distance 0.27): an isola nearby is not excluded";
+        assert_eq!(briefly(passed), "no seed landed near it, but main passes by: an isola nearby is not excluded");
     }
 }

@@ -132,7 +132,7 @@ pub(crate) fn length_unit(units: UnitChoice) -> Option<Unit> {
 fn in_brief(level: &Level) -> Level {
     let mut level = level.clone();
     for window in &mut level.windows {
-        if let WindowOutcome::NotFound(reasons) = &mut window.outcome {
+        if let WindowOutcome::NotFound(reasons) | WindowOutcome::Passed { told: reasons, .. } = &mut window.outcome {
             *reasons = briefly(reasons);
         }
     }

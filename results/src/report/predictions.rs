@@ -73,7 +73,7 @@ impl Evidence<'_> {
         let Some((backbone, birth)) = first else {
             return if self.with_isolas().next().is_some() {
                 format!("; the energy balance of {mode} has no birth of theirs{}", self.found_otherwise())
-            } else if self.levels.iter().any(|level| level.not_found().next().is_some()) {
+            } else if self.levels.iter().any(|level| level.not_found().chain(level.passed()).next().is_some()) {
                 // What it predicts and was not found is among the details.
                 String::new()
             } else {
@@ -176,7 +176,21 @@ impl Evidence<'_> {
                 named(&once(levels))
             ));
         }
+        sentences.extend(self.passed());
         sentences
+    }
+
+    /// Windows near which no seed landed, but by which known branches pass.
+    fn passed(&self) -> Option<String> {
+        let levels: Vec<&Level> = self.levels.iter().flat_map(|level| level.passed().map(move |_| level)).collect();
+        let (responses, them) = (count(levels.len(), "response"), if levels.len() == 1 { "it" } else { "them" });
+        (!levels.is_empty()).then(|| {
+            format!(
+                "No seed landed near {responses} that the energy balance predicts, which is an estimate, at {}, but known branches pass \
+                 by: what is predicted may be on these, and isolas near {them} are not excluded.",
+                named(&once(levels.clone()))
+            )
+        })
     }
 }
 

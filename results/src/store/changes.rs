@@ -133,10 +133,7 @@ impl Changes<'_> {
     }
 
     fn done(&self, task: &TaskId, attempt: Attempt, outcome: &SeedOutcome) -> Result<()> {
-        let branch = match outcome {
-            SeedOutcome::Found(id) => Some(id.to_string()),
-            _ => None,
-        };
+        let branch = outcome.branch().map(|id| id.to_string());
         let found = branch.is_some()
             || matches!(
                 outcome,

@@ -3,6 +3,7 @@
 use super::branch_id::branch_id;
 use super::number::number;
 use super::verifications::Stability;
+use super::windows::given_up;
 use super::{Reader, Result, StoreError};
 use protocol::codec::decode_stored;
 use protocol::level::typed;
@@ -119,39 +120,6 @@ impl Origin {
     }
 }
 
-/// A window and what became of it.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct WindowRow {
-    /// Number, from 1.
-    pub number: usize,
-    /// Mode of its backbone, from 1.
-    pub mode: usize,
-    /// First point of the backbone inside, last, and the one of smallest threshold.
-    pub points: [usize; 3],
-    /// Lowest and highest frequency, rad/s.
-    pub omega: (f64, f64),
-    /// Frequency of the smallest threshold, rad/s.
-    pub omega_best: f64,
-    /// Smallest threshold A*.
-    pub threshold: f64,
-    /// What became of it.
-    pub outcome: WindowOutcome,
-}
-
-/// What became of a window.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum WindowOutcome {
-    /// It led to these branches, of which one at least has frequencies of it.
-    Found(String),
-    /// It led to these branches alone, which have other frequencies.
-    Elsewhere(String),
-    /// Every seed was tried, none led to a branch, for these reasons.
-    NotFound(String),
-    /// Seeds are left to be tried; reasons why some were given up.
-    Pending(String),
-}
-
 impl Reader {
     /// Number, forcing amplitude as typed, and its value: levels by amplitude.
     pub(crate) fn levels(&self) -> Result<Vec<(i64, String, f64)>> {
@@ -248,54 +216,6 @@ impl Reader {
             Ok(if state == "dead" { given_up(reason) } else { outcome.unwrap_or_default() })
         })
     }
-
-    /// Windows of a level, in the order of the backbones; those are found that led to a branch, wherever it lies.
-    pub(crate) fn windows(&self, level: i64) -> Result<Vec<WindowRow>> {
-        let seeds = self.seeds(level)?;
-        let mode = self.mode_of_windows()?;
-        let sql = format!(
-            "SELECT window, omega_min, omega_max, omega_best, threshold, first, last, best, {mode} FROM windows \
-             WHERE level = ?1 ORDER BY window"
-        );
-        self.all(&sql, [level], |row| {
-            let window: usize = row.get(0)?;
-            Ok(WindowRow {
-                number: window,
-                mode: row.get(8)?,
-                points: [row.get(5)?, row.get(6)?, row.get(7)?],
-                omega: (number(row, 1)?, number(row, 2)?),
-                omega_best: number(row, 3)?,
-                threshold: number(row, 4)?,
-                outcome: outcome(seeds.iter().filter(|seed| seed.window == window)),
-            })
-        })
-    }
-
-    /// What tells the mode of a window, in SQL: runs of earlier programs followed one mode, that of their settings.
-    fn mode_of_windows(&self) -> Result<String> {
-        if self.version()? >= 3 {
-            return Ok("mode".into());
-        }
-        let model = self.model()?.model().map_err(|error| self.corrupt(error))?;
-        Ok((self.header()?.settings.tracked(&model) + 1).to_string())
-    }
-
-    /// What became of the seeds of a level: tasks of landings that failed stand for what would have followed.
-    fn seeds(&self, level: i64) -> Result<Vec<SeedRow>> {
-        let sql = "SELECT window, state, outcome, branch, (SELECT reason FROM attempts WHERE task = id \
-                   AND reason IS NOT NULL ORDER BY attempt DESC LIMIT 1) \
-                   FROM tasks WHERE level = ?1 AND (kind = 'seed' \
-                   OR kind = 'land' AND (state = 'dead' OR state = 'done' AND NOT found)) ORDER BY position";
-        self.all(sql, [level], |row| {
-            Ok(SeedRow {
-                window: row.get(0)?,
-                state: row.get(1)?,
-                outcome: row.get(2)?,
-                branch: row.get(3)?,
-                reason: row.get(4)?,
-            })
-        })
-    }
 }
 
 fn branch(row: &Row<'_>) -> rusqlite::Result<BranchRow> {
@@ -326,52 +246,4 @@ fn branch(row: &Row<'_>) -> rusqlite::Result<BranchRow> {
         family: None,
         found_by: row.get::<_, Option<String>>(13 + LATER.len())?.as_deref().and_then(Origin::of),
     })
-}
-
-fn given_up(reason: Option<String>) -> String {
-    reason.map_or_else(|| "given up".into(), |reason| format!("given up: {reason}"))
-}
-
-impl WindowOutcome {
-    /// What became of it, the branches, the reasons: as in `windows.csv`.
-    pub fn words(&self) -> [&str; 3] {
-        match self {
-            WindowOutcome::Found(branches) => ["found", branches, ""],
-            WindowOutcome::Elsewhere(branches) => ["elsewhere", branches, ""],
-            WindowOutcome::NotFound(reasons) => ["not_found", "", reasons],
-            WindowOutcome::Pending(reasons) => ["pending", "", reasons],
-        }
-    }
-}
-
-/// A task that starts from a window.
-struct SeedRow {
-    window: usize,
-    state: String,
-    outcome: Option<String>,
-    branch: Option<String>,
-    reason: Option<String>,
-}
-
-fn outcome<'s>(seeds: impl Iterator<Item = &'s SeedRow> + Clone) -> WindowOutcome {
-    let found = distinct(seeds.clone().filter_map(|seed| seed.branch.clone()));
-    if !found.is_empty() {
-        return WindowOutcome::Found(found);
-    }
-    let is_dead = |seed: &&SeedRow| seed.state == "dead";
-    if seeds.clone().all(|seed| matches!(seed.state.as_str(), "done" | "skipped")) {
-        return WindowOutcome::NotFound(distinct(seeds.filter_map(|seed| seed.outcome.clone())));
-    }
-    WindowOutcome::Pending(distinct(seeds.filter(is_dead).map(|seed| given_up(seed.reason.clone()))))
-}
-
-/// Texts without repetition.
-fn distinct(texts: impl Iterator<Item = String>) -> String {
-    let mut list: Vec<String> = Vec::new();
-    for text in texts {
-        if !list.contains(&text) {
-            list.push(text);
-        }
-    }
-    list.join("; ")
 }

@@ -37,6 +37,7 @@ mod tasks;
 #[cfg(test)]
 mod tests;
 mod verifications;
+mod windows;
 
 pub(crate) use cross_spectrum::CrossSpectrum;
 pub(crate) use curves::GRAZING;
@@ -50,10 +51,11 @@ pub use pushes::{PushRow, least_energy};
 pub use reader::Reader;
 pub use search_counts::SearchCounts;
 pub use verifications::{BifurcationRow, PeakOrbit, Stability, verdict_name};
+pub use windows::{WindowOutcome, WindowRow};
 
 #[cfg(any(feature = "figures", feature = "page"))]
 pub use account::{TaskRow, WorkerCost};
-pub use levels::{BranchRow, Origin, WindowOutcome, WindowRow};
+pub use levels::{BranchRow, Origin};
 
 pub(crate) use branch_id::branch_id;
 pub(crate) use displacement::Displacements;

@@ -2,9 +2,9 @@
 
 use super::footnotes::Footnotes;
 use super::known::Known;
-use super::units::Units;
+use super::units::{FrequencyUnit, Units};
 use crate::overview::{Lesser, Level, WindowOutcome, forcing_label, is_unconfirmed, later_birth, truncation_doubt};
-use crate::store::{BranchRow, CurveRow};
+use crate::store::{BranchRow, CurveRow, WindowRow};
 use crate::words::{count, digits};
 use solver::response::backbone::{Backbone, BackbonePoint};
 use solver::response::branch::{BranchKind, Outcome};
@@ -166,11 +166,10 @@ impl<'r> Rows<'r> {
         self.notes.mark(why)
     }
 
-    /// In how many windows their seeds led to a branch, of how many, and what is missing of the level.
+    /// In how many windows their seeds led to a branch, or one passes by, of how many, and what is missing of the level.
     fn windows(&mut self, level: &Level) -> String {
         let unit = self.units.frequency;
         let missed = level.not_found().map(|(window, reason)| {
-            let (low, high) = (unit.digits(window.omega.0), unit.digits(window.omega.1));
             let why = match later_birth(self.curves, level, window) {
                 Some(birth) => {
                     let doubt = truncation_doubt(&[birth]);
@@ -178,16 +177,23 @@ impl<'r> Rows<'r> {
                 }
                 None => reason,
             };
-            let place = if low == high { low } else { format!("{low}–{high}") };
-            self.notes.mark_at(format!("window not found: {why}"), format!("A = {}: {place} {unit}", level.amplitude))
+            let place = format!("A = {}: {} {unit}", level.amplitude, range_of(window, unit));
+            self.notes.mark_at(format!("window not found: {why}"), place)
+        });
+        let missed: Vec<String> = missed.collect();
+        let passed = level.passed().map(|(window, told)| {
+            let place = format!("A = {}: {} {unit}", level.amplitude, range_of(window, unit));
+            self.notes.mark_at(told, place)
         });
         let mut marks: Vec<String> = Vec::new();
-        for mark in missed {
+        for mark in missed.into_iter().chain(passed) {
             if !marks.contains(&mark) {
                 marks.push(mark);
             }
         }
-        let found = level.windows.iter().filter(|window| matches!(window.outcome, WindowOutcome::Found(_))).count();
+        let is_found =
+            |window: &&WindowRow| matches!(window.outcome, WindowOutcome::Found(_) | WindowOutcome::Passed { .. });
+        let found = level.windows.iter().filter(is_found).count();
         let mut lines = vec![match level.windows.len() {
             0 => format!("no window{}", self.without_window(level)),
             all => format!("{found} of {all}{}", marks.join(" ")),
@@ -215,6 +221,12 @@ fn smallest_threshold(backbones: &[(usize, Option<Backbone>)]) -> Option<f64> {
     all.into_iter().flat_map(|backbone| &backbone.points).map(BackbonePoint::threshold).reduce(f64::min)
 }
 
+/// The frequencies of a window, or the one that it has.
+fn range_of(window: &WindowRow, unit: FrequencyUnit) -> String {
+    let (low, high) = (unit.digits(window.omega.0), unit.digits(window.omega.1));
+    if low == high { low } else { format!("{low}–{high}") }
+}
+
 /// Whether two branches have the same frequencies.
 fn is_copy(one: &BranchRow, other: &BranchRow) -> bool {
     let is_near = |a: f64, b: f64| (a - b).abs() <= SAME * a.abs();
@@ -229,6 +241,57 @@ fn is_at(omega: f64, bound: Option<f64>) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn rows(mains: &[(String, Outcome)]) -> Rows<'_> {
+        Rows {
+            units: Units::default(),
+            mains,
+            curves: &[],
+            lesser: Lesser::default(),
+            has_exchanges: false,
+            given: FrequencySettings::default(),
+            smallest: None,
+            notes: Footnotes::default(),
+        }
+    }
+
+    fn main(number: usize, amplitude_max: f64, status: &str) -> BranchRow {
+        let kind = BranchKind::Main.name().into();
+        BranchRow { kind, number, amplitude_max, omega_at_max: 21.5, status: status.into(), ..BranchRow::default() }
+    }
+
+    fn level(branches: Vec<BranchRow>) -> Level {
+        Level { amplitude: "3".into(), value: 3.0, branches, ..Level::default() }
+    }
+
+    #[test]
+    fn a_window_that_a_branch_passes_by_carries_its_doubt() {
+        let window = |told: &str| WindowRow {
+            number: 1,
+            mode: 1,
+            points: [0, 2, 1],
+            omega: (90.0, 110.0),
+            omega_best: 100.0,
+            threshold: 0.5,
+            outcome: match told {
+                "" => WindowOutcome::Found("main".into()),
+                told => WindowOutcome::Passed { branches: "main".into(), told: told.into() },
+            },
+        };
+        let doubt =
+            "no seed landed near it, but main passes by (relative distance 0.22): an isola nearby is not excluded";
+        let mut level = level(vec![main(1, 1.0, "")]);
+        level.windows = vec![window(""), window(doubt)];
+        let mut told = rows(&[]);
+        assert_eq!(told.of(&level)[3], "2 of 2¹");
+        let lines = told.notes.lines(200).collect::<String>();
+        assert!(
+            lines.contains("no seed landed near it, but main passes by: an isola nearby is not excluded"),
+            "{lines}"
+        );
+        level.windows.pop();
+        assert_eq!(rows(&[]).of(&level)[3], "1 of 1");
+    }
 
     #[test]
     fn copies_have_one_kind_and_the_same_frequencies() {

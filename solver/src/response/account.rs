@@ -34,11 +34,11 @@ pub struct WindowAccount {
 }
 
 impl WindowAccount {
-    /// The branches found from the window, without repetition; empty: predicted, not found.
+    /// The branches found from the window or passing by it, without repetition; empty: predicted, not found.
     pub fn branches(&self) -> Vec<BranchId> {
         let mut list: Vec<BranchId> = Vec::new();
         for seed in &self.seeds {
-            if let SeedOutcome::Found(id) = seed.outcome
+            if let Some(id) = seed.outcome.branch()
                 && !list.contains(&id)
             {
                 list.push(id);

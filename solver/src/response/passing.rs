@@ -1,7 +1,7 @@
 //! Known branches that pass by what was predicted, where no seed has landed near it.
 //!
 //! Steps of least norm, and steps in the forcing, may end far from a seed beside which a known branch passes: what was predicted is
-//! there nonetheless. A branch is measured against a seed as a landing is.
+//! there nonetheless, or it is a branch nearby that nothing has landed on. A branch is measured against a seed as a landing is.
 
 use crate::formulation::Formulation;
 use crate::formulation::state::State;
@@ -12,13 +12,13 @@ use crate::response::seeds::{Landing, Seed};
 use crate::response::windows::Window;
 
 /// The known branch that passes nearest to one of the seeds of a well, among those of which a response lies no farther from it than
-/// a landing on what was predicted may, at frequencies about those of the well.
+/// a landing on what was predicted may, at frequencies about those of the well; and its relative distance.
 pub(super) fn passing<'m, F: Formulation<'m>>(
     forced: &mut Forced<'m, F>,
     seeds: &[Seed],
     well: &Window,
     known: &[(BranchId, &Branch)],
-) -> Option<BranchId> {
+) -> Option<(BranchId, f64)> {
     let mut best: Option<(BranchId, f64)> = None;
     for (id, branch) in known {
         for seed in seeds {
@@ -28,7 +28,7 @@ pub(super) fn passing<'m, F: Formulation<'m>>(
             }
         }
     }
-    best.map(|(id, _)| id)
+    best
 }
 
 /// The response of a branch nearest to a seed, at frequencies about those of its well: one of its points, or one between two of them
@@ -96,8 +96,11 @@ mod tests {
         let mut passed = |seed: Seed, omega: f64, branch: &Branch| {
             passing(&mut forced, &[seed], &window(omega), &[(BranchId::MAIN, branch)])
         };
+        let within = |found: Option<(BranchId, f64)>, expected: f64| {
+            found.is_some_and(|(id, distance)| id.is_main() && (distance - expected).abs() < 0.01)
+        };
         let omega = peak.omega();
-        assert_eq!(passed(seed(&peak, 1.4), omega, &main), Some(BranchId::MAIN));
+        assert!(within(passed(seed(&peak, 1.4), omega, &main), 1.0 - 1.0 / 1.4));
         assert_eq!(passed(seed(&peak, 1.5), omega, &main), None, "a third away");
         assert_eq!(passed(seed(&peak, 1.4), 1.1 * omega, &main), None, "at other frequencies");
         // Between two points, each of which is too far away.
@@ -113,7 +116,7 @@ mod tests {
         let sparse = Branch { special: Vec::new(), points, ..main.clone() };
         let from = |point: &BranchPoint| (point.amplitude() / middle.amplitude() - 1.0).abs();
         assert!(sparse.points.iter().all(|point| from(point) > 0.32));
-        assert_eq!(passed(seed(&middle, 1.0), middle.omega(), &sparse), Some(BranchId::MAIN));
+        assert!(passed(seed(&middle, 1.0), middle.omega(), &sparse).is_some());
         // There is no such motion between them.
         let mut elsewhere = seed(&middle, 1.0);
         elsewhere.state.modal[5] += 0.5 * middle.amplitude();

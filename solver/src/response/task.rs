@@ -132,6 +132,9 @@ impl From<Origin> for Task {
 pub enum SeedOutcome {
     /// It lies on this branch.
     Found(BranchId),
+    /// No seed landed near it, but this known branch passes by one, at this relative distance: what was predicted may be that, or
+    /// what is not known.
+    Passing(BranchId, f64),
     /// It did not lead to a forced response.
     NotLanded(LandingFailure),
     /// It landed on so many forced responses: where the branches through them begin is another task's work.
@@ -183,10 +186,21 @@ impl From<CriticalError> for Unfollowed {
     }
 }
 
+impl SeedOutcome {
+    /// The branch that is there: it was landed on, or passes by.
+    pub fn branch(&self) -> Option<BranchId> {
+        match *self {
+            Self::Found(id) | Self::Passing(id, _) => Some(id),
+            _ => None,
+        }
+    }
+}
+
 impl std::fmt::Display for SeedOutcome {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             SeedOutcome::Found(id) => write!(f, "{id}"),
+            SeedOutcome::Passing(id, distance) => write!(f, "{id} passes by (relative distance {distance:.2})"),
             SeedOutcome::NotLanded(failure) => write!(f, "{failure}"),
             SeedOutcome::Landed(1) => write!(f, "1 forced response"),
             SeedOutcome::Landed(count) => write!(f, "{count} forced responses"),

@@ -41,7 +41,7 @@ pub fn execute<'m, F: Formulation<'m>>(
                 if place.method == LandingMethod::SteppedForcing =>
             {
                 let passing = passing(forced, seeds, &place.well, known);
-                TaskResult::Nothing(passing.map_or(failed, SeedOutcome::Found))
+                TaskResult::Nothing(passing.map_or(failed, |(id, distance)| SeedOutcome::Passing(id, distance)))
             }
             finding => finding,
         },

@@ -48,5 +48,6 @@ pub fn outcomes() -> (Vec<Outcome>, Vec<SeedOutcome>) {
     seeds.push(SeedOutcome::OnCurve(1));
     let unfollowed = failures.map(Unfollowed::from).into_iter().chain([Unfollowed::Unsupported, Unfollowed::Elsewhere]);
     seeds.extend(unfollowed.map(SeedOutcome::NotFollowed));
+    seeds.push(SeedOutcome::Passing(BranchId::isola(2), 0.217));
     (open.chain([Outcome::Closed]).collect(), seeds)
 }

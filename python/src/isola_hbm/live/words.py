@@ -93,6 +93,8 @@ def seed_outcome(value: Any) -> str:
     name, content = variant(value)
     if name == "found":
         return branch_name(content)
+    if name == "passing":
+        return f"{branch_name(content[0])} passes by (relative distance {content[1]:.2f})"
     if name == "not_landed":
         name, content = variant(content)
         if name == "far":

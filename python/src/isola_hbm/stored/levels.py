@@ -133,11 +133,17 @@ def _seeds(reading: Reading, level: int) -> list[Row]:
 
 
 def _outcome(seeds: list[Row]) -> tuple[str, str, str]:
-    """What became of a window, the branches that its seeds led to, the reasons why to none."""
-    found = _distinct(seed["branch"] for seed in seeds)
+    """What became of a window, the branches that its seeds led to or that pass by, the reasons why to none."""
+    # What a seed landed on is all that is said of it.
+    passed = [seed for seed in seeds if seed["branch"] not in (None, seed["outcome"])]
+    found = _distinct(seed["branch"] for seed in seeds if seed not in passed)
     if found:
         return "found", found, ""
     if all(seed["state"] in ("done", "skipped") for seed in seeds):
+        if passed:
+            nearest = min((seed["outcome"] or "" for seed in passed), key=lambda told: told.split(" ")[-1])
+            told = f"no seed landed near it, but {nearest}: an isola nearby is not excluded"
+            return "passed", _distinct(seed["branch"] for seed in passed), told
         return "not_found", "", _distinct(seed["outcome"] for seed in seeds)
     dead = (seed for seed in seeds if seed["state"] == "dead")
     return "pending", "", _distinct(_given_up(seed["reason"]) for seed in dead)

@@ -143,7 +143,8 @@ class StoredRun(Mapping[str, Motions]):
     def windows(self) -> pd.DataFrame:
         """Every window that the energy balance predicts, with the branches that its seeds led to or the reason why
         to none: the columns of ``windows.csv`` (rad/s; modes from 1; points of the backbone from 0). `outcome` is ``found``,
-        ``elsewhere`` (none of the branches has its frequencies), ``not_found`` or ``pending``."""
+        ``elsewhere`` (none of the branches has its frequencies), ``passed`` (no seed landed near it, but known branches pass by),
+        ``not_found`` or ``pending``."""
         return self._read(tables.windows)
 
     @property

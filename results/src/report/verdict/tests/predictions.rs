@@ -42,6 +42,17 @@ fn a_prediction_that_was_not_found_is_one() {
     assert!(danger.contains(estimate), "{danger}");
     assert!(onset.starts_with("None was found where"), "{onset}");
     assert!(!onset.contains("predicts no separate response"), "{onset}");
+    // Where no seed landed, but a known branch passes by, it may be that or another one.
+    let passed =
+        WindowOutcome::Passed { branches: "main".into(), told: "no seed landed near it, but main passes by".into() };
+    levels[0].windows[0].outcome = passed;
+    let [danger, onset, _] = texts(&levels);
+    let doubt = "No seed landed near 1 response that the energy balance predicts, which is an estimate, at A = 1, but known branches pass \
+                 by: what is predicted may be on these, and isolas near it are not excluded.";
+    assert!(danger.contains(doubt) && !danger.contains(estimate), "{danger}");
+    assert!(!onset.contains("predicts no separate response"), "{onset}");
+    assert!(!levels[0].is_settled());
+    levels[0].windows[0].outcome = WindowOutcome::NotFound("no seed converged".into());
     // Fold curves may have an isola born there, but later.
     let birth = |forcing, omega| CurveRow {
         points: vec![CurvePoint {
