@@ -88,6 +88,11 @@ class _Branch:
         return bool(self.row["kind"] == "main")
 
     @property
+    def is_named(self) -> bool:
+        """Whether it is a main branch, and no piece that was found later on of one that is another row."""
+        return self.is_main and "known branch" not in str(self.row["status"])
+
+    @property
     def forcing(self) -> str:
         return f"A = {text(self.row['amplitude'])}"
 
@@ -148,7 +153,7 @@ def forced_response(
         unknown = ~(unstable | (branch.stable == "stable")) & is_verified
         # Segments are dashed from one unstable point to the next, and pale beside a point of which nothing is known.
         dashed, pale = unstable[1:] & unstable[:-1], unknown[1:] | unknown[:-1]
-        axes.plot([], [], label=branch.forcing if branch.is_main and len(levels) <= _NAMED else None, **style)
+        axes.plot([], [], label=branch.forcing if branch.is_named and len(levels) <= _NAMED else None, **style)
         for wanted, look in (
             (~(dashed | pale), {}),
             (dashed, {"linestyle": _DASHES}),

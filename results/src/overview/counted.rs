@@ -44,7 +44,7 @@ pub(super) fn counted(point: &CurvePoint, levels: &[Level], curves: &[CurveRow])
 /// Whether a level has one main branch and isolas, and nothing else that may be one or take part in a merge.
 fn is_countable(level: &Level) -> bool {
     let is_plain = |kind: &str| [BranchKind::Main, BranchKind::Isola].iter().any(|plain| plain.name() == kind);
-    level.is_known() && level.mains().count() == 1 && level.branches.iter().all(|row| is_plain(&row.kind))
+    level.is_known() && level.main_curves() == 1 && level.branches.iter().all(|row| is_plain(&row.kind))
 }
 
 /// Whether a fold curve is lost between two levels: what happens where it goes on is not counted.
@@ -68,6 +68,20 @@ mod tests {
         };
         let branches = std::iter::once(row("main", 1)).chain((1..=isolas).map(|number| row("isola", number)));
         Level { amplitude: value.to_string(), value, branches: branches.collect(), ..Level::default() }
+    }
+
+    /// A main branch in two pieces that meet is one; in two that do not, nobody knows.
+    #[test]
+    fn pieces_of_a_curve_count_once() {
+        let curves = [curve(&[(1.5, "merge")])];
+        let with = |status: &str| {
+            let mut levels = [level(1.0, 1), level(2.0, 0)];
+            let piece = BranchRow { number: 2, status: status.into(), ..levels[1].branches[0].clone() };
+            levels[1].branches.push(piece);
+            counted(&curves[0].points[0], &levels, &curves)
+        };
+        assert_eq!(with("open: frequency bound to known branch"), Some(Counted::Merges));
+        assert_eq!(with("open: frequency bound to frequency bound"), None);
     }
 
     fn curve(events: &[(f64, &str)]) -> CurveRow {

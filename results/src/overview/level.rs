@@ -81,9 +81,16 @@ impl Level {
         format!("{}-{}-{}", self.amplitude, branch.kind, branch.number)
     }
 
-    /// Main branches: one, unless what comes from below and from above does not meet.
+    /// Main branches, piece by piece: one, unless what comes from below and from above does not meet, or more of it was found later
+    /// on, beyond the bounds that nobody gave say.
     pub fn mains(&self) -> impl Iterator<Item = &BranchRow> + Clone {
         self.branches.iter().filter(|branch| branch.is_main())
+    }
+
+    /// How many curves they are: every end that runs on to another one makes one of two.
+    pub fn main_curves(&self) -> usize {
+        let (all, joints) = (self.mains().count(), self.mains().map(BranchRow::joints).sum());
+        all.saturating_sub(joints).max(all.min(1))
     }
 
     /// The main branch with the point of largest amplitude.

@@ -124,5 +124,5 @@ impl Overview {
 /// What a branch is called in a sentence.
 pub(crate) fn in_words(branch: &BranchRow) -> String {
     let name = branch.name();
-    if name == BranchId::MAIN.to_string() { "the main branch".into() } else { name }
+    if name == BranchId::MAIN.to_string() || branch.joints() > 0 { "the main branch".into() } else { name }
 }

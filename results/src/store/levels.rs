@@ -10,7 +10,7 @@ use protocol::level::typed;
 use protocol::to_everyone::StoredResult;
 use rusqlite::Row;
 use serde::Serialize;
-use solver::response::branch::{BranchKind, Certificate, Outcome, Standing};
+use solver::response::branch::{BranchKind, Certificate, Outcome, Standing, Stop};
 use solver::response::certificate::Doubled;
 use std::collections::HashMap;
 
@@ -82,6 +82,12 @@ impl BranchRow {
     /// Whether it branches off another.
     pub fn is_branched(&self) -> bool {
         self.kind == BranchKind::Branched.name()
+    }
+
+    /// At how many of its ends a main branch runs on to one that was known before: it is a piece of one curve with that.
+    pub fn joints(&self) -> usize {
+        let joined = Stop::Joined.to_string();
+        if self.is_main() { self.status.matches(&joined).count() } else { 0 }
     }
 
     /// `≥ ` if the response may be larger than the largest amplitude that is known.

@@ -20,6 +20,9 @@ const SAME: f64 = 1e-6;
 const COPY: &str = "of the same frequencies as one above: as the structure stays the same when equal parts are exchanged, the one may be the \
                     other with these exchanged";
 
+/// What is said of a piece of a main branch where there are others that do not meet it.
+const PIECE: &str = "runs on to a main branch that is told as well: a piece of that";
+
 /// Makes the rows.
 pub(super) struct Rows<'r> {
     units: Units,
@@ -93,10 +96,21 @@ impl<'r> Rows<'r> {
         }
         let ends: Vec<Outcome> =
             self.mains.iter().filter(|(amplitude, _)| *amplitude == level.amplitude).map(|(_, end)| *end).collect();
-        let peaks = level.mains().enumerate().map(|(i, row)| {
+        // Another one may have gone on where a walk ended.
+        let how =
+            if level.mains().any(|row| row.joints() > 0) { "a walk along it ended" } else { "known only in part" };
+        let marks = (0..level.mains().count()).map(|i| {
             let end = ends.get(i).filter(|end| end.is_unfinished());
-            let mark = end.map(|end| self.notes.mark(format!("known only in part: {end}"))).unwrap_or_default();
-            format!("{}{mark}{}", self.peak(row), self.outside(row))
+            end.map(|end| self.notes.mark(format!("{how}: {end}"))).unwrap_or_default()
+        });
+        let marks: Vec<String> = marks.collect();
+        // One curve has one largest response, in however many pieces it was found.
+        if let Some(row) = level.main().filter(|_| level.main_curves() == 1) {
+            return format!("{}{}{}", self.peak(row), marks.concat(), self.outside(row));
+        }
+        let peaks = level.mains().zip(marks).map(|(row, mark)| {
+            let piece = if row.joints() > 0 { self.notes.mark(PIECE.into()) } else { String::new() };
+            format!("{}{mark}{piece}{}", self.peak(row), self.outside(row))
         });
         peaks.collect::<Vec<_>>().join("\n")
     }
@@ -262,6 +276,25 @@ mod tests {
 
     fn level(branches: Vec<BranchRow>) -> Level {
         Level { amplitude: "3".into(), value: 3.0, branches, ..Level::default() }
+    }
+
+    #[test]
+    fn a_main_branch_in_pieces_has_one_peak() {
+        let whole = "open: linear range to frequency bound";
+        let piece = "open: frequency bound to known branch";
+        let pieces = level(vec![main(1, 1.0, whole), main(2, 2.0, piece)]);
+        let mut told = rows(&[]);
+        assert_eq!(told.of(&pieces)[1], "2.0000 at 21.5000");
+        assert_eq!(pieces.main_curves(), 1);
+        // What closes the gap between two that do not meet makes one of them.
+        let both =
+            level(vec![main(1, 1.0, whole), main(2, 2.0, whole), main(3, 4.0, "open: known branch to known branch")]);
+        assert_eq!(told.of(&both)[1], "4.0000 at 21.5000");
+        // Of two curves the piece says that it is none of its own.
+        let apart = level(vec![main(1, 1.0, whole), main(2, 2.0, whole), main(3, 4.0, piece)]);
+        assert_eq!(told.of(&apart)[1], "1.0000 at 21.5000\n2.0000 at 21.5000\n4.0000 at 21.5000¹");
+        assert_eq!(apart.main_curves(), 2);
+        assert_eq!(crate::overview::in_words(&pieces.branches[1]), "the main branch");
     }
 
     #[test]

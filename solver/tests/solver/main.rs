@@ -20,6 +20,7 @@ mod isolas;
 mod known_isolas;
 mod light_damping;
 mod lineage;
+mod main_pieces;
 mod marching;
 mod meetings;
 mod models;

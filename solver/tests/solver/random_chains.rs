@@ -9,6 +9,7 @@ use solver::curve::outcome::Stop;
 use solver::laws::{Contact, Jenkins, LawKind, PenaltySpring, PolynomialDamper, PolynomialSpring, TanhFriction, Term};
 use solver::response::backbone::BackboneError;
 use solver::response::modes::Backbones;
+use solver::settings::ModeChoice;
 use solver::{Backbone, Matrix, Model};
 use std::f64::consts::TAU;
 
@@ -298,6 +299,33 @@ fn what_is_listed_is_what_it_is_called() {
     let count = numbers.end - numbers.start;
     let settled = assert_right(numbers, SMOOTH);
     assert!(settled as u64 >= count / 4, "{settled} motions of {count} chains were compared");
+}
+
+/// Bounds that cut branches anywhere, and the backbone of any mode: no two branches of a level are stretches of one curve, and main
+/// branches that meet are one curve in pieces.
+#[test]
+fn with_bounds_anywhere_no_two_branches_share_a_stretch() {
+    let mut wrong = Vec::new();
+    for number in chosen(300, 12) {
+        let Case { model, forcing, description, .. } = case(number, &[Element::CubicSpring, Element::Stop]);
+        let mut random = Random(number ^ 0x5eed);
+        let mode = random.below(model.size());
+        let omega = model.modes().frequencies[mode];
+        let mut settings = with_harmonics(HARMONICS);
+        settings.branch.max_points = 4000;
+        settings.backbone.modes = ModeChoice::one(mode + 1);
+        settings.frequency.min = (random.below(2) == 0).then(|| omega * random.between(0.7, 1.1));
+        settings.frequency.max = (random.below(2) == 0).then(|| omega * random.between(1.15, 1.6));
+        let Ok(backbone) = Backbone::compute(&model, &settings) else { continue };
+        let study = Study { model, settings, backbones: vec![backbone] };
+        let Ok(level) = study.try_level(forcing) else { continue };
+        let shares = |complaint: &String| complaint.contains("share a stretch");
+        let complaints: Vec<String> = complaints(&study.model, &level).into_iter().filter(shares).collect();
+        if !complaints.is_empty() {
+            wrong.push(format!("chain {number}: {description}: {}; {level:#?}", complaints.join("; ")));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
 #[test]
