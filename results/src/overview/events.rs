@@ -4,7 +4,7 @@ use super::counted::{Counted, counted};
 use super::event_words::{BIRTH, DEATH, MERGE};
 use super::folds::events_of;
 use super::level::Level;
-use super::lives::{Lasting, Life, lasting, lives};
+use super::lives::{Lasting, Life, joining, lasting, lives};
 use super::merges::{Merge, merges};
 use crate::store::{CurvePoint, CurveRow};
 use crate::words::digits;
@@ -94,6 +94,9 @@ pub fn events_sentence(curves: &[CurveRow], levels: &[Level], frequency: impl Fn
         points.retain(|point| !is_told(point) && !lasts(point));
         points
     });
+    let (joined, births): (Vec<&CurvePoint>, Vec<&CurvePoint>) =
+        births.into_iter().partition(|birth| joining(curves, birth).is_some());
+    let joins = |birth: &&CurvePoint| Some((birth.forcing, to_branch_point(birth, joining(curves, birth)?, place)));
     let mut told = Vec::new();
     let mut others = Vec::new();
     for merge in merged.iter().filter(|merge| !is_told(merge.point)) {
@@ -112,12 +115,14 @@ pub fn events_sentence(curves: &[CurveRow], levels: &[Level], frequency: impl Fn
         [part(&of_kind(Some(Counted::Merges)), MERGES, MERGES), part(&of_kind(Some(Counted::Parts)), PARTS, PARTS)];
     let unknown = of_kind(None);
     let are_others = others.iter().any(Option::is_some) || !unknown.is_empty();
-    let unrelated = [!births.is_empty(), !deaths.is_empty(), are_others].into_iter().filter(|is| *is).count() > 1;
+    let are_births = !births.is_empty() || !joined.is_empty();
+    let unrelated = [are_births, !deaths.is_empty(), are_others].into_iter().filter(|is| *is).count() > 1;
     let are_known = !told.is_empty() || !lives.is_empty();
     let counted = |point: &CurvePoint| counted(point, levels, curves);
     let whole = lives.iter().take(LIVES).map(|life| (life.from.forcing, in_words(life, &merged, counted, place)));
     let open = lasting.iter().take(NAMED).map(|one| (one.from.forcing, without_end(one, place)));
-    let mut parts: Vec<(f64, String)> = (whole.chain(open))
+    let joins = joined.iter().take(NAMED).filter_map(joins);
+    let mut parts: Vec<(f64, String)> = (whole.chain(open).chain(joins))
         .chain(part(&births, BIRTH.one, BIRTH.several))
         .chain(part(&deaths, DEATH.one, DEATH.several))
         .chain(told)
@@ -130,20 +135,40 @@ pub fn events_sentence(curves: &[CurveRow], levels: &[Level], frequency: impl Fn
     if let Some(part) = part(&unknown, one, several) {
         parts.insert(parts.partition_point(|(first, _)| *first <= part.0), part);
     }
-    let more = lives.len().saturating_sub(LIVES);
     let parts: Vec<String> = (parts.into_iter().map(|(_, part)| part))
-        .chain((more > 0).then(|| format!("{more} more isolas are born and end")))
-        .chain((lasting.len() > NAMED).then(|| format!("{} more are born and come to no end", lasting.len() - NAMED)))
+        .chain(further(lives.len(), LIVES, "is born and ends", "are born and end"))
+        .chain(further(lasting.len(), NAMED, "is born and comes to no end", "are born and come to no end"))
+        .chain(further(joined.len(), NAMED, "is born and may join another branch", "are born and may join other branches"))
         .chain(unrelated.then(|| UNRELATED.into()))
         .collect();
     let doubt = if is_any_doubtful { format!(" ({UNKNOWN} {UNCONFIRMED})") } else { String::new() };
     (!parts.is_empty()).then(|| format!("Computed along fold curves: {}.{doubt}", parts.join("; ")))
 }
 
+/// That beside those isolas that are named there are more.
+fn further(count: usize, named: usize, one: &str, several: &str) -> Option<String> {
+    match count.saturating_sub(named) {
+        0 => None,
+        1 => Some(format!("1 more isola {one}")),
+        more => Some(format!("{more} more isolas {several}")),
+    }
+}
+
 /// An isola from its birth to where its edges are followed to.
 fn without_end(lasting: &Lasting<'_>, place: impl Fn(&CurvePoint) -> String) -> String {
     let (from, to) = (place(lasting.from), digits(lasting.to, DIGITS));
     format!("{} at A = {from}, and its edges, followed up to A = {to}, come to no end", BIRTH.one)
+}
+
+/// An isola from its birth to where an edge of it comes to a branch point.
+fn to_branch_point(birth: &CurvePoint, end: &CurvePoint, place: impl Fn(&CurvePoint) -> String) -> String {
+    // Where it ends was compared with nothing.
+    let (from, to) = (place(birth), digits(end.forcing, AGREED + 1));
+    format!(
+        "{} at A = {from}, and an edge of it comes to a branch point at A = {to}: near there it may join another branch, which is not \
+         computed",
+        BIRTH.one
+    )
 }
 
 /// An isola from its birth to its end.
@@ -219,6 +244,14 @@ mod tests {
         assert_eq!(
             say(&[lasting]).unwrap(),
             "Computed along fold curves: an isola is born at A = 1.5 (3 rad/s), and its edges, followed up to A = 3, come to no end."
+        );
+        // A branch that it may join at no fold is not left out.
+        let status = "open: branch point to forcing bound".into();
+        let joins = CurveRow { status, ..curve(&[(2.0, ""), (1.5, "birth"), (3.0, "")]) };
+        assert_eq!(
+            say(&[joins]).unwrap(),
+            "Computed along fold curves: an isola is born at A = 1.5 (3 rad/s), and an edge of it comes to a branch point at A = 2: near \
+             there it may join another branch, which is not computed."
         );
         // One whose other edge is known beyond is told from its birth to its end, and so is what leads to a death.
         let mut whole = curve(&[(1.0, ""), (4.0, "merge"), (1.5, "birth"), (5.0, "")]);

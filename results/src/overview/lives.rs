@@ -59,6 +59,21 @@ pub fn lasting<'c>(curves: &'c [CurveRow]) -> Vec<Lasting<'c>> {
     found
 }
 
+/// Where an edge of what is born at a point comes to a branch point before anything else happens along it, if one does: it may join
+/// another branch near there, at a point that is on no fold curve.
+pub fn joining<'c>(curves: &'c [CurveRow], birth: &CurvePoint) -> Option<&'c CurvePoint> {
+    let of_curve = |curve: &'c CurveRow| {
+        let at = curve.points.iter().position(|other| other.event == birth.event && birth.is_at(other))?;
+        let (first, last) = curve.status.strip_prefix("open: ")?.split_once(" to ")?;
+        let ends = [(false, first, curve.points.first()), (true, last, curve.points.last())];
+        let joined = ends.into_iter().find(|(is_onwards, stop, _)| {
+            *stop == Stop::Branching.to_string() && edge(curve, at, *is_onwards, true).is_open
+        });
+        joined.and_then(|(.., end)| end)
+    };
+    curves.iter().find_map(of_curve)
+}
+
 /// How far what is born at a point of a curve is known, if nothing ends it before: to where both edges are followed no farther.
 fn known_up_to<'c>(curves: &'c [CurveRow], curve: &CurveRow, from: &'c CurvePoint) -> Option<Lasting<'c>> {
     let at = curve.points.iter().position(|other| std::ptr::eq(other, from))?;
@@ -219,6 +234,22 @@ mod tests {
         let ends = bounded(&[(8.0, ""), (1.0, "birth"), (6.0, "merge"), (1.5, "")]);
         assert_eq!(told(&[both.clone(), ends.clone()]), []);
         assert_eq!(lives(&[both, ends]).len(), 1);
+    }
+
+    #[test]
+    fn what_may_join_another_branch() {
+        let ends = |status: &str, points: &[(f64, &str)]| {
+            let curves = [CurveRow { status: status.into(), ..curve(points) }];
+            let birth = curves[0].points.iter().find(|point| point.event.as_deref() == Some("birth")).unwrap();
+            joining(&curves, birth).map(|end| end.forcing)
+        };
+        let points = [(3.0, ""), (2.0, ""), (1.0, "birth"), (2.5, ""), (4.0, "")];
+        assert_eq!(ends("open: branch point to forcing bound", &points), Some(3.0));
+        assert_eq!(ends("open: forcing bound to branch point", &points), Some(4.0));
+        assert_eq!([ends("open: forcing bound to forcing bound", &points), ends("closed", &points)], [None, None]);
+        // What happens before is told.
+        let merges = [(2.0, ""), (3.0, "merge"), (1.0, "birth"), (4.0, "")];
+        assert_eq!(ends("open: branch point to forcing bound", &merges), None);
     }
 
     #[test]
