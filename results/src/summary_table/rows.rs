@@ -317,7 +317,7 @@ mod tests {
         level.windows = vec![window(""), window(doubt)];
         let mut told = rows(&[]);
         assert_eq!(told.of(&level)[3], "2 of 2¹");
-        let lines = told.notes.lines(200).collect::<String>();
+        let lines = told.notes.lines(200).concat();
         assert!(
             lines.contains("no seed landed near it, but main passes by: an isola nearby is not excluded"),
             "{lines}"
