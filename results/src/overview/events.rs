@@ -138,7 +138,12 @@ pub fn events_sentence(curves: &[CurveRow], levels: &[Level], frequency: impl Fn
     let parts: Vec<String> = (parts.into_iter().map(|(_, part)| part))
         .chain(further(lives.len(), LIVES, "is born and ends", "are born and end"))
         .chain(further(lasting.len(), NAMED, "is born and comes to no end", "are born and come to no end"))
-        .chain(further(joined.len(), NAMED, "is born and may join another branch", "are born and may join other branches"))
+        .chain(further(
+            joined.len(),
+            NAMED,
+            "is born and may join another branch",
+            "are born and may join other branches",
+        ))
         .chain(unrelated.then(|| UNRELATED.into()))
         .collect();
     let doubt = if is_any_doubtful { format!(" ({UNKNOWN} {UNCONFIRMED})") } else { String::new() };

@@ -10,9 +10,10 @@ use serde::{Deserialize, Serialize};
 /// Reference length, frequency, modal amplitude and forcing amplitude.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Scales {
-    /// Reference length ℓ, m: the smallest positive gap; without a gap the amplitude (of the first monitored dof) at which
-    /// the nonlinear modal force has fallen or risen to a tenth of the linear one; if it never does, that of unit modal
-    /// amplitude.
+    /// Reference length ℓ, m: the smallest positive gap; without one, what the stop that is pressed least at rest is pressed in by;
+    /// without either the amplitude (of the first monitored dof) at which the nonlinear modal force has fallen or risen to a tenth of
+    /// the linear one; if it never does, where it is nearest to that or changes most; that of unit modal amplitude if every motion is
+    /// like every other.
     pub length: f64,
     /// Reference frequency ω_ref, rad/s: eigenfrequency of the mode followed.
     pub frequency: f64,
@@ -30,7 +31,8 @@ impl Scales {
         // A monitored dof on a node of the mode would make the scale meaningless.
         let largest = shape.iter().fold(0.0f64, |m, s| m.max(s.abs()));
         let phi = shape[model.monitors()[0]].abs().max(1e-3 * largest);
-        let length = smallest_gap(model).unwrap_or_else(|| nonlinear_amplitude(model, tracked).unwrap_or(1.0) * phi);
+        let length =
+            distance_to_stops(model).unwrap_or_else(|| nonlinear_amplitude(model, tracked).unwrap_or(1.0) * phi);
         let modal = length / phi;
         let damping = model.damping().diagonal(tracked);
         let force = model.modal_force().into_iter().fold(0.0f64, |m, f| m.max(f.abs()));
@@ -44,18 +46,28 @@ impl Scales {
         // Without a linear force every motion of a rigid-body mode is nonlinear.
         let elastic = (0..model.size()).filter(|&mode| !model.modes().is_rigid(mode));
         let of_modes = || elastic.filter_map(|mode| nonlinear_amplitude(model, mode)).collect::<Vec<f64>>();
-        let found = if smallest_gap(model).is_some() { Vec::new() } else { of_modes() };
+        let found = if distance_to_stops(model).is_some() { Vec::new() } else { of_modes() };
         if found.is_empty() { vec![self.modal] } else { found }
     }
 }
 
-/// The smallest positive gap of the contacts and stops, m.
-fn smallest_gap(model: &Model) -> Option<f64> {
-    let gaps = model.elements().iter().filter_map(|element| element.law.clearance());
-    gaps.filter(|&gap| gap > 0.0).reduce(f64::min)
+/// How far the structure moves until it touches or leaves a contact or stop, m: the smallest positive gap or, where all are pressed
+/// at rest, the smallest depth.
+fn distance_to_stops(model: &Model) -> Option<f64> {
+    let clearances = || model.elements().iter().filter_map(|element| element.law.clearance());
+    let gap = clearances().filter(|&gap| gap > 0.0).reduce(f64::min);
+    gap.or_else(|| clearances().filter(|&gap| gap < 0.0).map(f64::abs).reduce(f64::min))
 }
 
-/// Largest modal amplitude of a mode at which the first harmonic of its nonlinear modal force is a tenth of the linear one.
+/// Ratio of the first harmonic of the nonlinear modal force to the linear one from which on a motion is nonlinear.
+const NONLINEAR: f64 = 0.1;
+
+/// Ratios that differ by no more than this share are the same.
+const SAME: f64 = 1e-6;
+
+/// Largest modal amplitude of a mode at which the first harmonic of its nonlinear modal force is a tenth of the linear one. Where it is
+/// more at all of them the least nonlinear one, or else, as where it is less, the largest at which it is halfway between its extremes:
+/// nothing here may depend on units. `None` if it is the same at all.
 fn nonlinear_amplitude(model: &Model, mode: usize) -> Option<f64> {
     let (shape, frequency) = (model.modes().shapes.column(mode), model.modes().frequencies[mode]);
     let mut aft = Aft::new(HarmonicSettings { count: 1, samples: 64, quadrature: Quadrature::Samples });
@@ -86,14 +98,81 @@ fn nonlinear_amplitude(model: &Model, mode: usize) -> Option<f64> {
         let linear = frequency.powi(2) * amplitude;
         force[0].hypot(force[1]) / linear
     };
-    let mut above: Option<bool> = None;
-    for step in (-48..=48).rev() {
-        let amplitude = 10f64.powf(f64::from(step) / 4.0);
-        let now = ratio(amplitude, &mut aft) > 0.1;
-        if above.is_some_and(|above| above != now) {
-            return Some(amplitude);
+    let amplitudes: Vec<f64> = (-48..=48).rev().map(|step| 10f64.powf(f64::from(step) / 4.0)).collect();
+    let ratios: Vec<f64> = amplitudes.iter().map(|&amplitude| ratio(amplitude, &mut aft)).collect();
+    let crossing = |level: f64| {
+        let crosses = |pair: &[f64]| (pair[0] > level) != (pair[1] > level);
+        ratios.windows(2).position(crosses).map(|before| amplitudes[before + 1])
+    };
+    let by_size = |a: &usize, b: &usize| ratios[*a].total_cmp(&ratios[*b]);
+    let least = (0..ratios.len()).min_by(by_size)?;
+    let most = (0..ratios.len()).max_by(by_size)?;
+    let (low, high) = (ratios[least], ratios[most]);
+    let is_lower_than = |end: Option<&f64>| end.is_some_and(|end| low < end * (1.0 - SAME));
+    match crossing(NONLINEAR) {
+        Some(amplitude) => Some(amplitude),
+        None if low > NONLINEAR && is_lower_than(ratios.first()) && is_lower_than(ratios.last()) => {
+            Some(amplitudes[least])
         }
-        above = Some(now);
+        None if high - low > SAME * high => crossing(f64::midpoint(low, high)),
+        None => None,
     }
-    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A mass on a spring of eigenfrequency 1 rad/s, with laws, in lengths of `unit` m; the laws are functions of it.
+    fn length(unit: f64, laws: impl Fn(f64) -> String) -> f64 {
+        let text = format!(
+            "dofs = [\"x\"]\n[matrices]\nmass = [[1]]\nstiffness = [[1]]\n[damping]\ndefault_ratio = 0.01\n\
+             [forcing]\nshape = {{ dofs = {{ x = 1 }} }}\nharmonic = 1\n{}",
+            laws(unit)
+        );
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("model.toml"), text).unwrap();
+        let model = crate::files::load(folder.path()).unwrap();
+        Scales::new(&model, 0).length
+    }
+
+    fn law(law: &str) -> String {
+        format!("[[laws]]\ndof = \"x\"\nlaw = {{ {law} }}\n")
+    }
+
+    /// The same structure in other units has the same reference length, whatever acts.
+    #[test]
+    fn lengths_do_not_depend_on_units() {
+        let cubic = |unit: f64, c: f64| {
+            law(&format!("polynomial_spring = {{ terms = [{{ power = 3, coefficient = {:e} }}] }}", c / unit.powi(2)))
+        };
+        let tanh = |unit: f64, limit: f64, velocity: f64| {
+            law(&format!("tanh_friction = {{ limit = {:e}, velocity = {:e} }}", limit * unit, velocity * unit))
+        };
+        let stop =
+            |unit: f64, gap: f64| law(&format!("penalty_spring = {{ stiffness = 7.5, gap = {:e} }}", gap * unit));
+        let joint = |unit: f64, stiffness: f64| {
+            law(&format!("jenkins = {{ stiffness = {stiffness:e}, limit = {:e} }}", 0.03 * unit))
+        };
+        let structures: [&dyn Fn(f64) -> String; 6] = [
+            &|unit| cubic(unit, 0.5),
+            // Nonlinear at every amplitude: friction takes over where the cubic spring ends.
+            &|unit| cubic(unit, 0.02) + &tanh(unit, 1.0, 0.1),
+            // Pressed at rest, as stiff as the structure: never nearly linear.
+            &|unit| stop(unit, -0.1),
+            &|unit| stop(unit, -0.1) + &stop(unit, 0.3),
+            // A joint that is a twentieth of the structure's stiffness.
+            &|unit| joint(unit, 0.05),
+            &|unit| joint(unit, 3.0),
+        ];
+        for (i, structure) in structures.iter().enumerate() {
+            let [large, small] = [1.0, 1e-6].map(|unit| length(unit, structure) / unit);
+            assert!((large / small - 1.0).abs() < 1e-6, "{i}: {large} {small}");
+            assert!((1e-3..1e3).contains(&large), "{i}: {large}");
+        }
+        assert_eq!(length(1.0, |unit| stop(unit, -0.1)), 0.1);
+        assert_eq!(length(1.0, |unit| stop(unit, -0.1) + &stop(unit, 0.3)), 0.3);
+        // As a contact without a gap every motion is like every other.
+        assert_eq!(length(1.0, |unit| stop(unit, 0.0)), length(1e-6, |unit| stop(unit, 0.0)));
+    }
 }
