@@ -187,7 +187,11 @@ fn in_words(
     // That isola is this one.
     let it =
         |merge: &Merge<'_>| merge.of_isola.as_ref().map(|does| format!("it {does}")).or_else(|| merge.what.clone());
-    let (from, to) = (place(life.from), place(life.to));
+    let (from, mut to) = (place(life.from), place(life.to));
+    // Where digits do not tell them apart.
+    if forcing_digits(life.from, DIGITS) == forcing_digits(life.to, DIGITS) {
+        to = format!("{to}, {} above", digits(life.to.forcing - life.from.forcing, 2));
+    }
     let end = match (merge(life.to), counted(life.to)) {
         (None, _) => format!("it {}", DEATH.verb),
         (Some(merge), counted) => it(merge).unwrap_or_else(|| match counted {
@@ -270,6 +274,9 @@ mod tests {
                       dies.";
         let both = say(&[whole.clone(), dies]).unwrap();
         assert!(both.starts_with(lasts) && both.ends_with(begins), "{both}");
+        // So short that digits do not tell its end from its birth.
+        let brief = say(&[curve(&[(1.0, ""), (1.500_001, "merge"), (1.5, "birth"), (5.0, "")])]).unwrap();
+        assert!(brief.contains(" and lasts to A = 1.5 (3.000002 rad/s), 0.000001 above, where"), "{brief}");
         // As the forcing grows, whatever kind of thing happens.
         let early = curve(&[(0.9, ""), (0.5, "birth"), (0.8, "")]);
         let late = curve(&[(0.1, ""), (0.2, "merge"), (0.1, ""), (8.0, "merge"), (7.0, "")]);

@@ -8,6 +8,8 @@ use crate::store::SearchCounts;
 use crate::words::{self, count, digits};
 use solver::response::backbone::MOST_CROSSING;
 use solver::response::modes::ModesFollowed;
+use solver::structure::Model;
+use solver::structure::laws::LawKind;
 
 /// What a run, or one order of motions of it, has been searched by.
 #[derive(Debug, Clone)]
@@ -32,12 +34,23 @@ pub struct LookedFor<'r> {
     pub search: SearchCounts,
     /// Why folds cannot be followed, if so.
     pub why_no_folds: Option<&'r str>,
+    /// Whether there are joints (Jenkins elements), which may stick.
+    pub has_joints: bool,
+}
+
+/// A joint that never slips keeps what force it has, anything up to its limit: a continuum of motions, of which one is followed.
+const STUCK: &str = " Where a joint sticks throughout only the motion that keeps no force in it was looked for: with a force kept, \
+                     motions about other places last too, and may reach farther.";
+
+/// Whether a model has joints (Jenkins elements), which may stick.
+pub fn has_joints(model: &Model) -> bool {
+    model.elements().iter().any(|element| matches!(element.law, LawKind::Jenkins(_)))
 }
 
 impl LookedFor<'_> {
     /// How far the list of branches reaches.
     pub fn sentence(&self) -> String {
-        format!("Looked for: {}; {}.", self.searched(), self.not_searched())
+        format!("Looked for: {}; {}.{}", self.searched(), self.not_searched(), self.stuck())
     }
 
     /// The modes whose backbones are known: `mode 1`, or `modes 1 and 2`.
@@ -63,12 +76,17 @@ impl LookedFor<'_> {
         let modes: String =
             self.modes.into_iter().flat_map(modes::too_many).map(|modes| format!("; not of {modes}")).collect();
         format!(
-            "Looked for: {}{alone}{modes}{folds}{}; an isola to which none of these leads is not found, nor one of {}{}.",
+            "Looked for: {}{alone}{modes}{folds}{}; an isola to which none of these leads is not found, nor one of {}{}.{}",
             ways.join(", "),
             self.beyond_backbones(),
             self.other_periods(),
-            next.map_or_else(String::new, |next| format!(" ({next})"))
+            next.map_or_else(String::new, |next| format!(" ({next})")),
+            self.stuck()
         )
+    }
+
+    fn stuck(&self) -> &'static str {
+        if self.has_joints { STUCK } else { "" }
     }
 
     /// Motions of which orders were not looked for.
@@ -271,7 +289,20 @@ mod tests {
             curves: 0,
             search: SearchCounts::default(),
             why_no_folds: None,
+            has_joints: false,
         }
+    }
+
+    /// What a joint that sticks may keep is no motion that was followed.
+    #[test]
+    fn joints_that_stick() {
+        let levels = [level(&[1])];
+        let told = |has_joints| {
+            let told = LookedFor { has_joints, ..looked_for(&levels, &[1]) };
+            [told.brief(None), told.sentence()]
+        };
+        assert!(told(true).iter().all(|said| said.ends_with("and may reach farther.")));
+        assert!(told(false).iter().all(|said| !said.contains("joint")));
     }
 
     #[test]

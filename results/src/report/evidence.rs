@@ -1,7 +1,7 @@
 //! What the answers of a report are drawn from.
 
 use crate::curves::BackboneCurve;
-use crate::overview::{Excitation, Lesser, Level, LookedFor, undetermined};
+use crate::overview::{Excitation, Lesser, Level, LookedFor, has_joints, undetermined};
 use crate::store::{CurveRow, MotionRow, PushRow, SearchCounts};
 use crate::summary_table::Units;
 use protocol::to_everyone::Stage;
@@ -96,6 +96,7 @@ impl<'r> Evidence<'r> {
             curves: self.curves.len(),
             search: self.search,
             why_no_folds: self.why_no_folds.as_deref(),
+            has_joints: self.structure.has_joints,
         }
     }
 }
@@ -111,6 +112,8 @@ pub struct Structure {
     pub gap: Option<f64>,
     /// Number of modes.
     pub modes: usize,
+    /// Whether there are joints, which may stick.
+    pub has_joints: bool,
     /// Harmonic m of the response that the forcing acts on.
     pub harmonic: usize,
     /// What motions that branch off others have lost.
@@ -131,6 +134,7 @@ impl Structure {
             monitors: model.monitors().iter().map(|&dof| model.dofs()[dof].clone()).collect(),
             gap,
             modes: model.size(),
+            has_joints: has_joints(model),
             harmonic: model.forcing().harmonic,
             lesser: Lesser::of(model),
             stops: model.contacts().count(),

@@ -4,7 +4,7 @@ use super::known::Known;
 use super::units::FrequencyUnit;
 use crate::overview::{
     BranchRow, Excitation, Level, LookedFor, Predicted, SmallestMotion, between_levels, born_above, born_below,
-    born_between, level_between, levels_after, truncation_doubt, why_no_folds,
+    born_between, has_joints, level_between, levels_after, truncation_doubt, why_no_folds,
 };
 use crate::store::{CurvePoint, CurveRow};
 use crate::words::{digits, listed};
@@ -16,6 +16,9 @@ use solver::settings::{Effort, FrequencySettings};
 
 /// Digits of forcing amplitudes that the energy balance, an estimate, predicts.
 const DIGITS: i32 = 3;
+
+/// Digits of the forcing amplitude of a birth that levels miss.
+const BIRTH_DIGITS: i32 = 4;
 
 /// Windows between levels that are named.
 const NAMED: usize = 3;
@@ -38,6 +41,7 @@ pub(super) fn looked_for(known: &Known) -> Option<String> {
         curves: known.curves.len(),
         search: known.search,
         why_no_folds: why.as_deref(),
+        has_joints: has_joints(model),
     };
     let has_isola = known.levels().iter().any(|level| level.highest_isola().is_some());
     let next = other_orders(looked_for.asked, settings.harmonics.count).filter(|_| !has_isola);
@@ -96,7 +100,7 @@ fn born(levels: &[Level], curves: &[CurveRow], bounds: FrequencySettings) -> Str
     let between = born_between(levels, curves, bounds);
     let (below, above) = (born_below(levels, curves, bounds), born_above(levels, curves, bounds));
     let several = |births: &[&CurvePoint], where_: &str| match births.len() {
-        1 => format!("one is born {where_} them"),
+        1 => format!("one is born {where_} them, at A = {}", digits(births[0].forcing, BIRTH_DIGITS)),
         count => format!("{count} are born {where_} them"),
     };
     let (births, what) = match (&between[..], &below[..], above) {
@@ -177,7 +181,7 @@ mod tests {
             let level = Level { amplitude: "2".into(), value: 2.0, branches: vec![row], ..Level::default() };
             born(&[level], &curves, FrequencySettings::default())
         };
-        assert!(told("cut", (1.5, 2.5)).ends_with("(one is born below them, not confirmed with twice the harmonics: what is cut off by a bound may be it, which wider bounds show)"), "{}", told("cut", (1.5, 2.5)));
+        assert!(told("cut", (1.5, 2.5)).ends_with("(one is born below them, at A = 1, not confirmed with twice the harmonics: what is cut off by a bound may be it, which wider bounds show)"), "{}", told("cut", (1.5, 2.5)));
         for other in [told("cut", (2.5, 3.0)), told("branched", (1.5, 2.5))] {
             assert!(other.contains(": isola extend RUN --amplitudes "), "{other}");
         }
