@@ -275,8 +275,8 @@ mod tests {
         let both = say(&[whole.clone(), dies]).unwrap();
         assert!(both.starts_with(lasts) && both.ends_with(begins), "{both}");
         // So short that digits do not tell its end from its birth.
-        let brief = say(&[curve(&[(1.0, ""), (1.500_001, "merge"), (1.5, "birth"), (5.0, "")])]).unwrap();
-        assert!(brief.contains(" and lasts to A = 1.5 (3.000002 rad/s), 0.000001 above, where"), "{brief}");
+        let brief = say(&[curve(&[(1.0, ""), (1.500_02, "merge"), (1.5, "birth"), (5.0, "")])]).unwrap();
+        assert!(brief.contains(" and lasts to A = 1.5 (3.00004 rad/s), 2.0e-5 above, where"), "{brief}");
         // As the forcing grows, whatever kind of thing happens.
         let early = curve(&[(0.9, ""), (0.5, "birth"), (0.8, "")]);
         let late = curve(&[(0.1, ""), (0.2, "merge"), (0.1, ""), (8.0, "merge"), (7.0, "")]);

@@ -12,8 +12,8 @@ use serde::{Deserialize, Serialize};
 pub struct Scales {
     /// Reference length ℓ, m: the smallest positive gap; without one, what the stop that is pressed least at rest is pressed in by;
     /// without either the amplitude (of the first monitored dof) at which the nonlinear modal force has fallen or risen to a tenth of
-    /// the linear one; if it never does, where it is nearest to that or changes most; that of unit modal amplitude if every motion is
-    /// like every other.
+    /// the linear one, or has changed by that (`nonlinear_amplitude`); that of unit modal amplitude if every motion is like every
+    /// other.
     pub length: f64,
     /// Reference frequency ω_ref, rad/s: eigenfrequency of the mode followed.
     pub frequency: f64,
@@ -66,8 +66,9 @@ const NONLINEAR: f64 = 0.1;
 const SAME: f64 = 1e-6;
 
 /// Largest modal amplitude of a mode at which the first harmonic of its nonlinear modal force is a tenth of the linear one. Where it is
-/// more at all of them the least nonlinear one, or else, as where it is less, the largest at which it is halfway between its extremes:
-/// nothing here may depend on units. `None` if it is the same at all.
+/// more at all of them, and more at both ends, the least nonlinear one. Otherwise that at which the force differs by a tenth, or by half
+/// of what it ever does, from that of the smallest motions, which laws may add to the linear one. Nothing here may depend on units.
+/// `None` if all motions are alike.
 fn nonlinear_amplitude(model: &Model, mode: usize) -> Option<f64> {
     let (shape, frequency) = (model.modes().shapes.column(mode), model.modes().frequencies[mode]);
     let mut aft = Aft::new(HarmonicSettings { count: 1, samples: 64, quadrature: Quadrature::Samples });
@@ -100,23 +101,22 @@ fn nonlinear_amplitude(model: &Model, mode: usize) -> Option<f64> {
     };
     let amplitudes: Vec<f64> = (-48..=48).rev().map(|step| 10f64.powf(f64::from(step) / 4.0)).collect();
     let ratios: Vec<f64> = amplitudes.iter().map(|&amplitude| ratio(amplitude, &mut aft)).collect();
-    let crossing = |level: f64| {
+    let largest_across = |values: &[f64], level: f64| {
         let crosses = |pair: &[f64]| (pair[0] > level) != (pair[1] > level);
-        ratios.windows(2).position(crosses).map(|before| amplitudes[before + 1])
+        values.windows(2).position(crosses).map(|before| amplitudes[before + 1])
     };
-    let by_size = |a: &usize, b: &usize| ratios[*a].total_cmp(&ratios[*b]);
-    let least = (0..ratios.len()).min_by(by_size)?;
-    let most = (0..ratios.len()).max_by(by_size)?;
-    let (low, high) = (ratios[least], ratios[most]);
-    let is_lower_than = |end: Option<&f64>| end.is_some_and(|end| low < end * (1.0 - SAME));
-    match crossing(NONLINEAR) {
-        Some(amplitude) => Some(amplitude),
-        None if low > NONLINEAR && is_lower_than(ratios.first()) && is_lower_than(ratios.last()) => {
-            Some(amplitudes[least])
-        }
-        None if high - low > SAME * high => crossing(f64::midpoint(low, high)),
-        None => None,
+    if let Some(amplitude) = largest_across(&ratios, NONLINEAR) {
+        return Some(amplitude);
     }
+    let least = (0..ratios.len()).min_by(|&a, &b| ratios[a].total_cmp(&ratios[b]))?;
+    let is_less_than = |end: Option<&f64>| end.is_some_and(|end| ratios[least] < end * (1.0 - SAME));
+    if ratios[least] > NONLINEAR && is_less_than(ratios.first()) && is_less_than(ratios.last()) {
+        return Some(amplitudes[least]);
+    }
+    let small = *ratios.last()?;
+    let changes: Vec<f64> = ratios.iter().map(|ratio| (ratio - small).abs() / (1.0 + small)).collect();
+    let most = changes.iter().copied().fold(0.0, f64::max);
+    if most > SAME { largest_across(&changes, NONLINEAR.min(0.5 * most)) } else { None }
 }
 
 #[cfg(test)]
@@ -154,7 +154,7 @@ mod tests {
         let joint = |unit: f64, stiffness: f64| {
             law(&format!("jenkins = {{ stiffness = {stiffness:e}, limit = {:e} }}", 0.03 * unit))
         };
-        let structures: [&dyn Fn(f64) -> String; 6] = [
+        let structures: [&dyn Fn(f64) -> String; 7] = [
             &|unit| cubic(unit, 0.5),
             // Nonlinear at every amplitude: friction takes over where the cubic spring ends.
             &|unit| cubic(unit, 0.02) + &tanh(unit, 1.0, 0.1),
@@ -164,6 +164,8 @@ mod tests {
             // A joint that is a twentieth of the structure's stiffness.
             &|unit| joint(unit, 0.05),
             &|unit| joint(unit, 3.0),
+            // As stiff as the structure for the smallest motions, and stiffer for larger ones.
+            &|unit| law("polynomial_spring = { terms = [{ power = 1, coefficient = 1 }] }") + &cubic(unit, 0.02),
         ];
         for (i, structure) in structures.iter().enumerate() {
             let [large, small] = [1.0, 1e-6].map(|unit| length(unit, structure) / unit);
