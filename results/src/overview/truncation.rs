@@ -179,9 +179,12 @@ pub fn is_unconfirmed(row: &BranchRow) -> bool {
     row.is_isola() && row.certificate.doubled.is_none() && row.stability.as_ref().is_some_and(is_unmatched)
 }
 
-/// Whether no peak like that of an isola was found with twice the harmonics, and time marching did not find it or cannot tell.
+/// Whether no peak like that of an isola was found with twice the harmonics, and time marching did not find it or cannot tell. Motions
+/// elsewhere on it may be those of a branch nearby.
 pub fn is_unmatched(row: &BranchRow) -> bool {
-    let is_marched = |stability: &Stability| stability.stable > 0.0 || stability.unstable > 0.0;
+    let is_marched = |stability: &Stability| {
+        stability.peak.as_ref().is_some_and(|peak| !["none", "not_comparable"].contains(&peak.verdict.as_str()))
+    };
     // The first programs did not look with twice the harmonics.
     let is_lost = row.certificate.doubled.is_none() && row.peak_standing.is_some();
     row.is_isola() && is_lost && !row.stability.as_ref().is_some_and(is_marched)
@@ -274,7 +277,7 @@ mod tests {
             assert!(!is_unconfirmed(&confirmed), "{confirmed:?}");
         }
         let looked_for = |row: BranchRow| BranchRow { peak_standing: Some(Standing::At), ..row };
-        for stability in [None, marched("not_comparable", 0.0), marched("none", 0.0)] {
+        for stability in [None, marched("not_comparable", 0.0), marched("none", 0.0), marched("none", 0.3)] {
             assert!(is_unmatched(&looked_for(isola(None, stability))));
         }
         assert!(!is_unmatched(&isola(None, None)), "nobody looked");
