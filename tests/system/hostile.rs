@@ -11,8 +11,6 @@ use protocol::ids::{Attempt, TaskId, WorkerId};
 use protocol::session::{RequestError, fetch, request, request_encoded};
 use protocol::to_everyone::Status;
 use protocol::to_worker::{LeaseReply, RenewReply, SubmitReply};
-use rustix::process::Signal;
-use solver::response::task::Task;
 use solver::stability::verification::MarchedOrbit;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -192,43 +190,37 @@ fn a_worker_whose_results_do_not_hold() {
 
 /// Levels enough for somebody to be asked again.
 const MANY: &[&str] = &["--amplitudes", "0.004:0.012:0.0002", "--search", "none", "--verify", "none", "--stay"];
-const MANY_LEVELS: &[&str] = &["--amplitudes", "0.004:0.012:0.0002"];
 
 /// Others may have nothing to do.
 const TURN: Duration = Duration::from_secs(2);
-
-/// A stand-in beside two workers says of the tasks that `denies` names that nothing is there, and gives others back, until it is sent
-/// away: the reason that it is given.
-async fn denies_until_sent_away(system: &System, denies: impl Fn(&Task) -> bool) -> String {
-    let liar = StandIn::of(system).await;
-    let (session, keys, _) = system.viewer().await;
-    loop {
-        match liar.lease().await {
-            LeaseReply::Grant(grant) if denies(&grant.work) => {
-                let reply = liar.deny(&grant).await;
-                assert!(matches!(reply, SubmitReply::Accepted | SubmitReply::Duplicate { .. }), "{reply:?}");
-                // Others have their turn: three of their results for one of these.
-                let done = async || fetch::<Status>(&session, &keys.status(), PATIENCE).await.unwrap().tasks.done;
-                let before = done().await;
-                let deadline = Instant::now() + TURN;
-                while done().await < before + 3 && Instant::now() < deadline {
-                    tokio::time::sleep(Duration::from_millis(20)).await;
-                }
-            }
-            LeaseReply::Grant(grant) => liar.give_back(&grant).await,
-            LeaseReply::Wait { .. } => tokio::time::sleep(Duration::from_millis(50)).await,
-            LeaseReply::Stop { reason } => return reason,
-            LeaseReply::Drained => panic!("it was not found out"),
-        }
-    }
-}
 
 /// Somebody who says that nothing is there, whatever is asked, is found out by two others who are asked again, told of and sent away.
 #[test]
 fn a_worker_that_finds_nothing() {
     let mut system = System::sweep(DAMPER, MANY);
     let _honest = [system.worker(), system.worker()];
-    let reason = block_on(denies_until_sent_away(&system, |_| true));
+    let reason = block_on(async {
+        let liar = StandIn::of(&system).await;
+        let (session, keys, _) = system.viewer().await;
+        loop {
+            match liar.lease().await {
+                LeaseReply::Grant(grant) => {
+                    let reply = liar.deny(&grant).await;
+                    assert!(matches!(reply, SubmitReply::Accepted | SubmitReply::Duplicate { .. }), "{reply:?}");
+                    // Others have their turn: three of their results for one of these.
+                    let done = async || fetch::<Status>(&session, &keys.status(), PATIENCE).await.unwrap().tasks.done;
+                    let before = done().await;
+                    let deadline = Instant::now() + TURN;
+                    while done().await < before + 3 && Instant::now() < deadline {
+                        tokio::time::sleep(Duration::from_millis(20)).await;
+                    }
+                }
+                LeaseReply::Wait { .. } => tokio::time::sleep(Duration::from_millis(50)).await,
+                LeaseReply::Stop { reason } => break reason,
+                LeaseReply::Drained => panic!("it was not found out"),
+            }
+        }
+    });
     assert!(reason.contains("of its results were refused") && reason.contains(": nothing, where "), "{reason}");
     system.wait_until_finished();
     assert!(system.attempts("ending = 'refuted' AND worker = 'stand-in'") >= 3);
@@ -239,27 +231,6 @@ fn a_worker_that_finds_nothing() {
                  WHERE \"end\" = 'refuted' AND kind <> 'main'";
     assert_eq!(system.number(wrong), 0);
     assert_eq!(system.number("SELECT count(*) FROM tasks WHERE state IN ('waiting', 'leased', 'dead')"), 0);
-}
-
-/// Where the forced responses are from which the isolas are traced is denied: each of these landings is taken back and made once more, and
-/// the run comes to what it comes to undisturbed.
-#[test]
-fn a_landing_that_is_denied() {
-    let mut undisturbed = System::sweep_with(DAMPER, &[MANY_LEVELS, BRIEF, &["--workers", "2"]].concat());
-    let mut system = System::sweep(DAMPER, MANY);
-    let _honest = [system.worker(), system.worker()];
-    let reason = block_on(denies_until_sent_away(&system, |work| matches!(work, Task::Land(_))));
-    assert!(reason.contains(": nothing, where ") && reason.contains(" come to forced responses"), "{reason}");
-    system.wait_until_finished();
-    let denied = "SELECT count(*) FROM attempts JOIN tasks ON tasks.id = task \
-                  WHERE \"end\" = 'refuted' AND kind = 'land' AND worker = 'stand-in'";
-    assert!(system.number(denied) >= 3);
-    let believed = "SELECT count(*) FROM attempts JOIN results USING (task, attempt) WHERE \"end\" = 'refuted'";
-    assert_eq!(system.number(believed), 0);
-    system.coordinator.signal(Signal::INT);
-    system.expect_complete();
-    undisturbed.expect_complete();
-    assert_eq!(files(&undisturbed.directory()), files(&system.directory()));
 }
 
 /// A verification that tells of orbits that are none is refused; what is true is stored.

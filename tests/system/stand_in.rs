@@ -73,18 +73,10 @@ impl StandIn {
             if grant.task.as_str() == task {
                 return grant;
             }
-            self.give_back_for(&grant, worker).await;
+            let lease = Lease { worker: worker.clone(), ..self.held(&grant) };
+            self.release_lease(lease).await;
+            self.slot.set(self.slot.get() + 1);
         }
-    }
-
-    /// Gives a task back, and is offered another one.
-    pub async fn give_back(&self, grant: &Grant) {
-        self.give_back_for(grant, &self.worker).await;
-    }
-
-    async fn give_back_for(&self, grant: &Grant, worker: &WorkerId) {
-        self.release_lease(Lease { worker: worker.clone(), ..self.held(grant) }).await;
-        self.slot.set(self.slot.get() + 1);
     }
 
     /// Which of its threads it is now.
