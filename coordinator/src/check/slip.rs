@@ -44,7 +44,8 @@ impl FirstSlip<'_> {
         };
         let touching = if self.may_touch { " with nothing that touches" } else { "" };
         format!(
-            "from A = {} on, {} {what} first, {place}, in the linear response{touching} (isolas may be there much earlier)",
+            "from A = {} on, {} {what} first, {place}, in the linear response{touching} (looked for at bounds and at the resonances of \
+             modes that are followed; isolas may be there much earlier)",
             number(self.forcing),
             self.element.name
         )

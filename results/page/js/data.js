@@ -16,7 +16,7 @@
  * @property {number} [level] index of the level that it is, if it is one
  * @property {Run[]} [runs]
  * @property {string} words what is predicted
- * @property {string[]} [sentences] one a run
+ * @property {(string|object)[][]} [sentences] one a run
  *
  * @typedef {object} Run a part of the backbone on which forced responses are predicted
  * @property {number} first place on the backbone where it begins; between points, a fraction

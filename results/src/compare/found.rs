@@ -44,7 +44,17 @@ fn of_one((own, report): (&String, &Report), (name, other): (&String, &Report)) 
         events_of(&report.curves, CriticalKind::Birth.name()).into_iter().cloned().collect()
     };
     let known = born(other);
-    let births = born(report).into_iter().filter(|birth| !known.iter().any(|other| is_near(birth, other)));
+    // Where the other has not looked, or not yet, nothing is lacking.
+    let levels: Vec<f64> = other.overview.levels.iter().map(|level| level.value).collect();
+    let (lowest, highest) = (levels.iter().copied().reduce(f64::min), levels.iter().copied().reduce(f64::max));
+    let is_complete = other.overview.levels.iter().all(crate::overview::Level::is_complete);
+    let is_looked_at = |birth: &CurvePoint| {
+        is_complete
+            && lowest.is_some_and(|low| low <= birth.forcing)
+            && highest.is_some_and(|high| birth.forcing <= high)
+    };
+    let is_known = |birth: &CurvePoint| known.iter().any(|other| is_near(birth, other));
+    let births = born(report).into_iter().filter(|birth| is_looked_at(birth) && !is_known(birth));
     let births: Vec<Told> = births
         .map(|birth| {
             Told::from(format!("A = {} (", digits(birth.forcing, 4))).frequency(birth.omega, 5).unit().text(")")

@@ -51,8 +51,8 @@ pub fn doubts(reader: &Reader) -> Result<Option<String>> {
     let stopped = stopped.iter().filter(|curve| curve.is_unfinished && ends_near(curve, &levels));
     curves.extend(stopped.map(fold_curve));
     let search = reader.search_counts()?;
-    let without_branch =
-        format!("of a curve and a level, without a branch, {}", at(reader, &reader.levels_of_lost_crossings()?)?);
+    let lost_at = if search.lost > 0 { reader.levels_of_lost_crossings()? } else { Vec::new() };
+    let without_branch = format!("of a curve and a level, without a branch, {}", at(reader, &lost_at)?);
     // Folds of a run that goes on are still to come.
     let left_out = if reader.stage()? == Stage::Finished { search.left_out } else { 0 };
     let lost = [

@@ -87,10 +87,10 @@ impl Level {
         self.branches.iter().filter(|branch| branch.is_main())
     }
 
-    /// How many curves they are: every end that runs on to another one makes one of two.
+    /// How many curves they are at most: a piece that runs on to another one, whichever that is, is none of its own.
     pub fn main_curves(&self) -> usize {
-        let (all, joints) = (self.mains().count(), self.mains().map(BranchRow::joints).sum());
-        all.saturating_sub(joints).max(all.min(1))
+        let apart = self.mains().filter(|row| row.joints() == 0).count();
+        apart.max(self.mains().count().min(1))
     }
 
     /// The main branch with the point of largest amplitude.

@@ -73,7 +73,7 @@ impl Reader {
     pub(crate) fn levels_of_lost_crossings(&self) -> Result<Vec<i64>> {
         let levels = self.levels_told_of();
         let sql = format!(
-            "SELECT level FROM tasks JOIN levels USING (level) WHERE kind = 'crossing' AND NOT (state = 'done' AND ({IS_WELL})) \
+            "SELECT level FROM tasks JOIN levels USING (level) WHERE kind = 'crossing' AND state = 'done' AND NOT ({IS_WELL}) \
              AND origin NOT LIKE 'scout %' AND level IN {levels} ORDER BY value, level"
         );
         let mut lost: Vec<i64> = self.all(&sql, [], |row| row.get(0))?;
@@ -150,7 +150,8 @@ impl Reader {
             let (all, lost) = match kind.as_str() {
                 "fold" => (&mut counts.folds, &mut counts.unfollowed),
                 "switch" => (&mut counts.switched, &mut counts.uncrossed),
-                _ => (&mut counts.crossings, &mut counts.lost),
+                // Which of these are lost takes more than their states.
+                _ => (&mut counts.crossings, &mut 0),
             };
             *all += 1;
             *lost += usize::from(!is_well);
@@ -229,6 +230,12 @@ mod tests {
         let lowest = reader.levels().unwrap().remove(0);
         assert_eq!(reader.levels_of_lost_crossings().unwrap(), [lowest.0]);
         drop(reader);
+        // What is not done, or was given up, is told as that.
+        for state in ["waiting", "leased", "skipped", "dead"] {
+            run(&format!("UPDATE tasks SET state = '{state}' WHERE id = 'curve 0'"));
+            assert_eq!(lost(), 0, "{state}");
+        }
+        run("UPDATE tasks SET state = 'done' WHERE id = 'curve 0'");
         // One elsewhere says nothing of it.
         curve(2, 2.01);
         crossing(1, true);

@@ -67,7 +67,8 @@ const SAME: f64 = 1e-6;
 
 /// Largest modal amplitude of a mode at which the first harmonic of its nonlinear modal force is a tenth of the linear one. Where it is
 /// more at all of them, and more at both ends, the least nonlinear one. Otherwise that at which the force differs by a tenth, or by half
-/// of what it ever does, from that of the smallest motions, which laws may add to the linear one. Nothing here may depend on units.
+/// of what it ever does, from that of the smallest motions, which laws may add to the linear one. It depends on units by a quarter
+/// of a decade at most, the grid of amplitudes, and not at all where these are powers of ten.
 /// `None` if all motions are alike.
 fn nonlinear_amplitude(model: &Model, mode: usize) -> Option<f64> {
     let (shape, frequency) = (model.modes().shapes.column(mode), model.modes().frequencies[mode]);

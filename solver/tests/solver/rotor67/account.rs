@@ -27,7 +27,9 @@ fn check_windows(level: &Level, backbone: &Backbone, what: &str) -> (usize, usiz
                     assert!(level.branch(id).is_some(), "{what}: there is no {id}");
                     named.push(id);
                 }
-                SeedOutcome::Passing(id, distance) => panic!("{what}: {id} only passes by at {distance}"),
+                SeedOutcome::Passing(id, distance) => {
+                    assert!(id.is_main() && distance < 0.3, "{what}: {id} passes by at {distance}");
+                }
                 SeedOutcome::NotLanded(reason) => assert!(!reason.to_string().is_empty(), "{what}: no reason"),
                 SeedOutcome::NotTraced(reason) => assert!(!reason.to_string().is_empty(), "{what}: no reason"),
                 SeedOutcome::OutOfBounds => panic!("{what}: the default bounds hold the whole backbone"),
