@@ -91,7 +91,7 @@ mod tests {
     #[test]
     fn frequencies_are_read_in_any_unit() {
         let told = Told::from("isola: ").frequency(2495.39, 5).text(" to ").frequency(2500.0, 5).unit();
-        let told = told.then(Told::from(" (").difference(6.2832, 3).unit().text(")"));
+        let told = told.then(Told::from(" (").difference(std::f64::consts::TAU, 3).unit().text(")"));
         assert_eq!(told.read_in(FrequencyUnit::RadianPerSecond), "isola: 2495.4 to 2500 rad/s (+6.28 rad/s)");
         assert_eq!(told.read_in(FrequencyUnit::Hertz), "isola: 397.15 to 397.89 Hz (+1 Hz)");
         let json = serde_json::to_value(Told::from("at ").frequency(2.0, 3).unit()).unwrap();
