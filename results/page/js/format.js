@@ -14,6 +14,11 @@ function formatNumber(value, digits = 5) {
   return text.replace("-", "−").replace("e+", "e");
 }
 
+/** As the program writes it: with `digits` significant digits, and those before the point as they are. */
+function formatDigits(value, digits) {
+  return Math.abs(value) < 10 ** digits ? formatNumber(value, digits) : value.toFixed(0).replace("-", "−");
+}
+
 const PREFIXES = [["M", 1e-6], ["k", 1e-3], ["", 1], ["m", 1e3], ["µ", 1e6], ["n", 1e9]];
 
 /** The unit in which `size` has one to three digits before the point, from the prefix `from` downwards. */

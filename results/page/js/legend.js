@@ -52,7 +52,7 @@ function legend(entries) {
   return element("div.legend", {}, ...entries.map(({ text, style, frequency }) => {
     const sample = legendSample(style);
     showInColour(sample, style.color);
-    const behind = () => `${formatNumber(inChosenUnit(frequency), 4)} ${frequencyUnit.get()}`;
+    const behind = () => `${formatDigits(inChosenUnit(frequency), 4)} ${frequencyUnit.get()}`;
     const name = frequency === undefined ? text : followingUnits(() => element("span", {}, `${text} (${behind()})`));
     return element("span", {}, sample, name);
   }));

@@ -30,7 +30,7 @@ function toldText(told) {
   const partText = (part) => {
     if (typeof part === "string") return part;
     if (part.omega === undefined) return frequencyUnit.get();
-    const text = formatNumber(inChosenUnit(part.omega), part.digits);
+    const text = formatDigits(inChosenUnit(part.omega), part.digits);
     return part.signed && part.omega > 0 ? `+${text}` : text;
   };
   return told.map(partText).join("");
