@@ -44,8 +44,8 @@ impl FirstSlip<'_> {
         };
         let touching = if self.may_touch { " with nothing that touches" } else { "" };
         format!(
-            "from A = {} on, {} {what} first, {place}, in the linear response{touching} (looked for at bounds and at the resonances of \
-             modes that are followed; isolas may be there much earlier)",
+            "from A = {} on, {} {what} first, {place}, in the linear response{touching} (looked for at bounds and at resonances up to those \
+             of modes that are followed; isolas may be there much earlier)",
             number(self.forcing),
             self.element.name
         )
@@ -53,7 +53,7 @@ impl FirstSlip<'_> {
 }
 
 /// Where a joint or dry friction begins to slip, the forcing growing, in the linear response at bounds of the study and about resonances
-/// between them of what sticks: of the modes that are followed, and of all if both bounds are given. `None` if nothing can slip, or where
+/// between them of what sticks: up to those of the modes that are followed, and all if both bounds are given. `None` if nothing can slip, or where
 /// the linear response has no bound.
 pub(super) fn first_slip<'s>(study: &'s Study, followed: &[usize]) -> Option<FirstSlip<'s>> {
     let model = &study.model;
@@ -69,10 +69,11 @@ pub(super) fn first_slip<'s>(study: &'s Study, followed: &[usize]) -> Option<Fir
         Some(FirstSlip { forcing, element, omega, mode, may_touch })
     };
     let resonances: Vec<(usize, f64)> = held.resonances().into_iter().map(|(mode, omega)| (mode, omega / m)).collect();
-    let is_looked_at = |&&(mode, omega): &&(usize, f64)| {
-        let all = given.min.is_some() && given.max.is_some();
-        is_within(given, omega) && (all || followed.contains(&mode))
-    };
+    // Main branches lead past what lies below, whichever mode is followed.
+    let of_followed = resonances.iter().filter(|(mode, _)| followed.contains(mode)).map(|(_, omega)| *omega);
+    let highest =
+        if given.min.is_some() && given.max.is_some() { f64::INFINITY } else { of_followed.fold(0.0, f64::max) };
+    let is_looked_at = |&&(_, omega): &&(usize, f64)| is_within(given, omega) && omega <= highest;
     let about = resonances.iter().filter(is_looked_at).filter_map(|&(mode, omega)| {
         let others = resonances.iter().map(|&(_, other)| other).filter(|&other| other != omega);
         let middle = others.fold((0.0_f64, 2.0 * omega), |(low, high), other| {

@@ -117,7 +117,8 @@ pub(super) fn smallest(of: impl Fn(f64) -> Option<f64>, middle: f64, (low, high)
     of(middle)?;
     let place = |i: usize| low + (high - low) * i as f64 / LOOKED_AT as f64;
     let value = |x: f64| of(x).unwrap_or(f64::INFINITY);
-    let best = (0..=LOOKED_AT).min_by(|&i, &j| value(place(i)).total_cmp(&value(place(j))))?;
+    let values: Vec<f64> = (0..=LOOKED_AT).map(|i| value(place(i))).collect();
+    let best = (0..=LOOKED_AT).min_by(|&i, &j| values[i].total_cmp(&values[j]))?;
     let (mut a, mut b) = (place(best.saturating_sub(1)), place((best + 1).min(LOOKED_AT)));
     for _ in 0..NARROWED {
         let (left, right) = (a + (b - a) / 3.0, b - (b - a) / 3.0);

@@ -94,7 +94,7 @@ fn where_a_joint_slips_first() {
     };
     let told = slips(&joint, &[]).unwrap();
     let expected = "from A = 0.0133332 on, spring slips first, at 199.995 rad/s, near the resonance of mode 1 as long as all sticks, in the linear \
-                    response (looked for at bounds and at the resonances of modes that are followed; isolas may be there much earlier)";
+                    response (looked for at bounds and at resonances up to those of modes that are followed; isolas may be there much earlier)";
     assert_eq!(told, expected);
     // Beyond the resonance it resists with about 400² − 4e4 N/m: at 400 rad/s A = 12e4/3e4.
     let bounds = [("frequency.min", "400"), ("frequency.max", "500")];

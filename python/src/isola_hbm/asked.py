@@ -109,7 +109,7 @@ def levels_of(levels: Levels, there: Sequence[float]) -> set[float]:
             f"there are branches at A = {instead([], there)}"
         ) from None
     if unknown := sorted(set(asked) - set(there)):
-        at = ", ".join(f"{value:g}" for value in unknown)
+        at = ", ".join(f"{value:.15g}" for value in unknown)
         raise ValueError(f"levels: no branch at A = {at}; there are branches at A = {instead(unknown, there)}")
     return set(asked)
 
@@ -128,7 +128,8 @@ def _range(text: str) -> list[float]:
         return [float(text)]
     start, stop, step = (Decimal(part.strip()) for part in text.split(":"))
     count = (stop - start) / step if step and all(end.is_finite() for end in (start, stop, step)) else Decimal(-1)
-    if not 0 <= count <= _MOST:
+    # As the program: both ends are levels.
+    if not 0 <= count <= _MOST or count != int(count):
         raise ValueError(text)
     return [float(start + k * step) for k in range(int(count) + 1)]
 
@@ -136,10 +137,10 @@ def _range(text: str) -> list[float]:
 def instead(others: Sequence[float], there: Sequence[float]) -> str:
     """Which levels there are instead of others, as the program says it: all of them or, of many, those beside the others."""
     if len(there) <= _ALL_NAMED:
-        return ", ".join(f"{value:g}" for value in there)
+        return ", ".join(f"{value:.15g}" for value in there)
     places = {place for other in others for above in [bisect_left(there, other)] for place in (above - 1, above)}
-    near = [f"{there[place]:g}" for place in sorted(places) if 0 <= place < len(there)]
-    count = f"{len(there)} levels from {there[0]:g} to {there[-1]:g}"
+    near = [f"{there[place]:.15g}" for place in sorted(places) if 0 <= place < len(there)]
+    count = f"{len(there)} levels from {there[0]:.15g} to {there[-1]:.15g}"
     return f"{', '.join(near)} nearby ({count})" if near else count
 
 

@@ -1,11 +1,12 @@
 //! What one run found and another one did not, in words.
 
-use crate::overview::events_of;
+use crate::overview::{Level, events_of};
 use crate::report::Report;
 use crate::store::{BranchRow, CurvePoint};
 use crate::told::Told;
 use crate::words::digits;
 use solver::response::critical::CriticalKind;
+use std::collections::HashMap;
 
 /// Relative distances of forcing and frequency up to which births of two runs are taken to be one.
 const NEAR: (f64, f64) = (0.1, 0.03);
@@ -23,9 +24,11 @@ pub(super) fn alone(names: &[String], reports: &[Report]) -> Vec<Told> {
 /// What the first of two runs has alone.
 fn of_one((own, report): (&String, &Report), (name, other): (&String, &Report)) -> Vec<Told> {
     let mut isolas = Vec::new();
+    let theirs: HashMap<u64, &Level> =
+        other.overview.levels.iter().map(|level| (level.value.to_bits(), level)).collect();
     for level in &report.overview.levels {
         // Of what is still to be computed nothing is lacking.
-        let there = other.overview.levels.iter().find(|there| there.value == level.value && there.is_complete());
+        let there = theirs.get(&level.value.to_bits()).filter(|there| there.is_complete());
         let Some(there) = there else { continue };
         for isola in level.isolas().filter(|isola| !there.isolas().any(|known| meets(known, isola))) {
             // It may be known there by another name.
@@ -47,7 +50,7 @@ fn of_one((own, report): (&String, &Report), (name, other): (&String, &Report)) 
     // Where the other has not looked, or not yet, nothing is lacking.
     let levels: Vec<f64> = other.overview.levels.iter().map(|level| level.value).collect();
     let (lowest, highest) = (levels.iter().copied().reduce(f64::min), levels.iter().copied().reduce(f64::max));
-    let is_complete = other.overview.levels.iter().all(crate::overview::Level::is_complete);
+    let is_complete = other.overview.levels.iter().all(Level::is_complete);
     let is_looked_at = |birth: &CurvePoint| {
         is_complete
             && lowest.is_some_and(|low| low <= birth.forcing)

@@ -265,15 +265,7 @@ mod tests {
     use solver::response::modes::LeftOut;
 
     fn level(modes: &[usize]) -> Level {
-        let window = |&mode: &usize| WindowRow {
-            number: 1,
-            mode,
-            points: [0; 3],
-            omega: (1.0, 2.0),
-            omega_best: 1.5,
-            threshold: 1.0,
-            outcome: WindowOutcome::Found("main".into()),
-        };
+        let window = |&mode: &usize| WindowRow { mode, ..WindowRow::of(WindowOutcome::Found("main".into())) };
         Level { windows: modes.iter().map(window).collect(), is_without_mains: true, value: 3.0, ..Level::default() }
     }
 

@@ -39,13 +39,9 @@ mod tests {
         let branch = |kind: &str, omega| BranchRow { kind: kind.into(), number: 1, omega, ..BranchRow::default() };
         let branches = [branch("main", (0.0, 1.0)), branch("isola", (3.0, 4.0)), branch("open", (1.5, 2.5))];
         let window = |found: &str| WindowRow {
-            number: 1,
-            mode: 1,
-            points: [0; 3],
             omega: (2.0, 2.9),
             omega_best: 2.1,
-            threshold: 1.0,
-            outcome: WindowOutcome::Found(found.into()),
+            ..WindowRow::of(WindowOutcome::Found(found.into()))
         };
         let told = |found: &str| {
             let mut window = window(found);

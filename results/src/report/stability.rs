@@ -32,6 +32,21 @@ impl Evidence<'_> {
         }
     }
 
+    /// Of an isola whose largest response is unstable, on which nothing stays: how far what is stable of it goes, in brackets.
+    pub(super) fn stable_part(&self, isola: &BranchRow) -> String {
+        let Some(known) = &isola.stability else { return String::new() };
+        if known.peak.as_ref().is_none_or(|peak| peak.verdict != "unstable") {
+            return String::new();
+        }
+        match known.largest {
+            Some((omega, size)) => {
+                format!(" (unstable there; found stable up to {} at {})", self.length(size), frequency(omega))
+            }
+            None if known.stable > 0.0 => " (unstable there)".into(),
+            None => " (unstable there, and found stable nowhere)".into(),
+        }
+    }
+
     /// The largest response of isolas that was found stable, as an addition to what is said of where the structure can settle.
     fn up_to(&self) -> String {
         let largest = largest_stable(self.levels, BranchRow::is_isola);

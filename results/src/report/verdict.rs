@@ -152,10 +152,11 @@ impl<'r> Evidence<'r> {
                 let ranges = joined(self.with_isolas().flat_map(Level::isolas).map(|isola| isola.omega));
                 parts.push(format!(
                     "Between {}{}: there an isola, a closed branch apart from the main one, is another periodic response at \
-                     the same forcing, with up to {}.",
+                     the same forcing, with up to {}{}.",
                     in_words(&ranges),
                     over(&self.with_isolas().collect::<Vec<_>>()),
-                    at(highest)
+                    at(highest),
+                    self.stable_part(highest)
                 ));
             }
             None => parts.push(self.no_isola()),
@@ -340,7 +341,7 @@ impl<'r> Evidence<'r> {
         let Gain { level, isola, main } = &gain;
         let (stops, goes) = (
             format!("{} at {}", self.size(main), frequency(main.omega_at_max)),
-            format!("{} at {}", self.size(isola), frequency(isola.omega_at_max)),
+            format!("{} at {}{}", self.size(isola), frequency(isola.omega_at_max), self.stable_part(isola)),
         );
         let amplitude = &level.amplitude;
         match gain.ratio() {

@@ -166,10 +166,10 @@ impl Reader {
         Ok(self.one(&sql, [level], |row| Ok((row.get(0)?, row.get(1)?)))?.unwrap_or_default())
     }
 
-    /// Seeds of a level that were tried, in one way or more, and those of them that led to no branch.
+    /// Seeds of a level that were tried, in one way or more, and those of them that led to no branch, which one may pass by.
     pub(crate) fn tried_seeds(&self, level: i64) -> Result<(usize, usize)> {
         // A seed is one of a phase of a well; those of a window's wells stand in their order, for each way once.
-        let sql = "SELECT count(*), count(*) FILTER (WHERE branch IS NULL) FROM (SELECT max(branch) AS branch FROM (\
+        let sql = "SELECT count(*), count(*) FILTER (WHERE branch IS NULL) FROM (SELECT max(CASE WHEN outcome = branch THEN branch END) AS branch FROM (\
                    SELECT *, row_number() OVER (PARTITION BY window, phase, way, kind ORDER BY position) AS well \
                    FROM tasks WHERE level = ?1 AND kind IN ('land', 'seed')) \
                    WHERE state = 'done' AND (kind = 'seed' OR NOT found) GROUP BY window, phase, well)";

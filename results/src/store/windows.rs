@@ -23,6 +23,15 @@ pub struct WindowRow {
     pub outcome: WindowOutcome,
 }
 
+#[cfg(test)]
+impl WindowRow {
+    /// A window of mode 1 from 90 to 110 rad/s of which this became.
+    pub(crate) fn of(outcome: WindowOutcome) -> Self {
+        let (omega, omega_best, threshold) = ((90.0, 110.0), 100.0, 0.5);
+        Self { number: 1, mode: 1, points: [0, 2, 1], omega, omega_best, threshold, outcome }
+    }
+}
+
 /// What became of a window.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]

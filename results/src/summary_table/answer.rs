@@ -54,9 +54,12 @@ fn isolas(levels: &[Level]) -> Option<String> {
     let (all, unmatched, unconfirmed) = (branches().count(), count(is_unmatched), count(is_unconfirmed));
     let doubt = match unconfirmed {
         0 if unmatched == 0 => "",
-        0 if unmatched < all => ", some of which twice the harmonics do not confirm (see below)",
+        0 if unmatched < all => ", some of which twice the harmonics do not confirm (see the table)",
         0 if all == 1 => ", which twice the harmonics do not confirm",
         0 => ", none of which twice the harmonics confirm",
+        some if unmatched > some => {
+            ", some of which may be artefacts of too few harmonics and others are not confirmed by twice as many (see the table)"
+        }
         some if some < all => ", some of which may be artefacts of too few harmonics (see the table)",
         _ if all == 1 => ", which may be an artefact of too few harmonics",
         _ => ", all of which may be artefacts of too few harmonics",

@@ -3,7 +3,9 @@
 use super::footnotes::Footnotes;
 use super::known::Known;
 use super::units::{FrequencyUnit, Units};
-use crate::overview::{Lesser, Level, WindowOutcome, forcing_label, is_unconfirmed, later_birth, truncation_doubt};
+use crate::overview::{
+    Lesser, Level, WindowOutcome, forcing_label, is_unconfirmed, is_unmatched, later_birth, truncation_doubt,
+};
 use crate::store::{BranchRow, CurveRow, WindowRow};
 use crate::words::{count, digits};
 use solver::response::backbone::{Backbone, BackbonePoint};
@@ -132,7 +134,12 @@ impl<'r> Rows<'r> {
         if row.is_isola() {
             let doubt = "perhaps an artefact of too few harmonics: with twice as many no such peak was found, nor a motion near it by time \
                          marching";
-            let mark = if is_unconfirmed(row) { self.notes.mark(doubt.into()) } else { String::new() };
+            let untold = "with twice the harmonics no such peak was found, and time marching has no motion near it or cannot tell";
+            let mark = match (is_unconfirmed(row), is_unmatched(row)) {
+                (true, _) => self.notes.mark(doubt.into()),
+                (_, true) => self.notes.mark(untold.into()),
+                _ => String::new(),
+            };
             return format!("{range}, {peak}{mark}");
         }
         let meaning = match row.kind.as_str() {
@@ -299,17 +306,11 @@ mod tests {
 
     #[test]
     fn a_window_that_a_branch_passes_by_carries_its_doubt() {
-        let window = |told: &str| WindowRow {
-            number: 1,
-            mode: 1,
-            points: [0, 2, 1],
-            omega: (90.0, 110.0),
-            omega_best: 100.0,
-            threshold: 0.5,
-            outcome: match told {
+        let window = |told: &str| {
+            WindowRow::of(match told {
                 "" => WindowOutcome::Found("main".into()),
                 told => WindowOutcome::Passed { branches: "main".into(), told: told.into() },
-            },
+            })
         };
         let doubt =
             "no seed landed near it, but main passes by (relative distance 0.22): an isola nearby is not excluded";

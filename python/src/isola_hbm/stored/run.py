@@ -18,7 +18,7 @@ from ..counted import count
 from ..errors import Damaged, LeftOut, NoSuchBranch, NoSuchRun
 from ..live import types
 from ..program import Page, page, status
-from . import check, curves, tables
+from . import check, curves, outcomes, tables
 from .keys import Key, find, missing
 from .levels import Omissions, levels, named
 from .motions import Motions, index_of
@@ -159,7 +159,7 @@ class StoredRun(Mapping[str, Motions]):
         do where they merge or part, is what that file says, empty as long as it is not there. Of a further order of motions, without what is
         predicted."""
         files = self.folder if self.order is None else self.folder / f"m{self.order}"
-        return tables.told(self._read(tables.events), files / "events.csv")
+        return outcomes.told(self._read(tables.events), files / "events.csv")
 
     @property
     def bifurcations(self) -> pd.DataFrame:

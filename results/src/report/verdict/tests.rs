@@ -125,6 +125,27 @@ fn isolas_apart() {
     assert!(missed.ends_with("up to 2 mm at 130 rad/s (20.69 Hz), 2 times as much."), "{missed}");
 }
 
+/// How far an isola reaches where nothing stays is not told without how far what is stable of it does.
+#[test]
+fn an_isola_that_is_unstable_at_its_largest() {
+    let told = |verdict: &str, stable, largest| {
+        let peak = Some(PeakOrbit { verdict: verdict.into(), at: None });
+        let stability = Some(Stability { stable, unstable: 0.5, peak, largest, ..Stability::default() });
+        let [danger, _, missed] = texts(&[level(2.0, vec![main(1e-3), BranchRow { stability, ..isola(2e-3) }])]);
+        (danger, missed)
+    };
+    for (stable, largest, expected) in [
+        (0.5, Some((125.0, 9e-4)), " (unstable there; found stable up to 0.9 mm at 125 rad/s (19.89 Hz))"),
+        (0.5, None, " (unstable there)"),
+        (0.0, None, " (unstable there, and found stable nowhere)"),
+    ] {
+        let (danger, missed) = told("unstable", stable, largest);
+        assert!(danger.contains(&format!("with up to 2 mm at tip{expected}.")), "{danger}");
+        assert!(missed.contains(&format!("(20.69 Hz){expected}, 2 times as much")), "{missed}");
+    }
+    assert!(!told("stable", 0.5, Some((130.0, 2e-3))).0.contains("unstable there"));
+}
+
 #[test]
 fn what_led_to_isolas_is_told() {
     let found = |found_by| BranchRow { found_by: Some(found_by), ..isola(2e-3) };

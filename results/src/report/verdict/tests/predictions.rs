@@ -27,15 +27,7 @@ fn none_was_found_where_it_was_looked_for() {
 #[test]
 fn a_prediction_that_was_not_found_is_one() {
     let mut levels = [level(1.0, vec![main(1e-3)])];
-    levels[0].windows.push(WindowRow {
-        number: 1,
-        mode: 1,
-        points: [0, 2, 1],
-        omega: (90.0, 110.0),
-        omega_best: 100.0,
-        threshold: 0.5,
-        outcome: WindowOutcome::NotFound("no seed converged".into()),
-    });
+    levels[0].windows.push(WindowRow::of(WindowOutcome::NotFound("no seed converged".into())));
     let [danger, onset, _] = texts(&levels);
     let estimate = "1 response that the energy balance predicts, which is an estimate, not found at A = 1: none of its seeds \
                     led to a branch near.";
