@@ -169,14 +169,14 @@ pub struct StudyArgs {
     #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
     pub amplitudes: Option<String>,
     /// How hard isolas are looked for beyond the energy balance (search.effort): none, standard or thorough.
-    #[arg(long, value_name = "EFFORT")]
+    #[arg(long, value_name = "EFFORT", value_parser = ["none", "standard", "thorough"], hide_possible_values = true)]
     pub search: Option<String>,
     /// Orders of the motions that are looked for: order m lasts m periods of the force (search.harmonics): 1,2,3.
     #[arg(long, value_name = "LIST")]
     pub orders: Option<String>,
     /// What of the branches is verified by time marching, with its stability (verify.effort): none, standard (isolas and
     /// peaks) or all.
-    #[arg(long, value_name = "EFFORT")]
+    #[arg(long, value_name = "EFFORT", value_parser = ["none", "standard", "all"], hide_possible_values = true)]
     pub verify: Option<String>,
 }
 

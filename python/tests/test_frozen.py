@@ -144,7 +144,8 @@ def test_announcement_and_result():
     assert "isola 1 at A = 2.5, 2 points" in repr(branch)
     assert branch.peak_standing == "at_least"
     assert branch.certificate == Certificate(
-        penetration=0.125, pressure_beyond=None, amplitude_2h=0.375, shift_2h=1e-3, omega_min_2h=0.5, omega_max_2h=0.625
+        penetration=0.125, pressure_beyond=None, amplitude_2h=0.375, shift_2h=1e-3, omega_min_2h=0.5, omega_max_2h=0.625,
+        change_2h=0.0625, change_omega_2h=1.125,
     )
 
 
@@ -155,7 +156,7 @@ def test_a_branch_of_the_first_programs():
     branch = Result.read(message, model()).branch
     assert branch is not None
     assert (branch.kind, branch.peak_standing) == ("isola", None)
-    assert branch.certificate == Certificate(None, None, None, None, None, None)
+    assert branch.certificate == Certificate(*8 * [None])
 
 
 def test_nothing_found():

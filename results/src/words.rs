@@ -88,6 +88,24 @@ pub fn instead(others: &[f64], levels: &[(f64, &str)]) -> String {
     format!("but {} nearby ({} levels from {first} to {last})", names(&near), levels.len())
 }
 
+/// So many ranges beside those that are named, if there are any.
+pub fn more_ranges(more: usize) -> Option<String> {
+    match more {
+        0 => None,
+        1 => Some("in 1 more range".into()),
+        more => Some(format!("in {more} more ranges")),
+    }
+}
+
+/// A number with so many digits, or as many more as keep it on its side of others.
+pub fn digits_beside(value: f64, count: i32, others: impl Iterator<Item = f64> + Clone) -> String {
+    let is_told = |text: &String| {
+        let rounded: f64 = text.parse().unwrap_or(value);
+        others.clone().all(|other| rounded.partial_cmp(&other) == value.partial_cmp(&other))
+    };
+    (count..=15).map(|count| digits(value, count)).find(is_told).unwrap_or_else(|| value.to_string())
+}
+
 /// A number with so many digits at most, without exponent unless it is very small.
 pub fn digits(value: f64, count: i32) -> String {
     if value == 0.0 || !value.is_finite() {
@@ -202,6 +220,15 @@ mod tests {
         assert_eq!(instead(&[25.0], &levels), "but 20, 30 nearby (20 levels from 10 to 200)");
         let several = instead(&[1.0, 25.0, 35.0, 999.0], &levels);
         assert_eq!(several, "but 10, 20, 30, 40, 200 nearby (20 levels from 10 to 200)");
+    }
+
+    #[test]
+    fn numbers_keep_to_their_side_of_others() {
+        let beside = |value, others: &[f64]| digits_beside(value, 3, others.iter().copied());
+        assert_eq!(beside(0.80046, &[0.79, 0.81]), "0.8");
+        assert_eq!(beside(0.80046, &[0.79, 0.8]), "0.8005");
+        assert_eq!(beside(0.7999, &[0.8]), "0.7999");
+        assert_eq!(beside(0.8, &[0.8]), "0.8");
     }
 
     #[test]

@@ -124,6 +124,14 @@ pub fn isola(arguments: &[&str]) -> Output {
     output.expect("isola can be started")
 }
 
+/// Runs several commands side by side, such as wait more than they compute; their outputs in their order.
+pub fn isola_each(commands: &[Vec<&str>]) -> Vec<Output> {
+    std::thread::scope(|scope| {
+        let running: Vec<_> = commands.iter().map(|arguments| scope.spawn(|| isola(arguments))).collect();
+        running.into_iter().map(|command| command.join().expect("the thread does not panic")).collect()
+    })
+}
+
 /// What a program wrote to standard error.
 pub fn complaint(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
@@ -344,14 +352,19 @@ impl System {
         self.number(&format!("SELECT count(*) FROM ({attempts}) WHERE {condition}"))
     }
 
-    /// Attempts that brought nothing. One that repeats a task that is done is none, also if a coordinator that was killed has granted it and
-    /// the worker never heard of it.
-    pub fn attempts_in_vain(&self) -> i64 {
-        self.number(
-            r#"SELECT count(*) FROM attempts WHERE coalesce("end", '') NOT IN ('done', 'confirmed')
+    /// Attempts that brought nothing, as workers tell what they lease. One that repeats a task that is done is none, nor one that a
+    /// coordinator has granted which was killed before its worker heard of it.
+    pub fn attempts_in_vain(&self) -> Vec<String> {
+        let ended = results::text(
+            &self.directory(),
+            r#"SELECT coalesce(group_concat('task=' || task || ' attempt=' || attempt || ' ', char(10)), '')
+               FROM attempts WHERE coalesce("end", '') NOT IN ('done', 'confirmed')
                AND NOT ("end" = 'released' AND EXISTS (SELECT * FROM attempts AS first
                         WHERE first.task = attempts.task AND first.attempt < attempts.attempt AND first."end" = 'done'))"#,
-        )
+        );
+        let log = |number| std::fs::read_to_string(self.folder.path().join(format!("worker-{number}.log")));
+        let heard: String = (1..=self.workers).map(|number| log(number).expect("a worker has a log")).collect();
+        ended.lines().filter(|attempt| heard.contains(&format!("leased {attempt}"))).map(str::to_string).collect()
     }
 
     /// Tasks that are done, in the order of their announcements.

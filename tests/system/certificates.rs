@@ -20,7 +20,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
-use tests::{PATIENCE, Process, System, block_on, complaint, isola, own_endpoint, program};
+use tests::{PATIENCE, Process, System, block_on, complaint, isola, isola_each, own_endpoint, program};
 
 /// How long somebody who is refused waits: nobody answers.
 const SILENCE: Duration = Duration::from_secs(2);
@@ -147,16 +147,10 @@ fn strangers_are_refused_with_a_reason() {
         &[LEVELS, BRIEF, LONG, &["--listen", &address, "--tls", text(&made.join("coordinator"))]].concat(),
     );
     let secret = system.secret_file();
-    let run = |command: &[&str], endpoint: &str, tls: Option<&Path>| {
-        let mut all = [command, &["--connect", endpoint, "--secret-file", text(&secret)]].concat();
-        all.extend(tls.iter().flat_map(|tls| ["--tls", text(tls)]));
-        let output = isola(&all);
-        (output.status.code(), complaint(&output))
-    };
     let plain = address.replace("tls/", "tcp/");
     let status: &[&str] = &["status"];
     let worker: &[&str] = &["worker"];
-    for (command, endpoint, tls, code, expected) in [
+    let cases = [
         (status, &address, None, 2, "an encrypted connection needs certificates"),
         (worker, &address, None, 2, "an encrypted connection needs certificates"),
         (status, &plain, Some("certificates/viewer"), 2, "only connections to tls/HOST:PORT are encrypted"),
@@ -171,9 +165,17 @@ fn strangers_are_refused_with_a_reason() {
         (worker, &address, Some("certificates/operator"), 2, "that of an operator, who may not take tasks"),
         (&["retry-dead"], &address, Some("certificates/operator"), 0, ""),
         (&["status"], &address, Some("certificates/operator"), 0, ""),
-    ] {
-        let (found, said) = run(command, endpoint, tls.map(at).as_deref());
-        assert_eq!(found, Some(code), "{command:?} {tls:?}: {said}");
+    ];
+    let folders = cases.map(|(_, _, tls, _, _)| tls.map(at));
+    let commands: Vec<Vec<&str>> = std::iter::zip(&cases, &folders)
+        .map(|(&(command, endpoint, ..), tls)| {
+            let tls = tls.iter().flat_map(|tls| ["--tls", text(tls)]);
+            command.iter().copied().chain(["--connect", endpoint, "--secret-file", text(&secret)]).chain(tls).collect()
+        })
+        .collect();
+    for (output, (command, _, tls, code, expected)) in std::iter::zip(isola_each(&commands), cases) {
+        let said = complaint(&output);
+        assert_eq!(output.status.code(), Some(code), "{command:?} {tls:?}: {said}");
         assert!(said.contains(expected), "{command:?} {tls:?}: {said}");
     }
     // Without the secret a certificate is not enough.
@@ -204,8 +206,9 @@ fn strangers_are_refused_with_a_reason() {
         assert_eq!(output.status.code(), Some(2), "{}", complaint(&output));
         assert!(complaint(&output).contains(expected), "{}", complaint(&output));
     }
-    let (found, said) = run(&["cancel"], &address, Some(&at("certificates/operator")));
-    assert_eq!(found, Some(0), "{said}");
+    let operator = at("certificates/operator");
+    let output = isola(&["cancel", "--connect", &address, "--secret-file", text(&secret), "--tls", text(&operator)]);
+    assert_eq!(output.status.code(), Some(0), "{}", complaint(&output));
 }
 
 /// Somebody who answers in place of the coordinator: another name, another role.

@@ -14,44 +14,39 @@ fn branch(system: &System) -> Vec<String> {
     results::numbers_of(&system.directory(), MAIN)
 }
 
-/// Kills a worker when at least so many steps of its branch are kept; `done` to the system before somebody else goes on.
-fn taken_over(steps: i64, done: impl FnOnce(&mut System)) -> (System, Process) {
-    let mut system = System::sweep(DAMPER, &[LASTING, SHORT].concat());
-    let first = system.worker();
-    let kept = format!("SELECT coalesce(sum(steps), 0) >= {steps} FROM checkpoints WHERE task = '{MAIN}'");
+/// Kills a worker when more than so many steps of its branch are kept.
+fn kill_after(system: &System, worker: &Process, steps: i64) {
+    let kept = format!("SELECT coalesce(sum(steps), 0) > {steps} FROM checkpoints WHERE task = '{MAIN}'");
     system.eventually("a checkpoint", |system| system.number(&kept) == 1);
-    first.signal(Signal::KILL);
-    done(&mut system);
-    let second = system.worker();
-    (system, second)
+    worker.signal(Signal::KILL);
 }
 
-/// What is kept is taken as it is, the rest computed, and the branch is the one that nothing disturbs.
-fn assert_taken_over(system: &System, second: &Process, steps: i64, undisturbed: &[String]) {
-    assert!(branch(system) == undisturbed, "another branch");
-    let handed_on = format!("SELECT max(checkpoint) FROM attempts WHERE task = '{MAIN}'");
-    assert!(system.number(&handed_on) >= steps, "{} steps", system.number(&handed_on));
-    assert!(second.output().contains("goes on from a checkpoint"), "{}", second.output());
-    assert_eq!(system.number(&format!("SELECT count(*) FROM checkpoints WHERE task = '{MAIN}'")), 0);
-    assert_eq!(system.number(&format!("SELECT count(*) FROM results WHERE task = '{MAIN}'")), 1);
-}
-
-/// Also if the coordinator is killed with the worker.
+/// What is kept is taken as it is, the rest computed, and the branch is the one that nothing disturbs: also if the coordinator is
+/// killed with the worker, and the successor later.
 #[test]
 fn a_successor_goes_on_and_comes_to_the_same_bytes() {
-    let mut whole = System::sweep(DAMPER, &[LASTING, LONG].concat());
-    let worker = whole.worker();
-    let undisturbed = branch(&whole);
-    let points = whole.number(&format!("SELECT points FROM branches WHERE task = '{MAIN}'"));
-    drop((worker, whole));
-    let half = points / 2;
-    let (system, second) = taken_over(half, |_| {});
-    assert_taken_over(&system, &second, half, &undisturbed);
-    drop(system);
-    let (system, second) = taken_over(points / 4, |system| {
-        system.coordinator.signal(Signal::KILL);
-        system.coordinator.wait();
-        system.resume(&["--workers", "0", "--lease", "5"]);
+    let undisturbed = std::thread::spawn(|| {
+        let mut whole = System::sweep(DAMPER, &[LASTING, LONG].concat());
+        let _worker = whole.worker();
+        branch(&whole)
     });
-    assert_taken_over(&system, &second, points / 4, &undisturbed);
+    let mut system = System::sweep(DAMPER, &[LASTING, SHORT].concat());
+    let first = system.worker();
+    kill_after(&system, &first, 0);
+    system.coordinator.signal(Signal::KILL);
+    system.coordinator.wait();
+    system.resume(&["--workers", "0", "--lease", "5"]);
+    let second = system.worker();
+    let handed_on = format!("SELECT coalesce(max(checkpoint), 0) FROM attempts WHERE task = '{MAIN}'");
+    system.eventually("a successor", |system| system.number(&handed_on) > 0);
+    let once = system.number(&handed_on);
+    kill_after(&system, &second, once);
+    let third = system.worker();
+    assert!(branch(&system) == undisturbed.join().unwrap(), "another branch");
+    assert!(system.number(&handed_on) > once, "{} steps after {once}", system.number(&handed_on));
+    for successor in [second, third] {
+        assert!(successor.output().contains("goes on from a checkpoint"), "{}", successor.output());
+    }
+    assert_eq!(system.number(&format!("SELECT count(*) FROM checkpoints WHERE task = '{MAIN}'")), 0);
+    assert_eq!(system.number(&format!("SELECT count(*) FROM results WHERE task = '{MAIN}'")), 1);
 }

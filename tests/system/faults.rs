@@ -73,7 +73,7 @@ fn the_coordinator_killed_and_started_again() {
     system.expect_complete();
     assert_eq!(system.done()[..before.len()], before[..]);
     assert_eq!(system.attempts("ending = 'expired'"), 0, "the branch under way was not adopted");
-    assert_eq!(system.attempts_in_vain(), 0, "something was computed twice");
+    assert_eq!(system.attempts_in_vain(), Vec::<String>::new(), "something was computed in vain");
 }
 
 /// Verification goes on where a killed coordinator left it, and says what it would have said without.
@@ -96,7 +96,7 @@ fn the_coordinator_killed_while_branches_are_verified() {
     system.resume(&[&["--workers", "0", "--listen", &listen], &lease[..]].concat());
     system.expect_complete();
     assert_eq!(system.done()[..before.len()], before[..]);
-    assert_eq!(system.attempts_in_vain(), 0, "something was computed twice");
+    assert_eq!(system.attempts_in_vain(), Vec::<String>::new(), "something was computed in vain");
     let bifurcations = |system: &System| std::fs::read_to_string(system.directory().join("bifurcations.csv")).unwrap();
     assert!(bifurcations(&system).lines().count() > 3, "{}", bifurcations(&system));
     assert_eq!(bifurcations(&system), bifurcations(&undisturbed));

@@ -6,15 +6,19 @@ use protocol::ids::WorkerId;
 use protocol::session::request;
 use protocol::to_worker::LeaseReply;
 use std::net::TcpListener;
-use tests::{PATIENCE, System, block_on, complaint, isola, repository};
+use std::process::Output;
+use tests::{PATIENCE, System, block_on, complaint, isola, isola_each, repository};
 
 /// A level of which only what is needed is computed.
 const QUICK: [&str; 6] = ["--amplitudes", "0.004", "--search", "none", "--verify", "none"];
 
 /// Ends with an error whose message has all of these parts.
 fn refused(arguments: &[&str], parts: &[&str]) {
-    let output = isola(arguments);
-    let complaint = complaint(&output);
+    assert_refused(&isola(arguments), arguments, parts);
+}
+
+fn assert_refused(output: &Output, arguments: &[&str], parts: &[&str]) {
+    let complaint = complaint(output);
     assert!(!output.status.success(), "{arguments:?} is accepted");
     for part in parts {
         assert!(complaint.contains(part), "{arguments:?}: {part:?} is not in:\n{complaint}");
@@ -124,8 +128,11 @@ fn a_worker_of_another_run_or_version() {
     let mut system = System::sweep(DAMPER, &QUICK);
     let (address, secret) = (system.address(), system.secret_file().display().to_string());
     let worker = ["worker", "--connect", &address, "--secret-file", &secret, "--wait", "15"];
-    refused(&[&worker[..], &["--run", "elsewhere"]].concat(), &["elsewhere", &address]);
-    refused(&[&worker[..], &["--namespace", "other"]].concat(), &["other", &address]);
+    let elsewhere = [["--run", "elsewhere"], ["--namespace", "other"]];
+    let commands = elsewhere.map(|place| [&worker[..], &place].concat());
+    for ((output, arguments), [_, name]) in isola_each(&commands).iter().zip(&commands).zip(elsewhere) {
+        assert_refused(output, arguments, &[name, &address]);
+    }
     let _worker = system.worker();
     system.expect_complete();
 }

@@ -7,7 +7,7 @@ use protocol::session::{connect, fetch};
 use protocol::to_everyone::Manifest;
 use std::os::unix::fs::PermissionsExt;
 use std::time::Duration;
-use tests::{System, block_on, complaint, isola, own_endpoint};
+use tests::{System, block_on, complaint, isola, isola_each, own_endpoint};
 
 #[test]
 fn without_the_secret_there_is_nothing() {
@@ -18,12 +18,13 @@ fn without_the_secret_there_is_nothing() {
     let other = system.folder().join("other");
     "0123456789abcdef0123456789abcdef".parse::<Secret>().unwrap().write(&other).unwrap();
     let other = other.display().to_string();
-    for command in [&["status"][..], &["watch"], &["cancel"], &["retry-dead"], &["worker", "--wait", "1"]] {
-        for (secret, expected) in
-            [(&[][..], "name a copy of it with --secret-file"), (&["--secret-file", &other], "another secret than")]
-        {
-            let output = isola(&[command, &["--connect", &address], secret].concat());
-            let said = complaint(&output);
+    let commands = [&["status"][..], &["watch"], &["cancel"], &["retry-dead"], &["worker", "--wait", "1"]];
+    for (secret, expected) in
+        [(&[][..], "name a copy of it with --secret-file"), (&["--secret-file", &other], "another secret than")]
+    {
+        let commands = commands.map(|command| [command, &["--connect", &address], secret].concat());
+        for (output, command) in isola_each(&commands).iter().zip(&commands) {
+            let said = complaint(output);
             assert_eq!(output.status.code(), Some(1), "{command:?}: {said}");
             assert!(said.contains(expected), "{command:?}: {said}");
         }

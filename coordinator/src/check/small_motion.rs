@@ -26,8 +26,8 @@ pub(super) fn frequencies(study: &Study) -> Option<String> {
     let changed = values.iter().zip(&squares).any(is_other);
     let frequency = |value: &f64| match *value {
         value if value < -floor => "none (it snaps away)".into(),
-        value if value <= floor => "0".into(),
-        value => number(unit.factor() * value.sqrt()),
+        value if value <= floor => format!("0 {unit}"),
+        value => format!("{} {unit}", number(unit.factor() * value.sqrt())),
     };
     let shown = values.iter().take(MODES).map(frequency);
     let shown: Vec<String> = shown.collect();
@@ -38,7 +38,7 @@ pub(super) fn frequencies(study: &Study) -> Option<String> {
         .collect();
     changed.then(|| {
         format!(
-            "of small motions, with {}: {} {unit}; those above are of the matrices alone",
+            "of small motions, with {}: {}; those above are of the matrices alone",
             names.join(", "),
             shown.join(", ")
         )

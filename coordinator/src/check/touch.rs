@@ -56,7 +56,7 @@ impl FirstTouch<'_> {
         };
         let place = match self.place {
             Place::Resonance(mode) => format!("at {omega}, at the resonance of mode {}, {linear}", mode + 1),
-            Place::Bound => format!("at the bound {omega}, {linear}, here and at resonances"),
+            Place::Bound => format!("at the bound {omega}, {linear}; looked at there and at resonances"),
         };
         format!("from A = {forcing} on, {} first, {place}", self.name)
     }

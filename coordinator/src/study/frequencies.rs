@@ -16,7 +16,7 @@ pub(super) fn to_radians(numerics: &mut Layers) -> Result<(), ModelError> {
     for key in FREQUENCIES {
         let Some(text) = numerics.value(key).and_then(Value::as_str) else { continue };
         let Some(omega) = omega(text) else {
-            let remedy = "write a number of rad/s, or a text with its unit, like \"150 Hz\"";
+            let remedy = "write a number of rad/s, or a text with its unit, like \"150 Hz\" (units: Hz, rad/s)";
             return Err(ModelError::value(numerics.place(key), format!("\"{text}\""), remedy));
         };
         numerics.replace(key, omega.into());

@@ -36,7 +36,7 @@ use solver::curve::continuation::{CurvePoint, Rejection};
 use solver::curve::problem::Failure;
 use solver::curve::record::{Ahead, Step};
 use solver::response::branch::{BranchKind, Certificate, Outcome, SpecialKind, SpecialPoint, Standing, Stop};
-use solver::response::certificate::Doubled;
+use solver::response::certificate::{Change, Doubled};
 use solver::response::forced::SearchRange;
 use solver::response::modes::{LeftOut, ModesFollowed};
 use solver::response::seeds::{LandingFailure, LandingMethod, Phase};
@@ -214,6 +214,7 @@ pub fn branch() -> BranchMessage {
             penetration: Some(0.125),
             pressure_beyond: None,
             doubled: Some(Doubled { amplitude: 0.375, shift: 1e-3, range: Some((0.5, 0.625)) }),
+            elsewhere: Some(Change { omega: 1.125, share: Some(0.0625) }),
         }),
         points: points(2),
     }

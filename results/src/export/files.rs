@@ -14,7 +14,7 @@ use protocol::curve::Size;
 use solver::response::windows::{Event, EventKind};
 use std::path::Path;
 
-pub(super) const SUMMARY: [&str; 20] = [
+pub(super) const SUMMARY: [&str; 22] = [
     "amplitude",
     "branch",
     "kind",
@@ -35,6 +35,8 @@ pub(super) const SUMMARY: [&str; 20] = [
     "stable",
     "omega_min_2h",
     "omega_max_2h",
+    "change_2h",
+    "change_omega_2h",
 ];
 pub(super) const WINDOWS: [&str; 10] =
     ["amplitude", "window", "omega_min", "omega_max", "omega_best", "threshold", "outcome", "branch", "reason", "mode"];
@@ -257,7 +259,7 @@ fn write_summary(dir: &Path, levels: &[Level]) -> Result<(), ExportError> {
     table.finish()
 }
 
-fn summary_row(level: &Level, branch: &BranchRow) -> [String; 20] {
+fn summary_row(level: &Level, branch: &BranchRow) -> [String; 22] {
     let certificate = &branch.certificate;
     let range = certificate.doubled.and_then(|doubled| doubled.range);
     [
@@ -282,6 +284,8 @@ fn summary_row(level: &Level, branch: &BranchRow) -> [String; 20] {
         optional(branch.stability.as_ref().filter(|stability| stability.is_whole).map(|stability| stability.stable)),
         optional(range.map(|(low, _)| low)),
         optional(range.map(|(_, high)| high)),
+        optional(certificate.elsewhere.and_then(|change| change.share)),
+        optional(certificate.elsewhere.map(|change| change.omega)),
     ]
 }
 

@@ -41,14 +41,17 @@ pub fn largest_stable_sentence(
     let (size, at) = (length(largest.amplitude), frequency(largest.omega));
     let on = super::in_words(largest.branch);
     // What was not looked at may be stable as well, and larger.
-    let branches = levels.iter().flat_map(|level| &level.branches);
-    let is_whole =
-        |row: &BranchRow| row.stability.as_ref().is_some_and(|known| known.is_whole && known.sampled.is_none());
-    let among = if branches.into_iter().all(is_whole) { "" } else { ", of the points that were marched" };
+    let mut branches = levels.iter().flat_map(|level| &level.branches);
+    let among = if branches.all(is_whole) { "" } else { ", of the points that were marched" };
     Some(format!(
         "Largest periodic response found stable{among}: {size}, on {on} at A = {} and {at}.",
         largest.level.amplitude
     ))
+}
+
+/// Whether all of a branch was marched.
+fn is_whole(row: &BranchRow) -> bool {
+    row.stability.as_ref().is_some_and(|known| known.is_whole && known.sampled.is_none())
 }
 
 /// What an engineer can take from it that the largest response is unstable: `None` if it is not known to be. `is_marched_on`: motions
@@ -62,7 +65,9 @@ pub fn unstable_peak_sentence(levels: &[Level], is_marched_on: bool) -> Option<S
     // Runs of earlier programs know where it is stable without knowing the largest.
     let is_any = known.any(|known| known.stable > 0.0 || known.largest.is_some());
     let none = if is_any { "" } else { "No periodic response was found stable. " };
-    let how = if is_marched_on { "" } else { "; isola verify RUN marches on from unstable ones" };
+    // Where all of all branches was marched that has been asked for.
+    let is_asked = is_marched_on || levels.iter().flat_map(|level| &level.branches).all(is_whole);
+    let how = if is_asked { "" } else { "; isola verify RUN marches on from unstable ones" };
     Some(format!(
         "{none}An unstable motion does not last: what does is a stable one, or a motion that is not periodic or has a longer period, which \
          may be as large or larger{how}."
@@ -118,13 +123,18 @@ mod tests {
     #[test]
     fn what_lasts_where_the_largest_response_does_not() {
         let said = |stable: f64, verdict, is_marched_on| {
-            unstable_peak_sentence(&[level("14", &[("isola", 21.2, stable)], verdict)], is_marched_on)
+            let mut level = level("14", &[("isola", 21.2, stable)], verdict);
+            level.branches[0].stability.as_mut().unwrap().is_whole = is_marched_on;
+            unstable_peak_sentence(&[level], is_marched_on)
         };
         let expected = "An unstable motion does not last: what does is a stable one, or a motion that is not periodic or has a longer period, \
                         which may be as large or larger";
         let how = "; isola verify RUN marches on from unstable ones.";
         assert_eq!(said(8.0, "unstable", false).unwrap(), format!("{expected}{how}"));
         assert_eq!(said(8.0, "unstable", true).unwrap(), format!("{expected}."));
+        // All that can be asked for has been marched, and nothing came of it.
+        let whole = level("14", &[("isola", 21.2, 8.0)], "unstable");
+        assert_eq!(unstable_peak_sentence(&[whole], false).unwrap(), format!("{expected}."));
         let mut none = level("14", &[("isola", 21.2, 0.0)], "unstable");
         none.branches[0].stability.as_mut().unwrap().stable = 0.0;
         let none = unstable_peak_sentence(&[none], true).unwrap();

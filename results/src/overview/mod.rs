@@ -4,6 +4,7 @@
 mod bounds;
 mod counted;
 mod doubts;
+mod elsewhere;
 mod event_words;
 mod events;
 mod excitation;
@@ -31,6 +32,7 @@ mod windows;
 
 pub use bounds::{beyond, bounds, is_within, reach_sentence};
 pub use doubts::{doubts, ends_far_beyond};
+pub use elsewhere::around_largest;
 pub use event_words::{BIRTH, DEATH, EVENTS, EventWords, MERGE, MERGES};
 pub use events::{events_sentence, forcing_label, truncation_doubt};
 pub use excitation::{Excitation, SmallestMotion};

@@ -1,5 +1,7 @@
-//! Whether enough harmonics were kept: peaks of all branches and ranges of isolas against those with twice the harmonics.
+//! Whether enough harmonics were kept: peaks of all branches, ranges of isolas and points of branches against those with twice the
+//! harmonics.
 
+use super::elsewhere::{elsewhere, not_found};
 use super::level::Level;
 use crate::store::{BranchRow, Stability};
 use crate::words::digits;
@@ -41,27 +43,46 @@ pub fn least_added(model: &Model, is_without_mains: bool) -> usize {
 }
 
 /// What is known of the truncation to H harmonics: by what twice as many change the peaks, or which one is not converged and what to
-/// set; the same for the widths of isolas. What still more would change is not known. `None` as long as nothing is known of it.
+/// set; the same for the widths of isolas, and for other points if they are not converged. What still more would change is not known.
+/// `None` as long as nothing is known of it.
 ///
-/// `least`: see [`least_added`].
-pub fn truncation(levels: &[Level], harmonics: usize, least: usize) -> Option<String> {
+/// `least`: see [`least_added`]; `frequency` writes one, of rad/s.
+pub fn truncation(
+    levels: &[Level],
+    harmonics: usize,
+    least: usize,
+    frequency: impl Fn(f64) -> String,
+) -> Option<String> {
     let rows = || levels.iter().flat_map(|level| level.branches.iter().map(move |row| (level, row)));
-    let remedy = format!("set harmonics.count = {}", 2 * harmonics);
-    let peaks = of_peaks(&rows, harmonics, &remedy)?;
-    if 2 * harmonics < least && !peaks.starts_with(NOT_CONVERGED) {
-        return Some(format!(
-            "What more harmonics would change of ordinary responses is not known: twice as many (H = {}) add none that they have; \
-             set harmonics.count = {least}.",
-            2 * harmonics
-        ));
+    let (twice, wanted) = (2 * harmonics, (2 * harmonics).max(least));
+    let mut said: Vec<String> = Vec::new();
+    // What to set is said once.
+    let remedy = |said: &[String]| match said.iter().any(|sentence| asks_for_harmonics(sentence)) {
+        true => String::new(),
+        false => format!("; set harmonics.count = {wanted}"),
+    };
+    let peaks = of_peaks(&rows, harmonics, &remedy(&said));
+    if twice < least {
+        return match peaks? {
+            peaks if peaks.starts_with(NOT_CONVERGED) => Some(format!(
+                "{peaks} Of ordinary responses twice as many (H = {twice}) change nothing: they have none of these."
+            )),
+            _ => Some(format!(
+                "What more harmonics would change of ordinary responses is not known: twice as many (H = {twice}) add none that \
+                 they have; set harmonics.count = {wanted}."
+            )),
+        };
     }
-    let widths = of_widths(&rows, "");
-    if peaks == unchanged("Peaks", harmonics) && widths.as_deref() == Some(SAME_WIDTHS) {
+    said.extend(peaks);
+    let of_peaks = rows().filter_map(|(_, row)| change(row)).map(largest).fold(CONVERGED, f64::max);
+    said.extend(elsewhere(rows(), of_peaks, &remedy(&said), frequency));
+    said.extend(not_found(rows().filter(|(_, row)| !has_maximum(row)), &remedy(&said)));
+    let widths = of_widths(&rows, &remedy(&said));
+    if said == [unchanged("Peaks", harmonics)] && widths.as_deref() == Some(SAME_WIDTHS) {
         return Some(unchanged("Peaks and widths of isolas", harmonics));
     }
-    // What to set is said once.
-    let remedy = if peaks.contains(&remedy) { String::new() } else { format!("; {remedy}") };
-    Some([Some(peaks), of_widths(&rows, &remedy)].into_iter().flatten().collect::<Vec<String>>().join(" "))
+    said.extend(widths);
+    (!said.is_empty()).then(|| said.join(" "))
 }
 
 /// The same of a run, as far as its model and settings are known; `is_further`: of a further order of motions.
@@ -70,8 +91,10 @@ pub fn truncation_of(
     levels: &[Level],
     settings: Option<&Settings>,
     is_further: bool,
+    frequency: impl Fn(f64) -> String,
 ) -> Option<String> {
-    truncation(levels, settings?.harmonics.count, model.map_or(1, |model| least_added(model, is_further)))
+    let least = model.map_or(1, |model| least_added(model, is_further));
+    truncation(levels, settings?.harmonics.count, least, frequency)
 }
 
 fn of_widths<'l, I: Iterator<Item = (&'l Level, &'l BranchRow)>>(
@@ -130,7 +153,7 @@ fn of_peaks<'l, I: Iterator<Item = (&'l Level, &'l BranchRow)>>(
         let those = if lost.len() == 1 { "that" } else { "those" };
         let named = lost[..lost.len().min(NAMED)].join(", ");
         return Some(format!(
-            "{NOT_CONVERGED}: with twice the harmonics no peak was found near {those} of {named}{more}; {remedy}."
+            "{NOT_CONVERGED}: with twice the harmonics no peak was found near {those} of {named}{more}{remedy}."
         ));
     }
     let changes = rows().filter_map(|(level, row)| Some((level, row, change(row)?)));
@@ -151,12 +174,23 @@ fn of_peaks<'l, I: Iterator<Item = (&'l Level, &'l BranchRow)>>(
     let depth = row.certificate.penetration.filter(|depth| *depth > 0.0);
     let depth = depth.map(|depth| format!(", and its contact penetrates by {} % of the gap", digits(100.0 * depth, 2)));
     Some(format!(
-        "{NOT_CONVERGED}: with twice the harmonics the peak of {} at A = {} changes by {} %{moves}{}; {remedy}.",
+        "{NOT_CONVERGED}: with twice the harmonics the peak of {} at A = {} changes by {} %{moves}{}{}{remedy}.",
         super::in_words(row),
         level.amplitude,
         digits(100.0 * change, 2),
-        depth.unwrap_or_default()
+        depth.unwrap_or_default(),
+        of_more(rows, change)
     ))
+}
+
+/// The peak whose amplitude changes most, if that is more than the `told` one does and not converged.
+fn of_more<'l, I: Iterator<Item = (&'l Level, &'l BranchRow)>>(rows: &impl Fn() -> I, told: f64) -> String {
+    let changes = rows().filter_map(|(level, row)| Some((level, row, change(row)?[0])));
+    let most = changes.max_by(|a, b| a.2.abs().total_cmp(&b.2.abs()));
+    let more = most.filter(|(.., change)| change.abs() > CONVERGED.max(1.1 * told.abs()));
+    more.map_or_else(String::new, |(level, row, change)| {
+        format!(", that of {} at A = {} by {} %", super::in_words(row), level.amplitude, digits(100.0 * change, 2))
+    })
 }
 
 /// What is told of quantities that stay as they are.
@@ -217,7 +251,7 @@ mod tests {
 
     fn row(kind: &str, amplitude_2h: Option<f64>) -> BranchRow {
         let doubled = amplitude_2h.map(|amplitude| Doubled { amplitude, shift: 0.0, range: None });
-        let certificate = Certificate { penetration: Some(0.13), pressure_beyond: None, doubled };
+        let certificate = Certificate { penetration: Some(0.13), pressure_beyond: None, doubled, elsewhere: None };
         BranchRow {
             kind: kind.into(),
             number: 1,
@@ -226,6 +260,11 @@ mod tests {
             amplitude_max: 1.0,
             ..BranchRow::default()
         }
+    }
+
+    /// What is said of the levels with so many harmonics, whatever the lowest one is that motions can have beyond that of the force.
+    fn truncation(levels: &[Level], harmonics: usize, least: usize) -> Option<String> {
+        super::truncation(levels, harmonics, least, |omega| format!("{omega} rad/s"))
     }
 
     fn levels(branches: Vec<BranchRow>) -> [Level; 1] {
@@ -335,6 +374,10 @@ mod tests {
         let changed = levels(vec![row("main", Some(1.0)), row("isola", Some(0.8))]);
         let said = truncation(&changed, 4, 9).unwrap();
         assert!(said.starts_with("Not converged in H: with twice the harmonics the peak of isola 1"), "{said}");
+        assert!(
+            said.contains("set harmonics.count = 9. Of ordinary responses twice as many (H = 8) change nothing"),
+            "{said}"
+        );
         for (harmonics, least) in [(1, 2), (2, 3), (5, 9)] {
             assert!(truncation(&converged, harmonics, least).unwrap().starts_with("Peaks change by less"), "{least}");
         }

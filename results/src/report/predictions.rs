@@ -7,7 +7,7 @@ use crate::overview::{
     Level, Origin, beyond, born_between, events_of, forcing_label, is_within, later_birth, overlaps, truncation_doubt,
 };
 use crate::store::CurvePoint;
-use crate::words::{self, count, digits, frequency, in_both_units};
+use crate::words::{self, count, digits, digits_beside, frequency, in_both_units};
 use solver::response::critical::CriticalKind;
 use solver::response::windows::{Event, EventKind};
 
@@ -89,7 +89,7 @@ impl Evidence<'_> {
                  nonlinear forces feed in as much energy as the damping takes"
             );
         }
-        let threshold = digits(birth.threshold, 3);
+        let threshold = digits_beside(birth.threshold, 3, self.levels.iter().map(|level| level.value));
         format!("; the energy balance of {mode} predicts separate responses from A = {threshold} on, near {near}")
     }
 

@@ -1,7 +1,7 @@
 //! Ranges of frequencies and of levels, in words.
 
 use crate::overview::Level;
-use crate::words::range;
+use crate::words::{more_ranges, range};
 
 /// Complete levels with isolas as runs of neighbours: first and last, as typed. A level of which not all is known ends a
 /// run.
@@ -45,9 +45,7 @@ const NAMED: usize = 3;
 
 /// Ranges in words.
 pub(super) fn in_words(ranges: &[(f64, f64)]) -> String {
-    let mut list: Vec<String> = ranges.iter().take(NAMED).map(|&omega| range(omega)).collect();
-    if ranges.len() > NAMED {
-        list.push(format!("in {} more ranges", ranges.len() - NAMED));
-    }
-    list.join(", or between ")
+    let list: Vec<String> = ranges.iter().take(NAMED).map(|&omega| range(omega)).collect();
+    let more = more_ranges(ranges.len().saturating_sub(NAMED)).map(|more| format!(", or {more}"));
+    list.join(", or between ") + &more.unwrap_or_default()
 }

@@ -10,7 +10,7 @@ use super::losses::{Loss, losses, named, unknown_beyond};
 use super::ranges::{in_words, joined, over, runs};
 use crate::curves::BackboneCurve;
 use crate::overview::{
-    BranchRow, Level, SmallestMotion, UNTOUCHED, beyond, events_sentence, highest, is_untouched, modes,
+    BranchRow, Level, SmallestMotion, UNTOUCHED, around_largest, beyond, events_sentence, highest, is_untouched, modes,
     not_followed_sentence, reach_sentence, sampled, shift_sentence, truncation,
 };
 use crate::summary_table::{motions, stability};
@@ -92,8 +92,8 @@ impl Gain<'_> {
 impl<'r> Evidence<'r> {
     /// `2 mm`, or `at least 2 mm`.
     fn size(&self, row: &BranchRow) -> String {
-        let at_least = if row.at_least().is_empty() { "" } else { "at least " };
-        format!("{at_least}{}", self.length(row.amplitude_max))
+        let [before, behind] = around_largest(row);
+        format!("{before}{}{behind}", self.length(row.amplitude_max))
     }
 
     /// A length, m, in the unit of the largest response.
@@ -204,7 +204,7 @@ impl<'r> Evidence<'r> {
         list.extend(self.others());
         list.extend(self.not_found());
         list.extend(unknown_beyond(self));
-        list.extend(truncation(self.levels, self.harmonics, self.least_added));
+        list.extend(truncation(self.levels, self.harmonics, self.least_added, frequency));
         list
     }
 

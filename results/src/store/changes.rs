@@ -221,12 +221,15 @@ impl Changes<'_> {
             certificate.doubled.map(|doubled| doubled.shift),
             range.map(|(low, _)| low),
             range.map(|(_, high)| high),
+            certificate.elsewhere.and_then(|change| change.share),
+            certificate.elsewhere.map(|change| change.omega),
         ];
         let sql = "INSERT INTO branches (task, level, amplitude, kind, number, status, closed, points, rejections, \
                    special, omega_min, omega_max, amplitude_max, omega_at_max, contact_omega_min, contact_omega_max, \
-                   peak_standing, penetration, pressure_beyond, amplitude_2h, shift_2h, omega_min_2h, omega_max_2h) \
+                   peak_standing, penetration, pressure_beyond, amplitude_2h, shift_2h, omega_min_2h, omega_max_2h, \
+                   change_2h, change_omega_2h) \
                    SELECT ?1, level, amplitude, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17, \
-                   ?18, ?19, ?20, ?21 \
+                   ?18, ?19, ?20, ?21, ?22, ?23 \
                    FROM tasks JOIN levels USING (level) WHERE tasks.id = ?1";
         self.execute(sql, row)?;
         let id = self.db.last_insert_rowid();

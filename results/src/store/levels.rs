@@ -11,11 +11,11 @@ use protocol::to_everyone::StoredResult;
 use rusqlite::Row;
 use serde::Serialize;
 use solver::response::branch::{BranchKind, Certificate, Outcome, Standing, Stop};
-use solver::response::certificate::Doubled;
+use solver::response::certificate::{Change, Doubled};
 use std::collections::HashMap;
 
 /// Columns of branches that files of earlier versions are without, and the first version that has them.
-const LATER: [(&str, i64); 7] = [
+const LATER: [(&str, i64); 9] = [
     ("peak_standing", 2),
     ("penetration", 2),
     ("pressure_beyond", 2),
@@ -23,6 +23,8 @@ const LATER: [(&str, i64); 7] = [
     ("shift_2h", 2),
     ("omega_min_2h", 6),
     ("omega_max_2h", 6),
+    ("change_2h", 11),
+    ("change_omega_2h", 11),
 ];
 
 /// A branch of a level in numbers.
@@ -230,6 +232,7 @@ fn branch(row: &Row<'_>) -> rusqlite::Result<BranchRow> {
     let doubled: (Option<f64>, Option<f64>) = (row.get(16)?, row.get(17)?);
     let range: (Option<f64>, Option<f64>) = (row.get(18)?, row.get(19)?);
     let range = range.0.zip(range.1);
+    let change: (Option<f64>, Option<f64>) = (row.get(20)?, row.get(21)?);
     Ok(BranchRow {
         kind: row.get(0)?,
         number: row.get(1)?,
@@ -247,6 +250,7 @@ fn branch(row: &Row<'_>) -> rusqlite::Result<BranchRow> {
             penetration: row.get(14)?,
             pressure_beyond: row.get(15)?,
             doubled: doubled.0.zip(doubled.1).map(|(amplitude, shift)| Doubled { amplitude, shift, range }),
+            elsewhere: change.1.map(|omega| Change { share: change.0, omega }),
         },
         stability: None,
         family: None,

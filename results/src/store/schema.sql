@@ -255,6 +255,10 @@ CREATE TABLE branches (
     -- Lowest and highest frequency of a closed branch with 2 H harmonics.
     omega_min_2h REAL,
     omega_max_2h REAL,
+    -- How far the branch moves at most with 2 H harmonics, relative to frequency and amplitude, of points compared, and the frequency there. The
+    -- first is NULL where near most of them no motion was found.
+    change_2h REAL,
+    change_omega_2h REAL,
     UNIQUE (level, kind, number)
 );
 

@@ -4,8 +4,8 @@ use super::known::Known;
 use super::units::Units;
 use super::{search, stability};
 use crate::overview::{
-    BranchRow, Level, asks_for_harmonics, highest, in_words, is_unconfirmed, is_unmatched, largest_stable_sentence,
-    near_largest, truncation_of, unfinished, unstable_peak_sentence,
+    BranchRow, Level, around_largest, asks_for_harmonics, highest, in_words, is_unconfirmed, is_unmatched,
+    largest_stable_sentence, near_largest, truncation_of, unfinished, unstable_peak_sentence,
 };
 use crate::words::{capitalised, listed};
 use solver::response::branch::BranchKind;
@@ -29,8 +29,10 @@ pub(super) fn answer(known: &Known, units: Units) -> Vec<String> {
         .chain(known.doubts.as_deref().map(|doubts| format!("{}.", capitalised(doubts))))
         .chain(unfinished(levels, !known.awaits_backbones))
         .chain(
-            truncation_of(known.model.as_ref(), levels, known.settings.as_ref(), known.is_further)
-                .filter(|said| asks_for_harmonics(said)),
+            truncation_of(known.model.as_ref(), levels, known.settings.as_ref(), known.is_further, |omega| {
+                units.frequency.told(omega)
+            })
+            .filter(|said| asks_for_harmonics(said)),
         )
         .collect()
 }
@@ -93,17 +95,20 @@ fn is_told(levels: &[Level]) -> bool {
 /// The largest response, and whether it is stable.
 fn largest(levels: &[Level], units: Units) -> Option<String> {
     let size = |amplitude| format!("{} {}", units.length.digits(amplitude), units.length);
-    let rate = |omega| format!("{} {}", units.frequency.digits(omega), units.frequency);
+    let rate = |omega| units.frequency.told(omega);
     let rows = levels.iter().flat_map(|level| level.peak().map(|row| (level, row)));
     let (level, row) = rows.max_by(|a, b| a.1.amplitude_max.total_cmp(&b.1.amplitude_max))?;
-    let at_least = if row.at_least().is_empty() { "" } else { "at least " };
+    let [before, behind] = around_largest(row);
     let place = format!(
-        "{} at {}, on {} at A = {}",
+        "{before}{}{behind} at {}, on {} at A = {}",
         size(row.amplitude_max),
         rate(row.omega_at_max),
         in_words(row),
         level.amplitude
     );
+    // Others may go on to larger ones beyond where they are known.
+    let goes_on = levels.iter().flat_map(|level| &level.branches).any(|other| !other.at_least().is_empty());
+    let what = if goes_on && before.is_empty() { "Largest computed response" } else { "Largest response" };
     let peak = row.stability.as_ref().and_then(|known| known.peak.as_ref());
     let is_as_marched = |amplitude: f64| (amplitude / row.amplitude_max - 1.0).abs() < TOLD;
     let stability = match peak {
@@ -115,14 +120,14 @@ fn largest(levels: &[Level], units: Units) -> Option<String> {
     };
     let stable =
         largest_stable_sentence(levels, size, rate).map_or_else(String::new, |sentence| format!(" {sentence}"));
-    Some(format!("Largest response: {at_least}{place}{stability}{stable}"))
+    Some(format!("{what}: {place}{stability}{stable}"))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::store::{PeakOrbit, Stability};
-    use solver::response::certificate::Standing;
+    use solver::response::certificate::{Certificate, Change, Standing};
 
     fn row(kind: &str, amplitude: f64, verdict: Option<&str>) -> BranchRow {
         let at = Some((2.0, 1.01 * amplitude));
@@ -187,6 +192,27 @@ mod tests {
         }
         assert!(told(vec![lost(None), lost(None)]).ends_with(", none of which twice the harmonics confirm."));
         assert!(told(vec![lost(None), row("isola", 2.0, None)]).contains(", some of which twice the harmonics do not"));
+    }
+
+    /// A largest response where a branch ends is a lower bound only of what has converged; and where another branch goes on, one there may
+    /// be larger.
+    #[test]
+    fn what_goes_on_may_be_larger() {
+        let ends = |elsewhere| {
+            let certificate = Certificate { elsewhere, ..Certificate::default() };
+            BranchRow { peak_standing: Some(Standing::AtLeast), certificate, ..row("main", 1.0, None) }
+        };
+        let told = |branches| largest(&[level("1", branches)], Units::default()).unwrap();
+        let moved = |share| Some(Change { omega: 1.0, share });
+        for converged in [None, moved(Some(1e-3))] {
+            assert!(told(vec![ends(converged)]).starts_with("Largest response: at least 1.0000 m at 2.00000 rad/s"));
+        }
+        for not_converged in [moved(None), moved(Some(0.05))] {
+            let begins = "Largest computed response: 1.0000 m (not converged in H) at 2.00000 rad/s";
+            assert!(told(vec![ends(not_converged)]).starts_with(begins));
+        }
+        let said = told(vec![ends(None), row("main", 2.0, None)]);
+        assert!(said.starts_with("Largest computed response: 2.0000 m at"), "{said}");
     }
 
     #[test]

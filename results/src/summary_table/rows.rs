@@ -158,12 +158,12 @@ impl<'r> Rows<'r> {
         format!("{}: {range}, {peak}{mark}", row.kind)
     }
 
-    /// By which bounds of the frequency that were given both ends of a branch are cut off, if they are.
+    /// By which bounds of the frequency that were given a branch is cut off at both ends, if it is.
     fn cut_at(&self, row: &BranchRow) -> Option<String> {
         let FrequencySettings { min, max } = self.given;
         let low = is_at(row.omega.0, min).then_some("frequency.min");
         let high = is_at(row.omega.1, max).then_some("frequency.max");
-        let both_through = |bound: &str| format!("both ends leave through {bound}");
+        let both_through = |bound: &str| format!("leaves through bounds at both ends, {bound} among them");
         let how = match (low, high) {
             (Some(low), Some(high)) => Some(format!("leaves through {low} and {high}")),
             (one, other) => one.or(other).map(both_through),
@@ -175,6 +175,9 @@ impl<'r> Rows<'r> {
     fn without_window(&mut self, level: &Level) -> String {
         let Some(smallest) = self.smallest else { return String::new() };
         let why = match self.given {
+            _ if smallest.is_infinite() => {
+                "no A is a threshold of the backbones (the energy balance, an estimate): the force does no work along them".into()
+            }
             _ if level.value < smallest => {
                 format!(
                     "thresholds of the backbones, and with them windows, begin at A = {} (the energy balance, an estimate)",

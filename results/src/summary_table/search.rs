@@ -7,7 +7,7 @@ use crate::overview::{
     born_between, has_joints, level_between, levels_after, truncation_doubt, why_no_folds,
 };
 use crate::store::{CurvePoint, CurveRow};
-use crate::words::{digits, listed};
+use crate::words::{digits, listed, more_ranges};
 use solver::response::backbone::Backbone;
 use solver::response::branch::BranchKind;
 use solver::response::forced::SearchRange;
@@ -139,7 +139,7 @@ fn predicted(windows: &[Predicted], levels: &[Level], unit: FrequencyUnit) -> St
     named.dedup();
     let mut places: Vec<String> = windows.iter().take(NAMED).map(place).collect();
     let more = windows.len().saturating_sub(NAMED);
-    places.extend((more > 0).then(|| format!("in {more} more ranges")));
+    places.extend(more_ranges(more));
     match named.len() {
         0 => String::new(),
         count => format!(

@@ -21,7 +21,8 @@ fn numbers(known: &Known, units: Units) -> Vec<String> {
     let more = levels.len().saturating_sub(LEVELS);
     let is_untouched = model.is_some_and(|model| model.contacts().count() > 0) && is_untouched(levels);
     let meaning = "≥: the branch is known up to there only, and may go on to larger responses.";
-    let truncation = truncation_of(model, levels, known.settings.as_ref(), known.is_further);
+    let truncation =
+        truncation_of(model, levels, known.settings.as_ref(), known.is_further, |omega| units.frequency.told(omega));
     (is_at_least.then(|| meaning.into()).into_iter())
         .chain((more > 0).then(|| format!("... and {more} more levels: see summary.csv")))
         .chain(monitors::sentence(&known.others, units))
@@ -34,7 +35,7 @@ fn numbers(known: &Known, units: Units) -> Vec<String> {
 /// Births and merges; what unstable motions turn into, and what pushes lead to.
 fn over_the_forcing(known: &Known, units: Units) -> Vec<String> {
     let (bounds, unit) = (known.bounds(), units.frequency);
-    let place = |omega: f64| format!("{} {unit}{}", unit.digits(omega), beyond(bounds, omega));
+    let place = |omega: f64| format!("{}{}", unit.told(omega), beyond(bounds, omega));
     // What was lost may count.
     let levels = if known.search.is_whole() { known.levels() } else { &[] };
     let events = events_sentence(&known.curves, levels, place);
@@ -48,7 +49,6 @@ fn over_the_forcing(known: &Known, units: Units) -> Vec<String> {
 
 /// Which frequencies were looked at, and what was looked for.
 fn reach(known: &Known, units: Units) -> Vec<String> {
-    let unit = units.frequency;
-    let frequencies = reach_sentence(known.given, known.reached, |omega| format!("{} {unit}", unit.digits(omega)));
+    let frequencies = reach_sentence(known.given, known.reached, |omega| units.frequency.told(omega));
     frequencies.into_iter().chain(search::looked_for(known)).collect()
 }

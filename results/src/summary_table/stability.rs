@@ -10,8 +10,7 @@ pub(super) fn sentence(levels: &[Level], units: Units, is_told: bool) -> Option<
     let isolas: Vec<&BranchRow> = levels.iter().flat_map(Level::isolas).collect();
     let largest = largest_stable(levels, BranchRow::is_isola).filter(|_| !is_told);
     let up_to = largest.map_or_else(String::new, |StableResponse { level, branch, omega, amplitude }| {
-        let (up_to, at) =
-            (format!("{} {length}", length.digits(amplitude)), format!("{} {frequency}", frequency.digits(omega)));
+        let (up_to, at) = (format!("{} {length}", length.digits(amplitude)), frequency.told(omega));
         match isolas.len() {
             1 => format!(" (stable up to {up_to} at {at})"),
             _ => format!(" (stable on isolas up to {up_to}, {} at A = {} and {at})", branch.name(), level.amplitude),

@@ -74,6 +74,11 @@ impl FrequencyUnit {
     pub fn digits(self, omega: f64) -> String {
         fixed_digits(self.factor() * omega, 6)
     }
+
+    /// The same with the unit.
+    pub fn told(self, omega: f64) -> String {
+        format!("{} {self}", self.digits(omega))
+    }
 }
 
 impl Display for LengthUnit {

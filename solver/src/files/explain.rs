@@ -108,7 +108,8 @@ fn in_words(path: &str, message: &str) -> String {
         _ => found.replace("map", "a table").replace("sequence", "a list"),
     };
     let expected = match expected {
-        "f64" if has_unit(&found) => "a number: write it without its unit",
+        "f64" if found.contains('%') => "a number: a share of one, 0.02 for 2 %",
+        "f64" if has_unit(&found) => "a number without a unit, in SI units (kg, m, s, N, rad): 0.001 for 1 mm",
         "f64" => "a number",
         // An unsigned integer whose sign is wrong is told apart from no integer.
         "usize" | "u32" if found.starts_with("`-") => "a whole number that is not negative",

@@ -10,6 +10,9 @@ use crate::response::columns::{self, Row};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
+/// Points that are as near as this, relative to themselves, have no distance that means anything.
+const ROUNDED: f64 = 1e-6;
+
 /// A periodic solution on a branch or on the backbone.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct BranchPoint {
@@ -236,7 +239,19 @@ impl Branch {
 
     /// Whether its amplitude is that of a maximum, or only as far as the branch is known.
     pub fn peak_standing(&self) -> Standing {
-        Standing::of_peak(&self.outcome, self.peak_index(), self.points.len())
+        let end = self.end_at_peak().unwrap_or_else(|| self.peak_index());
+        Standing::of_peak(&self.outcome, end, self.points.len())
+    }
+
+    /// The end of an open branch whose point its peak is, but for rounding: the last step to a bound may be of no length.
+    pub(super) fn end_at_peak(&self) -> Option<usize> {
+        let peak = self.peak();
+        let is_near = |a: f64, b: f64| (a - b).abs() <= ROUNDED * b.abs();
+        let ends = [0, self.points.len().checked_sub(1)?];
+        ends.into_iter().filter(|_| !self.is_closed()).find(|&end| {
+            let point = &self.points[end];
+            is_near(point.amplitude(), peak.amplitude()) && is_near(point.omega(), peak.omega())
+        })
     }
 
     /// Keeps these points only; the peak is the highest of them.

@@ -61,6 +61,20 @@ pub struct Certificate {
     pub pressure_beyond: Option<f64>,
     /// The peak and the ends of the range, converged again with 2 H harmonics.
     pub doubled: Option<Doubled>,
+    /// How far 2 H harmonics move the branch at most, of the points that leave most of their balance.
+    #[serde(default)]
+    pub elsewhere: Option<Change>,
+}
+
+/// How far more harmonics move a branch at a point.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Change {
+    /// Where, rad/s.
+    pub omega: f64,
+    /// Distance across the branch, in frequency and in amplitude of the first monitored dof, relative to these; amplitudes below a
+    /// hundredth of the largest one of the branch count as that. `None` if near most points no motion was found: the one here is left
+    /// farthest from balance.
+    pub share: Option<f64>,
 }
 
 /// What of a branch was converged again with twice the harmonics.

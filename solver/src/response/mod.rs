@@ -12,6 +12,7 @@ mod corners;
 pub mod critical;
 mod critical_doubled;
 mod critical_events;
+mod elsewhere;
 pub mod folds;
 mod follow;
 pub mod forced;

@@ -10,6 +10,7 @@ use crate::formulation::unknown::Unknown;
 use crate::response::branch::{Branch, BranchPoint, Observer};
 use crate::response::certificate::{Certificate, Doubled};
 use crate::response::climb::maximum_near;
+use crate::response::elsewhere::largest_change;
 use crate::settings::{HarmonicSettings, Settings};
 use crate::structure::Model;
 use crate::structure::laws::Law;
@@ -25,7 +26,13 @@ pub(super) fn certificate<'m, F: Formulation<'m>>(
     observer: &mut Observer<'_>,
 ) -> Certificate {
     let (penetration, pressure_beyond) = of_contacts(model, settings.harmonics, branch);
-    Certificate { penetration, pressure_beyond, doubled: doubled::<F>(model, settings, branch, observer) }
+    let none = Certificate { penetration, pressure_beyond, ..Certificate::default() };
+    let unknown = Unknown::Frequency { forcing: branch.forcing };
+    let scales = Scales::new(model, settings.tracked(model));
+    let problem = F::build(model, settings.harmonics.doubled(), settings.tracked(model), unknown, scales);
+    let Ok(mut problem) = problem else { return none };
+    let elsewhere = largest_change(&mut problem, settings.continuation, &branch.points);
+    Certificate { doubled: doubled(&mut problem, settings, branch, observer), elsewhere, ..none }
 }
 
 /// Largest penetration of a rigid contact over its gap, and share of the pressure (rms, over all contacts and points) beyond H;
@@ -97,22 +104,19 @@ impl Pressure {
 /// The peak converged again with 2 H harmonics, if it is a maximum of the branch and its like is found there; of a closed curve the
 /// ends of its range as well.
 fn doubled<'m, F: Formulation<'m>>(
-    model: &'m Model,
+    problem: &mut F,
     settings: &Settings,
     branch: &Branch,
     observer: &mut Observer<'_>,
 ) -> Option<Doubled> {
-    if is_highest_where_it_branches_off(branch) {
+    if is_highest_where_it_branches_off(branch) || branch.end_at_peak().is_some() {
         return None;
     }
-    let unknown = Unknown::Frequency { forcing: branch.forcing };
-    let scales = Scales::new(model, settings.tracked(model));
-    let mut problem = F::build(model, settings.harmonics.doubled(), settings.tracked(model), unknown, scales).ok()?;
     let points = &branch.points;
     let mut maximum = |measure: &dyn Fn(&BranchPoint) -> f64| {
         let top = (0..points.len()).max_by(|&a, &b| measure(&points[a]).total_cmp(&measure(&points[b])))?;
         let curve = (points.as_slice(), branch.is_closed());
-        maximum_near(&mut problem, settings.continuation, curve, top, measure, observer)
+        maximum_near(problem, settings.continuation, curve, top, measure, observer)
     };
     let peak = maximum(&|point| point.amplitude())?;
     let mut end = |sign: f64| maximum(&|point| sign * point.omega()).map(|point| point.omega());

@@ -35,4 +35,5 @@ mod steps;
 mod subharmonics;
 mod support;
 mod switching;
+mod truncated;
 mod two_formulations;

@@ -489,6 +489,11 @@ class Certificate:
     omega_min_2h: float | None
     #: Highest frequency then, rad/s.
     omega_max_2h: float | None
+    #: How far the branch moves at most with 2 H harmonics at points compared, relative to frequency and amplitude;
+    #: None where near most of them no motion was found.
+    change_2h: float | None
+    #: Frequency there, rad/s.
+    change_omega_2h: float | None
 
     @classmethod
     def read(cls, message: dict[str, Any] | None) -> Certificate:
@@ -496,6 +501,7 @@ class Certificate:
         message = message or {}
         doubled = message.get("doubled") or {}
         low, high = doubled.get("range") or (None, None)
+        elsewhere = message.get("elsewhere") or {}
         return cls(
             penetration=message.get("penetration"),
             pressure_beyond=message.get("pressure_beyond"),
@@ -503,6 +509,8 @@ class Certificate:
             shift_2h=doubled.get("shift"),
             omega_min_2h=low,
             omega_max_2h=high,
+            change_2h=elsewhere.get("share"),
+            change_omega_2h=elsewhere.get("omega"),
         )
 
 

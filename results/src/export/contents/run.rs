@@ -144,13 +144,15 @@ pub(super) fn stability(group: &mut Group<'_>, count: usize, verified: Option<&V
 type Figure = fn(&Certificate) -> Option<f64>;
 
 /// Numbers of a certificate by their names.
-pub(super) const CERTIFICATE: [(&str, Figure); 6] = [
+pub(super) const CERTIFICATE: [(&str, Figure); 8] = [
     ("penetration", |certificate| certificate.penetration),
     ("pressure_beyond", |certificate| certificate.pressure_beyond),
     ("amplitude_2h", |certificate| certificate.doubled.map(|doubled| doubled.amplitude)),
     ("shift_2h", |certificate| certificate.doubled.map(|doubled| doubled.shift)),
     ("omega_min_2h", |certificate| Some(certificate.doubled?.range?.0)),
     ("omega_max_2h", |certificate| Some(certificate.doubled?.range?.1)),
+    ("change_2h", |certificate| certificate.elsewhere?.share),
+    ("change_omega_2h", |certificate| Some(certificate.elsewhere?.omega)),
 ];
 
 /// The standing of a peak, empty if it is not known.

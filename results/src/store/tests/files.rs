@@ -35,7 +35,7 @@ fn what_is_no_run_is_refused() {
 
     drop(Store::create(dir.path(), &header()).unwrap());
     Connection::open(&file).unwrap().execute_batch("PRAGMA user_version = 99").unwrap();
-    assert_refused(dir.path(), "version 99 of the format, this program knows version 10; use a newer `isola`");
+    assert_refused(dir.path(), "version 99 of the format, this program knows version 11; use a newer `isola`");
 }
 
 #[test]
@@ -43,9 +43,17 @@ fn a_run_of_the_first_programs_is_read_but_does_not_go_on() {
     let (study, dir) = (Study::damper(), tempdir().unwrap());
     drop(study.finished(dir.path()));
     let db = Connection::open(dir.path().join(FILE)).unwrap();
-    for column in
-        ["peak_standing", "penetration", "pressure_beyond", "amplitude_2h", "shift_2h", "omega_min_2h", "omega_max_2h"]
-    {
+    for column in [
+        "peak_standing",
+        "penetration",
+        "pressure_beyond",
+        "amplitude_2h",
+        "shift_2h",
+        "omega_min_2h",
+        "omega_max_2h",
+        "change_2h",
+        "change_omega_2h",
+    ] {
         db.execute(&format!("ALTER TABLE branches DROP COLUMN {column}"), []).unwrap();
     }
     // Nor did they know several modes, or verify anything.
@@ -56,7 +64,7 @@ fn a_run_of_the_first_programs_is_read_but_does_not_go_on() {
     db.execute_batch(one_mode).unwrap();
     drop(db);
     let error = Store::open(dir.path()).unwrap_err();
-    assert!(matches!(error, StoreError::Older { found: 1, known: 10, .. }), "{error}");
+    assert!(matches!(error, StoreError::Older { found: 1, known: 11, .. }), "{error}");
     assert!(error.to_string().contains("`isola sweep` computes the study again"), "{error}");
 
     let reader = Reader::open(dir.path()).unwrap();

@@ -1,0 +1,65 @@
+//! What the harmonics that were left out change of branches, away from their peaks.
+
+use crate::support::study::{Kind, Study, of_kind, with_harmonics};
+use solver::laws::{PolynomialSpring, Term};
+use solver::response::branch::{Outcome, Stop};
+use solver::response::certificate::{Change, Standing};
+use solver::{Branch, BranchPoint, Model};
+
+/// The main branch of x'' + 0.02 x' + x + x³ = A cos ωt, with superharmonic resonances.
+fn duffing(harmonics: usize) -> Branch {
+    let spring = PolynomialSpring { terms: vec![Term { power: 3, coefficient: 1.0 }] };
+    let model = Model::builder("duffing").mass([[1.0]]).stiffness([[1.0]]).damping_ratio(0.01).force(0, 1.0);
+    let model = model.element("spring", spring, [vec![(0, 1.0)]]).build().unwrap();
+    let mut settings = with_harmonics(harmonics);
+    (settings.frequency.min, settings.frequency.max) = (Some(0.15), Some(3.0));
+    let level = Study::of_modes(model, settings).level(0.3);
+    let [main] = &of_kind(&level, Kind::Main)[..] else { panic!("{level:#?}") };
+    main.branch.clone()
+}
+
+/// Relative distance of a point from a branch, in frequency and amplitude.
+fn distance(point: &BranchPoint, branch: &Branch) -> f64 {
+    let at = |other: &BranchPoint| [other.omega() / point.omega() - 1.0, other.amplitude() / point.amplitude() - 1.0];
+    let to = |pair: &[BranchPoint]| {
+        let ([ax, ay], [bx, by]) = (at(&pair[0]), at(&pair[1]));
+        let (dx, dy) = (bx - ax, by - ay);
+        let share = (-(ax * dx + ay * dy) / (dx * dx + dy * dy)).clamp(0.0, 1.0);
+        (ax + share * dx).hypot(ay + share * dy)
+    };
+    branch.points.windows(2).map(to).fold(f64::INFINITY, f64::min)
+}
+
+/// Where the third harmonic resonates and bends over, harmonics beyond H count that the peak has nothing of.
+#[test]
+fn superharmonic_resonances_need_more_harmonics_than_the_peak() {
+    for (harmonics, least, most) in [(3, 0.02, 0.1), (5, 1e-3, 0.02), (10, 1e-5, 1e-3)] {
+        let [few, twice] = [1, 2].map(|factor| duffing(factor * harmonics));
+        let peak = few.certificate.doubled.unwrap();
+        let change = peak.amplitude / few.peak().amplitude() - 1.0;
+        let Change { omega, share } = few.certificate.elsewhere.unwrap();
+        let share = share.unwrap();
+        // How far the branch with twice the harmonics, traced by itself, ever is from the one with few.
+        let apart = twice.points.iter().map(|point| (point.omega(), distance(point, &few)));
+        let (at, farthest) = apart.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap();
+        println!("H = {harmonics}: {share:e} at {omega} rad/s, {farthest:e} at {at} rad/s, the peak {change:e}");
+        assert!(change.abs() < 0.1 * share, "H = {harmonics}: the peak changes by {change:e}");
+        assert!((least..most).contains(&share) && omega < 0.5, "H = {harmonics}: {share:e} at {omega} rad/s");
+        // The last ones are as near to each other as their chords to the curves.
+        let is_much = (0.5..1.1).contains(&(share / farthest));
+        assert!(harmonics == 10 || is_much, "H = {harmonics}: {share:e}, {farthest:e} at {at} rad/s");
+    }
+}
+
+/// A branch that is cut off below its peak, and its last step of no length.
+#[test]
+fn what_is_largest_at_an_end_but_for_rounding_is_no_maximum() {
+    let mut cut = duffing(5);
+    cut.points.truncate(cut.peak_index() - 5);
+    cut.outcome = Outcome::Open(Stop::Start, Stop::FrequencyBound);
+    assert_eq!((cut.peak_index() + 1, cut.peak_standing()), (cut.points.len(), Standing::AtLeast));
+    cut.outcome = Outcome::Open(Stop::FrequencyBound, Stop::Start);
+    cut.points.reverse();
+    cut.points.insert(0, cut.points[0].clone());
+    assert_eq!((cut.peak_index(), cut.peak_standing()), (1, Standing::AtLeast));
+}
