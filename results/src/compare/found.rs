@@ -4,15 +4,30 @@ use crate::overview::{Level, events_of};
 use crate::report::Report;
 use crate::store::{BranchRow, CurvePoint};
 use crate::told::Told;
-use crate::words::digits;
+use crate::words::{self, digits};
 use solver::response::critical::CriticalKind;
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 
 /// Relative distances of forcing and frequency up to which births of two runs are taken to be one.
 const NEAR: (f64, f64) = (0.1, 0.03);
 
 /// How many things a sentence names.
 const NAMED: usize = 8;
+
+/// That nothing is said of motions of further orders, if any run looks for such.
+pub(super) fn not_compared(reports: &[Report]) -> Option<Told> {
+    let further = reports.iter().flat_map(|report| report.asked.iter().filter(|order| **order != report.harmonic));
+    let further: BTreeSet<usize> = further.copied().collect();
+    let told = |write: fn(&usize) -> String| words::listed(&further.iter().map(write).collect::<Vec<_>>());
+    (!further.is_empty()).then(|| {
+        format!(
+            "Motions that last {} periods of the force are not compared: what was found of them is in {} of the runs that look for them.",
+            told(usize::to_string),
+            told(|order| format!("m{order}/"))
+        )
+        .into()
+    })
+}
 
 /// Of the first run and each other one: isolas and births that only one of both has. Sentences.
 pub(super) fn alone(names: &[String], reports: &[Report]) -> Vec<Told> {

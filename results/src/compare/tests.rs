@@ -128,6 +128,23 @@ fn what_only_one_run_has() {
 }
 
 #[test]
+fn motions_of_further_orders_are_not_compared() {
+    let run = |asked: Vec<usize>| read(&Study::damper(), |report| report.asked = asked.clone());
+    let told = |orders: [Vec<usize>; 2]| {
+        let runs = orders.map(|asked| (format!("{asked:?}"), run(asked)));
+        Comparison::new(runs.to_vec())
+            .alone
+            .iter()
+            .map(|told| told.read_in(FrequencyUnit::RadianPerSecond))
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(told([vec![1], vec![1]]), Vec::<String>::new());
+    let expected = "Motions that last 2 and 3 periods of the force are not compared: what was found of them is in m2/ and m3/ of the runs that \
+                    look for them.";
+    assert_eq!(told([vec![1, 2], vec![1, 3]]), [expected]);
+}
+
+#[test]
 fn curves_of_all_runs_are_over_each_other() {
     let compared = compared();
     let figure = &compared.figures.drawn["response"];

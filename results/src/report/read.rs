@@ -42,6 +42,8 @@ pub struct Report {
     pub monitors: Vec<Monitor>,
     /// The harmonic of the response that is forced.
     pub harmonic: usize,
+    /// Orders of motions that the run looks for, this one among them.
+    pub asked: Vec<usize>,
     /// Fold curves.
     pub curves: Vec<CurveRow>,
     /// Lowest and highest frequency of the sweep, rad/s; known when the backbone is.
@@ -170,6 +172,7 @@ impl Report {
             sweep: reach.map(|reach| reach.frequency),
             resonance: ResonanceComparison::new(&overview.levels, backbone.iter().chain(&further)),
             run: facts(header, model.name().to_string(), stage, omissions.sentences().cloned().collect()),
+            asked: evidence.asked.clone(),
             monitors,
             harmonic: reader.order().unwrap_or(model.forcing().harmonic),
             branches,
