@@ -80,9 +80,9 @@ pub const LASTING: &[&str] = &[
     "--set",
     "branch.max_points=1000000",
     "--set",
-    "continuation.max_step=2e-4",
+    "continuation.max_step=3e-4",
     "--set",
-    "continuation.initial_step=2e-4",
+    "continuation.initial_step=3e-4",
 ];
 
 /// Leases that run out while a test waits for it, but not under a worker that has to share its core with others.

@@ -60,7 +60,7 @@ pub fn compose(reader: &Reader, request: &Request) -> Result<(Sheet, Omissions),
     };
     write_frequencies(&mut sheet.figure, request.units.frequency.unwrap_or_default());
     convert(&mut sheet.figure, request.units);
-    cut(&mut sheet.figure, &sheet.columns, &request.ranges());
+    cut(&mut sheet.figure, &sheet.columns, &request.ranges())?;
     Ok((sheet, report.omissions))
 }
 
@@ -88,7 +88,7 @@ pub fn compose_several(runs: &[(String, Reader)], request: &Request) -> Result<(
         return Err(Error::Other(format!("nothing to draw: {why}")));
     };
     convert(&mut figure, request.units);
-    cut(&mut figure, &comparison.figures.columns, &request.ranges());
+    cut(&mut figure, &comparison.figures.columns, &request.ranges())?;
     let sheet = Sheet { figure, columns: std::mem::take(&mut comparison.figures.columns), choice: 0, frame: None };
     Ok((sheet, comparison.reports.into_iter().map(|report| report.omissions).collect()))
 }

@@ -1,10 +1,19 @@
 //! A figure cut to ranges of its axes that were asked for.
 
+use super::request::option_of;
+use crate::error::Error;
 use crate::figure::{Axis, ColumnStore, Figure, Measure, Panel, Scale, Series};
+use crate::words::digits;
 
 /// Cuts panels to ranges of what they are drawn over and of what they show, in the units of their axes. Where frequencies alone are
 /// given, amplitudes are scaled by what is left of the branches; where there are none, of all curves.
-pub fn cut(figure: &mut Figure, store: &ColumnStore, ranges: &[(Measure, (f64, f64))]) {
+///
+/// # Errors
+/// If nothing is drawn over a range, with what is.
+pub fn cut(figure: &mut Figure, store: &ColumnStore, ranges: &[(Measure, (f64, f64))]) -> Result<(), Error> {
+    for &(measure, range) in ranges {
+        is_there(figure, store, measure, range)?;
+    }
     let of = |axis: &Axis| {
         let (_, (low, high)) = ranges.iter().find(|(measure, _)| Some(*measure) == axis.measure)?;
         Some((low / axis.unit.factor, high / axis.unit.factor))
@@ -24,6 +33,37 @@ pub fn cut(figure: &mut Figure, store: &ColumnStore, ranges: &[(Measure, (f64, f
             }
         }
     }
+    Ok(())
+}
+
+/// Refuses a range of what is drawn over that lies beside everything: it may be meant in another unit.
+fn is_there(figure: &Figure, store: &ColumnStore, measure: Measure, (low, high): (f64, f64)) -> Result<(), Error> {
+    let across = |panel: &Panel| panel.x.iter().position(|axis| axis.measure == Some(measure));
+    let panels: Vec<(&Panel, usize)> = figure.panels.iter().filter_map(|panel| Some((panel, across(panel)?))).collect();
+    let Some(&(panel, place)) = panels.first() else { return Ok(()) };
+    let unit = &panel.x[place].unit;
+    let values = panels.iter().flat_map(|(panel, place)| {
+        panel
+            .series
+            .iter()
+            .filter_map(|series| series.x.get(*place).or(series.x.first()))
+            .flat_map(|x| store.values(x, 1.0))
+    });
+    let (first, last) = values
+        .map(|value| value * unit.factor)
+        .filter(|value| value.is_finite())
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(first, last), value| (first.min(value), last.max(value)));
+    if first > last || (low <= last && high >= first) {
+        return Ok(());
+    }
+    let ends = [first, last].map(|end| digits(end, 6));
+    Err(Error::Usage(format!(
+        "{} {low} {high}: nothing is drawn there; what is goes from {} to {} {}, the unit of the axis",
+        option_of(measure),
+        ends[0],
+        ends[1],
+        unit.name
+    )))
 }
 
 /// Amplitudes are shown up to so many times the largest.

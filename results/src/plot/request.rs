@@ -96,12 +96,22 @@ impl Request {
     }
 }
 
+/// The option by which a range of it is asked for.
+pub(super) fn option_of(measure: Measure) -> &'static str {
+    match measure {
+        Measure::Frequency => "--frequency",
+        Measure::Response => "--response",
+        Measure::Forcing => "--forcing",
+    }
+}
+
 /// Refuses what is no range of an axis.
 fn is_range(measure: Measure, (low, high): (f64, f64)) -> Result<(), Error> {
-    let (option, what) = match measure {
-        Measure::Frequency => ("--frequency", "frequency"),
-        Measure::Response => ("--response", "amplitude of the response"),
-        Measure::Forcing => ("--forcing", "forcing amplitude"),
+    let option = option_of(measure);
+    let what = match measure {
+        Measure::Frequency => "frequency",
+        Measure::Response => "amplitude of the response",
+        Measure::Forcing => "forcing amplitude",
     };
     if !(low.is_finite() && high.is_finite() && low < high) {
         return Err(Error::Usage(format!(

@@ -257,6 +257,14 @@ fn what_is_not_there_is_named() {
         error(&["--figure", "balance", "--amplitude", "7"]),
         "--amplitude 7: the run has no such level, but 3e-3, 0.006"
     );
+    for figure in ["response", "map", "backbone"] {
+        let beside = error(&["--figure", figure, "--units", "Hz", "--frequency", "1 2"]);
+        assert!(
+            beside.starts_with("--frequency 1 2: nothing is drawn there; what is goes from 0."),
+            "{figure}: {beside}"
+        );
+        assert!(beside.ends_with(" Hz, the unit of the axis"), "{figure}: {beside}");
+    }
     assert_eq!(
         error(&["--figure", "response", "--monitor", "tip"]),
         "--monitor tip: the run monitors no such dof, but x1"
