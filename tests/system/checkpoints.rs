@@ -2,7 +2,7 @@
 
 use crate::{DAMPER, LASTING, LONG, SHORT};
 use rustix::process::Signal;
-use tests::{Process, System, results};
+use tests::{System, results};
 
 /// The task of the main branch.
 const MAIN: &str = "0.009-0";
