@@ -2,6 +2,7 @@
 //! is missing.
 
 mod bounds;
+mod confirmed;
 mod counted;
 mod doubts;
 mod elsewhere;
@@ -31,6 +32,7 @@ mod verified;
 mod windows;
 
 pub use bounds::{beyond, bounds, is_within, reach_sentence};
+pub use confirmed::{is_unconfirmed, is_unmatched};
 pub use doubts::{doubts, ends_far_beyond};
 pub use elsewhere::around_largest;
 pub use event_words::{BIRTH, DEATH, EVENTS, EventWords, MERGE, MERGES};
@@ -53,7 +55,7 @@ pub use reasons::briefly;
 pub use sampled::sampled;
 pub use shift::{shift, shift_sentence};
 pub use stability_words::{NOT_KNOWN, StabilityOf, VERDICTS, VerdictWords, stability_of, verdict_words};
-pub use truncation::{asks_for_harmonics, is_unconfirmed, is_unmatched, least_added, truncation, truncation_of};
+pub use truncation::{asks_for_harmonics, least_added, truncation, truncation_of};
 pub use unfinished::unfinished;
 pub use windows::{elsewhere, overlaps, within};
 
