@@ -357,14 +357,17 @@ impl System {
     pub fn attempts_in_vain(&self) -> Vec<String> {
         let ended = results::text(
             &self.directory(),
-            r#"SELECT coalesce(group_concat('task=' || task || ' attempt=' || attempt || ' ', char(10)), '')
+            r#"SELECT coalesce(group_concat('task=' || task || ' attempt=' || attempt || ' ' || coalesce("end", 'under way'), char(10)), '')
                FROM attempts WHERE coalesce("end", '') NOT IN ('done', 'confirmed')
                AND NOT ("end" = 'released' AND EXISTS (SELECT * FROM attempts AS first
                         WHERE first.task = attempts.task AND first.attempt < attempts.attempt AND first."end" = 'done'))"#,
         );
         let log = |number| std::fs::read_to_string(self.folder.path().join(format!("worker-{number}.log")));
         let heard: String = (1..=self.workers).map(|number| log(number).expect("a worker has a log")).collect();
-        ended.lines().filter(|attempt| heard.contains(&format!("leased {attempt}"))).map(str::to_string).collect()
+        let is_unheard = |attempt: &&str| {
+            attempt.strip_suffix("released").is_some_and(|attempt| !heard.contains(&format!("leased {attempt}")))
+        };
+        ended.lines().filter(|attempt| !is_unheard(attempt)).map(str::to_string).collect()
     }
 
     /// Tasks that are done, in the order of their announcements.

@@ -1,6 +1,6 @@
 /* The page of several runs: what differs, their curves over each other, numbers. */
 
-function fillTables({ names, settings, numbers, alone }) {
+function fillTables({ names, settings, numbers, sentences }) {
   const places = Object.fromEntries([...document.querySelectorAll("[data-table]")].map((place) => [place.dataset.table, place]));
   const scrolling = (caption, heads, rows) =>
     element("div.scroll", { tabindex: 0, role: "region", "aria-label": caption }, table(caption, heads, rows));
@@ -11,8 +11,8 @@ function fillTables({ names, settings, numbers, alone }) {
   );
   const rows = () => numbers.map(({ amplitude, what, values }) => [amplitude, what, ...values.map(toldText)]);
   places.numbers.append(followingUnits(() => scrolling("What was found", ["A", "what", ...names], rows())));
-  const sentences = () => element("ul", {}, ...alone.map((told) => element("li", {}, toldText(told))));
-  document.querySelector("#alone").append(followingUnits(sentences));
+  const list = () => element("ul", {}, ...sentences.map((told) => element("li", {}, toldText(told))));
+  document.querySelector("#sentences").append(followingUnits(list));
 }
 
 function drawCompared(data) {

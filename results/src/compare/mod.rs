@@ -31,8 +31,8 @@ pub struct Comparison {
     pub settings: Vec<SettingRow>,
     /// What was found at every level, in numbers.
     pub numbers: Vec<NumberRow>,
-    /// Isolas and births that only one of the first run and another one has, and what is not compared: sentences.
-    pub alone: Vec<Told>,
+    /// Isolas and births that only one of the first run and another one has, and what is not compared.
+    pub sentences: Vec<Told>,
     /// Figures with the curves of all runs.
     pub figures: ComparedFigures,
 }
@@ -66,8 +66,8 @@ impl Comparison {
         let values: Vec<f64> = levels.iter().map(|level| level.value).collect();
         let figures = ComparedFigures::new(&sides, &values);
         let (settings, numbers) = (settings(&reports), numbers::rows(&reports, &levels));
-        let alone = found::alone(&names, &reports).into_iter().chain(found::not_compared(&reports)).collect();
-        Self { settings, numbers, alone, figures, names, levels, reports }
+        let sentences = found::alone(&names, &reports).into_iter().chain(found::not_compared(&reports)).collect();
+        Self { settings, numbers, sentences, figures, names, levels, reports }
     }
 }
 

@@ -98,6 +98,6 @@ pub fn table(comparison: &Comparison, width: u16) -> String {
         let values = values.iter().map(|value| value.read_in(unit));
         table.add_row([amplitude.clone(), what.to_string()].into_iter().chain(values));
     }
-    let alone = comparison.alone.iter().map(|told| wrapped(&told.read_in(unit), width, "") + "\n");
-    format!("{table}\n{}", alone.collect::<String>())
+    let sentences = comparison.sentences.iter().map(|told| wrapped(&told.read_in(unit), width, "") + "\n");
+    format!("{table}\n{}", sentences.collect::<String>())
 }

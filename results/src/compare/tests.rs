@@ -110,9 +110,9 @@ fn what_only_one_run_has() {
             level.branches.retain(|branch| !branch.is_isola());
         }
     });
-    assert_eq!(Comparison::new(vec![("a".into(), whole()), ("b".into(), whole())]).alone, []);
+    assert_eq!(Comparison::new(vec![("a".into(), whole()), ("b".into(), whole())]).sentences, []);
     let both = Comparison::new(vec![("a".into(), whole()), ("b".into(), bare)]);
-    let alone: Vec<String> = both.alone.iter().map(|told| told.read_in(FrequencyUnit::RadianPerSecond)).collect();
+    let alone: Vec<String> = both.sentences.iter().map(|told| told.read_in(FrequencyUnit::RadianPerSecond)).collect();
     let isolas = &alone[0];
     assert!(
         isolas.starts_with("Isolas of `a` at whose frequencies `b` has none: isola 1 at A = 0.006 (")
@@ -133,7 +133,7 @@ fn motions_of_further_orders_are_not_compared() {
     let told = |orders: [Vec<usize>; 2]| {
         let runs = orders.map(|asked| (format!("{asked:?}"), run(asked)));
         Comparison::new(runs.to_vec())
-            .alone
+            .sentences
             .iter()
             .map(|told| told.read_in(FrequencyUnit::RadianPerSecond))
             .collect::<Vec<_>>()

@@ -5,23 +5,21 @@ use crate::store::BranchRow;
 use crate::words::digits;
 use solver::response::certificate::Standing;
 
+/// A peak of which neither amplitude nor frequency changes by more than this with twice the harmonics is taken to be converged, and a branch
+/// that is not moved farther.
+pub(super) const CONVERGED: f64 = 0.01;
+
 /// A penetration, relative to the gap, from which it is told.
 const DEEP: f64 = 0.01;
 
-/// Relative distance beyond which a branch has not converged.
-pub(super) const CONVERGED: f64 = 0.01;
-
-/// Whether twice the harmonics leave a branch where it is, as far as it is known; so it is taken to be in runs of programs that did not look.
-fn is_converged_throughout(row: &BranchRow) -> bool {
-    row.certificate.elsewhere.is_none_or(|change| change.share.is_some_and(|share| share <= CONVERGED))
-}
-
 /// What is put before and behind the largest amplitude of a branch: that it is larger still beyond the end of what is known of it can only be
-/// said where that much of it has converged.
+/// said where that much of it has converged, as is taken for granted of runs of programs that did not look.
 pub fn around_largest(row: &BranchRow) -> [&'static str; 2] {
-    match row.peak_standing {
-        Some(Standing::AtLeast) if is_converged_throughout(row) => ["at least ", ""],
-        Some(Standing::AtLeast) => ["", " (not converged in H)"],
+    let share = row.certificate.elsewhere.map_or(Some(0.0), |change| change.share);
+    match (row.peak_standing, share) {
+        (Some(Standing::AtLeast), Some(share)) if share <= CONVERGED => ["at least ", ""],
+        (Some(Standing::AtLeast), Some(_)) => ["", " (not converged in H)"],
+        (Some(Standing::AtLeast), None) => ["", " (not known to have converged in H)"],
         _ => ["", ""],
     }
 }
@@ -68,7 +66,7 @@ pub(super) fn not_found<'l>(rows: impl Iterator<Item = (&'l Level, &'l BranchRow
         false => String::new(),
     };
     Some(format!(
-        "What more harmonics would change of {} at A = {}{more} is not known: near most points twice as many have no motion{depth}{remedy}.",
+        "What more harmonics would change of {} at A = {}{more} is not known: with twice as many no motion was found near most points{depth}{remedy}.",
         super::in_words(row),
         level.amplitude
     ))
@@ -110,8 +108,8 @@ mod tests {
         };
         assert_eq!(
             said(vec![row("main", 1, None), row("isola", 1, None), row("isola", 2, Some(0.0))]).unwrap(),
-            "What more harmonics would change of the main branch at A = 0.3 and 1 more branch is not known: near most points twice \
-             as many have no motion; contacts penetrate by up to 9.8 % of the gap; set harmonics.count = 6."
+            "What more harmonics would change of the main branch at A = 0.3 and 1 more branch is not known: with twice as many no motion was \
+             found near most points; contacts penetrate by up to 9.8 % of the gap; set harmonics.count = 6."
         );
         assert_eq!(said(vec![row("main", 1, Some(0.009))]), None);
     }

@@ -1,16 +1,13 @@
 //! Whether enough harmonics were kept: peaks of all branches, ranges of isolas and points of branches against those with twice the
 //! harmonics.
 
-use super::elsewhere::{elsewhere, not_found};
+use super::elsewhere::{CONVERGED, elsewhere, not_found};
 use super::level::Level;
 use crate::store::BranchRow;
 use crate::words::digits;
 use solver::response::certificate::Standing;
 use solver::settings::Settings;
 use solver::structure::Model;
-
-/// A peak of which neither amplitude nor frequency changes by more than this with twice the harmonics is taken to be converged.
-const CONVERGED: f64 = 0.01;
 
 /// The same for the width of an isola.
 const SAME_WIDTH: f64 = 0.05;
@@ -65,7 +62,8 @@ pub fn truncation(
     if twice < least {
         return match peaks? {
             peaks if peaks.starts_with(NOT_CONVERGED) => Some(format!(
-                "{peaks} Of ordinary responses twice as many (H = {twice}) change nothing: they have none of these."
+                "{peaks} Ordinary responses have none of the harmonics that twice as many (H = {twice}) add: what more would change of them \
+                 is not known."
             )),
             _ => Some(format!(
                 "What more harmonics would change of ordinary responses is not known: twice as many (H = {twice}) add none that \
@@ -325,7 +323,9 @@ mod tests {
         let said = truncation(&changed, 4, 9).unwrap();
         assert!(said.starts_with("Not converged in H: with twice the harmonics the peak of isola 1"), "{said}");
         assert!(
-            said.contains("set harmonics.count = 9. Of ordinary responses twice as many (H = 8) change nothing"),
+            said.contains(
+                "set harmonics.count = 9. Ordinary responses have none of the harmonics that twice as many (H = 8) add"
+            ),
             "{said}"
         );
         for (harmonics, least) in [(1, 2), (2, 3), (5, 9)] {

@@ -24,7 +24,7 @@ pub struct ComparedData<'c> {
     nothing: &'c BTreeMap<&'static str, String>,
     settings: &'c [SettingRow],
     numbers: &'c [NumberRow],
-    alone: &'c [Told],
+    sentences: &'c [Told],
 }
 
 /// What the choice of levels says of a branch.
@@ -38,7 +38,7 @@ struct Branch<'c> {
 impl<'c> ComparedData<'c> {
     /// Of a comparison: labels are placed for the page here.
     pub fn new(comparison: &'c Comparison) -> Self {
-        let Comparison { names, reports, levels, settings, numbers, alone, figures } = comparison;
+        let Comparison { names, reports, levels, settings, numbers, sentences, figures } = comparison;
         let mut drawn = figures.drawn.clone();
         let font = Font::bundled();
         // Those of the first run, as in files.
@@ -68,7 +68,7 @@ impl<'c> ComparedData<'c> {
             nothing: &figures.nothing,
             settings,
             numbers,
-            alone,
+            sentences,
         }
     }
 }

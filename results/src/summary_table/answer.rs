@@ -207,9 +207,11 @@ mod tests {
         for converged in [None, moved(Some(1e-3))] {
             assert!(told(vec![ends(converged)]).starts_with("Largest response: at least 1.0000 m at 2.00000 rad/s"));
         }
-        for not_converged in [moved(None), moved(Some(0.05))] {
-            let begins = "Largest computed response: 1.0000 m (not converged in H) at 2.00000 rad/s";
-            assert!(told(vec![ends(not_converged)]).starts_with(begins));
+        for (change, doubt) in
+            [(moved(None), "not known to have converged in H"), (moved(Some(0.05)), "not converged in H")]
+        {
+            let begins = format!("Largest computed response: 1.0000 m ({doubt}) at 2.00000 rad/s");
+            assert!(told(vec![ends(change)]).starts_with(&begins));
         }
         let said = told(vec![ends(None), row("main", 2.0, None)]);
         assert!(said.starts_with("Largest computed response: 2.0000 m at"), "{said}");

@@ -5,7 +5,7 @@ use crate::curve::continuation::{Continuation, ContinuationSettings};
 use crate::curve::problem::norm;
 use crate::curve::walk::Evaluated;
 use crate::formulation::Formulation;
-use crate::response::branch::BranchPoint;
+use crate::response::branch::{BranchPoint, Observer};
 use crate::response::certificate::Change;
 
 /// At so many points of a branch at most, evenly spaced, and where the amplitude is largest about, is evaluated what their motions leave of
@@ -23,21 +23,27 @@ const SMALL: f64 = 1e-2;
 const FAR: f64 = 1.0;
 
 /// How far a branch moves at most with the harmonics of `problem`, of those points whose motions leave most of its balance. They are
-/// converged again on the plane across the branch. `None` if no point is between two others.
+/// converged again on the plane across the branch. `None` if no point is between two others. The observer is told of every motion;
+/// breaking gives it up.
 pub(super) fn largest_change<'m, F: Formulation<'m>>(
     problem: &mut F,
     steps: ContinuationSettings,
     points: &[BranchPoint],
+    observer: &mut Observer<'_>,
 ) -> Option<Change> {
     let small = SMALL * points.iter().map(BranchPoint::amplitude).fold(0.0, f64::max);
     let count = (SPENT / (problem.len() as f64).powi(3)).ceil() as usize;
     let mut looked_at = least_balanced(problem, points);
     looked_at.truncate(count);
-    let moved = |&i: &usize| {
-        let share = distance(&again(problem, steps, points, i)?, points, small);
-        (share < FAR).then_some((i, share))
-    };
-    let found: Vec<(usize, f64)> = looked_at.iter().filter_map(moved).collect();
+    let mut found: Vec<(usize, f64)> = Vec::with_capacity(looked_at.len());
+    for &i in &looked_at {
+        let Some(motion) = again(problem, steps, points, i) else { continue };
+        if observer(&motion).is_break() {
+            return None;
+        }
+        let share = distance(&motion, points, small);
+        found.extend((share < FAR).then_some((i, share)));
+    }
     if 2 * found.len() < looked_at.len() {
         return Some(Change { omega: points[looked_at[0]].omega(), share: None });
     }

@@ -31,7 +31,7 @@ pub(super) fn certificate<'m, F: Formulation<'m>>(
     let scales = Scales::new(model, settings.tracked(model));
     let problem = F::build(model, settings.harmonics.doubled(), settings.tracked(model), unknown, scales);
     let Ok(mut problem) = problem else { return none };
-    let elsewhere = largest_change(&mut problem, settings.continuation, &branch.points);
+    let elsewhere = largest_change(&mut problem, settings.continuation, &branch.points, observer);
     Certificate { doubled: doubled(&mut problem, settings, branch, observer), elsewhere, ..none }
 }
 
