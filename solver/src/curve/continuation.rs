@@ -4,6 +4,7 @@
 //! progress and cancelling belong to whoever drives it.
 
 mod attempt;
+mod between;
 
 use crate::curve::corner;
 use crate::curve::newton::{Constraint, Newton, NewtonSettings};

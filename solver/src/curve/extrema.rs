@@ -1,7 +1,8 @@
 //! Extrema of quantities along a curve: found between its points, located along the arc, inserted.
 
-use crate::curve::continuation::Continuation;
+use crate::curve::continuation::{Continuation, CurvePoint};
 use crate::curve::problem::Problem;
+use crate::curve::sides::Side;
 use crate::curve::walk::{Evaluated, TracedPoint};
 
 /// Indices of alternating minima and maxima (true) of a sequence, ignoring wiggles lower than `prominence`; the ends
@@ -72,13 +73,19 @@ pub fn locate_maximum<P: Problem, T: Evaluated<P>>(
         if (s - best.0).abs() < 1e-3 * width {
             s = best.0 + (1e-2 * width).copysign(farther - best.0);
         }
-        let Ok(curve) = continuation.probe(&centre.curve, s) else { break };
-        if !continuation.problem().are_neighbours(&centre.curve.y, &curve.y) {
-            break;
-        }
-        let point = T::evaluate(continuation.problem(), &curve);
-        let trial_point = TracedPoint { curve, point };
-        let trial = (s, measure(continuation.problem(), &trial_point));
+        // What lies on an image of the curve, or on what that comes near to, is no point of it.
+        let is_on_curve = |problem: &P, curve: &CurvePoint| {
+            let [from, to] = [&centre.curve.y, &curve.y];
+            problem.are_neighbours(from, to) && Side::of(problem, from, to) == Side::Same
+        };
+        let curve = continuation.probe(&centre.curve, s).ok();
+        let curve = curve.filter(|curve| is_on_curve(continuation.problem(), curve));
+        let trial_point = curve.map(|curve| {
+            let point = T::evaluate(continuation.problem(), &curve);
+            TracedPoint { curve, point }
+        });
+        let value = trial_point.as_ref().map_or(f64::NEG_INFINITY, |point| measure(continuation.problem(), point));
+        let trial = (s, value);
         let better = trial.1 > best.1;
         match (better, s > best.0) {
             (true, true) => (lower, best) = (best, trial),
@@ -86,8 +93,8 @@ pub fn locate_maximum<P: Problem, T: Evaluated<P>>(
             (false, true) => upper = trial,
             (false, false) => lower = trial,
         }
-        if better {
-            located = Some((s, trial_point));
+        if let Some(point) = trial_point.filter(|_| better) {
+            located = Some((s, point));
         }
     }
     Maximum { anchor, located }

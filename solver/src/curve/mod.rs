@@ -12,6 +12,7 @@ pub(crate) mod point;
 pub mod problem;
 pub mod record;
 mod settings;
+pub(crate) mod sides;
 mod stabiliser;
 pub mod switch;
 pub mod walk;

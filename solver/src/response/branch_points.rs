@@ -7,6 +7,7 @@
 use crate::curve::continuation::{Continuation, CurvePoint};
 use crate::curve::extrema::Maximum;
 use crate::curve::problem::{Problem, inner, norm, weighted};
+use crate::curve::sides::Side;
 use crate::curve::walk::Evaluated;
 use crate::response::branch::{BranchPoint, TracedPoint};
 
@@ -124,7 +125,8 @@ impl<P: Problem> Step<'_, '_, P> {
         let problem = self.continuation.problem();
         // Next to a branch point the Jacobian tells no tangent.
         let is_next = STRAIGHT * distance(problem.metric(), [self.from, &point]) < arc
-            && problem.are_neighbours(&self.from.y, &point.y);
+            && problem.are_neighbours(&self.from.y, &point.y)
+            && Side::of(problem, &self.from.y, &point.y) == Side::Same;
         is_next.then_some(point)
     }
 

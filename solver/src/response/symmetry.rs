@@ -4,6 +4,7 @@
 
 use crate::curve::continuation::Continuation;
 use crate::curve::problem::{Problem, SAME_IMAGE, inner, norm};
+use crate::curve::sides::away;
 use crate::curve::walk::{Ending, Evaluated, TracedPoint, relative_distance};
 use crate::formulation::Formulation;
 use crate::formulation::state::State;
@@ -143,11 +144,6 @@ fn mean(states: &[Vec<f64>]) -> Vec<f64> {
         mean.iter_mut().zip(state).for_each(|(mean, entry)| *mean += entry / states.len() as f64);
     }
     mean
-}
-
-/// From a motion to its image.
-fn away<P: Problem>(problem: &P, y: &[f64], index: usize) -> Vec<f64> {
-    problem.image(y, index).iter().zip(y).map(|(image, y)| image - y).collect()
 }
 
 /// How far the states of a curve are from states that are their own images, as shares of the farthest; none where all are.

@@ -24,6 +24,7 @@ mod main_pieces;
 mod marching;
 mod meetings;
 mod models;
+mod near_resonances;
 mod passing;
 mod random_chains;
 mod recheck;

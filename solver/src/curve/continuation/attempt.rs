@@ -6,6 +6,7 @@ use crate::curve::crossing;
 use crate::curve::newton::ACCURACY;
 use crate::curve::point::{CurvePoint, land};
 use crate::curve::problem::{Problem, inner, norm, weighted};
+use crate::curve::sides::Side;
 
 /// Smallest cosine between a step longer than the largest one of the settings and the mean of the tangents at its ends, which on
 /// a smooth curve is next to 1. A step that has hopped across the gap between two curves that nearly meet, where both turn sharply,
@@ -50,7 +51,10 @@ impl<P: Problem> Continuation<'_, P> {
         }
         let (ahead, off) = self.angles([&from, &point], is_near_crossing);
         let turns = point.orientation.signum() != from.orientation.signum();
-        if !self.problem.are_neighbours(&from.y, &point.y) || self.problem.hops(&from.y, &point.y) {
+        if !self.problem.are_neighbours(&from.y, &point.y)
+            || self.problem.hops(&from.y, &point.y)
+            || self.changes_side(&from, &point)
+        {
             return Err(Rejection::Distance);
         }
         // Corners (a law that changes its slope) and crossings stay what they are however short the step. So does the way back:
@@ -68,6 +72,15 @@ impl<P: Problem> Continuation<'_, P> {
             }
         }
         Ok(point)
+    }
+
+    /// Whether a step seems to lead past a motion that is its own image and does not meet it.
+    fn changes_side(&mut self, from: &CurvePoint, to: &CurvePoint) -> bool {
+        match Side::of(self.problem, &from.y, &to.y) {
+            Side::Same => false,
+            Side::Neither(index) | Side::Opposite(index) => !self.meets_own_image(from, to, index),
+            Side::Unknown => true,
+        }
     }
 
     /// Cosine between a step and the tangent that it was taken along, and the one that says that it is none along the curve, if one does.
