@@ -222,6 +222,7 @@ function keepLogTicks(axis, grid, range) {
 function nameTicks(axis, ticks) {
   const step = Math.ceil(ticks.length / 10);
   const named = ticks.filter((_, k) => k % step === 0);
+  if (Bokeh.NoOverlap) axis.major_label_policy = new Bokeh.NoOverlap();
   axis.ticker = new Bokeh.FixedTicker({ ticks: named.map(([place]) => place), minor_ticks: [] });
   axis.major_label_overrides = new Map(named.map(([place, name]) => [place, plainText(name)]));
 }

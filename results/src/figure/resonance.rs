@@ -8,7 +8,6 @@ use super::data::{
 use super::style::{Color, FINE, MARK, MEDIUM, Shape, Style};
 use super::subject::Subject;
 use crate::curves::Resonance;
-use crate::words::digits;
 use solver::response::windows::{Event, EventKind};
 
 /// Levels that span more than so many decades are shown logarithmically.
@@ -34,7 +33,9 @@ pub fn figure(subject: &Subject<'_>, store: &mut ColumnStore) -> Result<Figure, 
     let events = subject.backbone.map_or(&[][..], |backbone| &backbone.events);
     let levels = || subject.levels.iter().map(|level| level.value);
     let lowest = if has_branches(subject) { levels().fold(f64::INFINITY, f64::min) / NEAR } else { 0.0 };
-    drawn(&curves(subject), (monitor, subject.harmonic, events), lowest, store)
+    let events: Vec<(&Event, String)> =
+        events.iter().map(|event| (event, subject.threshold(event.threshold))).collect();
+    drawn(&curves(subject), (monitor, subject.harmonic, &events), lowest, store)
 }
 
 /// The same of several runs: what each is called, its largest response, and how that looks.
@@ -63,7 +64,7 @@ fn has_branches(subject: &Subject<'_>) -> bool {
 /// The figure, of the forcing amplitudes from `lowest` on.
 fn drawn(
     curves: &[ResonanceCurve<'_>],
-    (monitor, harmonic, events): (&str, usize, &[Event]),
+    (monitor, harmonic, events): (&str, usize, &[(&Event, String)]),
     lowest: f64,
     store: &mut ColumnStore,
 ) -> Result<Figure, String> {
@@ -80,7 +81,9 @@ fn drawn(
     let amplitude = Axis::around(format!("largest |{monitor}|"), unit, amplitudes.chain([0.0]));
     let amplitude = amplitude.of(Measure::Response);
 
-    let shown: Vec<&Event> = events.iter().filter(|event| (0.0..=1.0).contains(&x.share(event.threshold))).collect();
+    let is_shown = |(event, _): &&(&Event, String)| (0.0..=1.0).contains(&x.share(event.threshold));
+    let named: Vec<&(&Event, String)> = events.iter().filter(is_shown).collect();
+    let shown: Vec<&Event> = named.iter().map(|(event, _)| *event).collect();
     let panel = |y: Axis, about| Panel {
         about,
         size: Size::Low,
@@ -90,7 +93,7 @@ fn drawn(
         has_leaders: false,
         ..Panel::default()
     };
-    let labels = shown.iter().map(|event| label(event, &frequency)).collect();
+    let labels = named.iter().map(|(event, told)| label(event, told, &frequency)).collect();
     let mut above = Panel { labels, ..panel(frequency, "Resonance over forcing: frequency") };
     let mut below = panel(amplitude, "Resonance over forcing: largest amplitude");
     for curve in curves {
@@ -192,13 +195,13 @@ fn span(event: &Event) -> Span {
 }
 
 /// Births are named at the foot, merges at the head of their lines.
-fn label(event: &Event, axis: &Axis) -> Label {
+fn label(event: &Event, told: &str, axis: &Axis) -> Label {
     let (mark, y, side) = match event.kind {
         EventKind::Birth => ("▲", axis.range.0, Side::Right),
         EventKind::Merge => ("▼", axis.range.1, Side::Right),
     };
     Label {
-        text: format!("{mark} {}", digits(event.threshold, 3)),
+        text: format!("{mark} {told}"),
         x: vec![Some(event.threshold)],
         y: vec![Some(y)],
         color: Color::Soft,

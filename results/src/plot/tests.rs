@@ -120,6 +120,10 @@ fn figures_of_the_backbone_show_windows() {
         assert_eq!(labels(&drawn, 0), ["main", "isola 1"], "{figure}");
         let drawn = sheet(&run, &["--figure", figure, "--amplitude", "0.003"]).unwrap();
         assert_eq!(labels(&drawn, 0), ["main"], "{figure}");
+        // The balance is that of any forcing amplitude.
+        let drawn = sheet(&run, &["--figure", figure, "--amplitude", "0.0061"]).unwrap();
+        assert_eq!(labels(&drawn, 0), ["window 1", "window 2"], "{figure}");
+        assert_eq!(drawn.figure.title.unwrap(), "windows at A = 0.0061 (not a level of this run)");
     }
     let over = |quantity| sheet(&run, &["--figure", "balance", "--along", quantity]).map(heading).unwrap();
     fn heading(sheet: Sheet) -> String {
@@ -253,10 +257,10 @@ fn what_is_not_there_is_named() {
     let dir = damper();
     let run = dir.path().join("run");
     let error = |options: &[&str]| sheet(&run, options).unwrap_err();
-    assert_eq!(
-        error(&["--figure", "balance", "--amplitude", "7"]),
-        "--amplitude 7: the run has no such level, but 3e-3, 0.006"
-    );
+    for none in ["0", "-1", "nan", "large"] {
+        let said = error(&["--figure", "balance", "--amplitude", none]);
+        assert_eq!(said, format!("--amplitude {none}: a number above zero is needed"));
+    }
     for figure in ["response", "map", "backbone"] {
         let beside = error(&["--figure", figure, "--units", "Hz", "--frequency", "1 2"]);
         assert!(
