@@ -429,7 +429,8 @@ def test_the_program_speaks_of_the_model_given(
 
 @pytest.mark.needs_program
 def test_what_a_backbone_shows_to_make_no_sense(tmp_path: Path) -> None:
-    with pytest.raises(isola_hbm.StudyRefused, match="^frequency.min = 9: the backbones end at "):
+    told = r"^frequency.min = 9 rad/s \(1.432394 Hz\): the backbones end at "
+    with pytest.raises(isola_hbm.StudyRefused, match=told):
         isola_hbm.sweep(MODELS / "duffing", [0.01], out=tmp_path / "run", progress=False, frequency={"min": 9})
 
 

@@ -37,6 +37,18 @@ fn options_of_a_sweep() {
         (&["--set", "harmonics.count=ten"], &["--set harmonics.count=ten"]),
         (&["--set", "amplitudes=0"], &["--set amplitudes", "above zero"]),
         (&["--set", "damping.default_ratio=-1"], &["--set damping.default_ratio=-1"]),
+        (
+            &["--set", "joint.limit=3"],
+            &["there is no key `joint`", "a parameter of a law is `laws.NAME.law.KIND.PARAMETER`"],
+        ),
+        (
+            &["--set", "stifness=3"],
+            &["there is no key `stifness`; did you mean `matrices.stiffness`? known here: `matrices.stiffness`, "],
+        ),
+        (
+            &["--set", "laws.a b.name=3"],
+            &["`laws.a b.name`: not a dotted key", "a name with a space or a dot in quotes"],
+        ),
         // The option that was typed is to blame, whichever key it sets.
         (&["--orders", "1/2"], &["--orders 1/2: `search.harmonics`"]),
         (&["--orders", "2,1"], &["--orders 2,1: `search.harmonics`", "in ascending order"]),

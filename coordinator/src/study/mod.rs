@@ -208,6 +208,9 @@ fn is_amplitudes(key: &str) -> bool {
     key == "amplitudes"
 }
 
+/// Where parameters of laws are, for whoever wrote a name before them.
+const OF_A_LAW: &str = "a parameter of a law is `laws.NAME.law.KIND.PARAMETER`, like `laws.joint.law.jenkins.limit`";
+
 /// Refuses top-level keys that no study has.
 fn known_keys(study: &Layers) -> Result<(), ModelError> {
     let known = || OWN.into_iter().chain(SECTIONS).chain(config::KEYS.into_iter().filter(|key| is_scenario(key)));
@@ -216,7 +219,9 @@ fn known_keys(study: &Layers) -> Result<(), ModelError> {
         Some(key) => {
             // Those of a section are meant where one has this very name.
             let meant = reference::keys_called(key);
-            Err(ModelError::unknown(study.place(key), "key", key, known().chain(meant)))
+            let error = ModelError::unknown(study.place(key), "key", key, known().chain(meant));
+            let is_section = study.table().get(key).is_some_and(Value::is_table);
+            Err(if is_section { error.hinted(OF_A_LAW) } else { error })
         }
     }
 }

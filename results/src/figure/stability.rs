@@ -19,7 +19,8 @@ pub struct Marking {
     has_unknown: bool,
     /// Whether nothing was verified.
     is_unverified: bool,
-    /// Whether main branches alone, whose lines are thin, are unstable somewhere, and whether of them alone something is not known.
+    /// Whether main branches alone, whose lines are thin, are unstable somewhere, and whether of them, as a rule of most of each, it is not
+    /// known.
     of_mains: (bool, bool),
 }
 
@@ -35,7 +36,7 @@ impl Marking {
         let is_verified = branches.clone().any(|branch| !branch.stable.is_empty());
         let is_unknown = |branch: &Curve| (0..branch.size).any(|i| !is_known(branch, i));
         let has_unknown = is_verified && branches.clone().any(is_unknown);
-        let unknown_of_mains = branches.clone().all(|branch| branch.kind == MAIN || !is_unknown(branch));
+        let unknown_of_mains = branches.clone().any(|branch| branch.kind == MAIN && is_unknown(branch));
         let growing = Self::growing(branches);
         let of_mains = (growing.of_mains.0, unknown_of_mains);
         Self { has_unknown, is_growing: false, is_unverified: !is_verified, of_mains, ..growing }
@@ -61,7 +62,7 @@ impl Marking {
         let (unstable_width, unknown_width) = (width(self.of_mains.0), width(self.of_mains.1));
         let entries = [
             (self.has_unstable, unstable.to_string(), Style::line(color, unstable_width).with_dash(1)),
-            (self.has_unknown, NOT_KNOWN.into(), Style::line(color.pale(), unknown_width)),
+            (self.has_unknown, NOT_KNOWN.into(), Style::line(color.pale(), unknown_width + style::SPILL)),
             (self.is_unverified, format!("{NOT_KNOWN}: {UNVERIFIED}"), Style::line(color, BOLD)),
         ];
         let shown = entries.into_iter().filter(|(is_there, ..)| *is_there);

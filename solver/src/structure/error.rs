@@ -290,7 +290,8 @@ impl ModelError {
     }
 
     /// The same error; of an unknown name with another hint as well.
-    pub(crate) fn hinted(mut self, more: &str) -> Self {
+    #[must_use]
+    pub fn hinted(mut self, more: &str) -> Self {
         if let Self::Unknown { hint, .. } = &mut self {
             *hint = format!("{hint}; {more}");
         }

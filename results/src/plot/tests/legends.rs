@@ -98,12 +98,12 @@ fn samples_are_as_thin_as_what_they_stand_for() {
         branch.unstable = vec![false; branch.size];
     }
     let [main, isola, of_mains] = unknown(&report);
-    assert!(main < isola && of_mains == main, "{main}, {isola}, {of_mains}");
+    assert!(main < of_mains && of_mains < isola, "{main}, {isola}, {of_mains}");
     for branch in &mut report.branches {
         branch.stable = vec![branch.kind == "main"; branch.size];
     }
     let [_, isola, of_isola] = unknown(&report);
-    assert_eq!(of_isola, isola);
+    assert!(of_isola > isola, "{isola}, {of_isola}");
 }
 
 /// A curve beside what the map shows is in its legend nevertheless, as such.
