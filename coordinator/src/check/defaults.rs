@@ -19,8 +19,8 @@ pub(super) fn damping(study: &Study) -> Option<String> {
 
 /// The damping of the model, if another one is given over it.
 pub(super) fn replaced(study: &Study) -> Option<String> {
-    let of_damping = study.replaced.iter().filter(|(_, key)| DAMPING.contains(&key.as_str()));
-    let (by, key) = of_damping.last()?;
+    let mut of_damping = study.replaced.iter().filter(|(_, key)| DAMPING.contains(&key.as_str()));
+    let (by, key) = of_damping.next_back()?;
     Some(format!("{by} replaces {key} of the model, which is left out"))
 }
 

@@ -14,6 +14,12 @@ use solver::response::windows::{Event, EventKind};
 const DECADES: f64 = 2.0;
 /// Of what the energy balance predicts below the lowest level, this factor is shown.
 const NEAR: f64 = 4.0;
+/// Of levels that lie close together no more than so many times their range is shown below them, to tell them apart; those that lie closer
+/// than this share of the lowest are taken to be so far apart.
+const BESIDE: f64 = 3.0;
+const CLOSE: f64 = 0.05;
+/// Axes begin at zero unless the lowest forcing amplitude shown is more than this share of the highest.
+const FROM_ZERO: f64 = 0.3;
 /// Points of a curve that have marks at most.
 const MARKED: usize = 60;
 
@@ -31,8 +37,9 @@ struct ResonanceCurve<'w> {
 pub fn figure(subject: &Subject<'_>, store: &mut ColumnStore) -> Result<Figure, String> {
     let monitor = subject.monitors.first().map_or("", |monitor| &monitor.name);
     let events = subject.backbone.map_or(&[][..], |backbone| &backbone.events);
-    let levels = || subject.levels.iter().map(|level| level.value);
-    let lowest = if has_branches(subject) { levels().fold(f64::INFINITY, f64::min) / NEAR } else { 0.0 };
+    let (low, high) = bounds(subject.levels.iter().map(|level| level.value));
+    let lowest =
+        if has_branches(subject) { (low / NEAR).max(low - BESIDE * (high - low).max(CLOSE * low)) } else { 0.0 };
     let events: Vec<(&Event, String)> =
         events.iter().map(|event| (event, subject.threshold(event.threshold))).collect();
     drawn(&curves(subject), (monitor, subject.harmonic, &events), lowest, store)
@@ -169,7 +176,8 @@ fn forcing(values: impl Iterator<Item = f64> + Clone) -> Axis {
     if (high / low).log10() > DECADES {
         Axis::logarithmic(title, Unit::none(), values)
     } else {
-        Axis::around(title, Unit::none(), values.chain([0.0]))
+        let zero = (low <= FROM_ZERO * high).then_some(0.0);
+        Axis::around(title, Unit::none(), values.chain(zero))
     }
 }
 
