@@ -45,7 +45,7 @@ pub fn report(study: &Study) -> String {
     lines.extend(modes);
     lines.extend(small_motion::frequencies(study).map(|frequencies| ("", frequencies)));
     lines.extend(modes::sentence(&choice, true).map(|_| ("followed", followed(&choice))));
-    lines.extend(defaults::damping(study).map(|damping| ("damping", damping)));
+    lines.extend(defaults::damping(study).or_else(|| defaults::replaced(study)).map(|damping| ("damping", damping)));
     lines.push(("forcing", forcing(study)));
     lines.extend(contact(study).map(|contact| ("contact", contact)));
     let touch = touch::first_touch(study, &choice.followed);
@@ -86,7 +86,7 @@ fn orders(study: &Study) -> Vec<String> {
         let is_within = |omega: f64| min.is_none_or(|min| omega >= min) && max.is_none_or(|max| omega <= max);
         let frequencies = &order.model.modes().frequencies;
         let own: Vec<usize> = (0..frequencies.len()).filter(|&mode| is_within(frequencies[mode])).collect();
-        let unit = study.units.of_table().frequency;
+        let unit = study.frequency_unit();
         let bound = |bound: Option<f64>| {
             bound.map_or_else(|| "its backbones' end".into(), |omega| digits(unit.factor() * omega, 6))
         };
@@ -116,6 +116,7 @@ pub fn warnings_of_sweep(study: &Study) -> Vec<String> {
 pub fn notes_of_sweep(study: &Study) -> Vec<String> {
     (many_levels(study).into_iter())
         .chain(bounds::note(study))
+        .chain(defaults::replaced(study))
         .chain(defaults::forcing(study))
         .chain(laws::pressed(study))
         .chain(laws::soft(study))

@@ -89,7 +89,10 @@ Examples:
     #[command(after_help = "\
 Examples:
   isola disturb runs/NAME                       pushes in the first three modes, onto every isola with a stable part
-  isola disturb runs/NAME --modes 1")]
+  isola disturb runs/NAME --modes 1
+
+Of each push it is said how strong it is, and when it comes: so much of a period of the motion after an instant at which the
+force (not the response) is largest.")]
     Disturb(DisturbArgs),
     /// Say how a run is doing (also one that is not running).
     #[command(after_help = "Examples:\n  isola status runs/NAME\n  isola status --connect tcp/HOST:7447 --json")]
@@ -157,6 +160,9 @@ impl Command {
     }
 }
 
+/// The key that `--orders` sets.
+pub const ORDERS: &str = "search.harmonics";
+
 /// A study and what is changed in it.
 #[derive(Debug, Args)]
 pub struct StudyArgs {
@@ -186,7 +192,7 @@ impl StudyArgs {
         let change = |key: &str, value: &Option<String>| value.clone().map(|value| (key.to_string(), value));
         let options = [
             change("search.effort", &self.search),
-            change("search.harmonics", &self.orders),
+            change(ORDERS, &self.orders),
             change("verify.effort", &self.verify),
         ];
         let units = units.map(|units| (UNITS.to_string(), format!("\"{units}\"")));
@@ -266,6 +272,10 @@ pub struct ReportArgs {
     /// to folders of their own, as m3/report.html].
     #[arg(long, value_name = "M", value_parser = whole)]
     pub order: Option<usize>,
+    /// Units that the page begins with: one of m, mm, um and one of rad/s, Hz, as in mm,Hz, or one of them only [default: those of the run,
+    /// else rad/s, and what lengths are read best in].
+    #[arg(long, value_name = "UNITS", value_parser = str::parse::<UnitChoice>)]
+    pub units: Option<UnitChoice>,
 }
 
 /// Arguments of `export`.

@@ -1,14 +1,14 @@
 //! What each command does.
 
 use crate::cli::{
-    Cli, Command, DisturbArgs, ExtendArgs, RemoteArgs, ResumeArgs, SchemaArgs, ServeArgs, StudyArgs, SweepArgs,
+    Cli, Command, DisturbArgs, ExtendArgs, ORDERS, RemoteArgs, ResumeArgs, SchemaArgs, ServeArgs, StudyArgs, SweepArgs,
     VerifyArgs,
 };
 use crate::error::Error;
 use crate::run::directory::{default_directory, discard};
 use crate::run::endpoint::{Connection, open};
 use crate::run::{Ending, drive, preparation};
-use crate::study::{Study, levels};
+use crate::study::{Study, StudyError, levels};
 use crate::{certificates, check, exit, extension, outputs, reference, remote, watch};
 use clap::CommandFactory;
 use protocol::codec::{encode, sha256};
@@ -121,7 +121,13 @@ fn code(ending: Ending) -> ExitCode {
 }
 
 fn load(args: &StudyArgs, changes: &[(String, String)]) -> Result<Study, Error> {
-    Ok(Study::load(&args.study, changes, args.amplitudes.as_deref())?)
+    let orders =
+        args.orders.as_deref().map(|orders| (format!("--set {ORDERS}={orders}"), format!("--orders {orders}")));
+    Study::load(&args.study, changes, args.amplitudes.as_deref()).map_err(|error| match (error, orders) {
+        // Blamed is the option that was typed.
+        (StudyError::Refused(refused), Some((set, typed))) => StudyError::Refused(refused.retyped(&set, &typed)).into(),
+        (error, _) => error.into(),
+    })
 }
 
 async fn sweep(args: SweepArgs) -> Result<Ending, Error> {

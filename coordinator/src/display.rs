@@ -273,7 +273,7 @@ pub fn summary(status: &Status) -> String {
     }
     let dead = if tasks.dead > 0 { format!(", {} given up", tasks.dead) } else { String::new() };
     format!(
-        "{}: {}, {} done, {} under way, {}{dead}, {}, {}{}",
+        "{}: {}, {} done, {} handed out, {}{dead}, {}, {}{}",
         status.stage.name(),
         levels(status.stage, status.levels, status.levels_done),
         count(tasks.done + tasks.skipped, "task"),

@@ -125,7 +125,8 @@ fn page(
     use results::report::{Report, Selection};
     let _snapshot = reader.snapshot()?;
     let levels = chosen_levels(reader, args.levels.as_deref())?;
-    let report = Report::read(reader, &levels.map_or(Selection::Fitting, Selection::Amplitudes))?;
+    let selection = levels.map_or(Selection::Fitting, Selection::Amplitudes);
+    let report = Report::read_in(reader, &selection, args.units.unwrap_or_default())?;
     let folder = reader.order().map_or_else(|| reader.dir().into(), |order| reader.dir().join(order_folder(order)));
     std::fs::create_dir_all(&folder).map_err(Error::io(&folder))?;
     let file = args.out.clone().unwrap_or_else(|| folder.join(PAGE));
@@ -160,7 +161,8 @@ fn compare(args: &crate::cli::ReportArgs) -> Result<ExitCode, Error> {
     for (name, reader) in of_this_order(opened(&args.runs)?, args.order)? {
         let _snapshot = reader.snapshot()?;
         let levels = chosen_levels(&reader, args.levels.as_deref())?;
-        runs.push((name, Report::read(&reader, &levels.map_or(Selection::Fitting, Selection::Amplitudes))?));
+        let selection = levels.map_or(Selection::Fitting, Selection::Amplitudes);
+        runs.push((name, Report::read_in(&reader, &selection, args.units.unwrap_or_default())?));
     }
     let comparison = Comparison::new(runs);
     let file = args.out.clone().unwrap_or_else(|| args.runs[0].join("compare.html"));

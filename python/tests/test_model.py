@@ -139,8 +139,8 @@ def test_elements_are_written_as_the_file_wants_them(tmp_path: Path) -> None:
             {"M": [[1, 0], [0, 0]]},
             r"M: not positive definite \(smallest eigenvalue 0\); are M and K exchanged",
         ),
-        ({"dofs": ["a"]}, "dofs: 1 names, 1 of them different; M has 2 rows"),
-        ({"dofs": ["a", "a"]}, "dofs: 2 names, 1 of them different"),
+        ({"dofs": ["a"]}, "dofs: 1 name; M has 2 rows: give each dof a name of its own"),
+        ({"dofs": ["a", "a"]}, "dofs: 2 names, `a` more than once; M has 2 rows"),
         ({"monitors": ["y"]}, "monitors: no dof `y`; there are x1, x2"),
         ({"laws": [Law("jenkins", between=["x1", "z"], stiffness=1, limit=1)]}, r"laws\[0\]: no dof `z`"),
         ({"contacts": [Contact("x1", tangential=["t"])]}, r"contacts\[0\]: no dof `t`"),
@@ -429,7 +429,8 @@ def test_the_program_speaks_of_the_model_given(
 
 @pytest.mark.needs_program
 def test_what_a_backbone_shows_to_make_no_sense(tmp_path: Path) -> None:
-    with pytest.raises(isola_hbm.StudyRefused, match="^frequency.min = 9: the backbones end at "):
+    told = r"^frequency.min = 9 rad/s \(1.432394 Hz\): the backbones end at "
+    with pytest.raises(isola_hbm.StudyRefused, match=told):
         isola_hbm.sweep(MODELS / "duffing", [0.01], out=tmp_path / "run", progress=False, frequency={"min": 9})
 
 
@@ -638,6 +639,24 @@ def test_the_page_of_a_run(damper: Path, tmp_path: Path) -> None:
     frame = page._repr_html_()
     assert frame.startswith('<iframe srcdoc="')
     assert frame.count('"') == 4
+
+
+def test_levels_are_named_without_what_rounding_adds() -> None:
+    from isola_hbm.asked import levels_of
+    from isola_hbm.study import typed
+
+    assert typed([0.1 + 0.2, 1e-4 * 1.25, 20, "5:10:5", 1 / 3]) == "0.3,0.000125,20,5:10:5,0.333333333333333"
+    # What was given finds the level again.
+    assert levels_of([0.1 + 0.2], [0.3, 0.4]) == {0.3}
+
+
+def test_other_keywords_are_refused_with_those_there_are() -> None:
+    with pytest.raises(TypeError, match=r"^Model: no argument `law`; did you mean `laws`\? there are M, K, C, damping, laws,"):
+        Model(M=[[1]], K=[[1]], law=[])  # type: ignore[call-arg]
+    with pytest.raises(TypeError, match=r"^Model: no argument `foo`; there are M, K, C, damping, laws, contacts, "):
+        Model(M=[[1]], K=[[1]], foo=1)  # type: ignore[call-arg]
+    with pytest.raises(TypeError, match=r"^Model: missing a required argument: 'K'; there are M, K, "):
+        Model(M=[[1]])  # type: ignore[call-arg]
 
 
 def test_values_in_toml() -> None:

@@ -10,7 +10,7 @@ pub const UNITS: &str = "units";
 /// A key whose values differ.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Difference {
-    /// Dotted key; entries of lists are counted from 0.
+    /// Dotted key; entries of lists are called by their names, or counted from 0.
     pub key: String,
     /// The value before, as TOML; long lists are shortened. `not given` if the key was missing.
     pub old: String,
@@ -70,7 +70,8 @@ pub fn settings(resolved: &str) -> Vec<(String, String)> {
     flat.iter().map(|(key, value)| (key.clone(), shown(Some(value), None).0)).collect()
 }
 
-/// Dotted keys with their values; lists of tables are taken apart, others are values.
+/// Dotted keys with their values; lists of tables are taken apart, their entries by their names where each has one of its own, others
+/// are values.
 fn flatten(table: Table) -> BTreeMap<String, Value> {
     let mut flat = BTreeMap::new();
     let mut open: Vec<(String, Value)> = table.into_iter().collect();
@@ -80,12 +81,23 @@ fn flatten(table: Table) -> BTreeMap<String, Value> {
                 open.extend(table.into_iter().map(|(name, value)| (format!("{key}.{name}"), value)));
             }
             Value::Array(list) if !list.is_empty() && list.iter().all(Value::is_table) => {
-                open.extend(list.into_iter().enumerate().map(|(i, value)| (format!("{key}.{i}"), value)));
+                let places = places(&list);
+                open.extend(places.into_iter().zip(list).map(|(place, value)| (format!("{key}.{place}"), value)));
             }
             value => drop(flat.insert(key, value)),
         }
     }
     flat
+}
+
+/// What the entries of a list of tables are called: as they name themselves if each does, in a name of its own, else by their places.
+fn places(list: &[Value]) -> Vec<String> {
+    let names: Vec<&str> = list.iter().filter_map(|entry| entry.get("name")?.as_str()).collect();
+    let is_alone = |name: &&&str| names.iter().filter(|other| other == name).count() == 1;
+    match names.len() == list.len() && names.iter().all(|name| is_alone(&name)) {
+        true => names.into_iter().map(String::from).collect(),
+        false => (0..list.len()).map(|i| i.to_string()).collect(),
+    }
 }
 
 /// Equal values; 1 and 1.0 are the same number.
@@ -117,7 +129,12 @@ fn shown(old: Option<&Value>, new: Option<&Value>) -> (String, String) {
 fn part(list: &[Value], start: usize, end: usize) -> String {
     /// Entries that are shown.
     const SHOWN: usize = 8;
-    let texts = |entries: &[Value]| entries.iter().map(Value::to_string).collect::<Vec<_>>();
+    // Forcing amplitudes are kept as they were typed.
+    let text = |entry: &Value| match entry.as_str() {
+        Some(number) if number.parse::<f64>().is_ok() => number.to_string(),
+        _ => entry.to_string(),
+    };
+    let texts = |entries: &[Value]| entries.iter().map(text).collect::<Vec<_>>();
     if list.len() <= SHOWN {
         return format!("[{}]", texts(list).join(", "));
     }
@@ -150,9 +167,27 @@ mod tests {
         let other = differences(&list(&old), &list(&["1"]));
         assert_eq!((&*other[0].old, &*other[0].new), ("[1, 2, 3, 4, 5, 6, 7, …, 100] (100 entries)", "[1]"));
         assert!(differences("units = 'Hz'", "units = 'mm'").is_empty());
+        let typed = differences("amplitudes = ['1e-3', '2']", "amplitudes = ['1e-3']");
+        assert_eq!((&*typed[0].old, &*typed[0].new), ("[1e-3, 2]", "[1e-3]"));
         // 1 and 1.0 are the same; a text that is not TOML differs from everything but itself.
         assert!(differences("a = 1\nb = [2]", "a = 1.0\nb = [2.0]").is_empty());
         assert_eq!(differences("a = [", "a = 1")[0].old, "not readable as a study");
         assert!(differences("a = [", "a = [").is_empty());
+    }
+    #[test]
+    fn laws_are_called_by_their_names() {
+        let law = |name: &str, gap: f64| {
+            format!("[[laws]]\nname = '{name}'\nlaw = {{ penalty_spring = {{ gap = {gap} }} }}\n")
+        };
+        let laws = |list: &[(&str, f64)]| list.iter().map(|&(name, gap)| law(name, gap)).collect::<String>();
+        let keys = |old: &[(&str, f64)], new: &[(&str, f64)]| -> Vec<String> {
+            differences(&laws(old), &laws(new)).into_iter().map(|one| one.key).collect()
+        };
+        let (low, high) = (("lower stop", 0.1), ("upper stop", 0.2));
+        let gap = "laws.upper stop.law.penalty_spring.gap";
+        assert_eq!(keys(&[low, high], &[low, ("upper stop", 0.3)]), [gap]);
+        // Their order says nothing.
+        assert_eq!(keys(&[low, high], &[high, low]), Vec::<String>::new());
+        assert_eq!(keys(&[low, low], &[low, ("lower stop", 0.3)]), ["laws.1.law.penalty_spring.gap"]);
     }
 }

@@ -25,6 +25,13 @@ pub struct SettingsError {
     pub remedy: String,
 }
 
+/// A frequency as messages have it, whichever unit it was given in: `942.478 rad/s (150 Hz)`.
+pub(crate) fn told_frequency(omega: f64) -> String {
+    // Seven digits are more than anybody types, and without what conversion adds.
+    let digits = |value: f64| format!("{value:.6e}").parse::<f64>().unwrap_or(value);
+    format!("{} rad/s ({} Hz)", digits(omega), digits(omega / std::f64::consts::TAU))
+}
+
 /// Truncation of the harmonic balance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -289,11 +296,12 @@ impl Settings {
             if let (Some(low), Some(high)) = (low, high)
                 && low >= high
             {
-                return refuse(
-                    key,
-                    high.to_string(),
-                    format!("use a value above {below} = {low}, or are the two exchanged?"),
-                );
+                let told = |value: f64| match key {
+                    "frequency.max" | "backbone.max_frequency" => told_frequency(value),
+                    _ => value.to_string(),
+                };
+                let remedy = format!("use a value above {below} = {}, or are the two exchanged?", told(low));
+                return refuse(key, told(high), remedy);
             }
         }
         if !(0.0..1.0).contains(&self.continuation.min_cosine) {

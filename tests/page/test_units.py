@@ -48,12 +48,14 @@ def test_charts_in_other_units_and_as_files(run, browser):
         assert max(isola) == pytest.approx(float(known["omega_max"]) * 60 / 6.283185307179586)
 
 
-def test_the_page_begins_in_the_units_of_the_run(run, browser, tmp_path):
-    """Those of its study; the reader's own choice holds afterwards."""
+@pytest.mark.parametrize("asked", [[], ["--units", "um,Hz"]])
+def test_the_page_begins_in_the_units_of_the_run(run, browser, tmp_path, asked):
+    """Those of its study, or those that are asked for; the reader's own choice holds afterwards."""
     shutil.copytree(run, tmp_path / "run")
+    units = "m,rad/s" if asked else "um,Hz"
     with sqlite3.connect(tmp_path / "run" / "run.sqlite") as database:
-        database.execute("UPDATE meta SET value = ? || value WHERE key = 'study'", ("units = 'um,Hz'\n",))
-    isola("report", tmp_path / "run")
+        database.execute("UPDATE meta SET value = ? || value WHERE key = 'study'", (f"units = '{units}'\n",))
+    isola("report", tmp_path / "run", *asked)
     with report(browser, tmp_path / "run", viewport={"width": 1400, "height": 900}) as page:
         titles = """(box) => {
             const { below: [across], left: [up] } = [...Bokeh.index].find((view) => box.contains(view.el)).model;

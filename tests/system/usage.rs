@@ -37,6 +37,22 @@ fn options_of_a_sweep() {
         (&["--set", "harmonics.count=ten"], &["--set harmonics.count=ten"]),
         (&["--set", "amplitudes=0"], &["--set amplitudes", "above zero"]),
         (&["--set", "damping.default_ratio=-1"], &["--set damping.default_ratio=-1"]),
+        (
+            &["--set", "joint.limit=3"],
+            &["there is no key `joint`", "a parameter of a law is `laws.NAME.law.KIND.PARAMETER`"],
+        ),
+        (
+            &["--set", "stifness=3"],
+            &["there is no key `stifness`; did you mean `matrices.stiffness`? known here: `matrices.stiffness`, "],
+        ),
+        (
+            &["--set", "laws.a b.name=3"],
+            &["`laws.a b.name`: not a dotted key", "a name with a space or a dot in quotes"],
+        ),
+        // The option that was typed is to blame, whichever key it sets.
+        (&["--orders", "1/2"], &["--orders 1/2: `search.harmonics`"]),
+        (&["--orders", "2,1"], &["--orders 2,1: `search.harmonics`", "in ascending order"]),
+        (&["--set", "search.harmonics=[0]"], &["--set search.harmonics=[0]: `search.harmonics`"]),
         (&["--unknown"], &["--unknown"]),
     ];
     for (more, parts) in cases {
@@ -86,7 +102,8 @@ fn options_of_what_is_made_of_a_run() {
         (&["--figure", "response", "--along", "omega"], &["--along", "balance, modes"]),
         (&["--figure", "response", "--width", "5"], &["--width", "use 30 to 1000 mm"]),
         (&["--figure", "response", "--height", "wide"], &["--height", "use 30 to 1000 mm"]),
-        (&[&balance[..], &["--amplitude", "7"]].concat(), &["--amplitude 7", "no such level"]),
+        (&[&balance[..], &["--amplitude", "0"]].concat(), &["--amplitude 0: a number above zero is needed"]),
+        (&[&balance[..], &["--amplitude", "much"]].concat(), &["--amplitude much: a number above zero"]),
         (&[&balance[..], &["--along", "time"]].concat(), &["--along", "omega"]),
         (&["--figure", "motion", "--at", "nonsense"], &["--at nonsense", "A/branch/index"]),
         (&["--figure", "motion", "--at", "7/main/1"], &["--at 7", "no such level"]),

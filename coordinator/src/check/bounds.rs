@@ -4,6 +4,8 @@ use super::units::frequency;
 use crate::study::Study;
 use results::overview::is_within;
 use results::words::{digits, number, times};
+use solver::response::forced::SearchRange;
+use solver::response::modes::ModesFollowed;
 use std::f64::consts::TAU;
 
 /// Bounds nearer to a resonance than so many of its half-widths ζω cut it: there it has a fifth of its height.
@@ -15,7 +17,7 @@ const ORDERS: usize = 3;
 
 /// Sentences about bounds that are probably not meant.
 pub(super) fn warnings(study: &Study) -> Vec<String> {
-    hertz(study).into_iter().chain(flanks(study)).collect()
+    hertz(study).into_iter().chain(flanks(study)).chain(below_backbones(study)).collect()
 }
 
 /// What a sweep notes of bounds that may well be meant: nothing resonates between them, of no order that is looked at.
@@ -79,6 +81,24 @@ fn hertz(study: &Study) -> Option<String> {
     ))
 }
 
+/// Of an upper bound below all resonances, without a lower one: the sweep refuses it unless a backbone bends down there.
+fn below_backbones(study: &Study) -> Option<String> {
+    let (model, given) = (&study.model, study.settings.frequency);
+    let max = given.max.filter(|_| given.min.is_none())?;
+    let followed = ModesFollowed::choose(model, &study.settings).followed;
+    let frequencies = followed.into_iter().map(|mode| (mode, model.modes().frequencies[mode]));
+    let (mode, omega) = frequencies.min_by(|a, b| a.1.total_cmp(&b.1))?;
+    (max <= (1.0 - SearchRange::MARGIN) * omega).then(|| {
+        format!(
+            "frequency.max = {} lies below the backbones, which begin at {} (mode {}), and a sweep refuses it unless one of them bends down \
+             to there: give a higher one, or frequency.min as well",
+            frequency(study, max),
+            frequency(study, omega),
+            mode + 1
+        )
+    })
+}
+
 /// Of bounds that lie on the flank of a resonance that the force drives, so that what responds there is known in part.
 fn flanks(study: &Study) -> Vec<String> {
     let (model, given) = (&study.model, study.settings.frequency);
@@ -88,20 +108,21 @@ fn flanks(study: &Study) -> Vec<String> {
     let is_sharp = |(_, omega, half): &(usize, f64, f64)| FLANK * half < SHARP * omega;
     let resonances: Vec<_> =
         model.driven().into_iter().filter(|&j| rates[j] > 0.0).map(resonance).filter(is_sharp).collect();
+    let told = |omega: f64| frequency(study, omega);
     let cut = |key: &str, bound: f64, outwards: f64| {
         let distance = |(_, omega, half): &(usize, f64, f64)| (bound - omega).abs() / half;
         let nearest = resonances.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
         let (j, omega, half) = *nearest;
         (distance(nearest) < FLANK).then(|| {
             format!(
-                "{key} = {} rad/s cuts through the resonance of mode {} at {} rad/s, {} of its half-widths from it: branches end on its \
-                 flank, and their peaks may lie beyond; the bound at {} rad/s takes it in, at {} rad/s leaves it out",
-                number(bound),
+                "{key} = {} cuts through the resonance of mode {} at {}, {} of its half-widths from it: branches end on its \
+                 flank, and their peaks may lie beyond; the bound at {} takes it in, at {} leaves it out",
+                told(bound),
                 j + 1,
-                number(omega),
+                told(omega),
                 digits(distance(nearest), 2),
-                number(omega + outwards * FLANK * half),
-                number(omega - outwards * FLANK * half)
+                told(omega + outwards * FLANK * half),
+                told(omega - outwards * FLANK * half)
             )
         })
     };

@@ -17,6 +17,13 @@ pub(super) fn damping(study: &Study) -> Option<String> {
     })
 }
 
+/// The damping of the model, if another one is given over it.
+pub(super) fn replaced(study: &Study) -> Option<String> {
+    let mut of_damping = study.replaced.iter().filter(|(_, key)| DAMPING.contains(&key.as_str()));
+    let (by, key) = of_damping.next_back()?;
+    Some(format!("{by} replaces {key} of the model, which is left out"))
+}
+
 /// Where the force acts, if the study does not give it and there is a choice.
 pub(super) fn forcing(study: &Study) -> Option<String> {
     (study.model.size() > 1 && !study.gives("forcing.shape"))

@@ -17,7 +17,7 @@ const ROUNDED: f64 = 1e-9;
 /// What the eigenfrequencies of small motions are, if laws change them: joints that stick, springs that are linear there.
 pub(super) fn frequencies(study: &Study) -> Option<String> {
     let model = &study.model;
-    let unit = study.units.of_table().frequency;
+    let unit = study.frequency_unit();
     let motion = SmallMotion::of(model, &stiffness).filter(|motion| !motion.stiff.is_empty())?;
     let squares: Vec<f64> = model.modes().frequencies.iter().map(|omega| omega * omega).collect();
     let (values, floor) = (&motion.squares, motion.floor());

@@ -21,6 +21,9 @@ const LOOKED_AT: usize = 120;
 /// How often the interval about the largest response is narrowed.
 const NARROWED: usize = 40;
 
+/// What the linear response does not tell.
+const ISOLAS: &str = "isolas may be there, and touch, from far lower forcing on";
+
 /// Where the linear structure touches first.
 pub(super) struct FirstTouch<'m> {
     /// Forcing amplitude A.
@@ -50,7 +53,7 @@ impl FirstTouch<'_> {
         let (forcing, omega) = (number(self.forcing), frequency(study, self.omega));
         let names: Vec<String> = self.left_out.iter().map(|name| format!("`{name}`")).collect();
         let linear = if names.is_empty() {
-            "in the linear response (isolas may touch much earlier)".into()
+            "in the linear response alone".into()
         } else {
             format!("in the response of the matrices alone; with {} it may be much earlier or later", names.join(", "))
         };
@@ -58,7 +61,7 @@ impl FirstTouch<'_> {
             Place::Resonance(mode) => format!("at {omega}, at the resonance of mode {}, {linear}", mode + 1),
             Place::Bound => format!("at the bound {omega}, {linear}; looked at there and at resonances"),
         };
-        format!("from A = {forcing} on, {} first, {place}", self.name)
+        format!("from A = {forcing} on, {} first, {place}; {ISOLAS}", self.name)
     }
 }
 

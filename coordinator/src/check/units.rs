@@ -5,13 +5,13 @@ use results::words::{digits, number};
 
 /// A frequency given in rad/s, in the unit of the study.
 pub(super) fn frequency(study: &Study, omega: f64) -> String {
-    let unit = study.units.of_table().frequency;
+    let unit = study.frequency_unit();
     format!("{} {unit}", number(unit.factor() * omega))
 }
 
 /// Two frequencies given in rad/s, in the unit of the study.
 pub(super) fn frequencies_between(study: &Study, low: f64, high: f64) -> String {
-    let unit = study.units.of_table().frequency;
+    let unit = study.frequency_unit();
     format!("{} to {} {unit}", number(unit.factor() * low), number(unit.factor() * high))
 }
 

@@ -28,8 +28,8 @@ pub struct PlotArgs {
     /// Monitored dof whose amplitude is shown [default: the first one].
     #[arg(long, value_name = "DOF")]
     pub monitor: Option<String>,
-    /// Forcing amplitude of balance and backbone [default: the lowest with an isola, else the middle one].
-    #[arg(long, value_name = "A")]
+    /// Any forcing amplitude, of balance and backbone [default: the lowest level with an isola, else the middle one].
+    #[arg(long, value_name = "A", allow_negative_numbers = true)]
     pub amplitude: Option<String>,
     /// Mode whose backbone is drawn, from 1 (balance, backbone, modes) [default: one whose window at this amplitude led to an isola, else
     /// the first one that was followed].

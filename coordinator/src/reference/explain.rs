@@ -34,17 +34,33 @@ pub fn explain(asked: &str) -> Result<String, String> {
     Ok(found.iter().map(|(key, files)| of_key(key, files)).collect::<Vec<_>>().join("\n"))
 }
 
-/// The keys whose last part is this word, outside of lists: those with the fewest parts before it.
+/// The keys whose last part is this word, or if there is none but for a letter, outside of lists: those with the fewest parts before it.
 pub fn keys_called(word: &str) -> Vec<&'static str> {
     let all = keys();
     let is_in_list = |path: &str| {
         let lists = all.iter().filter(|(key, _)| matches!(key.kind, Kind::Tables(_)));
         lists.into_iter().any(|(list, _)| path.strip_prefix(list.path).is_some_and(|rest| rest.starts_with('.')))
     };
-    let called = all.iter().map(|(key, _)| *key).filter(|key| key.name() == word && !is_in_list(key.path));
+    let is_a_key = all.iter().any(|(key, _)| key.name() == word);
+    let is_it = |name: &str| if is_a_key { name == word } else { is_but_for_a_letter(name, word) };
+    let called = all.iter().map(|(key, _)| *key).filter(|key| is_it(key.name()) && !is_in_list(key.path));
     let depth = |path: &str| path.matches('.').count();
     let fewest = called.clone().map(|key| depth(key.path)).min();
     called.map(|key| key.path).filter(|path| Some(depth(path)) == fewest).collect()
+}
+
+/// Whether two words are the same, or would be with one letter more, less, exchanged with its neighbour or with another.
+fn is_but_for_a_letter(one: &str, other: &str) -> bool {
+    let (one, other): (Vec<char>, Vec<char>) = (one.chars().collect(), other.chars().collect());
+    let head = one.iter().zip(&other).take_while(|(a, b)| a == b).count();
+    let (a, b) = (&one[head..], &other[head..]);
+    let rest = |word: &'_ [char], from: usize| word.get(from..).map(<[char]>::to_vec);
+    let swapped = a.len() > 1 && b.len() > 1 && a[0] == b[1] && a[1] == b[0] && a[2..] == b[2..];
+    a == b
+        || swapped
+        || rest(a, 1) == rest(b, 1)
+        || rest(a, 1).as_deref() == Some(b)
+        || rest(b, 1).as_deref() == Some(a)
 }
 
 /// How a key is written, for example; in whichever file.

@@ -8,20 +8,22 @@ use toml::Value;
 /// Numerical settings that are frequencies.
 const FREQUENCIES: [&str; 4] = ["frequency.min", "frequency.max", "backbone.min_frequency", "backbone.max_frequency"];
 
-/// Puts numbers of rad/s in place of texts with a unit.
+/// Puts numbers of rad/s in place of texts with a unit; says whether one was in Hz.
 ///
 /// # Errors
 /// A text that is none: its key, and what is one.
-pub(super) fn to_radians(numerics: &mut Layers) -> Result<(), ModelError> {
+pub(super) fn to_radians(numerics: &mut Layers) -> Result<bool, ModelError> {
+    let mut has_hertz = false;
     for key in FREQUENCIES {
         let Some(text) = numerics.value(key).and_then(Value::as_str) else { continue };
         let Some(omega) = omega(text) else {
             let remedy = "write a number of rad/s, or a text with its unit, like \"150 Hz\" (units: Hz, rad/s)";
             return Err(ModelError::value(numerics.place(key), format!("\"{text}\""), remedy));
         };
+        has_hertz |= text.trim().to_ascii_lowercase().ends_with("hz");
         numerics.replace(key, omega.into());
     }
-    Ok(())
+    Ok(has_hertz)
 }
 
 /// What a text says, rad/s.
@@ -42,7 +44,8 @@ mod tests {
         let text = "[frequency]\nmin = \"0.5 Hz\"\nmax = 9\n[backbone]\nmax_frequency = \"12rad/s\"";
         let mut layers = Layers::parse(Path::new("study.toml"), text).unwrap();
         layers.set("--set", "backbone.min_frequency", "1e-1 Hz").unwrap();
-        to_radians(&mut layers).unwrap();
+        assert!(to_radians(&mut layers).unwrap());
+        assert!(!to_radians(&mut layers).unwrap());
         let values = FREQUENCIES.map(|key| layers.value(key).cloned());
         let expected = [0.5 * TAU, 0.0, 0.1 * TAU, 12.0].map(|omega| Some(Value::from(omega)));
         assert_eq!((&values[0], &values[2..]), (&expected[0], &expected[2..]));

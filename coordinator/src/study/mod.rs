@@ -25,7 +25,7 @@ use crate::reference;
 use locate::{locate, model_folder};
 use protocol::to_everyone::Amplitude;
 use results::resolved_study::UNITS;
-use results::summary_table::UnitChoice;
+use results::summary_table::{FrequencyUnit, UnitChoice};
 use serde::Deserialize;
 use solver::files;
 use solver::files::{Layers, config};
@@ -58,8 +58,12 @@ pub struct Study {
     pub amplitudes: Vec<Amplitude>,
     /// Units of what is told of it, where some are chosen.
     pub units: UnitChoice,
+    /// Whether a bound of the frequency was given in Hz.
+    has_hertz: bool,
     /// Keys given that have no effect any more.
     pub without_effect: Vec<&'static str>,
+    /// Keys of the model that something over them replaces, which gives the same in another way: pairs of that, and of the key.
+    pub replaced: Vec<(String, String)>,
     /// The study as TOML: settings of model, study and command line merged, every numerical setting that has a value
     /// spelled out. Loads as a study in the same folder.
     pub resolved: String,
@@ -98,8 +102,8 @@ impl Study {
         let header: Header = study.parsed()?;
         let written = header.model.unwrap_or_else(|| ".".into());
         let model_dir = model_folder(&file, &written, || study.place("model"))?;
-        let (model, merged) = load_model(&model_dir, scenario, set)?;
-        let settings = load_settings(&mut numerics, &model)?;
+        let (model, scenario) = load_model(&model_dir, scenario, set)?;
+        let (settings, has_hertz) = load_settings(&mut numerics, &model)?;
         let orders = Orders::of(&model, &settings);
         let model = orders.first().model.as_ref().clone();
         let name = header.name.unwrap_or_else(|| model.name().to_string());
@@ -112,11 +116,30 @@ impl Study {
                 .map_err(|remedy| ModelError::value(study.place(UNITS), format!("\"{text}\""), remedy))
         });
         let units = units.transpose()?;
-        let resolved = resolved(&name, &written, &amplitudes, units, &settings, merged)
+        let resolved = resolved(&name, &written, &amplitudes, units, &settings, scenario.table().clone())
             .map_err(|source| StudyError::Unwritable { file: file.clone(), source })?;
         let without_effect = WITHOUT_EFFECT.into_iter().filter(|key| is_there(numerics.table(), key)).collect();
         let units = units.unwrap_or_default();
-        Ok(Self { name, file, model_dir, model, settings, amplitudes, units, without_effect, resolved })
+        let replaced = scenario.replaced().to_vec();
+        Ok(Self {
+            name,
+            file,
+            model_dir,
+            model,
+            settings,
+            amplitudes,
+            units,
+            has_hertz,
+            without_effect,
+            replaced,
+            resolved,
+        })
+    }
+
+    /// The unit in which frequencies are told before anything is computed: that chosen, else that of bounds that were given in Hz.
+    pub fn frequency_unit(&self) -> FrequencyUnit {
+        let of_bounds = if self.has_hertz { FrequencyUnit::Hertz } else { FrequencyUnit::default() };
+        self.units.frequency.unwrap_or(of_bounds)
     }
 
     /// Whether model, study or command line give this dotted key of a model.
@@ -137,15 +160,15 @@ pub fn levels(amplitudes: &[Amplitude], orders: &Orders) -> Vec<Amplitude> {
     orders.iter().flat_map(of_order).collect()
 }
 
-/// The model with the scenario of the study and of the command line, and its settings.
-fn load_model(dir: &Path, scenario: Layers, set: &[(String, String)]) -> Result<(Model, Table), ModelError> {
+/// The model with the scenario of the study and of the command line, and the settings of both.
+fn load_model(dir: &Path, scenario: Layers, set: &[(String, String)]) -> Result<(Model, Layers), ModelError> {
     let mut layers = files::settings(dir)?;
     layers.merge(scenario);
     for (key, value) in set.iter().filter(|(key, _)| is_scenario(first(key))) {
         layers.set("--set", key, value)?;
     }
     meant::shape_of_forcing(&layers)?;
-    Ok((files::from_layers(dir, &layers)?, layers.table().clone()))
+    Ok((files::from_layers(dir, &layers)?, layers))
 }
 
 /// The option that sets the amplitudes, and its text.
@@ -185,6 +208,9 @@ fn is_amplitudes(key: &str) -> bool {
     key == "amplitudes"
 }
 
+/// Where parameters of laws are, for whoever wrote a name before them.
+const OF_A_LAW: &str = "a parameter of a law is `laws.NAME.law.KIND.PARAMETER`, like `laws.joint.law.jenkins.limit`";
+
 /// Refuses top-level keys that no study has.
 fn known_keys(study: &Layers) -> Result<(), ModelError> {
     let known = || OWN.into_iter().chain(SECTIONS).chain(config::KEYS.into_iter().filter(|key| is_scenario(key)));
@@ -193,17 +219,19 @@ fn known_keys(study: &Layers) -> Result<(), ModelError> {
         Some(key) => {
             // Those of a section are meant where one has this very name.
             let meant = reference::keys_called(key);
-            Err(ModelError::unknown(study.place(key), "key", key, known().chain(meant)))
+            let error = ModelError::unknown(study.place(key), "key", key, known().chain(meant));
+            let is_section = study.table().get(key).is_some_and(Value::is_table);
+            Err(if is_section { error.hinted(OF_A_LAW) } else { error })
         }
     }
 }
 
-/// Numerical settings, checked for the model.
-fn load_settings(numerics: &mut Layers, model: &Model) -> Result<Settings, ModelError> {
+/// Numerical settings, checked for the model, and whether a frequency among them was given in Hz.
+fn load_settings(numerics: &mut Layers, model: &Model) -> Result<(Settings, bool), ModelError> {
     numerics.check_sections(&SECTIONS)?;
     numerics.check_sections(&["continuation.newton"])?;
     meant::unit_of_frequencies(numerics)?;
-    frequencies::to_radians(numerics)?;
+    let has_hertz = frequencies::to_radians(numerics)?;
     let settings: Settings = numerics.parsed()?;
     settings.validate(model).map_err(|SettingsError { key, value, remedy }| {
         let key = if key == "backbone.modes" && numerics.given("backbone.mode") { "backbone.mode" } else { key };
@@ -211,7 +239,7 @@ fn load_settings(numerics: &mut Layers, model: &Model) -> Result<Settings, Model
         let place = numerics.place(key);
         ModelError::value(Place { set_by: set_by.or(place.set_by), ..place }, value, remedy)
     })?;
-    Ok(settings)
+    Ok((settings, has_hertz))
 }
 
 /// The study with everything that was put over it.

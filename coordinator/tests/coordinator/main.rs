@@ -5,3 +5,4 @@ mod check_laws;
 mod interrupted;
 mod reference;
 mod study;
+mod told;

@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING, Any, ParamSpec, TypeAlias, TypeVar
 
 import numpy as np
 
+from .counted import is_same
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
@@ -33,6 +35,8 @@ def checked(method: Callable[_Arguments, _Result]) -> Callable[_Arguments, _Resu
     """A method that says which arguments it has where it is given others."""
     signature = inspect.signature(method)
     known = [name for name in signature.parameters if name != "self"]
+    # A class is called, not what it is made by.
+    called = method.__qualname__.split(".")[-2] if method.__name__ == "__init__" else method.__name__
 
     @functools.wraps(method)
     def call(*args: _Arguments.args, **kwargs: _Arguments.kwargs) -> _Result:
@@ -43,7 +47,7 @@ def checked(method: Callable[_Arguments, _Result]) -> Callable[_Arguments, _Resu
             near = difflib.get_close_matches(unknown[0], known, 1) if unknown else []
             meant = f"; did you mean `{near[0]}`?" if near else ";"
             what = f"no argument `{unknown[0]}`{meant}" if unknown else f"{error};"
-            raise TypeError(f"{method.__name__}: {what} there are {', '.join(known)}") from None
+            raise TypeError(f"{called}: {what} there are {', '.join(known)}") from None
         return method(*args, **kwargs)
 
     return call
@@ -101,7 +105,7 @@ def levels_of(levels: Levels, there: Sequence[float]) -> set[float]:
     """
     given = [levels] if isinstance(levels, str) or not isinstance(levels, Iterable) else list(levels)
     try:
-        asked = [value for one in given for value in _values(one)]
+        asked = [_level(value, there) for one in given for value in _values(one)]
     except (TypeError, ValueError, InvalidOperation):
         what = given[0] if len(given) == 1 else given
         raise ValueError(
@@ -112,6 +116,11 @@ def levels_of(levels: Levels, there: Sequence[float]) -> set[float]:
         at = ", ".join(f"{value:.15g}" for value in unknown)
         raise ValueError(f"levels: no branch at A = {at}; there are branches at A = {instead(unknown, there)}")
     return set(asked)
+
+
+def _level(value: float, there: Sequence[float]) -> float:
+    """The level that this is, else itself."""
+    return next((level for level in there if is_same(value, level)), value)
 
 
 def _values(one: object) -> list[float]:

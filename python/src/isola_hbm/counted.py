@@ -1,9 +1,12 @@
-"""Things in words: numbers and lists of them."""
+"""Things in words: numbers and lists of them; which numbers are one."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+
+#: Relative distance within which numbers are one but for rounding.
+_ROUNDING = 1e-14
 
 
 def count(number: int, thing: str, plural: str | None = None) -> str:
@@ -21,6 +24,11 @@ def digits(value: float, count: int) -> str:
         return f"{mantissa}e{int(exponent)}"
     written = f"{value:.{max(count - before, 0)}f}"
     return written.rstrip("0").rstrip(".") if "." in written else written
+
+
+def is_same(value: float, level: float) -> bool:
+    """Whether a number is a forcing level but for rounding: levels have fifteen digits at most."""
+    return abs(value - level) <= _ROUNDING * abs(level)
 
 
 def listed(texts: Sequence[str]) -> str:

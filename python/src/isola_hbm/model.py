@@ -15,6 +15,7 @@ else:
     import tomli as tomllib
 
 from . import study, toml
+from .asked import checked
 from .counted import count
 from .errors import BadModel, FolderInUse
 from .laws import guess
@@ -61,6 +62,7 @@ class Model:
             definite; names that do not fit.
     """
 
+    @checked
     def __init__(
         self,
         M: Any,
@@ -91,9 +93,10 @@ class Model:
         #: Names of the dofs.
         self.dofs = [f"x{i}" for i in range(1, n + 1)] if dofs is None else _names("dofs", dofs)
         if len(self.dofs) != n or len(set(self.dofs)) != n:
-            raise BadModel(
-                f"dofs: {len(self.dofs)} names, {len(set(self.dofs))} of them different; M has {n} rows"
-            )
+            again = next((name for k, name in enumerate(self.dofs) if name in self.dofs[:k]), None)
+            twice = "" if again is None else f", `{again}` more than once"
+            given, rows = count(len(self.dofs), "name"), count(n, "row")
+            raise BadModel(f"dofs: {given}{twice}; M has {rows}: give each dof a name of its own")
         #: Name shown to people.
         self.name = _text("name", name)
         #: For whoever reads the file.

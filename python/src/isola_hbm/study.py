@@ -94,9 +94,9 @@ def typed(amplitudes: Amplitudes) -> str:
 
 
 def _shortest(value: float) -> str:
-    """A number in the shortest form that reads back the same."""
+    """A number in the shortest form that reads back the same but for what rounding adds: 0.1 + 0.2 is 0.3."""
     text = f"{value:g}"
-    return text if float(text) == value else repr(value)
+    return text if float(text) == value else f"{value:.15g}"
 
 
 def write(folder: Path, model: str, amplitudes: Amplitudes, settings: Mapping[str, Any] | None = None) -> Path:

@@ -82,7 +82,7 @@ class Chart {
       const { factor } = axis.unit;
       const range = this.figure[`${name}_range`];
       const [drawn] = this.figure[`${name}axes`];
-      const label = axisLabel(axis);
+      const label = inLines(axisLabel(axis), name === "y" || window.innerWidth <= PHONE);
       if (drawn.axis_label?.text !== label) drawn.axis_label = plainText(label); // A new one is laid out anew.
       const ends = (axis.whole ?? axis.range).map((end) => end * factor);
       const [start, end] = this.isLog(name) && ends[0] <= 0 ? [ends[1] * LOWEST, ends[1]] : ends;
@@ -192,6 +192,17 @@ class Chart {
 const LOWEST = 1e-4;
 
 /** Text that Bokeh takes as it is: it would look for formulas in plain strings. */
+/** Titles with more characters are longer than low charts are high, and than charts on a phone, which is no wider than so many px, are wide. */
+const LONG_TITLE = 44;
+const PHONE = 480;
+
+/** A title, in two lines where there is little room and it is long. @param {boolean} isTight whether there is little room */
+function inLines(title, isTight) {
+  if (!isTight || title.length <= LONG_TITLE) return title;
+  const middle = title.lastIndexOf(" ", title.length / 2);
+  return middle > 0 ? `${title.slice(0, middle)}\n${title.slice(middle + 1)}` : title;
+}
+
 const plainText = (text) => new Bokeh.PlainText({ text });
 
 /** @param {Axis} axis */
@@ -222,6 +233,7 @@ function keepLogTicks(axis, grid, range) {
 function nameTicks(axis, ticks) {
   const step = Math.ceil(ticks.length / 10);
   const named = ticks.filter((_, k) => k % step === 0);
+  if (Bokeh.NoOverlap) axis.major_label_policy = new Bokeh.NoOverlap();
   axis.ticker = new Bokeh.FixedTicker({ ticks: named.map(([place]) => place), minor_ticks: [] });
   axis.major_label_overrides = new Map(named.map(([place, name]) => [place, plainText(name)]));
 }

@@ -10,12 +10,15 @@ pub use numbers::{NumberRow, table};
 
 use crate::figure::{Compared, ComparedFigures};
 use crate::report::Report;
-use crate::resolved_study::differences;
+use crate::resolved_study::{differences, settings as settings_of, with_amplitudes};
 use crate::told::Told;
 use serde::Serialize;
 
 /// Keys of studies whose differences say nothing of the structure or its computation.
 const NAMES: [&str; 2] = ["name", "model"];
+
+/// The key of the forcing amplitudes.
+const AMPLITUDES: &str = "amplitudes";
 
 /// Runs that are compared, the first one being what others are measured by.
 #[derive(Debug, Clone)]
@@ -110,12 +113,21 @@ fn levels(reports: &[Report]) -> Vec<ComparedLevel> {
     all
 }
 
+/// The study of a run, its forcing amplitudes ascending: levels that were added later stand behind the others there.
+fn study(report: &Report) -> String {
+    let study = &report.account.study;
+    let has_levels = settings_of(study).iter().any(|(key, _)| key == AMPLITUDES);
+    let levels: Vec<&str> = report.overview.levels.iter().map(|level| level.amplitude.as_str()).collect();
+    let sorted = has_levels.then(|| with_amplitudes(study, &levels).ok()).flatten();
+    sorted.unwrap_or_else(|| study.clone())
+}
+
 /// Keys that differ between the first run and any other; of the programs that made the runs, their versions.
 fn settings(reports: &[Report]) -> Vec<SettingRow> {
     let Some((first, others)) = reports.split_first() else { return Vec::new() };
     let mut rows: Vec<SettingRow> = Vec::new();
     for (place, other) in (1..).zip(others) {
-        for change in differences(&first.account.study, &other.account.study) {
+        for change in differences(&study(first), &study(other)) {
             if NAMES.contains(&change.key.as_str()) {
                 continue;
             }

@@ -26,7 +26,7 @@ pub(super) fn rows(reports: &[Report], levels: &[ComparedLevel]) -> Vec<NumberRo
     levels.iter().flat_map(|level| of_level(reports, level)).collect()
 }
 
-fn of_level(reports: &[Report], level: &ComparedLevel) -> [NumberRow; 3] {
+fn of_level(reports: &[Report], level: &ComparedLevel) -> Vec<NumberRow> {
     let found = |report: &'_ Report| report.overview.levels.iter().position(|known| known.value == level.value);
     let each: Vec<Option<&Level>> =
         reports.iter().map(|report| found(report).map(|place| &report.overview.levels[place])).collect();
@@ -45,11 +45,13 @@ fn of_level(reports: &[Report], level: &ComparedLevel) -> [NumberRow; 3] {
     };
     let row = |what, values| NumberRow { amplitude: level.amplitude.clone(), what, values };
     let isolas = each.iter().map(|level| level.map_or("no such level".into(), of_others)).collect();
-    [
-        row("largest response", peaks(Level::peak)),
-        row("main branch, peak", peaks(Level::main)),
-        row("isolas and others", isolas),
-    ]
+    let has_isola = each.iter().flatten().any(|level| level.highest_isola().is_some());
+    let highest = has_isola.then(|| row("highest isola, peak", peaks(Level::highest_isola)));
+    [row("largest response", peaks(Level::peak)), row("main branch, peak", peaks(Level::main))]
+        .into_iter()
+        .chain(highest)
+        .chain([row("isolas and others", isolas)])
+        .collect()
 }
 
 /// `2.322 mm at 2701.2 rad/s (+3.1 %, -12.4 rad/s)`; amplitudes of another dof than those of the first run are not measured by these.

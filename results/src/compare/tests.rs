@@ -65,6 +65,25 @@ fn what_differs() {
     assert_eq!(compared.settings[0].values[0], "not given");
 }
 
+/// A level that was added later stands behind the others in the study.
+#[test]
+fn amplitudes_are_compared_in_their_order() {
+    let study = |list: &'static str| read(&Study::damper(), move |report| report.account.study = list.into());
+    let settings = |other| {
+        let runs = [("a", study("amplitudes = ['0.006', '3e-3']")), ("b", other)];
+        Comparison::new(runs.map(|(name, report)| (name.to_string(), report)).to_vec()).settings
+    };
+    assert_eq!(settings(study("amplitudes = ['3e-3', '0.006']")), []);
+    let more = read(&Study::new("nonlinear_damper", 3, &["0.006", "0.007"]), |report| {
+        report.account.study = "amplitudes = ['0.007', '0.006']".into();
+    });
+    let row = &settings(more)[0];
+    assert_eq!(
+        (row.key.as_str(), &row.values[..]),
+        ("amplitudes", &["[3e-3, 0.006]".into(), "[0.006, 0.007]".into()][..])
+    );
+}
+
 #[test]
 fn numbers_differ_by_what_they_do() {
     let compared = compared();
@@ -73,7 +92,11 @@ fn numbers_differ_by_what_they_do() {
         let values = &row.unwrap_or_else(|| panic!("{amplitude}, {what}")).values;
         values.iter().map(|value| value.read_in(FrequencyUnit::default())).collect::<Vec<String>>()
     };
-    assert_eq!(compared.numbers.len(), 9);
+    // The highest isola has a row where a run has one.
+    assert_eq!(compared.numbers.len(), 3 + 4 + 4);
+    let isola = &row("0.006", "highest isola, peak")[1];
+    assert!(isola.contains(" %, ") && isola.ends_with(" rad/s)"), "{isola}");
+    assert_eq!(row("0.007", "highest isola, peak")[0], "no such level");
     assert_eq!(row("3e-3", "largest response")[1], "no such level");
     assert_eq!(row("0.007", "isolas and others")[0], "no such level");
     assert_eq!(row("3e-3", "isolas and others")[0], "none");

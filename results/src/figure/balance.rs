@@ -4,7 +4,7 @@ use super::axis::bounds;
 use super::column_store::ColumnStore;
 use super::data::{Axis, Entry, Figure, Kind, Panel, Series, Unit};
 use super::places::{RunLabels, RunPoint};
-use super::style::{Color, MEDIUM, Style};
+use super::style::{BOLD, Color, MEDIUM, Style};
 use super::subject::{BackboneColumns, Subject};
 
 /// Energies that span more than this factor are drawn logarithmically.
@@ -39,6 +39,8 @@ pub fn figure(subject: &Subject<'_>, store: &ColumnStore, columns: Option<&Backb
         wells,
         line(columns.work.by_amplitude(), supplied.clone()),
         Series { name, details: columns.details(), ..line(columns.needed.clone(), needed.clone()) },
+        // Wells that are shallow, or short, show by their line.
+        Series { along_runs: true, ..line(columns.needed.clone(), Style::line(Color::Category(1), BOLD)) },
     ];
     let entry = Entry::new;
     let panel = Panel {

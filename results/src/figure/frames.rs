@@ -4,10 +4,11 @@
 use super::style::Color;
 use super::subject::Subject;
 use crate::curves::{BackboneCurve, Piece};
-use crate::overview::{Level, WindowOutcome, WindowRow, briefly, elsewhere, within};
+use crate::overview::{Level, WindowOutcome, WindowRow, briefly, elsewhere, told_threshold, within};
 use crate::told::Told;
 use crate::words::{count, digits};
 use serde::Serialize;
+use solver::response::windows::crossing;
 
 /// One forcing amplitude.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -53,24 +54,30 @@ impl Frame {
     /// Of a level of a run.
     pub fn of_level(subject: &Subject<'_>, backbone: &BackboneCurve, level: usize) -> Option<Self> {
         let row = subject.levels.get(level)?;
-        Some(Self::new(backbone, row.value, Some((level, row))))
+        Some(Self::new(subject, backbone, row.value, Some((level, row))))
     }
 
     /// Of any forcing amplitude.
     pub fn at(subject: &Subject<'_>, backbone: &BackboneCurve, amplitude: f64) -> Self {
         let level = subject.levels.iter().enumerate().find(|(_, level)| level.value == amplitude);
-        Self::new(backbone, amplitude, level)
+        Self::new(subject, backbone, amplitude, level)
     }
 
-    fn new(backbone: &BackboneCurve, amplitude: f64, level: Option<(usize, &Level)>) -> Self {
+    /// That it is none of the run's levels, if so.
+    pub fn beside(&self) -> &'static str {
+        beside(self.level)
+    }
+
+    fn new(subject: &Subject<'_>, backbone: &BackboneCurve, amplitude: f64, level: Option<(usize, &Level)>) -> Self {
         let mut runs = runs_of(backbone, amplitude);
         let row = |run: &Run| level.and_then(|(_, level)| window_of(level, backbone, run));
         for (k, run) in runs.iter_mut().enumerate() {
             run.name = name(level.map(|(_, level)| level).zip(row(run)), k + 1);
         }
         paint(&mut runs);
+        let levels: Vec<f64> = subject.levels.iter().map(|level| level.value).collect();
         let numbered =
-            |(k, run): (usize, &Run)| sentence(backbone, row(run).map_or(k + 1, |row| row.number), run, level);
+            |(k, run): (usize, &Run)| sentence(backbone, row(run).map_or(k + 1, |row| row.number), run, level, &levels);
         let mut sentences: Vec<Told> = runs.iter().enumerate().map(numbered).collect();
         let elsewhere =
             level.map_or(0, |(_, level)| level.windows.iter().filter(|w| w.mode != backbone.mode + 1).count());
@@ -81,11 +88,11 @@ impl Frame {
             sentences.push(others.into());
         }
         let name = level.map_or_else(|| digits(amplitude, 4), |(_, level)| level.amplitude.clone());
-        let note = if level.is_some() { "" } else { " (not a level of this run)" };
         let what = match runs.len() {
             0 => "no forced response on this backbone.".into(),
             windows => format!("{}:", count(windows, "window")),
         };
+        let note = beside(level.map(|(index, _)| index));
         Self {
             amplitude,
             words: format!("At A = {name}{note} the balance of mode {} predicts {what}", backbone.mode + 1),
@@ -95,6 +102,11 @@ impl Frame {
             sentences,
         }
     }
+}
+
+/// What follows a forcing amplitude that is none of the levels.
+fn beside(level: Option<usize>) -> &'static str {
+    if level.is_some() { "" } else { " (not a level of this run)" }
 }
 
 /// Runs of a backbone, each within one of its pieces, along which the threshold lies below an amplitude.
@@ -114,7 +126,7 @@ fn runs(threshold: &[f64], amplitude: f64) -> Vec<Run> {
     for (i, &value) in threshold.iter().enumerate() {
         let was_inside = std::mem::replace(&mut is_inside, value < amplitude);
         if is_inside && !was_inside {
-            let first = if i == 0 { 0.0 } else { crossing(threshold, i - 1, amplitude) };
+            let first = if i == 0 { 0.0 } else { passes(threshold, i - 1, amplitude) };
             runs.push(Run { first, last: i as f64, best: i, name: String::new(), color: Color::Ink });
         }
         let Some(run) = runs.last_mut() else { continue };
@@ -122,17 +134,15 @@ fn runs(threshold: &[f64], amplitude: f64) -> Vec<Run> {
             run.last = i as f64;
             run.best = if value < threshold[run.best] { i } else { run.best };
         } else if was_inside {
-            run.last = crossing(threshold, i - 1, amplitude);
+            run.last = passes(threshold, i - 1, amplitude);
         }
     }
     runs
 }
 
-/// Where between points `i` and `i + 1` the threshold passes the amplitude, its logarithm taken as straight.
-fn crossing(threshold: &[f64], i: usize, amplitude: f64) -> f64 {
-    let (a, b) = (threshold[i].ln(), threshold[i + 1].ln());
-    let share = (amplitude.ln() - a) / (b - a);
-    i as f64 + if share.is_finite() { share.clamp(0.0, 1.0) } else { 0.5 }
+/// Where between points `i` and `i + 1` the threshold passes the amplitude.
+fn passes(threshold: &[f64], i: usize, amplitude: f64) -> f64 {
+    i as f64 + crossing(threshold[i], threshold[i + 1], amplitude)
 }
 
 /// The window of a level that a run of a backbone is.
@@ -169,7 +179,13 @@ fn paint(runs: &mut [Run]) {
 }
 
 /// What is predicted and, at a level of the run, what was found there.
-fn sentence(backbone: &BackboneCurve, number: usize, run: &Run, level: Option<(usize, &Level)>) -> Told {
+fn sentence(
+    backbone: &BackboneCurve,
+    number: usize,
+    run: &Run,
+    level: Option<(usize, &Level)>,
+    levels: &[f64],
+) -> Told {
     let omega = along(&backbone.omega.values, run.first, run.last);
     let (low, high) = super::axis::bounds(omega);
     let window = level.and_then(|(_, level)| window_of(level, backbone, run));
@@ -197,7 +213,7 @@ fn sentence(backbone: &BackboneCurve, number: usize, run: &Run, level: Option<(u
     };
     // The same numbers as in the account.
     let (low, high) = window.map_or((low, high), |window| window.omega);
-    let threshold = digits(backbone.threshold.values[run.best], 4);
+    let threshold = told_threshold(backbone.threshold.values[run.best], levels.iter().copied());
     let is_end = |piece: &Piece| [piece.points.start, piece.points.end - 1].contains(&run.best);
     let is_inside = !backbone.pieces.iter().any(is_end);
     let begins = if is_inside { "born at A* =" } else { "A* down to" };
@@ -312,8 +328,19 @@ mod tests {
                 windows.iter().map(|window| [window.first, window.best, window.last]).collect();
             assert_eq!(places, expected, "{amplitude}");
             assert_eq!(places.len(), if amplitude < 1.0 { 2 } else { 3 });
+            // The account has the same ends, between points.
+            for (run, window) in runs.iter().zip(&windows) {
+                let (low, high) = super::super::axis::bounds(along(&curve.omega.values, run.first, run.last));
+                let is_near = |a: f64, b: f64| (a / b - 1.0).abs() < 1e-12;
+                let omegas = window.of_points(&backbone);
+                // The first point of a piece stands for the gap before it.
+                let is_gap = curve.omega.values[window.first].is_nan();
+                let is_same = is_near(low, window.omega.0) && is_near(high, window.omega.1);
+                assert!(is_gap || is_same, "{low}, {high}: {window:?}");
+                assert!(amplitude > 1.0 || window.omega.1 - window.omega.0 > omegas.1 - omegas.0, "{window:?}");
+            }
             // Next to the crossing the force does no work, and windows of any forcing but this are separate.
-            let told = sentence(&curve, 2, &runs[1], None).read_in(FrequencyUnit::default());
+            let told = sentence(&curve, 2, &runs[1], None, &[]).read_in(FrequencyUnit::default());
             let which = if amplitude < 1.0 { "; separate: an isola" } else { "; begins where a curve crosses" };
             assert!(told.contains(which), "{amplitude}: {told}");
         }

@@ -8,7 +8,6 @@ use super::subject::{BackboneColumns, Subject};
 use crate::curves::BackboneCurve;
 use crate::overview::{BIRTH, EVENTS, Level, MERGES, WindowOutcome, WindowRow, events_of};
 use crate::store::{CurvePoint, CurveRow};
-use crate::words::digits;
 use solver::response::branch::BranchKind;
 use solver::response::windows::{Event, EventKind};
 
@@ -29,6 +28,9 @@ const TOGETHER: (f64, f64) = (100.0, 30.0);
 /// Where levels lie close together, a share of the distance between them, in a file about so high, px.
 const SHARE: f64 = 0.5;
 const HEIGHT: f64 = 330.0;
+
+/// Follows the name of a curve that lies beside what is shown.
+const BEYOND: &str = " (beyond these frequencies)";
 
 /// The figure.
 ///
@@ -56,7 +58,9 @@ pub fn figure(
     let mut drawing = Drawing { series: Vec::new(), legend: Vec::new(), store };
     let curve = Style::line(Color::Ink, MEDIUM);
     let whose = if subject.further.is_empty() { "the backbone".into() } else { format!("mode {}", backbone.mode + 1) };
-    drawing.name(&format!("threshold A* of {whose}"), curve.clone());
+    let is_in_sight = points(backbone).any(|(threshold, omega)| x.shows(omega) && y.shows(threshold));
+    let beside = if is_in_sight { "" } else { BEYOND };
+    drawing.name(&format!("threshold A* of {whose}{beside}"), curve.clone());
     drawing.of_the_amplitude();
     let thin = (TOGETHER.0 / subject.levels.len().max(1) as f64).min(SHARE * HEIGHT * apart(subject, &y));
     let (thin, levels) = (thin.max(0.5 * FINE), subject.levels.len().max(1) as f64);
@@ -91,7 +95,7 @@ pub fn figure(
     drawing.bars("windows pending", shade, pending.map(|(value, window)| (value, window.omega)));
 
     drawing.folds(subject, &y);
-    drawing.further(subject, &y);
+    drawing.further(subject, (&x, &y));
 
     let threshold = Series {
         name: vec!["backbone".into()],
@@ -124,7 +128,7 @@ pub fn figure(
         let label = |point: &CurvePoint| event_label(subject, words, point, (point.omega, point.forcing), side);
         labels.extend(computed(subject, &y, words.kind.name()).map(label));
     }
-    labels.extend(events().map(label));
+    labels.extend(events().map(|event| label(subject, event)));
     let Drawing { series, legend, .. } = drawing;
     let panel = Panel {
         about: "Isola map: threshold of the forcing amplitude over frequency. Drag the line to move A.",
@@ -175,12 +179,14 @@ impl Drawing<'_> {
     }
 
     /// Thresholds of further modes that come onto the axis of A.
-    fn further(&mut self, subject: &Subject<'_>, y: &Axis) {
+    fn further(&mut self, subject: &Subject<'_>, (x, y): (&Axis, &Axis)) {
         let is_shown = |further: &&BackboneCurve| y.is_met_by(further.threshold.values.iter().copied());
         let curve =
             |further| points(further).map(|(threshold, omega)| (omega, threshold)).chain([(f64::NAN, f64::NAN)]);
-        let curves = subject.further.iter().filter(is_shown).flat_map(curve);
-        self.points(Some("threshold A* of further modes"), Style::line(Color::Ink, FINE), curves);
+        let curves: Vec<(f64, f64)> = subject.further.iter().filter(is_shown).flat_map(curve).collect();
+        let is_in_sight = curves.iter().any(|(omega, threshold)| x.shows(*omega) && y.shows(*threshold));
+        let name = format!("threshold A* of further modes{}", if is_in_sight { "" } else { BEYOND });
+        self.points(Some(&name), Style::line(Color::Ink, FINE), curves.into_iter());
     }
 
     /// Fold curves.
@@ -292,10 +298,10 @@ fn windows<'s>(
 }
 
 /// Births are named below the curve, merges above it.
-fn label(event: &Event) -> Label {
+fn label(subject: &Subject<'_>, event: &Event) -> Label {
     let (word, side) = if event.kind == EventKind::Birth { (BIRTH.verb, Side::Below) } else { (MERGES, Side::Above) };
     Label {
-        text: format!("{word} at {}", digits(event.threshold, 3)),
+        text: format!("{word} at {}", subject.threshold(event.threshold)),
         x: vec![Some(event.omega)],
         y: vec![Some(event.threshold)],
         color: Color::Ink,

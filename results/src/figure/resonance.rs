@@ -8,13 +8,18 @@ use super::data::{
 use super::style::{Color, FINE, MARK, MEDIUM, Shape, Style};
 use super::subject::Subject;
 use crate::curves::Resonance;
-use crate::words::digits;
 use solver::response::windows::{Event, EventKind};
 
 /// Levels that span more than so many decades are shown logarithmically.
 const DECADES: f64 = 2.0;
 /// Of what the energy balance predicts below the lowest level, this factor is shown.
 const NEAR: f64 = 4.0;
+/// Of levels that lie close together no more than so many times their range is shown below them, to tell them apart; those that lie closer
+/// than this share of the lowest are taken to be so far apart.
+const BESIDE: f64 = 3.0;
+const CLOSE: f64 = 0.05;
+/// Axes begin at zero unless the lowest forcing amplitude shown is more than this share of the highest.
+const FROM_ZERO: f64 = 0.3;
 /// Points of a curve that have marks at most.
 const MARKED: usize = 60;
 
@@ -32,9 +37,12 @@ struct ResonanceCurve<'w> {
 pub fn figure(subject: &Subject<'_>, store: &mut ColumnStore) -> Result<Figure, String> {
     let monitor = subject.monitors.first().map_or("", |monitor| &monitor.name);
     let events = subject.backbone.map_or(&[][..], |backbone| &backbone.events);
-    let levels = || subject.levels.iter().map(|level| level.value);
-    let lowest = if has_branches(subject) { levels().fold(f64::INFINITY, f64::min) / NEAR } else { 0.0 };
-    drawn(&curves(subject), (monitor, subject.harmonic, events), lowest, store)
+    let (low, high) = bounds(subject.levels.iter().map(|level| level.value));
+    let lowest =
+        if has_branches(subject) { (low / NEAR).max(low - BESIDE * (high - low).max(CLOSE * low)) } else { 0.0 };
+    let events: Vec<(&Event, String)> =
+        events.iter().map(|event| (event, subject.threshold(event.threshold))).collect();
+    drawn(&curves(subject), (monitor, subject.harmonic, &events), lowest, store)
 }
 
 /// The same of several runs: what each is called, its largest response, and how that looks.
@@ -63,7 +71,7 @@ fn has_branches(subject: &Subject<'_>) -> bool {
 /// The figure, of the forcing amplitudes from `lowest` on.
 fn drawn(
     curves: &[ResonanceCurve<'_>],
-    (monitor, harmonic, events): (&str, usize, &[Event]),
+    (monitor, harmonic, events): (&str, usize, &[(&Event, String)]),
     lowest: f64,
     store: &mut ColumnStore,
 ) -> Result<Figure, String> {
@@ -80,7 +88,9 @@ fn drawn(
     let amplitude = Axis::around(format!("largest |{monitor}|"), unit, amplitudes.chain([0.0]));
     let amplitude = amplitude.of(Measure::Response);
 
-    let shown: Vec<&Event> = events.iter().filter(|event| (0.0..=1.0).contains(&x.share(event.threshold))).collect();
+    let is_shown = |(event, _): &&(&Event, String)| (0.0..=1.0).contains(&x.share(event.threshold));
+    let named: Vec<&(&Event, String)> = events.iter().filter(is_shown).collect();
+    let shown: Vec<&Event> = named.iter().map(|(event, _)| *event).collect();
     let panel = |y: Axis, about| Panel {
         about,
         size: Size::Low,
@@ -90,7 +100,7 @@ fn drawn(
         has_leaders: false,
         ..Panel::default()
     };
-    let labels = shown.iter().map(|event| label(event, &frequency)).collect();
+    let labels = named.iter().map(|(event, told)| label(event, told, &frequency)).collect();
     let mut above = Panel { labels, ..panel(frequency, "Resonance over forcing: frequency") };
     let mut below = panel(amplitude, "Resonance over forcing: largest amplitude");
     for curve in curves {
@@ -166,7 +176,8 @@ fn forcing(values: impl Iterator<Item = f64> + Clone) -> Axis {
     if (high / low).log10() > DECADES {
         Axis::logarithmic(title, Unit::none(), values)
     } else {
-        Axis::around(title, Unit::none(), values.chain([0.0]))
+        let zero = (low <= FROM_ZERO * high).then_some(0.0);
+        Axis::around(title, Unit::none(), values.chain(zero))
     }
 }
 
@@ -192,13 +203,13 @@ fn span(event: &Event) -> Span {
 }
 
 /// Births are named at the foot, merges at the head of their lines.
-fn label(event: &Event, axis: &Axis) -> Label {
+fn label(event: &Event, told: &str, axis: &Axis) -> Label {
     let (mark, y, side) = match event.kind {
         EventKind::Birth => ("▲", axis.range.0, Side::Right),
         EventKind::Merge => ("▼", axis.range.1, Side::Right),
     };
     Label {
-        text: format!("{mark} {}", digits(event.threshold, 3)),
+        text: format!("{mark} {told}"),
         x: vec![Some(event.threshold)],
         y: vec![Some(y)],
         color: Color::Soft,

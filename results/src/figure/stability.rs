@@ -4,9 +4,10 @@
 use super::column_store::ColumnStore;
 use super::data::{Axis, Entry, Kind, Series};
 use super::smooth::smooth;
-use super::style::{self, BOLD, Color, Style};
+use super::style::{self, BOLD, Color, Style, THIN};
 use crate::curves::{Column, Curve};
 use crate::overview::NOT_KNOWN;
+use solver::response::branch::BranchKind;
 
 /// How branches of a figure are marked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -18,31 +19,50 @@ pub struct Marking {
     has_unknown: bool,
     /// Whether nothing was verified.
     is_unverified: bool,
+    /// Whether main branches alone, whose lines are thin, are unstable somewhere, and whether of them, as a rule of most of each, it is not
+    /// known.
+    of_mains: (bool, bool),
 }
 
 /// What solid lines say of branches none of which was verified.
 const UNVERIFIED: &str = "nothing was verified";
 
+/// The kind of branches whose lines are thin.
+const MAIN: &str = BranchKind::Main.name();
+
 impl Marking {
     /// Of branches that are all there.
     pub fn of<'c>(branches: impl Iterator<Item = &'c Curve> + Clone) -> Self {
         let is_verified = branches.clone().any(|branch| !branch.stable.is_empty());
-        let has_unknown = is_verified && branches.clone().any(|branch| (0..branch.size).any(|i| !is_known(branch, i)));
-        Self { has_unknown, is_growing: false, is_unverified: !is_verified, ..Self::growing(branches) }
+        let is_unknown = |branch: &Curve| (0..branch.size).any(|i| !is_known(branch, i));
+        let has_unknown = is_verified && branches.clone().any(is_unknown);
+        let unknown_of_mains = branches.clone().any(|branch| branch.kind == MAIN && is_unknown(branch));
+        let growing = Self::growing(branches);
+        let of_mains = (growing.of_mains.0, unknown_of_mains);
+        Self { has_unknown, is_growing: false, is_unverified: !is_verified, of_mains, ..growing }
     }
 
     /// Of branches that others, and what is known of them, will follow.
-    pub fn growing<'c>(mut branches: impl Iterator<Item = &'c Curve>) -> Self {
-        let has_unstable = branches.any(|branch| branch.unstable.contains(&true));
-        Self { has_unstable, is_growing: true, has_unknown: false, is_unverified: false }
+    pub fn growing<'c>(branches: impl Iterator<Item = &'c Curve>) -> Self {
+        let unstable: Vec<&Curve> = branches.filter(|branch| branch.unstable.contains(&true)).collect();
+        let of_mains = (unstable.iter().all(|branch| branch.kind == MAIN), false);
+        Self {
+            has_unstable: !unstable.is_empty(),
+            is_growing: true,
+            has_unknown: false,
+            is_unverified: false,
+            of_mains,
+        }
     }
 
     /// What the legend says, curves being of a colour.
     pub fn entries(self, color: Color) -> impl Iterator<Item = Entry> {
         let unstable = if self.is_growing { "unstable (solid: stable, or not known)" } else { "unstable" };
+        let width = |is_of_mains| if is_of_mains { THIN } else { BOLD };
+        let (unstable_width, unknown_width) = (width(self.of_mains.0), width(self.of_mains.1));
         let entries = [
-            (self.has_unstable, unstable.to_string(), Style::line(color, BOLD).with_dash(1)),
-            (self.has_unknown, NOT_KNOWN.into(), Style::line(color.pale(), BOLD)),
+            (self.has_unstable, unstable.to_string(), Style::line(color, unstable_width).with_dash(1)),
+            (self.has_unknown, NOT_KNOWN.into(), Style::line(color.pale(), unknown_width + style::SPILL)),
             (self.is_unverified, format!("{NOT_KNOWN}: {UNVERIFIED}"), Style::line(color, BOLD)),
         ];
         let shown = entries.into_iter().filter(|(is_there, ..)| *is_there);

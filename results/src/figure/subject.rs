@@ -5,7 +5,7 @@ use super::column_store::{ColumnStore, Ref};
 use super::data::{Axis, Detail, Format, Measure, Unit};
 use super::style::Color;
 use crate::curves::{BackboneCurve, Column, Curve, Monitor, Motions, ResonanceComparison};
-use crate::overview::Level;
+use crate::overview::{Level, told_threshold};
 use crate::store::CurveRow;
 use solver::response::columns;
 
@@ -76,6 +76,11 @@ impl<'r> Subject<'r> {
         let highest = self.levels.iter().map(|level| level.value).fold(0.0, f64::max);
         let last = thresholds.iter().rposition(|threshold| *threshold <= NEAR * highest);
         last.filter(|last| *last >= FEWEST).map_or(thresholds.len(), |last| last + 1)
+    }
+
+    /// A threshold A* as on labels.
+    pub fn threshold(&self, threshold: f64) -> String {
+        told_threshold(threshold, self.levels.iter().map(|level| level.value))
     }
 
     /// Why there is nothing to draw: what would be drawn is damaged, or is not there for another reason.

@@ -11,8 +11,12 @@ use solver::response::critical::CriticalKind;
 pub(super) enum Counted {
     /// Isolas become fewer by one.
     Merges,
+    /// The same, of the only isola there is: with the main branch.
+    MergesWithMain,
     /// An isola parts from another branch.
     Parts,
+    /// The same, of the only isola there is: from the main branch.
+    PartsFromMain,
 }
 
 /// What all merges between two neighbouring levels are, if it follows from the numbers of isolas there: births and ends apart, each changes that
@@ -32,9 +36,12 @@ pub(super) fn counted(point: &CurvePoint, levels: &[Level], curves: &[CurveRow])
         return None;
     }
     let [before, after] = [0, 1].map(|i| i64::try_from(pair[i].isolas().count()).unwrap_or(0));
-    let change = after - before - number(CriticalKind::Birth) + number(CriticalKind::Death);
+    let (births, deaths) = (number(CriticalKind::Birth), number(CriticalKind::Death));
+    let change = after - before - births + deaths;
     let merges = number(CriticalKind::Merge);
     match change {
+        -1 if merges == 1 && before + births == 1 => Some(Counted::MergesWithMain),
+        1 if merges == 1 && after + deaths == 1 => Some(Counted::PartsFromMain),
         change if change == -merges => Some(Counted::Merges),
         change if change == merges => Some(Counted::Parts),
         _ => None,
@@ -80,7 +87,7 @@ mod tests {
             levels[1].branches.push(piece);
             counted(&curves[0].points[0], &levels, &curves)
         };
-        assert_eq!(with("open: frequency bound to known branch"), Some(Counted::Merges));
+        assert_eq!(with("open: frequency bound to known branch"), Some(Counted::MergesWithMain));
         assert_eq!(with("open: frequency bound to frequency bound"), None);
     }
 
@@ -103,13 +110,17 @@ mod tests {
 
     #[test]
     fn where_all_go_the_same_way() {
-        assert_eq!(told([1, 0], &[]), Some(Counted::Merges));
-        assert_eq!(told([0, 1], &[]), Some(Counted::Parts));
+        // With one isola there is nothing but the main branch to merge with, or to part from.
+        assert_eq!(told([1, 0], &[]), Some(Counted::MergesWithMain));
+        assert_eq!(told([0, 0], &[(1.2, "birth")]), Some(Counted::MergesWithMain));
+        assert_eq!(told([0, 1], &[]), Some(Counted::PartsFromMain));
+        assert_eq!(told([0, 0], &[(1.7, "death")]), Some(Counted::PartsFromMain));
+        assert_eq!([told([2, 1], &[]), told([1, 2], &[])], [Some(Counted::Merges), Some(Counted::Parts)]);
         assert_eq!(told([4, 2], &[(1.7, "merge")]), Some(Counted::Merges));
         assert_eq!(told([1, 1], &[(1.2, "birth")]), Some(Counted::Merges));
         assert_eq!(told([1, 1], &[(1.7, "death")]), Some(Counted::Parts));
         // Beyond the levels nothing counts.
-        assert_eq!(told([1, 0], &[(2.5, "merge"), (0.5, "birth")]), Some(Counted::Merges));
+        assert_eq!(told([1, 0], &[(2.5, "merge"), (0.5, "birth")]), Some(Counted::MergesWithMain));
         // One merges and one parts, or they exchange ends.
         assert_eq!([told([1, 1], &[(1.7, "merge")]), told([1, 1], &[])], [None, None]);
         assert_eq!(told([1, 0], &[(1.7, "unknown")]), None);
@@ -120,7 +131,7 @@ mod tests {
         let curves = [curve(&[(1.5, "merge")])];
         let at = |levels: &[Level]| counted(&curves[0].points[0], levels, &curves);
         let levels = [level(1.0, 1), level(2.0, 0)];
-        assert_eq!(at(&levels), Some(Counted::Merges));
+        assert_eq!(at(&levels), Some(Counted::MergesWithMain));
         let mut pending = levels.clone();
         pending[1].pending = 1;
         let mut branched = levels.clone();

@@ -25,6 +25,9 @@ const MERGES: &str = "an isola merges with another branch";
 /// Of partings.
 const PARTS: &str = "an isola parts from another branch";
 
+/// Of merges and partings of the only isola there is beside the main branch.
+const WITH_MAIN: [&str; 2] = ["an isola merges with the main branch", "an isola parts from the main branch"];
+
 /// Of births and ends that are not known to be those of one isola.
 const UNRELATED: &str = "which of these belong together is not known";
 
@@ -111,8 +114,14 @@ pub fn events_sentence(curves: &[CurveRow], levels: &[Level], frequency: impl Fn
         let is_so = |point: &&CurvePoint| counted(point, levels, curves) == kind;
         others.iter().copied().filter(is_so).collect::<Vec<_>>()
     };
-    let others =
-        [part(&of_kind(Some(Counted::Merges)), MERGES, MERGES), part(&of_kind(Some(Counted::Parts)), PARTS, PARTS)];
+    let [merges_with_main, parts_from_main] = WITH_MAIN;
+    let others = [
+        (Counted::Merges, MERGES),
+        (Counted::MergesWithMain, merges_with_main),
+        (Counted::Parts, PARTS),
+        (Counted::PartsFromMain, parts_from_main),
+    ]
+    .map(|(kind, words)| part(&of_kind(Some(kind)), words, words));
     let unknown = of_kind(None);
     let are_others = others.iter().any(Option::is_some) || !unknown.is_empty();
     let are_births = !births.is_empty() || !joined.is_empty();
@@ -195,6 +204,7 @@ fn in_words(
     let end = match (merge(life.to), counted(life.to)) {
         (None, _) => format!("it {}", DEATH.verb),
         (Some(merge), counted) => it(merge).unwrap_or_else(|| match counted {
+            Some(Counted::MergesWithMain) => "it merges with the main branch".into(),
             Some(Counted::Merges) => "it merges with another branch".into(),
             _ => "it merges or parts".into(),
         }),
@@ -302,8 +312,12 @@ mod tests {
             let levels = [level(2.0, kinds[0]), level(4.0, kinds[1])];
             events_sentence(&curves, &levels, |omega| omega.to_string()).unwrap()
         };
-        assert!(said([&one, &none]).contains(": an isola merges with another branch at A = 3"));
-        assert!(said([&none, &one]).contains(": an isola parts from another branch at A = 3"));
+        assert!(said([&one, &none]).contains(": an isola merges with the main branch at A = 3"));
+        assert!(said([&none, &one]).contains(": an isola parts from the main branch at A = 3"));
+        // Two isolas may merge with each other.
+        let two: &[&str] = &["main", "isola", "isola"];
+        assert!(said([two, &one]).contains(": an isola merges with another branch at A = 3"));
+        assert!(said([&one, two]).contains(": an isola parts from another branch at A = 3"));
         assert!(said([&one, &one]).contains(": two branches merge or part at A = 3"));
     }
 

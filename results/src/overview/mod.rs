@@ -50,7 +50,7 @@ pub use merges::merge_verb;
 pub use near_largest::near_largest;
 pub use omissions::Omissions;
 pub use place::undetermined;
-pub use predicted::{Predicted, between_levels};
+pub use predicted::{Predicted, between_levels, told_threshold};
 pub use reasons::briefly;
 pub use sampled::sampled;
 pub use shift::{shift, shift_sentence};

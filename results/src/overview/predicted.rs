@@ -2,6 +2,7 @@
 
 use super::bounds::is_within;
 use super::level::Level;
+use crate::words::digits_beside;
 use solver::response::backbone::Backbone;
 use solver::response::forced::SearchRange;
 use solver::response::windows::{Event, EventKind, events};
@@ -17,6 +18,14 @@ pub struct Predicted {
     pub to: f64,
     /// Frequency at which it is born, rad/s.
     pub omega: f64,
+}
+
+/// Digits of forcing amplitudes that the energy balance, an estimate, predicts.
+const DIGITS: i32 = 3;
+
+/// A threshold A* as texts and figures have it: in three digits, or as many more as keep it on its side of the levels.
+pub fn told_threshold(threshold: f64, levels: impl Iterator<Item = f64> + Clone) -> String {
+    digits_beside(threshold, DIGITS, levels)
 }
 
 /// The windows that are born, and merge, between the levels, below the lowest, or above the highest as far as folds are followed there,

@@ -1,7 +1,7 @@
 //! Picks what a request names out of a run's figures.
 
 use super::motion;
-use super::named::{level, monitor};
+use super::named::{Forcing, monitor};
 use super::part::cut;
 use super::request::{Along, FigureName, Request};
 use super::sheet::Sheet;
@@ -26,8 +26,9 @@ pub fn compose(reader: &Reader, request: &Request) -> Result<(Sheet, Omissions),
     };
     let mut report = Report::read(reader, &selection)?;
     let monitor = request.monitor.as_deref().map_or(Ok(0), |name| monitor(&report.monitors, name))?;
-    let level = request.amplitude.as_deref().map(|text| level(&report.overview.levels, "--amplitude", text));
-    let level = level.transpose()?;
+    let forcing = request.amplitude.as_deref().map(|text| Forcing::read(&report.overview.levels, "--amplitude", text));
+    let forcing = forcing.transpose()?;
+    let level = forcing.and_then(|forcing| forcing.level);
     if matches!(request.figure, FigureName::Balance | FigureName::Backbone | FigureName::Modes) {
         match request.mode {
             Some(number) => report.turn_to(number).map_err(Error::Usage)?,
@@ -44,7 +45,7 @@ pub fn compose(reader: &Reader, request: &Request) -> Result<(Sheet, Omissions),
         if let Some(why) = why {
             return Err(Error::Other(format!("nothing to draw: {why}")));
         }
-        let frame = frame(&report, request.figure, level)?;
+        let frame = frame(&report, request.figure, forcing)?;
         let Some(mut figure) = report.figures.drawn.remove(name) else {
             return Err(Error::Other(format!("nothing to draw: the run has no figure {name}")));
         };
@@ -52,7 +53,7 @@ pub fn compose(reader: &Reader, request: &Request) -> Result<(Sheet, Omissions),
         let mode = report.backbone.as_ref().filter(|_| !report.further.is_empty()).map(|backbone| backbone.mode + 1);
         let of_mode = mode.map_or_else(String::new, |mode| format!(" of mode {mode}"));
         figure.title = match &frame {
-            Some(frame) => Some(format!("windows{of_mode} at {}", frame.name)),
+            Some(frame) => Some(format!("windows{of_mode} at {}{}", frame.name, frame.beside())),
             None => mode.filter(|_| request.figure == FigureName::Modes).map(|mode| format!("backbone of mode {mode}")),
         };
         let choice = choice(request, monitor);
@@ -93,16 +94,18 @@ pub fn compose_several(runs: &[(String, Reader)], request: &Request) -> Result<(
     Ok((sheet, comparison.reports.into_iter().map(|report| report.omissions).collect()))
 }
 
-/// The windows of figures of one level: of the level typed, else of the one to look at first.
-fn frame(report: &Report, figure: FigureName, level: Option<usize>) -> Result<Option<Frame>, Error> {
+/// The windows of figures of one forcing amplitude: of that typed, else of the level to look at first.
+fn frame(report: &Report, figure: FigureName, forcing: Option<Forcing>) -> Result<Option<Frame>, Error> {
     if !matches!(figure, FigureName::Balance | FigureName::Backbone) {
         return Ok(None);
     }
     let subject = report.subject();
     let nothing = |why| Error::Other(format!("nothing to draw: {why}"));
     let backbone = subject.backbone().map_err(nothing)?;
-    let level = level.or_else(|| subject.first_level());
-    let frame = level.and_then(|level| Frame::of_level(&subject, backbone, level));
+    let frame = match forcing {
+        Some(forcing) => Some(Frame::at(&subject, backbone, forcing.amplitude)),
+        None => subject.first_level().and_then(|level| Frame::of_level(&subject, backbone, level)),
+    };
     frame.map(Some).ok_or_else(|| nothing(subject.nothing("levels", "the run has no level")))
 }
 

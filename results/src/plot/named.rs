@@ -26,3 +26,28 @@ pub fn level(levels: &[Level], option: &str, text: &str) -> Result<usize, Error>
     let unknown = || Error::Usage(format!("{option} {text}: the run has no such level, {}", instead(&others, &known)));
     levels.iter().position(is_it).ok_or_else(unknown)
 }
+
+/// A forcing amplitude, which may be a level of the run.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Forcing {
+    /// A.
+    pub amplitude: f64,
+    /// The level, by index.
+    pub level: Option<usize>,
+}
+
+impl Forcing {
+    /// Any forcing amplitude, as typed.
+    ///
+    /// # Errors
+    /// If it is no number above zero.
+    pub fn read(levels: &[Level], option: &str, text: &str) -> Result<Self, Error> {
+        if let Ok(level) = level(levels, option, text) {
+            return Ok(Self { amplitude: levels[level].value, level: Some(level) });
+        }
+        let number = text.parse().ok().filter(|amplitude: &f64| *amplitude > 0.0 && amplitude.is_finite());
+        number
+            .map(|amplitude| Self { amplitude, level: None })
+            .ok_or_else(|| Error::Usage(format!("{option} {text}: a number above zero is needed")))
+    }
+}

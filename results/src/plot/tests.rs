@@ -3,6 +3,7 @@
 mod legends;
 mod looks;
 mod ranges;
+mod windows;
 
 use super::*;
 use crate::curves::BackboneCurve;
@@ -109,24 +110,6 @@ fn what_is_cut_is_no_isola() {
     assert_eq!(labels(&drawn, 0)[0], "cut 1, A = 0.006");
     assert_eq!(legend(&sheet(&run, &["--figure", "map"]).unwrap())[2], "cut off by a bound");
     assert!(sheet(&run, &["--figure", "motion", "--at", "0.006/cut 1/3"]).is_ok());
-}
-
-#[test]
-fn figures_of_the_backbone_show_windows() {
-    let dir = damper();
-    let run = dir.path().join("run");
-    for figure in ["balance", "backbone"] {
-        let drawn = sheet(&run, &["--figure", figure]).unwrap();
-        assert_eq!(labels(&drawn, 0), ["main", "isola 1"], "{figure}");
-        let drawn = sheet(&run, &["--figure", figure, "--amplitude", "0.003"]).unwrap();
-        assert_eq!(labels(&drawn, 0), ["main"], "{figure}");
-    }
-    let over = |quantity| sheet(&run, &["--figure", "balance", "--along", quantity]).map(heading).unwrap();
-    fn heading(sheet: Sheet) -> String {
-        sheet.figure.panels[0].axes(sheet.choice).unwrap().0.heading()
-    }
-    assert_eq!(over("omega"), "frequency ω (rad/s)");
-    assert_eq!(over("amplitude"), "amplitude of x1 (m)");
 }
 
 #[test]
@@ -253,10 +236,10 @@ fn what_is_not_there_is_named() {
     let dir = damper();
     let run = dir.path().join("run");
     let error = |options: &[&str]| sheet(&run, options).unwrap_err();
-    assert_eq!(
-        error(&["--figure", "balance", "--amplitude", "7"]),
-        "--amplitude 7: the run has no such level, but 3e-3, 0.006"
-    );
+    for none in ["0", "-1", "nan", "large"] {
+        let said = error(&["--figure", "balance", "--amplitude", none]);
+        assert_eq!(said, format!("--amplitude {none}: a number above zero is needed"));
+    }
     for figure in ["response", "map", "backbone"] {
         let beside = error(&["--figure", figure, "--units", "Hz", "--frequency", "1 2"]);
         assert!(

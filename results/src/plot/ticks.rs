@@ -26,8 +26,10 @@ pub struct Tick {
 pub fn ticks(axis: &Axis, length: f64, width: Option<&dyn Fn(&str) -> f64>) -> Vec<Tick> {
     let counts = (COUNTS.1..=COUNTS.0).rev();
     let mut tried = counts.map(|count| some(axis, count));
+    // Of names more are left out, if need be all but the first.
+    let fewer = (2..=axis.ticks.len()).map(|stride| named(axis, stride));
     let fewest = some(axis, COUNTS.1);
-    tried.find(|ticks| has_room(ticks, length, width)).unwrap_or(fewest)
+    tried.by_ref().chain(fewer).find(|ticks| has_room(ticks, length, width)).unwrap_or(fewest)
 }
 
 /// Whether the numbers of ticks stay apart.
@@ -46,17 +48,22 @@ fn has_room(ticks: &[Tick], length: f64, width: Option<&dyn Fn(&str) -> f64>) ->
 
 /// About so many ticks of an axis.
 fn some(axis: &Axis, count: usize) -> Vec<Tick> {
+    if !axis.ticks.is_empty() {
+        return named(axis, axis.ticks.len().div_ceil(2 * count).max(1));
+    }
     let factor = axis.unit.factor;
     let ends = (axis.range.0 * factor, axis.range.1 * factor);
     let tick = |(value, text): (f64, Option<String>)| Tick { share: axis.share(value / factor), text };
-    if !axis.ticks.is_empty() {
-        let stride = axis.ticks.len().div_ceil(2 * count).max(1);
-        return axis.ticks.iter().step_by(stride).map(|(at, name)| tick((at * factor, Some(name.clone())))).collect();
-    }
     match axis.scale {
         Scale::Linear => round(ends, count as f64).into_iter().map(tick).collect(),
         Scale::Log => logarithmic(ends, count).into_iter().map(tick).collect(),
     }
+}
+
+/// Ticks of an axis with names, one of so many.
+fn named(axis: &Axis, stride: usize) -> Vec<Tick> {
+    let tick = |(at, name): &(f64, String)| Tick { share: axis.share(*at), text: Some(name.clone()) };
+    axis.ticks.iter().step_by(stride).map(tick).collect()
 }
 
 /// Round values.
@@ -129,6 +136,16 @@ mod tests {
         assert_eq!(written(&axis((-1.0, 1.0)), 80.0, false), ["−1", "0", "1"]);
         let millimetres = Axis::exact("", Unit::of_lengths(2e-3), (0.0, 2e-3));
         assert_eq!(written(&millimetres, 120.0, false), ["0.0", "0.5", "1.0", "1.5", "2.0"]);
+    }
+
+    #[test]
+    fn names_stay_apart() {
+        let names = ["leading edge", "middle", "trailing edge", "hub"].map(String::from);
+        let ticks = names.into_iter().enumerate().map(|(i, name)| (i as f64, name)).collect();
+        let axis = Axis { ticks, ..Axis::exact("", Unit::none(), (-0.5, 3.5)) };
+        assert_eq!(written(&axis, 500.0, true), ["leading edge", "middle", "trailing edge", "hub"]);
+        assert_eq!(written(&axis, 250.0, true), ["leading edge", "trailing edge"]);
+        assert_eq!(written(&axis, 60.0, true), ["leading edge"]);
     }
 
     #[test]

@@ -4,10 +4,11 @@ use super::evidence::Evidence;
 use super::losses::named;
 use crate::curves::BackboneCurve;
 use crate::overview::{
-    Level, Origin, beyond, born_between, events_of, forcing_label, is_within, later_birth, overlaps, truncation_doubt,
+    Level, Origin, beyond, born_between, events_of, forcing_label, is_within, later_birth, overlaps, told_threshold,
+    truncation_doubt,
 };
 use crate::store::CurvePoint;
-use crate::words::{self, count, digits, digits_beside, frequency, in_both_units};
+use crate::words::{self, count, frequency, in_both_units};
 use solver::response::critical::CriticalKind;
 use solver::response::windows::{Event, EventKind};
 
@@ -89,7 +90,7 @@ impl Evidence<'_> {
                  nonlinear forces feed in as much energy as the damping takes"
             );
         }
-        let threshold = digits_beside(birth.threshold, 3, self.levels.iter().map(|level| level.value));
+        let threshold = told_threshold(birth.threshold, self.levels.iter().map(|level| level.value));
         format!("; the energy balance of {mode} predicts separate responses from A = {threshold} on, near {near}")
     }
 
@@ -104,8 +105,9 @@ impl Evidence<'_> {
         among.sort_by(|a, b| a.threshold.total_cmp(&b.threshold));
         let of = |kind: EventKind, one: &str, many: &str| {
             let list: Vec<&&Event> = among.iter().filter(|event| event.kind == kind).collect();
-            let place =
-                |event: &&&Event| format!("{} (near {})", digits(event.threshold, 3), in_both_units(event.omega));
+            let place = |event: &&&Event| {
+                format!("{} (near {})", told_threshold(event.threshold, values()), in_both_units(event.omega))
+            };
             let named: Vec<String> = list.iter().take(NAMED).map(place).collect();
             let more = if list.len() > NAMED { format!(" and {} more", list.len() - NAMED) } else { String::new() };
             let what = if list.len() == 1 { one } else { many };

@@ -62,6 +62,8 @@ pub struct Report {
     pub overview: Overview,
     /// What is missing.
     pub omissions: Omissions,
+    /// Units that were chosen for it.
+    chosen: UnitChoice,
 }
 
 /// Which run, and what is not there.
@@ -107,6 +109,14 @@ impl Report {
     /// # Errors
     /// If there is no run, or if what it is about (header, model) cannot be read.
     pub fn read(reader: &Reader, selection: &Selection) -> Result<Self> {
+        Self::read_in(reader, selection, UnitChoice::default())
+    }
+
+    /// The same, shown in these units where they are chosen, else in those of the run.
+    ///
+    /// # Errors
+    /// Those of [`Report::read`].
+    pub fn read_in(reader: &Reader, selection: &Selection, units: UnitChoice) -> Result<Self> {
         let mut omissions = Omissions::default();
         if *selection != Selection::NoBranches {
             omissions.check(reader);
@@ -164,9 +174,10 @@ impl Report {
             asked: orders(&model, &header.settings.search),
             orders: further_orders(reader, &mut omissions),
             is_further: reader.order().is_some(),
-            units: UnitChoice::of_study(&header.study).of_table(),
+            units: units.or(UnitChoice::of_study(&header.study)).of_table(),
         };
         let mut report = Self {
+            chosen: units,
             verdict: verdict(&evidence),
             figures: Figures::default(),
             sweep: reach.map(|reach| reach.frequency),
@@ -238,7 +249,7 @@ impl Report {
 
     /// Units in which it is shown.
     pub fn units(&self) -> UnitChoice {
-        UnitChoice::of_study(&self.account.study)
+        self.chosen.or(UnitChoice::of_study(&self.account.study))
     }
 
     /// What its figures are drawn from.

@@ -19,6 +19,9 @@ use protocol::to_everyone::Stage;
 use serde::Serialize;
 use solver::response::branch::BranchKind;
 
+/// A main branch whose peak lies within this factor of the frequencies of isolas may be what they have become part of.
+const ABOUT: f64 = 1.25;
+
 /// One of the answers.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Sentence {
@@ -283,11 +286,15 @@ impl<'r> Evidence<'r> {
         let above = self.levels.iter().find(|level| level.value > highest);
         let end = above.filter(|level| level.is_settled() && self.has_whole_main(level) && level.others().count() == 0);
         let end = end.and_then(|level| Some((level, level.main()?))).map(|(level, main)| {
-            let (amplitude, omega) = (&level.amplitude, frequency(main.omega_at_max));
-            format!(
-                " At A = {amplitude} none was found any more: the main branch goes up to {} at {omega}.",
-                self.size(main)
-            )
+            // The peak of another resonance has nothing to do with them.
+            let is_near =
+                |isola: &BranchRow| (isola.omega.0 / ABOUT..=isola.omega.1 * ABOUT).contains(&main.omega_at_max);
+            let goes_up = if self.with_isolas().next_back().is_some_and(|last| last.isolas().any(is_near)) {
+                format!(": the main branch goes up to {} at {}", self.size(main), frequency(main.omega_at_max))
+            } else {
+                String::new()
+            };
+            format!(" At A = {} none was found any more{goes_up}.", level.amplitude)
         });
         format!("Isolas were found {}{prediction}.{computed}{}", found.join(", and "), end.unwrap_or_default())
     }

@@ -38,7 +38,7 @@ pub struct PushRow {
     pub below: Option<f64>,
     /// What it changes the velocity of the monitored dof by, m/s.
     pub velocity: Option<f64>,
-    /// When it acts, as a share of the period from where the forcing is largest.
+    /// When it acts, as a share of the period of the motion from an instant at which the force is largest.
     pub phase: Option<f64>,
     /// Whether both were marched until they were beyond doubt where they end.
     pub confirmed: Option<bool>,

@@ -53,9 +53,12 @@ fn smallest(found: &[(&[PushRow], &PushRow, String)], monitors: &[String]) -> Op
     let told = |(_, least, onto): &(&[PushRow], &PushRow, String)| {
         let when = match least.phase {
             Some(phase) if phase != 0.0 => {
-                format!(", {} of a period after the forcing is largest", digits(phase, DIGITS))
+                format!(
+                    ", {} of a period of the motion after an instant at which the force is largest",
+                    digits(phase, DIGITS)
+                )
             }
-            Some(_) => ", when the forcing is largest".into(),
+            Some(_) => ", when the force is largest".into(),
             None => String::new(),
         };
         let doubt = if least.confirmed == Some(true) { "" } else { " (not confirmed by longer marching)" };
@@ -142,7 +145,7 @@ mod tests {
         assert_eq!(
             said,
             "Smallest push found from the main motion that ends on isola 1 at A = 60 and 2665.46 rad/s: 5.43 J, all dofs at once in the shape \
-             of mode 1, +2.33 m/s at tip (what +4.66 N s at that dof put into the mode), 0.25 of a period after the forcing is largest. Tried were pushes in \
+             of mode 1, +2.33 m/s at tip (what +4.66 N s at that dof put into the mode), 0.25 of a period of the motion after an instant at which the force is largest. Tried were pushes in \
              modes 1 to 3, at one frequency an isola, the middle of its stable part."
         );
         let doubtful = PushRow { confirmed: Some(false), ..row(1, Some(4.66), None) };

@@ -4,10 +4,11 @@ use super::footnotes::Footnotes;
 use super::known::Known;
 use super::units::{FrequencyUnit, Units};
 use crate::overview::{
-    Lesser, Level, WindowOutcome, forcing_label, is_unconfirmed, is_unmatched, later_birth, truncation_doubt,
+    Lesser, Level, WindowOutcome, forcing_label, is_unconfirmed, is_unmatched, later_birth, told_threshold,
+    truncation_doubt, within,
 };
 use crate::store::{BranchRow, CurveRow, WindowRow};
-use crate::words::{count, digits};
+use crate::words::count;
 use solver::response::backbone::{Backbone, BackbonePoint};
 use solver::response::branch::{BranchKind, Outcome};
 use solver::settings::FrequencySettings;
@@ -181,7 +182,7 @@ impl<'r> Rows<'r> {
             _ if level.value < smallest => {
                 format!(
                     "thresholds of the backbones, and with them windows, begin at A = {} (the energy balance, an estimate)",
-                    digits(smallest, 3)
+                    told_threshold(smallest, std::iter::once(level.value))
                 )
             }
             FrequencySettings { min: None, max: None } => "no point of a backbone has this A as its threshold".into(),
@@ -237,6 +238,18 @@ impl<'r> Rows<'r> {
         lines.extend((results > 0).then(|| format!("{results} doubtful{}", self.notes.mark(contradicted()))));
         lines.join("\n")
     }
+}
+
+/// Whether what was found in the windows of a level is the main branch alone.
+pub(super) fn is_on_main(level: &Level) -> bool {
+    let is_main = |name: &str| name.starts_with(BranchKind::Main.name());
+    let found = level.windows.iter().filter_map(|window| match &window.outcome {
+        WindowOutcome::Found(branches) => Some(within(branches, window, &level.branches).0.into_iter().all(is_main)),
+        WindowOutcome::Passed { branches, .. } => Some(branches.split("; ").all(is_main)),
+        _ => None,
+    });
+    let found: Vec<bool> = found.collect();
+    !found.is_empty() && found.iter().all(|is_main| *is_main)
 }
 
 /// The smallest threshold of all backbones, if all of them are known.
@@ -328,6 +341,15 @@ mod tests {
         );
         level.windows.pop();
         assert_eq!(rows(&[]).of(&level)[3], "1 of 1");
+        // What is in it need not be an isola.
+        let is_on_main = |outcome| {
+            let mut level = level.clone();
+            level.windows[0].outcome = outcome;
+            is_on_main(&level)
+        };
+        assert!(is_on_main(WindowOutcome::Found("main".into())));
+        assert!(!is_on_main(WindowOutcome::Found("main; isola 1".into())));
+        assert!(!is_on_main(WindowOutcome::NotFound("nothing".into())));
     }
 
     #[test]

@@ -4,7 +4,7 @@ use super::known::Known;
 use super::units::FrequencyUnit;
 use crate::overview::{
     BranchRow, Excitation, Level, LookedFor, Predicted, SmallestMotion, between_levels, born_above, born_below,
-    born_between, has_joints, level_between, levels_after, truncation_doubt, why_no_folds,
+    born_between, has_joints, level_between, levels_after, told_threshold, truncation_doubt, why_no_folds,
 };
 use crate::store::{CurvePoint, CurveRow};
 use crate::words::{digits, listed, more_ranges};
@@ -13,9 +13,6 @@ use solver::response::branch::BranchKind;
 use solver::response::forced::SearchRange;
 use solver::response::orders::orders;
 use solver::settings::{Effort, FrequencySettings};
-
-/// Digits of forcing amplitudes that the energy balance, an estimate, predicts.
-const DIGITS: i32 = 3;
 
 /// Digits of the forcing amplitude of a birth that levels miss.
 const BIRTH_DIGITS: i32 = 4;
@@ -127,9 +124,10 @@ fn born(levels: &[Level], curves: &[CurveRow], bounds: FrequencySettings) -> Str
 /// What is predicted where there is no level, and how to look at it: what follows "no isola was found".
 fn predicted(windows: &[Predicted], levels: &[Level], unit: FrequencyUnit) -> String {
     let place = |window: &Predicted| {
-        let to = if window.to.is_finite() { format!("to {}", digits(window.to, DIGITS)) } else { "on".into() };
+        let told = |threshold| told_threshold(threshold, levels.iter().map(|level| level.value));
+        let to = if window.to.is_finite() { format!("to {}", told(window.to)) } else { "on".into() };
         let near = format!("near {} {unit}", unit.digits(window.omega));
-        format!("from A = {} {to} ({near})", digits(window.from, DIGITS))
+        format!("from A = {} {to} ({near})", told(window.from))
     };
     let level = |window: &Predicted| {
         let others = levels.iter().map(|level| level.value).chain([window.to, SearchRange::BEYOND * window.from]);

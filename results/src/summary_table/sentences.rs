@@ -2,12 +2,17 @@
 //! reaches. What is explanation alone is left to the report.
 
 use super::known::Known;
+use super::rows::is_on_main;
 use super::units::Units;
 use super::{LEVELS, monitors, motions, pushes, search};
 use crate::overview::{
     UNTOUCHED, asks_for_harmonics, beyond, events_sentence, is_untouched, not_followed_sentence, reach_sentence,
     truncation_of, undetermined,
 };
+
+/// What windows say in rows that list nothing beside the main branch.
+const OF_MAIN: &str =
+    "Windows found in a row without isolas are on its main branch, which the energy balance predicts as well.";
 
 /// All of them.
 pub(super) fn all(known: &Known, units: Units) -> Vec<String> {
@@ -24,6 +29,7 @@ fn numbers(known: &Known, units: Units) -> Vec<String> {
     let truncation =
         truncation_of(model, levels, known.settings.as_ref(), known.is_further, |omega| units.frequency.told(omega));
     (is_at_least.then(|| meaning.into()).into_iter())
+        .chain(known.shown().any(|level| level.others().next().is_none() && is_on_main(level)).then(|| OF_MAIN.into()))
         .chain((more > 0).then(|| format!("... and {more} more levels: see summary.csv")))
         .chain(monitors::sentence(&known.others, units))
         .chain(model.and_then(undetermined).map(|place| format!("Note: {place}.")))

@@ -9,8 +9,9 @@ pub(super) fn dotted(path: &str) -> String {
 
 /// Parts of a dotted key; quotes protect a dot inside of a part, as in TOML.
 pub(super) fn segments(key: &str) -> Result<Vec<String>, String> {
-    let malformed =
-        || "not a dotted key; write it like `contact.friction`, a dof name with a dot in quotes".to_string();
+    let malformed = || {
+        r#"not a dotted key; write it like `contact.friction`, a name with a space or a dot in quotes: `laws."upper stop".name`"#.to_string()
+    };
     let mut current = Value::Table(format!("{key} = 0").parse().map_err(|_| malformed())?);
     let mut segments = Vec::new();
     while let Value::Table(table) = current {

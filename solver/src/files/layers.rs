@@ -29,6 +29,8 @@ pub struct Layers {
     table: Table,
     /// Dotted keys in the order they were set: the last one counts.
     set: Vec<(String, Source)>,
+    /// Dotted keys that gave something in another way and were left out, each behind the key that replaced it.
+    replaced: Vec<(String, String)>,
 }
 
 impl Layers {
@@ -59,7 +61,7 @@ impl Layers {
         let table: Table = text.parse().map_err(syntax)?;
         let source = Source::File(file.to_path_buf());
         let set = leaves(&table).into_iter().map(|key| (key, source.clone())).collect();
-        Ok(Self { file: Some(file.to_path_buf()), table, set })
+        Ok(Self { file: Some(file.to_path_buf()), table, set, ..Self::default() })
     }
 
     /// The settings as they stand.
@@ -73,7 +75,13 @@ impl Layers {
         let (table, rest) = std::mem::take(&mut self.table).into_iter().partition(|(key, _)| belongs(key));
         let (set, others) = std::mem::take(&mut self.set).into_iter().partition(|(key, _)| first(key));
         (self.table, self.set) = (rest, others);
-        Self { file: self.file.clone(), table, set }
+        Self { file: self.file.clone(), table, set, ..Self::default() }
+    }
+
+    /// What files say that was left out, since something over it gives the same in another way: pairs of the key that replaced it, and
+    /// of its own.
+    pub fn replaced(&self) -> &[(String, String)] {
+        &self.replaced
     }
 
     /// Puts the settings of another file over these.
@@ -205,7 +213,9 @@ impl Layers {
                 && matches!(self.source(other), Some(Source::File(_)))
                 && let Some(Value::Table(section)) = self.table.get_mut(section)
             {
-                section.remove(entry);
+                if section.remove(entry).is_some() {
+                    self.replaced.push((key.to_string(), (*other).to_string()));
+                }
                 self.set.retain(|(set, _)| !below(set, other));
             }
         }
@@ -321,6 +331,12 @@ mod tests {
         assert_eq!(layers.table(), parse("x", expected).table());
         layers.set("--set", "damping.default_ratio", "0.2").unwrap();
         assert_eq!(layers.table(), parse("x", "[matrices]\nmass = [[1]]\n[damping]\ndefault_ratio = 0.2").table());
+        // What was left out is known.
+        let replaced: Vec<String> = layers.replaced().iter().map(|(by, other)| format!("{by}: {other}")).collect();
+        let by_study = ["damping.ratios", "damping.default_ratio", "matrices.damping"];
+        let mut expected: Vec<String> = by_study.iter().map(|other| format!("damping.rayleigh: {other}")).collect();
+        expected.push("damping.default_ratio: damping.rayleigh".into());
+        assert_eq!(replaced, expected);
         // Two that were typed contradict each other.
         layers.set("--set", "damping.rayleigh.mass", "1").unwrap();
         assert_eq!(layers.table()["damping"].as_table().unwrap().len(), 2);

@@ -3,7 +3,7 @@
 use crate::response::backbone::Backbone;
 use crate::response::modes::driven_resonances;
 use crate::response::windows::windows;
-use crate::settings::{Settings, SettingsError};
+use crate::settings::{Settings, SettingsError, told_frequency};
 use crate::structure::Model;
 use serde::{Deserialize, Serialize};
 
@@ -26,6 +26,9 @@ pub struct SearchRange {
 impl SearchRange {
     /// Folds are followed by this factor beyond the forcing amplitudes of a study.
     pub const BEYOND: f64 = 2.0;
+
+    /// By what share of their frequency bounds that nobody gave lie beyond backbones and resonances.
+    pub const MARGIN: f64 = 0.1;
 
     /// As set; where nothing is set, 10 % beyond the backbone's frequencies and three times its largest amplitude.
     ///
@@ -53,22 +56,26 @@ impl SearchRange {
             Some(bound) => bound,
             None => high.max(FAR * low),
         };
-        let windows = further.iter().flat_map(|backbone| windows(backbone, forcing));
-        let (low, end) = windows.fold((low, end), |(low, end), w| (low.min(w.omega.0), end.max(w.omega.1)));
-        let natural = ((1.0 - MARGIN) * low, (1.0 + MARGIN) * end);
+        let windows = further
+            .iter()
+            .flat_map(|backbone| windows(backbone, forcing).into_iter().map(move |w| w.of_points(backbone)));
+        let (low, end) = windows.fold((low, end), |(low, end), omega| (low.min(omega.0), end.max(omega.1)));
+        let natural = ((1.0 - Self::MARGIN) * low, (1.0 + Self::MARGIN) * end);
         let (low, high) = (settings.frequency.min.unwrap_or(natural.0), settings.frequency.max.unwrap_or(natural.1));
         if low >= high {
             let (key, value, remedy) = match settings.frequency.max {
-                Some(_) => {
-                    ("frequency.max", high, format!("the lower frequency bound is {low:.5} rad/s: use a higher one"))
-                }
+                Some(_) => (
+                    "frequency.max",
+                    high,
+                    format!("the lower frequency bound is {}: use a higher one", told_frequency(low)),
+                ),
                 None => (
                     "frequency.min",
                     low,
-                    format!("the backbones end at {end:.5} rad/s: use a lower one, or give frequency.max"),
+                    format!("the backbones end at {}: use a lower one, or give frequency.max", told_frequency(end)),
                 ),
             };
-            return Err(SettingsError { key, value: value.to_string(), remedy });
+            return Err(SettingsError { key, value: told_frequency(value), remedy });
         }
         let amplitude = settings.branch.max_amplitude.unwrap_or(3.0 * backbone.max_amplitude());
         Ok(Self { frequency: (low, high), amplitude, natural: Some(natural), forcing: None })
@@ -81,10 +88,10 @@ impl SearchRange {
         let (mut low, mut high) = self.frequency;
         for omega in driven_resonances(model, settings) {
             if settings.frequency.min.is_none() {
-                low = low.min((1.0 - MARGIN) * omega);
+                low = low.min((1.0 - Self::MARGIN) * omega);
             }
             if settings.frequency.max.is_none() {
-                high = high.max((1.0 + MARGIN) * omega);
+                high = high.max((1.0 + Self::MARGIN) * omega);
             }
         }
         Self { frequency: (low, high), ..self }
@@ -107,9 +114,6 @@ impl SearchRange {
         (low.min(self.frequency.0), high.max(self.frequency.1))
     }
 }
-
-/// By what share of their frequency bounds that nobody gave lie beyond backbones and resonances.
-const MARGIN: f64 = 0.1;
 
 /// Where a backbone ends early, main branches are walked up to this multiple of its lowest frequency.
 const FAR: f64 = 4.0;

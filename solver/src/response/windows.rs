@@ -19,7 +19,7 @@ pub struct Window {
     pub best: usize,
     /// Smallest threshold amplitude inside.
     pub threshold: f64,
-    /// Lowest and highest frequency inside, rad/s.
+    /// Lowest and highest frequency, rad/s: of a window up to where A* passes A, between points; of a well of its points.
     pub omega: (f64, f64),
 }
 
@@ -37,7 +37,18 @@ pub fn windows(backbone: &Backbone, forcing: f64) -> Vec<Window> {
         first += stretch.len();
         if is_inside(&stretch[0]) { Window::covering(backbone, begin, first - 1) } else { None }
     });
-    stretches.collect()
+    stretches.map(|window| window.up_to_crossings(backbone, forcing)).collect()
+}
+
+/// How far from a point of the backbone with threshold `from` on to the next one, with threshold `to`, the threshold passes a forcing
+/// amplitude, as a share of the way: its logarithm taken as straight. Where the force does no work the
+/// threshold is infinite, and the crossing is at the other point.
+pub fn crossing(from: f64, to: f64, forcing: f64) -> f64 {
+    if from.is_infinite() {
+        return 1.0;
+    }
+    let share = (forcing / from).ln() / (to / from).ln();
+    if share.is_finite() { share.clamp(0.0, 1.0) } else { 0.5 }
 }
 
 /// How far outside of the frequencies of a window a response that it predicts may be, relative.
@@ -47,6 +58,27 @@ impl Window {
     /// Frequencies at which a response that it predicts may be, rad/s.
     pub fn about(&self) -> RangeInclusive<f64> {
         (1.0 - ABOUT) * self.omega.0..=(1.0 + ABOUT) * self.omega.1
+    }
+
+    /// The same; its frequencies up to where the threshold passes the forcing amplitude, between its outermost points and the next ones
+    /// of their piece.
+    fn up_to_crossings(self, backbone: &Backbone, forcing: f64) -> Self {
+        let beyond = |inside: usize, outside: Option<usize>| {
+            let (inside, outside) = (&backbone.points[inside], backbone.points.get(outside?)?);
+            let share = crossing(inside.threshold(), outside.threshold(), forcing);
+            let (from, to) = (inside.point.omega(), outside.point.omega());
+            (inside.piece() == outside.piece()).then_some(from + share * (to - from))
+        };
+        let ends = [beyond(self.first, self.first.checked_sub(1)), beyond(self.last, Some(self.last + 1))];
+        let (low, high) = self.omega;
+        let omega = ends.into_iter().flatten().fold((low, high), |(low, high), end| (low.min(end), high.max(end)));
+        Self { omega, ..self }
+    }
+
+    /// The lowest and highest frequency of its points, rad/s.
+    pub fn of_points(&self, backbone: &Backbone) -> (f64, f64) {
+        let omegas = backbone.points[self.first..=self.last].iter().map(|point| point.point.omega());
+        omegas.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), w| (low.min(w), high.max(w)))
     }
 
     /// The wells of a window: its parts between neighbouring maxima of A*, one for each minimum. A barrier below A is
@@ -69,13 +101,11 @@ impl Window {
 
     /// The window over backbone points `first` to `last`.
     fn covering(backbone: &Backbone, first: usize, last: usize) -> Option<Window> {
-        let range = first..=last;
-        let best =
-            range.clone().min_by(|&a, &b| backbone.points[a].threshold().total_cmp(&backbone.points[b].threshold()))?;
-        let omegas = range.map(|i| backbone.points[i].point.omega());
-        let omega = omegas.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), w| (low.min(w), high.max(w)));
-        let mode = backbone.mode;
-        Some(Window { mode, first, last, best, threshold: backbone.points[best].threshold(), omega })
+        let best = (first..=last)
+            .min_by(|&a, &b| backbone.points[a].threshold().total_cmp(&backbone.points[b].threshold()))?;
+        let (mode, threshold) = (backbone.mode, backbone.points[best].threshold());
+        let window = Window { mode, first, last, best, threshold, omega: (0.0, 0.0) };
+        Some(Window { omega: window.of_points(backbone), ..window })
     }
 }
 

@@ -278,8 +278,20 @@ impl ModelError {
         self
     }
 
+    /// The same error; of what was typed as the first of these, after another option that sets the same key.
+    #[must_use]
+    pub fn retyped(mut self, typed: &str, after: &str) -> Self {
+        if let Some(place) = self.place_mut()
+            && place.set_by.as_deref() == Some(typed)
+        {
+            place.set_by = Some(after.into());
+        }
+        self
+    }
+
     /// The same error; of an unknown name with another hint as well.
-    pub(crate) fn hinted(mut self, more: &str) -> Self {
+    #[must_use]
+    pub fn hinted(mut self, more: &str) -> Self {
         if let Self::Unknown { hint, .. } = &mut self {
             *hint = format!("{hint}; {more}");
         }

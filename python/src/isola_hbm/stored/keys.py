@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TypeAlias
 
+from ..counted import is_same
 from .orders import SEPARATOR
 from .store import Reading, Row
 from .verified import name_of
@@ -46,7 +47,7 @@ def _is_amplitude(wanted: object, text: str, value: float) -> bool:
     if wanted == text or wanted == value:
         return True
     try:
-        return float(wanted) == value  # type: ignore[arg-type]
+        return is_same(float(wanted), value)  # type: ignore[arg-type]
     except (TypeError, ValueError):
         return False
 

@@ -82,3 +82,57 @@ fn curves_that_lie_on_each_other_are_drawn_once() {
     assert_eq!(drawn.len(), alone.series.len());
     assert!(hidden.len() > 1 && hidden.iter().any(|series| series.branch == Some(report.branches.len() - 1)));
 }
+
+/// What is not known of main branches alone is drawn as thin in the legend as they are in the figure.
+#[test]
+fn samples_are_as_thin_as_what_they_stand_for() {
+    let dir = damper();
+    let mut report = Report::read(&Reader::open(&dir.path().join("run")).unwrap(), &Selection::All).unwrap();
+    let unknown = |report: &Report| {
+        let figure = Figures::new(&report.subject()).drawn.remove("response").unwrap();
+        let width = |text: &str| figure.legend.iter().find(|entry| entry.text == text).unwrap().style.width;
+        [width("main branch"), width("isola"), width("stability not known")]
+    };
+    for branch in &mut report.branches {
+        branch.stable = vec![branch.kind == "isola"; branch.size];
+        branch.unstable = vec![false; branch.size];
+    }
+    let [main, isola, of_mains] = unknown(&report);
+    assert!(main < of_mains && of_mains < isola, "{main}, {isola}, {of_mains}");
+    for branch in &mut report.branches {
+        branch.stable = vec![branch.kind == "main"; branch.size];
+    }
+    let [_, isola, of_isola] = unknown(&report);
+    assert!(of_isola > isola, "{isola}, {of_isola}");
+}
+
+/// A curve beside what the map shows is in its legend nevertheless, as such.
+#[test]
+fn curves_beyond_the_map_are_named_so() {
+    let dir = damper();
+    let mut report = Report::read(&Reader::open(&dir.path().join("run")).unwrap(), &Selection::All).unwrap();
+    let first = |report: &Report| {
+        let map = Figures::new(&report.subject()).drawn.remove("map").unwrap();
+        map.legend[0].text.clone()
+    };
+    assert_eq!(first(&report), "threshold A* of the backbone");
+    let backbone = report.backbone.as_mut().unwrap();
+    backbone.omega.values.iter_mut().for_each(|omega| *omega *= 100.0);
+    backbone.events.clear();
+    assert_eq!(first(&report), "threshold A* of the backbone (beyond these frequencies)");
+}
+
+/// Fold curves go along the gap where something begins to touch.
+#[test]
+fn the_gap_is_in_the_figure_of_folds() {
+    let dir = damper();
+    let mut report = Report::read(&Reader::open(&dir.path().join("run")).unwrap(), &Selection::All).unwrap();
+    let point = |forcing| CurvePoint { forcing, omega: 1.0, amplitude: 1.0, ..CurvePoint::default() };
+    report.curves = vec![CurveRow { points: vec![point(4e-3), point(5e-3)], ..CurveRow::default() }];
+    let panel = |report: &Report| Figures::new(&report.subject()).drawn.remove("folds").unwrap().panels.remove(0);
+    assert!(panel(&report).spans.is_empty());
+    report.monitors[0].gap = Some(0.5);
+    let panel = panel(&report);
+    assert_eq!(panel.spans[0].at, [Some(0.5)]);
+    assert!(panel.labels.iter().any(|label| label.text == "gap"), "{:?}", panel.labels);
+}

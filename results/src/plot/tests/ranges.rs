@@ -1,6 +1,9 @@
 //! What of its axes a figure shows.
 
 use super::{damper, sheet};
+use crate::figure::Figures;
+use crate::report::{Report, Selection};
+use crate::store::Reader;
 
 #[test]
 fn axes_show_what_is_asked_of_them() {
@@ -39,4 +42,22 @@ fn what_is_no_range_is_refused() {
     );
     let elsewhere = error(&["--figure", "folds", "--frequency", "1 2"]);
     assert_eq!(elsewhere, "--frequency: not for the figure folds, but for response, map, backbone, resonance");
+}
+
+/// Levels that lie close together are told apart: what the balance predicts far below them is not shown.
+#[test]
+fn resonances_of_close_levels_stay_apart() {
+    let dir = damper();
+    let mut report = Report::read(&Reader::open(&dir.path().join("run")).unwrap(), &Selection::All).unwrap();
+    let along =
+        |report: &Report| Figures::new(&report.subject()).drawn.remove("resonance").unwrap().panels[0].x[0].range;
+    assert_eq!(along(&report).0, 0.0);
+    for (level, value) in report.overview.levels.iter_mut().zip([0.0058, 0.006]) {
+        level.value = value;
+    }
+    for curve in [&mut report.resonance.continuation, &mut report.resonance.isolas] {
+        curve.value = vec![0.0058, 0.006];
+    }
+    let (low, high) = along(&report);
+    assert!(low > 0.0045 && low < 0.0058 && high > 0.006, "{low} to {high}");
 }

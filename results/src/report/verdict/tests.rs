@@ -162,6 +162,10 @@ fn where_the_last_one_ends() {
     let [_, onset, missed] = texts(&levels);
     let end = "At A = 2 none was found any more: the main branch goes up to 3 mm at 100 rad/s (15.92 Hz).";
     assert!(onset.contains(end), "{onset}");
+    // The peak of another resonance says nothing of where the isola has gone.
+    let far = BranchRow { omega_at_max: 40.0, ..main(3e-3) };
+    let [_, elsewhere, _] = texts(&[levels[0].clone(), level(2.0, vec![far])]);
+    assert!(elsewhere.contains(" At A = 2 none was found any more. The frequency"), "{elsewhere}");
     assert!(
         missed.starts_with("Yes, the isolas, but not the largest response: at A = 1 the main branch goes up to 1 mm"),
         "{missed}"

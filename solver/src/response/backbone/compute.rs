@@ -14,7 +14,7 @@ use crate::formulation::unknown::Unknown;
 use crate::formulation::{Formulation, FormulationError};
 use crate::response::branch::{Observer, Outcome, Stop, TracedPoint};
 use crate::response::symmetry::up_to_branch_point;
-use crate::settings::{BackboneEquation, Settings, SettingsError};
+use crate::settings::{BackboneEquation, Settings, SettingsError, told_frequency};
 use crate::structure::Model;
 use std::iter;
 use std::ops::ControlFlow;
@@ -156,10 +156,10 @@ impl Backbone {
         let bounds = bounds(settings, problem.scales(), followed);
         let (low, high) = bounds.frequency;
         if !(low..=high).contains(&start.omega) {
-            let remedy = format!("mode {} starts at {} rad/s: choose bounds round it", mode + 1, start.omega);
+            let remedy = format!("mode {} starts at {}: choose bounds round it", mode + 1, told_frequency(start.omega));
             let (key, value) =
                 if start.omega < low { ("backbone.min_frequency", low) } else { ("backbone.max_frequency", high) };
-            return Err(SettingsError { key, value: value.to_string(), remedy }.into());
+            return Err(SettingsError { key, value: told_frequency(value), remedy }.into());
         }
         let way = Way { settings, bounds, forcing };
         let begin = |problem: &mut F, observer: &mut Observer<'_>| {
