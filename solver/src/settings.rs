@@ -318,7 +318,12 @@ impl Settings {
                 return refuse(key, "0".into(), "use at least 1".into());
             }
         }
-        Ok(())
+        match self.search.starts {
+            Some(starts) if starts > SearchSettings::MOST_STARTS => {
+                refuse("search.starts", starts.to_string(), format!("use at most {}", SearchSettings::MOST_STARTS))
+            }
+            _ => Ok(()),
+        }
     }
 
     /// Whether the orders of motions can be told apart, and their harmonics are there.

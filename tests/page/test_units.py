@@ -87,3 +87,20 @@ def test_texts_are_in_the_unit_chosen(run, browser):
         # The first numbers of the table are those of the sentences.
         low = re.search(r"Window 1: ([\d.]+) to", text("#balance ul.words"))[1]
         assert page.locator("#account .stacked tbody tr td").nth(3).inner_text().startswith(low)
+
+
+def test_the_table_of_branches_stays_sorted(run, browser):
+    """In another unit its rows are those of before, in their order."""
+    with report(browser, run) as page:
+        table = page.locator("table", has_text="press a head to sort")
+        names = lambda: [row.locator("td").nth(1).inner_text() for row in table.locator("tbody tr").all()]
+        first = names()
+        assert len(first) > 1
+        for name in ["points", "branch", "points", "points"]:
+            table.get_by_role("button", name=re.compile(f"^{name}")).click()
+        ordered = names()
+        assert ordered != first and sorted(ordered) == sorted(first)
+        page.get_by_label("Frequencies in").select_option("Hz")
+        assert names() == ordered
+        head = table.locator("th[aria-sort=descending]")
+        assert head.inner_text().startswith("points")

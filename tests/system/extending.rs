@@ -18,8 +18,8 @@ fn extend(system: &System, amplitudes: &str) -> Output {
     isola(&["extend", &system.directory_text(), "--amplitudes", amplitudes, "--workers", "2"])
 }
 
-/// Few harmonics: random starts are most of a search, and none of them matters here.
-const COARSE: &[&str] = &["--set", "harmonics.count=3"];
+/// Few harmonics and random starts: these are most of a search, and none of them matters here.
+const COARSE: &[&str] = &["--set", "harmonics.count=3", "--set", "search.starts=512"];
 
 /// The run that has all levels from the beginning.
 fn at_once(amplitudes: &str, more: &[&str]) -> System {

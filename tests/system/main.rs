@@ -35,6 +35,9 @@ pub const LEVELS: &[&str] = &["--amplitudes", "0.007,0.009"];
 /// What is found on the way from the backbone, as it was traced: for tests of something else than searching and marching.
 pub const BRIEF: &[&str] = &["--search", "none", "--verify", "none"];
 
+/// Few random starts, for tests that need those of a search and not what most of its time goes into.
+pub const FEW: &[&str] = &["--set", "search.starts=512"];
+
 /// Branches that take a second or two each: small steps and many harmonics. Without random starts, which would take minutes.
 pub const FINE: &[&str] = &[
     "--set",

@@ -1,6 +1,6 @@
 //! What a sweep finds does not depend on how it is carried out.
 
-use crate::{DAMPER, LEVELS};
+use crate::{DAMPER, FEW, LEVELS};
 use tests::results::{SummaryRow, assert_same, events, folds, summary};
 use tests::{System, complaint, isola, repository};
 
@@ -24,7 +24,7 @@ fn the_number_of_workers_does_not_matter() {
 fn an_isola_that_only_folds_lead_to() {
     let study = "models/nltva/study.toml";
     let found = ["1", "3"].map(|workers| {
-        let mut system = System::sweep_with(study, &["--workers", workers, "--verify", "none"]);
+        let mut system = System::sweep_with(study, &[&["--workers", workers, "--verify", "none"], FEW].concat());
         system.expect_complete();
         let directory = system.directory();
         (summary(&directory), events(&directory), folds(&directory))

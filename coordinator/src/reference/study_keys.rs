@@ -3,7 +3,7 @@
 use super::key::Absent::{Nothing, Required, Value, Words};
 use super::key::Kind::{Either, List as List_, Number, Pattern, Table, Text, Truth, Whole, Word};
 use super::key::{Key, Kind, List, Range};
-use solver::settings::NumberList;
+use solver::settings::{NumberList, SearchSettings};
 
 /// Largest number of forcing amplitudes of a study.
 pub const MAX_LEVELS: usize = 100_000;
@@ -332,6 +332,14 @@ pub(super) const NUMERICS: &[Key] = &[
         unit: "",
         meaning: "How hard is looked, for every order of search.harmonics so much; also --search.",
         example: "\"thorough\"",
+    },
+    Key {
+        path: "search.starts",
+        kind: Whole(Range::within(0.0, SearchSettings::MOST_STARTS as f64)),
+        default: Words("as search.effort says"),
+        unit: "",
+        meaning: "Random starts for every order, shared among the levels, in batches of 16: most of what a search of a small model takes its time for, and what alone finds isolas that neither windows nor folds lead to. With search.effort = \"none\" there are none.",
+        example: "2048",
     },
     Key {
         path: "search.harmonics",

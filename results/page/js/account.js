@@ -2,9 +2,10 @@
 
 function accountSection(place, run) {
   const { account } = run;
+  const sorted = [];
   place.append(
     followingUnits(() => windowTable(run)),
-    followingUnits(() => branchTable(run)),
+    followingUnits(() => branchTable(run, sorted)),
     workerTable(account),
     taskDetails(run),
     details("Settings", tableOf("Settings of the computation", ["setting", "value"], account.settings)),
@@ -59,15 +60,15 @@ const rounded = (value, digits) => Number((value ?? NaN).toPrecision(digits));
 /** "isola 2" before "isola 10" */
 const byName = new Intl.Collator("en", { numeric: true });
 
-/** Sorted by the column whose head is pressed. */
-function branchTable({ branches, levels }) {
+/** Sorted by the columns whose heads were pressed, the last one first, which `sorted` keeps where the table is drawn anew. */
+function branchTable({ branches, levels }, sorted) {
   const largest = branches.map((branch) => branch.amplitude_at_peak ?? NaN);
   const unit = lengthUnit(Math.max(...largest.filter(Number.isFinite), 0));
   const size = `largest amplitude, ${unit.name}`;
   const heads = ["A", "branch", "found by", "points", size, `at, ${frequencyUnit.get()}`, "how it ends", "time, s", "worker"];
   const origin = (branch) =>
     levels[branch.level].branches.find(({ kind, number }) => kind === branch.kind && number === branch.number)?.found_by;
-  let rows = branches.map((branch, k) => [
+  const rows = branches.map((branch, k) => [
     levels[branch.level].value,
     branch.name,
     origin(branch) ?? NOT_KNOWN,
@@ -78,21 +79,27 @@ function branchTable({ branches, levels }) {
     rounded(branch.seconds, 3),
     branch.worker ?? NOT_KNOWN,
   ]);
-  const holder = tableOf("Branches (press a head to sort)", heads, rows, "No branch has been computed yet.");
-  let sorted = { column: -1, down: false };
-  const sort = (column) => {
-    sorted = { column, down: sorted.column === column ? !sorted.down : false };
+  const by = (rows, { column, down }) => {
     const order = (a, b) =>
       isNumber(a[column]) ? a[column] - b[column] : byName.compare(a[column], b[column]);
-    rows = rows.toSorted((a, b) => (sorted.down ? -order(a, b) : order(a, b)));
-    holder.replaceChildren(table("Branches (press a head to sort)", heads, rows));
+    return rows.toSorted((a, b) => (down ? -order(a, b) : order(a, b)));
+  };
+  const ordered = () => sorted.reduce(by, rows);
+  const holder = tableOf("Branches (press a head to sort)", heads, ordered(), "No branch has been computed yet.");
+  const sort = (column) => {
+    const last = sorted.at(-1);
+    const before = sorted.findIndex((earlier) => earlier.column === column);
+    if (before >= 0) sorted.splice(before, 1);
+    sorted.push({ column, down: last?.column === column && !last.down });
+    holder.replaceChildren(table("Branches (press a head to sort)", heads, ordered()));
     armHeads();
     holder.querySelectorAll("th button")[column].focus();
   };
   const armHeads = () =>
     holder.querySelectorAll("th").forEach((head, k) => {
-      const arrow = k === sorted.column ? (sorted.down ? " ↓" : " ↑") : "";
-      head.setAttribute("aria-sort", arrow === "" ? "none" : sorted.down ? "descending" : "ascending");
+      const { column, down } = sorted.at(-1) ?? { column: -1 };
+      const arrow = k === column ? (down ? " ↓" : " ↑") : "";
+      head.setAttribute("aria-sort", arrow === "" ? "none" : down ? "descending" : "ascending");
       head.replaceChildren(button(heads[k] + arrow, () => sort(k)));
     });
   armHeads();

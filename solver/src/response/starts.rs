@@ -14,7 +14,7 @@ use crate::formulation::{Formulation, FormulationError};
 use crate::response::forced::Forced;
 use crate::response::homotopy;
 use crate::response::seeds::Landing;
-use crate::settings::{HarmonicSettings, Settings};
+use crate::settings::{Effort, HarmonicSettings, Settings};
 use crate::structure::Model;
 use crate::structure::laws::Law;
 use rand::{Rng, SeedableRng};
@@ -121,12 +121,16 @@ impl StartWay {
     }
 }
 
-/// Number of batches of a run: fewer for larger models, whose starts take longer.
+/// Number of batches of a run: as many as are asked for, or fewer for larger models, whose starts take longer.
 pub fn batches(model: &Model, settings: &Settings) -> usize {
     let series = model.size() + model.elements().iter().map(|element| element.channels.len()).sum::<usize>();
     let unknowns = (series * width(few(model, settings))) as f64;
     let starts = (AFFORDED * model.forcing().harmonic as f64 / (unknowns * unknowns)).min(MOST);
-    settings.search.effort.starts() * (starts / BATCH as f64).ceil() as usize
+    let effort = settings.search.effort;
+    match settings.search.starts {
+        Some(starts) if effort != Effort::None => starts.div_ceil(BATCH),
+        _ => effort.starts() * (starts / BATCH as f64).ceil() as usize,
+    }
 }
 
 /// How many of so many batches are those of level `index` of `levels`, from 0: evenly spread.

@@ -9,6 +9,10 @@ use serde::{Deserialize, Serialize};
 pub struct SearchSettings {
     /// How hard. Default standard.
     pub effort: Effort,
+    /// Random starts of every order, shared among the levels; [`Effort::None`] has none. Default: as many as the effort says that a model
+    /// of its size affords, see [`crate::response::starts::batches`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub starts: Option<usize>,
     /// Orders m of the motions that are looked for, which last m periods of the force, ascending. Default: the model's
     /// `forcing.harmonic` alone. See [`crate::response::orders`].
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -28,6 +32,11 @@ pub enum Effort {
     Standard,
     /// The same, for 5000 folds at most and 16 times as many starts.
     Thorough,
+}
+
+impl SearchSettings {
+    /// Most random starts that can be asked for.
+    pub const MOST_STARTS: usize = 1_000_000;
 }
 
 impl Effort {

@@ -60,7 +60,7 @@ fn change(set: impl FnOnce(&mut Settings)) -> Settings {
 fn numerical_settings() {
     let model = parts().build().unwrap();
     let these = |numbers: &[usize]| ModeChoice::These(NumberList::new(numbers).unwrap());
-    let cases: [(Settings, &[&str]); 11] = [
+    let cases: [(Settings, &[&str]); 12] = [
         (change(|s| s.harmonics.samples = 32), &["harmonics.samples", "32", "10 harmonics", "at least 40"]),
         (change(|s| s.harmonics.count = 0), &["harmonics.count", "0", "1 to 400"]),
         (change(|s| s.backbone.modes = ModeChoice::one(3)), &["backbone.modes", "3", "modes 1 to 2"]),
@@ -72,6 +72,7 @@ fn numerical_settings() {
         (change(|s| s.frequency = FrequencySettings { min: Some(2.0), max: Some(1.0) }), &["frequency.max", "1", "2"]),
         (change(|s| s.continuation.max_step = f64::NAN), &["continuation.max_step", "NaN", "finite"]),
         (change(|s| s.continuation.min_cosine = 1.5), &["continuation.min_cosine", "1.5", "0 to below 1"]),
+        (change(|s| s.search.starts = Some(1_000_001)), &["search.starts", "1000001", "at most 1000000"]),
     ];
     for (settings, parts) in cases {
         let refused = Backbone::compute(&model, &settings).unwrap_err();
@@ -86,7 +87,7 @@ fn settings_that_do_not_fit_the_model() {
     let refused = Backbone::compute(&model, &low).unwrap_err();
     says(&refused.to_string(), &["backbone.max_frequency", "0.001", "mode 1 starts at"]);
 
-    let backbone = Backbone::compute(&model, &Settings::default()).unwrap();
+    let backbone = Backbone::compute(&model, &change(|s| s.backbone.max_points = 10)).unwrap();
     let inverted = change(|s| s.frequency.min = Some(1e6));
     let refused = Level::compute(&model, &inverted, &backbone, 1.0).unwrap_err();
     says(&refused.to_string(), &["frequency.min = 1000000", "the backbones end at", "frequency.max"]);
@@ -110,7 +111,7 @@ fn unknown_numerical_settings() {
 #[test]
 fn forcing_amplitudes() {
     let model = parts().build().unwrap();
-    let settings = Settings::default();
+    let settings = change(|s| s.backbone.max_points = 10);
     let backbone = Backbone::compute(&model, &settings).unwrap();
     for amplitude in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         let refused = Level::compute(&model, &settings, &backbone, amplitude).unwrap_err();

@@ -125,6 +125,8 @@ fn a_run_affords_as_many_starts_as_its_model_is_small() {
     assert!((1..8).contains(&few) && BATCH * many == 16384, "{few}, {many}");
     settings.search.effort = Effort::Thorough;
     assert_eq!(batches(&blade, &settings), 16 * few);
+    settings.search.starts = Some(100);
+    assert_eq!([&small, &blade].map(|model| batches(model, &settings)), [100_usize.div_ceil(BATCH); 2]);
     settings.search.effort = Effort::None;
     assert_eq!(batches(&blade, &settings), 0);
     for (batches, levels) in [(64, 7), (2, 7), (64, 1), (0, 3)] {
