@@ -1,5 +1,6 @@
 //! Bounds of the frequency that are probably not meant, and what lies between them.
 
+use super::small_motion;
 use super::units::frequency;
 use crate::study::Study;
 use results::overview::is_within;
@@ -109,13 +110,15 @@ fn flanks(study: &Study) -> Vec<String> {
     let resonances: Vec<_> =
         model.driven().into_iter().filter(|&j| rates[j] > 0.0).map(resonance).filter(is_sharp).collect();
     let told = |omega: f64| frequency(study, omega);
+    // Joints that stick, say, make others of small motions.
+    let alone = if small_motion::frequencies(study).is_some() { " (of the matrices alone)" } else { "" };
     let cut = |key: &str, bound: f64, outwards: f64| {
         let distance = |(_, omega, half): &(usize, f64, f64)| (bound - omega).abs() / half;
         let nearest = resonances.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
         let (j, omega, half) = *nearest;
         (distance(nearest) < FLANK).then(|| {
             format!(
-                "{key} = {} cuts through the resonance of mode {} at {}, {} of its half-widths from it: branches end on its \
+                "{key} = {} cuts through the resonance of mode {}{alone} at {}, {} of its half-widths from it: branches end on its \
                  flank, and their peaks may lie beyond; the bound at {} takes it in, at {} leaves it out",
                 told(bound),
                 j + 1,

@@ -7,24 +7,45 @@ use solver::settings::{BackboneEquation, Settings};
 use solver::structure::Model;
 use solver::structure::laws::{Law, LawKind};
 
-/// Of modes without any damping that the force drives, where no law takes energy either: responses at resonance have no bound.
+/// How much energy a law takes in a period, as its motion grows.
+#[derive(PartialEq, Eq, PartialOrd, Ord)]
+enum Takes {
+    Nothing,
+    /// As much as its largest force does: in proportion to the motion, as what a force of the size of A brings.
+    Bounded,
+    More,
+}
+
+impl Takes {
+    fn of(law: &LawKind) -> Self {
+        match (law, law.rigid()) {
+            (_, Some(contact)) if contact.friction.is_none() => Self::Nothing,
+            (LawKind::PenaltySpring(_) | LawKind::PolynomialSpring(_), _) => Self::Nothing,
+            (LawKind::Jenkins(_) | LawKind::TanhFriction(_), _) => Self::Bounded,
+            _ => Self::More,
+        }
+    }
+}
+
+/// Of modes without any damping that the force drives, where no law takes energy either, or only as much as dry friction does: responses
+/// at resonance have no bound, or none from some forcing on.
 pub(super) fn without(study: &Study) -> Option<String> {
     let model = &study.model;
-    let takes = |law: &LawKind| match (law, law.rigid()) {
-        (_, Some(contact)) => contact.friction.is_some(),
-        (LawKind::PenaltySpring(_) | LawKind::PolynomialSpring(_), _) => false,
-        _ => true,
+    let most = model.elements().iter().map(|element| Takes::of(&element.law)).max().unwrap_or(Takes::Nothing);
+    let why = match most {
+        Takes::Nothing => "no law takes energy: the linear response at RESONANCE has no bound",
+        Takes::Bounded => {
+            "dry friction takes no more than its limit lets it: from some forcing on the response at RESONANCE may have no bound"
+        }
+        Takes::More => return None,
     };
-    if model.elements().iter().any(|element| takes(&element.law)) {
-        return None;
-    }
     let bare: Vec<usize> = model.driven().into_iter().filter(|&mode| model.damping().rates()[mode] == 0.0).collect();
     let (have, their) = if bare.len() == 1 { ("has", "its") } else { ("have", "their") };
     (!bare.is_empty()).then(|| {
         format!(
-            "{} {have} no damping, and no law takes energy: the linear response at {their} resonance has no bound, and the search may \
-             not end; give some, as with damping.default_ratio = 1e-3",
-            words::modes(&bare)
+            "{} {have} no damping, and {}, and the search may not end; give some, as with damping.default_ratio = 1e-3",
+            words::modes(&bare),
+            why.replace("RESONANCE", &format!("{their} resonance"))
         )
     })
 }

@@ -8,6 +8,38 @@ fn with_law(law: &str) -> String {
     format!("{linear}[[laws]]\nname = \"spring\"\ndof = \"x\"\nlaw = {law}\n")
 }
 
+/// A joint that sticks shifts the resonance at 100 rad/s.
+#[test]
+fn bounds_on_the_flank_of_what_is_no_resonance_of_small_motions() {
+    let bounds = [("frequency.min", "90"), ("frequency.max", "100.5")];
+    let cuts = |law: &str| checked(&with_law(law), "0.3", &bounds).0.into_iter().find(|told| told.contains("cuts"));
+    let sticking = cuts("{ jenkins = { stiffness = 1e3, limit = 0.5 } }").unwrap();
+    assert!(
+        sticking.contains("cuts through the resonance of mode 1 (of the matrices alone) at 100 rad/s"),
+        "{sticking}"
+    );
+    let cubic = cuts("{ polynomial_spring = { terms = [{ power = 3, coefficient = 2e8 }] } }").unwrap();
+    assert!(cubic.contains("cuts through the resonance of mode 1 at 100 rad/s"), "{cubic}");
+}
+
+/// A force of amplitude A brings π A x a period at resonance, friction takes 4 F x: from A = 4 F/π on the motion grows for ever.
+#[test]
+fn dry_friction_alone_does_not_bound_a_resonance() {
+    let undamped = |law: &str| with_law(law).replace("1e-2 }]", "0 }]");
+    for law in ["{ jenkins = { stiffness = 50, limit = 0.5 } }", "{ tanh_friction = { limit = 0.5, velocity = 0.01 } }"]
+    {
+        let (warnings, text) = checked(&undamped(law), "0.3", &[]);
+        let told = "mode 1 has no damping, and dry friction takes no more than its limit lets it: from some forcing on the response at its \
+                    resonance may have no bound";
+        assert!(warnings.iter().any(|warning| warning.starts_with(told)), "{text}");
+        let (warnings, text) = checked(&with_law(law), "0.3", &[]);
+        assert!(!warnings.iter().any(|warning| warning.contains("no damping")), "{text}");
+    }
+    let (warnings, text) =
+        checked(&undamped("{ polynomial_damper = { terms = [{ power = 3, coefficient = 1 }] } }"), "0.3", &[]);
+    assert!(!warnings.iter().any(|warning| warning.contains("no damping")), "{text}");
+}
+
 /// ω = 100 rad/s and ζ = 1e-2: A = 0.2 makes 1 mm, and the damping takes 0.2 N; a cubic spring of 2e8 N/m³ takes as much there.
 #[test]
 fn laws_that_hardly_do_anything() {

@@ -1,6 +1,7 @@
 //! From which forcing amplitude to which an isola is there, where a fold curve tells it for sure.
 
 use super::folds::{CurveEvent, curve_events};
+use super::level::Level;
 use super::merges::{is_disturbed, next};
 use crate::store::{Crossing, CurvePoint, CurveRow};
 use solver::response::branch::{BranchKind, Stop};
@@ -26,7 +27,9 @@ pub fn lives(curves: &[CurveRow]) -> Vec<Life<'_>> {
         let Some(other) = other_end(curves, point, is_birth) else { continue };
         let (from, to) = if is_birth { (point, other) } else { (other, point) };
         let is_new = |known: &Life<'_>| !known.from.is_at(from) || !known.to.is_at(to);
-        if !is_disturbed(curves, &[from, to]) && !is_lost(curves, from, to) && found.iter().all(is_new) {
+        // What begins where branches merge is what ends only if nothing comes off it between.
+        let is_one = is_birth || !may_part(curves, from, to);
+        if is_one && !is_disturbed(curves, &[from, to]) && !is_lost(curves, from, to) && found.iter().all(is_new) {
             found.push(Life { from, to });
         }
     }
@@ -100,6 +103,28 @@ fn is_lost(curves: &[CurveRow], from: &CurvePoint, to: &CurvePoint) -> bool {
     let unfinished = curves.iter().filter(|curve| curve.is_unfinished);
     let mut ends = unfinished.flat_map(|curve| curve.points.first().into_iter().chain(curve.points.last()));
     ends.any(|end| (from.forcing..=to.forcing).contains(&end.forcing))
+}
+
+/// Whether a fold curve ends at a branch point between two forcing amplitudes: near there a branch joins another one, or parts from it, at
+/// a point that is on no fold curve.
+fn may_part(curves: &[CurveRow], from: &CurvePoint, to: &CurvePoint) -> bool {
+    let stop = Stop::Branching.to_string();
+    let ends = |curve: &CurveRow| {
+        let (first, last) = curve.status.strip_prefix("open: ")?.split_once(" to ")?;
+        let ends = [(first, curve.points.first()), (last, curve.points.last())];
+        let mut joined = ends.into_iter().filter(|(name, _)| *name == stop).filter_map(|(_, end)| end);
+        Some(joined.any(|end| from.forcing < end.forcing && end.forcing < to.forcing))
+    };
+    curves.iter().any(|curve| ends(curve).unwrap_or(false))
+}
+
+/// The isolas that begin where branches part, and are there at no level.
+pub fn parted_between<'c>(curves: &'c [CurveRow], levels: &[Level]) -> Vec<Life<'c>> {
+    let is_missed = |life: &Life<'_>| {
+        let is_there = |level: &Level| (life.from.forcing..=life.to.forcing).contains(&level.value);
+        life.from.event.as_deref() != Some(CriticalKind::Birth.name()) && !levels.iter().any(is_there)
+    };
+    lives(curves).into_iter().filter(is_missed).collect()
 }
 
 /// Where what is born, or dies, at a point ends, or begins: what comes first along its two edges. At levels between, both have to be
@@ -281,6 +306,25 @@ mod tests {
         let lost = |end| CurveRow { is_unfinished: true, ..curve(&[(0.5, ""), (end, "")]) };
         assert_eq!(told(&[merges.clone(), lost(3.0)]).len(), 0);
         assert_eq!(told(&[merges, lost(7.0)]).len(), 1);
+    }
+
+    #[test]
+    fn what_begins_where_branches_merge_may_come_apart() {
+        let parts = curve(&[(9.0, ""), (1.0, "merge"), (2.0, "death"), (0.5, "")]);
+        let ends_at = |forcing| CurveRow {
+            status: "open: forcing bound to branch point".into(),
+            ..curve(&[(9.0, ""), (0.5, "birth"), (forcing, "")])
+        };
+        assert_eq!(told(std::slice::from_ref(&parts)), [(1.0, 2.0)]);
+        for (forcing, expected) in [(1.5, 0), (0.9, 1), (2.5, 1)] {
+            assert_eq!(told(&[parts.clone(), ends_at(forcing)]).len(), expected, "{forcing}");
+        }
+        // It is told where no level is.
+        let missed = |values: &[f64]| {
+            let levels: Vec<Level> = values.iter().map(|value| Level { value: *value, ..Level::default() }).collect();
+            parted_between(std::slice::from_ref(&parts), &levels).len()
+        };
+        assert_eq!([missed(&[0.5, 3.0]), missed(&[0.5, 1.5, 3.0])], [1, 0]);
     }
 
     #[test]

@@ -45,6 +45,7 @@ pub use folds::{
 pub use largest_stable::{StableResponse, largest_stable, largest_stable_sentence, unstable_peak_sentence};
 pub use lesser::Lesser;
 pub use level::{Level, Seeds, UNTOUCHED, highest, is_untouched};
+pub use lives::parted_between;
 pub use looked_for::{LookedFor, has_joints};
 pub use merges::merge_verb;
 pub use near_largest::near_largest;

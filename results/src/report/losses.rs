@@ -150,16 +150,22 @@ fn unknown_events<'r>(evidence: &Evidence<'r>) -> (Vec<&'r CurvePoint>, Vec<&'r 
     let events = || evidence.curves.iter().flat_map(CurveRow::events);
     let is_unknown = |kind: &str| kind == CriticalKind::Unknown.name();
     // The same extremum may be known: what is unknown is not located to rounding.
-    let is_told = |place: &CurvePoint| {
+    let are_close = |one: &CurvePoint, other: &CurvePoint| {
         let is_close = |a: f64, b: f64| (a / b - 1.0).abs() < UNLOCATED;
-        let is_there =
-            |point: &CurvePoint| is_close(point.forcing, place.forcing) && is_close(point.omega, place.omega);
-        events().any(|(kind, point)| !is_unknown(kind) && is_there(point))
+        is_close(one.forcing, other.forcing) && is_close(one.omega, other.omega)
     };
-    let unknown = events().filter(|(kind, point)| is_unknown(kind) && !is_told(point)).map(|(_, point)| point);
+    let is_told = |place: &CurvePoint| events().any(|(kind, point)| !is_unknown(kind) && are_close(point, place));
+    let all = events().filter(|(kind, point)| is_unknown(kind) && !is_told(point)).map(|(_, point)| point);
+    // Several curves may come by one, as those of motions that are mirror images of each other do.
+    let mut unknown: Vec<&CurvePoint> = Vec::new();
+    for point in all {
+        if !unknown.iter().any(|known| are_close(known, point)) {
+            unknown.push(point);
+        }
+    }
     let values = || evidence.levels.iter().map(|level| level.value);
     let (low, high) = (values().fold(f64::INFINITY, f64::min), values().fold(0.0, f64::max));
-    unknown.partition(|point| (low..=high).contains(&point.forcing))
+    unknown.into_iter().partition(|point| (low..=high).contains(&point.forcing))
 }
 
 /// The same beyond the levels, in a sentence.

@@ -4,8 +4,8 @@ use super::evidence::Evidence;
 use super::losses::named;
 use crate::curves::BackboneCurve;
 use crate::overview::{
-    Level, Origin, beyond, born_between, events_of, forcing_label, is_within, later_birth, overlaps, told_threshold,
-    truncation_doubt,
+    Level, Origin, beyond, born_between, events_of, forcing_label, is_within, later_birth, overlaps, parted_between,
+    told_threshold, truncation_doubt,
 };
 use crate::store::CurvePoint;
 use crate::words::{self, count, frequency, in_both_units};
@@ -42,7 +42,13 @@ impl Evidence<'_> {
                 Some(birth) => {
                     format!("{none}, but along fold curves one is born just above the highest level, {}.", at(birth))
                 }
-                None => format!("{none}."),
+                None => match parted_between(self.curves, self.levels).first() {
+                    Some(life) => {
+                        let (from, to) = (forcing_label(life.from, 4), forcing_label(life.to, 4));
+                        format!("{none}, but along fold curves one is there between levels, from A = {from} to {to}.")
+                    }
+                    None => format!("{none}."),
+                },
             },
         }
     }
@@ -64,13 +70,18 @@ impl Evidence<'_> {
                 || own.any(|window| (window.points[0]..=window.points[1]).contains(&birth.index))
         };
         let births = births.filter(is_met);
-        let is_separate = |(backbone, birth): &(&BackboneCurve, &Event)| {
+        // The forcing from which on a window is one with what its piece of the backbone begins with.
+        let barrier = |(backbone, birth): &(&BackboneCurve, &Event)| {
             let piece = backbone.pieces.iter().find(|piece| piece.points.contains(&birth.index));
             let first = piece.map_or(0, |piece| piece.points.start);
-            let barrier = backbone.threshold.values[first..birth.index].iter().copied().fold(0.0, f64::max);
-            self.levels.iter().any(|level| (birth.threshold..barrier).contains(&level.value))
+            backbone.threshold.values[first..birth.index].iter().copied().fold(0.0, f64::max)
         };
-        let first = births.filter(is_separate).min_by(|(_, a), (_, b)| a.threshold.total_cmp(&b.threshold));
+        let is_separate = |birth: &(&BackboneCurve, &Event)| {
+            let apart = birth.1.threshold..barrier(birth);
+            self.levels.iter().any(|level| apart.contains(&level.value))
+        };
+        let (separate, others): (Vec<_>, Vec<_>) = births.partition(is_separate);
+        let first = separate.into_iter().min_by(|(_, a), (_, b)| a.threshold.total_cmp(&b.threshold));
         let Some((backbone, birth)) = first else {
             return if self.with_isolas().next().is_some() {
                 format!("; the energy balance of {mode} has no birth of theirs{}", self.found_otherwise())
@@ -90,8 +101,18 @@ impl Evidence<'_> {
                  nonlinear forces feed in as much energy as the damping takes"
             );
         }
-        let threshold = told_threshold(birth.threshold, self.levels.iter().map(|level| level.value));
-        format!("; the energy balance of {mode} predicts separate responses from A = {threshold} on, near {near}")
+        let told = |threshold: f64| told_threshold(threshold, self.levels.iter().map(|level| level.value));
+        let threshold = told(birth.threshold);
+        // Windows that are born and merge between levels, or below them, are seen at none.
+        let earlier = others.into_iter().filter(|other| other.1.threshold < birth.threshold.min(barrier(other)));
+        let earliest = earlier.min_by(|(_, a), (_, b)| a.threshold.total_cmp(&b.threshold));
+        let earlier = earliest.map_or_else(String::new, |earliest| {
+            let (from, to) = (told(earliest.1.threshold), told(barrier(&earliest)));
+            format!(" and already from A = {from} to {to}, where the run has no level")
+        });
+        format!(
+            "; the energy balance of {mode} predicts separate responses from A = {threshold} on, near {near}{earlier}"
+        )
     }
 
     /// Births and merges of the energy balance among the levels, which is an estimate of what fold curves compute.

@@ -65,7 +65,7 @@ impl Evidence<'_> {
             return (!self.pushes.is_empty()).then(|| "No push that leads to an isola was found.".into());
         };
         Some(format!(
-            "Of the pushes looked for, one frequency an isola, the one found with least energy to lead from the main motion to an \
+            "Of the pushes looked for, one frequency an isola, the one found with least energy to lead to an \
              isola leads to {} of A = {} at {}: {}.",
             push.branch,
             push.forcing,

@@ -11,6 +11,9 @@ const NAMED: usize = 4;
 /// Digits of energies, impulses and velocities: they are bisected to 1 %.
 const DIGITS: i32 = 3;
 
+/// Where pushes begin.
+const START: &str = "from the stable motion of the main branch or, where it has none, from that which rest leads to";
+
 /// What is known of every isola that was pushed onto, alike ones in one sentence; `monitors`: names of the monitored dofs.
 pub(crate) fn sentences(pushes: &[PushRow], monitors: &[String], units: Units) -> Vec<String> {
     let of_one = |a: &PushRow, b: &PushRow| a.forcing == b.forcing && a.branch == b.branch;
@@ -71,11 +74,11 @@ fn smallest(found: &[(&[PushRow], &PushRow, String)], monitors: &[String]) -> Op
     let list: Vec<String> = found.iter().map(told).collect();
     let begins = match list.len() {
         0 => return None,
-        1 => "Smallest push found from the main motion that ends on",
-        _ => "Smallest pushes found from main motions, one isola each that they end on:",
+        1 => "Smallest push found that ends on",
+        _ => "Smallest pushes found, one isola each that they end on:",
     };
     Some(format!(
-        "{begins} {}. Tried were pushes in {}, at one frequency an isola, the middle of its stable part.",
+        "{begins} {}. Tried were pushes in {}, {START}, at one frequency an isola, the middle of its stable part.",
         list.join("; "),
         crate::words::modes(&tried)
     ))
@@ -144,14 +147,14 @@ mod tests {
         let said = told(&[row(1, Some(4.66), None), row(2, None, None), row(3, Some(8.0), None)]);
         assert_eq!(
             said,
-            "Smallest push found from the main motion that ends on isola 1 at A = 60 and 2665.46 rad/s: 5.43 J, all dofs at once in the shape \
+            "Smallest push found that ends on isola 1 at A = 60 and 2665.46 rad/s: 5.43 J, all dofs at once in the shape \
              of mode 1, +2.33 m/s at tip (what +4.66 N s at that dof put into the mode), 0.25 of a period of the motion after an instant at which the force is largest. Tried were pushes in \
-             modes 1 to 3, at one frequency an isola, the middle of its stable part."
+             modes 1 to 3, from the stable motion of the main branch or, where it has none, from that which rest leads to, at one frequency an isola, the middle of its stable part."
         );
         let doubtful = PushRow { confirmed: Some(false), ..row(1, Some(4.66), None) };
         assert!(
             told(&[doubtful])
-                .contains(" is largest (not confirmed by longer marching). Tried were pushes in mode 1, at")
+                .contains(" is largest (not confirmed by longer marching). Tried were pushes in mode 1, from")
         );
     }
 
@@ -159,9 +162,10 @@ mod tests {
     fn what_several_isolas_have_in_common_is_said_once() {
         let other = |row: PushRow| PushRow { forcing: "80".into(), ..row };
         let said = told(&[row(1, Some(4.66), None), other(row(1, Some(5.0), None)), other(row(2, None, None))]);
-        let begins = "Smallest pushes found from main motions, one isola each that they end on: isola 1 at A = 60 and 2665.46 rad/s: 5.43 J, ";
+        let begins =
+            "Smallest pushes found, one isola each that they end on: isola 1 at A = 60 and 2665.46 rad/s: 5.43 J, ";
         assert!(said.starts_with(begins) && said.contains("; isola 1 at A = 80 and 2665.46 rad/s: 6.25 J, "), "{said}");
-        assert_eq!(said.matches("Tried were pushes in modes 1 and 2, at one frequency an isola").count(), 1, "{said}");
+        assert_eq!(said.matches("Tried were pushes in modes 1 and 2, from the stable motion").count(), 1, "{said}");
         assert_eq!(
             told(&[row(1, None, None), other(row(1, None, None))]),
             "No push was found that ends on isola 1 at A = 60 and 2665.46 rad/s (mode 1 up to 9 N s at tip) and isola 1 at A = 80 and \

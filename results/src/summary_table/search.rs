@@ -4,7 +4,8 @@ use super::known::Known;
 use super::units::FrequencyUnit;
 use crate::overview::{
     BranchRow, Excitation, Level, LookedFor, Predicted, SmallestMotion, between_levels, born_above, born_below,
-    born_between, has_joints, level_between, levels_after, told_threshold, truncation_doubt, why_no_folds,
+    born_between, has_joints, level_between, levels_after, parted_between, told_threshold, truncation_doubt,
+    why_no_folds,
 };
 use crate::store::{CurvePoint, CurveRow};
 use crate::words::{digits, listed, more_ranges};
@@ -63,7 +64,10 @@ pub(super) fn no_isola(known: &Known, unit: FrequencyUnit) -> Option<String> {
     let backbones: Vec<&Backbone> = known.backbones.iter().filter_map(|(_, backbone)| backbone.as_ref()).collect();
     let elsewhere = match born(levels, &known.curves, known.bounds()) {
         // What was computed tells more than an estimate.
-        born if born.is_empty() => predicted(&between_levels(&backbones, levels, known.bounds()), levels, unit),
+        born if born.is_empty() => match parted(levels, &known.curves) {
+            parted if parted.is_empty() => predicted(&between_levels(&backbones, levels, known.bounds()), levels, unit),
+            parted => parted,
+        },
         born => born,
     };
     let only = match settings.search.effort {
@@ -119,6 +123,23 @@ fn born(levels: &[Level], curves: &[CurveRow], bounds: FrequencySettings) -> Str
         list => format!(": isola extend RUN --amplitudes {} computes levels there", list.join(",")),
     };
     format!(" at {} ({what}{}{how})", these(levels), truncation_doubt(&births))
+}
+
+/// Isolas that are there between levels alone and begin where branches part, and how to look at them: what follows "no isola was found".
+fn parted(levels: &[Level], curves: &[CurveRow]) -> String {
+    let lives = parted_between(curves, levels);
+    let Some(first) = lives.first() else { return String::new() };
+    let [from, to] = [first.from.forcing, first.to.forcing];
+    let more = if lives.len() > 1 { format!(", and {} more elsewhere", lives.len() - 1) } else { String::new() };
+    let level = level_between(from, to)
+        .map_or_else(String::new, |level| format!(": isola extend RUN --amplitudes {level} computes a level there"));
+    format!(
+        " at {} (along fold curves one is there from A = {} to {}{more}{}{level})",
+        these(levels),
+        digits(from, BIRTH_DIGITS),
+        digits(to, BIRTH_DIGITS),
+        truncation_doubt(&[first.from, first.to])
+    )
 }
 
 /// What is predicted where there is no level, and how to look at it: what follows "no isola was found".
@@ -183,6 +204,28 @@ mod tests {
         for other in [told("cut", (2.5, 3.0)), told("branched", (1.5, 2.5))] {
             assert!(other.contains(": isola extend RUN --amplitudes "), "{other}");
         }
+    }
+
+    #[test]
+    fn what_parts_between_levels_is_told() {
+        let point = |(forcing, event): (f64, &str)| CurvePoint {
+            forcing,
+            omega: 1.0 + forcing,
+            event: (!event.is_empty()).then(|| event.into()),
+            ..CurvePoint::default()
+        };
+        let points = [(9.0, ""), (1.0, "merge"), (2.0, "death"), (0.5, "")].map(point).to_vec();
+        let curves = [CurveRow { points, ..CurveRow::default() }];
+        let told = |values: &[f64]| {
+            let level = |value: &f64| Level { amplitude: value.to_string(), value: *value, ..Level::default() };
+            parted(&values.iter().map(level).collect::<Vec<_>>(), &curves)
+        };
+        assert_eq!(
+            told(&[0.7, 3.0]),
+            " at these levels (along fold curves one is there from A = 1 to 2, not confirmed with twice the harmonics: isola extend RUN \
+             --amplitudes 1.5 computes a level there)"
+        );
+        assert_eq!(told(&[0.7, 1.5]), "");
     }
 
     #[test]

@@ -79,7 +79,7 @@ pub struct System<'m> {
     pub unknown: Unknown,
     /// Scales of the unknowns.
     pub scales: Scales,
-    /// Whether with a motion its mirror image, half a period of the forcing later, is a solution as well: all laws are odd.
+    /// Whether with a motion its mirror image, half a period of the forcing later, is a solution as well: see [`Model::is_odd`].
     pub is_symmetric: bool,
 }
 

@@ -42,7 +42,7 @@ pub fn apart(model: &Model, omega: f64, a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// The states from which an orbit and what is the same motion start at the same phase of the forcing: itself; where the response has
-/// a multiple of the period of the forcing, delayed by parts of its own; and where all laws are odd, mirrored half a period of
+/// a multiple of the period of the forcing, delayed by parts of its own; and where the structure is odd, mirrored half a period of
 /// the forcing later.
 ///
 /// # Errors

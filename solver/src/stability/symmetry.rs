@@ -11,7 +11,7 @@ use std::f64::consts::{PI, TAU};
 const ANOTHER: f64 = 1e-3;
 
 /// Whether a path of modal displacements, at instants that are a `share` of the period apart (the last one perhaps less before the
-/// end), has another image where the motion of the balance is its own: some periods of the forcing later, or, where all laws are odd,
+/// end), has another image where the motion of the balance is its own: some periods of the forcing later, or, where the structure is odd,
 /// half of one more and mirrored.
 pub(super) fn is_lost(model: &Model, state: &State, path: &[f64], share: f64) -> bool {
     let (n, harmonics) = (state.modal.len() / (2 * state.harmonics + 1), state.harmonics);

@@ -168,11 +168,6 @@ pub struct ContactElement<'m> {
 }
 
 impl Model {
-    /// Whether with a motion its mirror image, half a period of the forcing later, is one as well: all laws are odd.
-    pub fn is_odd(&self) -> bool {
-        self.elements().iter().all(|element| element.law.is_odd())
-    }
-
     /// The same structure with its force on another harmonic of the motion, from 1.
     #[must_use]
     pub(crate) fn with_force_on(&self, harmonic: usize) -> Self {

@@ -75,6 +75,24 @@ fn sorted(mut direction: Direction) -> Direction {
 }
 
 impl Model {
+    /// Whether with a motion its mirror image, half a period of the forcing later, is one as well: every law is odd, or has one that is the
+    /// same and acts the other way, as stops with the same gap on both sides do.
+    pub fn is_odd(&self) -> bool {
+        let one_sided: Vec<&Element> = self.elements().iter().filter(|element| !element.law.is_odd()).collect();
+        let mut taken = vec![false; one_sided.len()];
+        one_sided.iter().all(|element| {
+            let channels: Vec<Direction> = element.channels.iter().map(|channel| sorted(channel.clone())).collect();
+            let is_opposite = |other: &Element| {
+                let turned = |(own, other): (&Direction, &Direction)| is_same(own, other, -1.0);
+                other.law == element.law
+                    && channels.len() == other.channels.len()
+                    && channels.iter().zip(&other.channels).all(turned)
+            };
+            let found = (0..one_sided.len()).find(|&i| !taken[i] && is_opposite(one_sided[i]));
+            found.inspect(|&i| taken[i] = true).is_some()
+        })
+    }
+
     /// Exchanges of dofs that leave matrices, forcing and laws as they are, other than leaving all in place; not all where there are
     /// very many.
     pub fn exchanges(&self) -> Vec<Exchange> {
@@ -180,7 +198,7 @@ impl Search<'_> {
 mod tests {
     use super::*;
     use crate::structure::ModelBuilder;
-    use crate::structure::laws::{PolynomialSpring, Term};
+    use crate::structure::laws::{PenaltySpring, PolynomialSpring, Term};
 
     fn ring(count: usize, force: &[f64]) -> ModelBuilder {
         let coupling = |i: usize, j: usize| match i.abs_diff(j) {
@@ -194,6 +212,31 @@ mod tests {
             .damping_ratio(0.01)
             .force_shape(force.to_vec())
             .monitor(0)
+    }
+
+    #[test]
+    fn one_sided_laws_are_odd_in_pairs() {
+        let model = |stops: &[(f64, f64)]| {
+            let masses =
+                Model::builder("stops").mass(Matrix::diagonal(&[1.0, 1.0])).stiffness(Matrix::diagonal(&[1.0, 1.0]));
+            let model = masses.damping_ratio(0.01).force_shape(vec![1.0, 0.0]).monitor(0);
+            let model = stops.iter().enumerate().fold(model, |model, (i, &(side, gap))| {
+                let stop = PenaltySpring { stiffness: 3.0, gap };
+                model.element(format!("stop {i}"), stop, [vec![(1, -side), (0, side)]])
+            });
+            model.element("spring", spring(3, 1.0), [vec![(0, 1.0)]]).build().unwrap()
+        };
+        for odd in [&[][..], &[(1.0, 0.1), (-1.0, 0.1)], &[(1.0, 0.1), (-1.0, 0.2), (1.0, 0.2), (-1.0, 0.1)]] {
+            assert!(model(odd).is_odd(), "{odd:?}");
+        }
+        for other in [
+            &[(1.0, 0.1)][..],
+            &[(1.0, 0.1), (-1.0, 0.2)],
+            &[(1.0, 0.1), (1.0, 0.1), (-1.0, 0.1)],
+            &[(1.0, 0.1), (-2.0, 0.1)],
+        ] {
+            assert!(!model(other).is_odd(), "{other:?}");
+        }
     }
 
     fn spring(power: u32, coefficient: f64) -> PolynomialSpring {

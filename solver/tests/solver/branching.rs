@@ -19,6 +19,8 @@ const RATIO: f64 = 0.02;
 const SAMPLES: usize = 40_000;
 /// Relative difference of frequencies: the branches have as many harmonics as the settings say, the multipliers all.
 const CLOSE: f64 = 1e-5;
+/// The same where stiffness jumps between samples: a period has 40,000.
+const JUMPS: f64 = 3e-5;
 
 /// A mass of 1 kg on a spring of 1 N/m, driven at a multiple of the frequency of its response.
 fn mass(harmonic: usize) -> ModelBuilder {
@@ -78,9 +80,9 @@ fn passages(case: &Case<'_>, branch: &Branch) -> Vec<f64> {
 }
 
 /// A branch leads from one of these frequencies to the other, and no farther.
-fn assert_between(branch: &Branch, ends: &[f64]) {
+fn assert_between(branch: &Branch, ends: &[f64], close: f64) {
     let (low, high) = branch.frequency_range();
-    let is_close = |a: f64, b: f64| (a / b - 1.0).abs() < CLOSE;
+    let is_close = |a: f64, b: f64| (a / b - 1.0).abs() < close;
     assert_eq!(branch.kind, Kind::Branched);
     assert_eq!(branch.outcome, Outcome::Open(Stop::Branching, Stop::Branching));
     assert_eq!(branch.peak_standing(), Standing::At);
@@ -100,7 +102,7 @@ fn a_period_doubled_branch_goes_from_one_multiplier_of_minus_one_to_the_other() 
     assert!(mains.len() == 1 && branched.len() == 1 && level.len() == 2, "{level:#?}");
     let (main, branched) = (&mains[0].branch, &branched[0].branch);
     let case = Case { study: &study, slope: |x| if x > 0.5 { 2.0 } else { 0.0 }, multiplier: -1.0 };
-    assert_between(branched, &passages(&case, main));
+    assert_between(branched, &passages(&case, main), CLOSE);
     // It is what the structure moves by: several times as much as the motions that it branches off.
     assert!(branched.peak().amplitude() > 5.0 * main.peak().amplitude(), "{level:#?}");
 }
@@ -139,17 +141,32 @@ fn asymmetric_motions_of_a_symmetric_structure_branch_off_where_symmetric_ones_l
     let spring = PolynomialSpring { terms: vec![Term { power: 3, coefficient: 1.0 }] };
     let model = mass(1).element("spring", spring, [vec![(0, 1.0)]]).build().unwrap();
     let study = Study::of_modes(model, settings(21, 0.8, 1.4));
-    let level = study.level(5.0);
+    asymmetric_motions_branch_off(&study, |x| 3.0 * x * x, 5.0, CLOSE);
+}
+
+/// Two stops on either side are symmetric as well, though none of them is.
+#[test]
+fn asymmetric_motions_between_two_stops_branch_off_where_symmetric_ones_lose_their_stability() {
+    let stop = PenaltySpring { stiffness: 9.0, gap: 0.5 };
+    let model = mass(1).element("right", stop.clone(), [vec![(0, 1.0)]]).element("left", stop, [vec![(0, -1.0)]]);
+    let study = Study::of_modes(model.build().unwrap(), settings(21, 0.7, 2.2));
+    asymmetric_motions_branch_off(&study, |x| if x.abs() > 0.5 { 9.0 } else { 0.0 }, 3.0, JUMPS);
+}
+
+/// Random starts lead to motions of one branch that goes from one multiplier of 1 over half the period to the other.
+fn asymmetric_motions_branch_off(study: &Study, slope: fn(f64) -> f64, forcing: f64, close: f64) {
+    let level = study.level(forcing);
     let main = &of_kind(&level, Kind::Main)[0].branch;
-    let mut forced = forced(&study, 5.0);
-    let ends = passages(&Case { study: &study, slope: |x| 3.0 * x * x, multiplier: 1.0 }, main);
+    let mut forced = forced(study, forcing);
+    let ends = passages(&Case { study, slope, multiplier: 1.0 }, main);
     let mut found = 0;
     for batch in 0..32 {
         for state in
             land(&mut forced, &StartPlace::random(batch)).unwrap_or_default().iter().map(|landing| &landing.state)
         {
             if found < 8 && !forced.lies_on(state, main) {
-                assert_between(&forced.branch_through(state, &mut |_| ControlFlow::Continue(())).unwrap(), &ends);
+                let branch = forced.branch_through(state, &mut |_| ControlFlow::Continue(())).unwrap();
+                assert_between(&branch, &ends, close);
                 found += 1;
             }
         }

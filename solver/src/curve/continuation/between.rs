@@ -20,8 +20,11 @@ const HALVINGS: usize = 4;
 /// What a probe leaves of the distance at most.
 const LEAVES: f64 = 0.8;
 
-/// Where no probe leads any nearer: what is left of the distance, as a share of what it was, if a motion is met that is its own image.
-/// Newton's method fails next to it.
+/// Distance, relative to the motion, in images that are the same, from which on Newton's method may not get any nearer.
+const NEXT_TO: f64 = 10.0;
+
+/// Where no probe converges: what is left of the distance, as a share of what it was, if a motion is met that is its own image. Newton's
+/// method fails next to it.
 const LEFT: f64 = 1e-2;
 
 impl<P: Problem> Continuation<'_, P> {
@@ -29,8 +32,9 @@ impl<P: Problem> Continuation<'_, P> {
     pub(super) fn meets_own_image(&mut self, from: &CurvePoint, to: &CurvePoint, index: usize) -> bool {
         let [first, beyond] = [from, to].map(|point| distance(self.problem, &point.y, index));
         let (mut at, mut left, mut ahead) = (from.clone(), first, self.step * first / (first + beyond));
+        let mut comes_no_nearer = false;
         for _ in 0..PROBES {
-            if left <= SAME_IMAGE * norm(self.problem.motion_metric(), &at.y) {
+            if left <= NEXT_TO * SAME_IMAGE * norm(self.problem.motion_metric(), &at.y) {
                 return true;
             }
             let nearer = (0..HALVINGS).find_map(|halvings| {
@@ -38,12 +42,13 @@ impl<P: Problem> Continuation<'_, P> {
                 let next = distance(self.problem, &point.y, index);
                 let is_on_curve = self.problem.are_neighbours(&at.y, &point.y)
                     && Side::of(self.problem, &at.y, &point.y) == Side::Same;
+                comes_no_nearer |= is_on_curve && next >= LEAVES * left;
                 (is_on_curve && next < LEAVES * left).then_some((point, next))
             });
             let Some((point, next)) = nearer else { break };
             ahead = point.step * next / (left - next);
-            (at, left) = (point, next);
+            (at, left, comes_no_nearer) = (point, next, false);
         }
-        left < LEFT * first
+        left < LEFT * first && !comes_no_nearer
     }
 }

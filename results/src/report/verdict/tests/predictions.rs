@@ -145,6 +145,28 @@ fn the_first_prediction_of_all_modes_is_told() {
     assert!(onset.contains(predicted), "{onset}");
 }
 
+/// From which forcing on there may be isolas: also where a window is one with the main response's at all levels.
+#[test]
+fn windows_that_no_level_sees_apart_are_told() {
+    let study = crate::fixture::Study::damper();
+    let mut curve = BackboneCurve::new(&study.backbone, &study.model);
+    let birth = |threshold, index| Event { kind: EventKind::Birth, threshold, index, ..curve.events[0] };
+    let births = vec![birth(0.003, 20), birth(0.004, 40)];
+    curve.threshold.values.fill(0.0);
+    (curve.threshold.values[10], curve.threshold.values[30]) = (0.0055, 0.01);
+    let onset = |births: &[Event]| {
+        let further = [BackboneCurve { mode: 1, events: births.to_vec(), ..curve.clone() }];
+        let levels = [level(0.006, vec![main(1e-3)])];
+        let [_, onset, _] = told(&levels, |evidence| evidence.further = &further);
+        onset
+    };
+    let said = onset(&births);
+    assert!(said.contains("predicts separate responses from A = 0.004 on, near "), "{said}");
+    assert!(said.contains(" and already from A = 0.003 to 0.0055, where the run has no level"), "{said}");
+    let said = onset(&births[1..]);
+    assert!(said.contains("from A = 0.004 on") && !said.contains("already"), "{said}");
+}
+
 /// Births and merges that the balance has between the levels stand beside what fold curves compute, as estimates.
 #[test]
 fn what_the_balance_predicts_between_levels_is_told() {

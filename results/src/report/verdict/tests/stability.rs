@@ -133,7 +133,7 @@ fn the_push_of_least_energy_is_told_with_its_isola() {
         evidence.pushes = &pushes;
         evidence.structure.monitors = vec!["sink".into(), "machine".into()];
     });
-    let least = "Of the pushes looked for, one frequency an isola, the one found with least energy to lead from the main motion to an \
+    let least = "Of the pushes looked for, one frequency an isola, the one found with least energy to lead to an \
                  isola leads to isola 1 of A = 2 at 58.6 rad/s (9.326 Hz): 0.05 J, all dofs at once in the shape of mode 2, +0.05 m/s at \
                  machine (what +2 N s at that dof put into the mode).";
     assert!(danger.contains(least), "{danger}");
