@@ -1,11 +1,8 @@
 //! Closed curves that pass through main branches, where motions lose a symmetry of the structure that nobody tells the solver.
 
 use crate::support::ring::{quiet, reach, ring, within};
+use crate::support::starts::branches_from_starts;
 use solver::response::branch::{BranchKind, BranchPoint, Side};
-use solver::response::name::BranchId;
-use solver::response::starts::{StartPlace, land};
-use solver::response::task::{Task, TaskResult};
-use solver::response::trace::{Given, execute};
 use solver::{Branch, Forced, State};
 
 /// Batches of random starts.
@@ -31,18 +28,7 @@ fn closed_curves_through_a_main_branch_branch_off_it() {
     let mut forced = Forced::new(&model, &settings, reach(), 0.02);
     let main = forced.main_branch(Side::Below, &mut quiet).unwrap();
     assert_eq!(main.kind, BranchKind::Main);
-    let mut found = vec![(BranchId::new(BranchKind::Main, 0), main)];
-    for batch in 0..BATCHES {
-        let place = StartPlace::random(batch);
-        let Ok(landings) = land(&mut forced, &place) else { continue };
-        loop {
-            let known: Vec<(BranchId, &Branch)> = found.iter().map(|(id, branch)| (*id, branch)).collect();
-            let given = Given { landings: &landings, known: &known, ..Given::default() };
-            let begun = execute(&mut forced, &Task::Begin(place), &given, &mut quiet);
-            let Some(TaskResult::Branch(branch)) = begun else { break };
-            found.push((BranchId::new(branch.kind, found.len()), branch));
-        }
-    }
+    let mut found = branches_from_starts(&mut forced, main, BATCHES);
     let (_, main) = found.remove(0);
     let closed = found.iter().map(|(_, branch)| branch).filter(|branch| branch.is_closed());
     let told: Vec<(BranchKind, f64)> = closed.map(|branch| (branch.kind, apart(&forced, branch, &main))).collect();

@@ -1,15 +1,12 @@
 //! Motions of three periods of the forcing where they come next to the main branch without meeting it.
 
 use crate::support::ring::quiet;
+use crate::support::starts::branches_from_starts;
 use solver::laws::PenaltySpring;
 use solver::response::branch::{BranchKind, Side};
-use solver::response::name::BranchId;
-use solver::response::starts::{StartPlace, land};
-use solver::response::task::{Task, TaskResult};
-use solver::response::trace::{Given, execute};
 use solver::{Backbone, Branch, Forced, Matrix, Model, SearchRange, Settings, State};
 
-/// Batches of random starts; the first three lead to three isolas.
+/// Batches of random starts, which lead to three isolas.
 const BATCHES: usize = 6;
 
 /// Two masses, of which the one that the force acts on hits an elastic stop.
@@ -42,18 +39,8 @@ fn an_isola_that_nearly_touches_the_main_branch_is_closed() {
     (settings.frequency.min, settings.frequency.max) = (Some(58.0), Some(66.0));
     let range = SearchRange::new(&settings, &Backbone::compute(&model, &settings).unwrap()).unwrap();
     let mut forced = Forced::new(&model, &settings, range, 0.825);
-    let mut found = vec![(BranchId::new(BranchKind::Main, 0), forced.main_branch(Side::Below, &mut quiet).unwrap())];
-    for batch in 0..BATCHES {
-        let place = StartPlace::random(batch);
-        let Ok(landings) = land(&mut forced, &place) else { continue };
-        loop {
-            let known: Vec<(BranchId, &Branch)> = found.iter().map(|(id, branch)| (*id, branch)).collect();
-            let given = Given { landings: &landings, known: &known, ..Given::default() };
-            let begun = execute(&mut forced, &Task::Begin(place), &given, &mut quiet);
-            let Some(TaskResult::Branch(branch)) = begun else { break };
-            found.push((BranchId::new(branch.kind, found.len()), branch));
-        }
-    }
+    let main = forced.main_branch(Side::Below, &mut quiet).unwrap();
+    let found = branches_from_starts(&mut forced, main, BATCHES);
     let isolas: Vec<&Branch> = found[1..].iter().map(|(_, branch)| branch).collect();
     let told: Vec<_> = isolas.iter().map(|isola| (isola.kind, isola.outcome, isola.frequency_range())).collect();
     assert!(isolas.len() == 3 && isolas.iter().all(|isola| isola.kind == BranchKind::Isola), "{told:?}");

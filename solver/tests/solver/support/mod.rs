@@ -10,4 +10,5 @@ pub mod linear;
 pub mod march;
 pub mod messages;
 pub mod ring;
+pub mod starts;
 pub mod study;
