@@ -1,7 +1,6 @@
 //! Motions and their images: with every motion that has m periods of the forcing in its own, the same motion some periods of the
-//! forcing later is a response; where all laws are odd, or one-sided ones come in pairs, so is its mirror image, half a period later. Most
-//! motions are their own
-//! images; those that are not branch off them, or are isolas of their own.
+//! forcing later is a response; where all laws are odd, or one-sided ones come in pairs, so is its mirror image, half a period later.
+//! Most motions are their own images; those that are not branch off them, or are isolas of their own.
 
 use crate::curve::continuation::Continuation;
 use crate::curve::problem::{Problem, SAME_IMAGE, inner, norm};

@@ -20,7 +20,7 @@ const HALVINGS: usize = 4;
 /// What a probe leaves of the distance at most.
 const LEAVES: f64 = 0.8;
 
-/// Distance, relative to the motion, in images that are the same, from which on Newton's method may not get any nearer.
+/// Distance from an image, in those of motions that are their own, below which Newton's method may not get any nearer.
 const NEXT_TO: f64 = 10.0;
 
 /// Where no probe converges: what is left of the distance, as a share of what it was, if a motion is met that is its own image. Newton's
