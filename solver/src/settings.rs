@@ -104,7 +104,7 @@ pub struct BackboneSettings {
     pub max_amplitude: Option<f64>,
     /// Lowest frequency, rad/s. Default: a quarter of the mode's eigenfrequency.
     pub min_frequency: Option<f64>,
-    /// Highest frequency, rad/s. Default: four times the mode's eigenfrequency.
+    /// Highest frequency, rad/s. Default: four times the mode's eigenfrequency, and more where the forcing leads beyond.
     pub max_frequency: Option<f64>,
     /// Largest number of points. Default 6000.
     pub max_points: usize,

@@ -247,7 +247,9 @@ pub(super) const NUMERICS: &[Key] = &[
     Key {
         path: "backbone.max_frequency",
         kind: FREQUENCY,
-        default: Words("four times the eigenfrequency of the mode"),
+        default: Words(
+            "four times the eigenfrequency of the mode, and more where the threshold A* is below twice the largest forcing there",
+        ),
         unit: "rad/s",
         meaning: "Highest frequency, above min_frequency.",
         example: "9.5",

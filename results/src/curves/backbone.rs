@@ -3,7 +3,7 @@
 use super::column::{Column, Quantity};
 use crate::overview::SmallestMotion;
 use solver::formulation::harmonics::complex;
-use solver::response::backbone::{Backbone, BackbonePoint};
+use solver::response::backbone::{Backbone, BackboneEnd, BackbonePoint};
 use solver::response::branch::Outcome;
 use solver::response::columns;
 use solver::response::windows::{Event, EventKind, events};
@@ -32,6 +32,8 @@ pub struct BackboneCurve {
     pub pieces: Vec<Piece>,
     /// Whether as many of these are known as are followed: there may be more.
     pub is_crowded: bool,
+    /// Up to where its energy balance is known; `None` without a point.
+    pub end: Option<BackboneEnd>,
     /// Frequency. It, amplitudes and arc are NaN at the first point of every piece but one, where lines break.
     pub omega: Column,
     /// Decay rate.
@@ -143,17 +145,13 @@ impl BackboneCurve {
             peaks,
             pieces,
             is_crowded: backbone.is_crowded(),
+            end: backbone.end(),
         }
     }
 
     /// Whether other curves cross the one that grows out of the linear mode.
     pub fn is_crossed(&self) -> bool {
         self.pieces.len() > 1
-    }
-
-    /// Where the curve ends that grows out of the linear mode, by index; `None` without a point.
-    pub fn end(&self) -> Option<usize> {
-        self.pieces.first()?.points.end.checked_sub(1)
     }
 }
 

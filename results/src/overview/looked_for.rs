@@ -6,7 +6,7 @@ use super::level::Level;
 use super::modes;
 use crate::store::SearchCounts;
 use crate::words::{self, count, digits};
-use solver::response::backbone::MOST_CROSSING;
+use solver::response::backbone::{BackboneEnd, MOST_CROSSING};
 use solver::response::modes::ModesFollowed;
 use solver::structure::Model;
 use solver::structure::laws::LawKind;
@@ -16,8 +16,8 @@ use solver::structure::laws::LawKind;
 pub struct LookedFor<'r> {
     /// Levels by forcing amplitude.
     pub levels: &'r [Level],
-    /// Modes whose backbones are known, from 0, that of the primary mode first, each with the threshold A* where its backbone ends.
-    pub backbones: Vec<(usize, Option<f64>)>,
+    /// Modes whose backbones are known, from 0, that of the primary mode first, each with where its backbone ends.
+    pub backbones: Vec<(usize, Option<BackboneEnd>)>,
     /// Modes, from 0, whose backbones are crossed by as many curves as are followed, or more.
     pub crowded: Vec<usize>,
     /// Which modes were followed and which not, if that is known.
@@ -233,13 +233,18 @@ impl LookedFor<'_> {
         if list.len() > 1 { format!(" (than {} of the force)", list.join(", ")) } else { String::new() }
     }
 
-    /// Which backbones end, at bounds of theirs, before their threshold is beyond the levels: there are no windows beyond.
+    /// Which backbones end, at bounds of theirs or at branch points, before their threshold is beyond the levels: there are no windows
+    /// beyond.
     fn beyond_backbones(&self) -> String {
         let highest = self.levels.iter().map(|level| level.value).fold(0.0, f64::max);
-        let end = |&(mode, last): &(usize, Option<f64>)| {
-            let last = last.filter(|last| *last < highest)?;
-            let (mode, threshold) = (words::modes(&[mode]), digits(last, 3));
-            Some(format!("; the backbone of {mode} ends at A* = {threshold}, and no window beyond was looked for"))
+        let end = |&(mode, end): &(usize, Option<BackboneEnd>)| {
+            let end = end.filter(|end| end.threshold < highest)?;
+            let (mode, threshold) = (words::modes(&[mode]), digits(end.threshold, 3));
+            let place = match end.branch_point {
+                Some(omega) => format!("at a branch point near {}, beyond A* = {threshold}", words::frequency(omega)),
+                None => format!("at A* = {threshold}"),
+            };
+            Some(format!("; the backbone of {mode} ends {place}, and no window beyond was looked for"))
         };
         self.backbones.iter().filter_map(end).chain(self.across()).collect()
     }
@@ -335,7 +340,11 @@ mod tests {
         );
         told.search.fewest = 0;
         told.why_no_folds = Some("a law has a corner");
-        (told.backbones[0].1, told.crowded) = (Some(2.5), vec![1]);
+        let at_bound = BackboneEnd { threshold: 2.5, branch_point: None };
+        told.backbones = [(0, at_bound), (1, BackboneEnd { branch_point: Some(60.0), ..at_bound })]
+            .map(|(mode, end)| (mode, Some(end)))
+            .to_vec();
+        told.crowded = vec![1];
         let choice =
             ModesFollowed { followed: vec![0, 1], left_out: vec![(2, LeftOut::TooMany), (3, LeftOut::OutOfRange)] };
         told.modes = Some(&choice);
@@ -344,7 +353,8 @@ mod tests {
             "64 random starts (none at some levels)",
             "; not of mode 3 (more than are followed",
             "; folds were not followed (a law has a corner)",
-            "; the backbone of mode 1 ends at A* = 2.5, and no window beyond was looked for; of the curves that cross the backbone of mode 2, 8 \
+            "; the backbone of mode 1 ends at A* = 2.5, and no window beyond was looked for; the backbone of mode 2 ends at a branch point near \
+             60 rad/s (9.549 Hz), beyond A* = 2.5, and no window beyond was looked for; of the curves that cross the backbone of mode 2, 8 \
              were followed, and there may be more;",
         ] {
             assert!(said.contains(part), "{said}");

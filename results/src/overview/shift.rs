@@ -2,6 +2,7 @@
 
 use super::in_words;
 use super::level::Level;
+use solver::response::certificate::Standing;
 
 /// A relative change of a frequency that is not worth numbers.
 const NEGLIGIBLE: f64 = 1e-3;
@@ -24,10 +25,10 @@ impl Shift {
     }
 }
 
-/// The largest change in frequency of the peak between neighbouring levels of which all is known, up or down; `None` if there are no such
-/// levels.
+/// The largest change in frequency of the peak between neighbouring levels of which all is known, and the peak to be one, up or down; `None`
+/// if there are no such levels.
 pub fn shift(levels: &[Level]) -> Option<Shift> {
-    let shifts = levels.windows(2).filter(|pair| pair.iter().all(Level::is_known)).filter_map(|pair| {
+    let shifts = levels.windows(2).filter(|pair| pair.iter().all(has_known_peak)).filter_map(|pair| {
         let (a, b) = (pair[0].peak()?, pair[1].peak()?);
         let is_one = a.is_main() && b.is_main() || a.family.is_some() && a.family == b.family;
         Some(Shift {
@@ -39,12 +40,17 @@ pub fn shift(levels: &[Level]) -> Option<Shift> {
     shifts.max_by(|a, b| a.size().total_cmp(&b.size()))
 }
 
+/// Whether the largest response of a level is known, and no larger one beyond where it is.
+fn has_known_peak(level: &Level) -> bool {
+    level.is_known() && level.peak().is_none_or(|peak| peak.peak_standing != Some(Standing::AtLeast))
+}
+
 /// The same in a sentence, as far as levels of which all is known tell; `frequency` writes one, of rad/s.
 pub fn shift_sentence(levels: &[Level], frequency: impl Fn(f64) -> String) -> Option<String> {
     let shift = shift(levels)?;
     let Shift { amplitudes: (from, to), omega: (before, after), branches } = &shift;
     // Where a level is not known to its end the frequency there may be another one.
-    let of = if levels.iter().all(Level::is_known) { "" } else { ", of levels that are known to their ends," };
+    let of = if levels.iter().all(has_known_peak) { "" } else { ", of levels that are known to their ends," };
     if shift.size() < NEGLIGIBLE * after {
         let percent = 100.0 * NEGLIGIBLE;
         // Of some of the levels that says nothing.
@@ -89,5 +95,9 @@ mod tests {
         let same = [level("1", "main", 2.0), level("2", "main", 2.0001)];
         assert!(said(&same).unwrap().ends_with("changes by less than 0.1 %."));
         assert_eq!(said(&levels[..1]), None);
+        // What leaves through a bound growing has its largest response beyond.
+        let mut levels = levels;
+        levels[1].branches[1].peak_standing = Some(Standing::AtLeast);
+        assert_eq!(said(&levels), None);
     }
 }

@@ -84,10 +84,9 @@ impl<'r> Evidence<'r> {
 
     /// What was looked for and what was not.
     pub fn looked_for(&self) -> LookedFor<'_> {
-        let end = |backbone: &BackboneCurve| (backbone.mode, backbone.end().map(|end| backbone.threshold.values[end]));
         LookedFor {
             levels: self.levels,
-            backbones: self.backbones().map(end).collect(),
+            backbones: self.backbones().map(|backbone| (backbone.mode, backbone.end)).collect(),
             crowded: self.backbones().filter(|backbone| backbone.is_crowded).map(|backbone| backbone.mode).collect(),
             modes: self.modes,
             all_modes: self.structure.modes,

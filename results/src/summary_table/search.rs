@@ -25,8 +25,7 @@ const NAMED: usize = 3;
 pub(super) fn looked_for(known: &Known) -> Option<String> {
     let (model, settings) = (known.model.as_ref()?, known.settings.as_ref()?);
     let why = why_no_folds(model, settings);
-    let end =
-        |(mode, backbone): &(usize, Option<Backbone>)| (*mode, backbone.as_ref().and_then(Backbone::last_threshold));
+    let end = |(mode, backbone): &(usize, Option<Backbone>)| (*mode, backbone.as_ref().and_then(Backbone::end));
     let is_crowded = |(_, backbone): &&(usize, Option<Backbone>)| backbone.as_ref().is_some_and(Backbone::is_crowded);
     let looked_for = LookedFor {
         levels: known.levels(),

@@ -25,7 +25,7 @@ fn numbers(known: &Known, units: Units) -> Vec<String> {
     let is_at_least = known.shown().flat_map(|level| &level.branches).any(|row| !row.at_least().is_empty());
     let more = levels.len().saturating_sub(LEVELS);
     let is_untouched = model.is_some_and(|model| model.contacts().count() > 0) && is_untouched(levels);
-    let meaning = "≥: the branch is known up to there only, and may go on to larger responses.";
+    let meaning = "≥: the branch goes on beyond where it is known, maybe to larger responses.";
     let truncation =
         truncation_of(model, levels, known.settings.as_ref(), known.is_further, |omega| units.frequency.told(omega));
     (is_at_least.then(|| meaning.into()).into_iter())

@@ -6,14 +6,20 @@ mod compute;
 mod crossing;
 mod error;
 mod known;
+mod resumed;
+mod way;
 
 use crate::curve::extrema::turning_points;
-use crate::response::branch::{BranchPoint, Outcome};
+use crate::response::branch::{BranchPoint, Outcome, Stop};
 use crate::response::columns::{self, Row};
 use crate::response::melnikov::Energies;
 pub use crossing::MOST as MOST_CROSSING;
 pub use error::BackboneError;
 use serde::{Deserialize, Serialize};
+use std::iter;
+
+/// Share of a mode in a motion above which it leads there.
+const LEADS: f64 = 0.5;
 
 /// A point of the backbone.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -72,6 +78,15 @@ pub struct Backbone {
     pub rejections: usize,
 }
 
+/// Up to where the energy balance of a mode is known.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BackboneEnd {
+    /// Threshold A* where its backbone ends, or before the tongue in which it does.
+    pub threshold: f64,
+    /// Frequency of the branch point at which it ends, rad/s, if it does so.
+    pub branch_point: Option<f64>,
+}
+
 /// One backbone where several may be.
 impl AsRef<[Backbone]> for Backbone {
     fn as_ref(&self) -> &[Backbone] {
@@ -90,9 +105,24 @@ impl Backbone {
         self.points.chunk_by(|a, b| a.piece() == b.piece())
     }
 
-    /// The threshold A* where the first piece ends.
-    pub fn last_threshold(&self) -> Option<f64> {
-        Some(self.pieces().next()?.last()?.threshold())
+    /// Where the first piece ends, or if it does so at a branch point, the piece that goes to the largest motions.
+    pub fn end(&self) -> Option<BackboneEnd> {
+        let pieces = || iter::once(&self.outcome).chain(&self.crossing).zip(self.pieces());
+        let is_branching = |outcome: &Outcome| matches!(outcome, Outcome::Open(_, Stop::Branching));
+        let amplitude = |piece: &[BackbonePoint]| piece.iter().map(|p| p.point.amplitude()).fold(0.0, f64::max);
+        let (outcome, piece) = match pieces().next()? {
+            (outcome, _) if is_branching(outcome) => {
+                pieces().max_by(|(_, a), (_, b)| amplitude(a).total_cmp(&amplitude(b)))?
+            }
+            first => first,
+        };
+        let last = piece.last()?;
+        if !is_branching(outcome) {
+            return Some(BackboneEnd { threshold: last.threshold(), branch_point: None });
+        }
+        let leads = |point: &&BackbonePoint| point.contributions()[self.mode] > LEADS;
+        let threshold = piece.iter().filter(leads).map(BackbonePoint::threshold).fold(0.0, f64::max);
+        Some(BackboneEnd { threshold, branch_point: Some(last.point.omega()) })
     }
 
     /// Turning points of what has a value at every point (see [`turning_points`]), within pieces.

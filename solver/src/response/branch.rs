@@ -13,6 +13,9 @@ use std::ops::Range;
 /// Points that are as near as this, relative to themselves, have no distance that means anything.
 const ROUNDED: f64 = 1e-6;
 
+/// Share of the largest amplitude of a branch from which on that of another point is comparable to it.
+const COMPARABLE: f64 = 0.5;
+
 /// A periodic solution on a branch or on the backbone.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct BranchPoint {
@@ -239,8 +242,25 @@ impl Branch {
 
     /// Whether its amplitude is that of a maximum, or only as far as the branch is known.
     pub fn peak_standing(&self) -> Standing {
+        if self.rises_through_a_bound() {
+            return Standing::AtLeast;
+        }
         let end = self.end_at_peak().unwrap_or_else(|| self.peak_index());
         Standing::of_peak(&self.outcome, end, self.points.len())
+    }
+
+    /// Whether it leaves through a bound of the frequency growing, with an amplitude that is comparable to its largest one: not far beyond
+    /// it may be larger.
+    fn rises_through_a_bound(&self) -> bool {
+        let (Outcome::Open(first, last), [begin, next, .., before, end]) = (self.outcome, &self.points[..]) else {
+            return false;
+        };
+        let comparable = COMPARABLE * self.peak().amplitude();
+        [(first, begin, next), (last, end, before)].into_iter().any(|(stop, end, inner)| {
+            stop == Stop::FrequencyBound
+                && end.amplitude() > comparable
+                && end.amplitude() > inner.amplitude() * (1.0 + ROUNDED)
+        })
     }
 
     /// The end of an open branch whose point its peak is, but for rounding: the last step to a bound may be of no length.

@@ -7,7 +7,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Standing {
-    /// It is a maximum of a curve that is known from end to end, within the bounds that were given.
+    /// It is a maximum of a curve that is known from end to end, and does not leave through a bound that was given while it grows to
+    /// amplitudes comparable to that.
     At,
     /// It is only as far as the curve is known: the response may be larger.
     AtLeast,

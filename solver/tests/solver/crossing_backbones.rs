@@ -7,7 +7,7 @@ use solver::response::backbone::BackbonePoint;
 use solver::response::branch::{BranchPoint, Outcome, Stop};
 use solver::response::modes::Backbones;
 use solver::response::recheck::Recheck;
-use solver::settings::BackboneEquation;
+use solver::settings::{BackboneEquation, ModeChoice};
 use solver::{Backbone, Matrix, Model, ModelBuilder};
 use std::ops::ControlFlow;
 use std::sync::atomic::AtomicBool;
@@ -219,4 +219,60 @@ fn what_branches_off_ends_on_the_main_branch() {
     };
     let alike = points[2..points.len() - 2].iter().filter(|point| apart(point) < 1e-6).count();
     assert_eq!(alike, 0, "of {} points, {level:#?}", points.len());
+}
+
+/// Frame, rotor and pipe, with a stop between the latter two: the second harmonic of the first mode meets the third one. There the backbone
+/// ends in motions of that mode, at half of their frequency, and it begins anew on them elsewhere.
+#[test]
+fn a_backbone_goes_on_beyond_a_tongue() {
+    let spring = PolynomialSpring { terms: vec![Term { power: 3, coefficient: 4e7 }] };
+    let model = Model::builder("frame, rotor, pipe")
+        .dofs(["frame", "rotor", "pipe"])
+        .mass([[12.0, 0.0, 0.0], [0.0, 3.0, 0.0], [0.0, 0.0, 0.7]])
+        .stiffness([[60000.0, -12000.0, 0.0], [-12000.0, 21000.0, -3000.0], [0.0, -3000.0, 7000.0]])
+        .damping_ratio(0.006)
+        .force("rotor", 1.0)
+        .monitor("pipe")
+        .element("stop", PenaltySpring { stiffness: 25e3, gap: 1.5e-3 }, [[("rotor", 1.0), ("pipe", -1.0)]])
+        .element("cubic", spring, [[("frame", 1.0)]])
+        .build()
+        .unwrap();
+    let backbone = |mode: usize, harmonics: usize| {
+        let mut settings = with_harmonics(harmonics);
+        settings.backbone.modes = ModeChoice::one(mode);
+        Backbone::reaching(&model, &settings, 40.0, &mut |_| ControlFlow::Continue(())).unwrap()
+    };
+    let (first, third) = (backbone(1, 8), backbone(3, 4));
+    let pieces: Vec<&[BackbonePoint]> = first.pieces().collect();
+    let [begin, beyond, ..] = pieces[..] else { panic!("{:?}", first.outcome) };
+    assert_eq!(first.outcome, Outcome::Open(Stop::Start, Stop::Branching));
+    assert!(matches!(first.crossing[0], Outcome::Open(Stop::Branching, _)), "{:?}", first.crossing);
+    // At both ends of the tongue the motions are those of the third mode at twice the frequency, with half as many harmonics.
+    let alone = |omega: f64| {
+        let pair =
+            third.points.windows(2).find(|pair| (pair[0].point.omega() < omega) != (pair[1].point.omega() < omega));
+        let [a, b] = pair.unwrap() else { unreachable!() };
+        let share = (omega - a.point.omega()) / (b.point.omega() - a.point.omega());
+        a.point.amplitude() + share * (b.point.amplitude() - a.point.amplitude())
+    };
+    for end in [begin.last().unwrap(), &beyond[0]] {
+        let expected = alone(2.0 * end.point.omega());
+        // Interpolated between points, linearly.
+        assert!((end.point.amplitude() / expected - 1.0).abs() < 5e-3, "{} {expected}", end.point.amplitude());
+    }
+    // The largest response of the level is where the threshold is its forcing.
+    let settings = with_harmonics(8);
+    let level = Study { model: model.clone(), settings, backbones: vec![first.clone()] }.level(40.0);
+    let peak = of_kind(&level, Kind::Main).iter().map(|main| main.branch.peak().amplitude()).fold(0.0, f64::max);
+    let crossing = beyond.windows(2).find(|pair| pair[0].threshold() < 40.0 && pair[1].threshold() >= 40.0);
+    assert!(crossing.is_some_and(|pair| (pair[1].point.amplitude() / peak - 1.0).abs() < 0.05), "{peak}");
+    // Without forcing nothing is looked for beyond, and its balance is known up to the tongue.
+    let end = Backbone::compute(&model, &settings).unwrap().end().unwrap();
+    let before = begin.iter().filter(|point| point.contributions()[0] > 0.9).map(BackbonePoint::threshold);
+    assert!((end.threshold / before.fold(0.0, f64::max) - 1.0).abs() < 0.2, "{end:?}");
+    assert!(
+        end.branch_point.is_some_and(|omega| (omega - begin.last().unwrap().point.omega()).abs() < 1e-3),
+        "{end:?}"
+    );
+    assert!(first.end().unwrap().threshold > 80.0, "{:?}", first.end());
 }

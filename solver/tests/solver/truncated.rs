@@ -6,14 +6,19 @@ use solver::response::branch::{Outcome, Stop};
 use solver::response::certificate::{Change, Standing};
 use solver::{Branch, BranchPoint, Model};
 
-/// The main branch of x'' + 0.02 x' + x + x³ = A cos ωt, with superharmonic resonances.
+/// The main branch of x'' + 0.02 x' + x + x³ = 0.3 cos ωt, with superharmonic resonances.
 fn duffing(harmonics: usize) -> Branch {
+    main_branch(harmonics, 0.3, (0.15, 3.0))
+}
+
+/// The same of any forcing amplitude, within bounds of the frequency.
+fn main_branch(harmonics: usize, forcing: f64, (min, max): (f64, f64)) -> Branch {
     let spring = PolynomialSpring { terms: vec![Term { power: 3, coefficient: 1.0 }] };
     let model = Model::builder("duffing").mass([[1.0]]).stiffness([[1.0]]).damping_ratio(0.01).force(0, 1.0);
     let model = model.element("spring", spring, [vec![(0, 1.0)]]).build().unwrap();
     let mut settings = with_harmonics(harmonics);
-    (settings.frequency.min, settings.frequency.max) = (Some(0.15), Some(3.0));
-    let level = Study::of_modes(model, settings).level(0.3);
+    (settings.frequency.min, settings.frequency.max) = (Some(min), Some(max));
+    let level = Study::of_modes(model, settings).level(forcing);
     let [main] = &of_kind(&level, Kind::Main)[..] else { panic!("{level:#?}") };
     main.branch.clone()
 }
@@ -62,4 +67,19 @@ fn what_is_largest_at_an_end_but_for_rounding_is_no_maximum() {
     cut.points.reverse();
     cut.points.insert(0, cut.points[0].clone());
     assert_eq!((cut.peak_index(), cut.peak_standing()), (1, Standing::AtLeast));
+}
+
+/// A main branch that leaves through a bound of the frequency on its way to its resonance: a superharmonic one below is larger than what is
+/// within the bounds, and is not the largest there is.
+#[test]
+fn a_branch_that_leaves_growing_may_be_larger_beyond() {
+    let standing = |max: f64| {
+        let main = main_branch(7, 1.5, (0.4, max));
+        (main.outcome, main.peak().omega() < 0.7, main.peak_standing())
+    };
+    let (outcome, is_superharmonic, cut) = standing(1.2);
+    assert!(matches!(outcome, Outcome::Open(_, Stop::FrequencyBound)) && is_superharmonic, "{outcome}");
+    assert_eq!(cut, Standing::AtLeast);
+    let (_, is_superharmonic, known) = standing(12.0);
+    assert!(!is_superharmonic && known == Standing::At);
 }

@@ -64,7 +64,7 @@ fn a_cut_branch_is_called_so_everywhere() {
         assert!(widest <= usize::from(layout.width), "{table}");
         assert!(table.contains("cut: ") && table.matches('≥').count() == cuts.len() + 1, "{table}");
         let words = table.split_whitespace().collect::<Vec<_>>().join(" ");
-        let note = "¹ ends: frequency bound, amplitude bound; whether it is detached is not known ≥: the branch is known up to there only";
+        let note = "¹ ends: frequency bound, amplitude bound; whether it is detached is not known ≥: the branch goes on beyond where it is known";
         assert!(words.contains(note), "{table}");
         assert!(table.contains(if layout.units == Units::default() { "in m, " } else { "in mm, " }), "{table}");
         assert!(words.contains("No isola was found; what is cut or unfinished may be one."), "{table}");

@@ -10,6 +10,7 @@ use crate::report::evidence::Structure;
 use crate::store::{CurvePoint, CurveRow, Origin, PeakOrbit, SearchCounts, Stability, WindowOutcome, WindowRow};
 use crate::summary_table::Units;
 use protocol::to_everyone::Stage;
+use solver::response::backbone::BackboneEnd;
 use solver::response::branch::{Outcome, Standing, Stop};
 use solver::response::modes::{LeftOut, ModesFollowed};
 use solver::settings::FrequencySettings;
@@ -330,7 +331,7 @@ fn a_backbone_that_ends_among_the_levels() {
     let levels = [level(1.0, vec![main(1e-3)])];
     let mut short = BACKBONE.clone();
     for (end, is_short) in [(0.5, true), (2.0, false)] {
-        *short.threshold.values.last_mut().unwrap() = end;
+        short.end = Some(BackboneEnd { threshold: end, branch_point: None });
         let [danger, ..] = told(&levels, |evidence| evidence.backbone = Some(&short));
         let sentence = "; the backbone of mode 1 ends at A* = 0.5, and no window beyond was looked for";
         assert_eq!(danger.contains(sentence), is_short, "{danger}");

@@ -1,6 +1,7 @@
 //! A backbone from curves that were walked: extrema of its threshold located, every point evaluated.
 
-use super::crossing::{Way, curves_across};
+use super::crossing::curves_across;
+use super::way::Way;
 use super::{Backbone, BackbonePoint};
 use crate::curve::continuation::Continuation;
 use crate::curve::extrema::{insert_maxima, locate_maximum};

@@ -1,7 +1,7 @@
 //! Computing a backbone: where it begins, and how far it is followed.
 
-use super::crossing::{Rest, Way};
 use super::error::drifting;
+use super::way::{Rest, Way};
 use super::{Backbone, BackboneError, BackbonePoint};
 use crate::curve::continuation::Continuation;
 use crate::curve::problem::{Failure, norm};
@@ -26,6 +26,9 @@ const LARGER: [f64; 3] = [10.0, 100.0, 1000.0];
 /// Amplitude up to which a backbone is followed, reference lengths, unless the settings say so.
 const FOLLOWED: f64 = 8.0;
 
+/// Frequency up to which it is, over that of the mode, unless the settings say so; and its inverse, down to which.
+const SPAN: f64 = 4.0;
+
 /// How many times as far it is followed again where that is not far enough for the forcing, and how often.
 const FARTHER: (f64, usize) = (4.0, 5);
 
@@ -49,12 +52,13 @@ fn system<'m, F: Formulation<'m>>(
     F::build(model, settings.harmonics, settings.tracked(model), unknown, scales)
 }
 
-/// Bounds of a backbone that is followed up to so many reference lengths, unless the settings say otherwise.
+/// Bounds of a backbone that is followed up to so many reference lengths, and up to a frequency as far in proportion, unless the settings
+/// say otherwise.
 fn bounds(settings: &Settings, scales: &Scales, followed: f64) -> Bounds {
     let limits = &settings.backbone;
-    let omega = scales.frequency;
+    let (lowest, highest) = (scales.frequency / SPAN, scales.frequency * SPAN * (followed / FOLLOWED));
     Bounds {
-        frequency: (limits.min_frequency.unwrap_or(0.25 * omega), limits.max_frequency.unwrap_or(4.0 * omega)),
+        frequency: (limits.min_frequency.unwrap_or(lowest), limits.max_frequency.unwrap_or(highest)),
         amplitude: limits.max_amplitude.unwrap_or(followed * scales.length),
         points: limits.max_points,
         closes: false,
@@ -106,7 +110,7 @@ impl Backbone {
         let mut backbone = compute(followed)?;
         let (farther, times) = FARTHER;
         for _ in 0..times {
-            if settings.backbone.max_amplitude.is_some() || backbone.is_enough(forcing) {
+            if backbone.is_enough(settings, forcing) {
                 break;
             }
             followed *= farther;
@@ -252,17 +256,28 @@ impl Backbone {
         Ok(Self::with_crossing(problem, way, walked, observer))
     }
 
-    /// Whether no piece ends at the amplitude bound where its threshold is not beyond a forcing amplitude.
-    fn is_enough(&self, forcing: f64) -> bool {
-        let outcomes = iter::once(&self.outcome).chain(&self.crossing);
-        outcomes.zip(self.pieces()).all(|(outcome, piece)| {
-            let is_cut = |stop: Stop, end: Option<&BackbonePoint>| {
-                stop == Stop::AmplitudeBound && end.is_some_and(|end| end.threshold() <= ENOUGH * forcing)
+    /// Whether no piece ends at a bound that may be moved where its threshold is not beyond a forcing amplitude. At low frequencies the
+    /// threshold falls, and beyond frequencies that are not looked at it does not matter.
+    fn is_enough(&self, settings: &Settings, forcing: f64) -> bool {
+        let limits = &settings.backbone;
+        let own = self.points[0].point.omega();
+        let is_cut = |stop: Stop, end: &BackbonePoint| {
+            let omega = end.point.omega();
+            let is_fixed = match stop {
+                Stop::AmplitudeBound => limits.max_amplitude.is_some(),
+                Stop::FrequencyBound => {
+                    omega < own
+                        || limits.max_frequency.is_some()
+                        || settings.frequency.max.is_some_and(|max| omega > max)
+                }
+                _ => true,
             };
-            match *outcome {
-                Outcome::Open(first, last) => !is_cut(first, piece.first()) && !is_cut(last, piece.last()),
-                Outcome::Closed => true,
-            }
+            !is_fixed && end.threshold() <= ENOUGH * forcing
+        };
+        let outcomes = iter::once(&self.outcome).chain(&self.crossing);
+        outcomes.zip(self.pieces()).all(|(outcome, piece)| match (*outcome, piece) {
+            (Outcome::Open(first, last), [begin, .., end]) => !is_cut(first, begin) && !is_cut(last, end),
+            _ => true,
         })
     }
 }

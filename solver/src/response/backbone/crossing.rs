@@ -2,19 +2,18 @@
 //! points, and isolas grow about these as about the backbone itself.
 
 use super::known::Known;
+use super::resumed::beyond_tongues;
+use super::way::{FAR, Rest, Way};
 use crate::curve::continuation::{Continuation, CurvePoint};
 use crate::curve::extrema::Maximum;
 use crate::curve::point::unit;
-use crate::curve::problem::{Problem, inner, norm};
+use crate::curve::problem::norm;
 use crate::curve::switch::{Crossing, SIDES};
 use crate::curve::walk::{Bounds, TracedCurve, walk};
 use crate::formulation::Formulation;
 use crate::response::branch::{BranchPoint, Observer, Outcome, Stop, TracedPoint};
 use crate::response::branch_points::{Passed, branch_points};
-use crate::response::melnikov::Energies;
 use crate::response::symmetry::up_to_branch_point;
-use crate::settings::Settings;
-use std::f64::consts::PI;
 
 /// Most curves of interest that are followed beside a backbone.
 pub const MOST: usize = 8;
@@ -28,54 +27,9 @@ const FEWEST: usize = 3;
 /// Up to a least threshold of this many times the highest forcing amplitude branch points are of interest.
 const NEAR: f64 = 10.0;
 
-/// Up to a least threshold of this many times the highest forcing amplitude curves are followed from there.
-const FAR: f64 = 100.0;
-
 /// Nearer to the frequency of two modes than this, relative, nothing but rounding tells a branch point: all their small motions lie on
 /// curves.
 const DOUBLE: f64 = 1e-5;
-
-/// How curves of free motions are walked.
-pub(super) struct Way<'w> {
-    /// The settings.
-    pub settings: &'w Settings,
-    /// Where walks end.
-    pub bounds: Bounds,
-    /// Highest forcing amplitude that curves across are for.
-    pub forcing: f64,
-}
-
-/// Tells a walk that it has come to rest: on the other side are the same motions, half a period later.
-#[derive(Default)]
-pub(super) struct Rest {
-    before: Option<Vec<f64>>,
-}
-
-impl Rest {
-    /// Whether the next point of a walk is beyond.
-    pub fn is_passed<P: Problem>(&mut self, problem: &P, y: &[f64]) -> bool {
-        let before = self.before.replace(y.to_vec());
-        before.is_some_and(|before| inner(problem.motion_metric(), &before, y) < 0.0)
-    }
-}
-
-impl Way<'_> {
-    /// Threshold A* of a point.
-    fn threshold<'m, F: Formulation<'m>>(&self, problem: &mut F, at: &TracedPoint) -> f64 {
-        Energies::evaluate(problem, &at.curve.y, &at.point.state).threshold(self.settings.backbone.criterion)
-    }
-
-    /// Threshold A* of a point if the forcing did as much work as one of its size can: W/A = π m |s| |X|. On motions that cross each other
-    /// one and the same force may do very different work.
-    fn least_threshold<'m, F: Formulation<'m>>(&self, problem: &mut F, at: &TracedPoint) -> f64 {
-        let energies = Energies::evaluate(problem, &at.curve.y, &at.point.state);
-        let needed = energies.dissipated(self.settings.backbone.criterion);
-        let size = |values: &[f64]| values.iter().map(|value| value * value).sum::<f64>().sqrt();
-        let (modal, m) = (problem.modal(), problem.modal().harmonic() as f64);
-        let work = PI * m * size(modal.forcing()) * size(&at.point.state.modal);
-        needed / work
-    }
-}
 
 /// A branch point of a curve.
 struct Place {
@@ -85,17 +39,22 @@ struct Place {
     tangent: Vec<f64>,
 }
 
-/// The curves that cross `first` at its branch points, those that cross these, and so on, each from its branch point on. Of images of each
-/// other the first; those along which the force does enough work to be of interest.
+/// Where `first` goes on beyond tongues, the curves that cross it at its branch points, those that cross these, and so on, each from its
+/// branch point on. Of images of each other the first; those along which the force does enough work to be of interest.
 pub(super) fn curves_across<'m, F: Formulation<'m>>(
     problem: &mut F,
     way: &Way<'_>,
     first: &TracedCurve<BranchPoint>,
     observer: &mut Observer<'_>,
 ) -> Vec<TracedCurve<BranchPoint>> {
-    let sizes = first.visited.iter().map(|visited| norm(problem.motion_metric(), &visited.curve.y));
+    let beyond = beyond_tongues(problem, way, first, observer);
+    if beyond.last().is_some_and(is_cancelled) {
+        return beyond;
+    }
+    let visited = std::iter::once(first).chain(&beyond).flat_map(|curve| &curve.visited);
+    let sizes = visited.map(|visited| norm(problem.motion_metric(), &visited.curve.y));
     let largest = sizes.fold(0.0, f64::max);
-    let mut found: Vec<(TracedCurve<BranchPoint>, bool)> = Vec::new();
+    let mut found: Vec<(TracedCurve<BranchPoint>, bool)> = beyond.into_iter().map(|curve| (curve, true)).collect();
     let mut places = places(problem, way, first);
     let mut looked_at = 0;
     'all: loop {
@@ -107,9 +66,9 @@ pub(super) fn curves_across<'m, F: Formulation<'m>>(
             let mut known = Known::new(first, across, way.settings.continuation.newton);
             let Some(curve) = way.across(problem, (place, side), &mut known, largest, observer) else { continue };
             let matters = curve.visited.iter().any(|point| way.threshold(problem, point) < FAR * way.forcing);
-            let is_cancelled = matches!(curve.outcome, Outcome::Open(_, Stop::Cancelled));
+            let is_over = is_cancelled(&curve);
             found.push((curve, matters));
-            if is_cancelled {
+            if is_over {
                 break 'all;
             }
         }
@@ -118,6 +77,10 @@ pub(super) fn curves_across<'m, F: Formulation<'m>>(
         looked_at += 1;
     }
     found.into_iter().filter(|(_, matters)| *matters).map(|(curve, _)| curve).collect()
+}
+
+fn is_cancelled(curve: &TracedCurve<BranchPoint>) -> bool {
+    matches!(curve.outcome, Outcome::Open(_, Stop::Cancelled))
 }
 
 /// The branch points of a curve whose threshold is not far beyond the forcing.
@@ -191,7 +154,7 @@ impl Way<'_> {
             let mut ending = |problem: &mut F, last: &TracedPoint| match () {
                 () if rest.is_passed(problem, &last.curve.y) => Some(Stop::Start),
                 () if norm(problem.motion_metric(), &last.curve.y) > largest => Some(Stop::AmplitudeBound),
-                () if self.least_threshold(problem, last) > FAR * self.forcing => Some(Stop::ForcingBound),
+                () if self.is_beyond(problem, last) => Some(Stop::ForcingBound),
                 () if known.has(problem, &last.curve.y) => Some(Stop::Joined),
                 () => branches_off(problem, last),
             };
