@@ -2,7 +2,7 @@
 
 use super::folds::{CurveEvent, curve_events};
 use super::level::Level;
-use super::merges::{is_disturbed, next};
+use super::parties::{Party, is_disturbed, next};
 use crate::store::{Crossing, CurvePoint, CurveRow};
 use solver::response::branch::{BranchKind, Stop};
 use solver::response::critical::CriticalKind;
@@ -24,12 +24,13 @@ pub fn lives(curves: &[CurveRow]) -> Vec<Life<'_>> {
         if !is_birth && kind != CriticalKind::Death.name() {
             continue;
         }
-        let Some(other) = other_end(curves, point, is_birth) else { continue };
+        let Some((other, names)) = other_end(curves, point, is_birth) else { continue };
         let (from, to) = if is_birth { (point, other) } else { (other, point) };
         let is_new = |known: &Life<'_>| !known.from.is_at(from) || !known.to.is_at(to);
         // What begins where branches merge is what ends only if nothing comes off it between.
         let is_one = is_birth || !may_part(curves, from, to);
-        if is_one && !is_disturbed(curves, &[from, to]) && !is_lost(curves, from, to) && found.iter().all(is_new) {
+        let is_disturbed = is_disturbed(curves, &[from, to], &[&names], is_birth);
+        if is_one && !is_disturbed && !is_lost(curves, from, to) && found.iter().all(is_new) {
             found.push(Life { from, to });
         }
     }
@@ -93,7 +94,7 @@ fn known_up_to<'c>(curves: &'c [CurveRow], curve: &CurveRow, from: &'c CurvePoin
     let end = CurvePoint { forcing: to, ..CurvePoint::default() };
     let is_sure = to > from.forcing
         && edges.iter().all(|edge| edge.is_open && is_isola(edge))
-        && !is_disturbed(curves, &[from, &end])
+        && !is_disturbed(curves, &[from, &end], &[&names(from, true, &edges, to)], true)
         && !is_lost(curves, from, &end);
     is_sure.then_some(Lasting { from, to })
 }
@@ -128,8 +129,12 @@ pub fn parted_between<'c>(curves: &'c [CurveRow], levels: &[Level]) -> Vec<Life<
 }
 
 /// Where what is born, or dies, at a point ends, or begins: what comes first along its two edges. At levels between, both have to be
-/// those of an isola.
-fn other_end<'c>(curves: &'c [CurveRow], point: &CurvePoint, is_birth: bool) -> Option<&'c CurvePoint> {
+/// those of an isola. With it comes what that is called.
+fn other_end<'c>(
+    curves: &'c [CurveRow],
+    point: &CurvePoint,
+    is_birth: bool,
+) -> Option<(&'c CurvePoint, Vec<Party<'c>>)> {
     let of_curve = |curve: &'c CurveRow| {
         let at = curve.points.iter().position(|other| std::ptr::eq(other, point))?;
         let edges = [false, true].map(|is_onwards| edge(curve, at, is_onwards, is_birth));
@@ -149,9 +154,23 @@ fn other_end<'c>(curves: &'c [CurveRow], point: &CurvePoint, is_birth: bool) -> 
         let kind = first.event.as_deref()?;
         // It shrinks to a point where both of its edges do.
         let is_whole = kind != shrinks.name() || edges.iter().all(|edge| edge.event.is_some_and(|to| to.is_at(first)));
-        (kind != own.name() && is_whole && edges.iter().all(|edge| reaches(edge) && is_isola(edge))).then_some(first)
+        let is_known = kind != own.name() && is_whole && edges.iter().all(|edge| reaches(edge) && is_isola(edge));
+        is_known.then(|| (first, names(point, is_birth, &edges, first.forcing)))
     };
     curves.iter().find_map(of_curve)
+}
+
+/// What the isola between a birth, or a death, and another forcing amplitude is called: by that, and at the levels that its edges cross
+/// before, where both have one name.
+fn names<'c>(point: &CurvePoint, is_birth: bool, edges: &[Edge<'c>; 2], to: f64) -> Vec<Party<'c>> {
+    let is_before = |crossing: &Crossing| if is_birth { crossing.forcing < to } else { crossing.forcing > to };
+    let crossings = || edges.iter().flat_map(|edge| edge.crossings.iter().copied()).filter(|one| is_before(one));
+    let is_one = |crossing: &Crossing| {
+        crossings().filter(|other| other.amplitude == crossing.amplitude).all(|other| other.branch == crossing.branch)
+    };
+    let named = crossings().filter(|crossing| is_one(crossing));
+    let levels = named.map(|crossing| Party::Branch(&crossing.branch, &crossing.amplitude, crossing.forcing));
+    std::iter::once(Party::Isola(point.forcing, !is_birth)).chain(levels).collect()
 }
 
 /// An edge of an isola from a birth, or a death, on.
@@ -338,5 +357,37 @@ mod tests {
             let found = told(&all).into_iter().filter(|life| *life == (1.5, 4.0)).count();
             assert_eq!(found, expected, "{event} at {forcing}");
         }
+    }
+
+    /// Isolas of two curves that overlap in the forcing are told one by one, where it is known that the one is not the other.
+    #[test]
+    fn what_others_do_between_is_not_about_it() {
+        let crossed = |row: CurveRow, crossings: &[(usize, f64, &str)]| {
+            let crossing = |&(segment, forcing, branch): &(usize, f64, &str)| Crossing {
+                segment,
+                forcing,
+                amplitude: forcing.to_string(),
+                branch: branch.into(),
+            };
+            CurveRow { crossings: crossings.iter().map(crossing).collect(), ..row }
+        };
+        let outer = [(1.0, ""), (4.0, "merge"), (1.5, "birth"), (5.0, "")];
+        let inner = [(1.0, ""), (3.0, "merge"), (2.0, "birth"), (3.5, "")];
+        // The other one merges with the main branch, or with nobody knows what: with this one, perhaps.
+        let told = |main: &[(usize, f64, &str)]| told(&[curve(&outer), crossed(curve(&inner), main)]);
+        assert_eq!(told(&[(0, 1.2, "main")]), [(1.5, 4.0), (2.0, 3.0)]);
+        assert_eq!(told(&[]), [(2.0, 3.0)]);
+        assert_eq!(told(&[(0, 1.2, "isola 1")]), [(1.5, 4.0), (2.0, 3.0)], "it was there before this one was born");
+        // At a level between it has a number of its own.
+        let level = [(1, 2.5, "isola 1"), (2, 2.5, "isola 1")];
+        let beside = |name| {
+            let merges = [(2.2, ""), (3.0, "merge"), (2.2, "")];
+            let other = crossed(curve(&merges), &[(0, 2.5, name), (1, 2.5, "main")]);
+            lives(&[crossed(curve(&outer), &level), other]).len()
+        };
+        assert_eq!([beside("isola 2"), beside("isola 1"), beside("unfinished 1")], [1, 0, 1]);
+        // What parts from the main branch need not be new.
+        let parts = crossed(curve(&[(1.0, ""), (3.0, "merge"), (1.0, "")]), &[(0, 1.2, "main"), (1, 1.2, "main")]);
+        assert_eq!(lives(&[curve(&outer), parts]).len(), 1);
     }
 }

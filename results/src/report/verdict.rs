@@ -260,9 +260,9 @@ impl<'r> Evidence<'r> {
         let prediction = self.prediction();
         let place = |omega: f64| format!("{}{}", in_both_units(omega), beyond(self.bounds, omega));
         // What was lost may count.
-        let levels = if self.search.is_whole() { self.levels } else { &[] };
-        let computed =
-            events_sentence(self.curves, levels, place).map(|sentence| format!(" {sentence}")).unwrap_or_default();
+        let computed = events_sentence(self.curves, self.levels, self.search.is_whole(), place)
+            .map(|sentence| format!(" {sentence}"))
+            .unwrap_or_default();
         let missing = not_followed_sentence(self.search.hanging).filter(|_| !computed.is_empty());
         let computed = computed + &missing.map_or_else(String::new, |sentence| format!(" {sentence}"));
         let runs = runs(self.levels);
