@@ -7,7 +7,7 @@ use super::forcing_digits::{DIGITS, forcing_digits};
 use super::level::Level;
 use super::lives::{Lasting, joining, lasting, lives};
 use super::merges::{Merge, merges};
-use super::stories::{Story, is_beyond, told};
+use super::stories::{Story, nearest, told};
 use crate::store::{CurvePoint, CurveRow};
 use solver::response::critical::CriticalKind;
 
@@ -131,12 +131,10 @@ fn group(
     [one, many]: [&str; 2],
     place: impl Fn(&CurvePoint) -> String,
 ) -> Option<Part> {
-    let (among, beyond): (Vec<&CurvePoint>, Vec<&CurvePoint>) =
-        points.iter().partition(|point| !is_beyond((point.forcing, point.forcing), levels));
-    let mut named: Vec<&CurvePoint> = among.into_iter().chain(beyond).take(NAMED).collect();
+    let (mut named, left) = nearest(points.to_vec(), NAMED, levels, |point| (point.forcing, point.forcing));
     named.sort_by(|a, b| a.forcing.total_cmp(&b.forcing));
     let first = named.first()?.forcing;
-    let more = points.len() - named.len();
+    let more = left.len();
     let verb = if points.len() == 1 { one } else { many };
     let places: Vec<String> = named.into_iter().map(place).collect();
     let left_out = if more > 0 { format!(" and {more} more") } else { String::new() };
@@ -274,15 +272,18 @@ mod tests {
         };
         let curves: Vec<CurveRow> = (1..=30).map(f64::from).chain([150.0]).map(isola).collect();
         let said = events_sentence(&curves, &levels, true, |omega| omega.to_string()).unwrap();
-        assert_eq!(said.matches("an isola is born at A = ").count(), 8, "{said}");
+        assert_eq!(said.matches("an isola is born at A = ").count(), 4, "{said}");
+        assert!(said.contains("an isola is born at A = 28 (28) and lasts to A = 28.5"), "{said}");
         assert!(said.contains("an isola is born at A = 150 (150) and lasts to A = 150.5"), "{said}");
-        assert!(said.ends_with("; 23 more isolas are born and end (all of it is in events.csv)."), "{said}");
+        assert!(said.ends_with("; 27 more isolas are born and end (all of it is in events.csv)."), "{said}");
         // And so of births alone.
         let births: Vec<CurvePoint> =
             (1..=30).map(f64::from).chain([150.0]).map(|forcing| event(forcing, "birth")).collect();
         let said = events_sentence(&[CurveRow { points: births, ..CurveRow::default() }], &levels, true, |omega| {
             omega.to_string()
         });
-        assert!(said.unwrap().ends_with("5 (5), 150 (150) and 25 more (all of it is in events.csv)."));
+        assert!(
+            said.unwrap().ends_with("28 (28), 29 (29), 30 (30), 150 (150) and 27 more (all of it is in events.csv).")
+        );
     }
 }

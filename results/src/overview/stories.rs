@@ -12,6 +12,9 @@ use crate::words::digits;
 /// Stories that are told at most.
 const TOLD: usize = 8;
 
+/// Of what happens beyond the levels alone so much is told at most, of each kind.
+const BEYOND: usize = 3;
+
 /// What kind of story: what is said of those that are not told, of one and of several.
 type More = [&'static str; 2];
 
@@ -69,11 +72,8 @@ impl Story {
 
 /// Those that are told, each with the forcing amplitude at which it begins, and what is said of the others: those among the levels come
 /// before those beyond.
-pub(super) fn told(mut stories: Vec<Story>, levels: &[Level]) -> (Vec<(f64, String)>, Vec<String>) {
-    stories.sort_by(|a, b| {
-        is_beyond(a.range, levels).cmp(&is_beyond(b.range, levels)).then(a.range.0.total_cmp(&b.range.0))
-    });
-    let left = stories.split_off(stories.len().min(TOLD));
+pub(super) fn told(stories: Vec<Story>, levels: &[Level]) -> (Vec<(f64, String)>, Vec<String>) {
+    let (stories, left) = nearest(stories, TOLD, levels, |story| story.range);
     let number = |more: More| left.iter().filter(|story| story.more == more).count();
     let further = [LIVE, LAST, JOIN, TOUCH].map(|more| match number(more) {
         0 => None,
@@ -83,11 +83,28 @@ pub(super) fn told(mut stories: Vec<Story>, levels: &[Level]) -> (Vec<(f64, Stri
     (stories.into_iter().map(|story| (story.range.0, story.text)).collect(), further.into_iter().flatten().collect())
 }
 
-/// Whether nothing of a range of forcing amplitudes lies among the levels.
-pub(super) fn is_beyond((from, to): (f64, f64), levels: &[Level]) -> bool {
+/// Those of things that happen over these ranges of the forcing that are told, at most so many, and the others: what happens among the levels
+/// comes first, then a little of what is nearest to them.
+pub(super) fn nearest<T>(
+    things: Vec<T>,
+    most: usize,
+    levels: &[Level],
+    range: impl Fn(&T) -> (f64, f64),
+) -> (Vec<T>, Vec<T>) {
     let values = || levels.iter().map(|level| level.value);
     let (low, high) = (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max));
-    !levels.is_empty() && (to < low || from > high)
+    // By how many times beyond the levels.
+    let beyond = |thing: &T| match range(thing) {
+        _ if levels.is_empty() => 1.0,
+        (_, to) if to < low => low / to,
+        (from, _) => (from / high).max(1.0),
+    };
+    let mut sorted: Vec<(f64, T)> = things.into_iter().map(|thing| (beyond(&thing), thing)).collect();
+    sorted.sort_by(|a, b| a.0.total_cmp(&b.0).then(range(&a.1).0.total_cmp(&range(&b.1).0)));
+    let among = sorted.iter().filter(|(beyond, _)| *beyond <= 1.0).count();
+    let left = sorted.split_off(sorted.len().min(most).min(among + BEYOND));
+    let without = |list: Vec<(f64, T)>| list.into_iter().map(|(_, thing)| thing).collect();
+    (without(sorted), without(left))
 }
 
 /// An isola from its birth to its end.
@@ -109,6 +126,7 @@ fn in_words(
     let end = match (merge(life.to), counted(life.to)) {
         (None, _) => format!("it {}", DEATH.verb),
         (Some(merge), counted) => it(merge).unwrap_or_else(|| match counted {
+            _ if life.is_with_main => "it merges with the main branch".into(),
             Some(Counted::MergesWithMain) => "it merges with the main branch".into(),
             Some(Counted::Merges) => "it merges with another branch".into(),
             _ => "it merges or parts".into(),
@@ -117,7 +135,10 @@ fn in_words(
     match merge(life.from) {
         None => format!("{} at A = {from} and lasts to A = {to}, where {end}", BIRTH.one),
         Some(merge) => {
-            let start = it(merge).unwrap_or_else(|| MERGE.several.into());
+            let start = it(merge).unwrap_or_else(|| match life.is_with_main {
+                true => "it parts from the main branch".into(),
+                false => MERGE.several.into(),
+            });
             format!("an isola begins at A = {from}, where {start}, and lasts to A = {to}, where {end}")
         }
     }
