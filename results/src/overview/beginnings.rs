@@ -1,5 +1,6 @@
 //! Where isolas of a level begin below it, as fold curves say.
 
+use super::lives::{lasting, lives};
 use super::parties::next;
 use crate::store::{CurvePoint, CurveRow};
 use solver::response::critical::CriticalKind;
@@ -16,6 +17,11 @@ pub fn beginning<'c>(curves: &'c [CurveRow], amplitude: &str, branch: &str) -> O
     let is_merge = |point: &&CurvePoint| point.event.as_deref() == Some(CriticalKind::Merge.name());
     let found: Vec<&CurvePoint> = crossings.filter(|point| is_birth(point) || is_merge(point)).collect();
     found.iter().find(|point| is_birth(point)).or(found.first()).copied()
+}
+
+/// Whether what begins at a point is told from there on, as an isola's story.
+pub fn is_begun(curves: &[CurveRow], begins: &CurvePoint) -> bool {
+    lives(curves).iter().any(|life| life.from.is_at(begins)) || lasting(curves).iter().any(|one| one.from.is_at(begins))
 }
 
 /// Where a curve turns up again, or ends, on its way down from the segment after a point.

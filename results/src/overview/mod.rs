@@ -35,7 +35,7 @@ mod unfinished;
 mod verified;
 mod windows;
 
-pub use beginnings::beginning;
+pub use beginnings::{beginning, is_begun};
 pub use bounds::{beyond, bounds, is_within, reach_sentence};
 pub use confirmed::{is_unconfirmed, is_unmatched};
 pub use doubts::{doubts, ends_far_beyond};

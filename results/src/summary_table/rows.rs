@@ -8,7 +8,7 @@ use super::known::Known;
 use super::listed::{Listed, listed};
 use super::units::{FrequencyUnit, Units};
 use crate::overview::{
-    BIRTH, Lesser, Level, WindowOutcome, beginning, forcing_label, is_unconfirmed, is_unmatched, later_birth,
+    BIRTH, Lesser, Level, WindowOutcome, beginning, forcing_label, is_begun, is_unconfirmed, is_unmatched, later_birth,
     told_threshold, truncation_doubt, within,
 };
 use crate::store::{BranchRow, CurveRow, WindowRow};
@@ -182,11 +182,14 @@ impl<'r> Rows<'r> {
         format!("{}: {range}, {peak}{mark}", row.kind)
     }
 
-    /// The mark that tells from where on an isola of the lowest level is there.
+    /// The mark that tells from where on an isola of the lowest level is there, where no story does.
     fn below(&mut self, level: &Level, row: &BranchRow) -> String {
         let Some(begins) = beginning(self.curves, &level.amplitude, &row.name()) else {
             return self.notes.mark(format!("{GOES_ON}; where it begins is not known"));
         };
+        if is_begun(self.curves, begins) {
+            return String::new();
+        }
         let what =
             if begins.event.as_deref() == Some(BIRTH.kind.name()) { "a birth" } else { "where branches merge or part" };
         let place = format!("{}: A = {}{}", row.name(), forcing_label(begins, 5), truncation_doubt(&[begins]));

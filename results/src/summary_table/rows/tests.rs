@@ -91,8 +91,8 @@ fn isolas_of_the_lowest_level_go_on_below_it() {
         let mut told = Rows { lowest, curves: &curves, ..rows(&[]) };
         (told.of(&level)[2].clone(), told.notes.lines(200))
     };
-    let (rows, notes) = told(Some("3"));
-    let ends: Vec<&str> = rows.lines().map(|line| &line[line.len() - 2..]).collect();
+    let (text, notes) = told(Some("3"));
+    let ends: Vec<&str> = text.lines().map(|line| &line[line.len() - 2..]).collect();
     assert_eq!(ends, ["¹", "²", "¹"]);
     assert_eq!(
         notes,
@@ -103,6 +103,11 @@ fn isolas_of_the_lowest_level_go_on_below_it() {
         ]
     );
     assert!(told(Some("2")).1.is_empty());
+    // Where it is told from its birth to its end that is enough.
+    let whole = [(5.0, None), (2.0, Some("birth")), (4.0, Some("merge")), (1.0, None)].map(point).to_vec();
+    let curves = [CurveRow { points: whole, ..curves[0].clone() }];
+    let mut told = Rows { lowest: Some("3"), curves: &curves, ..rows(&[]) };
+    assert!(!told.of(&level)[2].contains('²') && told.notes.lines(200).len() == 1);
 }
 
 #[test]
