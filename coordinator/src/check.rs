@@ -155,11 +155,12 @@ fn size(model: &Model) -> String {
     format!("{}, {contacts}, {laws}", count(model.size(), "dof"))
 }
 
-/// The modes followed, and why others are not.
+/// The modes followed, as far as that can be, and why others are not: where backbones start only the sweep tells.
 fn followed(choice: &ModesFollowed) -> String {
     let rest = modes::left_out(choice);
     let rest = if rest.is_empty() { String::new() } else { format!("; not {}", rest.join(", ")) };
-    format!("{}{rest}", modes::followed(choice))
+    let start = if choice.followed.len() == 1 { "if its backbone starts" } else { "as far as their backbones start" };
+    format!("{}, {start}{rest}", modes::followed(choice))
 }
 
 fn mode(study: &Study, choice: &ModesFollowed, j: usize) -> String {

@@ -593,6 +593,22 @@ def test_what_vibrates_by_itself_is_called_that_first(tmp_path: Path) -> None:
 
 @pytest.mark.needs_program
 @pytest.mark.filterwarnings("ignore::UserWarning")
+def test_a_run_has_the_damping_that_it_was_computed_with(tmp_path: Path) -> None:
+    mass, stiffness = np.diag([1.0, 2.0]), np.array([[3.0, -1.0], [-1.0, 2.0]])
+    own = 0.02 * stiffness + np.diag([0.01, 0.0])
+    model = Model(mass, stiffness, C=own, laws=[CUBIC])
+    settings = {"search": "none", "verify": "none", "harmonics": {"count": 3}, "workers": 1, "progress": False}
+    run = isola_hbm.sweep(model, [0.01], out=tmp_path / "own", **settings)  # type: ignore[arg-type]
+    np.testing.assert_allclose(run.model.C, own, atol=1e-12)
+    ratio = {"damping.default_ratio": 0.01}
+    run = isola_hbm.sweep(model, [0.01], out=tmp_path / "ratio", **settings, **ratio)  # type: ignore[arg-type]
+    # The study gives another one: 2 D ω for each mode.
+    damped = run.shapes.values.T @ run.model.C @ run.shapes.values
+    np.testing.assert_allclose(damped, np.diag(0.02 * run.model.frequencies), atol=1e-12)
+
+
+@pytest.mark.needs_program
+@pytest.mark.filterwarnings("ignore::UserWarning")
 def test_a_run_is_carried_on(tmp_path: Path) -> None:
     def interrupt(line: str) -> None:
         if line.startswith("running: "):

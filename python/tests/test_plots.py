@@ -18,7 +18,7 @@ from runs import MODELS, ROOT, change, isola
 import isola_hbm
 from isola_hbm.asked import instead, levels_of
 from isola_hbm.counted import digits
-from isola_hbm.drawing import Named, along_ramp, faded, spread, write_names
+from isola_hbm.drawing import Named, Units, along_ramp, faded, spread, write_names
 from isola_hbm.isolas import mode_of_isola
 from isola_hbm.maps import _EVENTS
 from isola_hbm.responses import _mark
@@ -47,6 +47,28 @@ def test_units_are_those_of_the_run(damper: Path, monkeypatch: pytest.MonkeyPatc
     texts = [(axes.get_xlabel(), axes.get_ylabel()) for axes in (run.plot.response(), run.plot.response(units="mm"))]
     assert "Hz" in texts[0][0] and "µm" in texts[0][1] + texts[0][1].replace("um", "µm")
     assert "rad/s" in texts[1][0] and "mm" in texts[1][1]
+
+
+def test_lengths_of_no_kept_unit_are_those_of_the_program(
+    damper: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    run = isola_hbm.load(damper)
+    assert "units" not in run.study
+    axes = run.plot.response()
+    drawn = run.plot.figure("response").svg
+    [unit] = [unit for unit in ("m", "mm", "µm", "nm") if f"amplitude of x1 ({unit})" in drawn]
+    assert axes.get_ylabel() == f"amplitude of x1 ({unit})"
+    motion = run.plot.motion("0.006/isola 1")
+    # Frequencies alone are kept.
+    monkeypatch.setattr(type(run), "study", property(lambda _: 'units = "Hz"'))
+    both = run.plot.response()
+    assert (both.get_ylabel(), both.get_xlabel()) == (axes.get_ylabel(), "frequency (Hz)")
+    assert run.plot.motion("0.006/isola 1").get_ylabel() == motion.get_ylabel()
+    for largest, unit in [(0.0, "m"), (1.0, "m"), (0.9, "mm"), (9e-5, "um"), (9e-8, "nm")]:
+        fitted = Units.kept("").fitted(largest)
+        assert fitted.length == unit
+        assert fitted.lengths(1e-9) == pytest.approx(1e-9 / {"m": 1, "mm": 1e-3, "um": 1e-6, "nm": 1e-9}[unit])
+    assert Units.kept("m").fitted(1e-6).length == "m"
 
 
 def test_response(damper: Path) -> None:
@@ -206,7 +228,7 @@ def test_response_of_another_dof(tmp_path: Path) -> None:
     assert top < axes.get_ylim()[1] < 1.1 * top
     assert shown[-1] == pytest.approx(axes.get_ylim()[1])
     first, same = (run.plot.response(monitor=monitor) for monitor in (None, "x2"))
-    assert first.get_ylabel() == same.get_ylabel() == "amplitude of x2 (m)"
+    assert first.get_ylabel() == same.get_ylabel() == "amplitude of x2 (mm)"
     np.testing.assert_array_equal(first.get_lines()[1].get_ydata(), same.get_lines()[1].get_ydata())
     with pytest.raises(ValueError, match="monitor = 'x3': the run monitors no such dof, but x2, x1$"):
         run.plot.response(monitor="x3")

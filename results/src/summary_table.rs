@@ -4,6 +4,7 @@
 mod answer;
 mod footnotes;
 mod known;
+mod listed;
 mod monitors;
 pub(crate) mod motions;
 pub(crate) mod pushes;

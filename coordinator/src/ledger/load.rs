@@ -63,8 +63,11 @@ impl Ledger {
     pub fn measure(&mut self, now: Duration) {
         let passed = now.saturating_sub(self.measured);
         self.measured = now;
+        let is_wanted = self.chains.iter().any(|chain| !chain.is_finished()) || self.repeats.holders().next().is_some();
         for worker in self.workers.values_mut().filter(|worker| !worker.gone) {
-            worker.present += passed * worker.threads.len() as u32;
+            let present = passed * worker.threads.len() as u32;
+            worker.present += present;
+            worker.wanted += if is_wanted { present } else { Duration::ZERO };
         }
         let held = self.chains.iter().flat_map(|chain| chain.held.iter().filter_map(|&e| chain.entries[e].holder()));
         let holders = held.chain(self.repeats.holders().map(|(holder, _)| holder));

@@ -11,7 +11,7 @@ const LEAST_USE: f64 = 0.05;
 
 impl Ledger {
     /// Time to the end, s: what tasks of each kind took on average, as often as they were needed so far, over the threads that are there
-    /// and the share of their time that they have computed so far; but no less than a level takes by itself, whose branches follow one
+    /// and the share of their time that they have computed so far while there were tasks; but no less than a level takes by itself, whose branches follow one
     /// after the other. Levels that are not done ask for as many further tasks as those that are: nothing is known as long as none is.
     pub fn time_left(&self) -> Option<f64> {
         let all = self.costs.iter().copied().fold(Cost::default(), Cost::and).mean()?;
@@ -65,10 +65,11 @@ impl Ledger {
         levels().filter(|(chain, _)| !is_done(chain)).map(|(_, asked)| (mean - asked).max(0.0)).sum()
     }
 
-    /// The share of their time that threads have computed since the coordinator started; with what is `under_way`, s.
+    /// The share of their time that threads have computed since the coordinator started, as long as there were tasks; with what is
+    /// `under_way`, s.
     fn used(&self, under_way: f64) -> f64 {
-        let present: f64 = self.workers.values().map(|worker| worker.present.as_secs_f64()).sum();
+        let wanted: f64 = self.workers.values().map(|worker| worker.wanted.as_secs_f64()).sum();
         let computed: f64 = self.costs.iter().map(|cost| cost.seconds).sum::<f64>() + under_way;
-        if present > 0.0 { (computed / present).clamp(LEAST_USE, 1.0) } else { 1.0 }
+        if wanted > 0.0 { (computed / wanted).clamp(LEAST_USE, 1.0) } else { 1.0 }
     }
 }

@@ -28,6 +28,8 @@ pub(super) struct Worker {
     pub busy: Duration,
     /// Time that its threads were there, added up.
     pub present: Duration,
+    /// The part of it in which there were tasks, under way or to be handed out.
+    pub wanted: Duration,
     /// Where the branches of its tasks are.
     pub progress: HashMap<TaskId, Progress>,
 }

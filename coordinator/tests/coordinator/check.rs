@@ -366,5 +366,5 @@ fn a_force_on_a_higher_mode_alone() {
                  [[laws]]\nname = \"law\"\nbetween = [\"q\", \"p\"]\nlaw = { polynomial_spring = { terms = [{ power = 3, coefficient = 1e6 }] } }\n";
     let (warnings, text) = checked(model, "1", &[]);
     assert_eq!(warnings, [] as [&str; 0]);
-    assert!(text.contains("followed    modes 2 and 1"), "{text}");
+    assert!(text.contains("followed    modes 2 and 1, as far as their backbones start"), "{text}");
 }

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -49,10 +49,13 @@ _AWAY = [(way * far, up) for far in (8, 20, 36, 60) for up in (0, 12, -12, 26, -
 class Units:
     """Units of lengths and frequencies, as of ``isola sweep --units``."""
 
-    length: str = "m"
+    #: None if it is the one in which the lengths of a figure are read best.
+    length: str | None = "m"
     frequency: str = "rad/s"
 
     LENGTHS: ClassVar = {"m": 1.0, "mm": 1e3, "um": 1e6}
+    #: Lengths from which on each unit is read best, m, as in figures of the program.
+    READ_FROM: ClassVar = {"m": 1.0, "mm": 1e-4, "um": 1e-7}
     FREQUENCIES: ClassVar = {"rad/s": 1.0, "Hz": 0.5 / np.pi}
 
     @classmethod
@@ -72,9 +75,24 @@ class Units:
             raise ValueError(f"units = {text!r}: one of m, mm, um and one of rad/s, Hz, as in 'mm,Hz'")
         return cls(*(lengths or ["m"]), *(frequencies or ["rad/s"]))
 
+    @classmethod
+    def kept(cls, text: str) -> Units:
+        """Those that a run keeps, in which lengths need not be named."""
+        units = cls.read(text) if text else cls()
+        has_length = any(part.strip() in cls.LENGTHS for part in text.split(","))
+        return units if has_length else replace(units, length=None)
+
+    def fitted(self, largest: float) -> Units:
+        """These for lengths up to this one, m."""
+        if self.length is not None:
+            return self
+        is_none = largest == 0.0 or not np.isfinite(largest)
+        fitting = "m" if is_none else next((unit for unit, least in self.READ_FROM.items() if largest >= least), "nm")
+        return replace(self, length=fitting)
+
     def lengths(self, values: Any) -> Any:
         """Lengths in m in these units."""
-        return values * self.LENGTHS[self.length]
+        return values * (1e9 if self.length == "nm" else self.LENGTHS[self.length or "m"])
 
     def frequencies(self, values: Any) -> Any:
         """Frequencies in rad/s in these units."""
@@ -90,7 +108,7 @@ class Units:
     @property
     def of_length(self) -> str:
         """The unit of lengths as figures have it."""
-        return self.length.replace("um", "µm")
+        return (self.length or "m").replace("um", "µm")
 
 
 def axes_of(ax: Axes | None) -> Axes:

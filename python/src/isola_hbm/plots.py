@@ -47,7 +47,7 @@ class Plots(Drawn):
         self._run = run
 
     def _units(self, chosen: str | None) -> Units:
-        return Units.read(self._run.units if chosen is None else chosen)
+        return Units.kept(self._run._kept_units()) if chosen is None else Units.read(chosen)
 
     @checked
     def response(
@@ -71,7 +71,8 @@ class Plots(Drawn):
             levels: Forcing levels shown: numbers, or a text as after ``isola plot --levels`` (``"20:60:20"``); by default all.
             monitor: Monitored dof whose amplitude is shown; by default the first one.
             ax: Axes to draw on.
-            units: ``m``, ``mm`` or ``um`` and ``rad/s`` or ``Hz``, as in ``"mm,Hz"``; by default those of the run.
+            units: ``m``, ``mm`` or ``um`` and ``rad/s`` or ``Hz``, as in ``"mm,Hz"``; by default those that the run keeps, lengths
+                of which it keeps none in the unit in which they are read best.
             backbone: Whether the backbone is drawn as well.
             frequency: Lowest and highest frequency shown, in the unit of the axis; by default where something happens.
             response: Lowest and highest amplitude of the response shown, in the unit of the axis; by default from zero on.
@@ -216,8 +217,8 @@ class Plots(Drawn):
                 their arguments (``"tip 1"``); by default all.
             variable: ``displacement``; ``argument``: of the laws, for contacts the predicted pressure in N.
             ax: Axes to draw on.
-            units: ``m``, ``mm`` or ``um``, of displacements, and ``rad/s`` or ``Hz``, of the frequency in the title; by default those
-                of the run.
+            units: ``m``, ``mm`` or ``um``, of displacements, and ``rad/s`` or ``Hz``, of the frequency in the title; by default as of
+                :meth:`response`.
 
         Raises:
             NoSuchBranch: There is no such branch.
@@ -245,6 +246,8 @@ class Plots(Drawn):
                 f"no `{unknown[0]}` among what is stored of a motion; there are {', '.join(there)}"
             )
         axes = axes_of(is_axes(ax))
+        if is_length:
+            measured = measured.fitted(float(np.abs(series.sel({along: shown})).max()))
         for name in shown:
             values = series.sel({along: name})
             axes.plot(series["time"], measured.lengths(values) if is_length else values, label=str(name))

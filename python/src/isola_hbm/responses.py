@@ -134,6 +134,7 @@ def forced_response(
     levels = sorted(summary["amplitude"].unique())
     colors = dict(zip(levels, along_ramp(len(levels))))
     rank = {levels[place]: i for i, place in enumerate(spread(len(levels)))}
+    units = units.fitted(float(table["amplitude"][table["name"].isin(summary.index)].max()))
     branches, folds = _branches(summary, table, units), run._folds()
     # Where nothing was verified nothing is pale, and the legend says so.
     told = table["stable"][table["name"].isin(summary.index)]

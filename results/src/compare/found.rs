@@ -1,5 +1,6 @@
 //! What one run found and another one did not, in words.
 
+use super::ComparedLevel;
 use crate::overview::{Level, events_of};
 use crate::report::Report;
 use crate::store::{BranchRow, CurvePoint};
@@ -27,6 +28,17 @@ pub(super) fn not_compared(reports: &[Report]) -> Option<Told> {
         )
         .into()
     })
+}
+
+/// Of each run the levels of others that it does not have. Sentences.
+pub(super) fn lacking(names: &[String], reports: &[Report], levels: &[ComparedLevel]) -> Vec<Told> {
+    let of_run = |(name, report): (&String, &Report)| {
+        let has = |level: &&ComparedLevel| report.overview.levels.iter().any(|known| known.value == level.value);
+        let missing: Vec<Told> =
+            levels.iter().filter(|level| !has(level)).map(|level| level.amplitude.as_str().into()).collect();
+        listed(&missing, &format!("Forcing amplitudes that are no levels of `{name}`"))
+    };
+    names.iter().zip(reports).filter_map(of_run).collect()
 }
 
 /// Of the first run and each other one: isolas and births that only one of both has. Sentences.

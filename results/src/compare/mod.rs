@@ -32,9 +32,9 @@ pub struct Comparison {
     pub levels: Vec<ComparedLevel>,
     /// Keys of the studies that differ.
     pub settings: Vec<SettingRow>,
-    /// What was found at every level, in numbers.
+    /// What was found at every level that several runs have, in numbers.
     pub numbers: Vec<NumberRow>,
-    /// Isolas and births that only one of the first run and another one has, and what is not compared.
+    /// Levels that only some of the runs have, isolas and births that only one of the first run and another one has, and what is not compared.
     pub sentences: Vec<Told>,
     /// Figures with the curves of all runs.
     pub figures: ComparedFigures,
@@ -69,7 +69,10 @@ impl Comparison {
         let values: Vec<f64> = levels.iter().map(|level| level.value).collect();
         let figures = ComparedFigures::new(&sides, &values);
         let (settings, numbers) = (settings(&reports), numbers::rows(&reports, &levels));
-        let sentences = found::alone(&names, &reports).into_iter().chain(found::not_compared(&reports)).collect();
+        let sentences = (found::lacking(&names, &reports, &levels).into_iter())
+            .chain(found::alone(&names, &reports))
+            .chain(found::not_compared(&reports))
+            .collect();
         Self { settings, numbers, sentences, figures, names, levels, reports }
     }
 }

@@ -21,9 +21,15 @@ pub struct NumberRow {
     pub values: Vec<Told>,
 }
 
-/// Rows of all levels.
+/// What stands for a level that a run does not have.
+const LACKING: &str = "–";
+
+/// Rows of all levels that several runs have.
 pub(super) fn rows(reports: &[Report], levels: &[ComparedLevel]) -> Vec<NumberRow> {
-    levels.iter().flat_map(|level| of_level(reports, level)).collect()
+    let has =
+        |report: &&Report, level: &ComparedLevel| report.overview.levels.iter().any(|known| known.value == level.value);
+    let is_shared = |level: &&ComparedLevel| reports.iter().filter(|report| has(report, level)).count() > 1;
+    levels.iter().filter(is_shared).flat_map(|level| of_level(reports, level)).collect()
 }
 
 fn of_level(reports: &[Report], level: &ComparedLevel) -> Vec<NumberRow> {
@@ -37,14 +43,14 @@ fn of_level(reports: &[Report], level: &ComparedLevel) -> Vec<NumberRow> {
         let peaks: Vec<Option<&BranchRow>> = each.iter().map(|level| level.and_then(of)).collect();
         let first = peaks.first().copied().flatten();
         let word = |(place, level): (usize, &Option<&Level>)| match (level, peaks[place]) {
-            (None, _) => "no such level".into(),
+            (None, _) => LACKING.into(),
             (_, None) => "none".into(),
             (_, Some(peak)) => of_peak(peak, first.filter(|_| place > 0), is_measured, unit),
         };
         each.iter().enumerate().map(word).collect()
     };
     let row = |what, values| NumberRow { amplitude: level.amplitude.clone(), what, values };
-    let isolas = each.iter().map(|level| level.map_or("no such level".into(), of_others)).collect();
+    let isolas = each.iter().map(|level| level.map_or(LACKING.into(), of_others)).collect();
     let has_isola = each.iter().flatten().any(|level| level.highest_isola().is_some());
     let highest = has_isola.then(|| row("highest isola, peak", peaks(Level::highest_isola)));
     [row("largest response", peaks(Level::peak)), row("main branch, peak", peaks(Level::main))]

@@ -93,13 +93,9 @@ fn numbers_differ_by_what_they_do() {
         values.iter().map(|value| value.read_in(FrequencyUnit::default())).collect::<Vec<String>>()
     };
     // The highest isola has a row where a run has one.
-    assert_eq!(compared.numbers.len(), 3 + 4 + 4);
+    assert_eq!(compared.numbers.len(), 4);
     let isola = &row("0.006", "highest isola, peak")[1];
     assert!(isola.contains(" %, ") && isola.ends_with(" rad/s)"), "{isola}");
-    assert_eq!(row("0.007", "highest isola, peak")[0], "no such level");
-    assert_eq!(row("3e-3", "largest response")[1], "no such level");
-    assert_eq!(row("0.007", "isolas and others")[0], "no such level");
-    assert_eq!(row("3e-3", "isolas and others")[0], "none");
     let isolas = row("0.006", "isolas and others");
     assert!(isolas.iter().all(|text| text.starts_with("1: ") && text.ends_with(" rad/s")), "{isolas:?}");
     let [first, second] = &row("0.006", "largest response")[..] else { panic!("two runs") };
@@ -119,6 +115,23 @@ fn numbers_differ_by_what_they_do() {
     assert!(second.starts_with(&crate::words::length(peaks[1])) && second.contains(&expected), "{second}: {expected}");
     let table = table(&compared, 200);
     assert!(table.contains("harmonics.count") && table.contains(second.as_str()), "{table}");
+}
+
+/// Which level a run does not have is said once, and not row by row.
+#[test]
+fn levels_that_one_run_does_not_have() {
+    let compared = compared();
+    let said: Vec<String> = compared.sentences.iter().map(|told| told.read_in(FrequencyUnit::default())).collect();
+    let [three, five] = ["three", "five"].map(|run| format!("Forcing amplitudes that are no levels of `{run}`: "));
+    assert!(said.contains(&format!("{three}0.007.")) && said.contains(&format!("{five}3e-3.")), "{said:?}");
+    assert!(compared.numbers.iter().all(|row| row.amplitude == "0.006"), "{:?}", compared.numbers);
+    // Of three runs two have it.
+    let third = || read(&Study::damper(), |_| ());
+    let runs = [("a", third()), ("b", third()), ("c", compared.reports[1].clone())];
+    let three = Comparison::new(runs.map(|(name, report)| (name.to_string(), report)).to_vec());
+    let row = three.numbers.iter().find(|row| row.amplitude == "3e-3" && row.what == "isolas and others").unwrap();
+    let cells: Vec<String> = row.values.iter().map(|value| value.read_in(FrequencyUnit::default())).collect();
+    assert_eq!(cells, ["none", "none", "–"]);
 }
 
 /// Isolas and births of one run alone are told in words, whichever it is.

@@ -11,11 +11,11 @@ use solver::response::critical::CriticalKind;
 pub(super) enum Counted {
     /// Isolas become fewer by one.
     Merges,
-    /// The same, of the only isola there is: with the main branch.
+    /// The same, of the only isola there is by then: with the main branch.
     MergesWithMain,
     /// An isola parts from another branch.
     Parts,
-    /// The same, of the only isola there is: from the main branch.
+    /// The same, of the only isola there is after it: from the main branch.
     PartsFromMain,
 }
 
@@ -27,11 +27,12 @@ pub(super) fn counted(point: &CurvePoint, levels: &[Level], curves: &[CurveRow])
     if !pair.iter().all(is_countable) || is_lost(curves, pair) {
         return None;
     }
-    let number = |kind: CriticalKind| {
+    let number_below = |kind: CriticalKind, forcing: f64| {
         let events = events_of(curves, kind.name());
-        let between = |point: &&CurvePoint| pair[0].value < point.forcing && point.forcing < pair[1].value;
+        let between = |point: &&CurvePoint| pair[0].value < point.forcing && point.forcing < forcing;
         i64::try_from(events.into_iter().filter(between).count()).unwrap_or(i64::MAX)
     };
+    let number = |kind: CriticalKind| number_below(kind, pair[1].value);
     if number(CriticalKind::Unknown) > 0 {
         return None;
     }
@@ -39,9 +40,13 @@ pub(super) fn counted(point: &CurvePoint, levels: &[Level], curves: &[CurveRow])
     let (births, deaths) = (number(CriticalKind::Birth), number(CriticalKind::Death));
     let change = after - before - births + deaths;
     let merges = number(CriticalKind::Merge);
+    // Where all go one way it is known how many isolas there are just below.
+    let below = |kind: CriticalKind| number_below(kind, point.forcing);
+    let born = before + below(CriticalKind::Birth) - below(CriticalKind::Death);
     match change {
-        -1 if merges == 1 && before + births == 1 => Some(Counted::MergesWithMain),
-        1 if merges == 1 && after + deaths == 1 => Some(Counted::PartsFromMain),
+        _ if merges == 0 => None,
+        change if change == -merges && born - below(CriticalKind::Merge) == 1 => Some(Counted::MergesWithMain),
+        change if change == merges && born + below(CriticalKind::Merge) == 0 => Some(Counted::PartsFromMain),
         change if change == -merges => Some(Counted::Merges),
         change if change == merges => Some(Counted::Parts),
         _ => None,
@@ -117,6 +122,12 @@ mod tests {
         assert_eq!(told([0, 0], &[(1.7, "death")]), Some(Counted::PartsFromMain));
         assert_eq!([told([2, 1], &[]), told([1, 2], &[])], [Some(Counted::Merges), Some(Counted::Parts)]);
         assert_eq!(told([4, 2], &[(1.7, "merge")]), Some(Counted::Merges));
+        // The last of several has nothing left but the main branch, and so has the first that parts.
+        assert_eq!(told([2, 0], &[(1.2, "merge")]), Some(Counted::MergesWithMain));
+        assert_eq!(told([2, 0], &[(1.7, "merge")]), Some(Counted::Merges));
+        assert_eq!(told([1, 0], &[(1.2, "merge"), (1.3, "birth")]), Some(Counted::MergesWithMain));
+        assert_eq!(told([0, 2], &[(1.7, "merge")]), Some(Counted::PartsFromMain));
+        assert_eq!(told([0, 2], &[(1.2, "merge")]), Some(Counted::Parts));
         assert_eq!(told([1, 1], &[(1.2, "birth")]), Some(Counted::Merges));
         assert_eq!(told([1, 1], &[(1.7, "death")]), Some(Counted::Parts));
         // Beyond the levels nothing counts.

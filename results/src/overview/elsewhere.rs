@@ -39,7 +39,7 @@ pub(super) fn elsewhere<'l>(
     let largest = changes.max_by(|a, b| a.3.total_cmp(&b.3));
     let (level, row, omega, share) = largest.filter(|(.., share)| *share > least)?;
     Some(format!(
-        "Not converged elsewhere: with twice the harmonics {} at A = {} moves by {} % near {}{remedy}.",
+        "Not converged elsewhere: with twice the harmonics {} at A = {} moves by {} %, in frequency and amplitude together, near {}{remedy}.",
         super::in_words(row),
         level.amplitude,
         digits(100.0 * share, 2),
@@ -93,7 +93,7 @@ mod tests {
         };
         assert_eq!(
             said(vec![row("main", 1, Some(0.037)), row("isola", 1, Some(0.02))]).unwrap(),
-            "Not converged elsewhere: with twice the harmonics the main branch at A = 0.3 moves by 3.7 % near 0.4 rad/s; \
+            "Not converged elsewhere: with twice the harmonics the main branch at A = 0.3 moves by 3.7 %, in frequency and amplitude together, near 0.4 rad/s; \
              set harmonics.count = 6."
         );
         assert_eq!(said(vec![row("main", 1, Some(0.009)), row("isola", 1, None)]), None);

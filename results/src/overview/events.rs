@@ -3,18 +3,19 @@
 use super::counted::{Counted, counted};
 use super::event_words::{BIRTH, DEATH, MERGE};
 use super::folds::events_of;
+use super::forcing_digits::{DIGITS, forcing_digits};
 use super::level::Level;
-use super::lives::{Lasting, Life, joining, lasting, lives};
+use super::lives::{Lasting, joining, lasting, lives};
 use super::merges::{Merge, merges};
+use super::stories::{Story, nearest, told};
 use crate::store::{CurvePoint, CurveRow};
-use crate::words::digits;
 use solver::response::critical::CriticalKind;
 
 /// Events of a kind that the sentence names.
 const NAMED: usize = 6;
 
-/// Isolas that it tells from birth to end.
-const LIVES: usize = 6;
+/// What follows where not all is told.
+const ALL: &str = " (all of it is in events.csv)";
 
 /// Of merges whose branches are not known, after others: they may be the same branches.
 const ALSO: &str = "branches also merge or part";
@@ -38,54 +39,21 @@ const UNKNOWN: &str = "*";
 const UNCONFIRMED: &str =
     "Not confirmed: with twice the harmonics it was not found near there, and may happen at another A or not at all.";
 
-/// Most digits of a forcing amplitude.
-const DIGITS: i32 = 5;
-
-/// Fewest digits to which a forcing amplitude and that with twice the harmonics have to agree: fewer are told with both.
-const AGREED: i32 = 3;
-
-/// The forcing amplitude of what happens at a point, with `most` digits at most, and no more than those that twice the harmonics
-/// leave as they are; where these are too few, that with twice the harmonics as well.
-fn forcing_digits(point: &CurvePoint, most: i32) -> (String, Option<String>) {
-    let own = |count| digits(point.forcing, count);
-    // No more is claimed of what nothing was compared with.
-    let Some((doubled, _)) = point.doubled else { return (own(most.min(AGREED + 1)), None) };
-    let agreed = (AGREED..=most).rev().map(|count| (own(count), digits(doubled, count))).find(|(a, b)| a == b);
-    agreed.map_or_else(|| (own(AGREED + 1), Some(digits(doubled, AGREED + 1))), |(text, _)| (text, None))
-}
-
-/// The same for the label of a figure.
-pub fn forcing_label(point: &CurvePoint, most: i32) -> String {
-    let (own, doubled) = forcing_digits(point, most);
-    doubled.map_or_else(|| own.clone(), |doubled| format!("{own} (2H: {doubled})"))
-}
-
-/// The doubt about what happens at points, if at any it was not found with twice the harmonics.
-pub fn truncation_doubt(points: &[&CurvePoint]) -> &'static str {
-    match points.iter().filter(|point| point.doubled.is_none()).count() {
-        0 => "",
-        unknown if unknown == points.len() => ", not confirmed with twice the harmonics",
-        _ => ", not all confirmed with twice the harmonics",
-    }
-}
-
 /// Where isolas are born and where branches merge, as fold curves say: isola by isola, and which branches, where that is known for
-/// sure; from `levels` whether they merge or part, where the curves do not tell.
-pub fn events_sentence(curves: &[CurveRow], levels: &[Level], frequency: impl Fn(f64) -> String) -> Option<String> {
+/// sure; if `is_whole`, from the levels whether they merge or part, where the curves do not tell. Of many those among the levels come first.
+pub fn events_sentence(
+    curves: &[CurveRow],
+    levels: &[Level],
+    is_whole: bool,
+    frequency: impl Fn(f64) -> String,
+) -> Option<String> {
     let place = |point: &CurvePoint| {
         let (own, doubled) = forcing_digits(point, DIGITS);
         let mark = if point.doubled.is_none() { UNKNOWN } else { "" };
         let doubled = doubled.map_or_else(String::new, |doubled| format!("{doubled} with twice the harmonics; "));
         format!("{own}{mark} ({doubled}{})", frequency(point.omega))
     };
-    let part = |points: &[&CurvePoint], one: &str, many: &str| {
-        let verb = if points.len() == 1 { one } else { many };
-        let more = points.len().saturating_sub(NAMED);
-        let more = if more > 0 { format!(" and {more} more") } else { String::new() };
-        let named: Vec<String> = points.iter().take(NAMED).map(|point| place(point)).collect();
-        let first = points.first().map(|point| point.forcing)?;
-        Some((first, format!("{verb} at A = {}{more}", named.join(", "))))
-    };
+    let part = |points: &[&CurvePoint], one: &str, many: &str| group(points, levels, [one, many], place);
     let (lives, merged) = (lives(curves), merges(curves));
     let is_told = |point: &CurvePoint| lives.iter().any(|life| life.from.is_at(point) || life.to.is_at(point));
     let [births, deaths] = [CriticalKind::Birth, CriticalKind::Death].map(|kind| events_of(curves, kind.name()));
@@ -99,19 +67,18 @@ pub fn events_sentence(curves: &[CurveRow], levels: &[Level], frequency: impl Fn
     });
     let (joined, births): (Vec<&CurvePoint>, Vec<&CurvePoint>) =
         births.into_iter().partition(|birth| joining(curves, birth).is_some());
-    let joins = |birth: &&CurvePoint| Some((birth.forcing, to_branch_point(birth, joining(curves, birth)?, place)));
-    let mut told = Vec::new();
-    let mut others = Vec::new();
-    for merge in merged.iter().filter(|merge| !is_told(merge.point)) {
-        match &merge.what {
-            Some(what) if told.len() < NAMED => {
-                told.push((merge.point.forcing, format!("{what} at A = {}", place(merge.point))));
-            }
-            _ => others.push(merge.point),
-        }
-    }
+    let joins = |birth: &&CurvePoint| Some(Story::joining(birth, joining(curves, birth)?, place));
+    let counted = |point: &CurvePoint| if is_whole { counted(point, levels, curves) } else { None };
+    let touching = merged.iter().filter(|merge| !is_told(merge.point));
+    let touch = |merge: &Merge<'_>| Some(Story::touching(merge.point, merge.what.as_ref()?, place));
+    let stories: Vec<Story> = (lives.iter().map(|life| Story::life(life, &merged, counted, place)))
+        .chain(lasting.iter().map(|one| Story::lasting(one, place)))
+        .chain(joined.iter().filter_map(joins))
+        .chain(touching.clone().filter_map(touch))
+        .collect();
+    let others: Vec<&CurvePoint> = touching.filter(|merge| merge.what.is_none()).map(|merge| merge.point).collect();
     let of_kind = |kind: Option<Counted>| {
-        let is_so = |point: &&CurvePoint| counted(point, levels, curves) == kind;
+        let is_so = |point: &&CurvePoint| counted(point) == kind;
         others.iter().copied().filter(is_so).collect::<Vec<_>>()
     };
     let [merges_with_main, parts_from_main] = WITH_MAIN;
@@ -126,111 +93,58 @@ pub fn events_sentence(curves: &[CurveRow], levels: &[Level], frequency: impl Fn
     let are_others = others.iter().any(Option::is_some) || !unknown.is_empty();
     let are_births = !births.is_empty() || !joined.is_empty();
     let unrelated = [are_births, !deaths.is_empty(), are_others].into_iter().filter(|is| *is).count() > 1;
-    let are_known = !told.is_empty() || !lives.is_empty();
-    let counted = |point: &CurvePoint| counted(point, levels, curves);
-    let whole = lives.iter().take(LIVES).map(|life| (life.from.forcing, in_words(life, &merged, counted, place)));
-    let open = lasting.iter().take(NAMED).map(|one| (one.from.forcing, without_end(one, place)));
-    let joins = joined.iter().take(NAMED).filter_map(joins);
-    let mut parts: Vec<(f64, String)> = (whole.chain(open).chain(joins))
+    let are_known = stories.len() > joined.len() + lasting.len();
+    let (whole, further) = told(stories, levels);
+    let mut parts: Vec<Part> = (whole.into_iter().map(|(first, text)| Part { first, text, is_all: true }))
         .chain(part(&births, BIRTH.one, BIRTH.several))
         .chain(part(&deaths, DEATH.one, DEATH.several))
-        .chain(told)
         .chain(others.into_iter().flatten())
         .collect();
     // A story is told as the forcing grows.
-    parts.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let is_first = unknown.first().is_some_and(|point| parts.first().is_none_or(|(first, _)| point.forcing < *first));
+    parts.sort_by(|a, b| a.first.total_cmp(&b.first));
+    let is_first = unknown.first().is_some_and(|point| parts.first().is_none_or(|part| point.forcing < part.first));
     let (one, several) = if are_known && !is_first { (ALSO, ALSO) } else { (MERGE.one, MERGE.several) };
     if let Some(part) = part(&unknown, one, several) {
-        parts.insert(parts.partition_point(|(first, _)| *first <= part.0), part);
+        parts.insert(parts.partition_point(|other| other.first <= part.first), part);
     }
-    let parts: Vec<String> = (parts.into_iter().map(|(_, part)| part))
-        .chain(further(lives.len(), LIVES, "is born and ends", "are born and end"))
-        .chain(further(lasting.len(), NAMED, "is born and comes to no end", "are born and come to no end"))
-        .chain(further(
-            joined.len(),
-            NAMED,
-            "is born and may join another branch",
-            "are born and may join other branches",
-        ))
-        .chain(unrelated.then(|| UNRELATED.into()))
-        .collect();
+    let is_all = further.is_empty() && parts.iter().all(|part| part.is_all);
+    let parts: Vec<String> =
+        (parts.into_iter().map(|part| part.text)).chain(further).chain(unrelated.then(|| UNRELATED.into())).collect();
+    let all = if is_all { "" } else { ALL };
     let doubt = if is_any_doubtful { format!(" ({UNKNOWN} {UNCONFIRMED})") } else { String::new() };
-    (!parts.is_empty()).then(|| format!("Computed along fold curves: {}.{doubt}", parts.join("; ")))
+    (!parts.is_empty()).then(|| format!("Computed along fold curves: {}{all}.{doubt}", parts.join("; ")))
 }
 
-/// That beside those isolas that are named there are more.
-fn further(count: usize, named: usize, one: &str, several: &str) -> Option<String> {
-    match count.saturating_sub(named) {
-        0 => None,
-        1 => Some(format!("1 more isola {one}")),
-        more => Some(format!("{more} more isolas {several}")),
-    }
+/// A part of the sentence.
+struct Part {
+    /// Forcing amplitude at which it begins.
+    first: f64,
+    text: String,
+    /// Whether it leaves nothing out.
+    is_all: bool,
 }
 
-/// An isola from its birth to where its edges are followed to.
-fn without_end(lasting: &Lasting<'_>, place: impl Fn(&CurvePoint) -> String) -> String {
-    let (from, to) = (place(lasting.from), digits(lasting.to, DIGITS));
-    format!("{} at A = {from}, and its edges, followed up to A = {to}, come to no end", BIRTH.one)
-}
-
-/// An isola from its birth to where an edge of it comes to a branch point.
-fn to_branch_point(birth: &CurvePoint, end: &CurvePoint, place: impl Fn(&CurvePoint) -> String) -> String {
-    // Where it ends was compared with nothing.
-    let (from, to) = (place(birth), digits(end.forcing, AGREED + 1));
-    format!(
-        "{} at A = {from}, and an edge of it comes to a branch point at A = {to}: near there it may join another branch, which is not \
-         computed",
-        BIRTH.one
-    )
-}
-
-/// An isola from its birth to its end.
-fn in_words(
-    life: &Life<'_>,
-    merged: &[Merge<'_>],
-    counted: impl Fn(&CurvePoint) -> Option<Counted>,
+/// What happens at several points, of one or of several of them: some are named, those among the levels first.
+fn group(
+    points: &[&CurvePoint],
+    levels: &[Level],
+    [one, many]: [&str; 2],
     place: impl Fn(&CurvePoint) -> String,
-) -> String {
-    let merge = |point: &CurvePoint| merged.iter().find(|merge| merge.point.is_at(point));
-    // That isola is this one.
-    let it =
-        |merge: &Merge<'_>| merge.of_isola.as_ref().map(|does| format!("it {does}")).or_else(|| merge.what.clone());
-    let (from, mut to) = (place(life.from), place(life.to));
-    // Where digits do not tell them apart.
-    if forcing_digits(life.from, DIGITS) == forcing_digits(life.to, DIGITS) {
-        to = format!("{to}, {} above", digits(life.to.forcing - life.from.forcing, 2));
-    }
-    let end = match (merge(life.to), counted(life.to)) {
-        (None, _) => format!("it {}", DEATH.verb),
-        (Some(merge), counted) => it(merge).unwrap_or_else(|| match counted {
-            Some(Counted::MergesWithMain) => "it merges with the main branch".into(),
-            Some(Counted::Merges) => "it merges with another branch".into(),
-            _ => "it merges or parts".into(),
-        }),
-    };
-    match merge(life.from) {
-        None => format!("{} at A = {from} and lasts to A = {to}, where {end}", BIRTH.one),
-        Some(merge) => {
-            let start = it(merge).unwrap_or_else(|| MERGE.several.into());
-            format!("an isola begins at A = {from}, where {start}, and lasts to A = {to}, where {end}")
-        }
-    }
+) -> Option<Part> {
+    let (mut named, left) = nearest(points.to_vec(), NAMED, levels, |point| (point.forcing, point.forcing));
+    named.sort_by(|a, b| a.forcing.total_cmp(&b.forcing));
+    let first = named.first()?.forcing;
+    let more = left.len();
+    let verb = if points.len() == 1 { one } else { many };
+    let places: Vec<String> = named.into_iter().map(place).collect();
+    let left_out = if more > 0 { format!(" and {more} more") } else { String::new() };
+    Some(Part { first, text: format!("{verb} at A = {}{left_out}", places.join(", ")), is_all: more == 0 })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::store::{BranchRow, Crossing};
-
-    #[test]
-    fn how_many_are_known_with_twice_the_harmonics() {
-        let known = CurvePoint { doubled: Some((1.0, 2.0)), ..CurvePoint::default() };
-        let unknown = CurvePoint::default();
-        assert_eq!(truncation_doubt(&[&known, &known]), "");
-        assert_eq!(truncation_doubt(&[&unknown, &unknown]), ", not confirmed with twice the harmonics");
-        assert_eq!(truncation_doubt(&[&known, &unknown]), ", not all confirmed with twice the harmonics");
-    }
 
     #[test]
     fn branches_are_named_where_they_are_known() {
@@ -246,7 +160,7 @@ mod tests {
         let crossing =
             |segment, branch: &str| Crossing { segment, forcing: 2.0, amplitude: "2".into(), branch: branch.into() };
         let mut known = curve(&[(1.0, ""), (4.0, "merge"), (1.5, "birth"), (3.0, "")]);
-        let say = |curves: &[CurveRow]| events_sentence(curves, &[], |omega| format!("{omega} rad/s"));
+        let say = |curves: &[CurveRow]| events_sentence(curves, &[], true, |omega| format!("{omega} rad/s"));
         let before = "Computed along fold curves: an isola is born at A = 1.5 (3 rad/s); ";
         let unknown = "two branches merge or part at A = 4 (8 rad/s); which of these belong together is not known.";
         assert_eq!(say(&[known.clone()]).unwrap(), format!("{before}{unknown}"));
@@ -310,7 +224,7 @@ mod tests {
         let curves = [CurveRow { points: vec![point], ..CurveRow::default() }];
         let said = |kinds: [&[&str]; 2]| {
             let levels = [level(2.0, kinds[0]), level(4.0, kinds[1])];
-            events_sentence(&curves, &levels, |omega| omega.to_string()).unwrap()
+            events_sentence(&curves, &levels, true, |omega| omega.to_string()).unwrap()
         };
         assert!(said([&one, &none]).contains(": an isola merges with the main branch at A = 3"));
         assert!(said([&none, &one]).contains(": an isola parts from the main branch at A = 3"));
@@ -319,19 +233,6 @@ mod tests {
         assert!(said([two, &one]).contains(": an isola merges with another branch at A = 3"));
         assert!(said([&one, two]).contains(": an isola parts from another branch at A = 3"));
         assert!(said([&one, &one]).contains(": two branches merge or part at A = 3"));
-    }
-
-    #[test]
-    fn a_forcing_has_the_digits_that_twice_the_harmonics_leave() {
-        let text = |forcing, doubled: Option<f64>| {
-            let doubled = doubled.map(|doubled| (doubled, 1.0));
-            forcing_label(&CurvePoint { forcing, doubled, ..CurvePoint::default() }, 5)
-        };
-        // What nothing was compared with is told with no more than what was compared and does not agree.
-        assert_eq!(text(5.13781, None), "5.138");
-        assert_eq!(text(5.13781, Some(5.13779)), "5.1378");
-        assert_eq!(text(5.13781, Some(5.1362)), "5.14");
-        assert_eq!(text(5.13781, Some(4.85491)), "5.138 (2H: 4.855)");
     }
 
     #[test]
@@ -345,10 +246,44 @@ mod tests {
         };
         let said = |second| {
             let curve = CurveRow { points: vec![point(2.0, Some(2.1)), point(3.0, second)], ..CurveRow::default() };
-            events_sentence(&[curve], &[], |omega| omega.to_string()).unwrap()
+            events_sentence(&[curve], &[], true, |omega| omega.to_string()).unwrap()
         };
         let first = "Computed along fold curves: isolas are born at A = 2 (2.1 with twice the harmonics; 2)";
         assert_eq!(said(Some(3.0)), format!("{first}, 3 (3)."));
         assert_eq!(said(None), format!("{first}, 3* (3). (* {UNCONFIRMED})"));
+    }
+
+    /// However much happens beyond the levels, what happens among them is told, and the sentence stays readable.
+    #[test]
+    fn of_very_much_what_happens_among_the_levels_is_told() {
+        let level = |value| Level { value, ..Level::default() };
+        let levels = [100.0, 200.0].map(level);
+        let event = |forcing: f64, kind: &str| CurvePoint {
+            forcing,
+            omega: forcing,
+            event: (!kind.is_empty()).then(|| kind.to_string()),
+            doubled: Some((forcing, forcing)),
+            ..CurvePoint::default()
+        };
+        // Thirty isolas that are born and end one after the other, below the levels, and one among them.
+        let isola = |from: f64| {
+            let points = vec![event(from, ""), event(from + 0.5, "merge"), event(from, "birth"), event(from + 0.6, "")];
+            CurveRow { points, ..CurveRow::default() }
+        };
+        let curves: Vec<CurveRow> = (1..=30).map(f64::from).chain([150.0]).map(isola).collect();
+        let said = events_sentence(&curves, &levels, true, |omega| omega.to_string()).unwrap();
+        assert_eq!(said.matches("an isola is born at A = ").count(), 4, "{said}");
+        assert!(said.contains("an isola is born at A = 28 (28) and lasts to A = 28.5"), "{said}");
+        assert!(said.contains("an isola is born at A = 150 (150) and lasts to A = 150.5"), "{said}");
+        assert!(said.ends_with("; 27 more isolas are born and end (all of it is in events.csv)."), "{said}");
+        // And so of births alone.
+        let births: Vec<CurvePoint> =
+            (1..=30).map(f64::from).chain([150.0]).map(|forcing| event(forcing, "birth")).collect();
+        let said = events_sentence(&[CurveRow { points: births, ..CurveRow::default() }], &levels, true, |omega| {
+            omega.to_string()
+        });
+        assert!(
+            said.unwrap().ends_with("28 (28), 29 (29), 30 (30), 150 (150) and 27 more (all of it is in events.csv).")
+        );
     }
 }

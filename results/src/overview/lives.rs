@@ -1,8 +1,11 @@
 //! From which forcing amplitude to which an isola is there, where a fold curve tells it for sure.
 
+#[cfg(test)]
+mod tests;
+
 use super::folds::{CurveEvent, curve_events};
 use super::level::Level;
-use super::merges::{is_disturbed, next};
+use super::parties::{Party, is_disturbed, next};
 use crate::store::{Crossing, CurvePoint, CurveRow};
 use solver::response::branch::{BranchKind, Stop};
 use solver::response::critical::CriticalKind;
@@ -14,6 +17,8 @@ pub struct Life<'c> {
     pub from: &'c CurvePoint,
     /// Where it vanishes, or where branches merge or part.
     pub to: &'c CurvePoint,
+    /// Whether it is the main branch that it merges with, or parts from: its other edge is an edge of that at the next level.
+    pub is_with_main: bool,
 }
 
 /// The isolas of which birth and end, or beginning and death, are known to belong together, by forcing.
@@ -24,13 +29,14 @@ pub fn lives(curves: &[CurveRow]) -> Vec<Life<'_>> {
         if !is_birth && kind != CriticalKind::Death.name() {
             continue;
         }
-        let Some(other) = other_end(curves, point, is_birth) else { continue };
+        let Some(End { point: other, names, is_with_main }) = other_end(curves, point, is_birth) else { continue };
         let (from, to) = if is_birth { (point, other) } else { (other, point) };
         let is_new = |known: &Life<'_>| !known.from.is_at(from) || !known.to.is_at(to);
         // What begins where branches merge is what ends only if nothing comes off it between.
         let is_one = is_birth || !may_part(curves, from, to);
-        if is_one && !is_disturbed(curves, &[from, to]) && !is_lost(curves, from, to) && found.iter().all(is_new) {
-            found.push(Life { from, to });
+        let is_disturbed = is_disturbed(curves, &[from, to], &[&names], is_birth);
+        if is_one && !is_disturbed && !is_lost(curves, from, to) && found.iter().all(is_new) {
+            found.push(Life { from, to, is_with_main });
         }
     }
     found.sort_by(|a, b| a.from.forcing.total_cmp(&b.from.forcing));
@@ -93,7 +99,7 @@ fn known_up_to<'c>(curves: &'c [CurveRow], curve: &CurveRow, from: &'c CurvePoin
     let end = CurvePoint { forcing: to, ..CurvePoint::default() };
     let is_sure = to > from.forcing
         && edges.iter().all(|edge| edge.is_open && is_isola(edge))
-        && !is_disturbed(curves, &[from, &end])
+        && !is_disturbed(curves, &[from, &end], &[&names(from, true, &edges, to)], true)
         && !is_lost(curves, from, &end);
     is_sure.then_some(Lasting { from, to })
 }
@@ -127,9 +133,17 @@ pub fn parted_between<'c>(curves: &'c [CurveRow], levels: &[Level]) -> Vec<Life<
     lives(curves).into_iter().filter(is_missed).collect()
 }
 
+/// Where an isola ends, or begins.
+struct End<'c> {
+    point: &'c CurvePoint,
+    /// What it is called up to there.
+    names: Vec<Party<'c>>,
+    is_with_main: bool,
+}
+
 /// Where what is born, or dies, at a point ends, or begins: what comes first along its two edges. At levels between, both have to be
 /// those of an isola.
-fn other_end<'c>(curves: &'c [CurveRow], point: &CurvePoint, is_birth: bool) -> Option<&'c CurvePoint> {
+fn other_end<'c>(curves: &'c [CurveRow], point: &CurvePoint, is_birth: bool) -> Option<End<'c>> {
     let of_curve = |curve: &'c CurveRow| {
         let at = curve.points.iter().position(|other| std::ptr::eq(other, point))?;
         let edges = [false, true].map(|is_onwards| edge(curve, at, is_onwards, is_birth));
@@ -149,9 +163,43 @@ fn other_end<'c>(curves: &'c [CurveRow], point: &CurvePoint, is_birth: bool) -> 
         let kind = first.event.as_deref()?;
         // It shrinks to a point where both of its edges do.
         let is_whole = kind != shrinks.name() || edges.iter().all(|edge| edge.event.is_some_and(|to| to.is_at(first)));
-        (kind != own.name() && is_whole && edges.iter().all(|edge| reaches(edge) && is_isola(edge))).then_some(first)
+        let is_known = kind != own.name() && is_whole && edges.iter().all(|edge| reaches(edge) && is_isola(edge));
+        is_known.then(|| End {
+            point: first,
+            names: names(point, is_birth, &edges, first.forcing),
+            is_with_main: is_with_main(curves, &edges, first, is_birth),
+        })
     };
     curves.iter().find_map(of_curve)
+}
+
+/// Whether what an isola has become part of where one of its edges ends, or was part of before, is the main branch: that has the other edge
+/// at the next level, and nothing else happens up to there.
+fn is_with_main(curves: &[CurveRow], edges: &[Edge<'_>; 2], end: &CurvePoint, is_birth: bool) -> bool {
+    let is_beyond = |forcing: f64| if is_birth { forcing > end.forcing } else { forcing < end.forcing };
+    let goes_on = edges.iter().filter(|edge| edge.event.is_none_or(|event| is_beyond(event.forcing)));
+    let mut next = goes_on.filter_map(|edge| edge.crossings.iter().find(|crossing| is_beyond(crossing.forcing)));
+    next.any(|crossing| {
+        let level = CurvePoint { forcing: crossing.forcing, ..CurvePoint::default() };
+        let [low, high] = if is_birth { [end, &level] } else { [&level, end] };
+        // Whatever happens between may be about it.
+        crossing.branch == BranchKind::Main.name()
+            && !is_disturbed(curves, &[end, &level], &[&[]], is_birth)
+            && !is_lost(curves, low, high)
+    })
+}
+
+/// What the isola between a birth, or a death, and another forcing amplitude is called: by that, and at the levels that its edges cross
+/// before, where both have one name.
+fn names<'c>(point: &CurvePoint, is_birth: bool, edges: &[Edge<'c>; 2], to: f64) -> Vec<Party<'c>> {
+    let is_before = |crossing: &Crossing| if is_birth { crossing.forcing < to } else { crossing.forcing > to };
+    let crossings = || edges.iter().flat_map(|edge| edge.crossings.iter().copied()).filter(|one| is_before(one));
+    let is_one = |crossing: &Crossing| {
+        crossings().filter(|other| other.amplitude == crossing.amplitude).all(|other| other.branch == crossing.branch)
+    };
+    let named = crossings().filter(|crossing| is_one(crossing));
+    let levels = named.map(|crossing| Party::Branch(&crossing.branch, &crossing.amplitude, crossing.forcing));
+    std::iter::once(Party::Isola(point.forcing, !is_birth)).chain(levels).collect()
 }
 
 /// An edge of an isola from a birth, or a death, on.
@@ -196,147 +244,4 @@ fn edge(curve: &CurveRow, start: usize, is_onwards: bool, is_birth: bool) -> Edg
         i = j;
     }
     edge
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn curve(points: &[(f64, &str)]) -> CurveRow {
-        let point = |(i, &(forcing, event)): (usize, &(f64, &str))| CurvePoint {
-            forcing,
-            omega: 1.0 + i as f64,
-            event: (!event.is_empty()).then(|| event.into()),
-            ..CurvePoint::default()
-        };
-        CurveRow { points: points.iter().enumerate().map(point).collect(), ..CurveRow::default() }
-    }
-
-    fn told(curves: &[CurveRow]) -> Vec<(f64, f64)> {
-        lives(curves).iter().map(|life| (life.from.forcing, life.to.forcing)).collect()
-    }
-
-    #[test]
-    fn what_comes_first_along_two_edges() {
-        let merges = [(1.0, ""), (4.0, "merge"), (1.5, "birth"), (5.0, "")];
-        assert_eq!(told(&[curve(&merges)]), [(1.5, 4.0)]);
-        // Its other edge is not known up to there.
-        assert_eq!(told(&[curve(&[(1.0, ""), (4.0, "merge"), (1.5, "birth"), (3.0, "")])]), []);
-        let both = [(1.0, ""), (4.0, "merge"), (1.5, "birth"), (3.0, "merge"), (1.0, "")];
-        assert_eq!(told(&[curve(&both)]), [(1.5, 3.0)]);
-        let mut closed = curve(&[(1.0, "birth"), (2.0, ""), (3.0, "death"), (2.0, "")]);
-        closed.points.push(CurvePoint { event: None, ..closed.points[0].clone() });
-        assert_eq!(told(&[closed]), [(1.0, 3.0)]);
-        assert_eq!(told(&[curve(&[(1.0, "birth"), (2.0, "")])]), []);
-    }
-
-    #[test]
-    fn what_comes_to_no_end() {
-        let bounded = |points: &[(f64, &str)]| CurveRow {
-            status: "open: forcing bound to forcing bound".into(),
-            ..curve(points)
-        };
-        let told =
-            |curves: &[CurveRow]| lasting(curves).iter().map(|one| (one.from.forcing, one.to)).collect::<Vec<_>>();
-        let both = bounded(&[(4.0, ""), (1.0, "birth"), (2.0, ""), (3.0, "")]);
-        assert_eq!(told(std::slice::from_ref(&both)), [(1.0, 3.0)]);
-        // Something else may be its end, or an edge turns or is lost before.
-        for event in ["merge", "unknown"] {
-            assert_eq!(told(&[both.clone(), curve(&[(9.0, ""), (2.5, event), (9.0, "")])]), []);
-        }
-        assert_eq!(told(&[bounded(&[(4.0, ""), (1.0, "birth"), (3.0, ""), (2.0, "")])]), []);
-        assert_eq!(told(&[bounded(&[(4.0, ""), (1.0, "birth"), (3.0, "merge"), (2.0, "")])]), []);
-        assert_eq!(told(&[CurveRow { is_unfinished: true, ..both.clone() }]), []);
-        let met = Crossing { segment: 1, forcing: 1.5, branch: "main".into(), ..Crossing::default() };
-        assert_eq!(told(&[CurveRow { crossings: vec![met], ..both.clone() }]), []);
-        // Elsewhere than at the bound of the forcing it may end as an isola.
-        for status in ["open: forcing bound to branch point", "open: frequency bound to forcing bound", "closed"] {
-            assert_eq!(told(&[CurveRow { status: status.into(), ..both.clone() }]), []);
-        }
-        // The same curve, followed again, knows more.
-        let farther = bounded(&[(8.0, ""), (1.0, "birth"), (2.0, ""), (6.0, "")]);
-        assert_eq!(told(&[both.clone(), farther]), [(1.0, 6.0)]);
-        let ends = bounded(&[(8.0, ""), (1.0, "birth"), (6.0, "merge"), (1.5, "")]);
-        assert_eq!(told(&[both.clone(), ends.clone()]), []);
-        assert_eq!(lives(&[both, ends]).len(), 1);
-    }
-
-    #[test]
-    fn what_may_join_another_branch() {
-        let ends = |status: &str, points: &[(f64, &str)]| {
-            let curves = [CurveRow { status: status.into(), ..curve(points) }];
-            let birth = curves[0].points.iter().find(|point| point.event.as_deref() == Some("birth")).unwrap();
-            joining(&curves, birth).map(|end| end.forcing)
-        };
-        let points = [(3.0, ""), (2.0, ""), (1.0, "birth"), (2.5, ""), (4.0, "")];
-        assert_eq!(ends("open: branch point to forcing bound", &points), Some(3.0));
-        assert_eq!(ends("open: forcing bound to branch point", &points), Some(4.0));
-        assert_eq!([ends("open: forcing bound to forcing bound", &points), ends("closed", &points)], [None, None]);
-        // What happens before is told.
-        let merges = [(2.0, ""), (3.0, "merge"), (1.0, "birth"), (4.0, "")];
-        assert_eq!(ends("open: branch point to forcing bound", &merges), None);
-    }
-
-    #[test]
-    fn through_cusps_and_from_deaths() {
-        let cusp = [(9.0, ""), (2.378, "merge"), (2.379, "cusp"), (2.1, "birth"), (9.0, "")];
-        assert_eq!(told(&[curve(&cusp)]), [(2.1, 2.378)]);
-        let parts = [(0.8, ""), (0.74, "merge"), (0.73, "cusp"), (4.2, "death"), (3.0, "merge"), (3.2, "")];
-        assert_eq!(told(&[curve(&parts)]), [(3.0, 4.2)]);
-        // Two isolas of two curves are told one by one.
-        assert_eq!(told(&[curve(&parts), curve(&cusp)]), [(2.1, 2.378), (3.0, 4.2)]);
-    }
-
-    #[test]
-    fn what_levels_have_is_no_other() {
-        let crossing = |segment, forcing, branch: &str| Crossing {
-            segment,
-            forcing,
-            branch: branch.into(),
-            ..Crossing::default()
-        };
-        let with = |crossings: Vec<Crossing>| {
-            let merges = curve(&[(1.0, ""), (4.0, "merge"), (1.5, "birth"), (5.0, "")]);
-            told(&[CurveRow { crossings, ..merges }]).len()
-        };
-        assert_eq!(with(vec![crossing(1, 2.0, "isola 1"), crossing(2, 2.0, "isola 1"), crossing(2, 4.5, "main")]), 1);
-        // At a level between it is part of something else by now, or still.
-        assert_eq!(with(vec![crossing(1, 2.0, "isola 1"), crossing(1, 3.5, "main")]), 0);
-        let merges = curve(&[(1.0, ""), (4.0, "merge"), (1.5, "birth"), (5.0, "")]);
-        let lost = |end| CurveRow { is_unfinished: true, ..curve(&[(0.5, ""), (end, "")]) };
-        assert_eq!(told(&[merges.clone(), lost(3.0)]).len(), 0);
-        assert_eq!(told(&[merges, lost(7.0)]).len(), 1);
-    }
-
-    #[test]
-    fn what_begins_where_branches_merge_may_come_apart() {
-        let parts = curve(&[(9.0, ""), (1.0, "merge"), (2.0, "death"), (0.5, "")]);
-        let ends_at = |forcing| CurveRow {
-            status: "open: forcing bound to branch point".into(),
-            ..curve(&[(9.0, ""), (0.5, "birth"), (forcing, "")])
-        };
-        assert_eq!(told(std::slice::from_ref(&parts)), [(1.0, 2.0)]);
-        for (forcing, expected) in [(1.5, 0), (0.9, 1), (2.5, 1)] {
-            assert_eq!(told(&[parts.clone(), ends_at(forcing)]).len(), expected, "{forcing}");
-        }
-        // It is told where no level is.
-        let missed = |values: &[f64]| {
-            let levels: Vec<Level> = values.iter().map(|value| Level { value: *value, ..Level::default() }).collect();
-            parted_between(std::slice::from_ref(&parts), &levels).len()
-        };
-        assert_eq!([missed(&[0.5, 3.0]), missed(&[0.5, 1.5, 3.0])], [1, 0]);
-    }
-
-    #[test]
-    fn what_happens_between_may_be_about_it() {
-        let merges = curve(&[(1.0, ""), (4.0, "merge"), (1.5, "birth"), (5.0, "")]);
-        for (event, forcing, expected) in
-            [("merge", 2.0, 0), ("unknown", 2.0, 0), ("merge", 6.0, 1), ("birth", 2.0, 1), ("cusp", 2.0, 1)]
-        {
-            let other = curve(&[(7.0, ""), (forcing, event), (8.0, "")]);
-            let all = [merges.clone(), other];
-            let found = told(&all).into_iter().filter(|life| *life == (1.5, 4.0)).count();
-            assert_eq!(found, expected, "{event} at {forcing}");
-        }
-    }
 }

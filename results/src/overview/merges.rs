@@ -2,14 +2,10 @@
 
 use super::event_words::{MERGE, MERGES, PARTS};
 use super::folds::events_of;
+use super::parties::{Beside, Party, is_disturbed, is_merge, sides};
 use crate::store::{CurvePoint, CurveRow};
-use crate::words::digits;
 use solver::response::branch::BranchKind;
 use solver::response::critical::CriticalKind;
-use std::cmp::Ordering;
-
-/// Digits of the forcing that an isola is called by: fewer than are claimed where the birth itself is told.
-const NAME: i32 = 4;
 
 /// Where branches merge or part.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,15 +41,6 @@ pub fn merges<'c>(curves: &'c [CurveRow]) -> Vec<Merge<'c>> {
     events_of(curves, CriticalKind::Merge.name()).into_iter().map(merge).collect()
 }
 
-/// What turns back along a fold curve beside a merge.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Party<'c> {
-    /// A branch of a level, by name, with the level as typed; of the main branch, which all have, without.
-    Branch(&'c str, &'c str),
-    /// The isola that is born at this forcing amplitude, or, if the second is set, ends there.
-    Isola(f64, bool),
-}
-
 /// A merge in words, as [`Merge`] has them.
 struct Told {
     what: String,
@@ -62,30 +49,24 @@ struct Told {
 }
 
 fn words(curves: &[CurveRow], curve: &CurveRow, merge: usize) -> Option<Told> {
-    let (first, from) = beside(curve, merge, false)?;
-    let (second, to) = beside(curve, merge, true)?;
+    let Beside { parties: [first, second], ways: [from, to], is_below } = sides(curve, merge)?;
     let point = &curve.points[merge];
     let at = |forcing: f64| CurvePoint { forcing, ..CurvePoint::default() };
-    let side = from.total_cmp(&point.forcing);
-    // Two folds on different sides are those of a cusp.
-    if side == Ordering::Equal
-        || side != to.total_cmp(&point.forcing)
-        || is_disturbed(curves, &[point, &at(from), &at(to)])
-    {
+    let known = [point, &at(from), &at(to)];
+    if is_disturbed(curves, &known, &[&[first], &[second]], is_below) {
         return None;
     }
     // Branches of two levels may be one, and so may one of a level and an isola that is born before it.
     let is_nearer = |near: f64, far: f64| (near - point.forcing).abs() < (far - point.forcing).abs();
     let is_told = match (first, second) {
-        (Party::Branch(_, ""), _) | (_, Party::Branch(_, "")) | (Party::Isola(..), Party::Isola(..)) => true,
-        (Party::Branch(_, level), Party::Branch(_, other)) => level == other,
+        (Party::Main, _) | (_, Party::Main) | (Party::Isola(..), Party::Isola(..)) => true,
+        (Party::Branch(_, level, _), Party::Branch(_, other, _)) => level == other,
         (Party::Isola(..), Party::Branch(..)) => is_nearer(from, to),
         (Party::Branch(..), Party::Isola(..)) => is_nearer(to, from),
     };
     if !is_told {
         return None;
     }
-    let is_below = side == Ordering::Less;
     let mut parties = [first, second];
     parties.sort_by_key(Party::is_main);
     let kinds = parties.map(|party| party.kind());
@@ -123,7 +104,9 @@ fn words(curves: &[CurveRow], curve: &CurveRow, merge: usize) -> Option<Told> {
         false => "exchange ends",
     };
     let names = match (one, other) {
-        (Party::Branch(one, level), Party::Branch(_, same)) if level == same => format!("{one} and {}", other.name()),
+        (Party::Branch(one, level, _), Party::Branch(_, same, _)) if level == same => {
+            format!("{one} and {}", other.name())
+        }
         _ => format!("{} and {}", one.name(), other.name()),
     };
     // Of two isolas each could be the one.
@@ -131,96 +114,6 @@ fn words(curves: &[CurveRow], curve: &CurveRow, merge: usize) -> Option<Told> {
     let does = if verb == MERGES { "merges with" } else { "parts from" };
     let of_isola = is_one.then(|| format!("{does} {}", other.name()));
     Some(Told { what: format!("{names} {verb}"), of_isola, verb })
-}
-
-/// What turns back along a curve on one side of a merge: the branch of the first level that the curve comes to, or an isola that
-/// begins or ends there before. With it comes the forcing amplitude of the way there that is farthest from the merge.
-fn beside(curve: &CurveRow, merge: usize, is_onwards: bool) -> Option<(Party<'_>, f64)> {
-    let points = &curve.points;
-    let start = points[merge].forcing;
-    let is_below = points[next(curve, merge, is_onwards)?.1].forcing < start;
-    let (mut i, mut is_rising, mut farthest) = (merge, !is_below, start);
-    for _ in 0..points.len() {
-        let (segment, j) = next(curve, i, is_onwards)?;
-        let (here, there) = (points[i].forcing, points[j].forcing);
-        if (there > here) != is_rising {
-            let event = points[i].event.as_deref()?;
-            let end = if is_below { CriticalKind::Birth } else { CriticalKind::Death };
-            if event == end.name() {
-                return Some((Party::Isola(here, !is_below), farthest));
-            }
-            // At a cusp two folds of one branch meet.
-            if event != CriticalKind::Cusp.name() {
-                return None;
-            }
-            is_rising = !is_rising;
-        }
-        if (there < start) != is_below || there == start {
-            return None;
-        }
-        let crossed = curve.crossings.iter().filter(|crossing| crossing.segment == segment);
-        let distance = |forcing: f64| (forcing - here).abs();
-        let nearest = crossed.min_by(|a, b| distance(a.forcing).total_cmp(&distance(b.forcing)));
-        let reached = nearest.map_or(there, |crossing| crossing.forcing);
-        farthest = if is_below { farthest.min(reached) } else { farthest.max(reached) };
-        if let Some(crossing) = nearest {
-            let level = if crossing.branch == BranchKind::Main.name() { "" } else { crossing.amplitude.as_str() };
-            return Some((Party::Branch(&crossing.branch, level), farthest));
-        }
-        i = j;
-    }
-    None
-}
-
-/// The point of a curve that follows in a direction, after the segment that leads there; a closed curve goes round.
-pub(super) fn next(curve: &CurveRow, i: usize, is_onwards: bool) -> Option<(usize, usize)> {
-    let count = curve.points.len();
-    let is_closed = count > 2 && curve.points.first()?.is_at(curve.points.last()?);
-    match (is_onwards, i) {
-        (true, i) if i + 1 < count => Some((i, i + 1)),
-        (true, _) if is_closed => Some((0, 1)),
-        (false, 0) if is_closed => Some((count - 2, count - 2)),
-        (false, i) => Some((i.checked_sub(1)?, i - 1)),
-        _ => None,
-    }
-}
-
-/// Whether branches merge or part elsewhere between these points: what is known at one of them may be about others at another.
-pub(super) fn is_disturbed(curves: &[CurveRow], known: &[&CurvePoint]) -> bool {
-    let range = |(low, high): (f64, f64), point: &&CurvePoint| (low.min(point.forcing), high.max(point.forcing));
-    let (low, high) = known.iter().fold((f64::INFINITY, f64::NEG_INFINITY), range);
-    let mut others = curves.iter().flat_map(|curve| &curve.points).filter(|point| {
-        let is_unknown = point.event.as_deref() == Some(CriticalKind::Unknown.name());
-        (is_unknown || is_merge(point)) && !known.iter().any(|known| known.is_at(point))
-    });
-    others.any(|point| (low..=high).contains(&point.forcing))
-}
-
-fn is_merge(point: &CurvePoint) -> bool {
-    point.event.as_deref() == Some(CriticalKind::Merge.name())
-}
-
-impl Party<'_> {
-    fn kind(&self) -> Option<BranchKind> {
-        match self {
-            Party::Branch(name, _) => BranchKind::named(name.split(' ').next()?),
-            Party::Isola(..) => Some(BranchKind::Isola),
-        }
-    }
-
-    fn is_main(&self) -> bool {
-        self.kind() == Some(BranchKind::Main)
-    }
-
-    fn name(&self) -> String {
-        match self {
-            Party::Branch(_, "") => "the main branch".into(),
-            // Numbers are those of a level.
-            Party::Branch(name, level) => format!("{name} of A = {level}"),
-            Party::Isola(forcing, false) => format!("the isola born at A = {}", digits(*forcing, NAME)),
-            Party::Isola(forcing, true) => format!("the isola that dies at A = {}", digits(*forcing, NAME)),
-        }
-    }
 }
 
 #[cfg(test)]
@@ -337,5 +230,26 @@ mod tests {
         // Another curve has it at its end.
         let end = curve(&[4.0, 3.0], &[(0, "merge")], &[]);
         assert_eq!(told(&[end, closed]).unwrap(), expected);
+    }
+
+    /// What other branches do between a level and a merge does not hide which branches merge there.
+    #[test]
+    fn what_others_do_is_not_about_these() {
+        let own = curve(&[1.0, 3.0, 4.0, 3.0, 1.0], &[(2, "merge")], &[(0, "2", "isola 1"), (3, "2", "main")]);
+        let what = |branches: [&str; 2]| {
+            let crossings = [(0, "2", branches[0]), (3, "2", branches[1])];
+            let other = curve(&[1.0, 2.5, 3.0, 2.5, 1.0], &[(2, "merge")], &crossings);
+            let curves = [own.clone(), other];
+            let found = merges(&curves);
+            found.iter().find(|merge| merge.point.forcing == 4.0).unwrap().what.clone()
+        };
+        let told = Some("isola 1 of A = 2 and the main branch merge".to_string());
+        for others in [["isola 2", "main"], ["isola 2", "isola 3"], ["isola 2", "isola 2"]] {
+            assert_eq!(what(others), told, "{others:?}");
+        }
+        // The isola may have become part of another one, or what its fold is beside may have parted from the main branch.
+        for others in [["isola 1", "isola 2"], ["isola 1", "main"], ["main", "main"], ["cut 1", "main"]] {
+            assert_eq!(what(others), None, "{others:?}");
+        }
     }
 }

@@ -1,6 +1,7 @@
 //! What a run has found so far, level by level, as the store has it: branches, windows and what became of them; and what
 //! is missing.
 
+mod beginnings;
 mod bounds;
 mod confirmed;
 mod counted;
@@ -11,6 +12,7 @@ mod events;
 mod excitation;
 mod family;
 mod folds;
+mod forcing_digits;
 mod largest_stable;
 mod lesser;
 mod level;
@@ -20,28 +22,32 @@ mod merges;
 pub mod modes;
 mod near_largest;
 mod omissions;
+mod parties;
 mod place;
 mod predicted;
 mod reasons;
 mod sampled;
 mod shift;
 mod stability_words;
+mod stories;
 mod truncation;
 mod unfinished;
 mod verified;
 mod windows;
 
+pub use beginnings::{beginning, is_begun};
 pub use bounds::{beyond, bounds, is_within, reach_sentence};
 pub use confirmed::{is_unconfirmed, is_unmatched};
 pub use doubts::{doubts, ends_far_beyond};
 pub use elsewhere::around_largest;
 pub use event_words::{BIRTH, DEATH, EVENTS, EventWords, MERGE, MERGES};
-pub use events::{events_sentence, forcing_label, truncation_doubt};
+pub use events::events_sentence;
 pub use excitation::{Excitation, SmallestMotion};
 pub use folds::{
     CurveEvent, born_above, born_below, born_between, curve_events, events_of, later_birth, level_between,
     levels_after, most_folds, not_followed, not_followed_sentence, why_no_folds,
 };
+pub use forcing_digits::{forcing_label, truncation_doubt};
 pub use largest_stable::{StableResponse, largest_stable, largest_stable_sentence, unstable_peak_sentence};
 pub use lesser::Lesser;
 pub use level::{Level, Seeds, UNTOUCHED, highest, is_untouched};

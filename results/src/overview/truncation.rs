@@ -201,9 +201,10 @@ pub fn asks_for_harmonics(sentence: &str) -> bool {
     sentence.contains("set harmonics.count")
 }
 
-/// Whether the largest amplitude of a branch is that of a maximum. Of one that branches off another it may be at a branch point.
+/// Whether the largest amplitude of a branch is that of a maximum. Of one that branches off another, or runs on to a known one, it may be
+/// where they meet.
 fn has_maximum(row: &BranchRow) -> bool {
-    row.is_isola() || (row.peak_standing == Some(Standing::At) && !row.is_branched())
+    row.is_isola() || (row.peak_standing == Some(Standing::At) && !row.is_branched() && !row.is_joined())
 }
 
 /// Relative changes of the amplitude and of the frequency of a peak with twice the harmonics.
@@ -258,6 +259,17 @@ mod tests {
         );
         let expected = format!("Peaks change by less than 0.01 % with twice the harmonics (H = 20). {UNKNOWN_ENDS}");
         assert_eq!(said(Standing::AtLeast), expected);
+    }
+
+    /// Where a branch meets a known one it may be largest, and nothing is looked for there.
+    #[test]
+    fn where_a_branch_runs_on_to_a_known_one_no_peak_is_missed() {
+        let with = |status: &str| {
+            let open = BranchRow { peak_standing: Some(Standing::At), status: status.into(), ..row("open", None) };
+            truncation(&levels(vec![open, row("isola", Some(1.0))]), 10, 3).unwrap()
+        };
+        assert!(with("open: frequency bound to frequency bound").contains("no peak was found near that of open 1"));
+        assert!(with("open: known branch to known branch").starts_with("Peaks change by less than"));
     }
 
     /// The worse the truncation the more is lost: what nothing at all was found of is told as well.

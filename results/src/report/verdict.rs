@@ -6,7 +6,7 @@
 mod tests;
 
 use super::evidence::{Evidence, OrderFound};
-use super::losses::{Loss, losses, named, unknown_beyond};
+use super::losses::{losses, named, unknown_beyond};
 use super::ranges::{in_words, joined, over, runs};
 use crate::curves::BackboneCurve;
 use crate::overview::{
@@ -48,9 +48,10 @@ impl Sentence {
 /// The three answers.
 pub fn verdict(evidence: &Evidence<'_>) -> [Sentence; 3] {
     let losses = losses(evidence);
-    let list = |of: fn(&Loss) -> &str| losses.iter().map(of).collect::<Vec<_>>();
-    let whole = format!("Not all is known. {}", list(|loss| &loss.sentence).join(" "));
-    let brief = format!("Not all is known ({}).", list(|loss| &loss.brief).join("; "));
+    let briefly: Vec<&str> = losses.iter().map(|loss| loss.brief.as_str()).collect();
+    let sentences: Vec<String> = losses.iter().map(|loss| words::capitalised(&loss.sentence)).collect();
+    let whole = format!("Not all is known. {}", sentences.join(" "));
+    let brief = format!("Not all is known ({}).", briefly.join("; "));
     let lost = |text: &str| (!losses.is_empty()).then(|| text.to_string());
     let is_known = evidence.largest().is_some() || evidence.has_nothing();
     let further = |details: Vec<String>| if is_known { details } else { Vec::new() };
@@ -260,9 +261,9 @@ impl<'r> Evidence<'r> {
         let prediction = self.prediction();
         let place = |omega: f64| format!("{}{}", in_both_units(omega), beyond(self.bounds, omega));
         // What was lost may count.
-        let levels = if self.search.is_whole() { self.levels } else { &[] };
-        let computed =
-            events_sentence(self.curves, levels, place).map(|sentence| format!(" {sentence}")).unwrap_or_default();
+        let computed = events_sentence(self.curves, self.levels, self.search.is_whole(), place)
+            .map(|sentence| format!(" {sentence}"))
+            .unwrap_or_default();
         let missing = not_followed_sentence(self.search.hanging).filter(|_| !computed.is_empty());
         let computed = computed + &missing.map_or_else(String::new, |sentence| format!(" {sentence}"));
         let runs = runs(self.levels);

@@ -92,6 +92,11 @@ impl BranchRow {
         if self.is_main() { self.status.matches(&joined).count() } else { 0 }
     }
 
+    /// Whether it runs on to a branch that was known before.
+    pub fn is_joined(&self) -> bool {
+        self.status.contains(&Stop::Joined.to_string())
+    }
+
     /// `≥ ` if the response may be larger than the largest amplitude that is known.
     pub fn at_least(&self) -> &'static str {
         if self.peak_standing == Some(Standing::AtLeast) { "≥ " } else { "" }
@@ -233,10 +238,10 @@ fn branch(row: &Row<'_>) -> rusqlite::Result<BranchRow> {
     let range: (Option<f64>, Option<f64>) = (row.get(18)?, row.get(19)?);
     let range = range.0.zip(range.1);
     let change: (Option<f64>, Option<f64>) = (row.get(20)?, row.get(21)?);
+    let status: String = row.get(2)?;
     Ok(BranchRow {
         kind: row.get(0)?,
         number: row.get(1)?,
-        status: row.get(2)?,
         closed: row.get(3)?,
         points: row.get(4)?,
         omega: (number(row, 5)?, number(row, 6)?),
@@ -245,7 +250,8 @@ fn branch(row: &Row<'_>) -> rusqlite::Result<BranchRow> {
         contact_omega: touching.0.zip(touching.1),
         id: row.get(11)?,
         task: row.get(12)?,
-        peak_standing: standing.and_then(|name| Standing::named(&name)),
+        peak_standing: standing.and_then(|name| Standing::named(&name)).map(|named| standing_between(&status, named)),
+        status,
         certificate: Certificate {
             penetration: row.get(14)?,
             pressure_beyond: row.get(15)?,
@@ -256,4 +262,24 @@ fn branch(row: &Row<'_>) -> rusqlite::Result<BranchRow> {
         family: None,
         found_by: row.get::<_, Option<String>>(13 + LATER.len())?.as_deref().and_then(Origin::of),
     })
+}
+
+/// Where the largest amplitude of a branch stands. What runs on to known branches at both ends is known from end to end, of which programs of
+/// before said that it is no larger than known.
+fn standing_between(status: &str, told: Standing) -> Standing {
+    if status == Outcome::Open(Stop::Joined, Stop::Joined).to_string() { Standing::At } else { told }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_lies_between_known_branches_is_known_to_its_ends() {
+        let told = |first, last| standing_between(&Outcome::Open(first, last).to_string(), Standing::AtLeast);
+        assert_eq!(told(Stop::Joined, Stop::Joined), Standing::At);
+        for other in [Stop::PointBudget, Stop::FrequencyBound] {
+            assert_eq!(told(Stop::Joined, other), Standing::AtLeast);
+        }
+    }
 }

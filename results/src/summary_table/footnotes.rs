@@ -14,6 +14,8 @@ pub(super) struct Footnotes {
 struct Note {
     text: String,
     places: Vec<String>,
+    /// The file that has all of them.
+    file: &'static str,
 }
 
 impl Footnotes {
@@ -22,16 +24,17 @@ impl Footnotes {
         raised(self.index(text) + 1)
     }
 
-    /// The same of a text that is about several places: it names some of them.
-    pub(super) fn mark_at(&mut self, text: String, place: String) -> String {
+    /// The same of a text that is about several places, all of which are in a file: it names some of them.
+    pub(super) fn mark_at(&mut self, text: String, place: String, file: &'static str) -> String {
         let index = self.index(text);
         self.texts[index].places.push(place);
+        self.texts[index].file = file;
         raised(index + 1)
     }
 
     fn index(&mut self, text: String) -> usize {
         self.texts.iter().position(|other| other.text == text).unwrap_or_else(|| {
-            self.texts.push(Note { text, places: Vec::new() });
+            self.texts.push(Note { text, places: Vec::new(), file: "" });
             self.texts.len() - 1
         })
     }
@@ -49,7 +52,7 @@ impl std::fmt::Display for Note {
         match self.places.len() {
             0 => Ok(()),
             all if all <= PLACES => write!(f, " ({})", self.places.join("; ")),
-            all => write!(f, " ({}; and {} more: windows.csv)", self.places[..PLACES].join("; "), all - PLACES),
+            all => write!(f, " ({}; and {} more: {})", self.places[..PLACES].join("; "), all - PLACES, self.file),
         }
     }
 }
@@ -93,9 +96,9 @@ mod tests {
     #[test]
     fn places_of_one_reason_stand_behind_it() {
         let mut notes = Footnotes::default();
-        let marks = [1, 2].map(|a| notes.mark_at("not found".into(), format!("A = {a}")));
+        let marks = [1, 2].map(|a| notes.mark_at("not found".into(), format!("A = {a}"), "windows.csv"));
         assert_eq!((marks, notes.lines(80)), (["¹", "¹"].map(String::from), vec!["¹ not found (A = 1; A = 2)".into()]));
-        (3..6).for_each(|a| drop(notes.mark_at("not found".into(), format!("A = {a}"))));
+        (3..6).for_each(|a| drop(notes.mark_at("not found".into(), format!("A = {a}"), "windows.csv")));
         assert_eq!(notes.lines(80), ["¹ not found (A = 1; A = 2; A = 3; and 2 more: windows.csv)"]);
     }
 

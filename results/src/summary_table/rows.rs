@@ -1,11 +1,15 @@
 //! The rows of the table, with the footnotes that they need.
 
+#[cfg(test)]
+mod tests;
+
 use super::footnotes::Footnotes;
 use super::known::Known;
+use super::listed::{Listed, listed};
 use super::units::{FrequencyUnit, Units};
 use crate::overview::{
-    Lesser, Level, WindowOutcome, forcing_label, is_unconfirmed, is_unmatched, later_birth, told_threshold,
-    truncation_doubt, within,
+    BIRTH, Lesser, Level, WindowOutcome, beginning, forcing_label, is_begun, is_unconfirmed, is_unmatched, later_birth,
+    told_threshold, truncation_doubt, within,
 };
 use crate::store::{BranchRow, CurveRow, WindowRow};
 use crate::words::count;
@@ -22,6 +26,12 @@ const SAME: f64 = 1e-6;
 /// What is said of them in a structure with equal parts.
 const COPY: &str = "of the same frequencies as one above: as the structure stays the same when equal parts are exchanged, the one may be the \
                     other with these exchanged";
+
+/// Where all windows are.
+const WINDOWS: &str = "windows.csv";
+
+/// What is said of isolas of the lowest level.
+const GOES_ON: &str = "is there below the lowest level as well";
 
 /// What is said of a piece of a main branch where there are others that do not meet it.
 const PIECE: &str = "runs on to a main branch that is told as well: a piece of that";
@@ -41,6 +51,8 @@ pub(super) struct Rows<'r> {
     given: FrequencySettings,
     /// The smallest threshold of the backbones; `None` if one of them is not known.
     smallest: Option<f64>,
+    /// The lowest level.
+    lowest: Option<&'r str>,
     /// Reasons, in the order in which rows are made.
     pub(super) notes: Footnotes,
 }
@@ -57,6 +69,7 @@ impl<'r> Rows<'r> {
             has_exchanges,
             given: known.given,
             smallest: smallest_threshold(&known.backbones),
+            lowest: known.levels().first().map(|level| level.amplitude.as_str()),
             notes: Footnotes::default(),
         }
     }
@@ -67,10 +80,20 @@ impl<'r> Rows<'r> {
         let main = self.main(level);
         let mut others: Vec<String> = Vec::new();
         let mut before: Vec<&BranchRow> = Vec::new();
-        for row in level.others() {
+        for listed in listed(level) {
+            let row = match listed {
+                Listed::Branch(row) => row,
+                Listed::More(count, kind) => {
+                    others.push(format!("{kind}: {count} more, see summary.csv"));
+                    continue;
+                }
+            };
             let mut text = self.other(row);
             if self.has_exchanges && before.iter().any(|earlier| is_copy(earlier, row)) {
                 text += &self.notes.mark(COPY.into());
+            }
+            if row.is_isola() && self.lowest == Some(level.amplitude.as_str()) {
+                text += &self.below(level, row);
             }
             others.push(text);
             before.push(row);
@@ -159,6 +182,20 @@ impl<'r> Rows<'r> {
         format!("{}: {range}, {peak}{mark}", row.kind)
     }
 
+    /// The mark that tells from where on an isola of the lowest level is there, where no story does.
+    fn below(&mut self, level: &Level, row: &BranchRow) -> String {
+        let Some(begins) = beginning(self.curves, &level.amplitude, &row.name()) else {
+            return self.notes.mark(format!("{GOES_ON}; where it begins is not known"));
+        };
+        if is_begun(self.curves, begins) {
+            return String::new();
+        }
+        let what =
+            if begins.event.as_deref() == Some(BIRTH.kind.name()) { "a birth" } else { "where branches merge or part" };
+        let place = format!("{}: A = {}{}", row.name(), forcing_label(begins, 5), truncation_doubt(&[begins]));
+        self.notes.mark_at(format!("{GOES_ON}; a fold curve of it comes from {what}"), place, "events.csv")
+    }
+
     /// By which bounds of the frequency that were given a branch is cut off at both ends, if it is.
     fn cut_at(&self, row: &BranchRow) -> Option<String> {
         let FrequencySettings { min, max } = self.given;
@@ -203,12 +240,12 @@ impl<'r> Rows<'r> {
                 None => reason,
             };
             let place = format!("A = {}: {} {unit}", level.amplitude, range_of(window, unit));
-            self.notes.mark_at(format!("window not found: {why}"), place)
+            self.notes.mark_at(format!("window not found: {why}"), place, WINDOWS)
         });
         let missed: Vec<String> = missed.collect();
         let passed = level.passed().map(|(window, told)| {
             let place = format!("A = {}: {} {unit}", level.amplitude, range_of(window, unit));
-            self.notes.mark_at(told, place)
+            self.notes.mark_at(told, place, WINDOWS)
         });
         let mut marks: Vec<String> = Vec::new();
         for mark in missed.into_iter().chain(passed) {
@@ -273,92 +310,4 @@ fn is_copy(one: &BranchRow, other: &BranchRow) -> bool {
 /// Whether a frequency is a bound.
 fn is_at(omega: f64, bound: Option<f64>) -> bool {
     bound.is_some_and(|bound| (omega - bound).abs() <= BESIDE * bound)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn rows(mains: &[(String, Outcome)]) -> Rows<'_> {
-        Rows {
-            units: Units::default(),
-            mains,
-            curves: &[],
-            lesser: Lesser::default(),
-            has_exchanges: false,
-            given: FrequencySettings::default(),
-            smallest: None,
-            notes: Footnotes::default(),
-        }
-    }
-
-    fn main(number: usize, amplitude_max: f64, status: &str) -> BranchRow {
-        let kind = BranchKind::Main.name().into();
-        BranchRow { kind, number, amplitude_max, omega_at_max: 21.5, status: status.into(), ..BranchRow::default() }
-    }
-
-    fn level(branches: Vec<BranchRow>) -> Level {
-        Level { amplitude: "3".into(), value: 3.0, branches, ..Level::default() }
-    }
-
-    #[test]
-    fn a_main_branch_in_pieces_has_one_peak() {
-        let whole = "open: linear range to frequency bound";
-        let piece = "open: frequency bound to known branch";
-        let pieces = level(vec![main(1, 1.0, whole), main(2, 2.0, piece)]);
-        let mut told = rows(&[]);
-        assert_eq!(told.of(&pieces)[1], "2.0000 at 21.5000");
-        assert_eq!(pieces.main_curves(), 1);
-        // Which of two a piece runs on to is not known, also where it may close the gap between them: no peak is left out.
-        let both =
-            level(vec![main(1, 1.0, whole), main(2, 2.0, whole), main(3, 4.0, "open: known branch to known branch")]);
-        assert_eq!(told.of(&both)[1], "1.0000 at 21.5000\n2.0000 at 21.5000\n4.0000 at 21.5000¹");
-        // Of two curves the piece says that it is none of its own.
-        let apart = level(vec![main(1, 1.0, whole), main(2, 2.0, whole), main(3, 4.0, piece)]);
-        assert_eq!(told.of(&apart)[1], "1.0000 at 21.5000\n2.0000 at 21.5000\n4.0000 at 21.5000¹");
-        assert_eq!(apart.main_curves(), 2);
-        assert_eq!(crate::overview::in_words(&pieces.branches[1]), "the main branch");
-    }
-
-    #[test]
-    fn a_window_that_a_branch_passes_by_carries_its_doubt() {
-        let window = |told: &str| {
-            WindowRow::of(match told {
-                "" => WindowOutcome::Found("main".into()),
-                told => WindowOutcome::Passed { branches: "main".into(), told: told.into() },
-            })
-        };
-        let doubt =
-            "no seed landed near it, but main passes by (relative distance 0.22): an isola nearby is not excluded";
-        let mut level = level(vec![main(1, 1.0, "")]);
-        level.windows = vec![window(""), window(doubt)];
-        let mut told = rows(&[]);
-        assert_eq!(told.of(&level)[3], "2 of 2¹");
-        let lines = told.notes.lines(200).concat();
-        assert!(
-            lines.contains("no seed landed near it, but main passes by: an isola nearby is not excluded"),
-            "{lines}"
-        );
-        level.windows.pop();
-        assert_eq!(rows(&[]).of(&level)[3], "1 of 1");
-        // What is in it need not be an isola.
-        let is_on_main = |outcome| {
-            let mut level = level.clone();
-            level.windows[0].outcome = outcome;
-            is_on_main(&level)
-        };
-        assert!(is_on_main(WindowOutcome::Found("main".into())));
-        assert!(!is_on_main(WindowOutcome::Found("main; isola 1".into())));
-        assert!(!is_on_main(WindowOutcome::NotFound("nothing".into())));
-    }
-
-    #[test]
-    fn copies_have_one_kind_and_the_same_frequencies() {
-        let row = |kind: &str, omega| BranchRow { kind: kind.into(), omega, ..BranchRow::default() };
-        let isola = row("isola", (1.0, 2.0));
-        assert!(is_copy(&isola, &row("isola", (1.0 + 1e-8, 2.0))));
-        for other in [row("branched", (1.0, 2.0)), row("isola", (1.0, 2.001)), row("isola", (f64::NAN, 2.0))] {
-            assert!(!is_copy(&isola, &other));
-        }
-    }
 }

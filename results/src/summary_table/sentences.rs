@@ -43,8 +43,7 @@ fn over_the_forcing(known: &Known, units: Units) -> Vec<String> {
     let (bounds, unit) = (known.bounds(), units.frequency);
     let place = |omega: f64| format!("{}{}", unit.told(omega), beyond(bounds, omega));
     // What was lost may count.
-    let levels = if known.search.is_whole() { known.levels() } else { &[] };
-    let events = events_sentence(&known.curves, levels, place);
+    let events = events_sentence(&known.curves, known.levels(), known.search.is_whole(), place);
     let missing = not_followed_sentence(known.search.hanging).filter(|_| events.is_some());
     ([events, missing].into_iter().flatten())
         .chain(motions::brief(&known.motions, units, known.is_further))

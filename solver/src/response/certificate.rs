@@ -7,8 +7,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Standing {
-    /// It is a maximum of a curve that is known from end to end, and does not leave through a bound that was given while it grows to
-    /// amplitudes comparable to that.
+    /// It is the largest one of a curve that is known from end to end, within the bounds that were given, and does not leave through one while
+    /// it grows to amplitudes comparable to that: a maximum, or where the curve ends on another one that is known.
     At,
     /// It is only as far as the curve is known: the response may be larger.
     AtLeast,
@@ -18,9 +18,10 @@ impl Standing {
     /// Of the peak at point `peak` of so many points of a curve that ends so.
     pub fn of_peak(outcome: &Outcome, peak: usize, points: usize) -> Self {
         let Outcome::Open(first, last) = outcome else { return Self::At };
-        // At a branch point what it branches off goes on, not the branch.
+        // At a branch point what it branches off goes on, not the branch, and what follows a known one is part of that.
         let is_end = [(peak == 0, first), (peak + 1 >= points, last)];
-        let is_end = is_end.into_iter().any(|(is_there, stop)| is_there && *stop != Stop::Branching);
+        let is_elsewhere = |stop: &Stop| matches!(stop, Stop::Branching | Stop::Joined);
+        let is_end = is_end.into_iter().any(|(is_there, stop)| is_there && !is_elsewhere(stop));
         if is_end || [first, last].into_iter().any(goes_on_higher) { Self::AtLeast } else { Self::At }
     }
 
@@ -72,8 +73,8 @@ pub struct Certificate {
 pub struct Change {
     /// Where, rad/s.
     pub omega: f64,
-    /// Distance across the branch, in frequency and in amplitude of the first monitored dof, relative to these; amplitudes below a
-    /// hundredth of the largest one of the branch count as that. `None` if near most points no motion was found: the one here is left
+    /// Distance from the branch there, in frequency and in amplitude of the first monitored dof together, relative to these: where the branch
+    /// is steep its amplitude at one frequency changes by more. Amplitudes below a hundredth of the largest one of the branch count as that. `None` if near most points no motion was found: the one here is left
     /// farthest from balance.
     pub share: Option<f64>,
 }
@@ -104,6 +105,9 @@ mod tests {
             (Outcome::Open(bound, bound), 0, Standing::AtLeast),
             (Outcome::Open(Stop::Start, bound), 8, Standing::AtLeast),
             (Outcome::Open(Stop::Rest, bound), 4, Standing::At),
+            (Outcome::Open(Stop::Joined, Stop::Joined), 0, Standing::At),
+            (Outcome::Open(Stop::Joined, bound), 8, Standing::AtLeast),
+            (Outcome::Open(Stop::Joined, Stop::Reversed), 0, Standing::AtLeast),
             (Outcome::Open(Stop::Rest, bound), 0, Standing::AtLeast),
             (Outcome::Open(Stop::Start, Stop::AmplitudeBound), 4, Standing::AtLeast),
             (Outcome::Open(Stop::Reversed, bound), 4, Standing::AtLeast),

@@ -101,8 +101,27 @@ fn the_time_left_counts_what_levels_to_come_ask_for() {
     // Only half of the time was computed so far.
     let computed = 10_000.0 * 11.0;
     let worker = ledger.workers.values_mut().next().unwrap();
-    worker.present = Duration::from_secs_f64(2.0 * computed);
+    worker.wanted = Duration::from_secs_f64(2.0 * computed);
     assert!((ledger.time_left().unwrap() / (2.0 * left) - 1.0).abs() < 1e-9);
+}
+
+/// Workers that stay while there is nothing to do are no slower for that when levels are added.
+#[test]
+fn time_without_tasks_tells_nothing() {
+    let mut ledger = Ledger::new(Rules::default(), vec![plan(1.0, 1)]);
+    let main = leased(&mut ledger, "a", at(0));
+    ledger.measure(at(2));
+    assert!(matches!(ledger.submit(&main, &MAIN).0, Submitted::Accepted(_)));
+    ledger.note_cost(&Task::Main(Side::Below), 2.0);
+    let left = ledger.time_left().unwrap();
+    let waiting: Vec<Vec<usize>> = ledger.chains.iter_mut().map(|chain| std::mem::take(&mut chain.ready)).collect();
+    ledger.measure(at(1000));
+    for (chain, ready) in ledger.chains.iter_mut().zip(waiting) {
+        chain.ready = ready;
+    }
+    let [worker] = &ledger.load(at(1000)).workers[..] else { panic!("one worker") };
+    assert_eq!(worker.present, at(1000));
+    assert_eq!(ledger.time_left(), Some(left));
 }
 
 /// One that took long does not make all of its kind.

@@ -263,6 +263,14 @@ class Model:
     #: Indices of the monitored dofs.
     monitors: tuple[int, ...]
 
+    @property
+    def C(self) -> Floats:
+        """Damping matrix [n, n], N·s/m, that was computed with: the one that damps the modes so where the model or the study gives ratios."""
+        modal = np.diag(self.damping) if self.damping.ndim == 1 else self.damping
+        weighted = self.mass @ self.shapes
+        damping: Floats = weighted @ modal @ weighted.T
+        return damping
+
     def index(self, dof: str | int) -> int:
         """Index of a dof by its name (an index is checked and returned, negative ones count from the end)."""
         if isinstance(dof, str):

@@ -106,11 +106,15 @@ class StoredRun(Mapping[str, Motions]):
     @property
     def units(self) -> str:
         """Units in which the run is shown, as ``isola sweep --units`` takes them; numbers of the run are in SI units."""
+        return self._kept_units() or "m,rad/s"
+
+    def _kept_units(self) -> str:
+        """Those that its study names."""
         try:
             study = tomllib.loads(self.study)
         except tomllib.TOMLDecodeError:
             study = {}
-        return str(study.get("units", "m,rad/s")).replace("µm", "um")
+        return str(study.get("units", "")).replace("µm", "um")
 
     @property
     def stage(self) -> str:
@@ -210,7 +214,8 @@ class StoredRun(Mapping[str, Motions]):
 
     @cached_property
     def model(self) -> types.Model:
-        """The structure: matrices, mode shapes, dofs, elements with their laws."""
+        """The structure as it was computed: matrices, mode shapes, dofs, elements with their laws. What the study gives over the file
+        of the model, another damping say, is in it; :class:`isola_hbm.Model` is what such a file is written from."""
         return self._read(lambda reading, _: model(reading))
 
     @property

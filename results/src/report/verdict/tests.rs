@@ -89,6 +89,14 @@ fn texts(levels: &[Level]) -> [String; 3] {
     told(levels, |_| {})
 }
 
+/// What is lost is told in sentences.
+#[test]
+fn losses_begin_as_sentences_do() {
+    let levels = [level(1.0, vec![main(1e-3)])];
+    let [danger, ..] = told(&levels, |evidence| evidence.search.uncrossed = 2);
+    assert!(danger.contains("Not all is known. Nothing found at 2 possible branch points: other"), "{danger}");
+}
+
 const NOT_SEARCHED: &str = "isolas of other modes, of sub- and super-harmonics and those to which no energy balance of mode 1 \
                             leads were not looked for.";
 

@@ -1,0 +1,145 @@
+//! What becomes of an isola along fold curves, one story each: in words, and which of many are told.
+
+use super::counted::Counted;
+use super::event_words::{BIRTH, DEATH, MERGE};
+use super::forcing_digits::{AGREED, DIGITS, forcing_digits};
+use super::level::Level;
+use super::lives::{Lasting, Life};
+use super::merges::Merge;
+use crate::store::CurvePoint;
+use crate::words::digits;
+
+/// Stories that are told at most.
+const TOLD: usize = 8;
+
+/// Of what happens beyond the levels alone so much is told at most, of each kind.
+const BEYOND: usize = 3;
+
+/// What kind of story: what is said of those that are not told, of one and of several.
+type More = [&'static str; 2];
+
+const LIVE: More = ["isola is born and ends", "isolas are born and end"];
+const LAST: More = ["isola is born and comes to no end", "isolas are born and come to no end"];
+const JOIN: More = ["isola is born and may join another branch", "isolas are born and may join other branches"];
+const TOUCH: More = ["place where known branches merge or part", "places where known branches merge or part"];
+
+/// What becomes of an isola, or what known branches do.
+pub(super) struct Story {
+    /// The forcing amplitudes that it is about.
+    range: (f64, f64),
+    /// In words.
+    text: String,
+    more: More,
+}
+
+impl Story {
+    /// From its birth to its end, or from where branches part to its death.
+    pub(super) fn life(
+        life: &Life<'_>,
+        merged: &[Merge<'_>],
+        counted: impl Fn(&CurvePoint) -> Option<Counted>,
+        place: impl Fn(&CurvePoint) -> String,
+    ) -> Self {
+        let range = (life.from.forcing, life.to.forcing);
+        Self { range, text: in_words(life, merged, counted, place), more: LIVE }
+    }
+
+    /// From its birth to where its edges are followed to.
+    pub(super) fn lasting(lasting: &Lasting<'_>, place: impl Fn(&CurvePoint) -> String) -> Self {
+        let (from, to) = (place(lasting.from), digits(lasting.to, DIGITS));
+        let text = format!("{} at A = {from}, and its edges, followed up to A = {to}, come to no end", BIRTH.one);
+        Self { range: (lasting.from.forcing, lasting.to), text, more: LAST }
+    }
+
+    /// From its birth to where an edge of it comes to a branch point.
+    pub(super) fn joining(birth: &CurvePoint, end: &CurvePoint, place: impl Fn(&CurvePoint) -> String) -> Self {
+        // Where it ends was compared with nothing.
+        let (from, to) = (place(birth), digits(end.forcing, AGREED + 1));
+        let text = format!(
+            "{} at A = {from}, and an edge of it comes to a branch point at A = {to}: near there it may join another branch, which is \
+             not computed",
+            BIRTH.one
+        );
+        Self { range: (birth.forcing, end.forcing), text, more: JOIN }
+    }
+
+    /// What known branches do at a point.
+    pub(super) fn touching(point: &CurvePoint, what: &str, place: impl Fn(&CurvePoint) -> String) -> Self {
+        let text = format!("{what} at A = {}", place(point));
+        Self { range: (point.forcing, point.forcing), text, more: TOUCH }
+    }
+}
+
+/// Those that are told, each with the forcing amplitude at which it begins, and what is said of the others: those among the levels come
+/// before those beyond.
+pub(super) fn told(stories: Vec<Story>, levels: &[Level]) -> (Vec<(f64, String)>, Vec<String>) {
+    let (stories, left) = nearest(stories, TOLD, levels, |story| story.range);
+    let number = |more: More| left.iter().filter(|story| story.more == more).count();
+    let further = [LIVE, LAST, JOIN, TOUCH].map(|more| match number(more) {
+        0 => None,
+        1 => Some(format!("1 more {}", more[0])),
+        several => Some(format!("{several} more {}", more[1])),
+    });
+    (stories.into_iter().map(|story| (story.range.0, story.text)).collect(), further.into_iter().flatten().collect())
+}
+
+/// Those of things that happen over these ranges of the forcing that are told, at most so many, and the others: what happens among the levels
+/// comes first, then a little of what is nearest to them.
+pub(super) fn nearest<T>(
+    things: Vec<T>,
+    most: usize,
+    levels: &[Level],
+    range: impl Fn(&T) -> (f64, f64),
+) -> (Vec<T>, Vec<T>) {
+    let values = || levels.iter().map(|level| level.value);
+    let (low, high) = (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max));
+    // By how many times beyond the levels.
+    let beyond = |thing: &T| match range(thing) {
+        _ if levels.is_empty() => 1.0,
+        (_, to) if to < low => low / to,
+        (from, _) => (from / high).max(1.0),
+    };
+    let mut sorted: Vec<(f64, T)> = things.into_iter().map(|thing| (beyond(&thing), thing)).collect();
+    sorted.sort_by(|a, b| a.0.total_cmp(&b.0).then(range(&a.1).0.total_cmp(&range(&b.1).0)));
+    let among = sorted.iter().filter(|(beyond, _)| *beyond <= 1.0).count();
+    let left = sorted.split_off(sorted.len().min(most).min(among + BEYOND));
+    let without = |list: Vec<(f64, T)>| list.into_iter().map(|(_, thing)| thing).collect();
+    (without(sorted), without(left))
+}
+
+/// An isola from its birth to its end.
+fn in_words(
+    life: &Life<'_>,
+    merged: &[Merge<'_>],
+    counted: impl Fn(&CurvePoint) -> Option<Counted>,
+    place: impl Fn(&CurvePoint) -> String,
+) -> String {
+    let merge = |point: &CurvePoint| merged.iter().find(|merge| merge.point.is_at(point));
+    // That isola is this one.
+    let it =
+        |merge: &Merge<'_>| merge.of_isola.as_ref().map(|does| format!("it {does}")).or_else(|| merge.what.clone());
+    let (from, mut to) = (place(life.from), place(life.to));
+    // Where digits do not tell them apart.
+    if forcing_digits(life.from, DIGITS) == forcing_digits(life.to, DIGITS) {
+        to = format!("{to}, {} above", digits(life.to.forcing - life.from.forcing, 2));
+    }
+    let end = match (merge(life.to), counted(life.to)) {
+        (None, _) => format!("it {}", DEATH.verb),
+        (Some(merge), counted) => it(merge).unwrap_or_else(|| match counted {
+            _ if life.is_with_main => "it merges with the main branch".into(),
+            Some(Counted::MergesWithMain) => "it merges with the main branch".into(),
+            Some(Counted::Merges) => "it merges with another branch".into(),
+            _ => "it merges or parts".into(),
+        }),
+    };
+    match merge(life.from) {
+        None => format!("{} at A = {from} and lasts to A = {to}, where {end}", BIRTH.one),
+        Some(merge) => {
+            let start = it(merge).unwrap_or_else(|| match life.is_with_main {
+                true => "it parts from the main branch".into(),
+                false => MERGE.several.into(),
+            });
+            format!("an isola begins at A = {from}, where {start}, and lasts to A = {to}, where {end}")
+        }
+    }
+}
