@@ -37,7 +37,7 @@ pub fn doubts(reader: &Reader) -> Result<Option<String>> {
         let ends = last_points(&backbone).into_iter().enumerate();
         let stopped = ends.filter(|(_, (_, end))| !is_beyond(&backbone, *end, highest));
         curves.extend(stopped.filter_map(|(piece, (outcome, _))| {
-            let what = if piece == 0 { "the" } else { "a curve that crosses the" };
+            let what = if piece == 0 { "the" } else { "a curve beside the" };
             Some(format!("{what} backbone of mode {} ({})", backbone.mode + 1, stop_of(outcome)?))
         }));
     }

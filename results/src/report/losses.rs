@@ -83,7 +83,7 @@ pub(super) fn losses(evidence: &Evidence<'_>) -> Vec<Loss> {
         let is_primary = evidence.backbone.is_some_and(|primary| primary.mode == backbone.mode);
         let of = if is_primary { String::new() } else { format!(" of mode {mode}") };
         for piece in backbone.pieces.iter().filter(matters) {
-            let (what, status) = (if piece.points.start == 0 { "" } else { "curve that crosses the " }, &piece.status);
+            let (what, status) = (if piece.points.start == 0 { "" } else { "curve beside the " }, &piece.status);
             let sentence = format!(
                 "The {what}backbone of mode {mode} stopped early ({status}): the energy balance beyond is not known."
             );

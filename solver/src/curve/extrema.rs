@@ -34,6 +34,9 @@ pub fn turning_points(values: &[f64], prominence: f64) -> Vec<(usize, bool)> {
     found
 }
 
+/// Relative error up to which a parabola predicts a value.
+const PREDICTED: f64 = 1e-8;
+
 /// Something to maximise along a curve.
 pub type Measure<'f, P, T> = dyn Fn(&mut P, &TracedPoint<T>) -> f64 + 'f;
 
@@ -47,8 +50,8 @@ pub struct Maximum<T> {
 }
 
 /// Locates a maximum of `measure` near `visited[anchor]`, whose value `values[1]` is not below those of its neighbours,
-/// `values[0]` and `values[2]` at arc lengths `-arcs.0` and `arcs.1`: successive parabolic interpolation, until the value
-/// changes by less than 1e-10 relative.
+/// `values[0]` and `values[2]` at arc lengths `-arcs.0` and `arcs.1`: successive parabolic interpolation, until a parabola that
+/// predicted the last value changes it by less than 1e-10 relative.
 pub fn locate_maximum<P: Problem, T: Evaluated<P>>(
     continuation: &mut Continuation<'_, P>,
     visited: &[TracedPoint<T>],
@@ -61,10 +64,13 @@ pub fn locate_maximum<P: Problem, T: Evaluated<P>>(
     let (mut lower, mut best, mut upper) = ((-arcs.0, values[0]), (0.0, values[1]), (arcs.1, values[2]));
     let mut located = None;
     let whole = upper.0 - lower.0;
+    // Next to a corner of the curve a point may lie at the vertex of a parabola by chance.
+    let mut is_parabola = false;
     for _ in 0..40 {
         let width = upper.0 - lower.0;
         let gain = parabola_gain(lower, best, upper);
-        if width < 1e-6 * whole.min(1.0) || gain.is_some_and(|gain| gain < 1e-10 * best.1.abs()) {
+        let is_there = is_parabola && gain.is_some_and(|gain| gain < 1e-10 * best.1.abs());
+        if width < 1e-6 * whole.min(1.0) || is_there {
             break;
         }
         let farther = if upper.0 - best.0 > best.0 - lower.0 { upper.0 } else { lower.0 };
@@ -86,6 +92,8 @@ pub fn locate_maximum<P: Problem, T: Evaluated<P>>(
         });
         let value = trial_point.as_ref().map_or(f64::NEG_INFINITY, |point| measure(continuation.problem(), point));
         let trial = (s, value);
+        let predicted = parabola_at(s, lower, best, upper);
+        is_parabola = (predicted - value).abs() < PREDICTED * best.1.abs();
         let better = trial.1 > best.1;
         match (better, s > best.0) {
             (true, true) => (lower, best) = (best, trial),
@@ -146,6 +154,13 @@ fn parabola_vertex(a: (f64, f64), b: (f64, f64), c: (f64, f64)) -> Option<f64> {
     s.is_finite().then_some(s)
 }
 
+/// Value at `s` of the parabola through three points.
+fn parabola_at(s: f64, a: (f64, f64), b: (f64, f64), c: (f64, f64)) -> f64 {
+    let slope = (c.1 - b.1) / (c.0 - b.0);
+    let curvature = (slope - (b.1 - a.1) / (b.0 - a.0)) / (c.0 - a.0);
+    b.1 + (s - b.0) * (slope + curvature * (s - c.0))
+}
+
 /// How far the vertex of the parabola through three points lies above the middle one.
 fn parabola_gain(a: (f64, f64), b: (f64, f64), c: (f64, f64)) -> Option<f64> {
     let s = parabola_vertex(a, b, c)?;
@@ -156,6 +171,13 @@ fn parabola_gain(a: (f64, f64), b: (f64, f64), c: (f64, f64)) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn parabolas_pass_through_their_points() {
+        let at = |s: f64| (s, 3.0 - 2.0 * (s - 0.3).powi(2));
+        let value = parabola_at(0.7, at(-1.0), at(0.2), at(2.0));
+        assert!((value - at(0.7).1).abs() < 1e-14, "{value}");
+    }
 
     #[test]
     fn turning_points_ignore_wiggles() {

@@ -20,8 +20,8 @@ const ALIKE: f64 = 0.5;
 /// Most tongues that are left behind.
 const MOST: usize = 4;
 
-/// Where a backbone that ends at a branch point goes on, and where that does if it ends so too: curves walked both ways from motions that
-/// are larger than all before and alike. None where no such motion is found.
+/// Where a backbone goes on that ends at a branch point, or in a tongue that was not walked to its end, and where that does if it ends so too:
+/// curves walked both ways from motions that are larger than all before and alike. None where no such motion is found.
 pub(super) fn beyond_tongues<'m, F: Formulation<'m>>(
     problem: &mut F,
     way: &Way<'_>,
@@ -31,7 +31,10 @@ pub(super) fn beyond_tongues<'m, F: Formulation<'m>>(
     let mut beyond: Vec<TracedCurve<BranchPoint>> = Vec::new();
     while beyond.len() < MOST {
         let last = beyond.last().unwrap_or(first);
-        let Outcome::Open(_, Stop::Branching) = last.outcome else { break };
+        let Outcome::Open(_, Stop::Branching | Stop::PointBudget | Stop::Stalled(_) | Stop::Reversed) = last.outcome
+        else {
+            break;
+        };
         let linear = &first.visited[0].curve.y;
         let share = |visited: &&TracedPoint| inner(problem.motion_metric(), &visited.curve.y, linear).abs();
         let Some(before) = last.visited.iter().max_by(|a, b| share(a).total_cmp(&share(b))) else { break };
