@@ -106,9 +106,6 @@ fn largest(levels: &[Level], units: Units) -> Option<String> {
         in_words(row),
         level.amplitude
     );
-    // Others may go on to larger ones beyond where they are known.
-    let goes_on = levels.iter().flat_map(|level| &level.branches).any(|other| !other.at_least().is_empty());
-    let what = if goes_on && before.is_empty() { "Largest computed response" } else { "Largest response" };
     let peak = row.stability.as_ref().and_then(|known| known.peak.as_ref());
     let is_as_marched = |amplitude: f64| (amplitude / row.amplitude_max - 1.0).abs() < TOLD;
     let stability = match peak {
@@ -120,7 +117,7 @@ fn largest(levels: &[Level], units: Units) -> Option<String> {
     };
     let stable =
         largest_stable_sentence(levels, size, rate).map_or_else(String::new, |sentence| format!(" {sentence}"));
-    Some(format!("{what}: {place}{stability}{stable}"))
+    Some(format!("Largest computed response: {place}{stability}{stable}"))
 }
 
 #[cfg(test)]
@@ -205,7 +202,10 @@ mod tests {
         let told = |branches| largest(&[level("1", branches)], Units::default()).unwrap();
         let moved = |share| Some(Change { omega: 1.0, share });
         for converged in [None, moved(Some(1e-3))] {
-            assert!(told(vec![ends(converged)]).starts_with("Largest response: at least 1.0000 m at 2.00000 rad/s"));
+            assert!(
+                told(vec![ends(converged)])
+                    .starts_with("Largest computed response: at least 1.0000 m at 2.00000 rad/s")
+            );
         }
         for (change, doubt) in
             [(moved(None), "not known to have converged in H"), (moved(Some(0.05)), "not converged in H")]
@@ -222,7 +222,7 @@ mod tests {
         let told = |verdict| {
             largest(&[level("1", vec![row("main", 1.0, Some("stable")), row("isola", 2.0, verdict)])], Units::default())
         };
-        let begins = "Largest response: 2.0000 m at 2.00000 rad/s, on isola 1 at A = 1";
+        let begins = "Largest computed response: 2.0000 m at 2.00000 rad/s, on isola 1 at A = 1";
         assert_eq!(
             told(None).unwrap(),
             format!("{begins}. Whether it is stable was not verified (isola verify RUN does).")

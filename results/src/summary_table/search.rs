@@ -85,12 +85,16 @@ pub(super) fn no_isola(known: &Known, unit: FrequencyUnit) -> Option<String> {
 /// How motions of further periods, for which nobody looked, are looked for, and which are the next.
 fn other_orders(asked: &[usize], harmonics: usize) -> Option<String> {
     let [own] = *asked else { return None };
-    let next: Vec<String> = (own + 1..=harmonics.min(own + 2)).map(|m| m.to_string()).collect();
-    (!next.is_empty()).then(|| {
+    let orders = 1..=harmonics.min(3.max(own + 1));
+    let others: Vec<usize> = orders.clone().filter(|order| *order != own).collect();
+    let all: Vec<String> = orders.map(|order| order.to_string()).collect();
+    let periods: Vec<String> = others.iter().map(usize::to_string).collect();
+    let unit = if others == [1] { "period" } else { "periods" };
+    (!others.is_empty()).then(|| {
         format!(
-            "search.harmonics = [{own}, {}] looks for those that last {} periods of the force as well",
-            next.join(", "),
-            next.join(" and ")
+            "search.harmonics = [{}] looks for those that last {} {unit} of the force as well",
+            all.join(", "),
+            listed(&periods)
         )
     })
 }
@@ -254,7 +258,8 @@ mod tests {
     fn orders_that_were_not_looked_for() {
         for (asked, harmonics, expected) in [
             (&[1][..], 10, Some("[1, 2, 3] looks for those that last 2 and 3 periods")),
-            (&[3], 10, Some("[3, 4, 5] looks")),
+            (&[2], 10, Some("[1, 2, 3] looks for those that last 1 and 3 periods")),
+            (&[3], 10, Some("[1, 2, 3, 4] looks for those that last 1, 2 and 4 periods")),
             (&[1], 2, Some("[1, 2] looks for those that last 2 periods")),
             (&[1], 1, None),
             (&[1, 3], 10, None),

@@ -171,6 +171,48 @@ fn parabola_gain(a: (f64, f64), b: (f64, f64), c: (f64, f64)) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::curve::bent::Bent;
+    use crate::curve::continuation::ContinuationSettings;
+
+    /// A place along a straight line.
+    #[derive(Clone)]
+    struct Place(f64);
+
+    impl Evaluated<Bent> for Place {
+        fn evaluate(_: &mut Bent, point: &CurvePoint) -> Self {
+            Self(point.y[1])
+        }
+
+        fn omega(&self) -> f64 {
+            1.0
+        }
+
+        fn amplitude(&self) -> f64 {
+            1.0
+        }
+    }
+
+    /// Where what is largest has a corner, the vertex of a parabola may be one of its points by chance, and is not the maximum.
+    #[test]
+    fn maxima_at_corners() {
+        let height = |at: f64| 1.0 - if at > -0.4 { (at - 0.3).abs() } else { 0.7 };
+        let mut line = Bent::new([0.0, 0.0]);
+        let visited: Vec<TracedPoint<Place>> = [-1.0, 0.0, 1.0]
+            .map(|at| {
+                let along = Continuation::start(&mut line, vec![0.0, at], &[0.0, 1.0], ContinuationSettings::default());
+                TracedPoint { curve: along.unwrap().current().clone(), point: Place(at) }
+            })
+            .into();
+        let first = visited[0].curve.clone();
+        let mut along =
+            Continuation::start(&mut line, first.y, &first.tangent, ContinuationSettings::default()).unwrap();
+        let values = [-1.0, 0.0, 1.0].map(height);
+        assert_eq!(parabola_gain((-1.0, values[0]), (0.0, values[1]), (1.0, values[2])), Some(0.0));
+        let measure = |_: &mut Bent, place: &TracedPoint<Place>| height(place.point.0);
+        let maximum = locate_maximum(&mut along, &visited, 1, (1.0, 1.0), values, &measure);
+        let (offset, found) = maximum.located.unwrap();
+        assert!((offset - 0.3).abs() < 1e-5 && (found.point.0 - 0.3).abs() < 1e-5, "{offset}");
+    }
 
     #[test]
     fn parabolas_pass_through_their_points() {

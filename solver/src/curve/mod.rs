@@ -1,5 +1,7 @@
 //! Curves of solutions of an underdetermined system: Newton's method, continuation, walking to an end, extrema.
 
+#[cfg(test)]
+mod bent;
 pub mod continuation;
 pub mod corner;
 mod crossing;

@@ -13,13 +13,23 @@ const STEPS: usize = 80;
 /// Points beside a maximum from which it is climbed.
 const BESIDE: usize = 2;
 
-/// The maximum of a measure on the curve of `problem` near the point `top` of `points`, where that of a curve with fewer harmonics
-/// is; nothing at an end of an open curve. The observer is told of every step; breaking gives it up.
+/// A curve with fewer harmonics, and the number of its point at which a measure is largest.
+pub(super) struct Top<'c> {
+    /// Its points.
+    pub points: &'c [BranchPoint],
+    /// Whether it is closed.
+    pub is_closed: bool,
+    /// Which point it is.
+    pub index: usize,
+}
+
+/// The maximum of a measure on the curve of `problem` near that of a curve with fewer harmonics, which may have `others` next to it:
+/// extrema at these points; nothing at an end of an open curve. The observer is told of every step; breaking gives it up.
 pub(super) fn maximum_near<'m, F: Formulation<'m>>(
     problem: &mut F,
     steps: ContinuationSettings,
-    (points, is_closed): (&[BranchPoint], bool),
-    top: usize,
+    Top { points, is_closed, index: top }: Top<'_>,
+    others: &[usize],
     measure: &dyn Fn(&BranchPoint) -> f64,
     observer: &mut Observer<'_>,
 ) -> Option<BranchPoint> {
@@ -34,8 +44,25 @@ pub(super) fn maximum_near<'m, F: Formulation<'m>>(
         (top.saturating_sub(BESIDE), (top + BESIDE).min(n - 1))
     };
     let harmonics = problem.system().harmonics;
-    let ends = [before, after].map(|i| problem.encode(&points[i].state.with_harmonics(harmonics)));
-    climb(problem, steps, ends, measure, observer)
+    let encode = |problem: &F, i: usize| problem.encode(&points[i].state.with_harmonics(harmonics));
+    let ends = [before, after].map(|i| encode(problem, i));
+    let Some(other) = others.iter().copied().filter(|&other| other != top).min_by_key(|other| other.abs_diff(top))
+    else {
+        return climb(problem, steps, ends, measure, observer);
+    };
+    if other.abs_diff(top) > BESIDE {
+        return climb(problem, steps, ends, measure, observer);
+    }
+    // Steps as long as those of the curve would pass over both.
+    let [here, other] = [top, other].map(|i| encode(problem, i));
+    let aside = |end: &Vec<f64>| {
+        let towards = |to: &Vec<f64>| -> Vec<f64> { to.iter().zip(&here).map(|(to, here)| to - here).collect() };
+        let (way, apart) = (towards(end), norm(problem.metric(), &towards(&other)));
+        let share = (0.5 * apart / norm(problem.metric(), &way)).min(1.0);
+        here.iter().zip(&way).map(|(here, way)| here + share * way).collect::<Vec<f64>>()
+    };
+    let near = ends.each_ref().map(aside);
+    climb(problem, steps, near, measure, observer).or_else(|| climb(problem, steps, ends, measure, observer))
 }
 
 /// The maximum of a measure on the curve near two states, uphill from either towards the other.

@@ -175,8 +175,13 @@ static BACKBONE: [BackboneColumn; 8] = [
 
 /// Share of each mode: max |γ_j(t)| over a period, γ_j = Φ_jᵀ M x, divided by their sum (paper [35, 36]).
 fn contributions(at: &mut OnBackbone<'_>) -> Vec<f64> {
-    let nc = width(at.state.harmonics);
-    let maxima: Vec<f64> = at.state.modal.chunks(nc).map(|series| at.aft.max_abs(series)).collect();
+    shares(at.aft, at.state)
+}
+
+/// Largest amplitude of each mode in a motion over the sum of all.
+pub(super) fn shares(aft: &mut Aft, state: &State) -> Vec<f64> {
+    let nc = width(state.harmonics);
+    let maxima: Vec<f64> = state.modal.chunks(nc).map(|series| aft.max_abs(series)).collect();
     let sum: f64 = maxima.iter().sum();
     maxima.iter().map(|maximum| maximum / sum).collect()
 }

@@ -7,7 +7,7 @@ use crate::formulation::scales::Scales;
 use crate::formulation::state::State;
 use crate::formulation::unknown::Unknown;
 use crate::response::branch::{BranchPoint, Observer};
-use crate::response::climb::maximum_near;
+use crate::response::climb::{Top, maximum_near};
 use crate::response::critical::{CriticalCurve, CriticalEvent, CriticalKind, Extent, Quantity};
 use crate::settings::Settings;
 use crate::structure::Model;
@@ -38,6 +38,7 @@ pub(super) fn certify(
     let Ok(mut problem) = built else { return };
     problem.measure_forcing_by(extent.forcing.1.max(scales.forcing));
     let is_closed = curve.is_closed();
+    let extrema: Vec<usize> = curve.events.iter().map(|event| event.index).collect();
     for event in curve.events.iter_mut().filter(|event| is_wanted(event)) {
         let points = &curve.points;
         let forcing = |i: usize| points.get(i).map(|point| point.state.forcing);
@@ -45,8 +46,8 @@ pub(super) fn certify(
         let beside = forcing(event.index + 1).or_else(|| forcing(event.index.wrapping_sub(1)));
         let side = if beside.is_some_and(|beside| beside > here) { -1.0 } else { 1.0 };
         let measure = |point: &BranchPoint| side * point.state.forcing;
-        let curve = (points.as_slice(), is_closed);
-        let found = maximum_near(&mut problem, settings.continuation, curve, event.index, &measure, observer);
+        let top = Top { points, is_closed, index: event.index };
+        let found = maximum_near(&mut problem, settings.continuation, top, &extrema, &measure, observer);
         let omega = points[event.index].omega();
         event.doubled = found
             .filter(|point| is_of_kind(&mut problem, &point.state, event.kind))

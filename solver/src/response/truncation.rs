@@ -9,7 +9,7 @@ use crate::formulation::scales::Scales;
 use crate::formulation::unknown::Unknown;
 use crate::response::branch::{Branch, BranchPoint, Observer};
 use crate::response::certificate::{Certificate, Doubled};
-use crate::response::climb::maximum_near;
+use crate::response::climb::{Top, maximum_near};
 use crate::response::elsewhere::largest_change;
 use crate::settings::{HarmonicSettings, Settings};
 use crate::structure::Model;
@@ -114,9 +114,9 @@ fn doubled<'m, F: Formulation<'m>>(
     }
     let points = &branch.points;
     let mut maximum = |measure: &dyn Fn(&BranchPoint) -> f64| {
-        let top = (0..points.len()).max_by(|&a, &b| measure(&points[a]).total_cmp(&measure(&points[b])))?;
-        let curve = (points.as_slice(), branch.is_closed());
-        maximum_near(problem, settings.continuation, curve, top, measure, observer)
+        let index = (0..points.len()).max_by(|&a, &b| measure(&points[a]).total_cmp(&measure(&points[b])))?;
+        let top = Top { points, is_closed: branch.is_closed(), index };
+        maximum_near(problem, settings.continuation, top, &[], measure, observer)
     };
     let peak = maximum(&|point| point.amplitude())?;
     let mut end = |sign: f64| maximum(&|point| sign * point.omega()).map(|point| point.omega());

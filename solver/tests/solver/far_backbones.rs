@@ -3,7 +3,7 @@
 use crate::support::study::{Kind, Study, of_kind, with_harmonics};
 use solver::laws::{PenaltySpring, PolynomialSpring, TanhFriction, Term};
 use solver::response::modes::Backbones;
-use solver::{Backbone, Model};
+use solver::{Backbone, Model, Settings};
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 use std::sync::atomic::AtomicBool;
@@ -78,4 +78,38 @@ fn a_backbone_ends_where_it_comes_to_rest() {
     assert!(largest > 0.01 && smallest < 1e-3 * largest, "{smallest:e} to {largest:e}");
     let small = amplitudes.iter().position(|amplitude| *amplitude == smallest).unwrap();
     assert!(small == 0 || small + 1 == amplitudes.len(), "it goes on beyond rest: {small} of {}", amplitudes.len());
+}
+
+/// A double well, whose motions of both wells begin at the lower bound of the frequency, where their threshold is below the forcing: that is
+/// no reason to follow them to higher frequencies than those up to which it is.
+#[test]
+fn a_backbone_that_begins_at_low_frequencies() {
+    let spring =
+        PolynomialSpring { terms: vec![Term { power: 1, coefficient: -2.0 }, Term { power: 3, coefficient: 1.0 }] };
+    let model = Model::builder("double well").mass([[1.0]]).stiffness([[1.0]]).damping_matrix([[0.05]]).force(0, 1.0);
+    let model = model.element("spring", spring, [vec![(0, 1.0)]]).build().unwrap();
+    let settings = with_harmonics(5);
+    let backbone = Backbone::reaching(&model, &settings, 0.2, &mut |_| ControlFlow::Continue(())).unwrap();
+    assert!(backbone.frequency_range().1 < 16.0, "{:?}", backbone.frequency_range());
+    assert!(backbone.points[0].threshold() < 0.2, "{}", backbone.points[0].threshold());
+}
+
+/// A stiffening spring that the forcing drives to more than four times the linear frequency.
+#[test]
+fn a_backbone_is_followed_to_the_frequencies_of_the_forcing() {
+    let spring = PolynomialSpring { terms: vec![Term { power: 3, coefficient: 1.0 }] };
+    let model = Model::builder("stiffening").mass([[1.0]]).stiffness([[1.0]]).damping_ratio(0.002).force(0, 1.0);
+    let model = model.element("spring", spring, [vec![(0, 1.0)]]).build().unwrap();
+    let mut settings = with_harmonics(5);
+    let highest = |settings: &Settings| {
+        let backbone = Backbone::reaching(&model, settings, 1.5, &mut |_| ControlFlow::Continue(())).unwrap();
+        (backbone.frequency_range().1, backbone.points.last().unwrap().threshold())
+    };
+    let (omega, threshold) = highest(&settings);
+    assert!((4.5..70.0).contains(&omega) && threshold > 1.5, "{omega} {threshold}");
+    (settings.frequency.max, settings.backbone.max_amplitude) = (Some(1.6), Some(100.0));
+    assert!((1.6..4.2).contains(&highest(&settings).0), "{:?}", highest(&settings));
+    settings.frequency.max = None;
+    settings.backbone.max_frequency = Some(3.0);
+    assert!(highest(&settings).0 < 3.2, "{:?}", highest(&settings));
 }

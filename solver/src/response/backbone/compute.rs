@@ -110,7 +110,7 @@ impl Backbone {
         let mut backbone = compute(followed)?;
         let (farther, times) = FARTHER;
         for _ in 0..times {
-            if backbone.is_enough(settings, forcing) {
+            if backbone.is_enough(model, settings, forcing) {
                 break;
             }
             followed *= farther;
@@ -171,9 +171,10 @@ impl Backbone {
             // Beyond rest, and beyond a motion that is its own image, as at the end of a tongue, are the same motions half a period later.
             let (mut visited, stop) = up_to_branch_point(&mut continuation, |continuation, branches_off| {
                 let mut rest = Rest::default();
-                let mut ending = |problem: &mut F, last: &TracedPoint| match rest.is_passed(problem, &last.curve.y) {
-                    true => Some(Stop::Start),
-                    false => branches_off(problem, last),
+                let mut ending = |problem: &mut F, last: &TracedPoint| match () {
+                    () if rest.is_passed(problem, &last.curve.y) => Some(Stop::Start),
+                    () if way.forcing > 0.0 && way.is_beyond(problem, last) => Some(Stop::ForcingBound),
+                    () => branches_off(problem, last),
                 };
                 walk(continuation, &way.bounds, observer, &mut ending)
             });
@@ -258,9 +259,8 @@ impl Backbone {
 
     /// Whether no piece ends at a bound that may be moved where its threshold is not beyond a forcing amplitude. At low frequencies the
     /// threshold falls, and beyond frequencies that are not looked at it does not matter.
-    fn is_enough(&self, settings: &Settings, forcing: f64) -> bool {
-        let limits = &settings.backbone;
-        let own = self.points[0].point.omega();
+    fn is_enough(&self, model: &Model, settings: &Settings, forcing: f64) -> bool {
+        let (limits, own) = (&settings.backbone, model.modes().frequencies[self.mode]);
         let is_cut = |stop: Stop, end: &BackbonePoint| {
             let omega = end.point.omega();
             let is_fixed = match stop {

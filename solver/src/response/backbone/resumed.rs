@@ -2,6 +2,7 @@
 //! multiple of its frequency, and begin anew on these elsewhere (G. Kerschen, M. Peeters, J. C. Golinval & A. F. Vakakis, Mech. Syst.
 //! Signal Process. 23, 170–194, 2009).
 
+use super::LEADS;
 use super::known::Known;
 use super::way::Way;
 use crate::curve::continuation::Continuation;
@@ -9,6 +10,7 @@ use crate::curve::problem::inner;
 use crate::curve::walk::{Bounds, TracedCurve, both_ways, relative_distance, walk};
 use crate::formulation::{Formulation, linear};
 use crate::response::branch::{BranchPoint, Observer, Outcome, Stop, TracedPoint};
+use crate::response::columns::shares;
 use crate::response::symmetry::up_to_branch_point;
 
 /// How many times as large as the motion from which the tongue leaves those are with which it is looked for beyond, in this order.
@@ -31,10 +33,9 @@ pub(super) fn beyond_tongues<'m, F: Formulation<'m>>(
     let mut beyond: Vec<TracedCurve<BranchPoint>> = Vec::new();
     while beyond.len() < MOST {
         let last = beyond.last().unwrap_or(first);
-        let Outcome::Open(_, Stop::Branching | Stop::PointBudget | Stop::Stalled(_) | Stop::Reversed) = last.outcome
-        else {
+        if !way.ends_in_tongue(problem, last) {
             break;
-        };
+        }
         let linear = &first.visited[0].curve.y;
         let share = |visited: &&TracedPoint| inner(problem.motion_metric(), &visited.curve.y, linear).abs();
         let Some(before) = last.visited.iter().max_by(|a, b| share(a).total_cmp(&share(b))) else { break };
@@ -49,6 +50,20 @@ pub(super) fn beyond_tongues<'m, F: Formulation<'m>>(
 }
 
 impl Way<'_> {
+    /// Whether a curve ends at a branch point or, not walked to its end, where another mode leads.
+    fn ends_in_tongue<'m, F: Formulation<'m>>(&self, problem: &mut F, curve: &TracedCurve<BranchPoint>) -> bool {
+        let Outcome::Open(_, stop) = curve.outcome else { return false };
+        let mode = self.settings.tracked(problem.model());
+        let mut leads = |end: &TracedPoint| shares(problem.aft(), &end.point.state)[mode] > LEADS;
+        match stop {
+            Stop::Branching => true,
+            Stop::PointBudget | Stop::Stalled(_) | Stop::Reversed => {
+                curve.visited.last().is_some_and(|end| !leads(end))
+            }
+            _ => false,
+        }
+    }
+
     /// A motion that is so many times as large as another and like it otherwise, and not known.
     fn larger<'m, F: Formulation<'m>>(
         &self,
