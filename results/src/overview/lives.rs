@@ -153,7 +153,7 @@ fn other_end<'c>(curves: &'c [CurveRow], point: &CurvePoint, is_birth: bool) -> 
         // An edge of which nothing is known so far may end before.
         let reaches = |edge: &Edge<'_>| sign * edge.farthest >= sign * first.forcing;
         let is_isola = |edge: &Edge<'_>| {
-            let mut between = edge.crossings.iter().filter(|crossing| sign * crossing.forcing < sign * first.forcing);
+            let mut between = edge.crossings_before(first.forcing, is_birth);
             between.all(|crossing| crossing.branch.starts_with(BranchKind::Isola.name()))
         };
         let (own, shrinks) = match is_birth {
@@ -192,8 +192,7 @@ fn is_with_main(curves: &[CurveRow], edges: &[Edge<'_>; 2], end: &CurvePoint, is
 /// What the isola between a birth, or a death, and another forcing amplitude is called: by that, and at the levels that its edges cross
 /// before, where both have one name.
 fn names<'c>(point: &CurvePoint, is_birth: bool, edges: &[Edge<'c>; 2], to: f64) -> Vec<Party<'c>> {
-    let is_before = |crossing: &Crossing| if is_birth { crossing.forcing < to } else { crossing.forcing > to };
-    let crossings = || edges.iter().flat_map(|edge| edge.crossings.iter().copied()).filter(|one| is_before(one));
+    let crossings = || edges.iter().flat_map(|edge| edge.crossings_before(to, is_birth));
     let is_one = |crossing: &Crossing| {
         crossings().filter(|other| other.amplitude == crossing.amplitude).all(|other| other.branch == crossing.branch)
     };
@@ -210,8 +209,18 @@ struct Edge<'c> {
     is_open: bool,
     /// The forcing amplitude farthest from where it begins, up to there.
     farthest: f64,
-    /// Levels that it crosses up to there.
+    /// Levels that it crosses up to there, in their order.
     crossings: Vec<&'c Crossing>,
+}
+
+impl<'c> Edge<'c> {
+    /// The levels that it crosses before it first comes to a forcing amplitude: beyond, it may turn back at a cusp, as that of another
+    /// branch.
+    fn crossings_before(&self, to: f64, is_birth: bool) -> impl Iterator<Item = &'c Crossing> {
+        let is_before =
+            move |crossing: &&Crossing| if is_birth { crossing.forcing < to } else { crossing.forcing > to };
+        self.crossings.iter().copied().take_while(is_before)
+    }
 }
 
 /// An edge, followed through cusps, where two edges of one branch meet.
@@ -240,7 +249,11 @@ fn edge(curve: &CurveRow, start: usize, is_onwards: bool, is_birth: bool) -> Edg
             break;
         }
         edge.farthest = if is_birth { edge.farthest.max(there) } else { edge.farthest.min(there) };
-        edge.crossings.extend(curve.crossings.iter().filter(|crossing| crossing.segment == segment));
+        let mut crossed: Vec<&Crossing> =
+            curve.crossings.iter().filter(|crossing| crossing.segment == segment).collect();
+        let here = points[i].forcing;
+        crossed.sort_by(|a, b| (a.forcing - here).abs().total_cmp(&(b.forcing - here).abs()));
+        edge.crossings.extend(crossed);
         i = j;
     }
     edge

@@ -192,3 +192,22 @@ fn the_main_branch_has_the_other_edge_at_the_next_level() {
     let parts = [(9.0, ""), (3.0, "merge"), (6.0, "death"), (1.0, "")];
     assert!(with(&parts, vec![crossing(2, 2.0, "main")], &[]));
 }
+
+/// Beyond where an isola ends, what its other edge is that of turns at a cusp, and comes back to the levels from before.
+#[test]
+fn edges_that_come_back() {
+    let points = [(0.05, ""), (1.8, "merge"), (0.9, "birth"), (2.0, ""), (9.0, "cusp"), (2.0, ""), (0.05, "")];
+    let crossing = |segment: usize, forcing: f64, branch: &str| Crossing {
+        segment,
+        forcing,
+        amplitude: forcing.to_string(),
+        branch: branch.into(),
+    };
+    let crossings = [(0, 1.0, "main"), (1, 1.0, "isola 1"), (2, 1.0, "isola 1"), (3, 3.0, "main"), (4, 3.0, "main")];
+    let back = (5, 1.0, "main");
+    let crossings =
+        crossings.into_iter().chain([back]).map(|(segment, forcing, branch)| crossing(segment, forcing, branch));
+    let of = CurveRow { crossings: crossings.collect(), ..curve(&points) };
+    assert_eq!(told(std::slice::from_ref(&of)), [(0.9, 1.8)]);
+    assert!(lives(&[of])[0].is_with_main);
+}
