@@ -123,6 +123,7 @@ fn page(
     beside: &[results::page::PageOfOrder],
 ) -> Result<(String, Omissions), Error> {
     use results::report::{Report, Selection};
+    use results::summary_table::wrapped;
     let _snapshot = reader.snapshot()?;
     let levels = chosen_levels(reader, args.levels.as_deref())?;
     let selection = levels.map_or(Selection::Fitting, Selection::Amplitudes);
@@ -131,7 +132,9 @@ fn page(
     std::fs::create_dir_all(&folder).map_err(Error::io(&folder))?;
     let file = args.out.clone().unwrap_or_else(|| folder.join(PAGE));
     export::write_atomically(&file, results::page::report(&report, beside).as_bytes())?;
-    let answers = report.verdict.iter().map(|sentence| format!("{} {}\n", sentence.title, sentence.whole()));
+    let width = crate::display::width();
+    let answers = (report.verdict.iter())
+        .map(|answer| wrapped(&format!("{} {}", answer.title, answer.whole()), width, "") + "\n");
     Ok((format!("{}{}\n", answers.collect::<String>(), file.display()), report.omissions))
 }
 
@@ -184,11 +187,8 @@ fn of_this_order(runs: Vec<(String, Reader)>, order: Option<usize>) -> Result<Ve
     let Some(order) = order else {
         let firsts = runs.iter().map(|(_, reader)| Ok(reader.model()?.forcing_harmonic));
         let firsts: Vec<usize> = firsts.collect::<Result<_, Error>>()?;
-        return match firsts.iter().find(|first| **first != firsts[0]) {
-            Some(other) => Err(Error::Usage(format!(
-                "motions of order {} and of order {other}: frequencies of the one are not those of the other; --order chooses one",
-                firsts[0]
-            ))),
+        return match firsts.iter().position(|first| *first != firsts[0]) {
+            Some(other) => Err(Error::Usage(of_different_orders(&runs, &firsts, other)?)),
             None => Ok(runs),
         };
     };
@@ -197,6 +197,26 @@ fn of_this_order(runs: Vec<(String, Reader)>, order: Option<usize>) -> Result<Ve
         Ok((name, of_order(reader, &further, order)?))
     };
     runs.into_iter().map(of_order).collect()
+}
+
+/// What is said of runs whose first orders of motions differ: `firsts`, the first one's and that of the run at `other`.
+#[cfg(any(feature = "figures", feature = "page"))]
+fn of_different_orders(runs: &[(String, Reader)], firsts: &[usize], other: usize) -> Result<String, Error> {
+    let of_run =
+        |place: usize| format!("`{}` has motions of order {1} (forcing.harmonic = {1})", runs[place].0, firsts[place]);
+    let orders = |place: usize| -> Result<Vec<usize>, Error> {
+        Ok(std::iter::once(firsts[place]).chain(runs[place].1.further_orders()?).collect())
+    };
+    let all = (0..runs.len()).map(orders).collect::<Result<Vec<_>, _>>()?;
+    let common = all[0].iter().copied().filter(|order| all.iter().all(|run| run.contains(order)));
+    let common: Vec<String> = common.map(|order| order.to_string()).collect();
+    let remedy = if common.is_empty() {
+        "there is no order that all of them have, and they cannot be compared".into()
+    } else {
+        format!("with --order {} they can be compared", common.join(" or --order "))
+    };
+    let (first, second) = (of_run(0), of_run(other));
+    Ok(format!("{first}, {second}: frequencies of the one are not those of the other; {remedy}"))
 }
 
 /// Draws a figure of a run, or of several.

@@ -15,7 +15,7 @@ use protocol::session::{connect, fetch, fetch_all, request};
 use protocol::to_everyone::{Manifest, Status};
 use results::journal::{Change, TaskState};
 use results::overview::most_folds;
-use results::store::{Holder, Reader, Store, holder};
+use results::store::{FILE, Holder, Reader, Store, holder};
 use results::summary_table::UnitChoice;
 use serde::Serialize;
 use std::path::Path;
@@ -102,6 +102,18 @@ impl RemoteRun {
 }
 
 /// The folder of what is not on the bus.
+/// What is said of a folder that is no run itself, but holds some.
+fn runs_inside(folder: &Path) -> Option<String> {
+    let is_run = |folder: &Path| folder.join(FILE).is_file();
+    if is_run(folder) {
+        return None;
+    }
+    let entries = std::fs::read_dir(folder).ok()?.filter_map(|entry| Some(entry.ok()?.path()));
+    let mut inside: Vec<String> = entries.filter(|path| is_run(path)).map(|path| path.display().to_string()).collect();
+    inside.sort();
+    (!inside.is_empty()).then(|| format!("{} is no run, but holds some: {}", folder.display(), inside.join(", ")))
+}
+
 fn folder(args: &RemoteArgs) -> &Path {
     args.directory.as_deref().expect("what is not on the bus was named by its folder")
 }
@@ -135,6 +147,9 @@ pub async fn health(args: &RemoteArgs) -> Result<String, Error> {
 /// How a run is doing, in lines or as JSON.
 pub async fn status(args: &StatusArgs) -> Result<String, Error> {
     let StatusArgs { run: args, json: is_json, units } = args;
+    if let Some(several) = args.directory.as_deref().and_then(runs_inside) {
+        return Err(Error::Usage(several));
+    }
     let Some(run) = RemoteRun::find(args).await? else {
         return if *is_json { stored_json(folder(args)) } else { stored_status(folder(args), *units) };
     };

@@ -72,6 +72,20 @@ def test_columns_of_tables_are_explained(folder: Path) -> None:
     assert {"task", "closed", "rejections", "first", "last", "best", "reason"} <= besides
 
 
+def test_tables_say_their_units_and_pages_how_they_are_saved(damper: Path) -> None:
+    """Numbers are SI, whatever units the run keeps."""
+    run = isola_hbm.load(damper)
+    assert list(run.summary)[:8] == [
+        *("amplitude", "branch", "kind", "omega_min", "omega_max", "amplitude_max", "omega_at_max", "stable"),
+    ]
+    units = run.summary.attrs["units"]
+    assert (units["omega_at_max"], units["amplitude_max"]) == ("rad/s", "m")
+    assert "amplitude" not in units, "the forcing"
+    assert run.folds.attrs["units"] == {"omega": "rad/s", "omega_2h": "rad/s", "amplitude": "m"}
+    assert ".save(" in repr(run.explore())
+    assert ".save(" in repr(run.plot.figure("response"))
+
+
 def test_tables_are_the_csv_files(folder: Path) -> None:
     run = isola_hbm.load(folder)
     texts = {"kind", "status", "peak_standing", "outcome", "reason", "source"}

@@ -20,7 +20,7 @@ use crate::export::order_folder;
 use crate::store::{Reader, Result};
 use crate::words::{number, times};
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets::UTF8_FULL_CONDENSED};
-pub(crate) use footnotes::wrapped;
+pub use footnotes::wrapped;
 use known::Known;
 use rows::Rows;
 use solver::structure::Model;
@@ -98,7 +98,7 @@ fn caption(known: &Known, Units { length, frequency }: Units) -> String {
         m if m > 1 && known.is_only_order => format!(" (of the response: the force has {} as much)", times(m)),
         _ => String::new(),
     };
-    let unit = known.model.as_ref().and_then(unit_of_forcing).unwrap_or_default();
+    let unit = known.model.as_ref().and_then(unit_of_forcing).map_or_else(String::new, |unit| format!(", A in {unit}"));
     // Of one alone there is nothing to tell it from.
     let of = match &known.monitors[..] {
         [first, _, ..] => format!(" of {first}"),
@@ -107,16 +107,12 @@ fn caption(known: &Known, Units { length, frequency }: Units) -> String {
     format!("Largest amplitudes{of} in {length}, frequencies in {frequency}{force}{unit}:")
 }
 
-/// What A = 1 is, of a force on one dof.
-fn unit_of_forcing(model: &Model) -> Option<String> {
+/// What A = 1 is, of a force on one dof: `N at tip`.
+pub fn unit_of_forcing(model: &Model) -> Option<String> {
     let shape = model.forcing().shape.iter().zip(model.dofs());
     let mut acting = shape.filter(|(force, _)| **force != 0.0);
     let ((force, dof), None) = (acting.next()?, acting.next()) else { return None };
-    Some(if *force == 1.0 {
-        format!(", A in N at {dof}")
-    } else {
-        format!(", A in units of {} N at {dof}", number(*force))
-    })
+    Some(if *force == 1.0 { format!("N at {dof}") } else { format!("units of {} N at {dof}", number(*force)) })
 }
 
 /// The table itself.

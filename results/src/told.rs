@@ -1,12 +1,43 @@
 //! Lengths, and texts with frequencies in them, in the unit that whoever reads them chooses.
 
 use crate::summary_table::{FrequencyUnit, LengthUnit};
-use crate::words::{digits, length};
+use crate::words::{digits, frequency, in_both_units, length, range};
 use serde::Serialize;
 
 /// A length with four digits in a unit that was chosen or, without one, in that in which it is read best.
 pub fn length_in(metres: f64, chosen: Option<LengthUnit>) -> String {
     chosen.map_or_else(|| length(metres), |unit| format!("{} {unit}", digits(unit.factor() * metres, 4)))
+}
+
+/// A frequency in both units, this one first: `397.15 Hz (2495.4 rad/s)`.
+pub fn frequency_first_in(omega: f64, first: FrequencyUnit) -> String {
+    match first {
+        FrequencyUnit::RadianPerSecond => frequency(omega),
+        FrequencyUnit::Hertz => format!("{} Hz ({} rad/s)", hertz(omega), digits(omega, 4)),
+    }
+}
+
+/// The same within parentheses: `397.15 Hz, 2495 rad/s`.
+pub fn in_both_units_from(omega: f64, first: FrequencyUnit) -> String {
+    match first {
+        FrequencyUnit::RadianPerSecond => in_both_units(omega),
+        FrequencyUnit::Hertz => format!("{} Hz, {} rad/s", hertz(omega), digits(omega, 4)),
+    }
+}
+
+/// Two frequencies: `390.12 and 397.34 Hz (2451 and 2497 rad/s)`.
+pub fn range_first_in((low, high): (f64, f64), first: FrequencyUnit) -> String {
+    match first {
+        FrequencyUnit::RadianPerSecond => range((low, high)),
+        FrequencyUnit::Hertz => {
+            let [a, b] = [low, high].map(|omega| digits(omega, 4));
+            format!("{} and {} Hz ({a} and {b} rad/s)", hertz(low), hertz(high))
+        }
+    }
+}
+
+fn hertz(omega: f64) -> String {
+    digits(FrequencyUnit::Hertz.factor() * omega, 5)
 }
 
 /// A text in which frequencies are numbers until it is shown.
@@ -87,6 +118,23 @@ impl From<&str> for Told {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_unit_of_the_run_comes_first() {
+        let told = |unit| {
+            [
+                frequency_first_in(2495.39, unit),
+                in_both_units_from(2495.39, unit),
+                range_first_in((2451.2, 2496.6), unit),
+            ]
+        };
+        let expected =
+            ["397.15 Hz (2495 rad/s)", "397.15 Hz, 2495 rad/s", "390.12 and 397.35 Hz (2451 and 2497 rad/s)"];
+        assert_eq!(told(FrequencyUnit::Hertz), expected);
+        let expected =
+            ["2495.4 rad/s (397.2 Hz)", "2495.4 rad/s, 397.2 Hz", "2451.2 and 2496.6 rad/s (390.1 and 397.3 Hz)"];
+        assert_eq!(told(FrequencyUnit::RadianPerSecond), expected);
+    }
 
     #[test]
     fn frequencies_are_read_in_any_unit() {

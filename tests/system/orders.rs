@@ -68,7 +68,8 @@ fn an_order_has_what_the_structure_forced_on_its_harmonic_has() {
         assert!(files.iter().all(|file| to.join(file).exists()), "{format}");
     }
 
-    let report = text(&isola(&["report", run_text]));
+    // Lines are broken between words.
+    let report = text(&isola(&["report", run_text])).replace('\n', " ");
     let told = "Of motions that last 3 periods of the force isolas were found at 2 levels, from A = 1.5 to 2";
     assert!(report.contains(told), "{report}");
     assert!(run.join("report.html").exists() && run.join("m3/report.html").exists());
@@ -97,7 +98,16 @@ fn an_order_has_what_the_structure_forced_on_its_harmonic_has() {
     let alone_text = alone.to_str().unwrap();
     let compared = isola(&["report", run_text, alone_text]);
     assert_eq!(compared.status.code(), Some(2), "{}", complaint(&compared));
-    assert!(complaint(&compared).contains("motions of order 1 and of order 3"), "{}", complaint(&compared));
+    let said = complaint(&compared);
+    assert!(said.contains("`alone` has motions of order 3 (forcing.harmonic = 3)"), "{said}");
+    assert!(said.contains("with --order 3 they can be compared"), "{said}");
+    // Only a folder that is one has a status.
+    let outer = isola(&["status", folder.path().to_str().unwrap()]);
+    assert_eq!(outer.status.code(), Some(2), "{}", complaint(&outer));
+    assert!(complaint(&outer).contains("is no run, but holds some: ") && complaint(&outer).contains(run_text));
+    let nowhere = folder.path().join("nowhere/report.html");
+    let lost = isola(&["report", run_text, "-o", nowhere.to_str().unwrap()]);
+    assert!(complaint(&lost).contains("there is no folder "), "{}", complaint(&lost));
     text(&isola(&["report", run_text, alone_text, "--order", "3"]));
     let picture = folder.path().join("response.svg");
     let plot = |order: &str| {
@@ -123,7 +133,7 @@ fn an_order_without_motions() {
     let run_text = run.to_str().unwrap();
     let left_out = || results::text(&run, "SELECT hex(value) FROM meta WHERE key = 'orders'");
     let before = left_out();
-    let report = text(&isola(&["report", run_text, "--order", "2"]));
+    let report = text(&isola(&["report", run_text, "--order", "2"])).replace('\n', " ");
     let said = "No such motion was found where it was looked for";
     assert_eq!(report.matches(said).count(), 3, "{report}");
     assert!(report.contains("Looked for: "), "{report}");

@@ -22,7 +22,8 @@ const LOOKED_AT: usize = 120;
 const NARROWED: usize = 40;
 
 /// What the linear response does not tell.
-const ISOLAS: &str = "isolas may be there, and touch, from far lower forcing on";
+const ISOLAS: &str = "isolas may be there, and touch, from far lower forcing on, \
+                      or be born at several times it: levels from a third of it to five times it are a start";
 
 /// Where the linear structure touches first.
 pub(super) struct FirstTouch<'m> {

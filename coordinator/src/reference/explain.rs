@@ -27,11 +27,42 @@ pub fn explain(asked: &str) -> Result<String, String> {
             let what = "no key of a model or a study, but a word of results or a column of theirs";
             return Err(format!("--explain: `{}`: {what}: `isola schema --columns` explains it", asked.trim()));
         }
+        let told = meant_by(&wanted);
+        if !told.is_empty() {
+            let told: Vec<String> = told.iter().take(SHOWN).map(|path| format!("`{path}`")).collect();
+            return Err(format!(
+                "--explain: `{wanted}`: no key is called so; what is said of these has the word: {}",
+                told.join(", ")
+            ));
+        }
         let place = solver::structure::Place { file: None, key: wanted.clone(), set_by: Some("--explain".into()) };
         let known = files.iter().map(|(key, _)| key.path);
         return Err(solver::structure::ModelError::unknown(place, "key", &wanted, known).to_string());
     }
     Ok(found.iter().map(|(key, files)| of_key(key, files)).collect::<Vec<_>>().join("\n"))
+}
+
+/// More keys than this are not named.
+const SHOWN: usize = 8;
+
+/// The keys in whose meanings a word stands.
+fn meant_by(word: &str) -> Vec<&'static str> {
+    let word = word.to_lowercase();
+    let is_there = |text: &str| {
+        text.to_lowercase()
+            .split(|c: char| !c.is_alphanumeric())
+            .any(|one| one == word || one.strip_suffix('s') == Some(&word))
+    };
+    let is_a_word = word.len() > 2 && word.chars().all(char::is_alphabetic);
+    let mut found: Vec<&str> = keys()
+        .into_iter()
+        .map(|(key, _)| key)
+        .filter(|key| is_a_word && is_there(key.meaning))
+        .map(|key| key.path)
+        .collect();
+    found.sort_by_key(|path| path.matches('.').count());
+    found.dedup();
+    found
 }
 
 /// The keys whose last part is this word, or if there is none but for a letter, outside of lists: those with the fewest parts before it.
@@ -144,6 +175,8 @@ mod tests {
             let said = explain(word).unwrap_err();
             assert!(said.ends_with("`isola schema --columns` explains it") && said.contains(word.trim()), "{said}");
         }
+        let said = explain("stop").unwrap_err();
+        assert!(said.contains("`laws.law.penalty_spring`") && said.contains("has the word"), "{said}");
         assert!(explain("gap").is_ok() && explain("harmonics.count").is_ok());
         assert_eq!(explain("study.units"), explain("units"));
         assert_eq!(example_of("contact.nodes.2.gap").unwrap(), "gap = 1e-3 (m)");

@@ -28,6 +28,9 @@ class Drawing:
         path.write_text(self.svg, encoding="utf-8")
         return path
 
+    def __repr__(self) -> str:
+        return '<a figure: .save("figure.svg") writes it; a notebook shows it>'
+
     def _repr_svg_(self) -> str:
         return self.svg
 

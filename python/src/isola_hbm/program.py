@@ -96,6 +96,9 @@ class Page:
         path.write_text(self.html, encoding="utf-8")
         return path
 
+    def __repr__(self) -> str:
+        return '<the page of a run: .save("report.html") writes it; a notebook shows it>'
+
     def _repr_html_(self) -> str:
         escaped = self.html.replace("&", "&amp;").replace('"', "&quot;")
         return f'<iframe srcdoc="{escaped}" style="width: 100%; height: 85vh; border: 0"></iframe>'

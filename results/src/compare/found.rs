@@ -1,16 +1,13 @@
 //! What one run found and another one did not, in words.
 
-use super::ComparedLevel;
-use crate::overview::{Level, events_of};
+use super::born::forcing;
+use super::{ComparedLevel, born};
+use crate::overview::{EVENTS, Level};
 use crate::report::Report;
 use crate::store::{BranchRow, CurvePoint};
 use crate::told::Told;
-use crate::words::{self, digits};
-use solver::response::critical::CriticalKind;
+use crate::words;
 use std::collections::{BTreeSet, HashMap};
-
-/// Relative distances of forcing and frequency up to which births of two runs are taken to be one.
-const NEAR: (f64, f64) = (0.1, 0.03);
 
 /// How many things a sentence names.
 const NAMED: usize = 8;
@@ -41,7 +38,7 @@ pub(super) fn lacking(names: &[String], reports: &[Report], levels: &[ComparedLe
     names.iter().zip(reports).filter_map(of_run).collect()
 }
 
-/// Of the first run and each other one: isolas and births that only one of both has. Sentences.
+/// Of the first run and each other one: isolas, births, deaths and merges that only one of both has. Sentences.
 pub(super) fn alone(names: &[String], reports: &[Report]) -> Vec<Told> {
     let mut runs = names.iter().zip(reports);
     let Some(first) = runs.next() else { return Vec::new() };
@@ -70,52 +67,39 @@ fn of_one((own, report): (&String, &Report), (name, other): (&String, &Report)) 
             isolas.push(range.text(format!("{instead})")));
         }
     }
-    let born = |report: &'_ Report| -> Vec<CurvePoint> {
-        events_of(&report.curves, CriticalKind::Birth.name()).into_iter().cloned().collect()
-    };
-    let known = born(other);
-    // Where the other has not looked, or not yet, nothing is lacking.
-    let levels: Vec<f64> = other.overview.levels.iter().map(|level| level.value).collect();
-    let (lowest, highest) = (levels.iter().copied().reduce(f64::min), levels.iter().copied().reduce(f64::max));
+    // Of what is still to be computed nothing is lacking.
     let is_complete = other.overview.levels.iter().all(Level::is_complete);
-    let is_looked_at = |birth: &CurvePoint| {
-        is_complete
-            && lowest.is_some_and(|low| low <= birth.forcing)
-            && highest.is_some_and(|high| birth.forcing <= high)
-    };
-    let is_known = |birth: &CurvePoint| known.iter().any(|other| is_near(birth, other));
-    let births = born(report).into_iter().filter(|birth| is_looked_at(birth) && !is_known(birth));
-    let births: Vec<Told> = births
-        .map(|birth| {
-            Told::from(format!("A = {} (", digits(birth.forcing, 4))).frequency(birth.omega, 5).unit().text(")")
-        })
-        .collect();
-    let followed = if other.curves.is_empty() { ", which has no fold curves" } else { "" };
-    let percent = |share: f64| digits(100.0 * share, 2);
-    [
-        listed(&isolas, &format!("Isolas of `{own}` at whose frequencies `{name}` has none")),
+    let events = EVENTS.into_iter().filter(|_| is_complete).filter_map(|words| {
+        let lacking = born::without_partner(report, other, words.kind);
+        let of_each = lacking.into_iter().map(|event| {
+            let place = Told::from(format!("A = {} (", forcing(event))).frequency(event.omega, 5).unit();
+            place.text(if is_beyond(event, other) { ", beyond its levels)" } else { ")" })
+        });
+        let followed = if other.curves.is_empty() { ", which has no fold curves" } else { "" };
+        let what = words::capitalised(words.many);
         listed(
-            &births,
+            &of_each.collect::<Vec<_>>(),
             &format!(
-                "Births along fold curves of `{own}` that are not found in `{name}`{followed} (within {} % of A and {} % of the frequency)",
-                percent(NEAR.0),
-                percent(NEAR.1)
+                "{what} along fold curves of `{own}` that are not found in `{name}`{followed} ({})",
+                born::nearness()
             ),
-        ),
-    ]
-    .into_iter()
-    .flatten()
-    .collect()
+        )
+    });
+    listed(&isolas, &format!("Isolas of `{own}` at whose frequencies `{name}` has none"))
+        .into_iter()
+        .chain(events)
+        .collect()
+}
+
+/// Whether the forcing of an event is not among the levels of a run.
+fn is_beyond(event: &CurvePoint, run: &Report) -> bool {
+    let levels = || run.overview.levels.iter().map(|level| level.value);
+    levels().all(|level| level < event.forcing) || levels().all(|level| level > event.forcing)
 }
 
 /// Whether branches share frequencies.
 fn meets(a: &BranchRow, b: &BranchRow) -> bool {
     a.omega.0 <= b.omega.1 && b.omega.0 <= a.omega.1
-}
-
-fn is_near(a: &CurvePoint, b: &CurvePoint) -> bool {
-    let within = |a: f64, b: f64, share: f64| (a - b).abs() <= share * a.abs().max(b.abs());
-    within(a.forcing, b.forcing, NEAR.0) && within(a.omega, b.omega, NEAR.1)
 }
 
 fn listed(things: &[Told], what: &str) -> Option<Told> {

@@ -1,6 +1,7 @@
 //! Several runs beside each other: what of their studies differs, what each found, level by level, and by how much that is
 //! another.
 
+mod born;
 mod found;
 mod numbers;
 #[cfg(test)]
@@ -69,6 +70,7 @@ impl Comparison {
         let values: Vec<f64> = levels.iter().map(|level| level.value).collect();
         let figures = ComparedFigures::new(&sides, &values);
         let (settings, numbers) = (settings(&reports), numbers::rows(&reports, &levels));
+        let numbers: Vec<NumberRow> = born::rows(&reports).into_iter().chain(numbers).collect();
         let sentences = (found::lacking(&names, &reports, &levels).into_iter())
             .chain(found::alone(&names, &reports))
             .chain(found::not_compared(&reports))

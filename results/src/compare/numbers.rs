@@ -21,6 +21,9 @@ pub struct NumberRow {
     pub values: Vec<Told>,
 }
 
+/// Keys that differ of which a terminal shows so many.
+const SETTINGS: usize = 12;
+
 /// What stands for a level that a run does not have.
 const LACKING: &str = "–";
 
@@ -98,8 +101,13 @@ pub fn table(comparison: &Comparison, width: u16) -> String {
     table.set_content_arrangement(ContentArrangement::Dynamic).set_width(width);
     let heads = ["A", "what"].map(String::from);
     table.set_header(heads.into_iter().chain(comparison.names.iter().cloned()));
-    for setting in &comparison.settings {
+    let settings = &comparison.settings;
+    let shown = if settings.len() > SETTINGS + 1 { SETTINGS } else { settings.len() };
+    for setting in &settings[..shown] {
         table.add_row(["", &setting.key].into_iter().chain(setting.values.iter().map(String::as_str)));
+    }
+    if shown < settings.len() {
+        table.add_row([String::new(), format!("and {} more keys (all on the page)", settings.len() - shown)]);
     }
     let unit = comparison.reports.first().and_then(|report| report.units().frequency).unwrap_or_default();
     for NumberRow { amplitude, what, values } in &comparison.numbers {

@@ -156,11 +156,69 @@ fn what_only_one_run_has() {
         "{isolas}"
     );
     assert_eq!(alone.len(), 2, "{alone:?}");
-    let begins = "Births along fold curves of `a` that are not found in `b`, which has no fold curves (within 10 % of A and 3 % of the frequency): \
-                  A = ";
+    let begins = "Births along fold curves of `a` that are not found in `b`, which has no fold curves (within 10 % of A and 3 % of the frequency, \
+                  or the only one of each run within 3 % of the frequency): A = ";
     assert!(alone[1].starts_with(begins), "{alone:?}");
     let table: String = table(&both, 200).split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(table.ends_with(&alone[1]), "{table}");
+}
+
+/// The only birth of each run at a frequency is one that has moved; of several near one frequency that is not known.
+#[test]
+fn births_that_moved_are_paired() {
+    let born = |places: &[(f64, f64)]| {
+        let point = |&(forcing, omega): &(f64, f64)| CurvePoint {
+            forcing,
+            omega,
+            event: Some("birth".into()),
+            ..CurvePoint::default()
+        };
+        let curve = CurveRow { points: places.iter().map(point).collect(), ..CurveRow::default() };
+        read(&Study::damper(), move |report| report.curves = vec![curve.clone()])
+    };
+    let told = |other: &[(f64, f64)]| {
+        let runs = vec![("a".into(), born(&[(0.004, 1.0)])), ("b".into(), born(other))];
+        let compared = Comparison::new(runs);
+        let read = |told: &Told| told.read_in(FrequencyUnit::default());
+        let row = compared.numbers.iter().find(|row| row.what == "an isola is born");
+        let row = row.map(|row| row.values.iter().map(read).collect::<Vec<_>>());
+        (row, compared.sentences.iter().map(read).collect::<Vec<_>>())
+    };
+    let moved = vec!["A = 0.004 at 1 rad/s".to_string(), "A = 0.006 at 1.01 rad/s (+50 %)".to_string()];
+    assert_eq!(told(&[(0.006, 1.01)]), (Some(moved), vec![]));
+    let (row, alone) = told(&[(0.006, 1.01), (0.009, 0.99)]);
+    assert_eq!(row, None);
+    assert!(alone[0].starts_with("Births along fold curves of `a`") && alone[0].contains(": A = 0.004 ("), "{alone:?}");
+    assert!(
+        alone[1].contains("of `b`") && alone[1].ends_with("A = 0.009 (0.99 rad/s, beyond its levels)."),
+        "{alone:?}"
+    );
+}
+
+#[test]
+fn a_terminal_has_some_of_many_settings() {
+    let study = |value: usize| {
+        let keys: String = (0..40).map(|k| format!("key{k} = {value}\n")).collect();
+        read(&Study::damper(), move |report| report.account.study.clone_from(&keys))
+    };
+    let compared = Comparison::new(vec![("a".into(), study(1)), ("b".into(), study(2))]);
+    let table = table(&compared, 120);
+    assert_eq!(table.matches("key").count(), 12 + 1, "{table}");
+    assert!(table.contains("and 28 more keys"), "{table}");
+}
+
+#[test]
+fn gaps_that_differ_have_a_line_each() {
+    let labels = |gaps: [Option<f64>; 2]| {
+        let run = |gap| read(&Study::damper(), |report| report.monitors[0].gap = gap);
+        let compared = Comparison::new(vec![("a".into(), run(gaps[0])), ("b".into(), run(gaps[1]))]);
+        let panel = &compared.figures.drawn["response"].panels[0];
+        let labels = panel.labels.iter().filter(|label| label.text.starts_with("gap")).map(|label| label.text.clone());
+        (panel.spans.len(), labels.collect::<Vec<_>>())
+    };
+    assert_eq!(labels([Some(0.5), Some(0.5)]), (1, vec!["gap".to_string()]));
+    assert_eq!(labels([Some(0.5), Some(0.6)]), (2, vec!["gap of a".to_string(), "gap of b".to_string()]));
+    assert_eq!(labels([None, Some(0.6)]), (1, vec!["gap of b".to_string()]));
 }
 
 #[test]

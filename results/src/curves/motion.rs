@@ -8,7 +8,8 @@ use protocol::to_everyone::StoredResult;
 use serde::Serialize;
 use solver::formulation::harmonics::width;
 use solver::formulation::state::State;
-use solver::structure::{ContactElement, Model};
+use solver::structure::laws::Law;
+use solver::structure::{ContactElement, Element, Model};
 
 /// A place whose motion is drawn.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -17,6 +18,8 @@ pub struct Node {
     pub name: String,
     /// Clearance to the casing, m; `None` without contact.
     pub gap: Option<f64>,
+    /// Of a monitored dof: displacements, m, at which stops begin to act that act on it alone.
+    pub stops: Vec<f64>,
     /// The displacement, in modal coordinates: modes.
     #[serde(skip)]
     shape: Vec<f64>,
@@ -54,6 +57,7 @@ pub fn nodes(model: &Model) -> Vec<Node> {
     let touching = |contact: ContactElement<'_>| Node {
         name: contact.element.name.clone(),
         gap: Some(contact.law.gap),
+        stops: Vec::new(),
         shape: shape(&contact.element.channels[0]),
         pressure: Some(contact.first),
     };
@@ -62,12 +66,22 @@ pub fn nodes(model: &Model) -> Vec<Node> {
         let monitored = |&dof: &usize| Node {
             name: model.dofs()[dof].clone(),
             gap: None,
+            stops: stops(model, dof),
             shape: shape(&[(dof, 1.0)]),
             pressure: None,
         };
         nodes = model.monitors().iter().map(monitored).collect();
     }
     nodes
+}
+
+/// Displacements of a dof at which stops begin to act that act on it alone.
+fn stops(model: &Model, dof: usize) -> Vec<f64> {
+    let stop = |element: &Element| match element.channels[0][..] {
+        [(own, factor)] if own == dof && factor != 0.0 => Some(element.law.clearance()? / factor),
+        _ => None,
+    };
+    model.elements().iter().filter_map(stop).collect()
 }
 
 impl Motions {
@@ -143,4 +157,28 @@ fn chosen(curve: &Curve, count: usize) -> Vec<usize> {
     }
     list.sort_unstable();
     list
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stops_of_a_dof_alone_are_where_they_act() {
+        let model = Model::builder("stop")
+            .mass([[1.0, 0.0], [0.0, 1.0]])
+            .stiffness([[2.0, -1.0], [-1.0, 2.0]])
+            .damping_ratio(0.01)
+            .force("x1", 1.0)
+            .monitor("x1")
+            .monitor("x2")
+            .stop("stop", "x1", 0.3)
+            .build()
+            .unwrap();
+        let found: Vec<(Option<f64>, Vec<f64>)> =
+            nodes(&model).into_iter().map(|node| (node.gap, node.stops)).collect();
+        assert!(found.iter().any(|(gap, stops)| *gap == Some(0.3) || stops == &[0.3]), "{found:?}");
+        assert_eq!(stops(&model, 0), [0.3]);
+        assert!(stops(&model, 1).is_empty());
+    }
 }

@@ -50,7 +50,11 @@ impl Drop for Partial {
 pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), ExportError> {
     let unnamed = || failed(path, io::ErrorKind::InvalidFilename.into());
     let name = path.file_name().and_then(|name| name.to_str()).ok_or_else(unnamed)?;
-    let (partial, mut file) = Partial::create(path.parent().unwrap_or(Path::new("")), name)?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    if !folder.as_os_str().is_empty() && !folder.exists() {
+        return Err(ExportError::Folder { file: path.into(), folder: folder.into() });
+    }
+    let (partial, mut file) = Partial::create(folder, name)?;
     file.write_all(bytes).map_err(|source| partial.failed(source))?;
     partial.finish()
 }

@@ -56,6 +56,14 @@ pub enum ExportError {
         /// Why.
         source: std::io::Error,
     },
+    /// The folder of a file is not there.
+    #[error("{}: there is no folder {}: make it, or name another", .file.display(), .folder.display())]
+    Folder {
+        /// The file.
+        file: PathBuf,
+        /// The folder.
+        folder: PathBuf,
+    },
     /// A variable for MATLAB that is larger than the format allows.
     #[error("{}: `{variable}` is larger than the 2 GB that a variable may have; use --format npz", .file.display())]
     TooLarge {

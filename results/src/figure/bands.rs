@@ -5,7 +5,7 @@ use super::data::{Kind, Series};
 use super::style::{Color, FINE, Style};
 use crate::curves::{Beyond, Column, Curve};
 
-/// Bars at the motions that were followed from a branch, and bands between those that are neighbours on an unstable stretch of it.
+/// Bars at the motions that were followed from a branch, in its colour, and bands, in another one than the insides of isolas, between those that are neighbours on an unstable stretch of it.
 pub(super) fn bands(branch: &Curve, curve: &Series, color: Color, columns: &mut ColumnStore) -> Vec<Series> {
     let shown: Vec<&Beyond> = branch.beyond.iter().filter(|beyond| beyond.is_shown()).collect();
     if shown.is_empty() {
@@ -24,7 +24,15 @@ pub(super) fn bands(branch: &Curve, curve: &Series, color: Color, columns: &mut 
             (0..monitors).map(|m| columns.add(of(m))).collect()
         };
         let (y, y2) = (edge(0), edge(1));
-        series.push(Series { kind: Kind::Band, x, y, y2, style: Style::area(color), level, ..Series::default() });
+        series.push(Series {
+            kind: Kind::Band,
+            x,
+            y,
+            y2,
+            style: Style::area(Color::Shade),
+            level,
+            ..Series::default()
+        });
     }
     let bar = |omega: f64| [omega, omega, f64::NAN];
     let x = vec![columns.exact(shown.iter().flat_map(|beyond| bar(beyond.omega)).collect())];

@@ -2,11 +2,11 @@
 
 use super::coincidence::Coincidence;
 use super::column_store::ColumnStore;
-use super::data::{Axis, Entry, Figure, Kind, Label};
+use super::data::{Axis, Direction, Entry, Figure, Kind, Label, Side, Span};
 use super::response::{Outline, branch_series, called, is_crowd, make_room};
 use super::smooth::smooth;
 use super::stability::Marking;
-use super::style::{BOLD, Color, MEDIUM, Shape, Style};
+use super::style::{BOLD, Color, FINE, MEDIUM, Shape, Style};
 use super::subject::Subject;
 use super::{resonance, style};
 use crate::curves::Curve;
@@ -98,8 +98,14 @@ fn response(runs: &[Compared<'_>], levels: &[f64], store: &mut ColumnStore) -> R
             Some(Label { level: place(level.value), ..label })
         }));
     }
-    let gap = panel.labels.iter().find(|label| label.level.is_none()).cloned();
-    panel.labels = gap.into_iter().chain(labels).collect();
+    let own = gap_lines(runs);
+    if !own.is_empty() {
+        panel.spans = own.iter().map(|(span, _)| span.clone()).collect();
+        panel.labels = own.into_iter().map(|(_, label)| label).chain(labels).collect();
+    } else {
+        let gap = panel.labels.iter().find(|label| label.level.is_none()).cloned();
+        panel.labels = gap.into_iter().chain(labels).collect();
+    }
     figure.choice = "";
     figure.legend = entries(runs, |k| Style::line(color(k), BOLD));
     let thin = Entry::new("main branch", Kind::Line, Style::line(Color::Ink, style::THIN));
@@ -107,6 +113,23 @@ fn response(runs: &[Compared<'_>], levels: &[f64], store: &mut ColumnStore) -> R
     figure.legend.extend([thin, bold]);
     figure.legend.extend(marking.entries(Color::Ink));
     Ok(figure)
+}
+
+/// A line at the gap of each run in its colour, where gaps differ; none where they do not.
+fn gap_lines(runs: &[Compared<'_>]) -> Vec<(Span, Label)> {
+    let gap = |run: &Compared<'_>| run.subject.monitors.first().and_then(|monitor| monitor.gap);
+    let first = runs.first().and_then(gap);
+    if runs.iter().all(|run| gap(run) == first) {
+        return Vec::new();
+    }
+    let of_run = |(k, run): (usize, &Compared<'_>)| {
+        let y = vec![Some(gap(run)?)];
+        let style = Style::line(color(k), FINE).with_dash(2);
+        let text = format!("gap of {}", run.name);
+        let label = Label { text, x: vec![None], y: y.clone(), color: color(k), level: None, side: Side::Above };
+        Some((Span { axis: Direction::Y, at: y, by_amplitude: false, style }, label))
+    };
+    runs.iter().enumerate().filter_map(of_run).collect()
 }
 
 /// An axis that holds others, in the unit of the one that reaches farthest.
@@ -130,7 +153,9 @@ fn resonances(runs: &[Compared<'_>], store: &mut ColumnStore) -> Result<Figure, 
     };
     let ways: Vec<_> = runs.iter().enumerate().map(way).collect();
     let harmonic = runs.first().map_or(1, |run| run.subject.harmonic);
-    resonance::compared(&ways, (&monitors(runs).join("|, |"), harmonic), store)
+    let unit = runs.first().map_or("", |run| run.subject.forcing_unit);
+    let unit = if runs.iter().all(|run| run.subject.forcing_unit == unit) { unit } else { "" };
+    resonance::compared(&ways, (&monitors(runs).join("|, |"), harmonic, unit), store)
 }
 
 /// The dofs whose amplitudes runs have, each once.

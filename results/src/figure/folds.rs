@@ -31,7 +31,8 @@ pub fn figure(subject: &Subject<'_>, store: &mut ColumnStore) -> Result<Figure, 
         return Err(subject.nothing("the list of fold curves", "the run has no fold curve"));
     }
     let points = || subject.curves.iter().flat_map(|curve| &curve.points);
-    let x = Axis::logarithmic("forcing amplitude A", Unit::none(), points().map(|point| point.forcing));
+    let x =
+        Axis::logarithmic("forcing amplitude A", Unit::si(subject.forcing_unit), points().map(|point| point.forcing));
     let x = x.of(Measure::Forcing);
     let highest = largest(points().map(|point| point.amplitude));
     let monitor = subject.monitors.first().map_or("", |monitor| &monitor.name);

@@ -50,7 +50,8 @@ pub fn figure(
         || primary().chain(subject.further.iter().flat_map(points)).filter(|(threshold, _)| is_near(*threshold));
     let levels = subject.levels.iter().map(|level| level.value);
     let values = levels.chain(shown().map(|(threshold, _)| threshold));
-    let y = Axis::logarithmic("forcing amplitude A, threshold A*", Unit::none(), values).of(Measure::Forcing);
+    let y = Axis::logarithmic("forcing amplitude A, threshold A*", Unit::si(subject.forcing_unit), values)
+        .of(Measure::Forcing);
     let is_any = shown().next().is_some();
     let thresholds = shown().chain(primary().filter(|_| !is_any)).map(|(_, omega)| omega);
     let x = Axis::around("", Unit::none(), frequencies(subject, &y, thresholds));

@@ -5,7 +5,7 @@ use super::data::{
     Axis, Direction, Entry, Figure, Kind, Label, Panel, Quantity, Series, Side, Signal, Size, Span, Unit,
 };
 use super::places::Placement;
-use super::style::{BOLD, Color, FINE, MARK, Shape, Style, THIN};
+use super::style::{BOLD, Color, FINE, MARK, MEDIUM, Shape, Style, THIN};
 use super::units::convert_length;
 use crate::curves::{MarchedPeriod, Motions, Node};
 use crate::overview::verdict_words;
@@ -95,8 +95,8 @@ pub fn drawn(mut figure: Figure, motions: &Motions, coefficients: &[f64], store:
 
 /// With the marched period in the panel of displacements, over those of the balance.
 pub fn with_marched(mut figure: Figure, marched: &MarchedPeriod, store: &mut ColumnStore) -> Figure {
-    // Dotted and of another colour, so that what lies below is seen.
-    let style = Style::line(Color::Category(0), FINE).with_dash(2);
+    // Dotted, wider and of another colour, so that what lies below is seen.
+    let style = Style::line(Color::Category(2), MEDIUM).with_dash(2);
     let Some(panel) = figure.panels.first_mut() else { return figure };
     let highest = marched.displacements.iter().flatten().copied();
     if let Some(axis) = panel.y.first_mut() {
@@ -152,7 +152,7 @@ fn period() -> Axis {
 
 fn displacements(nodes: &[Node], has_contact: bool) -> Panel {
     let about = if has_contact { "Displacement towards the stop" } else { "Displacement" };
-    let mut gaps: Vec<f64> = nodes.iter().filter_map(|node| node.gap).collect();
+    let mut gaps: Vec<f64> = nodes.iter().flat_map(|node| node.gap.iter().chain(&node.stops)).copied().collect();
     gaps.sort_by(f64::total_cmp);
     gaps.dedup();
     let style = Style::line(Color::Soft, FINE).with_dash(2);

@@ -42,16 +42,17 @@ pub fn figure(subject: &Subject<'_>, store: &mut ColumnStore) -> Result<Figure, 
         if has_branches(subject) { (low / NEAR).max(low - BESIDE * (high - low).max(CLOSE * low)) } else { 0.0 };
     let events: Vec<(&Event, String)> =
         events.iter().map(|event| (event, subject.threshold(event.threshold))).collect();
-    drawn(&curves(subject), (monitor, subject.harmonic, &events), lowest, store)
+    drawn(&curves(subject), (monitor, subject.harmonic, subject.forcing_unit), &events, lowest, store)
 }
 
-/// The same of several runs: what each is called, its largest response, and how that looks.
+/// The same of several runs: what each is called, its largest response, and how that looks; `of`: monitored dofs, the harmonic that is
+/// forced, and the unit of the forcing.
 ///
 /// # Errors
 /// If none of them has a branch: in words.
 pub(super) fn compared(
     runs: &[(String, Resonance, Style)],
-    (monitor, harmonic): (&str, usize),
+    of: (&str, usize, &str),
     store: &mut ColumnStore,
 ) -> Result<Figure, String> {
     let curves = runs.iter().map(|(name, curve, style)| ResonanceCurve {
@@ -60,7 +61,7 @@ pub(super) fn compared(
         style: style.clone(),
     });
     let curves: Vec<_> = curves.filter(|curve| !curve.resonance.value.is_empty()).collect();
-    drawn(&curves, (monitor, harmonic, &[]), 0.0, store)
+    drawn(&curves, of, &[], 0.0, store)
 }
 
 /// Whether there is anything but what the energy balance predicts.
@@ -71,7 +72,8 @@ fn has_branches(subject: &Subject<'_>) -> bool {
 /// The figure, of the forcing amplitudes from `lowest` on.
 fn drawn(
     curves: &[ResonanceCurve<'_>],
-    (monitor, harmonic, events): (&str, usize, &[(&Event, String)]),
+    (monitor, harmonic, unit): (&str, usize, &str),
+    events: &[(&Event, String)],
     lowest: f64,
     store: &mut ColumnStore,
 ) -> Result<Figure, String> {
@@ -81,7 +83,8 @@ fn drawn(
     if values(|curve| &curve.value).next().is_none() {
         return Err("the run has neither a backbone nor a branch yet".into());
     }
-    let x = forcing(values(|curve| &curve.value).filter(|&value| value >= lowest)).of(Measure::Forcing);
+    let shown = values(|curve| &curve.value).filter(|&value| value >= lowest);
+    let x = forcing(shown, Unit::si(unit)).of(Measure::Forcing);
     let frequency = Axis::around(frequency(harmonic), Unit::si("rad/s"), values(|curve| &curve.omega));
     let frequency = frequency.of(Measure::Frequency);
     let unit = Unit::of_lengths(largest(amplitudes.clone()));
@@ -170,14 +173,14 @@ fn curves<'s>(subject: &Subject<'s>) -> Vec<ResonanceCurve<'s>> {
     curves.into_iter().filter(is_there).map(unmarked).collect()
 }
 
-fn forcing(values: impl Iterator<Item = f64> + Clone) -> Axis {
+fn forcing(values: impl Iterator<Item = f64> + Clone, unit: Unit) -> Axis {
     let (low, high) = bounds(values.clone().filter(|&value| value > 0.0));
     let title = "forcing amplitude A";
     if (high / low).log10() > DECADES {
-        Axis::logarithmic(title, Unit::none(), values)
+        Axis::logarithmic(title, unit, values)
     } else {
         let zero = (low <= FROM_ZERO * high).then_some(0.0);
-        Axis::around(title, Unit::none(), values.chain(zero))
+        Axis::around(title, unit, values.chain(zero))
     }
 }
 

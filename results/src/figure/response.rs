@@ -50,7 +50,12 @@ pub fn figure(
     backbone: Option<&BackboneColumns>,
 ) -> Result<Figure, String> {
     if subject.branches.is_empty() {
-        return Err(subject.nothing("the branch", "no branch of these levels has been computed yet"));
+        let otherwise = match (subject.is_finished, subject.harmonic) {
+            (false, _) => "no branch of these levels has been computed yet".into(),
+            (true, 1) => "no branch was found at these levels".into(),
+            (true, order) => format!("no motions of {order} periods of the force were found at these levels"),
+        };
+        return Err(subject.nothing("the branch", &otherwise));
     }
     let colors = level_colors(subject.levels.len());
     let has_marks = subject.branches.len() <= FEW;
@@ -234,7 +239,7 @@ impl<'r> Outline<'r> {
                 self.branches.iter().any(|branch| branch.beyond.iter().any(Beyond::is_shown)),
                 "what unstable motions turn into",
                 Kind::Band,
-                Style::area(color),
+                Style::area(Color::Shade),
             ),
             (backbones > 0, backbone, line, Style::line(Color::Soft, FINE).with_dash(1)),
             (marked(SpecialKind::Peak), "peak", line, mark(SpecialKind::Peak, color)),

@@ -18,6 +18,10 @@ pub struct Subject<'r> {
     pub branches: &'r [Curve],
     /// Monitored dofs.
     pub monitors: &'r [Monitor],
+    /// What A = 1 is, as axes have it; empty where that takes more words.
+    pub forcing_unit: &'r str,
+    /// Whether nothing is still to come.
+    pub is_finished: bool,
     /// The harmonic of the response that is forced.
     pub harmonic: usize,
     /// The backbone that figures are about, once it is known.

@@ -120,6 +120,8 @@ impl Sketch {
             levels: &self.levels,
             branches: &self.branches,
             monitors: &self.monitors,
+            forcing_unit: "",
+            is_finished: false,
             harmonic: self.harmonic,
             backbone: self.backbone.as_ref(),
             further: &[],

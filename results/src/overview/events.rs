@@ -36,8 +36,8 @@ const UNRELATED: &str = "which of these belong together is not known";
 const UNKNOWN: &str = "*";
 
 /// What that means.
-const UNCONFIRMED: &str =
-    "Not confirmed: with twice the harmonics it was not found near there, and may happen at another A or not at all.";
+const UNCONFIRMED: &str = "Not confirmed: with twice the harmonics it was not found near there, and may happen at another A or not at all; \
+     set harmonics.count to twice as many to see.";
 
 /// Where isolas are born and where branches merge, as fold curves say: isola by isola, and which branches, where that is known for
 /// sure; if `is_whole`, from the levels whether they merge or part, where the curves do not tell. Of many those among the levels come first.

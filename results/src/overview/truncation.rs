@@ -43,11 +43,12 @@ pub fn least_added(model: &Model, is_without_mains: bool) -> usize {
 /// set; the same for the widths of isolas, and for other points if they are not converged. What still more would change is not known.
 /// `None` as long as nothing is known of it.
 ///
-/// `least`: see [`least_added`]; `frequency` writes one, of rad/s.
+/// `least`: see [`least_added`]; `monitor`: whose amplitudes they are, where there are several; `frequency` writes one, of rad/s.
 pub fn truncation(
     levels: &[Level],
     harmonics: usize,
     least: usize,
+    monitor: Option<&str>,
     frequency: impl Fn(f64) -> String,
 ) -> Option<String> {
     let rows = || levels.iter().flat_map(|level| level.branches.iter().map(move |row| (level, row)));
@@ -58,7 +59,7 @@ pub fn truncation(
         true => String::new(),
         false => format!("; set harmonics.count = {wanted}"),
     };
-    let peaks = of_peaks(&rows, harmonics, &remedy(&said));
+    let peaks = of_peaks(&rows, (harmonics, monitor), &remedy(&said));
     if twice < least {
         return match peaks? {
             peaks if peaks.starts_with(NOT_CONVERGED) => Some(format!(
@@ -76,8 +77,9 @@ pub fn truncation(
     said.extend(elsewhere(rows(), of_peaks, &remedy(&said), frequency));
     said.extend(not_found(rows().filter(|(_, row)| !has_maximum(row)), &remedy(&said)));
     let widths = of_widths(&rows, &remedy(&said));
-    if said == [unchanged("Peaks", harmonics)] && widths.as_deref() == Some(SAME_WIDTHS) {
-        return Some(unchanged("Peaks and widths of isolas", harmonics));
+    let peaks = peaks_of(monitor);
+    if said == [unchanged(&peaks, harmonics)] && widths.as_deref() == Some(SAME_WIDTHS) {
+        return Some(unchanged(&format!("{peaks} and widths of isolas"), harmonics));
     }
     said.extend(widths);
     (!said.is_empty()).then(|| said.join(" "))
@@ -92,7 +94,10 @@ pub fn truncation_of(
     frequency: impl Fn(f64) -> String,
 ) -> Option<String> {
     let least = model.map_or(1, |model| least_added(model, is_further));
-    truncation(levels, settings?.harmonics.count, least, frequency)
+    let monitors = model.map_or(&[][..], |model| model.monitors());
+    let first = monitors.first().filter(|_| monitors.len() > 1);
+    let monitor = first.and_then(|&dof| Some(model?.dofs()[dof].as_str()));
+    truncation(levels, settings?.harmonics.count, least, monitor, frequency)
 }
 
 fn of_widths<'l, I: Iterator<Item = (&'l Level, &'l BranchRow)>>(
@@ -133,7 +138,7 @@ fn of_widths<'l, I: Iterator<Item = (&'l Level, &'l BranchRow)>>(
 
 fn of_peaks<'l, I: Iterator<Item = (&'l Level, &'l BranchRow)>>(
     rows: &impl Fn() -> I,
-    harmonics: usize,
+    (harmonics, monitor): (usize, Option<&str>),
     remedy: &str,
 ) -> Option<String> {
     let is_known = rows().any(|(_, row)| change(row).is_some());
@@ -158,11 +163,15 @@ fn of_peaks<'l, I: Iterator<Item = (&'l Level, &'l BranchRow)>>(
     let (level, row, [change, shift]) = changes.max_by(|a, b| largest(a.2).total_cmp(&largest(b.2)))?;
     if largest([change, shift]) <= CONVERGED {
         let most = largest([change, shift]);
+        let peaks = peaks_of(monitor);
         if most < NEGLIGIBLE {
-            return Some(unchanged("Peaks", harmonics));
+            return Some(unchanged(&peaks, harmonics));
         }
         let percent = digits(100.0 * most, 1);
-        return Some(format!("Peaks change by {percent} % at most with twice the harmonics (H = {}).", 2 * harmonics));
+        return Some(format!(
+            "{peaks} change by {percent} % at most with twice the harmonics (H = {}).",
+            2 * harmonics
+        ));
     }
     let moves = if shift.abs() > CONVERGED {
         format!(" and its frequency by {} %", digits(100.0 * shift, 2))
@@ -189,6 +198,11 @@ fn of_more<'l, I: Iterator<Item = (&'l Level, &'l BranchRow)>>(rows: &impl Fn() 
     more.map_or_else(String::new, |(level, row, change)| {
         format!(", that of {} at A = {} by {} %", super::in_words(row), level.amplitude, digits(100.0 * change, 2))
     })
+}
+
+/// What peaks are called, of this dof.
+fn peaks_of(monitor: Option<&str>) -> String {
+    monitor.map_or_else(|| "Peaks".into(), |monitor| format!("Peaks of {monitor}"))
 }
 
 /// What is told of quantities that stay as they are.
@@ -241,7 +255,7 @@ mod tests {
 
     /// What is said of the levels with so many harmonics, whatever the lowest one is that motions can have beyond that of the force.
     fn truncation(levels: &[Level], harmonics: usize, least: usize) -> Option<String> {
-        super::truncation(levels, harmonics, least, |omega| format!("{omega} rad/s"))
+        super::truncation(levels, harmonics, least, None, |omega| format!("{omega} rad/s"))
     }
 
     fn levels(branches: Vec<BranchRow>) -> [Level; 1] {
@@ -293,6 +307,8 @@ mod tests {
             truncation(&converged, 10, 3).unwrap(),
             format!("Peaks change by 0.4 % at most with twice the harmonics (H = 20). {UNKNOWN_ENDS}")
         );
+        let of_valve = super::truncation(&converged, 10, 3, Some("valve"), |omega| omega.to_string());
+        assert!(of_valve.unwrap().starts_with("Peaks of valve change by 0.4 %"));
         let moved = levels(vec![row("main", Some(1.004)), row("isola", Some(0.8))]);
         assert_eq!(
             truncation(&moved, 10, 3).unwrap(),

@@ -4,6 +4,7 @@ use crate::curves::BackboneCurve;
 use crate::overview::{Excitation, Lesser, Level, LookedFor, has_joints, undetermined};
 use crate::store::{CurveRow, MotionRow, PushRow, SearchCounts};
 use crate::summary_table::Units;
+use crate::told::{frequency_first_in, in_both_units_from};
 use protocol::to_everyone::Stage;
 use solver::response::branch::Outcome;
 use solver::response::modes::ModesFollowed;
@@ -82,6 +83,16 @@ impl<'r> Evidence<'r> {
         self.backbone.into_iter().chain(self.further)
     }
 
+    /// A frequency in both units, that of the run first.
+    pub fn frequency(&self, omega: f64) -> String {
+        frequency_first_in(omega, self.units.frequency)
+    }
+
+    /// The same within parentheses.
+    pub fn in_both_units(&self, omega: f64) -> String {
+        in_both_units_from(omega, self.units.frequency)
+    }
+
     /// What was looked for and what was not.
     pub fn looked_for(&self) -> LookedFor<'_> {
         LookedFor {
@@ -126,6 +137,11 @@ pub struct Structure {
 }
 
 impl Structure {
+    /// The dof whose amplitudes are given, if others are monitored besides.
+    pub fn of_several(&self) -> Option<&str> {
+        self.monitors.first().filter(|_| self.monitors.len() > 1).map(String::as_str)
+    }
+
     /// Of a model, amplitudes being those of this dof.
     pub fn new(model: &Model, monitor: &str, gap: Option<f64>) -> Self {
         Self {

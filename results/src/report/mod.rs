@@ -2,6 +2,7 @@
 
 mod account;
 mod evidence;
+mod fit;
 mod losses;
 mod predictions;
 mod ranges;

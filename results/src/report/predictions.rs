@@ -8,7 +8,7 @@ use crate::overview::{
     told_threshold, truncation_doubt,
 };
 use crate::store::CurvePoint;
-use crate::words::{self, count, frequency, in_both_units};
+use crate::words::{self, count};
 use solver::response::critical::CriticalKind;
 use solver::response::windows::{Event, EventKind};
 
@@ -28,8 +28,8 @@ impl Evidence<'_> {
         };
         let none = "No isola was found where it was looked for";
         let at = |birth: &CurvePoint| {
-            let forcing = forcing_label(birth, 4);
-            format!("at A = {forcing} ({}{})", in_both_units(birth.omega), truncation_doubt(&[birth]))
+            let forcing = forcing_label(birth, 5);
+            format!("at A = {forcing} ({}{})", self.in_both_units(birth.omega), truncation_doubt(&[birth]))
         };
         match &born_between(self.levels, self.curves, self.bounds)[..] {
             [only] => format!("{none}, but along fold curves one is born between two of the levels, {}.", at(only)),
@@ -44,7 +44,7 @@ impl Evidence<'_> {
                 }
                 None => match parted_between(self.curves, self.levels).first() {
                     Some(life) => {
-                        let (from, to) = (forcing_label(life.from, 4), forcing_label(life.to, 4));
+                        let (from, to) = (forcing_label(life.from, 5), forcing_label(life.to, 5));
                         format!("{none}, but along fold curves one is there between levels, from A = {from} to {to}.")
                     }
                     None => format!("{none}."),
@@ -94,7 +94,7 @@ impl Evidence<'_> {
         };
         let mode = words::modes(&[backbone.mode]);
         let omega = backbone.omega.values[birth.index];
-        let near = format!("{}{}", frequency(omega), beyond(self.bounds, omega));
+        let near = format!("{}{}", self.frequency(omega), beyond(self.bounds, omega));
         if backbone.feeds_itself(birth.index) {
             return format!(
                 "; the energy balance of {mode} predicts separate responses at any forcing, near {near}, where the \
@@ -127,7 +127,7 @@ impl Evidence<'_> {
         let of = |kind: EventKind, one: &str, many: &str| {
             let list: Vec<&&Event> = among.iter().filter(|event| event.kind == kind).collect();
             let place = |event: &&&Event| {
-                format!("{} (near {})", told_threshold(event.threshold, values()), in_both_units(event.omega))
+                format!("{} (near {})", told_threshold(event.threshold, values()), self.in_both_units(event.omega))
             };
             let named: Vec<String> = list.iter().take(NAMED).map(place).collect();
             let more = if list.len() > NAMED { format!(" and {} more", list.len() - NAMED) } else { String::new() };

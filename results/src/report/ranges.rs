@@ -1,7 +1,9 @@
 //! Ranges of frequencies and of levels, in words.
 
 use crate::overview::Level;
-use crate::words::{more_ranges, range};
+use crate::summary_table::FrequencyUnit;
+use crate::told::range_first_in;
+use crate::words::more_ranges;
 
 /// Complete levels with isolas as runs of neighbours: first and last, as typed. A level of which not all is known ends a
 /// run.
@@ -43,9 +45,9 @@ pub(super) fn over(levels: &[&Level]) -> String {
 /// Ranges that a sentence names; the others are only counted.
 const NAMED: usize = 3;
 
-/// Ranges in words.
-pub(super) fn in_words(ranges: &[(f64, f64)]) -> String {
-    let list: Vec<String> = ranges.iter().take(NAMED).map(|&omega| range(omega)).collect();
+/// Ranges in words, in this unit first.
+pub(super) fn in_words(ranges: &[(f64, f64)], first: FrequencyUnit) -> String {
+    let list: Vec<String> = ranges.iter().take(NAMED).map(|&omega| range_first_in(omega, first)).collect();
     let more = more_ranges(ranges.len().saturating_sub(NAMED)).map(|more| format!(", or {more}"));
     list.join(", or between ") + &more.unwrap_or_default()
 }

@@ -2,6 +2,7 @@
 
 use super::account::CostAccount;
 use super::evidence::{Evidence, OrderFound, Structure};
+use super::fit::fit_windows;
 use super::verdict::Sentence;
 use super::verdict::verdict;
 use crate::clock::now;
@@ -11,14 +12,14 @@ use crate::overview::{
     BranchRow, Level, Omissions, Overview, bounds, least_added, unfinished, verified_result, why_no_folds,
 };
 use crate::store::{CurveRow, Reader, Result, RunHeader};
-use crate::summary_table::UnitChoice;
+use crate::summary_table::{UnitChoice, unit_of_forcing};
 use protocol::backbone::BackboneMessage;
 use protocol::curve::Size;
 use protocol::to_everyone::Stage;
 use serde::Serialize;
 use solver::response::backbone::{Backbone, BackbonePoint};
 use solver::response::orders::orders;
-use std::collections::{HashMap, HashSet};
+use std::collections::HashSet;
 
 /// Points of branches that a page takes without becoming heavy.
 const POINTS: usize = 250_000;
@@ -40,6 +41,8 @@ pub struct Report {
     pub account: CostAccount,
     /// Monitored dofs; the first one counts.
     pub monitors: Vec<Monitor>,
+    /// What A = 1 is, where that takes few words.
+    pub forcing_unit: Option<String>,
     /// The harmonic of the response that is forced.
     pub harmonic: usize,
     /// Orders of motions that the run looks for, this one among them.
@@ -185,6 +188,7 @@ impl Report {
             run: facts(header, model.name().to_string(), stage, omissions.sentences().cloned().collect()),
             asked: evidence.asked.clone(),
             monitors,
+            forcing_unit: unit_of_forcing(&model),
             harmonic: reader.order().unwrap_or(model.forcing().harmonic),
             branches,
             backbone,
@@ -258,6 +262,8 @@ impl Report {
             levels: &self.overview.levels,
             branches: &self.branches,
             monitors: &self.monitors,
+            forcing_unit: self.forcing_unit.as_deref().unwrap_or_default(),
+            is_finished: self.run.stage == Some(Stage::Finished),
             harmonic: self.harmonic,
             backbone: self.backbone.as_ref(),
             further: &self.further,
@@ -266,31 +272,6 @@ impl Report {
             resonance: &self.resonance,
             motions: &self.motions,
             missing: &self.run.missing,
-        }
-    }
-}
-
-/// Leaves out windows that are not windows of the backbones.
-fn fit_windows<'b>(
-    overview: &mut Overview,
-    backbones: impl Iterator<Item = &'b BackboneCurve>,
-    omissions: &mut Omissions,
-) {
-    let thresholds: HashMap<usize, &[f64]> =
-        backbones.map(|backbone| (backbone.mode + 1, &backbone.threshold.values[..])).collect();
-    if thresholds.is_empty() {
-        return;
-    }
-    for level in &mut overview.levels {
-        let count = level.windows.len();
-        level.windows.retain(|window| {
-            let threshold = thresholds.get(&window.mode).copied().unwrap_or_default();
-            let [first, last, best] = window.points;
-            first <= best && best <= last && last < threshold.len() && threshold[best] == window.threshold
-        });
-        if level.windows.len() < count {
-            let what = format!("{} of {count} windows at A = {} are", count - level.windows.len(), level.amplitude);
-            omissions.left_out(what, "they are none of the backbone");
         }
     }
 }

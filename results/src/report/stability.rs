@@ -7,8 +7,12 @@ use crate::overview::{
 };
 use crate::store::least_energy;
 use crate::summary_table::{motions, pushes};
-use crate::words::frequency;
 use solver::response::branch::BranchKind;
+
+/// Whether all of an isola was looked at, and none of it found stable: nothing that is thrown onto it stays there.
+fn has_no_stable_part(isola: &BranchRow) -> bool {
+    isola.stability.as_ref().is_some_and(|known| known.is_whole && known.stable == 0.0)
+}
 
 /// Relative difference of amplitudes from which it is told.
 const TOLD: f64 = 0.005;
@@ -27,6 +31,11 @@ impl Evidence<'_> {
         };
         let found = format!("By time marching, {told}{settling}");
         match self.what_leads_there() {
+            None if isolas.iter().all(|isola| has_no_stable_part(isola)) => {
+                vec![format!(
+                    "{found}; isola disturb pushes onto what is known to be stable of isolas, and there is none."
+                )]
+            }
             None => vec![format!("{found}; what leads there was not looked for (isola disturb does).")],
             Some(push) => vec![format!("{found}."), push],
         }
@@ -40,7 +49,7 @@ impl Evidence<'_> {
         }
         match known.largest {
             Some((omega, size)) => {
-                format!(" (unstable there; found stable up to {} at {})", self.length(size), frequency(omega))
+                format!(" (unstable there; found stable up to {} at {})", self.length(size), self.frequency(omega))
             }
             None if known.stable > 0.0 => " (unstable there)".into(),
             None => " (unstable there, and found stable nowhere)".into(),
@@ -51,7 +60,7 @@ impl Evidence<'_> {
     fn up_to(&self) -> String {
         let largest = largest_stable(self.levels, BranchRow::is_isola);
         largest.map_or_else(String::new, |StableResponse { level, branch, omega, amplitude }| {
-            let (size, at) = (self.length(amplitude), frequency(omega));
+            let (size, at) = (self.length(amplitude), self.frequency(omega));
             match self.levels.iter().flat_map(Level::isolas).count() {
                 1 => format!(", up to {size} at {at}"),
                 _ => format!(", on isolas up to {size} ({} at A = {}) at {at}", branch.name(), level.amplitude),
@@ -69,7 +78,7 @@ impl Evidence<'_> {
              isola leads to {} of A = {} at {}: {}.",
             push.branch,
             push.forcing,
-            frequency(push.omega),
+            self.frequency(push.omega),
             pushes::strength(push, &self.structure.monitors)
         ))
     }
@@ -90,14 +99,14 @@ impl Evidence<'_> {
             motion.forcing,
             motions::kind(motion, self.is_further),
             self.length(motion.amplitude?.1),
-            frequency(motion.omega),
+            self.frequency(motion.omega),
             100.0 * (ratio - 1.0)
         ))
     }
 
     /// The largest response that was found stable, where that is not told by what is said of isolas and of the largest response.
     pub(super) fn largest_stable(&self) -> Option<String> {
-        largest_stable_sentence(self.levels, |x| self.length(x), frequency)
+        largest_stable_sentence(self.levels, |x| self.length(x), |omega| self.frequency(omega))
     }
 
     /// What lasts where the largest response does not.
@@ -109,6 +118,8 @@ impl Evidence<'_> {
     pub(super) fn stability_of_peak(&self, largest: &BranchRow) -> String {
         let peak = largest.stability.as_ref().and_then(|stability| stability.peak.as_ref());
         let unknown = || "Whether the largest response is stable was not verified.".into();
-        peak.map_or_else(unknown, |peak| near_largest(peak, largest.amplitude_max, |x| self.length(x), frequency))
+        peak.map_or_else(unknown, |peak| {
+            near_largest(peak, largest.amplitude_max, |x| self.length(x), |omega| self.frequency(omega))
+        })
     }
 }

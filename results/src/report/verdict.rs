@@ -14,7 +14,7 @@ use crate::overview::{
     not_followed_sentence, reach_sentence, sampled, shift_sentence, truncation,
 };
 use crate::summary_table::{motions, stability};
-use crate::words::{self, count, digits, frequency, in_both_units};
+use crate::words::{self, count, digits};
 use protocol::to_everyone::Stage;
 use serde::Serialize;
 use solver::response::branch::BranchKind;
@@ -150,14 +150,14 @@ impl<'r> Evidence<'r> {
         let gap = self.structure.gap.map(|gap| format!(" (gap {})", self.length(gap))).unwrap_or_default();
         let at = |row: &BranchRow| format!("{} at {}", self.size(row), self.structure.monitor);
         let on = if largest.is_main() { "the main branch".to_string() } else { largest.name() };
-        let place = format!("at {} and A = {}", frequency(largest.omega_at_max), level.amplitude);
+        let place = format!("at {} and A = {}", self.frequency(largest.omega_at_max), level.amplitude);
         match highest(self.with_isolas().flat_map(Level::isolas)) {
             Some(highest) => {
                 let ranges = joined(self.with_isolas().flat_map(Level::isolas).map(|isola| isola.omega));
                 parts.push(format!(
                     "Between {}{}: there an isola, a closed branch apart from the main one, is another periodic response at \
                      the same forcing, with up to {}{}.",
-                    in_words(&ranges),
+                    in_words(&ranges, self.units.frequency),
                     over(&self.with_isolas().collect::<Vec<_>>()),
                     at(highest),
                     self.stable_part(highest)
@@ -208,13 +208,15 @@ impl<'r> Evidence<'r> {
         list.extend(self.others());
         list.extend(self.not_found());
         list.extend(unknown_beyond(self));
-        list.extend(truncation(self.levels, self.harmonics, self.least_added, frequency));
+        list.extend(truncation(self.levels, self.harmonics, self.least_added, self.structure.of_several(), |omega| {
+            self.frequency(omega)
+        }));
         list
     }
 
     /// How the frequency of the largest response goes, and what the energy balance predicts between the levels.
     fn over_the_forcing(&self) -> Vec<String> {
-        shift_sentence(self.levels, frequency).into_iter().chain(self.predicted_events()).collect()
+        shift_sentence(self.levels, |omega| self.frequency(omega)).into_iter().chain(self.predicted_events()).collect()
     }
 
     /// What ordinary continuation leaves out beside isolas; other branches where there are no isolas to tell them with.
@@ -259,7 +261,7 @@ impl<'r> Evidence<'r> {
             return format!("Nothing is known yet: {} to come.", count(self.levels.len(), "forcing level"));
         }
         let prediction = self.prediction();
-        let place = |omega: f64| format!("{}{}", in_both_units(omega), beyond(self.bounds, omega));
+        let place = |omega: f64| format!("{}{}", self.in_both_units(omega), beyond(self.bounds, omega));
         // What was lost may count.
         let computed = events_sentence(self.curves, self.levels, self.search.is_whole(), place)
             .map(|sentence| format!(" {sentence}"))
@@ -291,7 +293,7 @@ impl<'r> Evidence<'r> {
             let is_near =
                 |isola: &BranchRow| (isola.omega.0 / ABOUT..=isola.omega.1 * ABOUT).contains(&main.omega_at_max);
             let goes_up = if self.with_isolas().next_back().is_some_and(|last| last.isolas().any(is_near)) {
-                format!(": the main branch goes up to {} at {}", self.size(main), frequency(main.omega_at_max))
+                format!(": the main branch goes up to {} at {}", self.size(main), self.frequency(main.omega_at_max))
             } else {
                 String::new()
             };
@@ -302,7 +304,7 @@ impl<'r> Evidence<'r> {
 
     /// Which frequencies and modes were looked at, what was looked for, and what was not.
     fn reach(&self) -> String {
-        let frequencies = reach_sentence(self.given, self.reached, frequency);
+        let frequencies = reach_sentence(self.given, self.reached, |omega| self.frequency(omega));
         let is_done = self.levels.iter().all(|level| level.pending == 0);
         let with_others = self.modes.filter(|choice| !modes::left_out(choice).is_empty());
         let modes = with_others.and_then(|choice| modes::sentence(choice, is_done));
@@ -342,14 +344,14 @@ impl<'r> Evidence<'r> {
                     level.amplitude,
                     self.length(main.amplitude_max),
                     self.size(isola),
-                    frequency(isola.omega_at_max)
+                    self.frequency(isola.omega_at_max)
                 ),
             };
         };
         let Gain { level, isola, main } = &gain;
         let (stops, goes) = (
-            format!("{} at {}", self.size(main), frequency(main.omega_at_max)),
-            format!("{} at {}{}", self.size(isola), frequency(isola.omega_at_max), self.stable_part(isola)),
+            format!("{} at {}", self.size(main), self.frequency(main.omega_at_max)),
+            format!("{} at {}{}", self.size(isola), self.frequency(isola.omega_at_max), self.stable_part(isola)),
         );
         let amplitude = &level.amplitude;
         match gain.ratio() {

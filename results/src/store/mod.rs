@@ -33,6 +33,7 @@ mod pushes;
 mod reader;
 mod scalars;
 mod search_counts;
+mod strayed;
 mod tasks;
 #[cfg(test)]
 mod tests;

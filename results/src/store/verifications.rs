@@ -1,6 +1,7 @@
 //! What marching says of branches: written with the results of the tasks that verified them.
 
 use super::error::At;
+use super::strayed::Marched;
 use super::{Reader, Result};
 use protocol::ids::TaskId;
 use protocol::level::typed;
@@ -32,7 +33,7 @@ pub struct BifurcationRow {
     pub amplitude: f64,
 }
 
-/// The marched orbit near the point of largest amplitude of a branch.
+/// The marched orbit near the point of largest amplitude of a branch; none where what marching came to from there is another motion.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PeakOrbit {
     /// Whether it is stable, or what is known instead: a word of [`verdict_name`].
@@ -182,23 +183,31 @@ impl Reader {
         }
         let sql = "SELECT branch, stretch = 'whole', verifications.stable, unstable, point.verdict, point.omega, point.amplitude, \
                    (SELECT count(*) FROM verified_points AS each WHERE each.task = verifications.task), points, \
-                   EXISTS (SELECT 1 FROM verified_points AS each WHERE each.task = verifications.task AND each.verdict = 'marginal') \
+                   EXISTS (SELECT 1 FROM verified_points AS each WHERE each.task = verifications.task AND each.verdict = 'marginal'), \
+                   (SELECT points.amplitude FROM points WHERE points.branch = branches.id AND points.i = point.at) \
                    FROM verifications JOIN branches ON branches.id = branch \
                    LEFT JOIN verified_points AS point ON point.task = verifications.task AND point.i = peak \
                    WHERE level = ?1 ORDER BY stretch = 'whole'";
         let row = |row: &Row<'_>| {
             let at = row.get::<_, Option<f64>>(5)?.zip(row.get(6)?);
             let peak = row.get::<_, Option<String>>(4)?.map(|verdict| PeakOrbit { verdict, at });
+            let own: Option<f64> = row.get(10)?;
+            let orbit = at.zip(own).map(|(at, own)| Marched { at, own });
             let (is_whole, stable, unstable) = (row.get(1)?, row.get(2)?, row.get(3)?);
             let (marched, points): (usize, usize) = (row.get(7)?, row.get(8)?);
             let sampled = (is_whole && marched < points).then_some(marched);
             let is_marginal_in_parts = row.get(9)?;
-            Ok((
-                row.get(0)?,
-                Stability { is_whole, stable, unstable, is_marginal_in_parts, sampled, peak, largest: None },
-            ))
+            let stability =
+                Stability { is_whole, stable, unstable, is_marginal_in_parts, sampled, peak, largest: None };
+            Ok((row.get(0)?, stability, orbit))
         };
-        let mut found: HashMap<i64, Stability> = self.all(sql, [level], row)?.into_iter().collect();
+        let mut found: HashMap<i64, Stability> = HashMap::new();
+        for (branch, mut stability, orbit) in self.all(sql, [level], row)? {
+            if orbit.is_some_and(|orbit| self.is_strayed(level, orbit).unwrap_or_default()) {
+                stability.peak = Some(PeakOrbit { verdict: verdict_name(Verdict::NoOrbitNearby).into(), at: None });
+            }
+            found.insert(branch, stability);
+        }
         let sql = "SELECT branch, points.omega, max(points.amplitude) FROM points JOIN branches ON branches.id = branch \
                    WHERE level = ?1 AND points.stable = 'stable' AND points.amplitude IS NOT NULL GROUP BY branch";
         let row = |row: &Row<'_>| Ok((row.get(0)?, (row.get(1)?, row.get(2)?)));

@@ -64,7 +64,7 @@ fn raised(number: usize) -> String {
 
 /// Breaks a text between words so that no line has more characters than `width`, a longer word apart; all lines but the
 /// first begin with `indent`.
-pub(crate) fn wrapped(text: &str, width: u16, indent: &str) -> String {
+pub fn wrapped(text: &str, width: u16, indent: &str) -> String {
     let mut lines: Vec<String> = Vec::new();
     let mut line = String::new();
     for word in text.split(' ') {

@@ -64,13 +64,17 @@ impl Layers {
         ModelError::Type { place, message: in_words(path, message) }
     }
 
-    /// Where the law of an entry has a parameter that stands beside it: `law.penalty_spring.gap`.
+    /// Where the law of an entry has a parameter that stands beside it, but for a letter more or less: `law.penalty_spring.gap`.
     fn parameter(&self, path: &str, name: &str) -> Option<String> {
         let (position, key) = path.strip_prefix("laws[")?.split_once("].")?;
         let position = position.parse().ok()?;
         let law = self.law(position).filter(|_| key == name)?;
         let parameters = self.table().get("laws")?.get(position)?.get("law")?.get(law)?;
-        parameters.get(name).map(|_| format!("law.{law}.{name}"))
+        let is_it = |known: &&String| {
+            *known == name || name.len() > 1 && known.len() > 1 && strsim::levenshtein(known, name) == 1
+        };
+        let meant = parameters.as_table()?.keys().find(is_it)?;
+        Some(format!("law.{law}.{meant}"))
     }
 }
 

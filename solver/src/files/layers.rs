@@ -169,7 +169,10 @@ impl Layers {
             let top = parts.next().and_then(|part| self.table.get(part));
             let given = parts.try_fold(top, |value, part| value.map(|value| value.get(part)));
             if let Some(value) = given.flatten().filter(|value| !value.is_table()) {
-                let remedy = format!("this is a section: write [{key}] and its keys below, or {key}.key = value");
+                let usual = if *key == "harmonics" && value.is_integer() { "count" } else { "key" };
+                let written = if usual == "count" { value.to_string() } else { "value".into() };
+                let remedy =
+                    format!("this is a section: write [{key}] and its keys below, or {key}.{usual} = {written}");
                 return Err(ModelError::value(self.place(*key), value, remedy));
             }
         }

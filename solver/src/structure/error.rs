@@ -1,6 +1,7 @@
 //! Why a folder or a set of matrices is not a model. Every message names the file, the key, the value and a remedy.
 
 use super::laws::meant;
+use std::collections::HashSet;
 use std::fmt;
 use std::path::PathBuf;
 use thiserror::Error;
@@ -306,7 +307,9 @@ impl ModelError {
     pub fn unknown<'a>(place: Place, what: &str, name: &str, known: impl IntoIterator<Item = &'a str>) -> Self {
         /// More names than this are not shown.
         const SHOWN: usize = 12;
-        let mut known: Vec<(f64, &str)> = known.into_iter().map(|k| (similarity(name, k), k)).collect();
+        let mut seen = HashSet::new();
+        let known = known.into_iter().filter(|known| seen.insert(*known));
+        let mut known: Vec<(f64, &str)> = known.map(|k| (similarity(name, k), k)).collect();
         let nearest = known
             .iter()
             .filter(|(similarity, _)| *similarity > 0.7)
@@ -330,6 +333,10 @@ impl ModelError {
 /// keys of the same last part apart.
 fn similarity(name: &str, known: &str) -> f64 {
     let last = |key| str::rsplit(key, '.').next().filter(|last| last.len() > 1).unwrap_or(key);
-    let (whole, parts) = (strsim::jaro_winkler(name, known), strsim::jaro_winkler(last(name), last(known)));
+    let whole = strsim::jaro_winkler(name, known);
+    // A letter too many or too few counts more in short words there than it should.
+    let (short, long) = (last(name).len().min(last(known).len()), last(name).len().max(last(known).len()));
+    let is_but_for_a_letter = short > 1 && long == short + 1 && strsim::levenshtein(last(name), last(known)) == 1;
+    let parts = strsim::jaro_winkler(last(name), last(known)).max(if is_but_for_a_letter { 0.9 } else { 0.0 });
     whole.max(0.9 * parts + 0.1 * whole)
 }

@@ -138,7 +138,8 @@ class StoredRun(Mapping[str, Motions]):
     def summary(self) -> pd.DataFrame:
         """A row a branch, by the name that the run has it by: the columns of ``summary.csv``, and what else the store has.
 
-        `amplitude` is the forcing A; `omega_…` in rad/s, `amplitude_max` in m (first monitored dof). Names count the branches of each
+        `amplitude` is the forcing A; `omega_…` in rad/s, `amplitude_max` in m (first monitored dof): SI whatever the units of the run,
+        as ``summary.attrs["units"]`` says. What matters most stands first. Names count the branches of each
         level by themselves: `family` says which isolas of several levels are taken to be one.
         """
         return self._read(tables.summary)

@@ -18,9 +18,10 @@ from .store import Reading, Row, Values
 from .verified import quoted, table
 
 SUMMARY = [
-    *("amplitude", "branch", "kind", "status", "points"),
-    *("omega_min", "omega_max", "amplitude_max", "omega_at_max", "contact_omega_min", "contact_omega_max"),
-    *("peak_standing", "family", "penetration", "pressure_beyond", "amplitude_2h", "shift_2h", "stable"),
+    # What is looked at first: a printed table hides what stands in the middle.
+    *("amplitude", "branch", "kind", "omega_min", "omega_max", "amplitude_max", "omega_at_max", "stable"),
+    *("status", "points", "contact_omega_min", "contact_omega_max"),
+    *("peak_standing", "family", "penetration", "pressure_beyond", "amplitude_2h", "shift_2h"),
     *("omega_min_2h", "omega_max_2h", "change_2h", "change_omega_2h"),
 ]
 WINDOWS = [
@@ -378,4 +379,13 @@ def _frame(
             frame[name] = pd.Series(values, dtype=float)
         else:
             frame[name] = pd.Series(values)
+    frame.attrs["units"] = {name: unit for name in frame if (unit := _unit(str(name), "forcing" in names))}
     return frame
+
+
+def _unit(name: str, has_forcing: bool) -> str:
+    """The SI unit of a column, by its name; empty where it has none, or that of the forcing, which the model gives. `amplitude` is the
+    forcing where no other column is."""
+    if name.startswith(("omega", "contact_omega", "change_omega")):
+        return "rad/s"
+    return "m" if name in ("amplitude_max", "amplitude_min", "amplitude_2h") or (name == "amplitude" and has_forcing) else ""

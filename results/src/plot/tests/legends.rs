@@ -136,3 +136,31 @@ fn the_gap_is_in_the_figure_of_folds() {
     assert_eq!(panel.spans[0].at, [Some(0.5)]);
     assert!(panel.labels.iter().any(|label| label.text == "gap"), "{:?}", panel.labels);
 }
+
+#[test]
+fn what_was_not_found_is_not_still_to_come() {
+    let dir = damper();
+    let mut report = Report::read(&Reader::open(&dir.path().join("run")).unwrap(), &Selection::All).unwrap();
+    report.branches.clear();
+    let why = |report: &Report| Figures::new(&report.subject()).nothing["response"].clone();
+    report.run.stage = Some(protocol::to_everyone::Stage::Sweep);
+    assert!(why(&report).ends_with("has been computed yet"), "{}", why(&report));
+    report.run.stage = Some(protocol::to_everyone::Stage::Finished);
+    assert_eq!(why(&report), "no branch was found at these levels");
+    report.harmonic = 2;
+    assert_eq!(why(&report), "no motions of 2 periods of the force were found at these levels");
+}
+
+#[test]
+fn forcing_has_its_unit_on_axes() {
+    let dir = damper();
+    let report = Report::read(&Reader::open(&dir.path().join("run")).unwrap(), &Selection::All).unwrap();
+    let unit = report.forcing_unit.clone().unwrap();
+    let figures = Figures::new(&report.subject());
+    let axis = |name: &str| &figures.drawn[name].panels[0];
+    let headings = [axis("map").y[0].heading(), axis("resonance").x[0].heading()];
+    let expected =
+        ["forcing amplitude A, threshold A*", "forcing amplitude A"].map(|title| format!("{title} ({unit})"));
+    assert!(unit.contains("N at "), "{unit}");
+    assert_eq!(headings, expected);
+}

@@ -43,6 +43,26 @@ fn a_verification_comes_back_bit_for_bit_and_stands_in_tables() {
     assert_eq!(store.added().unwrap().len(), 1);
 }
 
+/// What marching came to from the peak has the frequency and amplitude of the other side of the isola.
+#[test]
+fn an_orbit_of_another_motion_is_none_of_the_peak() {
+    let (study, dir) = (Study::damper(), tempdir().unwrap());
+    let (mut store, results) = study.finished(dir.path());
+    let isola = results.iter().find(|result| result.name == Some(BranchId::isola(0))).unwrap();
+    let peak = study.verify(&mut store, isola).peak;
+    drop(store);
+    let db = rusqlite::Connection::open(dir.path().join(FILE)).unwrap();
+    let sql = "UPDATE verified_points SET (omega, amplitude) = (SELECT other.omega, other.amplitude FROM points AS other \
+               JOIN points AS peak ON peak.branch = other.branch AND peak.i = ?1 \
+               JOIN verifications ON verifications.branch = peak.branch WHERE other.amplitude < 0.9 * peak.amplitude \
+               ORDER BY abs(other.omega - peak.omega) LIMIT 1), at = i WHERE i = ?1";
+    assert_eq!(db.execute(sql, [peak]).unwrap(), 1);
+    let store = Reader::open(dir.path()).unwrap();
+    let level = store.levels().unwrap().remove(1).0;
+    let stability = store.branches(level).unwrap()[1].stability.clone().unwrap();
+    assert_eq!(stability.peak, Some(PeakOrbit { verdict: "none".into(), at: None }));
+}
+
 #[test]
 fn a_verification_of_another_branch_says_nothing() {
     let (study, dir) = (Study::damper(), tempdir().unwrap());
