@@ -2,8 +2,11 @@
 
 use crate::support::ring::{quiet, reach, ring, within};
 use crate::support::starts::branches_from_starts;
-use solver::response::branch::{BranchKind, BranchPoint, Side};
-use solver::{Branch, Forced, State};
+use crate::support::study::{Kind, Study, of_kind, with_harmonics};
+use solver::laws::{PolynomialSpring, Term};
+use solver::response::branch::{BranchKind, BranchPoint, Side, SpecialKind};
+use solver::response::folds::{Critical, CriticalKind, Extent, Quantity};
+use solver::{Branch, Forced, Model, State};
 
 /// Batches of random starts.
 const BATCHES: usize = 12;
@@ -36,4 +39,38 @@ fn closed_curves_through_a_main_branch_branch_off_it() {
     assert!(of(BranchKind::Branched).count() > 0 && of(BranchKind::Isola).count() > 0, "{told:?}");
     assert!(of(BranchKind::Branched).all(|apart| apart < 1e-2), "{told:?}");
     assert!(of(BranchKind::Isola).all(|apart| apart > 1e-2), "{told:?}");
+}
+
+/// An isola merges with the main branch where a cusp of its fold curve is so near, 1e-6 of the forcing, that steps pass over both. A shooting has
+/// a main branch of 1.0217 m at A = 0.0254, and one of 2.1934 m at A = 0.0256: the isola is part of it.
+#[test]
+fn a_merge_beside_a_cusp_is_found_with_twice_the_harmonics() {
+    let spring = |terms: &[(u32, f64)]| {
+        let terms = terms.iter().map(|&(power, coefficient)| Term { power, coefficient });
+        PolynomialSpring { terms: terms.collect() }
+    };
+    let model = Model::builder("softening and stiffening")
+        .mass([[0.216, 0.0], [0.0, 0.44]])
+        .stiffness([[2.229, -0.536], [-0.536, 2.539]])
+        .damping_matrix([[0.00584, -0.001281], [-0.001281, 0.007111]])
+        .force(0, 1.0)
+        .element("x", spring(&[(3, -0.836), (5, 0.1254)]), [vec![(0, 1.0)]])
+        .element("y", spring(&[(3, 0.191 + 0.321)]), [vec![(1, 1.0)]])
+        .build()
+        .unwrap();
+    let study = Study::of_modes(model, with_harmonics(7));
+    let level = study.level(0.0227);
+    let isolas = of_kind(&level, Kind::Isola);
+    let [isola] = isolas[..] else { panic!("{level:#?}") };
+    let extent = Extent { forcing: (0.01, 0.05), frequency: (1.0, 10.0), points: 5000 };
+    let mut critical = Critical::new(&study.model, &study.settings, Quantity::Frequency, extent).unwrap();
+    let fold = isola.branch.special(SpecialKind::Fold).next().unwrap();
+    let curve = critical.curve(&fold.state, &mut quiet).unwrap();
+    let merge = curve.events.iter().find(|event| event.kind == CriticalKind::Merge).unwrap();
+    let forcing = curve.points[merge.index].state.forcing;
+    assert!((0.0254..0.0256).contains(&forcing), "{forcing}");
+    let cusps = curve.events(CriticalKind::Cusp).map(|cusp| (cusp.state.forcing / forcing - 1.0).abs());
+    assert!(cusps.fold(f64::INFINITY, f64::min) < 1e-5);
+    let (doubled, _) = merge.doubled.expect("the same with twice the harmonics");
+    assert!((doubled / forcing - 1.0).abs() < 1e-6, "{doubled} {forcing}");
 }
