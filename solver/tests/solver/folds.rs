@@ -7,37 +7,9 @@ use solver::response::branch::Stop;
 use solver::response::folds::{Critical, CriticalCurve, CriticalKind, Extent, Quantity};
 use solver::response::windows::{EventKind, events};
 use solver::settings::Quadrature;
-use solver::structure::laws::{Jenkins, PenaltySpring, PolynomialDamper, PolynomialSpring, Term};
+use solver::structure::laws::{Jenkins, PolynomialDamper, PolynomialSpring, Term};
 use solver::{Backbone, Level, Model, Outcome, SearchRange, Settings};
 use std::time::Instant;
-
-/// Next to where a stop begins to act the frequency turns in a corner, nearly, and a parabola through points beside it may have its vertex at
-/// one of them by chance: each fold of a branch is where the equations of folds have it.
-#[test]
-fn folds_of_branches_solve_the_equations_of_folds() {
-    let spring = PenaltySpring { stiffness: 877.59, gap: 0.001951 };
-    let model = Model::builder("stop")
-        .mass([[2.665_790_781_895_031_7, 0.0], [0.0, 1.562_871_585_398_059_7]])
-        .stiffness([[2097.645226690038, -776.192427869435], [-776.192427869435, 1759.4373925397726]])
-        .damping_ratio(0.0011037)
-        .force(1, 1.0)
-        .monitor(1)
-        .element("stop", spring, [vec![(1, 1.0)]])
-        .build()
-        .unwrap();
-    let mut settings = Settings::default();
-    settings.harmonics.count = 7;
-    let study = Study::new(model, settings);
-    let main = study.main(0.02625);
-    let extent = Extent { forcing: (2e-3, 0.05), frequency: (10.0, 100.0), points: 5000 };
-    let mut critical = study.folds(extent);
-    let folds = folds(&main);
-    assert_eq!(folds.len(), 2);
-    for fold in folds {
-        let located = critical.locate(&fold).unwrap();
-        assert!((fold.omega / located.omega - 1.0).abs() < 1e-8, "{} {}", fold.omega, located.omega);
-    }
-}
 
 #[test]
 fn the_absorber_s_isola_from_the_folds_of_the_main_branch() {

@@ -5,7 +5,7 @@ use super::way::{Rest, Way};
 use super::{Backbone, BackboneError, BackbonePoint};
 use crate::curve::continuation::Continuation;
 use crate::curve::problem::{Failure, norm};
-use crate::curve::walk::{Bounds, TracedCurve, relative_distance, walk, walk_both};
+use crate::curve::walk::{Bounds, TracedCurve, walk, walk_both};
 use crate::formulation::linear;
 use crate::formulation::pressure::PressureForm;
 use crate::formulation::scales::Scales;
@@ -35,9 +35,6 @@ const FARTHER: (f64, usize) = (4.0, 5);
 /// It is far enough once its threshold is this many times the forcing.
 const ENOUGH: f64 = 2.0;
 
-/// Relative distance of the first motion from the linear one, at most, if that is larger.
-const ALIKE: f64 = 0.5;
-
 fn system<'m, F: Formulation<'m>>(
     model: &'m Model,
     settings: &Settings,
@@ -63,12 +60,6 @@ fn bounds(settings: &Settings, scales: &Scales, followed: f64) -> Bounds {
         points: limits.max_points,
         closes: false,
     }
-}
-
-/// Whether the frequency of a state is within bounds.
-fn is_within<'m, F: Formulation<'m>>(problem: &mut F, y: &[f64], bounds: &Bounds) -> bool {
-    let (low, high) = bounds.frequency;
-    problem.decode(y).is_ok_and(|state| (low..=high).contains(&state.omega))
 }
 
 impl Backbone {
@@ -187,7 +178,7 @@ impl Backbone {
         };
         let first = Continuation::start(&mut problem, y.clone(), &direction, settings.continuation);
         let failure = match first.map(|started| started.current().y.clone()) {
-            Ok(first) if is_within(&mut problem, &first, &way.bounds) => {
+            Ok(first) if way.is_within(&mut problem, &first) => {
                 return begin(&mut problem, observer).map_err(not_started);
             }
             Ok(_) => None,
@@ -208,14 +199,7 @@ impl Backbone {
         observer: &mut Observer<'_>,
     ) -> Option<Self> {
         LARGER.into_iter().find_map(|factor| {
-            let y = problem.encode(&linear::times(problem, start.clone(), factor));
-            let direction = problem.growth(&y);
-            let started = Continuation::start(problem, y.clone(), &direction, way.settings.continuation).ok()?;
-            let first = started.current().y.clone();
-            let is_alike = relative_distance(problem.motion_metric(), &first, &y) < ALIKE;
-            if !is_alike || !is_within(problem, &first, &way.bounds) {
-                return None;
-            }
+            let first = way.larger(problem, start, factor)?;
             let rest = norm(problem.motion_metric(), &problem.encode(start));
             Self::both_ways(problem, way, (first, rest), observer).ok()
         })

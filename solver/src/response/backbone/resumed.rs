@@ -7,17 +7,14 @@ use super::known::Known;
 use super::way::Way;
 use crate::curve::continuation::Continuation;
 use crate::curve::problem::inner;
-use crate::curve::walk::{Bounds, TracedCurve, both_ways, relative_distance, walk};
-use crate::formulation::{Formulation, linear};
+use crate::curve::walk::{Bounds, TracedCurve, both_ways, walk};
+use crate::formulation::Formulation;
 use crate::response::branch::{BranchPoint, Observer, Outcome, Stop, TracedPoint};
 use crate::response::columns::shares;
 use crate::response::symmetry::up_to_branch_point;
 
 /// How many times as large as the motion from which the tongue leaves those are with which it is looked for beyond, in this order.
 const LARGER: [f64; 7] = [1.25, 1.5, 2.0, 3.0, 5.0, 8.0, 12.0];
-
-/// Relative distance of a motion from that with which it was looked for, at most.
-const ALIKE: f64 = 0.5;
 
 /// Most tongues that are left behind.
 const MOST: usize = 4;
@@ -40,9 +37,11 @@ pub(super) fn beyond_tongues<'m, F: Formulation<'m>>(
         let share = |visited: &&TracedPoint| inner(problem.motion_metric(), &visited.curve.y, linear).abs();
         let Some(before) = last.visited.iter().max_by(|a, b| share(a).total_cmp(&share(b))) else { break };
         let mut known = Known::new(first, beyond.iter(), way.settings.continuation.newton);
-        let Some(next) = LARGER.into_iter().find_map(|factor| way.larger(problem, before, factor, &mut known)) else {
-            break;
-        };
+        let next = LARGER.into_iter().find_map(|factor| {
+            let found = way.larger(problem, &before.point.state, factor)?;
+            (way.is_of_interest(problem, &found) && !known.has(problem, &found)).then_some(found)
+        });
+        let Some(next) = next else { break };
         let Some(next) = way.both_ways(problem, next, observer) else { break };
         beyond.push(next);
     }
@@ -62,24 +61,6 @@ impl Way<'_> {
             }
             _ => false,
         }
-    }
-
-    /// A motion that is so many times as large as another and like it otherwise, and not known.
-    fn larger<'m, F: Formulation<'m>>(
-        &self,
-        problem: &mut F,
-        before: &TracedPoint,
-        factor: f64,
-        known: &mut Known<'_>,
-    ) -> Option<Vec<f64>> {
-        let y = problem.encode(&linear::times(problem, before.point.state.clone(), factor));
-        let direction = problem.growth(&y);
-        let started = Continuation::start(problem, y.clone(), &direction, self.settings.continuation).ok()?;
-        let found = started.current().y.clone();
-        let is_next = relative_distance(problem.motion_metric(), &found, &y) < ALIKE
-            && self.is_of_interest(problem, &found)
-            && !known.has(problem, &found);
-        is_next.then_some(found)
     }
 
     /// Both ways from a point, towards larger motions last.

@@ -1,9 +1,10 @@
 //! How curves of free motions are walked, and which of them are of interest.
 
+use crate::curve::continuation::Continuation;
 use crate::curve::problem::{Problem, inner};
-use crate::curve::walk::Bounds;
-use crate::formulation::Formulation;
+use crate::curve::walk::{Bounds, relative_distance};
 use crate::formulation::state::State;
+use crate::formulation::{Formulation, linear};
 use crate::response::branch::TracedPoint;
 use crate::response::melnikov::Energies;
 use crate::settings::Settings;
@@ -11,6 +12,9 @@ use std::f64::consts::PI;
 
 /// Up to a least threshold of this many times the highest forcing amplitude curves of free motions are followed.
 pub(super) const FAR: f64 = 100.0;
+
+/// Relative distance of a motion from that with which it was looked for, at most.
+const ALIKE: f64 = 0.5;
 
 /// How curves of free motions are walked.
 pub(super) struct Way<'w> {
@@ -37,12 +41,30 @@ impl Rest {
 }
 
 impl Way<'_> {
-    /// Whether a motion lies within the bounds of the frequency, and forcing of interest may drive it.
-    pub(super) fn is_of_interest<'m, F: Formulation<'m>>(&self, problem: &mut F, y: &[f64]) -> bool {
+    /// A motion that is so many times as large as `state` and like it otherwise, if there is one within the bounds of the frequency.
+    pub(super) fn larger<'m, F: Formulation<'m>>(
+        &self,
+        problem: &mut F,
+        state: &State,
+        factor: f64,
+    ) -> Option<Vec<f64>> {
+        let y = problem.encode(&linear::times(problem, state.clone(), factor));
+        let direction = problem.growth(&y);
+        let started = Continuation::start(problem, y.clone(), &direction, self.settings.continuation).ok()?;
+        let found = started.current().y.clone();
+        let is_alike = relative_distance(problem.motion_metric(), &found, &y) < ALIKE;
+        (is_alike && self.is_within(problem, &found)).then_some(found)
+    }
+
+    /// Whether the frequency of a motion is within the bounds.
+    pub(super) fn is_within<'m, F: Formulation<'m>>(&self, problem: &mut F, y: &[f64]) -> bool {
         let (low, high) = self.bounds.frequency;
-        problem.decode(y).is_ok_and(|state| {
-            (low..=high).contains(&state.omega) && self.least_of(problem, y, &state) <= FAR * self.forcing
-        })
+        problem.decode(y).is_ok_and(|state| (low..=high).contains(&state.omega))
+    }
+
+    /// Whether forcing of interest may drive a motion.
+    pub(super) fn is_of_interest<'m, F: Formulation<'m>>(&self, problem: &mut F, y: &[f64]) -> bool {
+        problem.decode(y).is_ok_and(|state| self.least_of(problem, y, &state) <= FAR * self.forcing)
     }
 
     /// Whether no forcing of interest drives such a motion.
