@@ -190,7 +190,7 @@ class Plots(Drawn):
         )
         beside = "" if amplitude in levels else " (no level of the run)"
         title = f"A = {text(amplitude)}{beside}, mode {curve.attrs['mode']}"
-        across = ", then along curves that cross it" if "piece" in curve and curve["piece"].max() > 0 else ""
+        across = ", then along curves beside it" if "piece" in curve and curve["piece"].max() > 0 else ""
         axes.set(xlabel=f"arc length along the backbone{across} (scaled)", ylabel="energy per period (J)", title=title)
         fit_texts(axes)
         logarithmic(axes)

@@ -42,7 +42,7 @@ pub fn figure(subject: &Subject<'_>, columns: Option<&BackboneColumns>) -> Resul
         choice: "Amplitude of",
         linked_x: false,
         legend: vec![
-            entry(if backbone.is_crossed() { "backbone, curves that cross it" } else { "backbone" }, thin),
+            entry(if backbone.is_crossed() { "backbone, curves beside it" } else { "backbone" }, thin),
             entry("windows, a colour each", Style { color: Color::Soft, ..bold }),
         ],
         panels: vec![panel],

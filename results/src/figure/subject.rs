@@ -170,7 +170,7 @@ impl BackboneColumns {
     pub fn over<'b>(&self, backbone: &'b BackboneCurve, subject: &Subject<'_>) -> (Vec<Axis>, Vec<Ref>) {
         let count = subject.shown(backbone);
         let values = |column: &'b Column| column.values.iter().copied().take(count);
-        let across = if backbone.is_crossed() { ", then along curves that cross it" } else { "" };
+        let across = if backbone.is_crossed() { ", then along curves beside it" } else { "" };
         let title = format!("arc length along the backbone{across} (scaled)");
         let arc = Axis::around(title, Unit::none(), values(&backbone.arc));
         let mut omega = Axis::around("", Unit::none(), values(&backbone.omega));

@@ -67,8 +67,8 @@ impl BackbonePoint {
 pub struct Backbone {
     /// Mode it starts from, from 0.
     pub mode: usize,
-    /// Points along the arc, piece after piece: the first piece grows out of the linear mode, further ones cross it or each other at
-    /// branch points ([`BackbonePoint::piece`]).
+    /// Points along the arc, piece after piece: the first piece grows out of the linear mode, further ones are where it goes on beyond
+    /// tongues, or cross it or each other at branch points ([`BackbonePoint::piece`]).
     pub points: Vec<BackbonePoint>,
     /// How its first piece begins and ends.
     pub outcome: Outcome,

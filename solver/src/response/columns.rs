@@ -164,7 +164,7 @@ static BACKBONE: [BackboneColumn; 8] = [
             "piece",
             "",
             Axis::Point,
-            "piece of the backbone: 0 grows out of the linear mode, others cross it, or each other, at branch points",
+            "piece of the backbone: 0 grows out of the linear mode, others cross it, or each other, or go on beyond a tongue",
         )
         .of_integers()
         .csv(Csv::No, Csv::One)

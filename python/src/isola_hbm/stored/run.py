@@ -188,7 +188,7 @@ class StoredRun(Mapping[str, Motions]):
         """Points of the backbones of all modes followed: the columns of ``backbone.csv`` and what else the store has (rad/s, 1/s,
         m, J a period). `omega` and `amplitude` of the free motion of `mode`; `threshold` is A*, from which forcing on a response is
         predicted there, and `work_per_amplitude` the work of the forcing a period for A = 1. `piece` 0 grows out of the linear mode; further
-        pieces are curves that cross it, or each other, at branch points."""
+        pieces are curves that cross it, or each other, at branch points, or what it goes on as beyond a tongue."""
         return self._read(tables.backbones)
 
     @property
