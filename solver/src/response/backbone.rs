@@ -7,6 +7,7 @@ mod crossing;
 mod error;
 mod known;
 mod resumed;
+mod shorter;
 mod way;
 
 use crate::curve::extrema::turning_points;
@@ -68,7 +69,7 @@ pub struct Backbone {
     /// Mode it starts from, from 0.
     pub mode: usize,
     /// Points along the arc, piece after piece: the first piece grows out of the linear mode, further ones are where it goes on beyond
-    /// tongues, or cross it or each other at branch points ([`BackbonePoint::piece`]).
+    /// tongues, cross it or each other at branch points, or are motions of shorter periods ([`BackbonePoint::piece`]).
     pub points: Vec<BackbonePoint>,
     /// How its first piece begins and ends.
     pub outcome: Outcome,
@@ -97,7 +98,7 @@ impl AsRef<[Backbone]> for Backbone {
 impl Backbone {
     /// Whether as many curves cross it as are followed: there may be more.
     pub fn is_crowded(&self) -> bool {
-        self.crossing.len() == MOST_CROSSING
+        self.crossing.len() >= MOST_CROSSING
     }
 
     /// The points of every piece.

@@ -55,7 +55,7 @@ pub struct ModesFollowed {
 
 impl ModesFollowed {
     /// The choice of valid settings. With `"auto"` it is the lowest mode that the force drives and every other one whose
-    /// resonance, in the motion's own harmonic or in the one that is forced, can reach the range of frequencies. The forcing need not work on the linear mode: nonlinear
+    /// resonance, in the motion's own harmonic or in one that the forced one is a multiple of, can reach the range of frequencies. The forcing need not work on the linear mode: nonlinear
     /// motion carries others along. Where there are too many, those on which it does come first.
     pub fn choose(model: &Model, settings: &Settings) -> Self {
         let primary = settings.tracked(model);
@@ -98,15 +98,16 @@ pub(super) fn driven_resonances(model: &Model, settings: &Settings) -> Vec<f64> 
     resonances.filter(|omega| *omega <= highest).map(|omega| omega / model.forcing().harmonic as f64).collect()
 }
 
-/// Whether a mode's resonance can come into the range of frequencies, and its backbone starts within its own bounds.
-fn is_in_reach(model: &Model, settings: &Settings, mode: usize) -> bool {
+/// Whether a resonance of a mode can come into the range of frequencies, and its backbone starts within its own bounds.
+pub(super) fn is_in_reach(model: &Model, settings: &Settings, mode: usize) -> bool {
     let frequencies = &model.modes().frequencies;
-    let (omega, m) = (frequencies[mode], model.forcing().harmonic as f64);
+    let (omega, m) = (frequencies[mode], model.forcing().harmonic);
     let low = settings.frequency.min.map_or(0.0, |min| min / BENDS);
     let high = settings.frequency.max.map_or(FAR * frequencies[settings.tracked(model)], |max| BENDS * max);
     let own = &settings.backbone;
     let starts = own.min_frequency.is_none_or(|min| min <= omega) && own.max_frequency.is_none_or(|max| omega <= max);
-    starts && [omega, omega / m].iter().any(|resonance| (low..=high).contains(resonance))
+    let mut resonances = (1..=m).filter(|k| m.is_multiple_of(*k)).map(|k| omega / k as f64);
+    starts && resonances.any(|resonance| (low..=high).contains(&resonance))
 }
 
 /// The backbones of all modes followed.

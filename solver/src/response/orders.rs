@@ -106,6 +106,11 @@ impl Shorter {
         Self { multiples: earlier.map(|&earlier| order / common(order, earlier)).collect() }
     }
 
+    /// Whether motions all of whose harmonics are multiples of this one are of an earlier order.
+    pub(super) fn has_multiples_of(&self, harmonic: usize) -> bool {
+        self.multiples.iter().any(|multiple| harmonic.is_multiple_of(*multiple))
+    }
+
     /// Whether a motion is of an earlier order.
     pub(super) fn has(&self, state: &State) -> bool {
         self.multiples.iter().any(|&multiple| {

@@ -2,14 +2,15 @@
 //! oscillator by Runge–Kutta integration, of a mass before an elastic stop by its exact piecewise linear motion.
 
 use crate::support::fold_curves::{all, folds, quiet};
-use crate::support::study::{Kind, Study, of_kind, shipped, with_harmonics};
+use crate::support::study::{Kind, Listed, Study, of_kind, shipped, with_harmonics};
+use solver::laws::{PolynomialSpring, Term};
 use solver::response::branch::Side;
 use solver::response::folds::{Critical, CriticalKind, Extent, Quantity};
 use solver::response::orders::Orders;
 use solver::response::task::{Task, TaskResult, plan};
 use solver::response::trace::{Given, execute};
 use solver::settings::{HarmonicSettings, Quadrature, SearchSettings};
-use solver::{Backbone, Forced, NumberList, SearchRange, Settings, State};
+use solver::{Backbone, Forced, Model, NumberList, SearchRange, Settings, State};
 
 /// Relative difference of frequencies.
 const CLOSE: f64 = 1e-5;
@@ -113,4 +114,51 @@ fn a_mass_before_a_stop_driven_at_twice_its_frequency() {
         (1.0, Some((1.043_542_781, 1.230_087_607))),
     ];
     check("stop_subharmonic", settings(20, 0.8, 1.8), &levels, 0.656_993);
+}
+
+/// A mass on a spring that softens, then stiffens: its resonance leaves the frequencies of the study downwards, and comes back above the
+/// ordinary response.
+fn comes_back(harmonic: usize) -> Model {
+    let terms = [(3, -0.428), (5, 0.0442)].map(|(power, coefficient)| Term { power, coefficient });
+    Model::builder("softening, then stiffening")
+        .mass([[1.304]])
+        .stiffness([[1.657]])
+        .damping_matrix([[1.685e-3]])
+        .force("x1", 1.0)
+        .harmonic(harmonic)
+        .element("spring", PolynomialSpring { terms: terms.to_vec() }, [[("x1", 1.0)]])
+        .build()
+        .unwrap()
+}
+
+/// Motions with the period of the force have backbones in a study of twice that period as well: those of the structure forced on its first
+/// harmonic, at half the frequency.
+#[test]
+fn a_resonance_with_the_period_of_the_force_is_found_among_motions_of_two_periods() {
+    let one = Study::of_modes(comes_back(1), settings(5, 1.4, 5.4));
+    let two = Study::of_modes(comes_back(2), settings(10, 0.7, 2.7));
+    let highest = |study: &Study| {
+        let level = study.level(0.0141);
+        let peak = |listed: &Listed| listed.branch.peak().amplitude();
+        let listed = level.into_iter().max_by(|a, b| peak(a).total_cmp(&peak(b))).unwrap();
+        (listed.branch.frequency_range(), peak(&listed))
+    };
+    let (range, peak) = highest(&one);
+    let (found, repeated) = highest(&two);
+    assert!(peak > 3.5 && (peak / repeated - 1.0).abs() < 1e-8, "{peak}, {repeated}");
+    assert!((2.0 * found.0 / range.0 - 1.0).abs() < 1e-8 && (2.0 * found.1 / range.1 - 1.0).abs() < 1e-8);
+
+    let [own, shorter] = two.backbones[0].pieces().collect::<Vec<_>>()[..] else { panic!("two pieces") };
+    assert!(own.iter().all(|point| point.threshold() > 1e6));
+    assert_eq!(shorter.len(), one.backbones[0].points.len());
+    for (at, of_one) in shorter.iter().zip(&one.backbones[0].points) {
+        assert!((at.threshold() / of_one.threshold() - 1.0).abs() < 1e-12);
+        assert!((2.0 * at.point.omega() / of_one.point.omega() - 1.0).abs() < 1e-15);
+        assert!(at.energies().certificate < 1e-9, "{:?}", at.energies());
+    }
+    // What is looked for as an order of its own is left to that.
+    let mut listed = two.settings;
+    listed.search.harmonics = NumberList::new(&[1, 2]);
+    let backbone = Backbone::reaching(&two.model, &listed, 0.0141, &mut quiet).unwrap();
+    assert_eq!(backbone.pieces().count(), 1);
 }

@@ -35,7 +35,7 @@ const FARTHER: (f64, usize) = (4.0, 5);
 /// It is far enough once its threshold is this many times the forcing.
 const ENOUGH: f64 = 2.0;
 
-fn system<'m, F: Formulation<'m>>(
+pub(super) fn system<'m, F: Formulation<'m>>(
     model: &'m Model,
     settings: &Settings,
     equation: BackboneEquation,
@@ -84,12 +84,24 @@ impl Backbone {
         Self::compute_in::<PressureForm<'_>>(model, settings, observer)
     }
 
-    /// The same, as far as responses to forcing amplitudes up to `forcing` go, with the curves that cross it where it matters for these:
-    /// unless the settings give a largest amplitude, a backbone whose threshold is not beyond that where it ends is followed farther.
+    /// The same, as far as responses to forcing amplitudes up to `forcing` go, with the curves that cross it where it matters for these, and
+    /// the mode's motions of shorter periods: unless the settings give a largest amplitude, a backbone whose threshold is not beyond that
+    /// where it ends is followed farther.
     ///
     /// # Errors
     /// Those of [`Backbone::compute`].
     pub fn reaching(
+        model: &Model,
+        settings: &Settings,
+        forcing: f64,
+        observer: &mut Observer<'_>,
+    ) -> Result<Self, BackboneError> {
+        let own = Self::of_own_order(model, settings, forcing, observer)?;
+        Ok(own.with_shorter(model, settings, forcing, observer))
+    }
+
+    /// The same without motions of shorter periods.
+    pub(super) fn of_own_order(
         model: &Model,
         settings: &Settings,
         forcing: f64,
