@@ -33,7 +33,7 @@ use std::path::PathBuf;
     version,
     after_help = "\
 Examples:
-  isola sweep models/rotor67/study.toml                      one command from a model to its isolas
+  isola sweep mine                                           one command from a model to its isolas
   isola sweep STUDY --amplitudes 5:140:5 --set contact.friction=0
   isola sweep STUDY --listen tcp/0.0.0.0:7447 --workers 0    wait for workers elsewhere:
   isola worker --connect tcp/HOST:7447                       ... on each of them
@@ -52,7 +52,7 @@ pub struct Cli {
 /// Commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Write a small model with its study, every line commented, to start from.
+    /// Write a small model with its study, every key commented, to start from.
     #[command(after_help = first_steps::NEW)]
     New(NewArgs),
     /// Print what may stand in model.toml and study.toml: a JSON Schema for editors, or the meaning of one key or of all.
@@ -61,14 +61,14 @@ pub enum Command {
     /// Validate a study; print its eigenfrequencies, gaps and size.
     #[command(after_help = "\
 Examples:
-  isola check models/rotor67/study.toml --set contact.gap=3e-4
-  isola check models/rotor67/study.toml --units mm,Hz")]
+  isola check mine --set contact.gap=3e-4
+  isola check mine --units mm,Hz")]
     Check(CheckArgs),
     /// Compute a study: backbone, windows, every branch of every forcing level.
     #[command(after_help = "\
 Examples:
-  isola sweep models/rotor67/study.toml
-  isola sweep models/rotor67/study.toml --amplitudes 20,60 --set contact.friction=0 --out runs/frictionless
+  isola sweep mine
+  isola sweep mine --amplitudes 20,60 --set contact.friction=0 --out runs/frictionless
   isola sweep STUDY --listen tcp/0.0.0.0:7447 --workers 0    workers elsewhere: isola worker --connect tcp/HOST:7447")]
     Sweep(SweepArgs),
     /// Go on with a run that was interrupted or cancelled; nothing that was accepted is computed again.

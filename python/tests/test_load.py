@@ -72,7 +72,7 @@ def test_columns_of_tables_are_explained(folder: Path) -> None:
     assert {"task", "closed", "rejections", "first", "last", "best", "reason"} <= besides
 
 
-def test_tables_say_their_units_and_pages_how_they_are_saved(damper: Path) -> None:
+def test_tables_say_their_units_and_pages_how_they_are_saved(damper: Path, tmp_path: Path) -> None:
     """Numbers are SI, whatever units the run keeps."""
     run = isola_hbm.load(damper)
     assert list(run.summary)[:8] == [
@@ -83,7 +83,12 @@ def test_tables_say_their_units_and_pages_how_they_are_saved(damper: Path) -> No
     assert "amplitude" not in units, "the forcing"
     assert run.folds.attrs["units"] == {"omega": "rad/s", "omega_2h": "rad/s", "amplitude": "m"}
     assert ".save(" in repr(run.explore())
-    assert ".save(" in repr(run.plot.figure("response"))
+    figure = run.plot.figure("response")
+    assert ".save(" in repr(figure)
+    assert figure.save(tmp_path / "response.svg").read_text(encoding="utf-8") == figure.svg
+    with pytest.raises(ValueError, match=r"response\.png: a figure is written as SVG: end it in \.svg, or let `isola plot"):
+        figure.save(tmp_path / "response.png")
+    assert not (tmp_path / "response.png").exists()
 
 
 def test_tables_are_the_csv_files(folder: Path) -> None:

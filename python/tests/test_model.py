@@ -560,7 +560,10 @@ def test_without_the_program(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) ->
 @pytest.mark.needs_program
 @pytest.mark.skipif(sys.platform == "win32", reason="signals")
 def test_an_interrupt_ends_the_sweep_and_keeps_the_run(tmp_path: Path) -> None:
+    told = []
+
     def interrupt(line: str) -> None:
+        told.append(line)
         if line.startswith("running: "):
             raise KeyboardInterrupt
 
@@ -573,6 +576,7 @@ def test_an_interrupt_ends_the_sweep_and_keeps_the_run(tmp_path: Path) -> None:
             workers=1,
             progress=interrupt,
         )
+    assert told[-1].startswith("interrupted: isola_hbm.resume(")
     run = isola_hbm.load(tmp_path / "run")
     assert run.stage == "sweep"
     assert any("still to be done" in sentence for sentence in run.check())

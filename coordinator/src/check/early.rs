@@ -19,6 +19,8 @@ const SLOW: f64 = 0.1;
 const UNDAMPED: f64 = 1e-6;
 /// A linear response that is so many times as large as what may be before something touches is hardly meant.
 const BEYOND: f64 = 300.0;
+/// A first touch at so many times the highest level may be one of a gap in millimetres.
+const SLIPPED: f64 = 50.0;
 /// Numbers that a point of a branch has beside its state, about.
 const BESIDE: usize = 64;
 /// Between these shares of the condensed stiffness the prediction of contact forces works well.
@@ -127,10 +129,11 @@ fn nothing_touches(study: &Study, touch: &FirstTouch<'_>) -> Option<String> {
     let highest = study.amplitudes.iter().map(|amplitude| amplitude.value).reduce(f64::max)?;
     // Where the study leaves out all resonances, isolas may touch long before the linear response does.
     let Place::Resonance(mode) = touch.place else { return None };
+    let units = if touch.forcing > SLIPPED * highest { " (lengths are in m: a gap of 2 mm is 0.002)" } else { "" };
     (highest < touch.forcing).then(|| {
         format!(
-            "nothing touches in the linear response at the resonance of mode {}: {} up to A = {}, the first touch at A = {}; isolas may be there \
-             nevertheless",
+            "nothing touches in the linear response at the resonance of mode {}: {} up to A = {}, the first touch at A = {}{units}; isolas may \
+             be there nevertheless",
             mode + 1,
             count(study.amplitudes.len(), "level"),
             number(highest),

@@ -53,6 +53,10 @@ fn where_the_linear_structure_touches() {
     let nothing = "nothing touches in the linear response at the resonance of mode 1: 2 levels up to A = 0.15, the first touch at A = 0.19999; \
                    isolas may be there nevertheless";
     assert_eq!(warnings, [nothing]);
+    // A gap in millimetres, typed as one in metres.
+    let (warnings, _) = checked(MODEL, "0.0002", &[]);
+    let [far] = &warnings[..] else { panic!("{warnings:?}") };
+    assert!(far.contains("the first touch at A = 0.19999 (lengths are in m: a gap of 2 mm is 0.002); isolas"), "{far}");
 }
 
 #[test]

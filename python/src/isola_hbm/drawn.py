@@ -23,8 +23,16 @@ class Drawing:
         self.svg = svg
 
     def save(self, file: str | os.PathLike[str]) -> Path:
-        """Writes it, as SVG; PDF and PNG come from ``isola plot``."""
+        """Writes it, as SVG; PDF and PNG come from ``isola plot``.
+
+        Raises:
+            ValueError: The name of the file promises something else.
+        """
         path = Path(file)
+        if path.suffix.lower() not in ("", ".svg"):
+            raise ValueError(
+                f"{path}: a figure is written as SVG: end it in .svg, or let `isola plot RUN --figure NAME -o {path.name}` make it"
+            )
         path.write_text(self.svg, encoding="utf-8")
         return path
 

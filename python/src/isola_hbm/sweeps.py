@@ -98,7 +98,7 @@ def sweep(
         raise FolderInUse(f"{file}: a file, where the folder of the run is to be; name another folder")
     is_new = not folder.exists()
     file = _study(model, folder, amplitudes, written)
-    said, code = _heard(["sweep", str(file), "--out", str(folder), *options], show := shown(progress))
+    said, code = _heard(["sweep", str(file), "--out", str(folder), *options], folder, show := shown(progress))
     if code not in _ENDED:
         if is_new and not (folder / FILE).exists():
             shutil.rmtree(folder, ignore_errors=True)
@@ -177,7 +177,7 @@ def _carried_on(
     """The run, when the program has done what `command` asks for."""
     run = run if isinstance(run, StoredRun) else load(run)
     unchanged = ["--as-started"] if as_started else []
-    said, code = _heard([command, str(run.folder), *options, *unchanged], show := shown(progress))
+    said, code = _heard([command, str(run.folder), *options, *unchanged], run.folder, show := shown(progress))
     if code not in _ENDED:
         raise study.refusal(said, code, None, is_written=False)
     # One that was loaded has the study and the facts of before.
@@ -235,8 +235,9 @@ def _study(
     return study.write(folder, os.path.relpath(at, folder), amplitudes, settings)
 
 
-def _heard(arguments: Sequence[str], show: Callable[[str], None]) -> tuple[list[str], int]:
-    """Starts the program and passes on what it says until it ends: all of it, and the exit code."""
+def _heard(arguments: Sequence[str], folder: Path, show: Callable[[str], None]) -> tuple[list[str], int]:
+    """Starts the program and passes on what it says until it ends: all of it, and the exit code. Where it is interrupted, what goes on
+    with the run in `folder`."""
     process, said = program.start(arguments), []
     assert process.stderr is not None
     try:
@@ -248,6 +249,8 @@ def _heard(arguments: Sequence[str], show: Callable[[str], None]) -> tuple[list[
         return said, process.wait()
     except BaseException:
         _stop(process)
+        if (folder / FILE).exists():
+            show(f"interrupted: isola_hbm.resume({str(folder)!r}) goes on\n")
         raise
     finally:
         process.stderr.close()

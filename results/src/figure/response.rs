@@ -191,18 +191,23 @@ impl<'r> Outline<'r> {
         let backbone = self.subject.backbone.filter(|_| self.branches.is_empty());
         let ends = super::axis::bounds(all.chain(backbone.iter().flat_map(|b| b.omega.values.iter().copied())));
         let whole = self.subject.sweep.unwrap_or(ends);
-        let near = self.branches.iter().filter(|branch| !self.is_beyond(branch));
-        let shown = near.flat_map(|branch| {
-            let values = &branch.amplitude[0].values;
-            let floor = if branch.kind == "main" { HIGH * largest(values.iter().copied()) } else { 0.0 };
-            // Between its folds a main branch goes back: without them it looks like two.
-            let folds = branch.special.iter().filter(|special| special.kind == SpecialKind::Fold);
-            let low = TURNS * largest(values.iter().copied());
-            let folds = folds.map(|special| special.index).filter(move |&i| i < branch.size && values[i] >= low);
-            let shown = (0..branch.size).filter(move |&i| values[i] >= floor).chain(folds);
-            shown.map(|i| branch.omega.values[i])
+        let near = || self.branches.iter().filter(|branch| !self.is_beyond(branch));
+        let top = |branch: &Curve| largest(branch.amplitude[0].values.iter().copied());
+        let high = near().flat_map(|branch| {
+            let floor = if branch.kind == "main" { HIGH * top(branch) } else { 0.0 };
+            branch.omega.values.iter().zip(&branch.amplitude[0].values).filter(move |(_, x)| **x >= floor)
         });
-        let (low, high) = super::axis::bounds(shown);
+        let (low, high) = super::axis::bounds(high.map(|(omega, _)| *omega));
+        // Between its folds a main branch goes back: without them it looks like two. A resonance far from all isolas is left out.
+        let far = if near().all(|branch| branch.kind == "main") { f64::INFINITY } else { high - low };
+        let folds = near().flat_map(|branch| {
+            let folds = branch.special.iter().filter(|special| special.kind == SpecialKind::Fold);
+            let is_high =
+                move |i: &usize| branch.amplitude[0].values.get(*i).is_some_and(|x| *x >= TURNS * top(branch));
+            folds.map(|special| special.index).filter(is_high).map(|i| branch.omega.values[i])
+        });
+        let folds = folds.filter(|omega| (low - far..=high + far).contains(omega));
+        let (low, high) = super::axis::bounds([low, high].into_iter().chain(folds));
         let room = ROOM * (high - low);
         // What ends somewhere does so a little inside of the figure.
         let edge = EDGE * (high - low);

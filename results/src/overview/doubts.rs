@@ -76,7 +76,7 @@ pub fn doubts(reader: &Reader) -> Result<Option<String>> {
     let more = if more > 0 { format!(" and {more} more") } else { String::new() };
     let list = curves.join(", ");
     Ok(Some(format!(
-        "not known to its end: {list}{more}{points}; responses beyond may be larger, and others may begin there{search}"
+        "not known to its end: {list}{more}{points}; beyond, responses may be larger than those listed, and others may begin{search}"
     )))
 }
 
@@ -110,12 +110,13 @@ fn more_points(curves: &[String]) -> String {
 fn fold_curve(curve: &CurveRow) -> String {
     let ends = [curve.points.first(), curve.points.last()].map(|end| end.map_or(f64::NAN, |end| end.forcing));
     let [first, last] = ends.map(|forcing| digits(forcing, DIGITS));
-    let grazing = match curve.status.matches(GRAZING).count() {
-        0 => String::new(),
-        1 => format!(", one of them {GRAZING}"),
-        _ => format!(", both {GRAZING}"),
+    let ends = match curve.status.matches(GRAZING).count() {
+        0 => format!("at A = {first} and at A = {last}"),
+        1 if curve.status.ends_with(&format!("{GRAZING})")) => format!("at A = {first} and, {GRAZING}, at A = {last}"),
+        1 => format!("at A = {last} and, {GRAZING}, at A = {first}"),
+        _ => format!("at A = {first} and at A = {last}, both {GRAZING}"),
     };
-    format!("fold curve {} (which ends at A = {first} and at A = {last}{grazing})", curve.number)
+    format!("fold curve {} (which ends {ends})", curve.number)
 }
 
 /// A reason without brackets of its own, to stand in brackets.
@@ -205,7 +206,9 @@ mod tests {
             format!("fold curve 2 (which ends at A = 0.07293 and at A = 0.3243, both {GRAZING})")
         );
         let one = fold_curve(&curve(format!("open: forcing bound to {end}")));
-        assert!(one.ends_with(&format!(" = 0.3243, one of them {GRAZING})")), "{one}");
+        assert!(one.ends_with(&format!("(which ends at A = 0.07293 and, {GRAZING}, at A = 0.3243)")), "{one}");
+        let other = fold_curve(&curve(format!("open: {end} to forcing bound")));
+        assert!(other.ends_with(&format!("(which ends at A = 0.3243 and, {GRAZING}, at A = 0.07293)")), "{other}");
         assert!(fold_curve(&curve("open: forcing bound to stalled".into())).ends_with("and at A = 0.3243)"));
         assert_eq!(plain("no convergence (residual 1)"), "no convergence, residual 1");
     }

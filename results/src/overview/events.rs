@@ -7,7 +7,7 @@ use super::forcing_digits::{DIGITS, forcing_digits};
 use super::level::Level;
 use super::lives::{Lasting, joining, lasting, lives};
 use super::merges::{Merge, merges};
-use super::stories::{Story, nearest, told};
+use super::stories::{Story, nearest, of_lives, told};
 use crate::store::{CurvePoint, CurveRow};
 use solver::response::critical::CriticalKind;
 
@@ -71,7 +71,7 @@ pub fn events_sentence(
     let counted = |point: &CurvePoint| if is_whole { counted(point, levels, curves) } else { None };
     let touching = merged.iter().filter(|merge| !is_told(merge.point));
     let touch = |merge: &Merge<'_>| Some(Story::touching(merge.point, merge.what.as_ref()?, place));
-    let stories: Vec<Story> = (lives.iter().map(|life| Story::life(life, &merged, counted, place)))
+    let stories: Vec<Story> = (of_lives(&lives, &merged, counted, place).into_iter())
         .chain(lasting.iter().map(|one| Story::lasting(one, place)))
         .chain(joined.iter().filter_map(joins))
         .chain(touching.clone().filter_map(touch))
@@ -198,6 +198,14 @@ mod tests {
                       dies.";
         let both = say(&[whole.clone(), dies]).unwrap();
         assert!(both.starts_with(lasts) && both.ends_with(begins), "{both}");
+        // Two that merge with each other are told at once.
+        let twins = [
+            [(1.0, ""), (4.0, "merge"), (1.5, "birth"), (5.0, "")],
+            [(1.0, ""), (4.0, "merge"), (2.5, "birth"), (5.0, "")],
+        ];
+        let told = say(&twins.map(|points| curve(&points))).unwrap();
+        let end = "isolas are born at A = 1.5 (3 rad/s) and A = 2.5 (5 rad/s) and last to A = 4 (8 rad/s), where they merge with each other.";
+        assert_eq!(told, format!("Computed along fold curves: {end}"));
         // So short that digits do not tell its end from its birth.
         let brief = say(&[curve(&[(1.0, ""), (1.500_02, "merge"), (1.5, "birth"), (5.0, "")])]).unwrap();
         assert!(brief.contains(" and lasts to A = 1.5 (3.00004 rad/s), 2.0e-5 above, where"), "{brief}");

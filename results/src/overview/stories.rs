@@ -34,7 +34,7 @@ pub(super) struct Story {
 
 impl Story {
     /// From its birth to its end, or from where branches part to its death.
-    pub(super) fn life(
+    fn life(
         life: &Life<'_>,
         merged: &[Merge<'_>],
         counted: impl Fn(&CurvePoint) -> Option<Counted>,
@@ -42,6 +42,17 @@ impl Story {
     ) -> Self {
         let range = (life.from.forcing, life.to.forcing);
         Self { range, text: in_words(life, merged, counted, place), more: LIVE }
+    }
+
+    /// From their births to where two isolas merge with each other.
+    fn twins(lives: [&Life<'_>; 2], merged: &[Merge<'_>], place: impl Fn(&CurvePoint) -> String) -> Self {
+        let [first, second] = lives;
+        let what = merged.iter().find(|merge| merge.point.is_at(first.to)).and_then(|merge| merge.what.clone());
+        let ends =
+            what.filter(|what| !what.contains(BIRTH.verb)).unwrap_or_else(|| "they merge with each other".into());
+        let [one, other, to] = [first.from, second.from, first.to].map(place);
+        let text = format!("{} at A = {one} and A = {other} and last to A = {to}, where {ends}", BIRTH.several);
+        Self { range: (first.from.forcing.min(second.from.forcing), first.to.forcing), text, more: LIVE }
     }
 
     /// From its birth to where its edges are followed to.
@@ -68,6 +79,27 @@ impl Story {
         let text = format!("{what} at A = {}", place(point));
         Self { range: (point.forcing, point.forcing), text, more: TOUCH }
     }
+}
+
+/// What becomes of isolas of which both ends are known; of two that merge with each other at once.
+pub(super) fn of_lives(
+    lives: &[Life<'_>],
+    merged: &[Merge<'_>],
+    counted: impl Fn(&CurvePoint) -> Option<Counted> + Copy,
+    place: impl Fn(&CurvePoint) -> String + Copy,
+) -> Vec<Story> {
+    let is_born = |life: &Life<'_>| life.from.event.as_deref() == Some(BIRTH.kind.name());
+    let are_twins = |one: &Life<'_>, other: &Life<'_>| is_born(one) && is_born(other) && one.to.is_at(other.to);
+    let story = |(i, life): (usize, &Life<'_>)| {
+        if lives[..i].iter().any(|other| are_twins(life, other)) {
+            return None;
+        }
+        Some(match lives[i + 1..].iter().find(|other| are_twins(life, other)) {
+            Some(other) => Story::twins([life, other], merged, place),
+            None => Story::life(life, merged, counted, place),
+        })
+    };
+    lives.iter().enumerate().filter_map(story).collect()
 }
 
 /// Those that are told, each with the forcing amplitude at which it begins, and what is said of the others: those among the levels come

@@ -81,9 +81,18 @@ impl Evidence<'_> {
             self.levels.iter().any(|level| apart.contains(&level.value))
         };
         let (separate, others): (Vec<_>, Vec<_>) = births.partition(is_separate);
+        let told = |threshold: f64| told_threshold(threshold, self.levels.iter().map(|level| level.value));
         let first = separate.into_iter().min_by(|(_, a), (_, b)| a.threshold.total_cmp(&b.threshold));
         let Some((backbone, birth)) = first else {
-            return if self.with_isolas().next().is_some() {
+            let highest = self.levels.iter().map(|level| level.value).fold(0.0, f64::max);
+            let earliest = others.iter().filter(|other| (other.1.threshold..highest).contains(&barrier(other)));
+            let earliest = earliest.min_by(|(_, a), (_, b)| a.threshold.total_cmp(&b.threshold));
+            return if let Some(missed) = earliest.filter(|_| self.with_isolas().next().is_some()) {
+                let (from, to) = (told(missed.1.threshold), told(barrier(missed)));
+                format!(
+                    "; the energy balance of {mode} predicts separate responses from A = {from} to {to} alone, where the run has no level"
+                )
+            } else if self.with_isolas().next().is_some() {
                 format!("; the energy balance of {mode} has no birth of theirs{}", self.found_otherwise())
             } else if self.levels.iter().any(|level| level.not_found().chain(level.passed()).next().is_some()) {
                 // What it predicts and was not found is among the details.
@@ -101,7 +110,6 @@ impl Evidence<'_> {
                  nonlinear forces feed in as much energy as the damping takes"
             );
         }
-        let told = |threshold: f64| told_threshold(threshold, self.levels.iter().map(|level| level.value));
         let threshold = told(birth.threshold);
         // Windows that are born and merge between levels, or below them, are seen at none.
         let earlier = others.into_iter().filter(|other| other.1.threshold < birth.threshold.min(barrier(other)));

@@ -148,9 +148,10 @@ impl<'r> Evidence<'r> {
             return parts.join(" ");
         };
         let gap = self.structure.gap.map(|gap| format!(" (gap {})", self.length(gap))).unwrap_or_default();
-        let at = |row: &BranchRow| format!("{} at {}", self.size(row), self.structure.monitor);
+        let at_monitor = |row: &BranchRow| format!("{} at {}", self.size(row), self.structure.monitor);
         let on = if largest.is_main() { "the main branch".to_string() } else { largest.name() };
         let place = format!("at {} and A = {}", self.frequency(largest.omega_at_max), level.amplitude);
+        let mut largest_first = false;
         match highest(self.with_isolas().flat_map(Level::isolas)) {
             Some(highest) => {
                 let ranges = joined(self.with_isolas().flat_map(Level::isolas).map(|isola| isola.omega));
@@ -159,13 +160,18 @@ impl<'r> Evidence<'r> {
                      the same forcing, with up to {}{}.",
                     in_words(&ranges, self.units.frequency),
                     over(&self.with_isolas().collect::<Vec<_>>()),
-                    at(highest),
+                    at_monitor(highest),
                     self.stable_part(highest)
                 ));
+                // Where the main branch goes up farther than the highest isola beside it, that is the greater danger.
+                let level = self.with_isolas().find(|level| level.isolas().any(|isola| std::ptr::eq(isola, highest)));
+                largest_first = largest.is_main()
+                    && level.and_then(Level::main).is_some_and(|main| main.amplitude_max > highest.amplitude_max);
             }
             None => parts.push(self.no_isola()),
         }
-        parts.push(format!("The largest computed response, {}{gap}, is on {on}, {place}.", at(largest)));
+        let at = parts.len() - usize::from(largest_first);
+        parts.insert(at, format!("The largest computed response, {}{gap}, is on {on}, {place}.", at_monitor(largest)));
         parts.join(" ")
     }
 

@@ -104,6 +104,38 @@ fn share_doubled(curves: &mut [CurveRow]) {
     }
 }
 
+/// Where a curve stopped at grazing another one may come by, which was come upon from the other side and goes on: then it is known as well.
+fn join(curves: &mut [CurveRow]) {
+    let is_passed = |curve: &CurveRow, end: Option<&CurvePoint>| {
+        let is_near = |a: f64, b: f64| (a - b).abs() <= CurvePoint::SAME * a.abs().max(b.abs());
+        let others = curves.iter().filter(|other| other.number != curve.number);
+        let mut within = others.flat_map(|other| other.points.iter().skip(1).rev().skip(1));
+        end.is_some_and(|end| within.any(|point| point.is_at(end) && is_near(point.amplitude, end.amplitude)))
+    };
+    let is_joined = |curve: &CurveRow| {
+        let bounds = [Stop::ForcingBound, Stop::FrequencyBound, Stop::Branching].map(|stop| stop.to_string());
+        let grazing = format!("({GRAZING})");
+        let (starts, ends) = (
+            |what: &String| curve.status.starts_with(&format!("open: {what} to ")),
+            |what: &String| curve.status.ends_with(&format!(" to {what}")),
+        );
+        let (first, last) = (is_passed(curve, curve.points.first()), is_passed(curve, curve.points.last()));
+        let is_last = curve.status.ends_with(&grazing);
+        match curve.status.matches(&grazing).count() {
+            1 if is_last => last && bounds.iter().any(starts),
+            1 => first && bounds.iter().any(ends),
+            2 if is_last => first && last,
+            _ => false,
+        }
+    };
+    let joined: Vec<bool> = curves.iter().map(is_joined).collect();
+    curves
+        .iter_mut()
+        .zip(joined)
+        .filter(|(_, is_joined)| *is_joined)
+        .for_each(|(curve, _)| curve.is_unfinished = false);
+}
+
 /// Whether it is a curve of folds or peaks, not of responses at one frequency, curve by curve.
 const IS_CRITICAL: &str = "SELECT kind <> 'response' FROM curves ORDER BY number";
 
@@ -200,6 +232,7 @@ impl Reader {
             row.ok_or_else(|| self.corrupt(format!("there is no fold curve {curve}")))?.points.push(point);
         }
         share_doubled(&mut curves);
+        join(&mut curves);
         for number in self.all("SELECT number FROM curves WHERE closed", [], |row| row.get::<_, usize>(0))? {
             let Some(curve) = curves.get_mut(number.wrapping_sub(1)) else { continue };
             let first = curve.points.first().map(|first| CurvePoint { event: None, doubled: None, ..first.clone() });
@@ -273,6 +306,35 @@ mod tests {
         share_doubled(&mut curves);
         let doubled: Vec<_> = curves.iter().flat_map(|curve| &curve.points).map(|point| point.doubled).collect();
         assert_eq!(doubled, [known, None, None, known]);
+    }
+
+    /// The fold of an isola at a grazing corner that one walk passes and another one, from the other side, does not.
+    #[test]
+    fn a_curve_that_another_one_goes_on_with_is_known() {
+        let point = |forcing, omega| CurvePoint { forcing, omega, amplitude: 0.5, ..CurvePoint::default() };
+        let stalled = format!("stalled at the smallest step ({GRAZING})");
+        let curve = |number, status: String, points| CurveRow {
+            number,
+            status,
+            points,
+            is_unfinished: true,
+            ..CurveRow::default()
+        };
+        let joined = |statuses: [&str; 2], through: [f64; 3]| {
+            let own = vec![point(2.787_183, 59.861_378_8), point(3.9, 59.58), point(16.0, 57.48)];
+            let other = through.map(|forcing| point(forcing, 59.861_379_9)).to_vec();
+            let mut curves =
+                [curve(1, format!("open: {} to {}", statuses[0], statuses[1]), own), curve(2, "closed".into(), other)];
+            join(&mut curves);
+            !curves[0].is_unfinished
+        };
+        let past = [2.6, 2.787_181, 3.0];
+        assert!(joined([&stalled, "forcing bound"], past));
+        assert!(!joined([&stalled, "point budget used up"], past));
+        assert!(!joined([&stalled, &stalled], past));
+        assert!(!joined(["forcing bound", &stalled], past));
+        // What ends there as well does not go on.
+        assert!(!joined([&stalled, "forcing bound"], [2.787_181, 3.0, 4.0]));
     }
 
     #[test]

@@ -109,6 +109,7 @@ fn largest(levels: &[Level], units: Units) -> Option<String> {
     let peak = row.stability.as_ref().and_then(|known| known.peak.as_ref());
     let is_as_marched = |amplitude: f64| (amplitude / row.amplitude_max - 1.0).abs() < TOLD;
     let stability = match peak {
+        None if levels.iter().any(|level| level.pending > 0) => ". Whether it is stable is not verified yet.".into(),
         None => ". Whether it is stable was not verified (isola verify RUN does).".to_string(),
         Some(peak) if peak.verdict == "stable" && peak.at.is_some_and(|(_, amplitude)| is_as_marched(amplitude)) => {
             ", stable by time marching.".into()

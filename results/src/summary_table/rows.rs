@@ -218,7 +218,8 @@ impl<'r> Rows<'r> {
             }
             _ if level.value < smallest => {
                 format!(
-                    "thresholds of the backbones, and with them windows, begin at A = {} (the energy balance, an estimate)",
+                    "thresholds of the backbones, and with them windows, begin at A = {} (the energy balance, an estimate): below it there is none, \
+                     not even of the main branch",
                     told_threshold(smallest, std::iter::once(level.value))
                 )
             }

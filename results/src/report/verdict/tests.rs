@@ -185,7 +185,8 @@ fn where_the_last_one_ends() {
     let [danger, onset, _] = told(&levels, |evidence| evidence.mains = &stalled);
     assert!(!onset.contains("any more"), "{onset}");
     assert!(
-        danger.starts_with("Between 120 and")
+        danger.starts_with("The largest computed response, 3 mm")
+            && danger.contains(" Between 120 and")
             && danger.contains(
                 " Not all is known. The main branch at A = 2 is known only in part (open: frequency bound to turned back along itself): \
                  larger responses may lie beyond. "

@@ -154,12 +154,18 @@ fn windows_that_no_level_sees_apart_are_told() {
     let births = vec![birth(0.003, 20), birth(0.004, 40)];
     curve.threshold.values.fill(0.0);
     (curve.threshold.values[10], curve.threshold.values[30]) = (0.0055, 0.01);
-    let onset = |births: &[Event]| {
+    let onset_beside = |births: &[Event], others: &[BranchRow]| {
         let further = [BackboneCurve { mode: 1, events: births.to_vec(), ..curve.clone() }];
-        let levels = [level(0.006, vec![main(1e-3)])];
+        let levels = [level(0.006, [&[main(1e-3)], others].concat())];
         let [_, onset, _] = told(&levels, |evidence| evidence.further = &further);
         onset
     };
+    let onset = |births| onset_beside(births, &[]);
+    // Isolas that go on beyond their window are no reason to say that it was not there.
+    let said = onset_beside(&births[..1], &[isola(2e-3)]);
+    let alone = " predicts separate responses from A = 0.003 to 0.0055 alone, where the run has no level";
+    assert!(said.contains(alone), "{said}");
+    assert!(onset_beside(&[], &[isola(2e-3)]).contains("has no birth of theirs"));
     let said = onset(&births);
     assert!(said.contains("predicts separate responses from A = 0.004 on, near "), "{said}");
     assert!(said.contains(" and already from A = 0.003 to 0.0055, where the run has no level"), "{said}");
