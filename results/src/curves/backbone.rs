@@ -1,7 +1,7 @@
 //! The backbone as its figures show it: energies, births and merges of windows, modes.
 
 use super::column::{Column, Quantity};
-use crate::overview::SmallestMotion;
+use crate::overview::Unforced;
 use solver::formulation::harmonics::complex;
 use solver::response::backbone::{Backbone, BackboneEnd, BackbonePoint};
 use solver::response::branch::Outcome;
@@ -34,6 +34,8 @@ pub struct BackboneCurve {
     pub is_crowded: bool,
     /// Up to where its energy balance is known; `None` without a point.
     pub end: Option<BackboneEnd>,
+    /// What it tells of motions without forcing; `None` without a point.
+    pub unforced: Option<Unforced>,
     /// Frequency. It, amplitudes and arc are NaN at the first point of every piece but one, where lines break.
     pub omega: Column,
     /// Decay rate.
@@ -146,6 +148,7 @@ impl BackboneCurve {
             pieces,
             is_crowded: backbone.is_crowded(),
             end: backbone.end(),
+            unforced: Unforced::of(backbone),
         }
     }
 
@@ -172,12 +175,6 @@ const FAR: f64 = 1e3;
 const ROUND_OFF: f64 = 1e-6;
 
 impl BackboneCurve {
-    /// What its smallest motion loses; `None` without a point.
-    pub fn smallest_motion(&self) -> Option<SmallestMotion> {
-        let (linear, nonlinear) = (self.r_lin.values.first(), self.r_nl.values.first());
-        linear.zip(nonlinear).map(|(&linear, &nonlinear)| SmallestMotion { mode: self.mode, linear, nonlinear })
-    }
-
     /// Keeps the births and merges that mean something for levels from the lowest to the highest of these amplitudes.
     ///
     /// Where nothing is dissipated, A* is the quotient of two roundings, and has extrema at 1e-18 or 1e14. A birth far

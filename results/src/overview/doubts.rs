@@ -155,7 +155,7 @@ fn is_beyond(backbone: &BackboneMessage, end: usize, forcing: f64) -> bool {
 }
 
 /// Whether one of the ends of a fold curve lies among levels, or not far beyond.
-fn ends_near(curve: &CurveRow, levels: &[f64]) -> bool {
+pub fn ends_near(curve: &CurveRow, levels: &[f64]) -> bool {
     let low = levels.iter().copied().fold(f64::INFINITY, f64::min) / NEAR;
     let high = levels.iter().copied().fold(f64::NEG_INFINITY, f64::max) * NEAR;
     let ends = [curve.points.first(), curve.points.last()];

@@ -1,25 +1,43 @@
 //! What a structure does of itself: it is excited without being forced, or nothing damps it.
 
 use crate::words::{capitalised, modes};
-use solver::response::backbone::Backbone;
+use solver::response::backbone::{Backbone, BackbonePoint};
 use solver::structure::Model;
 
-/// What the smallest motion of a mode loses in a period.
+/// What a backbone tells of motions without forcing.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SmallestMotion {
+pub struct Unforced {
     /// Mode, from 0.
     pub mode: usize,
-    /// To the linear damping, J.
+    /// What its smallest motion loses to the linear damping in a period, J.
     pub linear: f64,
     /// To the laws, J.
     pub nonlinear: f64,
+    /// If that is damped: amplitude of the first monitored dof, m, and frequency, rad/s, from which on the laws feed in more than
+    /// the damping takes.
+    pub fed_from: Option<(f64, f64)>,
 }
 
-impl SmallestMotion {
-    /// At the beginning of a backbone.
+/// A balance of energies this much smaller than the dissipation is round-off.
+const ROUND_OFF: f64 = 1e-6;
+
+impl Unforced {
+    /// Of a backbone.
     pub fn of(backbone: &Backbone) -> Option<Self> {
         let lost = backbone.points.first()?.energies();
-        Some(Self { mode: backbone.mode, linear: lost.linear, nonlinear: lost.nonlinear })
+        let balance = |at: &BackbonePoint| at.energies().linear + at.energies().nonlinear;
+        let begins = |pair: &&[BackbonePoint]| {
+            let (before, behind) = (balance(&pair[0]), balance(&pair[1]));
+            before >= 0.0 && behind < -ROUND_OFF * pair[1].energies().linear
+        };
+        let pairs = backbone.pieces().next()?.windows(2);
+        let fed_from = pairs.clone().find(begins).map(|pair| {
+            let share = balance(&pair[0]) / (balance(&pair[0]) - balance(&pair[1]));
+            let between = |of: fn(&BackbonePoint) -> f64| of(&pair[0]) + share * (of(&pair[1]) - of(&pair[0]));
+            (between(|at| at.point.amplitude()), between(|at| at.point.omega()))
+        });
+        let fed_from = fed_from.filter(|_| lost.linear + lost.nonlinear >= 0.0);
+        Some(Self { mode: backbone.mode, linear: lost.linear, nonlinear: lost.nonlinear, fed_from })
     }
 
     fn balance(&self) -> f64 {
@@ -47,13 +65,18 @@ impl Excitation {
         Self { undamped: damped(|rate| rate == 0.0), excited: damped(|rate| rate < 0.0) }
     }
 
-    /// What vibrates without being forced, or without being damped; `known` is what backbones tell of the smallest motions.
-    pub fn sentence(&self, known: &[SmallestMotion]) -> Option<String> {
+    /// What vibrates without being forced, or without being damped; `known` is what backbones tell of motions without forcing.
+    pub fn sentence(
+        &self,
+        known: &[Unforced],
+        length: impl Fn(f64) -> String,
+        rate: impl Fn(f64) -> String,
+    ) -> Option<String> {
         let Self { undamped, excited } = self;
         if !excited.is_empty() {
             let has = if excited.len() == 1 { "has" } else { "have" };
             // What the laws take of the smallest motions counts as well, as far as a backbone tells.
-            let balance = |mode: &usize| known.iter().find(|motion| motion.mode == *mode).map(SmallestMotion::balance);
+            let balance = |mode: &usize| known.iter().find(|motion| motion.mode == *mode).map(Unforced::balance);
             let balances: Vec<Option<f64>> = excited.iter().map(balance).collect();
             let is_driven = balances.iter().any(|balance| balance.is_some_and(|balance| balance < 0.0));
             let is_held = balances.iter().all(|balance| balance.is_some_and(|balance| balance > 0.0));
@@ -71,9 +94,47 @@ impl Excitation {
                 fed.mode + 1
             ));
         }
+        let pushed = known.iter().filter_map(|motion| Some((motion.mode, motion.fed_from?)));
+        if let Some((mode, (amplitude, omega))) = pushed.min_by(|(_, a), (_, b)| a.0.total_cmp(&b.0)) {
+            return Some(format!(
+                "Pushed to motions of mode {} of about {} at {} and beyond, the structure can vibrate by itself, without forcing: there the \
+                 nonlinear forces feed in more energy than the damping takes. Such motions have a period of their own and are not listed.",
+                mode + 1,
+                length(amplitude),
+                rate(omega)
+            ));
+        }
         let has = if undamped.len() == 1 { "has" } else { "have" };
         let modes = || capitalised(&modes(undamped));
         (!undamped.is_empty())
             .then(|| format!("{} {has} no linear damping: nothing but the laws limits the resonance.", modes()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use solver::Settings;
+    use solver::laws::{PolynomialDamper, Term};
+
+    /// With one harmonic of velocity V the damper takes 0.02 − 0.045 V² + 0.01875 V⁴ of V² π: nothing at V² = 0.5890 and 1.8110.
+    #[test]
+    fn where_what_is_fed_in_exceeds_the_damping() {
+        let unforced = |cubic: f64| {
+            let terms = [(3, cubic), (5, 0.03)].map(|(power, coefficient)| Term { power, coefficient });
+            let model = Model::builder("mass")
+                .mass([[1.0]])
+                .stiffness([[1.0]])
+                .damping_matrix([[0.02]])
+                .force("x1", 1.0)
+                .element("damper", PolynomialDamper { terms: terms.to_vec() }, ["x1"])
+                .build()
+                .unwrap();
+            Unforced::of(&Backbone::compute(&model, &Settings::default()).unwrap()).unwrap()
+        };
+        let (amplitude, omega) = unforced(-0.06).fed_from.unwrap();
+        let exact = f64::sqrt((0.045 - f64::sqrt(0.045_f64.powi(2) - 4.0 * 0.02 * 0.01875)) / (2.0 * 0.01875));
+        assert!((amplitude * omega / exact - 1.0).abs() < 5e-3, "{amplitude} {omega}, not {exact}");
+        assert_eq!(unforced(-0.05).fed_from, None);
     }
 }

@@ -38,11 +38,11 @@ mod windows;
 pub use beginnings::{beginning, is_begun};
 pub use bounds::{beyond, bounds, is_within, reach_sentence};
 pub use confirmed::{is_unconfirmed, is_unmatched};
-pub use doubts::{doubts, ends_far_beyond};
+pub use doubts::{doubts, ends_far_beyond, ends_near};
 pub use elsewhere::around_largest;
 pub use event_words::{BIRTH, DEATH, EVENTS, EventWords, MERGE, MERGES};
 pub use events::events_sentence;
-pub use excitation::{Excitation, SmallestMotion};
+pub use excitation::{Excitation, Unforced};
 pub use folds::{
     CurveEvent, born_above, born_below, born_between, curve_events, events_of, later_birth, level_between,
     levels_after, most_folds, not_followed, not_followed_sentence, why_no_folds,

@@ -20,6 +20,10 @@ pub struct Predicted {
     pub omega: f64,
 }
 
+/// A window that is born below this share of the lowest level is one at any forcing: A* goes to zero where what is fed in and what the
+/// damping takes cancel.
+const NOTHING: f64 = 1e-6;
+
 /// Digits of forcing amplitudes that the energy balance, an estimate, predicts.
 const DIGITS: i32 = 3;
 
@@ -32,9 +36,11 @@ pub fn told_threshold(threshold: f64, levels: impl Iterator<Item = f64> + Clone)
 /// at frequencies within `bounds`; by forcing.
 pub fn between_levels(backbones: &[&Backbone], levels: &[Level], bounds: FrequencySettings) -> Vec<Predicted> {
     let highest = levels.iter().map(|level| level.value).fold(0.0, f64::max);
+    let lowest = levels.iter().map(|level| level.value).fold(f64::INFINITY, f64::min);
     let is_missed = |window: &Predicted| {
         let has_level = levels.iter().any(|level| (window.from..window.to).contains(&level.value));
-        !has_level && window.from < highest * SearchRange::BEYOND && is_within(bounds, window.omega)
+        let is_real = window.from > NOTHING * lowest;
+        !has_level && is_real && window.from < highest * SearchRange::BEYOND && is_within(bounds, window.omega)
     };
     let mut all: Vec<Predicted> = backbones.iter().flat_map(|backbone| separate(backbone)).filter(is_missed).collect();
     all.sort_by(|a, b| a.from.total_cmp(&b.from));

@@ -3,7 +3,7 @@
 use super::evidence::Evidence;
 use crate::curves::{Column, Piece};
 use crate::overview::modes::not_started;
-use crate::overview::{Level, ends_far_beyond};
+use crate::overview::{Level, ends_far_beyond, ends_near};
 use crate::store::{CurvePoint, CurveRow};
 use crate::words::{count, digits, in_both_units};
 use protocol::to_everyone::Stage;
@@ -97,7 +97,8 @@ pub(super) fn losses(evidence: &Evidence<'_>) -> Vec<Loss> {
             format!("There is no backbone of mode {}, nor are there windows of it: {reason}.", mode + 1),
         ));
     }
-    let stopped = evidence.curves.iter().filter(|curve| curve.is_unfinished).count();
+    let values: Vec<f64> = levels.iter().map(|level| level.value).collect();
+    let stopped = evidence.curves.iter().filter(|curve| curve.is_unfinished && ends_near(curve, &values)).count();
     if stopped > 0 {
         let curves = count(stopped, "fold curve");
         let sentence = format!("{curves} stopped early: births, merges and isolas beyond are not known.");

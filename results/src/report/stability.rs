@@ -62,8 +62,12 @@ impl Evidence<'_> {
         largest.map_or_else(String::new, |StableResponse { level, branch, omega, amplitude }| {
             let (size, at) = (self.length(amplitude), self.frequency(omega));
             match self.levels.iter().flat_map(Level::isolas).count() {
-                1 => format!(", up to {size} at {at}"),
-                _ => format!(", on isolas up to {size} ({} at A = {}) at {at}", branch.name(), level.amplitude),
+                1 => format!(", found stable up to {size} at {at}"),
+                _ => format!(
+                    ", on isolas found stable up to {size} ({} at A = {}) at {at}",
+                    branch.name(),
+                    level.amplitude
+                ),
             }
         })
     }

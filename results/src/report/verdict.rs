@@ -8,9 +8,8 @@ mod tests;
 use super::evidence::{Evidence, OrderFound};
 use super::losses::{losses, named, unknown_beyond};
 use super::ranges::{in_words, joined, over, runs};
-use crate::curves::BackboneCurve;
 use crate::overview::{
-    BranchRow, Level, SmallestMotion, UNTOUCHED, around_largest, beyond, events_sentence, highest, is_untouched, modes,
+    BranchRow, Level, UNTOUCHED, Unforced, around_largest, beyond, events_sentence, highest, is_untouched, modes,
     not_followed_sentence, reach_sentence, sampled, shift_sentence, truncation,
 };
 use crate::summary_table::{motions, stability};
@@ -135,8 +134,9 @@ impl<'r> Evidence<'r> {
 
     fn danger(&self) -> String {
         let mut parts: Vec<String> = Vec::new();
-        let smallest: Vec<SmallestMotion> = self.backbones().filter_map(BackboneCurve::smallest_motion).collect();
-        parts.extend(self.structure.excitation.sentence(&smallest));
+        let unforced: Vec<Unforced> = self.backbones().filter_map(|backbone| backbone.unforced).collect();
+        let excited = self.structure.excitation.sentence(&unforced, |x| self.length(x), |omega| self.frequency(omega));
+        parts.extend(excited);
         parts.extend(self.whose());
         if self.has_nothing() {
             parts.push(format!("{}.", NOTHING));

@@ -19,7 +19,7 @@ const TOLD: f64 = 1e-3;
 /// All of it, sentence by sentence.
 pub(super) fn answer(known: &Known, units: Units) -> Vec<String> {
     let levels = known.levels();
-    (search::excitation(known).into_iter())
+    (search::excitation(known, units).into_iter())
         .chain(
             isolas(levels).or_else(|| search::no_isola(known, units.frequency)).map(|found| found + &detached(levels)),
         )

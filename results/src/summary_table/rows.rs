@@ -30,6 +30,9 @@ const COPY: &str = "of the same frequencies as one above: as the structure stays
 /// Where all windows are.
 const WINDOWS: &str = "windows.csv";
 
+/// A threshold of so many times a level is the quotient of a loss and rounding: the force does no work there.
+const NO_WORK: f64 = 1e9;
+
 /// What is said of isolas of the lowest level.
 const GOES_ON: &str = "is there below the lowest level as well";
 
@@ -213,7 +216,7 @@ impl<'r> Rows<'r> {
     fn without_window(&mut self, level: &Level) -> String {
         let Some(smallest) = self.smallest else { return String::new() };
         let why = match self.given {
-            _ if smallest.is_infinite() => {
+            _ if smallest > NO_WORK * level.value => {
                 "no A is a threshold of the backbones (the energy balance, an estimate): the force does no work along them".into()
             }
             _ if level.value < smallest => {

@@ -1,11 +1,10 @@
 //! What was looked for, and that nothing was found: how much the table may be trusted to be complete.
 
 use super::known::Known;
-use super::units::FrequencyUnit;
+use super::units::{FrequencyUnit, Units};
 use crate::overview::{
-    BranchRow, Excitation, Level, LookedFor, Predicted, SmallestMotion, between_levels, born_above, born_below,
-    born_between, has_joints, level_between, levels_after, parted_between, told_threshold, truncation_doubt,
-    why_no_folds,
+    BranchRow, Excitation, Level, LookedFor, Predicted, Unforced, between_levels, born_above, born_below, born_between,
+    has_joints, level_between, levels_after, parted_between, told_threshold, truncation_doubt, why_no_folds,
 };
 use crate::store::{CurvePoint, CurveRow};
 use crate::words::{digits, listed, more_ranges};
@@ -46,11 +45,13 @@ pub(super) fn looked_for(known: &Known) -> Option<String> {
 }
 
 /// What the structure does of itself.
-pub(super) fn excitation(known: &Known) -> Option<String> {
+pub(super) fn excitation(known: &Known, units: Units) -> Option<String> {
     let decoded = known.backbones.iter().filter_map(|(_, backbone)| backbone.as_ref());
-    let smallest: Vec<SmallestMotion> = decoded.filter_map(SmallestMotion::of).collect();
+    let unforced: Vec<Unforced> = decoded.filter_map(Unforced::of).collect();
+    let length = |x| format!("{} {}", units.length.digits(x), units.length);
+    let excitation = Excitation::of(known.model.as_ref()?);
     // It is the structure's, whatever the order.
-    Excitation::of(known.model.as_ref()?).sentence(&smallest).filter(|_| !known.is_further)
+    excitation.sentence(&unforced, length, |omega| units.frequency.told(omega)).filter(|_| !known.is_further)
 }
 
 /// That no level has an isola, once all of them are complete.

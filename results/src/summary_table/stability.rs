@@ -3,6 +3,9 @@
 use super::Units;
 use crate::overview::{BranchRow, Level, StableResponse, largest_stable, stability_of};
 
+/// Share of the points of an isola above which it is told that time marching could not tell.
+const UNTOLD: f64 = 0.2;
+
 /// What is known of the stability of isolas, and of other branches where it is not that they are stable or so in parts. `None` if nothing
 /// was verified, or there is nothing to be told; `is_told`: that the largest one is stable is known already.
 pub(super) fn sentence(levels: &[Level], units: Units, is_told: bool) -> Option<String> {
@@ -12,14 +15,30 @@ pub(super) fn sentence(levels: &[Level], units: Units, is_told: bool) -> Option<
     let up_to = largest.map_or_else(String::new, |StableResponse { level, branch, omega, amplitude }| {
         let (up_to, at) = (format!("{} {length}", length.digits(amplitude)), frequency.told(omega));
         match isolas.len() {
-            1 => format!(" (stable up to {up_to} at {at})"),
-            _ => format!(" (stable on isolas up to {up_to}, {} at A = {} and {at})", branch.name(), level.amplitude),
+            1 => format!("; the largest of its responses found stable: {up_to} at {at}"),
+            _ => {
+                let on = format!("{} at A = {} and {at}", branch.name(), level.amplitude);
+                format!("; the largest of their responses found stable: {up_to}, on {on}")
+            }
         }
     });
-    let of_isolas = stability_of(&isolas, ["isola", "isolas"], "").map(|found| found.told + &up_to);
+    let untold = untold(levels).unwrap_or_default();
+    let of_isolas = stability_of(&isolas, ["isola", "isolas"], "").map(|found| found.told + &up_to + &untold);
     let doubtful = beside_isolas(levels).filter(|(_, is_stable)| !is_stable).map(|(found, _)| found);
     let groups: Vec<String> = of_isolas.into_iter().chain(doubtful).collect();
     (!groups.is_empty()).then(|| format!("By time marching, {}.", groups.join("; ")))
+}
+
+/// The isola with most points of which time marching could not tell, if these are many: it may be stable there as well.
+fn untold(levels: &[Level]) -> Option<String> {
+    let share = |row: &BranchRow| {
+        let known = row.stability.as_ref().filter(|known| known.is_whole && !known.is_marginal_in_parts)?;
+        Some(1.0 - known.stable - known.unstable)
+    };
+    let isolas = levels.iter().flat_map(|level| level.isolas().filter_map(move |row| Some((level, row, share(row)?))));
+    let (level, row, share) = isolas.max_by(|a, b| a.2.total_cmp(&b.2)).filter(|(.., share)| *share > UNTOLD)?;
+    let percent = (100.0 * share).round();
+    Some(format!("; at {percent} % of the points of {} at A = {} it could not tell", row.name(), level.amplitude))
 }
 
 /// What is known of the stability of branches that are no isolas. `None` if none of them was verified.
@@ -104,16 +123,17 @@ mod tests {
         let others = vec![branch("main", [0.2, 0.0], 1.0), branch("cut", [0.0, 0.0], 0.5)];
         let all = [isolas.to_vec(), others].concat();
         let begins = "By time marching, of 2 isolas 1 is stable in parts, 1 is unstable wherever it could tell";
+        let untold = "; at 90 % of the points of isola 1 at A = 14 it could not tell";
         assert_eq!(
             told(all.clone()).unwrap(),
             format!(
-                "{begins} (stable on isolas up to 1.0000 m, isola 1 at A = 14 and 2.00000 rad/s); the other branch is not known to be \
-                 stable or unstable."
+                "{begins}; the largest of their responses found stable: 1.0000 m, on isola 1 at A = 14 and 2.00000 rad/s{untold}; the other \
+                 branch is not known to be stable or unstable."
             )
         );
         // Up to where they are stable need not be told twice.
         let briefly = sentence(&level(all.clone()), Units::default(), true).unwrap();
-        assert_eq!(briefly, format!("{begins}; the other branch is not known to be stable or unstable."));
+        assert_eq!(briefly, format!("{begins}{untold}; the other branch is not known to be stable or unstable."));
         assert_eq!(
             of_others(&level(all)).unwrap(),
             "By time marching, the main branch, around its peak, is stable wherever it could tell; the other branch is not known to be stable or \
@@ -137,8 +157,8 @@ mod tests {
         assert_eq!(told(vec![bare("main"), bare("isola")]), None);
         assert_eq!(
             told(vec![bare("main"), bare("isola"), branch("isola", [1.0, 0.0], 2.0)]).unwrap(),
-            "By time marching, of 2 isolas 1 is stable wherever it could tell, 1 is not verified (stable on isolas up to 1.0000 m, \
-             isola 1 at A = 14 and 2.00000 rad/s)."
+            "By time marching, of 2 isolas 1 is stable wherever it could tell, 1 is not verified; the largest of their responses found \
+             stable: 1.0000 m, on isola 1 at A = 14 and 2.00000 rad/s."
         );
         // Of some main branches alone it is a doubt.
         let said = told(vec![bare("main"), branch("main", [0.2, 0.0], 1.0)]).unwrap();

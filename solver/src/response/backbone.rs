@@ -4,6 +4,7 @@
 mod assemble;
 mod compute;
 mod crossing;
+mod ends;
 mod error;
 mod known;
 mod resumed;

@@ -320,19 +320,22 @@ fn what_the_structure_does_of_itself() {
         (-1.0, ": the structure can vibrate by itself, from rest and without forcing."),
         (1.0, ", of which the laws take more at small amplitudes."),
     ] {
-        let mut backbone = BACKBONE.clone();
-        backbone.r_lin.values[0] = -3.0;
-        backbone.r_nl.values[0] = 3.0 + balance;
+        let unforced = Unforced { mode: 0, linear: -3.0, nonlinear: 3.0 + balance, fed_from: None };
+        let backbone = BackboneCurve { unforced: Some(unforced), ..BACKBONE.clone() };
         let [danger, ..] = told(&levels, |evidence| {
             evidence.structure.excitation.excited = vec![0];
             evidence.backbone = Some(&backbone);
         });
         assert!(danger.starts_with(&format!("Mode 1 has negative linear damping{so}")), "{danger}");
     }
-    let mut fed = BACKBONE.clone();
-    fed.r_nl.values[0] = -2.0 * fed.r_lin.values[0];
+    let of = |unforced| BackboneCurve { unforced: Some(unforced), ..BACKBONE.clone() };
+    let fed = of(Unforced { mode: 0, linear: 1.0, nonlinear: -2.0, fed_from: None });
     let [danger, ..] = told(&levels, |evidence| evidence.backbone = Some(&fed));
     assert!(danger.starts_with("At small amplitudes the nonlinear forces feed more energy into mode 1"), "{danger}");
+    let pushed = of(Unforced { mode: 0, linear: 1.0, nonlinear: 0.0, fed_from: Some((8e-4, 100.0)) });
+    let [danger, ..] = told(&levels, |evidence| evidence.backbone = Some(&pushed));
+    let by_itself = "Pushed to motions of mode 1 of about 0.8 mm at 100 rad/s (15.92 Hz) and beyond, the structure can vibrate by itself";
+    assert!(danger.starts_with(by_itself), "{danger}");
 }
 
 #[test]

@@ -10,7 +10,7 @@ use crate::formulation::Formulation;
 use crate::response::branch::{BranchPoint, Observer, Outcome, Stop, TracedPoint};
 use crate::response::columns::{OnBackbone, Row};
 use crate::response::melnikov::Energies;
-use crate::settings::{Criterion, Settings};
+use crate::settings::Criterion;
 
 impl Backbone {
     /// A curve that was walked, and what crosses it where the force does work.
@@ -32,23 +32,21 @@ impl Backbone {
             rejections: walked.rejections + across.iter().map(|curve| curve.rejections).sum::<usize>(),
         };
         for curve in std::iter::once(walked).chain(across) {
-            backbone.add(problem, way.settings, curve);
+            backbone.add(problem, way, curve);
         }
         backbone
     }
 
     /// Adds a piece.
-    fn add<'m, F: Formulation<'m>>(
-        &mut self,
-        problem: &mut F,
-        settings: &Settings,
-        TracedCurve { mut visited, start, .. }: TracedCurve<BranchPoint>,
-    ) {
+    fn add<'m, F: Formulation<'m>>(&mut self, problem: &mut F, way: &Way<'_>, mut curve: TracedCurve<BranchPoint>) {
+        let (settings, start) = (way.settings, curve.start);
         let criterion = settings.backbone.criterion;
-        let first = visited[start].curve.clone();
+        let first = curve.visited[start].curve.clone();
         if let Ok(mut continuation) = Continuation::start(problem, first.y, &first.tangent, settings.continuation) {
-            visited = with_threshold_extrema(&mut continuation, visited, criterion);
+            way.end_at_bounds(&mut continuation, &mut curve);
+            curve.visited = with_threshold_extrema(&mut continuation, curve.visited, criterion);
         }
+        let visited = curve.visited;
         let (piece, mut arc) = match self.points.last() {
             Some(last) => (last.piece() + 1, last.arc()),
             None => (0, 0.0),

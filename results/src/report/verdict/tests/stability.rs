@@ -31,7 +31,7 @@ fn what_can_settle_is_told() {
     let cases = [
         (
             vec![verified(0.5, 0.5, "unstable", isola(2e-3))],
-            "By time marching, the isola is stable in parts: there the structure can settle, up to 1.8 mm at 115 rad/s (18.3 Hz);",
+            "By time marching, the isola is stable in parts: there the structure can settle, found stable up to 1.8 mm at 115 rad/s (18.3 Hz);",
         ),
         (vec![verified(0.0, 1.0, "unstable", isola(2e-3))], unstable),
         (vec![verified(0.0, 0.9, "none", isola(2e-3))], unstable),
@@ -42,7 +42,7 @@ fn what_can_settle_is_told() {
         (
             vec![verified(0.5, 0.5, "stable", isola(2e-3)), verified(0.0, 1.0, "unstable", isola(1e-3)), isola(1e-3)],
             "By time marching, of 3 isolas 1 is stable in parts, 1 is unstable wherever it could tell, 1 is not verified: there the structure \
-             can settle, on isolas up to 1.8 mm (isola 1 at A = 1) at 115 rad/s (18.3 Hz);",
+             can settle, on isolas found stable up to 1.8 mm (isola 1 at A = 1) at 115 rad/s (18.3 Hz);",
         ),
         (
             vec![verified(0.0, 0.0, "none", isola(2e-3)), verified(0.0, 0.0, "none", isola(1e-3))],
@@ -94,7 +94,7 @@ fn what_is_larger_than_isolas_is_told() {
         level(2.0, vec![main(1e-3), stable(7e-3, isola(2.1e-2)), branched]),
     ];
     let all = told(&levels, |evidence| evidence.search = SearchCounts { hanging: 2, ..SearchCounts::default() });
-    let settles = "By time marching, both isolas are stable in parts: there the structure can settle, on isolas up to 8 mm (isola 1 at A = 1) at 61 rad/s";
+    let settles = "By time marching, both isolas are stable in parts: there the structure can settle, on isolas found stable up to 8 mm (isola 1 at A = 1) at 61 rad/s";
     let largest = "Largest periodic response found stable, of the points that were marched: 20 mm, on branched 1 at A = 2 and 61 rad/s (9.708 Hz).";
     assert!(all[0].contains(settles) && all[0].contains(largest), "{}", all[0]);
     // Nothing over the forcing hangs on what is not followed if nothing is followed.
