@@ -30,6 +30,7 @@ mod random_chains;
 mod recheck;
 mod resuming;
 mod rotor67;
+mod settled;
 mod special_points;
 mod stability;
 mod starts;

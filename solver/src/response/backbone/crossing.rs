@@ -1,6 +1,7 @@
 //! Curves that cross a backbone: where modes interact, or motions lose a symmetry, further families of free motions leave it at branch
 //! points, and isolas grow about these as about the backbone itself.
 
+use super::ends::end_within;
 use super::known::Known;
 use super::resumed::beyond_tongues;
 use super::way::{FAR, Rest, Way};
@@ -162,6 +163,10 @@ impl Way<'_> {
         });
         if stop == Stop::Start {
             visited.pop();
+        }
+        if stop == Stop::AmplitudeBound {
+            let is_larger = |problem: &mut F, at: &TracedPoint| norm(problem.motion_metric(), &at.curve.y) > largest;
+            end_within(continuation, &mut visited, &is_larger);
         }
         (visited, stop)
     }

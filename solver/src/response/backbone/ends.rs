@@ -11,55 +11,66 @@ use crate::response::branch::{BranchPoint, Outcome, Stop, TracedPoint};
 const HALVINGS: usize = 30;
 
 impl Way<'_> {
-    /// Moves the ends of a curve back to where the bound is that they lie beyond.
+    /// Moves the ends of a curve back to where the bound is that they lie beyond. One that crosses another ends by its size, see
+    /// [`end_within`].
     pub(super) fn end_at_bounds<'m, F: Formulation<'m>>(
         &self,
         continuation: &mut Continuation<'_, F>,
         curve: &mut TracedCurve<BranchPoint>,
     ) {
         let Outcome::Open(first, last) = curve.outcome else { return };
-        if let [.., before, end] = &mut curve.visited[..]
-            && let Some((point, step)) = self.bound_between(continuation, last, (&before.curve, end), end.curve.step)
-        {
-            *end = point;
-            end.curve.step = step;
-        }
-        if let [end, next, ..] = &mut curve.visited[..]
-            && let Some((point, step)) = self.bound_between(continuation, first, (&next.curve, end), -next.curve.step)
-        {
-            *end = point;
-            (end.curve.step, next.curve.step) = (0.0, -step);
-        }
-    }
-
-    /// The point where the curve reaches a bound, and the step there from a point inside, on the way to an end that a whole step leads to.
-    fn bound_between<'m, F: Formulation<'m>>(
-        &self,
-        continuation: &mut Continuation<'_, F>,
-        stop: Stop,
-        (from, end): (&CurvePoint, &TracedPoint),
-        step: f64,
-    ) -> Option<(TracedPoint, f64)> {
-        let is_beyond = |problem: &mut F, at: &TracedPoint| match stop {
-            Stop::AmplitudeBound => at.point.amplitude() > self.bounds.amplitude,
-            Stop::ForcingBound => self.is_beyond(problem, at),
-            _ => false,
+        let is_beyond = |stop: Stop| {
+            move |problem: &mut F, at: &TracedPoint| match stop {
+                Stop::AmplitudeBound => first != Stop::Branching && at.point.amplitude() > self.bounds.amplitude,
+                Stop::ForcingBound => self.is_beyond(problem, at),
+                _ => false,
+            }
         };
-        if !is_beyond(continuation.problem(), end) {
-            return None;
-        }
-        let (mut inside, mut outside, mut found) = (0.0, step, None);
-        for _ in 0..HALVINGS {
-            let step = f64::midpoint(inside, outside);
-            let curve = continuation.probe(from, step).ok()?;
-            let point = BranchPoint::evaluate(continuation.problem(), &curve);
-            let at = TracedPoint { curve, point };
-            if is_beyond(continuation.problem(), &at) {
-                (outside, found) = (step, Some(at));
-            } else {
-                inside = step;
+        end_within(continuation, &mut curve.visited, &is_beyond(last));
+        if let [end, next, ..] = &mut curve.visited[..] {
+            let step = next.curve.step;
+            if let Some((point, step)) = boundary(continuation, (&next.curve, end), -step, &is_beyond(first)) {
+                *end = point;
+                (end.curve.step, next.curve.step) = (0.0, -step);
             }
         }
-        found.map(|point| (point, outside))
     }
+}
+
+/// Moves the last point of a walk back to where it passes what it ends at, if it lies beyond.
+pub(super) fn end_within<'m, F: Formulation<'m>>(
+    continuation: &mut Continuation<'_, F>,
+    visited: &mut [TracedPoint],
+    is_beyond: &impl Fn(&mut F, &TracedPoint) -> bool,
+) {
+    let [.., before, end] = visited else { return };
+    if let Some((point, step)) = boundary(continuation, (&before.curve, end), end.curve.step, is_beyond) {
+        *end = point;
+        end.curve.step = step;
+    }
+}
+
+/// The point from which on all is beyond, and the step there from a point that is not, on the way to an end that a whole step leads to.
+fn boundary<'m, F: Formulation<'m>>(
+    continuation: &mut Continuation<'_, F>,
+    (from, end): (&CurvePoint, &TracedPoint),
+    step: f64,
+    is_beyond: &impl Fn(&mut F, &TracedPoint) -> bool,
+) -> Option<(TracedPoint, f64)> {
+    if !is_beyond(continuation.problem(), end) {
+        return None;
+    }
+    let (mut inside, mut outside, mut found) = (0.0, step, None);
+    for _ in 0..HALVINGS {
+        let step = f64::midpoint(inside, outside);
+        let curve = continuation.probe(from, step).ok()?;
+        let point = BranchPoint::evaluate(continuation.problem(), &curve);
+        let at = TracedPoint { curve, point };
+        if is_beyond(continuation.problem(), &at) {
+            (outside, found) = (step, Some(at));
+        } else {
+            inside = step;
+        }
+    }
+    found.map(|point| (point, outside))
 }

@@ -197,7 +197,7 @@ impl<'m> Marching<'m> {
     }
 
     /// Modal displacements at t_n, kg^½·m.
-    pub(in crate::stability) fn modal(&self) -> &[f64] {
+    pub(crate) fn modal(&self) -> &[f64] {
         &self.y
     }
 
