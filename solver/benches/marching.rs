@@ -3,7 +3,7 @@
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use solver::linalg::{Matrix, symmetric_eigen};
-use solver::stability::marching::{Marching, MarchingSettings};
+use solver::marching::{Marching, MarchingSettings};
 use solver::structure::laws::{Contact, Friction, LawKind};
 use solver::structure::{Damping, Element, Forcing, Model, ModelData, Modes};
 

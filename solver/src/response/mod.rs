@@ -20,6 +20,7 @@ pub mod forcing;
 mod given;
 mod grazing;
 mod homotopy;
+mod in_reach;
 pub mod interrupt;
 mod known;
 pub mod level;

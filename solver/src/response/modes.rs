@@ -2,6 +2,7 @@
 
 use crate::response::backbone::{Backbone, BackboneError};
 use crate::response::branch::{BranchPoint, Observer};
+use crate::response::in_reach::{FAR, is_in_reach};
 use crate::settings::{ModeChoice, Settings};
 use crate::structure::Model;
 use serde::{Deserialize, Serialize};
@@ -9,10 +10,6 @@ use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 
-/// Backbones bend: a resonance within this factor of a bound can come into the range.
-const BENDS: f64 = 2.0;
-/// Where no upper bound is given: up to this multiple of the primary mode's eigenfrequency.
-const FAR: f64 = 4.0;
 /// Most modes that are chosen unless a list is given.
 const MOST: usize = 8;
 
@@ -96,18 +93,6 @@ pub(super) fn driven_resonances(model: &Model, settings: &Settings) -> Vec<f64> 
     };
     let resonances = model.driven().into_iter().filter(|mode| followed.contains(mode)).map(|mode| frequencies[mode]);
     resonances.filter(|omega| *omega <= highest).map(|omega| omega / model.forcing().harmonic as f64).collect()
-}
-
-/// Whether a resonance of a mode can come into the range of frequencies, and its backbone starts within its own bounds.
-pub(super) fn is_in_reach(model: &Model, settings: &Settings, mode: usize) -> bool {
-    let frequencies = &model.modes().frequencies;
-    let (omega, m) = (frequencies[mode], model.forcing().harmonic);
-    let low = settings.frequency.min.map_or(0.0, |min| min / BENDS);
-    let high = settings.frequency.max.map_or(FAR * frequencies[settings.tracked(model)], |max| BENDS * max);
-    let own = &settings.backbone;
-    let starts = own.min_frequency.is_none_or(|min| min <= omega) && own.max_frequency.is_none_or(|max| omega <= max);
-    let mut resonances = (1..=m).filter(|k| m.is_multiple_of(*k)).map(|k| omega / k as f64);
-    starts && resonances.any(|resonance| (low..=high).contains(&resonance))
 }
 
 /// The backbones of all modes followed.

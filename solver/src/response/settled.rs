@@ -3,7 +3,7 @@
 
 use crate::formulation::harmonics::{Transform, evaluate, series_from_coefficients, width};
 use crate::formulation::state::State;
-use crate::stability::marching::{Marching, MarchingSettings};
+use crate::marching::{Marching, MarchingSettings};
 use crate::structure::Model;
 use num_complex::Complex64;
 

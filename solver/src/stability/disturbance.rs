@@ -6,12 +6,12 @@
 //! branch; between it and the size before the first change is bisected. Boundaries of basins need not be simple: a smaller push
 //! between sizes that were scanned may do the same.
 
-use super::marching::{Marching, MarchingError, MarchingSettings};
 use super::multipliers::Verdict;
 use super::nearby::{distance, images, orbits, walk_to};
 use super::polish::Polished;
 use super::shooting::{NewtonOptions, Orbit, Shooting};
 use super::verification::Verification;
+use crate::marching::{Marching, MarchingError, MarchingSettings};
 use crate::response::branch::Branch;
 use crate::response::task::DisturbPlace;
 use crate::structure::Model;

@@ -1,4 +1,4 @@
-//! What happens in time: marching without harmonics, the marcher's own periodic orbits, and which of them are stable.
+//! What happens in time: periodic orbits of time marching, and which of them are stable.
 
 pub mod along;
 mod basin;
@@ -6,7 +6,6 @@ pub mod bifurcation;
 mod branch_ends;
 mod crossing;
 pub mod disturbance;
-pub mod marching;
 pub mod multipliers;
 pub mod nearby;
 pub mod polish;

@@ -1,10 +1,10 @@
 //! Marched orbits of branches at a frequency, and how far motions are from them.
 
-use super::marching::{Marching, MarchingError};
 use super::multipliers::Verdict;
 use super::polish::{Around, PolishSettings, Polished, polish};
 use super::shooting::Orbit;
 use crate::formulation::state::State;
+use crate::marching::{Marching, MarchingError};
 use crate::response::branch::Branch;
 use crate::structure::Model;
 

@@ -4,12 +4,12 @@
 //! tangent contains the impacts as they are, which no truncated series does.
 
 use super::basin::is_left_by_a_push;
-use super::marching::{Account, MarchingSettings};
 use super::multipliers::{Multiplier, Verdict};
 use super::shooting::{NewtonOptions, Orbit, Period, Point, Shooting};
 use super::symmetry;
 use crate::formulation::harmonics::evaluate;
 use crate::formulation::state::State;
+use crate::marching::{Account, MarchingSettings};
 use crate::structure::Model;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;

@@ -8,11 +8,11 @@
 //! unstable motions end, since a period says nothing of that: they would have to be marched to the end, which is all of the work. Of
 //! these it is checked that they are of what was asked for, and can be.
 
-use super::marching::{Marching, MarchingError};
 use super::multipliers::{Multiplier, Verdict};
 use super::polish::{PolishSettings, share_of_impacts};
 use super::shooting::{Orbit, Shooting};
 use super::verification::{MarchedOrbit, VerifiedPoint};
+use crate::marching::{Marching, MarchingError};
 use crate::structure::Model;
 use thiserror::Error;
 

@@ -5,10 +5,10 @@
 
 mod newton;
 
-use super::marching::{Account, Marching, MarchingError, MarchingSettings, Offset, reduced};
 use super::multipliers::{Multiplier, margin, multipliers};
 use crate::formulation::state::State;
 use crate::linalg::{LinalgError, Lu, Matrix, dot, vectorised};
+use crate::marching::{Account, Marching, MarchingError, MarchingSettings, Offset, reduced};
 use crate::structure::Model;
 pub use newton::NewtonOptions;
 use serde::{Deserialize, Serialize};

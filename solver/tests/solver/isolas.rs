@@ -4,13 +4,13 @@
 use solver::files;
 use solver::formulation::harmonics::evaluate;
 use solver::formulation::state::State;
+use solver::marching::{Marching, MarchingSettings};
 use solver::response::backbone::Backbone;
 use solver::response::branch::{Branch, BranchPoint, SpecialKind};
 use solver::response::forced::{Forced, SearchRange};
 use solver::response::level::{BranchId, Level};
 use solver::response::windows::{Event, EventKind, events};
 use solver::settings::Settings;
-use solver::stability::marching::{Marching, MarchingSettings};
 use solver::structure::Model;
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;

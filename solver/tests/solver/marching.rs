@@ -1,7 +1,7 @@
 //! Time marching against closed forms: nothing here is computed by harmonic balance.
 
 use solver::linalg::{Matrix, symmetric_eigen};
-use solver::stability::marching::{Marching, MarchingError, MarchingSettings};
+use solver::marching::{Marching, MarchingError, MarchingSettings};
 use solver::structure::laws::{
     Contact, Friction, Jenkins, LawKind, PenaltySpring, PolynomialDamper, PolynomialSpring, TanhFriction, Term,
 };

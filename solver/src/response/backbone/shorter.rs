@@ -7,8 +7,8 @@ use crate::formulation::Formulation;
 use crate::formulation::pressure::PressureForm;
 use crate::response::branch::{BranchPoint, Observer, Outcome, Stop};
 use crate::response::columns::{OnBackbone, Row};
+use crate::response::in_reach::is_in_reach;
 use crate::response::melnikov::Energies;
-use crate::response::modes::is_in_reach;
 use crate::response::orders::Shorter;
 use crate::settings::{
     BackboneEquation, BackboneSettings, FrequencySettings, HarmonicSettings, SearchSettings, Settings,

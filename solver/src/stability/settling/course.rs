@@ -2,9 +2,9 @@
 
 use super::{Motion, PeriodObserver, SettleSettings};
 use crate::linalg::dot;
+use crate::marching::{Marching, MarchingError};
 use crate::response::branch::Branch;
 use crate::response::task::BranchId;
-use crate::stability::marching::{Marching, MarchingError};
 use crate::stability::multipliers::Verdict;
 use crate::stability::nearby::{apart, distance, images, orbits};
 use crate::stability::shooting::{NewtonOptions, Orbit, Shooting};

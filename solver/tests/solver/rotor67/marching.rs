@@ -6,10 +6,10 @@
 use super::common::{BACKWARD, FRICTIONLESS, Scenario, found_from_window};
 use solver::formulation::harmonics::evaluate;
 use solver::formulation::state::State;
+use solver::marching::{Marching, MarchingSettings};
 use solver::response::branch::Branch;
 use solver::response::forced::{Forced, SearchRange};
 use solver::settings::Settings;
-use solver::stability::marching::{Marching, MarchingSettings};
 use std::f64::consts::TAU;
 
 /// Largest |x| of the leading edge over a period, m.

@@ -37,17 +37,17 @@ pub fn reduced(monodromy: &Matrix, offsets: &[Offset]) -> Matrix {
 
 impl Marching<'_> {
     /// Marks of the laws that can stick, before a period.
-    pub(in crate::stability) fn sliders(&self) -> Vec<bool> {
+    pub(crate) fn sliders(&self) -> Vec<bool> {
         self.laws.iter().map(|law| law.has_memory()).collect()
     }
 
     /// Takes the marks from the laws that slip in the step that is made ready.
-    pub(in crate::stability) fn unmark(&self, marks: &mut [bool]) {
+    pub(crate) fn unmark(&self, marks: &mut [bool]) {
         marks.iter_mut().zip(&self.laws).for_each(|(mark, law)| *mark &= law.sticks());
     }
 
     /// Offsets of the marked laws, whose derivatives by ω are those at `state`.
-    pub(in crate::stability) fn offsets(&self, state: &[f64], marks: &[bool]) -> Vec<Offset> {
+    pub(crate) fn offsets(&self, state: &[f64], marks: &[bool]) -> Vec<Offset> {
         let (n, h) = (self.y.len(), self.step);
         let omega = TAU / (h * self.phases.steps as f64);
         let mut offsets = Vec::new();

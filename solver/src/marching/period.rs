@@ -81,7 +81,7 @@ impl<'m> Marching<'m> {
     ///
     /// # Errors
     /// As [`Marching::new`].
-    pub(in crate::stability) fn beside(&self, amplitude: f64, omega: f64) -> Result<Self, MarchingError> {
+    pub(crate) fn beside(&self, amplitude: f64, omega: f64) -> Result<Self, MarchingError> {
         Self::with_phases(self.model, self.phases.clone(), amplitude, omega)
     }
 
@@ -125,7 +125,7 @@ impl<'m> Marching<'m> {
     ///
     /// # Errors
     /// Those of [`Marching::step`], and a motion that is not finite any more.
-    pub(in crate::stability) fn walk(&mut self, visit: &mut dyn FnMut(&mut Self)) -> Result<(), MarchingError> {
+    pub(crate) fn walk(&mut self, visit: &mut dyn FnMut(&mut Self)) -> Result<(), MarchingError> {
         for _ in 0..self.phases.steps {
             visit(self);
             self.step()?;
@@ -149,10 +149,7 @@ impl<'m> Marching<'m> {
     ///
     /// # Errors
     /// Those of [`Marching::step`], and a motion that is not finite any more.
-    pub(in crate::stability) fn walk_with_tangent(
-        &mut self,
-        visit: &mut dyn FnMut(&mut Self),
-    ) -> Result<Matrix, MarchingError> {
+    pub(crate) fn walk_with_tangent(&mut self, visit: &mut dyn FnMut(&mut Self)) -> Result<Matrix, MarchingError> {
         let n = self.y.len();
         let responses: Vec<Matrix> = self.laws.iter().map(|law| law.responses(&self.inverse)).collect();
         let forces = self.model.arguments();
@@ -176,7 +173,7 @@ impl<'m> Marching<'m> {
 
     /// Adds what the step that is made ready does.
     #[inline(always)]
-    pub(in crate::stability) fn balance(&self, account: &mut Account) {
+    pub(crate) fn balance(&self, account: &mut Account) {
         if !self.contacts.touching().is_empty() {
             account.impacts += self.contacts.work(&self.increment, &self.next);
         }
@@ -187,12 +184,12 @@ impl<'m> Marching<'m> {
     }
 
     /// Whether the step that is made ready is as smooth as its laws: nothing touches, slips, or begins or ceases to act.
-    pub(in crate::stability) fn is_smooth(&self) -> bool {
+    pub(crate) fn is_smooth(&self) -> bool {
         self.contacts.touching().is_empty() && self.laws.iter().all(|law| law.is_smooth())
     }
 
     /// Number of steps since the start.
-    pub(in crate::stability) fn index(&self) -> usize {
+    pub(crate) fn index(&self) -> usize {
         self.index
     }
 
@@ -203,7 +200,7 @@ impl<'m> Marching<'m> {
 
     /// Displacement of the monitored dof of this number at t_n, m.
     #[inline(always)]
-    pub(in crate::stability) fn monitored(&self, number: usize) -> f64 {
+    pub(crate) fn monitored(&self, number: usize) -> f64 {
         dot(self.monitors.row(number), &self.y)
     }
 }
