@@ -67,15 +67,15 @@ impl State {
         State { harmonics, arguments: longer(&self.arguments), modal: longer(&self.modal), ..*self }
     }
 
-    /// The same motion as one that lasts `times` as long and repeats itself so often: X_k becomes harmonic `times` k of as many as `harmonics`,
-    /// at least those it takes.
+    /// The same motion as one that lasts `times` as long and repeats itself so often: X_k becomes harmonic `times` k, as far as there
+    /// are `harmonics` of them.
     pub fn repeated(&self, times: usize, harmonics: usize) -> State {
         let (from, to) = (width(self.harmonics), width(harmonics));
         let spread = |all: &[f64]| {
             let mut spread = vec![0.0; all.len() / from * to];
             for (series, target) in all.chunks(from).zip(spread.chunks_mut(to)) {
                 target[0] = series[0];
-                for (k, pair) in (1..).zip(series[1..].chunks(2)) {
+                for (k, pair) in (1..=harmonics / times).zip(series[1..].chunks(2)) {
                     target[2 * times * k - 1..=2 * times * k].copy_from_slice(pair);
                 }
             }

@@ -2,7 +2,7 @@
 
 use crate::curve::least_norm::{ROUGH, of_size};
 use crate::formulation::Formulation;
-use crate::formulation::harmonics::{complex, set_complex, width};
+use crate::formulation::harmonics::{complex, width};
 use crate::formulation::linear::forced_response;
 use crate::formulation::state::State;
 use crate::response::forced::Forced;
@@ -79,22 +79,6 @@ pub(super) fn freed<'m, F: Formulation<'m>>(free: &mut F, start: &State, mode: u
     let state = free.decode(&y).ok()?;
     let size = state.modal.iter().map(|q| q * q).sum::<f64>().sqrt();
     (size > SIZES.0 * free.scales().modal).then_some(state)
-}
-
-/// A motion as one of so many times its period: resonances of any order are near a free motion, of which the response has as
-/// many periods.
-pub(super) fn slowed(state: &State, order: usize) -> State {
-    let nc = width(state.harmonics);
-    let spread = |values: &[f64]| {
-        let mut slow = vec![0.0; values.len()];
-        for (slow, series) in slow.chunks_mut(nc).zip(values.chunks(nc)) {
-            slow[0] = series[0];
-            (1..=state.harmonics / order).for_each(|k| set_complex(slow, order * k, complex(series, k)));
-        }
-        slow
-    };
-    let (arguments, modal) = (spread(&state.arguments), spread(&state.modal));
-    State { omega: state.omega / order as f64, arguments, modal, ..*state }
 }
 
 /// A motion with the linear response to the forcing on top; none at an undamped resonance.

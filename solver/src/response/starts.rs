@@ -12,7 +12,7 @@ use crate::formulation::unknown::Unknown;
 use crate::formulation::{Formulation, FormulationError};
 use crate::response::forced::Forced;
 use crate::response::homotopy;
-use crate::response::motions::{driven, freed, motion, slowed};
+use crate::response::motions::{driven, freed, motion};
 use crate::response::seeds::Landing;
 use crate::response::settled::settled;
 use crate::settings::{Effort, HarmonicSettings, Settings};
@@ -225,7 +225,7 @@ impl<'m, C: Formulation<'m>, B: Fn(Unknown) -> Result<C, FormulationError>> Trie
             let order = if random.gen_bool(ORDINARY) { 1 } else { random.gen_range(2..=ORDERS) };
             let quick = State { omega: state.omega * order as f64, ..state.clone() };
             let free = freed(&mut self.free, &quick, forced.settings().tracked(forced.model()))
-                .map(|free| slowed(&State { decay: 0.0, forcing, ..free }, order));
+                .map(|free| State { decay: 0.0, forcing, ..free }.repeated(order, state.harmonics));
             state = free.unwrap_or(state).shifted(random.gen_range(0.0..TAU));
         }
         // Sub-harmonic motion is much of it that and the ordinary response to the forcing.
