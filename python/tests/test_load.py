@@ -421,6 +421,9 @@ def test_a_run_of_the_first_programs(copy: Path, tmp_path: Path) -> None:
 def test_what_is_no_run(tmp_path: Path, copy: Path) -> None:
     with pytest.raises(isola_hbm.NoSuchRun, match="there is no such file; name the folder of a run"):
         isola_hbm.load(tmp_path / "nowhere")
+    with pytest.raises(isola_hbm.NoSuchRun, match=r"study\.toml: a file; name the folder of a run"):
+        (tmp_path / "study.toml").touch()
+        isola_hbm.load(tmp_path / "study.toml")
     file = tmp_path / "run.sqlite"
     file.write_bytes(bytes([7]) * 5000)
     with pytest.raises(isola_hbm.NoSuchRun, match=r"not a run of Isola \(not an SQLite file\)"):

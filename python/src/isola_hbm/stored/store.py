@@ -46,6 +46,8 @@ class Store:
         self.file = path if path.name == FILE and not path.is_dir() else path / FILE
         #: Folder of the run.
         self.folder = self.file.parent
+        if path.is_file() and path != self.file:
+            raise NoSuchRun(f"{path}: a file; name the folder of a run, which holds `{FILE}`")
         if not self.file.is_file():
             raise NoSuchRun(
                 f"{self.file}: there is no such file; name the folder of a run, which holds `{FILE}`"
