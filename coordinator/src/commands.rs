@@ -239,11 +239,12 @@ async fn disturb(args: DisturbArgs) -> Result<Ending, Error> {
     let connection = reopen(&store, &args.run, &args.serve).await?;
     let pushes = store.pushes_left(modes.min(args.modes.into()))?;
     if pushes.is_empty() {
-        terminal::note(if store.isolas()?.is_empty() {
-            "no isola was found: there is nothing to be pushed onto"
-        } else {
-            "nothing is left to be pushed: isolas without a stable part cannot be settled on"
-        });
+        let why = match (store.isolas()?.is_empty(), store.pushes()?.is_empty()) {
+            (true, _) => "no isola was found: there is nothing to be pushed onto",
+            (_, false) => "nothing is left to be pushed: every isola that can be settled on was, in these modes",
+            _ => "nothing is left to be pushed: isolas without a stable part cannot be settled on",
+        };
+        terminal::note(why);
     }
     store.commit(&[Change::Added(pushes)])?;
     carry_out(&args.run, store, connection, args.serve, false).await

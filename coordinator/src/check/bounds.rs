@@ -61,18 +61,22 @@ fn resonates(study: &Study, harmonics: std::ops::RangeInclusive<usize>) -> bool 
     harmonics.any(|k| resonances(study).any(|(_, omega)| is_within(study.settings.frequency, omega / k as f64)))
 }
 
-/// Of bounds between which no mode resonates, but would if they were Hz.
+/// Of bounds between which no mode resonates with the force, but would if they were Hz.
 fn hertz(study: &Study) -> Option<String> {
-    let given = study.settings.frequency;
+    let (given, m) = (study.settings.frequency, study.model.forcing().harmonic);
     let (low, high) = (given.min?, given.max?);
-    if resonates(study, 1..=ORDERS) {
+    let is_within_bounds = |(_, omega): (usize, f64)| is_within(given, omega / m as f64);
+    if resonances(study).any(is_within_bounds) {
         return None;
     }
-    let harmonics = [study.model.forcing().harmonic].into_iter().chain(1..=ORDERS);
+    // Where superharmonics resonate it may be these that are looked for.
+    let has_others = resonates(study, 1..=ORDERS);
+    let (orders, with) = if has_others { (0, " with the force itself") } else { (ORDERS, "") };
+    let harmonics = [m].into_iter().chain(1..=orders);
     let mut places = harmonics.flat_map(|k| resonances(study).map(move |(_, omega)| omega / k as f64));
     let meant = places.find(|omega| (TAU * low..=TAU * high).contains(omega))?;
     Some(format!(
-        "no mode resonates between frequency.min = {} and frequency.max = {} rad/s, but one does at {} Hz: if Hz are meant, they are {} \
+        "no mode resonates{with} between frequency.min = {} and frequency.max = {} rad/s, but one does at {} Hz: if Hz are meant, they are {} \
          and {} rad/s",
         number(low),
         number(high),

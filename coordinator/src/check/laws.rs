@@ -6,19 +6,43 @@ use super::units::length;
 use super::weight::Weight;
 use crate::study::Study;
 use results::words::{digits, number};
+use solver::settings::Quadrature;
 use solver::structure::Element;
-use solver::structure::laws::LawKind;
+use solver::structure::laws::{Law, LawKind};
 
 /// Stiffness of a law, in that of the structure there, below which it matters to no motion.
 const SOFT: f64 = 5e-5;
 /// The same in damping ratios.
 const NARROW: f64 = 0.1;
 
+/// Radius of a sliding contact over its gap, below which motions are not small beside it.
+const SLOW: f64 = 10.0;
+
 /// Sentences about polynomials: of dampers that feed energy in, and of all laws if they hardly do anything.
 pub(super) fn warnings(study: &Study, weight: Option<&Weight>) -> Vec<String> {
     let even = study.model.elements().iter().filter_map(even_damper);
     let linear = weight.and_then(|weight| weight.practically_linear(study));
-    even.chain(pressed(study)).chain(soft(study)).chain(linear).collect()
+    even.chain(pressed(study)).chain(soft(study)).chain(reversing(study)).chain(linear).collect()
+}
+
+/// Contacts whose sliding motions of the size of the gap may turn round: sentences. The tip moves by ρ m ω, and back at less than ω times its
+/// displacement.
+fn reversing(study: &Study) -> impl Iterator<Item = String> + '_ {
+    let harmonic = study.model.forcing().harmonic as f64;
+    let is_smooth = study.settings.harmonics.quadrature == Quadrature::Arcs;
+    let contacts = study.model.elements().iter().filter(move |_| is_smooth);
+    contacts.filter_map(move |element| {
+        let contact = element.law.rigid()?;
+        let radius = contact.friction?.radius;
+        (radius * harmonic < SLOW * contact.gap).then(|| {
+            format!(
+                "`{}`: its radius, {}, is less than {SLOW} times the gap, {}: motions of that size may turn the sliding round while it presses,                  which harmonics.quadrature = \"arcs\" takes for smooth, and \"samples\" does not",
+                element.name,
+                length(study, radius, 3),
+                length(study, contact.gap, 3)
+            )
+        })
+    })
 }
 
 /// Elastic stops that are pressed at rest, which is seldom meant: sentences.

@@ -46,10 +46,11 @@ impl Weight {
         let highest = study.amplitudes.iter().map(|amplitude| amplitude.value).fold(0.0, f64::max);
         let problem = linear_problem(study)?;
         let at = |&mode: &usize| Some(Self { forcing: weighs_from(&problem, &laws, mode, highest)?, mode });
-        let driven = study.model.driven();
+        // Without damping the linear response has no size at its resonance.
+        let (driven, rates) = (study.model.driven(), study.model.damping().rates());
         followed
             .iter()
-            .filter(|mode| driven.contains(mode))
+            .filter(|mode| driven.contains(mode) && rates[**mode] > 0.0)
             .filter_map(at)
             .min_by(|a, b| a.forcing.total_cmp(&b.forcing))
     }

@@ -196,10 +196,10 @@ pub(super) const SCENARIO: &[Key] = &[
     },
     Key {
         path: "contact.gap",
-        kind: Number(Range::from(0.0)),
-        default: Value("0"),
+        kind: Number(Range::POSITIVE),
+        default: Nothing,
         unit: "m",
-        meaning: "Clearance at rest.",
+        meaning: "Clearance at rest. Needed unless every node has its own.",
         example: "1e-3",
     },
     Key {
@@ -268,7 +268,7 @@ pub(super) const SCENARIO: &[Key] = &[
     },
     Key {
         path: "contact.nodes.gap",
-        kind: Number(Range::from(0.0)),
+        kind: Number(Range::POSITIVE),
         default: Words("contact.gap"),
         unit: "m",
         meaning: "Clearance at rest, of this node.",

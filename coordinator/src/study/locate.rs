@@ -57,7 +57,7 @@ pub(super) fn model_folder(file: &Path, written: &str, place: impl Fn() -> Place
 /// How to make a study of a model's folder.
 fn what_to_write(folder: &Path) -> String {
     format!(
-        "; write a {STUDY} beside {MODEL}, at least the line amplitudes = \"20:140:20\" with your forcing amplitudes{}",
+        "; write a {STUDY} beside {MODEL}, at least the line amplitudes = \"20:140:20\" with your forcing amplitudes (it may be empty where --amplitudes gives them){}",
         listed(folder)
     )
 }

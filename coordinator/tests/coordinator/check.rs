@@ -154,6 +154,9 @@ fn bounds_in_hertz() {
     assert!(warnings.len() == 1 && warnings[0].starts_with(said), "{warnings:?}");
     // The third of the resonance, in Hz, at 5.3.
     assert_eq!(within("5", "6").len(), 1);
+    // The half and the third of it, in rad/s, lie in wide ones as well.
+    let warnings = within("10", "60");
+    assert!(warnings.len() == 1 && warnings[0].starts_with("no mode resonates with the force itself"), "{warnings:?}");
     // Around the resonance, around its third, and where nothing resonates in either unit.
     for (low, high) in [("90", "110"), ("30", "40"), ("200", "400")] {
         assert!(within(low, high).is_empty(), "{low} to {high}");

@@ -76,6 +76,10 @@ fn laws_that_hardly_do_anything() {
     );
     // Ten times the force is enough of a law ten times as hard.
     assert!(checked(&cubic("2e2"), "20", &[]).0.is_empty());
+    // Nor is it said where nothing damps the resonance, at which the linear response has no size.
+    let undamped = cubic("2e8").replace("1e-2 }]", "0 }]");
+    let (warnings, text) = checked(&undamped, "0.2", &[]);
+    assert!(!warnings.is_empty() && !text.contains("practically linear"), "{text}");
     // A law that is no polynomial may matter at any amplitude.
     let friction = with_law("{ jenkins = { stiffness = 1, limit = 1e-9 } }");
     let (warnings, text) = checked(&friction, "0.2", &[]);
@@ -291,4 +295,18 @@ fn masses_that_one_spring_cannot_hold() {
     assert!(warned(&["between = [\"p\", \"q\"]"]));
     assert!(warned(&["between = [\"p\", \"r\"]"]));
     assert!(!warned(&["between = [\"p\", \"q\"]", "dof = \"p\""]));
+}
+
+/// A tip that rotates on a circle hardly wider than its gap slides back while it presses.
+#[test]
+fn sliding_that_turns_round() {
+    let told = |radius: &str, quadrature: &str| {
+        let node = format!("normal = \"x\"\ntangential = [{{ x = 0.1 }}]\nradius = {radius}\nfriction = 0.2\n");
+        let model = MODEL.replace("normal = \"x\"\n", &node);
+        checked(&model, "0.3", &[("harmonics.quadrature", quadrature)]).0
+    };
+    let [warning] = &told("5e-3", "\"arcs\"")[..] else { panic!("no warning, or several") };
+    assert!(warning.starts_with("`stop`: its radius, 0.005 m, is less than 10 times the gap, 0.001 m: "), "{warning}");
+    assert_eq!(told("5e-3", "\"samples\""), [] as [&str; 0]);
+    assert_eq!(told("0.25", "\"arcs\""), [] as [&str; 0]);
 }

@@ -21,6 +21,7 @@ damping.ratios = [{ modes = 2, ratio = 0.02 }]
 normal = "x1"
 tangential = ["x2"]
 radius = 0.5
+gap = 1e-3
 [[laws]]
 dof = "x1"
 law = { polynomial_spring = { terms = [{ power = 3, coefficient = 0.5 }] } }

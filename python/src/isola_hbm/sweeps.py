@@ -7,6 +7,7 @@ import re
 import shutil
 import signal
 import subprocess
+import sys
 import time
 import warnings
 from collections.abc import Callable, Sequence
@@ -247,10 +248,14 @@ def _heard(arguments: Sequence[str], folder: Path, show: Callable[[str], None]) 
             if not line.startswith("error: "):
                 show(line.rstrip())
         return said, process.wait()
-    except BaseException:
+    except BaseException as error:
         _stop(process)
         if (folder / FILE).exists():
-            show(f"interrupted: isola_hbm.resume({str(folder)!r}) goes on\n")
+            on = f"interrupted: isola_hbm.resume({str(folder)!r}) goes on"
+            show(f"{on}\n")
+            # Below the traceback, which is all that is seen at last.
+            if sys.version_info >= (3, 11):
+                error.add_note(on)
         raise
     finally:
         process.stderr.close()

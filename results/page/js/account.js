@@ -65,16 +65,16 @@ function branchTable({ branches, levels }, sorted) {
   const largest = branches.map((branch) => branch.amplitude_at_peak ?? NaN);
   const unit = lengthUnit(Math.max(...largest.filter(Number.isFinite), 0));
   const size = `largest amplitude, ${unit.name}`;
-  const heads = ["A", "branch", "found by", "points", size, `at, ${frequencyUnit.get()}`, "how it ends", "time, s", "worker"];
-  const origin = (branch) =>
-    levels[branch.level].branches.find(({ kind, number }) => kind === branch.kind && number === branch.number)?.found_by;
+  const heads = ["A", "branch", "found by", "points", size, `at, ${frequencyUnit.get()}`, "by time marching", "how it ends", "time, s", "worker"];
+  const told = (branch) => levels[branch.level].branches.find(({ kind, number }) => kind === branch.kind && number === branch.number);
   const rows = branches.map((branch, k) => [
     levels[branch.level].value,
     branch.name,
-    origin(branch) ?? NOT_KNOWN,
+    told(branch)?.found_by ?? NOT_KNOWN,
     branch.size,
     branch.peak_standing === "at_least" ? new AtLeast(rounded(largest[k] * unit.factor, 5)) : rounded(largest[k] * unit.factor, 5),
     rounded(inChosenUnit(branch.omega_at_peak ?? NaN), 6),
+    told(branch)?.by_marching ?? NOT_KNOWN,
     branch.status,
     rounded(branch.seconds, 3),
     branch.worker ?? NOT_KNOWN,

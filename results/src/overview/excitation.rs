@@ -1,6 +1,7 @@
 //! What a structure does of itself: it is excited without being forced, or nothing damps it.
 
 use crate::words::{capitalised, modes};
+use solver::formulation::harmonics::width;
 use solver::response::backbone::{Backbone, BackbonePoint};
 use solver::structure::Model;
 
@@ -20,6 +21,8 @@ pub struct Unforced {
 
 /// A balance of energies this much smaller than the dissipation is round-off.
 const ROUND_OFF: f64 = 1e-6;
+/// The same of the kinetic energy: conservative forces of large motions do some work by rounding, and by the harmonics that were left out.
+const OF_KINETIC: f64 = 1e-8;
 
 impl Unforced {
     /// Of a backbone.
@@ -28,7 +31,7 @@ impl Unforced {
         let balance = |at: &BackbonePoint| at.energies().linear + at.energies().nonlinear;
         let begins = |pair: &&[BackbonePoint]| {
             let (before, behind) = (balance(&pair[0]), balance(&pair[1]));
-            before >= 0.0 && behind < -ROUND_OFF * pair[1].energies().linear
+            before >= 0.0 && behind < -(ROUND_OFF * pair[1].energies().linear + OF_KINETIC * kinetic(&pair[1]))
         };
         let pairs = backbone.pieces().next()?.windows(2);
         let fed_from = pairs.clone().find(begins).map(|pair| {
@@ -43,6 +46,14 @@ impl Unforced {
     fn balance(&self) -> f64 {
         self.linear + self.nonlinear
     }
+}
+
+/// Mean kinetic energy of a motion, J.
+fn kinetic(at: &BackbonePoint) -> f64 {
+    let state = &at.point.state;
+    let modes = state.modal.chunks(width(state.harmonics));
+    let of = |(i, q): (usize, &f64)| (i.div_ceil(2) as f64 * state.omega * q).powi(2);
+    0.25 * modes.flat_map(|series| series.iter().enumerate().map(of)).sum::<f64>()
 }
 
 /// Modes that deform the structure and that no damping acts on, or one that feeds them.
@@ -114,8 +125,9 @@ impl Excitation {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use solver::Backbones;
     use solver::Settings;
-    use solver::laws::{PolynomialDamper, Term};
+    use solver::laws::{PolynomialDamper, PolynomialSpring, Term};
 
     /// With one harmonic of velocity V the damper takes 0.02 − 0.045 V² + 0.01875 V⁴ of V² π: nothing at V² = 0.5890 and 1.8110.
     #[test]
@@ -136,5 +148,26 @@ mod tests {
         let exact = f64::sqrt((0.045 - f64::sqrt(0.045_f64.powi(2) - 4.0 * 0.02 * 0.01875)) / (2.0 * 0.01875));
         assert!((amplitude * omega / exact - 1.0).abs() < 5e-3, "{amplitude} {omega}, not {exact}");
         assert_eq!(unforced(-0.05).fed_from, None);
+    }
+
+    /// A spring gives back what it takes, however large the motion and whatever rounding says, damped or not.
+    #[test]
+    fn springs_feed_nothing_in() {
+        for (power, coefficient, damping) in [(3, 1e10, 0.0), (5, 1.2e15, 0.0), (2, 1e6, 0.0), (5, 1.2e15, 1e-9)] {
+            let terms = vec![Term { power, coefficient }];
+            let model = Model::builder("masses")
+                .mass([[200.0, 0.0], [0.0, 10.0]])
+                .stiffness([[8.2e5, -3.9e4], [-3.9e4, 3.9e4]])
+                .damping_matrix([[damping, 0.0], [0.0, damping]])
+                .force("x1", 1.0)
+                .element("mount", PolynomialSpring { terms }, ["x1"])
+                .build()
+                .unwrap();
+            let mut settings = Settings::default();
+            settings.backbone.max_amplitude = Some(0.01);
+            for backbone in Backbones::compute(&model, &settings).unwrap().list {
+                assert_eq!(Unforced::of(&backbone).unwrap().fed_from, None, "power {power}, {damping}");
+            }
+        }
     }
 }

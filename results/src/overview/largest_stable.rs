@@ -34,7 +34,7 @@ pub fn largest_stable_sentence(
     frequency: impl Fn(f64) -> String,
 ) -> Option<String> {
     let largest = largest_stable(levels, |_| true).filter(|found| !found.branch.is_isola())?;
-    let peak = highest(levels.iter().flat_map(|level| &level.branches))?.stability.as_ref();
+    let peak = highest(levels.iter().filter_map(Level::peak))?.stability.as_ref();
     if peak.and_then(|stability| stability.peak.as_ref()).is_some_and(|peak| peak.verdict == "stable") {
         return None;
     }
@@ -49,6 +49,20 @@ pub fn largest_stable_sentence(
     ))
 }
 
+/// That open branches on which nothing stays go up farther than the largest response told.
+pub fn passed_over_sentence(levels: &[Level], length: impl Fn(f64) -> String) -> Option<String> {
+    let told = highest(levels.iter().filter_map(Level::peak))?.amplitude_max;
+    let is_larger = |row: &&BranchRow| row.is_passed_over() && row.amplitude_max > told;
+    let rows: Vec<&BranchRow> = levels.iter().flat_map(|level| &level.branches).filter(is_larger).collect();
+    let largest = highest(rows.iter().copied())?;
+    let what = match &rows[..] {
+        [_] => "Larger is an open branch, which is",
+        _ => "Larger are open branches alone, which are",
+    };
+    let size = length(largest.amplitude_max);
+    Some(format!("{what} unstable wherever time marching could tell: up to {}{size}.", largest.at_least()))
+}
+
 /// Whether all of a branch was marched.
 fn is_whole(row: &BranchRow) -> bool {
     row.stability.as_ref().is_some_and(|known| known.is_whole && known.sampled.is_none())
@@ -57,7 +71,7 @@ fn is_whole(row: &BranchRow) -> bool {
 /// What an engineer can take from it that the largest response is unstable: `None` if it is not known to be. `is_marched_on`: motions
 /// that unstable ones turn into are told.
 pub fn unstable_peak_sentence(levels: &[Level], is_marched_on: bool) -> Option<String> {
-    let peak = highest(levels.iter().flat_map(|level| &level.branches))?.stability.as_ref()?.peak.as_ref()?;
+    let peak = highest(levels.iter().filter_map(Level::peak))?.stability.as_ref()?.peak.as_ref()?;
     if peak.verdict != "unstable" {
         return None;
     }

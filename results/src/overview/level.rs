@@ -2,9 +2,10 @@
 
 use super::omissions::Omissions;
 use super::reasons::briefly;
+use super::stability_words::by_marching;
 use super::windows::{elsewhere, tell_elsewhere, within};
 use crate::store::{BranchRow, Reader, WindowOutcome, WindowRow};
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 use solver::response::branch::BranchKind;
 
 /// A forcing level.
@@ -15,6 +16,7 @@ pub struct Level {
     /// Forcing amplitude A.
     pub value: f64,
     /// Branches, kind by kind, main ones first.
+    #[serde(serialize_with = "told")]
     pub branches: Vec<BranchRow>,
     /// Windows, in the order of the backbone.
     pub windows: Vec<WindowRow>,
@@ -36,6 +38,17 @@ pub struct Level {
     /// Whether it is of an order of motions of which no main branches are followed.
     #[serde(skip)]
     pub is_without_mains: bool,
+}
+
+/// Branches with what time marching says of each, in words.
+fn told<S: Serializer>(branches: &[BranchRow], serializer: S) -> Result<S::Ok, S::Error> {
+    #[derive(Serialize)]
+    struct Told<'r> {
+        #[serde(flatten)]
+        row: &'r BranchRow,
+        by_marching: String,
+    }
+    serializer.collect_seq(branches.iter().map(|row| Told { row, by_marching: by_marching(row) }))
 }
 
 /// Seeds of the windows of a level.
@@ -124,9 +137,10 @@ impl Level {
         self.windows.iter().find(leads).map(|window| window.mode)
     }
 
-    /// The branch with the point of largest amplitude.
+    /// The branch with the point of largest amplitude; of branches that are passed over only if there are no others.
     pub fn peak(&self) -> Option<&BranchRow> {
-        highest(self.branches.iter())
+        highest(self.branches.iter().filter(|branch| !branch.is_passed_over()))
+            .or_else(|| highest(self.branches.iter()))
     }
 
     /// Whether nothing has been found where something has to be.

@@ -48,7 +48,9 @@ pub use folds::{
     levels_after, most_folds, not_followed, not_followed_sentence, why_no_folds,
 };
 pub use forcing_digits::{forcing_label, truncation_doubt};
-pub use largest_stable::{StableResponse, largest_stable, largest_stable_sentence, unstable_peak_sentence};
+pub use largest_stable::{
+    StableResponse, largest_stable, largest_stable_sentence, passed_over_sentence, unstable_peak_sentence,
+};
 pub use lesser::Lesser;
 pub use level::{Level, Seeds, UNTOUCHED, highest, is_untouched};
 pub use lives::parted_between;

@@ -60,20 +60,28 @@ pub struct StabilityOf {
     pub known: usize,
 }
 
+/// Number of what is known of a branch.
+fn class(row: &BranchRow) -> usize {
+    let Some(Stability { stable, unstable, is_marginal_in_parts, .. }) = row.stability.as_ref() else {
+        return UNVERIFIED;
+    };
+    match (*stable > 0.0, *unstable > 0.0) {
+        (true, false) => 0,
+        (true, true) => 1,
+        (false, true) if !is_marginal_in_parts => 2,
+        (false, true) => 3,
+        (false, false) => 4,
+    }
+}
+
+/// What time marching says of a branch.
+pub(super) fn by_marching(row: &BranchRow) -> String {
+    let around = if row.stability.as_ref().is_some_and(|known| !known.is_whole) { "around the peak: " } else { "" };
+    format!("{around}{}", CLASSES[class(row)])
+}
+
 /// Of these branches, called so; `around`: what of them alone was looked at. `None` if nothing was verified.
 pub fn stability_of(rows: &[&BranchRow], [one, several]: [&str; 2], around: &str) -> Option<StabilityOf> {
-    let class = |row: &&BranchRow| {
-        let Some(Stability { stable, unstable, is_marginal_in_parts, .. }) = row.stability.as_ref() else {
-            return UNVERIFIED;
-        };
-        match (*stable > 0.0, *unstable > 0.0) {
-            (true, false) => 0,
-            (true, true) => 1,
-            (false, true) if !is_marginal_in_parts => 2,
-            (false, true) => 3,
-            (false, false) => 4,
-        }
-    };
     let mut counts = [0; CLASSES.len()];
     rows.iter().for_each(|row| counts[class(row)] += 1);
     if counts[UNVERIFIED] == rows.len() {
@@ -86,4 +94,21 @@ pub fn stability_of(rows: &[&BranchRow], [one, several]: [&str; 2], around: &str
     };
     let (stable, known) = (counts[..=STABLE_IN_PARTS].iter().sum(), counts[..UNVERIFIED - 1].iter().sum());
     Some(StabilityOf { told, stable, known })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_branch_is_told_as_far_as_it_was_looked_at() {
+        let row = |stability| BranchRow { stability, ..BranchRow::default() };
+        let known = |is_whole, stable, unstable| {
+            by_marching(&row(Some(Stability { is_whole, stable, unstable, ..Stability::default() })))
+        };
+        assert_eq!(by_marching(&row(None)), "not verified");
+        assert_eq!(known(true, 0.5, 0.5), "stable in parts");
+        assert_eq!(known(false, 0.25, 0.0), "around the peak: stable wherever it could tell");
+        assert_eq!(known(true, 0.0, 0.0), "not known to be stable or unstable");
+    }
 }

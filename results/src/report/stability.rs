@@ -75,7 +75,8 @@ impl Evidence<'_> {
     /// The push of least energy that leads to an isola, if pushes were marched: which isola that is, and at which frequency.
     fn what_leads_there(&self) -> Option<String> {
         let Some(push) = least_energy(self.pushes) else {
-            return (!self.pushes.is_empty()).then(|| "No push that leads to an isola was found.".into());
+            return (!self.pushes.is_empty())
+                .then(|| "No push that leads to an isola was found among those tried; others may.".into());
         };
         Some(format!(
             "Of the pushes looked for, one frequency an isola, the one found with least energy to lead to an \

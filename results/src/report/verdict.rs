@@ -10,7 +10,7 @@ use super::losses::{losses, named, unknown_beyond};
 use super::ranges::{in_words, joined, over, runs};
 use crate::overview::{
     BranchRow, Level, UNTOUCHED, Unforced, around_largest, beyond, events_sentence, highest, is_untouched, modes,
-    not_followed_sentence, reach_sentence, sampled, shift_sentence, truncation,
+    not_followed_sentence, passed_over_sentence, reach_sentence, sampled, shift_sentence, truncation,
 };
 use crate::summary_table::{motions, stability};
 use crate::words::{self, count, digits};
@@ -172,6 +172,7 @@ impl<'r> Evidence<'r> {
         }
         let at = parts.len() - usize::from(largest_first);
         parts.insert(at, format!("The largest computed response, {}{gap}, is on {on}, {place}.", at_monitor(largest)));
+        parts.extend(passed_over_sentence(self.levels, |x| self.length(x)));
         parts.join(" ")
     }
 

@@ -81,6 +81,13 @@ impl BranchRow {
         self.closed && self.kind == BranchKind::Isola.name()
     }
 
+    /// Whether it is an open branch on which nothing stays: all of it was looked at, and is unstable wherever that can be told. Parts that are
+    /// pressed against each other for ever are on such, far larger than anything else.
+    pub fn is_passed_over(&self) -> bool {
+        let is_unstable = |known: &Stability| known.is_whole && known.stable == 0.0 && known.unstable > 0.0;
+        self.kind == BranchKind::Open.name() && self.stability.as_ref().is_some_and(is_unstable)
+    }
+
     /// Whether it branches off another.
     pub fn is_branched(&self) -> bool {
         self.kind == BranchKind::Branched.name()

@@ -5,7 +5,7 @@ use super::units::Units;
 use super::{search, stability};
 use crate::overview::{
     BranchRow, Level, around_largest, asks_for_harmonics, highest, in_words, is_unconfirmed, is_unmatched,
-    largest_stable_sentence, near_largest, truncation_of, unfinished, unstable_peak_sentence,
+    largest_stable_sentence, near_largest, passed_over_sentence, truncation_of, unfinished, unstable_peak_sentence,
 };
 use crate::words::{capitalised, listed};
 use solver::response::branch::BranchKind;
@@ -87,7 +87,7 @@ fn detached(levels: &[Level]) -> String {
 
 /// Whether the largest response is on an isola, and stable: nothing larger can be.
 fn is_told(levels: &[Level]) -> bool {
-    let row = highest(levels.iter().flat_map(|level| &level.branches)).filter(|row| row.is_isola());
+    let row = highest(levels.iter().filter_map(Level::peak)).filter(|row| row.is_isola());
     let peak = row.and_then(|row| row.stability.as_ref()?.peak.as_ref());
     peak.is_some_and(|peak| peak.verdict == "stable")
 }
@@ -118,7 +118,8 @@ fn largest(levels: &[Level], units: Units) -> Option<String> {
     };
     let stable =
         largest_stable_sentence(levels, size, rate).map_or_else(String::new, |sentence| format!(" {sentence}"));
-    Some(format!("Largest computed response: {place}{stability}{stable}"))
+    let larger = passed_over_sentence(levels, size).map_or_else(String::new, |sentence| format!(" {sentence}"));
+    Some(format!("Largest computed response: {place}{stability}{stable}{larger}"))
 }
 
 #[cfg(test)]
@@ -237,5 +238,26 @@ mod tests {
         let said = largest(&[level("1", vec![exact])], Units::default()).unwrap();
         assert_eq!(said, format!("{begins}, stable by time marching."));
         assert_eq!(largest(&[Level::default()], Units::default()), None);
+    }
+
+    /// Nobody meets what is pressed together for ever, and falls apart at a touch.
+    #[test]
+    fn open_branches_that_are_unstable_all_along_do_not_come_first() {
+        let open = |is_whole, stable| {
+            let known = Stability { is_whole, stable, unstable: 0.5, ..Stability::default() };
+            BranchRow { stability: Some(known), ..row("open", 9.0, None) }
+        };
+        let told = |branches| largest(&[level("1", branches)], Units::default()).unwrap();
+        let main = || row("main", 1.0, Some("stable"));
+        let said = told(vec![main(), open(true, 0.0)]);
+        assert!(said.starts_with("Largest computed response: 1.0000 m at"), "{said}");
+        let larger = " Larger is an open branch, which is unstable wherever time marching could tell: up to 9.0000 m.";
+        assert!(said.ends_with(larger), "{said}");
+        let several = told(vec![main(), open(true, 0.0), open(true, 0.0)]);
+        assert!(several.contains(" Larger are open branches alone, which are unstable wherever"), "{several}");
+        for open in [open(false, 0.0), open(true, 0.1)] {
+            let said = told(vec![main(), open]);
+            assert!(said.starts_with("Largest computed response: 9.0000 m at") && !said.contains("Larger"), "{said}");
+        }
     }
 }

@@ -23,6 +23,9 @@ pub(super) struct Known {
     pub monitors: Vec<String>,
     /// How far the others move at most.
     pub others: Vec<Largest>,
+    /// Frequency (rad/s) and amplitude (m) of the peaks of main branches that stand out beside the largest one, of the levels shown: with the
+    /// branch's key.
+    pub further_peaks: Vec<(i64, Vec<(f64, f64)>)>,
     /// Settings of the study.
     pub settings: Option<Settings>,
     /// Bounds of the frequency that were given.
@@ -65,6 +68,8 @@ impl Known {
         let names = |model: &Model| model.monitors().iter().map(|&dof| model.dofs()[dof].clone()).collect();
         let monitors: Vec<String> = model.as_ref().map(names).unwrap_or_default();
         let others = monitors::others(reader, &overview.levels, &monitors);
+        let mains = overview.levels.iter().take(LEVELS).flat_map(Level::mains);
+        let peaks: Result<_> = mains.map(|row| Ok((row.id, reader.further_peaks(row)?))).collect();
         let decoded = |message: BackboneMessage| {
             (message.mode, model.as_ref().and_then(|model| message.backbone(&Size::of(model)).ok()))
         };
@@ -77,6 +82,7 @@ impl Known {
             omissions.read("What is not known to its end is", doubts(reader)).flatten().filter(|_| is_finished);
         Ok(Self {
             others: omissions.read("How far monitored dofs move is", others).unwrap_or_default(),
+            further_peaks: omissions.read("Peaks of main branches are", peaks).unwrap_or_default(),
             monitors,
             settings,
             given: settings.map(|settings| settings.frequency).unwrap_or_default(),

@@ -92,10 +92,11 @@ fn none(unfound: &[(&[PushRow], String)], monitors: &[String]) -> Option<String>
             format!("mode {} up to {largest} N s at {dof}", row.mode)
         };
         let modes: Vec<String> = rows.iter().map(of_mode).collect();
-        format!("{onto} ({})", modes.join(", "))
+        let motions: usize = rows.iter().map(|row| row.motions).sum();
+        format!("{onto} ({}; {motions} pushed motions were marched)", modes.join(", "))
     };
     let list: Vec<String> = unfound.iter().map(told).collect();
-    (!list.is_empty()).then(|| format!("No push was found that ends on {}.", listed(&list)))
+    (!list.is_empty()).then(|| format!("No push was found that ends on {}. Others may.", listed(&list)))
 }
 
 /// How strong a push is: its energy, and its impulse with the dof that it is given for.
@@ -168,8 +169,8 @@ mod tests {
         assert_eq!(said.matches("Tried were pushes in modes 1 and 2, from the stable motion").count(), 1, "{said}");
         assert_eq!(
             told(&[row(1, None, None), other(row(1, None, None))]),
-            "No push was found that ends on isola 1 at A = 60 and 2665.46 rad/s (mode 1 up to 9 N s at tip) and isola 1 at A = 80 and \
-             2665.46 rad/s (mode 1 up to 9 N s at tip)."
+            "No push was found that ends on isola 1 at A = 60 and 2665.46 rad/s (mode 1 up to 9 N s at tip; 192 pushed motions were marched) \
+             and isola 1 at A = 80 and 2665.46 rad/s (mode 1 up to 9 N s at tip; 192 pushed motions were marched). Others may."
         );
     }
 
@@ -211,7 +212,8 @@ mod tests {
         let said = told(&[row(1, None, None), PushRow { largest: Some(4.0), ..row(2, None, None) }]);
         assert_eq!(
             said,
-            "No push was found that ends on isola 1 at A = 60 and 2665.46 rad/s (mode 1 up to 9 N s at tip, mode 2 up to 4 N s at tip)."
+            "No push was found that ends on isola 1 at A = 60 and 2665.46 rad/s (mode 1 up to 9 N s at tip, mode 2 up to 4 N s at tip; 384 \
+             pushed motions were marched). Others may."
         );
         let said = told(&[row(1, None, Some("no stable motion on the branch at this frequency"))]);
         let end = "was tried: no stable motion on the branch at this frequency.";

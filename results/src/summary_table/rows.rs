@@ -20,6 +20,9 @@ use solver::settings::FrequencySettings;
 /// Relative distance from a bound up to which a peak counts as at it.
 const BESIDE: f64 = 1e-6;
 
+/// Further peaks of a main branch that are listed.
+const FURTHER: usize = 4;
+
 /// Relative difference of the ranges of frequency of branches that may be copies of each other.
 const SAME: f64 = 1e-6;
 
@@ -44,6 +47,8 @@ pub(super) struct Rows<'r> {
     units: Units,
     /// How main branches end, with their amplitudes as typed.
     mains: &'r [(String, Outcome)],
+    /// Further peaks of main branches, with their keys: frequency (rad/s) and amplitude (m).
+    peaks: &'r [(i64, Vec<(f64, f64)>)],
     /// Fold curves.
     curves: &'r [CurveRow],
     /// What motions that branch off others have lost.
@@ -67,6 +72,7 @@ impl<'r> Rows<'r> {
         Self {
             units,
             mains: &known.mains,
+            peaks: &known.further_peaks,
             curves: &known.curves,
             lesser,
             has_exchanges,
@@ -113,6 +119,19 @@ impl<'r> Rows<'r> {
         format!("{}{} at {}{bound}", row.at_least(), length.digits(row.amplitude_max), frequency.digits(omega))
     }
 
+    /// The peaks of a main branch at its other resonances, a line each.
+    fn further(&self, row: &BranchRow) -> String {
+        let Units { length, frequency } = self.units;
+        let line =
+            |(omega, size): &(f64, f64)| format!("\nand {} at {}", length.digits(*size), frequency.digits(*omega));
+        let peaks = self.peaks.iter().filter(|(key, _)| *key == row.id).flat_map(|(_, peaks)| peaks);
+        let mut lines: Vec<String> = peaks.clone().take(FURTHER).map(line).collect();
+        if let Some(more) = peaks.count().checked_sub(FURTHER + 1) {
+            lines.push(format!("\nand {} more", more + 1));
+        }
+        lines.concat()
+    }
+
     fn main(&mut self, level: &Level) -> String {
         if level.main().is_none() {
             if level.is_without_mains {
@@ -135,11 +154,11 @@ impl<'r> Rows<'r> {
         let marks: Vec<String> = marks.collect();
         // One curve has one largest response, in however many pieces it was found.
         if let Some(row) = level.main().filter(|_| level.main_curves() == 1) {
-            return format!("{}{}{}", self.peak(row), marks.concat(), self.outside(row));
+            return format!("{}{}{}{}", self.peak(row), marks.concat(), self.outside(row), self.further(row));
         }
         let peaks = level.mains().zip(marks).map(|(row, mark)| {
             let piece = if row.joints() > 0 { self.notes.mark(PIECE.into()) } else { String::new() };
-            format!("{}{mark}{piece}{}", self.peak(row), self.outside(row))
+            format!("{}{mark}{piece}{}{}", self.peak(row), self.outside(row), self.further(row))
         });
         peaks.collect::<Vec<_>>().join("\n")
     }

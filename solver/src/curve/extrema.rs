@@ -34,6 +34,19 @@ pub fn turning_points(values: &[f64], prominence: f64) -> Vec<(usize, bool)> {
     found
 }
 
+/// A peak stands out where a sequence falls to less than this part of it on both sides.
+const RISE: f64 = 2.0;
+
+/// Indices of the peaks of a sequence of positive numbers that stand out, ascending, without the largest of all: an amplitude has one at every
+/// resonance.
+pub fn further_peaks(values: &[f64]) -> Vec<usize> {
+    let logs: Vec<f64> = values.iter().map(|value| value.ln()).collect();
+    let largest = (0..logs.len()).max_by(|&a, &b| logs[a].total_cmp(&logs[b]));
+    let ends = [0, logs.len().saturating_sub(1)];
+    let turns = turning_points(&logs, RISE.ln()).into_iter();
+    turns.filter(|&(i, is_peak)| is_peak && Some(i) != largest && !ends.contains(&i)).map(|(i, _)| i).collect()
+}
+
 /// Relative error up to which a parabola predicts a value.
 const PREDICTED: f64 = 1e-8;
 
@@ -190,6 +203,15 @@ mod tests {
         fn amplitude(&self) -> f64 {
             1.0
         }
+    }
+
+    #[test]
+    fn what_stands_out_is_a_peak_of_its_own() {
+        assert_eq!(further_peaks(&[1.0, 9.0, 2.0, 5.0, 1.0]), [3]);
+        assert_eq!(further_peaks(&[1.0, 5.0, 2.0, 9.0, 1.0, 3.0, 0.5]), [1, 5]);
+        // Neither what hardly falls before it rises again nor an end is.
+        assert_eq!(further_peaks(&[1.0, 9.0, 4.0, 5.0, 3.0, 6.5, 7.0]), [] as [usize; 0]);
+        assert_eq!(further_peaks(&[]), [] as [usize; 0]);
     }
 
     /// Where what is largest has a corner, the vertex of a parabola may be one of its points by chance, and is not the maximum.

@@ -14,6 +14,10 @@ use crate::structure::{Element, Model, ModelError, Place};
 use std::collections::BTreeMap;
 use std::path::Path;
 
+/// Why a contact needs a gap.
+const NO_GAP: &str = "; where a contact just touches at rest every motion is nonlinear, however small, and no backbone begins: a small gap says \
+                      the same";
+
 type Direction = Vec<(usize, f64)>;
 
 /// Builds the model that `config`, read from the folder `dir`, describes.
@@ -235,7 +239,7 @@ impl Builder<'_> {
         sense: Option<f64>,
     ) -> Result<(), ModelError> {
         let place = |key: &str| self.origin.place(format!("{section}.{key}"));
-        gap.map_or(Ok(()), |value| at_least_zero(place("gap"), value, "m"))?;
+        gap.map_or(Ok(()), |value| above_zero(place("gap"), value, &format!("m{NO_GAP}")))?;
         epsilon.map_or(Ok(()), |value| {
             let unit = "N/m; right is the order of the stiffness condensed on the contact dofs, or above";
             above_zero(place("epsilon"), value, unit)
@@ -280,15 +284,14 @@ impl Builder<'_> {
             channels.extend(tangential);
             channels.resize(3, vec![]);
         }
+        let gap = node.gap.or(common.gap);
+        let gap = gap.ok_or_else(|| {
+            ModelError::missing(place("gap"), format!("give it, or contact.gap for all, in m{NO_GAP}"))
+        })?;
         Ok(Element {
             name: node.name.clone().unwrap_or_else(|| format!("contact{}", i + 1)),
             channels,
-            law: Contact {
-                gap: node.gap.or(common.gap).unwrap_or(0.0),
-                epsilon: node.epsilon.or(epsilon).unwrap_or(f64::NAN),
-                friction,
-            }
-            .into(),
+            law: Contact { gap, epsilon: node.epsilon.or(epsilon).unwrap_or(f64::NAN), friction }.into(),
         })
     }
 

@@ -125,34 +125,44 @@ impl Transform {
         self.harmonics
     }
 
-    /// Samples of `a` and, if given, of `b` at τ = 2πn/N_t.
+    /// Samples of `a` and, if given, of `b` at τ = 2πn/N_t. They are transformed as one, each in its own [`unit`].
     pub fn synthesise(&mut self, a: &[f64], b: Option<&[f64]>, out_a: &mut [f64], out_b: &mut [f64]) {
         self.buffer.fill(Complex64::default());
-        add_spectrum(&mut self.buffer, a, |x| x);
+        let (unit_a, unit_b) = (unit(a), b.map_or(1.0, unit));
+        add_spectrum(&mut self.buffer, a, |x| x / unit_a);
         if let Some(b) = b {
-            add_spectrum(&mut self.buffer, b, |x| Complex64::new(-x.im, x.re));
+            add_spectrum(&mut self.buffer, b, |x| Complex64::new(-x.im, x.re) / unit_b);
         }
         self.fourier.inverse(&mut self.buffer);
         for ((z, a), b) in self.buffer.iter().zip(out_a).zip(out_b) {
-            *a = z.re;
-            *b = z.im;
+            *a = z.re * unit_a;
+            *b = z.im * unit_b;
         }
     }
 
-    /// Fourier coefficients c_0 … c_K (x = Σ c_l e^{ilτ}, c_{−l} = c̄_l) of two sampled signals, K = length − 1 ≤ 2H.
+    /// Fourier coefficients c_0 … c_K (x = Σ c_l e^{ilτ}, c_{−l} = c̄_l) of two sampled signals, K = length − 1 ≤ 2H. They are transformed as
+    /// one, each in its own [`unit`].
     pub fn analyse(&mut self, a: &[f64], b: &[f64], out_a: &mut [Complex64], out_b: &mut [Complex64]) {
+        let (unit_a, unit_b) = (unit(a), unit(b));
         for ((z, &a), &b) in self.buffer.iter_mut().zip(a).zip(b) {
-            *z = Complex64::new(a, b);
+            *z = Complex64::new(a * (1.0 / unit_a), b * (1.0 / unit_b));
         }
         self.fourier.forward(&mut self.buffer);
         let (n, half) = (self.samples(), 0.5 / self.samples() as f64);
         for (l, (ca, cb)) in out_a.iter_mut().zip(out_b).enumerate() {
             let (z, mirrored) = (self.buffer[l], self.buffer[(n - l) % n].conj());
-            *ca = (z + mirrored) * half;
+            *ca = (z + mirrored) * (half * unit_a);
             let difference = z - mirrored;
-            *cb = Complex64::new(difference.im, -difference.re) * half;
+            *cb = Complex64::new(difference.im, -difference.re) * (half * unit_b);
         }
     }
+}
+
+/// The power of two next to the largest of these numbers, by which division is exact: of two signals that are transformed as one the larger one
+/// would leave its rounding in the other, as stiffnesses in N/m do in forces of µN.
+fn unit(values: &[f64]) -> f64 {
+    let largest = values.iter().fold(0.0f64, |largest, value| largest.max(value.abs()));
+    if largest.is_normal() { f64::from_bits(largest.to_bits() & f64::INFINITY.to_bits()) } else { 1.0 }
 }
 
 fn add_spectrum(buffer: &mut [Complex64], series: &[f64], map: impl Fn(Complex64) -> Complex64) {
@@ -255,6 +265,31 @@ mod tests {
         series_from_coefficients(&cb, &mut back);
         for (x, y) in back.iter().zip(&b) {
             assert!((x - y).abs() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn signals_of_other_sizes_leave_no_rounding() {
+        let (h, n) = (5, 32);
+        let mut transform = Transform::new(h, n);
+        let small: Vec<f64> = random(width(h), 1).iter().map(|x| 1e-12 * x).collect();
+        let large: Vec<f64> = random(width(h), 2).iter().map(|x| 1e9 * x).collect();
+        for is_first in [true, false] {
+            let (a, b) = if is_first { (&small, &large) } else { (&large, &small) };
+            let (mut ta, mut tb) = (vec![0.0; n], vec![0.0; n]);
+            transform.synthesise(a, Some(b), &mut ta, &mut tb);
+            let samples = if is_first { &ta } else { &tb };
+            for (i, x) in samples.iter().enumerate() {
+                assert!((x - evaluate(&small, TAU * i as f64 / n as f64)[0]).abs() < 1e-26);
+            }
+            let mut ca = vec![Complex64::default(); 2 * h + 1];
+            let mut cb = ca.clone();
+            transform.analyse(&ta, &tb, &mut ca, &mut cb);
+            let mut back = vec![0.0; width(h)];
+            series_from_coefficients(if is_first { &ca } else { &cb }, &mut back);
+            for (x, y) in back.iter().zip(&small) {
+                assert!((x - y).abs() < 1e-26);
+            }
         }
     }
 

@@ -62,10 +62,13 @@ fn distance_to_stops(model: &Model) -> Option<f64> {
 /// Ratio of the first harmonic of the nonlinear modal force to the linear one from which on a motion is nonlinear.
 const NONLINEAR: f64 = 0.1;
 
+/// A first harmonic smaller than this share of the mean is none.
+const ROUNDING: f64 = 1e-9;
+
 /// Ratios that differ by no more than this share are the same.
 const SAME: f64 = 1e-6;
 
-/// Largest modal amplitude of a mode at which the first harmonic of its nonlinear modal force is a tenth of the linear one. Where it is
+/// Largest modal amplitude of a mode at which the first harmonic of its nonlinear modal force, or of even forces the mean, is a tenth of the linear one. Where it is
 /// more at all of them, and more at both ends, the least nonlinear one. Otherwise that at which the force differs by a tenth, or by half
 /// of what it ever does, from that of the smallest motions, which laws may add to the linear one. It depends on units by a quarter
 /// of a decade at most, the grid of amplitudes, and not at all where these are powers of ten.
@@ -75,7 +78,7 @@ fn nonlinear_amplitude(model: &Model, mode: usize) -> Option<f64> {
     let mut aft = Aft::new(HarmonicSettings { count: 1, samples: 64, quadrature: Quadrature::Samples });
     let nc = width(1);
     let ratio = |amplitude: f64, aft: &mut Aft| -> f64 {
-        let mut force = [0.0; 2];
+        let (mut force, mut mean) = ([0.0; 2], 0.0);
         // A contact without gap scales with the motion: it sets no length.
         for element in model.elements().iter().filter(|element| element.law.rigid().is_none()) {
             let count = element.law.arguments();
@@ -95,10 +98,12 @@ fn nonlinear_amplitude(model: &Model, mode: usize) -> Option<f64> {
             for (series, reach) in out.force.chunks(nc).zip(&reach) {
                 force[0] += reach * series[1];
                 force[1] += reach * series[2];
+                mean += reach * series[0];
             }
         }
-        let linear = frequency.powi(2) * amplitude;
-        force[0].hypot(force[1]) / linear
+        let (linear, first) = (frequency.powi(2) * amplitude, force[0].hypot(force[1]));
+        // Of even forces the first harmonic is rounding, which of motions large enough is more than the linear force.
+        if first < ROUNDING * mean.abs() { mean.abs() / linear } else { first / linear }
     };
     let amplitudes: Vec<f64> = (-48..=48).rev().map(|step| 10f64.powf(f64::from(step) / 4.0)).collect();
     let ratios: Vec<f64> = amplitudes.iter().map(|&amplitude| ratio(amplitude, &mut aft)).collect();
@@ -155,7 +160,13 @@ mod tests {
         let joint = |unit: f64, stiffness: f64| {
             law(&format!("jenkins = {{ stiffness = {stiffness:e}, limit = {:e} }}", 0.03 * unit))
         };
-        let structures: [&dyn Fn(f64) -> String; 7] = [
+        let quadratic = |unit: f64, c: f64| {
+            law(&format!("polynomial_spring = {{ terms = [{{ power = 2, coefficient = {:e} }}] }}", c / unit))
+        };
+        let structures: [&dyn Fn(f64) -> String; 9] = [
+            // Even forces, which have no first harmonic but for rounding, alone and with odd ones.
+            &|unit| quadratic(unit, 0.3),
+            &|unit| quadratic(unit, 0.3) + &cubic(unit, 0.02),
             &|unit| cubic(unit, 0.5),
             // Nonlinear at every amplitude: friction takes over where the cubic spring ends.
             &|unit| cubic(unit, 0.02) + &tanh(unit, 1.0, 0.1),

@@ -23,6 +23,20 @@ pub(super) struct Top<'c> {
     pub index: usize,
 }
 
+impl Top<'_> {
+    /// Points a little before and after it, so that it lies between them if it has not moved; `None` at an end of an open curve.
+    pub fn beside(&self) -> Option<[usize; 2]> {
+        let (n, top) = (self.points.len(), self.index);
+        if n < 3 || (!self.is_closed && (top == 0 || top + 1 == n)) {
+            return None;
+        }
+        Some(match self.is_closed {
+            true => [(top + n - BESIDE % n) % n, (top + BESIDE) % n],
+            false => [top.saturating_sub(BESIDE), (top + BESIDE).min(n - 1)],
+        })
+    }
+}
+
 /// The maximum of a measure on the curve of `problem` near that of a curve with fewer harmonics, which may have `others` next to it:
 /// extrema at these points; nothing at an end of an open curve. The observer is told of every step; breaking gives it up.
 pub(super) fn maximum_near<'m, F: Formulation<'m>>(
@@ -33,16 +47,7 @@ pub(super) fn maximum_near<'m, F: Formulation<'m>>(
     measure: &dyn Fn(&BranchPoint) -> f64,
     observer: &mut Observer<'_>,
 ) -> Option<BranchPoint> {
-    let n = points.len();
-    if n < 3 || (!is_closed && (top == 0 || top + 1 == n)) {
-        return None;
-    }
-    // From a little before it, so that it lies ahead if it has not moved.
-    let (before, after) = if is_closed {
-        ((top + n - BESIDE % n) % n, (top + BESIDE) % n)
-    } else {
-        (top.saturating_sub(BESIDE), (top + BESIDE).min(n - 1))
-    };
+    let [before, after] = Top { points, is_closed, index: top }.beside()?;
     let harmonics = problem.system().harmonics;
     let encode = |problem: &F, i: usize| problem.encode(&points[i].state.with_harmonics(harmonics));
     let ends = [before, after].map(|i| encode(problem, i));
@@ -66,7 +71,7 @@ pub(super) fn maximum_near<'m, F: Formulation<'m>>(
 }
 
 /// The maximum of a measure on the curve near two states, uphill from either towards the other.
-fn climb<'m, F: Formulation<'m>>(
+pub(super) fn climb<'m, F: Formulation<'m>>(
     problem: &mut F,
     settings: ContinuationSettings,
     [before, after]: [Vec<f64>; 2],

@@ -34,6 +34,7 @@ pub mod orders;
 mod ordinary;
 pub mod origin;
 mod passing;
+mod raised;
 pub mod recheck;
 pub mod scout;
 mod search_range;

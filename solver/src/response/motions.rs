@@ -6,6 +6,7 @@ use crate::formulation::harmonics::{complex, width};
 use crate::formulation::linear::forced_response;
 use crate::formulation::state::State;
 use crate::response::forced::Forced;
+use crate::settings::FrequencySettings;
 use crate::structure::Model;
 use crate::structure::laws::Law;
 use rand::Rng;
@@ -41,7 +42,7 @@ pub(super) fn motion<'m, F: Formulation<'m>, C: Formulation<'m>>(
 ) -> State {
     let (model, harmonics) = (forced.model(), coarse.harmonics());
     let mut between = |(low, high): (f64, f64)| (low.ln() + random.gen_range(0.0..1.0) * (high / low).ln()).exp();
-    let omega = between(forced.reach().frequency);
+    let omega = between(drawn(forced.reach().frequency, &forced.settings().frequency));
     let smallest = if is_linear_until_touched(model) { SMALLEST_TOUCHING } else { SIZES.0 };
     let multiple = between((smallest, SIZES.1));
     let nonlinear = if let [only] = sizes { *only } else { sizes[random.gen_range(0..sizes.len())] };
@@ -89,6 +90,15 @@ pub(super) fn driven<'m, F: Formulation<'m>>(coarse: &F, start: &State) -> Optio
     Some(state)
 }
 
+/// The range from which frequencies are drawn. Of bounds that nobody gave the logarithms are rounded, to less than a thousandth of their
+/// difference: they depend on steps in their last digits, and what a start leads to, which is a matter of chance, would with them.
+fn drawn((low, high): (f64, f64), given: &FrequencySettings) -> (f64, f64) {
+    let unit = 10f64.powf((high / low).ln().log10().floor() - 3.0);
+    let rounded = |omega: f64| ((omega.ln() / unit).round() * unit).exp();
+    let bound = |omega: f64, given: Option<f64>| if given.is_some() { omega } else { rounded(omega) };
+    (bound(low, given.min), bound(high, given.max))
+}
+
 fn is_linear_until_touched(model: &Model) -> bool {
     model.elements().iter().all(|element| element.law.rigid().is_some())
 }
@@ -103,6 +113,19 @@ mod tests {
     use crate::settings::HarmonicSettings;
     use crate::structure::laws::{PolynomialSpring, Term};
     use rand::SeedableRng;
+
+    #[test]
+    fn last_digits_of_bounds_change_no_start() {
+        let none = FrequencySettings::default();
+        let ranges = [(1992.75123, 2745.06661), (1992.75124, 2745.06662)];
+        assert_eq!(drawn(ranges[0], &none), drawn(ranges[1], &none));
+        for (low, high) in [ranges[0], (0.99996, 1.00004), (1e-3, 2e5)] {
+            let (from, to) = drawn((low, high), &none);
+            assert!((from / low).ln().abs().max((to / high).ln().abs()) < 1e-3 * (high / low).ln(), "{from} {to}");
+        }
+        let given = FrequencySettings { max: Some(2745.06661), ..none };
+        assert_eq!(drawn(ranges[0], &given), (drawn(ranges[0], &none).0, 2745.06661));
+    }
 
     /// Free motions that random ones of two masses lead to, of so many random ones; the spring of the first to the ground has this linear
     /// part, and `mode` is the lowest that deforms the structure without it.

@@ -1,7 +1,7 @@
 //! Special points of a branch: folds and peak, located along the arc, and branch points, where its steps came upon them.
 
 use crate::curve::continuation::{Continuation, ContinuationSettings};
-use crate::curve::extrema::{Maximum, Measure, insert_maxima, locate_maximum, turning_points};
+use crate::curve::extrema::{Maximum, Measure, further_peaks, insert_maxima, locate_maximum, turning_points};
 use crate::curve::problem::{Problem, norm};
 use crate::curve::walk::{Evaluated, TracedCurve};
 use crate::response::branch::{BranchPoint, Outcome, SpecialKind, SpecialPoint, TracedPoint};
@@ -34,6 +34,12 @@ where
         for anchor in highest_steps(&visited, closed) {
             maxima.push(refine(&mut continuation, &visited, anchor, closed, &measure));
             kinds.resize(maxima.len(), Some(SpecialKind::Peak));
+        }
+        // What else stands out: peaks at other resonances, and those of the other monitored dofs.
+        for (monitor, anchor) in other_peaks(&visited, closed) {
+            let measure = move |_: &mut P, v: &TracedPoint| v.point.amplitudes()[monitor];
+            maxima.push(refine(&mut continuation, &visited, anchor, closed, &measure));
+            kinds.push(None);
         }
         for Passed { place, is_branch_point } in branch_points(&mut continuation, &visited, closed) {
             maxima.push(place);
@@ -89,6 +95,21 @@ fn highest_steps(visited: &[TracedPoint], closed: bool) -> Vec<usize> {
         amplitude(i) >= RIVAL * highest && amplitude(i) >= before && amplitude(i) > after
     };
     (0..n).filter(is_maximum).collect()
+}
+
+/// Numbers of monitored dofs and of points next to which their amplitudes peak, apart from the [`highest_steps`]: of the first dof at every
+/// resonance of an open branch, of the others the largest.
+fn other_peaks(visited: &[TracedPoint], closed: bool) -> Vec<(usize, usize)> {
+    let of = |monitor: usize| visited.iter().map(move |v| v.point.amplitudes()[monitor]);
+    let first: Vec<f64> = if closed { Vec::new() } else { of(0).collect() };
+    let highest = first.iter().copied().fold(0.0, f64::max);
+    let resonances = further_peaks(&first).into_iter().filter(|&i| first[i] < RIVAL * highest).map(|i| (0, i));
+    let monitors = visited.first().map_or(0, |v| v.point.amplitudes().len());
+    let others = (1..monitors).filter_map(|monitor| {
+        let (i, _) = of(monitor).enumerate().max_by(|a, b| a.1.total_cmp(&b.1))?;
+        Some((monitor, i))
+    });
+    resonances.chain(others).collect()
 }
 
 /// Relative height below which a turn in frequency may be one that sampled contact makes.

@@ -9,8 +9,9 @@ use crate::formulation::scales::Scales;
 use crate::formulation::unknown::Unknown;
 use crate::response::branch::{Branch, BranchPoint, Observer};
 use crate::response::certificate::{Certificate, Doubled};
-use crate::response::climb::{Top, maximum_near};
+use crate::response::climb::{Top, climb, maximum_near};
 use crate::response::elsewhere::largest_change;
+use crate::response::raised::raised;
 use crate::settings::{HarmonicSettings, Settings};
 use crate::structure::Model;
 use crate::structure::laws::Law;
@@ -32,7 +33,7 @@ pub(super) fn certificate<'m, F: Formulation<'m>>(
     let problem = F::build(model, settings.harmonics.doubled(), settings.tracked(model), unknown, scales);
     let Ok(mut problem) = problem else { return none };
     let elsewhere = largest_change(&mut problem, settings.continuation, &branch.points, observer);
-    Certificate { doubled: doubled(&mut problem, settings, branch, observer), elsewhere, ..none }
+    Certificate { doubled: doubled(&mut problem, model, settings, branch, observer), elsewhere, ..none }
 }
 
 /// Largest penetration of a rigid contact over its gap, and share of the pressure (rms, over all contacts and points) beyond H;
@@ -105,6 +106,7 @@ impl Pressure {
 /// ends of its range as well.
 fn doubled<'m, F: Formulation<'m>>(
     problem: &mut F,
+    model: &'m Model,
     settings: &Settings,
     branch: &Branch,
     observer: &mut Observer<'_>,
@@ -116,7 +118,20 @@ fn doubled<'m, F: Formulation<'m>>(
     let mut maximum = |measure: &dyn Fn(&BranchPoint) -> f64| {
         let index = (0..points.len()).max_by(|&a, &b| measure(&points[a]).total_cmp(&measure(&points[b])))?;
         let top = Top { points, is_closed: branch.is_closed(), index };
-        maximum_near(problem, settings.continuation, top, &[], measure, observer)
+        let [before, after] = top.beside()?.map(|i| &points[i].state);
+        let mut is_broken = false;
+        let mut watched = |point: &BranchPoint| {
+            let flow = observer(point);
+            is_broken = flow.is_break();
+            flow
+        };
+        let found = maximum_near(problem, settings.continuation, top, &[], measure, &mut watched);
+        if found.is_some() || is_broken {
+            return found;
+        }
+        let ends = raised::<F>(model, settings, settings.harmonics.doubled(), [before, after])?;
+        let ends = ends.map(|state| problem.encode(&state));
+        climb(problem, settings.continuation, ends, measure, observer)
     };
     let peak = maximum(&|point| point.amplitude())?;
     let mut end = |sign: f64| maximum(&|point| sign * point.omega()).map(|point| point.omega());

@@ -3,7 +3,7 @@
 //! An impulse p = M φ_j s changes the velocity of one mode by s and of no other; φ_j is taken with the sign that lets it move the
 //! monitored dof forward that it moves most. It acts on the main motion at a phase of the
 //! forcing; marching says where the motion ends. Sizes are scanned upwards, at every phase, until a push of that size ends on the
-//! branch; between it and the size before the first change is bisected. Boundaries of basins need not be simple: a smaller push
+//! branch, and once more in finer steps and farther if none does; between it and the size before the first change is bisected. Boundaries of basins need not be simple: a smaller push
 //! between sizes that were scanned may do the same.
 
 use super::multipliers::Verdict;
@@ -26,6 +26,9 @@ pub struct DisturbSettings {
     /// Number of sizes, and the ratio of each to the one before; the largest gives the mode twice the largest kinetic energy that
     /// the motion on the branch has.
     pub sizes: (usize, f64),
+    /// The same of a second scan, where the first finds nothing: basins may be narrow. The largest of these gives the mode eight times
+    /// that energy.
+    pub finer: (usize, f64),
     /// The first change is bisected to this share of the push.
     pub resolution: f64,
     /// Most periods that a motion may take to end on one of the two.
@@ -34,7 +37,7 @@ pub struct DisturbSettings {
 
 impl Default for DisturbSettings {
     fn default() -> Self {
-        Self { phases: 16, sizes: (12, 1.3), resolution: 0.01, periods: 600 }
+        Self { phases: 16, sizes: (12, 1.3), finer: (36, 1.05), resolution: 0.01, periods: 600 }
     }
 }
 
@@ -44,6 +47,8 @@ const NEAR: f64 = 0.05;
 /// The same of the motions that the result rests on, which may take so many times as long.
 const SURE: f64 = 0.005;
 const PATIENCE: usize = 4;
+/// The largest push of a finer scan over that of the first one.
+const FARTHER: f64 = 2.0;
 /// Newton iterations from where a motion from rest has come to.
 const ITERATIONS: usize = 12;
 
@@ -219,22 +224,12 @@ pub fn disturb(
     let Ok(scan) = Scan::new(model, settings, (place.mode, shape.signum()), &main, &target) else {
         return Some(Disturbance { reason: Some(Unpushed::Failed), ..found });
     };
-    let (count, ratio) = settings.sizes;
-    let sizes = (0..count).rev().map(|i| scan.largest / ratio.powi(i as i32));
-    let mut before = vec![Ending::Back; settings.phases];
-    for size in sizes {
-        let row = scan.row(size, observer)?;
-        let below = found.sizes.last().copied().unwrap_or(0.0);
-        found.sizes.push(size);
-        found.endings.extend(&row);
-        let hits = (0..settings.phases).filter(|&phase| row[phase] == Ending::Onto);
-        let hits: Vec<Push> =
-            hits.map(|phase| Push { phase, size, below, ends: before[phase], is_confirmed: false }).collect();
-        if !hits.is_empty() {
-            found.push = scan.smallest(hits, observer)?;
-            break;
-        }
-        before = row;
+    scan.upwards(scan.sizes(settings.sizes, 1.0), &mut found, observer)?;
+    if found.push.is_none() {
+        let finer = scan.sizes(settings.finer, FARTHER);
+        found.sizes.retain(|size| finer.first().is_some_and(|smallest| size < smallest));
+        found.endings.truncate(found.sizes.len() * found.phases);
+        scan.upwards(finer, &mut found, observer)?;
     }
     Some(found)
 }
@@ -304,6 +299,31 @@ impl<'m, 's> Scan<'m, 's> {
         // (2 v)²/2 is four times the energy v²/2; √2 v has twice of it.
         let largest = (2.0 * largest).sqrt();
         Ok(Self { model, settings, mode, sign, omega: main.omega, main: main.clone(), starts, ends, between, largest })
+    }
+
+    /// So many sizes, ascending by this ratio, up to a multiple of the largest.
+    fn sizes(&self, (count, ratio): (usize, f64), multiple: f64) -> Vec<f64> {
+        (0..count).rev().map(|i| multiple * self.largest / ratio.powi(i as i32)).collect()
+    }
+
+    /// Goes on with a scan by these sizes until a push of one of them ends on the branch. `None` if the observer breaks.
+    fn upwards(&self, sizes: Vec<f64>, found: &mut Disturbance, observer: &mut PushObserver<'_>) -> Option<()> {
+        for size in sizes {
+            let row = self.row(size, observer)?;
+            let last = found.endings.len().saturating_sub(found.phases);
+            let before = |phase: usize| found.endings.get(last + phase).copied().unwrap_or(Ending::Back);
+            let below = found.sizes.last().copied().unwrap_or(0.0);
+            let hits = (0..found.phases).filter(|&phase| row[phase] == Ending::Onto);
+            let hits: Vec<Push> =
+                hits.map(|phase| Push { phase, size, below, ends: before(phase), is_confirmed: false }).collect();
+            found.sizes.push(size);
+            found.endings.extend(&row);
+            if !hits.is_empty() {
+                found.push = self.smallest(hits, observer)?;
+                break;
+            }
+        }
+        Some(())
     }
 
     /// Where pushes of a size end, phase by phase.

@@ -174,7 +174,11 @@ fn rigid_body_modes_are_welcome() {
 
 #[test]
 fn contact_ranges() {
-    refused("gap = 0.1", "gap = -0.1", &["`contact.gap` = -0.1", "finite, zero or positive", "in m"]);
+    refused(
+        "gap = 0.1",
+        "gap = -0.1",
+        &["`contact.gap` = -0.1", "finite and positive", "in m; where a contact just touches at rest"],
+    );
     refused("gap = 0.1", "epsilon = 0", &["`contact.epsilon` = 0", "positive", "N/m", "order of the stiffness"]);
     refused("friction = 0.2", "friction = -0.2", &["`contact.friction` = -0.2", "zero or positive"]);
     refused("friction = 0.2", "friction = inf", &["`contact.friction` = inf"]);

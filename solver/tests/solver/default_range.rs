@@ -6,7 +6,8 @@ use crate::support::linear::{maximum, response};
 use crate::support::study::{Study, main_peak, with_harmonics};
 use proptest::prelude::*;
 use solver::Model;
-use solver::laws::PenaltySpring;
+use solver::laws::{PenaltySpring, PolynomialSpring, Term};
+use solver::response::forced::SearchRange;
 
 const RATIO: f64 = 5e-3;
 
@@ -48,6 +49,31 @@ fn the_one_mode_that_is_driven() {
         assert_eq!(model.driven(), [1]);
         assert_eq!(model.primary_mode(), Some(1));
         check(model);
+    }
+}
+
+/// A spring that softens and then hardens: the lower bound hangs on the lowest frequency of free motions, which lies between points.
+#[test]
+fn where_a_backbone_turns() {
+    let terms = [(3, -1.0), (5, 1.0)].map(|(power, coefficient)| Term { power, coefficient }).to_vec();
+    let model = Model::builder("mass")
+        .mass([[1.0]])
+        .stiffness([[1.0]])
+        .damping_ratio(RATIO)
+        .force("x1", 1.0)
+        .element("spring", PolynomialSpring { terms }, ["x1"])
+        .build()
+        .unwrap();
+    let low = |largest_step: f64| {
+        let mut settings = with_harmonics(7);
+        settings.continuation.max_step = largest_step;
+        let study = Study::new(model.clone(), settings);
+        SearchRange::new(&settings, &study.backbones[0]).unwrap().frequency.0
+    };
+    let finest = low(0.01);
+    assert!(finest < 0.8, "{finest}: it does turn");
+    for step in [0.05, 0.1, 0.2] {
+        assert!((low(step) / finest - 1.0).abs() < 1e-6, "{step}: {} {finest}", low(step));
     }
 }
 

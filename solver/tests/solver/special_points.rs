@@ -1,6 +1,9 @@
 //! Where the special points of branches are.
 
+use crate::support::balance::Matrices;
 use crate::support::fold_curves::{Study, folds};
+use crate::support::linear::{maximum, response};
+use crate::support::study::{Kind, Study as Levels, of_kind, with_harmonics};
 use solver::laws::PenaltySpring;
 use solver::response::folds::Extent;
 use solver::{Model, Settings};
@@ -30,5 +33,36 @@ fn folds_of_branches_solve_the_equations_of_folds() {
     for fold in folds {
         let located = critical.locate(&fold).unwrap();
         assert!((fold.omega / located.omega - 1.0).abs() < 1e-8, "{} {}", fold.omega, located.omega);
+    }
+}
+
+/// A linear structure has closed forms of its peaks: of the first monitored dof at both resonances, of the others at the larger one.
+#[test]
+fn every_resonance_and_every_monitored_dof_has_its_peak() {
+    const RATIO: f64 = 5e-3;
+    let model = Model::builder("chain")
+        .mass([[1.0, 0.0], [0.0, 0.2]])
+        .stiffness([[3.0, -1.0], [-1.0, 1.2]])
+        .damping_ratio(RATIO)
+        .force("x1", 1.0)
+        .element("stop", PenaltySpring { stiffness: 10.0, gap: 1e6 }, ["x2"])
+        .monitor("x1")
+        .monitor("x2")
+        .build()
+        .unwrap();
+    let matrices = Matrices::of(&model);
+    let level = Levels::of_modes(model.clone(), with_harmonics(3)).level(1.0);
+    let [main] = &of_kind(&level, Kind::Main)[..] else { panic!("{level:#?}") };
+    for (mode, omega) in model.modes().frequencies.iter().enumerate() {
+        for dof in 0..2 {
+            let at = |omega: f64| response(&matrices, &model.forcing().shape, omega)[dof].norm();
+            let (_, peak) = maximum(*omega, 4.0 * RATIO * omega, at);
+            let near = main.branch.points.iter().filter(|point| (point.omega() / omega - 1.0).abs() < 2.0 * RATIO);
+            let found = near.map(|point| point.amplitudes()[dof]).fold(0.0, f64::max);
+            // Of the second dof, the larger one.
+            if dof == 0 || mode == 0 {
+                assert!((found / peak - 1.0).abs() < 1e-8, "mode {mode}, dof {dof}: {found} {peak}");
+            }
+        }
     }
 }

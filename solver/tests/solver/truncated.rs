@@ -1,7 +1,7 @@
 //! What the harmonics that were left out change of branches, away from their peaks.
 
 use crate::support::study::{Kind, Study, of_kind, with_harmonics};
-use solver::laws::{PolynomialSpring, Term};
+use solver::laws::{Contact, PolynomialSpring, Term};
 use solver::response::branch::{Outcome, Stop};
 use solver::response::certificate::{Change, Standing};
 use solver::{Branch, BranchPoint, Model};
@@ -53,6 +53,32 @@ fn superharmonic_resonances_need_more_harmonics_than_the_peak() {
         // The last ones are as near to each other as their chords to the curves.
         let is_much = (0.5..1.1).contains(&(share / farthest));
         assert!(harmonics == 10 || is_much, "H = {harmonics}: {share:e}, {farthest:e} at {at} rad/s");
+    }
+}
+
+/// A mass that strikes a rigid wall: pressures have all harmonics, and twice as many change the motion by more than Newton's method gets over
+/// at once.
+#[test]
+fn peaks_of_impacts_with_twice_the_harmonics() {
+    let model = Model::builder("impact")
+        .mass([[2.0]])
+        .stiffness([[50.0]])
+        .damping_ratio(0.03)
+        .force("x1", 1.0)
+        .element("wall", Contact { gap: 0.003, epsilon: 50.0, friction: None }, ["x1"])
+        .build()
+        .unwrap();
+    for forcing in [0.02, 0.08] {
+        let peak = |harmonics: usize| {
+            let level = Study::of_modes(model.clone(), with_harmonics(harmonics)).level(forcing);
+            let [main] = &of_kind(&level, Kind::Main)[..] else { panic!("{level:#?}") };
+            let peak = main.branch.peak();
+            (peak.omega(), peak.amplitude(), main.branch.certificate.doubled)
+        };
+        let ((few, _, doubled), (omega, amplitude, _)) = (peak(10), peak(20));
+        let doubled = doubled.unwrap_or_else(|| panic!("A = {forcing}: no peak with twice the harmonics"));
+        assert!((doubled.amplitude / amplitude - 1.0).abs() < 1e-6, "A = {forcing}: {} {amplitude}", doubled.amplitude);
+        assert!(((1.0 + doubled.shift) * few / omega - 1.0).abs() < 1e-4, "A = {forcing}: {} {omega}", doubled.shift);
     }
 }
 

@@ -61,7 +61,7 @@ fn bad_input() {
         (File, "[backbone]\nmode = 1\nmodes = [1]", &[], &["`backbone`", "backbone.modes", "only one of them"]),
         (CommandLine, "", &[("backbone.modes", "2,7")], &["--set backbone.modes=2,7: ", "modes 1 to 2"]),
         (File, "[contact]\nfriction = -1", &[], &["`contact.friction` = -1", "zero or positive"]),
-        (File, "[contact]\ngap = nan", &[], &["`contact.gap` = NaN", "finite, zero or positive", "in m"]),
+        (File, "[contact]\ngap = nan", &[], &["`contact.gap` = NaN", "finite and positive", "in m"]),
         (File, "[contact]\nsense = 2", &[], &["`contact.sense` = 2", "1 or -1"]),
         (File, "[forcing]\nharmonic = 11", &[], &["`harmonics.count` (set by default) = 10", "at least 11"]),
         (File, "monitors = [\"tipp\"]", &[], &["`monitors[0]`", "`tipp`", "did you mean `tip`"]),
@@ -122,7 +122,7 @@ fn more_bad_input() {
     let typed = Study::load(folder(STUDY).path(), &[], Some("5:1:1")).unwrap_err().to_string();
     says(&typed, &["--amplitudes: `amplitudes` = 5:1:1", "5:1:-1"]);
     // What is wrong in the model is the model's fault, whatever the study sets beside it.
-    let dir = folder("amplitudes = 20\n[contact]\ngap = 0");
+    let dir = folder("amplitudes = 20\n[contact]\ngap = 1e-3");
     fs::write(dir.path().join("model.toml"), MODEL.replace("friction = 0.2", "friction = -2")).unwrap();
     let error = Study::load(dir.path(), &pairs(&[("contact.sense", "1")]), None).unwrap_err().to_string();
     says(&error, &["model.toml: `contact.friction` = -2", "zero or positive"]);

@@ -7,6 +7,7 @@ fn rows(mains: &[(String, Outcome)]) -> Rows<'_> {
     Rows {
         units: Units::default(),
         mains,
+        peaks: &[],
         curves: &[],
         lesser: Lesser::default(),
         has_exchanges: false,
@@ -24,6 +25,15 @@ fn main(number: usize, amplitude_max: f64, status: &str) -> BranchRow {
 
 fn level(branches: Vec<BranchRow>) -> Level {
     Level { amplitude: "3".into(), value: 3.0, branches, ..Level::default() }
+}
+
+#[test]
+fn every_resonance_has_its_peak() {
+    let peaks = [(7, vec![(30.0, 0.5), (55.0, 0.25)]), (8, vec![(1.0, 1.0)])];
+    let mut rows = Rows { peaks: &peaks, ..rows(&[]) };
+    let mut listed = |id| rows.of(&level(vec![BranchRow { id, ..main(1, 2.0, "open") }]))[1].clone();
+    assert_eq!(listed(7), "2.0000 at 21.5000\nand 0.50000 at 30.0000\nand 0.25000 at 55.0000");
+    assert_eq!(listed(9), "2.0000 at 21.5000");
 }
 
 #[test]

@@ -4,7 +4,7 @@ use super::crossing::curves_across;
 use super::way::Way;
 use super::{Backbone, BackbonePoint};
 use crate::curve::continuation::Continuation;
-use crate::curve::extrema::{insert_maxima, locate_maximum};
+use crate::curve::extrema::{Maximum, Measure, insert_maxima, locate_maximum, turning_points};
 use crate::curve::walk::TracedCurve;
 use crate::formulation::Formulation;
 use crate::response::branch::{BranchPoint, Observer, Outcome, Stop, TracedPoint};
@@ -44,7 +44,7 @@ impl Backbone {
         let first = curve.visited[start].curve.clone();
         if let Ok(mut continuation) = Continuation::start(problem, first.y, &first.tangent, settings.continuation) {
             way.end_at_bounds(&mut continuation, &mut curve);
-            curve.visited = with_threshold_extrema(&mut continuation, curve.visited, criterion);
+            curve.visited = with_extrema(&mut continuation, curve.visited, criterion);
         }
         let visited = curve.visited;
         let (piece, mut arc) = match self.points.last() {
@@ -61,8 +61,11 @@ impl Backbone {
     }
 }
 
-/// Inserts the minima and maxima of the threshold curve, located along the arc.
-fn with_threshold_extrema<'m, F: Formulation<'m>>(
+/// Relative height below which a turn in frequency is none: no range depends on it.
+const SHALLOW: f64 = 1e-6;
+
+/// Inserts the minima and maxima of threshold and frequency, located along the arc: what hangs on them does not depend on steps.
+fn with_extrema<'m, F: Formulation<'m>>(
     continuation: &mut Continuation<'_, F>,
     visited: Vec<TracedPoint>,
     criterion: Criterion,
@@ -70,19 +73,31 @@ fn with_threshold_extrema<'m, F: Formulation<'m>>(
     let log_threshold = |problem: &mut F, v: &TracedPoint| {
         Energies::evaluate(problem, &v.curve.y, &v.point.state).threshold(criterion).ln()
     };
-    let values: Vec<f64> = visited.iter().map(|v| log_threshold(continuation.problem(), v)).collect();
-    let mut maxima = Vec::new();
-    for i in 1..visited.len().saturating_sub(1) {
-        let (before, here, after) = (values[i - 1], values[i], values[i + 1]);
-        let sign = match (here < before && here <= after, here > before && here >= after) {
-            (true, _) => -1.0,
-            (_, true) => 1.0,
-            _ => continue,
-        };
-        let arcs = (visited[i].curve.step, visited[i + 1].curve.step);
-        let values = [before, here, after].map(|v| sign * v);
-        let measure = move |problem: &mut F, v: &TracedPoint| sign * log_threshold(problem, v);
-        maxima.push(locate_maximum(continuation, &visited, i, arcs, values, &measure));
-    }
+    let thresholds: Vec<f64> = visited.iter().map(|v| log_threshold(continuation.problem(), v)).collect();
+    let omegas: Vec<f64> = visited.iter().map(|v| v.point.omega()).collect();
+    let of_threshold = turning_points(&thresholds, 0.0);
+    let of_frequency = turning_points(&omegas, SHALLOW * omegas.iter().fold(0.0, |largest, omega| omega.max(largest)));
+    let mut maxima = of_each(continuation, &visited, (&thresholds, of_threshold), &log_threshold);
+    maxima.extend(of_each(continuation, &visited, (&omegas, of_frequency), &|_, v| v.point.omega()));
     insert_maxima(visited, maxima).0
+}
+
+/// Turning points of what has a value at every point, located along the arc.
+fn of_each<'m, F: Formulation<'m>>(
+    continuation: &mut Continuation<'_, F>,
+    visited: &[TracedPoint],
+    (values, turns): (&[f64], Vec<(usize, bool)>),
+    measure: &Measure<'_, F, BranchPoint>,
+) -> Vec<Maximum<BranchPoint>> {
+    let inner = turns.into_iter().filter(|(i, _)| (1..visited.len() - 1).contains(i));
+    inner
+        .map(|(i, is_maximum)| {
+            let sign = if is_maximum { 1.0 } else { -1.0 };
+            let arcs = (visited[i].curve.step, visited[i + 1].curve.step);
+            let around = [i - 1, i, i + 1].map(|i| sign * values[i]);
+            locate_maximum(continuation, visited, i, arcs, around, &move |problem: &mut F, v: &TracedPoint| {
+                sign * measure(problem, v)
+            })
+        })
+        .collect()
 }
