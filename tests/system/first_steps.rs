@@ -109,7 +109,7 @@ fn schemas_and_explanations() {
     };
     let schema = |arguments: &[&str]| -> Value { serde_json::from_str(&said(arguments)).unwrap() };
     let (model, study) = (schema(&["schema", "model"]), schema(&["schema", "study"]));
-    assert_eq!(model["properties"]["contact"]["properties"]["gap"]["minimum"], 0);
+    assert_eq!(model["properties"]["contact"]["properties"]["gap"]["exclusiveMinimum"], 0);
     assert!(model["properties"]["harmonics"].is_null() && study["properties"]["harmonics"].is_object());
     assert_eq!(schema(&["schema"])["anyOf"].as_array().unwrap().len(), 2);
     for key in ["contact.nodes.radius", "contact.nodes.0.radius", "contact.nodes[0].radius", "radius"] {
