@@ -40,3 +40,4 @@ mod support;
 mod switching;
 mod truncated;
 mod two_formulations;
+mod units;
