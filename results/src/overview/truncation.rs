@@ -202,7 +202,7 @@ fn of_more<'l, I: Iterator<Item = (&'l Level, &'l BranchRow)>>(rows: &impl Fn() 
 
 /// What peaks are called, of this dof.
 fn peaks_of(monitor: Option<&str>) -> String {
-    monitor.map_or_else(|| "Peaks".into(), |monitor| format!("Peaks of {monitor}"))
+    monitor.map_or_else(|| "Largest peaks".into(), |monitor| format!("Largest peaks of {monitor}"))
 }
 
 /// What is told of quantities that stay as they are.
@@ -271,7 +271,8 @@ mod tests {
             "{}",
             said(Standing::At)
         );
-        let expected = format!("Peaks change by less than 0.01 % with twice the harmonics (H = 20). {UNKNOWN_ENDS}");
+        let expected =
+            format!("Largest peaks change by less than 0.01 % with twice the harmonics (H = 20). {UNKNOWN_ENDS}");
         assert_eq!(said(Standing::AtLeast), expected);
     }
 
@@ -283,7 +284,7 @@ mod tests {
             truncation(&levels(vec![open, row("isola", Some(1.0))]), 10, 3).unwrap()
         };
         assert!(with("open: frequency bound to frequency bound").contains("no peak was found near that of open 1"));
-        assert!(with("open: known branch to known branch").starts_with("Peaks change by less than"));
+        assert!(with("open: known branch to known branch").starts_with("Largest peaks change by less than"));
     }
 
     /// The worse the truncation the more is lost: what nothing at all was found of is told as well.
@@ -305,10 +306,10 @@ mod tests {
         let converged = levels(vec![row("main", Some(1.004)), row("isola", Some(0.9999))]);
         assert_eq!(
             truncation(&converged, 10, 3).unwrap(),
-            format!("Peaks change by 0.4 % at most with twice the harmonics (H = 20). {UNKNOWN_ENDS}")
+            format!("Largest peaks change by 0.4 % at most with twice the harmonics (H = 20). {UNKNOWN_ENDS}")
         );
         let of_valve = super::truncation(&converged, 10, 3, Some("valve"), |omega| omega.to_string());
-        assert!(of_valve.unwrap().starts_with("Peaks of valve change by 0.4 %"));
+        assert!(of_valve.unwrap().starts_with("Largest peaks of valve change by 0.4 %"));
         let moved = levels(vec![row("main", Some(1.004)), row("isola", Some(0.8))]);
         assert_eq!(
             truncation(&moved, 10, 3).unwrap(),
@@ -357,7 +358,10 @@ mod tests {
             "{said}"
         );
         for (harmonics, least) in [(1, 2), (2, 3), (5, 9)] {
-            assert!(truncation(&converged, harmonics, least).unwrap().starts_with("Peaks change by less"), "{least}");
+            assert!(
+                truncation(&converged, harmonics, least).unwrap().starts_with("Largest peaks change by less"),
+                "{least}"
+            );
         }
         let model = |power, harmonic| {
             let one = Matrix::diagonal(&[1.0]);
@@ -374,7 +378,7 @@ mod tests {
         let mut pressed = row("open", Some(1.0 + 2e-13));
         pressed.certificate.doubled.as_mut().unwrap().shift = 0.076;
         let said = truncation(&levels(vec![pressed]), 10, 3).unwrap();
-        assert_eq!(said, "Peaks change by less than 0.01 % with twice the harmonics (H = 20).");
+        assert_eq!(said, "Largest peaks change by less than 0.01 % with twice the harmonics (H = 20).");
     }
 
     #[test]
@@ -387,10 +391,10 @@ mod tests {
         // Where no end at all is found that is told as well.
         let lost = truncation(&levels(vec![row("isola", Some(1.0))]), 10, 3).unwrap();
         assert!(lost.ends_with(UNKNOWN_ENDS), "{lost}");
-        let peaks = "Peaks change by less than 0.01 % with twice the harmonics (H = 20).";
+        let peaks = "Largest peaks change by less than 0.01 % with twice the harmonics (H = 20).";
         assert_eq!(
             isola((2.001, 2.101)),
-            "Peaks and widths of isolas change by less than 0.01 % with twice the harmonics (H = 20)."
+            "Largest peaks and widths of isolas change by less than 0.01 % with twice the harmonics (H = 20)."
         );
         let narrower = "With twice the harmonics isola 1 at A = 60 is 40 % narrower; set harmonics.count = 20.";
         assert_eq!(isola((2.02, 2.08)), format!("{peaks} {narrower}"));
