@@ -287,8 +287,15 @@ pub struct ExportArgs {
     #[arg(long, default_value = "csv", value_parser = formats())]
     pub format: Format,
     /// Where to write [default: the folder of the run].
-    #[arg(short = 'o', long, visible_alias = "out", value_name = "DIR")]
+    #[arg(short = 'o', long, visible_alias = "out", value_name = "DIR", value_parser = export_folder)]
     pub to: Option<PathBuf>,
+}
+
+/// Where several files are written to: not the name of one.
+fn export_folder(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    let is_file = ["csv", "mat", "npz"].iter().any(|ending| path.extension().is_some_and(|own| own == *ending));
+    if is_file && !path.is_dir() { Err("several files are written: name a folder for them".into()) } else { Ok(path) }
 }
 
 fn key_value(text: &str) -> Result<(String, String), String> {

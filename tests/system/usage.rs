@@ -73,6 +73,7 @@ fn options_of_other_commands() {
         (&["watch", NOWHERE, "--page", "localhost:99999"], &["--page", "HOST:PORT"]),
         (&["resume", NOWHERE, "--lease", "-3"], &["-3"]),
         (&["export", NOWHERE, "--format", "xls"], &["--format", "csv, mat, npz"]),
+        (&["export", NOWHERE, "-o", "results.csv"], &["results.csv", "name a folder"]),
         (&["completions", "abacus"], &["abacus"]),
         (&["worker", "--slots", "0"], &["--slots"]),
         (&["worker", "--namespace", "a/*"], &["--namespace"]),
