@@ -10,6 +10,8 @@ const NAMED: usize = 4;
 /// How far one of them moves at most.
 pub(super) struct Largest {
     name: String,
+    /// Whether it may move farther where the branch is not known.
+    at_least: &'static str,
     /// m.
     amplitude: f64,
     /// rad/s.
@@ -37,19 +39,40 @@ pub(super) fn others(reader: &Reader, levels: &[Level], names: &[String]) -> Res
         let Some((amplitude, point, level, row)) = largest else { continue };
         let Some(omega) = reader.omega_at(row, point)? else { continue };
         let at = format!("{} at A = {}", in_words(row), level.amplitude);
-        list.push(Largest { name: name.clone(), amplitude, omega, at });
+        list.push(Largest { name: name.clone(), at_least: row.at_least(), amplitude, omega, at });
     }
     Ok(list)
 }
 
 /// All of them in a sentence.
 pub(super) fn sentence(others: &[Largest], Units { length, frequency }: Units) -> Option<String> {
-    let of = |Largest { name, amplitude, omega, at }: &Largest| {
-        format!("{name} {} {length} at {} {frequency}, on {at}", length.digits(*amplitude), frequency.digits(*omega))
+    let of = |Largest { name, at_least, amplitude, omega, at }: &Largest| {
+        format!(
+            "{name} {at_least}{} {length} at {} {frequency}, on {at}",
+            length.digits(*amplitude),
+            frequency.digits(*omega)
+        )
     };
     let named: Vec<String> = others.iter().take(NAMED).map(of).collect();
     let more = others.len().saturating_sub(NAMED);
     let more =
         if more > 0 { format!("; and {more} more: the page and branches/*.csv have them") } else { String::new() };
     (!named.is_empty()).then(|| format!("Largest amplitudes of other monitored dofs: {}{more}.", named.join("; ")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_may_move_farther_is_told_as_such() {
+        let told = |at_least| {
+            let at = "cut 1 at A = 2".into();
+            sentence(&[Largest { name: "a".into(), at_least, amplitude: 0.5, omega: 2.0, at }], Units::default())
+                .unwrap()
+        };
+        let ends = "0.50000 m at 2.00000 rad/s, on cut 1 at A = 2.";
+        assert_eq!(told(""), format!("Largest amplitudes of other monitored dofs: a {ends}"));
+        assert_eq!(told("≥ "), format!("Largest amplitudes of other monitored dofs: a ≥ {ends}"));
+    }
 }
